@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace taut {
+
+/// Error policy: bad input throws std::invalid_argument with the name of the thing, what is wrong and the
+/// offending value.  Numerical outcomes are never exceptions; they are a Status in a report (status.h).
+template <typename Value>
+[[noreturn]] void fail(std::string_view name, std::string_view problem, const Value& value) {
+  std::ostringstream message;
+  message.precision(17);
+  message << name << ": " << problem << " (value: " << value << ")";
+  throw std::invalid_argument(message.str());
+}
+
+inline void require_finite(std::string_view name, double value) {
+  if (!std::isfinite(value)) fail(name, "must be finite", value);
+}
+
+inline void require_positive(std::string_view name, double value) {
+  if (!std::isfinite(value) || value <= 0) fail(name, "must be finite and positive", value);
+}
+
+inline void require_not_negative(std::string_view name, double value) {
+  if (!std::isfinite(value) || value < 0) fail(name, "must be finite and not negative", value);
+}
+
+/// Any Eigen vector or matrix.
+template <typename Matrix>
+void require_all_finite(std::string_view name, const Matrix& matrix) {
+  if (!matrix.allFinite()) fail(name, "must be finite", matrix.transpose());
+}
+
+/// A direction must have length one to `kUnitTolerance`; it is never normalised behind the user's back.
+inline constexpr double kUnitTolerance = 1e-9;
+template <typename Vector>
+void require_unit(std::string_view name, const Vector& direction) {
+  require_all_finite(name, direction);
+  if (std::abs(direction.norm() - 1) > kUnitTolerance)
+    fail(name, "must have length 1", direction.transpose());
+}
+
+}  // namespace taut

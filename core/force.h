@@ -1,0 +1,130 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+
+#include "core/check.h"
+#include "core/state.h"
+
+namespace taut {
+
+/// A force law f(q, V, t).  Gravity is not one of them; the World adds it.
+class Force {
+ public:
+  virtual ~Force() = default;
+  /// Adds the wrench on each body, world axes about its centre of mass [N·m, N].
+  virtual void accumulate(const State& state, std::span<Wrench> wrenches) const = 0;
+  /// Potential energy [J]; 0 for laws that have none.
+  virtual double potential_energy(const State&) const { return 0; }
+  /// True if f depends on V: the integrator then iterates its second half kick.
+  virtual bool depends_on_velocity() const { return false; }
+  /// The bodies it reads or acts on, so that the World can check them.
+  virtual std::vector<BodyId> bodies() const { return {}; }
+};
+
+/// Constant force [N] of fixed world direction at a point of a body, or with `follows_body` of direction
+/// fixed in it.
+class PointForce final : public Force {
+ public:
+  PointForce(BodyId body, const Vec3& p_BP, const Vec3& force, bool follows_body = false)
+      : body_(body), p_BP_(p_BP), force_(force), follows_body_(follows_body) {
+    require_all_finite("force point", p_BP);
+    require_all_finite("force", force);
+  }
+  void accumulate(const State& state, std::span<Wrench> wrenches) const override {
+    const Pose& B = state.poses[body_.index];
+    const Vec3 f = follows_body_ ? Vec3(B.q * force_) : force_;
+    wrenches[body_.index].force += f;
+    wrenches[body_.index].torque += (B.q * p_BP_).cross(f);
+  }
+  double potential_energy(const State& state) const override {
+    return follows_body_ ? 0 : -force_.dot(state.poses[body_.index].point(p_BP_));
+  }
+  std::vector<BodyId> bodies() const override { return {body_}; }
+
+ private:
+  BodyId body_;
+  Vec3 p_BP_, force_;
+  bool follows_body_;
+};
+
+/// Constant torque [N·m] in world axes, or with `follows_body` in body axes.
+class BodyTorque final : public Force {
+ public:
+  BodyTorque(BodyId body, const Vec3& torque, bool follows_body = false)
+      : body_(body), torque_(torque), follows_body_(follows_body) {
+    require_all_finite("torque", torque);
+  }
+  void accumulate(const State& state, std::span<Wrench> wrenches) const override {
+    wrenches[body_.index].torque += follows_body_ ? Vec3(state.poses[body_.index].q * torque_) : torque_;
+  }
+  std::vector<BodyId> bodies() const override { return {body_}; }
+
+ private:
+  BodyId body_;
+  Vec3 torque_;
+  bool follows_body_;
+};
+
+/// Linear spring and damper between point P of A and point Q of B: tension k (L − L₀) + c dL/dt [N] along the
+/// line.
+class SpringDamper final : public Force {
+ public:
+  SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double stiffness, double rest_length,
+               double damping)
+      : a_(a), b_(b), p_AP_(p_AP), p_BQ_(p_BQ), k_(stiffness), rest_(rest_length), c_(damping) {
+    require_all_finite("spring anchor on A", p_AP);
+    require_all_finite("spring anchor on B", p_BQ);
+    require_not_negative("spring stiffness", stiffness);
+    require_not_negative("spring rest length", rest_length);
+    require_not_negative("spring damping", damping);
+  }
+  void accumulate(const State& state, std::span<Wrench> wrenches) const override {
+    const Vec3 r_A = state.poses[a_.index].q * p_AP_, r_B = state.poses[b_.index].q * p_BQ_;
+    const Vec3 d = (state.poses[b_.index].p - state.poses[a_.index].p) + (r_B - r_A);
+    const double length = d.norm();
+    if (length == 0) return;  // no direction to pull along
+    const Vec3 n = d / length;
+    const double rate = n.dot(state.twists[b_.index].at(r_B) - state.twists[a_.index].at(r_A));
+    const Vec3 on_B = -(k_ * (length - rest_) + c_ * rate) * n;
+    wrenches[b_.index].force += on_B;
+    wrenches[b_.index].torque += r_B.cross(on_B);
+    wrenches[a_.index].force -= on_B;
+    wrenches[a_.index].torque -= r_A.cross(on_B);
+  }
+  double potential_energy(const State& state) const override {
+    const double length = (state.poses[b_.index].point(p_BQ_) - state.poses[a_.index].point(p_AP_)).norm();
+    return 0.5 * k_ * (length - rest_) * (length - rest_);
+  }
+  bool depends_on_velocity() const override { return c_ > 0; }
+  std::vector<BodyId> bodies() const override { return {a_, b_}; }
+
+ private:
+  BodyId a_, b_;
+  Vec3 p_AP_, p_BQ_;
+  double k_, rest_, c_;
+};
+
+/// Any law the user writes.  The function adds to the wrenches; it must not keep the span.
+class ForceCallback final : public Force {
+ public:
+  using Function = std::function<void(const State&, std::span<Wrench>)>;
+  explicit ForceCallback(Function function, bool depends_on_velocity = true,
+                         std::function<double(const State&)> potential = {})
+      : function_(std::move(function)), potential_(std::move(potential)), velocity_(depends_on_velocity) {
+    if (!function_) fail("force callback", "must be callable", "empty function");
+  }
+  void accumulate(const State& state, std::span<Wrench> wrenches) const override {
+    function_(state, wrenches);
+  }
+  double potential_energy(const State& state) const override { return potential_ ? potential_(state) : 0; }
+  bool depends_on_velocity() const override { return velocity_; }
+
+ private:
+  Function function_;
+  std::function<double(const State&)> potential_;
+  bool velocity_;
+};
+
+}  // namespace taut

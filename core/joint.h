@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/rows.h"
+#include "core/state.h"
+
+namespace taut {
+
+/// A joint between body A and body B, described once and then immutable.  A type is one header in
+/// core/joints: its constructor checks the input and append_rows() lists the row parts it is made of. Nothing
+/// else knows the type.
+class Joint {
+ public:
+  Joint(BodyId a, BodyId b) : a_(a), b_(b) {}
+  virtual ~Joint() = default;
+
+  virtual std::string_view type() const = 0;
+  virtual void append_rows(RowSink& rows) const = 0;
+  /// Point of B (from its centre of mass, body axes) about which the reaction torque is reported.
+  virtual Vec3 reaction_point_B() const = 0;
+
+  BodyId a() const { return a_; }
+  BodyId b() const { return b_; }
+
+ private:
+  BodyId a_, b_;
+};
+
+}  // namespace taut

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/check.h"
+#include "core/world.h"
+
+namespace taut {
+
+/// Hinge: point P of A stays on point Q of B and axis a of A along axis b of B. (core/README, Eq. 6)
+///   φ = (p_WQ − p_WP, u·b, v·b) ∈ ℝ⁵, with u, v, a an orthonormal frame of A [m, m, m, rad, rad].
+/// λ₁₋₃ is the force on B at Q in world axes; λ₄, λ₅ the torques that keep the axes together.
+class Hinge final : public Joint {
+ public:
+  /// Points from the centres of mass and unit axes, in body axes.
+  /// @throws std::invalid_argument if a point is not finite or an axis not of unit length.
+  Hinge(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ, const Vec3& axis_B)
+      : Joint(a, b), p_AP_(p_AP), axis_A_(axis_A), p_BQ_(p_BQ), axis_B_(axis_B) {
+    require_all_finite("hinge anchor on A", p_AP);
+    require_all_finite("hinge anchor on B", p_BQ);
+    require_unit("hinge axis on A", axis_A);
+    require_unit("hinge axis on B", axis_B);
+  }
+  /// The joint about the world line through p_W along axis_W in the bodies' present poses.
+  static Hinge at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& axis_W) {
+    require_unit("hinge axis", axis_W);
+    const Pose &A = world.pose(a), &B = world.pose(b);
+    return {a, b, A.local(p_W), A.q.conjugate() * axis_W, B.local(p_W), B.q.conjugate() * axis_W};
+  }
+
+  std::string_view type() const override { return "hinge"; }
+  void append_rows(RowSink& rows) const override {
+    Vec3 u, v;
+    complete_frame(axis_A_, u, v);
+    rows.add(row_parts::Point{p_AP_, p_BQ_});
+    rows.add(row_parts::Perpendicular{u, axis_B_});
+    rows.add(row_parts::Perpendicular{v, axis_B_});
+  }
+  Vec3 reaction_point_B() const override { return p_BQ_; }
+
+ private:
+  Vec3 p_AP_, axis_A_, p_BQ_, axis_B_;
+};
+
+}  // namespace taut

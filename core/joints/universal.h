@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/check.h"
+#include "core/world.h"
+
+namespace taut {
+
+/// Universal joint (cross, Cardan): point P of A stays on point Q of B, and axis a of A perpendicular to axis
+/// b of B.
+///   φ = (p_WQ − p_WP, a·b) ∈ ℝ⁴ [m, m, m, rad]. (core/README, Eq. 9)
+/// λ₁₋₃ is the force on B at Q in world axes; λ₄ the torque on B about b × a.
+class Universal final : public Joint {
+ public:
+  /// Points from the centres of mass and unit axes of the cross, in body axes.
+  /// @throws std::invalid_argument if a point is not finite or an axis not of unit length.
+  Universal(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ, const Vec3& axis_B)
+      : Joint(a, b), p_AP_(p_AP), axis_A_(axis_A), p_BQ_(p_BQ), axis_B_(axis_B) {
+    require_all_finite("universal anchor on A", p_AP);
+    require_all_finite("universal anchor on B", p_BQ);
+    require_unit("universal axis on A", axis_A);
+    require_unit("universal axis on B", axis_B);
+  }
+  /// The joint at world point p_W with cross arms along the world axes axis_a_W (in A) and axis_b_W (in B).
+  static Universal at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& axis_a_W,
+                      const Vec3& axis_b_W) {
+    require_unit("universal axis on A", axis_a_W);
+    require_unit("universal axis on B", axis_b_W);
+    const Pose &A = world.pose(a), &B = world.pose(b);
+    return {a, b, A.local(p_W), A.q.conjugate() * axis_a_W, B.local(p_W), B.q.conjugate() * axis_b_W};
+  }
+
+  std::string_view type() const override { return "universal"; }
+  void append_rows(RowSink& rows) const override {
+    rows.add(row_parts::Point{p_AP_, p_BQ_});
+    rows.add(row_parts::Perpendicular{axis_A_, axis_B_});
+  }
+  Vec3 reaction_point_B() const override { return p_BQ_; }
+
+ private:
+  Vec3 p_AP_, axis_A_, p_BQ_, axis_B_;
+};
+
+}  // namespace taut

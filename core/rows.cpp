@@ -1,0 +1,83 @@
+#include "core/rows.h"
+
+#include "core/world.h"
+
+namespace taut {
+
+Rows::Rows(const World& world) {
+  const int joint_count = world.joint_count();
+  joints_.reserve(joint_count);
+  sides_.reserve(2 * joint_count);
+  for (int j = 0; j < joint_count; ++j) {
+    const Joint& joint = world.joint(JointId{j});
+    RowSink counter;
+    joint.append_rows(counter);
+    const int rows = counter.count_;
+    const int first_row = row_count();
+    joints_.push_back({first_row, rows, static_cast<int>(sides_.size()), 2});
+    for (BodyId body : {joint.a(), joint.b()}) {
+      sides_.push_back({body.index, j, first_row, rows, jacobian_size_});
+      jacobian_size_ += 6 * rows;
+    }
+    RowSink sink;
+    sink.rows_ = this;
+    sink.joint_ = j;
+    joint.append_rows(sink);
+  }
+
+  // Sides of each body by counting sort, which keeps the order of the joints.
+  body_start_.assign(world.body_count() + 1, 0);
+  for (const Side& side : sides_) ++body_start_[side.body + 1];
+  for (int b = 0; b < world.body_count(); ++b) body_start_[b + 1] += body_start_[b];
+  std::vector<int> next(body_start_.begin(), body_start_.end() - 1);
+  body_sides_.resize(sides_.size());
+  for (int s = 0; s < static_cast<int>(sides_.size()); ++s) body_sides_[next[sides_[s].body]++] = s;
+}
+
+void Rows::residual(std::span<const Pose> poses, std::span<double> phi) const {
+  for (const auto& store : stores_) store->residual(poses, phi.data());
+}
+
+void Rows::jacobian(std::span<const Pose> poses, std::span<double> values) const {
+  for (const auto& store : stores_) store->jacobian(poses, values.data());
+}
+
+void Rows::bias(std::span<const Pose> poses, std::span<const Twist> twists, std::span<double> gamma) const {
+  for (const auto& store : stores_) store->bias(poses, twists, gamma.data());
+}
+
+void Rows::stiffness(std::span<const Pose> poses, std::span<const double> lambda,
+                     std::span<StiffnessBlocks> bodies) const {
+  for (const auto& store : stores_) store->stiffness(poses, lambda.data(), bodies);
+}
+
+void Rows::apply(std::span<const double> jacobian, std::span<const Twist> twists,
+                 std::span<double> out) const {
+  for (const JointRows& joint : joints_) {
+    for (int i = 0; i < joint.row_count; ++i) out[joint.first_row + i] = 0;
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
+      const Twist& V = twists[sides_[s].body];
+      const double* J = jacobian.data() + sides_[s].offset;
+      for (int i = 0; i < joint.row_count; ++i, J += 6)
+        out[joint.first_row + i] +=
+            J[0] * V.w[0] + J[1] * V.w[1] + J[2] * V.w[2] + J[3] * V.v[0] + J[4] * V.v[1] + J[5] * V.v[2];
+    }
+  }
+}
+
+void Rows::apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
+                           std::span<Wrench> out) const {
+  for (int body = 0; body < body_count(); ++body) {
+    double sum[6] = {};
+    for (int s : sides_of(body)) {
+      const Side& side = sides_[s];
+      const double* J = jacobian.data() + side.offset;
+      for (int i = 0; i < side.row_count; ++i, J += 6)
+        for (int k = 0; k < 6; ++k) sum[k] += J[k] * lambda[side.first_row + i];
+    }
+    out[body].torque = Vec3(sum[0], sum[1], sum[2]);
+    out[body].force = Vec3(sum[3], sum[4], sum[5]);
+  }
+}
+
+}  // namespace taut

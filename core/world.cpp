@@ -1,0 +1,172 @@
+#include "core/world.h"
+
+#include <algorithm>
+
+#include "core/check.h"
+#include "core/diagnostics.h"
+
+namespace taut {
+namespace {
+
+void check_pose(const std::string& name, const Pose& pose) {
+  require_all_finite("position of " + name, pose.p);
+  require_unit("orientation of " + name, pose.q.coeffs());
+}
+
+void check_twist(const std::string& name, const Twist& twist) {
+  require_all_finite("angular velocity of " + name, twist.w);
+  require_all_finite("velocity of " + name, twist.v);
+}
+
+/// Takes the name, or makes one up, and registers it.
+std::string register_name(std::unordered_map<std::string, int>& names, std::string name, const char* kind,
+                          int index) {
+  if (name.empty()) name = std::string(kind) + "_" + std::to_string(index);
+  if (!names.emplace(name, index).second) fail(kind, "name is already taken", name);
+  return name;
+}
+
+}  // namespace
+
+World::World() {
+  BodySpec ground;
+  ground.name = "ground";
+  ground.fixed = true;
+  add_body(ground);
+}
+
+BodyId World::add_body(BodySpec spec) {
+  const int index = body_count();
+  const std::string& shown = spec.name.empty() ? "body_" + std::to_string(index) : spec.name;
+  check_pose(shown, spec.pose);
+  check_twist(shown, spec.twist);
+  if (spec.fixed && (spec.twist.w.norm() != 0 || spec.twist.v.norm() != 0))
+    fail("velocity of " + shown, "a fixed body cannot move", spec.twist.v.transpose());
+  body_names_.push_back(register_name(body_of_name_, std::move(spec.name), "body", index));
+  masses_.push_back(spec.mass);
+  fixed_.push_back(spec.fixed);
+  moving_count_ += !spec.fixed;
+  spec.pose.q.normalize();
+  state_.poses.push_back(spec.pose);
+  state_.twists.push_back(spec.twist);
+  ++topology_version_;
+  return {index};
+}
+
+JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
+  if (!joint) fail("joint " + name, "must not be null", "null");
+  const int index = joint_count();
+  const std::string shown = name.empty() ? "joint_" + std::to_string(index) : name;
+  for (BodyId body : {joint->a(), joint->b()})
+    if (body.index < 0 || body.index >= body_count()) fail("joint " + shown, "no such body", body.index);
+  if (joint->a() == joint->b()) fail("joint " + shown, "joins a body to itself", this->name(joint->a()));
+  if (is_fixed(joint->a()) && is_fixed(joint->b()))
+    fail("joint " + shown, "joins two fixed bodies", this->name(joint->a()) + ", " + this->name(joint->b()));
+  joint_names_.push_back(register_name(joint_of_name_, std::move(name), "joint", index));
+  joints_.push_back(std::move(joint));
+  ++topology_version_;
+  return {index};
+}
+
+ForceId World::add_force(std::shared_ptr<const Force> force) {
+  forces_.push_back(nullptr);
+  const ForceId id{force_count() - 1};
+  try {
+    set_force(id, std::move(force));
+  } catch (...) {
+    forces_.pop_back();
+    throw;
+  }
+  return id;
+}
+
+void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
+  if (id.index < 0 || id.index >= force_count()) fail("force id", "no such force", id.index);
+  if (!force) fail("force", "must not be null", "null");
+  for (BodyId body : force->bodies())
+    if (body.index < 0 || body.index >= body_count()) fail("force", "no such body", body.index);
+  forces_[id.index] = std::move(force);
+  velocity_forces_ = std::any_of(forces_.begin(), forces_.end(),
+                                 [](const auto& f) { return f && f->depends_on_velocity(); });
+}
+
+void World::set_gravity(const Vec3& gravity) {
+  require_all_finite("gravity", gravity);
+  gravity_ = gravity;
+}
+
+BodyId World::body(std::string_view name) const {
+  const auto found = body_of_name_.find(std::string(name));
+  if (found == body_of_name_.end()) fail("body", "there is none of this name", name);
+  return {found->second};
+}
+
+JointId World::joint(std::string_view name) const {
+  const auto found = joint_of_name_.find(std::string(name));
+  if (found == joint_of_name_.end()) fail("joint", "there is none of this name", name);
+  return {found->second};
+}
+
+void World::set_pose(BodyId id, const Pose& pose) {
+  check_pose(name(id), pose);
+  if (id == kGround) fail("pose of ground", "cannot be changed", pose.p.transpose());
+  state_.poses[id.index] = pose;
+  state_.poses[id.index].q.normalize();
+}
+
+void World::set_twist(BodyId id, const Twist& twist) {
+  check_twist(name(id), twist);
+  if (is_fixed(id)) fail("velocity of " + name(id), "a fixed body cannot move", twist.v.transpose());
+  state_.twists[id.index] = twist;
+}
+
+void World::set_state(const State& state) {
+  if (state.poses.size() != state_.poses.size() || state.twists.size() != state_.twists.size())
+    fail("state", "must have one pose and one twist per body", state.poses.size());
+  state_ = state;
+}
+
+void World::forces(const State& state, std::span<Wrench> wrenches) const {
+  for (int b = 0; b < body_count(); ++b) {
+    wrenches[b].torque.setZero();
+    wrenches[b].force = fixed_[b] ? Vec3(Vec3::Zero()) : Vec3(masses_[b].mass() * gravity_);
+  }
+  for (const auto& force : forces_) force->accumulate(state, wrenches);
+}
+
+double World::potential_energy(const State& state) const {
+  double energy = 0;
+  for (int b = 0; b < body_count(); ++b)
+    if (!fixed_[b]) energy -= masses_[b].mass() * gravity_.dot(state.poses[b].p);
+  for (const auto& force : forces_) energy += force->potential_energy(state);
+  return energy;
+}
+
+std::vector<Problem> World::validate(double gap_tolerance) const {
+  std::vector<Problem> problems;
+  const Rows rows(*this);
+  std::vector<double> phi(rows.row_count());
+  rows.residual(state_.poses, phi);
+  const std::vector<Gap> gaps = joint_gaps(rows, phi);
+  for (int j = 0; j < joint_count(); ++j) {
+    std::ostringstream message;
+    if (gaps[j].metres > gap_tolerance) message << "is open at the start by " << gaps[j].metres << " m";
+    if (gaps[j].radians > gap_tolerance)
+      message << (message.tellp() > 0 ? " and " : "is open at the start by ") << gaps[j].radians << " rad";
+    if (message.tellp() > 0)
+      problems.push_back({std::string(joints_[j]->type()) + " " + joint_names_[j], message.str()});
+  }
+  return problems;
+}
+
+int World::checked(BodyId id) const {
+  if (id.index < 0 || id.index >= body_count()) fail("body id", "no such body", id.index);
+  return id.index;
+}
+
+int World::checked(JointId id) const {
+  if (id.index < 0 || id.index >= joint_count()) fail("joint id", "no such joint", id.index);
+  return id.index;
+}
+
+}  // namespace taut

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "core/force.h"
+#include "core/joint.h"
+#include "core/rigid_body.h"
+#include "core/state.h"
+
+namespace taut {
+
+/// Something wrong with a World as a whole, found by validate().
+struct Problem {
+  std::string subject;  ///< name of the body or joint
+  std::string message;  ///< what is wrong, with the value
+};
+
+/// What exists: bodies, joints, forces, gravity, and their present state.  It owns everything and never
+/// steps. Ids are stable small integers; names are unique among bodies and among joints (a default is made
+/// up: body_3).
+class World {
+ public:
+  World();
+
+  /// @throws std::invalid_argument for a duplicate name, a pose or twist that is not finite, or a quaternion
+  /// that is not of unit length.
+  BodyId add_body(BodySpec spec);
+
+  /// Adds a joint of any type:  world.add("elbow", Ball::at(world, upper, lower, p_W)).
+  /// @throws std::invalid_argument for a duplicate name, a missing body, a body jointed to itself, or two
+  /// fixed bodies.
+  template <typename AnyJoint>
+  JointId add(std::string name, AnyJoint joint) {
+    return add_joint(std::move(name), std::make_shared<const AnyJoint>(std::move(joint)));
+  }
+  JointId add_joint(std::string name, std::shared_ptr<const Joint> joint);
+
+  /// Adds a force law:  world.add_force(SpringDamper(...)).
+  template <typename AnyForce>
+  ForceId add_force(AnyForce force) {
+    return add_force(
+        std::static_pointer_cast<const Force>(std::make_shared<const AnyForce>(std::move(force))));
+  }
+  ForceId add_force(std::shared_ptr<const Force> force);
+  /// Replaces a force law, for instance to change its value between steps.
+  void set_force(ForceId id, std::shared_ptr<const Force> force);
+
+  /// Gravitational acceleration [m/s²], (0, 0, −9.81) at first.
+  void set_gravity(const Vec3& gravity);
+  const Vec3& gravity() const { return gravity_; }
+
+  int body_count() const { return static_cast<int>(masses_.size()); }  ///< with the ground
+  int moving_body_count() const { return moving_count_; }
+  int joint_count() const { return static_cast<int>(joints_.size()); }
+  int force_count() const { return static_cast<int>(forces_.size()); }
+
+  const MassProperties& mass_properties(BodyId id) const { return masses_[checked(id)]; }
+  bool is_fixed(BodyId id) const { return fixed_[checked(id)]; }
+  const std::string& name(BodyId id) const { return body_names_[checked(id)]; }
+  const std::string& name(JointId id) const { return joint_names_[checked(id)]; }
+  const Joint& joint(JointId id) const { return *joints_[checked(id)]; }
+  /// @throws std::invalid_argument if there is none of that name.
+  BodyId body(std::string_view name) const;
+  JointId joint(std::string_view name) const;
+  bool has_body(std::string_view name) const { return body_of_name_.contains(std::string(name)); }
+  bool has_joint(std::string_view name) const { return joint_of_name_.contains(std::string(name)); }
+
+  const State& state() const { return state_; }
+  const Pose& pose(BodyId id) const { return state_.poses[checked(id)]; }
+  const Twist& twist(BodyId id) const { return state_.twists[checked(id)]; }
+  double time() const { return state_.time; }
+  void set_pose(BodyId id, const Pose& pose);
+  void set_twist(BodyId id, const Twist& twist);
+  /// The whole state at once, as a solver or a restored recording leaves it.
+  /// @throws std::invalid_argument if its sizes are not this world's.
+  void set_state(const State& state);
+
+  /// Sum of gravity and all force laws on each body, about its centre of mass, world axes.  Fixed bodies get
+  /// what the laws put on them.  `wrenches` has body_count() entries.
+  void forces(const State& state, std::span<Wrench> wrenches) const;
+  bool forces_depend_on_velocity() const { return velocity_forces_; }
+  double potential_energy(const State& state) const;
+
+  /// Everything that a simulation of this world would trip over: joints that are open at the start by more
+  /// than `gap_tolerance` [m or rad], with the gap.
+  std::vector<Problem> validate(double gap_tolerance = 1e-6) const;
+
+  /// Changes whenever a body or joint is added; solvers rebuild their pattern then.
+  int topology_version() const { return topology_version_; }
+
+ private:
+  int checked(BodyId id) const;
+  int checked(JointId id) const;
+
+  std::vector<MassProperties> masses_;
+  std::vector<char> fixed_;
+  std::vector<std::string> body_names_, joint_names_;
+  std::unordered_map<std::string, int> body_of_name_, joint_of_name_;
+  std::vector<std::shared_ptr<const Joint>> joints_;
+  std::vector<std::shared_ptr<const Force>> forces_;
+  State state_;
+  Vec3 gravity_{0, 0, -9.81};
+  bool velocity_forces_ = false;
+  int moving_count_ = 0;
+  int topology_version_ = 0;
+};
+
+}  // namespace taut

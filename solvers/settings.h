@@ -1,0 +1,62 @@
+#pragma once
+
+namespace taut {
+
+/// How a step advances the state; see solvers/README.md.
+enum class Integrator {
+  kRattle,   ///< RATTLE on rigid bodies: order 2, symplectic, closed in position and velocity
+  kRattle4,  ///< its compositions of order 4 (5 stages), 6 (9 stages) and 8 (17 stages)
+  kRattle6,
+  kRattle8,
+  kForceEuler,       ///< joint forces from the acceleration equation, semi-implicit Euler
+  kForceRungeKutta,  ///< joint forces from the acceleration equation, classical RK4
+};
+
+/// What keeps the joints of a force-level integrator from drifting apart.  RATTLE needs none and ignores it.
+enum class DriftCure {
+  kNone,
+  kBaumgarte,        ///< acceleration feedback with `erp` and `cfm`
+  kVelocityImpulse,  ///< an impulse after each step gives J V = −erp φ / dt
+  kPositionPush,     ///< positions are pushed back by `erp` φ after each step, velocities made tangent
+  kPenalty,          ///< no multipliers: springs and dampers in place of the joints
+};
+
+/// What is done where tension makes the explicit constraint directions unstable (solvers/README, "Tension").
+enum class TensionPolicy {
+  kSubstep,   ///< sub-steps so small that ω h ≤ max_tension_number
+  kImplicit,  ///< implicit geometric stiffness: stable at any step, dissipative
+  kIgnore,
+};
+
+enum class FactorChoice {
+  kAuto,          ///< by flop count
+  kSimplicial,    ///< CHOLMOD simplicial LDLᵀ
+  kSupernodal,    ///< CHOLMOD supernodal LLᵀ (needs a CHOLMOD with its GPL modules)
+  kMultifrontal,  ///< taut's own numeric phase
+};
+
+struct Settings {
+  Integrator integrator = Integrator::kRattle;
+
+  double position_tolerance = 1e-10;  ///< largest |φ| after a step [m or rad]
+  double velocity_tolerance = 1e-9;   ///< largest |J V| after a step [m/s or rad/s]
+  int max_newton_iterations = 12;
+  int max_substeps = 1024;  ///< of one call of step(); then the status says so
+
+  TensionPolicy tension = TensionPolicy::kSubstep;
+  double max_tension_number =
+      0.7;                    ///< ω h with ω the fastest transverse frequency that the multipliers imply
+  double max_rotation = 0.4;  ///< rotation of any body in one sub-step [rad]
+
+  DriftCure drift_cure = DriftCure::kBaumgarte;
+  double erp = 0.8;               ///< part of the joint error taken out in one step
+  double cfm = 0;                 ///< compliance added to each row, as a fraction of its own S_ii
+  double penalty_frequency = 50;  ///< [Hz] of the penalty springs on the bodies' own inertia
+  double penalty_damping_ratio = 1;
+
+  FactorChoice factor = FactorChoice::kAuto;
+  /// Energies, momenta and the work of the constraint forces in each report.
+  bool report_energy = true;
+};
+
+}  // namespace taut

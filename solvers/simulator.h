@@ -1,0 +1,74 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/world.h"
+#include "solvers/settings.h"
+#include "solvers/step_report.h"
+
+namespace taut {
+
+/// Force and torque of a joint on its body B, world axes; A receives the opposite.
+struct Reaction {
+  Vec3 force = Vec3::Zero();   ///< [N]
+  Vec3 torque = Vec3::Zero();  ///< about the joint's anchor on B [N·m]
+};
+
+/// A row that other rows already hold, and the joints that hold it.
+struct RedundantRow {
+  JointId joint;
+  int row = 0;                   ///< within the joint
+  std::string name;              ///< the motion that it would hold
+  std::vector<JointId> held_by;  ///< those with the largest share first
+};
+
+/// Freedoms and redundancy of a world in its present pose.
+struct RankReport {
+  int rows = 0;
+  int rank = 0;
+  int freedoms = 0;  ///< 6 × moving bodies − rank
+  std::vector<RedundantRow> redundant;
+};
+
+/// Advances a World in time.
+///
+///     Simulator simulator(world);
+///     for (...) if (const StepReport& r = simulator.step(1e-3); !r.ok()) throw
+///     std::runtime_error(r.message);
+class Simulator {
+ public:
+  /// @throws std::invalid_argument if a setting is out of range.
+  explicit Simulator(World& world, const Settings& settings = {});
+  ~Simulator();
+  Simulator(Simulator&&) noexcept;
+
+  /// One step of dt [s].  The world's state moves to the end of the step, or stays where it was if the report
+  /// does not say success.  The report lives until the next call.
+  /// @throws std::invalid_argument if dt is not finite and positive.
+  const StepReport& step(double dt);
+  const StepReport& report() const;
+
+  /// Mean reaction of a joint over the last step: the impulse that it gave, divided by dt.
+  Reaction mean_reaction(JointId joint) const;
+  /// Reaction at the present instant from the acceleration equation  S λ = −(γ + J M⁻¹ f).
+  /// One assembly, factorisation and solve for all joints on the first call after a step.
+  Reaction reaction(JointId joint);
+
+  /// Rank, freedoms and redundant rows by name in the present pose.  Nothing moves.
+  RankReport analyze_rank();
+  /// Closes all joints from the present pose by the smallest mass-weighted move; velocities are made tangent.
+  const StepReport& assemble();
+
+  const World& world() const;
+  const Settings& settings() const;
+  /// "CHOLMOD 3.0.14 supernodal, OpenBLAS 0.3.21 …": which factor and BLAS do the work.
+  std::string solver_description() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace taut
