@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tests/scenes/run_program.h"
+#include "tests/run_program.h"
 
 namespace taut::testing {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/scenes/run_program.h"
+#include "tests/run_program.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -74,6 +74,8 @@ std::string read_text(const std::string& file) {
   return text.str();
 }
 
-void write_text(const std::string& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+void write_text(const std::string& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
 
 }  // namespace taut::testing
