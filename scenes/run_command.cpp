@@ -172,6 +172,7 @@ int run_command(const RunOptions& options) {
   GapMeter meter(scene.world);
   Simulator simulator(scene.world, scene.settings);
   Recorder recorder(scene.probes);
+  const InterruptGuard guard;  // from before there is any output file
   Outputs outputs(options);
 
   record.integrator = name_of(scene.settings.integrator);
@@ -179,7 +180,6 @@ int run_command(const RunOptions& options) {
   record.start(scene, meter.row_count(), total_energy(scene.world, scene.world.state()));
   add_warnings(record, scene.world);
 
-  const InterruptGuard guard;
   const auto start = Clock::now();
   try {
     outputs.header(recorder);

@@ -50,11 +50,14 @@ pid_t start(const std::vector<std::string>& arguments, const std::string& out, c
 
 }  // namespace
 
-Outcome run_program(const std::vector<std::string>& arguments, double interrupt_after) {
+Outcome run_program(const std::vector<std::string>& arguments, const std::string& interrupt_at) {
   const std::string out = temporary("stdout"), err = temporary("stderr");
   const pid_t child = start(arguments, out, err);
-  if (interrupt_after > 0) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(interrupt_after));
+  if (!interrupt_at.empty()) {
+    using namespace std::chrono_literals;
+    for (int i = 0; i < 1000 && !std::filesystem::exists(interrupt_at); ++i)
+      std::this_thread::sleep_for(10ms);
+    std::this_thread::sleep_for(200ms);
     kill(child, SIGINT);
   }
   int status = 0;

@@ -12,8 +12,8 @@ struct Outcome {
 };
 
 /// Runs the taut program with these arguments to its end, without a terminal.
-/// @param interrupt_after send SIGINT that long after the start [s]; 0: never
-Outcome run_program(const std::vector<std::string>& arguments, double interrupt_after = 0);
+/// @param interrupt_at send SIGINT a moment after this file has appeared; empty: never
+Outcome run_program(const std::vector<std::string>& arguments, const std::string& interrupt_at = "");
 
 /// A name in a fresh folder of this test, removed with all in it when the process ends.
 std::string temporary(const std::string& name);

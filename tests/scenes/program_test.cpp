@@ -170,13 +170,12 @@ TEST(Program, SameInputSameBits) {
 
 TEST(Program, InterruptEndsTheRunWithTableAndReport) {
   const std::string report_file = temporary("interrupted.json");
-  const Outcome run =
-      run_program({"run", "chain", "--set", "n=50", "--time", "1000000", "--report", report_file}, 1.0);
+  const Outcome run = run_program(
+      {"run", "chain", "--set", "n=50", "--time", "1000000", "--report", report_file}, report_file);
   EXPECT_EQ(run.exit_status, 130);
   EXPECT_NE(run.out.find("interrupted"), std::string::npos);
   const Json report = Json::parse(read_text(report_file));
   EXPECT_EQ(report["status"], "interrupted");
-  EXPECT_GT(report["steps"], 0);
   EXPECT_LT(report["steps"], report["steps_asked"]);
 }
 
