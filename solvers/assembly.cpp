@@ -144,7 +144,7 @@ Contradiction find_contradiction(const World& world, ConstraintSystem& system, c
     for (std::size_t k = joints.size(); k-- > 0;) {
       std::vector<int> rest = joints;
       rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
-      if (!rest.empty() && contradict(system, phi, rest)) joints = rest;
+      if (!rest.empty() && contradict(system, phi, rest)) joints.swap(rest);
     }
   }
   for (int j : joints) found.joints.push_back({j});

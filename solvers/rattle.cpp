@@ -33,7 +33,9 @@ double max_abs(std::span<const double> values) {
   return largest;
 }
 
-double dot(const Wrench& a, const Twist& b) { return a.torque.dot(b.w) + a.force.dot(b.v); }
+Wrench operator+(const Wrench& a, const Wrench& b) { return {a.torque + b.torque, a.force + b.force}; }
+Wrench operator-(const Wrench& a, const Wrench& b) { return {a.torque - b.torque, a.force - b.force}; }
+Wrench operator*(double s, const Wrench& a) { return {s * a.torque, s * a.force}; }
 
 }  // namespace
 
@@ -87,9 +89,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   }
   {
     const Stopwatch watch(report.times.positions);
-    for (int b = 0; b < world_.body_count(); ++b)
-      free_momenta_[b] = {momenta_[b].torque + 0.5 * h * forces_[b].torque,
-                          momenta_[b].force + 0.5 * h * forces_[b].force};
+    for (int b = 0; b < world_.body_count(); ++b) free_momenta_[b] = momenta_[b] + 0.5 * h * forces_[b];
     predict_multipliers(h);
   }
   if (!close_positions(h, report)) {
@@ -105,8 +105,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     }
   }
   report.tension_number = std::max(report.tension_number, omega_ * std::abs(h));
-  if (settings_.report_energy) report.constraint_work += constraint_work_of_kick();
-  if (implicit_) report.stiffness_work += filter_work_;
+  if (settings_.report_energy) account_for_kick(report);
 
   std::swap(state_.poses, poses_);  // poses_ now holds the old ones
   state_.time += h;
@@ -115,6 +114,10 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   system_.factorize(report.times);
   refactored_ = false;
   close_velocities(h, report);
+  if (settings_.report_energy) {
+    for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
+    report.constraint_work += work(state_.poses, kicked_, momenta_, joint_impulse_);
+  }
 
   const double scale = history_ > 0 ? h / last_h_ : 1;
   for (int r = 0; r < system_.row_count(); ++r) {
@@ -256,18 +259,11 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
     system_.rows().apply_transpose(system_.jacobian(), delta_, joint_impulse_);
     for (int b = 0; b < world_.body_count(); ++b) {
       if (system_.mass()[b].fixed) continue;
-      momenta_[b].torque += joint_impulse_[b].torque;
-      momenta_[b].force += joint_impulse_[b].force;
+      momenta_[b] = momenta_[b] + joint_impulse_[b];
     }
     twists_from_momenta();
-    double work = 0;
-    for (int r = 0; r < system_.row_count(); ++r) work += delta_[r] * velocity_rows_[r];
     system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
-    for (int r = 0; r < system_.row_count(); ++r) {
-      work += delta_[r] * velocity_rows_[r];
-      mu[r] += delta_[r];
-    }
-    report.constraint_work += 0.5 * work;
+    for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
     report.velocity_residual = max_abs(velocity_rows_);
     if (report.velocity_residual <= settings_.velocity_tolerance) break;
   }
@@ -324,25 +320,31 @@ void Rattle::prepare_stiffness(double h) {
   }
 }
 
-/// Kinetic energy that the joint impulses of the kick give at q₀; with implicit stiffness also what the
-/// filter takes.
-double Rattle::constraint_work_of_kick() {
-  double work = 0;
-  filter_work_ = 0;
-  const auto twist = [&](int b, const Wrench& p) -> Twist {
-    return {system_.mass().angular_velocity(b, state_.poses[b], p.torque),
-            system_.mass()[b].inverse_mass * p.force};
-  };
+void Rattle::account_for_kick(StepReport& report) {
+  if (!implicit_) {
+    report.constraint_work += work(state_.poses, momenta_, kicked_, joint_impulse_);
+    return;
+  }
+  // What the filter takes away is booked apart, as the work of an impulse of its own.
+  std::vector<Wrench>& raw = free_momenta_;
+  for (int b = 0; b < world_.body_count(); ++b) raw[b] = raw[b] + joint_impulse_[b];
+  report.constraint_work += work(state_.poses, momenta_, raw, joint_impulse_);
+  for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = kicked_[b] - raw[b];
+  report.stiffness_work += work(state_.poses, raw, kicked_, joint_impulse_);
+}
+
+/// Work of joint impulses j that act together with the other impulses of a kick from momenta p₀ to p₁ at one pose:
+/// Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of kinetic energy exactly.
+double Rattle::work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
+                    std::span<const Wrench> impulses) const {
+  double sum = 0;
   for (int b = 0; b < world_.body_count(); ++b) {
     if (system_.mass()[b].fixed) continue;
-    const Wrench& p = free_momenta_[b];
-    const Wrench& j = joint_impulse_[b];
-    work += dot(j, twist(b, {p.torque + 0.5 * j.torque, p.force + 0.5 * j.force}));
-    if (!implicit_) continue;
-    const Wrench raw{p.torque + j.torque, p.force + j.force};
-    filter_work_ += 0.5 * (dot(raw, twist(b, raw)) - dot(kicked_[b], twist(b, kicked_[b])));
+    const Twist mean{system_.mass().angular_velocity(b, poses[b], 0.5 * (from[b].torque + to[b].torque)),
+                     system_.mass()[b].inverse_mass * 0.5 * (from[b].force + to[b].force)};
+    sum += impulses[b].torque.dot(mean.w) + impulses[b].force.dot(mean.v);
   }
-  return work;
+  return sum;
 }
 
 }  // namespace taut

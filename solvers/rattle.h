@@ -54,7 +54,9 @@ class Rattle {
   void restore(StepReport& report);
   void update_step_limit(std::span<const double> force_multipliers);
   void prepare_stiffness(double h);
-  double constraint_work_of_kick();
+  void account_for_kick(StepReport& report);
+  double work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
+              std::span<const Wrench> impulses) const;
 
   const World& world_;
   ConstraintSystem& system_;
@@ -80,7 +82,6 @@ class Rattle {
   std::vector<StiffnessBlocks> stiffness_;
   double omega_ = 0, step_limit_ = 0;
   bool implicit_ = false;  // this step uses geometric stiffness
-  double filter_work_ = 0;
   std::vector<Mat3> filter_rotation_, filter_translation_;
 };
 
