@@ -99,7 +99,8 @@ class DocumentBuilder {
   bool open(Json&& container) {
     if (open_.size() == kMaxJsonDepth) {
       problems_.push_back(
-          {path(), "is nested too deeply; at most " + std::to_string(kMaxJsonDepth) + " levels are read", ""});
+          {path(), "is nested too deeply; at most " + std::to_string(kMaxJsonDepth) + " levels are read",
+           ""});
       return false;
     }
     open_.push_back(add(std::move(container)));
@@ -119,7 +120,7 @@ class DocumentBuilder {
     for (std::size_t i = 0; i < open_.size(); ++i) {
       // The last entry of an open array is the one being read, but at the innermost level it is yet to come.
       const std::size_t size = open_[i]->size();
-      result = child_path(result, open_[i]->is_object()      ? keys_[i]
+      result = child_path(result, open_[i]->is_object()   ? keys_[i]
                                   : i + 1 == open_.size() ? std::to_string(size)
                                                           : std::to_string(size - 1));
     }
@@ -140,9 +141,12 @@ std::string child_path(const std::string& path, std::string_view key) {
   std::string result = path == "/" ? "" : path;
   result += '/';
   for (char c : key) {
-    if (c == '~') result += "~0";
-    else if (c == '/') result += "~1";
-    else result += c;
+    if (c == '~')
+      result += "~0";
+    else if (c == '/')
+      result += "~1";
+    else
+      result += c;
   }
   return result;
 }
@@ -167,7 +171,8 @@ std::optional<Json> parse_json(std::string_view text, Problems& problems) {
     }
     const double infinity = std::numeric_limits<double>::infinity();
     overflows[builder.overflow_number] = token[0] == '-' ? -infinity : infinity;
-    readable.replace(begin, token.size(), "1" + std::string(token.size() - 1, ' '));
+    readable.replace(begin, token.size(), token.size(), ' ');
+    readable[begin] = '1';
   }
 }
 

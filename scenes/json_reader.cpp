@@ -41,9 +41,9 @@ std::size_t edit_distance(std::string_view from, std::string_view to) {
 
 }  // namespace
 
-std::string did_you_mean(std::string_view given, std::span<const std::string> candidates) {
-  // One slip in a short word, two in a longer one.  Very long lists are not searched: it would take too long.
-  if (given.size() > 64 || candidates.size() > 1000) return "";
+std::string did_you_mean(std::string_view given, const std::vector<std::string>& candidates) {
+  // One slip in a short word, two in a longer one.
+  if (given.size() > 64) return "";
   std::size_t best = given.size() < 3 ? 1 : given.size() == 3 ? 2 : 3;
   const std::string* nearest = nullptr;
   for (const std::string& candidate : candidates) {
@@ -54,9 +54,9 @@ std::string did_you_mean(std::string_view given, std::span<const std::string> ca
   return nearest ? "; did you mean \"" + *nearest + "\"?" : "";
 }
 
-std::string quoted_list(std::span<const std::string> names) {
+std::string quoted_list(const std::vector<std::string>& names) {
   std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "\"" : ", \"") + name + "\"";
+  for (const std::string& name : names) list.append(list.empty() ? "\"" : ", \"").append(name).append("\"");
   return list;
 }
 
@@ -66,10 +66,12 @@ void JsonNode::problem(std::string message, std::string value) const {
   problems_->push_back({path_, std::move(message), std::move(value)});
 }
 
-/// "inertia: must be symmetric (value: ...)": the path says the name and the file's own value is shown.
+/// "inertia: must be symmetric (value: ...)", with the file's own value, and the name only if the path does
+/// not end in it.
 void JsonNode::problem_of_core(std::string_view what) const {
   what = what.substr(0, what.rfind(" (value: "));
-  if (const auto colon = what.find(": "); colon != what.npos) what.remove_prefix(colon + 2);
+  if (const auto colon = what.find(": "); colon != what.npos && path_.ends_with(what.substr(0, colon)))
+    what.remove_prefix(colon + 2);
   problem(std::string(what));
 }
 
@@ -113,7 +115,8 @@ int JsonNode::positive_integer() const {
 }
 
 std::string JsonNode::string() const {
-  if (value_->is_string() && !value_->get_ref<const std::string&>().empty()) return value_->get<std::string>();
+  if (value_->is_string() && !value_->get_ref<const std::string&>().empty())
+    return value_->get<std::string>();
   problem("must be a string that is not empty");
   return "";
 }
@@ -167,7 +170,7 @@ std::vector<JsonNode> JsonNode::items(const char* expected) const {
   return result;
 }
 
-void JsonNode::not_a_choice(std::span<const std::string> names) const {
+void JsonNode::not_a_choice(const std::vector<std::string>& names) const {
   problem("must be one of " + quoted_list(names) +
           (value_->is_string() ? did_you_mean(value_->get_ref<const std::string&>(), names) : ""));
 }
@@ -186,7 +189,7 @@ std::optional<JsonNode> JsonObject::find(const char* key) {
 
 std::optional<JsonNode> JsonObject::required(const char* key) {
   auto member = find(key);
-  if (!member && is_object_) node_.problem("\"" + std::string(key) + "\" is missing", "");
+  if (!member && is_object_) node_.problem(quoted_list({key}) + " is missing", "");
   return member;
 }
 
@@ -196,8 +199,10 @@ std::optional<JsonNode> JsonObject::one_of(std::initializer_list<const char*> ke
   for (const char* key : keys) {
     auto member = find(key);
     if (!member) continue;
-    if (first) member->problem("only one of " + quoted_list(names) + " may be given");
-    else first = member;
+    if (first)
+      member->problem("only one of " + quoted_list(names) + " may be given");
+    else
+      first = member;
   }
   if (!first && is_object_) node_.problem("one of " + quoted_list(names) + " is missing", "");
   return first;

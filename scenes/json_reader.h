@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 #include <set>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,9 +18,9 @@
 namespace taut {
 
 /// ` ; did you mean "mass"?` if one of the candidates is near, else nothing.
-std::string did_you_mean(std::string_view given, std::span<const std::string> candidates);
+std::string did_you_mean(std::string_view given, const std::vector<std::string>& candidates);
 /// `"a", "b", "c"`
-std::string quoted_list(std::span<const std::string> names);
+std::string quoted_list(const std::vector<std::string>& names);
 
 /// One value of the document.
 class JsonNode {
@@ -82,7 +81,7 @@ class JsonNode {
     not_a_choice(names);
     return table[0].second;
   }
-  void not_a_choice(std::span<const std::string> names) const;
+  void not_a_choice(const std::vector<std::string>& names) const;
 
  private:
   void problem_of_core(std::string_view what) const;

@@ -36,7 +36,8 @@ constexpr std::pair<const char*, ShapeReader> kShapes[] = {
     {"ellipsoid",
      [](JsonObject& s) {
        const Vec3 radii = lengths(s, "radii");
-       return Solid{ellipsoid_volume(radii), [=](double mass) { return MassProperties::ellipsoid(radii, mass); }};
+       return Solid{ellipsoid_volume(radii),
+                    [=](double mass) { return MassProperties::ellipsoid(radii, mass); }};
      }},
     {"rod",
      [](JsonObject& s) {
@@ -108,7 +109,8 @@ MassProperties read_mass_properties(JsonObject& body, bool fixed) {
     if (solid && body.node().problems().size() == before)
       shape->guard([&] { result = solid->mass_properties(mass); });
   } else {
-    if (density) density->problem("needs a shape; give the mass with an inertia");
+    if (density && inertia && mass_node->path() == density->path())
+      density->problem("needs a shape; give the mass with an inertia");
     if (inertia) read_inertia(*inertia, mass, result);
   }
   return result;
@@ -143,7 +145,8 @@ Quat read_orientation(const JsonNode& node) {
     // Roll about world x, then pitch about world y, then yaw about world z.
     const auto angles = object.one_of({"rpy_deg", "rpy_rad"});
     const Vec3 rpy = (object.find("rpy_deg") ? kDegree : 1.0) * angles->vector();
-    q = exp_so3(rpy.z() * Vec3::UnitZ()) * exp_so3(rpy.y() * Vec3::UnitY()) * exp_so3(rpy.x() * Vec3::UnitX());
+    q = exp_so3(rpy.z() * Vec3::UnitZ()) * exp_so3(rpy.y() * Vec3::UnitY()) *
+        exp_so3(rpy.x() * Vec3::UnitX());
   } else {
     const Vec3 axis = object.get_required("axis", &JsonNode::unit_vector, Vec3(Vec3::UnitZ()));
     const auto angle = object.one_of({"angle_deg", "angle_rad"});

@@ -32,9 +32,7 @@ class PairKeys {
                 [](const Pose& pose, const Vec3& p_W) { return pose.local(p_W); });
   }
   /// "axis", or "axis_a" and "axis_b".
-  Pair axes() {
-    return pair("axis", "axis_a", "axis_b", &JsonNode::unit_vector, turned);
-  }
+  Pair axes() { return pair("axis", "axis_a", "axis_b", &JsonNode::unit_vector, turned); }
   /// Two different axes, so always "axis_a" and "axis_b".
   Pair two_axes() {
     Pair axes{Vec3::UnitX(), Vec3::UnitY()};
@@ -46,7 +44,7 @@ class PairKeys {
   Vec3 axis_of_a() {
     const auto shared = object_.find("axis"), own = object_.find("axis_a");
     if (shared && !own) {
-      reject_in_body_frame(*shared, "axis_a");
+      reject_in_body_frame(*shared, "\"axis_a\"");
       return turned(pose_a_, shared->unit_vector());
     }
     if (shared) own->problem("\"axis\" is given as well");
@@ -59,8 +57,8 @@ class PairKeys {
     return (pose_a_.q.conjugate() * pose_b_.q).normalized();
   }
   /// A length, by default the present distance of the points.
-  double length(const char* key, const Pair& points) {
-    if (const auto node = object_.find(key)) return node->not_negative();
+  double length(const char* key, const Pair& points, double (JsonNode::*read)() const) {
+    if (const auto node = object_.find(key)) return ((*node).*read)();
     return (pose_b_.point(points.b) - pose_a_.point(points.a)).norm();
   }
 
@@ -84,8 +82,8 @@ class PairKeys {
     const auto shared = object_.find(both), own_a = object_.find(key_a), own_b = object_.find(key_b);
     if (shared) {
       for (const auto& own : {own_a, own_b})
-        if (own) own->problem("\"" + std::string(both) + "\" is given as well");
-      reject_in_body_frame(*shared, std::string(key_a) + "\" and \"" + key_b);
+        if (own) own->problem(quoted_list({both}) + " is given as well");
+      reject_in_body_frame(*shared, quoted_list({key_a}) + " and " + quoted_list({key_b}));
       const Vec3 v_W = ((*shared).*read)();
       return {to_local(pose_a_, v_W), to_local(pose_b_, v_W)};
     }
@@ -103,14 +101,14 @@ class PairKeys {
   std::optional<JsonNode> separate(const char* key) {
     const auto node = object_.required(key);
     if (node && !frame_ && !frame_missed_) {
-      object_.node().problem("\"frame\" is missing: \"world\" or \"body\" for \"" + std::string(key) + "\"", "");
+      object_.node().problem("\"frame\" is missing: \"world\" or \"body\" for " + quoted_list({key}), "");
       frame_missed_ = true;
     }
     return node;
   }
 
   void reject_in_body_frame(const JsonNode& node, const std::string& instead) const {
-    if (in_body_) node.problem("is in the world's frame, but \"frame\" is \"body\"; give \"" + instead + "\"");
+    if (in_body_) node.problem("is in the world's frame, but \"frame\" is \"body\"; give " + instead);
   }
 
   JsonObject& object_;
@@ -151,7 +149,7 @@ constexpr std::pair<const char*, JointReader> kJointTypes[] = {
     {"distance",
      [](PairKeys& k) {
        const auto p = k.points();
-       return k.joint<Distance>(p.a, p.b, k.length("length", p));
+       return k.joint<Distance>(p.a, p.b, k.length("length", p, &JsonNode::positive));
      }},
 };
 
@@ -176,7 +174,7 @@ std::shared_ptr<const Force> read_spring_damper(const SceneReader& reader, JsonO
   PairKeys keys(reader, force);
   const auto p = keys.points();
   const double stiffness = force.get_required("stiffness", &JsonNode::not_negative, 0.0);
-  const double rest_length = keys.length("rest_length", p);
+  const double rest_length = keys.length("rest_length", p, &JsonNode::not_negative);
   const double damping = force.get("damping", &JsonNode::not_negative, 0.0);
   return std::make_shared<SpringDamper>(keys.a.id, keys.b.id, p.a, p.b, stiffness, rest_length, damping);
 }
@@ -196,20 +194,22 @@ void SceneReader::read_joint(const JsonNode& node) {
   const std::string name = name_node ? name_node->string() : "";
   const auto type = joint.required("type");
   const std::size_t before_type = problems_.size();
-  const JointReader read = type ? type->choice(kJointTypes) : nullptr;
-  if (!read || problems_.size() != before_type) {  // its keys are not known
+  const JointReader read_type = type ? type->choice(kJointTypes) : nullptr;
+  if (!read_type || problems_.size() != before_type) {  // its keys are not known
     if (!name.empty()) path_of_joint_.emplace(name, node.path());
     return;
   }
   PairKeys keys(*this, joint);
   std::shared_ptr<const Joint> made;
-  node.guard_if_sound(before, [&] { made = read(keys); });
+  node.guard_if_sound(before, [&] { made = read_type(keys); });
   joint.reject_unknown_keys();
   if (keys.a.found && keys.b.found) {
     if (keys.a.id == keys.b.id)
       joint.find("b")->problem("joins a body to itself");
-    else if (keys.a.sound && keys.b.sound && scene_.world.is_fixed(keys.a.id) && scene_.world.is_fixed(keys.b.id))
-      node.problem("joins two fixed bodies", scene_.world.name(keys.a.id) + ", " + scene_.world.name(keys.b.id));
+    else if (keys.a.sound && keys.b.sound && scene_.world.is_fixed(keys.a.id) &&
+             scene_.world.is_fixed(keys.b.id))
+      node.problem("joins two fixed bodies",
+                   scene_.world.name(keys.a.id) + ", " + scene_.world.name(keys.b.id));
   }
 
   const auto owner = path_of_joint_.find(name);
@@ -218,7 +218,7 @@ void SceneReader::read_joint(const JsonNode& node) {
                        (owner != path_of_joint_.end() ? owner->second : "a generated joint"));
   else if (!name.empty())
     path_of_joint_[name] = node.path();
-  if (!made || problems_.size() != before) return;
+  if (!made || !keys.a.found || !keys.b.found || problems_.size() != before) return;
   node.guard([&] {
     const JointId id = scene_.world.add_joint(name, made);
     path_of_joint_[scene_.world.name(id)] = node.path();
@@ -232,12 +232,12 @@ void SceneReader::read_force(const JsonNode& node) {
   JsonObject force(node);
   const auto type = force.required("type");
   if (!type) return;
-  const ForceReader read = type->choice(kForceTypes);
+  const ForceReader read_type = type->choice(kForceTypes);
   if (problems_.size() != before) return;
   std::shared_ptr<const Force> made;
-  node.guard_if_sound(before, [&] { made = read(*this, force); });
+  node.guard_if_sound(before, [&] { made = read_type(*this, force); });
   force.reject_unknown_keys();
-  if (problems_.size() == before) node.guard([&] { scene_.world.add_force(made); });
+  if (made && problems_.size() == before) node.guard([&] { scene_.world.add_force(made); });
 }
 
 }  // namespace taut

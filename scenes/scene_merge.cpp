@@ -66,10 +66,13 @@ void append_scene(Scene& scene, const Scene& block, const std::string& prefix, c
   }
   for (Probe probe : block.probes) {
     probe.name = prefix + probe.name;
+    for (const Probe& other : scene.probes)
+      if (other.name == probe.name) fail("probe", "name is already taken", probe.name);
     probe.body = moved(probe.body);
     if (probe.joint.index >= 0) probe.joint.index += first_joint;
     scene.probes.push_back(std::move(probe));
   }
+  scene.assemble = scene.assemble || block.assemble;
   for (const auto& [name, value] : block.parameters) scene.parameters[prefix + name] = value;
 }
 

@@ -45,6 +45,8 @@ class SceneReader {
   Scene scene_;
   std::unordered_map<std::string, std::string> path_of_body_, path_of_joint_;  // names of the file
   std::set<int> unsound_bodies_;
+  std::set<std::string> probe_names_;
+  bool has_unread_block_ = false;         // a generate block with problems: its names are not known
   std::vector<std::string> joint_paths_;  // by joint id; empty: its gap is not checked
 };
 
