@@ -19,13 +19,13 @@ const QuantityInfo& info(Quantity quantity) {
       {"position", "m", xyz},
       {"velocity", "m/s", xyz},
       {"orientation", "", {"w", "x", "y", "z"}},
-      {"angular_velocity", "rad/s", xyz},
-      {"reaction_force", "N", xyz},
-      {"reaction_torque", "N m", xyz},
+      {"angular-velocity", "rad/s", xyz},
+      {"reaction-force", "N", xyz},
+      {"reaction-torque", "N m", xyz},
       {"gap", "m", {"metres", "radians"}},
       {"energy", "J", {"kinetic", "potential"}},
       {"momentum", "N s", xyz},
-      {"angular_momentum", "N m s", xyz},
+      {"angular-momentum", "N m s", xyz},
   };
   return table[static_cast<std::size_t>(quantity)];
 }

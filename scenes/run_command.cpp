@@ -175,7 +175,7 @@ int run_command(const RunOptions& options) {
   const InterruptGuard guard;  // from before there is any output file
   Outputs outputs(options);
 
-  record.integrator = name_of(scene.settings.integrator);
+  record.integrator = name_of(scene.settings.integrator, kIntegratorNames);
   record.solver = simulator.solver_description();
   record.start(scene, meter.row_count(), total_energy(scene.world, scene.world.state()));
   add_warnings(record, scene.world);

@@ -28,11 +28,11 @@ void add_scene(CLI::App& command, std::string& scene, std::vector<std::string>& 
       ->type_name("KEY=VALUE");
 }
 
-template <typename Choice>
+template <typename Choice, std::size_t count>
 void add_choice(CLI::App& command, const std::string& option, std::optional<Choice>& value,
-                const taut::Names<Choice>& names, const std::string& description) {
+                const std::pair<const char*, Choice> (&names)[count], const std::string& description) {
   std::string all;
-  for (const auto& [name, choice] : names) all += (all.empty() ? "" : "|") + name;
+  for (const auto& [name, choice] : names) all += std::string(all.empty() ? "" : "|") + name;
   command
       .add_option_function<std::string>(
           option,
@@ -54,11 +54,11 @@ void add_run(CLI::App& app, Arguments& arguments) {
   run.add_option("--time", options.time, "time to simulate [s]; rounded to whole steps")
       ->type_name("SECONDS");
   run.add_option("--steps", options.steps, "number of steps, in place of --time")->type_name("NUMBER");
-  add_choice(run, "--integrator", options.integrator, taut::integrator_names(), "how a step is done");
-  add_choice(run, "--tension", options.tension, taut::tension_names(), "what is done where tension is stiff");
-  add_choice(run, "--drift-cure", options.drift_cure, taut::drift_cure_names(),
+  add_choice(run, "--integrator", options.integrator, taut::kIntegratorNames, "how a step is done");
+  add_choice(run, "--tension", options.tension, taut::kTensionNames, "what is done where tension is stiff");
+  add_choice(run, "--drift-cure", options.drift_cure, taut::kDriftCureNames,
              "what keeps the joints of a force-level integrator closed");
-  add_choice(run, "--factor", options.factor, taut::factor_names(), "how the system matrix is factored");
+  add_choice(run, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
   run.add_option("--report", options.report_file, "write a JSON report")->type_name("FILE");
   run.add_option("--csv", options.csv_file, "write the probes over time, a line per step")->type_name("FILE");
   run.add_option("--poses", options.poses_file, "write the poses of all bodies over time")->type_name("FILE");
