@@ -50,11 +50,14 @@ std::string joint_counts(const World& world) {
 int check_command(const std::string& name, const std::map<std::string, double>& parameters) {
   Scene scene = open_scene(name, parameters);
   World& world = scene.world;
+  Simulator simulator(world, scene.settings);
+  if (scene.assemble) {
+    const StepReport& report = simulator.assemble();
+    if (!report.ok()) std::cout << "problem: the joints cannot be closed: " << report.message << '\n';
+  }
   const std::vector<Problem> problems = world.validate();
   for (const Problem& problem : problems)
     std::cout << "problem: " << problem.subject << ": " << problem.message << '\n';
-
-  Simulator simulator(world, scene.settings);
   const RankReport rank = simulator.analyze_rank();
   std::cout << "scene           " << scene.name << '\n'
             << "bodies          " << world.moving_body_count() << " moving, "

@@ -138,6 +138,14 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
   }
 }
 
+/// Closes joints that may be open at the start.
+void assemble(Simulator& simulator, RunRecord& record) {
+  const StepReport& report = simulator.assemble();
+  if (report.ok()) return;
+  record.status = to_string(report.status);
+  record.message = "closing the joints at the start: " + report.message;
+}
+
 void add_warnings(RunRecord& record, const World& world) {
   for (const Problem& problem : world.validate())
     record.warnings.push_back(problem.subject + ": " + problem.message);
@@ -175,6 +183,7 @@ int run_command(const RunOptions& options) {
   const InterruptGuard guard;  // from before there is any output file
   Outputs outputs(options);
 
+  if (scene.assemble) assemble(simulator, record);
   record.integrator = name_of(scene.settings.integrator, kIntegratorNames);
   record.solver = simulator.solver_description();
   record.start(scene, meter.row_count(), total_energy(scene.world, scene.world.state()));
@@ -184,7 +193,7 @@ int run_command(const RunOptions& options) {
   try {
     outputs.header(recorder);
     outputs.sample(recorder, simulator);
-    run_steps(record, simulator, meter, recorder, outputs, options.quiet);
+    if (record.status == "success") run_steps(record, simulator, meter, recorder, outputs, options.quiet);
   } catch (const std::exception& error) {
     record.status = "error";
     record.message = error.what();
