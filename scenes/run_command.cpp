@@ -190,18 +190,17 @@ int run_command(const RunOptions& options) {
   add_warnings(record, scene.world);
 
   const auto start = Clock::now();
+  std::vector<double> last;
   try {
     outputs.header(recorder);
     outputs.sample(recorder, simulator);
     if (record.status == "success") run_steps(record, simulator, meter, recorder, outputs, options.quiet);
+    last = recorder.sample(simulator);
   } catch (const std::exception& error) {
-    record.status = "error";
-    record.message = error.what();
+    if (record.status == "success") record.status = "error", record.message = error.what();
   }
   record.wall_time = seconds_since(start);
 
-  std::vector<double> last;
-  if (record.status != "error") last = recorder.sample(simulator);
   const std::string unwritten =
       outputs.finish(options, run_report(record, recorder, last, scene.world.state()));
   if (!options.quiet) std::cout << run_table(record) << std::flush;

@@ -24,6 +24,6 @@ echo "== pkg-config"
 PKG_CONFIG_PATH=$(dirname "$(find "$stage" -name taut.pc)")
 export PKG_CONFIG_PATH
 libdir=$(pkg-config --variable=libdir taut)
-# The flags are words, hence unquoted.
+# shellcheck disable=SC2046  # the flags are words
 "$cxx" -std=c++20 -O2 $(pkg-config --cflags taut) "$here/bridge.cpp" $(pkg-config --libs taut) -o "$build/outside/bridge_pc"
 LD_LIBRARY_PATH=$libdir${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} "$build/outside/bridge_pc"
