@@ -246,7 +246,7 @@ INSTANTIATE_TEST_SUITE_P(
                 {"/dev/null"}},
         Mistake{"missing_file", {"run", "no/such.json"}, {"no/such.json"}},
         Mistake{"parameters_of_a_file", {"run", "no/such.json", "--set", "n=3"}, {"--set", "no/such.json"}}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& mistake) { return std::string(mistake.param.name); });
 
 TEST(Program, ABadSceneFileIsRefusedWithThePlaceOfTheMistake) {
   const std::string file = temporary("bad.json");
