@@ -115,7 +115,8 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   refactored_ = false;
   close_velocities(h, report);
   if (settings_.report_energy) {
-    for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
+    for (int b = 0; b < world_.body_count(); ++b)
+      joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
     report.constraint_work += work(state_.poses, kicked_, momenta_, joint_impulse_);
   }
 
@@ -333,8 +334,9 @@ void Rattle::account_for_kick(StepReport& report) {
   report.stiffness_work += work(state_.poses, raw, kicked_, joint_impulse_);
 }
 
-/// Work of joint impulses j that act together with the other impulses of a kick from momenta p₀ to p₁ at one pose:
-/// Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of kinetic energy exactly.
+/// Work of joint impulses j that act together with the other impulses of a kick from momenta p₀ to p₁ at one
+/// pose: Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of
+/// kinetic energy exactly.
 double Rattle::work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
                     std::span<const Wrench> impulses) const {
   double sum = 0;
