@@ -68,7 +68,7 @@ double cone_volume(double radius, double height);
 
 /// A body as the user describes it.  The body frame sits at the centre of mass.
 struct BodySpec {
-  std::string name;
+  std::string name{};  ///< empty: the World makes one up
   MassProperties mass{1.0, Vec3(1, 1, 1)};
   Pose pose{};
   Twist twist{};
