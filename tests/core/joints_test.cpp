@@ -35,6 +35,28 @@ struct JointCase {
   friend void PrintTo(const JointCase& c, std::ostream* out) { *out << c.type; }
 };
 
+/// The example of core/README.md: a type that the library does not know.
+class PointOnLine final : public Joint {
+ public:
+  PointOnLine(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ)
+      : Joint(a, b), p_AP_(p_AP), axis_A_(axis_A), p_BQ_(p_BQ) {
+    require_all_finite("point-on-line anchor on A", p_AP);
+    require_all_finite("point-on-line anchor on B", p_BQ);
+    require_unit("point-on-line axis on A", axis_A);
+  }
+  std::string_view type() const override { return "point_on_line"; }
+  void append_rows(RowSink& rows) const override {
+    Vec3 u, v;
+    complete_frame(axis_A_, u, v);
+    rows.add(row_parts::PointInPlane{p_AP_, u, p_BQ_});
+    rows.add(row_parts::PointInPlane{p_AP_, v, p_BQ_});
+  }
+  Vec3 reaction_point_B() const override { return p_BQ_; }
+
+ private:
+  Vec3 p_AP_, axis_A_, p_BQ_;
+};
+
 template <typename AnyJoint>
 std::shared_ptr<const Joint> shared(const AnyJoint& joint) {
   return std::make_shared<const AnyJoint>(joint);
@@ -79,6 +101,16 @@ const JointCase kCases[] = {
        const Vec3 p = random.vector(2), q = p + random.uniform(1, 3) * random.unit();
        return {shared(Distance::between(world, kA, kB, p, q)),
                [=](const Pose& B, Random& r) { return turned(turned(B, r.rotation(), q), r.rotation(), p); }};
+     }},
+    {"point_on_line", 4,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), axis = random.unit();
+       const Pose &A = world.pose(kA), &B = world.pose(kB);
+       return {shared(PointOnLine(kA, kB, A.local(p), A.q.conjugate() * axis, B.local(p))),
+               [=](const Pose& now, Random& r) {
+                 const Pose on = turned(now, r.rotation(), p);
+                 return Pose{on.q, on.p + r.uniform(-3, 3) * axis};
+               }};
      }},
 };
 
