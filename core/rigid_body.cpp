@@ -22,6 +22,13 @@ void check_moments(const Vec3& moments) {
 /// The axis of a solid of revolution turned from body z to body x.
 Vec3 about_x(const Vec3& about_z) { return {about_z.z(), about_z.x(), about_z.y()}; }
 
+/// The shape of mass one comes first, so that a wrong length is named before its volume is used.
+MassProperties scaled(const MassProperties& unit, double volume, Density density) {
+  require_positive("density", density.value);
+  const double mass = density.value * volume;
+  return {mass, Vec3(mass * unit.principal_moments())};
+}
+
 }  // namespace
 
 MassProperties::MassProperties(double mass, const Vec3& principal_moments)
@@ -99,14 +106,6 @@ MassProperties MassProperties::cone(double radius, double height, double mass) {
   const double across = mass * (3.0 / 20 * radius * radius + 3.0 / 80 * height * height);
   return {mass, Vec3(across, across, 0.3 * mass * radius * radius)};
 }
-
-// From a density: the shape of mass one first, so that a wrong length is named before its volume is used.
-namespace {
-MassProperties scaled(const MassProperties& unit, double volume, Density density) {
-  require_positive("density", density.value);
-  return {density.value * volume, Vec3(density.value * volume * unit.principal_moments())};
-}
-}  // namespace
 
 MassProperties MassProperties::box(const Vec3& size, Density density) {
   return scaled(box(size, 1.0), box_volume(size), density);
