@@ -87,6 +87,7 @@ ForceId World::add_force(std::shared_ptr<const Force> force) {
   const bool needs_velocity = force->depends_on_velocity();
   forces_.push_back(std::move(force));
   velocity_forces_ = velocity_forces_ || needs_velocity;
+  ++state_version_;
   return {force_count() - 1};
 }
 
@@ -96,11 +97,13 @@ void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
   forces_[id.index] = std::move(force);
   velocity_forces_ =
       std::any_of(forces_.begin(), forces_.end(), [](const auto& f) { return f->depends_on_velocity(); });
+  ++state_version_;
 }
 
 void World::set_gravity(const Vec3& gravity) {
   require_all_finite("gravity", gravity);
   gravity_ = gravity;
+  ++state_version_;
 }
 
 BodyId World::body(std::string_view name) const {
@@ -120,11 +123,13 @@ void World::set_pose(BodyId id, const Pose& pose) {
   if (id == kGround) fail("pose of ground", "cannot be changed", pose.p.transpose());
   state_.poses[id.index] = pose;
   state_.poses[id.index].q.normalize();
+  ++state_version_;
 }
 
 void World::set_twist(BodyId id, const Twist& twist) {
   check_twist(name(id), twist, is_fixed(id));
   state_.twists[id.index] = twist;
+  ++state_version_;
 }
 
 void World::set_state(const State& state) {
@@ -148,6 +153,13 @@ void World::set_state(const State& state) {
     check_twist(body_names_[b], V, fixed_[b]);
   }
   state_ = state;
+  ++state_version_;
+}
+
+void World::set_time(double time) {
+  require_finite("time", time);
+  state_.time = time;
+  ++state_version_;
 }
 
 void World::forces(const State& state, std::span<Wrench> wrenches) const {

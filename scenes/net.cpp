@@ -1,0 +1,123 @@
+#include "scenes/net.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/joints/ball.h"
+#include "scenes/scene_parts.h"
+
+namespace taut {
+namespace {
+
+using namespace scene_parts;
+
+constexpr double kArc = 0.4;       ///< θ: half the angle of the arc [rad]
+constexpr double kHalfRod = 0.05;  ///< [m]
+
+/// The start surface.  A flat net pinned at the full distance of its corners would be a singular start, so
+/// the nodes lie on a translation surface of arcs, which keeps every rod at exactly 0.1 m:
+///   a(k) = R sin φ(k),  h(k) = R (cos θ − cos φ(k)),  φ(k) = θ (2k/(n−1) − 1)
+struct Surface {
+  Surface(int nodes, bool flag_shape)
+      : n(nodes), flag(flag_shape), radius(kHalfRod / std::sin(kArc / (nodes - 1))) {}
+  double angle(double k) const { return kArc * (2 * k / (n - 1) - 1); }
+  double along(int k) const { return radius * std::sin(angle(k)); }
+  double height(int k) const { return radius * (std::cos(kArc) - std::cos(angle(k))); }
+  Vec3 node(int i, int j) const {
+    if (flag) return {along(i), 2 * kHalfRod * j, height(i)};
+    return {along(i), along(j), height(i) + height(j)};
+  }
+  Pose x_rod(int i, int j) const {
+    Pose pose;
+    pose.p = (node(i, j) + node(i + 1, j)) / 2;
+    pose.q = exp_so3(Vec3(0, -angle(i + 0.5), 0));
+    return pose;
+  }
+  Pose y_rod(int i, int j) const {
+    Pose pose;
+    pose.p = (node(i, j) + node(i, j + 1)) / 2;
+    pose.q = exp_so3(Vec3(flag ? 0 : angle(j + 0.5), 0, 0)) * exp_so3(Vec3(0, 0, std::numbers::pi / 2));
+    return pose;
+  }
+  bool pinned(int i, int j) const { return (i == 0 || i == n - 1) && (flag ? j == 0 : j == 0 || j == n - 1); }
+  int n;
+  bool flag;
+  double radius;
+};
+
+/// Ids of the rods: x rods with j outer, then y rods with i outer.
+struct Rods {
+  explicit Rods(int nodes) : n(nodes) {}
+  BodyId x(int i, int j) const { return {1 + j * (n - 1) + i}; }
+  BodyId y(int i, int j) const { return {1 + n * (n - 1) + i * (n - 1) + j}; }
+  int n;
+};
+
+void add_rods(World& world, const Surface& surface) {
+  const MassProperties rod = thin_rod(2 * kHalfRod, 0.1);
+  const int n = surface.n;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n - 1; ++i)
+      world.add_body({.name = numbered("rod_x", i, j), .mass = rod, .pose = surface.x_rod(i, j)});
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n - 1; ++j)
+      world.add_body({.name = numbered("rod_y", i, j), .mass = rod, .pose = surface.y_rod(i, j)});
+}
+
+/// Joints of node (i, j): the first of the rod ends that meet there is the hub, held by the world if the node
+/// is pinned, and every other rod end hangs on the hub.
+void add_node(World& world, const Surface& surface, const Rods& rods, int i, int j) {
+  struct RodEnd {
+    BodyId rod;
+    Vec3 p;
+  } ends[4];
+  int count = 0;
+  const Vec3 end(kHalfRod, 0, 0);
+  const int last = surface.n - 1;
+  if (i > 0) ends[count++] = {rods.x(i - 1, j), end};
+  if (i < last) ends[count++] = {rods.x(i, j), -end};
+  if (j > 0) ends[count++] = {rods.y(i, j - 1), end};
+  if (j < last) ends[count++] = {rods.y(i, j), -end};
+
+  const RodEnd& hub = ends[0];
+  if (surface.pinned(i, j))
+    world.add(numbered("pin", i, j), Ball(kGround, hub.rod, surface.node(i, j), hub.p));
+  for (int e = 1; e < count; ++e)
+    world.add(numbered("node", i, j, e), Ball(hub.rod, ends[e].rod, hub.p, ends[e].p));
+}
+
+Scene build(const char* name, bool flag, const Parameters& parameters) {
+  const int n = static_cast<int>(parameters.at("n"));
+  Scene scene;
+  scene.name = name;
+  scene.parameters = parameters;
+  scene.duration = duration_for(n, {{5, 5.0}, {20, 2.0}, {40, 1.0}, {80, 0.5}});
+
+  const Surface surface(n, flag);
+  const Rods rods(n);
+  add_rods(scene.world, surface);
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) add_node(scene.world, surface, rods, i, j);
+
+  scene.energy_scale = fall_energy(scene.world, 2 * kHalfRod * (n - 1), scene.duration);
+  add_probe(scene, rods.x((n - 1) / 2, flag ? n - 1 : n / 2));
+  return scene;
+}
+
+Scene build_flag(const Parameters& parameters) { return build("net-flag", true, parameters); }
+Scene build_corners(const Parameters& parameters) { return build("net-corners", false, parameters); }
+
+/// With fewer than three nodes a pinned edge would be one rod held at both ends, which is redundant.
+ParameterInfo net_size(int nodes) { return size(nodes, 3, 500, "nodes along an edge"); }
+
+}  // namespace
+
+std::vector<SceneInfo> net_scenes() {
+  return {
+      {"net-flag", "n x n net of rods, pinned at two neighbouring corners", {net_size(20)}, build_flag},
+      {"net-corners", "n x n net of rods, pinned at its four corners", {net_size(20)}, build_corners},
+      {"net", "net-corners with 40 x 40 nodes", {net_size(40)}, build_corners},
+  };
+}
+
+}  // namespace taut

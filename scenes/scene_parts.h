@@ -1,0 +1,62 @@
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "scenes/scene.h"
+
+/// Small things that the builders share.
+namespace taut::scene_parts {
+
+using Parameters = std::map<std::string, double>;
+
+/// The size parameter that every builder has.
+inline ParameterInfo size(double default_value, double minimum, double maximum, std::string description) {
+  return {"n", default_value, "", std::move(description), minimum, maximum, true};
+}
+
+/// A solid cylinder of radius 1 cm along body x.
+inline MassProperties thin_rod(double length, double mass) { return MassProperties::rod(length, 0.01, mass); }
+
+/// One row of a table of durations: T holds from this size on, up to the next row.
+struct DurationFrom {
+  int size;
+  double duration;
+};
+/// T of the largest tabulated size that is not above n, and of the smallest one below that.
+template <std::size_t Count>
+double duration_for(int n, const DurationFrom (&table)[Count]) {
+  double duration = table[0].duration;
+  for (const DurationFrom& row : table)
+    if (n >= row.size) duration = row.duration;
+  return duration;
+}
+
+/// E_scale = M g min(h, g T²/2) [J]: what the moving mass M can at most turn into motion in T seconds when it
+/// has h metres to fall.
+inline double fall_energy(const World& world, double height, double duration) {
+  double mass = 0;
+  for (int b = 0; b < world.body_count(); ++b)
+    if (!world.is_fixed(BodyId{b})) mass += world.mass_properties(BodyId{b}).mass();
+  const double g = world.gravity().norm();
+  return mass * g * std::min(height, 0.5 * g * duration * duration);
+}
+
+/// The body position by which engines are compared.
+inline void add_probe(Scene& scene, BodyId body) {
+  Probe probe;
+  probe.name = "probe";
+  probe.quantity = Probe::Quantity::kPosition;
+  probe.body = body;
+  scene.probes.push_back(probe);
+}
+
+/// A name like node_3_4.
+template <typename... Index>
+std::string numbered(std::string stem, Index... index) {
+  ((stem += '_', stem += std::to_string(index)), ...);
+  return stem;
+}
+
+}  // namespace taut::scene_parts
