@@ -86,6 +86,7 @@ void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
   for (BodyId body : force->bodies())
     if (body.index < 0 || body.index >= body_count()) fail("force", "no such body", body.index);
   forces_[id.index] = std::move(force);
+  ++state_version_;
   velocity_forces_ = std::any_of(forces_.begin(), forces_.end(),
                                  [](const auto& f) { return f && f->depends_on_velocity(); });
 }
@@ -93,6 +94,7 @@ void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
 void World::set_gravity(const Vec3& gravity) {
   require_all_finite("gravity", gravity);
   gravity_ = gravity;
+  ++state_version_;
 }
 
 BodyId World::body(std::string_view name) const {
@@ -112,18 +114,27 @@ void World::set_pose(BodyId id, const Pose& pose) {
   if (id == kGround) fail("pose of ground", "cannot be changed", pose.p.transpose());
   state_.poses[id.index] = pose;
   state_.poses[id.index].q.normalize();
+  ++state_version_;
 }
 
 void World::set_twist(BodyId id, const Twist& twist) {
   check_twist(name(id), twist);
   if (is_fixed(id)) fail("velocity of " + name(id), "a fixed body cannot move", twist.v.transpose());
   state_.twists[id.index] = twist;
+  ++state_version_;
 }
 
 void World::set_state(const State& state) {
   if (state.poses.size() != state_.poses.size() || state.twists.size() != state_.twists.size())
     fail("state", "must have one pose and one twist per body", state.poses.size());
   state_ = state;
+  ++state_version_;
+}
+
+void World::set_time(double time) {
+  require_finite("time", time);
+  state_.time = time;
+  ++state_version_;
 }
 
 void World::forces(const State& state, std::span<Wrench> wrenches) const {

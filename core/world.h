@@ -80,6 +80,8 @@ class World {
   /// @throws std::invalid_argument if its sizes are not this world's.
   void set_state(const State& state);
 
+  void set_time(double time);
+
   /// Sum of gravity and all force laws on each body, about its centre of mass, world axes.  Fixed bodies get
   /// what the laws put on them.  `wrenches` has body_count() entries.
   void forces(const State& state, std::span<Wrench> wrenches) const;
@@ -92,6 +94,8 @@ class World {
 
   /// Changes whenever a body or joint is added; solvers rebuild their pattern then.
   int topology_version() const { return topology_version_; }
+  /// Changes whenever state, gravity or a force is set; solvers start afresh then.
+  int state_version() const { return state_version_; }
 
  private:
   int checked(BodyId id) const;
@@ -107,7 +111,7 @@ class World {
   Vec3 gravity_{0, 0, -9.81};
   bool velocity_forces_ = false;
   int moving_count_ = 0;
-  int topology_version_ = 0;
+  int topology_version_ = 0, state_version_ = 0;
 };
 
 }  // namespace taut

@@ -1,0 +1,154 @@
+#include "solvers/assembly.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace taut {
+namespace {
+
+constexpr int kMaxIterations = 60;
+/// Longest rotation of a body in one iteration [rad]; a Newton step beyond that means nothing.
+constexpr double kMaxTurn = 0.5;
+/// Joints with less than this part of the largest share do not belong to the contradiction.
+constexpr double kShare = 1e-3;
+constexpr std::size_t kMinimalSetLimit = 24;
+
+double max_abs(const std::vector<double>& values) {
+  double largest = 0;
+  for (double v : values) largest = std::isfinite(v) ? std::max(largest, std::abs(v)) : v * 0 + INFINITY;
+  return largest;
+}
+
+void move(const MassMatrix& mass, const std::vector<Wrench>& impulse, double scale,
+          std::vector<Pose>& poses) {
+  for (int b = 0; b < mass.size(); ++b) {
+    if (mass[b].fixed) continue;
+    const Vec3 turn = scale * mass.angular_velocity(b, poses[b], impulse[b].torque);
+    poses[b].p += scale * mass[b].inverse_mass * impulse[b].force;
+    poses[b].q = (exp_so3(turn) * poses[b].q).normalized();
+  }
+}
+
+double largest_turn(const MassMatrix& mass, const std::vector<Wrench>& impulse,
+                    const std::vector<Pose>& poses) {
+  double turn = 0;
+  for (int b = 0; b < mass.size(); ++b)
+    if (!mass[b].fixed) turn = std::max(turn, mass.angular_velocity(b, poses[b], impulse[b].torque).norm());
+  return turn;
+}
+
+/// Whether the rows of these joints alone leave a residual that no motion reduces: dense, for small sets.
+bool contradict(const ConstraintSystem& system, std::span<const double> phi, const std::vector<int>& joints) {
+  const Rows& rows = system.rows();
+  std::vector<int> row_of, joint_of;
+  for (int j : joints)
+    for (int i = 0; i < rows.joints()[j].row_count; ++i)
+      row_of.push_back(rows.joints()[j].first_row + i), joint_of.push_back(j);
+  const auto n = static_cast<Eigen::Index>(row_of.size());
+  std::map<int, Eigen::Index> column_of;  // the bodies that these joints touch
+  for (int j : joints)
+    for (int s = rows.joints()[j].first_side; s < rows.joints()[j].first_side + rows.joints()[j].side_count;
+         ++s)
+      column_of.emplace(rows.sides()[s].body, 6 * static_cast<Eigen::Index>(column_of.size()));
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(n, 6 * static_cast<Eigen::Index>(column_of.size()));
+  Eigen::VectorXd r(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Rows::JointRows& joint = rows.joints()[joint_of[i]];
+    r[i] = phi[row_of[i]];
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
+      const Rows::Side& side = rows.sides()[s];
+      if (system.mass()[side.body].fixed) continue;
+      const double* J = system.jacobian().data() + side.offset + 6 * (row_of[i] - joint.first_row);
+      const InverseMassRoot& A = system.mass_roots()[side.body];
+      const Eigen::Index column = column_of[side.body];
+      W.block<1, 3>(i, column) = Eigen::Map<const Eigen::RowVector3d>(J) * A.rotation;
+      W.block<1, 3>(i, column + 3) = Eigen::Map<const Eigen::RowVector3d>(J + 3) * A.translation;
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(W * W.transpose());
+  const double cutoff = 1e-9 * std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
+  double stuck = 0;
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (eigen.eigenvalues()[k] < cutoff) stuck += std::pow(eigen.eigenvectors().col(k).dot(r), 2);
+  return std::sqrt(stuck) > 0.05 * r.norm();
+}
+
+}  // namespace
+
+bool close_joints(ConstraintSystem& system, std::vector<Pose>& poses, double tolerance, StepReport& report) {
+  const int n = system.row_count();
+  std::vector<double> phi(n), delta(n);
+  std::vector<Wrench> impulse(system.mass().size());
+  std::vector<Pose> best = poses;
+  double best_gap = INFINITY;
+  int since_best = 0;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    system.rows().residual(poses, phi);
+    const double gap = max_abs(phi);
+    if (gap <= tolerance) return true;
+    if (gap < 0.9 * best_gap) {
+      best_gap = gap;
+      best = poses;
+      since_best = 0;
+    } else if (!std::isfinite(gap) || ++since_best > 10) {
+      break;
+    }
+    system.linearize(poses);
+    system.set_mass(poses);
+    system.factorize(report.times);
+    for (int r = 0; r < n; ++r) delta[r] = -phi[r];
+    system.solve(delta);
+    system.rows().apply_transpose(system.jacobian(), delta, impulse);
+    const double turn = largest_turn(system.mass(), impulse, poses);
+    if (!std::isfinite(turn)) break;
+    move(system.mass(), impulse, std::min(1.0, kMaxTurn / std::max(turn, 1e-300)), poses);
+    ++report.newton_iterations;
+  }
+  poses = best;
+  return false;
+}
+
+Contradiction find_contradiction(const World& world, ConstraintSystem& system, const std::vector<Pose>& poses,
+                                 StepReport& report) {
+  const int n = system.row_count();
+  std::vector<double> phi(n), inner(n), reachable(n);
+  system.linearize(poses);
+  system.set_mass(poses);
+  system.factorize(report.times);
+  system.rows().residual(poses, phi);
+  inner = phi;
+  system.solve(inner);
+  system.multiply(inner, reachable);
+
+  Contradiction found;
+  std::vector<double> share(world.joint_count(), 0.0);
+  double largest = 0, size = 0;
+  for (int r = 0; r < n; ++r) {
+    const double stuck = phi[r] - reachable[r];
+    double& s = share[system.rows().row(r).joint];
+    s = std::hypot(s, stuck);
+    largest = std::max(largest, s);
+    size = std::max(size, std::abs(phi[r]));
+  }
+  if (!(largest > 0.01 * size)) return found;  // every part of the gap could be closed
+  found.residual = largest;
+
+  std::vector<int> joints;
+  for (int j = 0; j < world.joint_count(); ++j)
+    if (share[j] > kShare * largest) joints.push_back(j);
+  std::stable_sort(joints.begin(), joints.end(), [&](int a, int b) { return share[a] > share[b]; });
+  if (joints.size() <= kMinimalSetLimit) {
+    // Deletion filter, the least involved first: whoever is not needed for the contradiction goes.
+    for (std::size_t k = joints.size(); k-- > 0;) {
+      std::vector<int> rest = joints;
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
+      if (!rest.empty() && contradict(system, phi, rest)) joints.swap(rest);
+    }
+  }
+  for (int j : joints) found.joints.push_back({j});
+  return found;
+}
+
+}  // namespace taut

@@ -1,0 +1,167 @@
+#include "solvers/constraint_system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/cholmod_factor.h"
+#include "solvers/stopwatch.h"
+
+namespace taut {
+namespace {
+
+/// ε of S_ε.  Dependent rows leave pivots of about ε S_ii; independent ones stay above kDependent S_ii.
+constexpr double kShift = 1e-11;
+constexpr double kDependent = 1e-8;
+/// Full-rank factorisations after which the shift is dropped again.
+constexpr int kStreak = 20;
+
+}  // namespace
+
+std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering) {
+  using Method = CholmodFactor::Method;
+  if (choice == FactorChoice::kAuto) {
+    // CHOLMOD's own switch: dense kernels pay from about 40 flops per entry of L.
+    const bool dense = ordering.nonzeros > 0 && ordering.flops / ordering.nonzeros >= 40;
+    choice = dense && CholmodFactor::has_supernodal() ? FactorChoice::kSupernodal : FactorChoice::kSimplicial;
+  }
+  switch (choice) {
+    case FactorChoice::kSupernodal:
+      return std::make_unique<CholmodFactor>(Method::kSupernodal);
+    default:
+      return std::make_unique<CholmodFactor>(Method::kSimplicial);
+  }
+}
+
+ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice) : rows_(world), mass_(world) {
+  {
+    const Stopwatch watch(analysis_time_);
+    const BlockOrdering ordering = order_blocks(joint_graph(rows_, mass_));
+    factor_ = make_factor(choice, ordering);
+    system_ = std::make_unique<SystemMatrix>(rows_, mass_, ordering, factor_->triangle());
+    factor_->analyze(system_->matrix());
+    counters_.analyses = 1;
+  }
+  const int n = rows_.row_count();
+  jacobian_.assign(rows_.jacobian_size(), 0.0);
+  weighted_.assign(rows_.jacobian_size(), 0.0);
+  roots_.resize(rows_.body_count());
+  ordered_.assign(n, 0.0);
+  scratch_.assign(n, 0.0);
+  pivots_.assign(n, 0.0);
+  body_scratch_.resize(rows_.body_count());
+  row_at_position_.resize(n);
+  for (int r = 0; r < n; ++r) row_at_position_[system_->position_of_row()[r]] = r;
+  dependent_rows_.reserve(n);
+}
+
+void ConstraintSystem::linearize(std::span<const Pose> poses) { rows_.jacobian(poses, jacobian_); }
+
+void ConstraintSystem::set_mass(std::span<const Pose> poses) {
+  for (int b = 0; b < mass_.size(); ++b) {
+    const MassMatrix::Body& body = mass_[b];
+    if (body.fixed) continue;
+    roots_[b].rotation = mass_.principal_axes(b, poses[b]) * body.inverse_moments.cwiseSqrt().asDiagonal();
+    roots_[b].translation = std::sqrt(body.inverse_mass) * Mat3::Identity();
+  }
+}
+
+void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
+  {
+    const Stopwatch watch(times.assembly);
+    system_->assemble(weighted_, std::max(compliance_, shifted_ ? kShift : 0));
+  }
+  const Stopwatch watch(times.factorization);
+  ++counters_.factorizations;
+  usable_ = factor_->factorize(system_->matrix()) < 0;
+  dependent_rows_.clear();
+  if (usable_) inspect_pivots();
+}
+
+void ConstraintSystem::factorize(StageTimes& times) {
+  {
+    const Stopwatch watch(times.assembly);
+    system_->weight(rows_, jacobian_, roots_, weighted_);
+  }
+  shifted_ = shift_next_;
+  assemble_and_factorize(times);
+  if (!shifted_ && (!usable_ || !dependent_rows_.empty())) {
+    shifted_ = shift_next_ = true;
+    assemble_and_factorize(times);
+  }
+  full_rank_streak_ = dependent_rows_.empty() ? full_rank_streak_ + 1 : 0;
+  if (full_rank_streak_ >= kStreak) shift_next_ = false;
+}
+
+void ConstraintSystem::inspect_pivots() {
+  factor_->pivots(pivots_);
+  double smallest = 1, largest = 0;
+  const std::span<const int> diagonal = system_->diagonal();
+  const std::vector<double>& values = system_->matrix().values;
+  for (std::size_t i = 0; i < pivots_.size(); ++i) {
+    const double ratio = pivots_[i] / values[diagonal[i]];
+    if (!(ratio > kDependent)) {
+      dependent_rows_.push_back(row_at_position_[i]);
+      continue;
+    }
+    smallest = std::min(smallest, ratio);
+    largest = std::max(largest, ratio);
+  }
+  condition_ = largest > 0 ? largest / smallest : 1;
+}
+
+void ConstraintSystem::backsolve(std::span<double> x) {
+  const std::span<const int> position = system_->position_of_row();
+  for (std::size_t r = 0; r < x.size(); ++r) ordered_[position[r]] = x[r];
+  factor_->solve(ordered_);
+  for (std::size_t r = 0; r < x.size(); ++r) x[r] = ordered_[position[r]];
+  ++counters_.backsolves;
+}
+
+void ConstraintSystem::solve(std::span<double> x) {
+  if (!usable_) {
+    std::fill(x.begin(), x.end(), std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  backsolve(x);
+  if (!shifted_) return;
+  multiply(x, scratch_);
+  std::copy(scratch_.begin(), scratch_.end(), x.begin());
+  backsolve(x);
+}
+
+void ConstraintSystem::row_inertias(std::span<double> out) {
+  system_->weight(rows_, jacobian_, roots_, weighted_);
+  for (const Rows::Side& side : rows_.sides()) {
+    const bool first = &side == &rows_.sides()[rows_.joints()[side.joint].first_side];
+    for (int i = 0; i < side.row_count; ++i) {
+      const double own =
+          mass_[side.body].fixed
+              ? 0
+              : Eigen::Map<const Eigen::Matrix<double, 6, 1>>(weighted_.data() + side.offset + 6 * i)
+                    .squaredNorm();
+      double& sum = out[side.first_row + i];
+      sum = first ? own : sum + own;
+    }
+  }
+  for (double& s : out) s = s > 0 ? 1 / s : 0;
+}
+
+void ConstraintSystem::multiply(std::span<const double> x, std::span<double> out) {
+  rows_.apply_transpose(weighted_, x, body_scratch_);
+  for (int b = 0; b < mass_.size(); ++b)
+    if (mass_[b].fixed) body_scratch_[b] = {};
+  for (const Rows::JointRows& joint : rows_.joints()) {
+    for (int i = 0; i < joint.row_count; ++i) out[joint.first_row + i] = 0;
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
+      const Rows::Side& side = rows_.sides()[s];
+      const Wrench& f = body_scratch_[side.body];
+      const double* W = weighted_.data() + side.offset;
+      for (int i = 0; i < side.row_count; ++i, W += 6)
+        out[joint.first_row + i] += W[0] * f.torque[0] + W[1] * f.torque[1] + W[2] * f.torque[2] +
+                                    W[3] * f.force[0] + W[4] * f.force[1] + W[5] * f.force[2];
+    }
+  }
+}
+
+}  // namespace taut

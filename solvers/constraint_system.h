@@ -1,0 +1,107 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/rows.h"
+#include "solvers/factor.h"
+#include "solvers/mass_matrix.h"
+#include "solvers/settings.h"
+#include "solvers/step_report.h"
+#include "solvers/system_matrix.h"
+
+namespace taut {
+
+/// How often the expensive things were done.
+struct WorkCounters {
+  int analyses = 0, factorizations = 0, backsolves = 0;
+};
+
+/// The joints of a world as one linear system: Jacobian, S = J M⁻¹ Jᵀ, its factor, and solves that survive
+/// dependent rows.
+///
+/// If S is singular to working precision, S_ε = S + ε diag(S) is factored instead and solve() applies
+///     z = S_ε⁻¹ S S_ε⁻¹ r,
+/// which agrees with the pseudo-inverse to O(ε) on the range of S and is O(round-off / ε) of r on its null
+/// space: the multipliers are those of least norm and dependent rows get no share that grows like 1/ε.
+/// (solvers/README, "Rank")
+class ConstraintSystem {
+ public:
+  ConstraintSystem(const World& world, FactorChoice choice);
+
+  const Rows& rows() const { return rows_; }
+  const MassMatrix& mass() const { return mass_; }
+  int row_count() const { return rows_.row_count(); }
+
+  /// J at these poses.
+  void linearize(std::span<const Pose> poses);
+  /// J given from outside, for instance a mean of two.
+  std::span<double> jacobian() { return jacobian_; }
+  std::span<const double> jacobian() const { return jacobian_; }
+  /// The usual roots of M⁻¹ at these poses …
+  void set_mass(std::span<const Pose> poses);
+  /// … or others.
+  std::span<InverseMassRoot> mass_roots() { return roots_; }
+  std::span<const InverseMassRoot> mass_roots() const { return roots_; }
+  /// Compliance of all rows as a fraction of their own S_rr (constraint force mixing); 0 at first.
+  void set_compliance(double fraction) { compliance_ = fraction; }
+  /// S from J and the roots, and its factor.  Sets rank_deficiency() and condition_estimate().
+  void factorize(StageTimes& times);
+
+  /// False if not even S_ε could be factored (values that are not finite); solve() then gives NaN.
+  bool usable() const { return usable_; }
+
+  /// x ← S⁺ x, one entry per row.
+  void solve(std::span<double> x);
+  /// x ← S_ε⁻¹ x: one back-solve with whatever was factored.
+  void solve_shifted(std::span<double> x) { backsolve(x); }
+  /// out = S x through W: (W Wᵀ) x.
+  void multiply(std::span<const double> x, std::span<double> out);
+
+  /// 1 / S_rr of each row: the inertia that it feels on its own.
+  void row_inertias(std::span<double> out);
+
+  /// Dependent rows that the last factorisation met, and which (row indices).
+  int rank_deficiency() const { return static_cast<int>(dependent_rows_.size()); }
+  std::span<const int> dependent_rows() const { return dependent_rows_; }
+  bool singular() const { return shifted_; }
+  /// (largest / smallest pivot) of the independent rows, each relative to its S_ii: a lower bound of the
+  /// condition of the scaled S.
+  double condition_estimate() const { return condition_; }
+
+  const WorkCounters& counters() const { return counters_; }
+  void reset_counters() { counters_ = {}; }
+  double analysis_time() const { return analysis_time_; }
+  const SymmetricMatrix& matrix() const { return system_->matrix(); }
+  std::span<const int> position_of_row() const { return system_->position_of_row(); }
+  const Factor& factor() const { return *factor_; }
+
+ private:
+  void assemble_and_factorize(StageTimes& times);
+  void inspect_pivots();
+  void backsolve(std::span<double> x);
+
+  Rows rows_;
+  MassMatrix mass_;
+  std::unique_ptr<SystemMatrix> system_;
+  std::unique_ptr<Factor> factor_;
+  std::vector<double> jacobian_, weighted_;
+  std::vector<InverseMassRoot> roots_;
+  std::vector<double> ordered_, scratch_, pivots_;
+  std::vector<Wrench> body_scratch_;
+  std::vector<int> row_at_position_, dependent_rows_;
+  bool usable_ = false;
+  bool shifted_ = false;     // the present factor is that of S_ε
+  bool shift_next_ = false;  // start the next factorisation with the shift
+  int full_rank_streak_ = 0;
+  double condition_ = 1, compliance_ = 0;
+  double analysis_time_ = 0;
+  WorkCounters counters_;
+};
+
+/// The factor for a setting; kAuto chooses by the work ahead.
+std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering);
+
+}  // namespace taut

@@ -1,0 +1,36 @@
+#include "solvers/mass_matrix.h"
+
+#include <cmath>
+
+namespace taut {
+namespace {
+
+/// The axis about which the inertia is symmetric, to round-off.
+int symmetry_axis(const Vec3& moments) {
+  const auto equal = [&](int i, int j) { return std::abs(moments[i] - moments[j]) <= 4e-16 * moments[i]; };
+  if (equal(1, 2)) return 0;
+  if (equal(0, 2)) return 1;
+  if (equal(0, 1)) return 2;
+  return -1;
+}
+
+}  // namespace
+
+MassMatrix::MassMatrix(const World& world) {
+  bodies_.resize(world.body_count());
+  for (int i = 0; i < world.body_count(); ++i) {
+    const MassProperties& mass = world.mass_properties(BodyId{i});
+    Body& body = bodies_[i];
+    body.fixed = world.is_fixed(BodyId{i});
+    body.mass = mass.mass();
+    body.moments = mass.principal_moments();
+    body.q_BP = mass.q_BP();
+    body.principal = mass.body_axes_are_principal();
+    body.symmetry_axis = symmetry_axis(body.moments);
+    if (body.fixed) continue;
+    body.inverse_mass = 1 / body.mass;
+    body.inverse_moments = body.moments.cwiseInverse();
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,350 @@
+#include "solvers/rattle.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/force_level.h"
+#include "solvers/free_flow.h"
+#include "solvers/stopwatch.h"
+#include "solvers/tension.h"
+
+namespace taut {
+namespace {
+
+/// Newton is given up (or restarted with a fresh factor) when an iteration takes away less than this part.
+constexpr double kSlow = 0.6;
+/// Multipliers off their prediction by more than this part are checked against the tension limit before they
+/// are accepted.
+constexpr double kSurprise = 0.25;
+/// Leeway on the limit for such a check: the limit itself has a safety factor of about 3 against instability
+/// at ω h = 2.
+constexpr double kLeeway = 1.5;
+constexpr int kMaxVelocityPasses = 6;
+constexpr int kMaxForcePasses = 8;
+
+double max_abs(std::span<const double> values) {
+  double largest = 0;
+  for (double v : values) {
+    if (std::isnan(v)) return std::numeric_limits<double>::infinity();
+    largest = std::max(largest, std::abs(v));
+  }
+  return largest;
+}
+
+Wrench operator+(const Wrench& a, const Wrench& b) { return {a.torque + b.torque, a.force + b.force}; }
+Wrench operator-(const Wrench& a, const Wrench& b) { return {a.torque - b.torque, a.force - b.force}; }
+Wrench operator*(double s, const Wrench& a) { return {s * a.torque, s * a.force}; }
+
+}  // namespace
+
+Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
+    : world_(world), system_(system), settings_(settings) {
+  const int bodies = world.body_count(), rows = system.row_count();
+  for (auto* wrenches : {&momenta_, &forces_, &free_momenta_, &kicked_, &joint_impulse_})
+    wrenches->resize(bodies);
+  for (auto* values : {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_,
+                       &force_multipliers_, &asymmetry_, &last_asymmetry_})
+    values->assign(rows, 0.0);
+  start_jacobian_.resize(system.jacobian().size());
+  stiffness_.resize(bodies);
+  filter_rotation_.resize(bodies);
+  filter_translation_.resize(bodies);
+}
+
+void Rattle::start(const State& state, StepReport& report) {
+  state_ = state;
+  poses_ = state.poses;
+  history_ = 0;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const MassMatrix::Body& body = system_.mass()[b];
+    const Twist& V = state_.twists[b];
+    if (!body.fixed)
+      momenta_[b] = {system_.mass().angular_momentum(b, state_.poses[b], V.w), body.mass * V.v};
+  }
+  system_.linearize(state_.poses);
+  system_.set_mass(state_.poses);
+  system_.factorize(report.times);
+  const Stopwatch watch(report.times.velocities);
+  project_momenta(report, mu_);
+  world_.forces(state_, forces_);
+
+  // Multipliers of the acceleration equation S λ = −(γ + J M⁻¹ (f − ω × Iω)): the first prediction.
+  system_.rows().bias(state_.poses, state_.twists, force_multipliers_);
+  accelerations_.resize(world_.body_count());
+  free_accelerations(system_.mass(), state_, forces_, accelerations_);
+  system_.rows().apply(system_.jacobian(), accelerations_, delta_);
+  for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = -(force_multipliers_[r] + delta_[r]);
+  system_.solve(force_multipliers_);
+  update_step_limit(force_multipliers_);
+}
+
+Rattle::Outcome Rattle::advance(double h, StepReport& report) {
+  implicit_ =
+      settings_.tension == TensionPolicy::kImplicit && omega_ * std::abs(h) > settings_.max_tension_number;
+  if (implicit_) {
+    prepare_stiffness(h);
+    system_.factorize(report.times);
+  }
+  {
+    const Stopwatch watch(report.times.positions);
+    for (int b = 0; b < world_.body_count(); ++b) free_momenta_[b] = momenta_[b] + 0.5 * h * forces_[b];
+    predict_multipliers(h);
+  }
+  if (!close_positions(h, report)) {
+    restore(report);
+    return Outcome::kStalled;
+  }
+  if (settings_.tension == TensionPolicy::kSubstep && surprised_) {
+    for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = 2 / h * lambda_[r];
+    update_step_limit(force_multipliers_);
+    if (std::abs(h) > kLeeway * step_limit_) {
+      restore(report);
+      return Outcome::kUnstable;
+    }
+  }
+  report.tension_number = std::max(report.tension_number, omega_ * std::abs(h));
+  if (settings_.report_energy) account_for_kick(report);
+
+  std::swap(state_.poses, poses_);  // poses_ now holds the old ones
+  state_.time += h;
+  system_.linearize(state_.poses);
+  system_.set_mass(state_.poses);
+  system_.factorize(report.times);
+  refactored_ = false;
+  close_velocities(h, report);
+  if (settings_.report_energy) {
+    for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
+    report.constraint_work += work(state_.poses, kicked_, momenta_, joint_impulse_);
+  }
+
+  const double scale = history_ > 0 ? h / last_h_ : 1;
+  for (int r = 0; r < system_.row_count(); ++r) {
+    impulses_[r] += lambda_[r] + mu_[r];
+    force_multipliers_[r] = 2 / h * mu_[r];
+    last_asymmetry_[r] = asymmetry_[r];
+    asymmetry_[r] = (lambda_[r] - scale * start_mu_[r]) / (h * h);
+    start_mu_[r] = mu_[r];
+  }
+  history_ = std::min(history_ + 1, 3);
+  last_h_ = h;
+  ++report.substeps;
+  const Stopwatch watch(report.times.velocities);
+  update_step_limit(force_multipliers_);
+  return Outcome::kDone;
+}
+
+void Rattle::restore(StepReport& report) {
+  if (!refactored_ && !implicit_) return;
+  if (refactored_) std::copy(start_jacobian_.begin(), start_jacobian_.end(), system_.jacobian().begin());
+  system_.set_mass(state_.poses);
+  system_.factorize(report.times);
+  refactored_ = implicit_ = false;
+}
+
+/// λ is the μ at the same instant plus an asymmetry of order h², which is extrapolated: the error of the
+/// prediction is of order h⁴.  With dependent rows λ starts from 0 instead: a component that is in the null
+/// space of this J need not be in that of the next, and would grow from step to step.
+void Rattle::predict_multipliers(double h) {
+  const int rows = system_.row_count();
+  if (system_.singular()) {
+    std::fill(lambda_.begin(), lambda_.end(), 0.0);
+  } else if (history_ == 0) {
+    for (int r = 0; r < rows; ++r) lambda_[r] = 0.5 * h * force_multipliers_[r];
+  } else {
+    const double scale = h / last_h_, h2 = h * h;
+    const double a = history_ >= 3 ? 2 : history_ == 2 ? 1 : 0, b = history_ >= 3 ? -1 : 0;
+    for (int r = 0; r < rows; ++r)
+      lambda_[r] = scale * start_mu_[r] + h2 * (a * asymmetry_[r] + b * last_asymmetry_[r]);
+  }
+}
+
+void Rattle::kick_and_drift(double h) {
+  const std::span<const double> J =
+      refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian();
+  system_.rows().apply_transpose(J, lambda_, joint_impulse_);
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const MassMatrix::Body& body = system_.mass()[b];
+    if (body.fixed) continue;
+    kicked_[b] = {free_momenta_[b].torque + joint_impulse_[b].torque,
+                  free_momenta_[b].force + joint_impulse_[b].force};
+    if (implicit_) {
+      kicked_[b].torque = filter_rotation_[b] * kicked_[b].torque;
+      kicked_[b].force = filter_translation_[b] * kicked_[b].force;
+    }
+    poses_[b] = free_flow(body, state_.poses[b], kicked_[b].torque, kicked_[b].force, h);
+  }
+}
+
+bool Rattle::close_positions(double h, StepReport& report) {
+  double last = std::numeric_limits<double>::infinity(), correction = 0;
+  for (int iteration = 0;; ++iteration) {
+    {
+      const Stopwatch watch(report.times.positions);
+      kick_and_drift(h);
+      system_.rows().residual(poses_, phi_);
+    }
+    const double gap = max_abs(phi_);
+    if (gap <= settings_.position_tolerance) break;
+    if (!std::isfinite(gap) || iteration >= settings_.max_newton_iterations) return false;
+    if (iteration > 0 && gap > kSlow * last) {
+      if (refactored_ || gap > 10 * last) return false;
+      refactor_at_iterate(report);
+    }
+    last = gap;
+    const Stopwatch watch(report.times.positions);
+    for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -phi_[r] / h;
+    system_.solve(delta_);
+    for (int r = 0; r < system_.row_count(); ++r) lambda_[r] += delta_[r];
+    correction += max_abs(delta_);
+    ++report.newton_iterations;
+  }
+  surprised_ = correction > kSurprise * max_abs(lambda_);
+  return true;
+}
+
+/// The true derivative of φ(q₁) is h J(q₁) M⁻¹ J(q₀)ᵀ; S of the mean Jacobian is its symmetric neighbour of
+/// least error.
+void Rattle::refactor_at_iterate(StepReport& report) {
+  std::copy(system_.jacobian().begin(), system_.jacobian().end(), start_jacobian_.begin());
+  system_.linearize(poses_);
+  std::span<double> J = system_.jacobian();
+  for (std::size_t i = 0; i < J.size(); ++i) J[i] = 0.5 * (J[i] + start_jacobian_[i]);
+  system_.factorize(report.times);
+  refactored_ = true;
+  ++report.refactorizations;
+}
+
+void Rattle::close_velocities(double h, StepReport& report) {
+  {
+    const Stopwatch watch(report.times.forces);
+    // Velocity-dependent laws see the velocities at the middle of the step first.
+    if (world_.forces_depend_on_velocity()) {
+      std::swap(momenta_, kicked_);
+      twists_from_momenta();
+      std::swap(momenta_, kicked_);
+    }
+    world_.forces(state_, forces_);
+  }
+  const Stopwatch watch(report.times.velocities);
+  for (int pass = 0;; ++pass) {
+    for (int b = 0; b < world_.body_count(); ++b)
+      momenta_[b] = {kicked_[b].torque + 0.5 * h * forces_[b].torque,
+                     kicked_[b].force + 0.5 * h * forces_[b].force};
+    project_momenta(report, mu_);
+    if (!world_.forces_depend_on_velocity() || pass >= kMaxForcePasses) break;
+    // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.
+    std::swap(forces_, joint_impulse_);
+    world_.forces(state_, forces_);
+    double change = 0, size = 0;
+    for (int b = 0; b < world_.body_count(); ++b) {
+      change = std::max({change, (forces_[b].force - joint_impulse_[b].force).cwiseAbs().maxCoeff(),
+                         (forces_[b].torque - joint_impulse_[b].torque).cwiseAbs().maxCoeff()});
+      size =
+          std::max({size, forces_[b].force.cwiseAbs().maxCoeff(), forces_[b].torque.cwiseAbs().maxCoeff()});
+    }
+    if (!(change > 1e-13 * size)) break;
+  }
+}
+
+/// μ with J M⁻¹ (p + Jᵀμ) = 0, refined until |J V| is within its tolerance.
+void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
+  std::fill(mu.begin(), mu.end(), 0.0);
+  twists_from_momenta();
+  system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
+  for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
+    for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
+    system_.solve(delta_);
+    system_.rows().apply_transpose(system_.jacobian(), delta_, joint_impulse_);
+    for (int b = 0; b < world_.body_count(); ++b) {
+      if (system_.mass()[b].fixed) continue;
+      momenta_[b] = momenta_[b] + joint_impulse_[b];
+    }
+    twists_from_momenta();
+    system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
+    for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
+    report.velocity_residual = max_abs(velocity_rows_);
+    if (report.velocity_residual <= settings_.velocity_tolerance) break;
+  }
+}
+
+void Rattle::twists_from_momenta() {
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const MassMatrix::Body& body = system_.mass()[b];
+    if (body.fixed) continue;
+    state_.twists[b] = {system_.mass().angular_velocity(b, state_.poses[b], momenta_[b].torque),
+                        body.inverse_mass * momenta_[b].force};
+  }
+}
+
+/// The step that keeps ω h ≤ max_tension_number and every body's rotation below max_rotation.
+void Rattle::update_step_limit(std::span<const double> force_multipliers) {
+  step_limit_ = std::numeric_limits<double>::infinity();
+  omega_ = 0;
+  if (settings_.tension != TensionPolicy::kIgnore) {
+    for (StiffnessBlocks& block : stiffness_) block = {};
+    system_.rows().stiffness(state_.poses, force_multipliers, stiffness_);
+    omega_ = fastest_transverse_frequency(system_.mass(), state_.poses, stiffness_);
+    if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
+      step_limit_ = settings_.max_tension_number / omega_;
+  }
+  double spin2 = 0;
+  for (const Twist& V : state_.twists) spin2 = std::max(spin2, V.w.squaredNorm());
+  if (spin2 > 0) step_limit_ = std::min(step_limit_, settings_.max_rotation / std::sqrt(spin2));
+}
+
+/// M + h²/2 K in place of M for the kick before the drift [Tournier2015]: the positive part of the geometric
+/// stiffness K acts at the end of the drift instead of at its start, which is stable for any ω h.
+/// (solvers/README, "Tension")
+void Rattle::prepare_stiffness(double h) {
+  const auto positive_part = [](const Mat3& K) -> Mat3 {
+    Eigen::SelfAdjointEigenSolver<Mat3> eigen(K);
+    return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
+           eigen.eigenvectors().transpose();
+  };
+  const auto root_of_inverse = [](const Mat3& M) -> Mat3 {
+    const Eigen::LLT<Mat3> cholesky(M);
+    return cholesky.matrixU().solve(Mat3::Identity());
+  };
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const MassMatrix::Body& body = system_.mass()[b];
+    if (body.fixed) continue;
+    const Mat3 R = system_.mass().principal_axes(b, state_.poses[b]);
+    const Mat3 I = R * body.moments.asDiagonal() * R.transpose(), m = body.mass * Mat3::Identity();
+    const Mat3 I_h = I + 0.5 * h * h * positive_part(stiffness_[b].rotation);
+    const Mat3 m_h = m + 0.5 * h * h * positive_part(stiffness_[b].translation);
+    filter_rotation_[b] = I * I_h.inverse();
+    filter_translation_[b] = m * m_h.inverse();
+    system_.mass_roots()[b] = {root_of_inverse(I_h), root_of_inverse(m_h)};
+  }
+}
+
+void Rattle::account_for_kick(StepReport& report) {
+  if (!implicit_) {
+    report.constraint_work += work(state_.poses, momenta_, kicked_, joint_impulse_);
+    return;
+  }
+  // What the filter takes away is booked apart, as the work of an impulse of its own.
+  std::vector<Wrench>& raw = free_momenta_;
+  for (int b = 0; b < world_.body_count(); ++b) raw[b] = raw[b] + joint_impulse_[b];
+  report.constraint_work += work(state_.poses, momenta_, raw, joint_impulse_);
+  for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = kicked_[b] - raw[b];
+  report.stiffness_work += work(state_.poses, raw, kicked_, joint_impulse_);
+}
+
+/// Work of joint impulses j that act together with the other impulses of a kick from momenta p₀ to p₁ at one pose:
+/// Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of kinetic energy exactly.
+double Rattle::work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
+                    std::span<const Wrench> impulses) const {
+  double sum = 0;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (system_.mass()[b].fixed) continue;
+    const Twist mean{system_.mass().angular_velocity(b, poses[b], 0.5 * (from[b].torque + to[b].torque)),
+                     system_.mass()[b].inverse_mass * 0.5 * (from[b].force + to[b].force)};
+    sum += impulses[b].torque.dot(mean.w) + impulses[b].force.dot(mean.v);
+  }
+  return sum;
+}
+
+}  // namespace taut

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "core/world.h"
+#include "solvers/constraint_system.h"
+#include "solvers/settings.h"
+#include "solvers/step_report.h"
+
+namespace taut {
+
+/// RATTLE [Andersen1983] on rigid bodies, the default integrator.  One step of length h from (q₀, p₀), where
+/// p = (L, P) are the momenta in world axes and S(q₀) is already factored:
+///
+///   kick        p  = p₀ + h/2 f(q₀) + J(q₀)ᵀ λ
+///   drift       q₁ = free flow of (q₀, p) over h, with λ such that φ(q₁) = 0       (simplified Newton with
+///   S(q₀)) factor      S(q₁) kick        p₁ = p + h/2 f(q₁) + J(q₁)ᵀ μ, with μ such that J(q₁) M⁻¹ p₁ = 0
+///   (one solve)
+///
+/// The next step starts with the factor of S(q₁): one factorisation a step.        (solvers/README, "RATTLE")
+class Rattle {
+ public:
+  enum class Outcome { kDone, kStalled, kUnstable };
+
+  Rattle(const World& world, ConstraintSystem& system, const Settings& settings);
+
+  /// Takes over a state: factors S there, makes velocities tangent and estimates the multipliers.
+  void start(const State& state, StepReport& report);
+  /// One step of h ≠ 0 (negative in compositions).  kStalled: Newton did not close the positions; kUnstable:
+  /// the multipliers turned out to demand a smaller step.  The state is then the old one and the factor is
+  /// that of S(q₀) again.
+  [[nodiscard]] Outcome advance(double h, StepReport& report);
+
+  const State& state() const { return state_; }
+  /// Largest step that tension and rotation allow from here.
+  double step_limit() const { return step_limit_; }
+  /// φ at the last Newton iterate, for a diagnosis after kStalled.
+  std::span<const double> residual() const { return phi_; }
+  const std::vector<Pose>& trial_poses() const { return poses_; }
+  /// λ + μ, summed over the advances since clear_impulses(), for reactions.
+  std::span<const double> impulses() const { return impulses_; }
+  void clear_impulses() { std::fill(impulses_.begin(), impulses_.end(), 0.0); }
+
+ private:
+  void predict_multipliers(double h);
+  bool close_positions(double h, StepReport& report);
+  void kick_and_drift(double h);
+  void refactor_at_iterate(StepReport& report);
+  void close_velocities(double h, StepReport& report);
+  void project_momenta(StepReport& report, std::span<double> mu);
+  void twists_from_momenta();
+  void restore(StepReport& report);
+  void update_step_limit(std::span<const double> force_multipliers);
+  void prepare_stiffness(double h);
+  void account_for_kick(StepReport& report);
+  double work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
+              std::span<const Wrench> impulses) const;
+
+  const World& world_;
+  ConstraintSystem& system_;
+  const Settings& settings_;
+
+  State state_;                         // at the start of a step; twists are those of momenta_
+  std::vector<Wrench> momenta_;         // (L, P) at the start
+  std::vector<Wrench> forces_;          // at the start
+  std::vector<Pose> poses_;             // trial, end of the step
+  std::vector<Wrench> free_momenta_;    // p₀ + h/2 f
+  std::vector<Wrench> kicked_;          // p
+  std::vector<Wrench> joint_impulse_;   // Jᵀλ
+  std::vector<double> start_jacobian_;  // J(q₀) after a refactorisation elsewhere
+  std::vector<Twist> accelerations_;
+  bool refactored_ = false, surprised_ = false;
+
+  std::vector<double> lambda_, mu_, start_mu_, delta_, phi_, velocity_rows_, impulses_, force_multipliers_;
+  // λ − μ of the last two steps divided by h², for the prediction.
+  std::vector<double> asymmetry_, last_asymmetry_;
+  int history_ = 0;
+  double last_h_ = 0;
+
+  std::vector<StiffnessBlocks> stiffness_;
+  double omega_ = 0, step_limit_ = 0;
+  bool implicit_ = false;  // this step uses geometric stiffness
+  std::vector<Mat3> filter_rotation_, filter_translation_;
+};
+
+}  // namespace taut

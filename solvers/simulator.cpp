@@ -1,0 +1,358 @@
+#include "solvers/simulator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "core/check.h"
+#include "core/diagnostics.h"
+#include "solvers/assembly.h"
+#include "solvers/cholmod_factor.h"
+#include "solvers/composition.h"
+#include "solvers/constraint_system.h"
+#include "solvers/force_level.h"
+#include "solvers/rank_report.h"
+#include "solvers/rattle.h"
+#include "solvers/stopwatch.h"
+
+namespace taut {
+namespace {
+
+/// Joints shown by name in a message.
+constexpr std::size_t kShownJoints = 8;
+/// A sub-step that failed is followed by one this much shorter; each success lets the next grow again.
+constexpr double kShrink = 0.5, kGrow = 1.5;
+
+bool is_force_level(Integrator integrator) {
+  return integrator == Integrator::kForceEuler || integrator == Integrator::kForceRungeKutta;
+}
+
+void check_settings(const Settings& s) {
+  require_positive("settings position_tolerance", s.position_tolerance);
+  require_positive("settings velocity_tolerance", s.velocity_tolerance);
+  if (s.max_newton_iterations < 1)
+    fail("settings max_newton_iterations", "must be at least 1", s.max_newton_iterations);
+  if (s.max_substeps < 1) fail("settings max_substeps", "must be at least 1", s.max_substeps);
+  require_positive("settings max_tension_number", s.max_tension_number);
+  require_positive("settings max_rotation", s.max_rotation);
+  require_not_negative("settings erp", s.erp);
+  require_not_negative("settings cfm", s.cfm);
+  require_positive("settings penalty_frequency", s.penalty_frequency);
+  require_not_negative("settings penalty_damping_ratio", s.penalty_damping_ratio);
+}
+
+}  // namespace
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::kSuccess:
+      return "success";
+    case Status::kNotConverged:
+      return "not converged";
+    case Status::kContradiction:
+      return "contradiction";
+    case Status::kNotFinite:
+      return "not finite";
+  }
+  return "unknown";
+}
+
+class Simulator::Impl {
+ public:
+  Impl(World& world, const Settings& settings) : world_(world), settings_(settings) {
+    check_settings(settings);
+  }
+
+  void step(double dt);
+  void assemble();
+  void refresh();
+  Reaction reaction_from(JointId joint, std::span<const double> multipliers, double scale) const;
+  void compute_reactions();
+
+  World& world_;
+  Settings settings_;
+  StepReport report_;
+  std::unique_ptr<ConstraintSystem> system_;
+  std::unique_ptr<Rattle> rattle_;
+  std::unique_ptr<ForceLevel> force_level_;
+  int topology_version_ = -1, state_version_ = -1, reaction_version_ = -1;
+  std::vector<double> reaction_multipliers_, phi_, rates_;
+  std::vector<double> impulse_jacobian_;
+
+ private:
+  bool integrate(double dt);
+  void finish(double dt);
+  void diagnose_stall();
+  void count_work();
+  void set_failure(Status status, std::string message);
+};
+
+/// New topology: new pattern, order and symbolic factor.  New state: new start.
+void Simulator::Impl::refresh() {
+  if (topology_version_ != world_.topology_version()) {
+    rattle_.reset();
+    force_level_.reset();
+    system_ = std::make_unique<ConstraintSystem>(world_, settings_.factor);
+    if (is_force_level(settings_.integrator))
+      force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
+    else
+      rattle_ = std::make_unique<Rattle>(world_, *system_, settings_);
+    phi_.assign(system_->row_count(), 0.0);
+    rates_.assign(system_->row_count(), 0.0);
+    reaction_multipliers_.assign(system_->row_count(), 0.0);
+    topology_version_ = world_.topology_version();
+    state_version_ = -1;
+    report_.times.analysis = system_->analysis_time();
+  }
+  if (state_version_ == world_.state_version()) return;
+  if (force_level_) {
+    force_level_->start(world_.state());
+  } else {
+    system_->rows().residual(world_.state().poses, phi_);
+    const Gap gap = max_gap(system_->rows(), phi_);
+    if (std::max(gap.metres, gap.radians) > settings_.position_tolerance) {
+      std::vector<Pose> poses = world_.state().poses;
+      if (!close_joints(*system_, poses, settings_.position_tolerance, report_)) {
+        report_.contradiction = find_contradiction(world_, *system_, poses, report_);
+        set_failure(report_.contradiction.joints.empty() ? Status::kNotConverged : Status::kContradiction,
+                    "the joints cannot be closed at the start");
+        return;
+      }
+      State state = world_.state();
+      state.poses = poses;
+      world_.set_state(state);
+    }
+    rattle_->start(world_.state(), report_);
+  }
+  state_version_ = world_.state_version();
+}
+
+void Simulator::Impl::step(double dt) {
+  require_positive("step dt", dt);
+  report_ = {};
+  report_.dt = dt;
+  {
+    const Stopwatch watch(report_.times.total);
+    refresh();
+    if (report_.ok()) {
+      bool done = true;
+      if (force_level_) {
+        done = force_level_->advance(dt, report_);
+        if (!done) set_failure(Status::kNotFinite, "a force or the state is not finite");
+      } else {
+        rattle_->clear_impulses();
+        for (double fraction : composition_of(settings_.integrator))
+          if (done) done = integrate(fraction * dt);
+      }
+      if (done)
+        finish(dt);
+      else
+        state_version_ = -1;  // the world still has the state from before: start from there again
+    }
+    count_work();
+  }
+}
+
+/// Covers dt in as many sub-steps as tension, rotation and Newton's convergence ask for.
+bool Simulator::Impl::integrate(double dt) {
+  const double sign = dt < 0 ? -1 : 1;
+  double remaining = std::abs(dt), newton_limit = std::numeric_limits<double>::infinity();
+  const double smallest = remaining / settings_.max_substeps;
+  while (remaining > 0) {
+    const double limit = std::max(std::min(rattle_->step_limit(), newton_limit), smallest);
+    const double pieces = std::max(1.0, std::ceil(remaining / limit - 1e-9));
+    const double h = remaining / pieces;
+    switch (rattle_->advance(sign * h, report_)) {
+      case Rattle::Outcome::kDone:
+        remaining = pieces > 1 ? remaining - h : 0;
+        newton_limit *= kGrow;
+        break;
+      case Rattle::Outcome::kUnstable:
+        newton_limit = std::min(kShrink * h, rattle_->step_limit());
+        break;
+      case Rattle::Outcome::kStalled:
+        newton_limit = kShrink * h;
+        break;
+    }
+    if (newton_limit < smallest || report_.substeps > 4 * settings_.max_substeps) {
+      diagnose_stall();
+      return false;
+    }
+  }
+  return true;
+}
+
+void Simulator::Impl::diagnose_stall() {
+  const std::span<const double> phi = rattle_->residual();
+  if (std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); })) {
+    set_failure(Status::kNotFinite, "a force or the state is not finite");
+    return;
+  }
+  report_.contradiction = find_contradiction(world_, *system_, rattle_->trial_poses(), report_);
+  std::ostringstream message;
+  message << "positions could not be closed with sub-steps down to dt/" << settings_.max_substeps;
+  set_failure(report_.contradiction.joints.empty() ? Status::kNotConverged : Status::kContradiction,
+              message.str());
+}
+
+void Simulator::Impl::set_failure(Status status, std::string message) {
+  report_.status = status;
+  if (status == Status::kContradiction) {
+    std::ostringstream text;
+    text << message << "; these joints cannot hold together (" << report_.contradiction.residual
+         << " is left):";
+    const auto& joints = report_.contradiction.joints;
+    for (std::size_t i = 0; i < std::min(joints.size(), kShownJoints); ++i)
+      text << (i ? ", " : " ") << world_.joint(joints[i]).type() << " " << world_.name(joints[i]);
+    if (joints.size() > kShownJoints) text << " and " << joints.size() - kShownJoints << " more";
+    message = text.str();
+  }
+  report_.message = std::move(message);
+}
+
+/// The proof of quality, from the state that the user gets.
+void Simulator::Impl::finish(double dt) {
+  const State& state = force_level_ ? force_level_->state() : rattle_->state();
+  const double time = world_.time() + dt;
+  world_.set_state(state);
+  world_.set_time(time);
+  state_version_ = world_.state_version();
+  report_.time = time;
+  system_->rows().residual(state.poses, phi_);
+  report_.gap = max_gap(system_->rows(), phi_);
+  if (force_level_) {
+    system_->linearize(state.poses);
+    system_->rows().apply(system_->jacobian(), state.twists, rates_);
+    for (double rate : rates_)
+      report_.velocity_residual = std::max(report_.velocity_residual, std::abs(rate));
+  }
+  report_.rank_deficiency = system_->rank_deficiency();
+  report_.condition_estimate = system_->condition_estimate();
+  if (!settings_.report_energy) return;
+  report_.kinetic_energy = kinetic_energy(world_, state);
+  report_.potential_energy = world_.potential_energy(state);
+  report_.linear_momentum = linear_momentum(world_, state);
+  report_.angular_momentum = angular_momentum(world_, state);
+}
+
+void Simulator::Impl::count_work() {
+  report_.analyses = system_->counters().analyses;
+  report_.factorizations = system_->counters().factorizations;
+  report_.backsolves = system_->counters().backsolves;
+  system_->reset_counters();
+}
+
+void Simulator::Impl::assemble() {
+  report_ = {};
+  if (topology_version_ != world_.topology_version()) refresh();
+  std::vector<Pose> poses = world_.state().poses;
+  if (close_joints(*system_, poses, settings_.position_tolerance, report_)) {
+    State state = world_.state();
+    state.poses = poses;
+    world_.set_state(state);
+    refresh();
+    if (rattle_) world_.set_state(rattle_->state());
+    state_version_ = world_.state_version();
+    report_.time = world_.time();
+    system_->rows().residual(poses, phi_);
+    report_.gap = max_gap(system_->rows(), phi_);
+  } else if (report_.ok()) {
+    report_.contradiction = find_contradiction(world_, *system_, poses, report_);
+    set_failure(report_.contradiction.joints.empty() ? Status::kNotConverged : Status::kContradiction,
+                "the joints cannot be closed");
+  }
+  count_work();
+}
+
+/// λ of the acceleration equation in the present state, with a system of its own so that the integrator keeps
+/// its factor.
+void Simulator::Impl::compute_reactions() {
+  refresh();
+  if (reaction_version_ == world_.state_version()) return;
+  const State& state = world_.state();
+  StageTimes times;
+  ConstraintSystem system(world_, settings_.factor);
+  system.linearize(state.poses);
+  system.set_mass(state.poses);
+  system.factorize(times);
+  std::vector<Wrench> forces(world_.body_count());
+  std::vector<Twist> accelerations(world_.body_count());
+  world_.forces(state, forces);
+  free_accelerations(system.mass(), state, forces, accelerations);
+  std::vector<double> rates(system.row_count());
+  system.rows().bias(state.poses, state.twists, reaction_multipliers_);
+  system.rows().apply(system.jacobian(), accelerations, rates);
+  for (int r = 0; r < system.row_count(); ++r)
+    reaction_multipliers_[r] = -(reaction_multipliers_[r] + rates[r]);
+  // The least-norm solution, refined once where rows depend on each other.
+  std::vector<double> rhs = reaction_multipliers_, correction(rhs.size());
+  system.solve(reaction_multipliers_);
+  for (int pass = 0; pass < (system.singular() ? 3 : 1); ++pass) {
+    system.multiply(reaction_multipliers_, correction);
+    for (std::size_t r = 0; r < rhs.size(); ++r) correction[r] = rhs[r] - correction[r];
+    system.solve(correction);
+    for (std::size_t r = 0; r < rhs.size(); ++r) reaction_multipliers_[r] += correction[r];
+  }
+  reaction_version_ = world_.state_version();
+}
+
+Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> multipliers,
+                                        double scale) const {
+  const Joint& j = world_.joint(joint);
+  const Rows::JointRows& rows = system_->rows().joints()[joint.index];
+  const Rows::Side& side = system_->rows().sides()[rows.first_side + 1];
+  std::vector<double> jacobian(system_->jacobian().size());
+  system_->rows().jacobian(world_.state().poses, jacobian);
+  Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
+  for (int i = 0; i < rows.row_count; ++i)
+    wrench += scale * multipliers[rows.first_row + i] *
+              Eigen::Map<const Eigen::Matrix<double, 6, 1>>(jacobian.data() + side.offset + 6 * i);
+  Reaction reaction;
+  reaction.force = wrench.tail<3>();
+  reaction.torque = wrench.head<3>() - (world_.pose(j.b()).q * j.reaction_point_B()).cross(reaction.force);
+  return reaction;
+}
+
+Simulator::Simulator(World& world, const Settings& settings)
+    : impl_(std::make_unique<Impl>(world, settings)) {}
+Simulator::~Simulator() = default;
+Simulator::Simulator(Simulator&&) noexcept = default;
+
+const StepReport& Simulator::step(double dt) {
+  impl_->step(dt);
+  return impl_->report_;
+}
+const StepReport& Simulator::report() const { return impl_->report_; }
+
+Reaction Simulator::mean_reaction(JointId joint) const {
+  (void)impl_->world_.joint(joint);  // throws for an id that is not there
+  if (!impl_->system_ || impl_->report_.dt == 0) return {};
+  const std::span<const double> impulses = impl_->force_level_
+                                               ? std::span<const double>(impl_->force_level_->impulses())
+                                               : impl_->rattle_->impulses();
+  return impl_->reaction_from(joint, impulses, 1 / impl_->report_.dt);
+}
+
+Reaction Simulator::reaction(JointId joint) {
+  (void)impl_->world_.joint(joint);
+  impl_->compute_reactions();
+  return impl_->reaction_from(joint, impl_->reaction_multipliers_, 1);
+}
+
+RankReport Simulator::analyze_rank() { return taut::analyze_rank(impl_->world_, impl_->settings_); }
+
+const StepReport& Simulator::assemble() {
+  impl_->assemble();
+  return impl_->report_;
+}
+
+const World& Simulator::world() const { return impl_->world_; }
+const Settings& Simulator::settings() const { return impl_->settings_; }
+
+std::string Simulator::solver_description() const {
+  if (impl_->topology_version_ != impl_->world_.topology_version()) impl_->refresh();
+  return impl_->system_->factor().name() + ", " + blas_name();
+}
+
+}  // namespace taut

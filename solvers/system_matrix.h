@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/rows.h"
+#include "solvers/block_ordering.h"
+#include "solvers/factor.h"
+#include "solvers/mass_matrix.h"
+
+namespace taut {
+
+/// One node per joint; joints are neighbours if they share a moving body.
+BlockGraph joint_graph(const Rows& rows, const MassMatrix& mass);
+
+/// S = W Wᵀ = J M⁻¹ Jᵀ with W = J A, M⁻¹ = A Aᵀ.  Pattern and slot map are made once; assemble() is then one
+/// loop over pairs of sides that meet at a body, each of which knows where its block goes: no search, no
+/// allocation.
+class SystemMatrix {
+ public:
+  SystemMatrix(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering,
+               SymmetricMatrix::Triangle triangle);
+
+  /// W from J and the roots A of M⁻¹, laid out like the Jacobian values.
+  void weight(const Rows& rows, std::span<const double> jacobian, std::span<const InverseMassRoot> roots,
+              std::span<double> weighted) const;
+  /// Values of S from W, then every diagonal entry times (1 + shift).
+  void assemble(std::span<const double> weighted, double shift);
+
+  const SymmetricMatrix& matrix() const { return matrix_; }
+  /// Where row r of the joints stands in the order of elimination.
+  std::span<const int> position_of_row() const { return position_of_row_; }
+  /// Index of diagonal entry i (order of elimination) in the values.
+  std::span<const int> diagonal() const { return diagonal_; }
+
+ private:
+  /// Adds W_i W_jᵀ to the block that starts at `slot` with columns `stride` apart.
+  struct Product {
+    int slot, stride;
+    int offset_i, offset_j;
+    std::int8_t rows_i, rows_j;
+    bool first;  // the block's first product overwrites
+  };
+  void build_pattern(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering);
+
+  SymmetricMatrix matrix_;
+  std::vector<Product> products_;
+  std::vector<int> position_of_row_, diagonal_;
+};
+
+}  // namespace taut
