@@ -41,6 +41,8 @@ struct Scene {
   double energy_scale =
       0;  ///< E_scale by which energy drift is judged [J]; 0: kinetic + |potential| at the start
   std::vector<Probe> probes;
+  /// Joints may be open at the start: call Simulator::assemble() before the first step.
+  bool assemble = false;
 };
 
 /// One parameter of a builder.

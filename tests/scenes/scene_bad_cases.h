@@ -1,0 +1,252 @@
+#pragma once
+
+#include "tests/scenes/scene_file_cases.h"
+
+namespace taut::scene_file_cases {
+
+inline std::string top(const std::string& more) { return R"({"format": "taut-scene/1", )" + more + "}"; }
+inline std::string body(const std::string& keys) { return top(R"("bodies": [{)" + keys + "}]"); }
+inline std::string sound_body(const std::string& more) {
+  return body(R"("mass": 1, "inertia": [1, 1, 1], )" + more);
+}
+inline std::string joint(const std::string& keys) {
+  return two_bodies(R"("joints": [{"a": "P", "b": "Q", )" + keys + "}]");
+}
+inline std::string force(const std::string& keys) { return two_bodies(R"("forces": [{)" + keys + "}]"); }
+inline std::string probe(const std::string& keys) { return two_bodies(R"("probes": [{)" + keys + "}]"); }
+
+inline std::vector<BadScene> bad_top_level() {
+  const std::string known_settings =
+      R"("cfm", "drift_cure", "erp", "factor", "integrator", "max_newton_iterations", "max_rotation", )"
+      R"("max_substeps", "max_tension_number", "penalty_damping_ratio", "penalty_frequency", )"
+      R"("position_tolerance", "report_energy", "tension", "velocity_tolerance")";
+  return {
+      {"[]", "/", "must be an object", "[]"},
+      {"{}", "/", R"("format" is missing)", ""},
+      {R"({"format": "taut-scene/2"})", "/format", R"(must be "taut-scene/1")", R"("taut-scene/2")"},
+      {top(R"("name": 3)"), "/name", "must be a string that is not empty", "3"},
+      {top(R"("name": "")"), "/name", "must be a string that is not empty", R"("")"},
+      {top(R"("dt": -0.5)"), "/dt", "must be finite and positive", "-0.5"},
+      {top(R"("dt": 1e999)"), "/dt", "must be finite", "inf", false},
+      {top(R"("dt": -1e999)"), "/dt", "must be finite", "-inf", false},
+      {top(R"("dt": "1")"), "/dt", "must be a number", R"("1")"},
+      {top(R"("dt": 1, "dt": 1)"), "/dt", "this key is given twice in the same object", "", false},
+      {top(R"("duration": 0)"), "/duration", "must be finite and positive", "0"},
+      {top(R"("energy_scale": -1)"), "/energy_scale", "must be finite and not negative", "-1"},
+      {top(R"("assemble": 1)"), "/assemble", "must be true or false", "1"},
+      {top(R"("gravity": [0, 0])"), "/gravity", "must be an array of 3 numbers", "[0,0]"},
+      {top(R"("gravity": [0, null, 0])"), "/gravity/1", "must be a number", "null"},
+      {top(R"("bodies": {})"), "/bodies", "must be an array", "{}"},
+      {top(R"("bodies": [7])"), "/bodies/0", "must be an object", "7"},
+      {top(R"("a/b~c": {"x": 1e999})"), "/a~1b~0c",
+       R"(unknown key; known here are "$schema", "assemble", "bodies", "dt", "duration", "energy_scale", )"
+       R"("forces", "format", "generate", "gravity", "joints", "name", "probes", "settings")",
+       R"({"x":null})", false},
+      {top(R"("settings": {"integrator": "ratle"})"), "/settings/integrator",
+       R"(must be one of "rattle", "rattle4", "rattle6", "rattle8", "force-euler", "force-runge-kutta"; )"
+       R"(did you mean "rattle"?)",
+       R"("ratle")"},
+      {top(R"("settings": {"drift_cure": 2})"), "/settings/drift_cure",
+       R"(must be one of "none", "baumgarte", "velocity-impulse", "position-push", "penalty")", "2"},
+      {top(R"("settings": {"max_substeps": 1.5})"), "/settings/max_substeps",
+       "must be a positive whole number", "1.5"},
+      {top(R"("settings": {"max_substeps": 0})"), "/settings/max_substeps", "must be a positive whole number",
+       "0"},
+      {top(R"("settings": {"position_tolerance": 0})"), "/settings/position_tolerance",
+       "must be finite and positive", "0"},
+      {top(R"("settings": {"positon_tolerance": 1})"), "/settings/positon_tolerance",
+       "unknown key; known here are " + known_settings + R"(; did you mean "position_tolerance"?)", "1"},
+  };
+}
+
+inline std::vector<BadScene> bad_bodies() {
+  const std::string quaternion_length = "must be a quaternion of length 1 to 1e-09, its length is ";
+  return {
+      {body(R"("inertia": [1, 1, 1])"), "/bodies/0", R"(one of "mass", "density" is missing)", ""},
+      {body(R"("mass": 1)"), "/bodies/0", R"(one of "inertia", "shape" is missing)", ""},
+      {body(R"("fixed": true, "mass": 1)"), "/bodies/0", R"(one of "inertia", "shape" is missing)", ""},
+      {body(R"("mass": 0, "inertia": [1, 1, 1])"), "/bodies/0/mass", "must be finite and positive", "0"},
+      {body(R"("mass": -1, "inertia": [1, 1, 1])"), "/bodies/0/mass", "must be finite and positive", "-1"},
+      {body(R"("mass": 1e400, "inertia": [1, 1, 1])"), "/bodies/0/mass", "must be finite", "inf", false},
+      {body(R"("density": 1, "inertia": [1, 1, 1])"), "/bodies/0/density",
+       "needs a shape; give the mass with an inertia", "1"},
+      {sound_body(R"("density": 1)"), "/bodies/0/density", R"(only one of "mass", "density" may be given)",
+       "1"},
+      {body(R"("mass": 1, "inertia": [1, 1, 2.5])"), "/bodies/0/inertia",
+       "principal moments must obey the triangle inequality", "[1,1,2.5]", false},
+      {body(R"("mass": 1, "inertia": [1, 1, 0])"), "/bodies/0/inertia",
+       "principal moments must be finite and positive", "[1,1,0]"},
+      {body(R"("mass": 1, "inertia": [[1, 0, 0], [0, 1, 0], [0, 0, 2.5]])"), "/bodies/0/inertia",
+       "principal moments must obey the triangle inequality", "[[1,0,0],[0,1,0],[0,0,2.5]]", false},
+      {body(R"("mass": 1, "inertia": [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]])"), "/bodies/0/inertia",
+       "must be symmetric", "[[1,0.1,0],[0,1,0],[0,0,1]]", false},
+      {body(R"("mass": 1, "inertia": [[1, 0, 0]])"), "/bodies/0/inertia",
+       "must be 3 principal moments or a 3x3 matrix", "[[1,0,0]]"},
+      {body(R"("mass": 1, "inertia": 1)"), "/bodies/0/inertia", "must be 3 principal moments or a 3x3 matrix",
+       "1"},
+      {body(R"("mass": 1, "shape": {"type": "spere", "radius": 1})"), "/bodies/0/shape/type",
+       R"(must be one of "box", "sphere", "ellipsoid", "rod", "cylinder", "capsule", "cone"; )"
+       R"(did you mean "sphere"?)",
+       R"("spere")"},
+      {body(R"("mass": 1, "shape": {"type": "sphere"})"), "/bodies/0/shape", R"("radius" is missing)", ""},
+      {body(R"("mass": 1, "shape": {"type": "sphere", "radius": 0})"), "/bodies/0/shape/radius",
+       "must be finite and positive", "0"},
+      {body(R"("mass": 1, "shape": {"type": "sphere", "radius": 1, "height": 1})"), "/bodies/0/shape/height",
+       R"(unknown key; known here are "radius", "type")", "1"},
+      {body(R"("mass": 1, "shape": {"type": "box", "size": [1, 1, 0]})"), "/bodies/0/shape/size",
+       "must be 3 positive numbers", "[1,1,0]"},
+      {body(R"("density": 1e300, "shape": {"type": "sphere", "radius": 1e10})"), "/bodies/0/shape",
+       "mass: must be finite and positive", R"({"radius":10000000000.0,"type":"sphere"})", false},
+      {sound_body(R"("orientation": [1, 1, 0, 0])"), "/bodies/0/orientation",
+       quaternion_length + "1.414213562", "[1,1,0,0]", false},
+      {sound_body(R"("orientation": [1, 0, 0])"), "/bodies/0/orientation",
+       "must be a quaternion of 4 numbers w, x, y, z", "[1,0,0]"},
+      {sound_body(R"("orientation": 0)"), "/bodies/0/orientation",
+       "must be a quaternion [w, x, y, z], an axis with an angle, or roll, pitch and yaw", "0"},
+      {sound_body(R"("orientation": {"axis": [0, 0, 1]})"), "/bodies/0/orientation",
+       R"(one of "angle_deg", "angle_rad" is missing)", ""},
+      {sound_body(R"("orientation": {"axis": [0, 0, 0.5], "angle_deg": 1})"), "/bodies/0/orientation/axis",
+       "must have length 1 to 1e-09, its length is 0.5", "[0,0,0.5]", false},
+      {sound_body(R"("orientation": {"rpy_deg": [0, 0, 0], "rpy_rad": [0, 0, 0]})"),
+       "/bodies/0/orientation/rpy_rad", R"(only one of "rpy_deg", "rpy_rad" may be given)", "[0,0,0]"},
+      {sound_body(R"("velocity": [0, 0, 1e999])"), "/bodies/0/velocity/2", "must be finite", "inf", false},
+      {sound_body(R"("angular_velocity": [0, 0, 0], "angular_velocity_body": [0, 0, 0])"),
+       "/bodies/0/angular_velocity_body", "angular_velocity is given as well", "[0,0,0]"},
+      {body(R"("fixed": true, "velocity": [0, 0, 1])"), "/bodies/0", "a fixed body cannot have a velocity",
+       R"({"fixed":true,"velocity":[0,0,1]})", false},
+      {body(R"("name": "ground", "fixed": true)"), "/bodies/0/name", "name is already taken by the ground",
+       R"("ground")", false},
+      {top(R"("bodies": [{"name": "a", "fixed": true}, {"name": "a", "fixed": true}])"), "/bodies/1/name",
+       "name is already taken by /bodies/0", R"("a")", false},
+  };
+}
+
+inline std::vector<BadScene> bad_joints() {
+  const std::string open =
+      R"( must be closed at the start to 1e-06 m or rad, but has a gap; "assemble": true )"
+      "lets the simulator close it";
+  return {
+      {joint(R"("anchor": [0, 0, 0])"), "/joints/0", R"("type" is missing)", ""},
+      {joint(R"("type": "hing", "anchor": [0, 0, 0])"), "/joints/0/type",
+       R"(must be one of "ball", "hinge", "slider", "fixed", "universal", "distance"; did you mean "hinge"?)",
+       R"("hing")"},
+      {joint(R"("type": "ball")"), "/joints/0", R"("anchor" is missing)", ""},
+      {joint(R"("type": "ball", "anchor": [0, 0, 0], "axis": [0, 0, 1])"), "/joints/0/axis",
+       R"(unknown key; known here are "a", "anchor", "anchor_a", "anchor_b", "b", "frame", "name", "type")",
+       "[0,0,1]"},
+      {joint(R"("type": "ball", "anchor": [0, 0, 0], "anchor_a": [0, 0, 0])"), "/joints/0/anchor_a",
+       R"("anchor" is given as well)", "[0,0,0]"},
+      {joint(R"("type": "ball", "frame": "body", "anchor": [0, 0, 0])"), "/joints/0/anchor",
+       R"(is in the world's frame, but "frame" is "body"; give "anchor_a" and "anchor_b")", "[0,0,0]", false},
+      {joint(R"("type": "ball", "anchor_a": [0, 0, 0], "anchor_b": [0, 0, 0])"), "/joints/0",
+       R"("frame" is missing: "world" or "body" for "anchor_a")", ""},
+      {joint(R"("type": "ball", "frame": "body", "anchor_a": [0, 0, 0])"), "/joints/0",
+       R"("anchor_b" is missing)", ""},
+      {joint(R"("type": "ball", "frame": "bodies", "anchor": [0, 0, 0])"), "/joints/0/frame",
+       R"(must be one of "world", "body")", R"("bodies")"},
+      {joint(R"("type": "hinge", "anchor": [0, 0, 0])"), "/joints/0", R"("axis" is missing)", ""},
+      {joint(R"("type": "hinge", "anchor": [0, 0, 0], "axis": [0, 1, 1])"), "/joints/0/axis",
+       "must have length 1 to 1e-09, its length is 1.414213562", "[0,1,1]", false},
+      {joint(R"("type": "slider", "anchor": [0, 0, 0])"), "/joints/0", R"("axis" is missing)", ""},
+      {joint(R"("type": "universal", "anchor": [0, 0, 0], "axis_a": [0, 0, 1], "axis_b": [0, 1, 0])"),
+       "/joints/0", R"("frame" is missing: "world" or "body" for "axis_a")", ""},
+      {joint(R"("type": "distance", "anchor": [0, 0, 0])"), "/joints/0",
+       "distance length: must be finite and positive",
+       R"({"a":"P","anchor":[0,0,0],"b":"Q","type":"distance"})", false},
+      {joint(R"("type": "distance", "anchor": [0, 0, 0], "length": 0)"), "/joints/0/length",
+       "must be finite and positive", "0"},
+      {joint(R"("type": "distance", "frame": "body", "anchor_a": [0, 0, 0], "anchor_b": [0, 0, 0],
+                "length": 3)"),
+       "/joints/0", R"(distance "joint_0")" + open, "2 m", false},
+      {joint(R"("name": "j", "type": "ball", "frame": "body", "anchor_a": [0, 0, 0], "anchor_b": [0, 0, 0])"),
+       "/joints/0", R"(ball "j")" + open, "1 m", false},
+      {joint(
+           R"("name": "j", "type": "fixed", "anchor": [0, 0, 0], "orientation": {"rpy_deg": [0, 0, -89.5]})"),
+       "/joints/0", R"(fixed "j")" + open, "0.00872662 rad", false},
+      {two_bodies(R"("joints": [{"type": "ball", "a": "P", "anchor": [0, 0, 0]}])"), "/joints/0",
+       R"("b" is missing)", ""},
+      {two_bodies(R"("joints": [{"type": "ball", "a": "P", "b": "R", "anchor": [0, 0, 0]}])"), "/joints/0/b",
+       "there is no body of this name", R"("R")", false},
+      {two_bodies(R"("joints": [{"type": "ball", "a": "grond", "b": "P", "anchor": [0, 0, 0]}])"),
+       "/joints/0/a", R"(there is no body of this name; did you mean "ground"?)", R"("grond")", false},
+      {two_bodies(R"("joints": [{"type": "ball", "a": "P", "b": 1, "anchor": [0, 0, 0]}])"), "/joints/0/b",
+       "must be a string that is not empty", "1"},
+      {two_bodies(R"("joints": [{"type": "ball", "a": "P", "b": "P", "anchor": [0, 0, 0]}])"), "/joints/0/b",
+       "joins a body to itself", R"("P")", false},
+      {top(R"("bodies": [{"name": "wall", "fixed": true}], "joints": [{"type": "ball", "a": "ground",
+             "b": "wall", "anchor": [0, 0, 0]}])"),
+       "/joints/0", "joins two fixed bodies", "ground, wall", false},
+      {two_bodies(R"("joints": [{"name": "j", "type": "ball", "a": "ground", "b": "P", "anchor": [0, 0, 0]},
+             {"name": "j", "type": "ball", "a": "ground", "b": "Q", "anchor": [0, 0, 0]}])"),
+       "/joints/1/name", "name is already taken by /joints/0", R"("j")", false},
+      // A body with an error of its own still counts as there, and its joints are not blamed.
+      {top(R"("bodies": [{"name": "a", "mass": 0, "inertia": [1, 1, 1], "position": [5, 0, 0]}],
+             "joints": [{"type": "ball", "a": "ground", "b": "a", "frame": "body", "anchor_a": [5, 0, 1],
+             "anchor_b": [0, 0, 1]}])"),
+       "/bodies/0/mass", "must be finite and positive", "0"},
+  };
+}
+
+inline std::vector<BadScene> bad_forces_and_probes() {
+  return {
+      {force(R"("body": "P", "force": [0, 0, 1])"), "/forces/0", R"("type" is missing)", ""},
+      {force(R"("type": "callback", "body": "P")"), "/forces/0/type",
+       R"(must be one of "point-force", "torque", "spring-damper")", R"("callback")"},
+      {force(R"("type": "point-force", "body": "P")"), "/forces/0", R"("force" is missing)", ""},
+      {force(R"("type": "torque", "body": "X", "torque": [0, 0, 1])"), "/forces/0/body",
+       "there is no body of this name", R"("X")", false},
+      {force(R"("type": "torque", "body": "P", "torque": [0, 0, 1], "point": [0, 0, 1])"), "/forces/0/point",
+       R"(unknown key; known here are "body", "follows_body", "torque", "type")", "[0,0,1]"},
+      {force(R"("type": "spring-damper", "a": "P", "b": "Q", "anchor": [0, 0, 0], "stiffness": -1)"),
+       "/forces/0/stiffness", "must be finite and not negative", "-1"},
+      {probe(R"("name": "x", "quantity": "energie")"), "/probes/0/quantity",
+       R"(must be one of "position", "velocity", "orientation", "angular-velocity", "reaction-force", )"
+       R"("reaction-torque", "gap", "energy", "momentum", "angular-momentum"; did you mean "energy"?)",
+       R"("energie")"},
+      {probe(R"("quantity": "energy")"), "/probes/0", R"("name" is missing)", ""},
+      {probe(R"("name": "x", "quantity": "energy", "body": "P")"), "/probes/0/body",
+       R"(unknown key; known here are "name", "quantity")", R"("P")"},
+      {probe(R"("name": "x", "quantity": "gap")"), "/probes/0", R"("joint" is missing)", ""},
+      {probe(R"("name": "x", "quantity": "gap", "joint": "j")"), "/probes/0/joint",
+       "there is no joint of this name", R"("j")", false},
+      {probe(R"("name": "x", "quantity": "position", "body": "P", "point": [0])"), "/probes/0/point",
+       "must be an array of 3 numbers", "[0]"},
+      {probe(R"("name": "x", "quantity": "energy"}, {"name": "x", "quantity": "momentum")"), "/probes/1/name",
+       "name is already taken by another probe", R"("x")", false},
+  };
+}
+
+inline std::vector<BadScene> bad_blocks() {
+  const auto block = [](const std::string& keys) { return top(R"("generate": [{)" + keys + "}]"); };
+  return {
+      {block(R"("parameters": {})"), "/generate/0", R"("builder" is missing)", ""},
+      {block(R"("builder": "chain", "parameters": {"n": 2.5})"), "/generate/0/parameters/n",
+       "must be a whole number from 1 to 1e+06", "2.5", false},
+      {block(R"("builder": "chain", "parameters": {"n": -1})"), "/generate/0/parameters/n",
+       "must be a whole number from 1 to 1e+06", "-1", false},
+      {block(R"("builder": "chain", "parameters": {"n": "2"})"), "/generate/0/parameters/n",
+       "must be a number", R"("2")"},
+      {block(R"("builder": "chain", "parameters": {"m": 2})"), "/generate/0/parameters/m",
+       R"(unknown key; known here are "n")", "2", false},
+      {block(R"("builder": "chain", "prefix": "")"), "/generate/0/prefix",
+       "must be a string that is not empty", R"("")"},
+      {block(R"("builder": "chain", "parameters": {"n": 2}}, {"builder": "chain", "parameters": {"n": 2})"),
+       "/generate/1", "body: name is already taken", R"({"builder":"chain","parameters":{"n":2}})", false},
+      // Names of a block with problems are not known, so nothing that refers to them is blamed.
+      {top(R"("generate": [{"builder": "chain", "size": 3}], "joints": [{"type": "ball", "a": "rod_0",
+             "b": "rod_1", "anchor": [0, 0, 0]}])"),
+       "/generate/0/size",
+       R"(unknown key; known here are "builder", "orientation", "parameters", "position", "prefix")", "3"},
+  };
+}
+
+/// Texts with exactly one problem each.
+inline std::vector<BadScene> bad_scenes() {
+  std::vector<BadScene> all;
+  for (const auto& group :
+       {bad_top_level(), bad_bodies(), bad_joints(), bad_forces_and_probes(), bad_blocks()})
+    all.insert(all.end(), group.begin(), group.end());
+  return all;
+}
+
+}  // namespace taut::scene_file_cases

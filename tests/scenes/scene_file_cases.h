@@ -1,0 +1,85 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+/// Scene texts shared by the tests of the reader and of the schema.
+namespace taut::scene_file_cases {
+
+/// Bodies P at (1, 0, 0), turned by 90° about z, and Q at (2, 0, 0), with more keys at the top.
+inline std::string two_bodies(const std::string& more) {
+  return R"({"format": "taut-scene/1", "bodies": [
+      {"name": "P", "mass": 1, "inertia": [1, 1, 1], "position": [1, 0, 0],
+       "orientation": {"axis": [0, 0, 1], "angle_deg": 90}},
+      {"name": "Q", "mass": 1, "inertia": [1, 1, 1], "position": [2, 0, 0]}], )" +
+         more + "}";
+}
+
+/// Uses every key of the format.
+inline constexpr const char* kEverything = R"({
+  "$schema": "taut-scene.schema.json", "format": "taut-scene/1", "name": "everything",
+  "gravity": [0, 0, -1.62], "dt": 0.01, "duration": 3, "energy_scale": 12, "assemble": true,
+  "settings": {
+    "integrator": "force-runge-kutta", "position_tolerance": 1e-8, "velocity_tolerance": 1e-7,
+    "max_newton_iterations": 7, "max_substeps": 64, "tension": "implicit", "max_tension_number": 0.5,
+    "max_rotation": 0.25, "drift_cure": "position-push", "erp": 0.5, "cfm": 1e-9, "penalty_frequency": 30,
+    "penalty_damping_ratio": 0.7, "factor": "multifrontal", "report_energy": false},
+  "generate": [{"builder": "chain", "parameters": {"n": 2}, "prefix": "c/", "position": [0, 9, 0],
+                "orientation": [0, 0, 0, 1]}],
+  "bodies": [
+    {"name": "wall", "fixed": true, "position": [0, 0, 1]},
+    {"name": "moments", "mass": 2, "inertia": [1, 2, 2.5], "position": [1, 2, 3], "velocity": [4, 5, 6],
+     "angular_velocity": [7, 8, 9]},
+    {"name": "matrix", "fixed": false, "mass": 2, "inertia": [[1, 0.1, 0], [0.1, 2, 0], [0, 0, 2.5]]},
+    {"name": "box", "density": 100, "shape": {"type": "box", "size": [1, 2, 3]},
+     "orientation": {"axis": [0, 0, 1], "angle_deg": 90}, "angular_velocity_body": [2, 0, 0]},
+    {"name": "sphere", "mass": 2, "shape": {"type": "sphere", "radius": 0.5},
+     "orientation": {"rpy_deg": [90, 0, 90]}},
+    {"name": "ellipsoid", "mass": 2, "shape": {"type": "ellipsoid", "radii": [1, 2, 3]},
+     "orientation": {"rpy_rad": [0, 0, 1]}},
+    {"name": "rod", "mass": 2, "shape": {"type": "rod", "length": 2, "radius": 0.1}, "orientation": [0, 1, 0, 0]},
+    {"name": "cylinder", "mass": 2, "shape": {"type": "cylinder", "radius": 0.1, "length": 2},
+     "orientation": {"axis": [0, 0, 1], "angle_rad": 0.5}},
+    {"name": "capsule", "mass": 2, "shape": {"type": "capsule", "radius": 0.1, "length": 2}},
+    {"name": "cone", "mass": 2, "shape": {"type": "cone", "radius": 0.1, "height": 2}}
+  ],
+  "joints": [
+    {"name": "ball", "type": "ball", "a": "ground", "b": "c/rod_0", "anchor": [0, 0, 0]},
+    {"name": "hinge", "type": "hinge", "a": "rod", "b": "cone", "anchor": [0, 0, 0], "axis": [0, 1, 0]},
+    {"name": "slider", "type": "slider", "a": "wall", "b": "cone", "frame": "body", "anchor_a": [0, 0, 0],
+     "anchor_b": [0, 0, 0], "axis_a": [0, 1, 0], "orientation": [1, 0, 0, 0]},
+    {"name": "fixed", "type": "fixed", "a": "rod", "b": "box", "anchor": [0, 0, 0], "orientation": [1, 0, 0, 0]},
+    {"name": "universal", "type": "universal", "a": "rod", "b": "cone", "frame": "world", "anchor": [0, 0, 0],
+     "axis_a": [0, 1, 0], "axis_b": [0, 0, 1]},
+    {"name": "distance", "type": "distance", "a": "rod", "b": "cone", "frame": "world", "anchor_a": [0, 0, 0],
+     "anchor_b": [0, 1, 0], "length": 2}
+  ],
+  "forces": [
+    {"type": "point-force", "body": "rod", "point": [1, 0, 0], "force": [0, 0, 3], "follows_body": true},
+    {"type": "torque", "body": "rod", "torque": [0, 0, 3], "follows_body": false},
+    {"type": "spring-damper", "a": "rod", "b": "cone", "frame": "body", "anchor_a": [0, 0, 0],
+     "anchor_b": [0, 0, 0], "stiffness": 3, "rest_length": 0.5, "damping": 0.1},
+    {"type": "spring-damper", "a": "rod", "b": "cone", "anchor": [0, 0, 0], "stiffness": 3}
+  ],
+  "probes": [
+    {"name": "p0", "quantity": "position", "body": "rod", "point": [0.5, 0, 0]},
+    {"name": "p1", "quantity": "velocity", "body": "rod"},
+    {"name": "p2", "quantity": "orientation", "body": "rod"},
+    {"name": "p3", "quantity": "angular-velocity", "body": "c/rod_1"},
+    {"name": "p4", "quantity": "reaction-force", "joint": "ball"},
+    {"name": "p5", "quantity": "reaction-torque", "joint": "hinge"},
+    {"name": "p6", "quantity": "gap", "joint": "slider"},
+    {"name": "p7", "quantity": "energy"},
+    {"name": "p8", "quantity": "momentum"},
+    {"name": "p9", "quantity": "angular-momentum"}
+  ]
+})";
+
+/// A text with exactly one problem.
+struct BadScene {
+  std::string text;
+  std::string path, message, value;
+  bool schema_catches = true;  ///< whether the JSON Schema can see it
+};
+
+}  // namespace taut::scene_file_cases
