@@ -1,33 +1,7 @@
 #include "scenes/scene_reader.h"
+#include "scenes/setting_names.h"
 
 namespace taut {
-namespace {
-
-constexpr std::pair<const char*, Integrator> kIntegrators[] = {
-    {"rattle", Integrator::kRattle},          {"rattle4", Integrator::kRattle4},
-    {"rattle6", Integrator::kRattle6},        {"rattle8", Integrator::kRattle8},
-    {"force-euler", Integrator::kForceEuler}, {"force-runge-kutta", Integrator::kForceRungeKutta},
-};
-constexpr std::pair<const char*, DriftCure> kDriftCures[] = {
-    {"none", DriftCure::kNone},
-    {"baumgarte", DriftCure::kBaumgarte},
-    {"velocity-impulse", DriftCure::kVelocityImpulse},
-    {"position-push", DriftCure::kPositionPush},
-    {"penalty", DriftCure::kPenalty},
-};
-constexpr std::pair<const char*, TensionPolicy> kTensionPolicies[] = {
-    {"substep", TensionPolicy::kSubstep},
-    {"implicit", TensionPolicy::kImplicit},
-    {"ignore", TensionPolicy::kIgnore},
-};
-constexpr std::pair<const char*, FactorChoice> kFactorChoices[] = {
-    {"auto", FactorChoice::kAuto},
-    {"simplicial", FactorChoice::kSimplicial},
-    {"supernodal", FactorChoice::kSupernodal},
-    {"multifrontal", FactorChoice::kMultifrontal},
-};
-
-}  // namespace
 
 /// Every member of Settings under its own name; what is not given keeps its default.
 Settings read_settings(const JsonNode& node, const Settings& defaults) {
@@ -42,20 +16,20 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   const auto choice = [&](const char* key, const auto& table, auto& value) {
     if (const auto member = object.find(key)) value = member->choice(table);
   };
-  choice("integrator", kIntegrators, s.integrator);
+  choice("integrator", kIntegratorNames, s.integrator);
   number("position_tolerance", &JsonNode::positive, s.position_tolerance);
   number("velocity_tolerance", &JsonNode::positive, s.velocity_tolerance);
   integer("max_newton_iterations", s.max_newton_iterations);
   integer("max_substeps", s.max_substeps);
-  choice("tension", kTensionPolicies, s.tension);
+  choice("tension", kTensionNames, s.tension);
   number("max_tension_number", &JsonNode::positive, s.max_tension_number);
   number("max_rotation", &JsonNode::positive, s.max_rotation);
-  choice("drift_cure", kDriftCures, s.drift_cure);
+  choice("drift_cure", kDriftCureNames, s.drift_cure);
   number("erp", &JsonNode::not_negative, s.erp);
   number("cfm", &JsonNode::not_negative, s.cfm);
   number("penalty_frequency", &JsonNode::positive, s.penalty_frequency);
   number("penalty_damping_ratio", &JsonNode::not_negative, s.penalty_damping_ratio);
-  choice("factor", kFactorChoices, s.factor);
+  choice("factor", kFactorNames, s.factor);
   s.report_energy = object.get("report_energy", &JsonNode::boolean, s.report_energy);
   object.reject_unknown_keys();
   return s;

@@ -1,0 +1,79 @@
+#include "scenes/check_command.h"
+
+#include <iostream>
+
+#include "scenes/run_command.h"
+#include "scenes/scene_source.h"
+#include "solvers/simulator.h"
+
+namespace taut {
+namespace {
+
+constexpr std::size_t kMostRows = 20, kMostHolders = 4;
+
+std::string joint_names(const World& world, const std::vector<JointId>& joints) {
+  std::string text;
+  for (std::size_t i = 0; i < joints.size() && i < kMostHolders; ++i)
+    text += (i > 0 ? ", " : "") + world.name(joints[i]);
+  if (joints.size() > kMostHolders) text += " and " + std::to_string(joints.size() - kMostHolders) + " more";
+  return text;
+}
+
+void print_redundant(const World& world, const std::vector<RedundantRow>& redundant) {
+  if (redundant.empty()) return;
+  std::cout << "\nRedundant: these rows hold what others already hold.  The motion is not affected; the "
+               "reactions of the\n"
+               "joints named are not unique.\n";
+  for (std::size_t i = 0; i < redundant.size() && i < kMostRows; ++i) {
+    const RedundantRow& row = redundant[i];
+    std::cout << "  " << world.name(row.joint) << ", " << row.name;
+    if (!row.held_by.empty()) std::cout << " (held by " << joint_names(world, row.held_by) << ")";
+    std::cout << '\n';
+  }
+  if (redundant.size() > kMostRows) std::cout << "  and " << redundant.size() - kMostRows << " more\n";
+}
+
+std::string joint_counts(const World& world) {
+  std::map<std::string, int, std::less<>> count;
+  for (int j = 0; j < world.joint_count(); ++j) ++count[std::string(world.joint(JointId{j}).type())];
+  std::string text = std::to_string(world.joint_count());
+  const char* before = " (";
+  for (const auto& [type, number] : count) {
+    text += before + std::to_string(number) + " " + type;
+    before = ", ";
+  }
+  return count.empty() ? text : text + ")";
+}
+
+}  // namespace
+
+int check_command(const std::string& name, const std::map<std::string, double>& parameters) {
+  Scene scene = open_scene(name, parameters);
+  World& world = scene.world;
+  Simulator simulator(world, scene.settings);
+  if (scene.assemble) {
+    const StepReport& report = simulator.assemble();
+    if (!report.ok()) std::cout << "problem: the joints cannot be closed: " << report.message << '\n';
+  }
+  const std::vector<Problem> problems = world.validate();
+  for (const Problem& problem : problems)
+    std::cout << "problem: " << problem.subject << ": " << problem.message << '\n';
+  const RankReport rank = simulator.analyze_rank();
+  std::cout << "scene           " << scene.name << '\n'
+            << "bodies          " << world.moving_body_count() << " moving, "
+            << world.body_count() - world.moving_body_count() << " fixed (with the ground)\n"
+            << "joints          " << joint_counts(world) << '\n'
+            << "constraint rows " << rank.rows << '\n'
+            << "rank            " << rank.rank << '\n'
+            << "freedoms        " << rank.freedoms << '\n'
+            << "redundant rows  " << rank.rows - rank.rank << '\n'
+            << "solver          " << simulator.solver_description() << '\n';
+  print_redundant(world, rank.redundant);
+  if (problems.empty())
+    std::cout << "\nfine: nothing wrong found\n";
+  else
+    std::cout << '\n' << problems.size() << " problem(s) found\n";
+  return problems.empty() ? kExitSuccess : kExitFailure;
+}
+
+}  // namespace taut

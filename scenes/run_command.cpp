@@ -1,0 +1,212 @@
+#include "scenes/run_command.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "core/check.h"
+#include "scenes/interrupt.h"
+#include "scenes/pose_trace.h"
+#include "scenes/progress_bar.h"
+#include "scenes/recorder.h"
+#include "scenes/run_record.h"
+#include "scenes/run_report.h"
+#include "scenes/scene_source.h"
+#include "scenes/setting_names.h"
+#include "solvers/simulator.h"
+
+namespace taut {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The files that a run writes.  All are opened before the run, so that it cannot fail at its end for want of
+/// a folder.
+class Outputs {
+ public:
+  explicit Outputs(const RunOptions& options) {
+    check_distinct(options);
+    if (!options.report_file.empty()) open(report_, "--report", options.report_file);
+    if (!options.csv_file.empty()) open(csv_, "--csv", options.csv_file);
+    require_not_negative("--poses-interval", options.poses_interval);
+    if (!options.poses_file.empty())
+      poses_ = std::make_unique<PoseTrace>(options.poses_file, options.poses_interval);
+  }
+
+  void header(const Recorder& recorder) {
+    if (!csv_.is_open()) return;
+    csv_ << "time";
+    for (const std::string& column : recorder.columns()) csv_ << ',' << csv_field(column);
+    csv_ << '\n';
+  }
+  void sample(Recorder& recorder, Simulator& simulator) {
+    if (poses_) poses_->record(simulator.world());
+    if (!csv_.is_open()) return;
+    csv_ << shortest(simulator.world().time());
+    for (double value : recorder.sample(simulator)) csv_ << ',' << shortest(value);
+    csv_ << '\n';
+  }
+  /// Writes the report and closes all files.  @returns the name of the first that could not be written, or
+  /// "".
+  std::string finish(const RunOptions& options, const nlohmann::ordered_json& report) {
+    if (report_.is_open()) {
+      report_ << report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+      if (!report_.flush()) return options.report_file;
+    }
+    if (csv_.is_open() && !csv_.flush()) return options.csv_file;
+    if (poses_ && !poses_->flush()) return options.poses_file;
+    return "";
+  }
+
+ private:
+  static void open(std::ofstream& out, const char* option, const std::string& file) {
+    out.open(file);
+    if (!out) fail(option, "cannot write the file", file);
+  }
+  static void check_distinct(const RunOptions& options) {
+    const std::string* files[] = {&options.report_file, &options.csv_file, &options.poses_file};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < i; ++j)
+        if (!files[i]->empty() && *files[i] == *files[j])
+          fail("--report, --csv and --poses", "must be different files", *files[i]);
+  }
+
+  std::ofstream report_, csv_;
+  std::unique_ptr<PoseTrace> poses_;
+};
+
+Scene prepared_scene(const RunOptions& options) {
+  if (options.dt) require_positive("--dt", *options.dt);
+  if (options.time) require_positive("--time", *options.time);
+  Scene scene = open_scene(options.scene, options.parameters);
+  if (!is_scene_file(options.scene)) scene.name = options.scene;  // `bridge`, not what it is short for
+  if (options.dt) scene.dt = *options.dt;
+  if (options.integrator) scene.settings.integrator = *options.integrator;
+  if (options.tension) scene.settings.tension = *options.tension;
+  if (options.drift_cure) scene.settings.drift_cure = *options.drift_cure;
+  if (options.factor) scene.settings.factor = *options.factor;
+  return scene;
+}
+
+/// Largest joint error from the poses alone, independent of what the solver reports.
+class GapMeter {
+ public:
+  explicit GapMeter(const World& world) : rows_(world), phi_(rows_.row_count()) {}
+  Gap measure(const State& state) {
+    rows_.residual(state.poses, phi_);
+    return max_gap(rows_, phi_);
+  }
+  int row_count() const { return rows_.row_count(); }
+
+ private:
+  Rows rows_;
+  std::vector<double> phi_;
+};
+
+/// Steps until the end, a failure or a signal.
+void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder, Outputs& outputs,
+               bool quiet) {
+  const World& world = simulator.world();
+  ProgressBar bar(record.steps_asked, !quiet);
+  for (std::int64_t i = 0; i < record.steps_asked; ++i) {
+    if (InterruptGuard::signal() != 0) {
+      record.status = "interrupted";
+      record.message = "stopped by a signal after step " + std::to_string(i);
+      return;
+    }
+    const auto start = Clock::now();
+    const StepReport& report = simulator.step(record.dt);
+    const double seconds = seconds_since(start);
+    const double energy =
+        simulator.settings().report_energy ? report.energy() : total_energy(world, world.state());
+    record.add(report, seconds, meter.measure(world.state()), energy);
+    if (!report.ok()) {
+      record.status = to_string(report.status);
+      record.message =
+          "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s: " + report.message;
+      return;
+    }
+    outputs.sample(recorder, simulator);
+    bar.update(i + 1);
+  }
+}
+
+/// Closes joints that may be open at the start.
+void assemble(Simulator& simulator, RunRecord& record) {
+  const StepReport& report = simulator.assemble();
+  if (report.ok()) return;
+  record.status = to_string(report.status);
+  record.message = "closing the joints at the start: " + report.message;
+}
+
+void add_warnings(RunRecord& record, const World& world) {
+  for (const Problem& problem : world.validate())
+    record.warnings.push_back(problem.subject + ": " + problem.message);
+  if (record.solver.find("OpenBLAS") == std::string::npos)
+    record.warnings.push_back(
+        "OpenBLAS is not the BLAS in use; factorisations will be slower (install libopenblas-dev)");
+}
+
+int exit_status(const RunRecord& record) {
+  if (record.status == "success") return kExitSuccess;
+  if (record.status == "interrupted") return kExitSignal + InterruptGuard::signal();
+  return kExitFailure;
+}
+
+}  // namespace
+
+std::int64_t step_count(const RunOptions& options, const Scene& scene) {
+  if (options.steps && options.time) fail("--steps", "cannot be given together with --time", *options.steps);
+  if (options.steps && *options.steps <= 0) fail("--steps", "must be positive", *options.steps);
+  if (options.steps) return *options.steps;
+  const double time = options.time.value_or(scene.duration);
+  const double steps = std::round(time / scene.dt);
+  if (steps < 1) fail(options.time ? "--time" : "duration", "is shorter than half a step", time);
+  if (steps > 1e12) fail(options.time ? "--time" : "duration", "takes more than 1e12 steps", time);
+  return static_cast<std::int64_t>(steps);
+}
+
+int run_command(const RunOptions& options) {
+  Scene scene = prepared_scene(options);
+  RunRecord record;
+  record.steps_asked = step_count(options, scene);
+  GapMeter meter(scene.world);
+  Simulator simulator(scene.world, scene.settings);
+  Recorder recorder(scene.probes);
+  const InterruptGuard guard;  // from before there is any output file
+  Outputs outputs(options);
+
+  if (scene.assemble) assemble(simulator, record);
+  record.integrator = name_of(scene.settings.integrator, kIntegratorNames);
+  record.solver = simulator.solver_description();
+  record.start(scene, meter.row_count(), total_energy(scene.world, scene.world.state()));
+  add_warnings(record, scene.world);
+
+  const auto start = Clock::now();
+  std::vector<double> last;
+  try {
+    outputs.header(recorder);
+    outputs.sample(recorder, simulator);
+    if (record.status == "success") run_steps(record, simulator, meter, recorder, outputs, options.quiet);
+    last = recorder.sample(simulator);
+  } catch (const std::exception& error) {
+    if (record.status == "success") record.status = "error", record.message = error.what();
+  }
+  record.wall_time = seconds_since(start);
+
+  const std::string unwritten =
+      outputs.finish(options, run_report(record, recorder, last, scene.world.state()));
+  if (!options.quiet) std::cout << run_table(record) << std::flush;
+  if (record.status != "success") std::cerr << "taut: " << record.status << ": " << record.message << '\n';
+  if (!unwritten.empty()) std::cerr << "taut: could not write " << unwritten << '\n';
+  return !unwritten.empty() && record.status == "success" ? kExitFailure : exit_status(record);
+}
+
+}  // namespace taut

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "scenes/scene.h"
+
+namespace taut {
+
+/// What the shell gets to see.
+enum ExitStatus { kExitSuccess = 0, kExitFailure = 1, kExitUsage = 2, kExitSignal = 128 };
+
+/// What `taut run` is asked for.
+struct RunOptions {
+  std::string scene;  ///< name of a builder, or a scene file
+  std::map<std::string, double> parameters;
+  std::optional<double> dt, time;     ///< [s]; the scene's own if not given
+  std::optional<std::int64_t> steps;  ///< in place of time
+  std::optional<Integrator> integrator;
+  std::optional<TensionPolicy> tension;
+  std::optional<DriftCure> drift_cure;
+  std::optional<FactorChoice> factor;
+  std::string report_file, csv_file, poses_file;  ///< empty: none
+  double poses_interval = 0;                      ///< [s]; 0: every step
+  bool quiet = false;
+};
+
+/// Runs a scene and writes what was asked for.
+/// @returns kExitSuccess, kExitFailure if the run ended early or an output could not be written, or
+/// kExitSignal + the signal that stopped it.
+/// @throws std::invalid_argument for bad options, before anything is run.
+int run_command(const RunOptions& options);
+
+/// Number of steps that the options ask of a scene whose dt is set: round(time / dt).
+/// @throws std::invalid_argument for both a time and a number of steps, or values out of range.
+std::int64_t step_count(const RunOptions& options, const Scene& scene);
+
+}  // namespace taut

@@ -1,0 +1,92 @@
+#include "scenes/run_record.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+void add(StageTimes& sum, const StageTimes& times) {
+  sum.forces += times.forces;
+  sum.positions += times.positions;
+  sum.assembly += times.assembly;
+  sum.factorization += times.factorization;
+  sum.velocities += times.velocities;
+  sum.analysis += times.analysis;
+  sum.total += times.total;
+}
+
+}  // namespace
+
+void RunRecord::start(const Scene& source, int rows, double energy) {
+  scene = source.name;
+  parameters = source.parameters;
+  bodies = source.world.moving_body_count();
+  joints = source.world.joint_count();
+  constraint_rows = rows;
+  dt = source.dt;
+  start_time = source.world.time();
+  initial_energy = final_energy = energy;
+  energy_scale = source.energy_scale;
+  if (energy_scale <= 0) {
+    const State& state = source.world.state();
+    energy_scale = kinetic_energy(source.world, state) + std::abs(source.world.potential_energy(state));
+  }
+}
+
+void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, double energy) {
+  taut::add(phases, report.times);
+  analyses += report.analyses;
+  factorizations += report.factorizations;
+  refactorizations += report.refactorizations;
+  backsolves += report.backsolves;
+  newton_iterations += report.newton_iterations;
+  substeps += report.substeps;
+  max_substeps = std::max(max_substeps, report.substeps);
+  max_condition_estimate = std::max(max_condition_estimate, report.condition_estimate);
+  max_tension_number = std::max(max_tension_number, report.tension_number);
+  if (!report.ok()) return;  // the world has not moved: no step, and nothing below is of its state
+
+  ++steps;
+  step_times.push_back(seconds);
+  simulated_time = report.time - start_time;
+  max_rank_deficiency = std::max(max_rank_deficiency, report.rank_deficiency);
+  max_gap.metres = std::max(max_gap.metres, gap.metres);
+  max_gap.radians = std::max(max_gap.radians, gap.radians);
+  max_velocity_residual = std::max(max_velocity_residual, report.velocity_residual);
+  stiffness_work += report.stiffness_work;
+  final_energy = energy;
+  max_energy_drift = std::max(max_energy_drift, std::abs(energy - initial_energy));
+}
+
+std::size_t RunRecord::warm_up_steps() const { return std::min<std::size_t>(10, step_times.size() / 3); }
+
+double RunRecord::step_time_quantile(double p) const {
+  std::vector<double> times(step_times.begin() + static_cast<std::ptrdiff_t>(warm_up_steps()),
+                            step_times.end());
+  if (times.empty()) return 0;
+  std::sort(times.begin(), times.end());
+  const double place = p * static_cast<double>(times.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, times.size() - 1);
+  return std::lerp(times[below], times[above], place - static_cast<double>(below));
+}
+
+std::uint64_t fingerprint(const State& state) {
+  std::uint64_t hash = 14695981039346656037u;
+  const auto mix = [&hash](double value) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    for (int shift = 0; shift < 64; shift += 8) hash = (hash ^ (bits >> shift & 255)) * 1099511628211u;
+  };
+  mix(state.time);
+  for (const Pose& pose : state.poses) {
+    for (int i = 0; i < 3; ++i) mix(pose.p[i]);
+    for (int i = 0; i < 4; ++i) mix(pose.q.coeffs()[i]);
+  }
+  for (const Twist& twist : state.twists)
+    for (int i = 0; i < 3; ++i) mix(twist.w[i]), mix(twist.v[i]);
+  return hash;
+}
+
+}  // namespace taut

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "solvers/step_report.h"
+
+namespace taut {
+
+/// Everything that a run is judged by, gathered step by step.
+struct RunRecord {
+  // What was asked for.
+  std::string scene;
+  std::map<std::string, double> parameters;
+  std::string integrator, solver;
+  int bodies = 0;  ///< moving ones
+  int joints = 0, constraint_rows = 0;
+  double dt = 0, start_time = 0;
+  std::int64_t steps_asked = 0;
+
+  // What was done.  Times are wall time [s].
+  std::int64_t steps = 0;
+  double simulated_time = 0, wall_time = 0;
+  std::vector<double> step_times;  ///< of the call of step() alone
+  StageTimes phases;               ///< sums over all steps
+  std::int64_t analyses = 0, factorizations = 0, refactorizations = 0, backsolves = 0, newton_iterations = 0;
+  std::int64_t substeps = 0;
+  int max_substeps = 0;  ///< of one step
+  int max_rank_deficiency = 0;
+  double max_condition_estimate = 0, max_tension_number = 0;
+  Gap max_gap;  ///< over all joints and steps
+  double max_velocity_residual = 0;
+
+  double initial_energy = 0, final_energy = 0, energy_scale = 0;  ///< [J]
+  double max_energy_drift = 0;                                    ///< largest |E(t) − E(0)| [J]
+  double stiffness_work = 0;                                      ///< [J]
+
+  std::string status = "success", message;
+  std::vector<std::string> warnings;
+
+  void start(const Scene& scene, int rows, double energy);
+  /// Adds what a step cost, and what became of it if its state was taken over.
+  /// @param seconds wall time of the call
+  /// @param gap largest joint error, measured from the poses after the step
+  /// @param energy total energy after the step [J]
+  void add(const StepReport& report, double seconds, const Gap& gap, double energy);
+
+  /// Steps left out of the statistics of time: the first ten, or a third of a very short run.
+  std::size_t warm_up_steps() const;
+  double median_step_time() const { return step_time_quantile(0.5); }
+  /// 0 ≤ p ≤ 1, linear between order statistics; 0 if there were no steps.
+  double step_time_quantile(double p) const;
+  double relative_energy_drift() const { return energy_scale > 0 ? max_energy_drift / energy_scale : 0; }
+};
+
+/// FNV-1a over the bits of time, poses and twists: equal for equal states and nothing else that matters.
+std::uint64_t fingerprint(const State& state);
+
+}  // namespace taut

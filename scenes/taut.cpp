@@ -1,0 +1,124 @@
+/// The program: taut run | check | list | bench.
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "scenes/bench_command.h"
+#include "scenes/check_command.h"
+#include "scenes/list_command.h"
+#include "scenes/run_command.h"
+#include "scenes/scene_source.h"
+#include "scenes/setting_names.h"
+
+namespace {
+
+/// Everything that can be asked for on the command line.
+struct Arguments {
+  taut::RunOptions run;
+  std::string list_name;
+  std::string check_scene;
+  std::string build_dir, bench_only;
+  std::vector<std::string> run_assignments, check_assignments, bench_arguments;
+};
+
+void add_scene(CLI::App& command, std::string& scene, std::vector<std::string>& assignments) {
+  command.add_option("scene", scene, "name of a scene (see `taut list`), or a scene file")->required();
+  command.add_option("--set", assignments, "a parameter of the scene, key=value; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+}
+
+template <typename Choice, std::size_t count>
+void add_choice(CLI::App& command, const std::string& option, std::optional<Choice>& value,
+                const std::pair<const char*, Choice> (&names)[count], const std::string& description) {
+  std::string all;
+  for (const auto& [name, choice] : names) all += std::string(all.empty() ? "" : "|") + name;
+  command
+      .add_option_function<std::string>(
+          option,
+          [&value, &names, option, all](const std::string& text) {
+            for (const auto& [name, choice] : names)
+              if (name == text) value = choice;
+            if (!value)
+              throw CLI::ValidationError(option, "must be one of " + all + " (value: " + text + ")");
+          },
+          description)
+      ->type_name(all);
+}
+
+void add_run(CLI::App& app, Arguments& arguments) {
+  CLI::App& run = *app.add_subcommand("run", "run a scene");
+  taut::RunOptions& options = arguments.run;
+  add_scene(run, options.scene, arguments.run_assignments);
+  run.add_option("--dt", options.dt, "length of a step [s]")->type_name("SECONDS");
+  run.add_option("--time", options.time, "time to simulate [s]; rounded to whole steps")
+      ->type_name("SECONDS");
+  run.add_option("--steps", options.steps, "number of steps, in place of --time")->type_name("NUMBER");
+  add_choice(run, "--integrator", options.integrator, taut::kIntegratorNames, "how a step is done");
+  add_choice(run, "--tension", options.tension, taut::kTensionNames, "what is done where tension is stiff");
+  add_choice(run, "--drift-cure", options.drift_cure, taut::kDriftCureNames,
+             "what keeps the joints of a force-level integrator closed");
+  add_choice(run, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
+  run.add_option("--report", options.report_file, "write a JSON report")->type_name("FILE");
+  run.add_option("--csv", options.csv_file, "write the probes over time, a line per step")->type_name("FILE");
+  run.add_option("--poses", options.poses_file, "write the poses of all bodies over time")->type_name("FILE");
+  run.add_option("--poses-interval", options.poses_interval, "time between two sets of poses; 0: every step")
+      ->type_name("SECONDS");
+  run.add_flag("--quiet", options.quiet, "print nothing but errors");
+}
+
+void add_others(CLI::App& app, Arguments& arguments) {
+  CLI::App& check =
+      *app.add_subcommand("check", "look for mistakes in a scene; count freedoms, name redundant rows");
+  add_scene(check, arguments.check_scene, arguments.check_assignments);
+  CLI::App& list = *app.add_subcommand("list", "list the scenes with their parameters");
+  list.add_option("scene", arguments.list_name, "only this one");
+  CLI::App& bench = *app.add_subcommand("bench", "run the benchmarks");
+  bench.add_option("--build-dir", arguments.build_dir, "where they were built; default: beside the program");
+  bench.add_option("--only", arguments.bench_only, "those with this in their name");
+  bench.add_option("arguments", arguments.bench_arguments, "after --: passed to each benchmark");
+}
+
+int dispatch(const CLI::App& app, Arguments& arguments) {
+  if (app.got_subcommand("run")) {
+    for (const std::string& assignment : arguments.run_assignments)
+      taut::add_parameter(arguments.run.parameters, assignment);
+    return taut::run_command(arguments.run);
+  }
+  if (app.got_subcommand("check")) {
+    std::map<std::string, double> parameters;
+    for (const std::string& assignment : arguments.check_assignments)
+      taut::add_parameter(parameters, assignment);
+    return taut::check_command(arguments.check_scene, parameters);
+  }
+  if (app.got_subcommand("list")) {
+    std::cout << taut::list_scenes(arguments.list_name);
+    return taut::kExitSuccess;
+  }
+  return taut::bench_command(arguments.build_dir, arguments.bench_only, arguments.bench_arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("taut: rigid multibody systems with very many joints, solved directly", "taut");
+  app.set_version_flag("--version", "taut " TAUT_VERSION);
+  app.require_subcommand(1);
+  Arguments arguments;
+  add_run(app, arguments);
+  add_others(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? taut::kExitSuccess : taut::kExitUsage;
+  }
+  try {
+    return dispatch(app, arguments);
+  } catch (const std::invalid_argument& error) {
+    std::cerr << "taut: " << error.what() << '\n';
+    return taut::kExitUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "taut: " << error.what() << '\n';
+    return taut::kExitFailure;
+  }
+}

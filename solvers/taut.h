@@ -1,0 +1,13 @@
+#pragma once
+
+/// The whole library:  #include <taut/taut.h>
+#include "core/diagnostics.h"
+#include "core/force.h"
+#include "core/joints.h"
+#include "core/rigid_body.h"
+#include "core/so3.h"
+#include "core/state.h"
+#include "core/world.h"
+#include "solvers/settings.h"
+#include "solvers/simulator.h"
+#include "solvers/step_report.h"

@@ -1,0 +1,29 @@
+#!/bin/sh
+# Installs a build of taut into a stage, then builds and runs the outside project against it: through CMake, and the
+# same source through pkg-config with nothing but the compiler.
+#   run.sh BUILD_DIR [CXX]
+set -eu
+here=$(cd "$(dirname "$0")" && pwd -P)
+build=$1
+cxx=${2:-c++}
+stage=$build/stage
+
+rm -rf "$stage" "$stage-moved" "$build/outside"
+cmake --install "$build" --prefix "$stage" >/dev/null
+# An installed tree may be moved: nothing in it knows where it was.
+mv "$stage" "$stage-moved"
+stage=$stage-moved
+
+echo "== CMake"
+cmake -S "$here" -B "$build/outside" -DCMAKE_PREFIX_PATH="$stage" -DCMAKE_CXX_COMPILER="$cxx" \
+  -DCMAKE_BUILD_TYPE=Release >/dev/null
+cmake --build "$build/outside"
+"$build/outside/bridge"
+
+echo "== pkg-config"
+PKG_CONFIG_PATH=$(dirname "$(find "$stage" -name taut.pc)")
+export PKG_CONFIG_PATH
+libdir=$(pkg-config --variable=libdir taut)
+# shellcheck disable=SC2046  # the flags are words
+"$cxx" -std=c++20 -O2 $(pkg-config --cflags taut) "$here/bridge.cpp" $(pkg-config --libs taut) -o "$build/outside/bridge_pc"
+LD_LIBRARY_PATH=$libdir${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} "$build/outside/bridge_pc"

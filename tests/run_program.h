@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace taut::testing {
+
+/// What a program left behind.
+struct Outcome {
+  int exit_status = -1;  ///< 128 + the signal if one killed it
+  std::string out, err;
+};
+
+/// Runs the taut program with these arguments to its end, without a terminal.
+/// @param interrupt_at send SIGINT a moment after this file has appeared; empty: never
+Outcome run_program(const std::vector<std::string>& arguments, const std::string& interrupt_at = "");
+
+/// A name in a fresh folder of this test, removed with all in it when the process ends.
+std::string temporary(const std::string& name);
+std::string read_text(const std::string& file);
+void write_text(const std::string& file, const std::string& text);
+
+}  // namespace taut::testing

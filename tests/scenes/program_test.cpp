@@ -1,0 +1,263 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/run_program.h"
+
+namespace taut::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> found;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) found.push_back(line);
+  return found;
+}
+
+/// The report without what is measured with a clock.
+Json without_times(Json report) {
+  for (const char* key : {"wall_time_s", "time_per_step_s", "phases"}) report.erase(key);
+  return report;
+}
+
+TEST(Program, ListNamesScenesWithParametersDefaultsAndUnits) {
+  const Outcome all = run_program({"list"});
+  EXPECT_EQ(all.exit_status, 0);
+  const std::vector<std::string> shown = lines(all.out);
+  for (const char* name :
+       {"pendulum-ball", "chain", "bridge-hinge", "bridge", "net-flag", "net-corners", "net"})
+    EXPECT_EQ(std::count(shown.begin(), shown.end(), name), 1) << name;
+  EXPECT_NE(all.out.find("n=200"), std::string::npos);
+  EXPECT_NE(all.out.find("integer"), std::string::npos);
+
+  const Outcome one = run_program({"list", "bridge"});
+  EXPECT_EQ(one.exit_status, 0);
+  EXPECT_EQ(lines(one.out).front(), "bridge");
+  EXPECT_NE(one.out.find("truck=true"), std::string::npos);
+}
+
+TEST(Program, CheckCountsFreedomsAndNamesRedundantRows) {
+  const Outcome hinges = run_program({"check", "bridge-hinge", "--set", "n=10"});
+  EXPECT_EQ(hinges.exit_status, 0) << hinges.err;  // redundancy is no error
+  // 11 hinges of 5 rows; the motion left is planar with n − 2 freedoms.
+  for (const char* line :
+       {"constraint rows 55\n", "rank            52\n", "freedoms        8\n", "redundant rows  3\n"})
+    EXPECT_NE(hinges.out.find(line), std::string::npos) << line << hinges.out;
+  EXPECT_NE(hinges.out.find("seam_"), std::string::npos);
+
+  const Outcome balls = run_program({"check", "bridge-balls", "--set", "n=50"});
+  EXPECT_EQ(balls.exit_status, 0);
+  EXPECT_NE(balls.out.find("redundant rows  54\n"), std::string::npos) << balls.out;  // n + 4
+  EXPECT_NE(balls.out.find("and 34 more\n"), std::string::npos) << balls.out;         // twenty are named
+}
+
+TEST(Program, RunWritesReportAndCsv) {
+  const std::string report_file = temporary("r.json"), csv_file = temporary("r.csv");
+  const Outcome run = run_program({"run", "chain", "--set", "n=10", "--dt", "0.001", "--time", "0.02",
+                                   "--report", report_file, "--csv", csv_file});
+  ASSERT_EQ(run.exit_status, 0) << run.err;
+  EXPECT_EQ(run.err, "");  // no progress bar without a terminal
+  EXPECT_NE(run.out.find("max joint error"), std::string::npos);
+
+  const Json report = Json::parse(read_text(report_file));
+  for (const char* key : {"scene",
+                          "parameters",
+                          "bodies",
+                          "joints",
+                          "constraint_rows",
+                          "dt",
+                          "steps",
+                          "simulated_time_s",
+                          "wall_time_s",
+                          "time_per_step_s",
+                          "phases",
+                          "analyses",
+                          "factorizations",
+                          "backsolves",
+                          "newton_iterations",
+                          "substeps",
+                          "max_joint_error_m",
+                          "max_joint_angle_error_rad",
+                          "max_joint_velocity_error",
+                          "energy",
+                          "status",
+                          "warnings",
+                          "probes"})
+    EXPECT_TRUE(report.contains(key)) << key;
+  EXPECT_EQ(report["scene"], "chain");
+  EXPECT_EQ(report["parameters"]["n"], 10);
+  EXPECT_EQ(report["bodies"], 10);
+  EXPECT_EQ(report["joints"], 10);
+  EXPECT_EQ(report["constraint_rows"], 30);
+  EXPECT_EQ(report["dt"], 0.001);
+  EXPECT_EQ(report["steps"], 20);
+  EXPECT_NEAR(report["simulated_time_s"], 0.02, 1e-15);
+  EXPECT_EQ(report["status"], "success");
+  EXPECT_LT(report["max_joint_error_m"], 1e-9);
+  EXPECT_GT(report["time_per_step_s"]["median"], 0);
+  EXPECT_GE(report["time_per_step_s"]["p95"], report["time_per_step_s"]["median"]);
+  EXPECT_NEAR(report["energy"]["scale"], 4.905, 1e-12);
+  EXPECT_NEAR(report["energy"]["final"], report["energy"]["initial"], 1e-3);
+
+  const std::vector<std::string> csv = lines(read_text(csv_file));
+  ASSERT_EQ(csv.size(), 1 + 1 + 20);  // header, start, steps
+  EXPECT_EQ(csv[0], "time,probe.x,probe.y,probe.z");
+  for (const std::string& line : csv) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 3) << line;
+  // The report ends where the CSV does.
+  EXPECT_EQ(csv.back().substr(csv.back().rfind(',') + 1), report["probes"][0]["final"]["z"].dump());
+}
+
+TEST(Program, StepsAreRoundedFromTheTime) {
+  const std::string report = temporary("rounded.json");
+  for (const auto& [time, steps] : {std::pair{"0.0249", 2}, {"0.0251", 3}}) {
+    ASSERT_EQ(
+        run_program({"run", "chain", "--set", "n=2", "--dt", "0.01", "--time", time, "--report", report})
+            .exit_status,
+        0);
+    EXPECT_EQ(Json::parse(read_text(report))["steps"], steps) << time;
+  }
+}
+
+TEST(Program, QuietPrintsNothing) {
+  const Outcome run = run_program({"run", "chain", "--set", "n=2", "--steps", "3", "--quiet"});
+  EXPECT_EQ(run.exit_status, 0);
+  EXPECT_EQ(run.out + run.err, "");
+}
+
+TEST(Program, EveryIntegratorRuns) {
+  for (const char* integrator :
+       {"rattle", "rattle4", "rattle6", "rattle8", "force-euler", "force-runge-kutta"}) {
+    const std::string report = temporary("integrator.json");
+    const Outcome run = run_program({"run", "pendulum-hinge", "--dt", "0.001", "--steps", "10",
+                                     "--integrator", integrator, "--report", report});
+    EXPECT_EQ(run.exit_status, 0) << integrator << run.err;
+    EXPECT_EQ(Json::parse(read_text(report))["integrator"], integrator);
+  }
+}
+
+TEST(Program, PosesOfAllBodiesAreWrittenAtIntervals) {
+  const std::string file = temporary("poses.csv");
+  ASSERT_EQ(run_program({"run", "chain", "--set", "n=3", "--dt", "0.01", "--steps", "10", "--poses", file,
+                         "--poses-interval", "0.05"})
+                .exit_status,
+            0);
+  const std::vector<std::string> poses = lines(read_text(file));
+  EXPECT_EQ(poses[0], "time,body,px,py,pz,qw,qx,qy,qz");
+  EXPECT_EQ(poses.size(), 1 + 3 * 3);  // 0, 0.05 and 0.1 s
+}
+
+TEST(Program, SameInputSameBits) {
+  Json reports[2];
+  std::string csv[2];
+  for (int i = 0; i < 2; ++i) {
+    const std::string report_file = temporary("bits.json"), csv_file = temporary("bits.csv");
+    ASSERT_EQ(run_program({"run", "net-flag", "--set", "n=5", "--steps", "60", "--report", report_file,
+                           "--csv", csv_file})
+                  .exit_status,
+              0);
+    reports[i] = without_times(Json::parse(read_text(report_file)));
+    csv[i] = read_text(csv_file);
+  }
+  EXPECT_EQ(reports[0], reports[1]);  // with the fingerprint of the final state
+  EXPECT_EQ(csv[0], csv[1]);
+  EXPECT_EQ(reports[0]["final_state_fingerprint"].get<std::string>().size(), 16);
+}
+
+TEST(Program, InterruptEndsTheRunWithTableAndReport) {
+  const std::string report_file = temporary("interrupted.json");
+  const Outcome run = run_program(
+      {"run", "chain", "--set", "n=50", "--time", "1000000", "--report", report_file}, report_file);
+  EXPECT_EQ(run.exit_status, 130);
+  EXPECT_NE(run.out.find("interrupted"), std::string::npos);
+  const Json report = Json::parse(read_text(report_file));
+  EXPECT_EQ(report["status"], "interrupted");
+  EXPECT_LT(report["steps"], report["steps_asked"]);
+}
+
+TEST(Program, OutputThatCannotBeWrittenToItsEndIsAFailure) {
+  const Outcome run = run_program({"run", "chain", "--set", "n=2", "--steps", "3", "--csv", "/dev/full"});
+  EXPECT_EQ(run.exit_status, 1);
+  EXPECT_NE(run.err.find("/dev/full"), std::string::npos) << run.err;
+}
+
+/// Every mistake on the command line ends with status 2 and names the option and the value.
+struct Mistake {
+  const char* name;
+  std::vector<std::string> arguments;
+  std::vector<std::string> named;
+};
+std::ostream& operator<<(std::ostream& out, const Mistake& mistake) { return out << mistake.name; }
+
+class ProgramUsage : public ::testing::TestWithParam<Mistake> {};
+
+TEST_P(ProgramUsage, ExitsWithTwoAndNamesOptionAndValue) {
+  const Outcome run = run_program(GetParam().arguments);
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_EQ(run.out, "");
+  for (const std::string& word : GetParam().named)
+    EXPECT_NE(run.err.find(word), std::string::npos) << run.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, ProgramUsage,
+    ::testing::Values(
+        Mistake{"nothing", {}, {"subcommand"}}, Mistake{"unknown_command", {"walk"}, {"walk"}},
+        Mistake{"no_scene", {"run"}, {"scene"}},
+        Mistake{"unknown_scene", {"run", "brigde"}, {"brigde", "bridge-hinge"}},
+        Mistake{"unknown_scene_to_list", {"list", "brigde"}, {"brigde"}},
+        Mistake{"unknown_scene_to_check", {"check", "brigde"}, {"brigde"}},
+        Mistake{"unknown_option", {"run", "chain", "--fast"}, {"--fast"}},
+        Mistake{"zero_dt", {"run", "chain", "--dt", "0"}, {"--dt", "0"}},
+        Mistake{"negative_dt", {"run", "chain", "--dt", "-0.5"}, {"--dt", "-0.5"}},
+        Mistake{"nan_dt", {"run", "chain", "--dt", "nan"}, {"--dt", "nan"}},
+        Mistake{"infinite_dt", {"run", "chain", "--dt", "inf"}, {"--dt", "inf"}},
+        Mistake{"word_dt", {"run", "chain", "--dt", "fast"}, {"--dt", "fast"}},
+        Mistake{"negative_time", {"run", "chain", "--time", "-2"}, {"--time", "-2"}},
+        Mistake{"nan_time", {"run", "chain", "--time", "nan"}, {"--time", "nan"}},
+        Mistake{"time_below_one_step", {"run", "chain", "--time", "1e-9"}, {"--time", "1e-09"}},
+        Mistake{"endless_time", {"run", "chain", "--time", "1e300"}, {"--time", "e+300"}},
+        Mistake{"zero_steps", {"run", "chain", "--steps", "0"}, {"--steps", "0"}},
+        Mistake{"half_steps", {"run", "chain", "--steps", "1.5"}, {"--steps", "1.5"}},
+        Mistake{
+            "steps_and_time", {"run", "chain", "--steps", "3", "--time", "1"}, {"--steps", "--time", "3"}},
+        Mistake{"unknown_integrator",
+                {"run", "chain", "--integrator", "euler"},
+                {"--integrator", "euler", "rattle"}},
+        Mistake{"unknown_key", {"run", "chain", "--set", "links=3"}, {"links"}},
+        Mistake{"no_value", {"run", "chain", "--set", "n"}, {"--set", "n"}},
+        Mistake{"word_value", {"run", "chain", "--set", "n=ten"}, {"--set", "n=ten"}},
+        Mistake{"nan_value", {"run", "chain", "--set", "n=nan"}, {"--set", "n=nan"}},
+        Mistake{"value_twice", {"run", "chain", "--set", "n=2", "--set", "n=3"}, {"--set", "n=3"}},
+        Mistake{"value_out_of_range", {"run", "chain", "--set", "n=0"}, {"n", "0"}},
+        Mistake{"fractional_count", {"run", "chain", "--set", "n=2.5"}, {"n", "2.5"}},
+        Mistake{"unwritable_report",
+                {"run", "chain", "--report", "/no/such/r.json"},
+                {"--report", "/no/such/r.json"}},
+        Mistake{"unwritable_csv", {"run", "chain", "--csv", "/no/such/r.csv"}, {"--csv", "/no/such/r.csv"}},
+        Mistake{
+            "unwritable_poses", {"run", "chain", "--poses", "/no/such/p.csv"}, {"--poses", "/no/such/p.csv"}},
+        Mistake{"same_file_twice",
+                {"run", "chain", "--report", "/dev/null", "--csv", "/dev/null"},
+                {"/dev/null"}},
+        Mistake{"missing_file", {"run", "no/such.json"}, {"no/such.json"}},
+        Mistake{"parameters_of_a_file", {"run", "no/such.json", "--set", "n=3"}, {"--set", "no/such.json"}}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST(Program, ABadSceneFileIsRefusedWithThePlaceOfTheMistake) {
+  const std::string file = temporary("bad.json");
+  write_text(file, R"({"bodies": [{"name": "rod", "mass": -1}]})");
+  for (const char* command : {"run", "check"}) {
+    const Outcome run = run_program({command, file});
+    EXPECT_EQ(run.exit_status, 2) << command;
+    EXPECT_NE(run.err.find("bad.json"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("mass"), std::string::npos) << run.err;
+  }
+}
+
+}  // namespace
+}  // namespace taut::testing
