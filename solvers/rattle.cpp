@@ -114,6 +114,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   system_.factorize(report.times);
   refactored_ = false;
   close_velocities(h, report);
+  if (!finite()) return Outcome::kNotFinite;
   if (settings_.report_energy) {
     for (int b = 0; b < world_.body_count(); ++b)
       joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
@@ -134,6 +135,15 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
   return Outcome::kDone;
+}
+
+/// A sum is finite if and, short of overflow, only if all its terms are.
+bool Rattle::finite() const {
+  double sum = 0;
+  for (int b = 0; b < world_.body_count(); ++b)
+    sum += std::abs(momenta_[b].torque.sum()) + std::abs(momenta_[b].force.sum()) +
+           std::abs(state_.poses[b].p.sum()) + std::abs(state_.poses[b].q.coeffs().sum());
+  return std::isfinite(sum);
 }
 
 void Rattle::restore(StepReport& report) {

@@ -192,6 +192,9 @@ bool Simulator::Impl::integrate(double dt) {
       case Rattle::Outcome::kStalled:
         newton_limit = kShrink * h;
         break;
+      case Rattle::Outcome::kNotFinite:
+        set_failure(Status::kNotFinite, "a force or the state is not finite");
+        return false;
     }
     if (newton_limit < smallest || report_.substeps > 4 * settings_.max_substeps) {
       diagnose_stall();
