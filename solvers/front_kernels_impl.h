@@ -1,0 +1,327 @@
+// The kernels of front_kernels.h, written once over a vector of four doubles.  Included by
+// front_kernels_portable.cpp and front_kernels_avx2.cpp, which define Vec, load(), store(), broadcast(),
+// multiply(), minus_product(a, b, c) = c − ab, plus_product(a, b, c) = c + ab, add(), sum() and kStrips, the
+// height in vectors of a register tile.  Everything is in an unnamed namespace and nothing of the standard
+// library is instantiated: the two copies, compiled for different processors, must not be merged by the
+// linker.
+#pragma once
+
+#include "solvers/front_kernels.h"
+
+namespace taut {
+namespace {
+
+using Index = std::ptrdiff_t;
+
+#define TAUT_INLINE inline __attribute__((always_inline))
+
+// Rows of a matrix in strips of four: row 4s + r of column k is base[s·strip + k·column + r].  Describes a
+// column-major matrix (strip = 4, column = ld) as well as a packed one, whose strips lie one after the other
+// (strip = 4K, column = 4).
+struct Strips {
+  const double* base;
+  Index strip;
+  Index column;
+};
+
+// c ← c − A Bᵀ, with S strips of A, N ≤ 4 rows of B and K columns of both.  The S×N vectors of c stay in
+// registers.
+template <int S, int N>
+TAUT_INLINE void accumulate(Vec (&c)[S][N], const double* a, Index a_strip, Index a_column, const double* b,
+                            Index b_column, int K) {
+  for (int k = 0; k < K; ++k) {
+    Vec column[S];
+    for (int s = 0; s < S; ++s) column[s] = load(a + s * a_strip);
+    for (int j = 0; j < N; ++j) {
+      const Vec b_j = broadcast(b + j);
+      for (int s = 0; s < S; ++s) c[s][j] = minus_product(column[s], b_j, c[s][j]);
+    }
+    a += a_column;
+    b += b_column;
+  }
+}
+
+template <int S, int N>
+TAUT_INLINE void load_tile(Vec (&c)[S][N], const double* C, Index ldc) {
+  for (int j = 0; j < N; ++j)
+    for (int s = 0; s < S; ++s) c[s][j] = load(C + 4 * s + j * ldc);
+}
+
+template <int S, int N>
+TAUT_INLINE void store_tile(const Vec (&c)[S][N], double* C, Index ldc) {
+  for (int j = 0; j < N; ++j)
+    for (int s = 0; s < S; ++s) store(C + 4 * s + j * ldc, c[s][j]);
+}
+
+// C ← −A Bᵀ or C − A Bᵀ on one tile; B's rows are one strip of the same matrix.
+template <bool kOverwrite, int S, int N>
+TAUT_INLINE void update_tile(double* C, Index ldc, const Strips& X, Index row_strip, Index column_strip,
+                             int K) {
+  Vec c[S][N];
+  if constexpr (kOverwrite) {
+    for (int j = 0; j < N; ++j)
+      for (int s = 0; s < S; ++s) c[s][j] = zero();
+  } else {
+    load_tile<S, N>(c, C, ldc);
+  }
+  accumulate<S, N>(c, X.base + row_strip * X.strip, X.strip, X.column, X.base + column_strip * X.strip,
+                   X.column, K);
+  store_tile<S, N>(c, C, ldc);
+}
+
+template <bool kOverwrite, int S>
+TAUT_INLINE void update_tile_n(double* C, Index ldc, const Strips& X, Index row_strip, Index column_strip,
+                               int N, int K) {
+  switch (N) {
+    case 1:
+      return update_tile<kOverwrite, S, 1>(C, ldc, X, row_strip, column_strip, K);
+    case 2:
+      return update_tile<kOverwrite, S, 2>(C, ldc, X, row_strip, column_strip, K);
+    case 3:
+      return update_tile<kOverwrite, S, 3>(C, ldc, X, row_strip, column_strip, K);
+    default:
+      return update_tile<kOverwrite, S, 4>(C, ldc, X, row_strip, column_strip, K);
+  }
+}
+
+// Lower trapezoid of C (rows × columns, columns ≤ rows) ← −X Xᵀ or C − X Xᵀ.  The outer loop takes as many
+// strips of rows as fit into registers, the inner one runs along the rows' columns up to the diagonal; so the
+// strips stay in the first-level cache while the rest of X streams by, once per tile row.
+template <bool kOverwrite>
+void update_trapezoid(double* C, Index ldc, int rows, int columns, const Strips& X, int K) {
+  const int strips = (rows + 3) / 4, column_strips = (columns + 3) / 4;
+  for (int s = 0; s < strips; s += kStrips) {
+    const int height = strips - s < kStrips ? strips - s : kStrips;
+    const int last = column_strips < s + height ? column_strips : s + height;
+    for (int j = 0; j < last; ++j) {
+      const int N = columns - 4 * j < 4 ? columns - 4 * j : 4;
+      const int top = j > s ? j : s;  // strips above the diagonal are left out
+      double* tile = C + 4 * top + 4 * j * ldc;
+      switch (s + height - top) {
+        case 1:
+          update_tile_n<kOverwrite, 1>(tile, ldc, X, top, j, N, K);
+          break;
+        case 2:
+          update_tile_n<kOverwrite, 2 <= kStrips ? 2 : 1>(tile, ldc, X, top, j, N, K);
+          break;
+        default:
+          update_tile_n<kOverwrite, kStrips>(tile, ldc, X, top, j, N, K);
+          break;
+      }
+    }
+  }
+}
+
+// Packs `rows` rows (up to three more are read) of K columns into strips.
+Strips pack_strips(const double* X, Index ld, int rows, int K, double* pack) {
+  const int strips = (rows + 3) / 4;
+  for (int k = 0; k < K; ++k) {
+    const double* from = X + k * ld;
+    double* to = pack + 4 * k;
+    for (int s = 0; s < strips; ++s) store(to + Index{4} * K * s, load(from + 4 * s));
+  }
+  return {pack, Index{4} * K, 4};
+}
+
+// Packing costs one pass over X and pays where X would not stay in the first-level cache or is used often.
+TAUT_INLINE Strips strips_of(const double* X, Index ld, int rows, int K, double* pack) {
+  if (rows < kPackRows || rows * ld < kPackSize / K) return {X, 4, ld};
+  return pack_strips(X, ld, rows, K, pack);
+}
+
+// Cholesky of an N×N tile and the solution of the tile's rows N..3, in t[column][row].  The diagonal becomes
+// 1/L_jj.
+template <int N>
+TAUT_INLINE int factor_tile(double (&t)[N][4]) {
+  for (int j = 0; j < N; ++j) {
+    const double d = t[j][j];
+    if (!(d > 0.0 && d <= __DBL_MAX__)) return j;
+    const double r = 1.0 / __builtin_sqrt(d);
+    t[j][j] = r;
+    for (int i = 0; i < j; ++i) t[j][i] = 0.0;
+    for (int i = j + 1; i < 4; ++i) t[j][i] *= r;
+    for (int k = j + 1; k < N; ++k)
+      for (int i = k; i < 4; ++i) t[k][i] -= t[j][i] * t[j][k];
+  }
+  return -1;
+}
+
+// S strips of N columns: update with the columns on the left, then X ← X L⁻ᵀ with the factored tile; in
+// registers.
+template <int S, int N>
+TAUT_INLINE void finish_strips(double* X, Index ld, const double* left, const double* left_pivots, int K,
+                               const double (&t)[N][4]) {
+  Vec c[S][N];
+  load_tile<S, N>(c, X, ld);
+  accumulate<S, N>(c, left, 4, ld, left_pivots, ld, K);
+  for (int j = 0; j < N; ++j) {
+    for (int k = 0; k < j; ++k) {
+      const Vec l = broadcast(&t[k][j]);
+      for (int s = 0; s < S; ++s) c[s][j] = minus_product(c[s][k], l, c[s][j]);
+    }
+    const Vec r = broadcast(&t[j][j]);
+    for (int s = 0; s < S; ++s) c[s][j] = multiply(c[s][j], r);
+  }
+  store_tile<S, N>(c, X, ld);
+}
+
+// Columns j..j+N−1 of a panel whose columns on the left are done (left-looking).  D points to the panel's
+// diagonal, rows is a multiple of four.
+template <int N>
+int factor_columns(double* D, Index ld, int rows, int j) {
+  double t[N][4];
+  {
+    Vec c[1][N];
+    load_tile<1, N>(c, D + j + j * ld, ld);
+    accumulate<1, N>(c, D + j, 4, ld, D + j, ld, j);
+    for (int k = 0; k < N; ++k) store(t[k], c[0][k]);
+  }
+  const int failed = factor_tile<N>(t);
+  if (failed >= 0) return j + failed;
+  for (int k = 0; k < N; ++k) store(D + j + (j + k) * ld, load(t[k]));
+  double* X = D + j * ld;
+  int i = j + 4;
+  for (; i + 4 * kStrips <= rows; i += 4 * kStrips) finish_strips<kStrips, N>(X + i, ld, D + i, D + j, j, t);
+  if constexpr (kStrips > 2) {
+    if (i + 8 <= rows) finish_strips<2, N>(X + i, ld, D + i, D + j, j, t), i += 8;
+  }
+  for (; i < rows; i += 4) finish_strips<1, N>(X + i, ld, D + i, D + j, j, t);
+  return -1;
+}
+
+int factor_columns_n(double* D, Index ld, int rows, int j, int N) {
+  switch (N) {
+    case 1:
+      return factor_columns<1>(D, ld, rows, j);
+    case 2:
+      return factor_columns<2>(D, ld, rows, j);
+    case 3:
+      return factor_columns<3>(D, ld, rows, j);
+    default:
+      return factor_columns<4>(D, ld, rows, j);
+  }
+}
+
+// Right-looking over blocks of kPanelWidth columns, left-looking over four columns within a block.
+int factor_panel(double* panel, int ld, int n, int p, double* pack) {
+  (void)n;  // the padding is computed with the rows, and stays zero
+  for (int begin = 0; begin < p; begin += kPanelWidth) {
+    const int end = p - begin < kPanelWidth ? p : begin + kPanelWidth;
+    double* D = panel + begin + Index{begin} * ld;
+    for (int j = 0; j < end - begin; j += 4) {
+      const int failed = factor_columns_n(D, ld, ld - begin, j, end - begin - j);
+      if (failed >= 0) return begin + failed;
+    }
+    if (end == p) break;
+    const Strips X = strips_of(panel + end + Index{begin} * ld, ld, ld - end, end - begin, pack);
+    update_trapezoid<false>(panel + end + Index{end} * ld, ld, ld - end, p - end, X, end - begin);
+  }
+  return -1;
+}
+
+void contribution(double* C, int ldc, const double* L21, int ld, int m, int p, double* pack) {
+  for (int begin = 0; begin < p; begin += kContributionDepth) {
+    const int K = p - begin < kContributionDepth ? p - begin : kContributionDepth;
+    const Strips X = strips_of(L21 + Index{begin} * ld, ld, m, K, pack);
+    if (begin == 0)
+      update_trapezoid<true>(C, ldc, m, m, X, K);
+    else
+      update_trapezoid<false>(C, ldc, m, m, X, K);
+  }
+}
+
+TAUT_INLINE void add_run(double* to, const double* from, int length) {
+  int i = 0;
+  for (; i + 4 <= length; i += 4) store(to + i, add(load(to + i), load(from + i)));
+  if (length & 2) {
+    add_pair(to + i, from + i);
+    i += 2;
+  }
+  if (length & 1) to[i] += from[i];
+}
+
+void extend_add(double* target, int ldt, const double* source, int lds, const RowRun* runs, int first,
+                int last, int count) {
+  for (int a = first; a < last; ++a) {
+    for (int j = 0; j < runs[a].length; ++j) {
+      double* to = target + Index{runs[a].target + j} * ldt;
+      const double* from = source + Index{runs[a].source + j} * lds;
+      add_run(to + runs[a].target + j, from + runs[a].source + j, runs[a].length - j);
+      for (int b = a + 1; b < count; ++b) add_run(to + runs[b].target, from + runs[b].source, runs[b].length);
+    }
+  }
+}
+
+// Forward substitution of N columns at j, and their product taken off the rows below.
+template <int N>
+TAUT_INLINE void forward_columns(const double* panel, Index ld, int j, double* y) {
+  const double* D = panel + j + j * ld;
+  for (int k = 0; k < N; ++k) {
+    y[j + k] *= D[k + k * ld];
+    for (int i = k + 1; i < 4; ++i) y[j + i] -= D[i + k * ld] * y[j + k];
+  }
+  Vec x[N];
+  for (int k = 0; k < N; ++k) x[k] = broadcast(y + j + k);
+  const double* X = panel + j * ld;
+  for (Index i = j + 4; i < ld; i += 4) {
+    Vec r = load(y + i);
+    for (int k = 0; k < N; ++k) r = minus_product(load(X + i + k * ld), x[k], r);
+    store(y + i, r);
+  }
+}
+
+void forward(const double* panel, int ld, int p, double* y) {
+  int j = 0;
+  for (; j + 4 <= p; j += 4) forward_columns<4>(panel, ld, j, y);
+  switch (p - j) {
+    case 1:
+      return forward_columns<1>(panel, ld, j, y);
+    case 2:
+      return forward_columns<2>(panel, ld, j, y);
+    case 3:
+      return forward_columns<3>(panel, ld, j, y);
+    default:
+      return;
+  }
+}
+
+// N dot products with the rows below, then backward substitution within the tile.
+template <int N>
+TAUT_INLINE void backward_columns(const double* panel, Index ld, int j, double* y) {
+  const double* D = panel + j + j * ld;
+  const double* X = panel + j * ld;
+  Vec sums[N];
+  for (int k = 0; k < N; ++k) sums[k] = zero();
+  for (Index i = j + 4; i < ld; i += 4) {
+    const Vec r = load(y + i);
+    for (int k = 0; k < N; ++k) sums[k] = plus_product(load(X + i + k * ld), r, sums[k]);
+  }
+  for (int k = N - 1; k >= 0; --k) {
+    double r = y[j + k] - sum(sums[k]);
+    for (int i = k + 1; i < 4; ++i) r -= D[i + k * ld] * y[j + i];
+    y[j + k] = r * D[k + k * ld];
+  }
+}
+
+void backward(const double* panel, int ld, int p, double* y) {
+  int j = p & ~3;
+  switch (p - j) {
+    case 1:
+      backward_columns<1>(panel, ld, j, y);
+      break;
+    case 2:
+      backward_columns<2>(panel, ld, j, y);
+      break;
+    case 3:
+      backward_columns<3>(panel, ld, j, y);
+      break;
+    default:
+      break;
+  }
+  for (j -= 4; j >= 0; j -= 4) backward_columns<4>(panel, ld, j, y);
+}
+
+#undef TAUT_INLINE
+
+}  // namespace
+}  // namespace taut

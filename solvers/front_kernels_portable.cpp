@@ -1,0 +1,61 @@
+#include "solvers/front_kernels.h"
+
+namespace taut {
+namespace {
+
+// Two two-vectors, which every 64-bit processor has.
+typedef double Pair __attribute__((vector_size(16)));
+typedef double UnalignedPair __attribute__((vector_size(16), aligned(8), may_alias));
+struct Vec {
+  Pair low, high;
+};
+// 4×4 numbers are eight of the sixteen registers.
+constexpr int kStrips = 1;
+constexpr int kPackRows = 96;
+constexpr int kPackSize = 3000;
+
+inline Vec zero() { return {Pair{0.0, 0.0}, Pair{0.0, 0.0}}; }
+inline Vec load(const double* p) {
+  return {*reinterpret_cast<const UnalignedPair*>(p), *reinterpret_cast<const UnalignedPair*>(p + 2)};
+}
+inline void store(double* p, const Vec& v) {
+  *reinterpret_cast<UnalignedPair*>(p) = v.low;
+  *reinterpret_cast<UnalignedPair*>(p + 2) = v.high;
+}
+inline Vec broadcast(const double* p) { return {Pair{*p, *p}, Pair{*p, *p}}; }
+inline Vec add(const Vec& a, const Vec& b) { return {a.low + b.low, a.high + b.high}; }
+inline Vec multiply(const Vec& a, const Vec& b) { return {a.low * b.low, a.high * b.high}; }
+inline Vec minus_product(const Vec& a, const Vec& b, const Vec& c) {
+  return {c.low - a.low * b.low, c.high - a.high * b.high};
+}
+inline Vec plus_product(const Vec& a, const Vec& b, const Vec& c) {
+  return {c.low + a.low * b.low, c.high + a.high * b.high};
+}
+inline double sum(const Vec& v) { return (v.low[0] + v.high[0]) + (v.low[1] + v.high[1]); }
+inline void add_pair(double* to, const double* from) {
+  *reinterpret_cast<UnalignedPair*>(to) =
+      *reinterpret_cast<const UnalignedPair*>(to) + *reinterpret_cast<const UnalignedPair*>(from);
+}
+
+}  // namespace
+}  // namespace taut
+
+#include "solvers/front_kernels_impl.h"
+
+namespace taut {
+
+const FrontKernels& portable_front_kernels() {
+  static constexpr FrontKernels kernels{"portable", factor_panel, contribution,
+                                        extend_add, forward,      backward};
+  return kernels;
+}
+
+const FrontKernels& front_kernels() {
+#if defined(__x86_64__)
+  static const bool fast = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  if (fast && avx2_front_kernels() != nullptr) return *avx2_front_kernels();
+#endif
+  return portable_front_kernels();
+}
+
+}  // namespace taut

@@ -1,0 +1,123 @@
+#include "solvers/multifrontal_factor.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace taut {
+
+MultifrontalFactor::MultifrontalFactor() : MultifrontalFactor(front_kernels()) {}
+
+// The first column that fails in the matrix's order need not be the first met, where the fronts' order
+// differs from it. So fronts with earlier columns are still factored after a failure; what failed below them
+// can only spoil columns that come after the one already found.
+int MultifrontalFactor::factorize(const SymmetricMatrix& A) {
+  assert(A.size() == size_);
+  int failed = -1;
+  for (const Front& front : fronts_) {
+    if (failed >= 0 && front.first_column > failed) continue;
+    const int column = factorize_front(front, A);
+    if (column >= 0 && (failed < 0 || column < failed)) failed = column;
+  }
+  return failed;
+}
+
+// The children's contributions to the pivot columns come before the factorisation, those to the parent's own
+// contribution after it: so the latter is written once by −L₂₁L₂₁ᵀ and need not be set to zero.
+int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatrix& A) {
+  double* panel = L_.data() + front.panel;
+  assemble(front, A, panel);
+  for (int k = front.child_begin; k < front.child_end; ++k) {
+    const Front& child = fronts_[children_[k]];
+    kernels_->extend_add(panel, front.leading, contribution_of(child), contribution_leading(child),
+                         map_runs_.data() + child.map_begin, 0, child.map_pivot_end - child.map_begin,
+                         child.map_end - child.map_begin);
+  }
+  const int failed = kernels_->factor_panel(panel, front.leading, front.rows, front.pivots, pack_.data());
+  if (failed >= 0) return column_of(front, failed);
+
+  const int m = front.rows - front.pivots, ldc = contribution_leading(front);
+  if (m == 0) return -1;
+  double* C = contribution_of(front);
+  kernels_->contribution(C, ldc, panel + front.pivots, front.leading, m, front.pivots, pack_.data());
+  // The maps count front rows; C begins at the front's row and column p.
+  double* origin = C - front.pivots - std::ptrdiff_t{front.pivots} * ldc;
+  for (int k = front.child_begin; k < front.child_end; ++k) {
+    const Front& child = fronts_[children_[k]];
+    kernels_->extend_add(origin, ldc, contribution_of(child), contribution_leading(child),
+                         map_runs_.data() + child.map_begin, child.map_pivot_end - child.map_begin,
+                         child.map_end - child.map_begin, child.map_end - child.map_begin);
+  }
+  return -1;
+}
+
+// Panel ← A's columns.  The first run of a column starts at the diagonal block's first row, of which the part
+// above the diagonal is left out.
+void MultifrontalFactor::assemble(const Front& front, const SymmetricMatrix& A, double* panel) const {
+  std::fill_n(panel, std::ptrdiff_t{front.leading} * front.pivots, 0.0);
+  for (int b = front.column_begin; b < front.column_end; ++b) {
+    const BlockColumn& block = columns_[b];
+    for (int j = 0; j < block.width; ++j) {
+      const double* from = A.values.data() + block.place + std::ptrdiff_t{j} * block.length;
+      double* to = panel + std::ptrdiff_t{block.target + j} * front.leading;
+      int above = j;
+      for (int r = block.run_begin; r < block.run_end; ++r) {
+        const RowRun& run = column_runs_[r];
+        for (int i = above; i < run.length; ++i) to[run.target + i] = from[run.source + i];
+        above = 0;
+      }
+    }
+  }
+}
+
+// The column of A that is pivot k of the front.
+int MultifrontalFactor::column_of(const Front& front, int k) const {
+  for (int r = front.x_begin; r < front.x_pivot_end; ++r)
+    if (k < x_runs_[r].target + x_runs_[r].length) return x_runs_[r].source + k - x_runs_[r].target;
+  return -1;
+}
+
+// Forward substitution from the leaves up, backward from the roots down; each front works on its own rows of
+// x, gathered in y.
+void MultifrontalFactor::solve(std::span<double> x) {
+  assert(static_cast<int>(x.size()) == size_);
+  double* y = y_.data();
+  const auto gather = [&](const Front& front) {
+    for (int r = front.x_begin; r < front.x_end; ++r) {
+      const RowRun& run = x_runs_[r];
+      for (int i = 0; i < run.length; ++i) y[run.target + i] = x[run.source + i];
+    }
+    for (int i = front.rows; i < front.leading; ++i) y[i] = 0.0;
+  };
+  const auto scatter = [&](const Front& front, int end) {
+    for (int r = front.x_begin; r < end; ++r) {
+      const RowRun& run = x_runs_[r];
+      for (int i = 0; i < run.length; ++i) x[run.source + i] = y[run.target + i];
+    }
+  };
+  for (const Front& front : fronts_) {
+    gather(front);
+    kernels_->forward(L_.data() + front.panel, front.leading, front.pivots, y);
+    scatter(front, front.x_end);
+  }
+  for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) {
+    gather(*front);
+    kernels_->backward(L_.data() + front->panel, front->leading, front->pivots, y);
+    scatter(*front, front->x_pivot_end);
+  }
+}
+
+void MultifrontalFactor::pivots(std::span<double> d) const {
+  assert(static_cast<int>(d.size()) == size_);
+  for (const Front& front : fronts_) {
+    const double* panel = L_.data() + front.panel;
+    for (int r = front.x_begin; r < front.x_pivot_end; ++r) {
+      const RowRun& run = x_runs_[r];
+      for (int i = 0; i < run.length; ++i) {
+        const double reciprocal = panel[(run.target + i) * (std::ptrdiff_t{front.leading} + 1)];
+        d[run.source + i] = 1.0 / (reciprocal * reciprocal);
+      }
+    }
+  }
+}
+
+}  // namespace taut
