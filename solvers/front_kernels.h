@@ -34,11 +34,13 @@ struct FrontKernels {
   void (*extend_add)(double* target, int ldt, const double* source, int lds, const RowRun* runs, int first,
                      int last, int count);
 
-  /// [y₁; y₂] ← [L₁₁⁻¹ y₁; y₂ − L₂₁ L₁₁⁻¹ y₁].  y has ld entries, the padding of which is finite.
-  void (*forward)(const double* panel, int ld, int p, double* y);
+  /// Forward substitution with a front: x₁ ← L₁₁⁻¹x₁, x₂ ← x₂ − L₂₁x₁, where row i of the front is
+  /// x[rows[i]].  `rows` has ld entries, those of the padding being any of the others; y is scratch of ld
+  /// numbers.
+  void (*forward)(const double* panel, int ld, int n, int p, const int* rows, double* x, double* y);
 
-  /// y₁ ← L₁₁⁻ᵀ (y₁ − L₂₁ᵀ y₂).  y has ld entries, the padding of which is finite.
-  void (*backward)(const double* panel, int ld, int p, double* y);
+  /// Backward substitution with a front: x₁ ← L₁₁⁻ᵀ(x₁ − L₂₁ᵀx₂).
+  void (*backward)(const double* panel, int ld, int p, const int* rows, double* x, double* y);
 };
 
 /// Columns that the blocked kernels take at a time.

@@ -17,14 +17,17 @@ constexpr int kPackSize = 3000;
 inline Vec zero() { return _mm256_setzero_pd(); }
 inline Vec load(const double* p) { return _mm256_loadu_pd(p); }
 inline void store(double* p, Vec v) { _mm256_storeu_pd(p, v); }
-inline Vec broadcast(const double* p) { return _mm256_broadcast_sd(p); }
+inline Vec splat(double a) { return _mm256_set1_pd(a); }
+inline Vec compose(double a, double b, double c, double d) { return _mm256_set_pd(d, c, b, a); }
 inline Vec add(Vec a, Vec b) { return _mm256_add_pd(a, b); }
 inline Vec multiply(Vec a, Vec b) { return _mm256_mul_pd(a, b); }
 inline Vec minus_product(Vec a, Vec b, Vec c) { return _mm256_fnmadd_pd(a, b, c); }
 inline Vec plus_product(Vec a, Vec b, Vec c) { return _mm256_fmadd_pd(a, b, c); }
-inline double sum(Vec v) {
-  const __m128d pairs = _mm_add_pd(_mm256_castpd256_pd128(v), _mm256_extractf128_pd(v, 1));
-  return _mm_cvtsd_f64(_mm_add_sd(pairs, _mm_unpackhi_pd(pairs, pairs)));
+inline double minus_product(double a, double b, double c) { return __builtin_fma(-a, b, c); }
+inline void sum_each(const Vec (&v)[4], double (&sums)[4]) {
+  const Vec low = _mm256_hadd_pd(v[0], v[1]), high = _mm256_hadd_pd(v[2], v[3]);
+  const Vec crossed = _mm256_permute2f128_pd(low, high, 0x21), straight = _mm256_blend_pd(low, high, 0xC);
+  store(sums, _mm256_add_pd(crossed, straight));
 }
 inline void add_pair(double* to, const double* from) {
   _mm_storeu_pd(to, _mm_add_pd(_mm_loadu_pd(to), _mm_loadu_pd(from)));

@@ -1,9 +1,8 @@
-// The kernels of front_kernels.h, written once over a vector of four doubles.  Included by
-// front_kernels_portable.cpp and front_kernels_avx2.cpp, which define Vec, load(), store(), broadcast(),
-// multiply(), minus_product(a, b, c) = c − ab, plus_product(a, b, c) = c + ab, add(), sum() and kStrips, the
-// height in vectors of a register tile.  Everything is in an unnamed namespace and nothing of the standard
-// library is instantiated: the two copies, compiled for different processors, must not be merged by the
-// linker.
+// The kernels of front_kernels.h, written once over a vector of four doubles.  Included by front_kernels_portable.cpp
+// and front_kernels_avx2.cpp, which define Vec, zero(), load(), store(), splat(), compose(), multiply(), add(), add_pair(),
+// minus_product(a, b, c) = c − ab, plus_product(a, b, c) = c + ab, sum_each() and kStrips, the height in vectors of a
+// register tile.  Everything is in an unnamed namespace and nothing of the standard library is instantiated: the two
+// copies, compiled for different processors, must not be merged by the linker.
 #pragma once
 
 #include "solvers/front_kernels.h"
@@ -33,7 +32,7 @@ TAUT_INLINE void accumulate(Vec (&c)[S][N], const double* a, Index a_strip, Inde
     Vec column[S];
     for (int s = 0; s < S; ++s) column[s] = load(a + s * a_strip);
     for (int j = 0; j < N; ++j) {
-      const Vec b_j = broadcast(b + j);
+      const Vec b_j = splat(b[j]);
       for (int s = 0; s < S; ++s) c[s][j] = minus_product(column[s], b_j, c[s][j]);
     }
     a += a_column;
@@ -129,24 +128,32 @@ TAUT_INLINE Strips strips_of(const double* X, Index ld, int rows, int K, double*
   return pack_strips(X, ld, rows, K, pack);
 }
 
-// Cholesky of an N×N tile and the solution of the tile's rows N..3, in t[column][row].  The diagonal becomes
-// 1/L_jj.
+// Cholesky of an N×N tile and of the tile's rows N..3, in t[column][row].  The triangle is kept as L = U D^½
+// with U unit lower triangular: the strictly lower part holds U, the diagonal 1/L_jj = d_j^−½.  In the
+// recurrences of the solves that leaves one product between a row and the next; and here the square roots
+// come off the path from pivot to pivot.
 template <int N>
 TAUT_INLINE int factor_tile(double (&t)[N][4]) {
+  double inverse[N];
   for (int j = 0; j < N; ++j) {
     const double d = t[j][j];
     if (!(d > 0.0 && d <= __DBL_MAX__)) return j;
-    const double r = 1.0 / __builtin_sqrt(d);
+    inverse[j] = 1.0 / d;
+    for (int k = j + 1; k < N; ++k) {
+      const double u = t[j][k] * inverse[j];
+      for (int i = k; i < 4; ++i) t[k][i] = minus_product(t[j][i], u, t[k][i]);
+    }
+  }
+  for (int j = 0; j < N; ++j) {
+    const double r = __builtin_sqrt(inverse[j]);
     t[j][j] = r;
     for (int i = 0; i < j; ++i) t[j][i] = 0.0;
-    for (int i = j + 1; i < 4; ++i) t[j][i] *= r;
-    for (int k = j + 1; k < N; ++k)
-      for (int i = k; i < 4; ++i) t[k][i] -= t[j][i] * t[j][k];
+    for (int i = j + 1; i < 4; ++i) t[j][i] *= i < N ? inverse[j] : r;
   }
   return -1;
 }
 
-// S strips of N columns: update with the columns on the left, then X ← X L⁻ᵀ with the factored tile; in
+// S strips of N columns: update with the columns on the left, then X ← X U⁻ᵀ D^−½ with the factored tile; in
 // registers.
 template <int S, int N>
 TAUT_INLINE void finish_strips(double* X, Index ld, const double* left, const double* left_pivots, int K,
@@ -154,12 +161,14 @@ TAUT_INLINE void finish_strips(double* X, Index ld, const double* left, const do
   Vec c[S][N];
   load_tile<S, N>(c, X, ld);
   accumulate<S, N>(c, left, 4, ld, left_pivots, ld, K);
-  for (int j = 0; j < N; ++j) {
-    for (int k = 0; k < j; ++k) {
-      const Vec l = broadcast(&t[k][j]);
-      for (int s = 0; s < S; ++s) c[s][j] = minus_product(c[s][k], l, c[s][j]);
+  for (int k = 0; k < N; ++k) {
+    for (int j = k + 1; j < N; ++j) {
+      const Vec u = splat(t[k][j]);
+      for (int s = 0; s < S; ++s) c[s][j] = minus_product(c[s][k], u, c[s][j]);
     }
-    const Vec r = broadcast(&t[j][j]);
+  }
+  for (int j = 0; j < N; ++j) {
+    const Vec r = splat(t[j][j]);
     for (int s = 0; s < S; ++s) c[s][j] = multiply(c[s][j], r);
   }
   store_tile<S, N>(c, X, ld);
@@ -252,73 +261,121 @@ void extend_add(double* target, int ldt, const double* source, int lds, const Ro
   }
 }
 
-// Forward substitution of N columns at j, and their product taken off the rows below.
-template <int N>
-TAUT_INLINE void forward_columns(const double* panel, Index ld, int j, double* y) {
+// The solves read x through the front's list of rows, and keep in y, in the front's order, what vectors need.
+// A vector is never loaded from where single numbers have just been stored, and z stays in registers: either
+// would make each front wait for the one before it.
+
+// Forward substitution of N columns at j.  y holds minus the products of the columns on the left with their
+// solution; within the tile, z = U⁻¹(x + y) first and D^−½z then; the tile's product is taken off the rows
+// below.
+template <int N, bool kFirst>
+TAUT_INLINE void forward_columns(const double* panel, Index ld, Index j, const int* rows, double* x,
+                                 double* y) {
   const double* D = panel + j + j * ld;
+  double z[N];
+  for (int k = 0; k < N; ++k) z[k] = kFirst ? x[rows[j + k]] : x[rows[j + k]] + y[j + k];
+  for (int k = 0; k < N; ++k)
+    for (int i = k + 1; i < N; ++i) z[i] = minus_product(D[i + k * ld], z[k], z[i]);
   for (int k = 0; k < N; ++k) {
-    y[j + k] *= D[k + k * ld];
-    for (int i = k + 1; i < 4; ++i) y[j + i] -= D[i + k * ld] * y[j + k];
+    z[k] *= D[k + k * ld];
+    x[rows[j + k]] = z[k];
   }
-  Vec x[N];
-  for (int k = 0; k < N; ++k) x[k] = broadcast(y + j + k);
+  Vec v[N];
+  for (int k = 0; k < N; ++k) v[k] = splat(z[k]);
   const double* X = panel + j * ld;
-  for (Index i = j + 4; i < ld; i += 4) {
-    Vec r = load(y + i);
-    for (int k = 0; k < N; ++k) r = minus_product(load(X + i + k * ld), x[k], r);
+  for (Index i = N < 4 ? j : j + 4; i < ld; i += 4) {
+    Vec r = kFirst ? zero() : load(y + i);
+    for (int k = 0; k < N; ++k) r = minus_product(load(X + i + k * ld), v[k], r);
     store(y + i, r);
   }
 }
 
-void forward(const double* panel, int ld, int p, double* y) {
-  int j = 0;
-  for (; j + 4 <= p; j += 4) forward_columns<4>(panel, ld, j, y);
-  switch (p - j) {
+void forward(const double* panel, int ld, int n, int p, const int* rows, double* x, double* y) {
+  const Index last = p & ~3;
+  if (last > 0) forward_columns<4, true>(panel, ld, 0, rows, x, y);
+  for (Index j = 4; j < last; j += 4) forward_columns<4, false>(panel, ld, j, rows, x, y);
+  switch (p - last + (last > 0 ? 4 : 0)) {
     case 1:
-      return forward_columns<1>(panel, ld, j, y);
+      forward_columns<1, true>(panel, ld, last, rows, x, y);
+      break;
     case 2:
-      return forward_columns<2>(panel, ld, j, y);
+      forward_columns<2, true>(panel, ld, last, rows, x, y);
+      break;
     case 3:
-      return forward_columns<3>(panel, ld, j, y);
+      forward_columns<3, true>(panel, ld, last, rows, x, y);
+      break;
+    case 5:
+      forward_columns<1, false>(panel, ld, last, rows, x, y);
+      break;
+    case 6:
+      forward_columns<2, false>(panel, ld, last, rows, x, y);
+      break;
+    case 7:
+      forward_columns<3, false>(panel, ld, last, rows, x, y);
+      break;
     default:
-      return;
+      break;
   }
+  for (int i = p; i < n; ++i) x[rows[i]] += y[i];
 }
 
-// N dot products with the rows below, then backward substitution within the tile.
+// N dot products with the rows below, then backward substitution within the tile: z = U⁻ᵀ D^−½ (x − sums).
 template <int N>
-TAUT_INLINE void backward_columns(const double* panel, Index ld, int j, double* y) {
+TAUT_INLINE void backward_columns(const double* panel, Index ld, Index j, const int* rows, double* x,
+                                  double* y) {
   const double* D = panel + j + j * ld;
   const double* X = panel + j * ld;
-  Vec sums[N];
-  for (int k = 0; k < N; ++k) sums[k] = zero();
-  for (Index i = j + 4; i < ld; i += 4) {
+  Vec sums[4];
+  for (int k = 0; k < 4; ++k) sums[k] = zero();
+  Index i = j + 4;
+  if (i + 16 <= ld) {
+    Vec more[N];
+    for (int k = 0; k < N; ++k) more[k] = zero();
+    for (; i + 8 <= ld; i += 8) {
+      const Vec r = load(y + i), r_next = load(y + i + 4);
+      for (int k = 0; k < N; ++k) {
+        sums[k] = plus_product(load(X + i + k * ld), r, sums[k]);
+        more[k] = plus_product(load(X + i + 4 + k * ld), r_next, more[k]);
+      }
+    }
+    for (int k = 0; k < N; ++k) sums[k] = add(sums[k], more[k]);
+  }
+  for (; i < ld; i += 4) {
     const Vec r = load(y + i);
     for (int k = 0; k < N; ++k) sums[k] = plus_product(load(X + i + k * ld), r, sums[k]);
   }
-  for (int k = N - 1; k >= 0; --k) {
-    double r = y[j + k] - sum(sums[k]);
-    for (int i = k + 1; i < 4; ++i) r -= D[i + k * ld] * y[j + i];
-    y[j + k] = r * D[k + k * ld];
+  double z[4];
+  sum_each(sums, z);
+  for (int k = 0; k < N; ++k) {
+    z[k] = x[rows[j + k]] - z[k];
+    for (int l = N; l < 4; ++l) z[k] = minus_product(D[l + k * ld], x[rows[j + l]], z[k]);
+    z[k] *= D[k + k * ld];
   }
+  for (int k = N - 1; k >= 0; --k)
+    for (int l = 0; l < k; ++l) z[l] = minus_product(D[k + l * ld], z[k], z[l]);
+  for (int k = 0; k < N; ++k) x[rows[j + k]] = z[k];
+  for (int k = N; k < 4; ++k) z[k] = x[rows[j + k]];
+  store(y + j, compose(z[0], z[1], z[2], z[3]));
 }
 
-void backward(const double* panel, int ld, int p, double* y) {
-  int j = p & ~3;
+void backward(const double* panel, int ld, int p, const int* rows, double* x, double* y) {
+  for (Index i = (p + 3) & ~3; i < ld; i += 4)
+    store(y + i, compose(x[rows[i]], x[rows[i + 1]], x[rows[i + 2]], x[rows[i + 3]]));
+  Index j = p & ~3;
   switch (p - j) {
     case 1:
-      backward_columns<1>(panel, ld, j, y);
+      backward_columns<1>(panel, ld, j, rows, x, y);
       break;
     case 2:
-      backward_columns<2>(panel, ld, j, y);
+      backward_columns<2>(panel, ld, j, rows, x, y);
       break;
     case 3:
-      backward_columns<3>(panel, ld, j, y);
+      backward_columns<3>(panel, ld, j, rows, x, y);
       break;
     default:
       break;
   }
-  for (j -= 4; j >= 0; j -= 4) backward_columns<4>(panel, ld, j, y);
+  for (j -= 4; j >= 0; j -= 4) backward_columns<4>(panel, ld, j, rows, x, y);
 }
 
 #undef TAUT_INLINE

@@ -22,7 +22,8 @@ inline void store(double* p, const Vec& v) {
   *reinterpret_cast<UnalignedPair*>(p) = v.low;
   *reinterpret_cast<UnalignedPair*>(p + 2) = v.high;
 }
-inline Vec broadcast(const double* p) { return {Pair{*p, *p}, Pair{*p, *p}}; }
+inline Vec splat(double a) { return {Pair{a, a}, Pair{a, a}}; }
+inline Vec compose(double a, double b, double c, double d) { return {Pair{a, b}, Pair{c, d}}; }
 inline Vec add(const Vec& a, const Vec& b) { return {a.low + b.low, a.high + b.high}; }
 inline Vec multiply(const Vec& a, const Vec& b) { return {a.low * b.low, a.high * b.high}; }
 inline Vec minus_product(const Vec& a, const Vec& b, const Vec& c) {
@@ -31,7 +32,10 @@ inline Vec minus_product(const Vec& a, const Vec& b, const Vec& c) {
 inline Vec plus_product(const Vec& a, const Vec& b, const Vec& c) {
   return {c.low + a.low * b.low, c.high + a.high * b.high};
 }
-inline double sum(const Vec& v) { return (v.low[0] + v.high[0]) + (v.low[1] + v.high[1]); }
+inline double minus_product(double a, double b, double c) { return c - a * b; }
+inline void sum_each(const Vec (&v)[4], double (&sums)[4]) {
+  for (int k = 0; k < 4; ++k) sums[k] = (v[k].low[0] + v[k].high[0]) + (v[k].low[1] + v[k].high[1]);
+}
 inline void add_pair(double* to, const double* from) {
   *reinterpret_cast<UnalignedPair*>(to) =
       *reinterpret_cast<const UnalignedPair*>(to) + *reinterpret_cast<const UnalignedPair*>(from);

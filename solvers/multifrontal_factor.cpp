@@ -33,7 +33,7 @@ int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatri
                          child.map_end - child.map_begin);
   }
   const int failed = kernels_->factor_panel(panel, front.leading, front.rows, front.pivots, pack_.data());
-  if (failed >= 0) return column_of(front, failed);
+  if (failed >= 0) return rows_[front.row_begin + failed];
 
   const int m = front.rows - front.pivots, ldc = contribution_leading(front);
   if (m == 0) return -1;
@@ -69,53 +69,23 @@ void MultifrontalFactor::assemble(const Front& front, const SymmetricMatrix& A, 
   }
 }
 
-// The column of A that is pivot k of the front.
-int MultifrontalFactor::column_of(const Front& front, int k) const {
-  for (int r = front.x_begin; r < front.x_pivot_end; ++r)
-    if (k < x_runs_[r].target + x_runs_[r].length) return x_runs_[r].source + k - x_runs_[r].target;
-  return -1;
-}
-
-// Forward substitution from the leaves up, backward from the roots down; each front works on its own rows of
-// x, gathered in y.
+// Forward substitution from the leaves up, backward from the roots down.
 void MultifrontalFactor::solve(std::span<double> x) {
   assert(static_cast<int>(x.size()) == size_);
-  double* y = y_.data();
-  const auto gather = [&](const Front& front) {
-    for (int r = front.x_begin; r < front.x_end; ++r) {
-      const RowRun& run = x_runs_[r];
-      for (int i = 0; i < run.length; ++i) y[run.target + i] = x[run.source + i];
-    }
-    for (int i = front.rows; i < front.leading; ++i) y[i] = 0.0;
-  };
-  const auto scatter = [&](const Front& front, int end) {
-    for (int r = front.x_begin; r < end; ++r) {
-      const RowRun& run = x_runs_[r];
-      for (int i = 0; i < run.length; ++i) x[run.source + i] = y[run.target + i];
-    }
-  };
-  for (const Front& front : fronts_) {
-    gather(front);
-    kernels_->forward(L_.data() + front.panel, front.leading, front.pivots, y);
-    scatter(front, front.x_end);
-  }
-  for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) {
-    gather(*front);
-    kernels_->backward(L_.data() + front->panel, front->leading, front->pivots, y);
-    scatter(*front, front->x_pivot_end);
-  }
+  for (const Front& front : fronts_)
+    kernels_->forward(L_.data() + front.panel, front.leading, front.rows, front.pivots,
+                      rows_.data() + front.row_begin, x.data(), y_.data());
+  for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front)
+    kernels_->backward(L_.data() + front->panel, front->leading, front->pivots,
+                       rows_.data() + front->row_begin, x.data(), y_.data());
 }
 
 void MultifrontalFactor::pivots(std::span<double> d) const {
   assert(static_cast<int>(d.size()) == size_);
   for (const Front& front : fronts_) {
-    const double* panel = L_.data() + front.panel;
-    for (int r = front.x_begin; r < front.x_pivot_end; ++r) {
-      const RowRun& run = x_runs_[r];
-      for (int i = 0; i < run.length; ++i) {
-        const double reciprocal = panel[(run.target + i) * (std::ptrdiff_t{front.leading} + 1)];
-        d[run.source + i] = 1.0 / (reciprocal * reciprocal);
-      }
+    for (int k = 0; k < front.pivots; ++k) {
+      const double reciprocal = L_[front.panel + k * (std::int64_t{front.leading} + 1)];
+      d[rows_[front.row_begin + k]] = 1.0 / (reciprocal * reciprocal);
     }
   }
 }

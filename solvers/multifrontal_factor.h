@@ -47,11 +47,11 @@ class MultifrontalFactor final : public Factor {
     int rows = 0;     ///< n
     int leading = 0;  ///< leading dimension of the panel
     int parent = -1;
-    int first_column = 0;           ///< smallest column of A that is a pivot here
-    std::int64_t panel = 0;         ///< place of the n×p panel in L
-    std::int64_t contribution = 0;  ///< place of the (n−p)×(n−p) contribution in the stacks
-    int x_begin = 0, x_pivot_end = 0, x_end = 0;        ///< runs x → front rows
-    int child_begin = 0, child_end = 0;                 ///< in children_
+    int first_column = 0;                ///< smallest column of A that is a pivot here
+    std::int64_t panel = 0;              ///< place of the n×p panel in L
+    std::int64_t contribution = 0;       ///< place of the (n−p)×(n−p) contribution in the stacks
+    std::int64_t row_begin = 0;          ///< in rows_
+    int child_begin = 0, child_end = 0;  ///< in children_
     int map_begin = 0, map_pivot_end = 0, map_end = 0;  ///< runs contribution → parent's front rows
     int column_begin = 0, column_end = 0;               ///< in columns_
   };
@@ -73,7 +73,6 @@ class MultifrontalFactor final : public Factor {
 
   int factorize_front(const Front& front, const SymmetricMatrix& A);
   void assemble(const Front& front, const SymmetricMatrix& A, double* panel) const;
-  int column_of(const Front& front, int k) const;
   double* contribution_of(const Front& front) { return contributions_.data() + front.contribution; }
   static int contribution_leading(const Front& front) { return (front.rows - front.pivots + 3) & ~3; }
 
@@ -83,9 +82,9 @@ class MultifrontalFactor final : public Factor {
   std::int64_t nonzeros_ = 0;
   std::vector<Front> fronts_;
   std::vector<int> children_;
+  std::vector<int> rows_;  // front rows → rows of A, padded to the leading dimension
   std::vector<BlockColumn> columns_;
   std::vector<RowRun> column_runs_;  // A's column → front rows
-  std::vector<RowRun> x_runs_;       // x → front rows
   std::vector<RowRun> map_runs_;     // contribution rows → parent's front rows
   std::vector<double> L_;            // panels, front after front
   std::vector<double> contributions_;

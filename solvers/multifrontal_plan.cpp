@@ -116,26 +116,20 @@ void MultifrontalFactor::plan_contributions() {
 void MultifrontalFactor::plan_runs(const SymmetricMatrix& A, const AssemblyTree& tree) {
   const auto width = [&](int block) { return A.block_start[block + 1] - A.block_start[block]; };
   std::vector<int> position(static_cast<std::size_t>(A.block_count()), 0);  // front row of block
-  x_runs_.clear();
+  rows_.clear();
   map_runs_.clear();
   columns_.clear();
   column_runs_.clear();
   for (int f = 0; f < tree.size(); ++f) {
     Front& front = fronts_[f];
-    int row = 0;
-    const auto add_blocks = [&](const std::vector<int>& blocks, int begin, int end) {
-      const std::size_t first = x_runs_.size();
-      for (int t = begin; t < end; ++t) {
-        const int block = blocks[t];
-        position[block] = row;
-        append_run(x_runs_, first, {A.block_start[block], row, width(block)});
-        row += width(block);
-      }
-      return static_cast<int>(x_runs_.size());
+    front.row_begin = static_cast<std::int64_t>(rows_.size());
+    const auto add_block = [&](int block) {
+      position[block] = static_cast<int>(static_cast<std::int64_t>(rows_.size()) - front.row_begin);
+      for (int r = A.block_start[block]; r < A.block_start[block + 1]; ++r) rows_.push_back(r);
     };
-    front.x_begin = static_cast<int>(x_runs_.size());
-    front.x_pivot_end = add_blocks(tree.pivots, tree.pivot_start[f], tree.pivot_start[f + 1]);
-    front.x_end = add_blocks(tree.rows, tree.row_start[f], tree.row_start[f + 1]);
+    for (int t = tree.pivot_start[f]; t < tree.pivot_start[f + 1]; ++t) add_block(tree.pivots[t]);
+    for (int t = tree.row_start[f]; t < tree.row_start[f + 1]; ++t) add_block(tree.rows[t]);
+    for (int i = front.rows; i < front.leading; ++i) rows_.push_back(rows_.back());
 
     for (int k = front.child_begin; k < front.child_end; ++k) {
       const int c = children_[k];
