@@ -1,6 +1,7 @@
 #include "solvers/assembly_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace taut {
@@ -183,10 +184,10 @@ std::vector<int> amalgamate(const Supernodes& s, const std::vector<int>& columns
 }  // namespace
 
 double FrontCost::operator()(double p, double m) const {
-  // Σ (n − j)² over the pivots j, n = p + m, is the number of multiplications (twice, for L and its mirror
-  // image).
+  const double tiles = std::ceil(0.25 * p), rows = 4.0 * std::ceil(0.25 * (p + m));
+  // ½ Σ (n − j)² over the pivots j, n = p + m.
   const double multiplications = 0.5 * (p * m * m + p * p * m + p * p * p / 3.0);
-  return per_front + per_panel_entry * p * (p + m) + per_contribution_entry * 0.5 * m * m +
+  return per_front + per_tile * tiles + per_panel_entry * p * rows + per_contribution_entry * 0.5 * m * m +
          per_multiplication * multiplications;
 }
 

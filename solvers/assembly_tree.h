@@ -26,10 +26,11 @@ struct AssemblyTree {
 /// Modelled time of one front [ns]: merging a child with its parent costs arithmetic with zeros, and saves
 /// the child's overhead and the passing on of its contribution.  Fitted to measurements; only ratios matter.
 struct FrontCost {
-  double per_front = 150.0;             ///< loops that start and end, runs, roots and divisions
-  double per_panel_entry = 0.5;         ///< zeroing and assembly, and reading in the solves that follow
+  double per_front = 60.0;
+  double per_tile = 50.0;               ///< four pivots, which wait for each other
+  double per_panel_entry = 1.5;         ///< zeroing and assembly, and reading in the solves that follow
   double per_contribution_entry = 0.5;  ///< writing, and extend-add into the parent
-  double per_multiplication = 0.04;
+  double per_multiplication = 0.1;
 
   /// Of a front with p pivots and m more rows.
   double operator()(double p, double m) const;

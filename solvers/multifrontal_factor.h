@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "solvers/aligned_vector.h"
 #include "solvers/assembly_tree.h"
 #include "solvers/factor.h"
 #include "solvers/front_kernels.h"
@@ -86,10 +87,10 @@ class MultifrontalFactor final : public Factor {
   std::vector<BlockColumn> columns_;
   std::vector<RowRun> column_runs_;  // A's column → front rows
   std::vector<RowRun> map_runs_;     // contribution rows → parent's front rows
-  std::vector<double> L_;            // panels, front after front
-  std::vector<double> contributions_;
-  std::vector<double> pack_;
-  std::vector<double> y_;  // a front's part of x
+  AlignedVector<double> L_;          // panels, front after front
+  AlignedVector<double> contributions_;
+  AlignedVector<double> pack_;
+  AlignedVector<double> y_;  // a front's part of x
 };
 
 }  // namespace taut
