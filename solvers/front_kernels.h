@@ -30,9 +30,15 @@ struct FrontKernels {
   void (*contribution)(double* C, int ldc, const double* L21, int ld, int m, int p, double* pack);
 
   /// Adds the columns of runs [first, last) of a child's contribution, rows from the diagonal down, to the
-  /// parent's matrix: target(t_i, t_j) += source(s_i, s_j).
+  /// parent's matrix: target(t_i, t_j) += source(s_i, s_j).  Between two runs, the target has a gap.  Reads
+  /// up to three numbers behind both matrices, and writes back those behind the target.
   void (*extend_add)(double* target, int ldt, const double* source, int lds, const RowRun* runs, int first,
                      int last, int count);
+
+  /// Copies a block column of A, `width` columns of `length` numbers each, into the columns of a panel, from
+  /// the diagonal down.
+  void (*assemble)(double* panel, int ld, const double* values, int length, int width, const RowRun* runs,
+                   int count);
 
   /// Forward substitution with a front: x₁ ← L₁₁⁻¹x₁, x₂ ← x₂ − L₂₁x₁, where row i of the front is
   /// x[rows[i]].  `rows` has ld entries, those of the padding being any of the others; y is scratch of ld

@@ -29,9 +29,11 @@ inline void sum_each(const Vec (&v)[4], double (&sums)[4]) {
   const Vec crossed = _mm256_permute2f128_pd(low, high, 0x21), straight = _mm256_blend_pd(low, high, 0xC);
   store(sums, _mm256_add_pd(crossed, straight));
 }
-inline void add_pair(double* to, const double* from) {
-  _mm_storeu_pd(to, _mm_add_pd(_mm_loadu_pd(to), _mm_loadu_pd(from)));
+alignas(32) constexpr long long kLanes[8] = {-1, -1, -1, -1, 0, 0, 0, 0};
+inline Vec first_lanes(int count) {
+  return _mm256_loadu_pd(reinterpret_cast<const double*>(kLanes + 4 - count));
 }
+inline Vec keep(Vec a, Vec mask) { return _mm256_and_pd(a, mask); }
 
 }  // namespace
 }  // namespace taut
@@ -41,7 +43,8 @@ inline void add_pair(double* to, const double* from) {
 namespace taut {
 
 const FrontKernels* avx2_front_kernels() {
-  static constexpr FrontKernels kernels{"AVX2", factor_panel, contribution, extend_add, forward, backward};
+  static constexpr FrontKernels kernels{"AVX2",   factor_panel, contribution, extend_add,
+                                        assemble, forward,      backward};
   return &kernels;
 }
 

@@ -1,9 +1,9 @@
 // The kernels of front_kernels.h, written once over a vector of four doubles.  Included by
 // front_kernels_portable.cpp and front_kernels_avx2.cpp, which define Vec, zero(), load(), store(), splat(),
-// compose(), multiply(), add(), add_pair(), minus_product(a, b, c) = c − ab, plus_product(a, b, c) = c + ab,
-// sum_each() and kStrips, the height in vectors of a register tile.  Everything is in an unnamed namespace
-// and nothing of the standard library is instantiated: the two copies, compiled for different processors,
-// must not be merged by the linker.
+// compose(), multiply(), add(), first_lanes(), keep(), minus_product(a, b, c) = c − ab, plus_product(a, b, c)
+// = c + ab, sum_each() and kStrips, the height in vectors of a register tile.  Everything is in an unnamed
+// namespace and nothing of the standard library is instantiated: the two copies, compiled for different
+// processors, must not be merged by the linker.
 #pragma once
 
 #include "solvers/front_kernels.h"
@@ -240,25 +240,58 @@ void contribution(double* C, int ldc, const double* L21, int ld, int m, int p, d
   }
 }
 
-TAUT_INLINE void add_run(double* to, const double* from, int length) {
-  int i = 0;
-  for (; i + 4 <= length; i += 4) store(to + i, add(load(to + i), load(from + i)));
-  if (length & 2) {
-    add_pair(to + i, from + i);
-    i += 2;
-  }
-  if (length & 1) to[i] += from[i];
+// Adds up to four rows as one vector, whose last lanes add zero: `mask` keeps the first lanes.
+TAUT_INLINE void add_masked(double* to, const double* from, Vec mask) {
+  store(to, add(load(to), keep(load(from), mask)));
 }
 
+TAUT_INLINE void add_rows(double* to, const double* from, int length) {
+  int i = 0;
+  for (; i + 4 <= length; i += 4) store(to + i, add(load(to + i), load(from + i)));
+  if (i < length) add_masked(to + i, from + i, first_lanes(length - i));
+}
+
+// For pairs of runs (a, b), a's columns times b's rows.  Most runs are one or two blocks; a run of up to four
+// rows is one masked vector per column.
 void extend_add(double* target, int ldt, const double* source, int lds, const RowRun* runs, int first,
                 int last, int count) {
   for (int a = first; a < last; ++a) {
-    for (int j = 0; j < runs[a].length; ++j) {
-      double* to = target + Index{runs[a].target + j} * ldt;
-      const double* from = source + Index{runs[a].source + j} * lds;
-      add_run(to + runs[a].target + j, from + runs[a].source + j, runs[a].length - j);
-      for (int b = a + 1; b < count; ++b) add_run(to + runs[b].target, from + runs[b].source, runs[b].length);
+    const int width = runs[a].length;
+    double* to = target + Index{runs[a].target} * ldt;
+    const double* from = source + Index{runs[a].source} * lds;
+    for (int j = 0; j < width; ++j)
+      add_rows(to + runs[a].target + j + Index{j} * ldt, from + runs[a].source + j + Index{j} * lds,
+               width - j);
+    for (int b = a + 1; b < count; ++b) {
+      double* to_b = to + runs[b].target;
+      const double* from_b = from + runs[b].source;
+      const int length = runs[b].length;
+      if (length <= 4) {
+        const Vec mask = first_lanes(length);
+        for (int j = 0; j < width; ++j, to_b += ldt, from_b += lds) add_masked(to_b, from_b, mask);
+      } else {
+        for (int j = 0; j < width; ++j, to_b += ldt, from_b += lds) add_rows(to_b, from_b, length);
+      }
     }
+  }
+}
+
+TAUT_INLINE void copy_rows(double* to, const double* from, int length) {
+  int i = 0;
+  for (; i + 4 <= length; i += 4) store(to + i, load(from + i));
+  for (; i < length; ++i) to[i] = from[i];
+}
+
+// The first run of a block column starts at the diagonal block's first row; what is above the diagonal is
+// left out.
+void assemble(double* panel, int ld, const double* values, int length, int width, const RowRun* runs,
+              int count) {
+  for (int j = 0; j < width; ++j) {
+    copy_rows(panel + runs[0].target + j, values + runs[0].source + j, runs[0].length - j);
+    for (int r = 1; r < count; ++r)
+      copy_rows(panel + runs[r].target, values + runs[r].source, runs[r].length);
+    panel += ld;
+    values += length;
   }
 }
 

@@ -36,10 +36,13 @@ inline double minus_product(double a, double b, double c) { return c - a * b; }
 inline void sum_each(const Vec (&v)[4], double (&sums)[4]) {
   for (int k = 0; k < 4; ++k) sums[k] = (v[k].low[0] + v[k].high[0]) + (v[k].low[1] + v[k].high[1]);
 }
-inline void add_pair(double* to, const double* from) {
-  *reinterpret_cast<UnalignedPair*>(to) =
-      *reinterpret_cast<const UnalignedPair*>(to) + *reinterpret_cast<const UnalignedPair*>(from);
+constexpr long long kLanes[8] = {-1, -1, -1, -1, 0, 0, 0, 0};
+inline Vec first_lanes(int count) { return load(reinterpret_cast<const double*>(kLanes + 4 - count)); }
+typedef long long Mask __attribute__((vector_size(16)));
+inline Pair keep(Pair a, Pair mask) {
+  return reinterpret_cast<Pair>(reinterpret_cast<Mask>(a) & reinterpret_cast<Mask>(mask));
 }
+inline Vec keep(const Vec& a, const Vec& mask) { return {keep(a.low, mask.low), keep(a.high, mask.high)}; }
 
 }  // namespace
 }  // namespace taut
@@ -49,8 +52,8 @@ inline void add_pair(double* to, const double* from) {
 namespace taut {
 
 const FrontKernels& portable_front_kernels() {
-  static constexpr FrontKernels kernels{"portable", factor_panel, contribution,
-                                        extend_add, forward,      backward};
+  static constexpr FrontKernels kernels{"portable", factor_panel, contribution, extend_add,
+                                        assemble,   forward,      backward};
   return kernels;
 }
 

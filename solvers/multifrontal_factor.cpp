@@ -50,22 +50,13 @@ int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatri
   return -1;
 }
 
-// Panel ← A's columns.  The first run of a column starts at the diagonal block's first row, of which the part
-// above the diagonal is left out.
 void MultifrontalFactor::assemble(const Front& front, const SymmetricMatrix& A, double* panel) const {
   std::fill_n(panel, std::ptrdiff_t{front.leading} * front.pivots, 0.0);
   for (int b = front.column_begin; b < front.column_end; ++b) {
     const BlockColumn& block = columns_[b];
-    for (int j = 0; j < block.width; ++j) {
-      const double* from = A.values.data() + block.place + std::ptrdiff_t{j} * block.length;
-      double* to = panel + std::ptrdiff_t{block.target + j} * front.leading;
-      int above = j;
-      for (int r = block.run_begin; r < block.run_end; ++r) {
-        const RowRun& run = column_runs_[r];
-        for (int i = above; i < run.length; ++i) to[run.target + i] = from[run.source + i];
-        above = 0;
-      }
-    }
+    kernels_->assemble(panel + std::ptrdiff_t{block.target} * front.leading, front.leading,
+                       A.values.data() + block.place, block.length, block.width, column_runs_.data() + block.run_begin,
+                       block.run_end - block.run_begin);
   }
 }
 

@@ -108,7 +108,8 @@ void MultifrontalFactor::plan_contributions() {
   }
   for (std::size_t f = 0; f < fronts_.size(); ++f)
     if (odd[f]) fronts_[f].contribution += height[0];
-  contributions_.assign(static_cast<std::size_t>(height[0] + height[1]), 0.0);
+  // As behind the panels, kernels read behind the last contribution.
+  contributions_.assign(static_cast<std::size_t>(height[0] + height[1]) + 4, 0.0);
 }
 
 // The runs of x and of A's columns to front rows, and of the children's contributions to front rows.  A run
