@@ -25,8 +25,8 @@ inline BlockGraph chain_graph(int links) {
   return graph;
 }
 
-/// Joints of an N × N net of rods along the grid's edges, pinned at its corners.  At a node the first rod end is the hub,
-/// which a ball joint connects with each of the others.  Joints couple where they share a rod.
+/// Joints of an N × N net of rods along the grid's edges, pinned at its corners.  At a node the first rod end
+/// is the hub, which a ball joint connects with each of the others.  Joints couple where they share a rod.
 inline BlockGraph net_graph(int N) {
   std::vector<std::vector<int>> joints_of_rod(2 * static_cast<std::size_t>(N) * (N - 1));
   int joints = 0;
@@ -58,8 +58,8 @@ inline std::vector<int> amd_places(const BlockGraph& graph) {
   common.nmethods = 1;
   common.method[0].ordering = CHOLMOD_AMD;
   common.supernodal = CHOLMOD_SIMPLICIAL;
-  cholmod_triplet* T = cholmod_allocate_triplet(graph.blocks, graph.blocks, graph.blocks + graph.edges.size(), -1,
-                                                CHOLMOD_PATTERN, &common);
+  cholmod_triplet* T = cholmod_allocate_triplet(graph.blocks, graph.blocks, graph.blocks + graph.edges.size(),
+                                                -1, CHOLMOD_PATTERN, &common);
   const auto insert = [T](int i, int j) {
     static_cast<int*>(T->i)[T->nnz] = std::max(i, j);
     static_cast<int*>(T->j)[T->nnz++] = std::min(i, j);
@@ -83,7 +83,8 @@ inline SymmetricMatrix block_matrix(const BlockGraph& graph, const std::vector<i
   SymmetricMatrix A;
   std::vector<std::set<int>> below(static_cast<std::size_t>(graph.blocks));
   for (int b = 0; b < graph.blocks; ++b) below[b].insert(b);
-  for (auto [i, j] : graph.edges) below[std::min(places[i], places[j])].insert(std::max(places[i], places[j]));
+  for (auto [i, j] : graph.edges)
+    below[std::min(places[i], places[j])].insert(std::max(places[i], places[j]));
   std::mt19937 random(1);
   std::uniform_real_distribution<double> value(-1.0, 1.0);
   std::vector<double> sums(static_cast<std::size_t>(graph.blocks) * kWidth, 0.01);
@@ -108,7 +109,8 @@ inline SymmetricMatrix block_matrix(const BlockGraph& graph, const std::vector<i
   return A;
 }
 
-/// Bare CHOLMOD on a matrix in elimination order.  Each path gets the triangle that it does not have to transpose.
+/// Bare CHOLMOD on a matrix in elimination order.  Each path gets the triangle that it does not have to
+/// transpose.
 class BareCholmod {
  public:
   BareCholmod(const SymmetricMatrix& A, bool supernodal) {
