@@ -9,7 +9,7 @@
 namespace taut {
 
 /// Error policy: bad input throws std::invalid_argument with the name of the thing, what is wrong and the
-/// offending value.  Numerical outcomes are never exceptions; they are a Status in a report (status.h).
+/// offending value.  Numerical outcomes are never exceptions; they are a Status in a StepReport.
 template <typename Value>
 [[noreturn]] void fail(std::string_view name, std::string_view problem, const Value& value) {
   std::ostringstream message;

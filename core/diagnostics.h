@@ -7,7 +7,7 @@
 #include "core/state.h"
 #include "core/world.h"
 
-/// Laws that a run is judged by: energies, momenta, joint gaps.
+/// Laws that a run is judged by: energies and momenta (core/README, Eq. 13), joint gaps.
 namespace taut {
 
 /// How far a joint is open: norm of its translation rows and of its rotation rows.
@@ -18,7 +18,8 @@ struct Gap {
 
 /// One entry per joint from the residual φ of all rows.
 std::vector<Gap> joint_gaps(const Rows& rows, std::span<const double> phi);
-/// Largest over all joints, without allocating.
+/// Largest over all joints, without allocating.  A residual that is not a number shows as a gap that is not
+/// one.
 Gap max_gap(const Rows& rows, std::span<const double> phi);
 
 /// I_W ω = R_WB I_B R_BW ω.

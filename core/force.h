@@ -2,7 +2,8 @@
 
 #include <functional>
 #include <span>
-#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/check.h"
 #include "core/state.h"
@@ -23,8 +24,9 @@ class Force {
   virtual std::vector<BodyId> bodies() const { return {}; }
 };
 
-/// Constant force [N] of fixed world direction at a point of a body, or with `follows_body` of direction
-/// fixed in it.
+/// Constant force f [N] at point P of a body, in world axes; with `follows_body` in body axes.
+/// Wrench (r × f, f) with r = R_WB p_BP; potential −f·p_WP, none for a follower.      (core/README, Eq. 11)
+/// @throws std::invalid_argument if the point or the force is not finite.
 class PointForce final : public Force {
  public:
   PointForce(BodyId body, const Vec3& p_BP, const Vec3& force, bool follows_body = false)
@@ -49,7 +51,8 @@ class PointForce final : public Force {
   bool follows_body_;
 };
 
-/// Constant torque [N·m] in world axes, or with `follows_body` in body axes.
+/// Constant torque [N·m] in world axes, or with `follows_body` in body axes.  It has no potential either way.
+/// @throws std::invalid_argument if the torque is not finite.
 class BodyTorque final : public Force {
  public:
   BodyTorque(BodyId body, const Vec3& torque, bool follows_body = false)
@@ -67,8 +70,11 @@ class BodyTorque final : public Force {
   bool follows_body_;
 };
 
-/// Linear spring and damper between point P of A and point Q of B: tension k (L − L₀) + c dL/dt [N] along the
-/// line.
+/// Linear spring and damper between point P of A and point Q of B, L = |p_WQ − p_WP|: tension
+/// k (L − L₀) + c dL/dt [N] along the line, potential ½ k (L − L₀)²; no force where L = 0. (core/README, Eq.
+/// 12)
+/// @throws std::invalid_argument if a point is not finite, or k [N/m], L₀ [m] or c [N·s/m] negative or not
+/// finite.
 class SpringDamper final : public Force {
  public:
   SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double stiffness, double rest_length,
@@ -106,7 +112,9 @@ class SpringDamper final : public Force {
   double k_, rest_, c_;
 };
 
-/// Any law the user writes.  The function adds to the wrenches; it must not keep the span.
+/// Any law the user writes.  The function adds to the wrenches (world axes, about the centres of mass); it
+/// must not keep the span, and must depend on its arguments alone: solvers call it at trial states too.
+/// @throws std::invalid_argument for an empty function.
 class ForceCallback final : public Force {
  public:
   using Function = std::function<void(const State&, std::span<Wrench>)>;

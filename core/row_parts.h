@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <string>
 
 #include "core/so3.h"
@@ -33,7 +32,7 @@ struct StiffnessBlocks {
 
 namespace row_parts {
 
-/// −∂(r × f)/∂θ for a force f at an arm r that turns with the body: (f·r) 1 − sym(r fᵀ).
+/// sym −∂(r × f)/∂θ for a force f at an arm r that turns with the body: (f·r) 1 − sym(r fᵀ).
 inline Mat3 lever_stiffness(const Vec3& r, const Vec3& f) {
   const Mat3 rf = r * f.transpose();
   return f.dot(r) * Mat3::Identity() - 0.5 * (rf + rf.transpose());
@@ -41,7 +40,8 @@ inline Mat3 lever_stiffness(const Vec3& r, const Vec3& f) {
 
 inline const char* axis_name(int i) { return i == 0 ? "x" : i == 1 ? "y" : "z"; }
 
-/// Point P of A coincides with point Q of B.   φ = p_WQ − p_WP ∈ ℝ³ [m]
+/// Point P of A coincides with point Q of B.   φ = p_WQ − p_WP ∈ ℝ³ [m], world axes
+/// λ [N] is the force on B at Q.  A receives −λ at P, so an open point leaves the couple φ × λ.
 struct Point {
   static constexpr int kRows = 3;
   static constexpr bool kAngular = false;
@@ -71,6 +71,7 @@ struct Point {
 };
 
 /// Point Q of B stays in the plane through P of A with normal a fixed in A.   φ = a·(p_WQ − p_WP) [m]
+/// λ a [N] is the force on B at Q; A receives −λ a at the same place, whether the joint is closed or not.
 struct PointInPlane {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = false;
@@ -101,6 +102,7 @@ struct PointInPlane {
 };
 
 /// Direction a of A stays perpendicular to direction b of B.   φ = a·b [rad, sine of the angle off]
+/// λ [N·m] is the torque on B about b × a.
 struct Perpendicular {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = true;
@@ -125,7 +127,9 @@ struct Perpendicular {
   std::string row_name(int) const { return "rotation across the axis"; }
 };
 
-/// Frame F of A and frame G of B keep the same orientation.   φ = 2 vec(q_FG) ∈ ℝ³ [rad], in axes of F
+/// Frame F of A and frame G of B keep the same orientation.   φ = 2 vec(q_FG) ∈ ℝ³ [rad], in axes of F;
+/// its length is 2 sin(angle / 2).  Half a turn away the sign of φ flips and J has rank 2.
+/// λ [N·m] is the torque on B in axes of F (where φ = 0; in general R_WF (s λ + vec × λ), q_FG = (s, vec)).
 struct Orientation {
   static constexpr int kRows = 3;
   static constexpr bool kAngular = true;
@@ -162,6 +166,7 @@ struct Orientation {
 };
 
 /// Points P of A and Q of B keep their distance.   φ = |p_WQ − p_WP| − L [m], L > 0
+/// λ [N] is the force on B along the line from P to Q: positive in compression.
 struct Distance {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = false;
@@ -187,7 +192,9 @@ struct Distance {
                  StiffnessBlocks& K_B) const {
     const Vec3 r_A = A.q * p_AP, r_B = B.q * p_BQ, d = (B.p - A.p) + (r_B - r_A), n = direction(d);
     // The force λn swings with the line between the points: −λ (1 − nnᵀ)/|d| on translations.
-    const Mat3 swing = -*lambda / std::max(d.norm(), 1e-300) * (Mat3::Identity() - n * n.transpose());
+    // Where the points coincide there is no line; nothing swings.
+    const double distance = d.norm(), per_distance = distance > 0 ? -*lambda / distance : 0;
+    const Mat3 swing = per_distance * (Mat3::Identity() - n * n.transpose());
     K_A.translation += swing;
     K_B.translation += swing;
     K_A.rotation += skew(r_A) * swing * skew(r_A).transpose() - lever_stiffness(r_A, *lambda * n);

@@ -5,6 +5,7 @@
 #include <string>
 #include <type_traits>
 #include <typeindex>
+#include <typeinfo>
 #include <unordered_map>
 #include <vector>
 
@@ -13,11 +14,13 @@
 
 /// All constraint rows of a World, compiled into contiguous arrays:
 ///
-///   joint j  owns rows  first_row … first_row + row_count − 1
-///   side s   one (joint, body) pair; its Jacobian block has row_count rows by 6 columns, row-major
+///   joint j  owns rows  first_row … first_row + row_count − 1, in the order of the World's joints
+///   side s   one (joint, body) pair, A then B; its Jacobian block has row_count rows by 6 columns, row-major
 ///   values   Jacobian values of all sides, one behind the other
 ///
-/// Parts of one kind stand side by side in one array, so that the loops below are free of virtual calls.
+/// Parts of one kind stand side by side in one array, so that the loops over them are free of virtual calls.
+/// The rows do not refer to the World that they were compiled from; they are good for any state of it until
+/// its topology_version() changes.
 namespace taut {
 
 class World;
@@ -119,19 +122,22 @@ class Rows {
   const Row& row(int i) const { return rows_[i]; }
   std::string row_name(int i) const { return rows_[i].store->row_name(rows_[i].item, rows_[i].row_in_part); }
 
-  /// φ(q), one entry per row [m or rad].
+  // Sizes of the spans below: poses, twists, wrenches and `bodies` have body_count() entries, φ, γ, λ and J V
+  // row_count(), Jacobian values jacobian_size().
+
+  /// φ(q) [m or rad].
   void residual(std::span<const Pose> poses, std::span<double> phi) const;
-  /// J(q), all blocks (see values above).
+  /// J(q), the values of all sides.
   void jacobian(std::span<const Pose> poses, std::span<double> values) const;
-  /// γ = J̇ V, one entry per row.
+  /// γ = J̇ V, so that φ̈ = J V̇ + γ.
   void bias(std::span<const Pose> poses, std::span<const Twist> twists, std::span<double> gamma) const;
   /// Adds each body's block of K = −∂(Jᵀλ)/∂q to `bodies`, which the caller has zeroed.
   void stiffness(std::span<const Pose> poses, std::span<const double> lambda,
                  std::span<StiffnessBlocks> bodies) const;
 
-  /// J V, one entry per row.
+  /// J V, with the values that jacobian() gave.
   void apply(std::span<const double> jacobian, std::span<const Twist> twists, std::span<double> out) const;
-  /// Jᵀ λ, one wrench per body (also the reaction that fixed bodies receive).
+  /// Jᵀ λ, the wrench of all joints on each body, fixed ones too; overwrites `out`.
   void apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                        std::span<Wrench> out) const;
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace taut {
 
@@ -17,14 +18,14 @@ inline Mat3 skew(const Vec3& v) {
   return m;
 }
 
-/// Rotation by |θ| about θ.
+/// Rotation by |θ| [rad] about θ.
 inline Quat exp_so3(const Vec3& theta) {
   const double angle = theta.norm();
   const double scale = angle < 1e-8 ? 0.5 - angle * angle / 48 : std::sin(0.5 * angle) / angle;
   return Quat(std::cos(0.5 * angle), scale * theta.x(), scale * theta.y(), scale * theta.z());
 }
 
-/// Rotation vector of q, |θ| ≤ π.
+/// Rotation vector of q [rad], |θ| ≤ π: the inverse of exp_so3 up to the sign of q.
 inline Vec3 log_so3(const Quat& q) {
   const Vec3 v = q.w() < 0 ? Vec3(-q.vec()) : Vec3(q.vec());
   const double sine = v.norm(), cosine = std::abs(q.w());

@@ -1,6 +1,9 @@
 #include "core/world.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <sstream>
 
 #include "core/check.h"
 #include "core/diagnostics.h"
@@ -13,15 +16,22 @@ void check_pose(const std::string& name, const Pose& pose) {
   require_unit("orientation of " + name, pose.q.coeffs());
 }
 
-void check_twist(const std::string& name, const Twist& twist) {
+void check_twist(const std::string& name, const Twist& twist, bool fixed) {
   require_all_finite("angular velocity of " + name, twist.w);
   require_all_finite("velocity of " + name, twist.v);
+  if (!fixed) return;
+  if (!twist.v.isZero(0)) fail("velocity of " + name, "a fixed body cannot move", twist.v.transpose());
+  if (!twist.w.isZero(0))
+    fail("angular velocity of " + name, "a fixed body cannot move", twist.w.transpose());
 }
 
-/// Takes the name, or makes one up, and registers it.
+/// Takes the name, or makes up a free one, and registers it.
 std::string register_name(std::unordered_map<std::string, int>& names, std::string name, const char* kind,
                           int index) {
-  if (name.empty()) name = std::string(kind) + "_" + std::to_string(index);
+  if (name.empty()) {
+    name = std::string(kind) + "_" + std::to_string(index);
+    while (names.contains(name)) name += "_";
+  }
   if (!names.emplace(name, index).second) fail(kind, "name is already taken", name);
   return name;
 }
@@ -37,11 +47,9 @@ World::World() {
 
 BodyId World::add_body(BodySpec spec) {
   const int index = body_count();
-  const std::string& shown = spec.name.empty() ? "body_" + std::to_string(index) : spec.name;
+  const std::string shown = spec.name.empty() ? "body_" + std::to_string(index) : spec.name;
   check_pose(shown, spec.pose);
-  check_twist(shown, spec.twist);
-  if (spec.fixed && (spec.twist.w.norm() != 0 || spec.twist.v.norm() != 0))
-    fail("velocity of " + shown, "a fixed body cannot move", spec.twist.v.transpose());
+  check_twist(shown, spec.twist, spec.fixed);
   body_names_.push_back(register_name(body_of_name_, std::move(spec.name), "body", index));
   masses_.push_back(spec.mass);
   fixed_.push_back(spec.fixed);
@@ -68,27 +76,28 @@ JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
   return {index};
 }
 
+void World::check_force(const Force* force) const {
+  if (!force) fail("force", "must not be null", "null");
+  for (BodyId body : force->bodies())
+    if (body.index < 0 || body.index >= body_count()) fail("force", "no such body", body.index);
+}
+
 ForceId World::add_force(std::shared_ptr<const Force> force) {
-  forces_.push_back(nullptr);
-  const ForceId id{force_count() - 1};
-  try {
-    set_force(id, std::move(force));
-  } catch (...) {
-    forces_.pop_back();
-    throw;
-  }
-  return id;
+  check_force(force.get());
+  const bool needs_velocity = force->depends_on_velocity();
+  forces_.push_back(std::move(force));
+  velocity_forces_ = velocity_forces_ || needs_velocity;
+  ++state_version_;
+  return {force_count() - 1};
 }
 
 void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
   if (id.index < 0 || id.index >= force_count()) fail("force id", "no such force", id.index);
-  if (!force) fail("force", "must not be null", "null");
-  for (BodyId body : force->bodies())
-    if (body.index < 0 || body.index >= body_count()) fail("force", "no such body", body.index);
+  check_force(force.get());
   forces_[id.index] = std::move(force);
+  velocity_forces_ =
+      std::any_of(forces_.begin(), forces_.end(), [](const auto& f) { return f->depends_on_velocity(); });
   ++state_version_;
-  velocity_forces_ = std::any_of(forces_.begin(), forces_.end(),
-                                 [](const auto& f) { return f && f->depends_on_velocity(); });
 }
 
 void World::set_gravity(const Vec3& gravity) {
@@ -118,15 +127,31 @@ void World::set_pose(BodyId id, const Pose& pose) {
 }
 
 void World::set_twist(BodyId id, const Twist& twist) {
-  check_twist(name(id), twist);
-  if (is_fixed(id)) fail("velocity of " + name(id), "a fixed body cannot move", twist.v.transpose());
+  check_twist(name(id), twist, is_fixed(id));
   state_.twists[id.index] = twist;
   ++state_version_;
 }
 
 void World::set_state(const State& state) {
-  if (state.poses.size() != state_.poses.size() || state.twists.size() != state_.twists.size())
-    fail("state", "must have one pose and one twist per body", state.poses.size());
+  if (state.poses.size() != state_.poses.size())
+    fail("state", "must have one pose per body", state.poses.size());
+  if (state.twists.size() != state_.twists.size())
+    fail("state", "must have one twist per body", state.twists.size());
+  require_finite("time of the state", state.time);
+  const Pose& ground = state.poses[0];
+  if (!ground.p.isZero(0) || ground.q.coeffs() != Quat::Identity().coeffs())
+    fail("pose of ground", "cannot be changed", ground.p.transpose());
+  for (int b = 0; b < body_count(); ++b) {
+    // Solvers come here every step: a good state is passed without making messages, that is without
+    // allocating.
+    const Pose& X = state.poses[b];
+    const Twist& V = state.twists[b];
+    const bool good = X.p.allFinite() && std::abs(X.q.norm() - 1) <= kUnitTolerance && V.w.allFinite() &&
+                      V.v.allFinite() && !(fixed_[b] && !(V.w.isZero(0) && V.v.isZero(0)));
+    if (good) continue;
+    check_pose(body_names_[b], X);
+    check_twist(body_names_[b], V, fixed_[b]);
+  }
   state_ = state;
   ++state_version_;
 }
@@ -138,6 +163,8 @@ void World::set_time(double time) {
 }
 
 void World::forces(const State& state, std::span<Wrench> wrenches) const {
+  assert(static_cast<int>(wrenches.size()) == body_count());
+  assert(state.poses.size() == state_.poses.size() && state.twists.size() == state_.twists.size());
   for (int b = 0; b < body_count(); ++b) {
     wrenches[b].torque.setZero();
     wrenches[b].force = fixed_[b] ? Vec3(Vec3::Zero()) : Vec3(masses_[b].mass() * gravity_);
@@ -161,8 +188,9 @@ std::vector<Problem> World::validate(double gap_tolerance) const {
   const std::vector<Gap> gaps = joint_gaps(rows, phi);
   for (int j = 0; j < joint_count(); ++j) {
     std::ostringstream message;
-    if (gaps[j].metres > gap_tolerance) message << "is open at the start by " << gaps[j].metres << " m";
-    if (gaps[j].radians > gap_tolerance)
+    // Written so that a gap that is not a number counts as open.
+    if (!(gaps[j].metres <= gap_tolerance)) message << "is open at the start by " << gaps[j].metres << " m";
+    if (!(gaps[j].radians <= gap_tolerance))
       message << (message.tellp() > 0 ? " and " : "is open at the start by ") << gaps[j].radians << " rad";
     if (message.tellp() > 0)
       problems.push_back({std::string(joints_[j]->type()) + " " + joint_names_[j], message.str()});

@@ -21,14 +21,17 @@ struct Problem {
 };
 
 /// What exists: bodies, joints, forces, gravity, and their present state.  It owns everything and never
-/// steps. Ids are stable small integers; names are unique among bodies and among joints (a default is made
-/// up: body_3).
+/// steps. Ids are stable small integers: nothing is ever removed.  Names are unique among bodies and among
+/// joints; an empty name is replaced by a free one (body_3, joint_7).  A copy is an independent world that
+/// shares the immutable joints and force laws.
+///
+/// Whatever throws leaves the world as it was.
 class World {
  public:
   World();
 
-  /// @throws std::invalid_argument for a duplicate name, a pose or twist that is not finite, or a quaternion
-  /// that is not of unit length.
+  /// @throws std::invalid_argument for a duplicate name, a pose or twist that is not finite, a quaternion
+  /// that is not of unit length, or a fixed body with a velocity.
   BodyId add_body(BodySpec spec);
 
   /// Adds a joint of any type:  world.add("elbow", Ball::at(world, upper, lower, p_W)).
@@ -46,8 +49,10 @@ class World {
     return add_force(
         std::static_pointer_cast<const Force>(std::make_shared<const AnyForce>(std::move(force))));
   }
+  /// @throws std::invalid_argument for null or a missing body.
   ForceId add_force(std::shared_ptr<const Force> force);
   /// Replaces a force law, for instance to change its value between steps.
+  /// @throws std::invalid_argument for null, a missing body or a missing force.
   void set_force(ForceId id, std::shared_ptr<const Force> force);
 
   /// Gravitational acceleration [m/s²], (0, 0, −9.81) at first.
@@ -74,22 +79,29 @@ class World {
   const Pose& pose(BodyId id) const { return state_.poses[checked(id)]; }
   const Twist& twist(BodyId id) const { return state_.twists[checked(id)]; }
   double time() const { return state_.time; }
+  /// @throws std::invalid_argument for the ground (another fixed body may be moved so, between steps), or a
+  /// pose that add_body() would refuse.
   void set_pose(BodyId id, const Pose& pose);
+  /// @throws std::invalid_argument if it is not finite, or not zero for a fixed body.
   void set_twist(BodyId id, const Twist& twist);
-  /// The whole state at once, as a solver or a restored recording leaves it.
-  /// @throws std::invalid_argument if its sizes are not this world's.
+  /// The whole state at once, bit for bit, as a solver or a restored recording leaves it.
+  /// @throws std::invalid_argument if its sizes are not this world's, or for a time, pose or twist that is
+  /// not finite, a quaternion that is not of unit length (to 1e-9), a moved ground or a fixed body with a
+  /// velocity.
   void set_state(const State& state);
 
   void set_time(double time);
 
   /// Sum of gravity and all force laws on each body, about its centre of mass, world axes.  Fixed bodies get
-  /// what the laws put on them.  `wrenches` has body_count() entries.
+  /// what the laws put on them.  `wrenches` has body_count() entries [N·m, N] and is overwritten.
   void forces(const State& state, std::span<Wrench> wrenches) const;
+  /// True if any force law reads velocities.
   bool forces_depend_on_velocity() const { return velocity_forces_; }
+  /// −Σ m g·p over the moving bodies, plus what the force laws state [J].
   double potential_energy(const State& state) const;
 
   /// Everything that a simulation of this world would trip over: joints that are open at the start by more
-  /// than `gap_tolerance` [m or rad], with the gap.
+  /// than `gap_tolerance` [m or rad], with the gap.  Reports, never throws.
   std::vector<Problem> validate(double gap_tolerance = 1e-6) const;
 
   /// Changes whenever a body or joint is added; solvers rebuild their pattern then.
@@ -100,6 +112,7 @@ class World {
  private:
   int checked(BodyId id) const;
   int checked(JointId id) const;
+  void check_force(const Force* force) const;
 
   std::vector<MassProperties> masses_;
   std::vector<char> fixed_;

@@ -10,9 +10,6 @@
 namespace taut {
 namespace {
 
-/// ε of S_ε.  Dependent rows leave pivots of about ε S_ii; independent ones stay above kDependent S_ii.
-constexpr double kShift = 1e-11;
-constexpr double kDependent = 1e-8;
 /// Full-rank factorisations after which the shift is dropped again.
 constexpr int kStreak = 20;
 
@@ -33,7 +30,8 @@ std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& or
   }
 }
 
-ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice) : rows_(world), mass_(world) {
+ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance)
+    : rows_(world), mass_(world), tolerance_(tolerance) {
   {
     const Stopwatch watch(analysis_time_);
     const BlockOrdering ordering = order_blocks(joint_graph(rows_, mass_));
@@ -69,7 +67,7 @@ void ConstraintSystem::set_mass(std::span<const Pose> poses) {
 void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
   {
     const Stopwatch watch(times.assembly);
-    system_->assemble(weighted_, std::max(compliance_, shifted_ ? kShift : 0));
+    system_->assemble(weighted_, std::max(compliance_, shifted_ ? tolerance_.shift : 0));
   }
   const Stopwatch watch(times.factorization);
   ++counters_.factorizations;
@@ -100,7 +98,7 @@ void ConstraintSystem::inspect_pivots() {
   const std::vector<double>& values = system_->matrix().values;
   for (std::size_t i = 0; i < pivots_.size(); ++i) {
     const double ratio = pivots_[i] / values[diagonal[i]];
-    if (!(ratio > kDependent)) {
+    if (!(ratio > tolerance_.dependent)) {
       dependent_rows_.push_back(row_at_position_[i]);
       continue;
     }

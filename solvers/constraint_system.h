@@ -19,6 +19,18 @@ struct WorkCounters {
   int analyses = 0, factorizations = 0, backsolves = 0;
 };
 
+/// When a row counts as dependent, both relative to its own S_rr.
+struct RankTolerance {
+  double shift;      ///< ε of S_ε: dependent rows leave a pivot of about this size
+  double dependent;  ///< pivots below this count as dependent
+};
+/// For stepping: directions that are softer than 1e-8 of a row's own are left alone.  Multipliers along them
+/// would be huge forces that mend gaps far below the tolerance, as in a flat grid of joints that has just
+/// begun to bend.
+inline constexpr RankTolerance kSteppingTolerance{1e-8, 1e-6};
+/// For counting freedoms in one pose.
+inline constexpr RankTolerance kCountingTolerance{1e-11, 1e-8};
+
 /// The joints of a world as one linear system: Jacobian, S = J M⁻¹ Jᵀ, its factor, and solves that survive
 /// dependent rows.
 ///
@@ -29,7 +41,7 @@ struct WorkCounters {
 /// (solvers/README, "Rank")
 class ConstraintSystem {
  public:
-  ConstraintSystem(const World& world, FactorChoice choice);
+  ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance);
 
   const Rows& rows() const { return rows_; }
   const MassMatrix& mass() const { return mass_; }
@@ -85,6 +97,7 @@ class ConstraintSystem {
 
   Rows rows_;
   MassMatrix mass_;
+  RankTolerance tolerance_;
   std::unique_ptr<SystemMatrix> system_;
   std::unique_ptr<Factor> factor_;
   std::vector<double> jacobian_, weighted_;

@@ -114,8 +114,10 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   system_.factorize(report.times);
   refactored_ = false;
   close_velocities(h, report);
+  if (!finite()) return Outcome::kNotFinite;
   if (settings_.report_energy) {
-    for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
+    for (int b = 0; b < world_.body_count(); ++b)
+      joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
     report.constraint_work += work(state_.poses, kicked_, momenta_, joint_impulse_);
   }
 
@@ -133,6 +135,15 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
   return Outcome::kDone;
+}
+
+/// A sum is finite if and, short of overflow, only if all its terms are.
+bool Rattle::finite() const {
+  double sum = 0;
+  for (int b = 0; b < world_.body_count(); ++b)
+    sum += std::abs(momenta_[b].torque.sum()) + std::abs(momenta_[b].force.sum()) +
+           std::abs(state_.poses[b].p.sum()) + std::abs(state_.poses[b].q.coeffs().sum());
+  return std::isfinite(sum);
 }
 
 void Rattle::restore(StepReport& report) {
@@ -333,8 +344,9 @@ void Rattle::account_for_kick(StepReport& report) {
   report.stiffness_work += work(state_.poses, raw, kicked_, joint_impulse_);
 }
 
-/// Work of joint impulses j that act together with the other impulses of a kick from momenta p₀ to p₁ at one pose:
-/// Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of kinetic energy exactly.
+/// Work of joint impulses j that act together with the other impulses of a kick from momenta p₀ to p₁ at one
+/// pose: Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of
+/// kinetic energy exactly.
 double Rattle::work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
                     std::span<const Wrench> impulses) const {
   double sum = 0;

@@ -22,7 +22,7 @@ namespace taut {
 /// The next step starts with the factor of S(q₁): one factorisation a step.        (solvers/README, "RATTLE")
 class Rattle {
  public:
-  enum class Outcome { kDone, kStalled, kUnstable };
+  enum class Outcome { kDone, kStalled, kUnstable, kNotFinite };
 
   Rattle(const World& world, ConstraintSystem& system, const Settings& settings);
 
@@ -52,6 +52,7 @@ class Rattle {
   void project_momenta(StepReport& report, std::span<double> mu);
   void twists_from_momenta();
   void restore(StepReport& report);
+  bool finite() const;
   void update_step_limit(std::span<const double> force_multipliers);
   void prepare_stiffness(double h);
   void account_for_kick(StepReport& report);

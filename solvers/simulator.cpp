@@ -22,6 +22,7 @@ namespace {
 /// Joints shown by name in a message.
 constexpr std::size_t kShownJoints = 8;
 /// A sub-step that failed is followed by one this much shorter; each success lets the next grow again.
+constexpr int kQuietSteps = 100;
 constexpr double kShrink = 0.5, kGrow = 1.5;
 
 bool is_force_level(Integrator integrator) {
@@ -76,6 +77,9 @@ class Simulator::Impl {
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<Rattle> rattle_;
   std::unique_ptr<ForceLevel> force_level_;
+  double pieces_ = 1,
+         most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
+  int quiet_ = 0;           // steps in a row that asked for fewer
   int topology_version_ = -1, state_version_ = -1, reaction_version_ = -1;
   std::vector<double> reaction_multipliers_, phi_, rates_;
   std::vector<double> impulse_jacobian_;
@@ -154,18 +158,32 @@ void Simulator::Impl::step(double dt) {
   }
 }
 
-/// Covers dt in as many sub-steps as tension, rotation and Newton's convergence ask for.
+/// Covers dt in as many equal sub-steps as tension, rotation and Newton's convergence ask for.  A symplectic
+/// scheme keeps its energy only while its step stays the same, so the count goes up at once and comes down
+/// after a long quiet time.
 bool Simulator::Impl::integrate(double dt) {
-  const double sign = dt < 0 ? -1 : 1;
-  double remaining = std::abs(dt), newton_limit = std::numeric_limits<double>::infinity();
-  const double smallest = remaining / settings_.max_substeps;
+  const double length = std::abs(dt), smallest = length / settings_.max_substeps;
+  double remaining = length, newton_limit = std::numeric_limits<double>::infinity();
+  double pieces =
+      std::clamp(std::ceil(length / rattle_->step_limit() - 1e-9), 1.0, double(settings_.max_substeps));
+  if (pieces >= pieces_) {
+    pieces_ = pieces;
+    quiet_ = 0;
+  } else {
+    most_pieces_ = quiet_ == 0 ? pieces : std::max(most_pieces_, pieces);
+    if (++quiet_ >= kQuietSteps) {
+      pieces_ = most_pieces_;
+      quiet_ = 0;
+    }
+  }
   while (remaining > 0) {
-    const double limit = std::max(std::min(rattle_->step_limit(), newton_limit), smallest);
-    const double pieces = std::max(1.0, std::ceil(remaining / limit - 1e-9));
-    const double h = remaining / pieces;
-    switch (rattle_->advance(sign * h, report_)) {
+    const double limit =
+        std::max(std::min({length / pieces_, rattle_->step_limit(), newton_limit}), smallest);
+    const double left = std::max(1.0, std::ceil(remaining / limit - 1e-9));
+    const double h = remaining / left;
+    switch (rattle_->advance(std::copysign(h, dt), report_)) {
       case Rattle::Outcome::kDone:
-        remaining = pieces > 1 ? remaining - h : 0;
+        remaining = left > 1 ? remaining - h : 0;
         newton_limit *= kGrow;
         break;
       case Rattle::Outcome::kUnstable:
@@ -174,6 +192,9 @@ bool Simulator::Impl::integrate(double dt) {
       case Rattle::Outcome::kStalled:
         newton_limit = kShrink * h;
         break;
+      case Rattle::Outcome::kNotFinite:
+        set_failure(Status::kNotFinite, "a force or the state is not finite");
+        return false;
     }
     if (newton_limit < smallest || report_.substeps > 4 * settings_.max_substeps) {
       diagnose_stall();

@@ -86,7 +86,9 @@ std::vector<Mode> natural_modes(const World& world) {
   const Eigen::Index rank = (svd.singularValues().array() > 1e-9 * svd.singularValues()[0]).count();
   const Matrix Z = svd.matrixV().rightCols(n - rank);
   const Vector f = dense_forces(world, state, column, n);
-  const Vector lambda = svd.solve(-f);
+  const Vector lambda =
+      svd.matrixU().leftCols(rank) * (svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
+                                      (svd.matrixV().leftCols(rank).transpose() * -f));
   const double imbalance = (f + J.transpose() * lambda).norm();
   if (imbalance > 1e-8 * f.norm()) fail("modes", "the world is not in equilibrium", imbalance);
 

@@ -21,10 +21,13 @@ class Universal final : public Joint {
     require_unit("universal axis on B", axis_B);
   }
   /// The joint at world point p_W with cross arms along the world axes axis_a_W (in A) and axis_b_W (in B).
+  /// @throws std::invalid_argument also if the arms are not perpendicular (to 1e-9).
   static Universal at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& axis_a_W,
                       const Vec3& axis_b_W) {
     require_unit("universal axis on A", axis_a_W);
     require_unit("universal axis on B", axis_b_W);
+    if (std::abs(axis_a_W.dot(axis_b_W)) > kUnitTolerance)
+      fail("universal axes", "must be perpendicular (cosine)", axis_a_W.dot(axis_b_W));
     const Pose &A = world.pose(a), &B = world.pose(b);
     return {a, b, A.local(p_W), A.q.conjugate() * axis_a_W, B.local(p_W), B.q.conjugate() * axis_b_W};
   }

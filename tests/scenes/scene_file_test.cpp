@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/diagnostics.h"
+#include "solvers/simulator.h"
 #include "tests/scenes/scene_bad_cases.h"
 
 namespace taut {
@@ -356,6 +357,19 @@ TEST(ShippedScenes, StartClosedAndWithTangentVelocities) {
     std::vector<double> rate(rows.row_count());
     rows.apply(jacobian_of(scene.world), scene.world.state().twists, rate);
     for (double r : rate) EXPECT_LT(std::abs(r), 1e-12) << path;
+  }
+}
+
+TEST(ShippedScenes, Run) {
+  for (const auto& path : shipped_scenes()) {
+    Scene scene = load_scene_file(path);
+    Simulator simulator(scene.world, scene.settings);
+    for (int i = 0; i < 50; ++i) {
+      const StepReport& report = simulator.step(scene.dt);
+      ASSERT_TRUE(report.ok()) << path << " step " << i << ": " << report.message;
+      // The tolerance is that of one row, the gap the norm of up to three.
+      EXPECT_LE(report.gap.metres, std::sqrt(3.0) * scene.settings.position_tolerance) << path;
+    }
   }
 }
 

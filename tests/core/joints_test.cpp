@@ -1,0 +1,365 @@
+#include "core/joints.h"
+
+#include <functional>
+#include <ostream>
+
+#include "tests/core/expect_invalid.h"
+#include "tests/core/row_checker.h"
+
+namespace taut {
+namespace {
+
+using testing::expect_invalid;
+using testing::kA;
+using testing::kB;
+using testing::pair_of_bodies;
+using testing::Random;
+using testing::RowChecker;
+
+/// Turning a pose by the world rotation R about world point p.
+Pose turned(const Pose& pose, const Quat& R, const Vec3& p_W) {
+  return {R * pose.q, p_W + R * (pose.p - p_W)};
+}
+
+/// What the tests below know of a joint type: how to make one that holds the bodies in their present poses,
+/// and how B may then move against a resting A.
+struct JointCase {
+  struct Made {
+    std::shared_ptr<const Joint> joint;
+    std::function<Pose(const Pose& B, Random&)> allowed_motion;
+  };
+  const char* type;
+  int freedoms;
+  std::function<Made(const World&, Random&)> make;
+
+  friend void PrintTo(const JointCase& c, std::ostream* out) { *out << c.type; }
+};
+
+/// The example of core/README.md: a type that the library does not know.
+class PointOnLine final : public Joint {
+ public:
+  PointOnLine(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ)
+      : Joint(a, b), p_AP_(p_AP), axis_A_(axis_A), p_BQ_(p_BQ) {
+    require_all_finite("point-on-line anchor on A", p_AP);
+    require_all_finite("point-on-line anchor on B", p_BQ);
+    require_unit("point-on-line axis on A", axis_A);
+  }
+  std::string_view type() const override { return "point_on_line"; }
+  void append_rows(RowSink& rows) const override {
+    Vec3 u, v;
+    complete_frame(axis_A_, u, v);
+    rows.add(row_parts::PointInPlane{p_AP_, u, p_BQ_});
+    rows.add(row_parts::PointInPlane{p_AP_, v, p_BQ_});
+  }
+  Vec3 reaction_point_B() const override { return p_BQ_; }
+
+ private:
+  Vec3 p_AP_, axis_A_, p_BQ_;
+};
+
+template <typename AnyJoint>
+std::shared_ptr<const Joint> shared(const AnyJoint& joint) {
+  return std::make_shared<const AnyJoint>(joint);
+}
+
+const JointCase kCases[] = {
+    {"ball", 3,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2);
+       return {shared(Ball::at(world, kA, kB, p)),
+               [=](const Pose& B, Random& r) { return turned(B, r.rotation(), p); }};
+     }},
+    {"hinge", 1,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), axis = random.unit();
+       return {shared(Hinge::at(world, kA, kB, p, axis)),
+               [=](const Pose& B, Random& r) { return turned(B, exp_so3(r.uniform(-3, 3) * axis), p); }};
+     }},
+    {"slider", 1,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), axis = random.unit();
+       return {shared(Slider::at(world, kA, kB, p, axis)), [=](const Pose& B, Random& r) {
+                 return Pose{B.q, B.p + r.uniform(-3, 3) * axis};
+               }};
+     }},
+    {"universal", 2,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), a = random.unit();
+       Vec3 b, unused;
+       complete_frame(a, b, unused);
+       return {shared(Universal::at(world, kA, kB, p, a, b)), [=](const Pose& B, Random& r) {
+                 const Pose about_b = turned(B, exp_so3(r.uniform(-3, 3) * b), p);
+                 return turned(about_b, exp_so3(r.uniform(-3, 3) * a), p);
+               }};
+     }},
+    {"fixed", 0,
+     [](const World& world, Random& random) -> JointCase::Made {
+       return {shared(Fixed::at(world, kA, kB, random.vector(2))), [](const Pose& B, Random&) { return B; }};
+     }},
+    {"distance", 5,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), q = p + random.uniform(1, 3) * random.unit();
+       return {shared(Distance::between(world, kA, kB, p, q)),
+               [=](const Pose& B, Random& r) { return turned(turned(B, r.rotation(), q), r.rotation(), p); }};
+     }},
+    {"point_on_line", 4,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), axis = random.unit();
+       const Pose &A = world.pose(kA), &B = world.pose(kB);
+       return {shared(PointOnLine(kA, kB, A.local(p), A.q.conjugate() * axis, B.local(p))),
+               [=](const Pose& now, Random& r) {
+                 const Pose on = turned(now, r.rotation(), p);
+                 return Pose{on.q, on.p + r.uniform(-3, 3) * axis};
+               }};
+     }},
+};
+
+/// A joint as it is known to World::add, from the shared pointer that the cases hold.
+class Same final : public Joint {
+ public:
+  explicit Same(std::shared_ptr<const Joint> joint)
+      : Joint(joint->a(), joint->b()), joint_(std::move(joint)) {}
+  std::string_view type() const override { return joint_->type(); }
+  void append_rows(RowSink& rows) const override { joint_->append_rows(rows); }
+  Vec3 reaction_point_B() const override { return joint_->reaction_point_B(); }
+
+ private:
+  std::shared_ptr<const Joint> joint_;
+};
+
+class Joints : public ::testing::TestWithParam<JointCase> {
+ protected:
+  static constexpr int kTrials = 20;
+  /// Runs the test on joints closed in random poses.
+  template <typename Test>
+  void on_random_joints(unsigned seed, Test&& test) {
+    Random random(seed);
+    for (int i = 0; i < kTrials; ++i) {
+      const Pose A = random.pose(), B = random.pose();
+      const JointCase::Made made = GetParam().make(pair_of_bodies(A, B), random);
+      test(made, A, B, random);
+    }
+  }
+};
+
+TEST_P(Joints, KnowsItsTypeAndBodies) {
+  on_random_joints(11, [&](const JointCase::Made& made, const Pose&, const Pose&, Random&) {
+    EXPECT_EQ(made.joint->type(), GetParam().type);
+    EXPECT_EQ(made.joint->a(), kA);
+    EXPECT_EQ(made.joint->b(), kB);
+  });
+}
+
+TEST_P(Joints, IsClosedWhereItIsMade) {
+  on_random_joints(12, [&](const JointCase::Made& made, const Pose& A, const Pose& B, Random&) {
+    const Gap gap = RowChecker(Same(made.joint)).gap(A, B);
+    EXPECT_LT(gap.metres, 1e-14);  // some roundings of coordinates of order one
+    EXPECT_LT(gap.radians, 1e-14);
+  });
+}
+
+TEST_P(Joints, TakesAsManyFreedomsAsItHasRows) {
+  on_random_joints(13, [&](const JointCase::Made& made, const Pose& A, const Pose& B, Random&) {
+    const RowChecker rows(Same(made.joint));
+    EXPECT_EQ(rows.row_count(), 6 - GetParam().freedoms);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows.jacobian(A, B));
+    EXPECT_GT(svd.singularValues().minCoeff(), 0.1);  // rows of order one, none dependent
+  });
+}
+
+TEST_P(Joints, LeavesItsFreedomsFree) {
+  on_random_joints(14, [&](const JointCase::Made& made, const Pose& A, const Pose& B, Random& random) {
+    const Gap gap = RowChecker(Same(made.joint)).gap(A, made.allowed_motion(B, random));
+    EXPECT_LT(gap.metres, 1e-13);  // as above, through one or two more rotations
+    EXPECT_LT(gap.radians, 1e-13);
+  });
+}
+
+TEST_P(Joints, RowsAreConsistentWhereClosed) {
+  on_random_joints(15, [&](const JointCase::Made& made, const Pose& A, const Pose& B, Random& random) {
+    testing::check_rows(Same(made.joint), A, B, random);
+    // The stiffness of orientation rows has no symmetric part along the free motions either.
+    testing::check_rows(Same(made.joint), A, made.allowed_motion(B, random), random);
+  });
+}
+
+TEST_P(Joints, RowsAreConsistentWhereOpen) {
+  on_random_joints(16, [&](const JointCase::Made& made, const Pose& A, const Pose& B, Random& random) {
+    const Vec3 turn = 0.5 * random.unit(), shift = 0.3 * random.unit();
+    testing::check_rows(Same(made.joint), A, testing::moved(B, turn, shift), random,
+                        {.stiffness = false, .third_law = false});
+  });
+}
+
+TEST_P(Joints, EveryRowHasANameAndAKind) {
+  Random random(17);
+  const RowChecker rows(Same(GetParam().make(pair_of_bodies(), random).joint));
+  for (int r = 0; r < rows.row_count(); ++r) {
+    EXPECT_EQ(rows.rows().row(r).joint, 0);
+    const std::string name = rows.rows().row_name(r);
+    EXPECT_EQ(name.find("rotation") != std::string::npos, rows.rows().row(r).angular) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(AllTypes, Joints, ::testing::ValuesIn(kCases),
+                         [](const auto& test_case) { return std::string(test_case.param.type); });
+
+// The sign and the frame of λ, as the headers state them.  Bodies apart by (2, 0, 0), B at the origin's
+// right.
+
+struct Poses {
+  Pose A{exp_so3(Vec3(0.3, -0.2, 0.5)), Vec3(0, 0, 0)};
+  Pose B{exp_so3(Vec3(-0.4, 0.1, 0.2)), Vec3(2, 0, 0)};
+  World world = pair_of_bodies(A, B);
+  Vec3 p{1, 0.5, 0.25};  // the joint
+
+  template <typename AnyJoint>
+  std::vector<Wrench> wrenches(const AnyJoint& joint, const std::vector<double>& lambda) const {
+    return RowChecker(joint).wrenches(A, B, lambda);
+  }
+};
+
+void expect_wrench(const Wrench& wrench, const Vec3& torque, const Vec3& force) {
+  EXPECT_LT((wrench.torque - torque).norm(), 1e-14);
+  EXPECT_LT((wrench.force - force).norm(), 1e-14);
+}
+
+TEST(JointMultipliers, OfABallAreTheForceOnB) {
+  const Poses s;
+  const Vec3 f(1, 2, 3);
+  const auto on = s.wrenches(Ball::at(s.world, kA, kB, s.p), {1, 2, 3});
+  expect_wrench(on[2], (s.p - s.B.p).cross(f), f);
+  expect_wrench(on[1], -(s.p - s.A.p).cross(f), -f);
+}
+
+TEST(JointMultipliers, OfAHingeAreAForceAndATorqueAcrossTheAxis) {
+  const Poses s;
+  const Vec3 axis = Vec3(1, 1, 1).normalized();
+  const auto joint = Hinge::at(s.world, kA, kB, s.p, axis);
+  for (const auto& lambda : {std::vector<double>{0, 0, 0, 1, 0}, std::vector<double>{0, 0, 0, 0, 1}}) {
+    const auto on = s.wrenches(joint, lambda);
+    EXPECT_NEAR(on[2].torque.norm(), 1, 1e-14);
+    EXPECT_NEAR(on[2].torque.dot(axis), 0, 1e-14);
+    expect_wrench(on[1], -on[2].torque, Vec3::Zero());
+  }
+}
+
+TEST(JointMultipliers, OfASliderAreForcesAcrossTheAxisAndATorqueInTheFrameOfA) {
+  const Poses s;
+  const Vec3 axis = Vec3(1, 1, 1).normalized();
+  const auto joint = Slider::at(s.world, kA, kB, s.p, axis);
+  const auto push = s.wrenches(joint, {1, 0, 0, 0, 0});
+  EXPECT_NEAR(push[2].force.norm(), 1, 1e-14);
+  EXPECT_NEAR(push[2].force.dot(axis), 0, 1e-14);
+  expect_wrench(push[2], (s.p - s.B.p).cross(push[2].force), push[2].force);
+  // q_AF = q_AB: where the joint is closed, F has the orientation of B.
+  expect_wrench(s.wrenches(joint, {0, 0, 1, 2, 3})[2], s.B.q * Vec3(1, 2, 3), Vec3::Zero());
+}
+
+TEST(JointMultipliers, OfAUniversalAreAForceAndATorqueAboutBCrossA) {
+  const Poses s;
+  const Vec3 a = Vec3(1, 1, 1).normalized(), b = Vec3(1, -1, 0).normalized();
+  const auto on = s.wrenches(Universal::at(s.world, kA, kB, s.p, a, b), {0, 0, 0, 2});
+  expect_wrench(on[2], 2 * b.cross(a), Vec3::Zero());
+}
+
+TEST(JointMultipliers, OfAFixedAreAForceAndATorqueInTheFrameOfA) {
+  const Poses s;
+  const Vec3 f(1, 2, 3), t(4, 5, 6);
+  const auto on = s.wrenches(Fixed::at(s.world, kA, kB, s.p), {1, 2, 3, 4, 5, 6});
+  expect_wrench(on[2], (s.p - s.B.p).cross(f) + s.B.q * t, f);
+}
+
+TEST(JointMultipliers, OfADistanceArePositiveInCompression) {
+  const Poses s;
+  const Vec3 q = s.p + Vec3(0, 0, 2);
+  const auto on = s.wrenches(Distance::between(s.world, kA, kB, s.p, q), {3});
+  expect_wrench(on[2], (q - s.B.p).cross(Vec3(0, 0, 3)), Vec3(0, 0, 3));
+  expect_wrench(on[1], -(s.p - s.A.p).cross(Vec3(0, 0, 3)), Vec3(0, 0, -3));
+}
+
+TEST(JointMultipliers, ReactionsAreReportedAboutTheAnchorOnB) {
+  const Poses s;
+  const Vec3 axis = Vec3::UnitZ(), other = Vec3::UnitX();
+  const auto expect_anchor = [&](const Joint& joint, const Vec3& p_W) {
+    EXPECT_LT((s.B.point(joint.reaction_point_B()) - p_W).norm(), 1e-14) << joint.type();
+  };
+  expect_anchor(Ball::at(s.world, kA, kB, s.p), s.p);
+  expect_anchor(Hinge::at(s.world, kA, kB, s.p, axis), s.p);
+  expect_anchor(Slider::at(s.world, kA, kB, s.p, axis), s.p);
+  expect_anchor(Universal::at(s.world, kA, kB, s.p, axis, other), s.p);
+  expect_anchor(Fixed::at(s.world, kA, kB, s.p), s.p);
+  expect_anchor(Distance::between(s.world, kA, kB, Vec3(0, 0, 3), s.p), s.p);
+}
+
+// Bad input is refused with the name of the thing and its value.
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+const Vec3 kGood(0, 0, 1), kNotFinite(0, kNan, 0), kLong(0, 0, 1.25);
+const Quat kTurn = Quat::Identity(), kLongTurn(1.25, 0, 0, 0);
+
+TEST(JointInput, Ball) {
+  expect_invalid([] { Ball(kA, kB, kNotFinite, kGood); }, {"ball anchor on A", "finite", "nan"});
+  expect_invalid([] { Ball(kA, kB, kGood, Vec3(kInfinity, 0, 0)); }, {"ball anchor on B", "finite", "inf"});
+}
+
+TEST(JointInput, Hinge) {
+  expect_invalid([] { Hinge(kA, kB, kNotFinite, kGood, kGood, kGood); }, {"hinge anchor on A", "nan"});
+  expect_invalid([] { Hinge(kA, kB, kGood, kLong, kGood, kGood); }, {"hinge axis on A", "length 1", "1.25"});
+  expect_invalid([] { Hinge(kA, kB, kGood, kGood, kNotFinite, kGood); }, {"hinge anchor on B", "nan"});
+  expect_invalid([] { Hinge(kA, kB, kGood, kGood, kGood, kLong); }, {"hinge axis on B", "length 1", "1.25"});
+  expect_invalid([] { Hinge(kA, kB, kGood, kGood, kGood, Vec3(Vec3::Zero())); }, {"hinge axis on B", "0"});
+  const World world = pair_of_bodies();
+  expect_invalid([&] { Hinge::at(world, kA, kB, kGood, kLong); }, {"hinge axis", "1.25"});
+  expect_invalid([&] { Hinge::at(world, kA, kB, kNotFinite, kGood); }, {"hinge anchor", "nan"});
+}
+
+TEST(JointInput, Slider) {
+  expect_invalid([] { Slider(kA, kB, kNotFinite, kGood, kGood, kTurn); }, {"slider anchor on A", "nan"});
+  expect_invalid([] { Slider(kA, kB, kGood, kLong, kGood, kTurn); }, {"slider axis on A", "1.25"});
+  expect_invalid([] { Slider(kA, kB, kGood, kGood, kNotFinite, kTurn); }, {"slider anchor on B", "nan"});
+  expect_invalid([] { Slider(kA, kB, kGood, kGood, kGood, kLongTurn); },
+                 {"slider orientation of B in A", "1.25"});
+  const World world = pair_of_bodies();
+  expect_invalid([&] { Slider::at(world, kA, kB, kGood, kLong); }, {"slider axis", "1.25"});
+}
+
+TEST(JointInput, Universal) {
+  expect_invalid([] { Universal(kA, kB, kNotFinite, kGood, kGood, kGood); },
+                 {"universal anchor on A", "nan"});
+  expect_invalid([] { Universal(kA, kB, kGood, kLong, kGood, kGood); }, {"universal axis on A", "1.25"});
+  expect_invalid([] { Universal(kA, kB, kGood, kGood, kNotFinite, kGood); },
+                 {"universal anchor on B", "nan"});
+  expect_invalid([] { Universal(kA, kB, kGood, kGood, kGood, kLong); }, {"universal axis on B", "1.25"});
+  const World world = pair_of_bodies();
+  expect_invalid([&] { Universal::at(world, kA, kB, kGood, kLong, kGood); }, {"universal axis on A", "1.25"});
+  expect_invalid([&] { Universal::at(world, kA, kB, kGood, kGood, kLong); }, {"universal axis on B", "1.25"});
+  // Arms that are not perpendicular would make a joint that is open from the start.
+  expect_invalid([&] { Universal::at(world, kA, kB, kGood, kGood, Vec3(0.6, 0, 0.8)); },
+                 {"universal axes", "perpendicular", "0.8"});
+}
+
+TEST(JointInput, Fixed) {
+  expect_invalid([] { Fixed(kA, kB, kNotFinite, kGood, kTurn); }, {"fixed anchor on A", "nan"});
+  expect_invalid([] { Fixed(kA, kB, kGood, kNotFinite, kTurn); }, {"fixed anchor on B", "nan"});
+  expect_invalid([] { Fixed(kA, kB, kGood, kGood, kLongTurn); }, {"fixed orientation of B in A", "1.25"});
+}
+
+TEST(JointInput, Distance) {
+  expect_invalid([] { Distance(kA, kB, kNotFinite, kGood, 1); }, {"distance anchor on A", "nan"});
+  expect_invalid([] { Distance(kA, kB, kGood, kNotFinite, 1); }, {"distance anchor on B", "nan"});
+  expect_invalid([] { Distance(kA, kB, kGood, kGood, 0); }, {"distance length", "positive", "0"});
+  expect_invalid([] { Distance(kA, kB, kGood, kGood, -2.5); }, {"distance length", "positive", "-2.5"});
+  expect_invalid([] { Distance(kA, kB, kGood, kGood, kNan); }, {"distance length", "nan"});
+  const World world = pair_of_bodies();
+  expect_invalid([&] { Distance::between(world, kA, kB, kGood, kGood); }, {"distance length", "0"});
+}
+
+TEST(JointInput, MissingBodiesAreNamed) {
+  const World world = pair_of_bodies();
+  expect_invalid([&] { Ball::at(world, kA, BodyId{7}, kGood); }, {"body id", "no such body", "7"});
+}
+
+}  // namespace
+}  // namespace taut
