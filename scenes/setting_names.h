@@ -26,6 +26,7 @@ inline constexpr std::pair<const char*, DriftCure> kDriftCureNames[] = {
 };
 inline constexpr std::pair<const char*, FactorChoice> kFactorNames[] = {
     {"auto", FactorChoice::kAuto},
+    {"cholmod", FactorChoice::kCholmod},
     {"simplicial", FactorChoice::kSimplicial},
     {"supernodal", FactorChoice::kSupernodal},
     {"multifrontal", FactorChoice::kMultifrontal},

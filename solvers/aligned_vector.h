@@ -10,8 +10,8 @@
 
 namespace taut {
 
-/// Allocates at the start of a cache line, so that vector loads do not straddle lines; large arrays on huge pages where
-/// the system grants them (measured: solves that stream a large factor are 7 to 17 % faster).
+/// Allocates at the start of a cache line, so that vector loads do not straddle lines; large arrays on huge
+/// pages where the system grants them (measured: solves that stream a large factor are 7 to 17 % faster).
 template <typename T>
 struct CacheLineAllocator {
   using value_type = T;

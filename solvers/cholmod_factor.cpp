@@ -98,6 +98,7 @@ SymmetricMatrix::Triangle CholmodFactor::triangle() const {
 }
 
 void CholmodFactor::analyze(const SymmetricMatrix& A) {
+  if (A.size() == 0) return;  // a world without joints
   cholmod_sparse S = view(A);
   cholmod_free_factor(&impl_->L_, &impl_->common_);
   impl_->L_ = cholmod_analyze(&S, &impl_->common_);
@@ -108,6 +109,7 @@ void CholmodFactor::analyze(const SymmetricMatrix& A) {
 }
 
 int CholmodFactor::factorize(const SymmetricMatrix& A) {
+  if (A.size() == 0) return -1;
   const NoNestedThreads guard;
   cholmod_sparse S = view(A);
   cholmod_factorize(&S, impl_->L_, &impl_->common_);
@@ -128,6 +130,7 @@ void CholmodFactor::solve(std::span<double> x) {
 }
 
 void CholmodFactor::pivots(std::span<double> d) const {
+  if (d.empty()) return;
   const cholmod_factor& L = *impl_->L_;
   const auto* values = static_cast<const double*>(L.x);
   if (!L.is_super) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "solvers/cholmod_factor.h"
+#include "solvers/multifrontal_factor.h"
 #include "solvers/stopwatch.h"
 
 namespace taut {
@@ -17,16 +18,18 @@ constexpr int kStreak = 20;
 
 std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering) {
   using Method = CholmodFactor::Method;
-  if (choice == FactorChoice::kAuto) {
-    // CHOLMOD's own switch: dense kernels pay from about 40 flops per entry of L.
-    const bool dense = ordering.nonzeros > 0 && ordering.flops / ordering.nonzeros >= 40;
-    choice = dense && CholmodFactor::has_supernodal() ? FactorChoice::kSupernodal : FactorChoice::kSimplicial;
-  }
+  // CHOLMOD's own switch: dense kernels pay from about 40 flops per entry of L.
+  if (choice == FactorChoice::kCholmod)
+    choice = ordering.flops >= 40 * ordering.nonzeros ? FactorChoice::kSupernodal : FactorChoice::kSimplicial;
   switch (choice) {
-    case FactorChoice::kSupernodal:
-      return std::make_unique<CholmodFactor>(Method::kSupernodal);
-    default:
+    case FactorChoice::kSimplicial:
       return std::make_unique<CholmodFactor>(Method::kSimplicial);
+    case FactorChoice::kSupernodal:
+      // Without CHOLMOD's GPL modules its simplicial factor does the same work; name() tells which it is.
+      return std::make_unique<CholmodFactor>(CholmodFactor::has_supernodal() ? Method::kSupernodal
+                                                                             : Method::kSimplicial);
+    default:
+      return std::make_unique<MultifrontalFactor>();
   }
 }
 

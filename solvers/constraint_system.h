@@ -114,7 +114,6 @@ class ConstraintSystem {
   WorkCounters counters_;
 };
 
-/// The factor for a setting; kAuto chooses by the work ahead.
 std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering);
 
 }  // namespace taut

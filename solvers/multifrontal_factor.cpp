@@ -55,8 +55,8 @@ void MultifrontalFactor::assemble(const Front& front, const SymmetricMatrix& A, 
   for (int b = front.column_begin; b < front.column_end; ++b) {
     const BlockColumn& block = columns_[b];
     kernels_->assemble(panel + std::ptrdiff_t{block.target} * front.leading, front.leading,
-                       A.values.data() + block.place, block.length, block.width, column_runs_.data() + block.run_begin,
-                       block.run_end - block.run_begin);
+                       A.values.data() + block.place, block.length, block.width,
+                       column_runs_.data() + block.run_begin, block.run_end - block.run_begin);
   }
 }
 

@@ -22,7 +22,10 @@ constexpr double kSurprise = 0.25;
 /// at ω h = 2.
 constexpr double kLeeway = 1.5;
 constexpr int kMaxVelocityPasses = 6;
-constexpr int kMaxForcePasses = 8;
+/// Passes of the fixed point for velocity-dependent forces; a pass that takes away less than half of the
+/// change stalls it.
+constexpr int kMaxForcePasses = 60;
+constexpr double kForceTolerance = 1e-12;
 
 double max_abs(std::span<const double> values) {
   double largest = 0;
@@ -89,6 +92,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   }
   {
     const Stopwatch watch(report.times.positions);
+    start_momenta_ = momenta_;
     for (int b = 0; b < world_.body_count(); ++b) free_momenta_[b] = momenta_[b] + 0.5 * h * forces_[b];
     predict_multipliers(h);
   }
@@ -108,12 +112,16 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   if (settings_.report_energy) account_for_kick(report);
 
   std::swap(state_.poses, poses_);  // poses_ now holds the old ones
+  start_time_ = state_.time;
   state_.time += h;
   system_.linearize(state_.poses);
   system_.set_mass(state_.poses);
   system_.factorize(report.times);
   refactored_ = false;
-  close_velocities(h, report);
+  if (!close_velocities(h, report)) {
+    roll_back(report);
+    return Outcome::kStalled;
+  }
   if (!finite()) return Outcome::kNotFinite;
   if (settings_.report_energy) {
     for (int b = 0; b < world_.body_count(); ++b)
@@ -152,6 +160,19 @@ void Rattle::restore(StepReport& report) {
   system_.set_mass(state_.poses);
   system_.factorize(report.times);
   refactored_ = implicit_ = false;
+}
+
+/// Back to the start of a step whose positions were already accepted.
+void Rattle::roll_back(StepReport& report) {
+  std::swap(state_.poses, poses_);
+  momenta_ = start_momenta_;
+  state_.time = start_time_;
+  twists_from_momenta();
+  world_.forces(state_, forces_);
+  system_.linearize(state_.poses);
+  system_.set_mass(state_.poses);
+  system_.factorize(report.times);
+  implicit_ = false;
 }
 
 /// λ is the μ at the same instant plus an asymmetry of order h², which is extrapolated: the error of the
@@ -227,7 +248,7 @@ void Rattle::refactor_at_iterate(StepReport& report) {
   ++report.refactorizations;
 }
 
-void Rattle::close_velocities(double h, StepReport& report) {
+bool Rattle::close_velocities(double h, StepReport& report) {
   {
     const Stopwatch watch(report.times.forces);
     // Velocity-dependent laws see the velocities at the middle of the step first.
@@ -239,12 +260,11 @@ void Rattle::close_velocities(double h, StepReport& report) {
     world_.forces(state_, forces_);
   }
   const Stopwatch watch(report.times.velocities);
+  double last_change = std::numeric_limits<double>::infinity();
   for (int pass = 0;; ++pass) {
-    for (int b = 0; b < world_.body_count(); ++b)
-      momenta_[b] = {kicked_[b].torque + 0.5 * h * forces_[b].torque,
-                     kicked_[b].force + 0.5 * h * forces_[b].force};
+    for (int b = 0; b < world_.body_count(); ++b) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
     project_momenta(report, mu_);
-    if (!world_.forces_depend_on_velocity() || pass >= kMaxForcePasses) break;
+    if (!world_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.
     std::swap(forces_, joint_impulse_);
     world_.forces(state_, forces_);
@@ -255,7 +275,9 @@ void Rattle::close_velocities(double h, StepReport& report) {
       size =
           std::max({size, forces_[b].force.cwiseAbs().maxCoeff(), forces_[b].torque.cwiseAbs().maxCoeff()});
     }
-    if (!(change > 1e-13 * size)) break;
+    if (!(change > kForceTolerance * size)) return true;
+    if (pass >= kMaxForcePasses || (pass > 0 && change > 0.5 * last_change)) return false;
+    last_change = change;
   }
 }
 
@@ -333,13 +355,13 @@ void Rattle::prepare_stiffness(double h) {
 
 void Rattle::account_for_kick(StepReport& report) {
   if (!implicit_) {
-    report.constraint_work += work(state_.poses, momenta_, kicked_, joint_impulse_);
+    report.constraint_work += work(state_.poses, start_momenta_, kicked_, joint_impulse_);
     return;
   }
   // What the filter takes away is booked apart, as the work of an impulse of its own.
   std::vector<Wrench>& raw = free_momenta_;
   for (int b = 0; b < world_.body_count(); ++b) raw[b] = raw[b] + joint_impulse_[b];
-  report.constraint_work += work(state_.poses, momenta_, raw, joint_impulse_);
+  report.constraint_work += work(state_.poses, start_momenta_, raw, joint_impulse_);
   for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = kicked_[b] - raw[b];
   report.stiffness_work += work(state_.poses, raw, kicked_, joint_impulse_);
 }

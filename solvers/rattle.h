@@ -41,6 +41,7 @@ class Rattle {
   const std::vector<Pose>& trial_poses() const { return poses_; }
   /// λ + μ, summed over the advances since clear_impulses(), for reactions.
   std::span<const double> impulses() const { return impulses_; }
+  void set_impulses(std::span<const double> impulses) { impulses_.assign(impulses.begin(), impulses.end()); }
   void clear_impulses() { std::fill(impulses_.begin(), impulses_.end(), 0.0); }
 
  private:
@@ -48,10 +49,11 @@ class Rattle {
   bool close_positions(double h, StepReport& report);
   void kick_and_drift(double h);
   void refactor_at_iterate(StepReport& report);
-  void close_velocities(double h, StepReport& report);
+  bool close_velocities(double h, StepReport& report);
   void project_momenta(StepReport& report, std::span<double> mu);
   void twists_from_momenta();
   void restore(StepReport& report);
+  void roll_back(StepReport& report);
   bool finite() const;
   void update_step_limit(std::span<const double> force_multipliers);
   void prepare_stiffness(double h);
@@ -63,8 +65,10 @@ class Rattle {
   ConstraintSystem& system_;
   const Settings& settings_;
 
-  State state_;                         // at the start of a step; twists are those of momenta_
-  std::vector<Wrench> momenta_;         // (L, P) at the start
+  State state_;                        // at the start of a step; twists are those of momenta_
+  std::vector<Wrench> momenta_;        // (L, P) at the start
+  std::vector<Wrench> start_momenta_;  // the same, while momenta_ already hold the end
+  double start_time_ = 0;
   std::vector<Wrench> forces_;          // at the start
   std::vector<Pose> poses_;             // trial, end of the step
   std::vector<Wrench> free_momenta_;    // p₀ + h/2 f

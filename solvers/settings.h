@@ -29,10 +29,11 @@ enum class TensionPolicy {
 };
 
 enum class FactorChoice {
-  kAuto,          ///< by flop count
+  kAuto,          ///< the fastest measured: multifrontal
+  kCholmod,       ///< CHOLMOD, simplicial or supernodal by flop count
   kSimplicial,    ///< CHOLMOD simplicial LDLᵀ
-  kSupernodal,    ///< CHOLMOD supernodal LLᵀ (needs a CHOLMOD with its GPL modules)
-  kMultifrontal,  ///< taut's own numeric phase
+  kSupernodal,    ///< CHOLMOD supernodal LLᵀ; simplicial if this CHOLMOD lacks its GPL modules
+  kMultifrontal,  ///< taut's own LLᵀ
 };
 
 struct Settings {

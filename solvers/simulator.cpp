@@ -77,6 +77,8 @@ class Simulator::Impl {
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<Rattle> rattle_;
   std::unique_ptr<ForceLevel> force_level_;
+  State before_;
+  std::vector<double> impulses_before_;
   double pieces_ = 1,
          most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
   int quiet_ = 0;           // steps in a row that asked for fewer
@@ -86,6 +88,9 @@ class Simulator::Impl {
 
  private:
   bool integrate(double dt);
+  Rattle::Outcome advance(double h);
+  double choose_pieces(double dt);
+  double step_limit() const;
   void finish(double dt);
   void diagnose_stall();
   void count_work();
@@ -146,8 +151,7 @@ void Simulator::Impl::step(double dt) {
         if (!done) set_failure(Status::kNotFinite, "a force or the state is not finite");
       } else {
         rattle_->clear_impulses();
-        for (double fraction : composition_of(settings_.integrator))
-          if (done) done = integrate(fraction * dt);
+        done = integrate(dt);
       }
       if (done)
         finish(dt);
@@ -158,45 +162,74 @@ void Simulator::Impl::step(double dt) {
   }
 }
 
-/// Covers dt in as many equal sub-steps as tension, rotation and Newton's convergence ask for.  A symplectic
-/// scheme keeps its energy only while its step stays the same, so the count goes up at once and comes down
-/// after a long quiet time.
-bool Simulator::Impl::integrate(double dt) {
-  const double length = std::abs(dt), smallest = length / settings_.max_substeps;
-  double remaining = length, newton_limit = std::numeric_limits<double>::infinity();
-  double pieces =
-      std::clamp(std::ceil(length / rattle_->step_limit() - 1e-9), 1.0, double(settings_.max_substeps));
-  if (pieces >= pieces_) {
-    pieces_ = pieces;
+/// One step of the integrator: RATTLE, or a whole composition of it, which loses its order if a stage were
+/// split.
+Rattle::Outcome Simulator::Impl::advance(double h) {
+  const std::span<const double> fractions = composition_of(settings_.integrator);
+  if (fractions.size() == 1) return rattle_->advance(h, report_);
+  before_ = rattle_->state();
+  impulses_before_.assign(rattle_->impulses().begin(), rattle_->impulses().end());
+  for (double fraction : fractions) {
+    const Rattle::Outcome outcome = rattle_->advance(fraction * h, report_);
+    if (outcome == Rattle::Outcome::kDone) continue;
+    if (outcome != Rattle::Outcome::kNotFinite) {
+      rattle_->start(before_, report_);
+      rattle_->set_impulses(impulses_before_);
+    }
+    return outcome;
+  }
+  return Rattle::Outcome::kDone;
+}
+
+/// Sub-steps that a step needs now.  A symplectic scheme keeps its energy only while its step stays the same,
+/// so the count goes up at once and comes down only after a long quiet time.
+double Simulator::Impl::choose_pieces(double dt) {
+  const double needed = std::clamp(std::ceil(dt / step_limit() - 1e-9), 1.0, double(settings_.max_substeps));
+  if (needed >= pieces_) {
+    pieces_ = needed;
     quiet_ = 0;
   } else {
-    most_pieces_ = quiet_ == 0 ? pieces : std::max(most_pieces_, pieces);
+    most_pieces_ = quiet_ == 0 ? needed : std::max(most_pieces_, needed);
     if (++quiet_ >= kQuietSteps) {
       pieces_ = most_pieces_;
       quiet_ = 0;
     }
   }
+  return pieces_;
+}
+
+/// Largest h whose longest stage respects tension and rotation.
+double Simulator::Impl::step_limit() const {
+  double longest = 0;
+  for (double fraction : composition_of(settings_.integrator))
+    longest = std::max(longest, std::abs(fraction));
+  return rattle_->step_limit() / longest;
+}
+
+/// Covers dt in as many equal sub-steps as tension, rotation and convergence ask for.
+bool Simulator::Impl::integrate(double dt) {
+  const double smallest = dt / settings_.max_substeps, piece = dt / choose_pieces(dt);
+  double remaining = dt, limit = std::numeric_limits<double>::infinity();
   while (remaining > 0) {
-    const double limit =
-        std::max(std::min({length / pieces_, rattle_->step_limit(), newton_limit}), smallest);
-    const double left = std::max(1.0, std::ceil(remaining / limit - 1e-9));
+    const double left = std::max(
+        1.0, std::ceil(remaining / std::max(std::min({piece, step_limit(), limit}), smallest) - 1e-9));
     const double h = remaining / left;
-    switch (rattle_->advance(std::copysign(h, dt), report_)) {
+    switch (advance(h)) {
       case Rattle::Outcome::kDone:
         remaining = left > 1 ? remaining - h : 0;
-        newton_limit *= kGrow;
+        limit *= kGrow;
         break;
       case Rattle::Outcome::kUnstable:
-        newton_limit = std::min(kShrink * h, rattle_->step_limit());
+        limit = std::min(kShrink * h, step_limit());
         break;
       case Rattle::Outcome::kStalled:
-        newton_limit = kShrink * h;
+        limit = kShrink * h;
         break;
       case Rattle::Outcome::kNotFinite:
         set_failure(Status::kNotFinite, "a force or the state is not finite");
         return false;
     }
-    if (newton_limit < smallest || report_.substeps > 4 * settings_.max_substeps) {
+    if (limit < smallest) {
       diagnose_stall();
       return false;
     }
