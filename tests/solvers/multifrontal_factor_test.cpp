@@ -12,16 +12,7 @@
 #include <utility>
 #include <vector>
 
-// Counts allocations of the whole program; operator new calls malloc.  A sanitizer has its own malloc.
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define TAUT_COUNTS_ALLOCATIONS 1
-static std::atomic<long> allocation_count{0};
-extern "C" void* __libc_malloc(std::size_t);
-extern "C" void* malloc(std::size_t size) {
-  allocation_count.fetch_add(1, std::memory_order_relaxed);
-  return __libc_malloc(size);
-}
-#endif
+#include "tests/allocation_counter.h"
 
 namespace taut {
 namespace {
@@ -309,7 +300,7 @@ TEST_P(MultifrontalFactorTest, RefactorsChangedValuesWithTheSameBitsAndWithoutAl
   const Eigen::VectorXd b = random_vector(A.size(), random_);
   Eigen::VectorXd x = b, again = b, scaled = b;
 #ifdef TAUT_COUNTS_ALLOCATIONS
-  const long before = allocation_count;
+  const long before = allocation_count();
 #endif
   int failures = 0;
   failures += factor.factorize(A) != -1;
@@ -319,7 +310,7 @@ TEST_P(MultifrontalFactorTest, RefactorsChangedValuesWithTheSameBitsAndWithoutAl
   failures += factor.factorize(A) != -1;
   factor.solve(span_of(again));
 #ifdef TAUT_COUNTS_ALLOCATIONS
-  EXPECT_EQ(allocation_count - before, 0);
+  EXPECT_EQ(allocation_count() - before, 0);
 #endif
   EXPECT_EQ(failures, 0);
   EXPECT_EQ(x, again);

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>  // defines __GLIBC__
+
+/// Counts allocations of the whole program; operator new calls malloc.  A sanitizer has its own malloc, so
+/// there are no such tests there.
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define TAUT_COUNTS_ALLOCATIONS 1
+
+namespace taut {
+/// Calls of malloc so far.
+long allocation_count();
+}  // namespace taut
+#endif
