@@ -109,6 +109,12 @@ int main(int argc, char** argv) {
   add_others(app, arguments);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    // CLI11 asks for a command even where one was given that it does not know.
+    const bool unknown = app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-';
+    if (unknown) std::cerr << "taut: unknown command '" << argv[1] << "'\n";
+    app.exit(error);
+    return taut::kExitUsage;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? taut::kExitSuccess : taut::kExitUsage;
   }

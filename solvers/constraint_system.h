@@ -29,7 +29,7 @@ struct RankTolerance {
 /// begun to bend.
 inline constexpr RankTolerance kSteppingTolerance{1e-8, 1e-6};
 /// For counting freedoms in one pose.
-inline constexpr RankTolerance kCountingTolerance{1e-11, 1e-8};
+inline constexpr RankTolerance kCountingTolerance{1e-13, 1e-9};
 
 /// The joints of a world as one linear system: Jacobian, S = J M⁻¹ Jᵀ, its factor, and solves that survive
 /// dependent rows.
