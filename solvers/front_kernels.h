@@ -30,7 +30,7 @@ struct FrontKernels {
   void (*contribution)(double* C, int ldc, const double* L21, int ld, int m, int p, double* pack);
 
   /// Adds the columns of runs [first, last) of a child's contribution, rows from the diagonal down, to the
-  /// parent's matrix: target(t_i, t_j) += source(s_i, s_j).  Between two runs, the target has a gap.  Reads
+  /// parent's matrix: target(t_i, t_j) += source(s_i, s_j).  Reads
   /// up to three numbers behind both matrices, and writes back those behind the target.
   void (*extend_add)(double* target, int ldt, const double* source, int lds, const RowRun* runs, int first,
                      int last, int count);

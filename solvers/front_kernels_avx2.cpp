@@ -39,6 +39,7 @@ inline Vec keep(Vec a, Vec mask) { return _mm256_and_pd(a, mask); }
 }  // namespace taut
 
 #include "solvers/front_kernels_impl.h"
+#include "solvers/front_solves_impl.h"
 
 namespace taut {
 

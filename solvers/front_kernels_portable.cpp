@@ -48,6 +48,7 @@ inline Vec keep(const Vec& a, const Vec& mask) { return {keep(a.low, mask.low), 
 }  // namespace taut
 
 #include "solvers/front_kernels_impl.h"
+#include "solvers/front_solves_impl.h"
 
 namespace taut {
 

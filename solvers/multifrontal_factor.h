@@ -69,6 +69,7 @@ class MultifrontalFactor final : public Factor {
   void plan_fronts(const SymmetricMatrix& A, const AssemblyTree& tree);
   void plan_contributions();
   void plan_runs(const SymmetricMatrix& A, const AssemblyTree& tree);
+  void plan_map(const Front& parent, Front& child, const std::vector<int>& position);
   void plan_columns(const SymmetricMatrix& A, const AssemblyTree& tree, int f,
                     const std::vector<int>& position);
 

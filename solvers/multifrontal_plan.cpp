@@ -8,16 +8,16 @@
 namespace taut {
 namespace {
 
-// Appends a run to runs[begin ..], or lengthens the last one if it goes on where that ends, on both sides.
-void append_run(std::vector<RowRun>& runs, std::size_t begin, RowRun run) {
+// Appends a row to runs[begin ..]: to the last run if it goes on where that ends, on both sides.
+void append_row(std::vector<RowRun>& runs, std::size_t begin, int source, int target) {
   if (runs.size() > begin) {
     RowRun& last = runs.back();
-    if (last.source + last.length == run.source && last.target + last.length == run.target) {
-      last.length += run.length;
+    if (last.source + last.length == source && last.target + last.length == target) {
+      ++last.length;
       return;
     }
   }
-  runs.push_back(run);
+  runs.push_back({source, target, 1});
 }
 
 void check(const SymmetricMatrix& A) {
@@ -112,11 +112,9 @@ void MultifrontalFactor::plan_contributions() {
   contributions_.assign(static_cast<std::size_t>(height[0] + height[1]) + 4, 0.0);
 }
 
-// The runs of x and of A's columns to front rows, and of the children's contributions to front rows.  A run
-// never crosses from pivots to other rows, on either side.
+// The fronts' rows, and the runs of A's columns and of the children's contributions to front rows.
 void MultifrontalFactor::plan_runs(const SymmetricMatrix& A, const AssemblyTree& tree) {
-  const auto width = [&](int block) { return A.block_start[block + 1] - A.block_start[block]; };
-  std::vector<int> position(static_cast<std::size_t>(A.block_count()), 0);  // front row of block
+  std::vector<int> position(static_cast<std::size_t>(A.size()), 0);  // front row of A's row
   rows_.clear();
   map_runs_.clear();
   columns_.clear();
@@ -124,35 +122,36 @@ void MultifrontalFactor::plan_runs(const SymmetricMatrix& A, const AssemblyTree&
   for (int f = 0; f < tree.size(); ++f) {
     Front& front = fronts_[f];
     front.row_begin = static_cast<std::int64_t>(rows_.size());
+    int count = 0;
     const auto add_block = [&](int block) {
-      position[block] = static_cast<int>(static_cast<std::int64_t>(rows_.size()) - front.row_begin);
-      for (int r = A.block_start[block]; r < A.block_start[block + 1]; ++r) rows_.push_back(r);
+      for (int r = A.block_start[block]; r < A.block_start[block + 1]; ++r) {
+        position[r] = count++;
+        rows_.push_back(r);
+      }
     };
     for (int t = tree.pivot_start[f]; t < tree.pivot_start[f + 1]; ++t) add_block(tree.pivots[t]);
     for (int t = tree.row_start[f]; t < tree.row_start[f + 1]; ++t) add_block(tree.rows[t]);
     for (int i = front.rows; i < front.leading; ++i) rows_.push_back(rows_.back());
 
-    for (int k = front.child_begin; k < front.child_end; ++k) {
-      const int c = children_[k];
-      Front& child = fronts_[c];
-      child.map_begin = child.map_pivot_end = static_cast<int>(map_runs_.size());
-      std::size_t first = map_runs_.size();
-      int source = 0;
-      for (int t = tree.row_start[c]; t < tree.row_start[c + 1]; ++t) {
-        const int block = tree.rows[t], target = position[block];
-        if (target >= front.pivots && child.map_pivot_end == child.map_begin) {
-          child.map_pivot_end = static_cast<int>(map_runs_.size());
-          first = map_runs_.size();
-        }
-        append_run(map_runs_, first, {source, target, width(block)});
-        source += width(block);
-      }
-      child.map_end = static_cast<int>(map_runs_.size());
-      // The first row below a child is a pivot of its parent, so an empty range means that all rows are.
-      if (child.map_pivot_end == child.map_begin) child.map_pivot_end = child.map_end;
-    }
+    for (int k = front.child_begin; k < front.child_end; ++k)
+      plan_map(front, fronts_[children_[k]], position);
     plan_columns(A, tree, f, position);
   }
+}
+
+// The child's rows that are pivots of its parent come first, and no run goes beyond them: they are added to
+// the panel, the others to the parent's contribution.
+void MultifrontalFactor::plan_map(const Front& parent, Front& child, const std::vector<int>& position) {
+  child.map_begin = static_cast<int>(map_runs_.size());
+  const int* rows = rows_.data() + child.row_begin + child.pivots;
+  const int count = child.rows - child.pivots;
+  int i = 0;
+  for (; i < count && position[rows[i]] < parent.pivots; ++i)
+    append_row(map_runs_, static_cast<std::size_t>(child.map_begin), i, position[rows[i]]);
+  child.map_pivot_end = static_cast<int>(map_runs_.size());
+  for (; i < count; ++i)
+    append_row(map_runs_, static_cast<std::size_t>(child.map_pivot_end), i, position[rows[i]]);
+  child.map_end = static_cast<int>(map_runs_.size());
 }
 
 void MultifrontalFactor::plan_columns(const SymmetricMatrix& A, const AssemblyTree& tree, int f,
@@ -165,16 +164,11 @@ void MultifrontalFactor::plan_columns(const SymmetricMatrix& A, const AssemblyTr
     entry.place = A.column_start[column];
     entry.length = A.column_start[column + 1] - A.column_start[column];
     entry.width = A.block_start[block + 1] - column;
-    entry.target = position[block];
+    entry.target = position[column];
     entry.run_begin = static_cast<int>(column_runs_.size());
-    for (int k = 0; k < entry.length;) {
-      const int row = A.row_index[entry.place + k];
-      const int row_block = static_cast<int>(
-          std::upper_bound(A.block_start.begin(), A.block_start.end(), row) - A.block_start.begin() - 1);
-      const int height = A.block_start[row_block + 1] - A.block_start[row_block];
-      append_run(column_runs_, static_cast<std::size_t>(entry.run_begin), {k, position[row_block], height});
-      k += height;
-    }
+    for (int k = 0; k < entry.length; ++k)
+      append_row(column_runs_, static_cast<std::size_t>(entry.run_begin), k,
+                 position[A.row_index[entry.place + k]]);
     entry.run_end = static_cast<int>(column_runs_.size());
     columns_.push_back(entry);
   }
