@@ -63,6 +63,7 @@ class Run {
     const StepReport& report = simulator_.report();
     const StageTimes& t = report.times;
     substeps_ += report.substeps;
+    substep_times_.push_back(times_.back() / std::max(1, report.substeps));
     factorizations_ += report.factorizations;
     backsolves_ += report.backsolves;
     forces_ += t.forces, positions_ += t.positions, assembly_ += t.assembly;
@@ -73,7 +74,7 @@ class Run {
   double last() const { return times_.back(); }
   double substeps() const { return static_cast<double>(substeps_) / count(); }
   /// Median time of one sub-step [s].
-  double substep_time() const { return median(times_) / substeps(); }
+  double substep_time() const { return median(substep_times_); }
   int bodies() const { return scene_.world.moving_body_count(); }
   const World& world() const { return scene_.world; }
 
@@ -108,7 +109,7 @@ class Run {
   Scene scene_;
   Simulator simulator_;
   bool ok_ = true;
-  std::vector<double> times_;
+  std::vector<double> times_, substep_times_;
   int substeps_ = 0, factorizations_ = 0, backsolves_ = 0;
   double forces_ = 0, positions_ = 0, assembly_ = 0, factorization_ = 0, velocities_ = 0, total_ = 0;
 };
