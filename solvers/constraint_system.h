@@ -29,7 +29,7 @@ struct RankTolerance {
 /// begun to bend.
 inline constexpr RankTolerance kSteppingTolerance{1e-8, 1e-6};
 /// For counting freedoms in one pose.
-inline constexpr RankTolerance kCountingTolerance{1e-13, 1e-9};
+inline constexpr RankTolerance kCountingTolerance{1e-11, 1e-8};
 
 /// The joints of a world as one linear system: Jacobian, S = J M⁻¹ Jᵀ, its factor, and solves that survive
 /// dependent rows.
@@ -62,6 +62,8 @@ class ConstraintSystem {
   /// S from J and the roots, and its factor.  Sets rank_deficiency() and condition_estimate().
   void factorize(StageTimes& times);
 
+  /// The same with an exact count of dependent rows, for two factorisations.
+  void factorize_for_counting(StageTimes& times);
   /// False if not even S_ε could be factored (values that are not finite); solve() then gives NaN.
   bool usable() const { return usable_; }
 

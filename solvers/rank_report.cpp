@@ -25,7 +25,7 @@ RankReport analyze_rank(const World& world, const Settings& settings) {
   StageTimes times;
   system.linearize(world.state().poses);
   system.set_mass(world.state().poses);
-  system.factorize(times);
+  system.factorize_for_counting(times);
 
   RankReport report;
   report.rows = system.row_count();
