@@ -22,7 +22,7 @@ namespace {
 /// Joints shown by name in a message.
 constexpr std::size_t kShownJoints = 8;
 /// A sub-step that failed is followed by one this much shorter; each success lets the next grow again.
-constexpr int kQuietSteps = 100;
+constexpr int kQuietSteps = 300;
 constexpr double kShrink = 0.5, kGrow = 1.5;
 
 bool is_force_level(Integrator integrator) {
