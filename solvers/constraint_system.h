@@ -59,6 +59,8 @@ class ConstraintSystem {
   std::span<const InverseMassRoot> mass_roots() const { return roots_; }
   /// Compliance of all rows as a fraction of their own S_rr (constraint force mixing); 0 at first.
   void set_compliance(double fraction) { compliance_ = fraction; }
+  /// ε of S_ε from now on.
+  void set_shift(double shift) { tolerance_.shift = shift; }
   /// S from J and the roots, and its factor.  Sets rank_deficiency() and condition_estimate().
   void factorize(StageTimes& times);
 

@@ -1,6 +1,7 @@
 #include "solvers/rattle.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,6 +23,15 @@ constexpr double kSurprise = 0.25;
 /// at ω h = 2.
 constexpr double kLeeway = 1.5;
 constexpr int kMaxVelocityPasses = 6;
+/// With dependent rows positions count as closed only if no body is further than this part of the size of the
+/// whole system from where its joints want it: a weakly held direction hides a long way behind a small gap.
+constexpr double kFar = 1e-9;
+/// Gaps below this may be mended by moving the bodies, without an impulse; their work is below round-off of
+/// the energy.
+constexpr double kMendable = 1e-6;
+constexpr double kMended = 1e-13;
+constexpr double kMendingShift = 1e-12;
+constexpr int kMaxMends = 10;
 /// Passes of the fixed point for velocity-dependent forces; a pass that takes away less than half of the
 /// change stalls it.
 constexpr int kMaxForcePasses = 60;
@@ -45,7 +55,7 @@ Wrench operator*(double s, const Wrench& a) { return {s * a.torque, s * a.force}
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
     : world_(world), system_(system), settings_(settings) {
   const int bodies = world.body_count(), rows = system.row_count();
-  for (auto* wrenches : {&momenta_, &forces_, &free_momenta_, &kicked_, &joint_impulse_})
+  for (auto* wrenches : {&momenta_, &forces_, &free_momenta_, &kicked_, &joint_impulse_, &move_})
     wrenches->resize(bodies);
   for (auto* values : {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_,
                        &force_multipliers_, &asymmetry_, &last_asymmetry_})
@@ -60,6 +70,7 @@ void Rattle::start(const State& state, StepReport& report) {
   state_ = state;
   poses_ = state.poses;
   history_ = 0;
+  size_ = system_size();
   for (int b = 0; b < world_.body_count(); ++b) {
     const MassMatrix::Body& body = system_.mass()[b];
     const Twist& V = state_.twists[b];
@@ -81,6 +92,13 @@ void Rattle::start(const State& state, StepReport& report) {
   for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = -(force_multipliers_[r] + delta_[r]);
   system_.solve(force_multipliers_);
   update_step_limit(force_multipliers_);
+}
+
+/// Diagonal of the box around all bodies, but at least 1 m.
+double Rattle::system_size() const {
+  Eigen::AlignedBox3d box;
+  for (const Pose& pose : state_.poses) box.extend(pose.p);
+  return std::max(1.0, box.diagonal().norm());
 }
 
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
@@ -211,6 +229,7 @@ void Rattle::kick_and_drift(double h) {
 
 bool Rattle::close_positions(double h, StepReport& report) {
   double last = std::numeric_limits<double>::infinity(), correction = 0;
+  bool polished = false;
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
@@ -218,11 +237,20 @@ bool Rattle::close_positions(double h, StepReport& report) {
       system_.rows().residual(poses_, phi_);
     }
     const double gap = max_abs(phi_);
-    if (gap <= settings_.position_tolerance) break;
-    if (!std::isfinite(gap) || iteration >= settings_.max_newton_iterations) return false;
-    if (iteration > 0 && gap > kSlow * last) {
-      if (refactored_ || gap > 10 * last) return false;
-      refactor_at_iterate(report);
+    if (!std::isfinite(gap)) return false;
+    if (gap <= settings_.position_tolerance) {
+      if (!system_.singular() || distance_to_closure(report) <= kFar * size_) break;
+      if (polished) return mend_positions(report);
+      polished = true;
+    } else {
+      const bool slow = iteration > 0 && gap > kSlow * last;
+      const bool spent = iteration >= settings_.max_newton_iterations;
+      if ((slow || spent) && system_.singular() && gap < kMendable) return mend_positions(report);
+      if (spent) return false;
+      if (slow) {
+        if (refactored_ || gap > 10 * last) return false;
+        refactor_at_iterate(report);
+      }
     }
     last = gap;
     const Stopwatch watch(report.times.positions);
@@ -234,6 +262,62 @@ bool Rattle::close_positions(double h, StepReport& report) {
   }
   surprised_ = correction > kSurprise * max_abs(lambda_);
   return true;
+}
+
+/// How far the bodies are from closed joints, to first order: the largest move in M⁻¹ Jᵀ S_ε⁻¹ φ [m or rad].
+double Rattle::distance_to_closure(StepReport& report) {
+  const Stopwatch watch(report.times.positions);
+  std::copy(phi_.begin(), phi_.end(), delta_.begin());
+  system_.solve_shifted(delta_);
+  system_.rows().apply_transpose(system_.jacobian(), delta_, move_);
+  double distance = 0;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const MassMatrix::Body& body = system_.mass()[b];
+    if (body.fixed) continue;
+    distance = std::max({distance, body.inverse_mass * move_[b].force.norm(),
+                         system_.mass().angular_velocity(b, poses_[b], move_[b].torque).norm()});
+  }
+  return distance;
+}
+
+/// Gauss–Newton on the positions alone, q₁ ← q₁ − M⁻¹Jᵀ S⁺ φ with all of it at the iterate.  It converges
+/// quadratically, also along directions that the rows hold weakly, where the fixed J(q₀) of the Newton above
+/// does not: there J(q₁) − J(q₀) outweighs J itself.  (solvers/README, "Weak directions")
+bool Rattle::mend_positions(StepReport& report) {
+  if (!refactored_) std::copy(system_.jacobian().begin(), system_.jacobian().end(), start_jacobian_.begin());
+  refactored_ = true;
+  system_.set_shift(kMendingShift);
+  double gap = max_abs(phi_), last = std::numeric_limits<double>::infinity();
+  for (int pass = 0; pass < kMaxMends && gap > kMended && gap < 0.9 * last; ++pass) {
+    system_.linearize(poses_);
+    system_.set_mass(poses_);
+    system_.factorize(report.times);
+    ++report.refactorizations;
+    if (!system_.usable()) break;
+    const Stopwatch watch(report.times.positions);
+    for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -phi_[r];
+    system_.solve_shifted(delta_);
+    system_.rows().apply_transpose(system_.jacobian(), delta_, move_);
+    unmended_ = poses_;
+    for (int b = 0; b < world_.body_count(); ++b) {
+      const MassMatrix::Body& body = system_.mass()[b];
+      if (body.fixed) continue;
+      const Vec3 turn = system_.mass().angular_velocity(b, poses_[b], move_[b].torque);
+      poses_[b].p += body.inverse_mass * move_[b].force;
+      poses_[b].q = (exp_so3(turn) * poses_[b].q).normalized();
+    }
+    system_.rows().residual(poses_, phi_);
+    last = gap;
+    gap = max_abs(phi_);
+  }
+  system_.set_shift(kSteppingTolerance.shift);
+  if (!(gap <= last)) {
+    std::swap(poses_, unmended_);
+    system_.rows().residual(poses_, phi_);
+    gap = last;
+  }
+  surprised_ = false;
+  return gap <= settings_.position_tolerance;
 }
 
 /// The true derivative of φ(q₁) is h J(q₁) M⁻¹ J(q₀)ᵀ; S of the mean Jacobian is its symmetric neighbour of
@@ -281,14 +365,15 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   }
 }
 
-/// μ with J M⁻¹ (p + Jᵀμ) = 0, refined until |J V| is within its tolerance.
+/// μ with J M⁻¹ (p + Jᵀμ) = 0, refined until |J V| is within its tolerance.  J V is in the range of S: even
+/// with dependent rows S_ε⁻¹ alone does, each pass leaves ε/(σ + ε) of what was left.
 void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   std::fill(mu.begin(), mu.end(), 0.0);
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
-    system_.solve(delta_);
+    system_.solve_shifted(delta_);
     system_.rows().apply_transpose(system_.jacobian(), delta_, joint_impulse_);
     for (int b = 0; b < world_.body_count(); ++b) {
       if (system_.mass()[b].fixed) continue;

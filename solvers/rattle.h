@@ -47,6 +47,9 @@ class Rattle {
  private:
   void predict_multipliers(double h);
   bool close_positions(double h, StepReport& report);
+  double system_size() const;
+  double distance_to_closure(StepReport& report);
+  bool mend_positions(StepReport& report);
   void kick_and_drift(double h);
   void refactor_at_iterate(StepReport& report);
   bool close_velocities(double h, StepReport& report);
@@ -69,11 +72,14 @@ class Rattle {
   std::vector<Wrench> momenta_;        // (L, P) at the start
   std::vector<Wrench> start_momenta_;  // the same, while momenta_ already hold the end
   double start_time_ = 0;
-  std::vector<Wrench> forces_;          // at the start
-  std::vector<Pose> poses_;             // trial, end of the step
-  std::vector<Wrench> free_momenta_;    // p₀ + h/2 f
-  std::vector<Wrench> kicked_;          // p
-  std::vector<Wrench> joint_impulse_;   // Jᵀλ
+  std::vector<Wrench> forces_;         // at the start
+  std::vector<Pose> poses_;            // trial, end of the step
+  std::vector<Wrench> free_momenta_;   // p₀ + h/2 f
+  std::vector<Wrench> kicked_;         // p
+  std::vector<Wrench> joint_impulse_;  // Jᵀλ
+  std::vector<Wrench> move_;           // M times a move of the bodies
+  std::vector<Pose> unmended_;
+  double size_ = 1;                     // of the whole system at the start [m]
   std::vector<double> start_jacobian_;  // J(q₀) after a refactorisation elsewhere
   std::vector<Twist> accelerations_;
   bool refactored_ = false, surprised_ = false;
