@@ -45,4 +45,12 @@ void require_unit(std::string_view name, const Vector& direction) {
     fail(name, "must have length 1", direction.transpose());
 }
 
+/// A unit vector perpendicular to `axis`, to the same tolerance.
+template <typename Vector>
+void require_across(std::string_view name, const Vector& direction, const Vector& axis) {
+  require_unit(name, direction);
+  if (std::abs(direction.dot(axis)) > kUnitTolerance)
+    fail(name, "must be perpendicular to its axis", direction.transpose());
+}
+
 }  // namespace taut

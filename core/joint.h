@@ -11,8 +11,8 @@
 namespace taut {
 
 /// A joint between body A and body B, described once and then immutable.  A type is one header in
-/// core/joints: its constructor checks the input and append_rows() lists the row parts it is made of. Nothing
-/// else knows the type.
+/// core/joints: its constructor checks the input, append_rows() lists the row parts it is made of and
+/// append_axes() the coordinates that it leaves free. Nothing else knows the type.
 class Joint {
  public:
   Joint(BodyId a, BodyId b) : a_(a), b_(b) {}
@@ -20,6 +20,9 @@ class Joint {
 
   virtual std::string_view type() const = 0;
   virtual void append_rows(RowSink& rows) const = 0;
+  /// The free axes that can have limits, a motor, friction or a spring; always the same ones.  Rotations that
+  /// are no scalar coordinate, as the three of a ball joint, are none.
+  virtual void append_axes(AxisSink&) const {}
   /// Point of B (from its centre of mass, body axes) about which the reaction torque is reported.
   virtual Vec3 reaction_point_B() const = 0;
 

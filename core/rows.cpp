@@ -4,7 +4,13 @@
 
 namespace taut {
 
-Rows::Rows(const World& world) {
+int AxisSink::body(int side) const { return (side == 0 ? joint_->a() : joint_->b()).index; }
+
+void Rows::append_axis_row(AxisId axis, int index) {
+  axis_rows_.push_back({static_cast<int>(rows_.size()) - 1, axis, index});
+}
+
+Rows::Rows(const World& world, AxisRows axis_rows) {
   const int joint_count = world.joint_count();
   joints_.reserve(joint_count);
   sides_.reserve(2 * joint_count);
@@ -12,17 +18,31 @@ Rows::Rows(const World& world) {
     const Joint& joint = world.joint(JointId{j});
     RowSink counter;
     joint.append_rows(counter);
-    const int rows = counter.count_;
-    const int first_row = row_count();
-    joints_.push_back({first_row, rows, static_cast<int>(sides_.size()), 2});
+    AxisSink axes;
+    axes.joint_index_ = j;
+    axes.row_in_joint_ = counter.count_;
+    axes.first_index_ = world.first_axis_index(JointId{j});
+    const bool any_axis = axis_rows == AxisRows::kIncluded && world.has_axis_properties(JointId{j});
+    if (any_axis) {
+      axes.properties_ = &world.axis_properties({JointId{j}, 0});
+      AxisSink axis_counter = axes;
+      joint.append_axes(axis_counter);
+      axes.rows_ = this;
+      joints_.push_back({row_count(), axis_counter.row_in_joint_, 0, 2, counter.count_});
+    } else {
+      joints_.push_back({row_count(), counter.count_, 0, 2, counter.count_});
+    }
+    JointRows& rows = joints_.back();
+    rows.first_side = static_cast<int>(sides_.size());
     for (BodyId body : {joint.a(), joint.b()}) {
-      sides_.push_back({body.index, j, first_row, rows, jacobian_size_});
-      jacobian_size_ += 6 * rows;
+      sides_.push_back({body.index, j, rows.first_row, rows.row_count, jacobian_size_});
+      jacobian_size_ += 6 * rows.row_count;
     }
     RowSink sink;
     sink.rows_ = this;
     sink.joint_ = j;
     joint.append_rows(sink);
+    if (any_axis) joint.append_axes(axes);
   }
 
   // Sides of each body by counting sort, which keeps the order of the joints.
@@ -34,21 +54,25 @@ Rows::Rows(const World& world) {
   for (int s = 0; s < static_cast<int>(sides_.size()); ++s) body_sides_[next[sides_[s].body]++] = s;
 }
 
-void Rows::residual(std::span<const Pose> poses, std::span<double> phi) const {
-  for (const auto& store : stores_) store->residual(poses, phi.data());
+void Rows::residual(const Configuration& at, std::span<double> phi) const {
+  for (const auto& store : stores_) store->residual(at, phi.data());
 }
 
-void Rows::jacobian(std::span<const Pose> poses, std::span<double> values) const {
-  for (const auto& store : stores_) store->jacobian(poses, values.data());
+void Rows::jacobian(const Configuration& at, std::span<double> values) const {
+  for (const auto& store : stores_) store->jacobian(at, values.data());
 }
 
-void Rows::bias(std::span<const Pose> poses, std::span<const Twist> twists, std::span<double> gamma) const {
-  for (const auto& store : stores_) store->bias(poses, twists, gamma.data());
+void Rows::bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const {
+  for (const auto& store : stores_) store->bias(at, twists, gamma.data());
 }
 
-void Rows::stiffness(std::span<const Pose> poses, std::span<const double> lambda,
+void Rows::stiffness(const Configuration& at, std::span<const double> lambda,
                      std::span<StiffnessBlocks> bodies) const {
-  for (const auto& store : stores_) store->stiffness(poses, lambda.data(), bodies);
+  for (const auto& store : stores_) store->stiffness(at, lambda.data(), bodies);
+}
+
+void Rows::update_axes(const Configuration& at, std::span<double> axes) const {
+  for (const auto& store : stores_) store->update_axes(at, axes);
 }
 
 void Rows::apply(std::span<const double> jacobian, std::span<const Twist> twists,

@@ -9,12 +9,14 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/row_parts.h"
+#include "core/axis.h"
+#include "core/part_store.h"
 #include "core/state.h"
 
 /// All constraint rows of a World, compiled into contiguous arrays:
 ///
-///   joint j  owns rows  first_row … first_row + row_count − 1, in the order of the World's joints
+///   joint j  owns rows  first_row … first_row + row_count − 1, in the order of the World's joints: first its
+///            equality rows, then one axis row for each free axis with properties (limits, motor, …)
 ///   side s   one (joint, body) pair, A then B; its Jacobian block has row_count rows by 6 columns, row-major
 ///   values   Jacobian values of all sides, one behind the other
 ///
@@ -25,69 +27,58 @@ namespace taut {
 
 class World;
 
-namespace detail {
+class Rows;
 
-/// Where a part's rows and Jacobian blocks are.
-struct PartPlace {
-  int body_a, body_b, first_row, jacobian_a, jacobian_b;
+/// Two bodies of a joint by their place in Joint::bodies(): the A and B of a row part.
+struct Between {
+  int a = 0, b = 1;
 };
-
-class PartStoreBase {
- public:
-  virtual ~PartStoreBase() = default;
-  virtual void residual(std::span<const Pose> poses, double* phi) const = 0;
-  virtual void jacobian(std::span<const Pose> poses, double* values) const = 0;
-  virtual void bias(std::span<const Pose> poses, std::span<const Twist> twists, double* gamma) const = 0;
-  virtual void stiffness(std::span<const Pose> poses, const double* lambda,
-                         std::span<StiffnessBlocks> bodies) const = 0;
-  virtual std::string row_name(int item, int row) const = 0;
-};
-
-template <typename Part>
-class PartStore final : public PartStoreBase {
- public:
-  struct Item {
-    PartPlace at;
-    Part part;
-  };
-  std::vector<Item> items;
-
-  void residual(std::span<const Pose> poses, double* phi) const override {
-    for (const Item& i : items) i.part.residual(poses[i.at.body_a], poses[i.at.body_b], phi + i.at.first_row);
-  }
-  void jacobian(std::span<const Pose> poses, double* values) const override {
-    for (const Item& i : items)
-      i.part.jacobian(poses[i.at.body_a], poses[i.at.body_b],
-                      JacobianBlock<Part::kRows>(values + i.at.jacobian_a),
-                      JacobianBlock<Part::kRows>(values + i.at.jacobian_b));
-  }
-  void bias(std::span<const Pose> poses, std::span<const Twist> twists, double* gamma) const override {
-    for (const Item& i : items)
-      i.part.bias(poses[i.at.body_a], poses[i.at.body_b], twists[i.at.body_a], twists[i.at.body_b],
-                  gamma + i.at.first_row);
-  }
-  void stiffness(std::span<const Pose> poses, const double* lambda,
-                 std::span<StiffnessBlocks> bodies) const override {
-    for (const Item& i : items)
-      i.part.stiffness(poses[i.at.body_a], poses[i.at.body_b], lambda + i.at.first_row, bodies[i.at.body_a],
-                       bodies[i.at.body_b]);
-  }
-  std::string row_name(int item, int row) const override { return items[item].part.row_name(row); }
-};
-
-}  // namespace detail
 
 /// What a joint hands its row parts to: once to count its rows, then once to place them.
 class RowSink {
  public:
   template <typename Part>
-  void add(const Part& part);
+  void add(const Part& part, Between sides = {});
 
  private:
   friend class Rows;
-  class Rows* rows_ = nullptr;  // null while counting
+  Rows* rows_ = nullptr;  // null while counting
   int joint_ = 0;
   int count_ = 0;
+};
+
+/// A free axis as its joint lists it.
+struct AxisInfo {
+  std::string name;
+  bool angular = false;
+  AxisLimits limits;  ///< that the axis has from the start, as a rope; without effect if infinite
+  /// The coordinate as a single row with Jacobian blocks of A and B at 0 and 6.
+  std::shared_ptr<const detail::PartStoreBase> coordinate;
+  int body_a = 0, body_b = 0;
+};
+
+/// What a joint lists its free axes in: names for the World, or rows for Rows.
+class AxisSink {
+ public:
+  /// An axis with the coordinate of `part`, a row part of one row (core/axis_parts.h).
+  template <typename Part>
+  void add(std::string_view name, const Part& part, Between sides = {});
+  /// The axis added last has these limits from the start.
+  void limit(const AxisLimits& limits) {
+    if (infos_) infos_->back().limits = limits;
+  }
+
+ private:
+  friend class Rows;
+  friend class World;
+  const class Joint* joint_ = nullptr;
+  std::vector<AxisInfo>* infos_ = nullptr;  // where to describe the axes …
+  Rows* rows_ = nullptr;                    // … or to place the next of them that has properties
+  const AxisProperties* properties_ = nullptr;
+  int joint_index_ = 0, first_index_ = 0, row_in_joint_ = 0;
+  int count_ = 0;
+
+  int body(int side) const;
 };
 
 class Rows {
@@ -95,6 +86,7 @@ class Rows {
   struct JointRows {
     int first_row = 0, row_count = 0;
     int first_side = 0, side_count = 0;
+    int equality_count = 0;  ///< of the rows, in front; the others are axis rows
   };
   struct Side {
     int body = 0, joint = 0;
@@ -106,9 +98,17 @@ class Rows {
     bool angular = false;
     const detail::PartStoreBase* store = nullptr;
     int item = 0, row_in_part = 0;
+    int axis = -1;  ///< of the joint; −1 for an equality row
   };
+  /// The row of a free axis: its residual is the coordinate θ itself.
+  struct AxisRow {
+    int row = 0;
+    AxisId axis;
+    int index = 0;  ///< of θ in State::axes
+  };
+  enum class AxisRows { kIncluded, kLeftOut };
 
-  explicit Rows(const World& world);
+  explicit Rows(const World& world, AxisRows axis_rows = AxisRows::kIncluded);
 
   int row_count() const { return static_cast<int>(rows_.size()); }
   int jacobian_size() const { return jacobian_size_; }
@@ -120,20 +120,27 @@ class Rows {
   }
   int body_count() const { return static_cast<int>(body_start_.size()) - 1; }
   const Row& row(int i) const { return rows_[i]; }
+  bool is_equality(int i) const { return rows_[i].axis < 0; }
+  /// The rows that are not equalities, in ascending order.
+  std::span<const AxisRow> axis_rows() const { return axis_rows_; }
   std::string row_name(int i) const { return rows_[i].store->row_name(rows_[i].item, rows_[i].row_in_part); }
 
   // Sizes of the spans below: poses, twists, wrenches and `bodies` have body_count() entries, φ, γ, λ and J V
   // row_count(), Jacobian values jacobian_size().
 
-  /// φ(q) [m or rad].
-  void residual(std::span<const Pose> poses, std::span<double> phi) const;
+  /// φ(q) [m or rad] of equality rows, and the coordinate θ of axis rows: angles as the value next to the one
+  /// in `at.axes`.
+  void residual(const Configuration& at, std::span<double> phi) const;
   /// J(q), the values of all sides.
-  void jacobian(std::span<const Pose> poses, std::span<double> values) const;
+  void jacobian(const Configuration& at, std::span<double> values) const;
   /// γ = J̇ V, so that φ̈ = J V̇ + γ.
-  void bias(std::span<const Pose> poses, std::span<const Twist> twists, std::span<double> gamma) const;
+  void bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const;
   /// Adds each body's block of K = −∂(Jᵀλ)/∂q to `bodies`, which the caller has zeroed.
-  void stiffness(std::span<const Pose> poses, std::span<const double> lambda,
+  void stiffness(const Configuration& at, std::span<const double> lambda,
                  std::span<StiffnessBlocks> bodies) const;
+  /// Writes the coordinates of the axis rows to their entries of State::axes, which is how a solver keeps the
+  /// turns of angles after a step: update_axes(state, state.axes).
+  void update_axes(const Configuration& at, std::span<double> axes) const;
 
   /// J V, with the values that jacobian() gave.
   void apply(std::span<const double> jacobian, std::span<const Twist> twists, std::span<double> out) const;
@@ -143,12 +150,16 @@ class Rows {
 
  private:
   friend class RowSink;
+  friend class AxisSink;
   template <typename Part>
-  void append(const Part& part, int joint, int row_in_joint);
+  void append(const Part& part, int joint, int row_in_joint, Between sides, int axis = -1,
+              int axis_index = -1);
+  void append_axis_row(AxisId axis, int index);
 
   std::vector<JointRows> joints_;
   std::vector<Side> sides_;
   std::vector<Row> rows_;
+  std::vector<AxisRow> axis_rows_;
   std::vector<int> body_start_, body_sides_;
   std::vector<std::unique_ptr<detail::PartStoreBase>> stores_;
   std::unordered_map<std::type_index, detail::PartStoreBase*> store_of_type_;
@@ -156,26 +167,45 @@ class Rows {
 };
 
 template <typename Part>
-void RowSink::add(const Part& part) {
-  if (rows_) rows_->append(part, joint_, count_);
+void RowSink::add(const Part& part, Between sides) {
+  if (rows_) rows_->append(part, joint_, count_, sides);
   count_ += Part::kRows;
 }
 
 template <typename Part>
-void Rows::append(const Part& part, int joint, int row_in_joint) {
+void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index) {
   auto& slot = store_of_type_[typeid(Part)];
   if (!slot) {
     stores_.push_back(std::make_unique<detail::PartStore<Part>>());
     slot = stores_.back().get();
   }
   auto& items = static_cast<detail::PartStore<Part>*>(slot)->items;
-  const Side& a = sides_[joints_[joint].first_side];
-  const Side& b = sides_[joints_[joint].first_side + 1];
+  const Side& a = sides_[joints_[joint].first_side + sides.a];
+  const Side& b = sides_[joints_[joint].first_side + sides.b];
   const int first_row = joints_[joint].first_row + row_in_joint;
   for (int i = 0; i < Part::kRows; ++i)
-    rows_.push_back({joint, Part::kAngular, slot, static_cast<int>(items.size()), i});
+    rows_.push_back({joint, Part::kAngular, slot, static_cast<int>(items.size()), i, axis});
   items.push_back(
-      {{a.body, b.body, first_row, a.offset + 6 * row_in_joint, b.offset + 6 * row_in_joint}, part});
+      {{a.body, b.body, first_row, a.offset + 6 * row_in_joint, b.offset + 6 * row_in_joint, axis_index},
+       part});
+}
+
+template <typename Part>
+void AxisSink::add(std::string_view name, const Part& part, Between sides) {
+  static_assert(Part::kRows == 1, "an axis is one coordinate");
+  const int axis = count_++, index = first_index_ + axis;
+  if (infos_) {
+    auto coordinate = std::make_shared<detail::PartStore<Part>>();
+    const int a = body(sides.a), b = body(sides.b);
+    coordinate->items.push_back({{a, b, 0, 0, 6, index}, part});
+    infos_->push_back({std::string(name), Part::kAngular, {}, std::move(coordinate), a, b});
+  } else if (properties_ && properties_[axis].any()) {
+    if (rows_) {
+      rows_->append(part, joint_index_, row_in_joint_, sides, axis, index);
+      rows_->append_axis_row({JointId{joint_index_}, axis}, index);
+    }
+    ++row_in_joint_;
+  }
 }
 
 }  // namespace taut

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/so3.h"
@@ -20,6 +21,13 @@ struct JointId {
 struct ForceId {
   int index = -1;
   friend auto operator<=>(ForceId, ForceId) = default;
+};
+
+/// A free axis of a joint, for instance the angle of a hinge.
+struct AxisId {
+  JointId joint;
+  int axis = -1;
+  friend auto operator<=>(const AxisId&, const AxisId&) = default;
 };
 
 inline constexpr BodyId kGround{0};
@@ -55,6 +63,26 @@ struct State {
   double time = 0;
   std::vector<Pose> poses;
   std::vector<Twist> twists;
+  /// One value per free axis of the joints [rad or m], at World::axis_index().  Angles count turns: a pose
+  /// gives an angle up to whole turns, and the value here says which of them is meant.  Solvers keep the
+  /// entries of axes with properties up to date; others stay as they were set.
+  std::vector<double> axes;
+};
+
+/// The part of a state that the rows of joints read: poses, the time that drivers follow, and the values next
+/// to which angles are unwrapped (empty: 0).  It only refers to what it was made from.
+struct Configuration {
+  std::span<const Pose> poses;
+  double time = 0;
+  std::span<const double> axes{};
+
+  Configuration(std::span<const Pose> all_poses, double at_time = 0, std::span<const double> axes_near = {})
+      : poses(all_poses), time(at_time), axes(axes_near) {}
+  Configuration(const std::vector<Pose>& all_poses) : poses(all_poses) {}
+  Configuration(const State& state) : poses(state.poses), time(state.time), axes(state.axes) {}
+
+  /// Value of the axis at `index` that angles are unwrapped next to.
+  double near(int index) const { return index >= 0 && !axes.empty() ? axes[index] : 0; }
 };
 
 }  // namespace taut

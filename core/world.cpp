@@ -70,7 +70,22 @@ JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
   if (joint->a() == joint->b()) fail("joint " + shown, "joins a body to itself", this->name(joint->a()));
   if (is_fixed(joint->a()) && is_fixed(joint->b()))
     fail("joint " + shown, "joins two fixed bodies", this->name(joint->a()) + ", " + this->name(joint->b()));
+  std::vector<AxisInfo> axes;
+  AxisSink sink;
+  sink.joint_ = joint.get();
+  sink.infos_ = &axes;
+  sink.first_index_ = axis_start_.back();
+  joint->append_axes(sink);
+  for (const AxisInfo& axis : axes) check_axis(shown + " " + axis.name, axis.limits);
   joint_names_.push_back(register_name(joint_of_name_, std::move(name), "joint", index));
+  for (AxisInfo& axis : axes) {
+    AxisProperties properties;
+    if (axis.limits.lower > -kUnlimited || axis.limits.upper < kUnlimited) properties.limits = axis.limits;
+    axis_properties_.push_back(std::move(properties));
+    axes_.push_back(std::move(axis));
+    state_.axes.push_back(0);
+  }
+  axis_start_.push_back(static_cast<int>(axes_.size()));
   joints_.push_back(std::move(joint));
   ++topology_version_;
   return {index};
@@ -137,7 +152,11 @@ void World::set_state(const State& state) {
     fail("state", "must have one pose per body", state.poses.size());
   if (state.twists.size() != state_.twists.size())
     fail("state", "must have one twist per body", state.twists.size());
+  if (state.axes.size() != state_.axes.size())
+    fail("state", "must have one value per axis", state.axes.size());
   require_finite("time of the state", state.time);
+  for (std::size_t i = 0; i < state.axes.size(); ++i)
+    if (!std::isfinite(state.axes[i])) fail("axis value " + axes_[i].name, "must be finite", state.axes[i]);
   const Pose& ground = state.poses[0];
   if (!ground.p.isZero(0) || ground.q.coeffs() != Quat::Identity().coeffs())
     fail("pose of ground", "cannot be changed", ground.p.transpose());
@@ -184,7 +203,7 @@ std::vector<Problem> World::validate(double gap_tolerance) const {
   std::vector<Problem> problems;
   const Rows rows(*this);
   std::vector<double> phi(rows.row_count());
-  rows.residual(state_.poses, phi);
+  rows.residual(state_, phi);
   const std::vector<Gap> gaps = joint_gaps(rows, phi);
   for (int j = 0; j < joint_count(); ++j) {
     std::ostringstream message;

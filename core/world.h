@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/axis.h"
 #include "core/force.h"
 #include "core/joint.h"
 #include "core/rigid_body.h"
@@ -42,6 +43,35 @@ class World {
     return add_joint(std::move(name), std::make_shared<const AnyJoint>(std::move(joint)));
   }
   JointId add_joint(std::string name, std::shared_ptr<const Joint> joint);
+
+  // Free axes of joints and what acts along them.  nullopt takes a property away; an axis that gets its first
+  // property, or loses its last, is a change of topology, a new value is not.
+
+  /// @throws std::invalid_argument if the joint has no axis of that name; the message lists those it has.
+  AxisId axis(JointId joint, std::string_view name) const;
+  int axis_count(JointId joint) const;
+  const AxisInfo& axis_info(AxisId id) const { return axes_[axis_index(id)]; }
+  /// Index of the axis in State::axes.  @throws std::invalid_argument for an axis that is not there.
+  int axis_index(AxisId id) const;
+  const AxisProperties& axis_properties(AxisId id) const { return axis_properties_[axis_index(id)]; }
+  bool has_axis_properties(JointId joint) const;
+  /// "elbow angle": joint and axis for messages.
+  std::string axis_label(AxisId id) const;
+
+  /// @throws std::invalid_argument for a missing axis or values that check_axis() refuses.
+  void set_limits(AxisId id, std::optional<AxisLimits> limits);
+  void set_motor(AxisId id, std::optional<AxisMotor> motor);
+  void set_friction(AxisId id, std::optional<AxisFriction> friction);
+  void set_spring(AxisId id, std::optional<AxisSpring> spring);
+  /// A new target for a motor that is there.  @throws std::invalid_argument if it is not, or not finite.
+  void set_motor_target(AxisId id, double target);
+
+  /// θ [rad or m] in the present state, with the turns that the state counts, and θ̇.
+  double axis_value(AxisId id) const;
+  double axis_rate(AxisId id) const;
+  /// Says how many turns an angle has made: the value next to `value` that fits the poses is kept.
+  /// @throws std::invalid_argument if it is not finite.
+  void set_axis_turns(AxisId id, double value);
 
   /// Adds a force law:  world.add_force(SpringDamper(...)).
   template <typename AnyForce>
@@ -104,27 +134,38 @@ class World {
   /// than `gap_tolerance` [m or rad], with the gap.  Reports, never throws.
   std::vector<Problem> validate(double gap_tolerance = 1e-6) const;
 
-  /// Changes whenever a body or joint is added; solvers rebuild their pattern then.
+  /// Changes whenever a body or joint is added, or an axis gets its first property or loses its last; solvers
+  /// rebuild their pattern then.
   int topology_version() const { return topology_version_; }
   /// Changes whenever state, gravity or a force is set; solvers start afresh then.
   int state_version() const { return state_version_; }
+  /// Changes whenever a property of an axis is set; solvers read the new values and go on.
+  int axis_version() const { return axis_version_; }
 
  private:
   int checked(BodyId id) const;
   int checked(JointId id) const;
   void check_force(const Force* force) const;
+  int first_axis_index(JointId joint) const { return axis_start_[joint.index]; }
+  template <typename Property>
+  void set_property(AxisId id, std::optional<Property> AxisProperties::*member,
+                    std::optional<Property> value);
 
+  friend class Rows;
   std::vector<MassProperties> masses_;
   std::vector<char> fixed_;
   std::vector<std::string> body_names_, joint_names_;
   std::unordered_map<std::string, int> body_of_name_, joint_of_name_;
   std::vector<std::shared_ptr<const Joint>> joints_;
   std::vector<std::shared_ptr<const Force>> forces_;
+  std::vector<int> axis_start_{0};  // first axis of each joint, then the number of axes
+  std::vector<AxisInfo> axes_;
+  std::vector<AxisProperties> axis_properties_;
   State state_;
   Vec3 gravity_{0, 0, -9.81};
   bool velocity_forces_ = false;
   int moving_count_ = 0;
-  int topology_version_ = 0, state_version_ = 0;
+  int topology_version_ = 0, state_version_ = 0, axis_version_ = 0;
 };
 
 }  // namespace taut

@@ -34,7 +34,7 @@ std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& or
 }
 
 ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance)
-    : rows_(world), mass_(world), tolerance_(tolerance) {
+    : rows_(world, Rows::AxisRows::kLeftOut), mass_(world), tolerance_(tolerance) {
   {
     const Stopwatch watch(analysis_time_);
     const BlockOrdering ordering = order_blocks(joint_graph(rows_, mass_));

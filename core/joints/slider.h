@@ -8,6 +8,7 @@ namespace taut {
 /// Slider (prismatic joint): B moves along an axis of A without turning. (core/README, Eq. 7)
 ///   φ = (u·d, v·d, 2 vec q_FG) ∈ ℝ⁵, with d = p_WQ − p_WP and u, v two normals of the axis, fixed in A.
 /// λ₁, λ₂ are the forces on B at Q along u and v; λ₃₋₅ the torque on B in the axes of A's joint frame F.
+/// Free axis `displacement` [m]: a·d, 0 where P and Q coincide, as at() makes them.
 class Slider final : public Joint {
  public:
   /// Points from the centres of mass, unit axis in A, q_AB the orientation of B in A that is kept.
@@ -33,6 +34,9 @@ class Slider final : public Joint {
     rows.add(row_parts::PointInPlane{p_AP_, u, p_BQ_});
     rows.add(row_parts::PointInPlane{p_AP_, v, p_BQ_});
     rows.add(row_parts::Orientation{q_AB_, Quat::Identity()});
+  }
+  void append_axes(AxisSink& axes) const override {
+    axes.add("displacement", row_parts::Displacement{{p_AP_, axis_A_, p_BQ_}});
   }
   Vec3 reaction_point_B() const override { return p_BQ_; }
 

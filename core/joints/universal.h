@@ -9,6 +9,9 @@ namespace taut {
 /// b of B.
 ///   φ = (p_WQ − p_WP, a·b) ∈ ℝ⁴ [m, m, m, rad]. (core/README, Eq. 9)
 /// λ₁₋₃ is the force on B at Q in world axes; λ₄ the torque on B about b × a.
+/// Free axes `angle_1` [rad]: turn of the cross against A about a, and `angle_2`: turn of B against the cross
+/// about b.  Both are 0 in the pose where at() made the joint; otherwise angle_1 where b points along the
+/// first vector that complete_frame() gives to a, and angle_2 where a does so for b.  (core/README, Eq. 15)
 class Universal final : public Joint {
  public:
   /// Points from the centres of mass and unit axes of the cross, in body axes.
@@ -19,6 +22,9 @@ class Universal final : public Joint {
     require_all_finite("universal anchor on B", p_BQ);
     require_unit("universal axis on A", axis_A);
     require_unit("universal axis on B", axis_B);
+    Vec3 unused;
+    complete_frame(axis_A, reference_A_, unused);
+    complete_frame(axis_B, reference_B_, unused);
   }
   /// The joint at world point p_W with cross arms along the world axes axis_a_W (in A) and axis_b_W (in B).
   /// @throws std::invalid_argument also if the arms are not perpendicular (to 1e-9).
@@ -29,7 +35,10 @@ class Universal final : public Joint {
     if (std::abs(axis_a_W.dot(axis_b_W)) > kUnitTolerance)
       fail("universal axes", "must be perpendicular (cosine)", axis_a_W.dot(axis_b_W));
     const Pose &A = world.pose(a), &B = world.pose(b);
-    return {a, b, A.local(p_W), A.q.conjugate() * axis_a_W, B.local(p_W), B.q.conjugate() * axis_b_W};
+    Universal joint(a, b, A.local(p_W), A.q.conjugate() * axis_a_W, B.local(p_W), B.q.conjugate() * axis_b_W);
+    joint.reference_A_ = A.q.conjugate() * (axis_b_W - axis_b_W.dot(axis_a_W) * axis_a_W).normalized();
+    joint.reference_B_ = B.q.conjugate() * (axis_a_W - axis_a_W.dot(axis_b_W) * axis_b_W).normalized();
+    return joint;
   }
 
   std::string_view type() const override { return "universal"; }
@@ -37,10 +46,16 @@ class Universal final : public Joint {
     rows.add(row_parts::Point{p_AP_, p_BQ_});
     rows.add(row_parts::Perpendicular{axis_A_, axis_B_});
   }
+  void append_axes(AxisSink& axes) const override {
+    axes.add("angle_1", row_parts::Angle{axis_A_, reference_A_, axis_B_});
+    // Seen from B, the arm of A turns the other way.
+    axes.add("angle_2", row_parts::Angle{-axis_B_, reference_B_, axis_A_}, {1, 0});
+  }
   Vec3 reaction_point_B() const override { return p_BQ_; }
 
  private:
   Vec3 p_AP_, axis_A_, p_BQ_, axis_B_;
+  Vec3 reference_A_, reference_B_;  // across the axes, where the angles are 0
 };
 
 }  // namespace taut

@@ -1,0 +1,113 @@
+#include "core/axis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/check.h"
+
+namespace taut {
+namespace {
+
+std::string of(const char* what, std::string_view axis) { return what + (" of " + std::string(axis)); }
+
+/// Not negative; infinity means unlimited.
+void require_bound(const std::string& name, double value) {
+  if (!(value >= 0)) fail(name, "must not be negative", value);
+}
+
+}  // namespace
+
+Curve::Curve(std::vector<Point> points) : points_(std::move(points)) {
+  if (points_.empty()) fail("curve", "must have a point", 0);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const std::string name = "curve point " + std::to_string(i + 1);
+    require_finite(name, points_[i].x);
+    require_finite(name, points_[i].y);
+    if (i > 0 && points_[i].x <= points_[i - 1].x)
+      fail(name, "must lie to the right of the point before it", points_[i].x);
+  }
+}
+
+/// Index of the left end of the piece that holds x, or the nearest one; needs two points.
+std::size_t Curve::piece(double x) const {
+  const auto right = std::upper_bound(points_.begin() + 1, points_.end() - 1, x,
+                                      [](double value, const Point& p) { return value < p.x; });
+  return static_cast<std::size_t>(right - points_.begin()) - 1;
+}
+
+double Curve::held(double x) const {
+  if (!(x > points_.front().x)) return points_.front().y;
+  return x < points_.back().x ? extended(x) : points_.back().y;
+}
+
+double Curve::extended(double x) const {
+  if (points_.size() == 1) return points_[0].y;
+  const std::size_t i = piece(x);
+  return points_[i].y + slope(x) * (x - points_[i].x);
+}
+
+double Curve::slope(double x) const {
+  if (points_.size() == 1) return 0;
+  const std::size_t i = piece(x);
+  return (points_[i + 1].y - points_[i].y) / (points_[i + 1].x - points_[i].x);
+}
+
+double spring_energy(const AxisSpring& spring, double theta) {
+  const double x = theta - spring.rest;
+  if (!spring.table) return 0.5 * spring.stiffness * x * x;
+  // Trapezoids from 0 to x, exact for a function that is linear between its points.
+  const double low = std::min(0.0, x), high = std::max(0.0, x);
+  double from = low, energy = 0;
+  const auto add = [&](double to) {
+    energy += 0.5 * (to - from) * (spring.table->extended(from) + spring.table->extended(to));
+    from = to;
+  };
+  for (const Curve::Point& p : spring.table->points())
+    if (p.x > low && p.x < high) add(p.x);
+  add(high);
+  return x < 0 ? -energy : energy;
+}
+
+void check_axis(std::string_view axis, const AxisLimits& limits) {
+  if (std::isnan(limits.lower) || limits.lower == kUnlimited)
+    fail(of("lower limit", axis), "must be a number or −infinity", limits.lower);
+  if (std::isnan(limits.upper) || limits.upper == -kUnlimited)
+    fail(of("upper limit", axis), "must be a number or infinity", limits.upper);
+  if (limits.lower > limits.upper)
+    fail(of("lower limit", axis), "must not exceed the upper limit " + std::to_string(limits.upper),
+         limits.lower);
+  if (!(limits.restitution >= 0 && limits.restitution <= 1))
+    fail(of("restitution", axis), "must be from 0 to 1", limits.restitution);
+}
+
+void check_axis(std::string_view axis, const AxisMotor& motor) {
+  require_finite(of("motor target", axis), motor.target);
+  require_bound(of("motor max_force", axis), motor.max_force);
+  if (!(motor.max_speed > 0)) fail(of("motor max_speed", axis), "must be positive", motor.max_speed);
+  if (!motor.force_of_speed) return;
+  for (const Curve::Point& p : motor.force_of_speed->points()) {
+    require_not_negative(of("speed in the motor curve", axis), p.x);
+    require_not_negative(of("force in the motor curve", axis), p.y);
+  }
+}
+
+void check_axis(std::string_view axis, const AxisFriction& friction) {
+  require_not_negative(of("static friction", axis), friction.static_friction);
+  require_not_negative(of("dynamic friction", axis), friction.dynamic_friction);
+  require_not_negative(of("viscous friction", axis), friction.viscous);
+  if (friction.dynamic_friction > friction.static_friction)
+    fail(of("dynamic friction", axis),
+         "must not exceed the static friction " + std::to_string(friction.static_friction),
+         friction.dynamic_friction);
+}
+
+void check_axis(std::string_view axis, const AxisSpring& spring) {
+  require_not_negative(of("spring stiffness", axis), spring.stiffness);
+  require_not_negative(of("spring damping", axis), spring.damping);
+  require_finite(of("spring rest", axis), spring.rest);
+  if (spring.table && spring.stiffness != 0)
+    fail(of("spring stiffness", axis), "must be 0 beside a table", spring.stiffness);
+}
+
+}  // namespace taut
