@@ -35,7 +35,9 @@ inline World random_world(int bodies, int joints, double repeated, std::mt19937&
     const double size = uniform(random, 0.2, 1);
     spec.mass = MassProperties::box(Vec3(size, 0.7 * size, 1.3 * size), std::pow(10, uniform(random, -1, 1)));
     spec.pose.p = 2 * random_vector(random);
-    spec.pose.q = Quat(Eigen::Vector4d::Random() + 0.1 * Eigen::Vector4d::Ones()).normalized();
+    spec.pose.q = Quat(Eigen::Vector4d(uniform(random, 0.1, 1), uniform(random, -1, 1),
+                                       uniform(random, -1, 1), uniform(random, -1, 1)))
+                      .normalized();
     world.add_body(spec);
   }
   struct Made {
@@ -80,7 +82,7 @@ inline MatrixXd dense_system(const World& world) {
     if (world.is_fixed(BodyId{b})) continue;
     const Mat3 R = world.pose(BodyId{b}).q.toRotationMatrix();
     const MassProperties& mass = world.mass_properties(BodyId{b});
-    inverse_mass.block<3, 3>(6 * b, 6 * b) = R * mass.inertia().inverse() * R.transpose();
+    inverse_mass.block<3, 3>(6 * b, 6 * b) = R * mass.inertia_B().inverse() * R.transpose();
     inverse_mass.block<3, 3>(6 * b + 3, 6 * b + 3) = Mat3::Identity() / mass.mass();
   }
   return J * inverse_mass * J.transpose();
