@@ -118,7 +118,10 @@ ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, A
   const auto bounded = std::count_if(problem.laws.begin(), problem.laws.end(),
                                      [](const RowLaw& law) { return law.bounded(); });
   for (int rounds = kMaxRounds + static_cast<int>(bounded) / 4;; --rounds) {
-    if (!solve_pieces(problem, times, outcome)) return Search::kNotFinite;
+    // A singular factor and its updates leave noise that pivoting can trip over: no updates when it
+    // struggles.
+    const bool update = problem.settings.update_factor && (trials > 0 || !system_.singular());
+    if (!solve_pieces(problem, update ? update_budget() : -1, times, outcome)) return Search::kNotFinite;
     const int wrong = find_wrong_rows(problem);
     if (wrong == 0) return Search::kFound;
     keep_best(problem);
@@ -141,13 +144,14 @@ ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, A
 }
 
 /// λ and w of the present pieces: w_r = w_k on verticals, λ_r = l_k − c w_r on levels.
-bool ActiveSet::solve_pieces(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome) {
+bool ActiveSet::solve_pieces(const Problem& problem, int budget, StageTimes& times,
+                             ActiveSetOutcome& outcome) {
   states_from_pieces(problem.laws);
-  if (!updates_.set_states(states_, problem.settings.update_factor ? update_budget() : 0)) {
+  if (!updates_.set_states(states_, budget)) {
     system_.set_row_states(states_);
     system_.factorize(times);
     ++outcome.factorizations;
-    if (!updates_.set_states(states_, 0)) return false;
+    if (!updates_.set_states(states_, -1)) return false;
   }
   const bool singular = system_.singular();
   for (std::size_t r = 0; r < states_.size(); ++r) {
@@ -197,33 +201,47 @@ double ActiveSet::collect_residual(const Problem& problem) {
   return largest;
 }
 
-/// Which rows have left their pieces, and to which side.  Where dependent rows ask for rates that exclude
-/// each other, the limit of vanishing compliance decides: their impulses grow along what is off target, until
-/// one of them reaches its bound.
-int ActiveSet::find_wrong_rows(const Problem& problem) {
+/// Where dependent rows ask for rates that exclude each other, the limit of vanishing compliance decides:
+/// their impulses grow along what is off target, until one of them reaches its bound.  Returns whether that
+/// is so; decision_ gets the impulses to decide by.
+bool ActiveSet::impulses_to_decide_by(const Problem& problem) {
   bool missed = false;
   for (std::size_t r = 0; r < states_.size() && !missed; ++r)
     missed =
         std::abs(residual_[r]) > std::max(kDecision * scale_ * root_[r], problem.settings.rate_tolerance) &&
         states_[r] == 0;
-  if (missed) {
-    std::copy(residual_.begin(), residual_.end(), decision_.begin());
-    updates_.solve_shifted(decision_);
-    for (std::size_t r = 0; r < states_.size(); ++r) decision_[r] += problem.lambda[r];
-  } else {
+  if (!missed) {
     std::copy(problem.lambda.begin(), problem.lambda.end(), decision_.begin());
+    return false;
+  }
+  std::copy(residual_.begin(), residual_.end(), decision_.begin());
+  updates_.solve_shifted(decision_);
+  for (std::size_t r = 0; r < states_.size(); ++r) decision_[r] += problem.lambda[r];
+  return true;
+}
+
+/// Which rows have left their pieces, and to which side.
+int ActiveSet::find_wrong_rows(const Problem& problem) {
+  double rate_slack = kDecision * scale_, impulse_slack = rate_slack;
+  if (impulses_to_decide_by(problem) && system_.singular()) {
+    // Round-off in the null space is magnified by 1 / ε.
+    const double noise = 16 * std::numeric_limits<double>::epsilon() / system_.factored_shift();
+    double largest = 0;
+    for (std::size_t r = 0; r < states_.size(); ++r)
+      largest = std::max(largest, root_[r] * std::abs(decision_[r]));
+    impulse_slack = std::max(impulse_slack, noise * largest);
+    rate_slack = std::max(rate_slack, noise * off_target_);
   }
   int wrong = 0;
   for (std::size_t r = 0; r < states_.size(); ++r) {
     const RowLaw& law = problem.laws[r];
     const int piece = pieces_[r];
     if (RowLaw::is_vertical(piece)) {
-      const double value = decision_[r] + law.slope * law.rate(piece), slack = kDecision * scale_ / root_[r];
+      const double value = decision_[r] + law.slope * law.rate(piece), slack = impulse_slack / root_[r];
       moves_[r] =
           static_cast<signed char>((value < law.low(piece) - slack) - (value > law.high(piece) + slack));
     } else {
-      const double w = problem.w[r],
-                   slack = std::max(kDecision * scale_ * root_[r], problem.settings.rate_tolerance);
+      const double w = problem.w[r], slack = std::max(rate_slack * root_[r], problem.settings.rate_tolerance);
       moves_[r] = static_cast<signed char>((w > law.last(piece) + slack) - (w < law.first(piece) - slack));
     }
     wrong += moves_[r] != 0;

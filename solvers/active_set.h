@@ -80,8 +80,9 @@ class ActiveSet {
   void choose_pieces(std::span<const RowLaw> laws, std::span<const double> b, std::span<const double> lambda);
   void states_from_pieces(std::span<const RowLaw> laws);
   Search search(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
-  bool solve_pieces(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
+  bool solve_pieces(const Problem& problem, int budget, StageTimes& times, ActiveSetOutcome& outcome);
   double collect_residual(const Problem& problem);
+  bool impulses_to_decide_by(const Problem& problem);
   int find_wrong_rows(const Problem& problem);
   void measure(const Problem& problem, ActiveSetOutcome& outcome);
   void keep_best(const Problem& problem);

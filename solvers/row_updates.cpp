@@ -83,6 +83,7 @@ bool RowUpdates::set_states(std::span<const double> states, int budget) {
     if (++changed > kMaxRows) return false;
     if (find_column(static_cast<int>(r)) < 0) ++missing;
   }
+  if (changed == 0) return true;
   if (missing > budget || missing + columns_.size() > kMaxRows) return false;
   for (const bool masking : {true, false})  // so that the pivots of the others are those of the new matrix
     for (std::size_t r = 0; r < states.size(); ++r) {

@@ -20,8 +20,8 @@ class RowUpdates {
 
   /// From now on the solves are those for these states.  Costs one back-solve for each row that differs for
   /// the first time.  False if the present factor cannot serve, because that would take more than `budget`
-  /// back-solves or kMaxRows rows, or because the changed matrix is nearer to singular than that factor can
-  /// stand: then call ConstraintSystem::factorize() and this again.
+  /// back-solves (−1: none, and no changed row either) or kMaxRows rows, or because the changed matrix is
+  /// nearer to singular than that factor can stand: then call ConstraintSystem::factorize() and this again.
   [[nodiscard]] bool set_states(std::span<const double> states, int budget);
 
   /// x ← (S + Σ)⁺ x on the rows that are not masked, 0 on the others.

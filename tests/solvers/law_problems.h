@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <string>
 #include <vector>
@@ -120,10 +122,39 @@ inline RowLaw random_law(std::mt19937& random, bool slopes) {
   return law;
 }
 
+/// How far λ is from L(w) − c w if w may be off by `slack`: read off the steps, one by one.
+inline double violation(const RowLaw& law, double lambda, double w, double slack) {
+  double low = law.level[0], high = law.level[0];
+  for (int k = 0; k < law.steps; ++k) {
+    if (w + slack >= law.at[k]) low = law.level[k + 1];
+    if (w - slack > law.at[k]) high = law.level[k + 1];
+  }
+  const double value = lambda + law.slope * w;
+  return std::max({0.0, low - value, value - high});
+}
+
 struct Solution {
   bool found = false;
   VectorXd lambda, w;
+  double softest =
+      0;  ///< smallest eigenvalue, above round-off, of S of the vertical rows, scaled to S_rr = 1
 };
+
+inline double softest_direction(const MatrixXd& S, const std::vector<int>& piece) {
+  std::vector<int> free;
+  for (std::size_t r = 0; r < piece.size(); ++r)
+    if (RowLaw::is_vertical(piece[r])) free.push_back(static_cast<int>(r));
+  if (free.empty()) return 1;
+  const MatrixXd block = S(free, free);
+  const VectorXd scale = block.diagonal().cwiseSqrt().cwiseInverse();
+  const MatrixXd scaled = scale.asDiagonal() * block * scale.asDiagonal();
+  const VectorXd eigenvalues =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
+  double softest = 1;
+  for (double e : eigenvalues)
+    if (e > 1e-14) softest = std::min(softest, e);
+  return softest;
+}
 
 /// Tries every combination of pieces; for up to six bounded rows.
 inline Solution enumerate_pieces(const MatrixXd& S, const VectorXd& b, const std::vector<RowLaw>& laws) {
@@ -156,7 +187,7 @@ inline Solution enumerate_pieces(const MatrixXd& S, const VectorXd& b, const std
                     ? value >= laws[r].low(piece[r]) - kSlack && value <= laws[r].high(piece[r]) + kSlack
                     : w[r] >= laws[r].first(piece[r]) - kSlack && w[r] <= laws[r].last(piece[r]) + kSlack;
       }
-      if (right) return {true, lambda, w};
+      if (right) return {true, lambda, w, softest_direction(S, piece)};
     }
     int r = 0;
     for (; r < n; ++r) {
@@ -166,6 +197,48 @@ inline Solution enumerate_pieces(const MatrixXd& S, const VectorXd& b, const std
     }
     if (r == n) return {};
   }
+}
+
+/// λ ≥ 0, w = S λ + b ≥ 0, λ·w = 0 by Lemke's complementary pivots on a dense tableau.  For positive
+/// semidefinite S it ends on a ray only if there is no solution [CottlePangStone1992, 4.4].
+inline Solution lemke(const MatrixXd& S, const VectorXd& b) {
+  const int n = static_cast<int>(b.size());
+  if (b.minCoeff() >= 0) return {true, VectorXd::Zero(n), b};
+  // Columns: w, λ, the artificial variable, right-hand side;  w − S λ − e z = b.
+  MatrixXd T(n, 2 * n + 2);
+  T << MatrixXd::Identity(n, n), -S, -VectorXd::Ones(n), b;
+  std::vector<int> basis(n);
+  for (int r = 0; r < n; ++r) basis[r] = r;
+  int row = 0, entering = 2 * n;
+  b.minCoeff(&row);
+  for (int pivots = 0; pivots < 100 * n; ++pivots) {
+    const int leaving = basis[row];
+    T.row(row) /= T(row, entering);
+    for (int r = 0; r < n; ++r)
+      if (r != row) T.row(r) -= (T(r, entering) * T.row(row)).eval();
+    basis[row] = entering;
+    if (leaving == 2 * n) {
+      Solution solution{true, VectorXd::Zero(n), {}};
+      for (int r = 0; r < n; ++r)
+        if (basis[r] >= n) solution.lambda[basis[r] - n] = T(r, 2 * n + 1);
+      solution.w = S * solution.lambda + b;
+      return solution;
+    }
+    entering = leaving < n ? leaving + n : leaving - n;
+    row = -1;
+    double smallest = 0;
+    for (int r = 0; r < n; ++r) {
+      if (T(r, entering) < 1e-9) continue;
+      const double ratio = T(r, 2 * n + 1) / T(r, entering);
+      // Ties go to the artificial variable, so that the path may end.
+      if (row < 0 || ratio < smallest - 1e-12 || (ratio < smallest + 1e-12 && basis[r] == 2 * n)) {
+        smallest = ratio;
+        row = r;
+      }
+    }
+    if (row < 0) return {};
+  }
+  return {};
 }
 
 }  // namespace taut::law_problems
