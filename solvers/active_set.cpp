@@ -40,7 +40,8 @@ ActiveSet::ActiveSet(ConstraintSystem& system) : system_(system), updates_(syste
   pieces_.assign(n, -1);
   steps_.assign(n, 0);
   moves_.assign(n, 0);
-  for (auto* values : {&states_, &inertia_, &root_, &residual_, &decision_, &best_lambda_})
+  for (auto* values : {&states_, &inertia_, &root_, &residual_, &decision_, &best_lambda_, &start_lambda_,
+                       &start_w_, &slope_})
     values->assign(n, 0.0);
 }
 
@@ -89,16 +90,7 @@ ActiveSetOutcome ActiveSet::solve(std::span<const RowLaw> laws, std::span<const 
   best_residual_ = std::numeric_limits<double>::infinity();
 
   Search result = search(problem, times, outcome);
-  int sweeps = settings.gauss_seidel_sweeps;
-  while (result == Search::kStalled && outcome.fallbacks < settings.fallbacks) {
-    std::copy(best_lambda_.begin(), best_lambda_.end(), lambda.begin());
-    (void)gauss_seidel_.solve(laws, b, lambda, sweeps, kRefined * scale_);
-    reset();
-    choose_pieces(laws, b, lambda);
-    ++outcome.fallbacks;
-    sweeps *= 4;
-    result = search(problem, times, outcome);
-  }
+  if (result == Search::kStalled) result = descend(problem, times, outcome);
   if (result == Search::kStalled) {
     std::copy(best_lambda_.begin(), best_lambda_.end(), lambda.begin());
     collect_residual(problem);
@@ -121,7 +113,8 @@ ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, A
     // A singular factor and its updates leave noise that pivoting can trip over: no updates when it
     // struggles.
     const bool update = problem.settings.update_factor && (trials > 0 || !system_.singular());
-    if (!solve_pieces(problem, update ? update_budget() : -1, times, outcome)) return Search::kNotFinite;
+    if (!solve_pieces(problem, Start::kLeastNorm, update ? update_budget() : -1, times, outcome))
+      return Search::kNotFinite;
     const int wrong = find_wrong_rows(problem);
     if (wrong == 0) return Search::kFound;
     keep_best(problem);
@@ -144,7 +137,7 @@ ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, A
 }
 
 /// λ and w of the present pieces: w_r = w_k on verticals, λ_r = l_k − c w_r on levels.
-bool ActiveSet::solve_pieces(const Problem& problem, int budget, StageTimes& times,
+bool ActiveSet::solve_pieces(const Problem& problem, Start start, int budget, StageTimes& times,
                              ActiveSetOutcome& outcome) {
   states_from_pieces(problem.laws);
   if (!updates_.set_states(states_, budget)) {
@@ -153,11 +146,11 @@ bool ActiveSet::solve_pieces(const Problem& problem, int budget, StageTimes& tim
     ++outcome.factorizations;
     if (!updates_.set_states(states_, -1)) return false;
   }
-  const bool singular = system_.singular();
+  const bool from_zero = start == Start::kLeastNorm && system_.singular();
   for (std::size_t r = 0; r < states_.size(); ++r) {
     if (states_[r] == kMasked)
       problem.lambda[r] = problem.laws[r].force(pieces_[r]);
-    else if (singular)  // least norm: nothing from other pieces may stay in the null space
+    else if (from_zero)  // nothing from other pieces may stay in the null space
       problem.lambda[r] = 0;
   }
   off_target_ = collect_residual(problem);

@@ -23,8 +23,7 @@ struct ActiveSetSettings {
   double tolerance = 1e-9;       ///< of the natural residual, see ActiveSetOutcome
   double rate_tolerance = 0;     ///< rates that are off by less than this [m/s or rad/s] count as right
   bool update_factor = true;     ///< a few changed rows go through RowUpdates instead of a new factor
-  int gauss_seidel_sweeps = 50;  ///< of the first fall-back; each further one has four times as many
-  int fallbacks = 3;
+  int max_descent_rounds = 200;  ///< of the fall-back
 };
 
 /// How one solve went.
@@ -33,7 +32,7 @@ struct ActiveSetOutcome {
   int rounds = 0;              ///< sets that were tried after the first
   int pivots = 0;              ///< rows that changed their piece, summed over the rounds
   int least_index_rounds = 0;  ///< of the rounds, those that moved one row only (Murty)
-  int fallbacks = 0;           ///< runs of projected Gauss–Seidel that were needed for a better start
+  int descent_rounds = 0;      ///< of the fall-back, 0 if pivoting found the solution
   int factorizations = 0;
   /// max_r √S_rr |λ_r − λ*_r| / scale, where λ*_r is what row r by itself would answer to the others, and
   /// scale the largest of √S_rr |λ_r|, |b_r| / √S_rr and |w_k| / √S_rr [√J]: 0 exactly at a solution.
@@ -80,7 +79,11 @@ class ActiveSet {
   void choose_pieces(std::span<const RowLaw> laws, std::span<const double> b, std::span<const double> lambda);
   void states_from_pieces(std::span<const RowLaw> laws);
   Search search(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
-  bool solve_pieces(const Problem& problem, int budget, StageTimes& times, ActiveSetOutcome& outcome);
+  enum class Start { kLeastNorm, kKeep };
+  bool solve_pieces(const Problem& problem, Start start, int budget, StageTimes& times,
+                    ActiveSetOutcome& outcome);
+  Search descend(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
+  double line_search(const Problem& problem) const;
   double collect_residual(const Problem& problem);
   bool impulses_to_decide_by(const Problem& problem);
   int find_wrong_rows(const Problem& problem);
@@ -94,6 +97,7 @@ class ActiveSet {
   std::vector<int> pieces_, steps_;  ///< −1 pieces: no history; K of the law that a piece belongs to
   std::vector<signed char> moves_;
   std::vector<double> states_, inertia_, root_, residual_, decision_, best_lambda_;
+  std::vector<double> start_lambda_, start_w_, slope_;  ///< of a descent
   double best_residual_ = 0;
   double scale_ = 0;
   double off_target_ = 0;  ///< largest residual of a row that is not masked [√J]

@@ -85,7 +85,30 @@ struct RowLaw {
     return on_level(steps, s, beta);
   }
 
+  /// The piece on which λ = `lambda` lies; corners count as levels.
+  int piece_at(double lambda) const {
+    for (int k = 1; k <= steps; ++k) {
+      const double value = lambda + slope * at[k - 1];
+      if (value >= level[k - 1]) return 2 * (k - 1);
+      if (value > level[k]) return 2 * k - 1;
+    }
+    return 2 * steps;
+  }
+  /// A rate at which λ = `lambda`; −∞ above and +∞ below all of the graph.
+  double rate_at(double lambda) const {
+    for (int k = 1; k <= steps; ++k) {
+      const double value = lambda + slope * at[k - 1];
+      if (value > level[k - 1]) return rate_on_level(k - 1, lambda);
+      if (value >= level[k]) return at[k - 1];
+    }
+    return rate_on_level(steps, lambda);
+  }
+
  private:
+  double rate_on_level(int k, double lambda) const {
+    if (slope > 0) return (level[k] - lambda) / slope;
+    return lambda > level[k] ? -kInfinity : kInfinity;
+  }
   static RowLaw step(double w, double above, double below) {
     RowLaw law;
     law.steps = 1;
