@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "solvers/constraint_system.h"
@@ -20,10 +21,10 @@ enum class ActiveSetStatus {
 std::string_view to_string(ActiveSetStatus status);
 
 struct ActiveSetSettings {
-  double tolerance = 1e-9;       ///< of the natural residual, see ActiveSetOutcome
-  double rate_tolerance = 0;     ///< rates that are off by less than this [m/s or rad/s] count as right
-  bool update_factor = true;     ///< a few changed rows go through RowUpdates instead of a new factor
-  int max_descent_rounds = 200;  ///< of the fall-back
+  double tolerance = 1e-9;        ///< of the natural residual, see ActiveSetOutcome
+  double rate_tolerance = 0;      ///< rates that are off by less than this [m/s or rad/s] count as right
+  bool update_factor = true;      ///< a few changed rows go through RowUpdates instead of a new factor
+  int max_descent_rounds = 1000;  ///< of the fall-back
 };
 
 /// How one solve went.
@@ -83,7 +84,8 @@ class ActiveSet {
   bool solve_pieces(const Problem& problem, Start start, int budget, StageTimes& times,
                     ActiveSetOutcome& outcome);
   Search descend(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
-  double line_search(const Problem& problem) const;
+  bool step_towards_decision(const Problem& problem);
+  std::pair<double, double> line_search(const Problem& problem) const;
   double collect_residual(const Problem& problem);
   bool impulses_to_decide_by(const Problem& problem);
   int find_wrong_rows(const Problem& problem);

@@ -20,10 +20,13 @@ constexpr int kHalvings = 60;
 }  // namespace
 
 ActiveSet::Search ActiveSet::descend(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome) {
-  const std::size_t n = states_.size();
-  for (; outcome.descent_rounds < problem.settings.max_descent_rounds; ++outcome.descent_rounds) {
-    (void)gauss_seidel_.solve(problem.laws, problem.b, problem.lambda, kSweeps, 0);
-    for (std::size_t r = 0; r < n; ++r) pieces_[r] = problem.laws[r].piece_at(problem.lambda[r]);
+  bool at_minimum = true;  // of E on the present pieces
+  while (outcome.descent_rounds++ < problem.settings.max_descent_rounds) {
+    if (at_minimum) {
+      (void)gauss_seidel_.solve(problem.laws, problem.b, problem.lambda, kSweeps, 0);
+      for (std::size_t r = 0; r < pieces_.size(); ++r)
+        pieces_[r] = problem.laws[r].piece_at(problem.lambda[r]);
+    }
     states_from_pieces(problem.laws);
     collect_residual(problem);
     std::copy(problem.lambda.begin(), problem.lambda.end(), start_lambda_.begin());
@@ -32,25 +35,45 @@ ActiveSet::Search ActiveSet::descend(const Problem& problem, StageTimes& times, 
     const int budget = problem.settings.update_factor && !system_.singular() ? update_budget() : -1;
     if (!solve_pieces(problem, Start::kKeep, budget, times, outcome)) return Search::kNotFinite;
     if (find_wrong_rows(problem) == 0) {
-      // What Gauss–Seidel left in the null space of dependent rows goes.
+      // What Gauss–Seidel left in the null space of dependent rows goes, if the pieces allow.
       if (!solve_pieces(problem, Start::kLeastNorm, budget, times, outcome)) return Search::kNotFinite;
       if (find_wrong_rows(problem) == 0) return Search::kFound;
+      if (!solve_pieces(problem, Start::kKeep, budget, times, outcome)) return Search::kNotFinite;
+      (void)find_wrong_rows(problem);
     }
     keep_best(problem);
-
-    // decision_ is where the rows want to go, along the null space too.
-    for (std::size_t r = 0; r < n; ++r) decision_[r] -= start_lambda_[r];
-    system_.multiply(decision_, slope_);
-    const double t = line_search(problem);
-    for (std::size_t r = 0; r < n; ++r) problem.lambda[r] = start_lambda_[r] + t * decision_[r];
+    at_minimum = step_towards_decision(problem);
   }
   return Search::kStalled;
 }
 
-/// The t in [0, 1] at which E(λ₀ + t d) is least: the root of
+/// From start_lambda_ to the least E on the way to decision_, where the rows want to go, along the null space
+/// too. Rows that stop it at the end of their vertical stay there.  Returns whether nothing stopped it.
+bool ActiveSet::step_towards_decision(const Problem& problem) {
+  for (std::size_t r = 0; r < states_.size(); ++r) decision_[r] -= start_lambda_[r];
+  system_.multiply(decision_, slope_);
+  const auto [low, high] = line_search(problem);
+  for (std::size_t r = 0; r < states_.size(); ++r) {
+    const double d = decision_[r];
+    double& lambda = problem.lambda[r];
+    lambda = start_lambda_[r] + low * d;
+    if (d == 0) continue;
+    const RowLaw& law = problem.laws[r];
+    const int before = law.piece_at(lambda), after = law.piece_at(start_lambda_[r] + high * d);
+    pieces_[r] = after;
+    if (before == after || law.slope > 0) continue;
+    // Without a slope only ends of verticals are crossed: a level.
+    const int level = RowLaw::is_vertical(before) ? before + (d > 0 ? -1 : 1) : before;
+    pieces_[r] = level;
+    lambda = law.force(level);
+  }
+  return low == high;
+}
+
+/// The t in [0, 1] at which E(λ₀ + t d) is least, between two numbers: the root of
 ///     g(t) = dᵀ(w₀ + t S d) − Σ d_r · (rate of row r's law at λ_r),
 /// which never falls.  d in decision_, S d in slope_.
-double ActiveSet::line_search(const Problem& problem) const {
+std::pair<double, double> ActiveSet::line_search(const Problem& problem) const {
   const auto derivative = [&](double t) {
     double g = 0;
     for (std::size_t r = 0; r < states_.size(); ++r) {
@@ -60,13 +83,16 @@ double ActiveSet::line_search(const Problem& problem) const {
     }
     return g;
   };
-  if (derivative(1) <= 0) return 1;
+  bool stays = true;
+  for (std::size_t r = 0; r < states_.size() && stays; ++r)
+    stays = decision_[r] == 0 || pieces_[r] == problem.laws[r].piece_at(start_lambda_[r] + decision_[r]);
+  if (stays || derivative(1) <= 0) return {1, 1};
   double low = 0, high = 1;
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (low + high);
     (derivative(middle) <= 0 ? low : high) = middle;
   }
-  return low;
+  return {low, high};
 }
 
 }  // namespace taut

@@ -55,7 +55,8 @@ TEST_P(ActiveSetSmall, AgreesWithTheEnumerationOfAllPieces) {
     for (int k = integer(random, 0, 5); k >= 0; --k)
       laws[integer(random, 0, n - 1)] = random_law(random, slopes);
     const Solution expected = enumerate_pieces(S, b, laws);
-    const ActiveSetOutcome outcome = solver.solve(laws, b, settings);
+    if (getenv("PR") && problem == atoi(getenv("PR"))) setenv("TR","1",1); else unsetenv("TR"); 
+ const ActiveSetOutcome outcome = solver.solve(laws, b, settings);
     fallbacks += outcome.descent_rounds > 0;
     pivots += outcome.pivots;
     if (!expected.found) {
@@ -107,7 +108,8 @@ TEST(ActiveSet, AgreesWithLemkeOnLimits) {
     }
     const Solution expected =
         lemke(sign.asDiagonal() * S * sign.asDiagonal(), sign.asDiagonal() * (b - shift));
-    const ActiveSetOutcome outcome = solver.solve(laws, b);
+    if (getenv("PR") && problem == atoi(getenv("PR"))) setenv("TR","1",1); else unsetenv("TR"); 
+ const ActiveSetOutcome outcome = solver.solve(laws, b);
     if (!expected.found) {
       ++contradictions;
       EXPECT_EQ(outcome.status, ActiveSetStatus::kContradiction) << problem;
@@ -142,7 +144,8 @@ TEST(ActiveSet, SatisfiesEveryLawOnLargerProblems) {
         do law = random_law(random, true);
         while (law.level[0] > 1e9 || law.level[law.steps] < -1e9);  // no limits: always solvable
       }
-    const ActiveSetOutcome outcome = solver.solve(laws, b);
+    if (getenv("PR") && problem == atoi(getenv("PR"))) setenv("TR","1",1); else unsetenv("TR"); 
+ const ActiveSetOutcome outcome = solver.solve(laws, b);
     ASSERT_TRUE(outcome.ok()) << problem << " " << to_string(outcome.status) << " " << outcome.residual;
     const double size = std::max(1.0, solver.lambda.cwiseAbs().maxCoeff());
     EXPECT_LT((S * solver.lambda + b - solver.w).cwiseAbs().maxCoeff(), 1e-11 * size);
