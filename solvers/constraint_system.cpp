@@ -1,6 +1,7 @@
 #include "solvers/constraint_system.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -54,6 +55,9 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
   row_at_position_.resize(n);
   for (int r = 0; r < n; ++r) row_at_position_[system_->position_of_row()[r]] = r;
   dependent_rows_.reserve(n);
+  states_.reserve(n);
+  factored_states_.reserve(n);
+  masked_weighted_.reserve(weighted_.size());
 }
 
 void ConstraintSystem::linearize(std::span<const Pose> poses) { rows_.jacobian(poses, jacobian_); }
@@ -70,13 +74,31 @@ void ConstraintSystem::set_mass(std::span<const Pose> poses) {
 void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
   {
     const Stopwatch watch(times.assembly);
-    system_->assemble(weighted_, std::max(compliance_, shifted_ ? tolerance_.shift : 0));
+    if (!states_.empty()) mask_weighted();
+    factored_states_ = states_;
+    ++factor_version_;
+    system_->assemble(states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
   }
   const Stopwatch watch(times.factorization);
   ++counters_.factorizations;
   usable_ = factor_->factorize(system_->matrix()) < 0;
   dependent_rows_.clear();
   if (usable_) inspect_pivots();
+}
+
+void ConstraintSystem::set_row_states(std::span<const double> states) {
+  assert(states.empty() || states.size() == scratch_.size());
+  const bool all_free = std::all_of(states.begin(), states.end(), [](double s) { return s == 0; });
+  states_.assign(states.begin(), all_free ? states.begin() : states.end());
+}
+
+/// A copy of W whose masked rows are zero: S of it has the pattern of S and only a diagonal there.
+void ConstraintSystem::mask_weighted() {
+  masked_weighted_ = weighted_;
+  for (const Rows::Side& side : rows_.sides())
+    for (int i = 0; i < side.row_count; ++i)
+      if (states_[side.first_row + i] == kMasked)
+        std::fill_n(masked_weighted_.begin() + side.offset + 6 * i, 6, 0.0);
 }
 
 void ConstraintSystem::factorize(StageTimes& times) {
@@ -144,9 +166,14 @@ void ConstraintSystem::solve(std::span<double> x) {
     std::fill(x.begin(), x.end(), std::numeric_limits<double>::quiet_NaN());
     return;
   }
+  const std::span<const double> states = factored_states_;
+  for (std::size_t r = 0; r < states.size(); ++r)
+    if (states[r] == kMasked) x[r] = 0;
   backsolve(x);
   if (!shifted_) return;
   multiply(x, scratch_);
+  for (std::size_t r = 0; r < states.size(); ++r)
+    scratch_[r] = states[r] == kMasked ? 0 : scratch_[r] + states[r] * x[r];
   std::copy(scratch_.begin(), scratch_.end(), x.begin());
   backsolve(x);
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -31,6 +33,9 @@ inline constexpr RankTolerance kSteppingTolerance{1e-8, 1e-6};
 /// For counting freedoms in one pose.
 inline constexpr RankTolerance kCountingTolerance{1e-11, 1e-8};
 
+/// State of a row whose multiplier is given from outside; see ConstraintSystem::set_row_states().
+inline constexpr double kMasked = std::numeric_limits<double>::infinity();
+
 /// The joints of a world as one linear system: Jacobian, S = J M⁻¹ Jᵀ, its factor, and solves that survive
 /// dependent rows.
 ///
@@ -61,6 +66,12 @@ class ConstraintSystem {
   void set_compliance(double fraction) { compliance_ = fraction; }
   /// ε of S_ε from now on.
   void set_shift(double shift) { tolerance_.shift = shift; }
+  /// One number per row: 0 for a free row, kMasked for one that leaves the system, Σ_r > 0 (rate per impulse)
+  /// for a compliant one.  From the next factorize() on, solve() solves (S + Σ)⁺ x on the rows that are not
+  /// masked and gives 0 on the others; neither pattern nor analysis changes.  An empty span: all rows free.
+  void set_row_states(std::span<const double> states);
+  /// States of the present factor; empty if all rows are free.
+  std::span<const double> factored_states() const { return factored_states_; }
   /// S from J and the roots, and its factor.  Sets rank_deficiency() and condition_estimate().
   void factorize(StageTimes& times);
 
@@ -69,12 +80,19 @@ class ConstraintSystem {
   /// False if not even S_ε could be factored (values that are not finite); solve() then gives NaN.
   bool usable() const { return usable_; }
 
-  /// x ← S⁺ x, one entry per row.
+  /// x ← S⁺ x, one entry per row.  Entries of masked rows are not read.
   void solve(std::span<double> x);
   /// x ← S_ε⁻¹ x: one back-solve with whatever was factored.
   void solve_shifted(std::span<double> x) { backsolve(x); }
-  /// out = S x through W: (W Wᵀ) x.
+  /// out = S x through W: (W Wᵀ) x, with all rows whatever their state.
   void multiply(std::span<const double> x, std::span<double> out);
+
+  /// W = J A of the last factorize(), laid out like the Jacobian.
+  std::span<const double> weighted() const { return weighted_; }
+  /// The diagonal was multiplied by one plus this before the last factorisation.
+  double factored_shift() const { return std::max(compliance_, shifted_ ? tolerance_.shift : 0.0); }
+  /// Grows with every factorisation, never falls.
+  long factor_version() const { return factor_version_; }
 
   /// 1 / S_rr of each row: the inertia that it feels on its own.
   void row_inertias(std::span<double> out);
@@ -98,6 +116,7 @@ class ConstraintSystem {
   void assemble_and_factorize(StageTimes& times);
   void inspect_pivots();
   void backsolve(std::span<double> x);
+  void mask_weighted();
 
   Rows rows_;
   MassMatrix mass_;
@@ -107,6 +126,7 @@ class ConstraintSystem {
   std::vector<double> jacobian_, weighted_;
   std::vector<InverseMassRoot> roots_;
   std::vector<double> ordered_, scratch_, pivots_;
+  std::vector<double> states_, factored_states_, masked_weighted_;
   std::vector<Wrench> body_scratch_;
   std::vector<int> row_at_position_, dependent_rows_;
   bool usable_ = false;
@@ -115,6 +135,7 @@ class ConstraintSystem {
   int full_rank_streak_ = 0;
   double condition_ = 1, compliance_ = 0;
   double analysis_time_ = 0;
+  long factor_version_ = 0;
   WorkCounters counters_;
 };
 

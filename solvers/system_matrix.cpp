@@ -1,6 +1,7 @@
 #include "solvers/system_matrix.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace taut {
 namespace {
@@ -132,7 +133,8 @@ void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian,
   }
 }
 
-void SystemMatrix::assemble(std::span<const double> weighted, double shift) {
+void SystemMatrix::assemble(std::span<const double> weighted, double shift,
+                            std::span<const double> row_states) {
   for (const Product& p : products_) {
     const double *W_i = weighted.data() + p.offset_i, *W_j = weighted.data() + p.offset_j;
     double* C = matrix_.values.data() + p.slot;
@@ -141,6 +143,8 @@ void SystemMatrix::assemble(std::span<const double> weighted, double shift) {
     else
       multiply<0, 0>(W_i, W_j, p.rows_i, p.rows_j, C, p.stride, p.first);
   }
+  for (std::size_t r = 0; r < row_states.size(); ++r)
+    matrix_.values[diagonal_[position_of_row_[r]]] += std::isinf(row_states[r]) ? 1 : row_states[r];
   if (shift != 0)
     for (int i : diagonal_) matrix_.values[i] *= 1 + shift;
 }

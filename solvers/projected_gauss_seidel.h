@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solvers/constraint_system.h"
+#include "solvers/row_law.h"
+
+namespace taut {
+
+struct GaussSeidelOutcome {
+  int sweeps = 0;
+  double residual = 0;     ///< largest √S_rr |change of λ_r| in the last sweep [√J]
+  bool converged = false;  ///< residual within the tolerance
+};
+
+/// λ ∈ L(w) − c w, w = S λ + b, row by row: each in turn takes the one impulse that its law allows while the
+/// others stay.  Never diverges (½ λᵀSλ + bᵀλ + ψ(λ) falls with every row), converges slowly: the iteration
+/// of the game engines, here for comparison and as a fall-back.
+class ProjectedGaussSeidel {
+ public:
+  explicit ProjectedGaussSeidel(const ConstraintSystem& system);
+
+  /// S = W Wᵀ with the W of the system's last factorize().  λ is the start and the result; stops when no row
+  /// changes by more than `tolerance` [√J].
+  GaussSeidelOutcome solve(std::span<const RowLaw> laws, std::span<const double> b, std::span<double> lambda,
+                           int max_sweeps, double tolerance);
+
+ private:
+  struct RowSide {
+    int body, offset;
+  };
+  void gather(std::span<const double> lambda);
+
+  const ConstraintSystem& system_;
+  std::vector<int> row_start_;
+  std::vector<RowSide> row_sides_;
+  std::vector<double> diagonal_, bodies_;  ///< S_rr; Wᵀ λ, 6 numbers a body
+};
+
+}  // namespace taut
