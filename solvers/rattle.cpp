@@ -66,7 +66,7 @@ void Rattle::start(const State& state, StepReport& report) {
     if (!body.fixed)
       momenta_[b] = {system_.mass().angular_momentum(b, state_.poses[b], V.w), body.mass * V.v};
   }
-  system_.linearize(state_.poses);
+  system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.factorize(report.times);
   const Stopwatch watch(report.times.velocities);
@@ -74,7 +74,7 @@ void Rattle::start(const State& state, StepReport& report) {
   world_.forces(state_, forces_);
 
   // Multipliers of the acceleration equation S λ = −(γ + J M⁻¹ (f − ω × Iω)): the first prediction.
-  system_.rows().bias(state_.poses, state_.twists, force_multipliers_);
+  system_.rows().bias(state_, state_.twists, force_multipliers_);
   accelerations_.resize(world_.body_count());
   free_accelerations(system_.mass(), state_, forces_, accelerations_);
   system_.rows().apply(system_.jacobian(), accelerations_, delta_);
@@ -114,7 +114,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   std::swap(state_.poses, poses_);  // poses_ now holds the old ones
   start_time_ = state_.time;
   state_.time += h;
-  system_.linearize(state_.poses);
+  system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.factorize(report.times);
   refactored_ = false;
@@ -123,6 +123,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     return Outcome::kStalled;
   }
   if (!finite()) return Outcome::kNotFinite;
+  system_.rows().update_axes(state_, state_.axes);
   if (settings_.report_energy) {
     for (int b = 0; b < world_.body_count(); ++b)
       joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
@@ -169,7 +170,7 @@ void Rattle::roll_back(StepReport& report) {
   state_.time = start_time_;
   twists_from_momenta();
   world_.forces(state_, forces_);
-  system_.linearize(state_.poses);
+  system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.factorize(report.times);
   implicit_ = false;
@@ -215,14 +216,14 @@ bool Rattle::close_positions(double h, StepReport& report) {
     {
       const Stopwatch watch(report.times.positions);
       kick_and_drift(h);
-      system_.rows().residual(poses_, phi_);
+      system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
     }
     const double gap = max_abs(phi_);
     if (gap <= settings_.position_tolerance) break;
     if (!std::isfinite(gap) || iteration >= settings_.max_newton_iterations) return false;
     if (iteration > 0 && gap > kSlow * last) {
       if (refactored_ || gap > 10 * last) return false;
-      refactor_at_iterate(report);
+      refactor_at_iterate(h, report);
     }
     last = gap;
     const Stopwatch watch(report.times.positions);
@@ -238,9 +239,9 @@ bool Rattle::close_positions(double h, StepReport& report) {
 
 /// The true derivative of φ(q₁) is h J(q₁) M⁻¹ J(q₀)ᵀ; S of the mean Jacobian is its symmetric neighbour of
 /// least error.
-void Rattle::refactor_at_iterate(StepReport& report) {
+void Rattle::refactor_at_iterate(double h, StepReport& report) {
   std::copy(system_.jacobian().begin(), system_.jacobian().end(), start_jacobian_.begin());
-  system_.linearize(poses_);
+  system_.linearize({poses_, state_.time + h, state_.axes});
   std::span<double> J = system_.jacobian();
   for (std::size_t i = 0; i < J.size(); ++i) J[i] = 0.5 * (J[i] + start_jacobian_[i]);
   system_.factorize(report.times);
@@ -281,11 +282,12 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   }
 }
 
-/// μ with J M⁻¹ (p + Jᵀμ) = 0, refined until |J V| is within its tolerance.
+/// μ with J M⁻¹ (p + Jᵀμ) + φ_t = 0, refined until |J V + φ_t| is within its tolerance.
 void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   std::fill(mu.begin(), mu.end(), 0.0);
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
+  system_.rows().add_rate(state_, velocity_rows_);
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
     system_.solve(delta_);
@@ -296,6 +298,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
     }
     twists_from_momenta();
     system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
+    system_.rows().add_rate(state_, velocity_rows_);
     for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
     report.velocity_residual = max_abs(velocity_rows_);
     if (report.velocity_residual <= settings_.velocity_tolerance) break;
@@ -317,7 +320,7 @@ void Rattle::update_step_limit(std::span<const double> force_multipliers) {
   omega_ = 0;
   if (settings_.tension != TensionPolicy::kIgnore) {
     for (StiffnessBlocks& block : stiffness_) block = {};
-    system_.rows().stiffness(state_.poses, force_multipliers, stiffness_);
+    system_.rows().stiffness(state_, force_multipliers, stiffness_);
     omega_ = fastest_transverse_frequency(system_.mass(), state_.poses, stiffness_);
     if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
       step_limit_ = settings_.max_tension_number / omega_;

@@ -48,7 +48,7 @@ class Rattle {
   void predict_multipliers(double h);
   bool close_positions(double h, StepReport& report);
   void kick_and_drift(double h);
-  void refactor_at_iterate(StepReport& report);
+  void refactor_at_iterate(double h, StepReport& report);
   bool close_velocities(double h, StepReport& report);
   void project_momenta(StepReport& report, std::span<double> mu);
   void twists_from_momenta();
