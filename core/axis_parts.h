@@ -6,7 +6,7 @@
 #include "core/row_parts.h"
 
 /// Row parts whose residual is the coordinate of a free axis.  They are ordinary parts (row_parts.h); one
-/// that has `kPeriod` is known up to multiples of it, and whoever reads it takes the value next to the last
+/// that has a period() is known up to multiples of it, and whoever reads it takes the value next to the last
 /// one.
 namespace taut {
 
@@ -24,7 +24,7 @@ namespace row_parts {
 struct Angle {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = true;
-  static constexpr double kPeriod = 2 * std::numbers::pi;
+  static constexpr double period() { return 2 * std::numbers::pi; }
   Vec3 a_A, u_A, e_B;
 
   /// World axes: a, e, the projection p of e, its square D and z = a·e.
@@ -84,6 +84,54 @@ struct Angle {
 /// λ a [N] is the force on B at Q; A receives −λ a at the same place.
 struct Displacement : PointInPlane {
   std::string row_name(int) const { return "displacement along the axis"; }
+};
+
+/// Distance of points P of A and Q of B.   x = |p_WQ − p_WP| [m]
+/// λ [N] is the force on B along the line from P to Q, pushing the points apart.
+struct Length : Distance {
+  Length(const Vec3& P, const Vec3& Q) : Distance{P, Q, 0} {}
+  std::string row_name(int) const { return "length"; }
+};
+
+/// Screw: the displacement x along an axis follows the turn θ about it.   φ = x − k θ [m], k = pitch / 2π
+/// Known up to multiples of the pitch, since θ is up to turns; next to 0 is meant.
+/// λ [N] is the force on B along the axis, with the torque −k λ about it.
+struct Screw {
+  static constexpr int kRows = 1;
+  static constexpr bool kAngular = false;
+  Displacement displacement;
+  Angle angle;
+  double pitch;  ///< [m per turn], not 0; negative for a left-handed thread
+
+  double period() const { return std::abs(pitch); }
+  double k() const { return pitch / (2 * std::numbers::pi); }
+  void residual(const Pose& A, const Pose& B, double* phi) const {
+    double theta;
+    displacement.residual(A, B, phi);
+    angle.residual(A, B, &theta);
+    *phi -= k() * theta;
+  }
+  void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
+    double of_a[6], of_b[6];
+    JacobianBlock<1> angle_A(of_a), angle_B(of_b);
+    displacement.jacobian(A, B, J_A, J_B);
+    angle.jacobian(A, B, angle_A, angle_B);
+    J_A -= k() * angle_A;
+    J_B -= k() * angle_B;
+  }
+  void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const {
+    double of_angle;
+    displacement.bias(A, B, V_A, V_B, gamma);
+    angle.bias(A, B, V_A, V_B, &of_angle);
+    *gamma -= k() * of_angle;
+  }
+  void stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
+                 StiffnessBlocks& K_B) const {
+    const double torque = -k() * *lambda;
+    displacement.stiffness(A, B, lambda, K_A, K_B);
+    angle.stiffness(A, B, &torque, K_A, K_B);
+  }
+  std::string row_name(int) const { return "displacement by the thread"; }
 };
 
 }  // namespace row_parts

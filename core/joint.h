@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,12 +11,15 @@
 
 namespace taut {
 
-/// A joint between body A and body B, described once and then immutable.  A type is one header in
+/// A joint between body A and body B, and for some types further bodies, described once and then immutable. A
+/// type is one header in
 /// core/joints: its constructor checks the input, append_rows() lists the row parts it is made of and
 /// append_axes() the coordinates that it leaves free. Nothing else knows the type.
 class Joint {
  public:
-  Joint(BodyId a, BodyId b) : a_(a), b_(b) {}
+  Joint(BodyId a, BodyId b) : bodies_{a, b} {}
+  /// Two or more different bodies; the first two are A and B.
+  explicit Joint(std::vector<BodyId> bodies) : bodies_(std::move(bodies)) {}
   virtual ~Joint() = default;
 
   virtual std::string_view type() const = 0;
@@ -26,11 +30,15 @@ class Joint {
   /// Point of B (from its centre of mass, body axes) about which the reaction torque is reported.
   virtual Vec3 reaction_point_B() const = 0;
 
-  BodyId a() const { return a_; }
-  BodyId b() const { return b_; }
+  /// One more than the highest entry of State::axes that its rows read (couplings of axes); 0 for most.
+  virtual int axes_needed() const { return 0; }
+
+  BodyId a() const { return bodies_[0]; }
+  BodyId b() const { return bodies_[1]; }
+  std::span<const BodyId> bodies() const { return bodies_; }
 
  private:
-  BodyId a_, b_;
+  std::vector<BodyId> bodies_;
 };
 
 }  // namespace taut

@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/axis_parts.h"
@@ -9,6 +10,13 @@
 
 /// Arrays of row parts of one kind, with the place of their rows: what Rows is made of.
 namespace taut::detail {
+
+/// The Jacobian blocks of a wide part by side of its joint, each kRows × 6 row-major.
+struct SideBlocks {
+  double* values;
+  const int* offset;
+  double* operator[](int side) const { return values + offset[side]; }
+};
 
 /// Where a part's rows and Jacobian blocks are.
 struct PartPlace {
@@ -24,6 +32,9 @@ class PartStoreBase {
   virtual void bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const = 0;
   virtual void stiffness(const Configuration& at, const double* lambda,
                          std::span<StiffnessBlocks> bodies) const = 0;
+  /// Adds φ_t, the rate of φ at rest.
+  virtual void add_rate(const Configuration&, double*) const {}
+  virtual bool depends_on_time() const { return false; }
   /// Writes the coordinates of axis rows to their entries.
   virtual void update_axes(const Configuration& at, std::span<double> axes) const = 0;
   virtual std::string row_name(int item, int row) const = 0;
@@ -66,14 +77,75 @@ class PartStore final : public PartStoreBase {
 
  private:
   static void residual(const Item& i, const Configuration& at, double* out) {
-    if constexpr (requires { Part::kPeriod; }) {
+    if constexpr (requires { i.part.period(); }) {
       const double near = at.near(i.at.axis);  // before `out`, which may be the same place
       i.part.residual(at.poses[i.at.body_a], at.poses[i.at.body_b], out);
-      *out = unwrapped(*out, near, Part::kPeriod);
+      *out = unwrapped(*out, near, i.part.period());
     } else {
       i.part.residual(at.poses[i.at.body_a], at.poses[i.at.body_b], out);
     }
   }
 };
+
+/// Parts that tie more than two bodies together or change with time (`kWide`): they know the indices of their
+/// bodies in the world, and get one Jacobian block per side of their joint, zero at first.
+template <typename Part>
+class WideStore final : public PartStoreBase {
+ public:
+  struct Item {
+    int first_row = 0;
+    std::vector<int> jacobian;  ///< one per side
+    int axis = -1;              ///< of an axis row: its entry in State::axes
+    Part part;
+  };
+  std::vector<Item> items;
+
+  void residual(const Configuration& at, double* phi) const override {
+    for (const Item& i : items) i.part.residual(at, phi + i.first_row);
+  }
+  void jacobian(const Configuration& at, double* values) const override {
+    for (const Item& i : items) i.part.jacobian(at, SideBlocks{values, i.jacobian.data()});
+  }
+  void bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const override {
+    for (const Item& i : items) i.part.bias(at, twists, gamma + i.first_row);
+  }
+  void stiffness(const Configuration& at, const double* lambda,
+                 std::span<StiffnessBlocks> bodies) const override {
+    for (const Item& i : items) i.part.stiffness(at, lambda + i.first_row, bodies);
+  }
+  void add_rate(const Configuration& at, double* out) const override {
+    if constexpr (kTimed)
+      for (const Item& i : items) i.part.add_rate(at, out + i.first_row);
+  }
+  bool depends_on_time() const override { return kTimed; }
+  void update_axes(const Configuration& at, std::span<double> axes) const override {
+    for (const Item& i : items) {
+      if constexpr (requires { i.part.update_axes(at, axes); }) i.part.update_axes(at, axes);
+      if (i.axis >= 0) i.part.residual(at, &axes[i.axis]);
+    }
+  }
+  std::string row_name(int item, int row) const override { return items[item].part.row_name(row); }
+
+ private:
+  static constexpr bool kTimed = requires(const Part& part, const Configuration& at, double* out) {
+    part.add_rate(at, out);
+  };
+};
+
+template <typename Part>
+inline constexpr bool kIsWide = requires {
+  Part::kWide;
+};
+template <typename Part>
+using StoreOf = std::conditional_t<kIsWide<Part>, WideStore<Part>, PartStore<Part>>;
+
+/// Whether a part's rows are angles; a coupling knows only at run time.
+template <typename Part>
+bool is_angular(const Part& part) {
+  if constexpr (requires { part.angular(); })
+    return part.angular();
+  else
+    return Part::kAngular;
+}
 
 }  // namespace taut::detail

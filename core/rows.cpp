@@ -1,10 +1,23 @@
 #include "core/rows.h"
 
+#include <algorithm>
+
 #include "core/world.h"
 
 namespace taut {
 
-int AxisSink::body(int side) const { return (side == 0 ? joint_->a() : joint_->b()).index; }
+std::vector<int> AxisSink::bodies() const {
+  std::vector<int> indices;
+  for (BodyId body : joint_->bodies()) indices.push_back(body.index);
+  return indices;
+}
+
+/// Called for each part that may leave a block unwritten; a joint counts once.
+void Rows::clear_blocks(int joint) {
+  const JointRows& rows = joints_[joint];
+  const std::pair<int, int> blocks(sides_[rows.first_side].offset, 6 * rows.row_count * rows.side_count);
+  if (cleared_.empty() || cleared_.back() != blocks) cleared_.push_back(blocks);
+}
 
 void Rows::append_axis_row(AxisId axis, int index) {
   axis_rows_.push_back({static_cast<int>(rows_.size()) - 1, axis, index});
@@ -23,20 +36,19 @@ Rows::Rows(const World& world, AxisRows axis_rows) {
     axes.row_in_joint_ = counter.count_;
     axes.first_index_ = world.first_axis_index(JointId{j});
     const bool any_axis = axis_rows == AxisRows::kIncluded && world.has_axis_properties(JointId{j});
+    int joint_rows = counter.count_;
     if (any_axis) {
       axes.properties_ = &world.axis_properties({JointId{j}, 0});
       AxisSink axis_counter = axes;
       joint.append_axes(axis_counter);
       axes.rows_ = this;
-      joints_.push_back({row_count(), axis_counter.row_in_joint_, 0, 2, counter.count_});
-    } else {
-      joints_.push_back({row_count(), counter.count_, 0, 2, counter.count_});
+      joint_rows = axis_counter.row_in_joint_;
     }
-    JointRows& rows = joints_.back();
-    rows.first_side = static_cast<int>(sides_.size());
-    for (BodyId body : {joint.a(), joint.b()}) {
-      sides_.push_back({body.index, j, rows.first_row, rows.row_count, jacobian_size_});
-      jacobian_size_ += 6 * rows.row_count;
+    const int side_count = static_cast<int>(joint.bodies().size());
+    joints_.push_back({row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_});
+    for (BodyId body : joint.bodies()) {
+      sides_.push_back({body.index, j, row_count(), joint_rows, jacobian_size_});
+      jacobian_size_ += 6 * joint_rows;
     }
     RowSink sink;
     sink.rows_ = this;
@@ -59,6 +71,7 @@ void Rows::residual(const Configuration& at, std::span<double> phi) const {
 }
 
 void Rows::jacobian(const Configuration& at, std::span<double> values) const {
+  for (const auto& [first, count] : cleared_) std::fill_n(values.begin() + first, count, 0.0);
   for (const auto& store : stores_) store->jacobian(at, values.data());
 }
 
@@ -69,6 +82,14 @@ void Rows::bias(const Configuration& at, std::span<const Twist> twists, std::spa
 void Rows::stiffness(const Configuration& at, std::span<const double> lambda,
                      std::span<StiffnessBlocks> bodies) const {
   for (const auto& store : stores_) store->stiffness(at, lambda.data(), bodies);
+}
+
+void Rows::add_rate(const Configuration& at, std::span<double> out) const {
+  for (const auto& store : stores_) store->add_rate(at, out.data());
+}
+
+bool Rows::depends_on_time() const {
+  return std::any_of(stores_.begin(), stores_.end(), [](const auto& s) { return s->depends_on_time(); });
 }
 
 void Rows::update_axes(const Configuration& at, std::span<double> axes) const {

@@ -7,6 +7,7 @@
 #include <typeindex>
 #include <typeinfo>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/axis.h"
@@ -17,8 +18,8 @@
 ///
 ///   joint j  owns rows  first_row … first_row + row_count − 1, in the order of the World's joints: first its
 ///            equality rows, then one axis row for each free axis with properties (limits, motor, …)
-///   side s   one (joint, body) pair, A then B; its Jacobian block has row_count rows by 6 columns, row-major
-///   values   Jacobian values of all sides, one behind the other
+///   side s   one (joint, body) pair, A, B and further bodies; its Jacobian block has row_count rows by 6
+///   columns, row-major values   Jacobian values of all sides, one behind the other
 ///
 /// Parts of one kind stand side by side in one array, so that the loops over them are free of virtual calls.
 /// The rows do not refer to the World that they were compiled from; they are good for any state of it until
@@ -52,9 +53,9 @@ struct AxisInfo {
   std::string name;
   bool angular = false;
   AxisLimits limits;  ///< that the axis has from the start, as a rope; without effect if infinite
-  /// The coordinate as a single row with Jacobian blocks of A and B at 0 and 6.
+  /// The coordinate as a single row, with one Jacobian block of six for each of `bodies`.
   std::shared_ptr<const detail::PartStoreBase> coordinate;
-  int body_a = 0, body_b = 0;
+  std::vector<int> bodies;
 };
 
 /// What a joint lists its free axes in: names for the World, or rows for Rows.
@@ -78,7 +79,7 @@ class AxisSink {
   int joint_index_ = 0, first_index_ = 0, row_in_joint_ = 0;
   int count_ = 0;
 
-  int body(int side) const;
+  std::vector<int> bodies() const;
 };
 
 class Rows {
@@ -133,8 +134,12 @@ class Rows {
   void residual(const Configuration& at, std::span<double> phi) const;
   /// J(q), the values of all sides.
   void jacobian(const Configuration& at, std::span<double> values) const;
-  /// γ = J̇ V, so that φ̈ = J V̇ + γ.
+  /// γ = φ̈ − J V̇: J̇ V, and what drivers add to it.
   void bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const;
+  /// Adds φ_t, the part of φ̇ = J V + φ_t that drivers make, to `out`.
+  void add_rate(const Configuration& at, std::span<double> out) const;
+  /// Whether any row follows the time.
+  bool depends_on_time() const;
   /// Adds each body's block of K = −∂(Jᵀλ)/∂q to `bodies`, which the caller has zeroed.
   void stiffness(const Configuration& at, std::span<const double> lambda,
                  std::span<StiffnessBlocks> bodies) const;
@@ -155,11 +160,14 @@ class Rows {
   void append(const Part& part, int joint, int row_in_joint, Between sides, int axis = -1,
               int axis_index = -1);
   void append_axis_row(AxisId axis, int index);
+  void clear_blocks(int joint);
 
   std::vector<JointRows> joints_;
   std::vector<Side> sides_;
   std::vector<Row> rows_;
   std::vector<AxisRow> axis_rows_;
+  // Joints whose parts do not write all of their Jacobian: first value and count, zeroed each time.
+  std::vector<std::pair<int, int>> cleared_;
   std::vector<int> body_start_, body_sides_;
   std::vector<std::unique_ptr<detail::PartStoreBase>> stores_;
   std::unordered_map<std::type_index, detail::PartStoreBase*> store_of_type_;
@@ -174,20 +182,27 @@ void RowSink::add(const Part& part, Between sides) {
 
 template <typename Part>
 void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index) {
+  using Store = detail::StoreOf<Part>;
   auto& slot = store_of_type_[typeid(Part)];
   if (!slot) {
-    stores_.push_back(std::make_unique<detail::PartStore<Part>>());
+    stores_.push_back(std::make_unique<Store>());
     slot = stores_.back().get();
   }
-  auto& items = static_cast<detail::PartStore<Part>*>(slot)->items;
-  const Side& a = sides_[joints_[joint].first_side + sides.a];
-  const Side& b = sides_[joints_[joint].first_side + sides.b];
-  const int first_row = joints_[joint].first_row + row_in_joint;
+  auto& items = static_cast<Store*>(slot)->items;
+  const JointRows& place = joints_[joint];
+  const int first_row = place.first_row + row_in_joint, item = static_cast<int>(items.size());
   for (int i = 0; i < Part::kRows; ++i)
-    rows_.push_back({joint, Part::kAngular, slot, static_cast<int>(items.size()), i, axis});
-  items.push_back(
-      {{a.body, b.body, first_row, a.offset + 6 * row_in_joint, b.offset + 6 * row_in_joint, axis_index},
-       part});
+    rows_.push_back({joint, detail::is_angular(part), slot, item, i, axis});
+  const auto offset = [&](int side) { return sides_[place.first_side + side].offset + 6 * row_in_joint; };
+  if constexpr (detail::kIsWide<Part>) {
+    items.push_back({first_row, {}, axis_index, part});
+    for (int s = 0; s < place.side_count; ++s) items.back().jacobian.push_back(offset(s));
+    clear_blocks(joint);
+  } else {
+    const int a = sides_[place.first_side + sides.a].body, b = sides_[place.first_side + sides.b].body;
+    items.push_back({{a, b, first_row, offset(sides.a), offset(sides.b), axis_index}, part});
+    if (place.side_count > 2) clear_blocks(joint);
+  }
 }
 
 template <typename Part>
@@ -195,10 +210,17 @@ void AxisSink::add(std::string_view name, const Part& part, Between sides) {
   static_assert(Part::kRows == 1, "an axis is one coordinate");
   const int axis = count_++, index = first_index_ + axis;
   if (infos_) {
-    auto coordinate = std::make_shared<detail::PartStore<Part>>();
-    const int a = body(sides.a), b = body(sides.b);
-    coordinate->items.push_back({{a, b, 0, 0, 6, index}, part});
-    infos_->push_back({std::string(name), Part::kAngular, {}, std::move(coordinate), a, b});
+    auto coordinate = std::make_shared<detail::StoreOf<Part>>();
+    std::vector<int> all = bodies();
+    if constexpr (detail::kIsWide<Part>) {
+      std::vector<int> offsets;
+      for (std::size_t side = 0; side < all.size(); ++side) offsets.push_back(6 * static_cast<int>(side));
+      coordinate->items.push_back({0, std::move(offsets), index, part});
+    } else {
+      coordinate->items.push_back({{all[sides.a], all[sides.b], 0, 6 * sides.a, 6 * sides.b, index}, part});
+    }
+    infos_->push_back(
+        {std::string(name), detail::is_angular(part), {}, std::move(coordinate), std::move(all)});
   } else if (properties_ && properties_[axis].any()) {
     if (rows_) {
       rows_->append(part, joint_index_, row_in_joint_, sides, axis, index);

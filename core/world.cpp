@@ -65,11 +65,23 @@ JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
   if (!joint) fail("joint " + name, "must not be null", "null");
   const int index = joint_count();
   const std::string shown = name.empty() ? "joint_" + std::to_string(index) : name;
-  for (BodyId body : {joint->a(), joint->b()})
-    if (body.index < 0 || body.index >= body_count()) fail("joint " + shown, "no such body", body.index);
-  if (joint->a() == joint->b()) fail("joint " + shown, "joins a body to itself", this->name(joint->a()));
-  if (is_fixed(joint->a()) && is_fixed(joint->b()))
-    fail("joint " + shown, "joins two fixed bodies", this->name(joint->a()) + ", " + this->name(joint->b()));
+  const std::span<const BodyId> bodies = joint->bodies();
+  if (bodies.size() < 2) fail("joint " + shown, "must have two bodies or more", bodies.size());
+  std::string fixed_names;
+  bool all_fixed = true;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].index < 0 || bodies[i].index >= body_count())
+      fail("joint " + shown, "no such body", bodies[i].index);
+    if (std::find(bodies.begin(), bodies.begin() + i, bodies[i]) != bodies.begin() + i)
+      fail("joint " + shown, "joins a body to itself", this->name(bodies[i]));
+    all_fixed = all_fixed && is_fixed(bodies[i]);
+    fixed_names += (i > 0 ? ", " : "") + this->name(bodies[i]);
+  }
+  if (all_fixed)
+    fail("joint " + shown, bodies.size() == 2 ? "joins two fixed bodies" : "joins fixed bodies only",
+         fixed_names);
+  if (joint->axes_needed() > static_cast<int>(axes_.size()))
+    fail("joint " + shown, "couples an axis that is not in this world", joint->axes_needed() - 1);
   std::vector<AxisInfo> axes;
   AxisSink sink;
   sink.joint_ = joint.get();

@@ -75,13 +75,15 @@ double World::axis_value(AxisId id) const {
 
 double World::axis_rate(AxisId id) const {
   const AxisInfo& info = axis_info(id);
-  double values[12] = {};
-  info.coordinate->jacobian(state_, values);
+  std::vector<double> values(6 * info.bodies.size(), 0.0);
+  info.coordinate->jacobian(state_, values.data());
   double rate = 0;
-  const Twist* twists[] = {&state_.twists[info.body_a], &state_.twists[info.body_b]};
-  for (int side : {0, 1})
-    for (int k = 0; k < 3; ++k)
-      rate += values[6 * side + k] * twists[side]->w[k] + values[6 * side + 3 + k] * twists[side]->v[k];
+  const double* J = values.data();
+  for (int body : info.bodies) {
+    const Twist& V = state_.twists[body];
+    for (int k = 0; k < 3; ++k) rate += J[k] * V.w[k] + J[3 + k] * V.v[k];
+    J += 6;
+  }
   return rate;
 }
 

@@ -90,7 +90,7 @@ std::vector<Gap> Recorder::gaps(const World& world) {
     rows_version_ = world.topology_version();
   }
   std::vector<double> phi(rows_->row_count());
-  rows_->residual(world.state().poses, phi);
+  rows_->residual(world.state(), phi);
   return joint_gaps(*rows_, phi);
 }
 

@@ -100,7 +100,7 @@ class GapMeter {
  public:
   explicit GapMeter(const World& world) : rows_(world), phi_(rows_.row_count()) {}
   Gap measure(const State& state) {
-    rows_.residual(state.poses, phi_);
+    rows_.residual(state, phi_);
     return max_gap(rows_, phi_);
   }
   int row_count() const { return rows_.row_count(); }

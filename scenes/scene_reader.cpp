@@ -207,7 +207,7 @@ JointId SceneReader::find_joint(const JsonNode& node) const {
 void SceneReader::check_gaps() {
   const Rows rows(scene_.world);
   std::vector<double> phi(rows.row_count());
-  rows.residual(scene_.world.state().poses, phi);
+  rows.residual(scene_.world.state(), phi);
   const std::vector<Gap> gaps = joint_gaps(rows, phi);
   for (int j = 0; j < scene_.world.joint_count(); ++j) {
     if (joint_paths_[j].empty()) continue;

@@ -77,15 +77,17 @@ bool contradict(const ConstraintSystem& system, std::span<const double> phi, con
 
 }  // namespace
 
-bool close_joints(ConstraintSystem& system, std::vector<Pose>& poses, double tolerance, StepReport& report) {
+bool close_joints(ConstraintSystem& system, State& state, double tolerance, StepReport& report) {
   const int n = system.row_count();
   std::vector<double> phi(n), delta(n);
   std::vector<Wrench> impulse(system.mass().size());
+  std::vector<Pose>& poses = state.poses;
   std::vector<Pose> best = poses;
   double best_gap = INFINITY;
   int since_best = 0;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    system.rows().residual(poses, phi);
+    system.rows().update_axes(state, state.axes);
+    system.rows().residual(state, phi);
     const double gap = max_abs(phi);
     if (gap <= tolerance) return true;
     if (gap < 0.9 * best_gap) {
@@ -95,7 +97,7 @@ bool close_joints(ConstraintSystem& system, std::vector<Pose>& poses, double tol
     } else if (!std::isfinite(gap) || ++since_best > 10) {
       break;
     }
-    system.linearize(poses);
+    system.linearize(state);
     system.set_mass(poses);
     system.factorize(report.times);
     for (int r = 0; r < n; ++r) delta[r] = -phi[r];
@@ -114,10 +116,11 @@ Contradiction find_contradiction(const World& world, ConstraintSystem& system, c
                                  StepReport& report) {
   const int n = system.row_count();
   std::vector<double> phi(n), inner(n), reachable(n);
-  system.linearize(poses);
+  const Configuration at(poses, world.time(), world.state().axes);
+  system.linearize(at);
   system.set_mass(poses);
   system.factorize(report.times);
-  system.rows().residual(poses, phi);
+  system.rows().residual(at, phi);
   inner = phi;
   system.solve(inner);
   system.multiply(inner, reachable);

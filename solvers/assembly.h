@@ -8,9 +8,9 @@
 namespace taut {
 
 /// Closes all joints by Gauss–Newton in the mass metric: q ← q ⊕ M⁻¹ Jᵀ S⁺ (−φ), a least move of the bodies.
-/// Returns whether every |φ| came below `tolerance`; the poses are then closed, else they are the best that
-/// was found.
-bool close_joints(ConstraintSystem& system, std::vector<Pose>& poses, double tolerance, StepReport& report);
+/// Returns whether every |φ| came below `tolerance`; the poses of `state` are then closed, else they are the
+/// best that was found.
+bool close_joints(ConstraintSystem& system, State& state, double tolerance, StepReport& report);
 
 /// The joints that hold the part of φ that no motion can reduce to first order, the null-space part φ − S S⁺
 /// φ at these poses. Sets of up to 24 joints are made minimal: without any one of them the rest could hold.

@@ -60,7 +60,7 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
   masked_weighted_.reserve(weighted_.size());
 }
 
-void ConstraintSystem::linearize(std::span<const Pose> poses) { rows_.jacobian(poses, jacobian_); }
+void ConstraintSystem::linearize(const Configuration& at) { rows_.jacobian(at, jacobian_); }
 
 void ConstraintSystem::set_mass(std::span<const Pose> poses) {
   for (int b = 0; b < mass_.size(); ++b) {

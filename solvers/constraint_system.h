@@ -52,8 +52,8 @@ class ConstraintSystem {
   const MassMatrix& mass() const { return mass_; }
   int row_count() const { return rows_.row_count(); }
 
-  /// J at these poses.
-  void linearize(std::span<const Pose> poses);
+  /// J at these poses, for drivers at this time.
+  void linearize(const Configuration& at);
   /// J given from outside, for instance a mean of two.
   std::span<double> jacobian() { return jacobian_; }
   std::span<const double> jacobian() const { return jacobian_; }

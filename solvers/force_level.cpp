@@ -59,6 +59,7 @@ bool ForceLevel::advance(double h, StepReport& report) {
   if (settings_.drift_cure == DriftCure::kVelocityImpulse || settings_.drift_cure == DriftCure::kPositionPush)
     cure_velocities(h, report);
   ++report.substeps;
+  system_.rows().update_axes(state_, state_.axes);
   for (int b = 0; b < world_.body_count(); ++b) {
     const Pose& X = state_.poses[b];
     const Twist& V = state_.twists[b];
@@ -77,7 +78,7 @@ void ForceLevel::accelerate(const State& state, double h, StepReport& report,
   }
   {
     const Stopwatch watch(report.times.assembly);
-    system_.linearize(state.poses);
+    system_.linearize(state);
     system_.set_mass(state.poses);
   }
   if (settings_.drift_cure == DriftCure::kPenalty) {
@@ -91,13 +92,14 @@ void ForceLevel::accelerate(const State& state, double h, StepReport& report,
 
   const Stopwatch watch(report.times.velocities);
   free_accelerations(system_.mass(), state, forces_, acceleration);
-  system_.rows().bias(state.poses, state.twists, lambda_);
+  system_.rows().bias(state, state.twists, lambda_);
   system_.rows().apply(system_.jacobian(), acceleration, rates_);
   for (int r = 0; r < system_.row_count(); ++r) lambda_[r] += rates_[r];
   if (baumgarte) {
     // φ̈ = −φ̇/h − erp φ/h²: takes the joint velocity to −erp φ/h within the step [Baumgarte1972].
-    system_.rows().residual(state.poses, phi_);
+    system_.rows().residual(state, phi_);
     system_.rows().apply(system_.jacobian(), state.twists, rates_);
+    system_.rows().add_rate(state, rates_);
     for (int r = 0; r < system_.row_count(); ++r)
       lambda_[r] += rates_[r] / h + settings_.erp / (h * h) * phi_[r];
   }
@@ -147,11 +149,12 @@ void ForceLevel::runge_kutta(double h, StepReport& report) {
   add_twists(state_.twists, h, sum_, state_.twists);
 }
 
-/// V += M⁻¹ Jᵀ S⁺ (target − J V).
+/// V += M⁻¹ Jᵀ S⁺ (target − J V − φ_t).
 void ForceLevel::project_velocities(std::span<const double> target, StepReport& report) {
   system_.set_compliance(0);
   system_.factorize(report.times);
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
+  system_.rows().add_rate(state_, rates_);
   for (int r = 0; r < system_.row_count(); ++r) delta_[r] = target[r] - rates_[r];
   system_.solve(delta_);
   system_.rows().apply_transpose(system_.jacobian(), delta_, joint_wrenches_);
@@ -165,9 +168,9 @@ void ForceLevel::project_velocities(std::span<const double> target, StepReport& 
 /// Velocity impulse: J V = −erp φ/h, so that the next step takes out that part of the gap.  After a position
 /// push: J V = 0.
 void ForceLevel::cure_velocities(double h, StepReport& report) {
-  system_.linearize(state_.poses);
+  system_.linearize(state_);
   system_.set_mass(state_.poses);
-  system_.rows().residual(state_.poses, phi_);
+  system_.rows().residual(state_, phi_);
   const double rate = settings_.drift_cure == DriftCure::kVelocityImpulse ? -settings_.erp / h : 0;
   for (double& p : phi_) p *= rate;
   project_velocities(phi_, report);
@@ -175,11 +178,11 @@ void ForceLevel::cure_velocities(double h, StepReport& report) {
 
 /// Position push: q ← q ⊕ M⁻¹ Jᵀ S⁺ (−erp φ), one step of Gauss–Newton.
 void ForceLevel::cure_positions(StepReport& report) {
-  system_.linearize(state_.poses);
+  system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.set_compliance(0);
   system_.factorize(report.times);
-  system_.rows().residual(state_.poses, phi_);
+  system_.rows().residual(state_, phi_);
   for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -settings_.erp * phi_[r];
   system_.solve(delta_);
   system_.rows().apply_transpose(system_.jacobian(), delta_, joint_wrenches_);
@@ -192,8 +195,9 @@ void ForceLevel::cure_positions(StepReport& report) {
 /// Penalty: each row a spring and damper of the set frequency on the row's own inertia 1 / S_rr.  λ = −(k φ +
 /// c φ̇).
 void ForceLevel::add_penalty_forces(const State& state, std::vector<Wrench>& wrenches) {
-  system_.rows().residual(state.poses, phi_);
+  system_.rows().residual(state, phi_);
   system_.rows().apply(system_.jacobian(), state.twists, rates_);
+  system_.rows().add_rate(state, rates_);
   system_.row_inertias(penalty_inertia_);
   const double omega = 2 * std::numbers::pi * settings_.penalty_frequency;
   for (int r = 0; r < system_.row_count(); ++r)

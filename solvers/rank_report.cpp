@@ -23,7 +23,7 @@ constexpr std::size_t kMaxExplained = 200;
 RankReport analyze_rank(const World& world, const Settings& settings) {
   ConstraintSystem system(world, settings.factor, kCountingTolerance);
   StageTimes times;
-  system.linearize(world.state().poses);
+  system.linearize(world.state());
   system.set_mass(world.state().poses);
   system.factorize_for_counting(times);
 

@@ -1,13 +1,13 @@
 #include "solvers/rattle.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "solvers/force_level.h"
 #include "solvers/free_flow.h"
+#include "solvers/max_abs.h"
 #include "solvers/stopwatch.h"
 #include "solvers/tension.h"
 
@@ -26,25 +26,12 @@ constexpr int kMaxVelocityPasses = 6;
 /// With dependent rows positions count as closed only if no body is further than this part of the size of the
 /// whole system from where its joints want it: a weakly held direction hides a long way behind a small gap.
 constexpr double kFar = 1e-9;
-/// Gaps below this may be mended by moving the bodies, without an impulse; their work is below round-off of
-/// the energy.
+/// Gaps below this may be mended by moving the bodies, without an impulse.
 constexpr double kMendable = 1e-6;
-constexpr double kMended = 1e-13;
-constexpr double kMendingShift = 1e-12;
-constexpr int kMaxMends = 10;
 /// Passes of the fixed point for velocity-dependent forces; a pass that takes away less than half of the
 /// change stalls it.
 constexpr int kMaxForcePasses = 60;
 constexpr double kForceTolerance = 1e-12;
-
-double max_abs(std::span<const double> values) {
-  double largest = 0;
-  for (double v : values) {
-    if (std::isnan(v)) return std::numeric_limits<double>::infinity();
-    largest = std::max(largest, std::abs(v));
-  }
-  return largest;
-}
 
 Wrench operator+(const Wrench& a, const Wrench& b) { return {a.torque + b.torque, a.force + b.force}; }
 Wrench operator-(const Wrench& a, const Wrench& b) { return {a.torque - b.torque, a.force - b.force}; }
@@ -77,7 +64,7 @@ void Rattle::start(const State& state, StepReport& report) {
     if (!body.fixed)
       momenta_[b] = {system_.mass().angular_momentum(b, state_.poses[b], V.w), body.mass * V.v};
   }
-  system_.linearize(state_.poses);
+  system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.factorize(report.times);
   const Stopwatch watch(report.times.velocities);
@@ -85,20 +72,13 @@ void Rattle::start(const State& state, StepReport& report) {
   world_.forces(state_, forces_);
 
   // Multipliers of the acceleration equation S λ = −(γ + J M⁻¹ (f − ω × Iω)): the first prediction.
-  system_.rows().bias(state_.poses, state_.twists, force_multipliers_);
+  system_.rows().bias(state_, state_.twists, force_multipliers_);
   accelerations_.resize(world_.body_count());
   free_accelerations(system_.mass(), state_, forces_, accelerations_);
   system_.rows().apply(system_.jacobian(), accelerations_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = -(force_multipliers_[r] + delta_[r]);
   system_.solve(force_multipliers_);
   update_step_limit(force_multipliers_);
-}
-
-/// Diagonal of the box around all bodies, but at least 1 m.
-double Rattle::system_size() const {
-  Eigen::AlignedBox3d box;
-  for (const Pose& pose : state_.poses) box.extend(pose.p);
-  return std::max(1.0, box.diagonal().norm());
 }
 
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
@@ -132,7 +112,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   std::swap(state_.poses, poses_);  // poses_ now holds the old ones
   start_time_ = state_.time;
   state_.time += h;
-  system_.linearize(state_.poses);
+  system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.factorize(report.times);
   refactored_ = false;
@@ -141,6 +121,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     return Outcome::kStalled;
   }
   if (!finite()) return Outcome::kNotFinite;
+  system_.rows().update_axes(state_, state_.axes);
   if (settings_.report_energy) {
     for (int b = 0; b < world_.body_count(); ++b)
       joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
@@ -187,7 +168,7 @@ void Rattle::roll_back(StepReport& report) {
   state_.time = start_time_;
   twists_from_momenta();
   world_.forces(state_, forces_);
-  system_.linearize(state_.poses);
+  system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.factorize(report.times);
   implicit_ = false;
@@ -234,22 +215,22 @@ bool Rattle::close_positions(double h, StepReport& report) {
     {
       const Stopwatch watch(report.times.positions);
       kick_and_drift(h);
-      system_.rows().residual(poses_, phi_);
+      system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
     }
     const double gap = max_abs(phi_);
     if (!std::isfinite(gap)) return false;
     if (gap <= settings_.position_tolerance) {
       if (!system_.singular() || distance_to_closure(report) <= kFar * size_) break;
-      if (polished) return mend_positions(report);
+      if (polished) return mend_positions(h, report);
       polished = true;
     } else {
       const bool slow = iteration > 0 && gap > kSlow * last;
       const bool spent = iteration >= settings_.max_newton_iterations;
-      if ((slow || spent) && system_.singular() && gap < kMendable) return mend_positions(report);
+      if ((slow || spent) && system_.singular() && gap < kMendable) return mend_positions(h, report);
       if (spent) return false;
       if (slow) {
         if (refactored_ || gap > 10 * last) return false;
-        refactor_at_iterate(report);
+        refactor_at_iterate(h, report);
       }
     }
     last = gap;
@@ -264,67 +245,11 @@ bool Rattle::close_positions(double h, StepReport& report) {
   return true;
 }
 
-/// How far the bodies are from closed joints, to first order: the largest move in M⁻¹ Jᵀ S_ε⁻¹ φ [m or rad].
-double Rattle::distance_to_closure(StepReport& report) {
-  const Stopwatch watch(report.times.positions);
-  std::copy(phi_.begin(), phi_.end(), delta_.begin());
-  system_.solve_shifted(delta_);
-  system_.rows().apply_transpose(system_.jacobian(), delta_, move_);
-  double distance = 0;
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    distance = std::max({distance, body.inverse_mass * move_[b].force.norm(),
-                         system_.mass().angular_velocity(b, poses_[b], move_[b].torque).norm()});
-  }
-  return distance;
-}
-
-/// Gauss–Newton on the positions alone, q₁ ← q₁ − M⁻¹Jᵀ S⁺ φ with all of it at the iterate.  It converges
-/// quadratically, also along directions that the rows hold weakly, where the fixed J(q₀) of the Newton above
-/// does not: there J(q₁) − J(q₀) outweighs J itself.  (solvers/README, "Weak directions")
-bool Rattle::mend_positions(StepReport& report) {
-  if (!refactored_) std::copy(system_.jacobian().begin(), system_.jacobian().end(), start_jacobian_.begin());
-  refactored_ = true;
-  system_.set_shift(kMendingShift);
-  double gap = max_abs(phi_), last = std::numeric_limits<double>::infinity();
-  for (int pass = 0; pass < kMaxMends && gap > kMended && gap < 0.9 * last; ++pass) {
-    system_.linearize(poses_);
-    system_.set_mass(poses_);
-    system_.factorize(report.times);
-    ++report.refactorizations;
-    if (!system_.usable()) break;
-    const Stopwatch watch(report.times.positions);
-    for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -phi_[r];
-    system_.solve_shifted(delta_);
-    system_.rows().apply_transpose(system_.jacobian(), delta_, move_);
-    unmended_ = poses_;
-    for (int b = 0; b < world_.body_count(); ++b) {
-      const MassMatrix::Body& body = system_.mass()[b];
-      if (body.fixed) continue;
-      const Vec3 turn = system_.mass().angular_velocity(b, poses_[b], move_[b].torque);
-      poses_[b].p += body.inverse_mass * move_[b].force;
-      poses_[b].q = (exp_so3(turn) * poses_[b].q).normalized();
-    }
-    system_.rows().residual(poses_, phi_);
-    last = gap;
-    gap = max_abs(phi_);
-  }
-  system_.set_shift(kSteppingTolerance.shift);
-  if (!(gap <= last)) {
-    std::swap(poses_, unmended_);
-    system_.rows().residual(poses_, phi_);
-    gap = last;
-  }
-  surprised_ = false;
-  return gap <= settings_.position_tolerance;
-}
-
 /// The true derivative of φ(q₁) is h J(q₁) M⁻¹ J(q₀)ᵀ; S of the mean Jacobian is its symmetric neighbour of
 /// least error.
-void Rattle::refactor_at_iterate(StepReport& report) {
+void Rattle::refactor_at_iterate(double h, StepReport& report) {
   std::copy(system_.jacobian().begin(), system_.jacobian().end(), start_jacobian_.begin());
-  system_.linearize(poses_);
+  system_.linearize({poses_, state_.time + h, state_.axes});
   std::span<double> J = system_.jacobian();
   for (std::size_t i = 0; i < J.size(); ++i) J[i] = 0.5 * (J[i] + start_jacobian_[i]);
   system_.factorize(report.times);
@@ -365,12 +290,13 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   }
 }
 
-/// μ with J M⁻¹ (p + Jᵀμ) = 0, refined until |J V| is within its tolerance.  J V is in the range of S: even
-/// with dependent rows S_ε⁻¹ alone does, each pass leaves ε/(σ + ε) of what was left.
+/// μ with J M⁻¹ (p + Jᵀμ) + φ_t = 0, refined until |J V + φ_t| is within its tolerance.  It is in the range
+/// of S: even with dependent rows S_ε⁻¹ alone does, each pass leaves ε/(σ + ε) of what was left.
 void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   std::fill(mu.begin(), mu.end(), 0.0);
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
+  system_.rows().add_rate(state_, velocity_rows_);
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
     system_.solve_shifted(delta_);
@@ -381,6 +307,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
     }
     twists_from_momenta();
     system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
+    system_.rows().add_rate(state_, velocity_rows_);
     for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
     report.velocity_residual = max_abs(velocity_rows_);
     if (report.velocity_residual <= settings_.velocity_tolerance) break;
@@ -402,7 +329,7 @@ void Rattle::update_step_limit(std::span<const double> force_multipliers) {
   omega_ = 0;
   if (settings_.tension != TensionPolicy::kIgnore) {
     for (StiffnessBlocks& block : stiffness_) block = {};
-    system_.rows().stiffness(state_.poses, force_multipliers, stiffness_);
+    system_.rows().stiffness(state_, force_multipliers, stiffness_);
     omega_ = fastest_transverse_frequency(system_.mass(), state_.poses, stiffness_);
     if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
       step_limit_ = settings_.max_tension_number / omega_;

@@ -49,9 +49,9 @@ class Rattle {
   bool close_positions(double h, StepReport& report);
   double system_size() const;
   double distance_to_closure(StepReport& report);
-  bool mend_positions(StepReport& report);
+  bool mend_positions(double h, StepReport& report);
   void kick_and_drift(double h);
-  void refactor_at_iterate(StepReport& report);
+  void refactor_at_iterate(double h, StepReport& report);
   bool close_velocities(double h, StepReport& report);
   void project_momenta(StepReport& report, std::span<double> mu);
   void twists_from_momenta();

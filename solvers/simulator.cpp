@@ -118,18 +118,20 @@ void Simulator::Impl::refresh() {
   if (force_level_) {
     force_level_->start(world_.state());
   } else {
-    system_->rows().residual(world_.state().poses, phi_);
+    system_->rows().residual(world_.state(), phi_);
     const Gap gap = max_gap(system_->rows(), phi_);
+    if (!std::isfinite(gap.metres + gap.radians)) {
+      set_failure(Status::kNotFinite, "a joint's gap is not finite at the start");
+      return;
+    }
     if (std::max(gap.metres, gap.radians) > settings_.position_tolerance) {
-      std::vector<Pose> poses = world_.state().poses;
-      if (!close_joints(*system_, poses, settings_.position_tolerance, report_)) {
-        report_.contradiction = find_contradiction(world_, *system_, poses, report_);
+      State state = world_.state();
+      if (!close_joints(*system_, state, settings_.position_tolerance, report_)) {
+        report_.contradiction = find_contradiction(world_, *system_, state.poses, report_);
         set_failure(report_.contradiction.joints.empty() ? Status::kNotConverged : Status::kContradiction,
                     "the joints cannot be closed at the start");
         return;
       }
-      State state = world_.state();
-      state.poses = poses;
       world_.set_state(state);
     }
     rattle_->start(world_.state(), report_);
@@ -148,7 +150,7 @@ void Simulator::Impl::step(double dt) {
       bool done = true;
       if (force_level_) {
         done = force_level_->advance(dt, report_);
-        if (!done) set_failure(Status::kNotFinite, "a force or the state is not finite");
+        if (!done) set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
       } else {
         rattle_->clear_impulses();
         done = integrate(dt);
@@ -226,7 +228,7 @@ bool Simulator::Impl::integrate(double dt) {
         limit = kShrink * h;
         break;
       case Rattle::Outcome::kNotFinite:
-        set_failure(Status::kNotFinite, "a force or the state is not finite");
+        set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
         return false;
     }
     if (limit < smallest) {
@@ -240,7 +242,7 @@ bool Simulator::Impl::integrate(double dt) {
 void Simulator::Impl::diagnose_stall() {
   const std::span<const double> phi = rattle_->residual();
   if (std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); })) {
-    set_failure(Status::kNotFinite, "a force or the state is not finite");
+    set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
     return;
   }
   report_.contradiction = find_contradiction(world_, *system_, rattle_->trial_poses(), report_);
@@ -273,11 +275,12 @@ void Simulator::Impl::finish(double dt) {
   world_.set_time(time);
   state_version_ = world_.state_version();
   report_.time = time;
-  system_->rows().residual(state.poses, phi_);
+  system_->rows().residual(state, phi_);
   report_.gap = max_gap(system_->rows(), phi_);
   if (force_level_) {
-    system_->linearize(state.poses);
+    system_->linearize(state);
     system_->rows().apply(system_->jacobian(), state.twists, rates_);
+    system_->rows().add_rate(state, rates_);
     for (double rate : rates_)
       report_.velocity_residual = std::max(report_.velocity_residual, std::abs(rate));
   }
@@ -300,19 +303,20 @@ void Simulator::Impl::count_work() {
 void Simulator::Impl::assemble() {
   report_ = {};
   if (topology_version_ != world_.topology_version()) refresh();
-  std::vector<Pose> poses = world_.state().poses;
-  if (close_joints(*system_, poses, settings_.position_tolerance, report_)) {
-    State state = world_.state();
-    state.poses = poses;
+  State state = world_.state();
+  if (close_joints(*system_, state, settings_.position_tolerance, report_)) {
     world_.set_state(state);
     refresh();
     if (rattle_) world_.set_state(rattle_->state());
     state_version_ = world_.state_version();
     report_.time = world_.time();
-    system_->rows().residual(poses, phi_);
+    system_->rows().residual(world_.state(), phi_);
     report_.gap = max_gap(system_->rows(), phi_);
+  } else if (system_->rows().residual(state, phi_);
+             !std::isfinite(max_gap(system_->rows(), phi_).metres + max_gap(system_->rows(), phi_).radians)) {
+    set_failure(Status::kNotFinite, "a joint's gap is not finite");
   } else if (report_.ok()) {
-    report_.contradiction = find_contradiction(world_, *system_, poses, report_);
+    report_.contradiction = find_contradiction(world_, *system_, state.poses, report_);
     set_failure(report_.contradiction.joints.empty() ? Status::kNotConverged : Status::kContradiction,
                 "the joints cannot be closed");
   }
@@ -327,7 +331,7 @@ void Simulator::Impl::compute_reactions() {
   const State& state = world_.state();
   StageTimes times;
   ConstraintSystem system(world_, settings_.factor);
-  system.linearize(state.poses);
+  system.linearize(state);
   system.set_mass(state.poses);
   system.factorize(times);
   std::vector<Wrench> forces(world_.body_count());
@@ -335,7 +339,7 @@ void Simulator::Impl::compute_reactions() {
   world_.forces(state, forces);
   free_accelerations(system.mass(), state, forces, accelerations);
   std::vector<double> rates(system.row_count());
-  system.rows().bias(state.poses, state.twists, reaction_multipliers_);
+  system.rows().bias(state, state.twists, reaction_multipliers_);
   system.rows().apply(system.jacobian(), accelerations, rates);
   for (int r = 0; r < system.row_count(); ++r)
     reaction_multipliers_[r] = -(reaction_multipliers_[r] + rates[r]);
@@ -357,7 +361,7 @@ Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> m
   const Rows::JointRows& rows = system_->rows().joints()[joint.index];
   const Rows::Side& side = system_->rows().sides()[rows.first_side + 1];
   std::vector<double> jacobian(system_->jacobian().size());
-  system_->rows().jacobian(world_.state().poses, jacobian);
+  system_->rows().jacobian(world_.state(), jacobian);
   Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
   for (int i = 0; i < rows.row_count; ++i)
     wrench += scale * multipliers[rows.first_row + i] *

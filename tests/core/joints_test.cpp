@@ -36,30 +36,67 @@ struct JointCase {
 };
 
 /// The example of core/README.md: a type that the library does not know.
-class PointOnLine final : public Joint {
+class PointOnPlane final : public Joint {
  public:
-  PointOnLine(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ)
-      : Joint(a, b), p_AP_(p_AP), axis_A_(axis_A), p_BQ_(p_BQ) {
-    require_all_finite("point-on-line anchor on A", p_AP);
-    require_all_finite("point-on-line anchor on B", p_BQ);
-    require_unit("point-on-line axis on A", axis_A);
+  /// @throws std::invalid_argument if a point is not finite or the normal not of unit length.
+  PointOnPlane(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& normal_A, const Vec3& p_BQ)
+      : Joint(a, b), p_AP_(p_AP), normal_A_(normal_A), p_BQ_(p_BQ) {
+    require_all_finite("point-on-plane anchor on A", p_AP);
+    require_all_finite("point-on-plane anchor on B", p_BQ);
+    require_unit("point-on-plane normal on A", normal_A);
   }
-  std::string_view type() const override { return "point_on_line"; }
+  std::string_view type() const override { return "point_on_plane"; }
   void append_rows(RowSink& rows) const override {
+    rows.add(row_parts::PointInPlane{p_AP_, normal_A_, p_BQ_});
+  }
+  void append_axes(AxisSink& axes) const override {
     Vec3 u, v;
-    complete_frame(axis_A_, u, v);
-    rows.add(row_parts::PointInPlane{p_AP_, u, p_BQ_});
-    rows.add(row_parts::PointInPlane{p_AP_, v, p_BQ_});
+    complete_frame(normal_A_, u, v);
+    axes.add("x", row_parts::Displacement{{p_AP_, u, p_BQ_}});
+    axes.add("y", row_parts::Displacement{{p_AP_, v, p_BQ_}});
   }
   Vec3 reaction_point_B() const override { return p_BQ_; }
 
  private:
-  Vec3 p_AP_, axis_A_, p_BQ_;
+  Vec3 p_AP_, normal_A_, p_BQ_;
 };
 
 template <typename AnyJoint>
 std::shared_ptr<const Joint> shared(const AnyJoint& joint) {
   return std::make_shared<const AnyJoint>(joint);
+}
+
+/// A generic joint with bits 0–2 of the mask for locked translations and 3–5 for locked rotations.
+JointCase six_dof(int mask) {
+  SixDof::Locks locks;
+  int locked = 0;
+  for (int i = 0; i < 3; ++i) {
+    locks.translation[i] = mask >> i & 1;
+    locks.rotation[i] = mask >> (3 + i) & 1;
+    locked += locks.translation[i] + locks.rotation[i];
+  }
+  const auto make = [=](const World& world, Random& random) -> JointCase::Made {
+    const Vec3 p = random.vector(2);
+    const Quat F = random.rotation();
+    const auto motion = [=](const Pose& B, Random& r) {
+      Quat turn = Quat::Identity();
+      const auto free = [&](int i) { return locks.rotation[i] ? 0 : 1; };
+      const int free_rotations = free(0) + free(1) + free(2);
+      if (free_rotations == 3) turn = r.rotation();
+      if (free_rotations == 1) turn = exp_so3(r.uniform(-3, 3) * (F * Vec3(free(0), free(1), free(2))));
+      if (free_rotations == 2) {  // about e_i of A, then g_j of B, (i, j, locked) cyclic
+        const int k = locks.rotation[0] ? 0 : locks.rotation[1] ? 1 : 2;
+        turn = exp_so3(r.uniform(-3, 3) * (F * Vec3::Unit((k + 1) % 3))) *
+               exp_so3(r.uniform(-3, 3) * (F * Vec3::Unit((k + 2) % 3)));
+      }
+      Pose moved_B = turned(B, turn, p);
+      for (int i = 0; i < 3; ++i)
+        if (!locks.translation[i]) moved_B.p += r.uniform(-3, 3) * (F * Vec3::Unit(i));
+      return moved_B;
+    };
+    return {std::make_shared<const SixDof>(SixDof::at(world, kA, kB, p, F, locks)), motion};
+  };
+  return {"six_dof", 6 - locked, make};
 }
 
 const JointCase kCases[] = {
@@ -105,13 +142,68 @@ const JointCase kCases[] = {
     {"point_on_line", 4,
      [](const World& world, Random& random) -> JointCase::Made {
        const Vec3 p = random.vector(2), axis = random.unit();
-       const Pose &A = world.pose(kA), &B = world.pose(kB);
-       return {shared(PointOnLine(kA, kB, A.local(p), A.q.conjugate() * axis, B.local(p))),
-               [=](const Pose& now, Random& r) {
-                 const Pose on = turned(now, r.rotation(), p);
+       return {shared(PointOnLine::at(world, kA, kB, p, axis)), [=](const Pose& B, Random& r) {
+                 const Pose on = turned(B, r.rotation(), p);
                  return Pose{on.q, on.p + r.uniform(-3, 3) * axis};
                }};
      }},
+    {"point_on_plane", 5,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), n = random.unit();
+       const Pose &A = world.pose(kA), &B = world.pose(kB);
+       return {shared(PointOnPlane(kA, kB, A.local(p), A.q.conjugate() * n, B.local(p))),
+               [=](const Pose& now, Random& r) {
+                 const Pose on = turned(now, r.rotation(), p);
+                 return Pose{on.q, on.p + 3 * n.cross(r.vector())};
+               }};
+     }},
+    {"cylindrical", 2,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), axis = random.unit();
+       return {shared(Cylindrical::at(world, kA, kB, p, axis)), [=](const Pose& B, Random& r) {
+                 const Pose on = turned(B, exp_so3(r.uniform(-3, 3) * axis), p);
+                 return Pose{on.q, on.p + r.uniform(-3, 3) * axis};
+               }};
+     }},
+    {"screw", 1,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), axis = random.unit();
+       const double pitch = random.uniform(0.2, 2) * (random.uniform(-1, 1) < 0 ? -1 : 1);
+       return {shared(Screw::at(world, kA, kB, p, axis, pitch)), [=](const Pose& B, Random& r) {
+                 const double angle = r.uniform(-20, 20);  // three turns either way
+                 const Pose on = turned(B, exp_so3(angle * axis), p);
+                 return Pose{on.q, on.p + pitch / 6.283185307179586477 * angle * axis};
+               }};
+     }},
+    {"planar", 3,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), n = random.unit();
+       Vec3 u, v;
+       complete_frame(n, u, v);
+       return {shared(Planar::at(world, kA, kB, p, n, u)), [=](const Pose& B, Random& r) {
+                 const Pose on = turned(B, exp_so3(r.uniform(-3, 3) * n), p);
+                 return Pose{on.q, on.p + r.uniform(-3, 3) * u + r.uniform(-3, 3) * v};
+               }};
+     }},
+    {"hinge2", 3,
+     [](const World& world, Random& random) -> JointCase::Made {
+       const Vec3 p = random.vector(2), steering = random.unit();
+       Vec3 spin, unused;
+       complete_frame(steering, spin, unused);
+       return {shared(Hinge2::at(world, kA, kB, p, steering, spin)), [=](const Pose& B, Random& r) {
+                 const Pose spun = turned(B, exp_so3(r.uniform(-3, 3) * spin), p);
+                 const Pose steered = turned(spun, exp_so3(r.uniform(-3, 3) * steering), p);
+                 return Pose{steered.q, steered.p + r.uniform(-3, 3) * steering};
+               }};
+     }},
+    six_dof(0b000000),
+    six_dof(0b000111),
+    six_dof(0b010011),
+    six_dof(0b101101),
+    six_dof(0b111010),
+    six_dof(0b001100),
+    six_dof(0b111000),
+    six_dof(0b111111),
 };
 
 /// A joint as it is known to World::add, from the shared pointer that the cases hold.
@@ -121,6 +213,7 @@ class Same final : public Joint {
       : Joint(joint->a(), joint->b()), joint_(std::move(joint)) {}
   std::string_view type() const override { return joint_->type(); }
   void append_rows(RowSink& rows) const override { joint_->append_rows(rows); }
+  void append_axes(AxisSink& axes) const override { joint_->append_axes(axes); }
   Vec3 reaction_point_B() const override { return joint_->reaction_point_B(); }
 
  private:
@@ -162,6 +255,7 @@ TEST_P(Joints, TakesAsManyFreedomsAsItHasRows) {
   on_random_joints(13, [&](const JointCase::Made& made, const Pose& A, const Pose& B, Random&) {
     const RowChecker rows(Same(made.joint));
     EXPECT_EQ(rows.row_count(), 6 - GetParam().freedoms);
+    if (rows.row_count() == 0) return;
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows.jacobian(A, B));
     EXPECT_GT(svd.singularValues().minCoeff(), 0.1);  // rows of order one, none dependent
   });
@@ -191,6 +285,31 @@ TEST_P(Joints, RowsAreConsistentWhereOpen) {
   });
 }
 
+/// Free axes are 0 where the joint is made, move B as their rows say, and hold their own rows against
+/// differences.
+TEST_P(Joints, AxesStartAtZeroAndTheirRowsAreConsistent) {
+  on_random_joints(18, [&](const JointCase::Made& made, const Pose& A, const Pose& B, Random& random) {
+    World world = pair_of_bodies(A, B);
+    const JointId joint = world.add_joint("joint", made.joint);
+    const bool from_length = GetParam().type == std::string("distance");
+    for (int k = 0; k < world.axis_count(joint) && !from_length; ++k)
+      EXPECT_NEAR(world.axis_value({joint, k}), 0, 1e-14) << world.axis_info({joint, k}).name;
+    const RowChecker rows(Same(made.joint), true);
+    EXPECT_EQ(rows.row_count(), 6 - GetParam().freedoms + world.axis_count(joint));
+    if (rows.row_count() == 0) return;
+    const Pose there = made.allowed_motion(B, random);
+    EXPECT_LT(rows.jacobian_error(A, there), testing::kDifferenceTolerance);
+    EXPECT_LT(rows.bias_error(A, there, random.twist(), random.twist()), testing::kDifferenceTolerance);
+    EXPECT_LT(rows.stiffness_error(A, there, random.multipliers(rows.row_count())),
+              testing::kDifferenceTolerance);
+    EXPECT_LT(rows.third_law_error(A, there, random.multipliers(rows.row_count())),
+              testing::kRoundOffTolerance);
+    // Axis rows are no combination of the equality rows, and together they are no more than six.
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows.jacobian(A, there));
+    EXPECT_GT(svd.singularValues().minCoeff(), 1e-3);
+  });
+}
+
 TEST_P(Joints, EveryRowHasANameAndAKind) {
   Random random(17);
   const RowChecker rows(Same(GetParam().make(pair_of_bodies(), random).joint));
@@ -201,8 +320,9 @@ TEST_P(Joints, EveryRowHasANameAndAKind) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(AllTypes, Joints, ::testing::ValuesIn(kCases),
-                         [](const auto& test_case) { return std::string(test_case.param.type); });
+INSTANTIATE_TEST_SUITE_P(AllTypes, Joints, ::testing::ValuesIn(kCases), [](const auto& test_case) {
+  return std::string(test_case.param.type) + "_" + std::to_string(test_case.index);
+});
 
 // The sign and the frame of λ, as the headers state them.  Bodies apart by (2, 0, 0), B at the origin's
 // right.

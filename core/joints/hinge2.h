@@ -1,0 +1,65 @@
+#pragma once
+
+#include "core/check.h"
+#include "core/world.h"
+
+namespace taut {
+
+/// Hinge-2 (car wheel): A is the chassis, B the wheel.  The wheel's centre moves along the steering axis a of
+/// A, the wheel is steered about a and spins about its own axis b ⟂ a.                 (core/README, Eq. 22)
+///   φ = (u·d, v·d, a·b) ∈ ℝ³ [m, m, rad], with d = p_WQ − p_WP and u, v, a an orthonormal frame of A.
+/// λ₁, λ₂ are the forces on B at Q along u and v; λ₃ the torque on B about b × a (camber).
+/// Free axes `travel` a·d [m], `steering` [rad] about a and `spin` [rad] of the wheel about b against the
+/// steered knuckle; all are 0 in the pose where at() made the joint, and otherwise the angles as for
+/// Universal.
+class Hinge2 final : public Joint {
+ public:
+  /// Points from the centres of mass and unit axes, in body axes.
+  /// @throws std::invalid_argument if a point is not finite or an axis not of unit length.
+  Hinge2(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& steering_A, const Vec3& p_BQ, const Vec3& spin_B)
+      : Joint(a, b), p_AP_(p_AP), steering_A_(steering_A), p_BQ_(p_BQ), spin_B_(spin_B) {
+    require_all_finite("hinge2 anchor on A", p_AP);
+    require_all_finite("hinge2 anchor on B", p_BQ);
+    require_unit("hinge2 steering axis on A", steering_A);
+    require_unit("hinge2 spin axis on B", spin_B);
+    Vec3 unused;
+    complete_frame(steering_A, reference_A_, unused);
+    complete_frame(spin_B, reference_B_, unused);
+  }
+  /// The joint with the wheel's centre at p_W in the bodies' present poses.
+  /// @throws std::invalid_argument also if the axes are not perpendicular (to 1e-9).
+  static Hinge2 at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& steering_W,
+                   const Vec3& spin_W) {
+    require_unit("hinge2 steering axis", steering_W);
+    require_unit("hinge2 spin axis", spin_W);
+    if (std::abs(steering_W.dot(spin_W)) > kUnitTolerance)
+      fail("hinge2 axes", "must be perpendicular (cosine)", steering_W.dot(spin_W));
+    const Pose &A = world.pose(a), &B = world.pose(b);
+    Hinge2 joint(a, b, A.local(p_W), A.q.conjugate() * steering_W, B.local(p_W), B.q.conjugate() * spin_W);
+    joint.reference_A_ = A.q.conjugate() * (spin_W - spin_W.dot(steering_W) * steering_W).normalized();
+    joint.reference_B_ = B.q.conjugate() * (steering_W - steering_W.dot(spin_W) * spin_W).normalized();
+    return joint;
+  }
+
+  std::string_view type() const override { return "hinge2"; }
+  void append_rows(RowSink& rows) const override {
+    Vec3 u, v;
+    complete_frame(steering_A_, u, v);
+    rows.add(row_parts::PointInPlane{p_AP_, u, p_BQ_});
+    rows.add(row_parts::PointInPlane{p_AP_, v, p_BQ_});
+    rows.add(row_parts::Perpendicular{steering_A_, spin_B_});
+  }
+  void append_axes(AxisSink& axes) const override {
+    axes.add("travel", row_parts::Displacement{{p_AP_, steering_A_, p_BQ_}});
+    axes.add("steering", row_parts::Angle{steering_A_, reference_A_, spin_B_});
+    // Seen from the wheel, the steering axis turns the other way.
+    axes.add("spin", row_parts::Angle{-spin_B_, reference_B_, steering_A_}, {1, 0});
+  }
+  Vec3 reaction_point_B() const override { return p_BQ_; }
+
+ private:
+  Vec3 p_AP_, steering_A_, p_BQ_, spin_B_;
+  Vec3 reference_A_, reference_B_;  // across the axes, where the angles are 0
+};
+
+}  // namespace taut

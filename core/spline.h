@@ -1,0 +1,104 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/check.h"
+
+namespace taut {
+
+/// Cubic spline through points at increasing parameters, twice continuously differentiable.  An open one ends
+/// with curvature 0 and goes on straight; a closed one returns to its first point (which is given again as
+/// the last) with the same derivatives and repeats.
+template <int Dimension>
+class CubicSpline {
+ public:
+  using Vector = Eigen::Matrix<double, Dimension, 1>;
+  struct At {
+    Vector value, first, second, third;
+  };
+
+  CubicSpline() = default;
+  /// @throws std::invalid_argument if there are fewer than two points (three for a closed curve), numbers of
+  /// parameters and points differ, one is not finite, parameters do not increase strictly, or the ends of a
+  /// closed curve differ.
+  CubicSpline(std::vector<double> parameters, std::vector<Vector> points, bool closed = false)
+      : t_(std::move(parameters)), p_(std::move(points)), closed_(closed) {
+    const std::size_t least = closed ? 4 : 2;
+    if (p_.size() < least) fail("spline", "must have more points", p_.size());
+    if (t_.size() != p_.size()) fail("spline", "must have one parameter per point", t_.size());
+    for (std::size_t i = 0; i < p_.size(); ++i) {
+      require_all_finite("spline point " + std::to_string(i + 1), p_[i]);
+      require_finite("spline parameter " + std::to_string(i + 1), t_[i]);
+      if (i > 0 && t_[i] <= t_[i - 1])
+        fail("spline parameter " + std::to_string(i + 1), "must exceed the one before it", t_[i]);
+    }
+    if (closed && p_.front() != p_.back())
+      fail("spline", "must end where it starts to be closed", p_.back().transpose());
+    solve_second_derivatives();
+  }
+
+  double first_parameter() const { return t_.front(); }
+  double last_parameter() const { return t_.back(); }
+  double length() const { return t_.back() - t_.front(); }
+  bool closed() const { return closed_; }
+  const std::vector<double>& parameters() const { return t_; }
+
+  At at(double t) const {
+    if (closed_) t -= length() * std::floor((t - t_.front()) / length());
+    const auto right = std::upper_bound(t_.begin() + 1, t_.end() - 1, t);
+    const auto i = static_cast<std::size_t>(right - t_.begin()) - 1;
+    const double h = t_[i + 1] - t_[i];
+    const Vector slope = (p_[i + 1] - p_[i]) / h;
+    if (!closed_ && t < t_.front()) return straight(i, slope - h / 6 * m_[i + 1], t - t_[i]);
+    if (!closed_ && t > t_.back()) return straight(i + 1, slope + h / 6 * m_[i], t - t_[i + 1]);
+    const double a = t_[i + 1] - t, b = t - t_[i];
+    At out;
+    out.third = (m_[i + 1] - m_[i]) / h;
+    out.second = (a * m_[i] + b * m_[i + 1]) / h;
+    out.first = slope + ((b * b / 2 - h * h / 6) * m_[i + 1] - (a * a / 2 - h * h / 6) * m_[i]) / h;
+    out.value = (a * p_[i] + b * p_[i + 1]) / h + (a * a - h * h) * a / (6 * h) * m_[i] +
+                (b * b - h * h) * b / (6 * h) * m_[i + 1];
+    return out;
+  }
+
+ private:
+  At straight(std::size_t i, const Vector& slope, double beyond) const {
+    return {p_[i] + beyond * slope, slope, Vector(Vector::Zero()), Vector(Vector::Zero())};
+  }
+  /// h_{i−1} m_{i−1} + 2 (h_{i−1} + h_i) m_i + h_i m_{i+1} = 6 (slope_i − slope_{i−1}), m = second
+  /// derivatives at the points; made once, hence dense.
+  void solve_second_derivatives() {
+    const auto n = static_cast<Eigen::Index>(p_.size());
+    Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, Dimension);
+    const auto add = [&](Eigen::Index row, Eigen::Index before, Eigen::Index here, Eigen::Index after,
+                         double h0, double h1, const Vector& step) {
+      A.row(row).setZero();
+      A(row, before) += h0;
+      A(row, here) += 2 * (h0 + h1);
+      A(row, after) += h1;
+      right.row(row) = 6 * step.transpose();
+    };
+    const auto h = [&](Eigen::Index i) { return t_[i + 1] - t_[i]; };
+    const auto slope = [&](Eigen::Index i) -> Vector { return (p_[i + 1] - p_[i]) / h(i); };
+    for (Eigen::Index i = 1; i + 1 < n; ++i) add(i, i - 1, i, i + 1, h(i - 1), h(i), slope(i) - slope(i - 1));
+    if (closed_) {
+      add(0, n - 2, 0, 1, h(n - 2), h(0), slope(0) - slope(n - 2));
+      A.row(n - 1).setZero();
+      A(n - 1, n - 1) = 1;
+      A(n - 1, 0) = -1;
+    }
+    const Eigen::MatrixXd m = A.partialPivLu().solve(right);
+    for (Eigen::Index i = 0; i < n; ++i) m_.push_back(m.row(i).transpose());
+  }
+
+  std::vector<double> t_;
+  std::vector<Vector> p_, m_;
+  bool closed_ = false;
+};
+
+}  // namespace taut
