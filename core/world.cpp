@@ -208,6 +208,12 @@ double World::potential_energy(const State& state) const {
   for (int b = 0; b < body_count(); ++b)
     if (!fixed_[b]) energy -= masses_[b].mass() * gravity_.dot(state.poses[b].p);
   for (const auto& force : forces_) energy += force->potential_energy(state);
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (!axis_properties_[i].spring) continue;
+    double theta = 0;
+    axes_[i].coordinate->residual(state, &theta);
+    energy += spring_energy(*axis_properties_[i].spring, theta);
+  }
   return energy;
 }
 

@@ -127,7 +127,7 @@ class World {
   void forces(const State& state, std::span<Wrench> wrenches) const;
   /// True if any force law reads velocities.
   bool forces_depend_on_velocity() const { return velocity_forces_; }
-  /// −Σ m g·p over the moving bodies, plus what the force laws state [J].
+  /// −Σ m g·p over the moving bodies, plus what the force laws and the springs of axes state [J].
   double potential_energy(const State& state) const;
 
   /// Everything that a simulation of this world would trip over: joints that are open at the start by more

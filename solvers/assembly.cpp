@@ -21,6 +21,11 @@ double max_abs(const std::vector<double>& values) {
   return largest;
 }
 
+/// Limits and motors are no part of closing joints.
+void leave_out_axes(const ConstraintSystem& system, std::vector<double>& rows) {
+  for (const Rows::AxisRow& axis : system.rows().axis_rows()) rows[axis.row] = 0;
+}
+
 void move(const MassMatrix& mass, const std::vector<Wrench>& impulse, double scale,
           std::vector<Pose>& poses) {
   for (int b = 0; b < mass.size(); ++b) {
@@ -44,7 +49,7 @@ bool contradict(const ConstraintSystem& system, std::span<const double> phi, con
   const Rows& rows = system.rows();
   std::vector<int> row_of, joint_of;
   for (int j : joints)
-    for (int i = 0; i < rows.joints()[j].row_count; ++i)
+    for (int i = 0; i < rows.joints()[j].equality_count; ++i)
       row_of.push_back(rows.joints()[j].first_row + i), joint_of.push_back(j);
   const auto n = static_cast<Eigen::Index>(row_of.size());
   std::map<int, Eigen::Index> column_of;  // the bodies that these joints touch
@@ -88,6 +93,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     system.rows().update_axes(state, state.axes);
     system.rows().residual(state, phi);
+    leave_out_axes(system, phi);
     const double gap = max_abs(phi);
     if (gap <= tolerance) return true;
     if (gap < 0.9 * best_gap) {
@@ -99,6 +105,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
     }
     system.linearize(state);
     system.set_mass(poses);
+    system.release_axes();
     system.factorize(report.times);
     for (int r = 0; r < n; ++r) delta[r] = -phi[r];
     system.solve(delta);
@@ -119,11 +126,14 @@ Contradiction find_contradiction(const World& world, ConstraintSystem& system, c
   const Configuration at(poses, world.time(), world.state().axes);
   system.linearize(at);
   system.set_mass(poses);
+  system.release_axes();
   system.factorize(report.times);
   system.rows().residual(at, phi);
+  leave_out_axes(system, phi);
   inner = phi;
   system.solve(inner);
   system.multiply(inner, reachable);
+  leave_out_axes(system, reachable);
 
   Contradiction found;
   std::vector<double> share(world.joint_count(), 0.0);

@@ -34,8 +34,9 @@ std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& or
   }
 }
 
-ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance)
-    : rows_(world, Rows::AxisRows::kLeftOut), mass_(world), tolerance_(tolerance) {
+ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance,
+                                   Rows::AxisRows axis_rows)
+    : rows_(world, axis_rows), mass_(world), tolerance_(tolerance) {
   {
     const Stopwatch watch(analysis_time_);
     const BlockOrdering ordering = order_blocks(joint_graph(rows_, mass_));
@@ -90,6 +91,11 @@ void ConstraintSystem::set_row_states(std::span<const double> states) {
   assert(states.empty() || states.size() == scratch_.size());
   const bool all_free = std::all_of(states.begin(), states.end(), [](double s) { return s == 0; });
   states_.assign(states.begin(), all_free ? states.begin() : states.end());
+}
+
+void ConstraintSystem::release_axes() {
+  states_.assign(rows_.axis_rows().empty() ? 0 : rows_.row_count(), 0.0);
+  for (const Rows::AxisRow& axis : rows_.axis_rows()) states_[axis.row] = kMasked;
 }
 
 /// A copy of W whose masked rows are zero: S of it has the pattern of S and only a diagonal there.

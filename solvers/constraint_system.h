@@ -46,7 +46,8 @@ inline constexpr double kMasked = std::numeric_limits<double>::infinity();
 /// (solvers/README, "Rank")
 class ConstraintSystem {
  public:
-  ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance);
+  ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance,
+                   Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded);
 
   const Rows& rows() const { return rows_; }
   const MassMatrix& mass() const { return mass_; }
@@ -70,6 +71,8 @@ class ConstraintSystem {
   /// for a compliant one.  From the next factorize() on, solve() solves (S + Σ)⁺ x on the rows that are not
   /// masked and gives 0 on the others; neither pattern nor analysis changes.  An empty span: all rows free.
   void set_row_states(std::span<const double> states);
+  /// All axis rows masked: the joints alone.
+  void release_axes();
   /// States of the present factor; empty if all rows are free.
   std::span<const double> factored_states() const { return factored_states_; }
   /// S from J and the roots, and its factor.  Sets rank_deficiency() and condition_estimate().

@@ -21,7 +21,7 @@ constexpr std::size_t kMaxExplained = 200;
 /// S_ε⁻¹ e_r, which is dominated by null vectors of S that contain r, the other rows with large |y| are those
 /// that hold it.
 RankReport analyze_rank(const World& world, const Settings& settings) {
-  ConstraintSystem system(world, settings.factor, kCountingTolerance);
+  ConstraintSystem system(world, settings.factor, kCountingTolerance, Rows::AxisRows::kLeftOut);
   StageTimes times;
   system.linearize(world.state());
   system.set_mass(world.state().poses);

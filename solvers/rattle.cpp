@@ -40,13 +40,17 @@ Wrench operator*(double s, const Wrench& a) { return {s * a.torque, s * a.force}
 }  // namespace
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
-    : world_(world), system_(system), settings_(settings) {
+    : world_(world), system_(system), settings_(settings), axes_(world, system.rows()), active_(system) {
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &forces_, &free_momenta_, &kicked_, &joint_impulse_, &move_})
     wrenches->resize(bodies);
   for (auto* values : {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_,
                        &force_multipliers_, &asymmetry_, &last_asymmetry_})
     values->assign(rows, 0.0);
+  for (auto* values : {&start_theta_, &rates_, &kick_rates_, &inertia_, &w_})
+    values->assign(axes_.empty() ? 0 : rows, 0.0);
+  laws_.assign(axes_.empty() ? 0 : rows, RowLaw::equality());
+  mean_twists_.resize(bodies);
   start_jacobian_.resize(system.jacobian().size());
   stiffness_.resize(bodies);
   filter_rotation_.resize(bodies);
@@ -54,6 +58,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
 }
 
 void Rattle::start(const State& state, StepReport& report) {
+  if (!axes_.empty()) system_.release_axes();
   state_ = state;
   poses_ = state.poses;
   history_ = 0;
@@ -64,9 +69,7 @@ void Rattle::start(const State& state, StepReport& report) {
     if (!body.fixed)
       momenta_[b] = {system_.mass().angular_momentum(b, state_.poses[b], V.w), body.mass * V.v};
   }
-  system_.linearize(state_);
-  system_.set_mass(state_.poses);
-  system_.factorize(report.times);
+  linearize_and_factorize(report);
   const Stopwatch watch(report.times.velocities);
   project_momenta(report, mu_);
   world_.forces(state_, forces_);
@@ -77,8 +80,23 @@ void Rattle::start(const State& state, StepReport& report) {
   free_accelerations(system_.mass(), state_, forces_, accelerations_);
   system_.rows().apply(system_.jacobian(), accelerations_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = -(force_multipliers_[r] + delta_[r]);
+  clear_axis_rows(force_multipliers_);
   system_.solve(force_multipliers_);
   update_step_limit(force_multipliers_);
+  if (axes_.empty()) return;
+  system_.rows().residual(state_, phi_);
+  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
+  axes_.start(phi_, rates_);
+  active_.reset();
+}
+
+void Rattle::linearize_and_factorize(StepReport& report) {
+  {
+    const Stopwatch watch(report.times.assembly);
+    system_.linearize(state_);
+    system_.set_mass(state_.poses);
+  }
+  system_.factorize(report.times);
 }
 
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
@@ -94,7 +112,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     for (int b = 0; b < world_.body_count(); ++b) free_momenta_[b] = momenta_[b] + 0.5 * h * forces_[b];
     predict_multipliers(h);
   }
-  if (!close_positions(h, report)) {
+  if (!(axes_.empty() ? close_positions(h, report) : close_bounded_positions(h, report))) {
     restore(report);
     return Outcome::kStalled;
   }
@@ -108,13 +126,13 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   }
   report.tension_number = std::max(report.tension_number, omega_ * std::abs(h));
   if (settings_.report_energy) account_for_kick(report);
+  if (!axes_.empty()) keep_first_kick();
 
   std::swap(state_.poses, poses_);  // poses_ now holds the old ones
   start_time_ = state_.time;
   state_.time += h;
-  system_.linearize(state_);
-  system_.set_mass(state_.poses);
-  system_.factorize(report.times);
+  if (!axes_.empty()) active_.prepare(laws_, delta_, lambda_);
+  linearize_and_factorize(report);
   refactored_ = false;
   if (!close_velocities(h, report)) {
     roll_back(report);
@@ -122,6 +140,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   }
   if (!finite()) return Outcome::kNotFinite;
   system_.rows().update_axes(state_, state_.axes);
+  if (!axes_.empty()) finish_axes(report);
   if (settings_.report_energy) {
     for (int b = 0; b < world_.body_count(); ++b)
       joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
@@ -154,6 +173,7 @@ bool Rattle::finite() const {
 }
 
 void Rattle::restore(StepReport& report) {
+  axes_.roll_back();
   if (!refactored_ && !implicit_) return;
   if (refactored_) std::copy(start_jacobian_.begin(), start_jacobian_.end(), system_.jacobian().begin());
   system_.set_mass(state_.poses);
@@ -168,9 +188,8 @@ void Rattle::roll_back(StepReport& report) {
   state_.time = start_time_;
   twists_from_momenta();
   world_.forces(state_, forces_);
-  system_.linearize(state_);
-  system_.set_mass(state_.poses);
-  system_.factorize(report.times);
+  linearize_and_factorize(report);
+  axes_.roll_back();
   implicit_ = false;
 }
 
@@ -272,7 +291,10 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   double last_change = std::numeric_limits<double>::infinity();
   for (int pass = 0;; ++pass) {
     for (int b = 0; b < world_.body_count(); ++b) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
-    project_momenta(report, mu_);
+    if (axes_.empty())
+      project_momenta(report, mu_);
+    else if (!project_bounded_momenta(report))
+      return false;
     if (!world_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.
     std::swap(forces_, joint_impulse_);
@@ -297,6 +319,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
+  clear_axis_rows(velocity_rows_);
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
     system_.solve_shifted(delta_);
@@ -308,6 +331,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
     twists_from_momenta();
     system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
     system_.rows().add_rate(state_, velocity_rows_);
+    clear_axis_rows(velocity_rows_);
     for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
     report.velocity_residual = max_abs(velocity_rows_);
     if (report.velocity_residual <= settings_.velocity_tolerance) break;

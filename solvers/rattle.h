@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "core/world.h"
+#include "solvers/active_set.h"
+#include "solvers/axis_forces.h"
 #include "solvers/constraint_system.h"
 #include "solvers/settings.h"
 #include "solvers/step_report.h"
@@ -42,9 +44,18 @@ class Rattle {
   /// λ + μ, summed over the advances since clear_impulses(), for reactions.
   std::span<const double> impulses() const { return impulses_; }
   void set_impulses(std::span<const double> impulses) { impulses_.assign(impulses.begin(), impulses.end()); }
-  void clear_impulses() { std::fill(impulses_.begin(), impulses_.end(), 0.0); }
+  void clear_impulses() {
+    std::fill(impulses_.begin(), impulses_.end(), 0.0);
+    axes_.clear_reports();
+  }
+  const AxisForces& axes() const { return axes_; }
+  /// Forces of the rows at the end of the last step.
+  std::span<const double> force_multipliers() const { return force_multipliers_; }
+  /// How the last active set of a stage went.
+  const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 
  private:
+  void linearize_and_factorize(StepReport& report);
   void predict_multipliers(double h);
   bool close_positions(double h, StepReport& report);
   double system_size() const;
@@ -54,6 +65,17 @@ class Rattle {
   void refactor_at_iterate(double h, StepReport& report);
   bool close_velocities(double h, StepReport& report);
   void project_momenta(StepReport& report, std::span<double> mu);
+  void clear_axis_rows(std::span<double> rows) const;
+  void begin_axes(double h);
+  bool close_bounded_positions(double h, StepReport& report);
+  double law_error(double h) const;
+  template <typename Laws>
+  bool solve_laws(std::span<double> lambda, Laws&& renew, StepReport& report);
+  bool project_bounded_momenta(StepReport& report);
+  void mean_rates(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
+                  std::span<const double> jacobian, std::span<double> out);
+  void keep_first_kick();
+  void finish_axes(StepReport& report);
   void twists_from_momenta();
   void restore(StepReport& report);
   void roll_back(StepReport& report);
@@ -94,6 +116,14 @@ class Rattle {
   double omega_ = 0, step_limit_ = 0;
   bool implicit_ = false;  // this step uses geometric stiffness
   std::vector<Mat3> filter_rotation_, filter_translation_;
+
+  // With axis rows:
+  AxisForces axes_;
+  ActiveSet active_;
+  ActiveSetOutcome outcome_;
+  std::vector<RowLaw> laws_;
+  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_;
+  std::vector<Twist> mean_twists_;
 };
 
 }  // namespace taut

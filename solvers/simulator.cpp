@@ -103,6 +103,11 @@ void Simulator::Impl::refresh() {
     rattle_.reset();
     force_level_.reset();
     system_ = std::make_unique<ConstraintSystem>(world_, settings_.factor);
+    if (!system_->rows().axis_rows().empty() && settings_.integrator != Integrator::kRattle) {
+      system_.reset();
+      fail("settings integrator", "must be RATTLE of order 2 where free axes have properties",
+           static_cast<int>(settings_.integrator));
+    }
     if (is_force_level(settings_.integrator))
       force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
     else
@@ -245,6 +250,16 @@ void Simulator::Impl::diagnose_stall() {
     set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
     return;
   }
+  if (const ActiveSetOutcome& outcome = rattle_->active_set_outcome(); !outcome.ok()) {
+    // Bounds and joints that exclude each other: the row that misses its law most is where it shows.
+    if (outcome.worst_row >= 0)
+      report_.contradiction.joints.push_back({system_->rows().row(outcome.worst_row).joint});
+    report_.contradiction.residual = outcome.residual;
+    set_failure(
+        outcome.status == ActiveSetStatus::kContradiction ? Status::kContradiction : Status::kNotConverged,
+        "limits, motors and friction of the axes could not be met together with the joints");
+    return;
+  }
   report_.contradiction = find_contradiction(world_, *system_, rattle_->trial_poses(), report_);
   std::ostringstream message;
   message << "positions could not be closed with sub-steps down to dt/" << settings_.max_substeps;
@@ -287,6 +302,7 @@ void Simulator::Impl::finish(double dt) {
   report_.rank_deficiency = system_->rank_deficiency();
   report_.condition_estimate = system_->condition_estimate();
   if (!settings_.report_energy) return;
+  report_.constraint_work -= report_.axis_work.total();
   report_.kinetic_energy = kinetic_energy(world_, state);
   report_.potential_energy = world_.potential_energy(state);
   report_.linear_momentum = linear_momentum(world_, state);
@@ -328,6 +344,12 @@ void Simulator::Impl::assemble() {
 void Simulator::Impl::compute_reactions() {
   refresh();
   if (reaction_version_ == world_.state_version()) return;
+  if (rattle_ && !rattle_->axes().empty()) {
+    const std::span<const double> multipliers = rattle_->force_multipliers();
+    reaction_multipliers_.assign(multipliers.begin(), multipliers.end());
+    reaction_version_ = world_.state_version();
+    return;
+  }
   const State& state = world_.state();
   StageTimes times;
   ConstraintSystem system(world_, settings_.factor);
@@ -396,6 +418,20 @@ Reaction Simulator::reaction(JointId joint) {
   (void)impl_->world_.joint(joint);
   impl_->compute_reactions();
   return impl_->reaction_from(joint, impl_->reaction_multipliers_, 1);
+}
+
+AxisReport Simulator::axis_report(AxisId axis) const {
+  (void)impl_->world_.axis_index(axis);  // throws for an id that is not there
+  if (!impl_->rattle_ || impl_->report_.dt == 0) return {};
+  const std::span<const Rows::AxisRow> rows = impl_->system_->rows().axis_rows();
+  const auto found =
+      std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.axis == axis; });
+  if (found == rows.end()) return {};
+  AxisReport report = impl_->rattle_->axes().reports()[found - rows.begin()];
+  for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
+                    &AxisImpulse::damping})
+    report.force.*part /= impl_->report_.dt;
+  return report;
 }
 
 RankReport Simulator::analyze_rank() { return taut::analyze_rank(impl_->world_, impl_->settings_); }

@@ -46,15 +46,22 @@ class Simulator {
 
   /// One step of dt [s].  The world's state moves to the end of the step, or stays where it was if the report
   /// does not say success.  The report lives until the next call.
-  /// @throws std::invalid_argument if dt is not finite and positive.
+  /// @throws std::invalid_argument if dt is not finite and positive, or if free axes have properties and the
+  /// integrator is another than kRattle.
   const StepReport& step(double dt);
   const StepReport& report() const;
 
   /// Mean reaction of a joint over the last step: the impulse that it gave, divided by dt.
   Reaction mean_reaction(JointId joint) const;
   /// Reaction at the present instant from the acceleration equation  S λ = −(γ + J M⁻¹ f).
-  /// One assembly, factorisation and solve for all joints on the first call after a step.
+  /// One assembly, factorisation and solve for all joints on the first call after a step.  Where free axes
+  /// have limits, motors, friction or springs: the multipliers at the end of the last step.
   Reaction reaction(JointId joint);
+
+  /// What acted along a free axis over the last step: mean forces and works of its motor, friction, limits
+  /// and spring.  All zero for an axis without properties.
+  /// @throws std::invalid_argument for an axis that is not there.
+  AxisReport axis_report(AxisId axis) const;
 
   /// Rank, freedoms and redundant rows by name in the present pose.  Nothing moves.
   RankReport analyze_rank();

@@ -6,6 +6,7 @@
 
 #include "core/diagnostics.h"
 #include "core/state.h"
+#include "solvers/axis_report.h"
 
 namespace taut {
 
@@ -50,18 +51,21 @@ struct StepReport {
   int analyses = 0;
   int factorizations = 0;
   int backsolves = 0;
-  int refactorizations = 0;       ///< of these, at a Newton iterate that converged too slowly
-  int rank_deficiency = 0;        ///< dependent rows at the end of the step
-  double condition_estimate = 0;  ///< of S, from the pivots: a lower bound
-  double tension_number = 0;      ///< largest ω h of the sub-steps taken
+  int refactorizations = 0;             ///< of these, at a Newton iterate that converged too slowly
+  int rank_deficiency = 0;              ///< dependent rows at the end of the step
+  double condition_estimate = 0;        ///< of S, from the pivots: a lower bound
+  double tension_number = 0;            ///< largest ω h of the sub-steps taken
+  int pivots = 0;                       ///< rows that changed their place in the active sets of the step
+  double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
   StageTimes times;
 
   // With Settings::report_energy:
   double kinetic_energy = 0, potential_energy = 0;  ///< [J]
   Vec3 linear_momentum = Vec3::Zero();              ///< [N·s]
   Vec3 angular_momentum = Vec3::Zero();             ///< about the world origin [N·m·s]
-  double constraint_work = 0;                       ///< of all joint impulses in this step [J]
-  double stiffness_work = 0;                        ///< energy taken by implicit geometric stiffness [J]
+  double constraint_work = 0;                       ///< of all ideal joints' impulses in this step [J]
+  AxisImpulse axis_work;      ///< of motors, friction, limits, springs and dampers of the axes [J]
+  double stiffness_work = 0;  ///< energy taken by implicit geometric stiffness [J]
 
   Contradiction contradiction;  ///< with Status::kContradiction
 

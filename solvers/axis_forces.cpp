@@ -1,0 +1,238 @@
+#include "solvers/axis_forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace taut {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// A step of a law that no rate comes to.
+constexpr double kNever = 1e12;
+/// A limit is touched within this distance [m or rad]; positions are closed to less.
+constexpr double kTouch = 1e-9;
+/// An axis that starts beyond its limit comes back at no more than this rate [m/s or rad/s].
+constexpr double kReturnRate = 1;
+/// Rates this near to a step of the law are on it, relative to 1 + |w|.
+constexpr double kOnStep = 1e-9;
+/// An axis slower than this is at rest at the start [m/s or rad/s].
+constexpr double kRest = 1e-12;
+
+bool on_step(double w, double at) { return std::abs(w - at) <= kOnStep * (1 + std::abs(w)); }
+
+}  // namespace
+
+AxisForces::AxisForces(const World& world, const Rows& rows)
+    : world_(world), rows_(rows.axis_rows().begin(), rows.axis_rows().end()) {
+  axes_.resize(rows_.size());
+  before_ = axes_;
+  reports_.resize(rows_.size());
+  first_kick_.resize(rows_.size());
+}
+
+void AxisForces::clear_reports() { std::fill(reports_.begin(), reports_.end(), AxisReport{}); }
+
+void AxisForces::start(std::span<const double> theta, std::span<const double> rates) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    axes_[i] = {};
+    axes_[i].stuck = std::abs(rates[rows_[i].row]) <= kRest;
+    axes_[i].anchor = theta[rows_[i].row];
+  }
+  before_ = axes_;
+}
+
+void AxisForces::begin(double h, std::span<const double> theta, std::span<const double> rates,
+                       std::span<const double> inertia) {
+  h_ = h;
+  std::copy(axes_.begin(), axes_.end(), before_.begin());
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Axis& axis = axes_[i];
+    const AxisProperties& p = properties(i);
+    axis.theta0 = theta[rows_[i].row];
+    axis.rate0 = rates[rows_[i].row];
+    axis.broken = false;
+    const double damping = (p.friction ? p.friction->viscous : 0) + (p.spring ? p.spring->damping : 0);
+    axis.implicit_damping = 0.5 * h * damping > inertia[rows_[i].row];
+  }
+}
+
+void AxisForces::roll_back() { std::copy(before_.begin(), before_.end(), axes_.begin()); }
+
+double AxisForces::motor_force(const AxisMotor& motor, double rate) const {
+  const double available =
+      motor.force_of_speed ? motor.force_of_speed->held(std::abs(rate)) : motor.max_force;
+  return std::min(available, motor.max_force);
+}
+
+void AxisForces::position_laws(std::span<const double> mean_rates, std::span<RowLaw> laws) {
+  const double half = 0.5 * h_;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Axis& axis = axes_[i];
+    const AxisProperties& p = properties(i);
+    axis.spring_level = axis.damping_level = axis.spring_slope = axis.damping_slope = 0;
+    if (p.spring) {
+      // The force in the middle of the step, at θ₀ + h/2 w, for both kicks: the implicit midpoint rule.
+      const AxisSpring& s = *p.spring;
+      const double stretch = axis.theta0 - s.rest;
+      axis.spring_level = -half * (s.table ? s.table->extended(stretch) : s.stiffness * stretch);
+      axis.spring_slope = half * half * std::max(0.0, s.table ? s.table->slope(stretch) : s.stiffness);
+      axis.damping_slope = half * s.damping;
+    }
+    axis.friction_force = axis.motor_force = 0;
+    if (p.friction) {
+      const bool held = axis.stuck && !axis.broken;
+      axis.damping_slope += half * p.friction->viscous;
+      axis.friction_force = half * (held ? p.friction->static_friction : p.friction->dynamic_friction);
+      axis.friction_at = held ? (axis.anchor - axis.theta0) / h_ : 0;
+    }
+    axis.lower_at = -kNever, axis.upper_at = kNever;
+    if (p.limits) {
+      axis.lower_at =
+          std::clamp((p.limits->lower - axis.theta0) / h_, -kNever, std::max(kReturnRate, kTouch / h_));
+      axis.upper_at =
+          std::clamp((p.limits->upper - axis.theta0) / h_, -std::max(kReturnRate, kTouch / h_), kNever);
+    }
+    if (p.motor) {
+      const AxisMotor& m = *p.motor;
+      axis.motor_force = half * motor_force(m, mean_rates[rows_[i].row]);
+      axis.motor_at = m.mode == AxisMotor::Mode::kVelocity
+                          ? m.target
+                          : std::clamp((m.target - axis.theta0) / h_, -m.max_speed, m.max_speed);
+    }
+    laws[rows_[i].row] = law_of(axis, p);
+  }
+}
+
+void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> laws) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Axis& axis = axes_[i];
+    const AxisProperties& p = properties(i);
+    const double theta1 = theta[rows_[i].row];
+    axis.spring_level = axis.spring;
+    axis.spring_slope = 0;
+    axis.damping_level = axis.implicit_damping ? 0 : axis.damping;
+    if (!axis.implicit_damping) axis.damping_slope = 0;
+    if (p.friction && (axis.broken || !axis.stuck))
+      axis.friction_force = 0.5 * h_ * p.friction->dynamic_friction;
+    axis.friction_at = 0;
+    axis.lower_at = -kNever, axis.upper_at = kNever;
+    if (p.limits) {
+      // Newton's law of impact with the rate before the step.
+      const double e = p.limits->restitution;
+      if (theta1 <= p.limits->lower + kTouch) axis.lower_at = std::max(0.0, -e * axis.rate0);
+      if (theta1 >= p.limits->upper - kTouch) axis.upper_at = std::min(0.0, -e * axis.rate0);
+    }
+    if (p.motor) {
+      const double left = p.motor->target - theta1;
+      if (p.motor->mode == AxisMotor::Mode::kVelocity)
+        axis.motor_at = p.motor->target;
+      else
+        axis.motor_at =
+            std::abs(left) <= kTouch ? 0 : std::clamp(left / h_, -p.motor->max_speed, p.motor->max_speed);
+    }
+    laws[rows_[i].row] = law_of(axis, p);
+  }
+}
+
+/// The sum of the steps and slopes of one axis.  The steps of limits are there even when far away, so that
+/// the pieces keep their numbers from stage to stage.
+RowLaw AxisForces::law_of(Axis& axis, const AxisProperties& p) const {
+  RowLaw law = RowLaw::viscous(axis.spring_slope + axis.damping_slope);
+  law.level[0] = axis.spring_level + axis.damping_level;
+  if (axis.friction_force > 0)
+    law = law + RowLaw::box(-axis.friction_force, axis.friction_force, axis.friction_at);
+  if (axis.motor_force > 0) {
+    // A motor of any force stops at a limit.
+    if (std::isinf(axis.motor_force)) axis.motor_at = std::clamp(axis.motor_at, axis.lower_at, axis.upper_at);
+    law = law + RowLaw::box(-axis.motor_force, axis.motor_force, axis.motor_at);
+  }
+  if (p.limits && std::isfinite(p.limits->lower)) law = law + RowLaw::lower_limit(axis.lower_at);
+  if (p.limits && std::isfinite(p.limits->upper)) law = law + RowLaw::upper_limit(axis.upper_at);
+  return law;
+}
+
+bool AxisForces::break_away(std::span<const double> w) {
+  bool any = false;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Axis& axis = axes_[i];
+    const AxisProperties& p = properties(i);
+    if (!p.friction || !axis.stuck || axis.broken || on_step(w[rows_[i].row], axis.friction_at)) continue;
+    axis.broken = true;
+    any = any || p.friction->dynamic_friction < p.friction->static_friction;
+  }
+  return any;
+}
+
+/// Springs, dampers and levels are known from w; on a step of the law the rest goes to friction as far as it
+/// reaches, then to the motor, then to the limit.
+AxisImpulse AxisForces::share(int i, double lambda, double w) const {
+  const Axis& axis = axes_[i];
+  AxisImpulse impulse;
+  impulse.spring = axis.spring_level - axis.spring_slope * w;
+  impulse.damping = axis.damping_level - axis.damping_slope * w;
+  double rest = lambda - impulse.spring - impulse.damping;
+  const auto take = [&](double at, double force) {
+    const double given = on_step(w, at) ? std::clamp(rest, -force, force) : w < at ? force : -force;
+    return force > 0 ? given : 0;
+  };
+  // What is known for certain first.
+  if (!on_step(w, axis.motor_at)) rest -= impulse.motor = take(axis.motor_at, axis.motor_force);
+  rest -= impulse.friction = take(axis.friction_at, axis.friction_force);
+  if (on_step(w, axis.motor_at)) rest -= impulse.motor = take(axis.motor_at, axis.motor_force);
+  if (on_step(w, axis.lower_at) || on_step(w, axis.upper_at)) impulse.limit = rest;
+  return impulse;
+}
+
+void AxisForces::finish_positions(std::span<const double> w) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Axis& axis = axes_[i];
+    const double rate = w[rows_[i].row];
+    axis.spring = axis.spring_level - axis.spring_slope * rate;
+    axis.damping = -axis.damping_slope * rate;
+  }
+}
+
+void AxisForces::finish_velocities(std::span<const double> theta, std::span<const double> w) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Axis& axis = axes_[i];
+    const bool held = axis.friction_force > 0 && on_step(w[rows_[i].row], 0);
+    if (held && (!axis.stuck || axis.broken)) axis.anchor = theta[rows_[i].row];
+    axis.stuck = held;
+    reports_[i].stuck = held;
+  }
+}
+
+void AxisForces::add(AxisReport& report, int i, double lambda, double w, double rate) const {
+  const AxisImpulse impulse = share(i, lambda, w);
+  for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
+                    &AxisImpulse::damping}) {
+    report.force.*part += impulse.*part;
+    report.work.*part += impulse.*part * rate;
+  }
+}
+
+void AxisForces::keep(std::span<const double> lambda, std::span<const double> w,
+                      std::span<const double> rates) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const int row = rows_[i].row;
+    first_kick_[i] = {};
+    add(first_kick_[i], static_cast<int>(i), lambda[row], w[row], rates[row]);
+  }
+}
+
+void AxisForces::book(std::span<const double> lambda, std::span<const double> w,
+                      std::span<const double> rates) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const int row = rows_[i].row;
+    const Axis& axis = axes_[i];
+    AxisReport& report = reports_[i];
+    report.force += first_kick_[i].force;
+    report.work += first_kick_[i].work;
+    add(report, static_cast<int>(i), lambda[row], w[row], rates[row]);
+    report.saturated = axis.motor_force > 0 && !on_step(w[row], axis.motor_at);
+    report.at_limit = on_step(w[row], axis.lower_at) || on_step(w[row], axis.upper_at);
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/world.h"
+#include "solvers/axis_report.h"
+#include "solvers/row_law.h"
+
+namespace taut {
+
+/// Limits, motors, friction and springs of the free axes as laws of their rows (row_law.h) for the two stages
+/// of a RATTLE step, and the memory that they need: where friction holds, how fast a limit was approached.
+/// (solvers/README, "Axes")
+///
+///   position stage   w = (θ(q₁) − θ₀)/h, λ the impulse of the first kick
+///   velocity stage   w = θ̇(q₁), λ the impulse of the second
+class AxisForces {
+ public:
+  AxisForces(const World& world, const Rows& rows);
+
+  bool empty() const { return axes_.empty(); }
+  /// A new start: friction of axes at rest holds them where they are.  `theta` and `rates` have one entry a
+  /// row, as in all functions below.
+  void start(std::span<const double> theta, std::span<const double> rates);
+  /// A step of h from θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row.
+  void begin(double h, std::span<const double> theta, std::span<const double> rates,
+             std::span<const double> inertia);
+  /// Back to the start of the step.
+  void roll_back();
+
+  /// Laws of the axis rows for the first kick; those of other rows stay.  `mean_rates`: the best estimate, by
+  /// which torque–speed curves are read.
+  void position_laws(std::span<const double> mean_rates, std::span<RowLaw> laws);
+  /// Laws for the second kick, with θ(q₁).
+  void velocity_laws(std::span<const double> theta, std::span<RowLaw> laws);
+  /// Axes that static friction held and that have broken away at this solution of a stage: their bound is now
+  /// that of dynamic friction, and the stage must be solved again.
+  bool break_away(std::span<const double> w);
+
+  /// How an impulse of a stage is made up.
+  AxisImpulse share(int axis, double lambda, double w) const;
+  /// Takes over the first kick: what springs and dampers gave is given again in the second.
+  void finish_positions(std::span<const double> w);
+  /// Takes over the second: which axes are held from here on.
+  void finish_velocities(std::span<const double> theta, std::span<const double> w);
+  /// Impulses of the first kick, during which the axes moved with `rates` on the mean: to be called before
+  /// velocity_laws(), booked with the second.
+  void keep(std::span<const double> lambda, std::span<const double> w, std::span<const double> rates);
+  /// Books both kicks.
+  void book(std::span<const double> lambda, std::span<const double> w, std::span<const double> rates);
+
+  /// Sums over the sub-steps since clear_reports(), with impulses in place of mean forces; in the order of
+  /// Rows::axis_rows().
+  std::span<const AxisReport> reports() const { return reports_; }
+  void clear_reports();
+
+ private:
+  /// Memory of an axis; a copy of all of them is a way back.
+  struct Axis {
+    double anchor = 0;    // where friction holds it
+    bool stuck = false;   // friction held it at the end of the last step
+    bool broken = false;  // … but not in this one
+    double theta0 = 0, rate0 = 0;
+    double spring = 0, damping = 0;  // given by the first kick: they are given again
+    bool implicit_damping = false;   // stiff dampers act on θ̇(q₁) instead
+    // The steps of the present law.
+    double motor_at = 0, motor_force = 0, friction_at = 0, friction_force = 0, lower_at = 0, upper_at = 0;
+    double spring_level = 0, damping_level = 0, spring_slope = 0, damping_slope = 0;
+  };
+
+  double motor_force(const AxisMotor& motor, double rate) const;
+  RowLaw law_of(Axis& axis, const AxisProperties& properties) const;
+  void add(AxisReport& report, int axis, double lambda, double w, double rate) const;
+  const AxisProperties& properties(std::size_t i) const { return world_.axis_properties(rows_[i].axis); }
+
+  const World& world_;
+  std::vector<Rows::AxisRow> rows_;
+  std::vector<Axis> axes_, before_;
+  std::vector<AxisReport> reports_, first_kick_;
+  double h_ = 0;
+};
+
+}  // namespace taut

@@ -1,0 +1,26 @@
+#pragma once
+
+namespace taut {
+
+/// A quantity along one axis by what gave it; forces and impulses are positive towards larger θ.
+struct AxisImpulse {
+  double motor = 0, friction = 0, limit = 0, spring = 0;
+  double damping = 0;  ///< dampers of springs and viscous friction
+  double total() const { return motor + friction + limit + spring + damping; }
+  AxisImpulse& operator+=(const AxisImpulse& other) {
+    motor += other.motor, friction += other.friction, limit += other.limit;
+    spring += other.spring, damping += other.damping;
+    return *this;
+  }
+};
+
+/// What acted along an axis over a step.
+struct AxisReport {
+  AxisImpulse force;       ///< mean over the step [N·m or N]
+  AxisImpulse work;        ///< on the bodies [J]
+  bool stuck = false;      ///< friction holds the axis where it is
+  bool saturated = false;  ///< the motor gives all it has and does not reach its target
+  bool at_limit = false;
+};
+
+}  // namespace taut

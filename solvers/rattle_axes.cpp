@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/max_abs.h"
+#include "solvers/rattle.h"
+#include "solvers/stopwatch.h"
+
+// The two stages of a step with limits, motors, friction and springs: the same Newton and the same projection
+// as without them, with an active set in place of each solve.  (solvers/README, "Axes")
+namespace taut {
+namespace {
+
+/// An iteration that takes away less than this part restarts with a fresh factor, or gives up.
+constexpr double kSlow = 0.6;
+/// Impulses on a level of their law are right to this part of the largest.
+constexpr double kLevelTolerance = 1e-9;
+/// More solves of a stage, because friction let go or velocities were not yet exact.
+constexpr int kMaxSolves = 12;
+
+}  // namespace
+
+void Rattle::clear_axis_rows(std::span<double> rows) const {
+  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) rows[axis.row] = 0;
+}
+
+/// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
+void Rattle::begin_axes(double h) {
+  system_.rows().residual(state_, phi_);
+  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) start_theta_[axis.row] = phi_[axis.row];
+  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
+  system_.rows().add_rate(state_, rates_);
+  system_.row_inertias(inertia_);
+  axes_.begin(h, start_theta_, rates_, inertia_);
+}
+
+/// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is an active
+/// set.
+bool Rattle::close_bounded_positions(double h, StepReport& report) {
+  begin_axes(h);
+  double last = std::numeric_limits<double>::infinity();
+  const double patience = settings_.max_newton_iterations + 4;
+  for (int iteration = 0;; ++iteration) {
+    {
+      const Stopwatch watch(report.times.positions);
+      kick_and_drift(h);
+      system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
+      for (int r = 0; r < system_.row_count(); ++r) rates_[r] = (phi_[r] - start_theta_[r]) / h;
+    }
+    clear_axis_rows(phi_);
+    axes_.position_laws(rates_, laws_);
+    const double error = iteration > 0 ? law_error(h) : std::numeric_limits<double>::infinity();
+    if (error <= settings_.position_tolerance) break;
+    if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
+    if (iteration > 1 && error > kSlow * last) {
+      if (refactored_ || error > 10 * last) return false;
+      refactor_at_iterate(h, report);
+    }
+    last = error;
+    const Stopwatch watch(report.times.positions);
+    if (!solve_laws(
+            lambda_, [&] { axes_.position_laws(rates_, laws_); }, report))
+      return false;
+    ++report.newton_iterations;
+  }
+  axes_.finish_positions(rates_);
+  surprised_ = false;
+  return true;
+}
+
+/// Distance of the motion from the laws [m or rad]: of verticals from their rate, of levels from their range,
+/// and of impulses from their level.
+double Rattle::law_error(double h) const {
+  double error = 0, largest = max_abs(lambda_);
+  for (int r = 0; r < system_.row_count(); ++r) {
+    const RowLaw& law = laws_[r];
+    const int piece = active_.pieces()[r];
+    const double w = rates_[r];
+    double off = 0;
+    if (RowLaw::is_vertical(piece)) {
+      off = std::abs(w - law.rate(piece));
+    } else {
+      off = std::max({0.0, law.first(piece) - w, w - law.last(piece)});
+      const double missing = std::abs(lambda_[r] - (law.force(piece) - law.slope * w));
+      if (missing > kLevelTolerance * largest) off = std::max(off, missing / inertia_[r]);
+    }
+    if (!(h * off <= error)) error = h * off;
+  }
+  return error;
+}
+
+/// Solves w = S λ + b for the laws, with b such that the present λ gives the present rates; again where
+/// static friction lets go.
+template <typename Laws>
+bool Rattle::solve_laws(std::span<double> lambda, Laws&& renew, StepReport& report) {
+  system_.multiply(lambda, delta_);
+  for (int r = 0; r < system_.row_count(); ++r) delta_[r] = rates_[r] - delta_[r];
+  for (int solve = 0; solve < kMaxSolves; ++solve) {
+    outcome_ = active_.solve(laws_, delta_, lambda, w_, report.times);
+    report.pivots += outcome_.pivots;
+    report.complementarity_residual = std::max(report.complementarity_residual, outcome_.residual);
+    if (!outcome_.ok()) return false;
+    if (!axes_.break_away(w_)) return true;
+    renew();
+  }
+  return true;
+}
+
+/// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
+bool Rattle::project_bounded_momenta(StepReport& report) {
+  // A first guess for its pieces: the impulses of the first kick.
+  std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
+  system_.rows().residual(state_, phi_);
+  const auto renew = [&] { axes_.velocity_laws(phi_, laws_); };
+  renew();
+  for (int r = 0; r < system_.row_count(); ++r)
+    if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
+  twists_from_momenta();
+  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
+  system_.rows().add_rate(state_, rates_);
+  system_.multiply(mu_, delta_);
+  for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
+  if (!solve_laws(mu_, renew, report)) return false;
+  system_.rows().apply_transpose(system_.jacobian(), mu_, joint_impulse_);
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (!system_.mass()[b].fixed)
+      momenta_[b] = {momenta_[b].torque + joint_impulse_[b].torque,
+                     momenta_[b].force + joint_impulse_[b].force};
+  twists_from_momenta();
+  system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
+  system_.rows().add_rate(state_, velocity_rows_);
+  std::copy(velocity_rows_.begin(), velocity_rows_.end(), rates_.begin());
+  clear_axis_rows(velocity_rows_);
+  report.velocity_residual = max_abs(velocity_rows_);
+  return report.velocity_residual <= settings_.velocity_tolerance;
+}
+
+/// The first kick for the books, at the pose where it acted.
+void Rattle::keep_first_kick() {
+  mean_rates(state_.poses, start_momenta_, kicked_,
+             refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian(), kick_rates_);
+  axes_.keep(lambda_, rates_, kick_rates_);
+}
+
+/// Mean rates of the rows in a kick from momenta p₀ to p₁ at one pose.
+void Rattle::mean_rates(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
+                        std::span<const double> jacobian, std::span<double> out) {
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const MassMatrix::Body& body = system_.mass()[b];
+    if (body.fixed) continue;
+    mean_twists_[b] = {system_.mass().angular_velocity(b, poses[b], 0.5 * (from[b].torque + to[b].torque)),
+                       body.inverse_mass * 0.5 * (from[b].force + to[b].force)};
+  }
+  system_.rows().apply(jacobian, mean_twists_, out);
+}
+
+/// After a step: who is held now, and the books of both kicks.
+void Rattle::finish_axes(StepReport& report) {
+  system_.rows().residual(state_, phi_);
+  mean_rates(state_.poses, kicked_, momenta_, system_.jacobian(), kick_rates_);
+  axes_.book(mu_, rates_, kick_rates_);
+  axes_.finish_velocities(phi_, rates_);
+  report.axis_work = {};
+  for (const AxisReport& axis : axes_.reports()) report.axis_work += axis.work;
+}
+
+}  // namespace taut
