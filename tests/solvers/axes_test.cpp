@@ -1,0 +1,195 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/joints.h"
+#include "solvers/simulator.h"
+
+/// Limits, motors, friction and springs against closed forms and laws.
+namespace taut {
+namespace {
+
+constexpr double kG = 9.81;
+
+/// A block of 2 kg on a slider along `axis` through the origin.
+struct Slide {
+  World world;
+  BodyId block;
+  JointId joint;
+  AxisId axis;
+  explicit Slide(const Vec3& direction, double mass = 2) {
+    block = world.add_body({.name = "block", .mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), mass)});
+    joint = world.add("slide", Slider::at(world, kGround, block, Vec3::Zero(), direction));
+    axis = world.axis(joint, "displacement");
+  }
+};
+
+/// A wheel about z.
+struct Wheel {
+  World world;
+  BodyId wheel;
+  AxisId axis;
+  double inertia;
+  explicit Wheel(double mass = 3, double radius = 0.2) {
+    const MassProperties m = MassProperties::cylinder(radius, 0.05, mass);
+    wheel = world.add_body({.name = "wheel", .mass = m});
+    const JointId joint = world.add("axle", Hinge::at(world, kGround, wheel, Vec3::Zero(), Vec3::UnitZ()));
+    axis = world.axis(joint, "angle");
+    inertia = m.inertia_B()(2, 2);
+    world.set_gravity(Vec3::Zero());
+  }
+};
+
+void run(Simulator& simulator, double dt, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    const StepReport& r = simulator.step(dt);
+    ASSERT_TRUE(r.ok()) << "step " << i << ": " << r.message;
+    ASSERT_LE(r.complementarity_residual, 1e-9);
+    ASSERT_LE(std::max(r.gap.metres, r.gap.radians), 1e-9);
+  }
+}
+
+Vec3 down_slope(double degrees) {
+  const double a = degrees * std::numbers::pi / 180;
+  return {std::cos(a), 0, -std::sin(a)};
+}
+
+TEST(AxisFriction, HoldsUpToTheStaticForceWithoutCreep) {
+  Slide s(down_slope(20));
+  const double pull = 2 * kG * std::sin(20 * std::numbers::pi / 180);
+  s.world.set_friction(s.axis, AxisFriction{1.001 * pull, 0.5 * pull, 0});
+  Simulator simulator(s.world);
+  run(simulator, 1e-2, 1000);
+  EXPECT_LE(std::abs(s.world.axis_value(s.axis)), 1e-10);
+  const AxisReport report = simulator.axis_report(s.axis);
+  EXPECT_TRUE(report.stuck);
+  EXPECT_NEAR(report.force.friction, -pull, 1e-9 * pull);
+}
+
+TEST(AxisFriction, SlidesWithTheDynamicForceOnceLoose) {
+  Slide s(down_slope(30));
+  const double pull = 2 * kG * 0.5;
+  s.world.set_friction(s.axis, AxisFriction{0.99 * pull, 0.4 * pull, 0});
+  Simulator simulator(s.world);
+  run(simulator, 1e-2, 100);
+  // Constant force: exact at any step.
+  EXPECT_NEAR(s.world.axis_value(s.axis), 0.5 * 0.6 * pull / 2 * 1.0, 1e-9);
+  EXPECT_NEAR(simulator.axis_report(s.axis).force.friction, -0.4 * pull, 1e-9 * pull);
+}
+
+TEST(AxisFriction, StopsASlidingBlockWhereCoulombSays) {
+  Slide s(Vec3::UnitX());
+  s.world.set_friction(s.axis, AxisFriction{6, 6, 0});
+  s.world.set_twist(s.block, {Vec3::Zero(), Vec3(2, 0, 0)});
+  Simulator simulator(s.world);
+  run(simulator, 1e-3, 1000);  // stops after 2/3 s and 2/3 m
+  EXPECT_NEAR(s.world.axis_value(s.axis), 2.0 * 2.0 / (2 * 3.0), 2e-6);
+  EXPECT_LE(std::abs(s.world.axis_rate(s.axis)), 1e-12);
+}
+
+TEST(AxisMotor, SpinsUpWithItsTorqueAndHoldsItsTarget) {
+  Wheel w;
+  w.world.set_motor(w.axis, AxisMotor{.target = 10, .max_force = 0.6});
+  Simulator simulator(w.world);
+  const double t = 10 * w.inertia / 0.6;
+  const int half = static_cast<int>(0.5 * t / 1e-3);
+  run(simulator, 1e-3, half);
+  EXPECT_TRUE(simulator.axis_report(w.axis).saturated);
+  EXPECT_NEAR(w.world.axis_rate(w.axis), 0.6 / w.inertia * half * 1e-3, 1e-9);
+  run(simulator, 1e-3, half + 100);
+  EXPECT_FALSE(simulator.axis_report(w.axis).saturated);
+  EXPECT_NEAR(w.world.axis_rate(w.axis), 10, 1e-10);
+  EXPECT_NEAR(simulator.axis_report(w.axis).force.motor, 0, 1e-9);
+}
+
+TEST(AxisMotor, FollowsItsTorqueSpeedCurve) {
+  Wheel w;
+  // τ = 1 − ω/20: I ω̇ = 1 − ω/20.
+  w.world.set_motor(w.axis, AxisMotor{.target = 100, .force_of_speed = Curve({{0, 1}, {20, 0}})});
+  Simulator simulator(w.world);
+  run(simulator, 1e-3, 500);
+  EXPECT_NEAR(w.world.axis_rate(w.axis), 20 * (1 - std::exp(-0.5 / (20 * w.inertia))), 2e-5);
+}
+
+TEST(AxisMotor, GoesToAPositionManyTurnsAway) {
+  Wheel w;
+  const double turns = 10 * std::numbers::pi;
+  w.world.set_motor(w.axis, AxisMotor{.mode = AxisMotor::Mode::kPosition, .target = turns, .max_speed = 15});
+  Simulator simulator(w.world);
+  run(simulator, 5e-3, 500);
+  EXPECT_NEAR(w.world.axis_value(w.axis), turns, 1e-9);
+  EXPECT_LE(std::abs(w.world.axis_rate(w.axis)), 1e-9);
+}
+
+TEST(AxisLimits, StopAtFiveTurns) {
+  Wheel w;
+  w.world.set_limits(w.axis, AxisLimits{.upper = 10 * std::numbers::pi});
+  w.world.set_twist(w.wheel, {Vec3(0, 0, 20), Vec3::Zero()});
+  Simulator simulator(w.world);
+  run(simulator, 5e-3, 400);
+  EXPECT_NEAR(w.world.axis_value(w.axis), 10 * std::numbers::pi, 1e-9);
+  EXPECT_LE(std::abs(w.world.axis_rate(w.axis)), 1e-9);
+}
+
+TEST(AxisLimits, ReverseTheRateByTheRestitution) {
+  for (double e : {0.0, 0.5, 1.0}) {
+    Slide s(Vec3::UnitX());
+    s.world.set_limits(s.axis, AxisLimits{.lower = -1, .upper = 1, .restitution = e});
+    s.world.set_twist(s.block, {Vec3::Zero(), Vec3(3, 0, 0)});
+    Simulator simulator(s.world);
+    run(simulator, 7e-3, 60);  // hits at 1/3 s
+    EXPECT_NEAR(s.world.axis_rate(s.axis), -3 * e, 1e-10) << e;
+    EXPECT_NEAR(s.world.axis_value(s.axis), 1 - 3 * e * (0.42 - 1. / 3), 0.0071 * 3 * (1 + e)) << e;
+  }
+}
+
+TEST(AxisLimits, CarryTheWeightAtRest) {
+  Slide s(Vec3(0, 0, -1));
+  s.world.set_limits(s.axis, AxisLimits{.upper = 0.5, .restitution = 0.3});
+  Simulator simulator(s.world);
+  run(simulator, 1.0 / 240, 600);
+  EXPECT_NEAR(s.world.axis_value(s.axis), 0.5, 1e-9);
+  EXPECT_LE(std::abs(s.world.axis_rate(s.axis)), 1e-9);
+  EXPECT_NEAR(simulator.axis_report(s.axis).force.limit, -2 * kG, 1e-8);
+}
+
+TEST(AxisSpring, OscillatesAtItsFrequencyAndKeepsItsEnergy) {
+  Slide s(Vec3::UnitX());
+  s.world.set_spring(s.axis, AxisSpring{.stiffness = 200});  // ω = 10
+  s.world.set_twist(s.block, {Vec3::Zero(), Vec3(1, 0, 0)});
+  Simulator simulator(s.world);
+  simulator.step(1e-3);
+  const double energy = simulator.report().energy();
+  run(simulator, 1e-3, 999);
+  EXPECT_NEAR(s.world.axis_value(s.axis), 0.1 * std::sin(10), 1e-5);
+  EXPECT_NEAR(simulator.report().energy(), energy, 1e-9);
+}
+
+TEST(AxisSpring, IsStableAtAnyStiffness) {
+  for (double k : {1e4, 1e8, 1e12}) {
+    Slide s(Vec3(0, 0, -1));
+    s.world.set_spring(s.axis, AxisSpring{.stiffness = k, .damping = 1e-3 * k});
+    Simulator simulator(s.world);
+    run(simulator, 1e-2, 1000);
+    EXPECT_NEAR(s.world.axis_value(s.axis), 2 * kG / k, 1e-3 * kG / k + 1e-9) << k;
+  }
+}
+
+TEST(Axes, MotorAgainstALimitStallsThere) {
+  Wheel w;
+  w.world.set_limits(w.axis, AxisLimits{.upper = 1});
+  w.world.set_motor(w.axis, AxisMotor{.target = 5, .max_force = 0.3});
+  w.world.set_friction(w.axis, AxisFriction{0.1, 0.1, 0});
+  Simulator simulator(w.world);
+  run(simulator, 5e-3, 1000);
+  const AxisReport report = simulator.axis_report(w.axis);
+  EXPECT_NEAR(w.world.axis_value(w.axis), 1, 1e-9);
+  EXPECT_NEAR(report.force.motor, 0.3, 1e-9);
+  EXPECT_NEAR(report.force.limit + report.force.friction, -0.3, 1e-9);
+  EXPECT_TRUE(report.saturated);
+  EXPECT_TRUE(report.at_limit);
+}
+
+}  // namespace
+}  // namespace taut
