@@ -71,6 +71,7 @@ JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
   if (is_fixed(joint->a()) && is_fixed(joint->b()))
     fail("joint " + shown, "joins two fixed bodies", this->name(joint->a()) + ", " + this->name(joint->b()));
   joint_names_.push_back(register_name(joint_of_name_, std::move(name), "joint", index));
+  jointed_.insert(std::minmax(joint->a(), joint->b()));
   joints_.push_back(std::move(joint));
   ++topology_version_;
   return {index};
