@@ -19,8 +19,8 @@ Vec3 rim_point(double r, double z, const Vec3& d) {
   return {r * d.x() / across, r * d.y() / across, z};
 }
 
-/// Eight points fixed in the body; the one next to the deepest point gives way to it.  An exactly upright disc
-/// (tilt below 1e-6 rad) has no deepest point.  Ids: first … first + 7, and first + 8.
+/// Eight points fixed in the body; the one next to the deepest point gives way to it.  An exactly upright
+/// disc (tilt below 1e-6 rad) has no deepest point.  Ids: first … first + 7, and first + 8.
 void rim_points(double r, double z, const Vec3& d, int first, std::vector<FeaturePoint>& out) {
   const bool tilted = std::hypot(d.x(), d.y()) > 1e-6;
   const double step = 2 * std::numbers::pi / kRimPoints;
@@ -308,7 +308,8 @@ struct Maker {
         add_unless_parallel(body.edge_directions, edge.normalized());
       }
     body.symmetric = false;
-    for (const Vec3& v : body.hull.vertices) body.centre += v / static_cast<double>(body.hull.vertices.size());
+    for (const Vec3& v : body.hull.vertices)
+      body.centre += v / static_cast<double>(body.hull.vertices.size());
   }
   void operator()(const TriangleMesh&) {}
   void operator()(const HalfSpace&) {}

@@ -25,20 +25,21 @@ struct Feature {
   double rounding;  ///< radius of curvature across a segment [m]
 };
 
-/// A convex body, the sum of a core and a ball: sphere = point ⊕ ball, capsule = segment ⊕ ball, all others have
-/// radius zero.  Distances of cores are what GJK does exactly, and a rounded core touches before its core does.
+/// A convex body, the sum of a core and a ball: sphere = point ⊕ ball, capsule = segment ⊕ ball, all others
+/// have radius zero.  Distances of cores are what GJK does exactly, and a rounded core touches before its
+/// core does.
 struct Convex {
   enum class Kind { kPoint, kSegment, kBox, kCylinder, kCone, kEllipsoid, kPolyhedron };
 
   Kind kind = Kind::kPoint;
-  Vec3 half = Vec3::Zero();  ///< box: half sizes; segment: (0, 0, L/2); cylinder: (r, r, L/2); ellipsoid: radii;
-                             ///< cone: (r, r, height)
-  double radius = 0;         ///< of the ball
-  Polyhedron hull;           ///< kPolyhedron; a triangle has two faces
+  Vec3 half = Vec3::Zero();  ///< box: half sizes; segment: (0, 0, L/2); cylinder: (r, r, L/2); ellipsoid:
+                             ///< radii; cone: (r, r, height)
+  double radius = 0;                                ///< of the ball
+  Polyhedron hull;                                  ///< kPolyhedron; a triangle has two faces
   std::vector<Vec3> face_normals, edge_directions;  ///< unit; where separating directions come from
   double extent = 0;                                ///< radius of a ball about the origin that holds it
   Vec3 centre = Vec3::Zero();                       ///< somewhere inside
-  bool symmetric = true;  ///< centrally, about the origin
+  bool symmetric = true;                            ///< centrally, about the origin
   std::shared_ptr<GjkCore> gjk;
 
   bool curved() const { return kind == Kind::kCylinder || kind == Kind::kCone || kind == Kind::kEllipsoid; }

@@ -117,8 +117,8 @@ bool ask_libccd(const Convex& A, const Convex& B, const Relative& X, const Vec3&
   if (!a.object || !b.object) return false;
   double distance = -1;
   fcl::Vector3d p, q;
-  if (!fcl::detail::GJKDistance<double>(a.object, a.support, b.object, b.support, kIterations, 1e-12, &distance,
-                                        &p, &q))
+  if (!fcl::detail::GJKDistance<double>(a.object, a.support, b.object, b.support, kIterations, 1e-12,
+                                        &distance, &p, &q))
     return false;
   const double length = (q - p).norm();
   if (!(length > 0)) return false;

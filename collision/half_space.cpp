@@ -15,7 +15,8 @@ struct Plane {
     const double gap = h.dot(x - p) - r;
     if (gap > cutoff) return;
     const Vec3 P = x - r * h;
-    out.push_back({P, P - gap * h, -h, gap, contact_id(Meeting::kVertexA, static_cast<std::uint64_t>(id), 0)});
+    out.push_back(
+        {P, P - gap * h, -h, gap, contact_id(Meeting::kVertexA, static_cast<std::uint64_t>(id), 0)});
   }
 };
 

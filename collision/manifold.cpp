@@ -156,16 +156,16 @@ void meet_segment_polygon(const Feature& segment, const Feature& polygon, bool s
   }
 }
 
-/// Sutherland–Hodgman: cuts polygon A, in the contact plane, by the edges of B.  Each corner remembers the edge of
-/// A that starts at it and the edge of B it lies on, which name it.
-/// Polygon B is `slack` larger all around, so that a corner on its boundary is in.
+/// Sutherland–Hodgman: cuts polygon A, in the contact plane, by the edges of B.  Each corner remembers the
+/// edge of A that starts at it and the edge of B it lies on, which name it. Polygon B is `slack` larger all
+/// around, so that a corner on its boundary is in.
 void clip(const Feature& A, const Feature& B, const Frame& f, double slack, ManifoldScratch& work) {
   std::vector<Corner>&poly = work.polygon, &next = work.clipped;
   poly.clear();
   const int count_A = static_cast<int>(A.points.size()), count_B = static_cast<int>(B.points.size());
   for (int i = 0; i < count_A; ++i)
-    poly.push_back({f.x(A.points[i].p), f.y(A.points[i].p), contact_id(Meeting::kVertexA, A.points[i].id, 0), i,
-                    -1});
+    poly.push_back(
+        {f.x(A.points[i].p), f.y(A.points[i].p), contact_id(Meeting::kVertexA, A.points[i].id, 0), i, -1});
   const double sense = B.normal.dot(f.n) > 0 ? 1 : -1;
   for (int k = 0; k < count_B; ++k) {
     const int k1 = (k + 1) % count_B;
@@ -189,7 +189,8 @@ void clip(const Feature& A, const Feature& B, const Frame& f, double slack, Mani
         const int shared = (from.edge_B + 1) % count_B == k ? k : k1;
         cut.id = contact_id(Meeting::kVertexB, 0, B.points[shared].id);
       }
-      if (h0 >= 0) cut.edge_A = -1, cut.edge_B = k;  // leaving: from here on the boundary runs along the edge k
+      if (h0 >= 0)
+        cut.edge_A = -1, cut.edge_B = k;  // leaving: from here on the boundary runs along the edge k
       next.push_back(cut);
     }
     poly.swap(next);
@@ -285,8 +286,8 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
     }
   }
   if (overhang == Overhang::kNone || (out.size() > first && collect.has_depth(separation.s))) return;
-  // The features miss the deepest place, as when a round side overhangs an edge: it is the support point of the body
-  // that has only one there.
+  // The features miss the deepest place, as when a round side overhangs an edge: it is the support point of
+  // the body that has only one there.
   Vec3 on_ridge, edge;
   Vec3 p = A.support(frame.n);
   if (A.ridge(frame.n, on_ridge, edge)) p = X.p + X.R * B.support(n_B) - core_s * frame.n;
@@ -304,7 +305,8 @@ void reduce(std::vector<ManifoldPoint>& points, std::size_t first, std::size_t m
   distance.assign(count, 1e300);
   std::size_t chosen = 0;
   for (std::size_t i = 1; i < count; ++i)
-    if (begin[static_cast<std::ptrdiff_t>(i)].gap < begin[static_cast<std::ptrdiff_t>(chosen)].gap) chosen = i;
+    if (begin[static_cast<std::ptrdiff_t>(i)].gap < begin[static_cast<std::ptrdiff_t>(chosen)].gap)
+      chosen = i;
   std::vector<double>& order = work.plane_B;
   order.clear();
   while (order.size() < most) {

@@ -9,9 +9,9 @@ namespace taut::detail {
 
 /// A contact point in the frame of shape A.
 struct ManifoldPoint {
-  Vec3 p, q;     ///< on A and on B
-  Vec3 n;        ///< from A to B
-  double gap;    ///< n·(q − p)
+  Vec3 p, q;   ///< on A and on B
+  Vec3 n;      ///< from A to B
+  double gap;  ///< n·(q − p)
   std::uint64_t id;
 };
 
@@ -25,7 +25,7 @@ std::uint64_t edge_id(int corner, int other);
 /// Work space of one thread.
 struct ManifoldScratch {
   struct Corner {
-    double x, y;   ///< in the contact plane
+    double x, y;  ///< in the contact plane
     std::uint64_t id;
     int edge_A, edge_B;
   };
@@ -35,17 +35,20 @@ struct ManifoldScratch {
   std::vector<ManifoldPoint> kept;
 };
 
-/// Whether a contact is made where the two features have nothing in common, at the deepest place.  Not so for a triangle of
-/// a mesh: there another triangle has it.
+/// Whether a contact is made where the two features have nothing in common, at the deepest place.  Not so for
+/// a triangle of a mesh: there another triangle has it.
 enum class Overhang { kDeepest, kNone };
 
-/// Contact points of two convex bodies that are `separation` apart: what the feature of A and that of B have in common,
-/// seen along n.  Points with a gap above `cutoff` are left out; with Overhang::kDeepest there is at least one.  Appended to `out`.
+/// Contact points of two convex bodies that are `separation` apart: what the feature of A and that of B have
+/// in common, seen along n.  Points with a gap above `cutoff` are left out; with Overhang::kDeepest there is
+/// at least one.  Appended to `out`.
 void make_manifold(const Convex& A, const Convex& B, const Relative& X_AB, const Separation& separation,
-                   double cutoff, Overhang overhang, ManifoldScratch& scratch, std::vector<ManifoldPoint>& out);
+                   double cutoff, Overhang overhang, ManifoldScratch& scratch,
+                   std::vector<ManifoldPoint>& out);
 
-/// Keeps at most `most` of the points from `first` on: the deepest, then each time the one that is farthest from those
-/// kept.  Order is kept.
-void reduce(std::vector<ManifoldPoint>& points, std::size_t first, std::size_t most, ManifoldScratch& scratch);
+/// Keeps at most `most` of the points from `first` on: the deepest, then each time the one that is farthest
+/// from those kept.  Order is kept.
+void reduce(std::vector<ManifoldPoint>& points, std::size_t first, std::size_t most,
+            ManifoldScratch& scratch);
 
 }  // namespace taut::detail

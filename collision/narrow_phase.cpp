@@ -89,8 +89,8 @@ bool is_unsupported(const Geometry& a, const Geometry& b) {
   return (a.kind == Kind::kSurface && b.kind == Kind::kSurface) || (ground(a) && ground(b));
 }
 
-void find_contacts(const Geometry& a, const Geometry& b, const Relative& X_ab, double cutoff, std::size_t most,
-                   NarrowScratch& scratch, std::vector<ManifoldPoint>& out) {
+void find_contacts(const Geometry& a, const Geometry& b, const Relative& X_ab, double cutoff,
+                   std::size_t most, NarrowScratch& scratch, std::vector<ManifoldPoint>& out) {
   using Kind = Geometry::Kind;
   const std::size_t first = out.size();
   if (is_unsupported(a, b)) return;

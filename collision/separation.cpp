@@ -18,9 +18,7 @@ struct Pair {
   const Relative& X;
 
   /// From the support point of A to that of B.
-  Vec3 witness(const Vec3& n) const {
-    return X.p + X.R * B.support(-(X.R.transpose() * n)) - A.support(n);
-  }
+  Vec3 witness(const Vec3& n) const { return X.p + X.R * B.support(-(X.R.transpose() * n)) - A.support(n); }
   double s(const Vec3& n) const { return n.dot(witness(n)); }
   double size() const { return A.extent + B.extent; }
 };
@@ -40,8 +38,8 @@ struct Best {
   }
 };
 
-/// Directions that separate polytopes if any do: normals of faces, cross products of edges; and for round bodies the
-/// lines between centres, across the axes.  True if the pair is found to be far apart.
+/// Directions that separate polytopes if any do: normals of faces, cross products of edges; and for round
+/// bodies the lines between centres, across the axes.  True if the pair is found to be far apart.
 bool try_candidates(Best& best) {
   const auto& [A, B, X] = best.pair;
   Vec3 between = X.p + X.R * B.centre - A.centre;
@@ -80,7 +78,8 @@ bool candidates_are_complete(const Convex& A, const Convex& B) {
 }
 
 /// Newton's method for w(n) ∥ n without a ridge: w is the gradient of s, and in a tangent basis U
-///     (Uᵀ (H_A + H_B) U + s 1) y = Uᵀ w,   n ← n + U y                               (collision/README, Eq. 4)
+///     (Uᵀ (H_A + H_B) U + s 1) y = Uᵀ w,   n ← n + U y                               (collision/README, Eq.
+///     4)
 Vec3 polish_smooth(const Pair& pair, Vec3 n) {
   const auto& [A, B, X] = pair;
   for (int i = 0; i < 8; ++i) {
@@ -89,8 +88,8 @@ Vec3 polish_smooth(const Pair& pair, Vec3 n) {
     complete_frame(n, u, v);
     U << u, v;
     const Vec3 w = pair.witness(n);
-    const Mat3 H = A.support_derivative(n) +
-                   X.R * B.support_derivative(-(X.R.transpose() * n)) * X.R.transpose();
+    const Mat3 H =
+        A.support_derivative(n) + X.R * B.support_derivative(-(X.R.transpose() * n)) * X.R.transpose();
     const Eigen::Matrix2d K = U.transpose() * H * U + n.dot(w) * Eigen::Matrix2d::Identity();
     const Eigen::Vector2d g = U.transpose() * w;
     const double determinant = K.determinant();
@@ -103,8 +102,8 @@ Vec3 polish_smooth(const Pair& pair, Vec3 n) {
   return n;
 }
 
-/// The same along a ridge, where a whole edge of one body is farthest: n moves on the curve of directions across that
-/// edge; secant method for its angle.
+/// The same along a ridge, where a whole edge of one body is farthest: n moves on the curve of directions
+/// across that edge; secant method for its angle.
 Vec3 polish_ridge(const Pair& pair, Vec3 n, bool of_A) {
   const auto& [A, B, X] = pair;
   const auto on_ridge = [&](const Vec3& d, Vec3& edge) {

@@ -26,7 +26,8 @@ Surface::Surface(const TriangleMesh& mesh) : vertices(mesh.vertices), triangles(
   std::vector<fcl::Triangle> corners;
   corners.reserve(triangles.size());
   for (const auto& [a, b, c] : triangles)
-    corners.emplace_back(static_cast<std::size_t>(a), static_cast<std::size_t>(b), static_cast<std::size_t>(c));
+    corners.emplace_back(static_cast<std::size_t>(a), static_cast<std::size_t>(b),
+                         static_cast<std::size_t>(c));
   bvh_->model.beginModel(static_cast<int>(corners.size()), static_cast<int>(points.size()));
   bvh_->model.addSubModel(points, corners);
   bvh_->model.endModel();

@@ -8,8 +8,8 @@
 
 namespace taut::detail {
 
-/// What a triangle's edge i → i+1 has behind it.  Only a boundary or convex edge can be touched; a flat or concave
-/// one never shows its own normal.
+/// What a triangle's edge i → i+1 has behind it.  Only a boundary or convex edge can be touched; a flat or
+/// concave one never shows its own normal.
 enum class EdgeKind : char { kBoundary, kFlat, kConcave, kConvex };
 
 struct Bvh;  // FCL's tree of boxes

@@ -6,9 +6,9 @@
 namespace taut::detail {
 namespace {
 
-/// Sides of triangles that meet in the surface are not there for whoever touches it (internal edges): a contact
-/// on an edge or corner of triangle t keeps its normal n only within the cone between the normals of the faces that
-/// meet there.  What a contact with that normal comes to:
+/// Sides of triangles that meet in the surface are not there for whoever touches it (internal edges): a
+/// contact on an edge or corner of triangle t keeps its normal n only within the cone between the normals of
+/// the faces that meet there.  What a contact with that normal comes to:
 enum class Verdict { kKeep, kUseFace, kLeaveToNeighbour };
 
 Verdict judge(const Surface& surface, int t, const Vec3& n) {
@@ -42,8 +42,8 @@ void name_triangle(std::vector<ManifoldPoint>& points, std::size_t first, int t)
   }
 }
 
-/// Points on edges that are not edges of the surface bound nothing: a box across the diagonal of a flat square has its
-/// corners only.
+/// Points on edges that are not edges of the surface bound nothing: a box across the diagonal of a flat
+/// square has its corners only.
 void drop_inner_points(const Surface& surface, int t, std::vector<ManifoldPoint>& points, std::size_t first) {
   const auto flat = [&](std::uint64_t edge) { return surface.edges[t][edge] == EdgeKind::kFlat; };
   const auto inner = [&](const ManifoldPoint& point) {
@@ -90,9 +90,12 @@ void surface_contacts(const Surface& surface, const Convex& b, const Relative& X
     const double s_face = f.dot(deepest - a0) - b.radius;
     // Far above the plane, or come through from behind: the centre is on the wrong side.
     if (s_face > cutoff || (!surface.solid_below && f.dot(centre - a0) < 0)) continue;
-    set_triangle(work.triangle, a0, surface.vertices[corner[1]], surface.vertices[corner[2]]);
+    // In a frame at the triangle, so that round-off does not grow with the mesh.
+    set_triangle(work.triangle, Vec3::Zero(), surface.vertices[corner[1]] - a0,
+                 surface.vertices[corner[2]] - a0);
+    const Relative X_t{X.R, X.p - a0};
     Separation separation;
-    if (!find_separation(work.triangle, b, X, cutoff, separation)) continue;
+    if (!find_separation(work.triangle, b, X_t, cutoff, separation)) continue;
     if (separation.n.dot(f) < 1 - 1e-12) {
       const Verdict verdict = judge(surface, t, separation.n);
       if (verdict == Verdict::kLeaveToNeighbour) continue;
@@ -100,8 +103,9 @@ void surface_contacts(const Surface& surface, const Convex& b, const Relative& X
     }
     const bool face = separation.n.dot(f) > 1 - 1e-12;
     const std::size_t own = out.size();
-    make_manifold(work.triangle, b, X, separation, cutoff, face ? Overhang::kNone : Overhang::kDeepest,
+    make_manifold(work.triangle, b, X_t, separation, cutoff, face ? Overhang::kNone : Overhang::kDeepest,
                   work.manifold, out);
+    for (std::size_t i = own; i < out.size(); ++i) out[i].p += a0, out[i].q += a0;
     name_triangle(out, own, t);
     if (face) drop_inner_points(surface, t, out, own);
   }
