@@ -34,8 +34,8 @@ struct Convex {
   Kind kind = Kind::kPoint;
   Vec3 half = Vec3::Zero();  ///< box: half sizes; segment: (0, 0, L/2); cylinder: (r, r, L/2); ellipsoid:
                              ///< radii; cone: (r, r, height)
-  double radius = 0;                                ///< of the ball
-  Polyhedron hull;                                  ///< kPolyhedron; a triangle has two faces
+  double radius = 0;         ///< of the ball
+  Polyhedron hull;           ///< kPolyhedron; a triangle has two faces
   std::vector<Vec3> face_normals, edge_directions;  ///< unit; where separating directions come from
   double extent = 0;                                ///< radius of a ball about the origin that holds it
   Vec3 centre = Vec3::Zero();                       ///< somewhere inside

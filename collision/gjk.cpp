@@ -171,7 +171,7 @@ void update_gjk_triangle(Convex& body) {
 }
 
 bool shortest_direction(const Convex& A, const Convex& B, const Relative& X, const Vec3& shift,
-                        const Vec3& guess, Vec3& n) {
+                        const Vec3& guess, Vec3& n, bool second_opinion) {
   const double size = A.extent + B.extent;
   double smaller = size;
   for (const double extent : {A.extent, B.extent})
@@ -188,7 +188,8 @@ bool shortest_direction(const Convex& A, const Convex& B, const Relative& X, con
   } else {
     n = guess;
   }
-  if (ask_libccd(A, B, X, shift, second) && separation(A, B, X, shift, second.n) > s_first) n = second.n;
+  if (second_opinion && ask_libccd(A, B, X, shift, second) && separation(A, B, X, shift, second.n) > s_first)
+    n = second.n;
   return separation(A, B, X, shift, n) > 0;
 }
 

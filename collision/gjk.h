@@ -14,8 +14,9 @@ void update_gjk_triangle(Convex& body);
 ///     distance = min_B n·x − max_A n·x
 /// is checked to 1e-8 of the size of the pair (1e-5 for curved cores, which are polished afterwards); if it
 /// fails, FCL's other solver (libccd) is asked, and the n with the larger right-hand side is returned.
-/// Returns false if that is not positive: the cores overlap, or both solvers failed.
+/// Returns false if that is not positive: the cores overlap, or both solvers failed.  Without
+/// `second_opinion` libccd is not asked.
 bool shortest_direction(const Convex& A, const Convex& B, const Relative& X_AB, const Vec3& shift,
-                        const Vec3& guess, Vec3& n);
+                        const Vec3& guess, Vec3& n, bool second_opinion = true);
 
 }  // namespace taut::detail

@@ -25,15 +25,20 @@ double plane_height(const Frame& frame, const Vec3& point, const Vec3& m, double
 /// Collects contact points.  Cores are rounded off here.
 class Collector {
  public:
-  Collector(const Convex& A, const Convex& B, const Frame& frame, double cutoff, double size,
+  Collector(const Convex& A, const Convex& B, const Frame& frame, double s, double cutoff,
             std::vector<ManifoldPoint>& out)
-      : r_A_(A.radius), r_B_(B.radius), frame_(frame), cutoff_(cutoff), size_(size), out_(out) {
-    first_ = out.size();
-  }
+      : r_A_(A.radius),
+        r_B_(B.radius),
+        frame_(frame),
+        s_(s),
+        cutoff_(cutoff),
+        size_(A.extent + B.extent),
+        out_(out) {}
 
   /// Points p and q of the cores at one place of the contact plane; `extra` is added to the gap.
   void add(const Vec3& p, const Vec3& q, std::uint64_t id, double extra = 0) {
-    const double gap = frame_.n.dot(q - p) - r_A_ - r_B_ + extra;
+    // No two points are nearer along n than s: what seems so lies in the slack of a polygon.
+    const double gap = std::max(s_, frame_.n.dot(q - p) - r_A_ - r_B_ + extra);
     if (gap > cutoff_) return;
     deepest_ = std::min(deepest_, gap);
     const Vec3 P = p + r_A_ * frame_.n;
@@ -51,14 +56,25 @@ class Collector {
     out_.push_back({p + r_A_ * n, q - r_B_ * n, n, gap, id});
   }
 
-  bool has_depth(double s) const { return deepest_ <= s + 1e-6 * size_; }
+  /// True if the deepest place is among the points from `first` on.  Its gap is then s itself, free of the
+  /// round-off of steep faces.
+  bool settle_depth(std::size_t first) {
+    if (!(deepest_ <= s_ + 2e-7 * size_)) return false;
+    for (std::size_t i = first; i < out_.size(); ++i) {
+      ManifoldPoint& point = out_[i];
+      if (point.gap != deepest_) continue;
+      point.gap = s_;
+      point.q = point.p + s_ * point.n;
+      break;
+    }
+    return true;
+  }
 
  private:
   double r_A_, r_B_;
   const Frame& frame_;
-  double cutoff_, size_;
+  double s_, cutoff_, size_;
   std::vector<ManifoldPoint>& out_;
-  std::size_t first_;
   double deepest_ = 1e300;
 };
 
@@ -103,6 +119,8 @@ void meet_segments(const Feature& a, const Feature& b, const Frame& f, bool roun
   }
   const bool sharp_parallel = rounding == 0 && lo < hi && std::abs(cross) < 1e-6 * std::sqrt(aa * bb);
   if (sharp_parallel) at_end(lo, w_lo), at_end(hi, w_hi), excess_lo = excess_hi = 0;
+  // Of lines that cross at more than 0.2 rad the crossing says it all.
+  if (std::abs(cross) > 0.2 * std::sqrt(aa * bb)) excess_lo = excess_hi = 1e300;
   const bool beside = std::max(excess_lo, excess_hi) <= 1e-3 * rounding;
   if (excess_lo <= cutoff_excess) contact(lo, w_lo, lo_id, excess_lo);
   if (excess_hi <= cutoff_excess) contact(hi, w_hi, hi_id, excess_hi);
@@ -257,9 +275,9 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
   A.feature(frame.n, a);
   B.feature(n_B, b);
   to_frame_of_A(b, X);
-  const double size = A.extent + B.extent, core_s = separation.s + A.radius + B.radius;
-  const double smaller = std::min(A.extent, B.extent), slack = 1e-6 * smaller;
-  Collector collect(A, B, frame, cutoff, size, out);
+  const double core_s = separation.s + A.radius + B.radius;
+  const double smaller = std::min(A.extent, B.extent), slack = 1e-9 * smaller;
+  Collector collect(A, B, frame, separation.s, cutoff, out);
   const std::size_t first = out.size();
   const std::size_t count_A = a.points.size(), count_B = b.points.size();
   const std::uint64_t deepest = contact_id(Meeting::kDeepest, 0, 0);
@@ -279,13 +297,15 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
   } else {
     clip(a, b, frame, slack, work);
     simplify(work.polygon, smaller);
+    // Two polygons that share a corner only: the deepest place below is exact.
+    if (work.polygon.size() == 1 && overhang == Overhang::kDeepest) work.polygon.clear();
     for (const Corner& c : work.polygon) {
       const Vec3 p = frame.lift(c.x, c.y, plane_height(frame, a.points[0].p, a.normal, c.x, c.y));
       const Vec3 q = frame.lift(c.x, c.y, plane_height(frame, b.points[0].p, b.normal, c.x, c.y));
       collect.add(p, q, c.id);
     }
   }
-  if (overhang == Overhang::kNone || (out.size() > first && collect.has_depth(separation.s))) return;
+  if (collect.settle_depth(first) || overhang == Overhang::kNone) return;
   // The features miss the deepest place, as when a round side overhangs an edge: it is the support point of
   // the body that has only one there.
   Vec3 on_ridge, edge;

@@ -144,15 +144,24 @@ void polish(Best& best) {
     return true;
   };
   Vec3 ridge_A, ridge_B, edge_A, edge_B;
-  const bool on_A = A.ridge(best.n, ridge_A, edge_A);
-  const bool on_B = B.ridge(-(X.R.transpose() * best.n), ridge_B, edge_B);
-  if (on_A && on_B) {
-    Vec3 n = edge_A.cross(X.R * edge_B);
-    if (n.norm() > 1e-7) {
-      n *= (n.dot(best.n) > 0 ? 1 : -1) / n.norm();
-      if (accept(n)) return;
-    }
+  const auto edges = [&](const Vec3& n) {
+    const bool of_A = A.ridge(n, ridge_A, edge_A);
+    return std::pair(of_A, B.ridge(-(X.R.transpose() * n), ridge_B, edge_B));
+  };
+  // Two edges that cross; those of a cone turn with n, hence the repetition.
+  Vec3 crossing = best.n;
+  const auto [on_A, on_B] = edges(best.n);
+  bool both = on_A && on_B;
+  for (int i = 0; i < 8 && both; ++i) {
+    const Vec3 n = edge_A.cross(X.R * edge_B);
+    if (n.norm() < 1e-7) break;
+    const Vec3 last = crossing;
+    crossing = (n.dot(best.n) > 0 ? n : Vec3(-n)).normalized();
+    if ((crossing - last).norm() < 1e-15) break;
+    const auto [still_A, still_B] = edges(crossing);
+    both = still_A && still_B;
   }
+  if (on_A && on_B && crossing != best.n && accept(crossing)) return;
   if (on_A && accept(polish_ridge(best.pair, best.n, true))) return;
   if (on_B && accept(polish_ridge(best.pair, best.n, false))) return;
   accept(polish_smooth(best.pair, best.n));
@@ -184,9 +193,12 @@ bool find_separation(const Convex& A, const Convex& B, const Relative& X, double
   if (try_candidates(best)) return false;
   if (best.s <= apart && !candidates_are_complete(A, B)) climb(best);
   if (best.s > best.cutoff) return false;
-  if (best.s > apart || (A.radius + B.radius > 0 && best.s > 1e-12 * pair.size())) {
+  // Curved bodies may be apart although the climb, with GJK's 1e-6 rad, has not seen it yet.
+  const bool doubtful = (A.curved() || B.curved()) && best.s > -1e-4 * pair.size();
+  if (best.s > apart || doubtful || (radii > 0 && best.s > 1e-12 * pair.size())) {
     Vec3 n;
-    if (shortest_direction(A, B, X, Vec3::Zero(), best.n, n) && best.try_direction(n)) return false;
+    if (shortest_direction(A, B, X, Vec3::Zero(), best.n, n, best.s > apart) && best.try_direction(n))
+      return false;
   }
   if (A.curved() || B.curved()) polish(best);
   out = {best.n, best.s - radii};
