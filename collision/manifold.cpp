@@ -134,7 +134,7 @@ void meet_segments(const Feature& a, const Feature& b, const Frame& f, bool roun
 
 /// The part of a segment that lies over a polygon, which is `slack` larger all around.
 void meet_segment_polygon(const Feature& segment, const Feature& polygon, bool segment_is_A, const Frame& f,
-                          double slack, Collector& out) {
+                          double slack, double near, Collector& out) {
   const Vec3 &s0 = segment.points[0].p, d = segment.points[1].p - s0;
   double lo = 0, hi = 1;
   const auto id = [&](Meeting meeting, std::uint64_t of_segment, std::uint64_t of_polygon) {
@@ -170,7 +170,7 @@ void meet_segment_polygon(const Feature& segment, const Feature& polygon, bool s
       out.add(p, q, end == 0 ? lo_id : hi_id);
     else
       out.add(q, p, end == 0 ? lo_id : hi_id);
-    if (hi - lo < 1e-9) break;
+    if ((hi - lo) * d.norm() < near) break;
   }
 }
 
@@ -216,8 +216,7 @@ void clip(const Feature& A, const Feature& B, const Frame& f, double slack, Mani
 }
 
 /// Takes out corners that coincide with the one before or lie on the line between their neighbours.
-void simplify(std::vector<Corner>& polygon, double length) {
-  const double near = 1e-5 * length;
+void simplify(std::vector<Corner>& polygon, double near) {
   for (std::size_t i = 0; i < polygon.size() && polygon.size() > 1;) {
     const Corner &a = polygon[(i + polygon.size() - 1) % polygon.size()], &b = polygon[i],
                  &c = polygon[(i + 1) % polygon.size()];
@@ -276,7 +275,7 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
   B.feature(n_B, b);
   to_frame_of_A(b, X);
   const double core_s = separation.s + A.radius + B.radius;
-  const double smaller = std::min(A.extent, B.extent), slack = 1e-9 * smaller;
+  const double smaller = std::min(A.extent, B.extent), slack = 1e-9 * smaller, near = 1e-5 * smaller;
   Collector collect(A, B, frame, separation.s, cutoff, out);
   const std::size_t first = out.size();
   const std::size_t count_A = a.points.size(), count_B = b.points.size();
@@ -291,12 +290,12 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
   if (count_A == 2 && count_B == 2) {
     meet_segments(a, b, frame, A.radius > 0 && B.radius > 0, std::max(0.0, cutoff - separation.s), collect);
   } else if (count_A == 2) {
-    meet_segment_polygon(a, b, true, frame, slack, collect);
+    meet_segment_polygon(a, b, true, frame, slack, near, collect);
   } else if (count_B == 2) {
-    meet_segment_polygon(b, a, false, frame, slack, collect);
+    meet_segment_polygon(b, a, false, frame, slack, near, collect);
   } else {
     clip(a, b, frame, slack, work);
-    simplify(work.polygon, smaller);
+    simplify(work.polygon, near);
     // Two polygons that share a corner only: the deepest place below is exact.
     if (work.polygon.size() == 1 && overhang == Overhang::kDeepest) work.polygon.clear();
     for (const Corner& c : work.polygon) {
@@ -311,6 +310,10 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
   Vec3 on_ridge, edge;
   Vec3 p = A.support(frame.n);
   if (A.ridge(frame.n, on_ridge, edge)) p = X.p + X.R * B.support(n_B) - core_s * frame.n;
+  const auto beside = [&](const ManifoldPoint& other) {
+    return (other.p - p - A.radius * frame.n).norm() < 10 * near;
+  };
+  out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), beside), out.end());
   collect.add(p, p + core_s * frame.n, deepest);
 }
 

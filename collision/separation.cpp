@@ -125,9 +125,10 @@ Vec3 polish_ridge(const Pair& pair, Vec3 n, bool of_A) {
     const Vec3 next = on_ridge((n + step * n.cross(edge)).normalized(), next_edge);
     const double next_g = slope(next, next_edge);
     const double change = next_g - g;
-    if (std::abs(next_g) < std::abs(g)) n = next, edge = next_edge, g = next_g;
     if (change == 0) break;
-    step = -next_g * step / change;
+    const bool nearer = std::abs(next_g) < std::abs(g);
+    if (nearer) n = next, edge = next_edge, g = next_g;
+    step = -g * step / change;
     if (!(std::abs(step) < 0.1) || std::abs(step) < 1e-16) break;
   }
   return n;
