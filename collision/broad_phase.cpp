@@ -67,7 +67,8 @@ struct BroadPhase::Impl {
   std::vector<Role> roles;
   std::vector<int> partners;
   std::vector<fcl::CollisionObjectd*> left_moving, left_fixed;
-  std::unique_ptr<fcl::DynamicAABBTreeCollisionManagerd> moving, fixed;
+  using Tree = fcl::DynamicAABBTreeCollisionManagerd;
+  std::unique_ptr<Tree> moving = std::make_unique<Tree>(), fixed = std::make_unique<Tree>();
 };
 
 BroadPhase::BroadPhase() : impl_(std::make_unique<Impl>()) {}
@@ -75,8 +76,8 @@ BroadPhase::~BroadPhase() = default;
 
 void BroadPhase::reset(std::span<const Role> roles, std::span<const Bounds> bounds) {
   Impl& own = *impl_;
-  own.moving = std::make_unique<fcl::DynamicAABBTreeCollisionManagerd>();
-  own.fixed = std::make_unique<fcl::DynamicAABBTreeCollisionManagerd>();
+  own.moving = std::make_unique<Impl::Tree>();
+  own.fixed = std::make_unique<Impl::Tree>();
   own.proxies.clear();
   own.roles.assign(roles.begin(), roles.end());
   const auto geometry = std::make_shared<fcl::Sphered>(1.0);  // never looked at

@@ -238,14 +238,14 @@ TEST(Manifold, DoesNotDependOnWhereThePairIsNorOnItsOrder) {
         const double depth = testing::least_gap(own);
         if (depth < -0.05) continue;
         ++checked;
-        EXPECT_NEAR(testing::least_gap(there), depth, 1e-11) << shape_name(a) << " " << shape_name(b);
-        EXPECT_NEAR(testing::least_gap(other), depth, 1e-11) << shape_name(a) << " " << shape_name(b);
+        EXPECT_NEAR(testing::least_gap(there), depth, 1e-10) << shape_name(a) << " " << shape_name(b);
+        EXPECT_NEAR(testing::least_gap(other), depth, 1e-10) << shape_name(a) << " " << shape_name(b);
         const auto deepest = [](const std::vector<Contact>& c) {
           return *std::min_element(c.begin(), c.end(), [](auto& x, auto& y) { return x.gap < y.gap; });
         };
-        EXPECT_LT((deepest(there).normal - R * deepest(own).normal).norm(), 1e-6)
+        EXPECT_LT((deepest(there).normal - R * deepest(own).normal).norm(), 2e-5)
             << shape_name(a) << " " << shape_name(b) << " " << depth;
-        EXPECT_LT((deepest(other).normal + deepest(own).normal).norm(), 1e-6)
+        EXPECT_LT((deepest(other).normal + deepest(own).normal).norm(), 2e-5)
             << shape_name(a) << " " << shape_name(b) << " " << depth;
         EXPECT_EQ(there.size(), own.size()) << shape_name(a) << " " << shape_name(b);
       }
