@@ -66,11 +66,15 @@ void box_face(const Vec3& half, const Vec3& d, Feature& out) {
   }
 }
 
-/// The best face; if that is seen nearly edge-on, its edge farthest along d.
-void hull_face(const Polyhedron& hull, const Vec3& d, Feature& out) {
+/// Of the faces at the farthest corner the one that faces d best; if that is seen nearly edge-on, its edge
+/// farthest along d.
+void hull_face(const Polyhedron& hull, const Vec3& corner, double extent, const Vec3& d, Feature& out) {
   std::size_t best = 0;
-  for (std::size_t f = 1; f < hull.faces.size(); ++f)
-    if (hull.normals[f].dot(d) > hull.normals[best].dot(d)) best = f;
+  double alignment = -2;
+  for (std::size_t f = 0; f < hull.faces.size(); ++f) {
+    if (hull.offsets[f] - hull.normals[f].dot(corner) > 1e-8 * extent) continue;
+    if (const double a = hull.normals[f].dot(d); a > alignment) best = f, alignment = a;
+  }
   const std::vector<int>& face = hull.faces[best];
   out.normal = hull.normals[best];
   if (out.normal.dot(d) > 0.2) {
@@ -188,7 +192,7 @@ void Convex::feature(const Vec3& d, Feature& out) const {
       out.points.push_back({support(d), 0});
       break;
     case Kind::kPolyhedron:
-      hull_face(hull, d, out);
+      hull_face(hull, support(d), extent, d, out);
       break;
   }
 }

@@ -7,7 +7,8 @@ namespace {
 
 Relative inverse(const Relative& X) { return {X.R.transpose(), -(X.R.transpose() * X.p)}; }
 
-/// Points found with A and B exchanged, brought back: X is where A is, seen from B.
+/// Points found with A and B exchanged, brought back; X maps coordinates of the frame they were found in to
+/// the one wanted.
 void exchange(std::vector<ManifoldPoint>& points, std::size_t first, const Relative& X) {
   for (std::size_t i = first; i < points.size(); ++i) {
     ManifoldPoint& point = points[i];
@@ -35,6 +36,25 @@ void reduce_by_normal(std::vector<ManifoldPoint>& points, std::size_t first, std
       begin += group;
     }
   }
+}
+
+/// Points in the frame of the convex body, which is A.  One whose centre is below a height field is pushed
+/// out through the plane of the triangle above it, as from a half-space.
+void convex_on_surface(const Convex& body, const Surface& surface, const Relative& X, double cutoff,
+                       NarrowScratch& scratch, std::vector<ManifoldPoint>& out) {
+  const Relative X_SB = inverse(X);
+  const Vec3 centre = X_SB.p + X_SB.R * body.centre;
+  if (const int t = surface.triangle_above(centre); t >= 0) {
+    Relative plane;
+    Vec3 u, v;
+    complete_frame(surface.normals[t], u, v);
+    plane.R << X.R * u, X.R * v, X.R * surface.normals[t];
+    plane.p = X.p + X.R * surface.vertices[surface.triangles[t][0]];
+    return half_space_contacts(body, plane, cutoff, scratch, out);
+  }
+  const std::size_t first = out.size();
+  surface_contacts(surface, body, X_SB, cutoff, scratch, out);
+  exchange(out, first, X);
 }
 
 }  // namespace
@@ -94,21 +114,19 @@ void find_contacts(const Geometry& a, const Geometry& b, const Relative& X_ab, d
   using Kind = Geometry::Kind;
   const std::size_t first = out.size();
   if (is_unsupported(a, b)) return;
-  if (a.kind == Kind::kHalfSpace || (b.kind == Kind::kSurface && a.kind == Kind::kConvex)) {
+  if (a.kind == Kind::kHalfSpace || (a.kind == Kind::kSurface && b.kind == Kind::kConvex)) {
     const Relative X_ba = inverse(X_ab);
-    if (a.kind == Kind::kConvex) {
-      surface_contacts(*b.surface, a.convex, X_ba, cutoff, scratch, out);
-    } else if (b.kind == Kind::kConvex) {
+    if (a.kind == Kind::kSurface)
+      convex_on_surface(b.convex, *a.surface, X_ba, cutoff, scratch, out);
+    else if (b.kind == Kind::kConvex)
       half_space_contacts(b.convex, X_ba, cutoff, scratch, out);
-    } else {
+    else
       surface_half_space_contacts(*b.surface, X_ba, cutoff, out);
-    }
     exchange(out, first, X_ab);
   } else if (a.kind == Kind::kSurface) {
-    if (b.kind == Kind::kConvex)
-      surface_contacts(*a.surface, b.convex, X_ab, cutoff, scratch, out);
-    else
-      surface_half_space_contacts(*a.surface, X_ab, cutoff, out);
+    surface_half_space_contacts(*a.surface, X_ab, cutoff, out);
+  } else if (b.kind == Kind::kSurface) {
+    convex_on_surface(a.convex, *b.surface, X_ab, cutoff, scratch, out);
   } else if (b.kind == Kind::kHalfSpace) {
     half_space_contacts(a.convex, X_ab, cutoff, scratch, out);
   } else {

@@ -123,6 +123,7 @@ Vec3 polish_ridge(const Pair& pair, Vec3 n, bool of_A) {
   for (int i = 0; i < 10 && g != 0; ++i) {
     Vec3 next_edge = edge;
     const Vec3 next = on_ridge((n + step * n.cross(edge)).normalized(), next_edge);
+    if (next_edge.dot(edge) < 0) next_edge = -next_edge;
     const double next_g = slope(next, next_edge);
     const double change = next_g - g;
     if (change == 0) break;

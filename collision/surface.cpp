@@ -87,6 +87,15 @@ void Surface::connect() {
     }
 }
 
+int Surface::triangle_above(const Vec3& point) const {
+  if (!solid_below) return -1;
+  const double x = point.x() / dx_ + 0.5 * (nx_ - 1), y = point.y() / dy_ + 0.5 * (ny_ - 1);
+  if (!(x >= 0 && x < nx_ - 1 && y >= 0 && y < ny_ - 1)) return -1;
+  const int i = static_cast<int>(x), j = static_cast<int>(y);
+  const int t = 2 * (i + (nx_ - 1) * j) + (y - j > x - i);
+  return normals[t].dot(point - vertices[triangles[t][0]]) < 0 ? t : -1;
+}
+
 void Surface::overlapping(const Vec3& from, const Vec3& to, std::vector<int>& out) const {
   out.clear();
   const auto meets = [&](int t) {

@@ -27,6 +27,10 @@ class Surface {
   /// Triangles whose boxes meet the box [low, high] of the surface's frame, in ascending order.
   void overlapping(const Vec3& low, const Vec3& high, std::vector<int>& out) const;
 
+  /// The triangle of a height field that the point is below; −1: it is above or beside the field, or this is
+  /// a mesh.
+  int triangle_above(const Vec3& point) const;
+
   std::vector<Vec3> vertices;
   std::vector<std::array<int, 3>> triangles;
   std::vector<Vec3> normals;

@@ -89,7 +89,7 @@ void surface_contacts(const Surface& surface, const Convex& b, const Relative& X
     const Vec3 deepest = X.p + X.R * b.support(-(X.R.transpose() * f));
     const double s_face = f.dot(deepest - a0) - b.radius;
     // Far above the plane, or come through from behind: the centre is on the wrong side.
-    if (s_face > cutoff || (!surface.solid_below && f.dot(centre - a0) < 0)) continue;
+    if (s_face > cutoff || f.dot(centre - a0) < 0) continue;
     // In a frame at the triangle, so that round-off does not grow with the mesh.
     set_triangle(work.triangle, Vec3::Zero(), surface.vertices[corner[1]] - a0,
                  surface.vertices[corner[2]] - a0);
