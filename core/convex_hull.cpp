@@ -169,6 +169,41 @@ std::vector<int> plane_of_facet(const QuickHull& hull, const std::vector<std::si
   return plane;
 }
 
+/// The boundary of each plane as a loop of points: edges between facets of one plane vanish, and so do points
+/// of only two planes, which lie on an edge.
+std::vector<std::map<int, int>> boundary_loops(
+    const std::map<std::pair<int, int>, std::size_t>& facet_of_edge, const std::vector<int>& plane,
+    std::size_t plane_count) {
+  std::vector<std::map<int, int>> next(plane_count);
+  for (const auto& [edge, f] : facet_of_edge)
+    if (plane[facet_of_edge.at({edge.second, edge.first})] != plane[f])
+      next[plane[f]][edge.first] = edge.second;
+  std::map<int, int> planes_of_point;
+  for (const auto& loop : next)
+    for (const auto& [from, to] : loop) ++planes_of_point[from];
+  for (auto& loop : next) {
+    for (auto& [from, to] : loop)
+      while (planes_of_point.at(to) < 3 && to != from) to = loop.at(to);
+    std::erase_if(loop, [&](const auto& edge) { return planes_of_point.at(edge.first) < 3; });
+  }
+  return next;
+}
+
+/// Newell's normal over the whole polygon is exacter than that of any of its triangles.
+void add_face(Polyhedron& hull, std::vector<int> face) {
+  Vec3 normal = Vec3::Zero(), centre = Vec3::Zero();
+  const Vec3& origin = hull.vertices[face[0]];
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    const Vec3 p = hull.vertices[face[i]] - origin;
+    normal += p.cross(hull.vertices[face[(i + 1) % face.size()]] - origin);
+    centre += hull.vertices[face[i]];
+  }
+  normal.normalize();
+  hull.normals.push_back(normal);
+  hull.offsets.push_back(normal.dot(centre) / static_cast<double>(face.size()));
+  hull.faces.push_back(std::move(face));
+}
+
 }  // namespace
 
 Polyhedron convex_hull(std::span<const Vec3> points) {
@@ -188,12 +223,8 @@ Polyhedron convex_hull(std::span<const Vec3> points) {
   }
   std::vector<std::size_t> seeds;
   const std::vector<int> plane = plane_of_facet(hull, alive, facet_of_edge, points, seeds);
+  const auto next = boundary_loops(facet_of_edge, plane, seeds.size());
 
-  // The boundary of each plane is a loop; edges between facets of one plane vanish.
-  std::vector<std::map<int, int>> next(seeds.size());
-  for (const auto& [edge, f] : facet_of_edge)
-    if (plane[facet_of_edge.at({edge.second, edge.first})] != plane[f])
-      next[plane[f]][edge.first] = edge.second;
   Polyhedron result;
   std::map<int, int> corner_of_point;
   for (const auto& loop : next)
@@ -202,23 +233,12 @@ Polyhedron convex_hull(std::span<const Vec3> points) {
     corner = static_cast<int>(result.vertices.size());
     result.vertices.push_back(points[point]);
   }
-  for (std::size_t s = 0; s < seeds.size(); ++s) {
+  for (const auto& loop : next) {
+    if (loop.size() < 3) continue;  // a sliver along an edge
     std::vector<int> face;
-    int at = next[s].begin()->first;
-    for (std::size_t i = 0; i < next[s].size(); ++i, at = next[s].at(at))
-      face.push_back(corner_of_point.at(at));
-    // Newell's normal over the whole polygon is exacter than that of any of its triangles.
-    Vec3 normal = Vec3::Zero(), centre = Vec3::Zero();
-    const Vec3& origin = result.vertices[face[0]];
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const Vec3 p = result.vertices[face[i]] - origin;
-      normal += p.cross(result.vertices[face[(i + 1) % face.size()]] - origin);
-      centre += result.vertices[face[i]];
-    }
-    normal.normalize();
-    result.normals.push_back(normal);
-    result.offsets.push_back(normal.dot(centre) / static_cast<double>(face.size()));
-    result.faces.push_back(std::move(face));
+    int at = loop.begin()->first;
+    for (std::size_t i = 0; i < loop.size(); ++i, at = loop.at(at)) face.push_back(corner_of_point.at(at));
+    add_face(result, std::move(face));
   }
   return result;
 }
