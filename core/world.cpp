@@ -98,6 +98,8 @@ JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
     state_.axes.push_back(0);
   }
   axis_start_.push_back(static_cast<int>(axes_.size()));
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    for (std::size_t k = i + 1; k < bodies.size(); ++k) jointed_.insert(std::minmax(bodies[i], bodies[k]));
   joints_.push_back(std::move(joint));
   ++topology_version_;
   return {index};

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,6 +13,7 @@
 #include "core/force.h"
 #include "core/joint.h"
 #include "core/rigid_body.h"
+#include "core/shape.h"
 #include "core/state.h"
 
 namespace taut {
@@ -85,6 +88,33 @@ class World {
   /// @throws std::invalid_argument for null, a missing body or a missing force.
   void set_force(ForceId id, std::shared_ptr<const Force> force);
 
+  /// Gives a body a shape at the pose X_BS in its frame; several shapes on one body are a compound.  Mass is
+  /// the body's own affair: solid_of() gives it.
+  /// @throws std::invalid_argument for a missing body, what check_shape() and check_material() refuse, or a
+  /// pose that is not finite or not of unit length.
+  ShapeId add_shape(BodyId body, Shape shape, const Pose& pose = {}, const Material& material = {},
+                    CollisionFilter filter = {});
+  /// The same with a shape that others share; it is checked again.
+  ShapeId add_shape(BodyId body, std::shared_ptr<const Shape> shape, const Pose& pose = {},
+                    const Material& material = {}, CollisionFilter filter = {});
+  int shape_count() const { return static_cast<int>(shapes_.size()); }
+  const ShapeRecord& shape(ShapeId id) const { return shapes_[checked(id)]; }
+  /// @throws std::invalid_argument for what check_material() refuses.
+  void set_material(ShapeId id, const Material& material);
+  /// The material of a contact between two shapes, in place of combined(): order does not matter.
+  void set_contact_material(ShapeId a, ShapeId b, const Material& material);
+  Material contact_material(ShapeId a, ShapeId b) const;
+  /// Says whether two bodies may touch, in place of the rule that bodies with a common joint do not.
+  /// @throws std::invalid_argument for a missing body or twice the same.
+  void set_collision(BodyId a, BodyId b, bool may_collide);
+  /// What was set, or else false if a joint is between them, or both are fixed, or they are the same.
+  bool may_collide(BodyId a, BodyId b) const;
+  /// may_collide() of their bodies, and their filters agree.
+  bool may_collide(ShapeId a, ShapeId b) const;
+  /// Changes whenever a shape is added; collision detection starts afresh then.  Who may collide is asked
+  /// each time, so that joints and set_collision() need not count here.
+  int geometry_version() const { return geometry_version_; }
+
   /// Gravitational acceleration [m/s²], (0, 0, −9.81) at first.
   void set_gravity(const Vec3& gravity);
   const Vec3& gravity() const { return gravity_; }
@@ -145,6 +175,7 @@ class World {
  private:
   int checked(BodyId id) const;
   int checked(JointId id) const;
+  int checked(ShapeId id) const;
   void check_force(const Force* force) const;
   int first_axis_index(JointId joint) const { return axis_start_[joint.index]; }
   template <typename Property>
@@ -166,6 +197,13 @@ class World {
   bool velocity_forces_ = false;
   int moving_count_ = 0;
   int topology_version_ = 0, state_version_ = 0, axis_version_ = 0;
+
+  // Shapes (world_shapes.cpp).  Pairs are stored smaller index first.
+  std::vector<ShapeRecord> shapes_;
+  std::map<std::pair<ShapeId, ShapeId>, Material> contact_materials_;
+  std::map<std::pair<BodyId, BodyId>, bool> collisions_;
+  std::set<std::pair<BodyId, BodyId>> jointed_;
+  int geometry_version_ = 0;
 };
 
 }  // namespace taut

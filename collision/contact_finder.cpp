@@ -1,0 +1,272 @@
+#include "collision/contact_finder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <thread>
+
+#include "collision/broad_phase.h"
+#include "collision/feature_matching.h"
+#include "collision/narrow_phase.h"
+#include "collision/thread_pool.h"
+#include "core/check.h"
+
+namespace taut {
+namespace {
+
+using detail::Bounds;
+using detail::Geometry;
+using Role = detail::BroadPhase::Role;
+
+/// Pairs of one task; enough to be worth a task, few enough to share the work.
+constexpr int kPairsPerTask = 32;
+constexpr int kShapesPerTask = 256;
+/// Contacts this near, in parts of the smaller shape, are the same one in a new guise.
+constexpr double kSameContact = 0.02;
+
+/// A shape as the finder keeps it.
+struct Item {
+  std::shared_ptr<const Shape> shape;
+  std::shared_ptr<const Geometry> geometry;
+  int body;
+  Pose X_BS;
+  double reach;  ///< farthest point from the centre of mass of the body [m]
+};
+
+/// What one task has found.
+struct TaskResult {
+  std::vector<Contact> contacts;
+  std::vector<detail::ManifoldPoint> points;
+  std::vector<std::pair<ShapeId, ShapeId>> unsupported;
+  int touching = 0;
+};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+int thread_count(int wanted) {
+  return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+}  // namespace
+
+struct ContactFinder::Impl {
+  explicit Impl(ContactSettings s) : settings(s), pool(thread_count(s.threads)), scratch(pool.size()) {}
+
+  ContactSettings settings;
+  detail::ThreadPool pool;
+  std::vector<detail::NarrowScratch> scratch;  // one per worker
+  detail::BroadPhase broad;
+  std::vector<Item> items;
+  std::vector<Role> roles;
+  std::map<const Shape*, std::shared_ptr<const Geometry>> geometries;
+  std::vector<Pose> poses;  // X_WS
+  std::vector<Bounds> bounds;
+  std::vector<std::pair<int, int>> pairs;
+  std::vector<TaskResult> results;
+  std::vector<Contact> contacts, before;
+  DetectionReport report;
+
+  bool knows(const World& world) const;
+  void learn(const World& world);
+  void place(const State& state, double horizon);
+  void find_pairs(const World& world, const State& state, double horizon);
+  void find_in_task(int task, int worker, const State& state, double horizon);
+  void find_pair(int a, int b, const State& state, double horizon, detail::NarrowScratch& work,
+                 TaskResult& result) const;
+  double speed(const Item& item, const State& state) const {
+    const Twist& V = state.twists[item.body];
+    const double turn = V.w.norm();
+    return V.v.norm() + (turn > 0 ? turn * item.reach : 0);
+  }
+};
+
+/// The same shapes on the same bodies as the last time?
+bool ContactFinder::Impl::knows(const World& world) const {
+  if (static_cast<int>(items.size()) != world.shape_count()) return false;
+  for (int i = 0; i < world.shape_count(); ++i) {
+    const ShapeRecord& record = world.shape({i});
+    const Item& item = items[i];
+    const Role role = item.geometry->kind == Geometry::Kind::kHalfSpace ? Role::kNone
+                      : world.is_fixed(record.body)                     ? Role::kFixed
+                                                                        : Role::kMoving;
+    if (item.shape != record.shape || item.body != record.body.index || item.X_BS.p != record.pose.p ||
+        item.X_BS.q.coeffs() != record.pose.q.coeffs() || roles[i] != role)
+      return false;
+  }
+  return true;
+}
+
+void ContactFinder::Impl::learn(const World& world) {
+  items.clear(), roles.clear();
+  std::map<const Shape*, std::shared_ptr<const Geometry>> needed;
+  for (int i = 0; i < world.shape_count(); ++i) {
+    const ShapeRecord& record = world.shape({i});
+    std::shared_ptr<const Geometry>& geometry = needed[record.shape.get()];
+    if (!geometry) {
+      const auto old = geometries.find(record.shape.get());
+      geometry = old != geometries.end() ? old->second : detail::make_geometry(*record.shape);
+    }
+    items.push_back(
+        {record.shape, geometry, record.body.index, record.pose, record.pose.p.norm() + geometry->extent});
+    roles.push_back(geometry->kind == Geometry::Kind::kHalfSpace ? Role::kNone
+                    : world.is_fixed(record.body)                ? Role::kFixed
+                                                                 : Role::kMoving);
+  }
+  geometries = std::move(needed);
+}
+
+/// Poses of all shapes, and boxes that hold them during the horizon.
+void ContactFinder::Impl::place(const State& state, double horizon) {
+  const int count = static_cast<int>(items.size());
+  poses.resize(items.size());
+  bounds.resize(items.size());
+  pool.run((count + kShapesPerTask - 1) / kShapesPerTask, [&](int task, int) {
+    const int end = std::min(count, (task + 1) * kShapesPerTask);
+    for (int i = task * kShapesPerTask; i < end; ++i) {
+      const Item& item = items[i];
+      const Pose& X_WB = state.poses[item.body];
+      poses[i] = {X_WB.q * item.X_BS.q, X_WB.point(item.X_BS.p)};
+      if (roles[i] == Role::kNone) continue;
+      item.geometry->bounds(poses[i], bounds[i].low, bounds[i].high);
+      const Vec3 pad = Vec3::Constant(0.5 * settings.margin + speed(item, state) * horizon);
+      bounds[i].low -= pad, bounds[i].high += pad;
+    }
+  });
+}
+
+void ContactFinder::Impl::find_pairs(const World& world, const State& state, double horizon) {
+  pairs.clear();
+  report.pairs_left_out = broad.find_pairs(world, bounds, pairs);
+  const int count = static_cast<int>(items.size());
+  for (int h = 0; h < count; ++h) {
+    if (roles[h] != Role::kNone) continue;
+    const Vec3 up = poses[h].q * Vec3::UnitZ();
+    for (int i = 0; i < count; ++i) {
+      if (i == h || (roles[i] == Role::kNone && i < h)) continue;
+      const double reach = items[i].geometry->extent + settings.margin +
+                           (speed(items[i], state) + state.twists[items[h].body].v.norm()) * horizon;
+      // A half-space that turns sweeps everything; its pairs are judged one by one.
+      const bool turns = !state.twists[items[h].body].w.isZero(0);
+      if (!turns && up.dot(poses[i].p - poses[h].p) > reach) continue;
+      if (world.may_collide(ShapeId{i}, ShapeId{h})) pairs.emplace_back(std::min(i, h), std::max(i, h));
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  report.candidate_pairs = static_cast<int>(pairs.size());
+}
+
+void ContactFinder::Impl::find_in_task(int task, int worker, const State& state, double horizon) {
+  TaskResult& result = results[task];
+  result.contacts.clear(), result.unsupported.clear();
+  result.touching = 0;
+  const std::size_t end = std::min(pairs.size(), static_cast<std::size_t>(task + 1) * kPairsPerTask);
+  for (std::size_t i = static_cast<std::size_t>(task) * kPairsPerTask; i < end; ++i)
+    find_pair(pairs[i].first, pairs[i].second, state, horizon, scratch[worker], result);
+}
+
+void ContactFinder::Impl::find_pair(int a, int b, const State& state, double horizon,
+                                    detail::NarrowScratch& work, TaskResult& result) const {
+  const Item &item_a = items[a], &item_b = items[b];
+  if (detail::is_unsupported(*item_a.geometry, *item_b.geometry)) {
+    result.unsupported.push_back({ShapeId{a}, ShapeId{b}});
+    return;
+  }
+  const Twist &V_A = state.twists[item_a.body], &V_B = state.twists[item_b.body];
+  // No two points of the pair approach faster than this.
+  const double finite_reach = std::min(item_a.reach, item_b.reach);
+  double closing = (V_A.v - V_B.v).norm();
+  const bool endless = !std::isfinite(std::max(item_a.reach, item_b.reach));
+  if (endless) {
+    // Points of a half-space matter only where the other shape is.
+    const double distance = (state.poses[item_a.body].p - state.poses[item_b.body].p).norm();
+    closing += (V_A.w.norm() + V_B.w.norm()) * (finite_reach + distance);
+  } else {
+    closing += V_A.w.norm() * item_a.reach + V_B.w.norm() * item_b.reach;
+  }
+  const double cutoff = settings.margin + closing * horizon;
+  const Mat3 R_WA = poses[a].q.toRotationMatrix();
+  const detail::Relative X_ab{R_WA.transpose() * poses[b].q.toRotationMatrix(),
+                              R_WA.transpose() * (poses[b].p - poses[a].p)};
+  result.points.clear();
+  detail::find_contacts(*item_a.geometry, *item_b.geometry, X_ab, cutoff,
+                        static_cast<std::size_t>(settings.max_points), work, result.points);
+  const std::size_t first = result.contacts.size();
+  const Pose &X_A = state.poses[item_a.body], &X_B = state.poses[item_b.body];
+  for (const detail::ManifoldPoint& point : result.points) {
+    Contact contact;
+    contact.a = {a}, contact.b = {b};
+    contact.A = {item_a.body}, contact.B = {item_b.body};
+    contact.normal = R_WA * point.n;
+    contact.gap = point.gap;
+    contact.feature = point.id;
+    contact.p_AP = item_a.X_BS.point(point.p);
+    // Q in the frame of shape b first: world coordinates would lose digits far from the origin.
+    contact.p_BQ = item_b.X_BS.point(X_ab.R.transpose() * (point.q - X_ab.p));
+    const Vec3 v_P = V_A.at(X_A.q * contact.p_AP), v_Q = V_B.at(X_B.q * contact.p_BQ);
+    if (contact.gap > settings.margin + horizon * std::max(0.0, -contact.normal.dot(v_Q - v_P))) continue;
+    result.contacts.push_back(contact);
+  }
+  result.touching += result.contacts.size() > first;
+}
+
+ContactFinder::ContactFinder(ContactSettings settings) {
+  require_not_negative("contact margin", settings.margin);
+  if (settings.threads < 0) fail("contact threads", "must not be negative", settings.threads);
+  if (settings.max_points < 4 || settings.max_points > 64)
+    fail("contact max_points", "must be from 4 to 64", settings.max_points);
+  impl_ = std::make_unique<Impl>(settings);
+}
+ContactFinder::~ContactFinder() = default;
+ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
+ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
+
+const std::vector<Contact>& ContactFinder::contacts() const { return impl_->contacts; }
+const DetectionReport& ContactFinder::report() const { return impl_->report; }
+const ContactSettings& ContactFinder::settings() const { return impl_->settings; }
+void ContactFinder::forget() { impl_->contacts.clear(); }
+
+const std::vector<Contact>& ContactFinder::find(const World& world, const State& state, double horizon) {
+  require_not_negative("contact horizon", horizon);
+  const std::size_t bodies = static_cast<std::size_t>(world.body_count());
+  if (state.poses.size() != bodies) fail("state", "must have one pose per body", state.poses.size());
+  if (state.twists.size() != bodies) fail("state", "must have one twist per body", state.twists.size());
+  Impl& own = *impl_;
+  auto start = std::chrono::steady_clock::now();
+  const bool known = own.knows(world);
+  if (!known) own.learn(world);
+  own.place(state, horizon);
+  if (known)
+    own.broad.update(own.bounds);
+  else
+    own.broad.reset(own.roles, own.bounds);
+  own.find_pairs(world, state, horizon);
+  own.report.broad_seconds = seconds_since(start);
+
+  start = std::chrono::steady_clock::now();
+  const int tasks = static_cast<int>((own.pairs.size() + kPairsPerTask - 1) / kPairsPerTask);
+  if (own.results.size() < static_cast<std::size_t>(tasks)) own.results.resize(tasks);
+  own.pool.run(tasks, [&](int task, int worker) { own.find_in_task(task, worker, state, horizon); });
+  own.before.swap(own.contacts);
+  own.contacts.clear();
+  own.report.shapes = world.shape_count();
+  own.report.touching_pairs = 0;
+  own.report.unsupported.clear();
+  for (int task = 0; task < tasks; ++task) {
+    const TaskResult& result = own.results[task];
+    own.contacts.insert(own.contacts.end(), result.contacts.begin(), result.contacts.end());
+    own.report.unsupported.insert(own.report.unsupported.end(), result.unsupported.begin(),
+                                  result.unsupported.end());
+    own.report.touching_pairs += result.touching;
+  }
+  detail::match_features(own.before, own.contacts, [&](const Contact& contact) {
+    return kSameContact *
+           std::min(own.items[contact.a.index].geometry->extent, own.items[contact.b.index].geometry->extent);
+  });
+  own.report.narrow_seconds = seconds_since(start);
+  return own.contacts;
+}
+
+}  // namespace taut

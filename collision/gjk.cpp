@@ -1,0 +1,196 @@
+#include "collision/gjk.h"
+
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/cone.h>
+#include <fcl/geometry/shape/convex.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/ellipsoid.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/geometry/shape/triangle_p.h>
+#include <fcl/narrowphase/detail/convexity_based_algorithm/gjk.h>
+#include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd.h>
+
+#include <cmath>
+
+namespace taut::detail {
+
+/// FCL's geometry of a core.  FCL centres a cone at half its height, taut at its centre of mass.
+struct GjkCore {
+  std::shared_ptr<fcl::ShapeBased> geometry;
+  Vec3 offset = Vec3::Zero();
+  fcl::TriangleP<double>* triangle = nullptr;
+};
+
+namespace {
+
+/// Enough for any pair seen; a solver that needs more has lost its way and the certificate tells.
+constexpr unsigned kIterations = 128;
+
+/// From A to B.
+struct Answer {
+  Vec3 n = Vec3::UnitZ();
+  double distance = 0;
+};
+
+std::shared_ptr<fcl::ShapeBased> fcl_polyhedron(const Polyhedron& hull) {
+  auto vertices = std::make_shared<std::vector<fcl::Vector3d>>(hull.vertices.begin(), hull.vertices.end());
+  auto faces = std::make_shared<std::vector<int>>();
+  for (const auto& face : hull.faces) {
+    faces->push_back(static_cast<int>(face.size()));
+    faces->insert(faces->end(), face.begin(), face.end());
+  }
+  return std::make_shared<fcl::Convexd>(vertices, static_cast<int>(hull.faces.size()), faces);
+}
+
+fcl::Transform3d transform(const Mat3& R, const Vec3& p) {
+  fcl::Transform3d X = fcl::Transform3d::Identity();
+  X.linear() = R;
+  X.translation() = p;
+  return X;
+}
+
+double separation(const Convex& A, const Convex& B, const Relative& X, const Vec3& shift, const Vec3& n) {
+  return n.dot(X.p + shift + X.R * B.support(-(X.R.transpose() * n)) - A.support(n));
+}
+
+/// FCL's own GJK.  Its tolerances are absolute [m, m²], hence the size of the pair.
+bool ask_fcl(const Convex& A, const Convex& B, const Relative& X, const Vec3& shift, const Vec3& guess,
+             double size, Answer& answer) {
+  fcl::detail::MinkowskiDiff<double> difference;
+  difference.shapes[0] = A.gjk->geometry.get();
+  difference.shapes[1] = B.gjk->geometry.get();
+  difference.toshape1 = X.R.transpose();
+  difference.toshape0 = transform(X.R, X.p + shift + X.R * B.gjk->offset - A.gjk->offset);
+  fcl::detail::GJK<double> gjk(kIterations, 1e-12 * std::min(1.0, size * size));
+  const auto status = gjk.evaluate(difference, -guess);
+  // After `Failed`, out of iterations, the ray is still the best one so far: the certificate judges it.
+  if (status == fcl::detail::GJK<double>::Inside) return false;
+  const double distance = gjk.ray.norm();
+  if (!(distance > 0)) return false;
+  answer = {-gjk.ray / distance, distance};
+  return true;
+}
+
+/// A shape as libccd sees it: an object and its support function.
+struct CcdObject {
+  template <typename Geometry>
+  bool try_as(const fcl::ShapeBased& geometry, fcl::NODE_TYPE type, const fcl::Transform3d& X) {
+    if (geometry.getNodeType() != type) return false;
+    using Initializer = fcl::detail::GJKInitializer<double, Geometry>;
+    object = Initializer::createGJKObject(static_cast<const Geometry&>(geometry), X);
+    support = Initializer::getSupportFunction();
+    centre = Initializer::getCenterFunction();
+    destroy = &Initializer::deleteGJKObject;
+    return true;
+  }
+  CcdObject(const GjkCore& core, const fcl::Transform3d& X) {
+    const fcl::ShapeBased& g = *core.geometry;
+    if (core.triangle) {
+      const auto& t = *core.triangle;
+      object = fcl::detail::triCreateGJKObject<double>(t.a, t.b, t.c, X);
+      support = fcl::detail::triGetSupportFunction();
+      centre = fcl::detail::triGetCenterFunction();
+      destroy = &fcl::detail::triDeleteGJKObject;
+      return;
+    }
+    try_as<fcl::Sphered>(g, fcl::GEOM_SPHERE, X) || try_as<fcl::Capsuled>(g, fcl::GEOM_CAPSULE, X) ||
+        try_as<fcl::Boxd>(g, fcl::GEOM_BOX, X) || try_as<fcl::Cylinderd>(g, fcl::GEOM_CYLINDER, X) ||
+        try_as<fcl::Coned>(g, fcl::GEOM_CONE, X) || try_as<fcl::Ellipsoidd>(g, fcl::GEOM_ELLIPSOID, X) ||
+        try_as<fcl::Convexd>(g, fcl::GEOM_CONVEX, X);
+  }
+  ~CcdObject() {
+    if (destroy) destroy(object);
+  }
+  CcdObject(const CcdObject&) = delete;
+  CcdObject& operator=(const CcdObject&) = delete;
+
+  void* object = nullptr;
+  fcl::detail::GJKSupportFunction support = nullptr;
+  fcl::detail::GJKCenterFunction centre = nullptr;
+  void (*destroy)(void*) = nullptr;
+};
+
+bool ask_libccd(const Convex& A, const Convex& B, const Relative& X, const Vec3& shift, Answer& answer) {
+  const CcdObject a(*A.gjk, transform(Mat3::Identity(), A.gjk->offset));
+  const CcdObject b(*B.gjk, transform(X.R, X.p + shift + X.R * B.gjk->offset));
+  if (!a.object || !b.object) return false;
+  double distance = -1;
+  fcl::Vector3d p, q;
+  if (!fcl::detail::GJKDistance<double>(a.object, a.support, b.object, b.support, kIterations, 1e-12,
+                                        &distance, &p, &q))
+    return false;
+  const double length = (q - p).norm();
+  if (!(length > 0)) return false;
+  answer = {(q - p) / length, length};
+  return true;
+}
+
+}  // namespace
+
+void attach_gjk(Convex& body) {
+  body.gjk = std::make_shared<GjkCore>();
+  GjkCore& core = *body.gjk;
+  const Vec3& h = body.half;
+  switch (body.kind) {
+    case Convex::Kind::kPoint:
+      core.geometry = std::make_shared<fcl::Sphered>(0.0);
+      break;
+    case Convex::Kind::kSegment:
+      core.geometry = std::make_shared<fcl::Capsuled>(0.0, 2 * h.z());
+      break;
+    case Convex::Kind::kBox:
+      core.geometry = std::make_shared<fcl::Boxd>(2 * h.x(), 2 * h.y(), 2 * h.z());
+      break;
+    case Convex::Kind::kCylinder:
+      core.geometry = std::make_shared<fcl::Cylinderd>(h.x(), 2 * h.z());
+      break;
+    case Convex::Kind::kCone:
+      core.geometry = std::make_shared<fcl::Coned>(h.x(), h.z());
+      core.offset = {0, 0, h.z() / 4};
+      break;
+    case Convex::Kind::kEllipsoid:
+      core.geometry = std::make_shared<fcl::Ellipsoidd>(h.x(), h.y(), h.z());
+      break;
+    case Convex::Kind::kPolyhedron:
+      if (body.hull.vertices.size() > 3) {
+        core.geometry = fcl_polyhedron(body.hull);
+      } else {
+        const auto triangle = std::make_shared<fcl::TriangleP<double>>(
+            body.hull.vertices[0], body.hull.vertices[1], body.hull.vertices[2]);
+        core.triangle = triangle.get();
+        core.geometry = triangle;
+      }
+      break;
+  }
+}
+
+void update_gjk_triangle(Convex& body) {
+  fcl::TriangleP<double>& t = *body.gjk->triangle;
+  t.a = body.hull.vertices[0], t.b = body.hull.vertices[1], t.c = body.hull.vertices[2];
+}
+
+bool shortest_direction(const Convex& A, const Convex& B, const Relative& X, const Vec3& shift,
+                        const Vec3& guess, Vec3& n, bool second_opinion) {
+  const double size = A.extent + B.extent;
+  double smaller = size;
+  for (const double extent : {A.extent, B.extent})
+    if (extent > 0) smaller = std::min(smaller, extent);
+  // What is polished afterwards need not be exact here.
+  const double certificate = (A.curved() || B.curved() ? 1e-5 : 1e-8) * size;
+  Answer first, second;
+  const bool found = ask_fcl(A, B, X, shift, guess, smaller, first);
+  double s_first = -1;
+  if (found) {
+    n = first.n;
+    s_first = separation(A, B, X, shift, n);
+    if (std::abs(s_first - first.distance) <= certificate) return true;
+  } else {
+    n = guess;
+  }
+  if (second_opinion && ask_libccd(A, B, X, shift, second) && separation(A, B, X, shift, second.n) > s_first)
+    n = second.n;
+  return separation(A, B, X, shift, n) > 0;
+}
+
+}  // namespace taut::detail

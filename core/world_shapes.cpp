@@ -1,0 +1,78 @@
+#include <algorithm>
+#include <utility>
+
+#include "core/check.h"
+#include "core/world.h"
+
+namespace taut {
+namespace {
+
+template <typename Id>
+std::pair<Id, Id> ordered(Id a, Id b) {
+  return a < b ? std::pair(a, b) : std::pair(b, a);
+}
+
+}  // namespace
+
+int World::checked(ShapeId id) const {
+  if (id.index < 0 || id.index >= shape_count()) fail("shape id", "no such shape", id.index);
+  return id.index;
+}
+
+ShapeId World::add_shape(BodyId body, Shape shape, const Pose& pose, const Material& material,
+                         CollisionFilter filter) {
+  return add_shape(body, std::make_shared<const Shape>(std::move(shape)), pose, material, filter);
+}
+
+ShapeId World::add_shape(BodyId body, std::shared_ptr<const Shape> shape, const Pose& pose,
+                         const Material& material, CollisionFilter filter) {
+  const std::string owner = "shape of " + name(body);
+  if (!shape) fail(owner, "must not be null", "null");
+  check_shape(*shape);
+  check_material(material);
+  require_all_finite("position of " + owner, pose.p);
+  require_unit("orientation of " + owner, pose.q.coeffs());
+  Pose X_BS = pose;
+  X_BS.q.normalize();
+  shapes_.push_back({body, std::move(shape), X_BS, material, filter});
+  ++geometry_version_;
+  return {shape_count() - 1};
+}
+
+void World::set_material(ShapeId id, const Material& material) {
+  check_material(material);
+  shapes_[checked(id)].material = material;
+}
+
+void World::set_contact_material(ShapeId a, ShapeId b, const Material& material) {
+  checked(a), checked(b);
+  check_material(material);
+  contact_materials_[ordered(a, b)] = material;
+}
+
+Material World::contact_material(ShapeId a, ShapeId b) const {
+  if (!contact_materials_.empty())
+    if (const auto found = contact_materials_.find(ordered(a, b)); found != contact_materials_.end())
+      return found->second;
+  return combined(shape(a).material, shape(b).material);
+}
+
+void World::set_collision(BodyId a, BodyId b, bool may_collide) {
+  checked(a), checked(b);
+  if (a == b) fail("collision of " + name(a), "a body cannot collide with itself", name(b));
+  collisions_[ordered(a, b)] = may_collide;
+}
+
+bool World::may_collide(BodyId a, BodyId b) const {
+  if (a == b || (is_fixed(a) && is_fixed(b))) return false;
+  if (const auto found = collisions_.find(ordered(a, b)); found != collisions_.end()) return found->second;
+  return !jointed_.contains(ordered(a, b));
+}
+
+bool World::may_collide(ShapeId a, ShapeId b) const {
+  const ShapeRecord &A = shape(a), &B = shape(b);
+  return (A.filter.groups & B.filter.mask) && (B.filter.groups & A.filter.mask) &&
+         may_collide(A.body, B.body);
+}
+
+}  // namespace taut

@@ -1,0 +1,256 @@
+#include "tests/collision/pair_of_shapes.h"
+
+namespace taut {
+namespace {
+
+using testing::convex_shapes;
+using testing::expect_sound;
+using testing::odd_hull;
+using testing::Random;
+using testing::ShapePair;
+
+/// Contact points on A as seen in world axes, relative to A.
+std::vector<Vec3> places(const ShapePair& pair, const std::vector<Contact>& contacts) {
+  std::vector<Vec3> result;
+  for (const Contact& c : contacts) result.push_back(pair.world.pose(pair.A).q * c.p_AP);
+  return result;
+}
+
+/// True if the ball's centre, projected along z, lies in the convex hull of the places: the body cannot tip
+/// over.
+bool supports(const std::vector<Vec3>& points, const Vec3& centre) {
+  for (int k = 0; k < 64; ++k) {
+    const double angle = 2 * 3.14159265358979 * k / 64;
+    const Vec3 d(std::cos(angle), std::sin(angle), 0);
+    double reach = -1e300;
+    for (const Vec3& p : points) reach = std::max(reach, d.dot(p - centre));
+    if (reach < 0) return false;
+  }
+  return true;
+}
+
+ConvexHull cube_hull(double half) {
+  ConvexHull hull;
+  for (int k = 0; k < 8; ++k)
+    hull.points.push_back(half * Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
+  return hull;
+}
+
+TriangleMesh cube_mesh(double half) {
+  TriangleMesh mesh;
+  mesh.vertices = cube_hull(half).points;
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return mesh;
+}
+
+/// What lies on a table, with the height of its centre of mass above the table and the number of points.
+struct Resting {
+  const char* name;
+  Shape shape;
+  Quat q;
+  double height;
+  int least, most;
+};
+
+std::vector<Resting> resting() {
+  const Quat lying(Eigen::AngleAxisd(3.14159265358979323846 / 2, Vec3::UnitY()));
+  const Quat upright = Quat::Identity();
+  return {{"box", Box{Vec3(0.5, 0.7, 0.4)}, upright, 0.2, 4, 4},
+          {"hull", cube_hull(0.3), upright, 0.3, 4, 4},
+          {"standing cylinder", Cylinder{0.25, 0.5}, upright, 0.25, 8, 8},
+          {"lying cylinder", Cylinder{0.25, 0.5}, lying, 0.25, 2, 2},
+          {"lying capsule", Capsule{0.15, 0.6}, lying, 0.15, 2, 2},
+          {"standing cone", Cone{0.3, 0.8}, upright, 0.2, 8, 8},
+          {"ball", Sphere{0.3}, upright, 0.3, 1, 1},
+          {"ellipsoid", Ellipsoid{Vec3(0.4, 0.3, 0.2)}, upright, 0.2, 1, 1}};
+}
+
+/// Tables whose top is the plane z = 0 of their frame.
+struct Table {
+  Shape shape;
+  Pose X;
+};
+std::vector<Table> tables() {
+  HeightField field{9, 9, 0.5, 0.5, std::vector<double>(81, 0.0)};
+  TriangleMesh square;
+  for (int j = 0; j < 5; ++j)
+    for (int i = 0; i < 5; ++i) square.vertices.emplace_back(i - 2, j - 2, 0);
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i) {
+      const int at = i + 5 * j;
+      square.triangles.push_back({at, at + 1, at + 6});
+      square.triangles.push_back({at, at + 6, at + 5});
+    }
+  return {{HalfSpace{}, {}},
+          {Box{Vec3(4, 4, 1)}, {Quat::Identity(), Vec3(0, 0, -0.5)}},
+          {cube_hull(2), {Quat::Identity(), Vec3(0, 0, -2)}},
+          {cube_mesh(2), {Quat::Identity(), Vec3(0, 0, -2)}},
+          {square, {}},
+          {field, {}},
+          {Cylinder{2, 1}, {Quat::Identity(), Vec3(0, 0, -0.5)}}};
+}
+
+TEST(Manifold, WhatLiesOnATableHasThePointsItStandsOn) {
+  Random random(11);
+  for (const Resting& r : resting())
+    for (const Table& table : tables())
+      for (int trial = 0; trial < 20; ++trial) {
+        const double gap = trial % 2 ? -1e-4 : 1e-3;
+        const Quat turn = exp_so3(random.uniform(-3, 3) * Vec3::UnitZ());
+        const Vec3 at(random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7), r.height + gap);
+        const ShapePair pair(r.shape, {turn * r.q, at}, table.shape, table.X);
+        const auto contacts = pair.contacts(0.005);
+        const std::string what = std::string(r.name) + " on " + shape_name(table.shape);
+        expect_sound(pair.world, contacts);
+        EXPECT_GE(static_cast<int>(contacts.size()), r.least) << what;
+        EXPECT_LE(static_cast<int>(contacts.size()), r.most) << what;
+        if (r.least >= 3) {
+          EXPECT_TRUE(supports(places(pair, contacts), Vec3::Zero())) << what;
+        }
+        for (const Contact& c : contacts) {
+          EXPECT_NEAR(c.gap, gap, 1e-12) << what;
+          EXPECT_LT((c.normal + Vec3::UnitZ()).norm(), 1e-9) << what;
+        }
+      }
+}
+
+TEST(Manifold, AlignedBoxesOfOneSizeHaveFourPoints) {
+  const Box box{Vec3(1, 1, 1)};
+  for (double noise : {0.0, 1e-12, -1e-9, 1e-8}) {
+    const ShapePair pair(box, {exp_so3(noise * Vec3::UnitZ()), Vec3(noise, 0, 0)}, box,
+                         {Quat::Identity(), Vec3(0, noise, 0.9999)});
+    EXPECT_EQ(pair.contacts().size(), 4u) << noise;
+  }
+}
+
+TEST(Manifold, TurnedBoxesHaveTheEightPointsOfTheirOctagon) {
+  const Box box{Vec3(1, 1, 1)};
+  const ShapePair pair(box, {}, box, {exp_so3(0.25 * 3.14159265358979 * Vec3::UnitZ()), Vec3(0, 0, 1)});
+  EXPECT_EQ(pair.contacts().size(), 8u);
+}
+
+TEST(Manifold, TouchingExactlyIsNoSpecialCase) {
+  for (const Resting& r : resting())
+    for (const Table& table : tables()) {
+      const ShapePair pair(r.shape, {r.q, Vec3(0.1, 0.2, r.height)}, table.shape, table.X);
+      const auto contacts = pair.contacts();
+      const std::string what = std::string(r.name) + " on " + shape_name(table.shape);
+      EXPECT_GE(static_cast<int>(contacts.size()), r.least) << what;
+      for (const Contact& c : contacts) {
+        EXPECT_NEAR(c.gap, 0, 1e-14) << what;
+        EXPECT_LT((c.normal + Vec3::UnitZ()).norm(), 1e-9) << what;
+      }
+    }
+}
+
+TEST(Manifold, RestingContactsFollowSmallMotionsContinuously) {
+  // Under a motion of 1e-9 m and rad no gap may change by more than a few of it, and every feature stays: no
+  // point jumps.
+  Random random(12);
+  for (const Resting& r : resting())
+    for (const Table& table : tables()) {
+      const std::string what = std::string(r.name) + " on " + shape_name(table.shape);
+      const Vec3 at(0.11, 0.23, r.height - 1e-5);
+      ShapePair pair(r.shape, {exp_so3(0.4 * Vec3::UnitZ()) * r.q, at}, table.shape, table.X);
+      ContactFinder finder({.threads = 1});
+      auto last = finder.find(pair.world);
+      double gap_change = 0, jump = 0;
+      for (int step = 0; step < 200; ++step) {
+        const Pose X = pair.world.pose(pair.A);
+        pair.world.set_pose(pair.A, testing::moved(X, random.vector(1e-9), random.vector(1e-9)));
+        const auto now = finder.find(pair.world);
+        ASSERT_EQ(now.size(), last.size()) << what;
+        for (std::size_t i = 0; i < now.size(); ++i) {
+          ASSERT_EQ(now[i].feature, last[i].feature) << what;
+          gap_change = std::max(gap_change, std::abs(now[i].gap - last[i].gap));
+          jump = std::max(jump, (now[i].p_AP - last[i].p_AP).norm());
+        }
+        last = now;
+      }
+      EXPECT_LT(gap_change, 1e-8) << what;
+      // Smooth bodies roll: radius·1e-9, up to 1e-7 for the distance of GJK on a mesh's edge.
+      EXPECT_LT(jump, 1e-7) << what;
+    }
+}
+
+TEST(Manifold, TheLeastGapIsContinuousWhileABodyTipsOver) {
+  // From lying flat to standing on an edge and over it, on a box: the least gap changes by no more than reach
+  // × angle.
+  for (const Resting& r : resting()) {
+    double last = 0;
+    for (int k = 0; k <= 4000; ++k) {
+      const double angle = 1.5 * k / 4000;
+      const Quat q = exp_so3(angle * Vec3(0.6, 0.8, 0)) * r.q;
+      const ShapePair pair(r.shape, {q, Vec3(0.1, 0.1, r.height)}, Box{Vec3(9, 9, 5)},
+                           {Quat::Identity(), Vec3(0, 0, -2.5)});
+      const auto contacts = pair.contacts(0.05);
+      if (contacts.empty()) break;  // it has lifted off
+      const double least = testing::least_gap(contacts);
+      if (k > 0) {
+        EXPECT_LT(std::abs(least - last), 1.5 / 4000 * 0.6) << r.name << " " << angle;
+      }
+      last = least;
+    }
+  }
+}
+
+TEST(Manifold, ReducedManifoldsKeepTheDeepestAndTheSpread) {
+  // A hull with a face of forty corners on a half-space.
+  ConvexHull drum;
+  for (int k = 0; k < 40; ++k) {
+    const double angle = 2 * 3.14159265358979 * k / 40;
+    drum.points.emplace_back(std::cos(angle), std::sin(angle), 0.2);
+    drum.points.emplace_back(std::cos(angle), std::sin(angle), -0.2);
+  }
+  for (int most : {4, 8, 16}) {
+    const Quat tilted = exp_so3(Vec3(1e-3, 5e-4, 0));
+    ShapePair pair(drum, {tilted, Vec3(0, 0, 0.2)}, HalfSpace{}, {});
+    ContactFinder finder({.margin = 0.01, .threads = 1, .max_points = most});
+    const auto contacts = finder.find(pair.world);
+    EXPECT_EQ(static_cast<int>(contacts.size()), most);
+    double lowest = 1;
+    for (const Vec3& p : drum.points) lowest = std::min(lowest, (tilted * p).z() + 0.2);
+    EXPECT_NEAR(testing::least_gap(contacts), lowest, 1e-14);
+    EXPECT_TRUE(supports(places(pair, contacts), Vec3::Zero()));
+  }
+}
+
+TEST(Manifold, DoesNotDependOnWhereThePairIsNorOnItsOrder) {
+  Random random(13);
+  const auto shapes = convex_shapes();
+  int checked = 0;
+  for (const Shape& a : shapes)
+    for (const Shape& b : shapes)
+      for (int trial = 0; trial < 60; ++trial) {
+        const Pose X_A = random.pose();
+        const Pose X_B{random.rotation(), X_A.p + 0.55 * random.unit()};
+        const ShapePair pair(a, X_A, b, X_B), swapped(b, X_B, a, X_A);
+        const Quat R = random.rotation();
+        const Vec3 t = random.vector(3);
+        const ShapePair moved(a, testing::transformed(R, t, X_A), b, testing::transformed(R, t, X_B));
+        const auto own = pair.contacts(), other = swapped.contacts(), there = moved.contacts();
+        ASSERT_EQ(own.empty(), other.empty());
+        ASSERT_EQ(own.empty(), there.empty());
+        if (own.empty()) continue;
+        // A deep overlap of round bodies has several local minima, and the order may choose: shallow ones
+        // only.
+        const double depth = testing::least_gap(own);
+        if (depth < -0.05) continue;
+        ++checked;
+        EXPECT_NEAR(testing::least_gap(there), depth, 1e-10) << shape_name(a) << " " << shape_name(b);
+        EXPECT_NEAR(testing::least_gap(other), depth, 1e-10) << shape_name(a) << " " << shape_name(b);
+        const auto deepest = [](const std::vector<Contact>& c) {
+          return *std::min_element(c.begin(), c.end(), [](auto& x, auto& y) { return x.gap < y.gap; });
+        };
+        EXPECT_LT((deepest(there).normal - R * deepest(own).normal).norm(), 2e-5)
+            << shape_name(a) << " " << shape_name(b) << " " << depth;
+        EXPECT_LT((deepest(other).normal + deepest(own).normal).norm(), 2e-5)
+            << shape_name(a) << " " << shape_name(b) << " " << depth;
+        EXPECT_EQ(there.size(), own.size()) << shape_name(a) << " " << shape_name(b);
+      }
+  EXPECT_GT(checked, 500);
+}
+
+}  // namespace
+}  // namespace taut
