@@ -16,7 +16,7 @@ enum class ActiveSetStatus {
   kSolved,
   kContradiction,  ///< some rows cannot take their rates together, whatever their impulses
   kNotConverged,   ///< neither pivoting nor its fall-back came to the tolerance
-  kNotFinite,      ///< the matrix or b is not finite
+  kNotFinite,      ///< the matrix, b or the guess is not finite; λ is set to 0
 };
 std::string_view to_string(ActiveSetStatus status);
 
@@ -62,6 +62,10 @@ class ActiveSet {
   [[nodiscard]] ActiveSetOutcome solve(std::span<const RowLaw> laws, std::span<const double> b,
                                        std::span<double> lambda, std::span<double> w, StageTimes& times,
                                        const ActiveSetSettings& settings = {});
+
+  /// x ← (S + Σ)⁺ x for the pieces that solve() ended with: 0 for rows on a level without slope.  Only until
+  /// the next ConstraintSystem::factorize().
+  void solve_linear(std::span<double> x) { updates_.solve(x); }
 
   /// Piece of each row, as RowLaw counts them.
   std::span<const int> pieces() const { return pieces_; }

@@ -42,7 +42,13 @@ ActiveSet::Search ActiveSet::descend(const Problem& problem, StageTimes& times, 
       (void)find_wrong_rows(problem);
     }
     keep_best(problem);
+    const bool off = system_.singular() && off_target_ > problem.settings.tolerance * scale_;
     at_minimum = step_towards_decision(problem);
+    if (off && at_minimum) {
+      // Nothing stops impulses that grow without bound: E has no minimum, there is no solution.
+      if (!solve_pieces(problem, Start::kLeastNorm, budget, times, outcome)) return Search::kNotFinite;
+      return Search::kFound;
+    }
   }
   return Search::kStalled;
 }
