@@ -10,8 +10,9 @@
 /// one.
 namespace taut {
 
-/// The value next to `near` among value + k period.
+/// The value next to `near` among value + k period; an infinite period leaves it alone.
 inline double unwrapped(double value, double near, double period) {
+  if (!std::isfinite(period)) return value;
   return value + period * std::round((near - value) / period);
 }
 

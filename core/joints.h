@@ -11,6 +11,7 @@
 #include "core/joints/hinge.h"
 #include "core/joints/hinge2.h"
 #include "core/joints/planar.h"
+#include "core/joints/point_on_curve.h"
 #include "core/joints/point_on_line.h"
 #include "core/joints/pulley.h"
 #include "core/joints/rack_and_pinion.h"

@@ -33,6 +33,9 @@ inline Vec3 log_so3(const Quat& q) {
   return 2 * std::atan2(sine, cosine) / sine * v;
 }
 
+/// Direction of the part of v across the unit vector `axis`.
+inline Vec3 across(const Vec3& v, const Vec3& axis) { return (v - v.dot(axis) * axis).normalized(); }
+
 /// Two unit vectors that complete the unit vector z to a right-handed frame (x, y, z).
 inline void complete_frame(const Vec3& z, Vec3& x, Vec3& y) {
   Eigen::Index smallest;

@@ -56,6 +56,15 @@ class PairKeys {
     if (const auto node = object_.find("orientation")) return read_orientation(*node);
     return (pose_a_.q.conjugate() * pose_b_.q).normalized();
   }
+  /// The same joint with its angles 0 in the starting poses.
+  template <typename AnyJoint>
+  std::shared_ptr<const Joint> zeroed(const AnyJoint& joint) const {
+    return std::make_shared<const AnyJoint>(joint.zeroed(pose_a_, pose_b_));
+  }
+  const Pose& pose_a() const { return pose_a_; }
+  const Pose& pose_b() const { return pose_b_; }
+  JsonObject& object() { return object_; }
+
   /// A length, by default the present distance of the points.
   double length(const char* key, const Pair& points, double (JsonNode::*read)() const) {
     if (const auto node = object_.find(key)) return ((*node).*read)();
@@ -117,40 +126,100 @@ class PairKeys {
   bool in_body_ = false, frame_missed_ = false;
 };
 
+std::shared_ptr<const Joint> read_screw(PairKeys& k) {
+  const auto p = k.points(), axis = k.axes();
+  const double pitch = k.object().get_required("pitch", &JsonNode::number, 1.0);
+  Vec3 u, v;
+  complete_frame(axis.a, u, v);
+  const Vec3 u_B = across(k.pose_b().q.conjugate() * (k.pose_a().q * u), axis.b);
+  return k.joint<Screw>(p.a, axis.a, u, p.b, axis.b, u_B, pitch);
+}
+
+/// The x direction is across the normal; its angle is 0 at the start.
+std::shared_ptr<const Joint> read_planar(PairKeys& k) {
+  const auto p = k.points(), axis = k.axes();
+  Vec3 u, v;
+  complete_frame(axis.a, u, v);
+  const Vec3 u_B = across(k.pose_b().q.conjugate() * (k.pose_a().q * u), axis.b);
+  return k.joint<Planar>(p.a, axis.a, u, p.b, axis.b, u_B);
+}
+
+/// "locked" lists of "x", "y", "z", "angle_x", ... in the frame "frame_orientation" of the world.
+std::shared_ptr<const Joint> read_six_dof(PairKeys& k) {
+  static constexpr std::pair<const char*, int> kNames[] = {{"x", 0},       {"y", 1},       {"z", 2},
+                                                           {"angle_x", 3}, {"angle_y", 4}, {"angle_z", 5}};
+  const auto p = k.points();
+  SixDof::Locks locks;
+  if (const auto node = k.object().required("locked"))
+    for (const JsonNode& item : node->items()) {
+      const int i = item.choice(kNames);
+      bool& lock = i < 3 ? locks.translation[i] : locks.rotation[i - 3];
+      if (lock) item.problem("is given twice");
+      lock = true;
+    }
+  Quat q_WF = Quat::Identity();
+  if (const auto node = k.object().find("frame_orientation")) q_WF = read_orientation(*node);
+  return k.joint<SixDof>(p.a, (k.pose_a().q.conjugate() * q_WF).normalized(), p.b,
+                         (k.pose_b().q.conjugate() * q_WF).normalized(), locks);
+}
+
+std::shared_ptr<const Joint> read_rope(PairKeys& k) {
+  const auto p = k.points();
+  const double restitution = k.object().get("restitution", &JsonNode::not_negative, 0.0);
+  return k.joint<Rope>(p.a, p.b, k.length("length", p, &JsonNode::positive), restitution);
+}
+
 /// Joint types: a new one adds its entry here (and to the schema and scenes/README.md).
-using JointReader = std::shared_ptr<const Joint> (*)(PairKeys& k);
+struct JointReader {
+  std::shared_ptr<const Joint> (*pair)(PairKeys& k);  ///< a joint of two bodies, or null and …
+  std::shared_ptr<const Joint> (*coupling)(const SceneReader& reader, JsonObject& joint) = nullptr;
+};
 constexpr std::pair<const char*, JointReader> kJointTypes[] = {
-    {"ball",
-     [](PairKeys& k) {
+    {"ball", {[](PairKeys& k) {
        const auto p = k.points();
        return k.joint<Ball>(p.a, p.b);
-     }},
-    {"hinge",
-     [](PairKeys& k) {
+     }}},
+    {"hinge", {[](PairKeys& k) {
        const auto p = k.points(), axis = k.axes();
-       return k.joint<Hinge>(p.a, axis.a, p.b, axis.b);
-     }},
-    {"slider",
-     [](PairKeys& k) {
+       return k.zeroed(Hinge(k.a.id, k.b.id, p.a, axis.a, p.b, axis.b));
+     }}},
+    {"slider", {[](PairKeys& k) {
        const auto p = k.points();
        const Vec3 axis_A = k.axis_of_a();
        return k.joint<Slider>(p.a, axis_A, p.b, k.orientation_of_b_in_a());
-     }},
-    {"fixed",
-     [](PairKeys& k) {
+     }}},
+    {"fixed", {[](PairKeys& k) {
        const auto p = k.points();
        return k.joint<Fixed>(p.a, p.b, k.orientation_of_b_in_a());
-     }},
-    {"universal",
-     [](PairKeys& k) {
+     }}},
+    {"universal", {[](PairKeys& k) {
        const auto p = k.points(), axis = k.two_axes();
-       return k.joint<Universal>(p.a, axis.a, p.b, axis.b);
-     }},
-    {"distance",
-     [](PairKeys& k) {
+       return k.zeroed(Universal(k.a.id, k.b.id, p.a, axis.a, p.b, axis.b));
+     }}},
+    {"distance", {[](PairKeys& k) {
        const auto p = k.points();
        return k.joint<Distance>(p.a, p.b, k.length("length", p, &JsonNode::positive));
-     }},
+     }}},
+    {"cylindrical", {[](PairKeys& k) {
+       const auto p = k.points(), axis = k.axes();
+       return k.zeroed(Cylindrical(k.a.id, k.b.id, p.a, axis.a, p.b, axis.b));
+     }}},
+    {"screw", {read_screw}},
+    {"planar", {read_planar}},
+    {"point_on_line", {[](PairKeys& k) {
+       const auto p = k.points();
+       return k.joint<PointOnLine>(p.a, k.axis_of_a(), p.b);
+     }}},
+    {"hinge2", {[](PairKeys& k) {
+       const auto p = k.points(), axis = k.two_axes();
+       return k.zeroed(Hinge2(k.a.id, k.b.id, p.a, axis.a, p.b, axis.b));
+     }}},
+    {"six_dof", {read_six_dof}},
+    {"rope", {read_rope}},
+    {"gear", {nullptr, read_gear}},
+    {"rack_and_pinion", {nullptr, read_rack_and_pinion}},
+    {"differential", {nullptr, read_differential}},
+    {"driver", {nullptr, read_driver}},
 };
 
 /// Force types: a new one adds its entry here.  The World does not check what acts on a missing body, so the
@@ -194,22 +263,30 @@ void SceneReader::read_joint(const JsonNode& node) {
   const std::string name = name_node ? name_node->string() : "";
   const auto type = joint.required("type");
   const std::size_t before_type = problems_.size();
-  const JointReader read_type = type ? type->choice(kJointTypes) : nullptr;
-  if (!read_type || problems_.size() != before_type) {  // its keys are not known
+  const JointReader read_type = type ? type->choice(kJointTypes) : JointReader{};
+  if (!type || problems_.size() != before_type) {  // its keys are not known
     if (!name.empty()) path_of_joint_.emplace(name, node.path());
     return;
   }
-  PairKeys keys(*this, joint);
+  const auto axes = joint.find("axes");
   std::shared_ptr<const Joint> made;
-  node.guard_if_sound(before, [&] { made = read_type(keys); });
-  joint.reject_unknown_keys();
-  if (keys.a.found && keys.b.found) {
-    if (keys.a.id == keys.b.id)
-      joint.find("b")->problem("joins a body to itself");
-    else if (keys.a.sound && keys.b.sound && scene_.world.is_fixed(keys.a.id) &&
-             scene_.world.is_fixed(keys.b.id))
-      node.problem("joins two fixed bodies",
-                   scene_.world.name(keys.a.id) + ", " + scene_.world.name(keys.b.id));
+  bool bodies_found = true, bodies_sound = true;
+  if (read_type.coupling) {
+    node.guard_if_sound(before, [&] { made = read_type.coupling(*this, joint); });
+    joint.reject_unknown_keys();
+  } else {
+    PairKeys keys(*this, joint);
+    node.guard_if_sound(before, [&] { made = read_type.pair(keys); });
+    joint.reject_unknown_keys();
+    bodies_found = keys.a.found && keys.b.found;
+    bodies_sound = keys.a.sound && keys.b.sound;
+    if (bodies_found) {
+      if (keys.a.id == keys.b.id)
+        joint.find("b")->problem("joins a body to itself");
+      else if (bodies_sound && scene_.world.is_fixed(keys.a.id) && scene_.world.is_fixed(keys.b.id))
+        node.problem("joins two fixed bodies",
+                     scene_.world.name(keys.a.id) + ", " + scene_.world.name(keys.b.id));
+    }
   }
 
   const auto owner = path_of_joint_.find(name);
@@ -218,13 +295,15 @@ void SceneReader::read_joint(const JsonNode& node) {
                        (owner != path_of_joint_.end() ? owner->second : "a generated joint"));
   else if (!name.empty())
     path_of_joint_[name] = node.path();
-  if (!made || !keys.a.found || !keys.b.found || problems_.size() != before) return;
-  node.guard([&] {
-    const JointId id = scene_.world.add_joint(name, made);
-    path_of_joint_[scene_.world.name(id)] = node.path();
-    joint_paths_.resize(id.index + 1);
-    if (keys.a.sound && keys.b.sound) joint_paths_[id.index] = node.path();
-  });
+  JointId id;
+  if (made && bodies_found && problems_.size() == before)
+    node.guard([&] {
+      id = scene_.world.add_joint(name, made);
+      path_of_joint_[scene_.world.name(id)] = node.path();
+      joint_paths_.resize(id.index + 1);
+      if (bodies_sound) joint_paths_[id.index] = node.path();
+    });
+  if (axes) read_axes(*axes, id);
 }
 
 void SceneReader::read_force(const JsonNode& node) {

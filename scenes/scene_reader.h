@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -27,6 +28,9 @@ class SceneReader {
 
   /// The body that the key names; a problem if the key or the body is missing.
   BodyReference required_body(JsonObject& object, const char* key) const;
+  /// The free axis {"joint", "axis"} of the key; a problem if key, joint or axis is missing, and nothing.
+  std::optional<AxisId> required_axis(JsonObject& object, const char* key) const;
+  const World& world() const { return scene_.world; }
   Pose pose_of(const BodyReference& body) const { return body.found ? scene_.world.pose(body.id) : Pose{}; }
 
  private:
@@ -37,6 +41,8 @@ class SceneReader {
   void read_force(const JsonNode& node);
   void read_probe(const JsonNode& node);
   void check_gaps();
+  /// "axes" of a joint: limits, motor, friction and spring by axis; applied to the joint if it is there.
+  void read_axes(const JsonNode& node, JointId joint);
 
   /// -1 if there is none of that name (a problem) or it has problems of its own.
   JointId find_joint(const JsonNode& name) const;
@@ -49,6 +55,15 @@ class SceneReader {
   bool has_unread_block_ = false;         // a generate block with problems: its names are not known
   std::vector<std::string> joint_paths_;  // by joint id; empty: its gap is not checked
 };
+
+/// Joints that tie axes of other joints together, by type; nothing if an axis has problems.
+std::shared_ptr<const Joint> read_gear(const SceneReader& reader, JsonObject& joint);
+std::shared_ptr<const Joint> read_rack_and_pinion(const SceneReader& reader, JsonObject& joint);
+std::shared_ptr<const Joint> read_differential(const SceneReader& reader, JsonObject& joint);
+std::shared_ptr<const Joint> read_driver(const SceneReader& reader, JsonObject& joint);
+
+/// [[x, y], ...], x increasing.
+std::vector<Curve::Point> read_curve_points(const JsonNode& node);
 
 /// The "settings" object.
 Settings read_settings(const JsonNode& node, const Settings& defaults);

@@ -29,8 +29,13 @@ class Cylindrical final : public Joint {
   static Cylindrical at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& axis_W) {
     require_unit("cylindrical axis", axis_W);
     const Pose &A = world.pose(a), &B = world.pose(b);
-    Cylindrical joint(a, b, A.local(p_W), A.q.conjugate() * axis_W, B.local(p_W), B.q.conjugate() * axis_W);
-    joint.reference_B_ = B.q.conjugate() * (A.q * joint.reference_A_);
+    return Cylindrical(a, b, A.local(p_W), A.q.conjugate() * axis_W, B.local(p_W), B.q.conjugate() * axis_W)
+        .zeroed(A, B);
+  }
+  /// The same joint with its angle 0 in these poses.
+  Cylindrical zeroed(const Pose& A, const Pose& B) const {
+    Cylindrical joint = *this;
+    joint.reference_B_ = across(B.q.conjugate() * (A.q * reference_A_), axis_B_);
     return joint;
   }
 

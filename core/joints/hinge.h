@@ -38,9 +38,14 @@ class Hinge final : public Joint {
   static Hinge at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& axis_W) {
     require_unit("hinge axis", axis_W);
     const Pose &A = world.pose(a), &B = world.pose(b);
-    Hinge hinge(a, b, A.local(p_W), A.q.conjugate() * axis_W, B.local(p_W), B.q.conjugate() * axis_W);
-    hinge.reference_B_ = B.q.conjugate() * (A.q * hinge.reference_A_);
-    return hinge;
+    return Hinge(a, b, A.local(p_W), A.q.conjugate() * axis_W, B.local(p_W), B.q.conjugate() * axis_W)
+        .zeroed(A, B);
+  }
+  /// The same joint with its angle 0 in these poses.
+  Hinge zeroed(const Pose& A, const Pose& B) const {
+    Hinge joint = *this;
+    joint.reference_B_ = across(B.q.conjugate() * (A.q * reference_A_), axis_B_);
+    return joint;
   }
 
   std::string_view type() const override { return "hinge"; }

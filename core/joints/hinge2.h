@@ -35,9 +35,14 @@ class Hinge2 final : public Joint {
     if (std::abs(steering_W.dot(spin_W)) > kUnitTolerance)
       fail("hinge2 axes", "must be perpendicular (cosine)", steering_W.dot(spin_W));
     const Pose &A = world.pose(a), &B = world.pose(b);
-    Hinge2 joint(a, b, A.local(p_W), A.q.conjugate() * steering_W, B.local(p_W), B.q.conjugate() * spin_W);
-    joint.reference_A_ = A.q.conjugate() * (spin_W - spin_W.dot(steering_W) * steering_W).normalized();
-    joint.reference_B_ = B.q.conjugate() * (steering_W - steering_W.dot(spin_W) * spin_W).normalized();
+    return Hinge2(a, b, A.local(p_W), A.q.conjugate() * steering_W, B.local(p_W), B.q.conjugate() * spin_W)
+        .zeroed(A, B);
+  }
+  /// The same joint with its angles 0 in these poses.
+  Hinge2 zeroed(const Pose& A, const Pose& B) const {
+    Hinge2 joint = *this;
+    joint.reference_A_ = across(A.q.conjugate() * (B.q * spin_B_), steering_A_);
+    joint.reference_B_ = across(B.q.conjugate() * (A.q * steering_A_), spin_B_);
     return joint;
   }
 

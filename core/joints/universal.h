@@ -35,9 +35,14 @@ class Universal final : public Joint {
     if (std::abs(axis_a_W.dot(axis_b_W)) > kUnitTolerance)
       fail("universal axes", "must be perpendicular (cosine)", axis_a_W.dot(axis_b_W));
     const Pose &A = world.pose(a), &B = world.pose(b);
-    Universal joint(a, b, A.local(p_W), A.q.conjugate() * axis_a_W, B.local(p_W), B.q.conjugate() * axis_b_W);
-    joint.reference_A_ = A.q.conjugate() * (axis_b_W - axis_b_W.dot(axis_a_W) * axis_a_W).normalized();
-    joint.reference_B_ = B.q.conjugate() * (axis_a_W - axis_a_W.dot(axis_b_W) * axis_b_W).normalized();
+    return Universal(a, b, A.local(p_W), A.q.conjugate() * axis_a_W, B.local(p_W), B.q.conjugate() * axis_b_W)
+        .zeroed(A, B);
+  }
+  /// The same joint with its angles 0 in these poses.
+  Universal zeroed(const Pose& A, const Pose& B) const {
+    Universal joint = *this;
+    joint.reference_A_ = across(A.q.conjugate() * (B.q * axis_B_), axis_A_);
+    joint.reference_B_ = across(B.q.conjugate() * (A.q * axis_A_), axis_B_);
     return joint;
   }
 

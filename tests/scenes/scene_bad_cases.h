@@ -121,6 +121,73 @@ inline std::vector<BadScene> bad_bodies() {
   };
 }
 
+/// A hinge "h" from P to Q with these axes, and one more joint.
+inline std::string with_axes(const std::string& axes) {
+  return joint(R"("name": "h", "type": "hinge", "anchor": [0, 0, 0], "axis": [0, 0, 1], "axes": )" + axes);
+}
+inline std::string beside_hinge(const std::string& keys) {
+  return two_bodies(R"("joints": [{"name": "h", "type": "hinge", "a": "P", "b": "Q", "anchor": [0, 0, 0],
+      "axis": [0, 0, 1]}, {)" +
+                    keys + "}]");
+}
+
+inline std::vector<BadScene> bad_axes() {
+  const std::string angle = R"({"joint": "h", "axis": "angle"})", at = "/joints/0/axes/angle";
+  return {
+      {with_axes("3"), "/joints/0/axes", "must be an object", "3"},
+      {with_axes(R"({"angel": {}})"), "/joints/0/axes/angel", "there is none of this name, only angle", "{}",
+       false},
+      {with_axes(R"({"angle": {"limit": {}}})"), at + "/limit", "unknown key", "{}"},
+      {with_axes(R"({"angle": {"limits": {"lower": 2, "upper": 1}}})"), at + "/limits",
+       "must not exceed the upper limit", R"({"lower":2,"upper":1})", false},
+      {with_axes(R"({"angle": {"limits": {"restitution": -1}}})"), at + "/limits/restitution",
+       "must be finite and not negative", "-1"},
+      {with_axes(R"({"angle": {"limits": {"restitution": 2}}})"), at + "/limits", "must be from 0 to 1",
+       R"({"restitution":2})"},
+      {with_axes(R"({"angle": {"motor": {}}})"), at + "/motor", "velocity", "{}"},
+      {with_axes(R"({"angle": {"motor": {"velocity": 1, "max_force": -2}}})"), at + "/motor/max_force",
+       "must be finite and not negative", "-2"},
+      {with_axes(R"({"angle": {"motor": {"velocity": 1, "force_of_speed": []}}})"),
+       at + "/motor/force_of_speed", "must have a point", "[]"},
+      {with_axes(R"({"angle": {"motor": {"velocity": 1, "force_of_speed": [[1, 2], [0, 3]]}}})"),
+       at + "/motor/force_of_speed", "must lie to the right", "[[1,2],[0,3]]", false},
+      {with_axes(R"({"angle": {"motor": {"velocity": 1, "force_of_speed": [[1]]}}})"),
+       at + "/motor/force_of_speed/0", "must be a pair of numbers [x, y]", "[1]"},
+      {with_axes(R"({"angle": {"friction": {"static": -1}}})"), at + "/friction/static",
+       "must be finite and not negative", "-1"},
+      {with_axes(R"({"angle": {"friction": {"static": 1, "dynamic": 2}}})"), at + "/friction",
+       "must not exceed the static friction", R"({"dynamic":2,"static":1})", false},
+      {with_axes(R"({"angle": {"spring": {"stiffness": 1, "table": [[0, 0]]}}})"), at + "/spring",
+       "must be 0 beside a table", "", false},
+      {joint(R"("type": "screw", "anchor": [0, 0, 0], "axis": [0, 0, 1])"), "/joints/0",
+       R"("pitch" is missing)", ""},
+      {joint(R"("type": "screw", "anchor": [0, 0, 0], "axis": [0, 0, 1], "pitch": 0)"), "/joints/0",
+       "screw pitch: must not be 0", "", false},
+      {joint(R"("type": "six_dof", "anchor": [0, 0, 0], "locked": ["w"])"), "/joints/0/locked/0",
+       R"(must be one of "x", "y", "z", "angle_x", "angle_y", "angle_z")", R"("w")"},
+      {joint(R"("type": "six_dof", "anchor": [0, 0, 0], "locked": ["x", "x"])"), "/joints/0/locked/1",
+       "is given twice", R"("x")"},
+      {beside_hinge(R"("type": "gear", "driving": {"joint": "g", "axis": "angle"}, "driven": )" + angle +
+                    R"(, "ratio": 2)"),
+       "/joints/1/driving/joint", "there is no joint of this name", R"("g")", false},
+      {beside_hinge(R"("type": "gear", "driving": {"joint": "h", "axis": "turn"}, "driven": )" + angle +
+                    R"(, "ratio": 2)"),
+       "/joints/1/driving/axis", "there is none of this name, only angle", R"("turn")", false},
+      {beside_hinge(R"("type": "gear", "driving": {"joint": "h"}, "driven": )" + angle + R"(, "ratio": 2)"),
+       "/joints/1/driving", R"("axis" is missing)", ""},
+      {beside_hinge(R"("type": "gear", "driving": )" + angle + R"(, "driven": )" + angle + R"(, "ratio": 2)"),
+       "/joints/1", "couples an axis to itself", "", false},
+      {beside_hinge(R"("type": "rack_and_pinion", "pinion": )" + angle + R"(, "rack": )" + angle +
+                    R"(, "radius": 2)"),
+       "/joints/1", "the rack's axis must be a displacement", "", false},
+      {beside_hinge(R"("type": "driver", "of": )" + angle), "/joints/1", R"("motion" is missing)", ""},
+      {beside_hinge(R"("type": "driver", "of": )" + angle + R"(, "motion": {"linear": {}})"),
+       "/joints/1/motion/linear", R"("rate" is missing)", ""},
+      {beside_hinge(R"("type": "driver", "of": )" + angle + R"(, "motion": {"spline": [[0, 1], [0, 2]]})"),
+       "/joints/1/motion/spline", "must exceed the one before it", "", false},
+  };
+}
+
 inline std::vector<BadScene> bad_joints() {
   const std::string open =
       R"( must be closed at the start to 1e-06 m or rad, but has a gap; "assemble": true )"
@@ -128,7 +195,9 @@ inline std::vector<BadScene> bad_joints() {
   return {
       {joint(R"("anchor": [0, 0, 0])"), "/joints/0", R"("type" is missing)", ""},
       {joint(R"("type": "hing", "anchor": [0, 0, 0])"), "/joints/0/type",
-       R"(must be one of "ball", "hinge", "slider", "fixed", "universal", "distance"; did you mean "hinge"?)",
+       R"(must be one of "ball", "hinge", "slider", "fixed", "universal", "distance", "cylindrical", "screw", )"
+       R"("planar", "point_on_line", "hinge2", "six_dof", "rope", "gear", "rack_and_pinion", "differential", )"
+       R"("driver"; did you mean "hinge"?)",
        R"("hing")"},
       {joint(R"("type": "ball")"), "/joints/0", R"("anchor" is missing)", ""},
       {joint(R"("type": "ball", "anchor": [0, 0, 0], "axis": [0, 0, 1])"), "/joints/0/axis",

@@ -103,7 +103,9 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_TRUE((pose("sphere").q * Vec3::UnitX()).isApprox(Vec3(Vec3::UnitY()), 1e-15));
   EXPECT_EQ(pose("rod").q.coeffs(), Quat(0, 1, 0, 0).coeffs());
 
-  for (const char* name : {"ball", "hinge", "slider", "fixed", "universal", "distance"})
+  for (const char* name :
+       {"ball", "hinge", "slider", "fixed", "universal", "distance", "cylindrical", "screw", "planar",
+        "point_on_line", "hinge2", "six_dof", "rope", "gear", "rack_and_pinion", "differential", "driver"})
     EXPECT_EQ(world.joint(world.joint(name)).type(), name);
   EXPECT_EQ(world.force_count(), 4);
 
@@ -116,6 +118,47 @@ TEST(SceneFile, ReadsEveryKey) {
     EXPECT_EQ(scene.probes[1 + i].name, "p" + std::to_string(i));
     EXPECT_EQ(static_cast<int>(scene.probes[1 + i].quantity), i);
   }
+}
+
+TEST(SceneFile, AxisPropertiesAreThoseOfTheFile) {
+  const World world = parse_scene(scene_file_cases::kEverything, "test.json").world;
+  const auto of = [&](const char* joint, const char* axis) {
+    return world.axis_properties(world.axis(world.joint(joint), axis));
+  };
+  const AxisProperties travel = of("hinge2", "travel"), steering = of("hinge2", "steering"),
+                       spin = of("hinge2", "spin"), line = of("point_on_line", "displacement"),
+                       rope = of("rope", "length");
+  EXPECT_EQ(travel.limits->lower, -0.1);
+  EXPECT_EQ(travel.limits->upper, 0.2);
+  EXPECT_EQ(travel.limits->restitution, 0.5);
+  EXPECT_EQ(travel.spring->stiffness, 1e4);
+  EXPECT_EQ(travel.spring->damping, 300);
+  EXPECT_EQ(travel.spring->rest, 0.1);
+  EXPECT_FALSE(travel.motor || travel.friction);
+  EXPECT_EQ(steering.motor->mode, AxisMotor::Mode::kPosition);
+  EXPECT_EQ(steering.motor->target, 0.2);
+  EXPECT_EQ(steering.motor->max_force, 50);
+  EXPECT_EQ(steering.motor->max_speed, 2);
+  EXPECT_EQ(spin.motor->mode, AxisMotor::Mode::kVelocity);
+  EXPECT_EQ(spin.motor->target, -3);
+  EXPECT_EQ(spin.motor->max_force, kUnlimited);
+  EXPECT_EQ(spin.motor->force_of_speed->held(150), 60);
+  EXPECT_EQ(spin.friction->static_friction, 2);
+  EXPECT_EQ(spin.friction->dynamic_friction, 1.5);
+  EXPECT_EQ(spin.friction->viscous, 0.1);
+  EXPECT_EQ(line.spring->table->held(0.5), 1.5);
+  EXPECT_EQ(rope.limits->upper, 9);
+  EXPECT_EQ(rope.limits->restitution, 0.25);
+  EXPECT_FALSE(world.has_axis_properties(world.joint("distance")));
+}
+
+TEST(SceneFile, AnglesAreZeroAtTheStart) {
+  const World world = parse_scene(scene_file_cases::kEverything, "test.json").world;
+  for (const char* joint : {"hinge", "universal", "cylindrical", "hinge2"})
+    for (int k = 0; k < world.axis_count(world.joint(joint)); ++k) {
+      const AxisId axis{world.joint(joint), k};
+      if (world.axis_info(axis).angular) EXPECT_NEAR(world.axis_value(axis), 0, 1e-14) << joint;
+    }
 }
 
 TEST(SceneFile, ForcesAreThoseOfTheFile) {
