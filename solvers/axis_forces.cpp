@@ -122,6 +122,7 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
       const double e = p.limits->restitution;
       if (theta1 <= p.limits->lower + kTouch) axis.lower_at = std::max(0.0, -e * axis.rate0);
       if (theta1 >= p.limits->upper - kTouch) axis.upper_at = std::min(0.0, -e * axis.rate0);
+      if (axis.lower_at > axis.upper_at) axis.lower_at = axis.upper_at = 0;  // locked between both
     }
     if (p.motor) {
       const double left = p.motor->target - theta1;

@@ -70,7 +70,7 @@ class Rattle {
   bool close_bounded_positions(double h, StepReport& report);
   double law_error(double h) const;
   template <typename Laws>
-  bool solve_laws(std::span<double> lambda, Laws&& renew, StepReport& report);
+  bool solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report);
   bool project_bounded_momenta(StepReport& report);
   void mean_rates(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
                   std::span<const double> jacobian, std::span<double> out);

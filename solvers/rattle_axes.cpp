@@ -92,11 +92,11 @@ double Rattle::law_error(double h) const {
 /// Solves w = S λ + b for the laws, with b such that the present λ gives the present rates; again where
 /// static friction lets go.
 template <typename Laws>
-bool Rattle::solve_laws(std::span<double> lambda, Laws&& renew, StepReport& report) {
+bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report) {
   system_.multiply(lambda, delta_);
   for (int r = 0; r < system_.row_count(); ++r) delta_[r] = rates_[r] - delta_[r];
   for (int solve = 0; solve < kMaxSolves; ++solve) {
-    outcome_ = active_.solve(laws_, delta_, lambda, w_, report.times);
+    outcome_ = active_.solve(laws_, delta_, lambda, w_, report.times, {.rate_tolerance = rate_tolerance});
     report.pivots += outcome_.pivots;
     report.complementarity_residual = std::max(report.complementarity_residual, outcome_.residual);
     if (!outcome_.ok()) return false;
@@ -120,7 +120,7 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   system_.rows().add_rate(state_, rates_);
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
-  if (!solve_laws(mu_, renew, report)) return false;
+  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) return false;
   system_.rows().apply_transpose(system_.jacobian(), mu_, joint_impulse_);
   for (int b = 0; b < world_.body_count(); ++b)
     if (!system_.mass()[b].fixed)

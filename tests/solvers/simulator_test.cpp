@@ -136,7 +136,8 @@ INSTANTIATE_TEST_SUITE_P(
         Promise{"bridge-balls", 200, 0, kVideo, 0.5, 1e-2},
         Promise{"bridge-balls", 200, 1, kVideo, 0.5, 1e-2}, Promise{"net-flag", 5, 0, kVideo, 2, 0},
         Promise{"net-flag", 10, 0, kMilli, 1, 0}, Promise{"net-corners", 10, 0, kVideo, 1, 0},
-        Promise{"joint-grid", 8, 0, kVideo, 2, 1e-2}),
+        Promise{"joint-grid", 8, 0, kVideo, 2, 1e-2}, Promise{"joint-grid", 20, 0, kVideo, 2, 1e-2},
+        Promise{"joint-grid", 20, 0, kMilli, 2, 1e-3}),
     [](const auto& promise) {
       std::string name = promise.param.scene;
       std::replace(name.begin(), name.end(), '-', '_');
