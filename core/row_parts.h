@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <sstream>
 #include <string>
 
 #include "core/so3.h"
@@ -39,6 +41,16 @@ inline Mat3 lever_stiffness(const Vec3& r, const Vec3& f) {
 }
 
 inline const char* axis_name(int i) { return i == 0 ? "x" : i == 1 ? "y" : "z"; }
+
+/// "y", "−y" for the axes themselves, else "(0.6, 0.8, 0)".
+inline std::string direction_name(const Vec3& d) {
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(std::abs(d[i]) - 1) < 1e-9) return std::string(d[i] < 0 ? "−" : "") + axis_name(i);
+  std::ostringstream text;
+  text.precision(3);
+  text << "(" << d[0] + 0.0 << ", " << d[1] + 0.0 << ", " << d[2] + 0.0 << ")";
+  return text.str();
+}
 
 /// Point P of A coincides with point Q of B.   φ = p_WQ − p_WP ∈ ℝ³ [m], world axes
 /// λ [N] is the force on B at Q.  A receives −λ at P, so an open point leaves the couple φ × λ.
@@ -98,7 +110,7 @@ struct PointInPlane {
     K_A.rotation += lever_stiffness(B.p + r_B - A.p, f);
     K_B.rotation += lever_stiffness(r_B, f);
   }
-  std::string row_name(int) const { return "translation along an axis of body A"; }
+  std::string row_name(int) const { return "translation along " + direction_name(a_A) + " of A"; }
 };
 
 /// Direction a of A stays perpendicular to direction b of B.   φ = a·b [rad, sine of the angle off]
@@ -124,7 +136,7 @@ struct Perpendicular {
     K_A.rotation += K;
     K_B.rotation += K;
   }
-  std::string row_name(int) const { return "rotation across the axis"; }
+  std::string row_name(int) const { return "tilt of the axis towards " + direction_name(a_A) + " of A"; }
 };
 
 /// Frame F of A and frame G of B keep the same orientation.   φ = 2 vec(q_FG) ∈ ℝ³ [rad], in axes of F;

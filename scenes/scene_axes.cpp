@@ -122,9 +122,9 @@ void SceneReader::read_axes(const JsonNode& node, JointId joint) {
     const auto limits = keys.find("limits"), motor = keys.find("motor"), friction = keys.find("friction"),
                spring = keys.find("spring");
     const std::size_t before_values = problems_.size();
-    const auto values = [&](const auto& child, auto read) {
-      std::optional<decltype(read(*child))> value;
-      if (child) value = read(*child);
+    const auto values = [&](const auto& child, auto reader) {
+      std::optional<decltype(reader(*child))> value;
+      if (child) value = reader(*child);
       return value;
     };
     const auto limit_values = values(limits, read_limits);

@@ -56,6 +56,9 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
   row_at_position_.resize(n);
   for (int r = 0; r < n; ++r) row_at_position_[system_->position_of_row()[r]] = r;
   dependent_rows_.reserve(n);
+  counted_rows_.reserve(n);
+  large_pivots_.reserve(n);
+  counted_shift_ = tolerance.shift;
   states_.reserve(n);
   factored_states_.reserve(n);
   masked_weighted_.reserve(weighted_.size());
@@ -122,6 +125,19 @@ void ConstraintSystem::factorize(StageTimes& times) {
   }
   full_rank_streak_ = dependent_rows_.empty() ? full_rank_streak_ + 1 : 0;
   if (full_rank_streak_ >= kStreak) shift_next_ = false;
+  if (shifted_ && states_.empty() && tolerance_.shift == counted_shift_) keep_count(times);
+}
+
+/// The exact count takes two more factorisations: only where the number of small pivots has changed.
+void ConstraintSystem::keep_count(StageTimes& times) {
+  const int small = rank_deficiency();
+  if (small != small_pivots_) {
+    small_pivots_ = small;
+    factorize_for_counting(times);
+    counted_rows_ = dependent_rows_;
+    assemble_and_factorize(times);
+  }
+  dependent_rows_ = counted_rows_;
 }
 
 /// The pivot of a dependent row is a multiple of the shift, and the multiple grows with the length of the
@@ -132,14 +148,14 @@ void ConstraintSystem::factorize_for_counting(StageTimes& times) {
   const double shift = tolerance_.shift;
   shifted_ = shift_next_ = true;
   assemble_and_factorize(times);
-  const std::vector<double> large = pivots_;
+  large_pivots_ = pivots_;
   tolerance_.shift = shift / 16;
   assemble_and_factorize(times);
   tolerance_.shift = shift;
   dependent_rows_.clear();
   if (!usable_) return;
   for (std::size_t i = 0; i < pivots_.size(); ++i)
-    if (pivots_[i] < 0.5 * large[i]) dependent_rows_.push_back(row_at_position_[i]);
+    if (pivots_[i] < 0.5 * large_pivots_[i]) dependent_rows_.push_back(row_at_position_[i]);
 }
 
 void ConstraintSystem::inspect_pivots() {

@@ -118,6 +118,7 @@ class ConstraintSystem {
  private:
   void assemble_and_factorize(StageTimes& times);
   void inspect_pivots();
+  void keep_count(StageTimes& times);
   void backsolve(std::span<double> x);
   void mask_weighted();
 
@@ -132,6 +133,10 @@ class ConstraintSystem {
   std::vector<double> states_, factored_states_, masked_weighted_;
   std::vector<Wrench> body_scratch_;
   std::vector<int> row_at_position_, dependent_rows_;
+  std::vector<int> counted_rows_;  // the dependent rows when small_pivots_ last changed
+  std::vector<double> large_pivots_;
+  int small_pivots_ = 0;
+  double counted_shift_ = 0;
   bool usable_ = false;
   bool shifted_ = false;     // the present factor is that of S_ε
   bool shift_next_ = false;  // start the next factorisation with the shift

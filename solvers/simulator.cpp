@@ -84,7 +84,8 @@ class Simulator::Impl {
   int quiet_ = 0;           // steps in a row that asked for fewer
   int topology_version_ = -1, state_version_ = -1, reaction_version_ = -1;
   std::vector<double> reaction_multipliers_, phi_, rates_;
-  std::vector<double> impulse_jacobian_;
+  mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
+  mutable int wrench_jacobian_version_ = -1;
 
  private:
   bool integrate(double dt);
@@ -116,7 +117,7 @@ void Simulator::Impl::refresh() {
     rates_.assign(system_->row_count(), 0.0);
     reaction_multipliers_.assign(system_->row_count(), 0.0);
     topology_version_ = world_.topology_version();
-    state_version_ = -1;
+    state_version_ = wrench_jacobian_version_ = -1;
     report_.times.analysis = system_->analysis_time();
   }
   if (state_version_ == world_.state_version()) return;
@@ -382,8 +383,12 @@ Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> m
   const Joint& j = world_.joint(joint);
   const Rows::JointRows& rows = system_->rows().joints()[joint.index];
   const Rows::Side& side = system_->rows().sides()[rows.first_side + 1];
-  std::vector<double> jacobian(system_->jacobian().size());
-  system_->rows().jacobian(world_.state(), jacobian);
+  if (wrench_jacobian_version_ != world_.state_version()) {
+    wrench_jacobian_.resize(system_->jacobian().size());
+    system_->rows().jacobian(world_.state(), wrench_jacobian_);
+    wrench_jacobian_version_ = world_.state_version();
+  }
+  const std::vector<double>& jacobian = wrench_jacobian_;
   Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
   for (int i = 0; i < rows.row_count; ++i)
     wrench += scale * multipliers[rows.first_row + i] *

@@ -313,7 +313,7 @@ inline std::vector<BadScene> bad_blocks() {
 inline std::vector<BadScene> bad_scenes() {
   std::vector<BadScene> all;
   for (const auto& group :
-       {bad_top_level(), bad_bodies(), bad_joints(), bad_forces_and_probes(), bad_blocks()})
+       {bad_top_level(), bad_bodies(), bad_joints(), bad_axes(), bad_forces_and_probes(), bad_blocks()})
     all.insert(all.end(), group.begin(), group.end());
   return all;
 }
