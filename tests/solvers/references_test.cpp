@@ -136,8 +136,7 @@ void run_to(Case& c, double end, const Quantities& quantities, const Plan& plan,
     if (t > 0) advance(simulator, probes, t, c.dt * plan.step_fraction);
     if (testing::Test::HasFatalFailure()) return;
     for (const Quantity* quantity : quantities) {
-      const bool now =
-          quantity->time ? *quantity->time == t : !Probes::is_about_the_run(quantity->probe) || t == end;
+      const bool now = Probes::is_about_the_run(quantity->probe) ? t == end : quantity->time.value_or(t) == t;
       if (now) compare(c, *quantity, probes.evaluate(quantity->probe), plan, tally);
     }
   }
