@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 namespace taut {
 
 /// A quantity along one axis by what gave it; forces and impulses are positive towards larger θ.
@@ -21,6 +23,7 @@ struct AxisReport {
   bool stuck = false;      ///< friction holds the axis where it is
   bool saturated = false;  ///< the motor gives all it has and does not reach its target
   bool at_limit = false;
+  std::optional<double> impact_time;  ///< of the last impact at a limit in the step [s]
 };
 
 }  // namespace taut

@@ -33,6 +33,24 @@ struct Anchors {
   Vec3 p_AP, p_BQ;
 };
 
+/// The free axis of a hinge or slider.
+struct FreeAxis {
+  AxisId id;
+  BodyId a, b;
+  Vec3 axis_A;       ///< in axes of A
+  double start = 0;  ///< what the file calls the coordinate at t = 0, where the World has 0
+};
+
+/// A gear, a differential or a driver: torque coef · m on each body about its axis, the opposite on the other
+/// body of its hinge; m is what the probe `multiplier` measures.
+struct Coupling {
+  struct Term {
+    FreeAxis hinge;  ///< with the direction that the file gives the axis
+    double coef = 1;
+  };
+  std::vector<Term> terms;
+};
+
 struct Impulse {
   BodyId body;
   Vec3 p_BP, impulse;  ///< body axes; world axes [N·s]
@@ -43,8 +61,10 @@ struct Case {
   double dt = 1e-3;     ///< the step that the tolerances are for [s]
   double duration = 0;  ///< [s]
   World world;
-  std::map<std::string, Anchors> anchors;  ///< by joint
-  std::vector<Impulse> impulses;           ///< at t = 0
+  std::map<std::string, Anchors> anchors;     ///< by joint
+  std::map<std::string, FreeAxis> axes;       ///< of hinges and sliders
+  std::map<std::string, Coupling> couplings;  ///< by joint
+  std::vector<Impulse> impulses;              ///< at t = 0
   std::vector<Quantity> quantities;
 };
 

@@ -71,6 +71,16 @@ const std::map<std::string, Probes::Measure>& Probes::measures() {
       {"radial_speed", &Probes::radial_speed},
       {"crossing_period", &Probes::crossing_period},
       {"extremum_in_time", &Probes::extremum_in_time},
+      {"multiplier", &Probes::multiplier},
+      {"motor_torque", &Probes::motor_torque},
+      {"limit_torque", &Probes::limit_torque},
+      {"rest_time", &Probes::rest_time},
+      {"impact_time", &Probes::impact_time},
+      {"before_impact", &Probes::at_impact},
+      {"after_impact", &Probes::at_impact},
+      {"turning_time", &Probes::turning_time},
+      {"turning_value", &Probes::turning_value},
+      {"final_value", &Probes::final_value},
       {"list", &Probes::list},
       {"sum", &Probes::sum},
       {"extremum", &Probes::extremum},
@@ -81,6 +91,7 @@ const std::map<std::string, Probes::Measure>& Probes::measures() {
 
 bool Probes::knows(const Json& probe) {
   if (!measures().contains(probe.at("kind"))) return false;
+  if (probe.contains("pair")) return false;  // of shapes in contact
   if (probe.contains("of") && !knows(probe.at("of"))) return false;
   if (probe.contains("items"))
     for (const Json& item : probe.at("items"))
@@ -118,6 +129,7 @@ void Probes::subscribe(const Json& probe) {
     sample(trace);
     traces_[probe.dump()] = trace;
   }
+  subscribe_events(probe);
 }
 
 void Probes::observe() {
@@ -126,6 +138,7 @@ void Probes::observe() {
     angle.value = now - 2 * std::numbers::pi * std::round((now - angle.value) / (2 * std::numbers::pi));
   }
   for (auto& [key, trace] : traces_) sample(trace);
+  observe_events();
 }
 
 void Probes::sample(Trace& trace) {
@@ -158,6 +171,16 @@ Twist Probes::acceleration(BodyId body) {
   const Pose& pose = state().poses[body.index];
   for (int j = 0; j < world.joint_count(); ++j) {
     const Joint& j_body = world.joint(JointId{j});
+    const auto coupling = case_.couplings.find(world.name(JointId{j}));
+    if (coupling != case_.couplings.end()) {
+      const double multiplier = multiplier_of(coupling->first);
+      for (const auto& [hinge, coef] : coupling->second.terms) {
+        const Vec3 axis = state().poses[hinge.a.index].q * hinge.axis_A;
+        if (hinge.b == body) torque += coef * multiplier * axis;
+        if (hinge.a == body) torque -= coef * multiplier * axis;
+      }
+      continue;
+    }
     if (j_body.a() != body && j_body.b() != body) continue;
     const Reaction reaction = simulator_.reaction(JointId{j});
     // Both bodies see the wrench at the same world point, which is B's anchor.
@@ -221,7 +244,7 @@ Values Probes::angular_velocity(const Json& probe) {
 Values Probes::angular_acceleration(const Json& probe) {
   const BodyId body = find_body(case_.world, probe.at("body"));
   const Vec3 a = acceleration(body).w;
-  return values_of(probe.at("frame") == "body" ? state().poses[body.index].q.conjugate() * a : a);
+  return values_of(probe.value("frame", "world") == "body" ? state().poses[body.index].q.conjugate() * a : a);
 }
 
 Values Probes::rotation_matrix(const Json& probe) {

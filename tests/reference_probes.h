@@ -22,6 +22,8 @@ class Probes {
 
   void observe();
   static bool knows(const Json& probe);
+  /// True for what only the whole run shows, such as a period.
+  static bool is_about_the_run(const Json& probe);
   /// @throws std::runtime_error if the run has not shown it yet, such as a period before its second crossing.
   Values evaluate(const Json& probe);
 
@@ -45,7 +47,30 @@ class Probes {
     double minimum = 0, maximum = 0;
   };
 
+  /// Impacts at the limit of a joint, and values next to them.
+  struct Impacts {
+    std::vector<double> times;
+    std::map<std::string, std::vector<Values>> before, after;  ///< by the text of what is measured
+    std::map<std::string, Values> now;
+  };
+  /// Turning points of a scalar.
+  struct Turns {
+    Json of;
+    std::vector<double> t, x;  ///< at most three samples
+    std::vector<double> times, values;
+  };
+  /// Since when a body is at rest.
+  struct Rest {
+    bool moving = true;
+    double since = 0;
+  };
+
   void subscribe(const Json& probe);
+  void subscribe_events(const Json& probe);
+  void observe_events();
+  void observe(const std::string& joint, Impacts& impacts);
+  void observe(Turns& turns);
+  void observe(BodyId body, Rest& rest);
   void sample(Trace& trace);
   const State& state() const { return simulator_.world().state(); }
   Quat relative_rotation(const Angle& angle) const;
@@ -53,6 +78,8 @@ class Probes {
   Twist acceleration(BodyId body);
   JointId joint(const Json& probe) const;
   double sign_on(const Json& probe) const;
+  double multiplier_of(const std::string& joint);
+  AxisReport axis_report(const Json& probe) const;
 
   Values point(const Json& probe);
   Values angular_velocity(const Json& probe);
@@ -71,6 +98,15 @@ class Probes {
   Values radial_speed(const Json& probe);
   Values crossing_period(const Json& probe);
   Values extremum_in_time(const Json& probe);
+  Values multiplier(const Json& probe);
+  Values motor_torque(const Json& probe);
+  Values limit_torque(const Json& probe);
+  Values rest_time(const Json& probe);
+  Values impact_time(const Json& probe);
+  Values at_impact(const Json& probe);
+  Values turning_time(const Json& probe);
+  Values turning_value(const Json& probe);
+  Values final_value(const Json& probe);
   Values list(const Json& probe);
   Values sum(const Json& probe);
   Values extremum(const Json& probe);
@@ -82,6 +118,9 @@ class Probes {
   double start_energy_;
   std::map<std::string, Angle> angles_;  ///< by the text of their probe
   std::map<std::string, Trace> traces_;
+  std::map<std::string, Impacts> impacts_;  ///< by joint
+  std::map<std::string, Turns> turns_;      ///< by the text of their scalar
+  std::map<std::string, Rest> rests_;       ///< by body
 };
 
 }  // namespace taut::reference
