@@ -136,7 +136,9 @@ struct Perpendicular {
     K_A.rotation += K;
     K_B.rotation += K;
   }
-  std::string row_name(int) const { return "tilt of the axis towards " + direction_name(a_A) + " of A"; }
+  std::string row_name(int) const {
+    return "rotation that tilts the axis towards " + direction_name(a_A) + " of A";
+  }
 };
 
 /// Frame F of A and frame G of B keep the same orientation.   φ = 2 vec(q_FG) ∈ ℝ³ [rad], in axes of F;
