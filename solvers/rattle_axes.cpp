@@ -58,9 +58,8 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     }
     last = error;
     const Stopwatch watch(report.times.positions);
-    if (!solve_laws(
-            lambda_, [&] { axes_.position_laws(rates_, laws_); }, report))
-      return false;
+    const auto renew = [&] { axes_.position_laws(rates_, laws_); };
+    if (!solve_laws(lambda_, 0.1 * settings_.position_tolerance / h, renew, report)) return false;
     ++report.newton_iterations;
   }
   axes_.finish_positions(rates_);
