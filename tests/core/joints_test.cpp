@@ -3,13 +3,11 @@
 #include <functional>
 #include <ostream>
 
-#include "tests/core/expect_invalid.h"
 #include "tests/core/row_checker.h"
 
 namespace taut {
 namespace {
 
-using testing::expect_invalid;
 using testing::kA;
 using testing::kB;
 using testing::pair_of_bodies;
@@ -435,75 +433,6 @@ TEST(JointMultipliers, ReactionsAreReportedAboutTheAnchorOnB) {
   expect_anchor(Universal::at(s.world, kA, kB, s.p, axis, other), s.p);
   expect_anchor(Fixed::at(s.world, kA, kB, s.p), s.p);
   expect_anchor(Distance::between(s.world, kA, kB, Vec3(0, 0, 3), s.p), s.p);
-}
-
-// Bad input is refused with the name of the thing and its value.
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-const Vec3 kGood(0, 0, 1), kNotFinite(0, kNan, 0), kLong(0, 0, 1.25);
-const Quat kTurn = Quat::Identity(), kLongTurn(1.25, 0, 0, 0);
-
-TEST(JointInput, Ball) {
-  expect_invalid([] { Ball(kA, kB, kNotFinite, kGood); }, {"ball anchor on A", "finite", "nan"});
-  expect_invalid([] { Ball(kA, kB, kGood, Vec3(kInfinity, 0, 0)); }, {"ball anchor on B", "finite", "inf"});
-}
-
-TEST(JointInput, Hinge) {
-  expect_invalid([] { Hinge(kA, kB, kNotFinite, kGood, kGood, kGood); }, {"hinge anchor on A", "nan"});
-  expect_invalid([] { Hinge(kA, kB, kGood, kLong, kGood, kGood); }, {"hinge axis on A", "length 1", "1.25"});
-  expect_invalid([] { Hinge(kA, kB, kGood, kGood, kNotFinite, kGood); }, {"hinge anchor on B", "nan"});
-  expect_invalid([] { Hinge(kA, kB, kGood, kGood, kGood, kLong); }, {"hinge axis on B", "length 1", "1.25"});
-  expect_invalid([] { Hinge(kA, kB, kGood, kGood, kGood, Vec3(Vec3::Zero())); }, {"hinge axis on B", "0"});
-  const World world = pair_of_bodies();
-  expect_invalid([&] { Hinge::at(world, kA, kB, kGood, kLong); }, {"hinge axis", "1.25"});
-  expect_invalid([&] { Hinge::at(world, kA, kB, kNotFinite, kGood); }, {"hinge anchor", "nan"});
-}
-
-TEST(JointInput, Slider) {
-  expect_invalid([] { Slider(kA, kB, kNotFinite, kGood, kGood, kTurn); }, {"slider anchor on A", "nan"});
-  expect_invalid([] { Slider(kA, kB, kGood, kLong, kGood, kTurn); }, {"slider axis on A", "1.25"});
-  expect_invalid([] { Slider(kA, kB, kGood, kGood, kNotFinite, kTurn); }, {"slider anchor on B", "nan"});
-  expect_invalid([] { Slider(kA, kB, kGood, kGood, kGood, kLongTurn); },
-                 {"slider orientation of B in A", "1.25"});
-  const World world = pair_of_bodies();
-  expect_invalid([&] { Slider::at(world, kA, kB, kGood, kLong); }, {"slider axis", "1.25"});
-}
-
-TEST(JointInput, Universal) {
-  expect_invalid([] { Universal(kA, kB, kNotFinite, kGood, kGood, kGood); },
-                 {"universal anchor on A", "nan"});
-  expect_invalid([] { Universal(kA, kB, kGood, kLong, kGood, kGood); }, {"universal axis on A", "1.25"});
-  expect_invalid([] { Universal(kA, kB, kGood, kGood, kNotFinite, kGood); },
-                 {"universal anchor on B", "nan"});
-  expect_invalid([] { Universal(kA, kB, kGood, kGood, kGood, kLong); }, {"universal axis on B", "1.25"});
-  const World world = pair_of_bodies();
-  expect_invalid([&] { Universal::at(world, kA, kB, kGood, kLong, kGood); }, {"universal axis on A", "1.25"});
-  expect_invalid([&] { Universal::at(world, kA, kB, kGood, kGood, kLong); }, {"universal axis on B", "1.25"});
-  // Arms that are not perpendicular would make a joint that is open from the start.
-  expect_invalid([&] { Universal::at(world, kA, kB, kGood, kGood, Vec3(0.6, 0, 0.8)); },
-                 {"universal axes", "perpendicular", "0.8"});
-}
-
-TEST(JointInput, Fixed) {
-  expect_invalid([] { Fixed(kA, kB, kNotFinite, kGood, kTurn); }, {"fixed anchor on A", "nan"});
-  expect_invalid([] { Fixed(kA, kB, kGood, kNotFinite, kTurn); }, {"fixed anchor on B", "nan"});
-  expect_invalid([] { Fixed(kA, kB, kGood, kGood, kLongTurn); }, {"fixed orientation of B in A", "1.25"});
-}
-
-TEST(JointInput, Distance) {
-  expect_invalid([] { Distance(kA, kB, kNotFinite, kGood, 1); }, {"distance anchor on A", "nan"});
-  expect_invalid([] { Distance(kA, kB, kGood, kNotFinite, 1); }, {"distance anchor on B", "nan"});
-  expect_invalid([] { Distance(kA, kB, kGood, kGood, 0); }, {"distance length", "positive", "0"});
-  expect_invalid([] { Distance(kA, kB, kGood, kGood, -2.5); }, {"distance length", "positive", "-2.5"});
-  expect_invalid([] { Distance(kA, kB, kGood, kGood, kNan); }, {"distance length", "nan"});
-  const World world = pair_of_bodies();
-  expect_invalid([&] { Distance::between(world, kA, kB, kGood, kGood); }, {"distance length", "0"});
-}
-
-TEST(JointInput, MissingBodiesAreNamed) {
-  const World world = pair_of_bodies();
-  expect_invalid([&] { Ball::at(world, kA, BodyId{7}, kGood); }, {"body id", "no such body", "7"});
 }
 
 }  // namespace
