@@ -19,6 +19,8 @@ constexpr double kOnStep = 1e-9;
 /// An axis slower than this is at rest at the start [m/s or rad/s].
 constexpr double kRest = 1e-12;
 
+/// Slower impacts do not move others [m/s or rad/s].
+constexpr double kJolt = 1e-6;
 /// Impacts closer together than this part of a step are one.
 constexpr double kTogether = 1e-3;
 /// Times of impact looked for in one step; more impacts end with their sub-step.
@@ -97,6 +99,7 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
       axis.friction_at = held ? (axis.anchor - axis.theta0) / h_ : 0;
     }
     axis.lower_at = -kNever, axis.upper_at = kNever;
+    axis.lower_back = axis.upper_back = 0;
     if (p.limits) set_limits(axis, *p.limits, impacts_[i]);
     if (p.motor) {
       const AxisMotor& m = *p.motor;
@@ -186,7 +189,21 @@ void AxisForces::forget_impacts(bool for_good) {
   }
 }
 
+/// Some axis runs into a limit in this sub-step.
+bool AxisForces::has_impact(std::span<const double> theta) const {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const AxisProperties& p = properties(i);
+    if (!p.limits) continue;
+    const double theta1 = theta[rows_[i].row], rate0 = axes_[i].rate0;
+    if (impacts_[i].stage == Impact::Stage::kDue || (theta1 <= p.limits->lower + kTouch && rate0 < -kJolt) ||
+        (theta1 >= p.limits->upper - kTouch && rate0 > kJolt))
+      return true;
+  }
+  return false;
+}
+
 void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> laws) {
+  const bool jolt = has_impact(theta);
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
@@ -204,10 +221,13 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
       // due happens even if a gap of order h³ is left.
       const bool due = impacts_[i].stage == Impact::Stage::kDue;
       const double bounce = -p.limits->restitution * (due ? impacts_[i].rate : axis.rate0);
-      if (theta1 <= p.limits->lower + kTouch || (due && impacts_[i].at_lower))
-        axis.lower_at = std::max(0.0, bounce);
-      if (theta1 >= p.limits->upper - kTouch || (due && !impacts_[i].at_lower))
-        axis.upper_at = std::min(0.0, bounce);
+      const bool at_lower = theta1 <= p.limits->lower + kTouch || (due && impacts_[i].at_lower);
+      const bool at_upper = theta1 >= p.limits->upper - kTouch || (due && !impacts_[i].at_lower);
+      if (at_lower) axis.lower_at = jolt ? bounce : std::max(0.0, bounce);
+      if (at_upper) axis.upper_at = jolt ? bounce : std::min(0.0, bounce);
+      // Both kicks together are the impulse that must not pull.
+      axis.lower_back = at_lower ? std::max(0.0, first_kick_[i].force.limit) : 0;
+      axis.upper_back = at_upper ? std::max(0.0, -first_kick_[i].force.limit) : 0;
     }
     if (p.motor) {
       const double left = p.motor->target - theta1;
@@ -233,8 +253,14 @@ RowLaw AxisForces::law_of(Axis& axis, const AxisProperties& p) const {
     if (std::isinf(axis.motor_force)) axis.motor_at = std::clamp(axis.motor_at, axis.lower_at, axis.upper_at);
     law = law + RowLaw::box(-axis.motor_force, axis.motor_force, axis.motor_at);
   }
-  if (p.limits && std::isfinite(p.limits->lower)) law = law + RowLaw::lower_limit(axis.lower_at);
-  if (p.limits && std::isfinite(p.limits->upper)) law = law + RowLaw::upper_limit(axis.upper_at);
+  if (p.limits && std::isfinite(p.limits->lower)) {
+    law = law + RowLaw::lower_limit(axis.lower_at);
+    for (int k = 1; k <= law.steps; ++k) law.level[k] -= axis.lower_back;
+  }
+  if (p.limits && std::isfinite(p.limits->upper)) {
+    law = law + RowLaw::upper_limit(axis.upper_at);
+    for (int k = 0; k < law.steps; ++k) law.level[k] += axis.upper_back;
+  }
   return law;
 }
 
@@ -263,10 +289,12 @@ AxisImpulse AxisForces::share(int i, double lambda, double w) const {
     return force > 0 ? given : 0;
   };
   // What is known for certain first.
+  const bool on_limit = on_step(w, axis.lower_at) || on_step(w, axis.upper_at);
+  if (!on_limit) rest -= impulse.limit = axis.upper_back - axis.lower_back;
   if (!on_step(w, axis.motor_at)) rest -= impulse.motor = take(axis.motor_at, axis.motor_force);
   rest -= impulse.friction = take(axis.friction_at, axis.friction_force);
   if (on_step(w, axis.motor_at)) rest -= impulse.motor = take(axis.motor_at, axis.motor_force);
-  if (on_step(w, axis.lower_at) || on_step(w, axis.upper_at)) impulse.limit = rest;
+  if (on_limit) impulse.limit = rest;
   return impulse;
 }
 

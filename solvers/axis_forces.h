@@ -77,6 +77,7 @@ class AxisForces {
     bool implicit_damping = false;   // stiff dampers act on θ̇(q₁) instead
     // The steps of the present law.
     double motor_at = 0, motor_force = 0, friction_at = 0, friction_force = 0, lower_at = 0, upper_at = 0;
+    double lower_back = 0, upper_back = 0;  // what limits gave in the first kick and may take back
     double spring_level = 0, damping_level = 0, spring_slope = 0, damping_slope = 0;
   };
 
@@ -89,6 +90,7 @@ class AxisForces {
   };
 
   void set_limits(Axis& axis, const AxisLimits& limits, const Impact& impact) const;
+  bool has_impact(std::span<const double> theta) const;
   bool in_flight(std::size_t i, bool at_lower) const;
   double crossing(std::size_t i, double w) const;
   double motor_force(const AxisMotor& motor, double rate) const;

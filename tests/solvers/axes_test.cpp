@@ -212,6 +212,36 @@ TEST(AxisLimits, ImpactsKeepTheSecondOrder) {
     EXPECT_LE(std::abs(bounced_bar(1.2 / n) - finest), 7.0 / (n * n)) << n;
 }
 
+TEST(AxisLimits, AChainThatRattlesAgainstItsLimitsLosesEnergy) {
+  World world;
+  std::vector<AxisId> axes;
+  BodyId last = kGround;
+  for (int i = 0; i < 6; ++i) {
+    const BodyId bar = world.add_body(
+        {.mass = MassProperties::box(Vec3(0.3, 0.04, 0.04), 1), .pose = {.p = Vec3(0.15 + 0.3 * i, 0, 0)}});
+    const JointId joint =
+        world.add("", Hinge::at(world, last, bar, Vec3(0.3 * i, 0, 0), Vec3(0, std::cos(i), std::sin(i))));
+    axes.push_back(world.axis(joint, "angle"));
+    world.set_limits(axes.back(), AxisLimits{.lower = -0.2, .upper = 0.25, .restitution = 0.6});
+    last = bar;
+  }
+  Simulator simulator(world);
+  double energy = 0;
+  int impacts = 0;
+  for (int i = 0; i < 1000; ++i) {
+    run(simulator, 2e-3, 1);
+    ASSERT_LE(simulator.report().energy(), energy + 0.1) << i;  // J, of the 22 J that get lost
+    energy = simulator.report().energy();
+    for (const AxisId axis : axes) {
+      ASSERT_GE(world.axis_value(axis), -0.2 - 1e-9) << i;
+      ASSERT_LE(world.axis_value(axis), 0.25 + 1e-9) << i;
+      impacts += simulator.axis_report(axis).impact_time.has_value();
+    }
+  }
+  EXPECT_GT(impacts, 100);
+  EXPECT_LE(energy, -20);
+}
+
 TEST(AxisLimits, CarryTheWeightAtRest) {
   Slide s(Vec3(0, 0, -1));
   s.world.set_limits(s.axis, AxisLimits{.upper = 0.5, .restitution = 0.3});
