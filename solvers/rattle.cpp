@@ -155,6 +155,15 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     report.constraint_work += work(state_.poses, kicked_, momenta_, joint_impulse_);
   }
 
+  keep_multipliers(h);
+  ++report.substeps;
+  const Stopwatch watch(report.times.velocities);
+  update_step_limit(force_multipliers_);
+  return Outcome::kDone;
+}
+
+/// Impulses for reactions, forces at the end of the step, and what the next prediction starts from.
+void Rattle::keep_multipliers(double h) {
   const double scale = history_ > 0 ? h / last_h_ : 1;
   for (int r = 0; r < system_.row_count(); ++r) {
     impulses_[r] += lambda_[r] + mu_[r];
@@ -165,10 +174,6 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   }
   history_ = axes_.struck() ? 0 : std::min(history_ + 1, 3);
   last_h_ = h;
-  ++report.substeps;
-  const Stopwatch watch(report.times.velocities);
-  update_step_limit(force_multipliers_);
-  return Outcome::kDone;
 }
 
 /// A sum is finite if and, short of overflow, only if all its terms are.

@@ -59,6 +59,7 @@ class Rattle {
  private:
   void linearize_and_factorize(StepReport& report);
   void predict_multipliers(double h);
+  void keep_multipliers(double h);
   bool close_positions(double h, StepReport& report);
   double system_size() const;
   double distance_to_closure(StepReport& report);
