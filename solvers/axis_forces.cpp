@@ -19,6 +19,13 @@ constexpr double kOnStep = 1e-9;
 /// An axis slower than this is at rest at the start [m/s or rad/s].
 constexpr double kRest = 1e-12;
 
+/// Slower impacts do not move others [m/s or rad/s].
+constexpr double kJolt = 1e-6;
+/// Impacts closer together than this part of a step are one.
+constexpr double kTogether = 1e-3;
+/// Times of impact looked for in one step; more impacts end with their sub-step.
+constexpr int kMostImpacts = 16;
+
 bool on_step(double w, double at) { return std::abs(w - at) <= kOnStep * (1 + std::abs(w)); }
 
 }  // namespace
@@ -27,11 +34,16 @@ AxisForces::AxisForces(const World& world, const Rows& rows)
     : world_(world), rows_(rows.axis_rows().begin(), rows.axis_rows().end()) {
   axes_.resize(rows_.size());
   before_ = axes_;
+  impacts_.resize(rows_.size());
   reports_.resize(rows_.size());
   first_kick_.resize(rows_.size());
 }
 
-void AxisForces::clear_reports() { std::fill(reports_.begin(), reports_.end(), AxisReport{}); }
+void AxisForces::clear_reports() {
+  std::fill(reports_.begin(), reports_.end(), AxisReport{});
+  std::fill(impacts_.begin(), impacts_.end(), Impact{});
+  impact_count_ = 0;
+}
 
 void AxisForces::start(std::span<const double> theta, std::span<const double> rates) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -87,12 +99,8 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
       axis.friction_at = held ? (axis.anchor - axis.theta0) / h_ : 0;
     }
     axis.lower_at = -kNever, axis.upper_at = kNever;
-    if (p.limits) {
-      axis.lower_at =
-          std::clamp((p.limits->lower - axis.theta0) / h_, -kNever, std::max(kReturnRate, kTouch / h_));
-      axis.upper_at =
-          std::clamp((p.limits->upper - axis.theta0) / h_, -std::max(kReturnRate, kTouch / h_), kNever);
-    }
+    axis.lower_back = axis.upper_back = 0;
+    if (p.limits) set_limits(axis, *p.limits, impacts_[i]);
     if (p.motor) {
       const AxisMotor& m = *p.motor;
       axis.motor_force = half * motor_force(m, mean_rates[rows_[i].row]);
@@ -104,7 +112,98 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
   }
 }
 
+/// Bounds of the position stage on the mean rate.
+void AxisForces::set_limits(Axis& axis, const AxisLimits& limits, const Impact& impact) const {
+  const double fastest = std::max(kReturnRate, kTouch / h_);
+  const bool sought = impact.stage == Impact::Stage::kSought;
+  if (!sought || !impact.at_lower)
+    axis.lower_at = std::clamp((limits.lower - axis.theta0) / h_, -kNever, fastest);
+  if (!sought || impact.at_lower)
+    axis.upper_at = std::clamp((limits.upper - axis.theta0) / h_, -fastest, kNever);
+}
+
+/// The step began away from the limit.
+bool AxisForces::in_flight(std::size_t i, bool at_lower) const {
+  const AxisLimits& limits = *properties(i).limits;
+  return at_lower ? axes_[i].theta0 > limits.lower + kTouch : axes_[i].theta0 < limits.upper - kTouch;
+}
+
+bool AxisForces::seek_impacts(std::span<const double> w) {
+  if (impact_count_ >= kMostImpacts) return false;
+  bool any = false;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const AxisProperties& p = properties(i);
+    Impact& impact = impacts_[i];
+    if (!p.limits || p.limits->restitution == 0 || impact.spent || impact.stage != Impact::Stage::kNone)
+      continue;
+    for (bool at_lower : {true, false}) {
+      if (!in_flight(i, at_lower)) continue;
+      if (!on_step(w[rows_[i].row], at_lower ? axes_[i].lower_at : axes_[i].upper_at)) continue;
+      impact.stage = Impact::Stage::kSought;
+      impact.at_lower = at_lower;
+      any = true;
+    }
+  }
+  if (any) ++impact_count_;
+  return any;
+}
+
+/// Root of  θ₀ + θ̇₀ s + (w − θ̇₀) s²/h = θ_lim  in (0, h]; h if the axis does not get there.
+double AxisForces::crossing(std::size_t i, double w) const {
+  const Axis& axis = axes_[i];
+  const AxisLimits& limits = *properties(i).limits;
+  const double sign = impacts_[i].at_lower ? 1 : -1;
+  const double gap = sign * (axis.theta0 - (impacts_[i].at_lower ? limits.lower : limits.upper));
+  const auto gap_at = [&](double s) { return gap + sign * (axis.rate0 * s + (w - axis.rate0) * s * s / h_); };
+  double low = 0, high = h_;
+  if (gap_at(high) >= 0) return h_;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (gap_at(middle) > 0 ? low : high) = middle;
+  }
+  return high;
+}
+
+double AxisForces::first_impact(std::span<const double> w) {
+  double first = h_;
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (impacts_[i].stage == Impact::Stage::kSought) first = std::min(first, crossing(i, w[rows_[i].row]));
+  first = std::max(first, kTogether * h_);
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Impact& impact = impacts_[i];
+    if (impact.stage != Impact::Stage::kSought) {
+      impact.stage = Impact::Stage::kNone;  // a later one
+      continue;
+    }
+    const double mean = w[rows_[i].row], s = crossing(i, mean), rate0 = axes_[i].rate0;
+    impact.stage = s <= first + kTogether * h_ ? Impact::Stage::kDue : Impact::Stage::kNone;
+    impact.rate = rate0 + 2 * (mean - rate0) * s / h_;
+  }
+  return first > (1 - kTogether) * h_ ? h_ : first;
+}
+
+void AxisForces::forget_impacts(bool for_good) {
+  for (Impact& impact : impacts_) {
+    if (for_good && impact.stage != Impact::Stage::kNone) impact.spent = true;
+    impact.stage = Impact::Stage::kNone;
+  }
+}
+
+/// Some axis runs into a limit in this sub-step.
+bool AxisForces::has_impact(std::span<const double> theta) const {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const AxisProperties& p = properties(i);
+    if (!p.limits) continue;
+    const double theta1 = theta[rows_[i].row], rate0 = axes_[i].rate0;
+    if (impacts_[i].stage == Impact::Stage::kDue || (theta1 <= p.limits->lower + kTouch && rate0 < -kJolt) ||
+        (theta1 >= p.limits->upper - kTouch && rate0 > kJolt))
+      return true;
+  }
+  return false;
+}
+
 void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> laws) {
+  const bool jolt = has_impact(theta);
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
@@ -118,10 +217,17 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
     axis.friction_at = 0;
     axis.lower_at = -kNever, axis.upper_at = kNever;
     if (p.limits) {
-      // Newton's law of impact with the rate before the step.
-      const double e = p.limits->restitution;
-      if (theta1 <= p.limits->lower + kTouch) axis.lower_at = std::max(0.0, -e * axis.rate0);
-      if (theta1 >= p.limits->upper - kTouch) axis.upper_at = std::min(0.0, -e * axis.rate0);
+      // Newton's law of impact with the rate just before, or else that before the step.  An impact that is
+      // due happens even if a gap of order h³ is left.
+      const bool due = impacts_[i].stage == Impact::Stage::kDue;
+      const double bounce = -p.limits->restitution * (due ? impacts_[i].rate : axis.rate0);
+      const bool at_lower = theta1 <= p.limits->lower + kTouch || (due && impacts_[i].at_lower);
+      const bool at_upper = theta1 >= p.limits->upper - kTouch || (due && !impacts_[i].at_lower);
+      if (at_lower) axis.lower_at = jolt ? bounce : std::max(0.0, bounce);
+      if (at_upper) axis.upper_at = jolt ? bounce : std::min(0.0, bounce);
+      // Both kicks together are the impulse that must not pull.
+      axis.lower_back = at_lower ? std::max(0.0, first_kick_[i].force.limit) : 0;
+      axis.upper_back = at_upper ? std::max(0.0, -first_kick_[i].force.limit) : 0;
       if (axis.lower_at > axis.upper_at) axis.lower_at = axis.upper_at = 0;  // locked between both
     }
     if (p.motor) {
@@ -148,8 +254,14 @@ RowLaw AxisForces::law_of(Axis& axis, const AxisProperties& p) const {
     if (std::isinf(axis.motor_force)) axis.motor_at = std::clamp(axis.motor_at, axis.lower_at, axis.upper_at);
     law = law + RowLaw::box(-axis.motor_force, axis.motor_force, axis.motor_at);
   }
-  if (p.limits && std::isfinite(p.limits->lower)) law = law + RowLaw::lower_limit(axis.lower_at);
-  if (p.limits && std::isfinite(p.limits->upper)) law = law + RowLaw::upper_limit(axis.upper_at);
+  if (p.limits && std::isfinite(p.limits->lower)) {
+    law = law + RowLaw::lower_limit(axis.lower_at);
+    for (int k = 1; k <= law.steps; ++k) law.level[k] -= axis.lower_back;
+  }
+  if (p.limits && std::isfinite(p.limits->upper)) {
+    law = law + RowLaw::upper_limit(axis.upper_at);
+    for (int k = 0; k < law.steps; ++k) law.level[k] += axis.upper_back;
+  }
   return law;
 }
 
@@ -178,10 +290,12 @@ AxisImpulse AxisForces::share(int i, double lambda, double w) const {
     return force > 0 ? given : 0;
   };
   // What is known for certain first.
+  const bool on_limit = on_step(w, axis.lower_at) || on_step(w, axis.upper_at);
+  if (!on_limit) rest -= impulse.limit = axis.upper_back - axis.lower_back;
   if (!on_step(w, axis.motor_at)) rest -= impulse.motor = take(axis.motor_at, axis.motor_force);
   rest -= impulse.friction = take(axis.friction_at, axis.friction_force);
   if (on_step(w, axis.motor_at)) rest -= impulse.motor = take(axis.motor_at, axis.motor_force);
-  if (on_step(w, axis.lower_at) || on_step(w, axis.upper_at)) impulse.limit = rest;
+  if (on_limit) impulse.limit = rest;
   return impulse;
 }
 
@@ -194,8 +308,19 @@ void AxisForces::finish_positions(std::span<const double> w) {
   }
 }
 
-void AxisForces::finish_velocities(std::span<const double> theta, std::span<const double> w) {
+void AxisForces::finish_velocities(std::span<const double> theta, std::span<const double> w, double time) {
+  struck_ = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const double rate = w[rows_[i].row];
+    const bool due = impacts_[i].stage == Impact::Stage::kDue;
+    const bool hit = properties(i).limits && ((on_step(rate, axes_[i].lower_at) && in_flight(i, true)) ||
+                                              (on_step(rate, axes_[i].upper_at) && in_flight(i, false)));
+    if (due || hit) {
+      reports_[i].impact_time = time;
+      struck_ = true;
+    }
+    if (due) impacts_[i].spent = true;
+    impacts_[i].stage = Impact::Stage::kNone;
     Axis& axis = axes_[i];
     const bool held = axis.friction_force > 0 && on_step(w[rows_[i].row], 0);
     if (held && (!axis.stuck || axis.broken)) axis.anchor = theta[rows_[i].row];

@@ -38,12 +38,23 @@ class AxisForces {
   /// that of dynamic friction, and the stage must be solved again.
   bool break_away(std::span<const double> w);
 
+  /// True if a solution of the position stage stops an axis in free flight at a limit with restitution.  From
+  /// then on that limit is left out: solved again, the stage shows when the axis crosses it.
+  bool seek_impacts(std::span<const double> w);
+  /// The time from the start of the step, in (0, h], at which the first of these axes reaches its limit, on
+  /// the parabola through θ₀ with θ̇₀ to the free end.  The next sub-step is to end then, with the impact.
+  double first_impact(std::span<const double> w);
+  /// Impacts that were found are not wanted any more.  `for_good`: nor looked for again in this step.
+  void forget_impacts(bool for_good);
+  /// An impact ended the last sub-step.
+  bool struck() const { return struck_; }
+
   /// How an impulse of a stage is made up.
   AxisImpulse share(int axis, double lambda, double w) const;
   /// Takes over the first kick: what springs and dampers gave is given again in the second.
   void finish_positions(std::span<const double> w);
-  /// Takes over the second: which axes are held from here on.
-  void finish_velocities(std::span<const double> theta, std::span<const double> w);
+  /// Takes over the second, at its time: which axes are held from here on.
+  void finish_velocities(std::span<const double> theta, std::span<const double> w, double time);
   /// Impulses of the first kick, during which the axes moved with `rates` on the mean: to be called before
   /// velocity_laws(), booked with the second.
   void keep(std::span<const double> lambda, std::span<const double> w, std::span<const double> rates);
@@ -66,9 +77,22 @@ class AxisForces {
     bool implicit_damping = false;   // stiff dampers act on θ̇(q₁) instead
     // The steps of the present law.
     double motor_at = 0, motor_force = 0, friction_at = 0, friction_force = 0, lower_at = 0, upper_at = 0;
+    double lower_back = 0, upper_back = 0;  // what limits gave in the first kick and may take back
     double spring_level = 0, damping_level = 0, spring_slope = 0, damping_slope = 0;
   };
 
+  /// The impact of an axis, between its discovery and the end of the sub-step.
+  struct Impact {
+    enum class Stage { kNone, kSought, kDue } stage = Stage::kNone;
+    bool at_lower = false;
+    double rate = 0;     // just before it
+    bool spent = false;  // no more in this step
+  };
+
+  void set_limits(Axis& axis, const AxisLimits& limits, const Impact& impact) const;
+  bool has_impact(std::span<const double> theta) const;
+  bool in_flight(std::size_t i, bool at_lower) const;
+  double crossing(std::size_t i, double w) const;
   double motor_force(const AxisMotor& motor, double rate) const;
   RowLaw law_of(Axis& axis, const AxisProperties& properties) const;
   void add(AxisReport& report, int axis, double lambda, double w, double rate) const;
@@ -77,6 +101,9 @@ class AxisForces {
   const World& world_;
   std::vector<Rows::AxisRow> rows_;
   std::vector<Axis> axes_, before_;
+  std::vector<Impact> impacts_;
+  int impact_count_ = 0;  // looked for in this step
+  bool struck_ = false;
   std::vector<AxisReport> reports_, first_kick_;
   double h_ = 0;
 };

@@ -112,14 +112,21 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     for (int b = 0; b < world_.body_count(); ++b) free_momenta_[b] = momenta_[b] + 0.5 * h * forces_[b];
     predict_multipliers(h);
   }
+  if (!axes_.empty()) begin_axes(h);
   if (!(axes_.empty() ? close_positions(h, report) : close_bounded_positions(h, report))) {
+    axes_.forget_impacts(false);
     restore(report);
     return Outcome::kStalled;
+  }
+  if (!axes_.empty() && axes_.seek_impacts(rates_)) {
+    time_to_impact_ = time_of_impact(h, report);
+    return Outcome::kImpact;
   }
   if (settings_.tension == TensionPolicy::kSubstep && surprised_) {
     for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = 2 / h * lambda_[r];
     update_step_limit(force_multipliers_);
     if (std::abs(h) > kLeeway * step_limit_) {
+      axes_.forget_impacts(false);
       restore(report);
       return Outcome::kUnstable;
     }
@@ -135,6 +142,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   linearize_and_factorize(report);
   refactored_ = false;
   if (!close_velocities(h, report)) {
+    axes_.forget_impacts(false);
     roll_back(report);
     return Outcome::kStalled;
   }
@@ -147,20 +155,25 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     report.constraint_work += work(state_.poses, kicked_, momenta_, joint_impulse_);
   }
 
-  const double scale = history_ > 0 ? h / last_h_ : 1;
-  for (int r = 0; r < system_.row_count(); ++r) {
-    impulses_[r] += lambda_[r] + mu_[r];
-    force_multipliers_[r] = 2 / h * mu_[r];
-    last_asymmetry_[r] = asymmetry_[r];
-    asymmetry_[r] = (lambda_[r] - scale * start_mu_[r]) / (h * h);
-    start_mu_[r] = mu_[r];
-  }
-  history_ = std::min(history_ + 1, 3);
-  last_h_ = h;
+  keep_multipliers(h);
   ++report.substeps;
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
   return Outcome::kDone;
+}
+
+/// Impulses for reactions, forces at the end of the step, and what the next prediction starts from.
+void Rattle::keep_multipliers(double h) {
+  const double scale = history_ > 0 ? h / last_h_ : 1;
+  for (int r = 0; r < system_.row_count(); ++r) {
+    impulses_[r] += lambda_[r] + mu_[r];
+    if (!axes_.struck()) force_multipliers_[r] = 2 / h * mu_[r];  // the impulse of an impact is no force
+    last_asymmetry_[r] = asymmetry_[r];
+    asymmetry_[r] = (lambda_[r] - scale * start_mu_[r]) / (h * h);
+    start_mu_[r] = mu_[r];
+  }
+  history_ = axes_.struck() ? 0 : std::min(history_ + 1, 3);
+  last_h_ = h;
 }
 
 /// A sum is finite if and, short of overflow, only if all its terms are.

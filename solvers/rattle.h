@@ -24,18 +24,20 @@ namespace taut {
 /// The next step starts with the factor of S(q₁): one factorisation a step.        (solvers/README, "RATTLE")
 class Rattle {
  public:
-  enum class Outcome { kDone, kStalled, kUnstable, kNotFinite };
+  enum class Outcome { kDone, kStalled, kUnstable, kImpact, kNotFinite };
 
   Rattle(const World& world, ConstraintSystem& system, const Settings& settings);
 
   /// Takes over a state: factors S there, makes velocities tangent and estimates the multipliers.
   void start(const State& state, StepReport& report);
   /// One step of h ≠ 0 (negative in compositions).  kStalled: Newton did not close the positions; kUnstable:
-  /// the multipliers turned out to demand a smaller step.  The state is then the old one and the factor is
+  /// the multipliers turned out to demand a smaller step; kImpact: an axis bounces at time_to_impact(), where
+  /// the next advance must end.  The state is then the old one and the factor is
   /// that of S(q₀) again.
   [[nodiscard]] Outcome advance(double h, StepReport& report);
 
   const State& state() const { return state_; }
+  double time_to_impact() const { return time_to_impact_; }
   /// Largest step that tension and rotation allow from here.
   double step_limit() const { return step_limit_; }
   /// φ at the last Newton iterate, for a diagnosis after kStalled.
@@ -57,6 +59,7 @@ class Rattle {
  private:
   void linearize_and_factorize(StepReport& report);
   void predict_multipliers(double h);
+  void keep_multipliers(double h);
   bool close_positions(double h, StepReport& report);
   double system_size() const;
   double distance_to_closure(StepReport& report);
@@ -68,6 +71,7 @@ class Rattle {
   void clear_axis_rows(std::span<double> rows) const;
   void begin_axes(double h);
   bool close_bounded_positions(double h, StepReport& report);
+  double time_of_impact(double h, StepReport& report);
   double law_error(double h) const;
   template <typename Laws>
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report);
@@ -124,6 +128,7 @@ class Rattle {
   std::vector<RowLaw> laws_;
   std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_;
   std::vector<Twist> mean_twists_;
+  double time_to_impact_ = 0;
 };
 
 }  // namespace taut

@@ -37,7 +37,6 @@ void Rattle::begin_axes(double h) {
 /// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is an active
 /// set.
 bool Rattle::close_bounded_positions(double h, StepReport& report) {
-  begin_axes(h);
   double last = std::numeric_limits<double>::infinity();
   const double patience = settings_.max_newton_iterations + 4;
   for (int iteration = 0;; ++iteration) {
@@ -65,6 +64,19 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
   axes_.finish_positions(rates_);
   surprised_ = false;
   return true;
+}
+
+/// Free axes that the step takes to a limit with restitution are let through once, to see when they get
+/// there.
+/// @returns the length of the sub-step that ends with the first impact.
+double Rattle::time_of_impact(double h, StepReport& report) {
+  double time = h;
+  if (close_bounded_positions(h, report))
+    time = axes_.first_impact(rates_);
+  else
+    axes_.forget_impacts(true);
+  restore(report);
+  return time;
 }
 
 /// Distance of the motion from the laws [m or rad]: of verticals from their rate, of levels from their range,
@@ -158,7 +170,7 @@ void Rattle::finish_axes(StepReport& report) {
   system_.rows().residual(state_, phi_);
   mean_rates(state_.poses, kicked_, momenta_, system_.jacobian(), kick_rates_);
   axes_.book(mu_, rates_, kick_rates_);
-  axes_.finish_velocities(phi_, rates_);
+  axes_.finish_velocities(phi_, rates_, state_.time);
   report.axis_work = {};
   for (const AxisReport& axis : axes_.reports()) report.axis_work += axis.work;
 }

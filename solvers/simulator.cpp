@@ -217,21 +217,26 @@ double Simulator::Impl::step_limit() const {
 /// Covers dt in as many equal sub-steps as tension, rotation and convergence ask for.
 bool Simulator::Impl::integrate(double dt) {
   const double smallest = dt / settings_.max_substeps, piece = dt / choose_pieces(dt);
-  double remaining = dt, limit = std::numeric_limits<double>::infinity();
+  double remaining = dt, limit = std::numeric_limits<double>::infinity(), impact = 0;
   while (remaining > 0) {
     const double left = std::max(
         1.0, std::ceil(remaining / std::max(std::min({piece, step_limit(), limit}), smallest) - 1e-9));
-    const double h = remaining / left;
+    // An impact ends a sub-step, which may then be as short as it likes.
+    const double even = remaining / left, h = impact > 0 ? impact : even;
+    impact = 0;
     switch (advance(h)) {
       case Rattle::Outcome::kDone:
-        remaining = left > 1 ? remaining - h : 0;
+        remaining = left > 1 || h < even ? remaining - h : 0;
         limit *= kGrow;
         break;
+      case Rattle::Outcome::kImpact:
+        impact = rattle_->time_to_impact();
+        break;
       case Rattle::Outcome::kUnstable:
-        limit = std::min(kShrink * h, step_limit());
+        limit = std::min(kShrink * even, step_limit());
         break;
       case Rattle::Outcome::kStalled:
-        limit = kShrink * h;
+        limit = kShrink * even;
         break;
       case Rattle::Outcome::kNotFinite:
         set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
