@@ -23,39 +23,65 @@ void Rows::append_axis_row(AxisId axis, int index) {
   axis_rows_.push_back({static_cast<int>(rows_.size()) - 1, axis, index});
 }
 
-Rows::Rows(const World& world, AxisRows axis_rows) {
-  const int joint_count = world.joint_count();
-  joints_.reserve(joint_count);
-  sides_.reserve(2 * joint_count);
-  for (int j = 0; j < joint_count; ++j) {
-    const Joint& joint = world.joint(JointId{j});
-    RowSink counter;
-    joint.append_rows(counter);
-    AxisSink axes;
-    axes.joint_index_ = j;
-    axes.row_in_joint_ = counter.count_;
-    axes.first_index_ = world.first_axis_index(JointId{j});
-    const bool any_axis = axis_rows == AxisRows::kIncluded && world.has_axis_properties(JointId{j});
-    int joint_rows = counter.count_;
-    if (any_axis) {
-      axes.properties_ = &world.axis_properties({JointId{j}, 0});
-      AxisSink axis_counter = axes;
-      joint.append_axes(axis_counter);
-      axes.rows_ = this;
-      joint_rows = axis_counter.row_in_joint_;
-    }
-    const int side_count = static_cast<int>(joint.bodies().size());
-    joints_.push_back({row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_});
-    for (BodyId body : joint.bodies()) {
-      sides_.push_back({body.index, j, row_count(), joint_rows, jacobian_size_});
-      jacobian_size_ += 6 * joint_rows;
-    }
-    RowSink sink;
-    sink.rows_ = this;
-    sink.joint_ = j;
-    joint.append_rows(sink);
-    if (any_axis) joint.append_axes(axes);
+void Rows::append_joint(const World& world, int j, AxisRows axis_rows) {
+  const Joint& joint = world.joint(JointId{j});
+  RowSink counter;
+  joint.append_rows(counter);
+  AxisSink axes;
+  axes.joint_index_ = j;
+  axes.row_in_joint_ = counter.count_;
+  axes.first_index_ = world.first_axis_index(JointId{j});
+  const bool any_axis = axis_rows == AxisRows::kIncluded && world.has_axis_properties(JointId{j});
+  int joint_rows = counter.count_;
+  if (any_axis) {
+    axes.properties_ = &world.axis_properties({JointId{j}, 0});
+    AxisSink axis_counter = axes;
+    joint.append_axes(axis_counter);
+    axes.rows_ = this;
+    joint_rows = axis_counter.row_in_joint_;
   }
+  const int side_count = static_cast<int>(joint.bodies().size());
+  joints_.push_back({row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_});
+  for (BodyId body : joint.bodies()) {
+    sides_.push_back({body.index, j, row_count(), joint_rows, jacobian_size_});
+    jacobian_size_ += 6 * joint_rows;
+  }
+  RowSink sink;
+  sink.rows_ = this;
+  sink.joint_ = j;
+  joint.append_rows(sink);
+  if (any_axis) joint.append_axes(axes);
+}
+
+void Rows::append_contact(const ContactPlace& place) {
+  const int j = static_cast<int>(joints_.size()), count = place.twist ? 6 : 3;
+  joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), 2, 0});
+  for (int body : {place.a, place.b}) {
+    sides_.push_back({body, j, row_count(), count, jacobian_size_});
+    jacobian_size_ += 6 * count;
+  }
+  using namespace row_parts;
+  append(ContactPoint{}, j, 0, {});
+  contact_points_ = static_cast<detail::PartStore<ContactPoint>*>(store_of_type_.at(typeid(ContactPoint)));
+  contacts_.push_back({rows_.back().item, -1});
+  if (!place.twist) return;
+  append(ContactTwist{}, j, 3, {});
+  contact_twists_ = static_cast<detail::PartStore<ContactTwist>*>(store_of_type_.at(typeid(ContactTwist)));
+  contacts_.back().twist = rows_.back().item;
+}
+
+void Rows::set_contact(int k, const row_parts::ContactPoint& point) {
+  contact_points_->items[contacts_[k].point].part = point;
+  if (contacts_[k].twist >= 0) contact_twists_->items[contacts_[k].twist].part.frame = point.frame;
+}
+
+Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace> contacts) {
+  const std::size_t count = world.joint_count() + contacts.size();
+  joints_.reserve(count);
+  sides_.reserve(2 * count);
+  for (int j = 0; j < world.joint_count(); ++j) append_joint(world, j, axis_rows);
+  first_contact_row_ = row_count();
+  for (const ContactPlace& place : contacts) append_contact(place);
 
   // Sides of each body by counting sort, which keeps the order of the joints.
   body_start_.assign(world.body_count() + 1, 0);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/axis.h"
+#include "core/contact_part.h"
 #include "core/part_store.h"
 #include "core/state.h"
 
@@ -18,6 +19,7 @@
 ///
 ///   joint j  owns rows  first_row … first_row + row_count − 1, in the order of the World's joints: first its
 ///            equality rows, then one axis row for each free axis with properties (limits, motor, …)
+///   contact  behind the joints, places for contact points between two bodies, likewise with their rows
 ///   side s   one (joint, body) pair, A, B and further bodies; its Jacobian block has row_count rows by 6
 ///   columns, row-major values   Jacobian values of all sides, one behind the other
 ///
@@ -108,8 +110,16 @@ class Rows {
     int index = 0;  ///< of θ in State::axes
   };
   enum class AxisRows { kIncluded, kLeftOut };
+  /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more (spin,
+  /// two of rolling).
+  struct ContactPlace {
+    int a = 0, b = 0;
+    bool twist = false;
+    friend bool operator==(const ContactPlace&, const ContactPlace&) = default;
+  };
 
-  explicit Rows(const World& world, AxisRows axis_rows = AxisRows::kIncluded);
+  explicit Rows(const World& world, AxisRows axis_rows = AxisRows::kIncluded,
+                std::span<const ContactPlace> contacts = {});
 
   int row_count() const { return static_cast<int>(rows_.size()); }
   int jacobian_size() const { return jacobian_size_; }
@@ -121,7 +131,15 @@ class Rows {
   }
   int body_count() const { return static_cast<int>(body_start_.size()) - 1; }
   const Row& row(int i) const { return rows_[i]; }
-  bool is_equality(int i) const { return rows_[i].axis < 0; }
+  bool is_equality(int i) const { return rows_[i].axis < 0 && !is_contact(i); }
+  /// Contact rows come last.
+  bool is_contact(int i) const { return i >= first_contact_row_; }
+  int first_contact_row() const { return first_contact_row_; }
+  int contact_count() const { return static_cast<int>(contacts_.size()); }
+  /// joints()[contact_joint(k)] is contact place k.
+  int contact_joint(int k) const { return static_cast<int>(joints_.size()) - contact_count() + k; }
+  /// From now on place k is this contact.
+  void set_contact(int k, const row_parts::ContactPoint& point);
   /// The rows that are not equalities, in ascending order.
   std::span<const AxisRow> axis_rows() const { return axis_rows_; }
   std::string row_name(int i) const { return rows_[i].store->row_name(rows_[i].item, rows_[i].row_in_part); }
@@ -160,12 +178,22 @@ class Rows {
   void append(const Part& part, int joint, int row_in_joint, Between sides, int axis = -1,
               int axis_index = -1);
   void append_axis_row(AxisId axis, int index);
+  void append_joint(const World& world, int j, AxisRows axis_rows);
+  void append_contact(const ContactPlace& place);
   void clear_blocks(int joint);
 
   std::vector<JointRows> joints_;
   std::vector<Side> sides_;
   std::vector<Row> rows_;
   std::vector<AxisRow> axis_rows_;
+  // Items of contact places in the stores of their parts; −1: no twist.
+  struct ContactItems {
+    int point = 0, twist = -1;
+  };
+  std::vector<ContactItems> contacts_;
+  detail::PartStore<row_parts::ContactPoint>* contact_points_ = nullptr;
+  detail::PartStore<row_parts::ContactTwist>* contact_twists_ = nullptr;
+  int first_contact_row_ = 0;
   // Joints whose parts do not write all of their Jacobian: first value and count, zeroed each time.
   std::vector<std::pair<int, int>> cleared_;
   std::vector<int> body_start_, body_sides_;

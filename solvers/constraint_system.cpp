@@ -36,14 +36,27 @@ std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& or
 
 ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance,
                                    Rows::AxisRows axis_rows)
-    : rows_(world, axis_rows), mass_(world), tolerance_(tolerance) {
+    : choice_(choice), axis_rows_(axis_rows), rows_(world, axis_rows), mass_(world), tolerance_(tolerance) {
+  analyze();
+  counted_shift_ = tolerance.shift;
+}
+
+void ConstraintSystem::set_contact_places(const World& world, std::span<const Rows::ContactPlace> places) {
+  rows_ = Rows(world, axis_rows_, places);
+  states_.clear();
+  factored_states_.clear();
+  ++factor_version_;
+  analyze();
+}
+
+void ConstraintSystem::analyze() {
   {
     const Stopwatch watch(analysis_time_);
     const BlockOrdering ordering = order_blocks(joint_graph(rows_, mass_));
-    factor_ = make_factor(choice, ordering);
+    factor_ = make_factor(choice_, ordering);
     system_ = std::make_unique<SystemMatrix>(rows_, mass_, ordering, factor_->triangle());
     factor_->analyze(system_->matrix());
-    counters_.analyses = 1;
+    ++counters_.analyses;
   }
   const int n = rows_.row_count();
   jacobian_.assign(rows_.jacobian_size(), 0.0);
@@ -58,7 +71,6 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
   dependent_rows_.reserve(n);
   counted_rows_.reserve(n);
   large_pivots_.reserve(n);
-  counted_shift_ = tolerance.shift;
   states_.reserve(n);
   factored_states_.reserve(n);
   masked_weighted_.reserve(weighted_.size());
@@ -96,9 +108,33 @@ void ConstraintSystem::set_row_states(std::span<const double> states) {
   states_.assign(states.begin(), all_free ? states.begin() : states.end());
 }
 
-void ConstraintSystem::release_axes() {
-  states_.assign(rows_.axis_rows().empty() ? 0 : rows_.row_count(), 0.0);
+void ConstraintSystem::release_bounded_rows() {
+  const bool any = !rows_.axis_rows().empty() || rows_.contact_count() > 0;
+  states_.assign(any ? rows_.row_count() : 0, 0.0);
   for (const Rows::AxisRow& axis : rows_.axis_rows()) states_[axis.row] = kMasked;
+  if (any) std::fill(states_.begin() + rows_.first_contact_row(), states_.end(), kMasked);
+}
+
+void ConstraintSystem::clear_bounded_rows(std::span<double> values) const {
+  for (const Rows::AxisRow& axis : rows_.axis_rows()) values[axis.row] = 0;
+  std::fill(values.begin() + rows_.first_contact_row(), values.end(), 0.0);
+}
+
+void ConstraintSystem::turn_tangents(int place, row_parts::ContactPoint& point, double cos, double sin) {
+  const Vec3 t1 = cos * point.frame.t1 + sin * point.frame.t2;
+  point.frame.t2 = cos * point.frame.t2 - sin * point.frame.t1;
+  point.frame.t1 = t1;
+  rows_.set_contact(place, point);
+  const Rows::JointRows& rows = rows_.joints()[rows_.contact_joint(place)];
+  for (int s = rows.first_side; s < rows.first_side + rows.side_count; ++s)
+    for (int first = 1; first < rows.row_count; first += 3) {
+      double* J1 = jacobian_.data() + rows_.sides()[s].offset + 6 * first;
+      for (int k = 0; k < 6; ++k) {
+        const double a = J1[k], b = J1[6 + k];
+        J1[k] = cos * a + sin * b;
+        J1[6 + k] = cos * b - sin * a;
+      }
+    }
 }
 
 /// A copy of W whose masked rows are zero: S of it has the pattern of S and only a diagonal there.

@@ -49,6 +49,14 @@ class ConstraintSystem {
   ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance,
                    Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded);
 
+  /// Other places for contacts from now on: a new pattern, order and analysis.  The world must have the
+  /// topology that it had.  Row states are forgotten; J and S must be made anew.
+  void set_contact_places(const World& world, std::span<const Rows::ContactPlace> places);
+  /// Contact `place` from the next linearize() on.
+  void set_contact(int place, const row_parts::ContactPoint& point) { rows_.set_contact(place, point); }
+  /// Turns the tangents of a contact place by an angle (cos, sin) about its normal, in J and from now on.
+  void turn_tangents(int place, row_parts::ContactPoint& point, double cos, double sin);
+
   const Rows& rows() const { return rows_; }
   const MassMatrix& mass() const { return mass_; }
   int row_count() const { return rows_.row_count(); }
@@ -71,8 +79,10 @@ class ConstraintSystem {
   /// for a compliant one.  From the next factorize() on, solve() solves (S + Σ)⁺ x on the rows that are not
   /// masked and gives 0 on the others; neither pattern nor analysis changes.  An empty span: all rows free.
   void set_row_states(std::span<const double> states);
-  /// All axis rows masked: the joints alone.
-  void release_axes();
+  /// All axis and contact rows masked: the joints alone.
+  void release_bounded_rows();
+  /// Zeroes the entries of axis and contact rows.
+  void clear_bounded_rows(std::span<double> values) const;
   /// States of the present factor; empty if all rows are free.
   std::span<const double> factored_states() const { return factored_states_; }
   /// S from J and the roots, and its factor.  Sets rank_deficiency() and condition_estimate().
@@ -116,12 +126,15 @@ class ConstraintSystem {
   const Factor& factor() const { return *factor_; }
 
  private:
+  void analyze();
   void assemble_and_factorize(StageTimes& times);
   void inspect_pivots();
   void keep_count(StageTimes& times);
   void backsolve(std::span<double> x);
   void mask_weighted();
 
+  FactorChoice choice_;
+  Rows::AxisRows axis_rows_;
   Rows rows_;
   MassMatrix mass_;
   RankTolerance tolerance_;

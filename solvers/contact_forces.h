@@ -1,0 +1,133 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solvers/contact_report.h"
+#include "solvers/contact_set.h"
+#include "solvers/row_law.h"
+
+namespace taut {
+
+/// Contacts as laws of their rows for the two stages of a RATTLE step: Signorini's law and Newton's of impact
+/// along the normal, Coulomb's in the disc |Λ_t| ≤ μ Λ_n of the tangents, likewise rolling and spinning.
+///
+///   position stage   w = J(q₀) M⁻¹ p, Λ = λ the impulse of the first kick
+///   velocity stage   w = J(q₁) M⁻¹ p₁, Λ = λ + μ that of both
+///
+/// The radius of a disc follows from the normal impulse, and the way in which it is crossed from the slip:
+/// both are found by solving the stage again until they agree.          (solvers/README, "Contacts")
+class ContactForces {
+ public:
+  ContactForces(const World& world, double margin, double resting_speed);
+
+  bool empty() const { return set_.empty(); }
+  const ContactSet& set() const { return set_; }
+
+  /// New start: contacts at this state.  True if the places changed.
+  bool start(const World& world, const State& state, double horizon);
+  /// Contacts at the end of the drift; what is known of those that go on is kept.  True if the places
+  /// changed.
+  bool move_on(const World& world, const State& state, double horizon);
+  /// The rows of places, in the system: after the system was told of changed places, or a new start.
+  void set_rows(const Rows& rows);
+  /// Places and directions to the system.
+  void give_points(ConstraintSystem& system) const;
+
+  /// A step of h begins; `rates`: J V before it.
+  void begin(double h, std::span<const double> rates, std::span<const double> inertia);
+  void roll_back();
+
+  void position_laws(std::span<RowLaw> laws) const;
+  /// `rates`: J V without the impulses of the second kick.
+  void velocity_laws(std::span<const double> rates, std::span<RowLaw> laws);
+  /// Compares a solution of a stage with Coulomb's law.  True if radius, slip or stick of a contact is not
+  /// what the laws had: then they are renewed, and the stage must be solved again.  `scale`: the size of
+  /// impulses [√J], of which `tolerance` is what an error may be.
+  bool adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance);
+  /// The largest distance from Coulomb's law at the last adapt(), relative.
+  double residual() const { return residual_; }
+  /// Tangents that are better turned: place and the direction (cos, sin) of the new t₁ in the old frame.
+  struct Turn {
+    int place;
+    double cos, sin;
+  };
+  std::span<const Turn> turns() const { return turns_; }
+  /// The turns have been made in J and everything that has a row.
+  void turned(ConstraintSystem& system);
+  int first_row(int place) const { return first_row_[place]; }
+
+  /// Impacts with restitution, as those of axes (axis_forces.h).
+  bool seek_impacts(std::span<const double> w);
+  double first_impact(std::span<const double> w);
+  void forget_impacts(bool for_good);
+  bool struck() const { return struck_; }
+
+  /// Books the first kick, during which the rows moved with `rates` on the mean; to be called before
+  /// move_on().
+  void keep(std::span<const double> lambda, std::span<const double> w, std::span<const double> rates);
+  /// Books the second, and takes over the state of friction.
+  void finish(std::span<const double> mu, std::span<const double> w, std::span<const double> rates);
+
+  /// Sums since clear_reports(), with impulses in place of forces.
+  const std::vector<ContactReport>& reports() const { return reports_; }
+  void collect_reports();
+  const ContactWork& work() const { return work_; }
+  void clear_reports();
+
+ private:
+  /// Coulomb's law in two rows: |τ| ≤ bound, against the slip.
+  struct Disc {
+    double bound = 0;
+    bool slips = false;
+    Vec2 direction = Vec2::UnitX();  ///< of the slip
+    double weight = 0;               ///< impulse per rate across the slip; 0: not known
+    Vec2 given = Vec2::Zero();       ///< what the first kick gave, in the tangents of now
+    Vec2 target = Vec2::Zero();      ///< rate that is rest: takes back what slipped while it should hold
+  };
+  struct Point {
+    bool active = false, touching = false, pressed = false;
+    double gap = 0, approach = 0;
+    bool fresh = true;               ///< has not been through a begin()
+    double back = 0;                 ///< normal impulse of the first kick
+    bool stuck = false, broken = false;
+    Vec3 slipped = Vec3::Zero();     ///< since it sticks [m]
+    Vec3 first = Vec3::Zero(), first_torque = Vec3::Zero();  ///< of the first kick on B
+    double spin_bound = 0, spin_given = 0;
+    Disc sliding, rolling;
+    Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();  ///< since clear_reports()
+    double normal_impulse = 0;
+    bool slid = false;
+  };
+  struct Impact {
+    enum class Stage { kNone, kSought, kDue } stage = Stage::kNone;
+    double rate = 0;
+    bool spent = false;
+  };
+
+  void remap();
+  void disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const;
+  void friction_laws(int place, std::span<RowLaw> laws) const;
+  double adapt_disc(int place, Disc& disc, int row, double bound, std::span<const double> lambda,
+                    std::span<const double> w, double rate_tolerance);
+  double crossing(int place, double w) const;
+  bool has_twist(int place) const { return set_.places()[place].at.twist; }
+  void book(int place, std::span<const double> lambda, std::span<const double> w,
+            std::span<const double> rates);
+  void keep_report(int place);
+
+  ContactSet set_;
+  double resting_speed_;
+  std::vector<int> first_row_;
+  std::vector<Point> points_, before_;
+  std::vector<Impact> impacts_, impacts_before_;
+  std::vector<double> root_;  // √S_rr
+  std::vector<Turn> turns_;
+  std::vector<ContactReport> reports_;
+  ContactWork work_;
+  double h_ = 0, residual_ = 0, scale_ = 0;
+  int impact_count_ = 0, solves_ = 0;
+  bool struck_ = false;
+};
+
+}  // namespace taut

@@ -1,0 +1,181 @@
+#include "solvers/contact_set.h"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <tuple>
+
+namespace taut {
+namespace {
+
+/// Finds after which an unused place may be given up.
+constexpr int kKept = 200;
+/// Tangents follow the slip above this speed [m/s].
+constexpr double kSlipSpeed = 1e-9;
+
+auto order_of(const Rows::ContactPlace& place) { return std::tuple(place.a, place.b, place.twist); }
+
+/// Worlds of more shapes than this are judged by the filters alone.
+constexpr int kFewShapes = 200;
+
+bool agree(const CollisionFilter& a, const CollisionFilter& b) {
+  return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
+}
+
+bool can_touch(const World& world) {
+  const int count = world.shape_count();
+  if (count > kFewShapes) {
+    std::set<std::pair<std::uint32_t, std::uint32_t>> filters;
+    for (int a = 0; a < count; ++a) {
+      const CollisionFilter& filter = world.shape(ShapeId{a}).filter;
+      filters.insert({filter.groups, filter.mask});
+    }
+    for (const auto& [groups, mask] : filters)
+      for (const auto& [other_groups, other_mask] : filters)
+        if (agree({groups, mask}, {other_groups, other_mask})) return true;
+    return false;
+  }
+  for (int a = 0; a < count; ++a)
+    for (int b = a + 1; b < count; ++b)
+      if (world.may_collide(ShapeId{a}, ShapeId{b})) return true;
+  return false;
+}
+
+Rows::ContactPlace place_for(const Contact& contact, const Material& material) {
+  return {contact.A.index, contact.B.index, material.rolling_friction > 0 || material.spinning_friction > 0};
+}
+
+/// t₁ along the slip if there is one, else where it was.
+row_parts::ContactFrame frame_of(const Vec3& n, const Vec3& slip, const Vec3& last) {
+  row_parts::ContactFrame frame;
+  frame.n = n;
+  Vec3 along = slip.norm() > kSlipSpeed ? slip : last;
+  along -= n.dot(along) * n;
+  if (along.norm() < 1e-3 * (slip.norm() > kSlipSpeed ? slip.norm() : 1)) along = n.unitOrthogonal();
+  frame.t1 = along.normalized();
+  frame.t2 = n.cross(frame.t1);
+  return frame;
+}
+
+}  // namespace
+
+ContactSet::ContactSet(const World& world, double margin)
+    : empty_(!can_touch(world)), finder_({.margin = margin}) {}
+
+std::vector<Rows::ContactPlace> ContactSet::rows() const {
+  std::vector<Rows::ContactPlace> rows;
+  for (const Place& place : places_) rows.push_back(place.at);
+  return rows;
+}
+
+void ContactSet::undo() { std::copy(before_.begin(), before_.end(), places_.begin()); }
+
+bool ContactSet::find(const World& world, const State& state, double horizon) {
+  const std::vector<Contact>& contacts = finder_.find(world, state, horizon);
+  before_ = places_;
+  match(world, contacts);
+  const bool missing = std::any_of(place_of_contact_.begin(), place_of_contact_.end(),
+                                   [](int place) { return place < 0; });
+  if (missing) {
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      if (place_of_contact_[c] >= 0) continue;
+      place_of_contact_[c] = static_cast<int>(places_.size());
+      Place place;
+      place.at = place_for(contacts[c], world.contact_material(contacts[c].a, contacts[c].b));
+      place.active = true;
+      places_.push_back(place);
+      before_.push_back(place);
+      before_.back().active = false;
+      origin_.push_back(-1);
+      moved_.push_back(-1);
+    }
+  }
+  for (std::size_t c = 0; c < contacts.size(); ++c) fill(place_of_contact_[c], contacts[c], world, state);
+  if (missing) rebuild();
+  return missing;
+}
+
+/// Contacts of before get their places again, others free ones of the same pair; −1 where there is none.
+void ContactSet::match(const World& world, const std::vector<Contact>& contacts) {
+  keys_.clear();
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    Place& place = places_[k];
+    if (place.active) keys_.push_back({place.contact.a, place.contact.b, place.contact.feature, int(k)});
+    ++place.unused;
+    place.active = false;
+  }
+  const auto before = [](const auto& x, const auto& y) {
+    return std::tie(x.a, x.b, x.feature) < std::tie(y.a, y.b, y.feature);
+  };
+  std::sort(keys_.begin(), keys_.end(), before);
+  origin_.assign(places_.size(), -1);
+  moved_.resize(places_.size());
+  std::iota(moved_.begin(), moved_.end(), 0);
+  place_of_contact_.assign(contacts.size(), -1);
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const auto key = std::lower_bound(keys_.begin(), keys_.end(), contacts[c], before);
+    if (key == keys_.end() || before(contacts[c], *key)) continue;
+    if (places_[key->place].active) continue;
+    if (places_[key->place].at != place_for(contacts[c], world.contact_material(contacts[c].a, contacts[c].b)))
+      continue;
+    place_of_contact_[c] = key->place;
+    origin_[key->place] = key->place;
+    places_[key->place].active = true;
+  }
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    if (place_of_contact_[c] >= 0) continue;
+    const int place =
+        free_place(place_for(contacts[c], world.contact_material(contacts[c].a, contacts[c].b)));
+    if (place < 0) continue;
+    place_of_contact_[c] = place;
+    places_[place].active = true;
+  }
+}
+
+int ContactSet::free_place(const Rows::ContactPlace& at) const {
+  auto it = std::lower_bound(by_pair_.begin(), by_pair_.end(), at, [](const auto& entry, const auto& wanted) {
+    return order_of(entry.first) < order_of(wanted);
+  });
+  for (; it != by_pair_.end() && it->first == at; ++it)
+    if (!places_[it->second].active) return it->second;
+  return -1;
+}
+
+/// Drops places that nothing has used for long.
+void ContactSet::rebuild() {
+  std::vector<Place> kept, kept_before;
+  std::vector<int> origin, moved;
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    if (!places_[k].active && places_[k].unused > kKept && !before_[k].active) continue;
+    kept.push_back(places_[k]);
+    kept_before.push_back(before_[k]);
+    origin.push_back(places_[k].active ? origin_[k] : -1);
+    moved.push_back(moved_[k]);
+  }
+  places_ = std::move(kept);
+  before_ = std::move(kept_before);
+  origin_ = std::move(origin);
+  moved_ = std::move(moved);
+  by_pair_.clear();
+  for (std::size_t k = 0; k < places_.size(); ++k) by_pair_.push_back({places_[k].at, int(k)});
+  std::sort(by_pair_.begin(), by_pair_.end(), [](const auto& x, const auto& y) {
+    return std::pair(order_of(x.first), x.second) < std::pair(order_of(y.first), y.second);
+  });
+}
+
+void ContactSet::fill(int index, const Contact& contact, const World& world, const State& state) {
+  Place& place = places_[index];
+  const Pose &A = state.poses[place.at.a], &B = state.poses[place.at.b];
+  const Twist &V_A = state.twists[place.at.a], &V_B = state.twists[place.at.b];
+  const Vec3 r_A = A.q * contact.p_AP, r_B = B.q * contact.p_BQ;
+  const Vec3 slip = V_B.at(r_B) - V_A.at(r_A);
+  place.contact = contact;
+  place.unused = 0;
+  place.material = world.contact_material(contact.a, contact.b);
+  place.point.p_AP = contact.p_AP;
+  place.point.p_BQ = contact.p_BQ;
+  place.point.frame =
+      frame_of(contact.normal, slip - contact.normal.dot(slip) * contact.normal, place.point.frame.t1);
+}
+
+}  // namespace taut

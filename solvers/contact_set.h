@@ -1,0 +1,66 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "collision/contact_finder.h"
+#include "core/rows.h"
+#include "core/world.h"
+
+namespace taut {
+
+/// The contacts of a world as places of the constraint system.  A place belongs to a pair of bodies and is kept
+/// for a while after its contact has gone, so that a scene that has settled keeps its pattern: contacts of
+/// the same two bodies take over each other's places.  (solvers/README, "Contacts")
+class ContactSet {
+ public:
+  struct Place {
+    Rows::ContactPlace at;
+    bool active = false;
+    int unused = 0;                    ///< finds since it was last active
+    Contact contact;                   ///< the present one, or the last
+    Material material;                 ///< of the pair
+    row_parts::ContactPoint point{};   ///< its rows
+  };
+
+  ContactSet(const World& world, double margin);
+
+  /// No two shapes of the world can touch.
+  bool empty() const { return empty_; }
+  std::span<const Place> places() const { return places_; }
+  std::vector<Rows::ContactPlace> rows() const;
+
+  /// Contacts at a state, and those that could come about within `horizon` [s] (contact_finder.h), put into
+  /// places.  Returns true if they needed other places than before: the constraint system must be told.
+  /// `origin()` then says for each place which one of before it continues, −1 for none: its contact is new.
+  bool find(const World& world, const State& state, double horizon);
+  std::span<const int> origin() const { return origin_; }
+  /// The index that each place had before, −1 for a place that is new.
+  std::span<const int> moved() const { return moved_; }
+  /// As it was before the last find(), but in the places of now.
+  void undo();
+  /// Turned tangents.
+  row_parts::ContactPoint& point(int place) { return places_[place].point; }
+  const DetectionReport& detection() const { return finder_.report(); }
+
+ private:
+  struct Key {
+    ShapeId a, b;
+    std::uint64_t feature;
+    int place;
+  };
+  void match(const World& world, const std::vector<Contact>& contacts);
+  int free_place(const Rows::ContactPlace& at) const;
+  void rebuild();
+  void fill(int place, const Contact& contact, const World& world, const State& state);
+
+  bool empty_ = true;
+  ContactFinder finder_;
+  std::vector<Place> places_, before_;
+  std::vector<int> origin_, moved_;
+  std::vector<Key> keys_;
+  std::vector<std::pair<Rows::ContactPlace, int>> by_pair_;  // sorted
+  std::vector<int> place_of_contact_;
+};
+
+}  // namespace taut
