@@ -10,11 +10,11 @@ namespace taut {
 /// The normal points from A to B, so a contact impulse λ ≥ 0 puts +λ·normal on B at Q and −λ·normal on A at
 /// P.
 struct Contact {
-  ShapeId a, b;               ///< a.index < b.index
-  BodyId A, B;                ///< their bodies
-  Vec3 p_AP, p_BQ;            ///< [m] in the body frames, from the centres of mass
-  Vec3 normal;                ///< unit, world axes
-  double gap = 0;             ///< [m]; negative: penetration
+  ShapeId a, b;                                   ///< a.index < b.index
+  BodyId A, B;                                    ///< their bodies
+  Vec3 p_AP = Vec3::Zero(), p_BQ = Vec3::Zero();  ///< [m] in the body frames, from the centres of mass
+  Vec3 normal = Vec3::UnitZ();                    ///< unit, world axes
+  double gap = 0;                                 ///< [m]; negative: penetration
   std::uint64_t feature = 0;  ///< unique within the pair; the same for the same contact in the next call
 };
 

@@ -110,8 +110,8 @@ class Rows {
     int index = 0;  ///< of θ in State::axes
   };
   enum class AxisRows { kIncluded, kLeftOut };
-  /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more (spin,
-  /// two of rolling).
+  /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more
+  /// (spin, two of rolling).
   struct ContactPlace {
     int a = 0, b = 0;
     bool twist = false;

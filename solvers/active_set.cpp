@@ -47,6 +47,11 @@ ActiveSet::ActiveSet(ConstraintSystem& system) : system_(system), updates_(syste
 
 void ActiveSet::reset() { std::fill(pieces_.begin(), pieces_.end(), -1); }
 
+void ActiveSet::set_pieces(std::span<const int> pieces, std::span<const RowLaw> laws) {
+  std::copy(pieces.begin(), pieces.end(), pieces_.begin());
+  for (std::size_t r = 0; r < laws.size(); ++r) steps_[r] = laws[r].steps;
+}
+
 void ActiveSet::prepare(std::span<const RowLaw> laws, std::span<const double> b,
                         std::span<const double> lambda) {
   choose_pieces(laws, b, lambda);

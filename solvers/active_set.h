@@ -69,6 +69,8 @@ class ActiveSet {
 
   /// Piece of each row, as RowLaw counts them.
   std::span<const int> pieces() const { return pieces_; }
+  /// The pieces that a set for other rows ended with, for these laws; −1: no history.
+  void set_pieces(std::span<const int> pieces, std::span<const RowLaw> laws);
   /// Forget all pieces: the next solve starts from its guess.
   void reset();
 

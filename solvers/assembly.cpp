@@ -22,10 +22,6 @@ double max_abs(const std::vector<double>& values) {
 }
 
 /// Limits and motors are no part of closing joints.
-void leave_out_axes(const ConstraintSystem& system, std::vector<double>& rows) {
-  for (const Rows::AxisRow& axis : system.rows().axis_rows()) rows[axis.row] = 0;
-}
-
 void move(const MassMatrix& mass, const std::vector<Wrench>& impulse, double scale,
           std::vector<Pose>& poses) {
   for (int b = 0; b < mass.size(); ++b) {
@@ -93,7 +89,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     system.rows().update_axes(state, state.axes);
     system.rows().residual(state, phi);
-    leave_out_axes(system, phi);
+    system.clear_bounded_rows(phi);
     const double gap = max_abs(phi);
     if (gap <= tolerance) return true;
     if (gap < 0.9 * best_gap) {
@@ -105,7 +101,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
     }
     system.linearize(state);
     system.set_mass(poses);
-    system.release_axes();
+    system.release_bounded_rows();
     system.factorize(report.times);
     for (int r = 0; r < n; ++r) delta[r] = -phi[r];
     system.solve(delta);
@@ -126,14 +122,14 @@ Contradiction find_contradiction(const World& world, ConstraintSystem& system, c
   const Configuration at(poses, world.time(), world.state().axes);
   system.linearize(at);
   system.set_mass(poses);
-  system.release_axes();
+  system.release_bounded_rows();
   system.factorize(report.times);
   system.rows().residual(at, phi);
-  leave_out_axes(system, phi);
+  system.clear_bounded_rows(phi);
   inner = phi;
   system.solve(inner);
   system.multiply(inner, reachable);
-  leave_out_axes(system, reachable);
+  system.clear_bounded_rows(reachable);
 
   Contradiction found;
   std::vector<double> share(world.joint_count(), 0.0);

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace taut {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A step of a law that no rate comes to.
 constexpr double kNever = 1e12;
 /// A limit is touched within this distance [m or rad]; positions are closed to less.
@@ -21,8 +19,6 @@ constexpr double kRest = 1e-12;
 
 /// Slower impacts do not move others [m/s or rad/s].
 constexpr double kJolt = 1e-6;
-/// Impacts closer together than this part of a step are one.
-constexpr double kTogether = 1e-3;
 /// Times of impact looked for in one step; more impacts end with their sub-step.
 constexpr int kMostImpacts = 16;
 
@@ -164,22 +160,24 @@ double AxisForces::crossing(std::size_t i, double w) const {
   return high;
 }
 
-double AxisForces::first_impact(std::span<const double> w) {
+double AxisForces::first_impact(std::span<const double> w) const {
   double first = h_;
   for (std::size_t i = 0; i < rows_.size(); ++i)
     if (impacts_[i].stage == Impact::Stage::kSought) first = std::min(first, crossing(i, w[rows_[i].row]));
-  first = std::max(first, kTogether * h_);
+  return first;
+}
+
+void AxisForces::take_impacts(double until, std::span<const double> w) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Impact& impact = impacts_[i];
     if (impact.stage != Impact::Stage::kSought) {
-      impact.stage = Impact::Stage::kNone;  // a later one
+      impact.stage = Impact::Stage::kNone;
       continue;
     }
     const double mean = w[rows_[i].row], s = crossing(i, mean), rate0 = axes_[i].rate0;
-    impact.stage = s <= first + kTogether * h_ ? Impact::Stage::kDue : Impact::Stage::kNone;
+    impact.stage = s <= until ? Impact::Stage::kDue : Impact::Stage::kNone;
     impact.rate = rate0 + 2 * (mean - rate0) * s / h_;
   }
-  return first > (1 - kTogether) * h_ ? h_ : first;
 }
 
 void AxisForces::forget_impacts(bool for_good) {

@@ -42,8 +42,11 @@ class AxisForces {
   /// then on that limit is left out: solved again, the stage shows when the axis crosses it.
   bool seek_impacts(std::span<const double> w);
   /// The time from the start of the step, in (0, h], at which the first of these axes reaches its limit, on
-  /// the parabola through θ₀ with θ̇₀ to the free end.  The next sub-step is to end then, with the impact.
-  double first_impact(std::span<const double> w);
+  /// the parabola through θ₀ with θ̇₀ to the free end; h if none does.
+  double first_impact(std::span<const double> w) const;
+  /// Of the impacts sought, those up to this time are due at the end of the next sub-step, which is to end
+  /// then; the others come later.
+  void take_impacts(double until, std::span<const double> w);
   /// Impacts that were found are not wanted any more.  `for_good`: nor looked for again in this step.
   void forget_impacts(bool for_good);
   /// An impact ended the last sub-step.

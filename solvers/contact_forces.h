@@ -3,11 +3,15 @@
 #include <span>
 #include <vector>
 
+#include "solvers/constraint_system.h"
 #include "solvers/contact_report.h"
 #include "solvers/contact_set.h"
 #include "solvers/row_law.h"
+#include "solvers/settings.h"
 
 namespace taut {
+
+using Vec2 = Eigen::Vector2d;
 
 /// Contacts as laws of their rows for the two stages of a RATTLE step: Signorini's law and Newton's of impact
 /// along the normal, Coulomb's in the disc |Λ_t| ≤ μ Λ_n of the tangents, likewise rolling and spinning.
@@ -19,9 +23,9 @@ namespace taut {
 /// both are found by solving the stage again until they agree.          (solvers/README, "Contacts")
 class ContactForces {
  public:
-  ContactForces(const World& world, double margin, double resting_speed);
+  ContactForces(const World& world, const Settings& settings);
 
-  bool empty() const { return set_.empty(); }
+  bool empty() const { return !wanted_ || set_.empty(); }
   const ContactSet& set() const { return set_; }
 
   /// New start: contacts at this state.  True if the places changed.
@@ -36,11 +40,14 @@ class ContactForces {
 
   /// A step of h begins; `rates`: J V before it.
   void begin(double h, std::span<const double> rates, std::span<const double> inertia);
-  void roll_back();
+  /// Back to begin(), over a move_on() if there was one.
+  void roll_back(bool moved_on);
 
   void position_laws(std::span<RowLaw> laws) const;
-  /// `rates`: J V without the impulses of the second kick.
-  void velocity_laws(std::span<const double> rates, std::span<RowLaw> laws);
+  /// Between them: what the first kick gave, in the directions of now.  `rates`: J V without the impulses of
+  /// the second.
+  void begin_velocities(std::span<const double> rates);
+  void velocity_laws(std::span<RowLaw> laws) const;
   /// Compares a solution of a stage with Coulomb's law.  True if radius, slip or stick of a contact is not
   /// what the laws had: then they are renewed, and the stage must be solved again.  `scale`: the size of
   /// impulses [√J], of which `tolerance` is what an error may be.
@@ -56,10 +63,12 @@ class ContactForces {
   /// The turns have been made in J and everything that has a row.
   void turned(ConstraintSystem& system);
   int first_row(int place) const { return first_row_[place]; }
+  std::span<const int> first_rows() const { return first_row_; }
 
   /// Impacts with restitution, as those of axes (axis_forces.h).
   bool seek_impacts(std::span<const double> w);
-  double first_impact(std::span<const double> w);
+  double first_impact(std::span<const double> w) const;
+  void take_impacts(double until, std::span<const double> w);
   void forget_impacts(bool for_good);
   bool struck() const { return struck_; }
 
@@ -70,8 +79,7 @@ class ContactForces {
   void finish(std::span<const double> mu, std::span<const double> w, std::span<const double> rates);
 
   /// Sums since clear_reports(), with impulses in place of forces.
-  const std::vector<ContactReport>& reports() const { return reports_; }
-  void collect_reports();
+  std::vector<ContactReport> reports() const;
   const ContactWork& work() const { return work_; }
   void clear_reports();
 
@@ -81,17 +89,17 @@ class ContactForces {
     double bound = 0;
     bool slips = false;
     Vec2 direction = Vec2::UnitX();  ///< of the slip
-    double weight = 0;               ///< impulse per rate across the slip; 0: not known
+    double weight = 0;               ///< friction per slip across its direction; 0: not known
     Vec2 given = Vec2::Zero();       ///< what the first kick gave, in the tangents of now
     Vec2 target = Vec2::Zero();      ///< rate that is rest: takes back what slipped while it should hold
   };
   struct Point {
     bool active = false, touching = false, pressed = false;
     double gap = 0, approach = 0;
-    bool fresh = true;               ///< has not been through a begin()
-    double back = 0;                 ///< normal impulse of the first kick
+    bool fresh = true;  ///< has not been through a begin()
+    double back = 0;    ///< normal impulse of the first kick
     bool stuck = false, broken = false;
-    Vec3 slipped = Vec3::Zero();     ///< since it sticks [m]
+    Vec3 slipped = Vec3::Zero();                             ///< since it sticks [m]
     Vec3 first = Vec3::Zero(), first_torque = Vec3::Zero();  ///< of the first kick on B
     double spin_bound = 0, spin_given = 0;
     Disc sliding, rolling;
@@ -117,14 +125,19 @@ class ContactForces {
   void keep_report(int place);
 
   ContactSet set_;
+  bool wanted_;
   double resting_speed_;
   std::vector<int> first_row_;
   std::vector<Point> points_, before_;
   std::vector<Impact> impacts_, impacts_before_;
   std::vector<double> root_;  // √S_rr
   std::vector<Turn> turns_;
-  std::vector<ContactReport> reports_;
-  ContactWork work_;
+  std::vector<ContactReport> departed_;
+  std::vector<char> goes_on_;
+  std::vector<Point> point_scratch_;
+  std::vector<Impact> impact_scratch_;
+  ContactWork work_, work_before_;
+  std::size_t departed_before_ = 0;
   double h_ = 0, residual_ = 0, scale_ = 0;
   int impact_count_ = 0, solves_ = 0;
   bool struck_ = false;

@@ -6,11 +6,12 @@ namespace taut {
 
 /// What a contact gave over a step.
 struct ContactReport {
-  Contact contact;                ///< where it is at the end of the step, or was last
-  Vec3 force = Vec3::Zero();      ///< on B, world axes: impulse of the step divided by dt [N]; A gets the opposite
-  Vec3 torque = Vec3::Zero();     ///< on B, of rolling and spinning friction [N·m]
-  double normal_force = 0;        ///< of it, along the normal [N], ≥ 0
-  bool sliding = false;           ///< at the end of the step
+  Contact contact;  ///< where it is at the end of the step, or was last
+  Vec3 force =
+      Vec3::Zero();  ///< on B, world axes: impulse of the step divided by dt [N]; A gets the opposite
+  Vec3 torque = Vec3::Zero();  ///< on B, of rolling and spinning friction [N·m]
+  double normal_force = 0;     ///< of it, along the normal [N], ≥ 0
+  bool sliding = false;        ///< at the end of the step
 };
 
 /// Work of all contacts in a step [J].

@@ -73,9 +73,11 @@ void ContactSet::undo() { std::copy(before_.begin(), before_.end(), places_.begi
 bool ContactSet::find(const World& world, const State& state, double horizon) {
   const std::vector<Contact>& contacts = finder_.find(world, state, horizon);
   before_ = places_;
+  contacts_before_.clear();
+  for (const Place& place : places_) contacts_before_.push_back(place.contact);
   match(world, contacts);
-  const bool missing = std::any_of(place_of_contact_.begin(), place_of_contact_.end(),
-                                   [](int place) { return place < 0; });
+  const bool missing =
+      std::any_of(place_of_contact_.begin(), place_of_contact_.end(), [](int place) { return place < 0; });
   if (missing) {
     for (std::size_t c = 0; c < contacts.size(); ++c) {
       if (place_of_contact_[c] >= 0) continue;
@@ -116,7 +118,8 @@ void ContactSet::match(const World& world, const std::vector<Contact>& contacts)
     const auto key = std::lower_bound(keys_.begin(), keys_.end(), contacts[c], before);
     if (key == keys_.end() || before(contacts[c], *key)) continue;
     if (places_[key->place].active) continue;
-    if (places_[key->place].at != place_for(contacts[c], world.contact_material(contacts[c].a, contacts[c].b)))
+    if (places_[key->place].at !=
+        place_for(contacts[c], world.contact_material(contacts[c].a, contacts[c].b)))
       continue;
     place_of_contact_[c] = key->place;
     origin_[key->place] = key->place;

@@ -9,18 +9,18 @@
 
 namespace taut {
 
-/// The contacts of a world as places of the constraint system.  A place belongs to a pair of bodies and is kept
-/// for a while after its contact has gone, so that a scene that has settled keeps its pattern: contacts of
-/// the same two bodies take over each other's places.  (solvers/README, "Contacts")
+/// The contacts of a world as places of the constraint system.  A place belongs to a pair of bodies and is
+/// kept for a while after its contact has gone, so that a scene that has settled keeps its pattern: contacts
+/// of the same two bodies take over each other's places.  (solvers/README, "Contacts")
 class ContactSet {
  public:
   struct Place {
     Rows::ContactPlace at;
     bool active = false;
-    int unused = 0;                    ///< finds since it was last active
-    Contact contact;                   ///< the present one, or the last
-    Material material;                 ///< of the pair
-    row_parts::ContactPoint point{};   ///< its rows
+    int unused = 0;                   ///< finds since it was last active
+    Contact contact;                  ///< the present one, or the last
+    Material material;                ///< of the pair
+    row_parts::ContactPoint point{};  ///< its rows
   };
 
   ContactSet(const World& world, double margin);
@@ -37,6 +37,8 @@ class ContactSet {
   std::span<const int> origin() const { return origin_; }
   /// The index that each place had before, −1 for a place that is new.
   std::span<const int> moved() const { return moved_; }
+  /// The contact that a place, by its index of then, had before the last find().
+  const Contact& contact_before(int place) const { return contacts_before_[place]; }
   /// As it was before the last find(), but in the places of now.
   void undo();
   /// Turned tangents.
@@ -57,6 +59,7 @@ class ContactSet {
   bool empty_ = true;
   ContactFinder finder_;
   std::vector<Place> places_, before_;
+  std::vector<Contact> contacts_before_;  // in the places of before
   std::vector<int> origin_, moved_;
   std::vector<Key> keys_;
   std::vector<std::pair<Rows::ContactPlace, int>> by_pair_;  // sorted

@@ -14,8 +14,6 @@
 namespace taut {
 namespace {
 
-/// Newton is given up (or restarted with a fresh factor) when an iteration takes away less than this part.
-constexpr double kSlow = 0.6;
 /// Multipliers off their prediction by more than this part are checked against the tension limit before they
 /// are accepted.
 constexpr double kSurprise = 0.25;
@@ -40,7 +38,12 @@ Wrench operator*(double s, const Wrench& a) { return {s * a.torque, s * a.force}
 }  // namespace
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
-    : world_(world), system_(system), settings_(settings), axes_(world, system.rows()), active_(system) {
+    : world_(world),
+      system_(system),
+      settings_(settings),
+      axes_(world, system.rows()),
+      contacts_(world, settings) {
+  active_.emplace(system);
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &forces_, &free_momenta_, &kicked_, &joint_impulse_, &move_})
     wrenches->resize(bodies);
@@ -48,8 +51,8 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
                        &force_multipliers_, &asymmetry_, &last_asymmetry_})
     values->assign(rows, 0.0);
   for (auto* values : {&start_theta_, &rates_, &kick_rates_, &inertia_, &w_})
-    values->assign(axes_.empty() ? 0 : rows, 0.0);
-  laws_.assign(axes_.empty() ? 0 : rows, RowLaw::equality());
+    values->assign(bounded() ? rows : 0, 0.0);
+  laws_.assign(bounded() ? rows : 0, RowLaw::equality());
   mean_twists_.resize(bodies);
   start_jacobian_.resize(system.jacobian().size());
   stiffness_.resize(bodies);
@@ -58,9 +61,10 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
 }
 
 void Rattle::start(const State& state, StepReport& report) {
-  if (!axes_.empty()) system_.release_axes();
   state_ = state;
   poses_ = state.poses;
+  if (!contacts_.empty()) start_contacts();
+  system_.release_bounded_rows();
   history_ = 0;
   size_ = system_size();
   for (int b = 0; b < world_.body_count(); ++b) {
@@ -80,14 +84,14 @@ void Rattle::start(const State& state, StepReport& report) {
   free_accelerations(system_.mass(), state_, forces_, accelerations_);
   system_.rows().apply(system_.jacobian(), accelerations_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = -(force_multipliers_[r] + delta_[r]);
-  clear_axis_rows(force_multipliers_);
+  system_.clear_bounded_rows(force_multipliers_);
   system_.solve(force_multipliers_);
   update_step_limit(force_multipliers_);
-  if (axes_.empty()) return;
+  if (!bounded()) return;
   system_.rows().residual(state_, phi_);
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   axes_.start(phi_, rates_);
-  active_.reset();
+  active_->reset();
 }
 
 void Rattle::linearize_and_factorize(StepReport& report) {
@@ -112,13 +116,13 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     for (int b = 0; b < world_.body_count(); ++b) free_momenta_[b] = momenta_[b] + 0.5 * h * forces_[b];
     predict_multipliers(h);
   }
-  if (!axes_.empty()) begin_axes(h);
-  if (!(axes_.empty() ? close_positions(h, report) : close_bounded_positions(h, report))) {
-    axes_.forget_impacts(false);
+  if (bounded()) begin_bounds(h);
+  if (!(bounded() ? close_bounded_positions(h, report) : close_positions(h, report))) {
+    forget_impacts(false);
     restore(report);
     return Outcome::kStalled;
   }
-  if (!axes_.empty() && axes_.seek_impacts(rates_)) {
+  if (bounded() && seek_impacts()) {
     time_to_impact_ = time_of_impact(h, report);
     return Outcome::kImpact;
   }
@@ -126,29 +130,30 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = 2 / h * lambda_[r];
     update_step_limit(force_multipliers_);
     if (std::abs(h) > kLeeway * step_limit_) {
-      axes_.forget_impacts(false);
+      forget_impacts(false);
       restore(report);
       return Outcome::kUnstable;
     }
   }
   report.tension_number = std::max(report.tension_number, omega_ * std::abs(h));
   if (settings_.report_energy) account_for_kick(report);
-  if (!axes_.empty()) keep_first_kick();
+  if (bounded()) keep_first_kick();
 
   std::swap(state_.poses, poses_);  // poses_ now holds the old ones
   start_time_ = state_.time;
   state_.time += h;
-  if (!axes_.empty()) active_.prepare(laws_, delta_, lambda_);
+  if (!contacts_.empty()) find_contacts();
+  if (bounded()) active_->prepare(laws_, delta_, lambda_);
   linearize_and_factorize(report);
   refactored_ = false;
   if (!close_velocities(h, report)) {
-    axes_.forget_impacts(false);
     roll_back(report);
+    forget_impacts(false);
     return Outcome::kStalled;
   }
   if (!finite()) return Outcome::kNotFinite;
   system_.rows().update_axes(state_, state_.axes);
-  if (!axes_.empty()) finish_axes(report);
+  if (bounded()) finish_bounds(report);
   if (settings_.report_energy) {
     for (int b = 0; b < world_.body_count(); ++b)
       joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
@@ -167,12 +172,12 @@ void Rattle::keep_multipliers(double h) {
   const double scale = history_ > 0 ? h / last_h_ : 1;
   for (int r = 0; r < system_.row_count(); ++r) {
     impulses_[r] += lambda_[r] + mu_[r];
-    if (!axes_.struck()) force_multipliers_[r] = 2 / h * mu_[r];  // the impulse of an impact is no force
+    if (!struck()) force_multipliers_[r] = 2 / h * mu_[r];  // the impulse of an impact is no force
     last_asymmetry_[r] = asymmetry_[r];
     asymmetry_[r] = (lambda_[r] - scale * start_mu_[r]) / (h * h);
     start_mu_[r] = mu_[r];
   }
-  history_ = axes_.struck() ? 0 : std::min(history_ + 1, 3);
+  history_ = struck() ? 0 : std::min(history_ + 1, 3);
   last_h_ = h;
 }
 
@@ -187,6 +192,7 @@ bool Rattle::finite() const {
 
 void Rattle::restore(StepReport& report) {
   axes_.roll_back();
+  contacts_.roll_back(false);
   if (!refactored_ && !implicit_) return;
   if (refactored_) std::copy(start_jacobian_.begin(), start_jacobian_.end(), system_.jacobian().begin());
   system_.set_mass(state_.poses);
@@ -201,8 +207,10 @@ void Rattle::roll_back(StepReport& report) {
   state_.time = start_time_;
   twists_from_momenta();
   world_.forces(state_, forces_);
-  linearize_and_factorize(report);
   axes_.roll_back();
+  contacts_.roll_back(true);
+  contacts_.give_points(system_);
+  linearize_and_factorize(report);
   implicit_ = false;
 }
 
@@ -284,6 +292,8 @@ void Rattle::refactor_at_iterate(double h, StepReport& report) {
   system_.linearize({poses_, state_.time + h, state_.axes});
   std::span<double> J = system_.jacobian();
   for (std::size_t i = 0; i < J.size(); ++i) J[i] = 0.5 * (J[i] + start_jacobian_[i]);
+  // Contacts belong to the start.
+  std::copy(start_jacobian_.begin() + contact_offset(), start_jacobian_.end(), J.begin() + contact_offset());
   system_.factorize(report.times);
   refactored_ = true;
   ++report.refactorizations;
@@ -304,7 +314,7 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   double last_change = std::numeric_limits<double>::infinity();
   for (int pass = 0;; ++pass) {
     for (int b = 0; b < world_.body_count(); ++b) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
-    if (axes_.empty())
+    if (!bounded())
       project_momenta(report, mu_);
     else if (!project_bounded_momenta(report))
       return false;
@@ -332,7 +342,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
-  clear_axis_rows(velocity_rows_);
+  system_.clear_bounded_rows(velocity_rows_);
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
     system_.solve_shifted(delta_);
@@ -344,7 +354,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
     twists_from_momenta();
     system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
     system_.rows().add_rate(state_, velocity_rows_);
-    clear_axis_rows(velocity_rows_);
+    system_.clear_bounded_rows(velocity_rows_);
     for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
     report.velocity_residual = max_abs(velocity_rows_);
     if (report.velocity_residual <= settings_.velocity_tolerance) break;
@@ -419,15 +429,24 @@ void Rattle::account_for_kick(StepReport& report) {
 /// pose: Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of
 /// kinetic energy exactly.
 double Rattle::work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
-                    std::span<const Wrench> impulses) const {
+                    std::span<const Wrench> impulses) {
+  mean_twists(poses, from, to);
   double sum = 0;
-  for (int b = 0; b < world_.body_count(); ++b) {
-    if (system_.mass()[b].fixed) continue;
-    const Twist mean{system_.mass().angular_velocity(b, poses[b], 0.5 * (from[b].torque + to[b].torque)),
-                     system_.mass()[b].inverse_mass * 0.5 * (from[b].force + to[b].force)};
-    sum += impulses[b].torque.dot(mean.w) + impulses[b].force.dot(mean.v);
-  }
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (!system_.mass()[b].fixed)
+      sum += impulses[b].torque.dot(mean_twists_[b].w) + impulses[b].force.dot(mean_twists_[b].v);
   return sum;
+}
+
+/// ½ (V₀ + V₁) of a kick from momenta p₀ to p₁ at one pose.
+void Rattle::mean_twists(std::span<const Pose> poses, std::span<const Wrench> from,
+                         std::span<const Wrench> to) {
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const MassMatrix::Body& body = system_.mass()[b];
+    if (body.fixed) continue;
+    mean_twists_[b] = {system_.mass().angular_velocity(b, poses[b], 0.5 * (from[b].torque + to[b].torque)),
+                       body.inverse_mass * 0.5 * (from[b].force + to[b].force)};
+  }
 }
 
 }  // namespace taut

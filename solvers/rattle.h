@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "solvers/active_set.h"
 #include "solvers/axis_forces.h"
 #include "solvers/constraint_system.h"
+#include "solvers/contact_forces.h"
 #include "solvers/settings.h"
 #include "solvers/step_report.h"
 
@@ -27,6 +29,9 @@ class Rattle {
   enum class Outcome { kDone, kStalled, kUnstable, kImpact, kNotFinite };
 
   Rattle(const World& world, ConstraintSystem& system, const Settings& settings);
+
+  /// The longest step that may come: contacts are found as far ahead as that.
+  void set_horizon(double horizon) { horizon_ = horizon; }
 
   /// Takes over a state: factors S there, makes velocities tangent and estimates the multipliers.
   void start(const State& state, StepReport& report);
@@ -49,14 +54,19 @@ class Rattle {
   void clear_impulses() {
     std::fill(impulses_.begin(), impulses_.end(), 0.0);
     axes_.clear_reports();
+    contacts_.clear_reports();
   }
   const AxisForces& axes() const { return axes_; }
+  const ContactForces& contacts() const { return contacts_; }
   /// Forces of the rows at the end of the last step.
   std::span<const double> force_multipliers() const { return force_multipliers_; }
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 
  private:
+  /// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.
+  static constexpr double kSlow = 0.6;
+
   void linearize_and_factorize(StepReport& report);
   void predict_multipliers(double h);
   void keep_multipliers(double h);
@@ -68,18 +78,27 @@ class Rattle {
   void refactor_at_iterate(double h, StepReport& report);
   bool close_velocities(double h, StepReport& report);
   void project_momenta(StepReport& report, std::span<double> mu);
-  void clear_axis_rows(std::span<double> rows) const;
-  void begin_axes(double h);
+  bool bounded() const { return !axes_.empty() || !contacts_.empty(); }
+  bool struck() const { return axes_.struck() || contacts_.struck(); }
+  void begin_bounds(double h);
+  bool seek_impacts();
+  void forget_impacts(bool for_good);
+  void start_contacts();
+  void find_contacts();
+  void take_over_places();
+  void turn_contacts(std::span<double> lambda, StepReport& report);
+  void contact_rates();
+  std::size_t contact_offset() const;
+  double first_impact(double h);
   bool close_bounded_positions(double h, StepReport& report);
   double time_of_impact(double h, StepReport& report);
   double law_error(double h) const;
   template <typename Laws>
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report);
   bool project_bounded_momenta(StepReport& report);
-  void mean_rates(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
-                  std::span<const double> jacobian, std::span<double> out);
+  void mean_twists(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to);
   void keep_first_kick();
-  void finish_axes(StepReport& report);
+  void finish_bounds(StepReport& report);
   void twists_from_momenta();
   void restore(StepReport& report);
   void roll_back(StepReport& report);
@@ -88,7 +107,7 @@ class Rattle {
   void prepare_stiffness(double h);
   void account_for_kick(StepReport& report);
   double work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
-              std::span<const Wrench> impulses) const;
+              std::span<const Wrench> impulses);
 
   const World& world_;
   ConstraintSystem& system_;
@@ -121,12 +140,15 @@ class Rattle {
   bool implicit_ = false;  // this step uses geometric stiffness
   std::vector<Mat3> filter_rotation_, filter_translation_;
 
-  // With axis rows:
+  // With axes or contacts:
   AxisForces axes_;
-  ActiveSet active_;
+  ContactForces contacts_;
+  double horizon_ = 0;
+  std::optional<ActiveSet> active_;
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;
-  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_;
+  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, row_scratch_;
+  std::vector<int> pieces_scratch_;
   std::vector<Twist> mean_twists_;
   double time_to_impact_ = 0;
 };

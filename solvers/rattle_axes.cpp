@@ -11,27 +11,36 @@
 namespace taut {
 namespace {
 
-/// An iteration that takes away less than this part restarts with a fresh factor, or gives up.
-constexpr double kSlow = 0.6;
 /// Impulses on a level of their law are right to this part of the largest.
 constexpr double kLevelTolerance = 1e-9;
-/// More solves of a stage, because friction let go or velocities were not yet exact.
-constexpr int kMaxSolves = 12;
+/// Solves of a stage for the friction of its contacts, and the distance from Coulomb's law that is accepted
+/// after them.
+constexpr int kMaxFrictionSolves = 100;
+constexpr double kFrictionTolerance = 1e-8;
 
 }  // namespace
 
-void Rattle::clear_axis_rows(std::span<double> rows) const {
-  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) rows[axis.row] = 0;
-}
-
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
-void Rattle::begin_axes(double h) {
+void Rattle::begin_bounds(double h) {
   system_.rows().residual(state_, phi_);
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) start_theta_[axis.row] = phi_[axis.row];
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
   system_.row_inertias(inertia_);
   axes_.begin(h, start_theta_, rates_, inertia_);
+  contacts_.begin(h, rates_, inertia_);
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
+    if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
+}
+
+bool Rattle::seek_impacts() {
+  const bool axis = axes_.seek_impacts(rates_), contact = contacts_.seek_impacts(rates_);
+  return axis || contact;
+}
+
+void Rattle::forget_impacts(bool for_good) {
+  axes_.forget_impacts(for_good);
+  contacts_.forget_impacts(for_good);
 }
 
 /// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is an active
@@ -45,9 +54,11 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       kick_and_drift(h);
       system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
       for (int r = 0; r < system_.row_count(); ++r) rates_[r] = (phi_[r] - start_theta_[r]) / h;
+      if (!contacts_.empty()) contact_rates();
     }
-    clear_axis_rows(phi_);
+    system_.clear_bounded_rows(phi_);
     axes_.position_laws(rates_, laws_);
+    contacts_.position_laws(laws_);
     const double error = iteration > 0 ? law_error(h) : std::numeric_limits<double>::infinity();
     if (error <= settings_.position_tolerance) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
@@ -57,7 +68,10 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     }
     last = error;
     const Stopwatch watch(report.times.positions);
-    const auto renew = [&] { axes_.position_laws(rates_, laws_); };
+    const auto renew = [&] {
+      axes_.position_laws(rates_, laws_);
+      contacts_.position_laws(laws_);
+    };
     if (!solve_laws(lambda_, 0.1 * settings_.position_tolerance / h, renew, report)) return false;
     ++report.newton_iterations;
   }
@@ -72,9 +86,9 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
 double Rattle::time_of_impact(double h, StepReport& report) {
   double time = h;
   if (close_bounded_positions(h, report))
-    time = axes_.first_impact(rates_);
+    time = first_impact(h);
   else
-    axes_.forget_impacts(true);
+    forget_impacts(true);
   restore(report);
   return time;
 }
@@ -85,7 +99,7 @@ double Rattle::law_error(double h) const {
   double error = 0, largest = max_abs(lambda_);
   for (int r = 0; r < system_.row_count(); ++r) {
     const RowLaw& law = laws_[r];
-    const int piece = active_.pieces()[r];
+    const int piece = active_->pieces()[r];
     const double w = rates_[r];
     double off = 0;
     if (RowLaw::is_vertical(piece)) {
@@ -101,20 +115,23 @@ double Rattle::law_error(double h) const {
 }
 
 /// Solves w = S λ + b for the laws, with b such that the present λ gives the present rates; again where
-/// static friction lets go.
+/// static friction lets go, and until the friction of contacts agrees with their slip and normal impulse.
 template <typename Laws>
 bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report) {
   system_.multiply(lambda, delta_);
   for (int r = 0; r < system_.row_count(); ++r) delta_[r] = rates_[r] - delta_[r];
-  for (int solve = 0; solve < kMaxSolves; ++solve) {
-    outcome_ = active_.solve(laws_, delta_, lambda, w_, report.times, {.rate_tolerance = rate_tolerance});
+  for (int solve = 0;; ++solve) {
+    outcome_ = active_->solve(laws_, delta_, lambda, w_, report.times, {.rate_tolerance = rate_tolerance});
     report.pivots += outcome_.pivots;
     report.complementarity_residual = std::max(report.complementarity_residual, outcome_.residual);
     if (!outcome_.ok()) return false;
-    if (!axes_.break_away(w_)) return true;
+    const bool broke = axes_.break_away(w_), slid = contacts_.adapt(lambda, w_, rate_tolerance);
+    if (!broke && (!slid || solve >= kMaxFrictionSolves)) break;
+    if (!contacts_.turns().empty()) turn_contacts(lambda, report);
     renew();
   }
-  return true;
+  report.complementarity_residual = std::max(report.complementarity_residual, contacts_.residual());
+  return contacts_.residual() <= kFrictionTolerance;
 }
 
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
@@ -122,13 +139,15 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   // A first guess for its pieces: the impulses of the first kick.
   std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
   system_.rows().residual(state_, phi_);
-  const auto renew = [&] { axes_.velocity_laws(phi_, laws_); };
-  renew();
-  for (int r = 0; r < system_.row_count(); ++r)
-    if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
+  contacts_.begin_velocities(rates_);
+  const auto renew = [&] {
+    axes_.velocity_laws(phi_, laws_);
+    contacts_.velocity_laws(laws_);
+  };
+  renew();
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
   if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) return false;
@@ -141,38 +160,31 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
   std::copy(velocity_rows_.begin(), velocity_rows_.end(), rates_.begin());
-  clear_axis_rows(velocity_rows_);
+  system_.clear_bounded_rows(velocity_rows_);
   report.velocity_residual = max_abs(velocity_rows_);
   return report.velocity_residual <= settings_.velocity_tolerance;
 }
 
 /// The first kick for the books, at the pose where it acted.
 void Rattle::keep_first_kick() {
-  mean_rates(state_.poses, start_momenta_, kicked_,
-             refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian(), kick_rates_);
+  mean_twists(state_.poses, start_momenta_, kicked_);
+  system_.rows().apply(refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian(),
+                       mean_twists_, kick_rates_);
   axes_.keep(lambda_, rates_, kick_rates_);
-}
-
-/// Mean rates of the rows in a kick from momenta p₀ to p₁ at one pose.
-void Rattle::mean_rates(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
-                        std::span<const double> jacobian, std::span<double> out) {
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    mean_twists_[b] = {system_.mass().angular_velocity(b, poses[b], 0.5 * (from[b].torque + to[b].torque)),
-                       body.inverse_mass * 0.5 * (from[b].force + to[b].force)};
-  }
-  system_.rows().apply(jacobian, mean_twists_, out);
+  contacts_.keep(lambda_, rates_, kick_rates_);
 }
 
 /// After a step: who is held now, and the books of both kicks.
-void Rattle::finish_axes(StepReport& report) {
+void Rattle::finish_bounds(StepReport& report) {
   system_.rows().residual(state_, phi_);
-  mean_rates(state_.poses, kicked_, momenta_, system_.jacobian(), kick_rates_);
+  mean_twists(state_.poses, kicked_, momenta_);
+  system_.rows().apply(system_.jacobian(), mean_twists_, kick_rates_);
   axes_.book(mu_, rates_, kick_rates_);
   axes_.finish_velocities(phi_, rates_, state_.time);
+  contacts_.finish(mu_, rates_, kick_rates_);
   report.axis_work = {};
   for (const AxisReport& axis : axes_.reports()) report.axis_work += axis.work;
+  report.contact_work = contacts_.work();
 }
 
 }  // namespace taut

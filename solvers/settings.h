@@ -55,6 +55,10 @@ struct Settings {
   double penalty_frequency = 50;  ///< [Hz] of the penalty springs on the bodies' own inertia
   double penalty_damping_ratio = 1;
 
+  bool contacts = true;           ///< shapes of the world touch; false: they pass through each other
+  double contact_margin = 0.005;  ///< [m] contacts exist up to this gap
+  double resting_speed = 1e-3;    ///< [m/s] slower impacts have no restitution
+
   FactorChoice factor = FactorChoice::kAuto;
   /// Energies, momenta and the work of the constraint forces in each report.
   bool report_energy = true;

@@ -37,6 +37,8 @@ void check_settings(const Settings& s) {
   if (s.max_substeps < 1) fail("settings max_substeps", "must be at least 1", s.max_substeps);
   require_positive("settings max_tension_number", s.max_tension_number);
   require_positive("settings max_rotation", s.max_rotation);
+  require_not_negative("settings contact_margin", s.contact_margin);
+  require_not_negative("settings resting_speed", s.resting_speed);
   require_not_negative("settings erp", s.erp);
   require_not_negative("settings cfm", s.cfm);
   require_positive("settings penalty_frequency", s.penalty_frequency);
@@ -78,11 +80,12 @@ class Simulator::Impl {
   std::unique_ptr<Rattle> rattle_;
   std::unique_ptr<ForceLevel> force_level_;
   State before_;
+  double horizon_ = 0;  // the step to come
   std::vector<double> impulses_before_;
   double pieces_ = 1,
          most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
   int quiet_ = 0;           // steps in a row that asked for fewer
-  int topology_version_ = -1, state_version_ = -1, reaction_version_ = -1;
+  int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1;
   std::vector<double> reaction_multipliers_, phi_, rates_;
   mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
   mutable int wrench_jacobian_version_ = -1;
@@ -100,7 +103,7 @@ class Simulator::Impl {
 
 /// New topology: new pattern, order and symbolic factor.  New state: new start.
 void Simulator::Impl::refresh() {
-  if (topology_version_ != world_.topology_version()) {
+  if (topology_version_ != world_.topology_version() || geometry_version_ != world_.geometry_version()) {
     rattle_.reset();
     force_level_.reset();
     system_ = std::make_unique<ConstraintSystem>(world_, settings_.factor);
@@ -117,6 +120,7 @@ void Simulator::Impl::refresh() {
     rates_.assign(system_->row_count(), 0.0);
     reaction_multipliers_.assign(system_->row_count(), 0.0);
     topology_version_ = world_.topology_version();
+    geometry_version_ = world_.geometry_version();
     state_version_ = wrench_jacobian_version_ = -1;
     report_.times.analysis = system_->analysis_time();
   }
@@ -140,6 +144,7 @@ void Simulator::Impl::refresh() {
       }
       world_.set_state(state);
     }
+    rattle_->set_horizon(horizon_);
     rattle_->start(world_.state(), report_);
   }
   state_version_ = world_.state_version();
@@ -151,6 +156,7 @@ void Simulator::Impl::step(double dt) {
   report_.dt = dt;
   {
     const Stopwatch watch(report_.times.total);
+    horizon_ = dt;
     refresh();
     if (report_.ok()) {
       bool done = true;
@@ -158,6 +164,7 @@ void Simulator::Impl::step(double dt) {
         done = force_level_->advance(dt, report_);
         if (!done) set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
       } else {
+        rattle_->set_horizon(dt);
         rattle_->clear_impulses();
         done = integrate(dt);
       }
@@ -258,12 +265,12 @@ void Simulator::Impl::diagnose_stall() {
   }
   if (const ActiveSetOutcome& outcome = rattle_->active_set_outcome(); !outcome.ok()) {
     // Bounds and joints that exclude each other: the row that misses its law most is where it shows.
-    if (outcome.worst_row >= 0)
+    if (outcome.worst_row >= 0 && !system_->rows().is_contact(outcome.worst_row))
       report_.contradiction.joints.push_back({system_->rows().row(outcome.worst_row).joint});
     report_.contradiction.residual = outcome.residual;
     set_failure(
         outcome.status == ActiveSetStatus::kContradiction ? Status::kContradiction : Status::kNotConverged,
-        "limits, motors and friction of the axes could not be met together with the joints");
+        "limits, motors, friction and contacts could not be met together with the joints");
     return;
   }
   report_.contradiction = find_contradiction(world_, *system_, rattle_->trial_poses(), report_);
@@ -305,10 +312,17 @@ void Simulator::Impl::finish(double dt) {
     for (double rate : rates_)
       report_.velocity_residual = std::max(report_.velocity_residual, std::abs(rate));
   }
+  if (rattle_) {
+    for (const ContactSet::Place& place : rattle_->contacts().set().places()) {
+      if (!place.active) continue;
+      ++report_.contacts;
+      report_.penetration = std::max(report_.penetration, -place.contact.gap);
+    }
+  }
   report_.rank_deficiency = system_->rank_deficiency();
   report_.condition_estimate = system_->condition_estimate();
   if (!settings_.report_energy) return;
-  report_.constraint_work -= report_.axis_work.total();
+  report_.constraint_work -= report_.axis_work.total() + report_.contact_work.total();
   report_.kinetic_energy = kinetic_energy(world_, state);
   report_.potential_energy = world_.potential_energy(state);
   report_.linear_momentum = linear_momentum(world_, state);
@@ -442,6 +456,17 @@ AxisReport Simulator::axis_report(AxisId axis) const {
                     &AxisImpulse::damping})
     report.force.*part /= impl_->report_.dt;
   return report;
+}
+
+std::vector<ContactReport> Simulator::contacts() const {
+  if (!impl_->rattle_ || impl_->report_.dt == 0) return {};
+  std::vector<ContactReport> reports = impl_->rattle_->contacts().reports();
+  for (ContactReport& report : reports) {
+    report.force /= impl_->report_.dt;
+    report.torque /= impl_->report_.dt;
+    report.normal_force /= impl_->report_.dt;
+  }
+  return reports;
 }
 
 RankReport Simulator::analyze_rank() { return taut::analyze_rank(impl_->world_, impl_->settings_); }

@@ -63,6 +63,11 @@ class Simulator {
   /// @throws std::invalid_argument for an axis that is not there.
   AxisReport axis_report(AxisId axis) const;
 
+  /// The contacts of the last step with the mean forces that they gave: those that are there at its end, and
+  /// those that were given up in between.  Without restitution or friction a contact is still listed when it
+  /// is near (Settings::contact_margin) and gives nothing.
+  std::vector<ContactReport> contacts() const;
+
   /// Rank, freedoms and redundant rows by name in the present pose.  Nothing moves.
   RankReport analyze_rank();
   /// Closes all joints from the present pose by the smallest mass-weighted move; velocities are made tangent.

@@ -7,6 +7,7 @@
 #include "core/diagnostics.h"
 #include "core/state.h"
 #include "solvers/axis_report.h"
+#include "solvers/contact_report.h"
 
 namespace taut {
 
@@ -57,6 +58,8 @@ struct StepReport {
   double tension_number = 0;            ///< largest ω h of the sub-steps taken
   int pivots = 0;                       ///< rows that changed their place in the active sets of the step
   double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
+  int contacts = 0;                     ///< points at the end of the step, touching or near
+  double penetration = 0;               ///< deepest of them, ≥ 0 [m]
   StageTimes times;
 
   // With Settings::report_energy:
@@ -65,6 +68,7 @@ struct StepReport {
   Vec3 angular_momentum = Vec3::Zero();             ///< about the world origin [N·m·s]
   double constraint_work = 0;                       ///< of all ideal joints' impulses in this step [J]
   AxisImpulse axis_work;      ///< of motors, friction, limits, springs and dampers of the axes [J]
+  ContactWork contact_work;   ///< of contacts [J]
   double stiffness_work = 0;  ///< energy taken by implicit geometric stiffness [J]
 
   Contradiction contradiction;  ///< with Status::kContradiction

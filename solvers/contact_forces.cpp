@@ -1,0 +1,460 @@
+#include "solvers/contact_forces.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+/// A contact is touched within this distance [m].
+constexpr double kTouch = 1e-9;
+/// Bodies that start inside each other come apart at no more than this speed [m/s].
+constexpr double kReturnSpeed = 1;
+/// A step of a law that no rate comes to.
+constexpr double kNever = 1e12;
+/// Distance from Coulomb's law that is accepted, relative to the largest impulse.
+constexpr double kTolerance = 1e-9;
+/// Slip that turned by more than this (sine) gets its own tangents.
+constexpr double kTurn = 0.05;
+/// Tangents slower than this at the start of a step are first tried as sticking [m/s].
+constexpr double kRestingSlip = 1e-9;
+/// Times of impact looked for in one step; more impacts end with their sub-step.
+constexpr int kMostImpacts = 16;
+
+/// λ = level whatever w.
+RowLaw constant(double level) {
+  RowLaw law;
+  law.level[0] = level;
+  return law;
+}
+
+/// A box around `centre`, or just that if it has no width.
+RowLaw box_around(double centre, double half, double w) {
+  if (!(half > 0)) return constant(centre);
+  return RowLaw::box(centre - half, centre + half, w);
+}
+
+}  // namespace
+
+ContactForces::ContactForces(const World& world, const Settings& settings)
+    : set_(world, settings.contact_margin),
+      wanted_(settings.contacts),
+      resting_speed_(settings.resting_speed) {}
+
+bool ContactForces::start(const World& world, const State& state, double horizon) {
+  const bool changed = set_.find(world, state, horizon);
+  points_.assign(set_.places().size(), {});
+  impacts_.assign(set_.places().size(), {});
+  for (std::size_t k = 0; k < points_.size(); ++k) points_[k].active = set_.places()[k].active;
+  before_ = points_;
+  impacts_before_ = impacts_;
+  return changed;
+}
+
+bool ContactForces::move_on(const World& world, const State& state, double horizon) {
+  const bool changed = set_.find(world, state, horizon);
+  remap();
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const ContactSet::Place& place = set_.places()[k];
+    Point& point = points_[k];
+    point.active = place.active;
+    point.gap = place.contact.gap;
+    point.touching =
+        place.active && (point.gap <= kTouch || point.pressed || impacts_[k].stage == Impact::Stage::kDue);
+    // A first guess: both kicks alike, and the slip along t₁.
+    for (Disc* disc : {&point.sliding, &point.rolling}) {
+      disc->bound *= 2;
+      disc->weight *= 2;
+      disc->direction = Vec2::UnitX();
+    }
+    point.spin_bound *= 2;
+  }
+  return changed;
+}
+
+/// Memory follows the contacts to their places.
+void ContactForces::remap() {
+  const std::span<const int> origin = set_.origin(), moved = set_.moved();
+  std::vector<char>& goes_on = goes_on_;
+  goes_on.assign(points_.size(), 0);
+  for (int from : origin)
+    if (from >= 0) goes_on[from] = 1;
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (!goes_on[k]) keep_report(static_cast<int>(k));
+  const auto map = [](auto& values, std::span<const int> from, auto& scratch) {
+    scratch.clear();
+    for (int k : from)
+      scratch.push_back(k >= 0 ? values[k] : typename std::decay_t<decltype(values)>::value_type{});
+    values.swap(scratch);
+  };
+  map(points_, origin, point_scratch_);
+  map(impacts_, origin, impact_scratch_);
+  map(before_, moved, point_scratch_);
+  map(impacts_before_, moved, impact_scratch_);
+}
+
+void ContactForces::set_rows(const Rows& rows) {
+  first_row_.clear();
+  for (int k = 0; k < rows.contact_count(); ++k)
+    first_row_.push_back(rows.joints()[rows.contact_joint(k)].first_row);
+}
+
+void ContactForces::give_points(ConstraintSystem& system) const {
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (points_[k].active) system.set_contact(static_cast<int>(k), set_.places()[k].point);
+}
+
+void ContactForces::begin(double h, std::span<const double> rates, std::span<const double> inertia) {
+  h_ = h;
+  before_ = points_;
+  impacts_before_ = impacts_;
+  work_before_ = work_;
+  departed_before_ = departed_.size();
+  root_.assign(inertia.size(), 0.0);
+  for (std::size_t r = 0; r < inertia.size(); ++r) root_[r] = inertia[r] > 0 ? 1 / std::sqrt(inertia[r]) : 1;
+  solves_ = 0;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Point& point = points_[k];
+    const ContactSet::Place& place = set_.places()[k];
+    if (!point.active) continue;
+    point.gap = place.contact.gap;
+    point.approach = rates[first_row_[k]];
+    point.fresh = point.broken = point.pressed = false;
+    point.back = point.spin_given = 0;
+    point.sliding.given = point.rolling.given = Vec2::Zero();
+    // What it has slipped since it sticks is taken back.
+    const row_parts::ContactFrame& frame = place.point.frame;
+    point.sliding.target = -Vec2(frame.t1.dot(point.slipped), frame.t2.dot(point.slipped)) / h;
+    point.rolling.target = Vec2::Zero();
+    const int row = first_row_[k];
+    const auto aim = [&](Disc& disc, int first) {
+      const Vec2 slip(rates[first], rates[first + 1]);
+      disc.slips = !point.stuck && slip.norm() > kRestingSlip;
+      if (disc.slips) {
+        disc.direction = slip.normalized();
+        disc.weight = disc.bound / slip.norm();
+      }
+    };
+    aim(point.sliding, row + 1);
+    if (has_twist(static_cast<int>(k))) aim(point.rolling, row + 4);
+  }
+}
+
+void ContactForces::roll_back(bool moved_on) {
+  if (moved_on) {
+    set_.undo();
+    impacts_ = impacts_before_;
+  }
+  points_ = before_;
+  work_ = work_before_;
+  departed_.resize(departed_before_);
+}
+
+void ContactForces::position_laws(std::span<RowLaw> laws) const {
+  const double fastest = std::max(kReturnSpeed, kTouch / h_);
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
+    std::fill_n(laws.begin() + row, count, RowLaw::none());
+    if (!point.active || impacts_[k].stage == Impact::Stage::kSought) continue;
+    laws[row] = RowLaw::lower_limit(std::clamp(-point.gap / h_, -kNever, fastest));
+    friction_laws(static_cast<int>(k), laws);
+  }
+}
+
+void ContactForces::velocity_laws(std::span<RowLaw> laws) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
+    std::fill_n(laws.begin() + row, count, RowLaw::none());
+    if (!point.active || !point.touching) continue;
+    const bool due = impacts_[k].stage == Impact::Stage::kDue;
+    const double approach = due ? impacts_[k].rate : point.approach;
+    const double bounce = approach < -resting_speed_ ? -set_.places()[k].material.restitution * approach : 0;
+    laws[row] = RowLaw::lower_limit(bounce);
+    laws[row].level[1] -= point.back;  // both kicks together are the impulse that must not pull
+    friction_laws(static_cast<int>(k), laws);
+  }
+}
+
+void ContactForces::friction_laws(int k, std::span<RowLaw> laws) const {
+  const Point& point = points_[k];
+  const int row = first_row_[k];
+  disc_laws(point.sliding, row + 1, laws);
+  if (!has_twist(k)) return;
+  laws[row + 3] = box_around(-point.spin_given, point.spin_bound, 0);
+  disc_laws(point.rolling, row + 4, laws);
+}
+
+/// A disc that holds is a square around it; one that slips along t₁ has the level −bound there, and across it
+/// the friction that turns with the slip: the derivative of −bound w/|w|.
+void ContactForces::disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const {
+  if (!disc.slips || disc.weight == 0 || !(disc.bound > 0)) {
+    for (int i : {0, 1})
+      laws[row + i] = box_around(-disc.given[i], disc.bound, disc.slips ? 0 : disc.target[i]);
+    return;
+  }
+  laws[row] = box_around(-disc.given[0], disc.bound * std::abs(disc.direction[0]), 0);
+  laws[row + 1] = RowLaw::viscous(disc.weight);
+  laws[row + 1].level[0] = -disc.given[1];
+}
+
+bool ContactForces::adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
+  ++solves_;
+  turns_.clear();
+  scale_ = 0;
+  residual_ = 0;
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    for (int i = 0; i < 3 && points_[k].active; ++i)
+      scale_ = std::max(scale_, root_[first_row_[k] + i] * std::abs(lambda[first_row_[k] + i]));
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Point& point = points_[k];
+    const int row = first_row_[k];
+    if (!point.active || scale_ == 0) continue;
+    const Material& material = set_.places()[k].material;
+    const double normal = std::max(0.0, point.back + lambda[row]);
+    const bool sticks = point.stuck && !point.broken;
+    double bound = (sticks ? material.static_friction : material.dynamic_friction) * normal;
+    double error = adapt_disc(static_cast<int>(k), point.sliding, row + 1, bound, lambda, w, rate_tolerance);
+    if (sticks && point.sliding.slips && normal > 0) {
+      point.broken = true;  // from here on with dynamic friction
+      if (material.dynamic_friction < material.static_friction) {
+        point.sliding.bound = material.dynamic_friction * normal;
+        error = std::max(error, scale_);
+      }
+    }
+    if (has_twist(static_cast<int>(k))) {
+      const double arm = material.spinning_friction * normal;
+      const double spin = point.spin_given + lambda[row + 3];
+      const double pulled = std::clamp(spin - w[row + 3] / (root_[row + 3] * root_[row + 3]), -arm, arm);
+      error = std::max(error, root_[row + 3] * std::abs(spin - pulled));
+      point.spin_bound = arm;
+      error = std::max(error, adapt_disc(static_cast<int>(k), point.rolling, row + 4,
+                                         material.rolling_friction * normal, lambda, w, rate_tolerance));
+    }
+    residual_ = std::max(residual_, error / scale_);
+  }
+  return residual_ > kTolerance;
+}
+
+/// The disc by the impulse τ and the slip u of a solution.  Returns the distance of τ from what Coulomb's law
+/// answers to both, P(τ − ρ u) with the projection P on the disc [√J].
+double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::span<const double> lambda,
+                                 std::span<const double> w, double rate_tolerance) {
+  const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
+  const Vec2 rest = disc.slips ? Vec2::Zero() : disc.target;
+  const Vec2 slip = Vec2(w[row], w[row + 1]) - rest;
+  const double root = std::max(root_[row], root_[row + 1]);
+  Vec2 answer = tau - slip / (root * root);
+  if (answer.norm() > bound) answer *= bound / answer.norm();
+  double error = root * (tau - answer).norm();
+  if (root * error <= rate_tolerance) error = 0;
+  disc.bound = bound;
+  const double speed = slip.norm();
+  if (speed <= std::max(rate_tolerance, kTolerance * scale_ * root)) {  // it rests
+    if (tau.norm() <= bound * (1 + kTolerance)) {
+      disc.slips = false;
+      return error;
+    }
+    disc.slips = true;
+    disc.direction = -tau.normalized();
+    disc.weight = 0;
+  } else {
+    disc.slips = true;
+    disc.direction = slip / speed;
+    disc.weight = bound / speed;
+  }
+  if (error > kTolerance * scale_ && std::abs(disc.direction[1]) > kTurn)
+    turns_.push_back({k, disc.direction[0], disc.direction[1]});
+  return error;
+}
+
+void ContactForces::turned(ConstraintSystem& system) {
+  for (const Turn& turn : turns_) {
+    system.turn_tangents(turn.place, set_.point(turn.place), turn.cos, turn.sin);
+    for (Disc* disc : {&points_[turn.place].sliding, &points_[turn.place].rolling})
+      for (Vec2* v : {&disc->direction, &disc->given, &disc->target})
+        *v = Vec2(turn.cos * v->x() + turn.sin * v->y(), turn.cos * v->y() - turn.sin * v->x());
+  }
+  turns_.clear();
+}
+
+bool ContactForces::seek_impacts(std::span<const double> w) {
+  if (impact_count_ >= kMostImpacts) return false;
+  bool any = false;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    Impact& impact = impacts_[k];
+    if (!point.active || set_.places()[k].material.restitution == 0 || impact.spent ||
+        impact.stage != Impact::Stage::kNone || point.gap <= kTouch || point.approach > -resting_speed_)
+      continue;
+    const double stop = -point.gap / h_;
+    if (w[first_row_[k]] > stop + 1e-9 * (1 + std::abs(stop))) continue;
+    impact.stage = Impact::Stage::kSought;
+    any = true;
+  }
+  if (any) ++impact_count_;
+  return any;
+}
+
+/// Root of  gap + w₀ s + (w − w₀) s²/h = 0  in (0, h]; h if the points do not meet.
+double ContactForces::crossing(int k, double w) const {
+  const Point& point = points_[k];
+  const auto gap_at = [&](double s) {
+    return point.gap + point.approach * s + (w - point.approach) * s * s / h_;
+  };
+  double low = 0, high = h_;
+  if (gap_at(high) >= 0) return h_;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (gap_at(middle) > 0 ? low : high) = middle;
+  }
+  return high;
+}
+
+double ContactForces::first_impact(std::span<const double> w) const {
+  double first = h_;
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (impacts_[k].stage == Impact::Stage::kSought)
+      first = std::min(first, crossing(static_cast<int>(k), w[first_row_[k]]));
+  return first;
+}
+
+void ContactForces::take_impacts(double until, std::span<const double> w) {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Impact& impact = impacts_[k];
+    if (impact.stage != Impact::Stage::kSought) {
+      impact.stage = Impact::Stage::kNone;
+      continue;
+    }
+    const double mean = w[first_row_[k]], s = crossing(static_cast<int>(k), mean);
+    impact.stage = s <= until ? Impact::Stage::kDue : Impact::Stage::kNone;
+    impact.rate = points_[k].approach + 2 * (mean - points_[k].approach) * s / h_;
+  }
+}
+
+void ContactForces::forget_impacts(bool for_good) {
+  for (Impact& impact : impacts_) {
+    if (for_good && impact.stage != Impact::Stage::kNone) impact.spent = true;
+    impact.stage = Impact::Stage::kNone;
+  }
+}
+
+/// Impulses of rows as world vectors, and their work.
+void ContactForces::book(int k, std::span<const double> lambda, std::span<const double> w,
+                         std::span<const double> rates) {
+  (void)w;
+  Point& point = points_[k];
+  const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
+  const int row = first_row_[k];
+  Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    impulse += lambda[row + i] * frame.direction(i);
+    (i == 0 ? work_.normal : work_.friction) += lambda[row + i] * rates[row + i];
+    if (!has_twist(k)) continue;
+    torque += lambda[row + 3 + i] * frame.direction(i);
+    work_.friction += lambda[row + 3 + i] * rates[row + 3 + i];
+  }
+  point.first = impulse;
+  point.first_torque = torque;
+  point.impulse += impulse;
+  point.torque += torque;
+  point.normal_impulse += lambda[row];
+}
+
+void ContactForces::keep(std::span<const double> lambda, std::span<const double> w,
+                         std::span<const double> rates) {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Point& point = points_[k];
+    if (!point.active) continue;
+    const int row = first_row_[k];
+    book(static_cast<int>(k), lambda, w, rates);
+    point.back = std::max(0.0, lambda[row]);
+    point.pressed = point.back > 0;
+    // The slip of this step while it holds: what is left of the target.
+    if (!point.sliding.slips && point.pressed) {
+      const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
+      point.slipped += h_ * (w[row + 1] * frame.t1 + w[row + 2] * frame.t2);
+    } else {
+      point.slipped = Vec3::Zero();
+    }
+  }
+}
+
+void ContactForces::begin_velocities(std::span<const double> rates) {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Point& point = points_[k];
+    if (!point.active) continue;
+    if (point.fresh) point.approach = rates[first_row_[k]];
+    const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
+    point.sliding.given = Vec2(frame.t1.dot(point.first), frame.t2.dot(point.first));
+    point.rolling.given = Vec2(frame.t1.dot(point.first_torque), frame.t2.dot(point.first_torque));
+    point.spin_given = frame.n.dot(point.first_torque);
+    point.sliding.target = point.rolling.target = Vec2::Zero();
+  }
+}
+
+void ContactForces::finish(std::span<const double> mu, std::span<const double> w,
+                           std::span<const double> rates) {
+  struck_ = false;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Point& point = points_[k];
+    Impact& impact = impacts_[k];
+    if (impact.stage == Impact::Stage::kDue) {
+      struck_ = impact.spent = true;
+    }
+    impact.stage = Impact::Stage::kNone;
+    if (!point.active) continue;
+    if (point.touching && point.approach < -resting_speed_) struck_ = true;
+    book(static_cast<int>(k), mu, w, rates);
+    const int row = first_row_[k];
+    const bool pressed = point.touching && point.back + mu[row] > 0;
+    const bool held = pressed && !point.sliding.slips;
+    if (!held || !point.stuck) point.slipped = held && point.stuck ? point.slipped : Vec3::Zero();
+    point.stuck = held;
+    point.slid = pressed && !held;
+    // The next first kick gives half of it.
+    for (Disc* disc : {&point.sliding, &point.rolling}) {
+      disc->bound *= 0.5;
+      disc->given = Vec2::Zero();
+    }
+    point.spin_bound *= 0.5;
+    point.spin_given = 0;
+  }
+}
+
+void ContactForces::keep_report(int k) {
+  const Point& point = points_[k];
+  if (point.impulse.isZero(0) && point.torque.isZero(0)) return;
+  // set_ has moved on; the contact of before is still known under its old place.
+  ContactReport report;
+  report.contact = set_.contact_before(k);
+  report.force = point.impulse;
+  report.torque = point.torque;
+  report.normal_force = point.normal_impulse;
+  departed_.push_back(report);
+}
+
+std::vector<ContactReport> ContactForces::reports() const {
+  std::vector<ContactReport> reports = departed_;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    if (!point.active) continue;
+    reports.push_back(
+        {set_.places()[k].contact, point.impulse, point.torque, point.normal_impulse, point.slid});
+  }
+  return reports;
+}
+
+void ContactForces::clear_reports() {
+  departed_.clear();
+  work_ = {};
+  impact_count_ = 0;
+  for (Point& point : points_) {
+    point.impulse = point.torque = Vec3::Zero();
+    point.normal_impulse = 0;
+  }
+  for (Impact& impact : impacts_) impact = {};
+}
+
+}  // namespace taut

@@ -1,0 +1,121 @@
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/rattle.h"
+#include "solvers/stopwatch.h"
+
+// Contacts in a RATTLE step: found at the end of the drift, they join the rows of the system for the velocity
+// stage of this step and the position stage of the next.  (solvers/README, "Contacts")
+namespace taut {
+namespace {
+
+/// Impacts closer together than this part of a step are one.
+constexpr double kTogether = 1e-3;
+
+}  // namespace
+
+void Rattle::start_contacts() {
+  if (contacts_.start(world_, state_, horizon_))
+    take_over_places();
+  else
+    contacts_.give_points(system_);
+}
+
+/// Contacts at q₁, with the velocities of the drift.
+void Rattle::find_contacts() {
+  std::swap(momenta_, kicked_);
+  twists_from_momenta();
+  std::swap(momenta_, kicked_);
+  if (contacts_.move_on(world_, state_, horizon_))
+    take_over_places();
+  else
+    contacts_.give_points(system_);
+}
+
+/// New places: a new pattern.  What belongs to rows of joints stays, also that of contacts which go on.
+void Rattle::take_over_places() {
+  const int joint_rows = system_.rows().first_contact_row();
+  const std::vector<int> old_first(contacts_.first_rows().begin(), contacts_.first_rows().end());
+  pieces_scratch_.assign(active_->pieces().begin(), active_->pieces().end());
+  system_.set_contact_places(world_, contacts_.set().rows());
+  contacts_.set_rows(system_.rows());
+  const int rows = system_.row_count();
+  std::vector<int> from(rows, -1);
+  for (int r = 0; r < joint_rows; ++r) from[r] = r;
+  const std::span<const int> origin = contacts_.set().origin();
+  for (std::size_t k = 0; k < origin.size(); ++k) {
+    if (origin[k] < 0) continue;
+    const int count = contacts_.set().places()[k].at.twist ? 6 : 3;
+    for (int i = 0; i < count; ++i)
+      from[contacts_.first_row(static_cast<int>(k)) + i] = old_first[origin[k]] + i;
+  }
+  for (auto* values :
+       {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_, &force_multipliers_,
+        &asymmetry_, &last_asymmetry_, &start_theta_, &rates_, &kick_rates_, &inertia_, &w_}) {
+    row_scratch_.assign(rows, 0.0);
+    for (int r = 0; r < rows; ++r)
+      if (from[r] >= 0) row_scratch_[r] = (*values)[from[r]];
+    values->swap(row_scratch_);
+  }
+  std::vector<RowLaw> laws(rows, RowLaw::none());
+  std::vector<int> pieces(rows, -1);
+  for (int r = 0; r < rows; ++r) {
+    if (from[r] < 0) continue;
+    laws[r] = laws_[from[r]];
+    pieces[r] = pieces_scratch_[from[r]];
+  }
+  laws_ = std::move(laws);
+  active_.emplace(system_);
+  active_->set_pieces(pieces, laws_);
+  start_jacobian_.assign(system_.jacobian().size(), 0.0);
+  contacts_.give_points(system_);
+  system_.release_bounded_rows();
+}
+
+/// Rates of the contact rows in the drift: J(q₀) M⁻¹ p.  The momenta stay, so that is what counts, and not
+/// how far points have come that were in contact at the start.
+void Rattle::contact_rates() {
+  mean_twists(state_.poses, kicked_, kicked_);
+  const std::span<const double> J =
+      refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian();
+  system_.rows().apply(J, mean_twists_, w_);
+  std::copy(w_.begin() + system_.rows().first_contact_row(), w_.end(),
+            rates_.begin() + system_.rows().first_contact_row());
+}
+
+/// Turned tangents: in all that has a row, then in J and its factor.
+void Rattle::turn_contacts(std::span<double> lambda, StepReport& report) {
+  for (const ContactForces::Turn& turn : contacts_.turns()) {
+    const int first = contacts_.first_row(turn.place);
+    const int count = contacts_.set().places()[turn.place].at.twist ? 6 : 3;
+    for (std::span<double> values : {lambda, std::span<double>(rates_), std::span<double>(delta_)})
+      for (int r = first + 1; r < first + count; r += 3) {
+        const double a = values[r], b = values[r + 1];
+        values[r] = turn.cos * a + turn.sin * b;
+        values[r + 1] = turn.cos * b - turn.sin * a;
+      }
+  }
+  contacts_.turned(system_);
+  if (refactored_)
+    std::copy_n(system_.jacobian().begin() + contact_offset(), start_jacobian_.size() - contact_offset(),
+                start_jacobian_.begin() + contact_offset());
+  system_.factorize(report.times);
+}
+
+/// Where the Jacobian of contact rows begins, which are the last.
+std::size_t Rattle::contact_offset() const {
+  const Rows& rows = system_.rows();
+  if (rows.contact_count() == 0) return rows.jacobian_size();
+  return rows.sides()[rows.joints()[rows.contact_joint(0)].first_side].offset;
+}
+
+/// The first of the impacts that were sought; those at that time are due.
+double Rattle::first_impact(double h) {
+  const double first =
+      std::max(std::min(axes_.first_impact(rates_), contacts_.first_impact(rates_)), kTogether * h);
+  axes_.take_impacts(first + kTogether * h, rates_);
+  contacts_.take_impacts(first + kTogether * h, rates_);
+  return first > (1 - kTogether) * h ? h : first;
+}
+
+}  // namespace taut
