@@ -303,6 +303,7 @@ void Simulator::Impl::finish(double dt) {
   world_.set_time(time);
   state_version_ = world_.state_version();
   report_.time = time;
+  for (auto* values : {&phi_, &rates_, &reaction_multipliers_}) values->resize(system_->row_count());
   system_->rows().residual(state, phi_);
   report_.gap = max_gap(system_->rows(), phi_);
   if (force_level_) {
