@@ -136,6 +136,7 @@ Contradiction find_contradiction(const World& world, ConstraintSystem& system, c
   double largest = 0, size = 0;
   for (int r = 0; r < n; ++r) {
     const double stuck = phi[r] - reachable[r];
+    if (system.rows().is_contact(r)) continue;
     double& s = share[system.rows().row(r).joint];
     s = std::hypot(s, stuck);
     largest = std::max(largest, s);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace taut {
 namespace {
@@ -16,6 +17,8 @@ constexpr double kNever = 1e12;
 constexpr double kTolerance = 1e-9;
 /// Slip that turned by more than this (sine) gets its own tangents.
 constexpr double kTurn = 0.05;
+/// Smallest component of a direction that counts as half way between the tangents.
+constexpr double kHalfWay = 0.6;
 /// Tangents slower than this at the start of a step are first tried as sticking [m/s].
 constexpr double kRestingSlip = 1e-9;
 /// Times of impact looked for in one step; more impacts end with their sub-step.
@@ -110,8 +113,7 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
   impacts_before_ = impacts_;
   work_before_ = work_;
   departed_before_ = departed_.size();
-  root_.assign(inertia.size(), 0.0);
-  for (std::size_t r = 0; r < inertia.size(); ++r) root_[r] = inertia[r] > 0 ? 1 / std::sqrt(inertia[r]) : 1;
+  set_roots(inertia);
   solves_ = 0;
   for (std::size_t k = 0; k < points_.size(); ++k) {
     Point& point = points_[k];
@@ -138,6 +140,11 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     aim(point.sliding, row + 1);
     if (has_twist(static_cast<int>(k))) aim(point.rolling, row + 4);
   }
+}
+
+void ContactForces::set_roots(std::span<const double> inertia) {
+  root_.resize(inertia.size());
+  for (std::size_t r = 0; r < inertia.size(); ++r) root_[r] = inertia[r] > 0 ? 1 / std::sqrt(inertia[r]) : 1;
 }
 
 void ContactForces::roll_back(bool moved_on) {
@@ -186,15 +193,16 @@ void ContactForces::friction_laws(int k, std::span<RowLaw> laws) const {
   disc_laws(point.rolling, row + 4, laws);
 }
 
-/// A disc that holds is a square around it; one that slips along t₁ has the level −bound there, and across it
-/// the friction that turns with the slip: the derivative of −bound w/|w|.
+/// A disc that holds is a square around it, or, if a corner of that was used, one inside it that has its own
+/// corner there.  A disc that slips along t₁ has the level −bound there, and across it the friction that
+/// turns with the slip: the derivative of −bound w/|w|.
 void ContactForces::disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const {
-  if (!disc.slips || disc.weight == 0 || !(disc.bound > 0)) {
-    for (int i : {0, 1})
-      laws[row + i] = box_around(-disc.given[i], disc.bound, disc.slips ? 0 : disc.target[i]);
-    return;
+  const bool holds = !disc.slips || disc.weight == 0 || !(disc.bound > 0);
+  for (int i : {0, 1}) {
+    const double half = disc.slips ? disc.bound * std::abs(disc.direction[i]) : disc.bound;
+    laws[row + i] = box_around(-disc.given[i], half, disc.slips ? 0 : disc.target[i]);
   }
-  laws[row] = box_around(-disc.given[0], disc.bound * std::abs(disc.direction[0]), 0);
+  if (holds) return;
   laws[row + 1] = RowLaw::viscous(disc.weight);
   laws[row + 1].level[0] = -disc.given[1];
 }
@@ -264,9 +272,18 @@ double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::
     disc.direction = slip / speed;
     disc.weight = bound / speed;
   }
-  if (error > kTolerance * scale_ && std::abs(disc.direction[1]) > kTurn)
-    turns_.push_back({k, disc.direction[0], disc.direction[1]});
+  if (error > kTolerance * scale_) ask_for_turn(k, disc);
   return error;
+}
+
+/// The slip along t₁; the impulse of a disc that holds half way between t₁ and t₂.
+void ContactForces::ask_for_turn(int place, const Disc& disc) {
+  const Vec2& d = disc.direction;
+  if (disc.weight > 0 && std::abs(d[1]) > kTurn)
+    turns_.push_back({place, d[0], d[1]});
+  else if (disc.weight == 0 && std::min(std::abs(d[0]), std::abs(d[1])) < kHalfWay)
+    turns_.push_back(
+        {place, std::numbers::sqrt2 / 2 * (d[0] + d[1]), std::numbers::sqrt2 / 2 * (d[1] - d[0])});
 }
 
 void ContactForces::turned(ConstraintSystem& system) {
@@ -381,7 +398,8 @@ void ContactForces::keep(std::span<const double> lambda, std::span<const double>
   }
 }
 
-void ContactForces::begin_velocities(std::span<const double> rates) {
+void ContactForces::begin_velocities(std::span<const double> rates, std::span<const double> inertia) {
+  set_roots(inertia);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     Point& point = points_[k];
     if (!point.active) continue;

@@ -46,7 +46,7 @@ class ContactForces {
   void position_laws(std::span<RowLaw> laws) const;
   /// Between them: what the first kick gave, in the directions of now.  `rates`: J V without the impulses of
   /// the second.
-  void begin_velocities(std::span<const double> rates);
+  void begin_velocities(std::span<const double> rates, std::span<const double> inertia);
   void velocity_laws(std::span<RowLaw> laws) const;
   /// Compares a solution of a stage with Coulomb's law.  True if radius, slip or stick of a contact is not
   /// what the laws had: then they are renewed, and the stage must be solved again.  `scale`: the size of
@@ -114,10 +114,12 @@ class ContactForces {
   };
 
   void remap();
+  void set_roots(std::span<const double> inertia);
   void disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const;
   void friction_laws(int place, std::span<RowLaw> laws) const;
   double adapt_disc(int place, Disc& disc, int row, double bound, std::span<const double> lambda,
                     std::span<const double> w, double rate_tolerance);
+  void ask_for_turn(int place, const Disc& disc);
   double crossing(int place, double w) const;
   bool has_twist(int place) const { return set_.places()[place].at.twist; }
   void book(int place, std::span<const double> lambda, std::span<const double> w,

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 
 #include "solvers/max_abs.h"
@@ -124,8 +126,15 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     outcome_ = active_->solve(laws_, delta_, lambda, w_, report.times, {.rate_tolerance = rate_tolerance});
     report.pivots += outcome_.pivots;
     report.complementarity_residual = std::max(report.complementarity_residual, outcome_.residual);
-    if (!outcome_.ok()) return false;
+    if (!outcome_.ok()) {
+      if (getenv("DBG"))
+        fprintf(stderr, "t %g active %d res %g\n", state_.time, (int)outcome_.status, outcome_.residual);
+      return false;
+    }
     const bool broke = axes_.break_away(w_), slid = contacts_.adapt(lambda, w_, rate_tolerance);
+    if (getenv("DBG"))
+      fprintf(stderr, "t %g solve %d active %d piv %d fac %d  friction %.2e\n", state_.time, solve,
+              (int)outcome_.status, outcome_.pivots, outcome_.factorizations, contacts_.residual());
     if (!broke && (!slid || solve >= kMaxFrictionSolves)) break;
     if (!contacts_.turns().empty()) turn_contacts(lambda, report);
     renew();
@@ -142,7 +151,8 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
-  contacts_.begin_velocities(rates_);
+  system_.row_inertias(inertia_);
+  contacts_.begin_velocities(rates_, inertia_);
   const auto renew = [&] {
     axes_.velocity_laws(phi_, laws_);
     contacts_.velocity_laws(laws_);
