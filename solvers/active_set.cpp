@@ -116,11 +116,13 @@ ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, A
   int fewest = std::numeric_limits<int>::max(), trials = kBlockTrials;
   const auto bounded = std::count_if(problem.laws.begin(), problem.laws.end(),
                                      [](const RowLaw& law) { return law.bounded(); });
-  for (int rounds = kMaxRounds + static_cast<int>(bounded) / 4;; --rounds) {
+  const int most = problem.settings.max_rounds;
+  for (int rounds = most >= 0 ? most : kMaxRounds + static_cast<int>(bounded) / 4;; --rounds) {
     // A singular factor and its updates leave noise that pivoting can trip over: no updates when it
     // struggles.
     const bool update = problem.settings.update_factor && (trials > 0 || !system_.singular());
-    if (!solve_pieces(problem, Start::kLeastNorm, update ? update_budget() : -1, times, outcome))
+    const Start start = problem.settings.keep_null_space ? Start::kKeep : Start::kLeastNorm;
+    if (!solve_pieces(problem, start, update ? update_budget() : -1, times, outcome))
       return Search::kNotFinite;
     const int wrong = find_wrong_rows(problem);
     if (wrong == 0) return Search::kFound;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <numbers>
 
 namespace taut {
@@ -109,6 +111,7 @@ void ContactForces::give_points(ConstraintSystem& system) const {
 
 void ContactForces::begin(double h, std::span<const double> rates, std::span<const double> inertia) {
   h_ = h;
+  in_velocities_ = false;
   before_ = points_;
   impacts_before_ = impacts_;
   work_before_ = work_;
@@ -118,6 +121,7 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
   for (std::size_t k = 0; k < points_.size(); ++k) {
     Point& point = points_[k];
     const ContactSet::Place& place = set_.places()[k];
+    point.live = point.active;
     if (!point.active) continue;
     point.gap = place.contact.gap;
     point.approach = rates[first_row_[k]];
@@ -131,7 +135,7 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     const int row = first_row_[k];
     const auto aim = [&](Disc& disc, int first) {
       const Vec2 slip(rates[first], rates[first + 1]);
-      disc.slips = !point.stuck && slip.norm() > kRestingSlip;
+      disc.slips = !point.stuck && slip.norm() > kRestingSlip && std::isfinite(disc.bound);
       if (disc.slips) {
         disc.direction = slip.normalized();
         disc.weight = disc.bound / slip.norm();
@@ -158,13 +162,12 @@ void ContactForces::roll_back(bool moved_on) {
 }
 
 void ContactForces::position_laws(std::span<RowLaw> laws) const {
-  const double fastest = std::max(kReturnSpeed, kTouch / h_);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];
     const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
     std::fill_n(laws.begin() + row, count, RowLaw::none());
     if (!point.active || impacts_[k].stage == Impact::Stage::kSought) continue;
-    laws[row] = RowLaw::lower_limit(std::clamp(-point.gap / h_, -kNever, fastest));
+    laws[row] = RowLaw::lower_limit(closing_rate(static_cast<int>(k)));
     friction_laws(static_cast<int>(k), laws);
   }
 }
@@ -174,13 +177,66 @@ void ContactForces::velocity_laws(std::span<RowLaw> laws) const {
     const Point& point = points_[k];
     const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
     std::fill_n(laws.begin() + row, count, RowLaw::none());
-    if (!point.active || !point.touching) continue;
-    const bool due = impacts_[k].stage == Impact::Stage::kDue;
-    const double approach = due ? impacts_[k].rate : point.approach;
-    const double bounce = approach < -resting_speed_ ? -set_.places()[k].material.restitution * approach : 0;
-    laws[row] = RowLaw::lower_limit(bounce);
+    if (!point.live) continue;
+    laws[row] = RowLaw::lower_limit(bounce(static_cast<int>(k)));
     laws[row].level[1] -= point.back;  // both kicks together are the impulse that must not pull
     friction_laws(static_cast<int>(k), laws);
+  }
+}
+
+/// Newton's law of impact: the least normal rate after it.
+double ContactForces::bounce(int k) const {
+  const double approach = impacts_[k].stage == Impact::Stage::kDue ? impacts_[k].rate : points_[k].approach;
+  return approach < -resting_speed_ ? -set_.places()[k].material.restitution * approach : 0;
+}
+
+/// Bodies may come together by their gap in a step, and bodies inside each other part slowly.
+double ContactForces::closing_rate(int k) const {
+  return std::clamp(-points_[k].gap / h_, -kNever, std::max(kReturnSpeed, kTouch / h_));
+}
+
+void ContactForces::targets(std::span<double> target) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    const int row = first_row_[k], place = static_cast<int>(k);
+    target[row] = in_velocities_ ? bounce(place) : closing_rate(place);
+    for (int i : {0, 1}) target[row + 1 + i] = point.sliding.slips ? 0 : point.sliding.target[i];
+  }
+}
+
+void ContactForces::mask(std::span<double> states, double rho, std::span<const double> diagonal) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
+    for (int i = 0; i < count; ++i)
+      states[row + i] = works(static_cast<int>(k)) ? rho * diagonal[row + i] : kMasked;
+    for (int first = 1; first < count && works(static_cast<int>(k)); first += 3)
+      states[row + first] = states[row + first + 1] =
+          rho * std::max(diagonal[row + first], diagonal[row + first + 1]);
+  }
+}
+
+void ContactForces::answer(std::span<const double> x, std::span<double> y) const {
+  const auto into_disc = [&](int row, const Vec2& given, double bound) {
+    Vec2 tau = given + Vec2(x[row], x[row + 1]);
+    if (tau.norm() > bound) tau *= bound / tau.norm();
+    y[row] = tau[0] - given[0];
+    y[row + 1] = tau[1] - given[1];
+  };
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
+    std::fill_n(y.begin() + row, count, 0.0);
+    if (!works(static_cast<int>(k))) continue;
+    const Material& material = set_.places()[k].material;
+    y[row] = std::max(-point.back, x[row]);
+    const double normal = point.back + y[row];
+    const bool sticks = point.stuck && !point.broken;
+    into_disc(row + 1, point.sliding.given,
+              (sticks ? material.static_friction : material.dynamic_friction) * normal);
+    if (count == 3) continue;
+    const double arm = material.spinning_friction * normal;
+    y[row + 3] = std::clamp(point.spin_given + x[row + 3], -arm, arm) - point.spin_given;
+    into_disc(row + 4, point.rolling.given, material.rolling_friction * normal);
   }
 }
 
@@ -218,7 +274,7 @@ bool ContactForces::adapt(std::span<const double> lambda, std::span<const double
   for (std::size_t k = 0; k < points_.size(); ++k) {
     Point& point = points_[k];
     const int row = first_row_[k];
-    if (!point.active || scale_ == 0) continue;
+    if (!works(static_cast<int>(k)) || scale_ == 0) continue;
     const Material& material = set_.places()[k].material;
     const double normal = std::max(0.0, point.back + lambda[row]);
     const bool sticks = point.stuck && !point.broken;
@@ -272,6 +328,12 @@ double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::
     disc.direction = slip / speed;
     disc.weight = bound / speed;
   }
+  if (error > kTolerance * scale_ && getenv("DBG2"))
+    fprintf(stderr,
+            "  place %d row %d err %.2e bound %.6e tau %.6e %.6e w %.3e %.3e slips %d dir %.3f %.3f weight "
+            "%.3e given %.3e %.3e\n",
+            k, row, error / scale_, bound, tau[0], tau[1], w[row], w[row + 1], disc.slips, disc.direction[0],
+            disc.direction[1], disc.weight, disc.given[0], disc.given[1]);
   if (error > kTolerance * scale_) ask_for_turn(k, disc);
   return error;
 }
@@ -400,8 +462,10 @@ void ContactForces::keep(std::span<const double> lambda, std::span<const double>
 
 void ContactForces::begin_velocities(std::span<const double> rates, std::span<const double> inertia) {
   set_roots(inertia);
+  in_velocities_ = true;
   for (std::size_t k = 0; k < points_.size(); ++k) {
     Point& point = points_[k];
+    point.live = point.active && point.touching;
     if (!point.active) continue;
     if (point.fresh) point.approach = rates[first_row_[k]];
     const row_parts::ContactFrame& frame = set_.places()[k].point.frame;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -52,6 +53,16 @@ class ContactForces {
   /// what the laws had: then they are renewed, and the stage must be solved again.  `scale`: the size of
   /// impulses [√J], of which `tolerance` is what an error may be.
   bool adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance);
+  // The same for ContactSplitting: rates that the laws ask for, rows that take part with Σ = ρ S_rr (the
+  // larger of the two in a disc) or not at all, and the impulses y in the laws that are nearest to x.
+  void targets(std::span<double> target) const;
+  void mask(std::span<double> states, double rho, std::span<const double> diagonal) const;
+  void answer(std::span<const double> x, std::span<double> y) const;
+  /// Radii and slips as they are at this solution.
+  void take_over(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
+    (void)adapt(lambda, w, rate_tolerance);
+    turns_.clear();
+  }
   /// The largest distance from Coulomb's law at the last adapt(), relative.
   double residual() const { return residual_; }
   /// Tangents that are better turned: place and the direction (cos, sin) of the new t₁ in the old frame.
@@ -86,7 +97,7 @@ class ContactForces {
  private:
   /// Coulomb's law in two rows: |τ| ≤ bound, against the slip.
   struct Disc {
-    double bound = 0;
+    double bound = std::numeric_limits<double>::infinity();  ///< a new contact is first taken to hold
     bool slips = false;
     Vec2 direction = Vec2::UnitX();  ///< of the slip
     double weight = 0;               ///< friction per slip across its direction; 0: not known
@@ -94,14 +105,14 @@ class ContactForces {
     Vec2 target = Vec2::Zero();      ///< rate that is rest: takes back what slipped while it should hold
   };
   struct Point {
-    bool active = false, touching = false, pressed = false;
+    bool active = false, live = false, touching = false, pressed = false;
     double gap = 0, approach = 0;
     bool fresh = true;  ///< has not been through a begin()
     double back = 0;    ///< normal impulse of the first kick
     bool stuck = false, broken = false;
     Vec3 slipped = Vec3::Zero();                             ///< since it sticks [m]
     Vec3 first = Vec3::Zero(), first_torque = Vec3::Zero();  ///< of the first kick on B
-    double spin_bound = 0, spin_given = 0;
+    double spin_bound = std::numeric_limits<double>::infinity(), spin_given = 0;
     Disc sliding, rolling;
     Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();  ///< since clear_reports()
     double normal_impulse = 0;
@@ -117,6 +128,11 @@ class ContactForces {
   void set_roots(std::span<const double> inertia);
   void disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const;
   void friction_laws(int place, std::span<RowLaw> laws) const;
+  double bounce(int place) const;
+  double closing_rate(int place) const;
+  bool works(int place) const {
+    return points_[place].live && impacts_[place].stage != Impact::Stage::kSought;
+  }
   double adapt_disc(int place, Disc& disc, int row, double bound, std::span<const double> lambda,
                     std::span<const double> w, double rate_tolerance);
   void ask_for_turn(int place, const Disc& disc);
@@ -142,7 +158,7 @@ class ContactForces {
   std::size_t departed_before_ = 0;
   double h_ = 0, residual_ = 0, scale_ = 0;
   int impact_count_ = 0, solves_ = 0;
-  bool struck_ = false;
+  bool struck_ = false, in_velocities_ = false;
 };
 
 }  // namespace taut

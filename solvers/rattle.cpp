@@ -42,7 +42,8 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       system_(system),
       settings_(settings),
       axes_(world, system.rows()),
-      contacts_(world, settings) {
+      contacts_(world, settings),
+      splitting_(system) {
   active_.emplace(system);
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &forces_, &free_momenta_, &kicked_, &joint_impulse_, &move_})

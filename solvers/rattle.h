@@ -10,6 +10,7 @@
 #include "solvers/axis_forces.h"
 #include "solvers/constraint_system.h"
 #include "solvers/contact_forces.h"
+#include "solvers/contact_splitting.h"
 #include "solvers/settings.h"
 #include "solvers/step_report.h"
 
@@ -95,6 +96,7 @@ class Rattle {
   double law_error(double h) const;
   template <typename Laws>
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report);
+  bool split(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool project_bounded_momenta(StepReport& report);
   void mean_twists(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to);
   void keep_first_kick();
@@ -145,6 +147,7 @@ class Rattle {
   ContactForces contacts_;
   double horizon_ = 0;
   std::optional<ActiveSet> active_;
+  ContactSplitting splitting_;
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;
   std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, row_scratch_;

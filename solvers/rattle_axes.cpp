@@ -17,7 +17,7 @@ namespace {
 constexpr double kLevelTolerance = 1e-9;
 /// Solves of a stage for the friction of its contacts, and the distance from Coulomb's law that is accepted
 /// after them.
-constexpr int kMaxFrictionSolves = 100;
+constexpr int kMaxFrictionSolves = 25, kContactRounds = 30, kMaxSplittings = 3000;
 constexpr double kFrictionTolerance = 1e-8;
 
 }  // namespace
@@ -99,7 +99,7 @@ double Rattle::time_of_impact(double h, StepReport& report) {
 /// and of impulses from their level.
 double Rattle::law_error(double h) const {
   double error = 0, largest = max_abs(lambda_);
-  for (int r = 0; r < system_.row_count(); ++r) {
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {  // those of contacts are linear
     const RowLaw& law = laws_[r];
     const int piece = active_->pieces()[r];
     const double w = rates_[r];
@@ -122,25 +122,45 @@ template <typename Laws>
 bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report) {
   system_.multiply(lambda, delta_);
   for (int r = 0; r < system_.row_count(); ++r) delta_[r] = rates_[r] - delta_[r];
-  for (int solve = 0;; ++solve) {
-    outcome_ = active_->solve(laws_, delta_, lambda, w_, report.times, {.rate_tolerance = rate_tolerance});
+  ActiveSetSettings settings{.rate_tolerance = rate_tolerance};
+  if (!contacts_.empty()) {  // they have a fall-back of their own
+    settings.max_rounds = kContactRounds;
+    settings.max_descent_rounds = 0;
+  }
+  bool solved = false;
+  for (int solve = 0; !solved; ++solve) {
+    settings.keep_null_space = solve > 0;
+    outcome_ = active_->solve(laws_, delta_, lambda, w_, report.times, settings);
     report.pivots += outcome_.pivots;
-    report.complementarity_residual = std::max(report.complementarity_residual, outcome_.residual);
-    if (!outcome_.ok()) {
-      if (getenv("DBG"))
-        fprintf(stderr, "t %g active %d res %g\n", state_.time, (int)outcome_.status, outcome_.residual);
-      return false;
-    }
+    if (!outcome_.ok() && contacts_.empty()) return false;
     const bool broke = axes_.break_away(w_), slid = contacts_.adapt(lambda, w_, rate_tolerance);
     if (getenv("DBG"))
       fprintf(stderr, "t %g solve %d active %d piv %d fac %d  friction %.2e\n", state_.time, solve,
               (int)outcome_.status, outcome_.pivots, outcome_.factorizations, contacts_.residual());
-    if (!broke && (!slid || solve >= kMaxFrictionSolves)) break;
+    solved = outcome_.ok() && !broke && !slid;
+    if (solved) break;
+    if (!outcome_.ok() || solve >= kMaxFrictionSolves) return split(lambda, rate_tolerance, report);
     if (!contacts_.turns().empty()) turn_contacts(lambda, report);
     renew();
   }
+  report.complementarity_residual =
+      std::max({report.complementarity_residual, outcome_.residual, contacts_.residual()});
+  return true;
+}
+
+/// The fall-back of contacts.
+bool Rattle::split(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+  const SplittingOutcome outcome = splitting_.solve(contacts_, laws_, delta_, lambda, w_,
+                                                    0.1 * kFrictionTolerance, kMaxSplittings, report.times);
+  contacts_.take_over(lambda, w_, rate_tolerance);
+  if (getenv("DBG"))
+    fprintf(stderr, "t %g split it %d fac %d res %.1e friction %.2e\n", state_.time, outcome.iterations,
+            outcome.factorizations, outcome.residual, contacts_.residual());
+  report.splitting_iterations += outcome.iterations;
   report.complementarity_residual = std::max(report.complementarity_residual, contacts_.residual());
-  return contacts_.residual() <= kFrictionTolerance;
+  outcome_ = {};
+  outcome_.status = outcome.converged ? ActiveSetStatus::kSolved : ActiveSetStatus::kNotConverged;
+  return outcome.converged;
 }
 
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
