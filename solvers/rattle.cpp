@@ -221,7 +221,8 @@ void Rattle::roll_back(StepReport& report) {
 void Rattle::predict_multipliers(double h) {
   const int rows = system_.row_count();
   if (system_.singular()) {
-    std::fill(lambda_.begin(), lambda_.end(), 0.0);
+    // Those of contacts are held within their cones.
+    std::fill(lambda_.begin(), lambda_.begin() + system_.rows().first_contact_row(), 0.0);
   } else if (history_ == 0) {
     for (int r = 0; r < rows; ++r) lambda_[r] = 0.5 * h * force_multipliers_[r];
   } else {

@@ -148,6 +148,7 @@ class Rattle {
   double horizon_ = 0;
   std::optional<ActiveSet> active_;
   ContactSplitting splitting_;
+  int splittings_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;
   std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, row_scratch_;

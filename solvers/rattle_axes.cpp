@@ -17,7 +17,7 @@ namespace {
 constexpr double kLevelTolerance = 1e-9;
 /// Solves of a stage for the friction of its contacts, and the distance from Coulomb's law that is accepted
 /// after them.
-constexpr int kMaxFrictionSolves = 25, kContactRounds = 30, kMaxSplittings = 3000;
+constexpr int kFrictionPatience = 4, kContactRounds = 30, kMaxSplittings = 3000, kSplittingsInARow = 60;
 constexpr double kFrictionTolerance = 1e-8;
 
 }  // namespace
@@ -127,6 +127,8 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     settings.max_rounds = kContactRounds;
     settings.max_descent_rounds = 0;
   }
+  if (splittings_left_ > 0 && splittings_left_-- > 0) return split(lambda, rate_tolerance, report);
+  double earlier = std::numeric_limits<double>::infinity();
   bool solved = false;
   for (int solve = 0; !solved; ++solve) {
     settings.keep_null_space = solve > 0;
@@ -139,7 +141,12 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
               (int)outcome_.status, outcome_.pivots, outcome_.factorizations, contacts_.residual());
     solved = outcome_.ok() && !broke && !slid;
     if (solved) break;
-    if (!outcome_.ok() || solve >= kMaxFrictionSolves) return split(lambda, rate_tolerance, report);
+    const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
+    if (!outcome_.ok() || (check && contacts_.residual() > 0.2 * earlier)) {
+      splittings_left_ = kSplittingsInARow;
+      return split(lambda, rate_tolerance, report);
+    }
+    if (check) earlier = contacts_.residual();
     if (!contacts_.turns().empty()) turn_contacts(lambda, report);
     renew();
   }
