@@ -35,7 +35,7 @@ RowLaw constant(double level) {
 
 /// A box around `centre`, or just that if it has no width.
 RowLaw box_around(double centre, double half, double w) {
-  if (!(half > 0)) return constant(centre);
+  if (!(centre - half < centre + half)) return constant(centre);
   return RowLaw::box(centre - half, centre + half, w);
 }
 

@@ -12,7 +12,8 @@ namespace taut {
 /// How a splitting went.
 struct SplittingOutcome {
   int iterations = 0, factorizations = 0;
-  /// Largest of |λ − y| √S_rr and |Σ Δy| / √S_rr at the end, over the largest impulse [√J].
+  /// Largest of |λ − y| √S_rr and |Σ Δy| / √S_rr at the end, over the size of
+  /// impulses, the largest |λ| √S_rr and |b| / √S_rr [√J].
   double residual = 0;
   bool converged = false;
 };
@@ -29,10 +30,12 @@ class ContactSplitting {
  public:
   explicit ContactSplitting(ConstraintSystem& system) : system_(system) {}
 
-  /// `lambda`: a guess, then the result; `w`: result.  Leaves the system factored with its Σ.
+  /// `lambda`: a guess, then the result; `w`: result.  `tolerance` of the
+  /// residual, of which errors below `rate_tolerance` [m/s or rad/s] are no part.  Leaves the system factored
+  /// with its Σ.
   SplittingOutcome solve(const ContactForces& contacts, std::span<const RowLaw> laws,
                          std::span<const double> b, std::span<double> lambda, std::span<double> w,
-                         double tolerance, int max_iterations, StageTimes& times);
+                         double tolerance, double rate_tolerance, int max_iterations, StageTimes& times);
 
  private:
   void factorize(std::span<const RowLaw> laws, const ContactForces& contacts, StageTimes& times,

@@ -157,8 +157,9 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
 
 /// The fall-back of contacts.
 bool Rattle::split(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  const SplittingOutcome outcome = splitting_.solve(contacts_, laws_, delta_, lambda, w_,
-                                                    0.1 * kFrictionTolerance, kMaxSplittings, report.times);
+  const SplittingOutcome outcome =
+      splitting_.solve(contacts_, laws_, delta_, lambda, w_, 0.1 * kFrictionTolerance, rate_tolerance,
+                       kMaxSplittings, report.times);
   contacts_.take_over(lambda, w_, rate_tolerance);
   if (getenv("DBG"))
     fprintf(stderr, "t %g split it %d fac %d res %.1e friction %.2e\n", state_.time, outcome.iterations,
