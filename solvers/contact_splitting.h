@@ -9,6 +9,12 @@
 
 namespace taut {
 
+/// When a splitting ends: errors of rates below `rate_tolerance` [m/s or rad/s] do not count.
+struct SplittingLimits {
+  double tolerance = 1e-9, rate_tolerance = 0;
+  int iterations = 3000;
+};
+
 /// How a splitting went.
 struct SplittingOutcome {
   int iterations = 0, factorizations = 0;
@@ -30,14 +36,23 @@ class ContactSplitting {
  public:
   explicit ContactSplitting(ConstraintSystem& system) : system_(system) {}
 
-  /// `lambda`: a guess, then the result; `w`: result.  `tolerance` of the
-  /// residual, of which errors below `rate_tolerance` [m/s or rad/s] are no part.  Leaves the system factored
-  /// with its Σ.
+  /// `lambda`: a guess, then the result; `w`: result.  Leaves the system factored with its Σ.
   SplittingOutcome solve(const ContactForces& contacts, std::span<const RowLaw> laws,
                          std::span<const double> b, std::span<double> lambda, std::span<double> w,
-                         double tolerance, double rate_tolerance, int max_iterations, StageTimes& times);
+                         const SplittingLimits& limits, StageTimes& times);
 
  private:
+  struct Distance {
+    double primal = 0, dual = 0;
+  };
+
+  /// Rows with bounds that are not left out.
+  bool takes_part(int row) const { return states_[row] != 0 && states_[row] != kMasked; }
+  void begin(const ContactForces& contacts, std::span<const RowLaw> laws, std::span<const double> b,
+             std::span<const double> lambda, std::span<double> w);
+  Distance iterate(const ContactForces& contacts, std::span<const RowLaw> laws, std::span<const double> b,
+                   std::span<double> lambda, double rate_tolerance);
+  bool leap(const ContactForces& contacts, std::span<const RowLaw> laws);
   void factorize(std::span<const RowLaw> laws, const ContactForces& contacts, StageTimes& times,
                  SplittingOutcome& outcome);
   void solve_linear(std::span<double> lambda);
@@ -45,7 +60,7 @@ class ContactSplitting {
 
   ConstraintSystem& system_;
   double rho_ = 0.1;
-  std::vector<double> states_, diagonal_, x_, y_, last_, u_, target_, right_;
+  std::vector<double> states_, diagonal_, x_, y_, last_, change_, last_change_, u_, target_, right_;
 };
 
 }  // namespace taut

@@ -17,7 +17,7 @@ namespace {
 constexpr double kLevelTolerance = 1e-9;
 /// Solves of a stage for the friction of its contacts, and the distance from Coulomb's law that is accepted
 /// after them.
-constexpr int kFrictionPatience = 4, kContactRounds = 30, kMaxSplittings = 3000, kSplittingsInARow = 60;
+constexpr int kFrictionPatience = 4, kContactRounds = 30, kSplittingsInARow = 60;
 constexpr double kFrictionTolerance = 1e-8;
 
 }  // namespace
@@ -157,9 +157,9 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
 
 /// The fall-back of contacts.
 bool Rattle::split(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  const SplittingOutcome outcome =
-      splitting_.solve(contacts_, laws_, delta_, lambda, w_, 0.1 * kFrictionTolerance, rate_tolerance,
-                       kMaxSplittings, report.times);
+  const SplittingOutcome outcome = splitting_.solve(
+      contacts_, laws_, delta_, lambda, w_,
+      {.tolerance = 0.1 * kFrictionTolerance, .rate_tolerance = rate_tolerance}, report.times);
   contacts_.take_over(lambda, w_, rate_tolerance);
   if (getenv("DBG"))
     fprintf(stderr, "t %g split it %d fac %d res %.1e friction %.2e\n", state_.time, outcome.iterations,
