@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <numbers>
 
 namespace taut {
@@ -230,9 +228,7 @@ void ContactForces::answer(std::span<const double> x, std::span<double> y) const
     const Material& material = set_.places()[k].material;
     y[row] = std::max(-point.back, x[row]);
     const double normal = point.back + y[row];
-    const bool sticks = point.stuck && !point.broken;
-    into_disc(row + 1, point.sliding.given,
-              (sticks ? material.static_friction : material.dynamic_friction) * normal);
+    into_disc(row + 1, point.sliding.given, friction_bound(static_cast<int>(k), normal));
     if (count == 3) continue;
     const double arm = material.spinning_friction * normal;
     y[row + 3] = std::clamp(point.spin_given + x[row + 3], -arm, arm) - point.spin_given;
@@ -263,6 +259,60 @@ void ContactForces::disc_laws(const Disc& disc, int row, std::span<RowLaw> laws)
   laws[row + 1].level[0] = -disc.given[1];
 }
 
+/// Distance of a disc's impulse from Coulomb's answer to it and the slip, P(τ − u/S) [√J].
+double ContactForces::disc_error(const Disc& disc, int row, double bound, std::span<const double> lambda,
+                                 std::span<const double> w) const {
+  const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
+  const Vec2 rest = disc.slips ? Vec2::Zero() : disc.target;
+  const double root = std::max(root_[row], root_[row + 1]);
+  Vec2 answer = tau - (Vec2(w[row], w[row + 1]) - rest) / (root * root);
+  if (answer.norm() > bound) answer *= bound / answer.norm();
+  return root * (tau - answer).norm();
+}
+
+double ContactForces::spin_error(int k, double bound, std::span<const double> lambda,
+                                 std::span<const double> w) const {
+  const int row = first_row_[k] + 3;
+  const double spin = points_[k].spin_given + lambda[row];
+  return root_[row] * std::abs(spin - std::clamp(spin - w[row] / (root_[row] * root_[row]), -bound, bound));
+}
+
+/// The same for the normal impulse.
+double ContactForces::normal_error(int k, std::span<const double> lambda, std::span<const double> w) const {
+  const int row = first_row_[k];
+  const double target = in_velocities_ ? bounce(k) : closing_rate(k);
+  const double normal = points_[k].back + lambda[row];
+  return root_[row] *
+         std::abs(normal - std::max(0.0, normal - (w[row] - target) / (root_[row] * root_[row])));
+}
+
+double ContactForces::friction_bound(int k, double normal) const {
+  const Material& material = set_.places()[k].material;
+  return (points_[k].stuck && !points_[k].broken ? material.static_friction : material.dynamic_friction) *
+         std::max(0.0, normal);
+}
+
+double ContactForces::error(std::span<const double> lambda, std::span<const double> w,
+                            double rate_tolerance) const {
+  double largest = 0;
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    const int k = static_cast<int>(p), row = first_row_[p];
+    if (!works(k)) continue;
+    const Point& point = points_[p];
+    const Material& material = set_.places()[p].material;
+    const double normal = std::max(0.0, point.back + lambda[row]);
+    const auto add = [&](double error, int r) {
+      if (!(root_[r] * error <= rate_tolerance)) largest = std::max(largest, error);
+    };
+    add(normal_error(k, lambda, w), row);
+    add(disc_error(point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1);
+    if (!has_twist(k)) continue;
+    add(spin_error(k, material.spinning_friction * normal, lambda, w), row + 3);
+    add(disc_error(point.rolling, row + 4, material.rolling_friction * normal, lambda, w), row + 4);
+  }
+  return largest;
+}
+
 bool ContactForces::adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
   ++solves_;
   turns_.clear();
@@ -278,7 +328,7 @@ bool ContactForces::adapt(std::span<const double> lambda, std::span<const double
     const Material& material = set_.places()[k].material;
     const double normal = std::max(0.0, point.back + lambda[row]);
     const bool sticks = point.stuck && !point.broken;
-    double bound = (sticks ? material.static_friction : material.dynamic_friction) * normal;
+    const double bound = friction_bound(static_cast<int>(k), normal);
     double error = adapt_disc(static_cast<int>(k), point.sliding, row + 1, bound, lambda, w, rate_tolerance);
     if (sticks && point.sliding.slips && normal > 0) {
       point.broken = true;  // from here on with dynamic friction
@@ -289,9 +339,7 @@ bool ContactForces::adapt(std::span<const double> lambda, std::span<const double
     }
     if (has_twist(static_cast<int>(k))) {
       const double arm = material.spinning_friction * normal;
-      const double spin = point.spin_given + lambda[row + 3];
-      const double pulled = std::clamp(spin - w[row + 3] / (root_[row + 3] * root_[row + 3]), -arm, arm);
-      error = std::max(error, root_[row + 3] * std::abs(spin - pulled));
+      error = std::max(error, spin_error(static_cast<int>(k), arm, lambda, w));
       point.spin_bound = arm;
       error = std::max(error, adapt_disc(static_cast<int>(k), point.rolling, row + 4,
                                          material.rolling_friction * normal, lambda, w, rate_tolerance));
@@ -301,17 +349,14 @@ bool ContactForces::adapt(std::span<const double> lambda, std::span<const double
   return residual_ > kTolerance;
 }
 
-/// The disc by the impulse τ and the slip u of a solution.  Returns the distance of τ from what Coulomb's law
-/// answers to both, P(τ − ρ u) with the projection P on the disc [√J].
+/// The disc by the impulse τ and the slip u of a solution.  Returns disc_error() of the disc as it was.
 double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::span<const double> lambda,
                                  std::span<const double> w, double rate_tolerance) {
   const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
   const Vec2 rest = disc.slips ? Vec2::Zero() : disc.target;
   const Vec2 slip = Vec2(w[row], w[row + 1]) - rest;
   const double root = std::max(root_[row], root_[row + 1]);
-  Vec2 answer = tau - slip / (root * root);
-  if (answer.norm() > bound) answer *= bound / answer.norm();
-  double error = root * (tau - answer).norm();
+  double error = disc_error(disc, row, bound, lambda, w);
   if (root * error <= rate_tolerance) error = 0;
   disc.bound = bound;
   const double speed = slip.norm();
@@ -328,12 +373,6 @@ double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::
     disc.direction = slip / speed;
     disc.weight = bound / speed;
   }
-  if (error > kTolerance * scale_ && getenv("DBG2"))
-    fprintf(stderr,
-            "  place %d row %d err %.2e bound %.6e tau %.6e %.6e w %.3e %.3e slips %d dir %.3f %.3f weight "
-            "%.3e given %.3e %.3e\n",
-            k, row, error / scale_, bound, tau[0], tau[1], w[row], w[row + 1], disc.slips, disc.direction[0],
-            disc.direction[1], disc.weight, disc.given[0], disc.given[1]);
   if (error > kTolerance * scale_) ask_for_turn(k, disc);
   return error;
 }

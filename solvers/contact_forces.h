@@ -58,6 +58,9 @@ class ContactForces {
   void targets(std::span<double> target) const;
   void mask(std::span<double> states, double rho, std::span<const double> diagonal) const;
   void answer(std::span<const double> x, std::span<double> y) const;
+  /// Largest distance of impulses from what Signorini's and Coulomb's laws answer to them and the rates, the
+  /// natural map [√J]; 0 where rates are met to the tolerance.
+  double error(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) const;
   /// Radii and slips as they are at this solution.
   void take_over(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
     (void)adapt(lambda, w, rate_tolerance);
@@ -135,6 +138,11 @@ class ContactForces {
   }
   double adapt_disc(int place, Disc& disc, int row, double bound, std::span<const double> lambda,
                     std::span<const double> w, double rate_tolerance);
+  double disc_error(const Disc& disc, int row, double bound, std::span<const double> lambda,
+                    std::span<const double> w) const;
+  double spin_error(int place, double bound, std::span<const double> lambda, std::span<const double> w) const;
+  double normal_error(int place, std::span<const double> lambda, std::span<const double> w) const;
+  double friction_bound(int place, double normal) const;
   void ask_for_turn(int place, const Disc& disc);
   double crossing(int place, double w) const;
   bool has_twist(int place) const { return set_.places()[place].at.twist; }

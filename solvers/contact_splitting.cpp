@@ -44,7 +44,12 @@ SplittingOutcome ContactSplitting::solve(const ContactForces& contacts, std::spa
       outcome.converged = outcome.residual == outcome.residual;
       break;
     }
-    if (outcome.iterations % kPeriod != 0 || leap(contacts, laws)) continue;
+    if (outcome.iterations % kPeriod != 0) continue;
+    if (law_error(contacts, laws, b, lambda, w, limits.rate_tolerance) <= limits.tolerance * scale) {
+      outcome.converged = true;
+      return outcome;
+    }
+    if (leap(contacts, laws)) continue;
     if (distance.primal < kImbalance * distance.dual && distance.dual < kImbalance * distance.primal)
       continue;
     const double factor = std::sqrt(distance.primal / std::max(distance.dual, 1e-300));
@@ -125,6 +130,23 @@ bool ContactSplitting::leap(const ContactForces& contacts, std::span<const RowLa
   }
   for (int r = 0; r < n; ++r) y_[r] = last_[r] + reached * change_[r];
   return reached > 0;
+}
+
+/// The natural map at λ, with its w: what is sought is nearer than the impulses that lead there, where those
+/// are not unique.
+double ContactSplitting::law_error(const ContactForces& contacts, std::span<const RowLaw> laws,
+                                   std::span<const double> b, std::span<const double> lambda,
+                                   std::span<double> w, double rate_tolerance) const {
+  system_.multiply(lambda, w);
+  for (int r = 0; r < system_.row_count(); ++r) w[r] += b[r];
+  double error = contacts.error(lambda, w, rate_tolerance);
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
+    if (!takes_part(r)) continue;
+    const double s = diagonal_[r];
+    const double off = std::abs(lambda[r] - laws[r].resolve(s, w[r] - s * lambda[r]).lambda);
+    if (s * off > rate_tolerance) error = std::max(error, std::sqrt(s) * off);
+  }
+  return error;
 }
 
 /// (S + Σ) λ = right side, refined once: equalities are to hold exactly.

@@ -52,6 +52,8 @@ class ContactSplitting {
              std::span<const double> lambda, std::span<double> w);
   Distance iterate(const ContactForces& contacts, std::span<const RowLaw> laws, std::span<const double> b,
                    std::span<double> lambda, double rate_tolerance);
+  double law_error(const ContactForces& contacts, std::span<const RowLaw> laws, std::span<const double> b,
+                   std::span<const double> lambda, std::span<double> w, double rate_tolerance) const;
   bool leap(const ContactForces& contacts, std::span<const RowLaw> laws);
   void factorize(std::span<const RowLaw> laws, const ContactForces& contacts, StageTimes& times,
                  SplittingOutcome& outcome);

@@ -151,7 +151,7 @@ class Rattle {
   int splittings_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;
-  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, row_scratch_;
+  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, row_scratch_;
   std::vector<int> pieces_scratch_;
   std::vector<Twist> mean_twists_;
   double time_to_impact_ = 0;

@@ -128,6 +128,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     settings.max_descent_rounds = 0;
   }
   if (splittings_left_ > 0 && splittings_left_-- > 0) return split(lambda, rate_tolerance, report);
+  guess_.assign(lambda.begin(), lambda.end());
   double earlier = std::numeric_limits<double>::infinity();
   bool solved = false;
   for (int solve = 0; !solved; ++solve) {
@@ -144,6 +145,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
     if (!outcome_.ok() || (check && contacts_.residual() > 0.2 * earlier)) {
       splittings_left_ = kSplittingsInARow;
+      std::copy(guess_.begin(), guess_.end(), lambda.begin());
       return split(lambda, rate_tolerance, report);
     }
     if (check) earlier = contacts_.residual();

@@ -88,7 +88,8 @@ void Rattle::turn_contacts(std::span<double> lambda, StepReport& report) {
   for (const ContactForces::Turn& turn : contacts_.turns()) {
     const int first = contacts_.first_row(turn.place);
     const int count = contacts_.set().places()[turn.place].at.twist ? 6 : 3;
-    for (std::span<double> values : {lambda, std::span<double>(rates_), std::span<double>(delta_)})
+    for (std::span<double> values :
+         {lambda, std::span<double>(rates_), std::span<double>(delta_), std::span<double>(guess_)})
       for (int r = first + 1; r < first + count; r += 3) {
         const double a = values[r], b = values[r + 1];
         values[r] = turn.cos * a + turn.sin * b;
