@@ -198,7 +198,7 @@ double ActiveSet::collect_residual(const Problem& problem) {
       stiffness = std::sqrt(root_[r] * root_[r] + states_[r]);
     }
     const double size = std::abs(residual_[r]) / stiffness;
-    if (!(size <= largest)) largest = size;  // takes NaN
+    if (!(size <= largest) && !std::isnan(largest)) largest = size;  // takes NaN and keeps it
   }
   return largest;
 }
@@ -252,8 +252,8 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
 }
 
 void ActiveSet::measure(const Problem& problem, ActiveSetOutcome& outcome) {
-  outcome.residual = 0;
-  for (std::size_t r = 0; r < states_.size(); ++r) {
+  outcome.residual = std::isfinite(scale_) ? 0 : scale_;
+  for (std::size_t r = 0; r < states_.size() && std::isfinite(scale_); ++r) {
     const double own = root_[r] * root_[r], lambda = problem.lambda[r];
     const double error = std::abs(lambda - problem.laws[r].resolve(own, problem.w[r] - own * lambda).lambda);
     if (own * error <= problem.settings.rate_tolerance) continue;

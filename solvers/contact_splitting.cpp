@@ -6,15 +6,18 @@
 namespace taut {
 namespace {
 
-/// λ is replaced by this much of it, the rest from y [Boyd2011].
+/// α: how much of λ − y each iteration takes [Boyd2011].
 constexpr double kRelaxation = 1.6;
-/// ρ is put right every so many iterations, if one of the two residuals outweighs the other by this factor.
+/// The natural map is looked at every so many iterations, and ρ put right if one of λ − y and the change of Σ
+/// y outweighs the other by a factor.
 constexpr int kPeriod = 25;
-constexpr double kImbalance = 5;
-constexpr double kLeastRho = 1e-6, kMostRho = 1e3;
+constexpr double kImbalance = 5, kLeastRho = 1e-6, kMostRho = 1e3;
 /// Changes of impulses that are the same from one iteration to the next, relative, and how many of them are
 /// made at once at most.
 constexpr double kEven = 1e-3, kLongestLeap = 1e9;
+/// Iterates that an extrapolation uses, and the part of its equations added to their diagonal.
+constexpr int kMemory = 10;
+constexpr double kRegularization = 1e-12;
 
 }  // namespace
 
@@ -22,164 +25,209 @@ SplittingOutcome ContactSplitting::solve(const ContactForces& contacts, std::spa
                                          std::span<const double> b, std::span<double> lambda,
                                          std::span<double> w, const SplittingLimits& limits,
                                          StageTimes& times) {
-  const int n = system_.row_count();
-  for (auto* values :
-       {&states_, &diagonal_, &x_, &y_, &last_, &change_, &last_change_, &u_, &target_, &right_})
-    values->assign(n, 0.0);
-  system_.row_inertias(diagonal_);
-  for (double& d : diagonal_) d = d > 0 ? 1 / d : 1;
-  contacts.targets(target_);
+  const Problem problem{contacts, laws, b, lambda, w};
   SplittingOutcome outcome;
-  factorize(laws, contacts, times, outcome);
-  double scale = 0;  // of impulses [√J], also of those that vanish in the end
-  for (int r = 0; r < n; ++r) {
-    const double root = std::sqrt(diagonal_[r]);
-    if (states_[r] != kMasked) scale = std::max({scale, root * std::abs(lambda[r]), std::abs(b[r]) / root});
-  }
-  begin(contacts, laws, b, lambda, w);
-  for (outcome.iterations = 1; outcome.iterations <= limits.iterations; ++outcome.iterations) {
-    const Distance distance = iterate(contacts, laws, b, lambda, limits.rate_tolerance);
-    outcome.residual = scale > 0 ? std::max(distance.primal, distance.dual) / scale : 0;
-    if (!(outcome.residual > limits.tolerance)) {
-      outcome.converged = outcome.residual == outcome.residual;
-      break;
+  resize(system_.row_count());
+  factorize(problem, times, outcome);
+  const double scale = begin(problem);
+  double accepted = std::numeric_limits<double>::infinity();
+  bool tried = false;  // s_ is more than a plain iterate
+  for (outcome.iterations = 1;; ++outcome.iterations) {
+    const double distance = evaluate(problem);
+    const bool last = outcome.iterations >= limits.iterations || !std::isfinite(distance);
+    if (outcome.iterations % kPeriod == 0 || distance <= limits.tolerance * scale || last) {
+      outcome.residual = scale > 0 ? law_error(problem, limits.rate_tolerance) / scale : 0;
+      outcome.converged = std::isfinite(distance) && outcome.residual <= limits.tolerance;
+      if (outcome.converged || last) return outcome;
     }
-    if (outcome.iterations % kPeriod != 0) continue;
-    if (law_error(contacts, laws, b, lambda, w, limits.rate_tolerance) <= limits.tolerance * scale) {
-      outcome.converged = true;
-      return outcome;
-    }
-    if (leap(contacts, laws)) continue;
-    if (distance.primal < kImbalance * distance.dual && distance.dual < kImbalance * distance.primal)
+    if (tried && distance > accepted) {  // back to where it left
+      s_ = plain_;
+      columns_ = 0;
+      tried = false;
+      last_f_.setZero();
       continue;
-    const double factor = std::sqrt(distance.primal / std::max(distance.dual, 1e-300));
-    const double next = std::clamp(rho_ * std::clamp(factor, 0.1, 10.0), kLeastRho, kMostRho);
-    for (double& u : u_) u *= rho_ / next;
-    rho_ = next;
-    factorize(laws, contacts, times, outcome);
+    }
+    if (outcome.iterations % kPeriod == 0 && balance(problem, distance, times, outcome)) {
+      accepted = std::numeric_limits<double>::infinity();
+      tried = false;
+      continue;
+    }
+    accepted = distance;
+    plain_ = s_ + f_;
+    const bool leapt = leap(problem, distance);
+    if (leapt)
+      columns_ = 0;
+    else
+      remember();
+    last_s_ = s_;
+    last_y_ = y_;
+    last_f_ = f_;
+    tried = leapt || columns_ > 0;
+    if (leapt)
+      for (Eigen::Index r = 0; r < s_.size(); ++r) s_[r] = leap_[r];
+    else
+      extrapolate();
   }
-  system_.multiply(lambda, w);
-  for (int r = 0; r < n; ++r) w[r] += b[r];
-  return outcome;
 }
 
-/// y = λ, and u such that the laws meet w = S λ + b as far as they can.
-void ContactSplitting::begin(const ContactForces& contacts, std::span<const RowLaw> laws,
-                             std::span<const double> b, std::span<const double> lambda, std::span<double> w) {
-  const int n = system_.row_count();
-  system_.multiply(lambda, w);
-  for (int r = 0; r < n; ++r)
-    x_[r] = lambda[r] - (takes_part(r) ? (w[r] + b[r] - target_[r]) / states_[r] : 0);
-  answer(contacts, laws);
-  for (int r = 0; r < n; ++r) u_[r] = takes_part(r) ? x_[r] - y_[r] : 0;
+void ContactSplitting::resize(int n) {
+  for (auto* values : {&states_, &diagonal_, &target_, &scratch_, &leap_}) values->assign(n, 0.0);
+  for (auto* values : {&root_, &s_, &y_, &f_, &last_s_, &last_y_, &last_f_, &plain_}) values->setZero(n);
+  for (auto* values : {&steps_, &changes_}) values->resize(n, kMemory);
+  products_.resize(kMemory, kMemory);
+  columns_ = next_ = 0;
 }
 
-ContactSplitting::Distance ContactSplitting::iterate(const ContactForces& contacts,
-                                                     std::span<const RowLaw> laws, std::span<const double> b,
-                                                     std::span<double> lambda, double rate_tolerance) {
+/// s such that the laws meet the guess and its rates as far as they can.  Returns the size of impulses [√J],
+/// also of those that vanish in the end.
+double ContactSplitting::begin(const Problem& problem) {
+  double scale = 0;
+  problem.contacts.targets(target_);
+  system_.multiply(problem.lambda, problem.w);
+  for (int r = 0; r < system_.row_count(); ++r) {
+    if (states_[r] == kMasked) continue;
+    const double lambda = problem.lambda[r], b = problem.b[r];
+    scale = std::max({scale, root_[r] * std::abs(lambda), std::abs(b) / root_[r]});
+    if (takes_part(r)) s_[r] = lambda - (problem.w[r] + b - target_[r]) / states_[r];
+  }
+  return scale;
+}
+
+/// y, λ and f at s_.  Returns the largest |λ − y| √S_rr.
+double ContactSplitting::evaluate(const Problem& problem) {
   const int n = system_.row_count();
+  answer(problem);
   for (int r = 0; r < n; ++r) {
     const double sigma = states_[r];
-    right_[r] = sigma == 0         ? laws[r].rate(1) - b[r]
-                : sigma == kMasked ? 0
-                                   : target_[r] - b[r] + sigma * (y_[r] - u_[r]);
+    scratch_[r] = sigma == 0         ? problem.laws[r].rate(1) - problem.b[r]
+                  : sigma == kMasked ? 0
+                                     : target_[r] - problem.b[r] + sigma * (2 * y_[r] - s_[r]);
   }
-  solve_linear(lambda);
-  last_ = y_;
-  for (int r = 0; r < n; ++r)
-    x_[r] = takes_part(r) ? kRelaxation * lambda[r] + (1 - kRelaxation) * y_[r] + u_[r] : lambda[r];
-  answer(contacts, laws);
-  change_.swap(last_change_);
-  Distance distance;
+  solve_linear(problem.lambda);
+  double distance = 0;
   for (int r = 0; r < n; ++r) {
-    change_[r] = 0;
-    if (!takes_part(r)) continue;
-    u_[r] = x_[r] - y_[r];
-    change_[r] = y_[r] - last_[r];
-    // What is only round-off in rates does not count: redundant rows may contradict each other by that.
-    const double root = std::sqrt(diagonal_[r]);
-    const double apart = diagonal_[r] * std::abs(lambda[r] - y_[r]),
-                 moved = states_[r] * std::abs(change_[r]);
-    if (apart > rate_tolerance) distance.primal = std::max(distance.primal, apart / root);
-    if (moved > rate_tolerance) distance.dual = std::max(distance.dual, moved / root);
+    f_[r] = takes_part(r) ? kRelaxation * (problem.lambda[r] - y_[r]) : 0;
+    const double size = root_[r] * std::abs(f_[r]) / kRelaxation;
+    if (!(size <= distance)) distance = size;
+    if (std::isnan(distance)) break;
   }
   return distance;
 }
 
-/// Points that wedge each other, with rates that cannot all be met, raise their impulses by the same amount
-/// in each iteration until one slides.  Takes them there at once.  True if they were.
-bool ContactSplitting::leap(const ContactForces& contacts, std::span<const RowLaw> laws) {
-  const int n = system_.row_count();
-  double size = 0, uneven = 0;
-  for (int r = 0; r < n; ++r) {
-    const double root = std::sqrt(diagonal_[r]);
-    size = std::max(size, root * std::abs(change_[r]));
-    uneven = std::max(uneven, root * std::abs(change_[r] - last_change_[r]));
-  }
-  if (uneven > kEven * size) return false;
-  last_ = y_;
-  double reached = 0;
-  for (double leap = 1; leap <= kLongestLeap; leap *= 2) {
-    for (int r = 0; r < n; ++r) x_[r] = last_[r] + leap * change_[r];
-    answer(contacts, laws);
-    double outside = 0;
-    for (int r = 0; r < n; ++r)
-      if (takes_part(r)) outside = std::max(outside, std::sqrt(diagonal_[r]) * std::abs(y_[r] - x_[r]));
-    if (outside > kEven * leap * size) break;
-    reached = leap;
-  }
-  for (int r = 0; r < n; ++r) y_[r] = last_[r] + reached * change_[r];
-  return reached > 0;
-}
-
-/// The natural map at λ, with its w: what is sought is nearer than the impulses that lead there, where those
-/// are not unique.
-double ContactSplitting::law_error(const ContactForces& contacts, std::span<const RowLaw> laws,
-                                   std::span<const double> b, std::span<const double> lambda,
-                                   std::span<double> w, double rate_tolerance) const {
-  system_.multiply(lambda, w);
-  for (int r = 0; r < system_.row_count(); ++r) w[r] += b[r];
-  double error = contacts.error(lambda, w, rate_tolerance);
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
-    if (!takes_part(r)) continue;
-    const double s = diagonal_[r];
-    const double off = std::abs(lambda[r] - laws[r].resolve(s, w[r] - s * lambda[r]).lambda);
-    if (s * off > rate_tolerance) error = std::max(error, std::sqrt(s) * off);
-  }
-  return error;
-}
-
-/// (S + Σ) λ = right side, refined once: equalities are to hold exactly.
+/// (S + Σ) λ = right side in scratch_, refined once: equalities are to hold exactly.
 void ContactSplitting::solve_linear(std::span<double> lambda) {
   const int n = system_.row_count();
-  std::copy(right_.begin(), right_.end(), lambda.begin());
+  std::copy(scratch_.begin(), scratch_.end(), lambda.begin());
   system_.solve(lambda);
   if (!system_.singular()) return;
-  system_.multiply(lambda, x_);
-  for (int r = 0; r < n; ++r) x_[r] = states_[r] == kMasked ? 0 : right_[r] - x_[r] - states_[r] * lambda[r];
-  system_.solve(x_);
-  for (int r = 0; r < n; ++r) lambda[r] += x_[r];
+  system_.multiply(lambda, leap_);
+  for (int r = 0; r < n; ++r)
+    leap_[r] = states_[r] == kMasked ? 0 : scratch_[r] - leap_[r] - states_[r] * lambda[r];
+  system_.solve(leap_);
+  for (int r = 0; r < n; ++r) lambda[r] += leap_[r];
 }
 
-void ContactSplitting::factorize(std::span<const RowLaw> laws, const ContactForces& contacts,
-                                 StageTimes& times, SplittingOutcome& outcome) {
-  for (int r = 0; r < system_.row_count(); ++r) states_[r] = !laws[r].bounded() ? 0 : rho_ * diagonal_[r];
-  contacts.mask(states_, rho_, diagonal_);
+void ContactSplitting::factorize(const Problem& problem, StageTimes& times, SplittingOutcome& outcome) {
+  system_.row_inertias(diagonal_);
+  for (int r = 0; r < system_.row_count(); ++r) {
+    diagonal_[r] = diagonal_[r] > 0 ? 1 / diagonal_[r] : 1;
+    root_[r] = std::sqrt(diagonal_[r]);
+    states_[r] = !problem.laws[r].bounded() ? 0 : rho_ * diagonal_[r];
+  }
+  problem.contacts.mask(states_, rho_, diagonal_);
   system_.set_row_states(states_);
   system_.factorize(times);
   ++outcome.factorizations;
 }
 
-/// y: what each law answers to x where the others resist with Σ.
-void ContactSplitting::answer(const ContactForces& contacts, std::span<const RowLaw> laws) {
+/// y: what each law answers to s where the others resist with Σ.
+void ContactSplitting::answer(const Problem& problem) {
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
+    y_[r] = takes_part(r) ? problem.laws[r].resolve(states_[r], -states_[r] * s_[r]).lambda : 0;
+  problem.contacts.answer({s_.data(), states_.size()}, {y_.data(), states_.size()});
+}
+
+/// The natural map at λ, with its w: what is sought is nearer than the fixed point, where impulses are not
+/// unique.
+double ContactSplitting::law_error(const Problem& problem, double rate_tolerance) const {
+  system_.multiply(problem.lambda, problem.w);
+  for (int r = 0; r < system_.row_count(); ++r) problem.w[r] += problem.b[r];
+  double error = problem.contacts.error(problem.lambda, problem.w, rate_tolerance);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
-    const double sigma = states_[r];
-    if (sigma > 0)
-      y_[r] = laws[r].resolve(sigma, -sigma * x_[r]).lambda;
-    else
-      y_[r] = x_[r];
+    if (!takes_part(r)) continue;
+    const double s = diagonal_[r], lambda = problem.lambda[r];
+    const double off = std::abs(lambda - problem.laws[r].resolve(s, problem.w[r] - s * lambda).lambda);
+    if (s * off > rate_tolerance) error = std::max(error, root_[r] * off);
   }
-  contacts.answer(x_, y_);
+  return error;
+}
+
+/// ρ such that λ − y and the change of Σ y are of one size.  True if it was changed.
+bool ContactSplitting::balance(const Problem& problem, double distance, StageTimes& times,
+                               SplittingOutcome& outcome) {
+  double dual = 0;
+  for (Eigen::Index r = 0; r < y_.size(); ++r)
+    if (takes_part(static_cast<int>(r)))
+      dual = std::max(dual, states_[r] * std::abs(y_[r] - last_y_[r]) / root_[r]);
+  if (distance < kImbalance * dual && dual < kImbalance * distance) return false;
+  const double factor = std::clamp(std::sqrt(distance / std::max(dual, 1e-300)), 0.1, 10.0);
+  const double next = std::clamp(rho_ * factor, kLeastRho, kMostRho);
+  s_ = y_ + rho_ / next * (s_ - y_);
+  rho_ = next;
+  columns_ = 0;
+  last_f_.setZero();
+  factorize(problem, times, outcome);
+  return true;
+}
+
+/// Points that wedge each other, with rates that cannot all be met, raise their impulses by the same amount
+/// in each iteration until one slides: leap_ is s where that is so.  True if there is such a drift.
+bool ContactSplitting::leap(const Problem& problem, double distance) {
+  const double size = kRelaxation * distance;
+  if ((root_.array() * (f_ - last_f_).array()).abs().maxCoeff() > kEven * size) return false;
+  const Eigen::VectorXd& from = plain_;
+  const Eigen::VectorXd start_s = s_, start_y = y_;
+  double reached = 0;
+  for (double leap = 2; leap <= kLongestLeap; leap *= 2) {
+    s_ = start_s + leap * f_;
+    answer(problem);
+    const double outside = (root_.array() * (y_ - start_y - leap * f_).array()).abs().maxCoeff();
+    if (outside > kEven * leap * size) break;
+    reached = leap;
+  }
+  s_ = start_s;
+  y_ = start_y;
+  if (reached == 0) return false;
+  for (Eigen::Index r = 0; r < s_.size(); ++r) leap_[r] = from[r] + (reached - 1) * f_[r];
+  return true;
+}
+
+/// What f made of the last step of s.
+void ContactSplitting::remember() {
+  if (last_f_.isZero(0)) return;
+  changes_.col(next_) = root_.cwiseProduct(f_ - last_f_);
+  steps_.col(next_) = root_.cwiseProduct(s_ - last_s_);
+  columns_ = std::min(columns_ + 1, kMemory);
+  if (columns_ <= next_) columns_ = next_ + 1;
+  for (int k = 0; k < columns_; ++k)
+    products_(k, next_) = products_(next_, k) = changes_.col(k).dot(changes_.col(next_));
+  next_ = (next_ + 1) % kMemory;
+}
+
+/// s + f from the combination of the last steps that leaves the least f [Walker2011].
+void ContactSplitting::extrapolate() {
+  s_ = plain_;
+  if (columns_ == 0) {
+    next_ = 0;
+    return;
+  }
+  const int m = columns_;
+  Eigen::MatrixXd normal = products_.topLeftCorner(m, m);
+  normal.diagonal().array() += kRegularization * normal.trace();
+  const Eigen::VectorXd f = root_.cwiseProduct(f_);
+  const Eigen::VectorXd gamma = normal.ldlt().solve(changes_.leftCols(m).transpose() * f);
+  if (!gamma.allFinite()) return;
+  s_ -= ((steps_.leftCols(m) + changes_.leftCols(m)) * gamma).cwiseQuotient(root_);
 }
 
 }  // namespace taut

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Dense>
 #include <span>
 #include <vector>
 
@@ -18,20 +19,20 @@ struct SplittingLimits {
 /// How a splitting went.
 struct SplittingOutcome {
   int iterations = 0, factorizations = 0;
-  /// Largest of |λ − y| √S_rr and |Σ Δy| / √S_rr at the end, over the size of
-  /// impulses, the largest |λ| √S_rr and |b| / √S_rr [√J].
+  /// Natural map at the end, over the size of impulses, the largest |λ| √S_rr and |b| / √S_rr [√J].
   double residual = 0;
   bool converged = false;
 };
 
 /// The fall-back of contacts: w = S λ + b with Coulomb's law in each contact and the law of each other row,
-/// by alternating between the linear system and the laws [Boyd2011], [Carpentier2024]:
+/// by alternating between the laws and the linear system [Boyd2011], [Carpentier2024]:
 ///
-///   (S + Σ) λ = t − b + Σ (y − u),   y = the answer of the laws to λ + u,   u ← u + λ − y
+///   y = the answer of the laws to s,   (S + Σ) λ = t − b + Σ (2 y − s),   s ← s + α (λ − y)
 ///
-/// with Σ = ρ diag S on rows with bounds and 0 on equalities, which every λ meets.  One factorisation, then a
-/// back-solve an iteration; S may be singular.  It converges where the radii of many coupled discs chase each
-/// other, though slowly.                                                       (solvers/README, "Contacts")
+/// with Σ = ρ diag S on rows with bounds and 0 on equalities, which every λ meets; t: the rates that the laws
+/// ask for.  One factorisation, then a back-solve an iteration; S may be singular.  Where λ = y the laws
+/// hold. The fixed point is approached by Anderson's extrapolation from the last iterates [Walker2011].  It
+/// converges where the radii of many coupled discs chase each other.           (solvers/README, "Contacts")
 class ContactSplitting {
  public:
   explicit ContactSplitting(ConstraintSystem& system) : system_(system) {}
@@ -42,27 +43,37 @@ class ContactSplitting {
                          const SplittingLimits& limits, StageTimes& times);
 
  private:
-  struct Distance {
-    double primal = 0, dual = 0;
+  /// What the iteration works on.
+  struct Problem {
+    const ContactForces& contacts;
+    std::span<const RowLaw> laws;
+    std::span<const double> b;
+    std::span<double> lambda, w;
   };
 
   /// Rows with bounds that are not left out.
   bool takes_part(int row) const { return states_[row] != 0 && states_[row] != kMasked; }
-  void begin(const ContactForces& contacts, std::span<const RowLaw> laws, std::span<const double> b,
-             std::span<const double> lambda, std::span<double> w);
-  Distance iterate(const ContactForces& contacts, std::span<const RowLaw> laws, std::span<const double> b,
-                   std::span<double> lambda, double rate_tolerance);
-  double law_error(const ContactForces& contacts, std::span<const RowLaw> laws, std::span<const double> b,
-                   std::span<const double> lambda, std::span<double> w, double rate_tolerance) const;
-  bool leap(const ContactForces& contacts, std::span<const RowLaw> laws);
-  void factorize(std::span<const RowLaw> laws, const ContactForces& contacts, StageTimes& times,
-                 SplittingOutcome& outcome);
+  void resize(int rows);
+  double begin(const Problem& problem);
+  double evaluate(const Problem& problem);
+  void answer(const Problem& problem);
   void solve_linear(std::span<double> lambda);
-  void answer(const ContactForces& contacts, std::span<const RowLaw> laws);
+  void factorize(const Problem& problem, StageTimes& times, SplittingOutcome& outcome);
+  double law_error(const Problem& problem, double rate_tolerance) const;
+  bool balance(const Problem& problem, double distance, StageTimes& times, SplittingOutcome& outcome);
+  bool leap(const Problem& problem, double distance);
+  void remember();
+  void extrapolate();
 
   ConstraintSystem& system_;
   double rho_ = 0.1;
-  std::vector<double> states_, diagonal_, x_, y_, last_, change_, last_change_, u_, target_, right_;
+  int columns_ = 0, next_ = 0;  // of the memory
+  std::vector<double> states_, diagonal_, target_, scratch_, leap_;
+  Eigen::VectorXd root_;       // √S_rr
+  Eigen::VectorXd s_, y_, f_;  // f = α (λ − y)
+  Eigen::VectorXd last_s_, last_y_, last_f_, plain_;
+  Eigen::MatrixXd steps_, changes_;  // of s and f between iterates, weighted with √S_rr
+  Eigen::MatrixXd products_;         // changes_ᵀ changes_
 };
 
 }  // namespace taut

@@ -137,6 +137,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     report.pivots += outcome_.pivots;
     if (!outcome_.ok() && contacts_.empty()) return false;
     const bool broke = axes_.break_away(w_), slid = contacts_.adapt(lambda, w_, rate_tolerance);
+    if (getenv("DBG")) {double ml=0,mb=0,mw=0;int nn=0; for(size_t r=0;r<lambda.size();++r){ if(lambda[r]!=lambda[r]||w_[r]!=w_[r]||delta_[r]!=delta_[r])++nn; ml=std::max(ml,std::abs(lambda[r]));mb=std::max(mb,std::abs(delta_[r]));mw=std::max(mw,std::abs(w_[r]));} fprintf(stderr,"max lam %.2e b %.2e w %.2e nan %d\n",ml,mb,mw,nn);}
     if (getenv("DBG"))
       fprintf(stderr, "t %g solve %d active %d piv %d fac %d  friction %.2e\n", state_.time, solve,
               (int)outcome_.status, outcome_.pivots, outcome_.factorizations, contacts_.residual());
