@@ -14,7 +14,11 @@ constexpr int kPeriod = 25;
 constexpr double kImbalance = 5, kLeastRho = 1e-6, kMostRho = 1e3;
 /// Changes of impulses that are the same from one iteration to the next, relative, and how many of them are
 /// made at once at most.
-constexpr double kEven = 1e-3, kLongestLeap = 1e9;
+constexpr double kEven = 1e-2, kLongestLeap = 1e9;
+/// A leap ends before laws answer with something else, by this part of a change, and must not raise λ − y by
+/// more than this factor.  So many iterations of a period are neither leaps nor extrapolated.
+constexpr double kAside = 0.1, kMostGrowth = 2;
+constexpr int kPlain = 3;
 /// Iterates that an extrapolation uses, and the part of its equations added to their diagonal.
 constexpr int kMemory = 10;
 constexpr double kRegularization = 1e-12;
@@ -30,49 +34,58 @@ SplittingOutcome ContactSplitting::solve(const ContactForces& contacts, std::spa
   resize(system_.row_count());
   factorize(problem, times, outcome);
   const double scale = begin(problem);
-  double accepted = std::numeric_limits<double>::infinity();
-  bool tried = false;  // s_ is more than a plain iterate
+  double bound = std::numeric_limits<double>::infinity();  // of λ − y, or back to the plain iterate
   for (outcome.iterations = 1;; ++outcome.iterations) {
     const double distance = evaluate(problem);
     const bool last = outcome.iterations >= limits.iterations || !std::isfinite(distance);
-    if (outcome.iterations % kPeriod == 0 || distance <= limits.tolerance * scale || last) {
+    const bool look = outcome.iterations % kPeriod == 0;
+    if (look || distance <= limits.tolerance * scale || last) {
       outcome.residual = scale > 0 ? law_error(problem, limits.rate_tolerance) / scale : 0;
       outcome.converged = std::isfinite(distance) && outcome.residual <= limits.tolerance;
       if (outcome.converged || last) return outcome;
     }
-    if (tried && distance > accepted) {  // back to where it left
+    if (distance > bound) {
       s_ = plain_;
       columns_ = 0;
-      tried = false;
-      last_f_.setZero();
+      bound = std::numeric_limits<double>::infinity();
       continue;
     }
-    if (outcome.iterations % kPeriod == 0 && balance(problem, distance, times, outcome)) {
-      accepted = std::numeric_limits<double>::infinity();
-      tried = false;
+    const bool even = drifts(distance);
+    if (look && !even && balance(problem, distance, times, outcome)) {
+      bound = std::numeric_limits<double>::infinity();
       continue;
     }
-    accepted = distance;
-    plain_ = s_ + f_;
-    const bool leapt = leap(problem, distance);
-    if (leapt)
-      columns_ = 0;
-    else
-      remember();
-    last_s_ = s_;
-    last_y_ = y_;
-    last_f_ = f_;
-    tried = leapt || columns_ > 0;
-    if (leapt)
-      for (Eigen::Index r = 0; r < s_.size(); ++r) s_[r] = leap_[r];
-    else
-      extrapolate();
+    bound = step(problem, distance, even, outcome.iterations % kPeriod < kPlain);
   }
 }
 
+/// s ← s + f, or more.  Returns what the next λ − y must not exceed.
+double ContactSplitting::step(const Problem& problem, double distance, bool even, bool plainly) {
+  plain_ = s_ + f_;
+  double bound = std::numeric_limits<double>::infinity();
+  if (even) {
+    columns_ = 0;
+    leap(problem, distance);
+    bound = kMostGrowth * distance;
+  } else {
+    remember();
+    leap_ = plain_;
+    if (!plainly && columns_ > 0) {
+      extrapolate();
+      bound = distance;
+    }
+  }
+  last_s_ = s_;
+  last_y_ = y_;
+  last_f_ = f_;
+  s_.swap(leap_);
+  return bound;
+}
+
 void ContactSplitting::resize(int n) {
-  for (auto* values : {&states_, &diagonal_, &target_, &scratch_, &leap_}) values->assign(n, 0.0);
-  for (auto* values : {&root_, &s_, &y_, &f_, &last_s_, &last_y_, &last_f_, &plain_}) values->setZero(n);
+  for (auto* values : {&states_, &diagonal_, &target_, &scratch_, &refinement_}) values->assign(n, 0.0);
+  for (auto* values : {&root_, &s_, &y_, &f_, &last_s_, &last_y_, &last_f_, &plain_, &leap_})
+    values->setZero(n);
   for (auto* values : {&steps_, &changes_}) values->resize(n, kMemory);
   products_.resize(kMemory, kMemory);
   columns_ = next_ = 0;
@@ -120,11 +133,11 @@ void ContactSplitting::solve_linear(std::span<double> lambda) {
   std::copy(scratch_.begin(), scratch_.end(), lambda.begin());
   system_.solve(lambda);
   if (!system_.singular()) return;
-  system_.multiply(lambda, leap_);
+  system_.multiply(lambda, refinement_);
   for (int r = 0; r < n; ++r)
-    leap_[r] = states_[r] == kMasked ? 0 : scratch_[r] - leap_[r] - states_[r] * lambda[r];
-  system_.solve(leap_);
-  for (int r = 0; r < n; ++r) lambda[r] += leap_[r];
+    refinement_[r] = states_[r] == kMasked ? 0 : scratch_[r] - refinement_[r] - states_[r] * lambda[r];
+  system_.solve(refinement_);
+  for (int r = 0; r < n; ++r) lambda[r] += refinement_[r];
 }
 
 void ContactSplitting::factorize(const Problem& problem, StageTimes& times, SplittingOutcome& outcome) {
@@ -180,54 +193,49 @@ bool ContactSplitting::balance(const Problem& problem, double distance, StageTim
   return true;
 }
 
-/// Points that wedge each other, with rates that cannot all be met, raise their impulses by the same amount
-/// in each iteration until one slides: leap_ is s where that is so.  True if there is such a drift.
-bool ContactSplitting::leap(const Problem& problem, double distance) {
-  const double size = kRelaxation * distance;
-  if ((root_.array() * (f_ - last_f_).array()).abs().maxCoeff() > kEven * size) return false;
-  const Eigen::VectorXd& from = plain_;
-  const Eigen::VectorXd start_s = s_, start_y = y_;
-  double reached = 0;
+/// True if f is what it was: points wedge each other, with rates that cannot all be met, and raise their
+/// impulses by the same amount in each iteration until one slides.
+bool ContactSplitting::drifts(double distance) const {
+  return (root_.array() * (f_ - last_f_).array()).abs().maxCoeff() <= kEven * kRelaxation * distance;
+}
+
+/// leap_ = s after so many equal changes as the laws let pass.
+void ContactSplitting::leap(const Problem& problem, double distance) {
+  last_s_ = s_;
+  last_y_ = y_;
+  double reached = 1;
   for (double leap = 2; leap <= kLongestLeap; leap *= 2) {
-    s_ = start_s + leap * f_;
+    s_ = last_s_ + leap * f_;
     answer(problem);
-    const double outside = (root_.array() * (y_ - start_y - leap * f_).array()).abs().maxCoeff();
-    if (outside > kEven * leap * size) break;
+    const double aside = (root_.array() * (y_ - last_y_ - leap * f_).array()).abs().maxCoeff();
+    if (aside > kAside * kRelaxation * distance) break;
     reached = leap;
   }
-  s_ = start_s;
-  y_ = start_y;
-  if (reached == 0) return false;
-  for (Eigen::Index r = 0; r < s_.size(); ++r) leap_[r] = from[r] + (reached - 1) * f_[r];
-  return true;
+  s_.swap(last_s_);
+  y_.swap(last_y_);
+  leap_ = s_ + reached * f_;
 }
 
 /// What f made of the last step of s.
 void ContactSplitting::remember() {
   if (last_f_.isZero(0)) return;
+  if (columns_ == 0) next_ = 0;
   changes_.col(next_) = root_.cwiseProduct(f_ - last_f_);
   steps_.col(next_) = root_.cwiseProduct(s_ - last_s_);
   columns_ = std::min(columns_ + 1, kMemory);
-  if (columns_ <= next_) columns_ = next_ + 1;
   for (int k = 0; k < columns_; ++k)
     products_(k, next_) = products_(next_, k) = changes_.col(k).dot(changes_.col(next_));
   next_ = (next_ + 1) % kMemory;
 }
 
-/// s + f from the combination of the last steps that leaves the least f [Walker2011].
+/// leap_ = s + f from the combination of the last steps that leaves the least f [Walker2011].
 void ContactSplitting::extrapolate() {
-  s_ = plain_;
-  if (columns_ == 0) {
-    next_ = 0;
-    return;
-  }
   const int m = columns_;
   Eigen::MatrixXd normal = products_.topLeftCorner(m, m);
   normal.diagonal().array() += kRegularization * normal.trace();
   const Eigen::VectorXd f = root_.cwiseProduct(f_);
   const Eigen::VectorXd gamma = normal.ldlt().solve(changes_.leftCols(m).transpose() * f);
-  if (!gamma.allFinite()) return;
-  s_ -= ((steps_.leftCols(m) + changes_.leftCols(m)) * gamma).cwiseQuotient(root_);
+  if (gamma.allFinite()) leap_ -= ((steps_.leftCols(m) + changes_.leftCols(m)) * gamma).cwiseQuotient(root_);
 }
 
 }  // namespace taut

@@ -61,17 +61,19 @@ class ContactSplitting {
   void factorize(const Problem& problem, StageTimes& times, SplittingOutcome& outcome);
   double law_error(const Problem& problem, double rate_tolerance) const;
   bool balance(const Problem& problem, double distance, StageTimes& times, SplittingOutcome& outcome);
-  bool leap(const Problem& problem, double distance);
+  double step(const Problem& problem, double distance, bool even, bool plainly);
+  bool drifts(double distance) const;
+  void leap(const Problem& problem, double distance);
   void remember();
   void extrapolate();
 
   ConstraintSystem& system_;
   double rho_ = 0.1;
   int columns_ = 0, next_ = 0;  // of the memory
-  std::vector<double> states_, diagonal_, target_, scratch_, leap_;
+  std::vector<double> states_, diagonal_, target_, scratch_, refinement_;
   Eigen::VectorXd root_;       // √S_rr
   Eigen::VectorXd s_, y_, f_;  // f = α (λ − y)
-  Eigen::VectorXd last_s_, last_y_, last_f_, plain_;
+  Eigen::VectorXd last_s_, last_y_, last_f_, plain_, leap_;
   Eigen::MatrixXd steps_, changes_;  // of s and f between iterates, weighted with √S_rr
   Eigen::MatrixXd products_;         // changes_ᵀ changes_
 };
