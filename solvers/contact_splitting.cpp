@@ -14,11 +14,13 @@ constexpr int kPeriod = 25;
 constexpr double kImbalance = 5, kLeastRho = 1e-6, kMostRho = 1e3;
 /// Changes of impulses that are the same from one iteration to the next, relative, and how many of them are
 /// made at once at most.
-constexpr double kEven = 1e-2, kLongestLeap = 1e9;
+constexpr double kEven = 0.1, kLongestLeap = 1e9;
 /// A leap ends before laws answer with something else, by this part of a change, and must not raise λ − y by
 /// more than this factor.  So many iterations of a period are neither leaps nor extrapolated.
 constexpr double kAside = 0.1, kMostGrowth = 2;
 constexpr int kPlain = 3;
+/// Iterations after which `most` is enough.
+constexpr int kPatience = 200;
 /// Iterates that an extrapolation uses, and the part of its equations added to their diagonal.
 constexpr int kMemory = 10;
 constexpr double kRegularization = 1e-12;
@@ -41,7 +43,8 @@ SplittingOutcome ContactSplitting::solve(const ContactForces& contacts, std::spa
     const bool look = outcome.iterations % kPeriod == 0;
     if (look || distance <= limits.tolerance * scale || last) {
       outcome.residual = scale > 0 ? law_error(problem, limits.rate_tolerance) / scale : 0;
-      outcome.converged = std::isfinite(distance) && outcome.residual <= limits.tolerance;
+      const double enough = outcome.iterations > kPatience ? limits.most : limits.tolerance;
+      outcome.converged = std::isfinite(distance) && outcome.residual <= enough;
       if (outcome.converged || last) return outcome;
     }
     if (distance > bound) {
@@ -207,7 +210,10 @@ void ContactSplitting::leap(const Problem& problem, double distance) {
   for (double leap = 2; leap <= kLongestLeap; leap *= 2) {
     s_ = last_s_ + leap * f_;
     answer(problem);
-    const double aside = (root_.array() * (y_ - last_y_ - leap * f_).array()).abs().maxCoeff();
+    double aside = 0;  // of rows that were within their laws
+    for (Eigen::Index r = 0; r < s_.size(); ++r)
+      if (last_s_[r] == last_y_[r])
+        aside = std::max(aside, root_[r] * std::abs(y_[r] - last_y_[r] - leap * f_[r]));
     if (aside > kAside * kRelaxation * distance) break;
     reached = leap;
   }

@@ -10,10 +10,11 @@
 
 namespace taut {
 
-/// When a splitting ends: errors of rates below `rate_tolerance` [m/s or rad/s] do not count.
+/// When a splitting ends: the residual that is sought, and what is enough if that takes long; errors of rates
+/// below `rate_tolerance` [m/s or rad/s] do not count.
 struct SplittingLimits {
-  double tolerance = 1e-9, rate_tolerance = 0;
-  int iterations = 3000;
+  double tolerance = 1e-9, most = 1e-8, rate_tolerance = 0;
+  int iterations = 2000;
 };
 
 /// How a splitting went.

@@ -18,7 +18,6 @@ constexpr double kLevelTolerance = 1e-9;
 /// Solves of a stage for the friction of its contacts, and the distance from Coulomb's law that is accepted
 /// after them.
 constexpr int kFrictionPatience = 4, kContactRounds = 30, kSplittingsInARow = 60;
-constexpr double kFrictionTolerance = 1e-8;
 
 }  // namespace
 
@@ -137,7 +136,17 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     report.pivots += outcome_.pivots;
     if (!outcome_.ok() && contacts_.empty()) return false;
     const bool broke = axes_.break_away(w_), slid = contacts_.adapt(lambda, w_, rate_tolerance);
-    if (getenv("DBG")) {double ml=0,mb=0,mw=0;int nn=0; for(size_t r=0;r<lambda.size();++r){ if(lambda[r]!=lambda[r]||w_[r]!=w_[r]||delta_[r]!=delta_[r])++nn; ml=std::max(ml,std::abs(lambda[r]));mb=std::max(mb,std::abs(delta_[r]));mw=std::max(mw,std::abs(w_[r]));} fprintf(stderr,"max lam %.2e b %.2e w %.2e nan %d\n",ml,mb,mw,nn);}
+    if (getenv("DBG")) {
+      double ml = 0, mb = 0, mw = 0;
+      int nn = 0;
+      for (size_t r = 0; r < lambda.size(); ++r) {
+        if (lambda[r] != lambda[r] || w_[r] != w_[r] || delta_[r] != delta_[r]) ++nn;
+        ml = std::max(ml, std::abs(lambda[r]));
+        mb = std::max(mb, std::abs(delta_[r]));
+        mw = std::max(mw, std::abs(w_[r]));
+      }
+      fprintf(stderr, "max lam %.2e b %.2e w %.2e nan %d\n", ml, mb, mw, nn);
+    }
     if (getenv("DBG"))
       fprintf(stderr, "t %g solve %d active %d piv %d fac %d  friction %.2e\n", state_.time, solve,
               (int)outcome_.status, outcome_.pivots, outcome_.factorizations, contacts_.residual());
@@ -160,9 +169,8 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
 
 /// The fall-back of contacts.
 bool Rattle::split(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  const SplittingOutcome outcome = splitting_.solve(
-      contacts_, laws_, delta_, lambda, w_,
-      {.tolerance = 0.1 * kFrictionTolerance, .rate_tolerance = rate_tolerance}, report.times);
+  const SplittingOutcome outcome = splitting_.solve(contacts_, laws_, delta_, lambda, w_,
+                                                    {.rate_tolerance = rate_tolerance}, report.times);
   contacts_.take_over(lambda, w_, rate_tolerance);
   if (getenv("DBG"))
     fprintf(stderr, "t %g split it %d fac %d res %.1e friction %.2e\n", state_.time, outcome.iterations,
