@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 
 #include "solvers/max_abs.h"
@@ -147,9 +145,6 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
       }
       fprintf(stderr, "max lam %.2e b %.2e w %.2e nan %d\n", ml, mb, mw, nn);
     }
-    if (getenv("DBG"))
-      fprintf(stderr, "t %g solve %d active %d piv %d fac %d  friction %.2e\n", state_.time, solve,
-              (int)outcome_.status, outcome_.pivots, outcome_.factorizations, contacts_.residual());
     solved = outcome_.ok() && !broke && !slid;
     if (solved) break;
     const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
@@ -172,9 +167,6 @@ bool Rattle::split(std::span<double> lambda, double rate_tolerance, StepReport& 
   const SplittingOutcome outcome = splitting_.solve(contacts_, laws_, delta_, lambda, w_,
                                                     {.rate_tolerance = rate_tolerance}, report.times);
   contacts_.take_over(lambda, w_, rate_tolerance);
-  if (getenv("DBG"))
-    fprintf(stderr, "t %g split it %d fac %d res %.1e friction %.2e\n", state_.time, outcome.iterations,
-            outcome.factorizations, outcome.residual, contacts_.residual());
   report.splitting_iterations += outcome.iterations;
   report.complementarity_residual = std::max(report.complementarity_residual, contacts_.residual());
   outcome_ = {};
