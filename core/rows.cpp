@@ -19,6 +19,11 @@ void Rows::clear_blocks(int joint) {
   if (cleared_.empty() || cleared_.back() != blocks) cleared_.push_back(blocks);
 }
 
+void Rows::note_axes(const detail::PartStoreBase* store) {
+  if (std::find(stores_with_axes_.begin(), stores_with_axes_.end(), store) == stores_with_axes_.end())
+    stores_with_axes_.push_back(store);
+}
+
 void Rows::append_axis_row(AxisId axis, int index) {
   axis_rows_.push_back({static_cast<int>(rows_.size()) - 1, axis, index});
 }
@@ -93,36 +98,26 @@ bool Rows::depends_on_time() const {
 }
 
 void Rows::update_axes(const Configuration& at, std::span<double> axes) const {
-  for (const auto& store : stores_) store->update_axes(at, axes);
+  for (const auto* store : stores_with_axes_) store->update_axes(at, axes);
 }
 
 void Rows::apply(std::span<const double> jacobian, std::span<const Twist> twists,
                  std::span<double> out) const {
   for (const JointRows& joint : joints_) {
-    for (int i = 0; i < joint.row_count; ++i) out[joint.first_row + i] = 0;
+    double* rates = out.data() + joint.first_row;
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const Twist& V = twists[sides_[s].body];
       const double* J = jacobian.data() + sides_[s].offset;
+      const bool first = s == joint.first_side;
       for (int i = 0; i < joint.row_count; ++i, J += 6)
-        out[joint.first_row + i] +=
-            J[0] * V.w[0] + J[1] * V.w[1] + J[2] * V.w[2] + J[3] * V.v[0] + J[4] * V.v[1] + J[5] * V.v[2];
+        rates[i] = row_times(J, V.w, V.v) + (first ? 0 : rates[i]);
     }
   }
 }
 
 void Rows::apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                            std::span<Wrench> out) const {
-  for (int body = 0; body < body_count(); ++body) {
-    double sum[6] = {};
-    for (int s : sides_of(body)) {
-      const Side& side = sides_[s];
-      const double* J = jacobian.data() + side.offset;
-      for (int i = 0; i < side.row_count; ++i, J += 6)
-        for (int k = 0; k < 6; ++k) sum[k] += J[k] * lambda[side.first_row + i];
-    }
-    out[body].torque = Vec3(sum[0], sum[1], sum[2]);
-    out[body].force = Vec3(sum[3], sum[4], sum[5]);
-  }
+  for (int body = 0; body < body_count(); ++body) out[body] = wrench_on(body, jacobian, lambda);
 }
 
 }  // namespace taut

@@ -30,6 +30,11 @@ class World;
 
 class Rows;
 
+/// One row of a Jacobian block times a twist (w, v), in two sums that run side by side.
+inline double row_times(const double* J, const Vec3& w, const Vec3& v) {
+  return (J[0] * w[0] + J[2] * w[2] + J[4] * v[1]) + (J[1] * w[1] + J[3] * v[0] + J[5] * v[2]);
+}
+
 /// Two bodies of a joint by their place in Joint::bodies(): the A and B of a row part.
 struct Between {
   int a = 0, b = 1;
@@ -152,6 +157,17 @@ class Rows {
   /// Jᵀ λ, the wrench of all joints on each body, fixed ones too; overwrites `out`.
   void apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                        std::span<Wrench> out) const;
+  /// The same for one body.
+  Wrench wrench_on(int body, std::span<const double> jacobian, std::span<const double> lambda) const {
+    double sum[6] = {};
+    for (int s : sides_of(body)) {
+      const Side& side = sides_[s];
+      const double *J = jacobian.data() + side.offset, *force = lambda.data() + side.first_row;
+      for (int i = 0; i < side.row_count; ++i, J += 6)
+        for (int k = 0; k < 6; ++k) sum[k] += J[k] * force[i];
+    }
+    return {Vec3(sum[0], sum[1], sum[2]), Vec3(sum[3], sum[4], sum[5])};
+  }
 
  private:
   friend class RowSink;
@@ -161,6 +177,7 @@ class Rows {
               int axis_index = -1);
   void append_axis_row(AxisId axis, int index);
   void clear_blocks(int joint);
+  void note_axes(const detail::PartStoreBase* store);
 
   std::vector<JointRows> joints_;
   std::vector<Side> sides_;
@@ -171,6 +188,7 @@ class Rows {
   std::vector<int> body_start_, body_sides_;
   std::vector<std::unique_ptr<detail::PartStoreBase>> stores_;
   std::unordered_map<std::type_index, detail::PartStoreBase*> store_of_type_;
+  std::vector<const detail::PartStoreBase*> stores_with_axes_;  // those that update_axes() must ask
   int jacobian_size_ = 0;
 };
 
@@ -194,6 +212,7 @@ void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, 
   for (int i = 0; i < Part::kRows; ++i)
     rows_.push_back({joint, detail::is_angular(part), slot, item, i, axis});
   const auto offset = [&](int side) { return sides_[place.first_side + side].offset + 6 * row_in_joint; };
+  if (detail::kIsWide<Part> || axis_index >= 0) note_axes(slot);
   if constexpr (detail::kIsWide<Part>) {
     items.push_back({first_row, {}, axis_index, part});
     for (int s = 0; s < place.side_count; ++s) items.back().jacobian.push_back(offset(s));

@@ -63,12 +63,8 @@ void Rattle::start(const State& state, StepReport& report) {
   poses_ = state.poses;
   history_ = 0;
   size_ = system_size();
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    const Twist& V = state_.twists[b];
-    if (!body.fixed)
-      momenta_[b] = {system_.mass().angular_momentum(b, state_.poses[b], V.w), body.mass * V.v};
-  }
+  for (int b = 0; b < world_.body_count(); ++b)
+    momenta_[b] = system_.mass().momentum(b, state_.poses[b], state_.twists[b]);
   linearize_and_factorize(report);
   const Stopwatch watch(report.times.velocities);
   project_momenta(report, mu_);
@@ -95,6 +91,7 @@ void Rattle::linearize_and_factorize(StepReport& report) {
     const Stopwatch watch(report.times.assembly);
     system_.linearize(state_);
     system_.set_mass(state_.poses);
+    inverse_mass_.set(system_.mass_roots());
   }
   system_.factorize(report.times);
 }
@@ -152,7 +149,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   if (settings_.report_energy) {
     for (int b = 0; b < world_.body_count(); ++b)
       joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
-    report.constraint_work += work(state_.poses, kicked_, momenta_, joint_impulse_);
+    report.constraint_work += work(kicked_, momenta_, joint_impulse_);
   }
 
   keep_multipliers(h);
@@ -164,12 +161,12 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
 
 /// Impulses for reactions, forces at the end of the step, and what the next prediction starts from.
 void Rattle::keep_multipliers(double h) {
-  const double scale = history_ > 0 ? h / last_h_ : 1;
+  const double scale = history_ > 0 ? h / last_h_ : 1, per_h = 1 / h, per_h2 = per_h * per_h;
   for (int r = 0; r < system_.row_count(); ++r) {
     impulses_[r] += lambda_[r] + mu_[r];
-    if (!axes_.struck()) force_multipliers_[r] = 2 / h * mu_[r];  // the impulse of an impact is no force
+    if (!axes_.struck()) force_multipliers_[r] = 2 * per_h * mu_[r];  // the impulse of an impact is no force
     last_asymmetry_[r] = asymmetry_[r];
-    asymmetry_[r] = (lambda_[r] - scale * start_mu_[r]) / (h * h);
+    asymmetry_[r] = (lambda_[r] - scale * start_mu_[r]) * per_h2;
     start_mu_[r] = mu_[r];
   }
   history_ = axes_.struck() ? 0 : std::min(history_ + 1, 3);
@@ -199,20 +196,21 @@ void Rattle::roll_back(StepReport& report) {
   std::swap(state_.poses, poses_);
   momenta_ = start_momenta_;
   state_.time = start_time_;
+  linearize_and_factorize(report);
   twists_from_momenta();
   world_.forces(state_, forces_);
-  linearize_and_factorize(report);
   axes_.roll_back();
   implicit_ = false;
 }
 
 /// λ is the μ at the same instant plus an asymmetry of order h², which is extrapolated: the error of the
-/// prediction is of order h⁴.  With dependent rows λ starts from 0 instead: a component that is in the null
-/// space of this J need not be in that of the next, and would grow from step to step.
+/// prediction is of order h⁴.  With dependent rows it is μ alone, which was solved from 0 with this same S and
+/// so has no part in its null space; what is extrapolated over steps would have one, and let it grow.
 void Rattle::predict_multipliers(double h) {
   const int rows = system_.row_count();
   if (system_.singular()) {
-    std::fill(lambda_.begin(), lambda_.end(), 0.0);
+    const double scale = history_ > 0 && axes_.empty() ? h / last_h_ : 0;
+    for (int r = 0; r < rows; ++r) lambda_[r] = scale * start_mu_[r];
   } else if (history_ == 0) {
     for (int r = 0; r < rows; ++r) lambda_[r] = 0.5 * h * force_multipliers_[r];
   } else {
@@ -226,10 +224,10 @@ void Rattle::predict_multipliers(double h) {
 void Rattle::kick_and_drift(double h) {
   const std::span<const double> J =
       refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian();
-  system_.rows().apply_transpose(J, lambda_, joint_impulse_);
   for (int b = 0; b < world_.body_count(); ++b) {
     const MassMatrix::Body& body = system_.mass()[b];
     if (body.fixed) continue;
+    joint_impulse_[b] = system_.rows().wrench_on(b, J, lambda_);
     kicked_[b] = {free_momenta_[b].torque + joint_impulse_[b].torque,
                   free_momenta_[b].force + joint_impulse_[b].force};
     if (implicit_) {
@@ -250,11 +248,12 @@ bool Rattle::close_positions(double h, StepReport& report) {
       system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
     }
     const double gap = max_abs(phi_);
+    bool half_solved = false;  // by the distance to closure
     if (!std::isfinite(gap)) return false;
     if (gap <= settings_.position_tolerance) {
       if (!system_.singular() || distance_to_closure(report) <= kFar * size_) break;
       if (polished) return mend_positions(h, report);
-      polished = true;
+      polished = half_solved = true;
     } else {
       const bool slow = iteration > 0 && gap > kSlow * last;
       const bool spent = iteration >= settings_.max_newton_iterations;
@@ -267,8 +266,13 @@ bool Rattle::close_positions(double h, StepReport& report) {
     }
     last = gap;
     const Stopwatch watch(report.times.positions);
-    for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -phi_[r] / h;
-    system_.solve(delta_);
+    if (half_solved) {
+      for (double& d : delta_) d *= -1 / h;
+      system_.project(delta_);
+    } else {
+      for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -1 / h * phi_[r];
+      system_.solve(delta_);
+    }
     for (int r = 0; r < system_.row_count(); ++r) lambda_[r] += delta_[r];
     correction += max_abs(delta_);
     ++report.newton_iterations;
@@ -326,7 +330,7 @@ bool Rattle::close_velocities(double h, StepReport& report) {
 }
 
 /// μ with J M⁻¹ (p + Jᵀμ) + φ_t = 0, refined until |J V + φ_t| is within its tolerance.  It is in the range
-/// of S: even with dependent rows S_ε⁻¹ alone does, each pass leaves ε/(σ + ε) of what was left.
+/// of S, also with dependent rows.
 void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   std::fill(mu.begin(), mu.end(), 0.0);
   twists_from_momenta();
@@ -335,13 +339,12 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   clear_axis_rows(velocity_rows_);
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
-    system_.solve_shifted(delta_);
-    system_.rows().apply_transpose(system_.jacobian(), delta_, joint_impulse_);
+    system_.solve_in_range(delta_, 0.5 * settings_.velocity_tolerance);
     for (int b = 0; b < world_.body_count(); ++b) {
       if (system_.mass()[b].fixed) continue;
-      momenta_[b] = momenta_[b] + joint_impulse_[b];
+      momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), delta_);
+      state_.twists[b] = inverse_mass_.twist(b, momenta_[b]);
     }
-    twists_from_momenta();
     system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
     system_.rows().add_rate(state_, velocity_rows_);
     clear_axis_rows(velocity_rows_);
@@ -352,12 +355,8 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
 }
 
 void Rattle::twists_from_momenta() {
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    state_.twists[b] = {system_.mass().angular_velocity(b, state_.poses[b], momenta_[b].torque),
-                        body.inverse_mass * momenta_[b].force};
-  }
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (!system_.mass()[b].fixed) state_.twists[b] = inverse_mass_.twist(b, momenta_[b]);
 }
 
 /// The step that keeps ω h ≤ max_tension_number and every body's rotation below max_rotation.
@@ -367,7 +366,7 @@ void Rattle::update_step_limit(std::span<const double> force_multipliers) {
   if (settings_.tension != TensionPolicy::kIgnore) {
     for (StiffnessBlocks& block : stiffness_) block = {};
     system_.rows().stiffness(state_, force_multipliers, stiffness_);
-    omega_ = fastest_transverse_frequency(system_.mass(), state_.poses, stiffness_);
+    omega_ = fastest_transverse_frequency(system_.mass_roots(), stiffness_);
     if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
       step_limit_ = settings_.max_tension_number / omega_;
   }
@@ -398,33 +397,32 @@ void Rattle::prepare_stiffness(double h) {
     const Mat3 m_h = m + 0.5 * h * h * positive_part(stiffness_[b].translation);
     filter_rotation_[b] = I * I_h.inverse();
     filter_translation_[b] = m * m_h.inverse();
-    system_.mass_roots()[b] = {root_of_inverse(I_h), root_of_inverse(m_h)};
+    system_.mass_roots()[b] = {root_of_inverse(I_h), root_of_inverse(m_h), false};
   }
 }
 
 void Rattle::account_for_kick(StepReport& report) {
   if (!implicit_) {
-    report.constraint_work += work(state_.poses, start_momenta_, kicked_, joint_impulse_);
+    report.constraint_work += work(start_momenta_, kicked_, joint_impulse_);
     return;
   }
   // What the filter takes away is booked apart, as the work of an impulse of its own.
   std::vector<Wrench>& raw = free_momenta_;
   for (int b = 0; b < world_.body_count(); ++b) raw[b] = raw[b] + joint_impulse_[b];
-  report.constraint_work += work(state_.poses, start_momenta_, raw, joint_impulse_);
+  report.constraint_work += work(start_momenta_, raw, joint_impulse_);
   for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = kicked_[b] - raw[b];
-  report.stiffness_work += work(state_.poses, raw, kicked_, joint_impulse_);
+  report.stiffness_work += work(raw, kicked_, joint_impulse_);
 }
 
 /// Work of joint impulses j that act together with the other impulses of a kick from momenta p₀ to p₁ at one
 /// pose: Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of
 /// kinetic energy exactly.
-double Rattle::work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
+double Rattle::work(std::span<const Wrench> from, std::span<const Wrench> to,
                     std::span<const Wrench> impulses) const {
   double sum = 0;
   for (int b = 0; b < world_.body_count(); ++b) {
     if (system_.mass()[b].fixed) continue;
-    const Twist mean{system_.mass().angular_velocity(b, poses[b], 0.5 * (from[b].torque + to[b].torque)),
-                     system_.mass()[b].inverse_mass * 0.5 * (from[b].force + to[b].force)};
+    const Twist mean = mean_twist(b, from[b], to[b]);
     sum += impulses[b].torque.dot(mean.w) + impulses[b].force.dot(mean.v);
   }
   return sum;

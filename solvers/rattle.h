@@ -37,6 +37,8 @@ class Rattle {
   [[nodiscard]] Outcome advance(double h, StepReport& report);
 
   const State& state() const { return state_; }
+  /// (L, P) of the bodies in world axes, those of state().
+  std::span<const Wrench> momenta() const { return momenta_; }
   double time_to_impact() const { return time_to_impact_; }
   /// Largest step that tension and rotation allow from here.
   double step_limit() const { return step_limit_; }
@@ -76,8 +78,8 @@ class Rattle {
   template <typename Laws>
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report);
   bool project_bounded_momenta(StepReport& report);
-  void mean_rates(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
-                  std::span<const double> jacobian, std::span<double> out);
+  void mean_rates(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const double> jacobian,
+                  std::span<double> out);
   void keep_first_kick();
   void finish_axes(StepReport& report);
   void twists_from_momenta();
@@ -87,14 +89,18 @@ class Rattle {
   void update_step_limit(std::span<const double> force_multipliers);
   void prepare_stiffness(double h);
   void account_for_kick(StepReport& report);
-  double work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
-              std::span<const Wrench> impulses) const;
+  /// M⁻¹ ½ (p₀ + p₁) of a body at the poses of state_.
+  Twist mean_twist(int b, const Wrench& from, const Wrench& to) const {
+    return inverse_mass_.twist(b, {0.5 * (from.torque + to.torque), 0.5 * (from.force + to.force)});
+  }
+  double work(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const Wrench> impulses) const;
 
   const World& world_;
   ConstraintSystem& system_;
   const Settings& settings_;
 
   State state_;                        // at the start of a step; twists are those of momenta_
+  InverseMass inverse_mass_;           // at the poses of state_
   std::vector<Wrench> momenta_;        // (L, P) at the start
   std::vector<Wrench> start_momenta_;  // the same, while momenta_ already hold the end
   double start_time_ = 0;

@@ -148,27 +148,22 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
 
 /// The first kick for the books, at the pose where it acted.
 void Rattle::keep_first_kick() {
-  mean_rates(state_.poses, start_momenta_, kicked_,
+  mean_rates(start_momenta_, kicked_,
              refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian(), kick_rates_);
   axes_.keep(lambda_, rates_, kick_rates_);
 }
 
-/// Mean rates of the rows in a kick from momenta p₀ to p₁ at one pose.
-void Rattle::mean_rates(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
+/// Mean rates of the rows in a kick from momenta p₀ to p₁ at the poses of state_.
+void Rattle::mean_rates(std::span<const Wrench> from, std::span<const Wrench> to,
                         std::span<const double> jacobian, std::span<double> out) {
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    mean_twists_[b] = {system_.mass().angular_velocity(b, poses[b], 0.5 * (from[b].torque + to[b].torque)),
-                       body.inverse_mass * 0.5 * (from[b].force + to[b].force)};
-  }
+  for (int b = 0; b < world_.body_count(); ++b) mean_twists_[b] = mean_twist(b, from[b], to[b]);
   system_.rows().apply(jacobian, mean_twists_, out);
 }
 
 /// After a step: who is held now, and the books of both kicks.
 void Rattle::finish_axes(StepReport& report) {
   system_.rows().residual(state_, phi_);
-  mean_rates(state_.poses, kicked_, momenta_, system_.jacobian(), kick_rates_);
+  mean_rates(kicked_, momenta_, system_.jacobian(), kick_rates_);
   axes_.book(mu_, rates_, kick_rates_);
   axes_.finish_velocities(phi_, rates_, state_.time);
   report.axis_work = {};

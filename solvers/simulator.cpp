@@ -12,6 +12,7 @@
 #include "solvers/composition.h"
 #include "solvers/constraint_system.h"
 #include "solvers/force_level.h"
+#include "solvers/motion_sums.h"
 #include "solvers/rank_report.h"
 #include "solvers/rattle.h"
 #include "solvers/stopwatch.h"
@@ -309,10 +310,8 @@ void Simulator::Impl::finish(double dt) {
   report_.condition_estimate = system_->condition_estimate();
   if (!settings_.report_energy) return;
   report_.constraint_work -= report_.axis_work.total();
-  report_.kinetic_energy = kinetic_energy(world_, state);
   report_.potential_energy = world_.potential_energy(state);
-  report_.linear_momentum = linear_momentum(world_, state);
-  report_.angular_momentum = angular_momentum(world_, state);
+  sum_motion(state, force_level_ ? force_level_->momenta() : rattle_->momenta(), report_);
 }
 
 void Simulator::Impl::count_work() {

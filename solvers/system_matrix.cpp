@@ -125,11 +125,14 @@ void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian,
     const InverseMassRoot& A = roots[side.body];
     const double* J = jacobian.data() + side.offset;
     double* W = weighted.data() + side.offset;
-    for (int i = 0; i < side.row_count; ++i, J += 6, W += 6)
-      for (int k = 0; k < 3; ++k) {
+    for (int i = 0; i < side.row_count; ++i, J += 6, W += 6) {
+      for (int k = 0; k < 3; ++k)
         W[k] = J[0] * A.rotation(0, k) + J[1] * A.rotation(1, k) + J[2] * A.rotation(2, k);
-        W[3 + k] = J[3] * A.translation(0, k) + J[4] * A.translation(1, k) + J[5] * A.translation(2, k);
-      }
+      for (int k = 0; k < 3; ++k)
+        W[3 + k] = A.isotropic ? A.translation(0, 0) * J[3 + k]
+                               : J[3] * A.translation(0, k) + J[4] * A.translation(1, k) +
+                                     J[5] * A.translation(2, k);
+    }
   }
 }
 
