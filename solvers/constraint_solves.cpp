@@ -30,8 +30,8 @@ void ConstraintSystem::project(std::span<double> x) {
   backsolve(x);
 }
 
-/// The spectrum of S_ε⁻¹ S is σ/(σ + ε): one, but for the few directions that rows hold about as weakly as the
-/// shift does.  Fixed-point passes leave ε/(σ + ε) of each, and of one such direction again and again.
+/// The spectrum of S_ε⁻¹ S is σ/(σ + ε): one, but for the few directions that rows hold about as weakly as
+/// the shift does.  Fixed-point passes leave ε/(σ + ε) of each, and of one such direction again and again.
 void ConstraintSystem::solve_in_range(std::span<double> x, double tolerance) {
   if (!shifted_ || !usable_) return backsolve(x);
   const std::size_t n = x.size();

@@ -46,8 +46,8 @@ inline Quat rotate_symmetric(const MassMatrix::Body& body, Quat q, const Vec3& L
     // L along the axis: column i of the rotation matrix, written out.
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const double *v = q.coeffs().data(), w = v[3], vi = v[i], vj = v[j], vk = v[k];  // x, y, z, w
-    const double along = L[i] * (1 - 2 * (vj * vj + vk * vk)) +
-                         2 * (L[j] * (vi * vj + w * vk) + L[k] * (vi * vk - w * vj));
+    const double along =
+        L[i] * (1 - 2 * (vj * vj + vk * vk)) + 2 * (L[j] * (vi * vj + w * vk) + L[k] * (vi * vk - w * vj));
     const double half = 0.5 * h * excess * along;
     rotate_right(q, i, std::sin(half), std::cos(half));
   }

@@ -71,6 +71,7 @@ class InverseMass {
       bodies_[b] = {A.lazyProduct(A.transpose()), t * t};
     }
   }
+  bool moves(int body) const { return bodies_[body].mass > 0; }
   /// V = M⁻¹ p of a body; zero for fixed ones.
   Twist twist(int body, const Wrench& p) const {
     return {bodies_[body].inertia * p.torque, bodies_[body].mass * p.force};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "solvers/force_level.h"
 #include "solvers/free_flow.h"
@@ -42,7 +43,7 @@ Wrench operator*(double s, const Wrench& a) { return {s * a.torque, s * a.force}
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
     : world_(world), system_(system), settings_(settings), axes_(world, system.rows()), active_(system) {
   const int bodies = world.body_count(), rows = system.row_count();
-  for (auto* wrenches : {&momenta_, &forces_, &free_momenta_, &kicked_, &joint_impulse_, &move_})
+  for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})
     wrenches->resize(bodies);
   for (auto* values : {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_,
                        &force_multipliers_, &asymmetry_, &last_asymmetry_})
@@ -96,6 +97,21 @@ void Rattle::linearize_and_factorize(StepReport& report) {
   system_.factorize(report.times);
 }
 
+/// Work of the impulses `impulse(b)`, which act together with others in a kick from momenta p₀ to p₁ at one
+/// pose: Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of
+/// kinetic energy exactly.
+template <typename Impulse>
+double Rattle::work(std::span<const Wrench> from, std::span<const Wrench> to, Impulse&& impulse) const {
+  double sum = 0;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (!inverse_mass_.moves(b)) continue;
+    const Twist mean = mean_twist(b, from[b], to[b]);
+    const Wrench j = impulse(b);
+    sum += j.torque.dot(mean.w) + j.force.dot(mean.v);
+  }
+  return sum;
+}
+
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   implicit_ =
       settings_.tension == TensionPolicy::kImplicit && omega_ * std::abs(h) > settings_.max_tension_number;
@@ -105,8 +121,6 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   }
   {
     const Stopwatch watch(report.times.positions);
-    start_momenta_ = momenta_;
-    for (int b = 0; b < world_.body_count(); ++b) free_momenta_[b] = momenta_[b] + 0.5 * h * forces_[b];
     predict_multipliers(h);
   }
   if (!axes_.empty()) begin_axes(h);
@@ -129,10 +143,11 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     }
   }
   report.tension_number = std::max(report.tension_number, omega_ * std::abs(h));
-  if (settings_.report_energy) account_for_kick(report);
+  if (settings_.report_energy) account_for_kick(h, report);
   if (!axes_.empty()) keep_first_kick();
 
-  std::swap(state_.poses, poses_);  // poses_ now holds the old ones
+  std::swap(state_.poses, poses_);  // these now hold the old ones
+  std::swap(momenta_, start_momenta_);
   start_time_ = state_.time;
   state_.time += h;
   if (!axes_.empty()) active_.prepare(laws_, delta_, lambda_);
@@ -147,9 +162,8 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   system_.rows().update_axes(state_, state_.axes);
   if (!axes_.empty()) finish_axes(report);
   if (settings_.report_energy) {
-    for (int b = 0; b < world_.body_count(); ++b)
-      joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
-    report.constraint_work += work(kicked_, momenta_, joint_impulse_);
+    const auto impulse = [&](int b) { return momenta_[b] - kicked_[b] - 0.5 * h * forces_[b]; };
+    report.constraint_work += work(kicked_, momenta_, impulse);
   }
 
   keep_multipliers(h);
@@ -194,7 +208,7 @@ void Rattle::restore(StepReport& report) {
 /// Back to the start of a step whose positions were already accepted.
 void Rattle::roll_back(StepReport& report) {
   std::swap(state_.poses, poses_);
-  momenta_ = start_momenta_;
+  std::swap(momenta_, start_momenta_);
   state_.time = start_time_;
   linearize_and_factorize(report);
   twists_from_momenta();
@@ -204,8 +218,8 @@ void Rattle::roll_back(StepReport& report) {
 }
 
 /// λ is the μ at the same instant plus an asymmetry of order h², which is extrapolated: the error of the
-/// prediction is of order h⁴.  With dependent rows it is μ alone, which was solved from 0 with this same S and
-/// so has no part in its null space; what is extrapolated over steps would have one, and let it grow.
+/// prediction is of order h⁴.  With dependent rows it is μ alone, which was solved from 0 with this same S
+/// and so has no part in its null space; what is extrapolated over steps would have one, and let it grow.
 void Rattle::predict_multipliers(double h) {
   const int rows = system_.row_count();
   if (system_.singular()) {
@@ -221,15 +235,17 @@ void Rattle::predict_multipliers(double h) {
   }
 }
 
+/// J(q₀), along which λ acts.
+std::span<const double> Rattle::kick_jacobian() const {
+  return refactored_ ? std::span<const double>(start_jacobian_) : std::as_const(system_).jacobian();
+}
+
 void Rattle::kick_and_drift(double h) {
-  const std::span<const double> J =
-      refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian();
+  const std::span<const double> J = kick_jacobian();
   for (int b = 0; b < world_.body_count(); ++b) {
     const MassMatrix::Body& body = system_.mass()[b];
     if (body.fixed) continue;
-    joint_impulse_[b] = system_.rows().wrench_on(b, J, lambda_);
-    kicked_[b] = {free_momenta_[b].torque + joint_impulse_[b].torque,
-                  free_momenta_[b].force + joint_impulse_[b].force};
+    kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + system_.rows().wrench_on(b, J, lambda_);
     if (implicit_) {
       kicked_[b].torque = filter_rotation_[b] * kicked_[b].torque;
       kicked_[b].force = filter_translation_[b] * kicked_[b].force;
@@ -307,19 +323,20 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   const Stopwatch watch(report.times.velocities);
   double last_change = std::numeric_limits<double>::infinity();
   for (int pass = 0;; ++pass) {
-    for (int b = 0; b < world_.body_count(); ++b) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
+    for (int b = 0; b < world_.body_count(); ++b)
+      if (inverse_mass_.moves(b)) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
     if (axes_.empty())
       project_momenta(report, mu_);
     else if (!project_bounded_momenta(report))
       return false;
     if (!world_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.
-    std::swap(forces_, joint_impulse_);
+    std::swap(forces_, last_forces_);
     world_.forces(state_, forces_);
     double change = 0, size = 0;
     for (int b = 0; b < world_.body_count(); ++b) {
-      change = std::max({change, (forces_[b].force - joint_impulse_[b].force).cwiseAbs().maxCoeff(),
-                         (forces_[b].torque - joint_impulse_[b].torque).cwiseAbs().maxCoeff()});
+      change = std::max({change, (forces_[b].force - last_forces_[b].force).cwiseAbs().maxCoeff(),
+                         (forces_[b].torque - last_forces_[b].torque).cwiseAbs().maxCoeff()});
       size =
           std::max({size, forces_[b].force.cwiseAbs().maxCoeff(), forces_[b].torque.cwiseAbs().maxCoeff()});
     }
@@ -341,7 +358,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
     system_.solve_in_range(delta_, 0.5 * settings_.velocity_tolerance);
     for (int b = 0; b < world_.body_count(); ++b) {
-      if (system_.mass()[b].fixed) continue;
+      if (!inverse_mass_.moves(b)) continue;
       momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), delta_);
       state_.twists[b] = inverse_mass_.twist(b, momenta_[b]);
     }
@@ -356,7 +373,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
 
 void Rattle::twists_from_momenta() {
   for (int b = 0; b < world_.body_count(); ++b)
-    if (!system_.mass()[b].fixed) state_.twists[b] = inverse_mass_.twist(b, momenta_[b]);
+    if (inverse_mass_.moves(b)) state_.twists[b] = inverse_mass_.twist(b, momenta_[b]);
 }
 
 /// The step that keeps ω h ≤ max_tension_number and every body's rotation below max_rotation.
@@ -401,31 +418,18 @@ void Rattle::prepare_stiffness(double h) {
   }
 }
 
-void Rattle::account_for_kick(StepReport& report) {
+void Rattle::account_for_kick(double h, StepReport& report) {
   if (!implicit_) {
-    report.constraint_work += work(start_momenta_, kicked_, joint_impulse_);
+    const auto impulse = [&](int b) { return kicked_[b] - momenta_[b] - 0.5 * h * forces_[b]; };
+    report.constraint_work += work(momenta_, kicked_, impulse);
     return;
   }
   // What the filter takes away is booked apart, as the work of an impulse of its own.
-  std::vector<Wrench>& raw = free_momenta_;
-  for (int b = 0; b < world_.body_count(); ++b) raw[b] = raw[b] + joint_impulse_[b];
-  report.constraint_work += work(start_momenta_, raw, joint_impulse_);
-  for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = kicked_[b] - raw[b];
-  report.stiffness_work += work(raw, kicked_, joint_impulse_);
-}
-
-/// Work of joint impulses j that act together with the other impulses of a kick from momenta p₀ to p₁ at one
-/// pose: Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of
-/// kinetic energy exactly.
-double Rattle::work(std::span<const Wrench> from, std::span<const Wrench> to,
-                    std::span<const Wrench> impulses) const {
-  double sum = 0;
-  for (int b = 0; b < world_.body_count(); ++b) {
-    if (system_.mass()[b].fixed) continue;
-    const Twist mean = mean_twist(b, from[b], to[b]);
-    sum += impulses[b].torque.dot(mean.w) + impulses[b].force.dot(mean.v);
-  }
-  return sum;
+  std::vector<Wrench>& raw = move_;
+  const auto impulse = [&](int b) { return system_.rows().wrench_on(b, kick_jacobian(), lambda_); };
+  for (int b = 0; b < world_.body_count(); ++b) raw[b] = momenta_[b] + 0.5 * h * forces_[b] + impulse(b);
+  report.constraint_work += work(momenta_, raw, impulse);
+  report.stiffness_work += work(raw, kicked_, [&](int b) { return kicked_[b] - raw[b]; });
 }
 
 }  // namespace taut

@@ -88,12 +88,14 @@ class Rattle {
   bool finite() const;
   void update_step_limit(std::span<const double> force_multipliers);
   void prepare_stiffness(double h);
-  void account_for_kick(StepReport& report);
+  void account_for_kick(double h, StepReport& report);
+  std::span<const double> kick_jacobian() const;
   /// M⁻¹ ½ (p₀ + p₁) of a body at the poses of state_.
   Twist mean_twist(int b, const Wrench& from, const Wrench& to) const {
     return inverse_mass_.twist(b, {0.5 * (from.torque + to.torque), 0.5 * (from.force + to.force)});
   }
-  double work(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const Wrench> impulses) const;
+  template <typename Impulse>
+  double work(std::span<const Wrench> from, std::span<const Wrench> to, Impulse&& impulse) const;
 
   const World& world_;
   ConstraintSystem& system_;
@@ -101,15 +103,14 @@ class Rattle {
 
   State state_;                        // at the start of a step; twists are those of momenta_
   InverseMass inverse_mass_;           // at the poses of state_
-  std::vector<Wrench> momenta_;        // (L, P) at the start
+  std::vector<Wrench> momenta_;        // (L, P) at the start; zero for fixed bodies
   std::vector<Wrench> start_momenta_;  // the same, while momenta_ already hold the end
   double start_time_ = 0;
-  std::vector<Wrench> forces_;         // at the start
-  std::vector<Pose> poses_;            // trial, end of the step
-  std::vector<Wrench> free_momenta_;   // p₀ + h/2 f
-  std::vector<Wrench> kicked_;         // p
-  std::vector<Wrench> joint_impulse_;  // Jᵀλ
-  std::vector<Wrench> move_;           // M times a move of the bodies
+  std::vector<Wrench> forces_;       // at the start
+  std::vector<Pose> poses_;          // trial, end of the step
+  std::vector<Wrench> kicked_;       // p
+  std::vector<Wrench> last_forces_;  // of the pass before
+  std::vector<Wrench> move_;         // M times a move of the bodies
   std::vector<Pose> unmended_;
   double size_ = 1;                     // of the whole system at the start [m]
   std::vector<double> start_jacobian_;  // J(q₀) after a refactorisation elsewhere

@@ -132,11 +132,11 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
   if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) return false;
-  system_.rows().apply_transpose(system_.jacobian(), mu_, joint_impulse_);
-  for (int b = 0; b < world_.body_count(); ++b)
-    if (!system_.mass()[b].fixed)
-      momenta_[b] = {momenta_[b].torque + joint_impulse_[b].torque,
-                     momenta_[b].force + joint_impulse_[b].force};
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (!inverse_mass_.moves(b)) continue;
+    const Wrench joints = system_.rows().wrench_on(b, system_.jacobian(), mu_);
+    momenta_[b] = {momenta_[b].torque + joints.torque, momenta_[b].force + joints.force};
+  }
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
@@ -148,8 +148,7 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
 
 /// The first kick for the books, at the pose where it acted.
 void Rattle::keep_first_kick() {
-  mean_rates(start_momenta_, kicked_,
-             refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian(), kick_rates_);
+  mean_rates(momenta_, kicked_, kick_jacobian(), kick_rates_);
   axes_.keep(lambda_, rates_, kick_rates_);
 }
 

@@ -19,13 +19,12 @@ void for_each_meeting(const Rows& rows, const MassMatrix& mass, int side, Visit 
 template <int RowsI, int RowsJ>
 inline void multiply(const double* W_i, const double* W_j, int rows_i, int rows_j, double* C, int stride,
                      bool overwrite) {
+  using Row = Eigen::Map<const Eigen::Matrix<double, 6, 1>>;
   const int ni = RowsI ? RowsI : rows_i, nj = RowsJ ? RowsJ : rows_j;
   for (int c = 0; c < nj; ++c) {
-    const double* b = W_j + 6 * c;
+    const Row b(W_j + 6 * c);
     for (int r = 0; r < ni; ++r) {
-      const double* a = W_i + 6 * r;
-      const double sum =
-          (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]) + (a[4] * b[4] + a[5] * b[5]);
+      const double sum = Row(W_i + 6 * r).cwiseProduct(b).sum();
       double& entry = C[c * stride + r];
       entry = overwrite ? sum : entry + sum;
     }
@@ -129,9 +128,9 @@ void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian,
       for (int k = 0; k < 3; ++k)
         W[k] = J[0] * A.rotation(0, k) + J[1] * A.rotation(1, k) + J[2] * A.rotation(2, k);
       for (int k = 0; k < 3; ++k)
-        W[3 + k] = A.isotropic ? A.translation(0, 0) * J[3 + k]
-                               : J[3] * A.translation(0, k) + J[4] * A.translation(1, k) +
-                                     J[5] * A.translation(2, k);
+        W[3 + k] = A.isotropic
+                       ? A.translation(0, 0) * J[3 + k]
+                       : J[3] * A.translation(0, k) + J[4] * A.translation(1, k) + J[5] * A.translation(2, k);
     }
   }
 }
@@ -143,6 +142,8 @@ void SystemMatrix::assemble(std::span<const double> weighted, double shift,
     double* C = matrix_.values.data() + p.slot;
     if (p.rows_i == 3 && p.rows_j == 3)
       multiply<3, 3>(W_i, W_j, 3, 3, C, p.stride, p.first);
+    else if (p.rows_i == 5 && p.rows_j == 5)
+      multiply<5, 5>(W_i, W_j, 5, 5, C, p.stride, p.first);
     else
       multiply<0, 0>(W_i, W_j, p.rows_i, p.rows_j, C, p.stride, p.first);
   }

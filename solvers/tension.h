@@ -18,8 +18,7 @@ inline double fastest_transverse_frequency(std::span<const InverseMassRoot> root
   // principal axis.
   const auto row_sum = [](const Mat3& K) {
     const double xy = std::abs(K(0, 1)), xz = std::abs(K(0, 2)), yz = std::abs(K(1, 2));
-    return std::max(
-        {std::abs(K(0, 0)) + xy + xz, xy + std::abs(K(1, 1)) + yz, xz + yz + std::abs(K(2, 2))});
+    return std::max({std::abs(K(0, 0)) + xy + xz, xy + std::abs(K(1, 1)) + yz, xz + yz + std::abs(K(2, 2))});
   };
   double largest = 0;  // ω²
   for (std::size_t b = 0; b < roots.size(); ++b) {
