@@ -106,11 +106,11 @@ void Rows::apply(std::span<const double> jacobian, std::span<const Twist> twists
   for (const JointRows& joint : joints_) {
     double* rates = out.data() + joint.first_row;
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
-      const Twist& V = twists[sides_[s].body];
+      const Twist& twist = twists[sides_[s].body];
+      const SixVector V(twist.w, twist.v);
       const double* J = jacobian.data() + sides_[s].offset;
       const bool first = s == joint.first_side;
-      for (int i = 0; i < joint.row_count; ++i, J += 6)
-        rates[i] = row_times(J, V.w, V.v) + (first ? 0 : rates[i]);
+      for (int i = 0; i < joint.row_count; ++i, J += 6) rates[i] = V.dot(J) + (first ? 0 : rates[i]);
     }
   }
 }

@@ -30,10 +30,20 @@ class World;
 
 class Rows;
 
-/// One row of a Jacobian block times a twist (w, v), in two sums that run side by side.
-inline double row_times(const double* J, const Vec3& w, const Vec3& v) {
-  return (J[0] * w[0] + J[2] * w[2] + J[4] * v[1]) + (J[1] * w[1] + J[3] * v[0] + J[5] * v[2]);
-}
+/// A twist or wrench in pairs, for products with rows of a Jacobian block.
+class SixVector {
+ public:
+  SixVector(const Vec3& a, const Vec3& b) : first_(a[0], a[1]), second_(a[2], b[0]), third_(b[1], b[2]) {}
+  double dot(const double* row) const {
+    using Pair = Eigen::Map<const Eigen::Vector2d>;
+    return (first_.cwiseProduct(Pair(row)) + second_.cwiseProduct(Pair(row + 2)) +
+            third_.cwiseProduct(Pair(row + 4)))
+        .sum();
+  }
+
+ private:
+  Eigen::Vector2d first_, second_, third_;
+};
 
 /// Two bodies of a joint by their place in Joint::bodies(): the A and B of a row part.
 struct Between {

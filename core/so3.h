@@ -18,11 +18,26 @@ inline Mat3 skew(const Vec3& v) {
   return m;
 }
 
+/// sin(x)/x and cos(x) of x².  Small angles, as in a step, need neither a root nor the library's sine: series
+/// to round-off.
+struct SincCosine {
+  double sinc, cosine;
+};
+inline SincCosine sinc_cosine(double x2) {
+  if (x2 > 0.1) {
+    const double x = std::sqrt(x2);
+    return {std::sin(x) / x, std::cos(x)};
+  }
+  const auto next = [x2](double divisor, double rest) { return 1 - x2 * (1 / divisor) * rest; };
+  return {next(2 * 3, next(4 * 5, next(6 * 7, next(8 * 9, next(10 * 11, next(12 * 13, 1)))))),
+          next(1 * 2, next(3 * 4, next(5 * 6, next(7 * 8, next(9 * 10, next(11 * 12, 1))))))};
+}
+
 /// Rotation by |θ| [rad] about θ.
 inline Quat exp_so3(const Vec3& theta) {
-  const double angle = theta.norm();
-  const double scale = angle < 1e-8 ? 0.5 - angle * angle / 48 : std::sin(0.5 * angle) / angle;
-  return Quat(std::cos(0.5 * angle), scale * theta.x(), scale * theta.y(), scale * theta.z());
+  const auto [sinc, cosine] = sinc_cosine(0.25 * theta.squaredNorm());
+  const Vec3 v = 0.5 * sinc * theta;
+  return Quat(cosine, v.x(), v.y(), v.z());
 }
 
 /// Rotation vector of q [rad], |θ| ≤ π: the inverse of exp_so3 up to the sign of q.

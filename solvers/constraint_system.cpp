@@ -222,10 +222,10 @@ void ConstraintSystem::multiply(std::span<const double> x, std::span<double> out
     for (int i = 0; i < joint.row_count; ++i) out[joint.first_row + i] = 0;
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const Rows::Side& side = rows_.sides()[s];
-      const Wrench& f = body_scratch_[side.body];
+      const Wrench& wrench = body_scratch_[side.body];
+      const SixVector f(wrench.torque, wrench.force);
       const double* W = weighted_.data() + side.offset;
-      for (int i = 0; i < side.row_count; ++i, W += 6)
-        out[joint.first_row + i] += row_times(W, f.torque, f.force);
+      for (int i = 0; i < side.row_count; ++i, W += 6) out[joint.first_row + i] += f.dot(W);
     }
   }
 }

@@ -10,7 +10,8 @@ namespace taut {
 
 namespace detail {
 
-/// Rotation by `angle` about body axis i, applied on the right: q ← q exp(angle e_i).
+/// Rotation by twice the angle with this sine and cosine about body axis i, applied on the right:
+/// q ← q exp(angle e_i).
 inline void rotate_right(Quat& q, int i, double sine, double cosine) {
   const int j = (i + 1) % 3, k = (i + 2) % 3;
   double* v = q.coeffs().data();  // x, y, z, w
@@ -26,7 +27,8 @@ inline Quat rotate_split(const MassMatrix::Body& body, Quat q, const Vec3& L, do
   Vec3 m = q.conjugate() * L;  // angular momentum in principal axes
   const auto turn = [&](int i, double time) {
     const double half = 0.5 * time * m[i] * body.inverse_moments[i];
-    const double s = std::sin(half), c = std::cos(half);
+    const auto [sinc, c] = sinc_cosine(half * half);
+    const double s = half * sinc;
     rotate_right(q, i, s, c);
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const double sine = 2 * s * c, cosine = 1 - 2 * s * s, mj = m[j], mk = m[k];
@@ -49,7 +51,8 @@ inline Quat rotate_symmetric(const MassMatrix::Body& body, Quat q, const Vec3& L
     const double along =
         L[i] * (1 - 2 * (vj * vj + vk * vk)) + 2 * (L[j] * (vi * vj + w * vk) + L[k] * (vi * vk - w * vj));
     const double half = 0.5 * h * excess * along;
-    rotate_right(q, i, std::sin(half), std::cos(half));
+    const auto [sinc, cosine] = sinc_cosine(half * half);
+    rotate_right(q, i, half * sinc, cosine);
   }
   return exp_so3(h * across * L) * q;
 }
