@@ -455,7 +455,8 @@ const Settings& Simulator::settings() const { return impl_->settings_; }
 
 std::string Simulator::solver_description() const {
   if (impl_->topology_version_ != impl_->world_.topology_version()) impl_->refresh();
-  return impl_->system_->factor().name() + ", " + blas_name();
+  return impl_->system_->factor().name() + ", " + blas_name() +
+         (CholmodFactor::has_supernodal() ? "" : ", CHOLMOD without its GPL modules");
 }
 
 }  // namespace taut
