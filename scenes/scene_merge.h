@@ -6,7 +6,7 @@
 
 namespace taut {
 
-/// Adds the bodies, joints and probes of `block` to `scene`, every name with `prefix` in front, moved as a
+/// Adds the bodies, joints, probes and drawings of `block` to `scene`, every name with `prefix` in front, moved as a
 /// whole by `placement` (X_WF of the block's world frame F).  What the block fixes to the ground is then
 /// fixed to the ground of `scene`, or with a placement to a new fixed body `prefix`ground that has this pose.
 /// Gravity, settings and times stay those of `scene`.
