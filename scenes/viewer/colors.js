@@ -31,20 +31,22 @@ const linear = (() => {
 export const palette = kPalette.map((hex) => new Color(hex));
 export const rampCss = () => `linear-gradient(90deg, ${kStops.join(',')})`;
 
-/** From a value to 0…1; values outside are held at the ends. */
+/** From a value to 0…1; values outside are held at the ends.  kind: linear, root (√(v/high), from 0) or log. */
 export class Scale {
-  constructor(low, high, unit, logarithmic = false) {
-    Object.assign(this, {low, high, unit, logarithmic});
+  constructor(low, high, unit, kind = 'linear') {
+    Object.assign(this, {low, high, unit, kind});
   }
   part(value) {
-    const {low, high} = this;
+    const {low, high, kind} = this;
     if (!(high > low)) return 0;
-    const part = this.logarithmic ? Math.log(Math.max(value, low) / low) / Math.log(high / low)
-                                  : (value - low) / (high - low);
+    const part = kind === 'log' ? Math.log(Math.max(value, low) / low) / Math.log(high / low)
+      : kind === 'root' ? Math.sqrt(Math.max(value, 0) / high) : (value - low) / (high - low);
     return Math.min(Math.max(part, 0), 1);
   }
   value(part) {
-    return this.logarithmic ? this.low * (this.high / this.low) ** part : this.low + part * (this.high - this.low);
+    const {low, high, kind} = this;
+    return kind === 'log' ? low * (high / low) ** part : kind === 'root' ? part * part * high
+      : low + part * (high - low);
   }
   /** Writes the linear colour of a value. */
   color(value, out, offset) {
@@ -69,8 +71,9 @@ export function scales(recording) {
   const gap = quantile(joints, (i) => recording.gap.at(i), 1);
   const speed = quantile(frames * (bodyCount - 1), (i) => recording.speed.at(i), 0.999);
   return {
-    force: new Scale(0, force || 1, 'N'),
-    gap: new Scale(Math.max(gap, 1e-15) * 1e-4, Math.max(gap, 1e-15), 'm', true),
+    // Where one cable carries hundreds of others, the small forces must still differ.
+    force: new Scale(0, force || 1, 'N', 'root'),
+    gap: new Scale(Math.max(gap, 1e-15) * 1e-4, Math.max(gap, 1e-15), 'm', 'log'),
     speed: new Scale(0, speed || 1, 'm/s'),
   };
 }

@@ -121,10 +121,10 @@ class Player {
     title.textContent = scale ? `${kModes[mode]} [${scale.unit}]` : kModes[mode];
     bar.style.background = scale ? rampCss() : 'none';
     bar.hidden = !scale;
-    row.replaceChildren(...(scale ? [0, 0.5, 1] : []).map((part) => {
+    row.replaceChildren(...(scale ? [0, 0.25, 0.5, 0.75, 1] : []).map((part) => {
       const item = document.createElement('span');
-      const end = part === 1 ? '≥ ' : part === 0 && scale.logarithmic ? '≤ ' : '';
-      item.textContent = end + (scale.logarithmic ? scale.value(part).toExponential(0) : format(scale.value(part)));
+      const end = part === 1 ? '≥ ' : part === 0 && scale.kind === 'log' ? '≤ ' : '';
+      item.textContent = end + (scale.kind === 'log' ? scale.value(part).toExponential(0) : format(Number(scale.value(part).toPrecision(3))));
       return item;
     }));
     this.request(true);

@@ -114,7 +114,7 @@ export class Plot {
     context.fillStyle = dark ? '#9aa7b5' : '#5d6a78';
     context.strokeStyle = dark ? '#ffffff14' : '#00000012';
     context.textAlign = 'right';
-    for (const tick of ticks(this.low, this.high, Math.max(2, Math.round(height / 36)))) {
+    for (const tick of ticks(this.low, this.high, Math.max(2, Math.round(height / 24)))) {
       if (this.logarithmic && tick !== Math.round(tick)) continue;
       const value = this.logarithmic ? 10 ** tick : tick, at = y(value);
       context.beginPath();

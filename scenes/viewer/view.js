@@ -52,6 +52,21 @@ export class View {
     this.high = new Vector3(...high).addScalar(margin);
     this.center = this.low.clone().add(this.high).multiplyScalar(0.5);
     this.extent = this.high.distanceTo(this.low) || 1;
+    this.margin = margin;
+    this.sampleCentres();
+  }
+
+  /** Where bodies are at some instants: what the camera must see. */
+  sampleCentres() {
+    const {recording} = this, poses = new Float32Array(this.poses.length);
+    const every = Math.ceil(recording.bodyCount / 1500), count = Math.min(12, recording.frames);
+    this.centres = [];
+    for (let k = 0; k < count; ++k) {
+      recording.poses(recording.times[Math.round(k * (recording.frames - 1) / Math.max(count - 1, 1))], poses);
+      for (let body = 1; body < recording.bodyCount; body += every)
+        this.centres.push(new Vector3().fromArray(poses, 7 * body));
+    }
+    if (!this.centres.length) this.centres = [this.center];
   }
 
   addLights() {
@@ -97,8 +112,9 @@ export class View {
     across[axes[0] ?? 'y'] = axes[0] === 'y' ? -1 : 1;
     along[axes[1] ?? 'x'] = 1;
     const direction = across.multiplyScalar(0.82).addScaledVector(along, 0.45).addScaledVector(this.up, 0.34).normalize();
-    this.camera.position.copy(this.center).addScaledVector(direction, this.distanceFor(direction));
-    this.controls.target.copy(this.center);
+    const {target, distance} = this.fit(direction);
+    this.camera.position.copy(target).addScaledVector(direction, distance);
+    this.controls.target.copy(target);
     this.camera.near = this.extent / 500;
     this.camera.far = this.extent * 40;
     this.scene.fog = new Fog(0, 2.2 * this.extent, 4.5 * this.extent);
@@ -107,19 +123,25 @@ export class View {
     this.controls.update();
   }
 
-  /** How far away all corners of the box fit into the picture. */
-  distanceFor(direction) {
+  /** Where to look and from how far, so that all centres are in the picture with some room around them. */
+  fit(direction) {
     const forward = direction.clone().negate(), right = forward.clone().cross(this.up).normalize();
     const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360);
-    const aspect = this.camera.aspect || 1;
-    let distance = 0;
-    for (let i = 0; i < 8; ++i) {
-      const corner = new Vector3(...['x', 'y', 'z'].map((axis, k) => (i >> k & 1 ? this.high : this.low)[axis]))
-        .sub(this.center);
-      const reach = Math.max(Math.abs(corner.dot(right)) / (t * aspect), Math.abs(corner.dot(top)) / t);
-      distance = Math.max(distance, 1.08 * reach - corner.dot(forward));
+    const middle = (axis) => {
+      const places = this.centres.map((centre) => centre.dot(axis));
+      return (places.reduce((a, b) => Math.min(a, b)) + places.reduce((a, b) => Math.max(a, b))) / 2;
+    };
+    const target = new Vector3();
+    for (const axis of [right, top, forward]) target.addScaledVector(axis, middle(axis));
+    // The head line and the legend take a part of the height.
+    const across = t * this.camera.aspect * 0.9, upwards = t * 0.8;
+    let distance = 0.1 * this.extent;
+    for (const centre of this.centres) {
+      const at = centre.clone().sub(target);
+      const reach = Math.max((Math.abs(at.dot(right)) + this.margin) / across, (Math.abs(at.dot(top)) + this.margin) / upwards);
+      distance = Math.max(distance, reach - at.dot(forward));
     }
-    return Math.max(distance, 0.1 * this.extent);
+    return {target, distance};
   }
 
   applyTheme(name) {
