@@ -14,8 +14,8 @@ namespace {
 
 using namespace scene_parts;
 
-constexpr double kArc = 0.2;         ///< θ: half the angle of the arc [rad]
-constexpr double kHalfPlank = 0.1;   ///< half a plank along the bridge [m]
+constexpr double kArc = 0.2;        ///< θ: half the angle of the arc [rad]
+constexpr double kHalfPlank = 0.1;  ///< half a plank along the bridge [m]
 const Vec3 kPlankSize(2 * kHalfPlank, 1.0, 0.05), kTruckSize(1.0, 0.8, 0.5);  // [m]
 constexpr double kBallOffset = 0.4;  ///< of the ball joints from the middle of a seam [m]
 
@@ -55,8 +55,7 @@ void draw_truck(Scene& scene, BodyId truck) {
   draw(scene, truck, {Box{{0.30, 0.72, 0.40}}, {Quat::Identity(), {0.35, 0, 0.05}}});
   draw(scene, truck, {Box{{1.0, 0.60, 0.06}}, {Quat::Identity(), {0, 0, -0.13}}});
   for (const double x : {-0.36, -0.12, 0.34})
-    for (const double y : {-0.33, 0.33})
-      draw(scene, truck, {Cylinder{0.11, 0.14}, {across, {x, y, -0.14}}});
+    for (const double y : {-0.33, 0.33}) draw(scene, truck, {Cylinder{0.11, 0.14}, {across, {x, y, -0.14}}});
 }
 
 void add_truck(Scene& scene, BodyId plank) {

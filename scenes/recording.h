@@ -40,9 +40,9 @@ struct RecordedScalar {
 struct RecordingHeader {
   std::string scene;
   std::map<std::string, double> parameters;
-  double dt = 0;                 ///< of the steps [s]
-  double frames_per_second = 0;  ///< as asked for; 0: every step
-  Vec3 gravity = Vec3::Zero();   ///< [m/s²]
+  double dt = 0;                     ///< of the steps [s]
+  double frames_per_second = 0;      ///< as asked for; 0: every step
+  Vec3 gravity = Vec3::Zero();       ///< [m/s²]
   std::vector<RecordedBody> bodies;  ///< the ground is the first
   std::vector<RecordedJoint> joints;
   std::vector<RecordedScalar> scalars;
@@ -50,7 +50,8 @@ struct RecordingHeader {
   std::vector<DrawnShape> drawn;
 };
 
-/// Force and torque of a joint on its body B, world axes, the torque about its anchor, and how far it is open.
+/// Force and torque of a joint on its body B, world axes, the torque about its anchor, and how far it is
+/// open.
 struct JointSample {
   Reaction wrench;
   Gap gap;

@@ -15,8 +15,7 @@ constexpr std::string_view kMark = "tCHK";
 constexpr int kLevel = 2;
 
 std::uint32_t checksum(std::string_view bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+  return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 /// Deflate shrinks by 1032 at most; anything larger is not a size but a trap.

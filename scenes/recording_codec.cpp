@@ -134,8 +134,7 @@ bool read_contacts(ByteReader& bytes, std::vector<Frame>& frames, int body_count
 }  // namespace
 
 std::size_t frame_size(const RecordingHeader& header) {
-  return 8 + 8 * header.scalars.size() + 4 +
-         4 * (kPoseNumbers + kTwistNumbers) * (header.bodies.size() - 1) +
+  return 8 + 8 * header.scalars.size() + 4 + 4 * (kPoseNumbers + kTwistNumbers) * (header.bodies.size() - 1) +
          4 * kJointNumbers * header.joints.size();
 }
 
@@ -201,7 +200,8 @@ std::optional<std::vector<Frame>> decode_frames(std::string_view raw, const Reco
   if (!bytes.sound()) return std::nullopt;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     Frame& frame = frames[f];
-    WordReader pose(poses, f * kPoseNumbers * counts.bodies), twist(twists, f * kTwistNumbers * counts.bodies);
+    WordReader pose(poses, f * kPoseNumbers * counts.bodies),
+        twist(twists, f * kTwistNumbers * counts.bodies);
     WordReader joint(joints, f * kJointNumbers * counts.joints);
     frame.poses.resize(header.bodies.size());
     frame.twists.resize(header.bodies.size());

@@ -10,7 +10,8 @@ namespace {
 using Json = nlohmann::json;
 using Group = RecordedScalar::Group;
 
-NLOHMANN_JSON_SERIALIZE_ENUM(Group, {{Group::kEnergy, "energy"}, {Group::kGap, "gap"}, {Group::kProbe, "probe"}})
+NLOHMANN_JSON_SERIALIZE_ENUM(Group,
+                             {{Group::kEnergy, "energy"}, {Group::kGap, "gap"}, {Group::kProbe, "probe"}})
 
 Json pose_to_json(const Pose& pose) {
   return {pose.p.x(), pose.p.y(), pose.p.z(), pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z()};
@@ -33,10 +34,9 @@ void read_bodies_and_joints(const Json& json, RecordingHeader& header) {
     header.bodies.push_back({body.at("name"), body.at("mass"), body.at("fixed")});
   if (header.bodies.empty()) fail("bodies", "the ground is missing", 0);
   for (const Json& joint : json.at("joints"))
-    header.joints.push_back({joint.at("name"), joint.at("type"),
-                             body_from_json(joint.at("a"), header.bodies.size()),
-                             body_from_json(joint.at("b"), header.bodies.size()),
-                             vector_from_json(joint.at("anchor"))});
+    header.joints.push_back(
+        {joint.at("name"), joint.at("type"), body_from_json(joint.at("a"), header.bodies.size()),
+         body_from_json(joint.at("b"), header.bodies.size()), vector_from_json(joint.at("anchor"))});
 }
 
 }  // namespace

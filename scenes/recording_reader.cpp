@@ -18,7 +18,8 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
     fail("recording", "this is no taut recording: it does not begin with " + std::string(kRecordingMark),
          file.string());
   scan();
-  if (!has_header_) fail("recording", "the header is damaged or cut off, so nothing can be read", file.string());
+  if (!has_header_)
+    fail("recording", "the header is damaged or cut off, so nothing can be read", file.string());
 }
 
 /// Fewer bytes at the end of the file.
@@ -33,8 +34,7 @@ std::string RecordingReader::read(std::uint64_t place, std::uint64_t size) {
 }
 
 void RecordingReader::note_damage(const std::string& what, std::uint64_t place) {
-  if (damage_.empty())
-    damage_ = what + " at byte " + std::to_string(place) + " of " + std::to_string(size_);
+  if (damage_.empty()) damage_ = what + " at byte " + std::to_string(place) + " of " + std::to_string(size_);
 }
 
 /// Goes from chunk to chunk.  A chunk with a bad payload is left out; after a bad head there is no telling
@@ -44,8 +44,8 @@ void RecordingReader::scan() {
   while (place < size_ && !end_) {
     const std::string bytes = read(place, kChunkHeadSize);
     const std::optional<ChunkHead> head = read_chunk_head(bytes);
-    const bool cut = bytes.size() < kChunkHeadSize ||
-                     (head && head->stored_size > size_ - place - kChunkHeadSize);
+    const bool cut =
+        bytes.size() < kChunkHeadSize || (head && head->stored_size > size_ - place - kChunkHeadSize);
     if (cut) return note_damage("the file is cut short", place);
     if (!head) return note_damage("a chunk is damaged, and what follows cannot be found,", place);
     if (!take_chunk(*head, place + kChunkHeadSize)) note_damage("a chunk is damaged and left out", place);
@@ -76,8 +76,7 @@ bool RecordingReader::take_chunk(const ChunkHead& head, std::uint64_t place) {
   const auto times = inflate_payload(stored, frame_times_size(*begin));
   if (!times) return false;
   const std::vector<double> found = decode_frame_times(*times);
-  chunks_.push_back(
-      {place, head.stored_size, head.raw_size, frame_count(), static_cast<int>(found.size())});
+  chunks_.push_back({place, head.stored_size, head.raw_size, frame_count(), static_cast<int>(found.size())});
   times_.insert(times_.end(), found.begin(), found.end());
   return true;
 }

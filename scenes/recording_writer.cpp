@@ -46,6 +46,7 @@ bool RecordingWriter::finish(const std::string& status, const std::string& messa
 }
 
 bool RecordingWriter::flush() {
+  if (!file_) return false;
   flushed_ = std::chrono::steady_clock::now();
   if (waiting_.empty()) return true;
   const auto count = static_cast<int>(waiting_.size());

@@ -32,8 +32,10 @@ class RecordingWriter {
   /// What went wrong: "net.taut: No space left on device; it is cut short after 12 frames"; "" if nothing.
   const std::string& error() const { return error_; }
 
- private:
+  /// Writes waiting frames now.
   bool flush();
+
+ private:
   bool write(const std::string& bytes);
   void give_up(int error_number);
 

@@ -29,38 +29,47 @@ constexpr std::pair<const char*, ShapeReader> kShapes[] = {
     {"box",
      [](JsonObject& s) {
        const Vec3 size = lengths(s, "size");
-       return Uniform{box_volume(size), [=](double mass) { return MassProperties::box(size, mass); }, {Box{size}}};
+       return Uniform{
+           box_volume(size), [=](double mass) { return MassProperties::box(size, mass); }, {Box{size}}};
      }},
     {"sphere",
      [](JsonObject& s) {
        const double r = length(s, "radius");
-       return Uniform{sphere_volume(r), [=](double mass) { return MassProperties::sphere(r, mass); }, {Sphere{r}}};
+       return Uniform{
+           sphere_volume(r), [=](double mass) { return MassProperties::sphere(r, mass); }, {Sphere{r}}};
      }},
     {"ellipsoid",
      [](JsonObject& s) {
        const Vec3 radii = lengths(s, "radii");
        return Uniform{ellipsoid_volume(radii),
-                    [=](double mass) { return MassProperties::ellipsoid(radii, mass); }, {Ellipsoid{radii}}};
+                      [=](double mass) { return MassProperties::ellipsoid(radii, mass); },
+                      {Ellipsoid{radii}}};
      }},
     {"rod",
      [](JsonObject& s) {
        const double l = length(s, "length"), r = length(s, "radius");
-       return Uniform{cylinder_volume(r, l), [=](double mass) { return MassProperties::rod(l, r, mass); }, rod_shape(l, r)};
+       return Uniform{cylinder_volume(r, l), [=](double mass) { return MassProperties::rod(l, r, mass); },
+                      rod_shape(l, r)};
      }},
     {"cylinder",
      [](JsonObject& s) {
        const double r = length(s, "radius"), l = length(s, "length");
-       return Uniform{cylinder_volume(r, l), [=](double mass) { return MassProperties::cylinder(r, l, mass); }, {Cylinder{r, l}}};
+       return Uniform{cylinder_volume(r, l),
+                      [=](double mass) { return MassProperties::cylinder(r, l, mass); },
+                      {Cylinder{r, l}}};
      }},
     {"capsule",
      [](JsonObject& s) {
        const double r = length(s, "radius"), l = s.get_required("length", &JsonNode::not_negative, 1.0);
-       return Uniform{capsule_volume(r, l), [=](double mass) { return MassProperties::capsule(r, l, mass); }, {Capsule{r, l}}};
+       return Uniform{capsule_volume(r, l),
+                      [=](double mass) { return MassProperties::capsule(r, l, mass); },
+                      {Capsule{r, l}}};
      }},
     {"cone",
      [](JsonObject& s) {
        const double r = length(s, "radius"), h = length(s, "height");
-       return Uniform{cone_volume(r, h), [=](double mass) { return MassProperties::cone(r, h, mass); }, {Cone{r, h}}};
+       return Uniform{
+           cone_volume(r, h), [=](double mass) { return MassProperties::cone(r, h, mass); }, {Cone{r, h}}};
      }},
 };
 

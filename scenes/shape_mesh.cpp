@@ -67,7 +67,9 @@ struct Mesher {
   int segments;
   double extent;
 
-  DrawingMesh operator()(const Sphere& s) const { return revolve(round_profile(s.radius, 0, segments), segments); }
+  DrawingMesh operator()(const Sphere& s) const {
+    return revolve(round_profile(s.radius, 0, segments), segments);
+  }
   DrawingMesh operator()(const Capsule& s) const {
     return revolve(round_profile(s.radius, s.length / 2, segments), segments);
   }

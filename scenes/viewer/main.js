@@ -3,7 +3,7 @@ import {rampCss, scales as makeScales} from './colors.js';
 import {Recording} from './data.js';
 import {setUpKeys} from './keys.js';
 import {Inspector, nameOf, setUpFinder} from './panel.js';
-import {Plot, format} from './plots.js';
+import {Plot, withUnit} from './plots.js';
 import {View} from './view.js';
 
 const $ = (id) => document.getElementById(id);
@@ -118,13 +118,14 @@ class Player {
     this.state.mode = mode;
     $('mode').value = mode;
     const scale = this.scales[mode], [title, bar, row] = $('legend').children;
-    title.textContent = scale ? `${kModes[mode]} [${scale.unit}]` : kModes[mode];
+    title.textContent = kModes[mode];
     bar.style.background = scale ? rampCss() : 'none';
     bar.hidden = !scale;
-    row.replaceChildren(...(scale ? [0, 0.25, 0.5, 0.75, 1] : []).map((part) => {
+    row.replaceChildren(...(scale ? [0, 0.5, 1] : []).map((part) => {
       const item = document.createElement('span');
       const end = part === 1 ? '≥ ' : part === 0 && scale.kind === 'log' ? '≤ ' : '';
-      item.textContent = end + (scale.kind === 'log' ? scale.value(part).toExponential(0) : format(Number(scale.value(part).toPrecision(3))));
+      item.textContent = end + (scale.kind === 'log' ? `${scale.value(part).toExponential(0)} ${scale.unit}`
+        : withUnit(scale.value(part), scale.unit, 2));
       return item;
     }));
     this.request(true);

@@ -1,27 +1,39 @@
 // Numbers of what is selected, and finding things by name.
-import {format} from './plots.js';
+import {format, withUnit} from './plots.js';
 
-const vector = (values) => values.map(format).join('  ');
+/** Rows of a vector; what is round-off beside the largest component is 0. */
+function vectorRows(name, values, unit) {
+  const most = Math.max(...values.map(Math.abs));
+  return values.map((value, i) => [`${name} ${'xyz'[i]}`, withUnit(Math.abs(value) < 1e-6 * most ? 0 : value, unit, 4)]);
+}
+
+/** Whether a joint's number is ever anything but 0. */
+const isUsed = (recording, column, width, joint) => {
+  if (!column.words) return false;
+  for (let f = 0; f < recording.frames; ++f)
+    for (let i = 0; i < width; ++i)
+      if (column.at(width * (f * recording.jointCount + joint) + i) !== 0) return true;
+  return false;
+};
 
 /** [[name, text], ...] of a body or joint at a frame. */
-export function numbers(recording, {kind, id}, frame, poses) {
+export function numbers(recording, {kind, id}, frame, poses, used) {
   const r = recording;
   if (kind === 'joint') {
-    const rows = [
-      ['force', `${format(r.jointForce(frame, id))} N`],
-      ['x y z', `${vector(r.jointVector(r.force, frame, id))} N`],
-    ];
-    if (r.torque.words) rows.push(['torque', `${vector(r.jointVector(r.torque, frame, id))} N·m`]);
-    rows.push(['gap', `${format(r.jointGap(frame, id))} m`]);
-    if (r.gap_angle.words) rows.push(['gap angle', `${format(r.jointGapAngle(frame, id))} rad`]);
+    const rows = [['force', withUnit(r.jointForce(frame, id), 'N', 4)],
+                  ...vectorRows('force', r.jointVector(r.force, frame, id), 'N')];
+    if (used.torque) rows.push(...vectorRows('torque', r.jointVector(r.torque, frame, id), 'N·m'));
+    rows.push(['gap', withUnit(r.jointGap(frame, id), 'm')]);
+    if (used.angle) rows.push(['gap angle', withUnit(r.jointGapAngle(frame, id), 'rad')]);
     return rows;
   }
   const at = poses.subarray(7 * id, 7 * id + 7), angle = 2 * Math.acos(Math.min(1, Math.abs(at[6])));
   const most = r.jointsOfBody[id].reduce((sum, joint) => Math.max(sum, r.jointForce(frame, joint)), 0);
   const rows = [];
-  if (!r.bodies.fixed[id]) rows.push(['mass', `${format(r.bodies.mass[id])} kg`], ['speed', `${format(r.bodySpeed(frame, id))} m/s`]);
-  rows.push(['position', `${vector([...at.subarray(0, 3)])} m`], ['turned by', `${format(angle * 180 / Math.PI)}°`]);
-  if (r.jointsOfBody[id].length) rows.push(['largest joint force', `${format(most)} N`]);
+  if (!r.bodies.fixed[id])
+    rows.push(['mass', `${format(r.bodies.mass[id])} kg`], ['speed', withUnit(r.bodySpeed(frame, id), 'm/s')]);
+  rows.push(...vectorRows('position', [...at.subarray(0, 3)], 'm'), ['turned by', `${format(angle * 180 / Math.PI)}°`]);
+  if (r.jointsOfBody[id].length) rows.push(['largest joint force', withUnit(most, 'N', 4)]);
   return rows;
 }
 
@@ -51,6 +63,7 @@ export class Inspector {
     close.setAttribute('aria-label', 'Select nothing');
     close.onclick = () => this.actions.select(null);
     this.list = make('dl');
+    this.used = kind === 'joint' ? {torque: isUsed(r, r.torque, 3, id), angle: isUsed(r, r.gap_angle, 1, id)} : {};
     if (kind === 'body' && id !== 0) {
       const row = make('div');
       row.className = 'actions';
@@ -72,7 +85,7 @@ export class Inspector {
 
   show(frame, poses) {
     if (!this.selected) return;
-    const cells = numbers(this.recording, this.selected, frame, poses).flatMap(([name, text]) => {
+    const cells = numbers(this.recording, this.selected, frame, poses, this.used).flatMap(([name, text]) => {
       const dt = document.createElement('dt'), dd = document.createElement('dd');
       dt.textContent = name;
       dd.textContent = text;

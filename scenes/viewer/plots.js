@@ -9,6 +9,17 @@ export const format = (value) => {
   return size >= 1e5 || size < 1e-3 ? value.toExponential(2).replace('e+', 'e') : String(Number(value.toPrecision(4)));
 };
 
+const kPrefixes = [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, 'µ'], [1e-9, 'n'], [1e-12, 'p']];
+
+/** A number with its unit and a prefix of it: 27.7 kN. */
+export function withUnit(value, unit, digits = 3) {
+  if (!Number.isFinite(value)) return '–';
+  const [factor, prefix] = kPrefixes.find(([size]) => Math.abs(value) >= 0.9995 * size) ?? [1, ''];
+  const text = value === 0 || factor === 1e-12 && Math.abs(value) < 1e-12 ? format(value)
+    : String(Number((value / factor).toPrecision(digits)));
+  return `${text} ${prefix}${unit}`.trim();
+}
+
 /** Round numbers from low to high, about count of them. */
 export function ticks(low, high, count) {
   const raw = (high - low) / count, power = 10 ** Math.floor(Math.log10(raw)), part = raw / power;

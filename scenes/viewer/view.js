@@ -111,7 +111,7 @@ export class View {
       .sort((a, b) => size[a] - size[b]);
     across[axes[0] ?? 'y'] = axes[0] === 'y' ? -1 : 1;
     along[axes[1] ?? 'x'] = 1;
-    const direction = across.multiplyScalar(0.82).addScaledVector(along, 0.45).addScaledVector(this.up, 0.34).normalize();
+    const direction = across.multiplyScalar(0.82).addScaledVector(along, size[axes[1]] > 6 * size[axes[0]] ? 0.25 : 0.45).addScaledVector(this.up, 0.34).normalize();
     const {target, distance} = this.fit(direction);
     this.camera.position.copy(target).addScaledVector(direction, distance);
     this.controls.target.copy(target);
