@@ -24,7 +24,6 @@ constexpr const char* kVtkType<std::int32_t> = "Int32";
 /// VTK's compressed form: the number of blocks, their size, that of a part block, the compressed sizes; then
 /// the blocks.  One block is enough.
 std::string packed(std::string_view bytes) {
-  if (bytes.empty()) return base64(std::string(8, '\0'));  // no blocks
   const std::string block = deflate(bytes, 3);
   std::string head;
   for (const std::uint64_t number :
@@ -39,9 +38,10 @@ void add_array(pugi::xml_node parent, const char* name, int components, std::spa
   array.append_attribute("type").set_value(kVtkType<Number>);
   array.append_attribute("Name").set_value(name);
   array.append_attribute("NumberOfComponents").set_value(components);
-  array.append_attribute("format").set_value("binary");
+  // Readers differ on what no block at all looks like; as text, nothing is nothing.
+  array.append_attribute("format").set_value(values.empty() ? "ascii" : "binary");
   const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-  array.text().set(packed(bytes).c_str());
+  array.text().set(values.empty() ? " " : packed(bytes).c_str());
 }
 
 /// A field of numbers per point or cell.

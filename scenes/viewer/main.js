@@ -101,7 +101,8 @@ class Player {
     canvas.addEventListener('pointerup', (event) => {
       if (!down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 5) return;
       const {left, top} = canvas.getBoundingClientRect();
-      this.select(this.view.pick(event.clientX - left, event.clientY - top));
+      const tolerance = event.pointerType === 'mouse' ? 4 : 14;
+      this.select(this.view.pick(event.clientX - left, event.clientY - top, tolerance));
     });
   }
 

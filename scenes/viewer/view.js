@@ -223,12 +223,27 @@ export class View {
     return {x: (v.x + 1) / 2 * clientWidth, y: (1 - v.y) / 2 * clientHeight, visible: v.z < 1};
   }
 
-  /** What is drawn at a place on the canvas [px]: {kind, id} or null. */
-  pick(x, y) {
+  /** What is drawn at a place on the canvas [px], or else at most `tolerance` beside it: {kind, id} or null. */
+  pick(x, y, tolerance = 0) {
+    const around = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [Math.cos(i * Math.PI / 4), Math.sin(i * Math.PI / 4)]);
+    for (const [dx, dy] of [[0, 0], ...(tolerance ? around : [])]) {
+      const found = this.pickExactly(x + tolerance * dx, y + tolerance * dy);
+      if (found) return found;
+    }
+    return null;
+  }
+
+  pickExactly(x, y) {
     const ray = new Raycaster(), {clientWidth, clientHeight} = this.canvas;
     ray.setFromCamera(new Vector2(2 * x / clientWidth - 1, 1 - 2 * y / clientHeight), this.camera);
-    const meshes = this.instances.root.children.filter((mesh) => mesh.visible);
-    const hit = ray.intersectObjects(meshes, false)[0];
-    return hit ? {kind: hit.object.userData.kind, id: hit.object.userData.ids[hit.instanceId]} : null;
+    const hits = ray.intersectObjects(this.instances.root.children.filter((mesh) => mesh.visible), false);
+    if (!hits.length) return null;
+    const item = ({object, instanceId}) => ({kind: object.userData.kind, id: object.userData.ids[instanceId]});
+    // Joints sit inside the ends of their bodies: one just under the surface is meant.
+    const joint = hits.find((hit) => {
+      const {kind, id} = item(hit);
+      return kind === 'joint' && hit.distance - hits[0].distance < 4 * this.instances.jointRadius[id];
+    });
+    return item(joint ?? hits[0]);
   }
 }
