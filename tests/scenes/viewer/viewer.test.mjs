@@ -29,10 +29,13 @@ function quantity(text) {
 }
 
 const heading = (page) => page.locator('#inspector h2').evaluate((node) => node.firstChild.textContent);
-const shown = (page, name) => page.locator('#inspector dl').evaluate((list, wanted) => {
-  const term = [...list.children].find((node) => node.tagName === 'DT' && node.textContent === wanted);
-  return term?.nextElementSibling.textContent;
-}, name);
+async function shown(page, name) {
+  await settle(page);
+  return page.locator('#inspector dl').evaluate((list, wanted) => {
+    const term = [...list.children].find((node) => node.tagName === 'DT' && node.textContent === wanted);
+    return term?.nextElementSibling.textContent;
+  }, name);
+}
 const stage = (page) => page.locator('#view').boundingBox();
 
 let browser;
