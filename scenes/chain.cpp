@@ -2,6 +2,7 @@
 
 #include "core/joints/ball.h"
 #include "core/joints/hinge.h"
+#include "scenes/drawing.h"
 #include "scenes/scene_parts.h"
 
 namespace taut {
@@ -51,6 +52,7 @@ Scene build(const ChainSpec& spec, int n, double duration) {
     BodySpec body{.name = numbered("rod", k), .mass = rod};
     body.pose.p = Vec3((k + 0.5) * spec.length, 0, 0);
     const BodyId next = world.add_body(body);
+    draw(scene, next, rod_shape(spec.length, kRodRadius));
     add_joint(world, k, last, next, k == 0 ? Vec3(Vec3::Zero()) : end, -end, spec.hinges);
     last = next;
   }
@@ -59,6 +61,7 @@ Scene build(const ChainSpec& spec, int n, double duration) {
     BodySpec body{.name = "sphere", .mass = MassProperties::sphere(kSphereRadius, kSphereMass)};
     body.pose.p = Vec3(n * spec.length, 0, 0) + radius;
     const BodyId sphere = world.add_body(body);
+    draw(scene, sphere, {Sphere{kSphereRadius}});
     add_joint(world, n, last, sphere, end, -radius, spec.hinges);
     last = sphere;
   }

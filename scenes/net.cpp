@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/joints/ball.h"
+#include "scenes/drawing.h"
 #include "scenes/scene_parts.h"
 
 namespace taut {
@@ -53,7 +54,8 @@ struct Rods {
   int n;
 };
 
-void add_rods(World& world, const Surface& surface) {
+void add_rods(Scene& scene, const Surface& surface) {
+  World& world = scene.world;
   const MassProperties rod = thin_rod(2 * kHalfRod, 0.1);
   const int n = surface.n;
   for (int j = 0; j < n; ++j)
@@ -62,6 +64,7 @@ void add_rods(World& world, const Surface& surface) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n - 1; ++j)
       world.add_body({.name = numbered("rod_y", i, j), .mass = rod, .pose = surface.y_rod(i, j)});
+  for (int b = 1; b < world.body_count(); ++b) draw(scene, BodyId{b}, rod_shape(2 * kHalfRod, kRodRadius));
 }
 
 /// Joints of node (i, j): the first of the rod ends that meet there is the hub, held by the world if the node
@@ -95,7 +98,7 @@ Scene build(const char* name, bool flag, const Parameters& parameters) {
 
   const Surface surface(n, flag);
   const Rods rods(n);
-  add_rods(scene.world, surface);
+  add_rods(scene, surface);
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) add_node(scene.world, surface, rods, i, j);
 

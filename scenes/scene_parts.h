@@ -16,8 +16,11 @@ inline ParameterInfo size(double default_value, double minimum, double maximum, 
   return {"n", default_value, "", std::move(description), minimum, maximum, true};
 }
 
-/// A solid cylinder of radius 1 cm along body x.
-inline MassProperties thin_rod(double length, double mass) { return MassProperties::rod(length, 0.01, mass); }
+/// A solid cylinder along body x.
+inline constexpr double kRodRadius = 0.01;  ///< [m]
+inline MassProperties thin_rod(double length, double mass) {
+  return MassProperties::rod(length, kRodRadius, mass);
+}
 
 /// One row of a table of durations: T holds from this size on, up to the next row.
 struct DurationFrom {

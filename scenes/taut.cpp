@@ -1,4 +1,4 @@
-/// The program: taut run | check | list | bench.
+/// The program: taut run | replay | check | list | bench.
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -6,6 +6,7 @@
 #include "scenes/bench_command.h"
 #include "scenes/check_command.h"
 #include "scenes/list_command.h"
+#include "scenes/replay_command.h"
 #include "scenes/run_command.h"
 #include "scenes/scene_source.h"
 #include "scenes/setting_names.h"
@@ -18,6 +19,9 @@ struct Arguments {
   std::string list_name;
   std::string check_scene;
   std::string build_dir, bench_only;
+  std::string recording;
+  taut::ExportFiles replay;
+  bool replay_quietly = false;
   std::vector<std::string> run_assignments, check_assignments, bench_arguments;
 };
 
@@ -46,6 +50,17 @@ void add_choice(CLI::App& command, const std::string& option, std::optional<Choi
       ->type_name(all);
 }
 
+void add_exports(CLI::App& command, taut::ExportFiles& files) {
+  command.add_option("--html", files.html, "write a page that shows the simulation in any browser")
+      ->type_name("FILE");
+  command.add_option("--gltf", files.gltf, "write an animation for Blender and others, glTF 2.0")
+      ->type_name("FILE.glb");
+  command.add_option("--vtk", files.vtk_folder, "write series of surfaces and joints for ParaView")
+      ->type_name("DIR");
+  command.add_option("--plot", files.plot, "write energy, gap and probes over time as an image")
+      ->type_name("FILE.svg");
+}
+
 void add_run(CLI::App& app, Arguments& arguments) {
   CLI::App& run = *app.add_subcommand("run", "run a scene");
   taut::RunOptions& options = arguments.run;
@@ -64,10 +79,22 @@ void add_run(CLI::App& app, Arguments& arguments) {
   run.add_option("--poses", options.poses_file, "write the poses of all bodies over time")->type_name("FILE");
   run.add_option("--poses-interval", options.poses_interval, "time between two sets of poses; 0: every step")
       ->type_name("SECONDS");
+  run.add_option("--record", options.record_file, "write a recording, for `taut replay`")->type_name("FILE");
+  run.add_option("--frames-per-second", options.frames_per_second,
+                 "of the recording and what is made from it, default 60; 0: every step")
+      ->type_name("NUMBER");
+  add_exports(run, options.exports);
   run.add_flag("--quiet", options.quiet, "print nothing but errors");
 }
 
 void add_others(CLI::App& app, Arguments& arguments) {
+  CLI::App& replay = *app.add_subcommand("replay", "turn a recording into something to look at");
+  replay.add_option("recording", arguments.recording, "file that `taut run --record` has written")
+      ->required();
+  add_exports(replay, arguments.replay);
+  replay.add_option("--csv", arguments.replay.csv, "write energies, gap and probes over time")
+      ->type_name("FILE");
+  replay.add_flag("--quiet", arguments.replay_quietly, "print nothing but errors");
   CLI::App& check =
       *app.add_subcommand("check", "look for mistakes in a scene; count freedoms, name redundant rows");
   add_scene(check, arguments.check_scene, arguments.check_assignments);
@@ -85,6 +112,8 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
       taut::add_parameter(arguments.run.parameters, assignment);
     return taut::run_command(arguments.run);
   }
+  if (app.got_subcommand("replay"))
+    return taut::replay_command(arguments.recording, arguments.replay, arguments.replay_quietly);
   if (app.got_subcommand("check")) {
     std::map<std::string, double> parameters;
     for (const std::string& assignment : arguments.check_assignments)
