@@ -1,8 +1,9 @@
-/// The program: taut run | check | list | bench.
+/// The program: taut run | check | list | accuracy | bench.
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "scenes/accuracy_command.h"
 #include "scenes/bench_command.h"
 #include "scenes/check_command.h"
 #include "scenes/list_command.h"
@@ -15,6 +16,7 @@ namespace {
 /// Everything that can be asked for on the command line.
 struct Arguments {
   taut::RunOptions run;
+  taut::AccuracyOptions accuracy;
   std::string list_name;
   std::string check_scene;
   std::string build_dir, bench_only;
@@ -67,6 +69,33 @@ void add_run(CLI::App& app, Arguments& arguments) {
   run.add_flag("--quiet", options.quiet, "print nothing but errors");
 }
 
+/// A file, or nothing for the standard output.
+void add_output(CLI::App& command, const std::string& option, std::optional<std::string>& file,
+                const std::string& description) {
+  command
+      .add_option_function<std::string>(
+          option, [&file](const std::string& text) { file = text; }, description)
+      ->expected(0, 1)
+      ->default_str("-")
+      ->type_name("[FILE]");
+}
+
+void add_accuracy(CLI::App& app, Arguments& arguments) {
+  CLI::App& accuracy = *app.add_subcommand(
+      "accuracy", "compare with reference values: errors and tolerances of every quantity");
+  taut::AccuracyOptions& options = arguments.accuracy;
+  accuracy.add_option("--references", options.references, "folder of cases; default: tests/references")
+      ->type_name("DIR");
+  accuracy.add_option("--only", options.only, "cases with this in their name");
+  add_choice(accuracy, "--integrator", options.integrator, taut::kIntegratorNames,
+             "how steps are done; default: rattle4, or rattle with limits, motors, friction and contacts");
+  add_choice(accuracy, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
+  accuracy.add_option("--jobs", options.jobs, "cases at the same time; default: one per core");
+  accuracy.add_flag("--summary", options.summary, "print a line per case, and what failed");
+  add_output(accuracy, "--json", options.json, "write JSON, without FILE in place of the table");
+  add_output(accuracy, "--csv", options.csv, "write CSV, without FILE in place of the table");
+}
+
 void add_others(CLI::App& app, Arguments& arguments) {
   CLI::App& check =
       *app.add_subcommand("check", "look for mistakes in a scene; count freedoms, name redundant rows");
@@ -95,6 +124,7 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
     std::cout << taut::list_scenes(arguments.list_name);
     return taut::kExitSuccess;
   }
+  if (app.got_subcommand("accuracy")) return taut::accuracy_command(arguments.accuracy);
   return taut::bench_command(arguments.build_dir, arguments.bench_only, arguments.bench_arguments);
 }
 
@@ -106,6 +136,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   Arguments arguments;
   add_run(app, arguments);
+  add_accuracy(app, arguments);
   add_others(app, arguments);
   try {
     app.parse(argc, argv);

@@ -5,8 +5,8 @@
 #include <iostream>
 #include <set>
 
-#include "tests/reference_probes.h"
-#include "tests/small_oscillations.h"
+#include "scenes/reference_probes.h"
+#include "scenes/small_oscillations.h"
 
 /// Every file of tests/references is one test.
 namespace taut::reference {
