@@ -10,9 +10,9 @@ namespace taut::reference {
 
 /// A case at its step and at half of it.
 struct CaseResult {
-  std::string file;
-  std::string error;          ///< why the file could not be read; then there are no runs
-  std::vector<CaseRun> runs;  ///< all with the same quantities
+  std::string file{};
+  std::string error{};          ///< why the file could not be read; then there are no runs
+  std::vector<CaseRun> runs{};  ///< all with the same quantities
 };
 
 /// How many quantities came to which verdict; the worse of the two steps counts.

@@ -19,6 +19,8 @@ void add_contacts(Case& out, const nlohmann::json& setup);
 /// A body whose pose is a function of time, in place of a moving part of the world.
 BodyId add_carrier(Case& out, const std::string& name, const PoseMotion& motion);
 
+/// The name in the World, where "ground" is the world itself.
+std::string body_name(const std::string& name);
 /// The list under a key, or none.
 nlohmann::json list_of(const nlohmann::json& object, const char* key);
 

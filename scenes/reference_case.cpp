@@ -28,7 +28,7 @@ MassProperties mass_of(const Json& body) {
 }
 
 void add_body(Case& out, const Json& body) {
-  BodySpec spec{.name = body.at("name"), .mass = mass_of(body)};
+  BodySpec spec{.name = body_name(body.at("name")), .mass = mass_of(body)};
   spec.pose = {quaternion_of(body, "orientation"), vector_of(body, "position")};
   spec.twist = {vector_of(body, "angular_velocity"), vector_of(body, "velocity")};
   out.world.add_body(spec);
@@ -116,8 +116,10 @@ Json list_of(const Json& object, const char* key) {
   return list.is_null() ? Json::array() : list;
 }
 
+std::string body_name(const std::string& name) { return name == "ground" ? "the file's ground" : name; }
+
 BodyId find_body(const World& world, const std::string& name) {
-  return name == "world" ? kGround : world.body(name);
+  return name == "world" ? kGround : world.body(body_name(name));
 }
 
 Vec3 vector_of(const Json& object, const char* key) {

@@ -32,15 +32,16 @@ std::optional<ModeName> parse(const std::string& name, std::size_t modes) {
   return ModeName{what, index - 2};
 }
 
-/// Rotations or displacements of the bodies in a mode along their common direction, the largest 1.
-std::vector<double> shape_of(const Mode& mode, bool angles) {
+/// Rotations or displacements of the first bodies in a mode along their common direction, the largest 1.
+std::vector<double> shape_of(const Mode& mode, bool angles, std::size_t count) {
+  const std::size_t end = std::min(count + 1, mode.shape.size());
   const auto part = [&](std::size_t b) { return angles ? mode.shape[b].w : mode.shape[b].v; };
   std::size_t largest = 0;
-  for (std::size_t b = 0; b < mode.shape.size(); ++b)
+  for (std::size_t b = 1; b < end; ++b)
     if (part(b).norm() > part(largest).norm()) largest = b;
   const Vec3 direction = part(largest) / part(largest).squaredNorm();
   std::vector<double> shape;
-  for (std::size_t b = 1; b < mode.shape.size(); ++b) shape.push_back(part(b).dot(direction));
+  for (std::size_t b = 1; b < end; ++b) shape.push_back(part(b).dot(direction));
   return shape;
 }
 
@@ -90,7 +91,8 @@ void run_frequency(const Case& reference, const RunPlan& plan, CaseRun& result) 
     }
     const double limit = quantity.uncertainty + quantity.tolerance_limit;
     if (name->what != "omega") {
-      compare(quantity, shape_of(modes[name->index], name->what == "angles"), limit, result.quantities[i]);
+      compare(quantity, shape_of(modes[name->index], name->what == "angles", quantity.value.size()), limit,
+              result.quantities[i]);
       continue;
     }
     compare(quantity, {simulated_frequency(reference, modes[name->index], plan.settings, dt)},

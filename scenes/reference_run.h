@@ -33,25 +33,25 @@ const char* to_string(Verdict verdict);
 
 /// What became of one quantity.
 struct Measurement {
-  std::string name;
-  std::optional<double> time;
+  std::string name{};
+  std::optional<double> time{};
   Verdict verdict = Verdict::kNotMeasured;
-  std::vector<double> reference, measured;  ///< measured where the error is largest
-  double error = 0;                         ///< largest |measured − reference|
-  double allowed = 0;                       ///< scaled tolerance and uncertainty of the reference
-  std::string reason;                       ///< why it was not measured or could not be met
+  std::vector<double> reference{}, measured{};  ///< measured where the error is largest
+  double error = 0;                             ///< largest |measured − reference|
+  double allowed = 0;                           ///< scaled tolerance and uncertainty of the reference
+  std::string reason{};                         ///< why it was not measured or could not be met
 };
 
 struct CaseRun {
-  std::string id, level;
+  std::string id{}, level{};
   Integrator integrator = Integrator::kRattle;
   double dt = 0;         ///< [s]
   double fraction = 1;   ///< of the case's own step
   double wall_time = 0;  ///< [s]
   double max_gap = 0;    ///< largest joint error after any step [m or rad]
   long steps = 0;        ///< done by the simulator
-  std::string failed;    ///< what the step said that failed, with its time; empty: none did
-  std::vector<Measurement> quantities;
+  std::string failed{};  ///< what the step said that failed, with its time; empty: none did
+  std::vector<Measurement> quantities{};
 
   int count(Verdict verdict) const;
 };

@@ -77,7 +77,7 @@ BodyId add_static_body(Case& out, const Json& body) {
     start.q = Quat(q.at(0).get<double>(), q.at(1), q.at(2), q.at(3)).normalized();
   }
   const Vec3 v = vector("velocity") + vector("surface_velocity"), w = vector("angular_velocity");
-  const std::string name = body.at("name");
+  const std::string name = body_name(body.at("name"));
   if (v.isZero(0) && w.isZero(0)) {
     BodySpec spec{.name = name};
     spec.fixed = true;
