@@ -16,9 +16,9 @@ struct RunPlan {
   Settings settings;
   /// Takes the integrator that integrator_for() names in place of that of the settings.
   bool choose_integrator = true;
-  double step = 1;            ///< as a fraction of the step that the tolerances are for
-  std::optional<double> end;  ///< quantities after it are left out [s]
-  bool limit = false;         ///< hold them to the limit tolerance
+  double step = 1;              ///< as a fraction of the step that the tolerances are for
+  std::optional<double> end{};  ///< quantities after it are left out [s]
+  bool limit = false;           ///< hold them to the limit tolerance
   /// Which quantities are measured; empty: all.
   std::function<bool(const Quantity&)> only = {};
 };
