@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,8 +18,6 @@ struct RunPlan {
   double step = 1;              ///< as a fraction of the step that the tolerances are for
   std::optional<double> end{};  ///< quantities after it are left out [s]
   bool limit = false;           ///< hold them to the limit tolerance
-  /// Which quantities are measured; empty: all.
-  std::function<bool(const Quantity&)> only = {};
 };
 
 enum class Verdict {
