@@ -14,7 +14,9 @@ btQuaternion quaternion(const Quat& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 class BulletMultibody final : public Engine {
  public:
   BulletMultibody(const System& system, const Method& method, double dt)
-      : dt_(dt), world_(&dispatcher_, &broad_phase_, &solver_, &configuration_), link_of_(system.body_count(), -1) {
+      : dt_(dt),
+        world_(&dispatcher_, &broad_phase_, &solver_, &configuration_),
+        link_of_(system.body_count(), -1) {
     if (!system.loops.empty()) throw Unsupported("a mechanism with loops in reduced coordinates");
     world_.setGravity(vector(system.world->gravity()));
     const int links = static_cast<int>(system.tree.size());
@@ -46,7 +48,8 @@ class BulletMultibody final : public Engine {
       const int link = link_of_[b];
       const btTransform& X = body_->getLink(link).m_cachedWorldTransform;
       const btQuaternion q = X.getRotation();
-      const btVector3 &p = X.getOrigin(), w = X.getBasis() * omega[link + 1], v = X.getBasis() * velocity[link + 1];
+      const btVector3 &p = X.getOrigin(), w = X.getBasis() * omega[link + 1],
+                      v = X.getBasis() * velocity[link + 1];
       state.poses[b] = {Quat(q.w(), q.x(), q.y(), q.z()).normalized(), Vec3(p.x(), p.y(), p.z())};
       state.twists[b] = {Vec3(w.x(), w.y(), w.z()), Vec3(v.x(), v.y(), v.z())};
     }
@@ -66,8 +69,8 @@ class BulletMultibody final : public Engine {
     if (joint.kind == JointKind::kBall)
       body_->setupSpherical(i, mass, moments, parent, to_child, from_parent, to_centre, true);
     else if (joint.kind == JointKind::kHinge)
-      body_->setupRevolute(i, mass, moments, parent, to_child, vector(C.q.conjugate() * joint.axis_W), from_parent,
-                           to_centre, true);
+      body_->setupRevolute(i, mass, moments, parent, to_child, vector(C.q.conjugate() * joint.axis_W),
+                           from_parent, to_centre, true);
     else
       body_->setupFixed(i, mass, moments, parent, to_child, from_parent, to_centre);
   }

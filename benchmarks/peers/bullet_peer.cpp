@@ -1,7 +1,6 @@
-#include <btBulletDynamicsCommon.h>
-
 #include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
+#include <btBulletDynamicsCommon.h>
 
 #include "benchmarks/peers/bullet_multibody.h"
 #include "benchmarks/peers/peer.h"
@@ -24,7 +23,8 @@ class BulletEngine final : public Engine {
       solver_ = std::make_unique<btSequentialImpulseConstraintSolver>();
     else
       throw Unsupported("method " + method.name);
-    world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broad_phase_, solver_.get(), &configuration_);
+    world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broad_phase_, solver_.get(),
+                                                       &configuration_);
     world_->setGravity(vector(system.world->gravity()));
     world_->getSolverInfo().m_numIterations = static_cast<int>(method.get("iters", 10));
     world_->getSolverInfo().m_erp = method.get("erp", 0.2);
@@ -43,7 +43,8 @@ class BulletEngine final : public Engine {
     for (std::size_t b = 1; b < bodies_.size(); ++b) {
       const btTransform& X = bodies_[b]->getWorldTransform();
       const btQuaternion q = X.getRotation();
-      const btVector3 &p = X.getOrigin(), &v = bodies_[b]->getLinearVelocity(), &w = bodies_[b]->getAngularVelocity();
+      const btVector3 &p = X.getOrigin(), &v = bodies_[b]->getLinearVelocity(),
+                      &w = bodies_[b]->getAngularVelocity();
       state.poses[b] = {Quat(q.w(), q.x(), q.y(), q.z()).normalized(), Vec3(p.x(), p.y(), p.z())};
       state.twists[b] = {Vec3(w.x(), w.y(), w.z()), Vec3(v.x(), v.y(), v.z())};
     }
@@ -70,7 +71,8 @@ class BulletEngine final : public Engine {
     if (joint.kind == JointKind::kBall)
       joints_.push_back(std::make_unique<btPoint2PointConstraint>(A, B, on_a, on_b));
     else if (joint.kind == JointKind::kHinge)
-      joints_.push_back(std::make_unique<btHingeConstraint>(A, B, on_a, on_b, local(joint.a), local(joint.b)));
+      joints_.push_back(
+          std::make_unique<btHingeConstraint>(A, B, on_a, on_b, local(joint.a), local(joint.b)));
     else
       joints_.push_back(std::make_unique<btFixedConstraint>(
           A, B, btTransform(btQuaternion::getIdentity(), on_a),

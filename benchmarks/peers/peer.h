@@ -18,9 +18,9 @@ enum class JointKind { kBall, kHinge, kFixed };
 struct PeerJoint {
   JointKind kind = JointKind::kBall;
   int a = 0, b = 0;
-  Vec3 p_AP, p_BQ;         ///< anchors, body axes
-  Vec3 p_W;                ///< the same point at the start, world axes
-  Vec3 axis_W{0, 0, 0};    ///< of a hinge, at the start
+  Vec3 p_AP, p_BQ;       ///< anchors, body axes
+  Vec3 p_W;              ///< the same point at the start, world axes
+  Vec3 axis_W{0, 0, 0};  ///< of a hinge, at the start
 };
 
 /// An edge of a spanning tree that starts at the ground: `child` hangs on `parent` by `joint`.
@@ -76,7 +76,7 @@ using Factory = std::function<std::unique_ptr<Engine>(const System& system, cons
 
 /// main() of an engine's program: options --scene, --n, --truck, --method, --rate, --time, --limit.  Runs the
 /// scene, measures every step from the poses alone, and prints one JSON object, also if the run diverged, hit
-/// the limit of wall time, or is not supported.  @returns 0 unless the options are wrong.
+/// the limit of processor time, or is not supported.  @returns 0 unless the options are wrong.
 int peer_main(int argc, char** argv, const std::string& engine, const Factory& factory);
 
 }  // namespace taut::peers
