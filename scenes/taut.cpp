@@ -19,8 +19,8 @@ struct Arguments {
   taut::AccuracyOptions accuracy;
   std::string list_name;
   std::string check_scene;
-  std::string build_dir, bench_only;
-  std::vector<std::string> run_assignments, check_assignments, bench_arguments;
+  taut::BenchOptions bench;
+  std::vector<std::string> run_assignments, check_assignments;
 };
 
 void add_scene(CLI::App& command, std::string& scene, std::vector<std::string>& assignments) {
@@ -96,16 +96,30 @@ void add_accuracy(CLI::App& app, Arguments& arguments) {
   add_output(accuracy, "--csv", options.csv, "write CSV, without FILE in place of the table");
 }
 
+void add_bench(CLI::App& app, taut::BenchOptions& options) {
+  CLI::App& bench = *app.add_subcommand(
+      "bench", "the scenes in all engines that are installed, and the benchmark programs");
+  bench.add_flag("--quick", options.quick, "small scenes only, less than three minutes");
+  bench.add_option("--only", options.only, "scenes, or benchmark programs, with this in their name");
+  bench
+      .add_option("--results", options.results,
+                  "folder for JSON, page and pictures; default: bench in the build")
+      ->type_name("DIR");
+  bench
+      .add_option("--compare", options.compare, "results of an earlier run; fails if taut has become slower")
+      ->type_name("OLD.json");
+  bench.add_option("--factor", options.factor, "how much slower is too slow; default 1.5");
+  bench.add_option("--build-dir", options.build_dir, "where they were built; default: beside the program");
+  bench.add_option("arguments", options.arguments, "after --: passed to each benchmark program");
+}
+
 void add_others(CLI::App& app, Arguments& arguments) {
   CLI::App& check =
       *app.add_subcommand("check", "look for mistakes in a scene; count freedoms, name redundant rows");
   add_scene(check, arguments.check_scene, arguments.check_assignments);
   CLI::App& list = *app.add_subcommand("list", "list the scenes with their parameters");
   list.add_option("scene", arguments.list_name, "only this one");
-  CLI::App& bench = *app.add_subcommand("bench", "run the benchmarks");
-  bench.add_option("--build-dir", arguments.build_dir, "where they were built; default: beside the program");
-  bench.add_option("--only", arguments.bench_only, "those with this in their name");
-  bench.add_option("arguments", arguments.bench_arguments, "after --: passed to each benchmark");
+  add_bench(app, arguments.bench);
 }
 
 int dispatch(const CLI::App& app, Arguments& arguments) {
@@ -125,7 +139,7 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
     return taut::kExitSuccess;
   }
   if (app.got_subcommand("accuracy")) return taut::accuracy_command(arguments.accuracy);
-  return taut::bench_command(arguments.build_dir, arguments.bench_only, arguments.bench_arguments);
+  return taut::bench_command(arguments.bench);
 }
 
 }  // namespace
