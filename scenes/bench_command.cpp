@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// Wall time that a run gets beyond its processor time before it is killed, as a factor and in all [s].
-constexpr double kPatience = 4, kStartUp = 60;
+constexpr double kPatience = 4, kStartUp = 30;
 
 const std::vector<std::string> kEngines = {"taut", "ode", "bullet", "mujoco", "simbody", "dart"};
 
@@ -46,7 +46,10 @@ Json measure(const fs::path& folder, const BenchRun& run) {
   if (run.truck) arguments.emplace_back("--truck");
   const ChildResult child =
       run_child(folder / ("peer_" + run.engine), arguments, true, kStartUp + kPatience * run.limit);
-  Json json = Json::parse(child.output, nullptr, false);
+  // Some engines print while they build.
+  const std::size_t line = child.output.rfind("\n{");
+  Json json =
+      Json::parse(line == std::string::npos ? child.output : child.output.substr(line), nullptr, false);
   if (!child.good() || json.is_discarded()) {
     json = {{"engine", run.engine}, {"method", run.method},      {"scene", run.scene},
             {"n", run.n},           {"truck", run.truck},        {"rate_hz", run.rate},
@@ -109,7 +112,40 @@ Json profile(const fs::path& program, bool quick) {
   return profiles;
 }
 
-BenchResults run_plan(const fs::path& folder, const BenchOptions& options) {
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream out(file);
+  if (!(out << text << std::flush)) fail("--results", "cannot write the file", file.string());
+}
+
+std::string command_of(const BenchOptions& options) {
+  return std::string("taut bench") + (options.quick ? " --quick" : "") +
+         (options.only.empty() ? "" : " --only '" + options.only + "'") +
+         (options.limit > 0 ? " --limit " + shortest(options.limit) : "");
+}
+
+std::string name_of(const BenchOptions& options) { return options.quick ? "quick" : "engines"; }
+
+void write_results(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
+  const std::string name = name_of(options);
+  fs::create_directories(folder);
+  write(folder / (name + ".json"), results.dump(1) + '\n');
+  write(folder / (name + ".md"), bench_page(results, command_of(options)));
+}
+
+/// Pictures, if gnuplot is there.
+void draw(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
+  const std::string name = name_of(options);
+  fs::create_directories(folder / name);
+  const fs::path script = folder / name / "plots.gp";
+  write(script, bench_plots(results, (folder / name).string()));
+  const ChildResult plots = run_child("/usr/bin/env", {"gnuplot", script.string()}, false, 60);
+  if (!plots.good()) std::cerr << "taut bench: no pictures: gnuplot " << plots.message() << '\n';
+  fs::remove(script);
+  std::cerr << "taut bench: " << (folder / (name + ".md")).string() << '\n';
+}
+
+/// Results are written after each scene, so that a run that is stopped leaves what it has.
+BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const fs::path& out) {
   BenchResults results{
       {"schema", "taut-bench/1"}, {"machine", machine_description()}, {"quick", options.quick}};
   std::vector<std::string> built;
@@ -121,46 +157,33 @@ BenchResults run_plan(const fs::path& folder, const BenchOptions& options) {
   std::vector<BenchRun> plan = bench_plan(options.quick, built);
   std::erase_if(plan,
                 [&](const BenchRun& r) { return r.scene_label().find(options.only) == std::string::npos; });
+  if (options.limit > 0)
+    for (BenchRun& run : plan) run.limit = options.limit;
+  results["planned_runs"] = plan.size();
   std::fprintf(stderr, "taut bench: %zu runs, %.0f minutes at most; engines:", plan.size(),
                longest_time(plan) / 60);
   for (const std::string& engine : built) std::fprintf(stderr, " %s", engine.c_str());
   std::fprintf(stderr, "\n");
   References references(folder / "peers");
   results["runs"] = Json::array();
+  results["profiles"] =
+      options.only.empty() ? profile(folder / "work_profile", options.quick) : Json::array();
   for (std::size_t i = 0; i < plan.size(); ++i) {
     Json json = measure(folder / "peers", plan[i]);
     references.add_distance(plan[i], json);
     show(plan[i], json, i + 1, plan.size());
     results["runs"].push_back(std::move(json));
+    if (i + 1 == plan.size() || plan[i + 1].scene_label() != plan[i].scene_label())
+      write_results(results, options, out);
   }
-  results["profiles"] =
-      options.only.empty() ? profile(folder / "work_profile", options.quick) : Json::array();
   return results;
-}
-
-void write(const fs::path& file, const std::string& text) {
-  std::ofstream out(file);
-  if (!(out << text << std::flush)) fail("--results", "cannot write the file", file.string());
-}
-
-/// JSON, page and, if gnuplot is there, pictures.
-void write_results(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
-  const std::string name = options.quick ? "quick" : "engines";
-  fs::create_directories(folder / name);
-  write(folder / (name + ".json"), results.dump(1) + '\n');
-  write(folder / (name + ".md"), bench_page(results, options.quick ? "taut bench --quick" : "taut bench"));
-  const fs::path script = folder / name / "plots.gp";
-  write(script, bench_plots(results, (folder / name).string()));
-  const ChildResult plots = run_child("/usr/bin/env", {"gnuplot", script.string()}, false, 60);
-  if (!plots.good()) std::cerr << "taut bench: no pictures: gnuplot " << plots.message() << '\n';
-  fs::remove(script);
-  std::cerr << "taut bench: " << (folder / (name + ".md")).string() << '\n';
 }
 
 /// @returns how many runs of taut failed or became slower.
 int run_engines(const fs::path& folder, const fs::path& build, const BenchOptions& options) {
-  const BenchResults results = run_plan(folder, options);
-  write_results(results, options, options.results.empty() ? build / "bench" : fs::path(options.results));
+  const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
+  const BenchResults results = run_plan(folder, options, out);
+  draw(results, options, out);
   int bad = 0;
   for (const Json& run : results.at("runs")) {
     const std::string status = run.value("status", "");

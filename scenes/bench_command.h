@@ -13,6 +13,7 @@ struct BenchOptions {
   bool quick = false;
   std::string results;  ///< folder for JSON, Markdown and plots; empty: bench/ in the build folder
   std::string compare;  ///< JSON of an earlier run
+  double limit = 0;     ///< processor time of each run [s]; 0: that of the plan
   double factor = 1.5;  ///< a run of taut that takes so many times as long as then is a regression
 };
 

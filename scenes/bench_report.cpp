@@ -205,7 +205,8 @@ std::string bench_page(const BenchResults& results, const std::string& command) 
   std::string text = "# Results of `" + command + "`\n\n";
   for (const auto& [key, value] : machine.items())
     text += "- " + key + ": " + (value.is_string() ? value.get<std::string>() : value.dump()) + '\n';
-  text += "- engines: ";
+  text += format("- runs: %zu of %d\n- engines: ", results.at("runs").size(),
+                 results.at("planned_runs").get<int>());
   for (const auto& [engine, there] : results.at("engines").items())
     text += engine + (there.get<bool>() ? "; " : " (not installed); ");
   text +=

@@ -108,6 +108,7 @@ void add_bench(CLI::App& app, taut::BenchOptions& options) {
   bench
       .add_option("--compare", options.compare, "results of an earlier run; fails if taut has become slower")
       ->type_name("OLD.json");
+  bench.add_option("--limit", options.limit, "processor time of each run")->type_name("SECONDS");
   bench.add_option("--factor", options.factor, "how much slower is too slow; default 1.5");
   bench.add_option("--build-dir", options.build_dir, "where they were built; default: beside the program");
   bench.add_option("arguments", options.arguments, "after --: passed to each benchmark program");
