@@ -36,9 +36,12 @@ class Curve {
 
 /// lower ≤ θ ≤ upper, angles with their turns: an upper limit of 10π is five turns.  An impact at a limit
 /// reverses the rate by the factor of restitution, θ̇⁺ = −e θ̇⁻.
+/// With a compliance the limit is a spring of stiffness 1/compliance and a damper that act beyond it.
 struct AxisLimits {
   double lower = -kUnlimited, upper = kUnlimited;
   double restitution = 0;
+  double compliance = 0;  ///< [rad/(N·m) or m/N]; then the restitution must be 0
+  double damping = 0;     ///< [N·m·s/rad or N·s/m], with a compliance
 };
 
 /// Drives the axis with at most the available force.
@@ -58,6 +61,9 @@ struct AxisFriction {
   double static_friction = 0;   ///< [N·m or N]
   double dynamic_friction = 0;  ///< [N·m or N], at most static_friction
   double viscous = 0;           ///< [N·m·s/rad or N·s/m]
+  /// Static and dynamic friction also grow by this times the force [N] that the joint's translation rows
+  /// carry: μ r [m] for a pin of radius r, μ for a slider.
+  double per_load = 0;
 };
 
 /// Spring and damper: force −k (θ − rest) − c θ̇, or −table(θ − rest) − c θ̇.
@@ -81,9 +87,11 @@ struct AxisProperties {
 
 /// Potential energy of the spring at θ [J]: ½ k (θ − rest)², or the integral of its table from rest.
 double spring_energy(const AxisSpring& spring, double theta);
+/// Of limits with compliance, beyond which θ is [J].
+double limit_energy(const AxisLimits& limits, double theta);
 
 /// @throws std::invalid_argument naming `axis`, what is wrong and the value: limits that are crossed or not
-/// numbers, a restitution outside [0, 1], a target that is not finite, a force, speed, stiffness or friction
+/// numbers, a restitution outside [0, 1] or beside a compliance, damping without compliance, a target that is not finite, a force, speed, stiffness or friction
 /// that is negative, dynamic above static friction, a force curve with negative force or speed, a spring with
 /// both stiffness and table.
 void check_axis(std::string_view axis, const AxisLimits& limits);

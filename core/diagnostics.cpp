@@ -8,7 +8,7 @@ namespace {
 Gap gap_of(const Rows& rows, const Rows::JointRows& joint, std::span<const double> phi) {
   double metres2 = 0, radians2 = 0;
   for (int r = joint.first_row; r < joint.first_row + joint.equality_count; ++r)
-    (rows.row(r).angular ? radians2 : metres2) += phi[r] * phi[r];
+    if (rows.is_equality(r)) (rows.row(r).angular ? radians2 : metres2) += phi[r] * phi[r];
   return {std::sqrt(metres2), std::sqrt(radians2)};
 }
 

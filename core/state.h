@@ -75,9 +75,11 @@ struct Configuration {
   std::span<const Pose> poses;
   double time = 0;
   std::span<const double> axes{};
+  std::span<const Pose> from{};  ///< the poses at which `axes` holds; empty: `poses` themselves
 
-  Configuration(std::span<const Pose> all_poses, double at_time = 0, std::span<const double> axes_near = {})
-      : poses(all_poses), time(at_time), axes(axes_near) {}
+  Configuration(std::span<const Pose> all_poses, double at_time = 0, std::span<const double> axes_near = {},
+                std::span<const Pose> axes_from = {})
+      : poses(all_poses), time(at_time), axes(axes_near), from(axes_from) {}
   Configuration(const std::vector<Pose>& all_poses) : poses(all_poses) {}
   Configuration(const State& state) : poses(state.poses), time(state.time), axes(state.axes) {}
 
