@@ -28,6 +28,13 @@ class AxisForces {
              std::span<const double> inertia);
   /// Back to the start of the step.
   void roll_back();
+  /// Friction of axes that an old system had too holds where it held.
+  void inherit(const AxisForces& old);
+  /// The axes and softened rows of a joint give no force any more.
+  void release(JointId joint);
+  /// Loads by which friction grows, from the impulses of a stage; true if a bound has changed by more than the
+  /// tolerance of impulses, so that the stage must be solved again.
+  bool update_loads(const Rows& rows, std::span<const double> jacobian, std::span<const double> lambda);
 
   /// Laws of the axis rows for the first kick; those of other rows stay.  `mean_rates`: the best estimate, by
   /// which torque–speed curves are read.
@@ -75,6 +82,9 @@ class AxisForces {
     double theta0 = 0, rate0 = 0;
     double spring = 0, damping = 0;  // given by the first kick: they are given again
     bool implicit_damping = false;   // stiff dampers act on θ̇(q₁) instead
+    double soft_limit = 0;           // of a limit with compliance, given by the first kick
+    double limit_level = 0, limit_slope = 0;
+    double load = 0;  // impulse of the joint's force in this stage
     // The steps of the present law.
     double motor_at = 0, motor_force = 0, friction_at = 0, friction_force = 0, lower_at = 0, upper_at = 0;
     double lower_back = 0, upper_back = 0;  // what limits gave in the first kick and may take back
@@ -96,9 +106,19 @@ class AxisForces {
   double motor_force(const AxisMotor& motor, double rate) const;
   RowLaw law_of(Axis& axis, const AxisProperties& properties) const;
   void add(AxisReport& report, int axis, double lambda, double w, double rate) const;
-  const AxisProperties& properties(std::size_t i) const { return world_.axis_properties(rows_[i].axis); }
+  const AxisProperties& properties(std::size_t i) const {
+    return rows_[i].axis.axis < 0 ? softened_[i] : world_.axis_properties(rows_[i].axis);
+  }
+  bool is_rigid_limit(std::size_t i) const {
+    return !released_[i] && properties(i).limits && properties(i).limits->compliance == 0;
+  }
+  void soften_limit(Axis& axis, const AxisLimits& limits, double mean_rate) const;
+  void read_compliances();
 
   const World& world_;
+  std::vector<AxisProperties> softened_;  // springs of softened rows, by row; empty if there are none
+  std::vector<char> released_, angular_;
+  int axis_version_ = -1;
   std::vector<Rows::AxisRow> rows_;
   std::vector<Axis> axes_, before_;
   std::vector<Impact> impacts_;

@@ -40,7 +40,13 @@ Wrench operator*(double s, const Wrench& a) { return {s * a.torque, s * a.force}
 }  // namespace
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
-    : world_(world), system_(system), settings_(settings), axes_(world, system.rows()), active_(system) {
+    : world_(world),
+      system_(system),
+      settings_(settings),
+      breaking_(world, system.rows()),
+      has_drivers_(system.rows().depends_on_time()),
+      axes_(world, system.rows()),
+      active_(system) {
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &forces_, &free_momenta_, &kicked_, &joint_impulse_, &move_})
     wrenches->resize(bodies);
@@ -132,7 +138,8 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     }
   }
   report.tension_number = std::max(report.tension_number, omega_ * std::abs(h));
-  if (settings_.report_energy) account_for_kick(report);
+  works_before_ = works_of(report);
+  if (settings_.report_energy) account_for_kick(h, report);
   if (!axes_.empty()) keep_first_kick();
 
   std::swap(state_.poses, poses_);  // poses_ now holds the old ones
@@ -147,15 +154,21 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     return Outcome::kStalled;
   }
   if (!finite()) return Outcome::kNotFinite;
-  system_.rows().update_axes(state_, state_.axes);
+  if (breaking_.possible() && break_joints(h, report)) return Outcome::kOverload;
+  system_.rows().update_axes(end_of_step(0), state_.axes);
   if (!axes_.empty()) finish_axes(report);
   if (settings_.report_energy) {
     for (int b = 0; b < world_.body_count(); ++b)
       joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
     report.constraint_work += work(state_.poses, kicked_, momenta_, joint_impulse_);
+    account(state_.poses, kicked_, momenta_, forces_, system_.jacobian(), mu_, h, report);
   }
 
   keep_multipliers(h);
+  if (breaking_.due()) {
+    release_overloaded();
+    system_.factorize(report.times);
+  }
   ++report.substeps;
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
@@ -196,6 +209,7 @@ void Rattle::restore(StepReport& report) {
 
 /// Back to the start of a step whose positions were already accepted.
 void Rattle::roll_back(StepReport& report) {
+  set_works(report, works_before_);
   std::swap(state_.poses, poses_);
   momenta_ = start_momenta_;
   state_.time = start_time_;
@@ -249,6 +263,7 @@ bool Rattle::close_positions(double h, StepReport& report) {
       kick_and_drift(h);
       system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
     }
+    clear_broken_rows(phi_);
     const double gap = max_abs(phi_);
     if (!std::isfinite(gap)) return false;
     if (gap <= settings_.position_tolerance) {
@@ -402,15 +417,19 @@ void Rattle::prepare_stiffness(double h) {
   }
 }
 
-void Rattle::account_for_kick(StepReport& report) {
+void Rattle::account_for_kick(double h, StepReport& report) {
+  const std::span<const double> J =
+      refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian();
   if (!implicit_) {
     report.constraint_work += work(state_.poses, start_momenta_, kicked_, joint_impulse_);
+    account(state_.poses, start_momenta_, kicked_, forces_, J, lambda_, h, report);
     return;
   }
   // What the filter takes away is booked apart, as the work of an impulse of its own.
   std::vector<Wrench>& raw = free_momenta_;
   for (int b = 0; b < world_.body_count(); ++b) raw[b] = raw[b] + joint_impulse_[b];
   report.constraint_work += work(state_.poses, start_momenta_, raw, joint_impulse_);
+  account(state_.poses, start_momenta_, raw, forces_, J, lambda_, h, report);
   for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = kicked_[b] - raw[b];
   report.stiffness_work += work(state_.poses, raw, kicked_, joint_impulse_);
 }
