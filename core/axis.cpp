@@ -95,6 +95,8 @@ void check_axis(std::string_view axis, const AxisLimits& limits) {
 
 void check_axis(std::string_view axis, const AxisMotor& motor) {
   require_finite(of("motor target", axis), motor.target);
+  if (motor.mode == AxisMotor::Mode::kTrajectory && !motor.trajectory)
+    fail(of("motor trajectory", axis), "must be given in its mode", "null");
   require_bound(of("motor max_force", axis), motor.max_force);
   if (!(motor.max_speed > 0)) fail(of("motor max_speed", axis), "must be positive", motor.max_speed);
   if (!motor.force_of_speed) return;

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/motion_point.h"
+
 /// What can act along a free axis of a joint.  An axis is a scalar coordinate θ(q) [rad or m] with rate θ̇;
 /// forces along it are torques [N·m] about an angle and forces [N] along a displacement.  A positive one acts
 /// on body B towards larger θ, and the opposite on A.
@@ -46,13 +48,18 @@ struct AxisLimits {
 
 /// Drives the axis with at most the available force.
 struct AxisMotor {
-  enum class Mode { kVelocity, kPosition };
+  enum class Mode {
+    kVelocity,    ///< θ̇ = target
+    kPosition,    ///< θ = target
+    kTrajectory,  ///< θ = trajectory(t)
+  };
   Mode mode = Mode::kVelocity;
   double target = 0;              ///< θ̇ [rad/s or m/s], or θ [rad or m] with its turns
   double max_force = kUnlimited;  ///< [N·m or N]
-  double max_speed = kUnlimited;  ///< position mode: how fast it goes to its target [rad/s or m/s]
+  double max_speed = kUnlimited;  ///< position and trajectory: how fast it goes to its target [rad/s or m/s]
   /// |θ̇| → available force, held beyond its ends; the smaller of it and max_force counts.
   std::optional<Curve> force_of_speed{};
+  Motion trajectory{};  ///< θ over time, in that mode
 };
 
 /// Coulomb and viscous friction: sticks up to `static_friction`, then slides with `dynamic_friction`;
@@ -91,7 +98,7 @@ double spring_energy(const AxisSpring& spring, double theta);
 double limit_energy(const AxisLimits& limits, double theta);
 
 /// @throws std::invalid_argument naming `axis`, what is wrong and the value: limits that are crossed or not
-/// numbers, a restitution outside [0, 1] or beside a compliance, damping without compliance, a target that is not finite, a force, speed, stiffness or friction
+/// numbers, a restitution outside [0, 1] or beside a compliance, damping without compliance, a target that is not finite, a trajectory that is missing, a force, speed, stiffness or friction
 /// that is negative, dynamic above static friction, a force curve with negative force or speed, a spring with
 /// both stiffness and table.
 void check_axis(std::string_view axis, const AxisLimits& limits);

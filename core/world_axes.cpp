@@ -57,7 +57,7 @@ void World::set_limits(AxisId id, std::optional<AxisLimits> limits) {
   set_property(id, &AxisProperties::limits, std::move(limits));
 }
 void World::set_motor(AxisId id, std::optional<AxisMotor> motor) {
-  if (motor && motor->mode == AxisMotor::Mode::kPosition) require_position(id, "position motor");
+  if (motor && motor->mode != AxisMotor::Mode::kVelocity) require_position(id, "position motor");
   set_property(id, &AxisProperties::motor, std::move(motor));
 }
 void World::set_friction(AxisId id, std::optional<AxisFriction> friction) {
@@ -71,6 +71,8 @@ void World::set_spring(AxisId id, std::optional<AxisSpring> spring) {
 void World::set_motor_target(AxisId id, double target) {
   AxisProperties& properties = axis_properties_[axis_index(id)];
   if (!properties.motor) fail("motor target of " + axis_label(id), "the axis has no motor", target);
+  if (properties.motor->mode == AxisMotor::Mode::kTrajectory)
+    fail("motor target of " + axis_label(id), "the motor follows a trajectory", target);
   if (!std::isfinite(target)) fail("motor target of " + axis_label(id), "must be finite", target);
   properties.motor->target = target;
   ++axis_version_;

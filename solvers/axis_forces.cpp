@@ -61,9 +61,11 @@ void AxisForces::start(std::span<const double> theta, std::span<const double> ra
   before_ = axes_;
 }
 
-void AxisForces::begin(double h, std::span<const double> theta, std::span<const double> rates,
+void AxisForces::begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
                        std::span<const double> inertia) {
   h_ = h;
+  end_time_ = time + h;
+  finite_ = true;
   read_compliances();
   std::copy(axes_.begin(), axes_.end(), before_.begin());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -174,12 +176,21 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
     if (p.motor) {
       const AxisMotor& m = *p.motor;
       axis.motor_force = half * motor_force(m, mean_rates[rows_[i].row]);
+      const double aim = m.mode == AxisMotor::Mode::kTrajectory ? m.trajectory(end_time_).value : m.target;
       axis.motor_at = m.mode == AxisMotor::Mode::kVelocity
                           ? m.target
-                          : std::clamp((m.target - axis.theta0) / h_, -m.max_speed, m.max_speed);
+                          : std::clamp((aim - axis.theta0) / h_, -m.max_speed, m.max_speed);
+      require_finite_target(axis);
     }
     laws[rows_[i].row] = law_of(axis, p);
   }
+}
+
+/// A law cannot have a breakpoint that is not a number.
+void AxisForces::require_finite_target(Axis& axis) {
+  if (std::isfinite(axis.motor_at)) return;
+  finite_ = false;
+  axis.motor_at = axis.motor_force = 0;
 }
 
 /// Beyond a limit with compliance a spring acts, as those of axes do, wherever the middle of the step is.
@@ -322,12 +333,13 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
       if (axis.lower_at > axis.upper_at) axis.lower_at = axis.upper_at = 0;  // locked between both
     }
     if (p.motor) {
-      const double left = p.motor->target - theta1;
-      if (p.motor->mode == AxisMotor::Mode::kVelocity)
-        axis.motor_at = p.motor->target;
-      else
-        axis.motor_at =
-            std::abs(left) <= kTouch ? 0 : std::clamp(left / h_, -p.motor->max_speed, p.motor->max_speed);
+      const bool follows = p.motor->mode == AxisMotor::Mode::kTrajectory;
+      const MotionPoint aim = follows ? p.motor->trajectory(end_time_) : MotionPoint{p.motor->target};
+      const double left = aim.value - theta1, back = std::abs(left) <= kTouch ? 0 : left / h_;
+      axis.motor_at = p.motor->mode == AxisMotor::Mode::kVelocity
+                          ? p.motor->target
+                          : std::clamp(aim.rate + back, -p.motor->max_speed, p.motor->max_speed);
+      require_finite_target(axis);
     }
     laws[rows_[i].row] = law_of(axis, p);
   }

@@ -23,9 +23,11 @@ class AxisForces {
   /// A new start: friction of axes at rest holds them where they are.  `theta` and `rates` have one entry a
   /// row, as in all functions below.
   void start(std::span<const double> theta, std::span<const double> rates);
-  /// A step of h from θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row.
-  void begin(double h, std::span<const double> theta, std::span<const double> rates,
+  /// A step of h from a time with θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row.
+  void begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
              std::span<const double> inertia);
+  /// False if a motor's trajectory is not at the end of the step; the motor is left out then.
+  bool finite() const { return finite_; }
   /// Back to the start of the step.
   void roll_back();
   /// Friction of axes that an old system had too holds where it held.
@@ -114,6 +116,7 @@ class AxisForces {
   }
   void soften_limit(Axis& axis, const AxisLimits& limits, double mean_rate) const;
   void read_compliances();
+  void require_finite_target(Axis& axis);
 
   const World& world_;
   std::vector<AxisProperties> softened_;  // springs of softened rows, by row; empty if there are none
@@ -125,7 +128,8 @@ class AxisForces {
   int impact_count_ = 0;  // looked for in this step
   bool struck_ = false;
   std::vector<AxisReport> reports_, first_kick_;
-  double h_ = 0;
+  double h_ = 0, end_time_ = 0;
+  bool finite_ = true;
 };
 
 }  // namespace taut

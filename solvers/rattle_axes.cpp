@@ -33,7 +33,7 @@ void Rattle::begin_axes(double h) {
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
   system_.row_inertias(inertia_);
-  axes_.begin(h, start_theta_, rates_, inertia_);
+  axes_.begin(state_.time, h, start_theta_, rates_, inertia_);
 }
 
 /// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is an active
@@ -50,6 +50,10 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     }
     clear_axis_rows(phi_);
     renew_position_laws();
+    if (!axes_.finite()) {
+      phi_[0] = std::numeric_limits<double>::quiet_NaN();  // for the diagnosis
+      return false;
+    }
     const double error = iteration > 0 ? law_error(h) : std::numeric_limits<double>::infinity();
     if (error <= settings_.position_tolerance) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
