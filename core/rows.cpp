@@ -48,6 +48,10 @@ Rows::Rows(const World& world, AxisRows axis_rows) {
       axes.rows_ = this;
       joint_rows = axis_counter.row_in_joint_;
     }
+    if (joint_rows == 0) {  // no sides either
+      joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0});
+      continue;
+    }
     const int side_count = static_cast<int>(joint.bodies().size());
     joints_.push_back({row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_});
     for (BodyId body : joint.bodies()) {

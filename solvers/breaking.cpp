@@ -13,6 +13,8 @@ constexpr double kLeeway = 1e-9;
 /// Parts of a sub-step next to its ends in which a break is at that end.
 constexpr double kTogether = 1e-3;
 constexpr int kMostShortened = 4;
+/// A load that grows by more than this part from one sub-step to the next is no straight line.
+constexpr double kSmooth = 0.25;
 
 }  // namespace
 
@@ -46,43 +48,54 @@ bool Breaking::check(const ConstraintSystem& system, const State& end, std::span
   loads_.assign(breakable.size(), {});
   overloaded_.clear();
   time_to_break_ = 0;
-  double worst = 1 + kLeeway, first = h;
-  const bool interpolate = has_loads_ && last_loads_.size() == loads_.size() && shortened_ < kMostShortened;
+  const bool interpolate = has_loads_ && last_loads_.size() == loads_.size() && due_.empty() &&
+                           shortened_ < kMostShortened;
+  double worst = 1 + kLeeway, first = (1 - kTogether) * h;
   for (std::size_t i = 0; i < breakable.size(); ++i) {
     if (is_out(breakable[i].first)) continue;
     loads_[i] = load_of(system, end, impulses, breakable[i], h);
-    const double ratio = loads_[i].ratio;
-    if (!(ratio > 1 + kLeeway)) continue;
-    // Straight line between the middles of the last sub-step and this one.
-    const double before = interpolate ? last_loads_[i].ratio : 1;
-    const double reached =
-        before < 1 ? (1 - before) / (ratio - before) * 0.5 * (last_h_ + h) - 0.5 * last_h_ : 0;
-    first = std::min(first, std::max(0.0, reached));
-    worst = std::max(worst, ratio);
+    worst = std::max(worst, loads_[i].ratio);
+    if (interpolate) first = std::min(first, time_to_limit(i, h));
   }
-  if (worst <= 1 + kLeeway) {
+  if (worst <= 1 + kLeeway && first >= (1 - kTogether) * h) {
     last_loads_ = loads_;
     last_h_ = h;
     has_loads_ = true;
     return false;
   }
-  for (std::size_t i = 0; i < breakable.size(); ++i)
-    if (loads_[i].ratio >= (1 - kAlike) * worst) overloaded_.push_back(breakable[i].first);
   due_.clear();
-  if (interpolate && first > kTogether * h && first < (1 - kTogether) * h) {
+  if (first > kTogether * h && first < (1 - kTogether) * h) {
     time_to_break_ = first;
-    due_ = overloaded_;
-    overloaded_.clear();
+    due_time_ = end.time - h + first;
+    for (std::size_t i = 0; i < breakable.size(); ++i)
+      if (!is_out(breakable[i].first) && time_to_limit(i, h) <= first + kTogether * h)
+        due_.push_back(breakable[i].first);
     ++shortened_;
+    return true;
   }
+  for (std::size_t i = 0; i < breakable.size(); ++i)
+    if (loads_[i].ratio >= (1 - kAlike) * std::max(1.0, worst)) overloaded_.push_back(breakable[i].first);
+  if (worst <= 1 + kLeeway)  // reached at the very start
+    for (std::size_t i = 0; i < breakable.size(); ++i)
+      if (!is_out(breakable[i].first) && time_to_limit(i, h) <= kTogether * h)
+        overloaded_.push_back(breakable[i].first);
   return true;
 }
 
-bool Breaking::due() {
-  if (due_.empty()) return false;
-  overloaded_ = due_;
+/// When the straight line through the middles of the last sub-step and this one comes to the limit, from the
+/// start of this one; h if it does not, or if the load jumped.
+double Breaking::time_to_limit(std::size_t i, double h) const {
+  const double before = last_loads_[i].ratio, now = loads_[i].ratio;
+  if (!(before < 1 && now > before) || now - before > kSmooth * now) return h;
+  return std::clamp((1 - before) / (now - before) * 0.5 * (last_h_ + h) - 0.5 * last_h_, 0.0, h);
+}
+
+/// The rest of a step may have been cut otherwise in between.
+bool Breaking::due(double time) {
+  overloaded_.clear();
+  if (!due_.empty() && std::abs(time - due_time_) <= 1e-9 * std::max(1.0, std::abs(time))) overloaded_ = due_;
   due_.clear();
-  return true;
+  return !overloaded_.empty();
 }
 
 void Breaking::release(const State& state) {
@@ -97,7 +110,8 @@ void Breaking::release(const State& state) {
   for (const JointId joint : overloaded_) {
     const auto at = std::find_if(breakable.begin(), breakable.end(), [&](const auto& b) { return b.first == joint; });
     const Load& load = loads_[at - breakable.begin()];
-    leave({.joint = joint, .force = load.force, .torque = load.torque});
+    const double scale = load.ratio < 1 ? 1 / load.ratio : 1;  // the mean up to the break is less than the load there
+    leave({.joint = joint, .force = scale * load.force, .torque = scale * load.torque});
   }
   for (std::size_t k = 0; k < events_.size(); ++k)  // grows while it goes
     for (int j = 0; j < world_.joint_count(); ++j) {

@@ -22,8 +22,9 @@ class Breaking {
   bool check(const ConstraintSystem& system, const State& end, std::span<const double> impulses, double h);
   double time_to_break() const { return time_to_break_; }
   std::span<const JointId> overloaded() const { return overloaded_; }
-  /// Joints whose time has come with the end of this accepted sub-step; moves them to overloaded().
-  bool due();
+  /// Joints whose time has come with the end of an accepted sub-step; moves them to overloaded().
+  bool due(double time);
+  bool any_due() const { return !due_.empty(); }
   /// The overloaded joints, and those that couple their axes, are out from the state on.
   void release(const State& state);
 
@@ -41,12 +42,13 @@ class Breaking {
   Load load_of(const ConstraintSystem& system, const State& end, std::span<const double> impulses,
                const std::pair<JointId, BreakLimits>& joint, double h) const;
   bool is_out(JointId joint) const;
+  double time_to_limit(std::size_t i, double h) const;
 
   const World& world_;
   const Rows& all_rows_;
   std::vector<Load> loads_, last_loads_;  // in the order of World::breakable()
   bool has_loads_ = false;                // last_loads_ are those of the sub-step just before
-  double last_h_ = 0, time_to_break_ = 0;
+  double last_h_ = 0, time_to_break_ = 0, due_time_ = 0;
   int shortened_ = 0;  // sub-steps that were shortened to a break since the last release
   std::vector<JointId> overloaded_, due_;
   std::vector<int> rows_;

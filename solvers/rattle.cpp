@@ -165,7 +165,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   }
 
   keep_multipliers(h);
-  if (breaking_.due()) {
+  if (breaking_.any_due() && breaking_.due(state_.time)) {
     release_overloaded();
     system_.factorize(report.times);
   }
