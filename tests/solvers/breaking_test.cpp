@@ -178,7 +178,7 @@ TEST(AttachDetach, KeepsMomentaAndBooksTheEnergy) {
   for (int i = 0; i < 50; ++i) {
     ASSERT_TRUE(simulator.step(1e-3).ok());
     const StepReport& r = simulator.report();
-    ASSERT_LE(r.gap.metres, 1e-10);
+    ASSERT_LE(r.gap.metres, 1e-9);
     ASSERT_NEAR(r.ledger.start + r.ledger.total(), r.energy(), 1e-13);
     if (i == 0) {
       EXPECT_EQ(r.analyses, 1);
