@@ -9,7 +9,7 @@ namespace {
 Gap squared_gap(const Rows& rows, const Rows::JointRows& joint, std::span<const double> phi) {
   Gap square;
   for (int r = joint.first_row; r < joint.first_row + joint.equality_count; ++r)
-    (rows.row(r).angular ? square.radians : square.metres) += phi[r] * phi[r];
+    if (rows.is_equality(r)) (rows.row(r).angular ? square.radians : square.metres) += phi[r] * phi[r];
   return square;
 }
 

@@ -6,9 +6,9 @@
 
 namespace taut {
 
-std::vector<int> AxisSink::bodies() const {
+std::vector<int> detail::body_indices(const Joint* joint) {
   std::vector<int> indices;
-  for (BodyId body : joint_->bodies()) indices.push_back(body.index);
+  for (BodyId body : joint->bodies()) indices.push_back(body.index);
   return indices;
 }
 
@@ -34,6 +34,10 @@ Rows::Rows(const World& world, AxisRows axis_rows) {
   sides_.reserve(2 * joint_count);
   for (int j = 0; j < joint_count; ++j) {
     const Joint& joint = world.joint(JointId{j});
+    if (!world.is_attached(JointId{j})) {
+      joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0});
+      continue;
+    }
     RowSink counter;
     joint.append_rows(counter);
     AxisSink axes;
@@ -49,6 +53,10 @@ Rows::Rows(const World& world, AxisRows axis_rows) {
       axes.rows_ = this;
       joint_rows = axis_counter.row_in_joint_;
     }
+    if (joint_rows == 0) {  // no sides either
+      joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0});
+      continue;
+    }
     const int side_count = static_cast<int>(joint.bodies().size());
     joints_.push_back({row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_});
     for (BodyId body : joint.bodies()) {
@@ -58,6 +66,7 @@ Rows::Rows(const World& world, AxisRows axis_rows) {
     RowSink sink;
     sink.rows_ = this;
     sink.joint_ = j;
+    if (axis_rows == AxisRows::kIncluded) world.soften(JointId{j}, sink);
     joint.append_rows(sink);
     if (any_axis) joint.append_axes(axes);
   }

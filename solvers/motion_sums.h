@@ -15,7 +15,7 @@ inline void sum_motion(const State& state, std::span<const Wrench> momenta, Step
   for (std::size_t b = 0; b < momenta.size(); ++b) {
     const Wrench& p = momenta[b];
     const Twist& V = state.twists[b];
-    energy += 0.5 * (p.torque.dot(V.w) + p.force.dot(V.v));
+    energy += 0.5 * dot(p, V);
     linear += p.force;
     angular += state.poses[b].p.cross(p.force) + p.torque;
   }

@@ -1,6 +1,5 @@
 #include "solvers/rattle.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,7 +9,6 @@
 #include "solvers/free_flow.h"
 #include "solvers/max_abs.h"
 #include "solvers/stopwatch.h"
-#include "solvers/tension.h"
 
 namespace taut {
 namespace {
@@ -34,14 +32,16 @@ constexpr double kMendable = 1e-6;
 constexpr int kMaxForcePasses = 60;
 constexpr double kForceTolerance = 1e-12;
 
-Wrench operator+(const Wrench& a, const Wrench& b) { return {a.torque + b.torque, a.force + b.force}; }
-Wrench operator-(const Wrench& a, const Wrench& b) { return {a.torque - b.torque, a.force - b.force}; }
-Wrench operator*(double s, const Wrench& a) { return {s * a.torque, s * a.force}; }
-
 }  // namespace
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
-    : world_(world), system_(system), settings_(settings), axes_(world, system.rows()), active_(system) {
+    : world_(world),
+      system_(system),
+      settings_(settings),
+      breaking_(world, system.rows()),
+      has_drivers_(system.rows().depends_on_time()),
+      axes_(world, system.rows()),
+      active_(system) {
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})
     wrenches->resize(bodies);
@@ -97,21 +97,6 @@ void Rattle::linearize_and_factorize(StepReport& report) {
   system_.factorize(report.times);
 }
 
-/// Work of the impulses `impulse(b)`, which act together with others in a kick from momenta p₀ to p₁ at one
-/// pose: Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of
-/// kinetic energy exactly.
-template <typename Impulse>
-double Rattle::work(std::span<const Wrench> from, std::span<const Wrench> to, Impulse&& impulse) const {
-  double sum = 0;
-  for (int b = 0; b < world_.body_count(); ++b) {
-    if (!inverse_mass_.moves(b)) continue;
-    const Twist mean = mean_twist(b, from[b], to[b]);
-    const Wrench j = impulse(b);
-    sum += j.torque.dot(mean.w) + j.force.dot(mean.v);
-  }
-  return sum;
-}
-
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   implicit_ =
       settings_.tension == TensionPolicy::kImplicit && omega_ * std::abs(h) > settings_.max_tension_number;
@@ -143,6 +128,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     }
   }
   report.tension_number = std::max(report.tension_number, omega_ * std::abs(h));
+  works_before_ = works_of(report);
   if (settings_.report_energy) account_for_kick(h, report);
   if (!axes_.empty()) keep_first_kick();
 
@@ -159,14 +145,18 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     return Outcome::kStalled;
   }
   if (!finite()) return Outcome::kNotFinite;
-  system_.rows().update_axes(state_, state_.axes);
+  if (breaking_.possible() && break_joints(h, report)) return Outcome::kOverload;
+  system_.rows().update_axes(end_of_step(0), state_.axes);
   if (!axes_.empty()) finish_axes(report);
   if (settings_.report_energy) {
-    const auto impulse = [&](int b) { return momenta_[b] - kicked_[b] - 0.5 * h * forces_[b]; };
-    report.constraint_work += work(kicked_, momenta_, impulse);
+    account(kicked_, momenta_, system_.jacobian(), mu_, h, report);
   }
 
   keep_multipliers(h);
+  if (breaking_.any_due() && breaking_.due(state_.time)) {
+    release_overloaded();
+    system_.factorize(report.times);
+  }
   ++report.substeps;
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
@@ -207,6 +197,7 @@ void Rattle::restore(StepReport& report) {
 
 /// Back to the start of a step whose positions were already accepted.
 void Rattle::roll_back(StepReport& report) {
+  set_works(report, works_before_);
   std::swap(state_.poses, poses_);
   std::swap(momenta_, start_momenta_);
   state_.time = start_time_;
@@ -263,6 +254,7 @@ bool Rattle::close_positions(double h, StepReport& report) {
       kick_and_drift(h);
       system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
     }
+    clear_broken_rows(phi_);
     const double gap = max_abs(phi_);
     bool half_solved = false;  // by the distance to closure
     if (!std::isfinite(gap)) return false;
@@ -374,62 +366,6 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
 void Rattle::twists_from_momenta() {
   for (int b = 0; b < world_.body_count(); ++b)
     if (inverse_mass_.moves(b)) state_.twists[b] = inverse_mass_.twist(b, momenta_[b]);
-}
-
-/// The step that keeps ω h ≤ max_tension_number and every body's rotation below max_rotation.
-void Rattle::update_step_limit(std::span<const double> force_multipliers) {
-  step_limit_ = std::numeric_limits<double>::infinity();
-  omega_ = 0;
-  if (settings_.tension != TensionPolicy::kIgnore) {
-    for (StiffnessBlocks& block : stiffness_) block = {};
-    system_.rows().stiffness(state_, force_multipliers, stiffness_);
-    omega_ = fastest_transverse_frequency(system_.mass_roots(), stiffness_);
-    if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
-      step_limit_ = settings_.max_tension_number / omega_;
-  }
-  double spin2 = 0;
-  for (const Twist& V : state_.twists) spin2 = std::max(spin2, V.w.squaredNorm());
-  if (spin2 > 0) step_limit_ = std::min(step_limit_, settings_.max_rotation / std::sqrt(spin2));
-}
-
-/// M + h²/2 K in place of M for the kick before the drift [Tournier2015]: the positive part of the geometric
-/// stiffness K acts at the end of the drift instead of at its start, which is stable for any ω h.
-/// (solvers/README, "Tension")
-void Rattle::prepare_stiffness(double h) {
-  const auto positive_part = [](const Mat3& K) -> Mat3 {
-    Eigen::SelfAdjointEigenSolver<Mat3> eigen(K);
-    return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
-           eigen.eigenvectors().transpose();
-  };
-  const auto root_of_inverse = [](const Mat3& M) -> Mat3 {
-    const Eigen::LLT<Mat3> cholesky(M);
-    return cholesky.matrixU().solve(Mat3::Identity());
-  };
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    const Mat3 R = system_.mass().principal_axes(b, state_.poses[b]);
-    const Mat3 I = R * body.moments.asDiagonal() * R.transpose(), m = body.mass * Mat3::Identity();
-    const Mat3 I_h = I + 0.5 * h * h * positive_part(stiffness_[b].rotation);
-    const Mat3 m_h = m + 0.5 * h * h * positive_part(stiffness_[b].translation);
-    filter_rotation_[b] = I * I_h.inverse();
-    filter_translation_[b] = m * m_h.inverse();
-    system_.mass_roots()[b] = {root_of_inverse(I_h), root_of_inverse(m_h), false};
-  }
-}
-
-void Rattle::account_for_kick(double h, StepReport& report) {
-  if (!implicit_) {
-    const auto impulse = [&](int b) { return kicked_[b] - momenta_[b] - 0.5 * h * forces_[b]; };
-    report.constraint_work += work(momenta_, kicked_, impulse);
-    return;
-  }
-  // What the filter takes away is booked apart, as the work of an impulse of its own.
-  std::vector<Wrench>& raw = move_;
-  const auto impulse = [&](int b) { return system_.rows().wrench_on(b, kick_jacobian(), lambda_); };
-  for (int b = 0; b < world_.body_count(); ++b) raw[b] = momenta_[b] + 0.5 * h * forces_[b] + impulse(b);
-  report.constraint_work += work(momenta_, raw, impulse);
-  report.stiffness_work += work(raw, kicked_, [&](int b) { return kicked_[b] - raw[b]; });
 }
 
 }  // namespace taut

@@ -58,13 +58,16 @@ SystemMatrix::SystemMatrix(const Rows& rows, const MassMatrix& mass, const Block
 }
 
 void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering) {
-  const int joints = static_cast<int>(rows.joints().size());
-  std::vector<int> position(joints);
-  for (int k = 0; k < joints; ++k) position[ordering.node_at[k]] = k;
+  std::vector<int> node_at;  // joints without rows, as detached ones, have no block
+  for (int j : ordering.node_at)
+    if (rows.joints()[j].row_count > 0) node_at.push_back(j);
+  const int joints = static_cast<int>(node_at.size());
+  std::vector<int> position(rows.joints().size(), -1);
+  for (int k = 0; k < joints; ++k) position[node_at[k]] = k;
   for (int k = 0; k < joints; ++k)
-    matrix_.block_start.push_back(matrix_.block_start.back() + rows.joints()[ordering.node_at[k]].row_count);
+    matrix_.block_start.push_back(matrix_.block_start.back() + rows.joints()[node_at[k]].row_count);
   position_of_row_.resize(rows.row_count());
-  for (int j = 0; j < joints; ++j)
+  for (int j : node_at)
     for (int i = 0; i < rows.joints()[j].row_count; ++i)
       position_of_row_[rows.joints()[j].first_row + i] = matrix_.block_start[position[j]] + i;
 
@@ -75,7 +78,7 @@ void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const
   std::vector<Meeting> meetings;
   diagonal_.reserve(rows.row_count());
   for (int k = 0; k < joints; ++k) {  // block column k: which blocks, and what is summed into each
-    const Rows::JointRows& joint = rows.joints()[ordering.node_at[k]];
+    const Rows::JointRows& joint = rows.joints()[node_at[k]];
     meetings.clear();
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
       for_each_meeting(rows, mass, s, [&](int other) {
