@@ -8,20 +8,19 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 
+#include "core/clock.h"
+
 namespace taut {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// Reads until the other side closes the pipe.  @returns false if the limit came first.
 bool read_all(int pipe, double limit, std::string& output) {
   const Clock::time_point start = Clock::now();
   for (;;) {
-    const double left = limit - std::chrono::duration<double>(Clock::now() - start).count();
+    const double left = limit - seconds_since(start);
     if (limit > 0 && left <= 0) return false;
     pollfd wait{pipe, POLLIN, 0};
     const int ready = poll(&wait, 1, limit > 0 ? static_cast<int>(std::ceil(1e3 * left)) : -1);

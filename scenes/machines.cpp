@@ -14,14 +14,6 @@ using namespace scene_parts;
 
 constexpr double kGravity = 9.81;
 
-/// A thin rod between two points.
-BodyId add_rod(World& world, const std::string& name, const Vec3& from, const Vec3& to, double mass) {
-  BodySpec body{.name = name, .mass = thin_rod((to - from).norm(), mass)};
-  body.pose.p = 0.5 * (from + to);
-  body.pose.q = Quat::FromTwoVectors(Vec3::UnitX(), to - from).normalized();
-  return world.add_body(body);
-}
-
 /// n + 1 cranks on the ground and n couplers, upright, with the coupler pins at 1 m/s: the IFToMM benchmark
 /// A02.  Every half turn all bars lie in one line, where the mechanism could fold otherwise.
 Scene build_four_bars(const Parameters& parameters) {
@@ -35,12 +27,13 @@ Scene build_four_bars(const Parameters& parameters) {
   const Vec3 up = Vec3::UnitZ(), right = Vec3::UnitX(), axis = Vec3::UnitY();
   std::vector<BodyId> cranks;
   for (int k = 0; k <= n; ++k) {
-    cranks.push_back(add_rod(world, numbered("crank", k), k * right, k * right + up, 1));
+    cranks.push_back(add_rod(scene, numbered("crank", k), k * right, k * right + up, kRodRadius, 1));
     world.set_twist(cranks.back(), {axis, 0.5 * right});
     world.add(numbered("foot", k), Hinge::at(world, kGround, cranks.back(), k * right, axis));
   }
   for (int k = 0; k < n; ++k) {
-    const BodyId coupler = add_rod(world, numbered("coupler", k), k * right + up, (k + 1) * right + up, 1);
+    const BodyId coupler =
+        add_rod(scene, numbered("coupler", k), k * right + up, (k + 1) * right + up, kRodRadius, 1);
     world.set_twist(coupler, {Vec3::Zero(), right});
     world.add(numbered("left", k), Hinge::at(world, cranks[k], coupler, k * right + up, axis));
     world.add(numbered("right", k), Hinge::at(world, cranks[k + 1], coupler, (k + 1) * right + up, axis));
@@ -51,7 +44,8 @@ Scene build_four_bars(const Parameters& parameters) {
 }
 
 struct Car {
-  static constexpr double kTrack = 1.5, kBase = 2.6, kRadius = 0.3;
+  static constexpr double kTrack = 1.5, kBase = 2.6, kRadius = 0.3, kWidth = 0.2;
+  Scene& scene;
   World& world;
   BodyId chassis;
   AxisId spin[4];
@@ -61,10 +55,11 @@ struct Car {
     const char* const names[] = {"front_left", "front_right", "rear_left", "rear_right"};
     const std::string name = names[k];
     const Vec3 p(k < 2 ? kBase / 2 : -kBase / 2, k % 2 == 0 ? kTrack / 2 : -kTrack / 2, -0.3);
-    BodySpec body{.name = name + "_wheel", .mass = MassProperties::cylinder(kRadius, 0.2, 20)};
+    BodySpec body{.name = name + "_wheel", .mass = MassProperties::cylinder(kRadius, kWidth, 20)};
     body.pose.p = p;
     body.pose.q = exp_so3(Vec3(-std::numbers::pi / 2, 0, 0));  // the cylinder's z along y
     const BodyId wheel = world.add_body(body);
+    draw(scene, wheel, {Cylinder{kRadius, kWidth}});
     const JointId joint = world.add(name, Hinge2::at(world, chassis, wheel, p, Vec3::UnitZ(), Vec3::UnitY()));
     world.set_spring(world.axis(joint, "travel"), AxisSpring{.stiffness = 30000, .damping = 1500});
     world.set_limits(world.axis(joint, "travel"),
@@ -78,15 +73,12 @@ struct Car {
   /// The engine's torque depends on its speed; four turns of it are one of the shaft that the differential
   /// shares among the rear wheels.
   void add_engine() {
-    BodySpec crank{.name = "crankshaft", .mass = MassProperties::cylinder(0.15, 0.1, 15)};
-    crank.pose.p = Vec3(1.2, 0, 0);
-    BodySpec shaft{.name = "shaft", .mass = MassProperties::cylinder(0.05, 1, 10)};
-    shaft.pose.p = Vec3(-0.5, 0, 0);
-    const BodyId engine = world.add_body(crank), cardan = world.add_body(shaft);
-    const JointId bearing =
-        world.add("engine", Hinge::at(world, chassis, engine, crank.pose.p, Vec3::UnitX()));
+    const Vec3 half_crank(0.05, 0, 0), half_shaft(0.5, 0, 0), crank(1.2, 0, 0), shaft(-0.5, 0, 0);
+    const BodyId engine = add_rod(scene, "crankshaft", crank - half_crank, crank + half_crank, 0.15, 15);
+    const BodyId cardan = add_rod(scene, "shaft", shaft - half_shaft, shaft + half_shaft, 0.05, 10);
+    const JointId bearing = world.add("engine", Hinge::at(world, chassis, engine, crank, Vec3::UnitX()));
     const JointId shaft_bearing =
-        world.add("shaft_bearing", Hinge::at(world, chassis, cardan, shaft.pose.p, Vec3::UnitX()));
+        world.add("shaft_bearing", Hinge::at(world, chassis, cardan, shaft, Vec3::UnitX()));
     const AxisId speed = world.axis(bearing, "angle"), input = world.axis(shaft_bearing, "angle");
     AxisMotor motor{.target = 600};
     motor.force_of_speed = Curve({{0, 80}, {100, 120}, {300, 180}, {450, 150}, {600, 0}});
@@ -107,7 +99,12 @@ Scene build_car(const Parameters& parameters) {
   const BodyId chassis =
       world.add_body({.name = "chassis", .mass = MassProperties::box(Vec3(4, 1.6, 0.6), 1100)});
   world.add("stand", Fixed::at(world, kGround, chassis, Vec3(0, 0, -0.3)));
-  Car car{world, chassis, {}};
+  // Of the body only frame and axles are drawn, so that what moves can be seen.
+  draw(scene, chassis, {Box{{4, 0.4, 0.05}}, {Quat::Identity(), {0, 0, -0.3}}});
+  for (const double side : {-1, 1})
+    draw(scene, chassis,
+         {Box{{0.1, Car::kTrack - Car::kWidth, 0.05}}, {Quat::Identity(), {side * Car::kBase / 2, 0, -0.3}}});
+  Car car{scene, world, chassis, {}};
   for (int k = 0; k < 4; ++k) car.add_wheel(k);
   car.add_engine();
   scene.energy_scale = 0.5 * 0.17 * 600 * 600;  // the crankshaft at its highest speed
@@ -139,11 +136,7 @@ Scene build_robot(const Parameters& parameters) {
   const double torque = parameters.at("torque");
   BodyId last = kGround;
   for (const Link& link : links) {
-    const Vec3 along = link.to - link.from;
-    BodySpec body{.name = link.name, .mass = MassProperties::rod(along.norm(), link.radius, link.mass)};
-    body.pose.p = 0.5 * (link.from + link.to);
-    body.pose.q = Quat::FromTwoVectors(Vec3::UnitX(), along).normalized();
-    const BodyId here = world.add_body(body);
+    const BodyId here = add_rod(scene, link.name, link.from, link.to, link.radius, link.mass);
     const JointId joint = world.add(std::string("axis_") + std::to_string(here.index),
                                     Hinge::at(world, last, here, link.from, link.axis));
     const AxisId angle = world.axis(joint, "angle");
@@ -170,13 +163,14 @@ Scene build_crane(const Parameters& parameters) {
   scene.duration = 8;
   World& world = scene.world;
   const Vec3 foot(0, 0, 1), tip(8, 0, 7), mast(-2, 0, 8), axis = Vec3::UnitY();
-  const BodyId boom = add_rod(world, "boom", foot, tip, 800);
+  const BodyId boom = add_rod(scene, "boom", foot, tip, 0.2, 800);
   world.add("boom_foot", Hinge::at(world, kGround, boom, foot, axis));
   world.add("luffing_rope", Rope::between(world, kGround, boom, mast, tip));
 
-  const Vec3 winch(-1, 0, 1);
-  const BodyId carriage = world.add_body(
-      {.name = "winch", .mass = MassProperties::box(Vec3(0.5, 0.5, 0.5), 100), .pose = {.p = winch}});
+  const Vec3 winch(-1, 0, 1), drum(0.5, 0.5, 0.5);
+  const BodyId carriage =
+      world.add_body({.name = "winch", .mass = MassProperties::box(drum, 100), .pose = {.p = winch}});
+  draw(scene, carriage, {Box{drum}});
   const JointId guide = world.add("winch_guide", Slider::at(world, kGround, carriage, winch, -Vec3::UnitX()));
   const double speed = parameters.at("speed");
   world.add("winch_drive", Driver(world, world.axis(guide, "displacement"),
@@ -184,6 +178,7 @@ Scene build_crane(const Parameters& parameters) {
   const Vec3 hook_at = tip + Vec3(0.3, 0, -4);
   const BodyId hook = world.add_body(
       {.name = "hook", .mass = MassProperties::sphere(0.3, parameters.at("load")), .pose = {.p = hook_at}});
+  draw(scene, hook, {Sphere{0.3}});
   world.add("hoist_wire", Pulley::at(world, carriage, winch, boom, tip + Vec3(0, 0, 0.3),
                                      tip + Vec3(0.3, 0, 0), hook, hook_at));
   scene.energy_scale = (800 * 4 + parameters.at("load") * 4) * kGravity;

@@ -10,14 +10,9 @@ using namespace scene_parts;
 
 /// x to its left, z up; arms stretched out.
 struct Ragdoll {
-  World& world;
+  Scene& scene;
+  World& world = scene.world;
 
-  BodyId add_part(const char* name, const Vec3& from, const Vec3& to, double radius, double mass) {
-    BodySpec body{.name = name, .mass = MassProperties::rod((to - from).norm(), radius, mass)};
-    body.pose.p = 0.5 * (from + to);
-    body.pose.q = Quat::FromTwoVectors(Vec3::UnitX(), to - from).normalized();
-    return world.add_body(body);
-  }
   /// A ball joint whose part may lean by `cone` from where it is and twist by `twist` either way.
   void add_ball(const std::string& name, BodyId a, BodyId b, const Vec3& p, const Vec3& along, double cone,
                 double twist) {
@@ -36,16 +31,16 @@ struct Ragdoll {
   BodyId add_arm(const std::string& side, double left, BodyId chest) {
     const Vec3 x = left * Vec3::UnitX(), shoulder = 0.2 * x + Vec3(0, 0, 0.5), elbow = shoulder + 0.3 * x,
                hand = elbow + 0.35 * x;
-    const BodyId upper = add_part((side + "_upper_arm").c_str(), shoulder, elbow, 0.05, 2.5);
-    const BodyId lower = add_part((side + "_forearm").c_str(), elbow, hand, 0.04, 2);
+    const BodyId upper = add_rod(scene, side + "_upper_arm", shoulder, elbow, 0.05, 2.5);
+    const BodyId lower = add_rod(scene, side + "_forearm", elbow, hand, 0.04, 2);
     add_ball(side + "_shoulder", chest, upper, shoulder, x, 1.5, 0.8);
     add_hinge(side + "_elbow", upper, lower, elbow, -left * Vec3::UnitZ(), 2.4);
     return lower;
   }
   void add_leg(const std::string& side, double left, BodyId pelvis) {
     const Vec3 hip = left * Vec3(0.1, 0, 0), knee = hip - Vec3(0, 0, 0.45), foot = knee - Vec3(0, 0, 0.45);
-    const BodyId thigh = add_part((side + "_thigh").c_str(), hip, knee, 0.08, 8);
-    const BodyId shin = add_part((side + "_shin").c_str(), knee, foot, 0.05, 4);
+    const BodyId thigh = add_rod(scene, side + "_thigh", hip, knee, 0.08, 8);
+    const BodyId shin = add_rod(scene, side + "_shin", knee, foot, 0.05, 4);
     add_ball(side + "_hip", pelvis, thigh, hip, -Vec3::UnitZ(), 0.9, 0.5);
     add_hinge(side + "_knee", thigh, shin, knee, Vec3::UnitX(), 2.2);
   }
@@ -57,10 +52,10 @@ Scene build(const Parameters& parameters) {
   scene.parameters = parameters;
   scene.dt = 1.0 / 240;
   scene.duration = 10;
-  Ragdoll doll{scene.world};
-  const BodyId pelvis = doll.add_part("pelvis", Vec3(-0.15, 0, 0.05), Vec3(0.15, 0, 0.05), 0.1, 12);
-  const BodyId chest = doll.add_part("chest", Vec3(0, 0, 0.15), Vec3(0, 0, 0.55), 0.15, 20);
-  const BodyId head = doll.add_part("head", Vec3(0, 0, 0.6), Vec3(0, 0, 0.85), 0.1, 5);
+  Ragdoll doll{scene};
+  const BodyId pelvis = add_rod(scene, "pelvis", Vec3(-0.15, 0, 0.05), Vec3(0.15, 0, 0.05), 0.1, 12);
+  const BodyId chest = add_rod(scene, "chest", Vec3(0, 0, 0.15), Vec3(0, 0, 0.55), 0.15, 20);
+  const BodyId head = add_rod(scene, "head", Vec3(0, 0, 0.6), Vec3(0, 0, 0.85), 0.1, 5);
   doll.add_ball("waist", pelvis, chest, Vec3(0, 0, 0.15), Vec3::UnitZ(), 0.5, 0.5);
   doll.add_ball("neck", chest, head, Vec3(0, 0, 0.58), Vec3::UnitZ(), 0.6, 0.9);
   const BodyId left = doll.add_arm("left", 1, chest);

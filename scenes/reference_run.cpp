@@ -1,9 +1,9 @@
 #include "scenes/reference_run.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "core/clock.h"
 #include "scenes/reference_session.h"
 
 namespace taut::reference {
@@ -60,7 +60,7 @@ double allowed_error(const Case& reference, const Quantity& quantity, const RunP
 }
 
 CaseRun run_case(const std::filesystem::path& file, const RunPlan& wanted) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   Case reference = load_case(file);
   RunPlan plan = wanted;
   if (plan.choose_integrator) plan.settings.integrator = integrator_for(reference);
@@ -82,7 +82,7 @@ CaseRun run_case(const std::filesystem::path& file, const RunPlan& wanted) {
   else
     Session(reference, plan, result).run();
   if (!result.failed.empty()) blame_the_step(reference, result);
-  result.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.wall_time = seconds_since(start);
   return result;
 }
 

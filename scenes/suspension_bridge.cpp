@@ -10,7 +10,8 @@ namespace {
 
 using namespace scene_parts;
 
-constexpr double kPlank = 2;        ///< length [m]
+constexpr double kPlank = 2;  ///< length [m]
+const Vec3 kPlankSize(kPlank, 3, 0.2);
 constexpr double kSag = 0.12;       ///< of the cable, part of the span
 constexpr double kClearance = 1.5;  ///< shortest hanger [m]
 constexpr double kPlankMass = 400, kCableMass = 60;
@@ -53,19 +54,13 @@ Scene build(const Parameters& parameters) {
   const Shape shape(n);
   std::vector<BodyId> planks, cable;
   for (int k = 0; k < n; ++k) {
-    BodySpec plank{.name = numbered("plank", k),
-                   .mass = MassProperties::box(Vec3(kPlank, 3, 0.2), kPlankMass)};
+    BodySpec plank{.name = numbered("plank", k), .mass = MassProperties::box(kPlankSize, kPlankMass)};
     plank.pose.p = Vec3(shape.x(k + 0.5), 0, 0);
     planks.push_back(world.add_body(plank));
+    draw(scene, planks.back(), {Box{kPlankSize}});
   }
-  for (int k = 0; k < n; ++k) {
-    const Vec3 from = shape.node(k), to = shape.node(k + 1);
-    BodySpec rod{.name = numbered("cable", k),
-                 .mass = MassProperties::rod((to - from).norm(), 0.05, kCableMass)};
-    rod.pose.p = 0.5 * (from + to);
-    rod.pose.q = Quat::FromTwoVectors(Vec3::UnitX(), to - from).normalized();
-    cable.push_back(world.add_body(rod));
-  }
+  for (int k = 0; k < n; ++k)
+    cable.push_back(add_rod(scene, numbered("cable", k), shape.node(k), shape.node(k + 1), 0.05, kCableMass));
   const auto seam = [&](int k) { return Vec3(shape.x(k), 0, 0); };
   world.add("left_end", Hinge::at(world, kGround, planks[0], seam(0), Vec3::UnitY()));
   for (int k = 1; k < n; ++k) {
