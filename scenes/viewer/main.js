@@ -58,8 +58,7 @@ class Player {
       energy.push({name: 'total', values: energy[0].values.map((value, f) => value + energy[1].values[f])});
     add({title: 'Energy', unit: 'J'}, energy);
     const gaps = of('gap').filter(({values}, i) => i === 0 || values.some((value) => value > 0));
-    add({title: 'Largest joint gap', unit: gaps.length > 1 ? '' : 'm', logarithmic: true},
-        gaps.map(({name, unit, values}) => ({name: gaps.length > 1 ? `${name} [${unit}]` : name, values})));
+    add({title: 'Largest joint gap', logarithmic: true}, gaps.map(({unit, values}) => ({name: `[${unit}]`, values})));
     this.selectionPlot = add({title: 'Selection'}, []);
     this.selectionPlot.element.hidden = true;
     const probes = new Map();

@@ -25,7 +25,7 @@ function rampColor(part) {
 /** "27.72 kN" as a number. */
 function quantity(text) {
   const [, number, prefix] = text.match(/^(\S+) ([GMkmµnp]?)(?:N|m|kg|rad|m\/s|N·m)$/);
-  return Number(number) * {G: 1e9, M: 1e6, k: 1e3, '': 1, m: 1e-3, µ: 1e-6, n: 1e-9, p: 1e-12}[prefix];
+  return Number(number.replace('−', '-')) * {G: 1e9, M: 1e6, k: 1e3, '': 1, m: 1e-3, µ: 1e-6, n: 1e-9, p: 1e-12}[prefix];
 }
 
 const heading = (page) => page.locator('#inspector h2').evaluate((node) => node.firstChild.textContent);
