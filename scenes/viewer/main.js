@@ -56,9 +56,9 @@ class Player {
     const energy = of('energy').map(({name, values}) => ({name: name.replace(' energy', ''), values}));
     if (energy.length === 2)
       energy.push({name: 'total', values: energy[0].values.map((value, f) => value + energy[1].values[f])});
-    add({title: 'Energy', unit: 'J'}, energy);
+    if (energy.length) add({title: 'Energy', unit: 'J'}, energy);
     const gaps = of('gap').filter(({values}, i) => i === 0 || values.some((value) => value > 0));
-    add({title: 'Largest joint gap', logarithmic: true}, gaps.map(({unit, values}) => ({name: `[${unit}]`, values})));
+    if (gaps.length && r.jointCount) add({title: 'Largest joint gap', logarithmic: true}, gaps.map(({unit, values}) => ({name: `[${unit}]`, values})));
     this.selectionPlot = add({title: 'Selection'}, []);
     this.selectionPlot.element.hidden = true;
     const probes = new Map();
@@ -117,7 +117,7 @@ class Player {
   setMode(mode) {
     this.state.mode = mode;
     $('mode').value = mode;
-    const scale = this.scales[mode], [title, bar, row] = $('legend').children;
+    const scale = this.scales[mode], [title, bar, row, arrows] = $('legend').children;
     title.textContent = kModes[mode];
     bar.style.background = scale ? rampCss() : 'none';
     bar.hidden = !scale;
@@ -128,6 +128,8 @@ class Player {
         : withUnit(scale.value(part), scale.unit, 2));
       return item;
     }));
+    arrows.hidden = $('contacts').hidden;
+    arrows.textContent = `Arrows: contact forces; the largest ≈ ${withUnit(this.scales.contact.high, 'N', 2)}`;
     this.request(true);
   }
 

@@ -55,6 +55,7 @@ export class View {
     this.center = this.low.clone().add(this.high).multiplyScalar(0.5);
     this.extent = this.high.distanceTo(this.low) || 1;
     this.margin = margin;
+    this.reach = 0.14 * this.extent;  // the arrow of a large force
     this.sampleCentres();
   }
 
@@ -88,7 +89,7 @@ export class View {
     const {planes} = this.instances;
     const geometry = new BufferGeometry().setAttribute(
       'position', new Float32BufferAttribute(lines.map((x) => x * cell), 3));
-    this.grid = new LineSegments(geometry, new LineBasicMaterial());
+    this.grid = new LineSegments(geometry, new LineBasicMaterial());  // only the floor fades into the distance
     if (planes.length) {
       this.grid.position.set(...planes[0].p);
       this.grid.quaternion.set(...planes[0].q);
@@ -178,10 +179,13 @@ export class View {
   resize() {
     const {clientWidth: width, clientHeight: height} = this.canvas.parentElement;
     if (!width || !height) return;
+    const isTurned = width !== this.width;  // or opened; curves that come and go change the height alone
+    this.width = width;
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    if (!this.isMoved && this.followed === null) this.home();
+    if (isTurned && !this.isMoved && this.followed === null) this.home();
+    this.render();  // at once: the canvas is blank now
     this.onchange?.();
   }
 
@@ -192,13 +196,12 @@ export class View {
     if (before) this.moveWith(before);
     this.instances.place(this.poses);
     this.instances.colour(mode, frame, scales, {...this.style, selected});
-    const longest = Math.max(scales.force.high, 1e-30), reach = 0.16 * this.extent;
-    const length = (force) => reach * Math.sqrt(Math.min(force / longest, 4));
-    this.arrows.show(contacts ? this.recording.contacts(frame) : [], length);
+    const length = (scale) => (force) => this.reach * Math.min(force / scale.high, 2);
+    this.arrows.show(contacts ? this.recording.contacts(frame) : [], length(scales.contact), this.reach);
     this.wrench.show(selected?.kind === 'joint' ? [{
       position: this.jointPosition(selected.id),
       force: this.recording.jointVector(this.recording.force, frame, selected.id),
-    }] : [], length);
+    }] : [], length(scales.force), this.reach);
   }
 
   render() {
