@@ -137,8 +137,10 @@ export class View {
   fit(direction) {
     const forward = direction.clone().negate(), right = forward.clone().cross(this.up).normalize();
     const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360), m = this.margin;
-    // The head line and the legend take a part of the height.
-    const a = 0.92 * t * this.camera.aspect, b = 0.84 * t, c = 0.74 * t;
+    // The head line and the legend, on a phone above each other, take a part of the height [px].
+    const {clientWidth, clientHeight} = this.canvas, [above, below] = clientWidth <= 760 ? [140, 20] : [50, 36];
+    const rest = (taken) => t * Math.max(1 - 2 * taken / Math.max(clientHeight, 1), 0.3);
+    const a = 0.92 * t * this.camera.aspect, b = rest(below), c = rest(above);
     const points = this.centres.map((centre) => [centre.dot(right), centre.dot(top), centre.dot(forward)]);
     const most = (of) => points.reduce((sum, point) => Math.max(sum, of(point)), -Infinity);
     const east = most(([r, , f]) => r - a * f) + m, west = most(([r, , f]) => -r - a * f) + m;

@@ -1,29 +1,36 @@
 // Pictures of pages for the README:  screenshots.mjs FOLDER
 import path from 'node:path';
-import {launch, open, runScene, scrub} from './browser.mjs';
+import {launch, open, runScene, scrub, settle} from './browser.mjs';
 
-const out = process.argv[2];
-if (!out) throw new Error('which folder?');
+const folder = process.argv[2];
+if (!folder) throw new Error('which folder?');
 
-// name of the picture: scene with its options, instant [s], and what else is done to the page
+const kWide = {viewport: {width: 900, height: 520}};
+const kPhone = {viewport: {width: 390, height: 660}, isMobile: true, hasTouch: true};
+const kDark = {colorScheme: 'dark'};
+const net = ['net-corners', '--set', 'n=40', '--time', '1', '--frames-per-second', '30'];
+const grid = ['joint-grid', '--set', 'n=100', '--set', 'swing=true', '--time', '1', '--frames-per-second', '30'];
+
+// Name of the picture: the run, the instant [s], the window, and what is selected by name.
 const kPictures = {
-  pendulum: {run: ['pendulum-ball', '--time', '3'], at: 2.3},
-  net: {run: ['net-corners', '--set', 'n=40', '--time', '1', '--frames-per-second', '30'], at: 0.8},
-  bridge: {run: ['bridge', '--time', '2'], at: 0.27},
-  grid: {run: ['joint-grid', '--set', 'n=100', '--set', 'swing=true', '--time', '0.5', '--frames-per-second', '30'],
-         at: 0.4},
+  'page-pendulum': {run: ['pendulum-ball', '--time', '3'], at: 1, window: kWide, select: 'joint_1'},
+  'page-net': {run: net, at: 0.8, window: kWide},
+  'page-bridge': {run: ['bridge', '--time', '2'], at: 0.27, window: {...kWide, ...kDark}},
+  'page-grid': {run: grid, at: 0.9, window: kWide},
+  'page-phone': {run: ['bridge', '--time', '2'], at: 0.27, window: kPhone, select: 'truck'},
 };
-const wide = {viewport: {width: 1100, height: 680}}, phone = {viewport: {width: 390, height: 780}, isMobile: true,
-                                                              hasTouch: true, deviceScaleFactor: 2};
 
 const browser = await launch();
-for (const [name, {run, at}] of Object.entries(kPictures).filter(([n]) => !process.argv[3] || process.argv[3].split(`,`).includes(n))) {
-  const file = runScene(...run).page;
-  for (const [suffix, options] of (process.argv[3] ? [[``, wide], [`-phone`, phone]] : [[``, wide], [`-dark`, {...wide, colorScheme: `dark`}], [`-phone`, phone]])) {
-    const {page} = await open(browser, file, options);
-    await scrub(page, at);
-    await page.screenshot({path: path.join(out, `${name}${suffix}.png`)});
-    await page.close();
+for (const [name, {run, at, window, select}] of Object.entries(kPictures)) {
+  const {page} = await open(browser, runScene(...run).page, window);
+  await scrub(page, at);
+  if (select) {
+    await page.keyboard.press('/');
+    await page.keyboard.type(select);
+    await page.keyboard.press('Enter');
+    await settle(page);
   }
+  await page.screenshot({path: path.join(folder, `${name}.png`)});
+  await page.close();
 }
 await browser.close();
