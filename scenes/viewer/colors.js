@@ -70,10 +70,12 @@ export function scales(recording) {
   const force = quantile(joints, (i) => recording.force.norm3(3 * i), 0.997);
   const gap = quantile(joints, (i) => recording.gap.at(i), 1);
   const speed = quantile(frames * (bodyCount - 1), (i) => recording.speed.at(i), 0.999);
+  const contact = quantile(recording.contactBodies.length / 2, (i) => recording.contactForce(i), 0.99);
   return {
     // Where one cable carries hundreds of others, the small forces must still differ.
     force: new Scale(0, force || 1, 'N', 'root'),
     gap: new Scale(Math.max(gap, 1e-15) * 1e-4, Math.max(gap, 1e-15), 'm', 'log'),
     speed: new Scale(0, speed || 1, 'm/s'),
+    contact: new Scale(0, contact || 1, 'N'),
   };
 }

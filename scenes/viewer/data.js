@@ -139,6 +139,9 @@ export class Recording {
     return found;
   }
 
+  /** Size of the force of a contact, counted over all frames [N]. */
+  contactForce(index) { return Math.hypot(...this.contactNumbers.subarray(9 * index + 6, 9 * index + 9)); }
+
   /** Box around the centres of all bodies over the whole time: {low, high}. */
   box() {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];

@@ -1,7 +1,7 @@
 // Geometry of shapes.  Equal kinds share one geometry and are scaled, so that thousands of bodies are a few draw calls.
 import {
   BoxGeometry, BufferGeometry, CapsuleGeometry, ConeGeometry, CylinderGeometry, Float32BufferAttribute,
-  IcosahedronGeometry, SphereGeometry,
+  IcosahedronGeometry, OctahedronGeometry, SphereGeometry,
 } from 'three';
 
 /** Corners around a round shape: fewer where there are many of them. */
@@ -30,7 +30,8 @@ function makeGeometry(shape, count) {
   const n = detail(count);
   switch (shape.type) {
     case 'sphere':
-    case 'ellipsoid': return new SphereGeometry(1, n, Math.round(0.66 * n));
+    case 'ellipsoid':
+      return count > 3000 ? new IcosahedronGeometry(1, 1) : new SphereGeometry(1, n, Math.round(0.66 * n));
     case 'box': return new BoxGeometry(1, 1, 1);
     case 'cylinder': return new CylinderGeometry(1, 1, 1, count > 400 ? 8 : 24).rotateX(Math.PI / 2);
     case 'cone': return new ConeGeometry(1, 1, n).rotateX(Math.PI / 2).translate(0, 0, 0.25);
@@ -61,7 +62,8 @@ export function instanceGroups(recording) {
 }
 
 export const jointGeometry = (count) =>
-  (count > 2000 ? new IcosahedronGeometry(1, 0) : new SphereGeometry(1, 16, 12));
+  (count > 6000 ? new OctahedronGeometry(1, 0) : count > 2000 ? new IcosahedronGeometry(1, 0)
+    : new SphereGeometry(1, 16, 12));
 export const anchorGeometry = () => new BoxGeometry(2, 2, 2);
 /** An arrow of length 1 along z: shaft and head. */
 export const arrowGeometries = () => [

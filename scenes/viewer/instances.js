@@ -49,7 +49,7 @@ export class Instances {
     this.planes = planes;
     this.groups = groups;
     const many = recording.drawn.length > 3000;
-    const material = many ? new MeshLambertMaterial() : new MeshStandardMaterial({roughness: 0.55, metalness: 0.05});
+    const material = many ? new MeshLambertMaterial({fog: false}) : new MeshStandardMaterial({roughness: 0.55, metalness: 0.05, fog: false});
     for (const group of groups) {
       group.mesh = instanced(group.geometry, material, group.items.length, 'body', group.items.map((i) => i.body));
       this.root.add(group.mesh);
@@ -69,7 +69,7 @@ export class Instances {
     }
     const grounded = (j) => joints.a[j] === 0 || joints.b[j] === 0;
     const free = all.filter((j) => !grounded(j)), held = all.filter(grounded);
-    const material = new MeshLambertMaterial();
+    const material = new MeshLambertMaterial({fog: false});
     this.jointMeshes = [];
     for (const [ids, geometry] of [[free, jointGeometry(free.length)], [held, anchorGeometry()]]) {
       if (!ids.length) continue;
@@ -162,12 +162,15 @@ export class Instances {
 export class Arrows {
   constructor(color) {
     this.root = new Group();
-    this.material = new MeshLambertMaterial({color});
+    this.material = new MeshLambertMaterial({color, fog: false});
     this.capacity = 0;
   }
 
-  /** @param list [{position, force}]  @param length of the arrow of a force [m] as a function of its size */
-  show(list, length) {
+  /**
+   * @param list [{position, force}]  @param length of the arrow of a force [m] as a function of its size
+   * @param reach length of a usual arrow [m], which says how thick all are: short ones are thick for their length
+   */
+  show(list, length, reach) {
     if (list.length > this.capacity) this.grow(list.length);
     for (const mesh of this.root.children) {
       mesh.count = 0;
@@ -179,7 +182,8 @@ export class Arrows {
         let x = -force[1] / size, y = force[0] / size, w = 1 + force[2] / size;
         if (w < 1e-6) x = 1, y = 0, w = 0;
         const scale = 1 / Math.hypot(x, y, w);
-        writeMatrix(out, 16 * mesh.count++, ...position, x * scale, y * scale, 0, w * scale, l, l, l);
+        const thick = Math.min(reach, 2.5 * l);
+        writeMatrix(out, 16 * mesh.count++, ...position, x * scale, y * scale, 0, w * scale, thick, thick, l);
       }
       mesh.instanceMatrix.needsUpdate = true;
     }

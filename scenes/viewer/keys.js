@@ -20,6 +20,7 @@ export function setUpKeys(player) {
     const side = up.clone().cross(offset).normalize(), raised = offset.clone().applyAxisAngle(side, 0.08 * y);
     if (Math.abs(raised.clone().normalize().dot(up)) < 0.98) offset.copy(raised);
     camera.position.copy(controls.target).add(offset);
+    view.isMoved = true;
     controls.update();
     player.request();
   };

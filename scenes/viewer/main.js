@@ -7,6 +7,7 @@ import {Plot, withUnit} from './plots.js';
 import {View} from './view.js';
 
 const $ = (id) => document.getElementById(id);
+const kShort = {'kinetic energy': 'kin.', 'potential energy': 'pot.'};
 const kModes = {force: 'Joint force', gap: 'Joint gap', speed: 'Speed', body: 'Each body its colour'};
 
 class Player {
@@ -25,6 +26,8 @@ class Player {
     this.setUpControls();
     setUpKeys(this);
     this.setMode(this.state.mode);
+    this.view.resize();  // the curves have taken their part of the height
+    this.view.home();
     this.draw(performance.now());
   }
 
@@ -53,13 +56,12 @@ class Player {
       this.plots.push(plot);
       return plot;
     };
-    const energy = of('energy').map(({name, values}) => ({name: name.replace(' energy', ''), values}));
+    const energy = of('energy').map(({name, values}) => ({name: kShort[name] ?? name, values}));
     if (energy.length === 2)
       energy.push({name: 'total', values: energy[0].values.map((value, f) => value + energy[1].values[f])});
-    add({title: 'Energy', unit: 'J'}, energy);
+    if (energy.length) add({title: 'Energy', unit: 'J'}, energy);
     const gaps = of('gap').filter(({values}, i) => i === 0 || values.some((value) => value > 0));
-    add({title: 'Largest joint gap', unit: gaps.length > 1 ? '' : 'm', logarithmic: true},
-        gaps.map(({name, unit, values}) => ({name: gaps.length > 1 ? `${name} [${unit}]` : name, values})));
+    if (gaps.length && r.jointCount) add({title: 'Largest gap', logarithmic: true}, gaps.map(({unit, values}) => ({name: `[${unit}]`, values})));
     this.selectionPlot = add({title: 'Selection'}, []);
     this.selectionPlot.element.hidden = true;
     const probes = new Map();
@@ -118,7 +120,7 @@ class Player {
   setMode(mode) {
     this.state.mode = mode;
     $('mode').value = mode;
-    const scale = this.scales[mode], [title, bar, row] = $('legend').children;
+    const scale = this.scales[mode], [title, bar, row, arrows] = $('legend').children;
     title.textContent = kModes[mode];
     bar.style.background = scale ? rampCss() : 'none';
     bar.hidden = !scale;
@@ -129,6 +131,8 @@ class Player {
         : withUnit(scale.value(part), scale.unit, 2));
       return item;
     }));
+    arrows.hidden = $('contacts').hidden;
+    arrows.textContent = `Arrows: contact forces; the largest ≈ ${withUnit(this.scales.contact.high, 'N', 2)}`;
     this.request(true);
   }
 

@@ -1,10 +1,10 @@
 // Numbers of what is selected, and finding things by name.
 import {format, withUnit} from './plots.js';
 
-/** Rows of a vector; what is round-off beside the largest component is 0. */
-function vectorRows(name, values, unit) {
+/** Rows of a vector; what is round-off beside the largest component is 0.  The page has three digits of a force. */
+function vectorRows(name, values, unit, digits = 3) {
   const most = Math.max(...values.map(Math.abs));
-  return values.map((value, i) => [`${name} ${'xyz'[i]}`, withUnit(Math.abs(value) < 1e-6 * most ? 0 : value, unit, 4)]);
+  return values.map((value, i) => [`${name} ${'xyz'[i]}`, withUnit(Math.abs(value) < 1e-6 * most ? 0 : value, unit, digits)]);
 }
 
 /** Whether a joint's number is ever anything but 0. */
@@ -16,11 +16,18 @@ const isUsed = (recording, column, width, joint) => {
   return false;
 };
 
+/** How many contacts a body has, and what they push it with together. */
+function contactRows(contacts, id) {
+  const sum = [0, 0, 0];
+  for (const {b, force} of contacts) force.forEach((value, i) => { sum[i] += b === id ? value : -value; });
+  return [['contacts', String(contacts.length)], ['contact force', withUnit(Math.hypot(...sum), 'N', 4)]];
+}
+
 /** [[name, text], ...] of a body or joint at a frame. */
 export function numbers(recording, {kind, id}, frame, poses, used) {
   const r = recording;
   if (kind === 'joint') {
-    const rows = [['force', withUnit(r.jointForce(frame, id), 'N', 4)],
+    const rows = [['force', withUnit(r.jointForce(frame, id), 'N')],
                   ...vectorRows('force', r.jointVector(r.force, frame, id), 'N')];
     if (used.torque) rows.push(...vectorRows('torque', r.jointVector(r.torque, frame, id), 'N·m'));
     rows.push(['gap', withUnit(r.jointGap(frame, id), 'm')]);
@@ -32,8 +39,9 @@ export function numbers(recording, {kind, id}, frame, poses, used) {
   const rows = [];
   if (!r.bodies.fixed[id])
     rows.push(['mass', `${format(r.bodies.mass[id])} kg`], ['speed', withUnit(r.bodySpeed(frame, id), 'm/s')]);
-  rows.push(...vectorRows('position', [...at.subarray(0, 3)], 'm'), ['turned by', `${format(angle * 180 / Math.PI)}°`]);
-  if (r.jointsOfBody[id].length) rows.push(['largest joint force', withUnit(most, 'N', 4)]);
+  rows.push(...vectorRows('position', [...at.subarray(0, 3)], 'm', 4), ['turned by', `${format(angle * 180 / Math.PI)}°`]);
+  if (r.jointsOfBody[id].length) rows.push(['largest joint force', withUnit(most, 'N')]);
+  if (r.contactNumbers.length) rows.push(...contactRows(r.contacts(frame).filter(({a, b}) => a === id || b === id), id));
   return rows;
 }
 

@@ -6,7 +6,8 @@ export const format = (value) => {
   if (!Number.isFinite(value)) return '–';
   if (value === 0) return '0';
   const size = Math.abs(value);
-  return size >= 1e5 || size < 1e-3 ? value.toExponential(2).replace('e+', 'e') : String(Number(value.toPrecision(4)));
+  const text = size >= 1e5 || size < 1e-3 ? value.toExponential(2).replace('e+', 'e') : String(Number(value.toPrecision(4)));
+  return text.replace(/^-/, '−');
 };
 
 const kPrefixes = [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, 'µ'], [1e-9, 'n'], [1e-12, 'p']];
@@ -16,14 +17,19 @@ export function withUnit(value, unit, digits = 3) {
   if (!Number.isFinite(value)) return '–';
   const [factor, prefix] = kPrefixes.find(([size]) => Math.abs(value) >= 0.9995 * size) ?? [1, ''];
   const text = value === 0 || factor === 1e-12 && Math.abs(value) < 1e-12 ? format(value)
-    : String(Number((value / factor).toPrecision(digits)));
+    : String(Number((value / factor).toPrecision(digits))).replace(/^-/, '−');
   return `${text} ${prefix}${unit}`.trim();
+}
+
+/** The next number from `least` on that is 1, 2 or 5 times a power of ten. */
+export function roundStep(least) {
+  const power = 10 ** Math.floor(Math.log10(least)), part = least / power;
+  return power * (part > 5 ? 10 : part > 2 ? 5 : part > 1 ? 2 : 1);
 }
 
 /** Round numbers from low to high, about count of them. */
 export function ticks(low, high, count) {
-  const raw = (high - low) / count, power = 10 ** Math.floor(Math.log10(raw)), part = raw / power;
-  const step = power * (part > 5 ? 10 : part > 2 ? 5 : part > 1 ? 2 : 1), found = [];
+  const step = roundStep((high - low) / count), found = [];
   for (let k = Math.ceil(low / step); k * step <= high + 1e-9 * step && found.length < 50; ++k) found.push(k * step);
   return found;
 }

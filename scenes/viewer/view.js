@@ -7,6 +7,7 @@ import {
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {bodySizes} from './geometry.js';
 import {Arrows, Instances, worldPoint} from './instances.js';
+import {roundStep} from './plots.js';
 
 const kThemes = {
   light: {background: '#eef1f4', grid: '#c3cad3', neutral: '#8fa3ba', fixed: '#767c84', joint: '#3d4b5c',
@@ -36,6 +37,7 @@ export class View {
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = false;
     this.controls.addEventListener('change', () => this.onchange?.());
+    this.controls.addEventListener('start', () => { this.isMoved = true; });  // by hand
     this.measure();
     this.addLights();
     this.addFloor();
@@ -53,6 +55,7 @@ export class View {
     this.center = this.low.clone().add(this.high).multiplyScalar(0.5);
     this.extent = this.high.distanceTo(this.low) || 1;
     this.margin = margin;
+    this.reach = 0.14 * this.extent;  // the arrow of a large force
     this.sampleCentres();
   }
 
@@ -79,13 +82,14 @@ export class View {
 
   /** A grid under everything, fading out; or the half-spaces, if there are any. */
   addFloor() {
-    const cell = 10 ** Math.floor(Math.log10(this.extent / 3)), half = Math.ceil(2 * this.extent / cell), lines = [];
+    const cell = roundStep(this.extent / 10), half = Math.ceil(2 * this.extent / cell), lines = [];
+    // In pieces: long lines from behind the camera get lost in some renderers.
     for (let i = -half; i <= half; ++i)
-      lines.push(i, -half, 0, i, half, 0, -half, i, 0, half, i, 0);
+      for (let j = -half; j < half; ++j) lines.push(i, j, 0, i, j + 1, 0, j, i, 0, j + 1, i, 0);
     const {planes} = this.instances;
     const geometry = new BufferGeometry().setAttribute(
       'position', new Float32BufferAttribute(lines.map((x) => x * cell), 3));
-    this.grid = new LineSegments(geometry, new LineBasicMaterial());
+    this.grid = new LineSegments(geometry, new LineBasicMaterial());  // only the floor fades into the distance
     if (planes.length) {
       this.grid.position.set(...planes[0].p);
       this.grid.quaternion.set(...planes[0].q);
@@ -104,43 +108,59 @@ export class View {
     this.scene.add(this.grid);
   }
 
-  /** Looks at everything from a little above, mostly across the thinner side. */
+  /** Looks at everything from a little above, mostly across the thinner side; on a narrow screen more along it. */
   home() {
     const across = new Vector3(), along = new Vector3(), size = this.high.clone().sub(this.low);
-    const axes = ['x', 'y', 'z'].filter((axis) => Math.abs(this.up[axis]) < 0.9)
-      .sort((a, b) => size[a] - size[b]);
-    across[axes[0] ?? 'y'] = axes[0] === 'y' ? -1 : 1;
-    along[axes[1] ?? 'x'] = 1;
-    const direction = across.multiplyScalar(0.82).addScaledVector(along, size[axes[1]] > 6 * size[axes[0]] ? 0.25 : 0.45).addScaledVector(this.up, 0.34).normalize();
+    const [thin, long] = ['x', 'y', 'z'].filter((axis) => Math.abs(this.up[axis]) < 0.9).sort((a, b) => size[a] - size[b]);
+    across[thin] = thin === 'y' ? -1 : 1;
+    along[long] = 1;
+    const isLine = size[long] > 6 * size[thin], isNarrow = this.camera.aspect < 0.9;
+    const direction = across.multiplyScalar(0.82).addScaledVector(along, isLine ? (isNarrow ? 1.8 : 0.25) : 0.45)
+      .addScaledVector(this.up, isLine && isNarrow ? 0.7 : 0.34).normalize();
     const {target, distance} = this.fit(direction);
     this.camera.position.copy(target).addScaledVector(direction, distance);
     this.controls.target.copy(target);
     this.camera.near = this.extent / 500;
     this.camera.far = this.extent * 40;
-    this.scene.fog = new Fog(0, 2.2 * this.extent, 4.5 * this.extent);
+    this.scene.fog = new Fog(0, distance + 0.6 * this.extent, distance + 2.4 * this.extent);
     this.applyTheme(this.theme ?? 'light');
     this.camera.updateProjectionMatrix();
     this.controls.update();
+    this.isMoved = false;
   }
 
-  /** Where to look and from how far, so that all centres are in the picture with some room around them. */
+  /**
+   * The nearest place from where everything in sampleCentres() is in the picture.  At right r, top t and forward f from
+   * the camera, a point is seen if |r| ≤ a f and −b f ≤ t ≤ c f.  Each of these four bounds holds for all points if it holds
+   * for the point that is worst, wherever the camera is; the camera goes as far forward as they let it.
+   */
   fit(direction) {
     const forward = direction.clone().negate(), right = forward.clone().cross(this.up).normalize();
-    const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360);
-    const middle = (axis) => {
-      const places = this.centres.map((centre) => centre.dot(axis));
-      return (places.reduce((a, b) => Math.min(a, b)) + places.reduce((a, b) => Math.max(a, b))) / 2;
+    const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360), m = this.margin;
+    // The head line and the legend, on a phone above each other, take a part of the height [px].
+    const {clientWidth, clientHeight} = this.canvas, [above, below] = clientWidth <= 760 ? [140, 20] : [50, 36];
+    const rest = (taken) => t * Math.max(1 - 2 * taken / Math.max(clientHeight, 1), 0.3);
+    const a = 0.92 * t * this.camera.aspect, b = rest(below), c = rest(above);
+    const points = this.centres.map((centre) => [centre.dot(right), centre.dot(top), centre.dot(forward)]);
+    const most = (of) => points.reduce((sum, point) => Math.max(sum, of(point)), -Infinity);
+    const east = most(([r, , f]) => r - a * f) + m, west = most(([r, , f]) => -r - a * f) + m;
+    const north = most(([, u, f]) => u - c * f) + m, south = most(([, u, f]) => -u - b * f) + m;
+    const far = most(([, , f]) => f), near = -most(([, , f]) => -f);
+    // Not so near that the front is more than about three times as large as the back.
+    const f = Math.min(-(east + west) / (2 * a), -(north + south) / (b + c), near - 0.4 * (far - near) - 2 * m);
+    // Where there is room to spare, the same on both sides of the picture.
+    const balanced = (k, low, high, lowSlope, highSlope) => {
+      for (let i = 0; i < 40; ++i) {
+        const x = (low + high) / 2;
+        const excess = most((point) => (point[k] - x + m) / (point[2] - f)) / highSlope
+          - most((point) => (x - point[k] + m) / (point[2] - f)) / lowSlope;
+        if (excess > 0) low = x; else high = x;
+      }
+      return (low + high) / 2;
     };
-    const target = new Vector3();
-    for (const axis of [right, top, forward]) target.addScaledVector(axis, middle(axis));
-    // The head line and the legend take a part of the height.
-    const across = t * this.camera.aspect * 0.9, upwards = t * 0.8;
-    let distance = 0.1 * this.extent;
-    for (const centre of this.centres) {
-      const at = centre.clone().sub(target);
-      const reach = Math.max((Math.abs(at.dot(right)) + this.margin) / across, (Math.abs(at.dot(top)) + this.margin) / upwards);
-      distance = Math.max(distance, reach - at.dot(forward));
-    }
+    const r = balanced(0, east + a * f, -west - a * f, a, a), u = balanced(1, north + c * f, -south - b * f, b, c);
+    const distance = Math.max((near + far) / 2 - f, 1e-3 * this.extent);
+    const target = new Vector3().addScaledVector(right, r).addScaledVector(top, u).addScaledVector(forward, f + distance);
     return {target, distance};
   }
 
@@ -161,12 +181,13 @@ export class View {
   resize() {
     const {clientWidth: width, clientHeight: height} = this.canvas.parentElement;
     if (!width || !height) return;
-    const first = !this.sized;
-    this.sized = true;
+    const isTurned = width !== this.width;  // or opened; curves that come and go change the height alone
+    this.width = width;
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    if (first) this.home();
+    if (isTurned && !this.isMoved && this.followed === null) this.home();
+    this.render();  // at once: the canvas is blank now
     this.onchange?.();
   }
 
@@ -177,13 +198,12 @@ export class View {
     if (before) this.moveWith(before);
     this.instances.place(this.poses);
     this.instances.colour(mode, frame, scales, {...this.style, selected});
-    const longest = Math.max(scales.force.high, 1e-30), reach = 0.16 * this.extent;
-    const length = (force) => reach * Math.sqrt(Math.min(force / longest, 4));
-    this.arrows.show(contacts ? this.recording.contacts(frame) : [], length);
+    const length = (scale) => (force) => this.reach * Math.min(force / scale.high, 2);
+    this.arrows.show(contacts ? this.recording.contacts(frame) : [], length(scales.contact), this.reach);
     this.wrench.show(selected?.kind === 'joint' ? [{
       position: this.jointPosition(selected.id),
       force: this.recording.jointVector(this.recording.force, frame, selected.id),
-    }] : [], length);
+    }] : [], length(scales.force), this.reach);
   }
 
   render() {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "scenes/html_export.h"
 #include "scenes/progress_bar.h"
 #include "scenes/recording_reader.h"
 #include "tests/run_program.h"
@@ -21,6 +22,16 @@ Words joined(Words words, const Words& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
+
+/// Whether pages can be made here at all: three.js is no package of Debian's.
+bool has_three() {
+  try {
+    return !find_three().empty();
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+const char* const kNoThree = "three.js is missing (npm install --prefix scenes/viewer)";
 
 const Words kShortRun{"run", "chain", "--set", "n=3", "--dt", "0.01", "--time", "0.5", "--quiet"};
 
@@ -40,6 +51,7 @@ TEST(RecordProgram, FramesComeAtTheRateAskedFor) {
 }
 
 TEST(RecordProgram, ReplayMakesTheSameFilesAsTheRun) {
+  if (!has_three()) GTEST_SKIP() << kNoThree;
   const Words from_run{"--html", temporary("a.html"), "--gltf", temporary("a.glb"),
                        "--plot", temporary("a.svg"),  "--vtk",  temporary("a_vtk")};
   const Words from_replay{"--html", temporary("b.html"), "--gltf", temporary("b.glb"),
@@ -59,6 +71,7 @@ TEST(RecordProgram, ReplayMakesTheSameFilesAsTheRun) {
 
 // One page that needs nothing from anywhere.
 TEST(RecordProgram, ThePageRefersToNothingOutside) {
+  if (!has_three()) GTEST_SKIP() << kNoThree;
   const std::string file = temporary("alone.html");
   ASSERT_EQ(run_program(joined(kShortRun, {"--html", file})).exit_status, 0);
   const std::string page = read_text(file);
@@ -83,6 +96,7 @@ TEST(RecordProgram, WithoutThreeThePageIsRefusedAndAllElseWorks) {
 }
 
 TEST(RecordProgram, CtrlCLeavesAWholeRecordingAndItsPage) {
+  if (!has_three()) GTEST_SKIP() << kNoThree;
   const std::string recording = temporary("stopped.taut"), page = temporary("stopped.html");
   const std::string report = temporary("stopped.json");
   const Outcome run = run_program({"run", "chain", "--set", "n=50", "--time", "10000", "--record", recording,
@@ -110,8 +124,37 @@ TEST(RecordProgram, AFullDiskIsSaidAndTheRunGoesOn) {
   EXPECT_TRUE(contains(json["warnings"].dump(), "No space left on device"));
 }
 
+TEST(RecordProgram, AFullDiskIsSaidOfEveryExport) {
+  for (const std::string option : {"--html", "--gltf", "--plot"}) {
+    if (option == "--html" && !has_three()) continue;
+    const Outcome run = run_program(joined(kShortRun, {option, "/dev/full"}));
+    EXPECT_EQ(run.exit_status, 1) << option;
+    EXPECT_TRUE(contains(run.err, "could not write /dev/full")) << option << ": " << run.err;
+  }
+}
+
+// Nothing can be caught; the recording has what was at most a second old.
+TEST(RecordProgram, AKilledRunLeavesAReadableRecording) {
+  const std::string recording = temporary("killed.taut"), csv = temporary("killed.csv");
+  const Outcome run = run_program({"run", "chain", "--set", "n=50", "--time", "10000", "--record", recording,
+                                   "--frames-per-second", "0", "--quiet"},
+                                  recording, SIGKILL, std::chrono::milliseconds(1500));
+  EXPECT_EQ(run.exit_status, 128 + SIGKILL);
+  RecordingReader reader(recording);
+  EXPECT_FALSE(reader.end());
+  EXPECT_NE(reader.damage(), "");
+  ASSERT_GT(reader.frame_count(), 10);
+  EXPECT_EQ(reader.frame(reader.frame_count() - 1).poses.size(), 51u);
+  const Outcome replay = run_program({"replay", recording, "--csv", csv});
+  EXPECT_EQ(replay.exit_status, 1);
+  EXPECT_TRUE(contains(replay.err, "cut short") || contains(replay.err, "end")) << replay.err;
+  const std::string table = read_text(csv);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), reader.frame_count() + 1);
+}
+
 TEST(RecordProgram, OutputsThatCannotBeWrittenAreRefusedBeforeTheRun) {
-  for (const char* option : {"--record", "--html", "--gltf", "--plot"}) {
+  for (const std::string option : {"--record", "--html", "--gltf", "--plot"}) {
+    if (option == "--html" && !has_three()) continue;
     const Outcome run = run_program({"run", "chain", "--time", "1e6", option, "/no/such/folder/file"});
     EXPECT_EQ(run.exit_status, 2) << option;
     EXPECT_TRUE(contains(run.err, option) && contains(run.err, "/no/such/folder/file")) << run.err;

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 
 #include "scenes/frame_sampler.h"
@@ -181,6 +183,52 @@ TEST(Recording, AFullDiskIsSaid) {
   EXPECT_FALSE(writer.finish("success", ""));
   EXPECT_NE(writer.error().find("No space left on device"), std::string::npos) << writer.error();
   EXPECT_NE(writer.error().find("/dev/full"), std::string::npos);
+}
+
+/// Lets this process write files of at most so many bytes while it lives: what fills up here fills up as a
+/// disk does, in the middle of a chunk.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, SIG_DFL);
+  }
+
+ private:
+  rlimit before_{};
+};
+
+// Wherever in the file the space ends, what was said to be written is there, and nothing of the rest.
+TEST(Recording, WhatFillsUpStaysReadable) {
+  const std::string whole = sample_bytes(), file = temporary("filled.taut");
+  const std::size_t header = whole.find("tCHKFRMS");
+  int lost = 0;
+  for (std::size_t size = header; size < whole.size(); size += 7) {
+    std::string error;
+    {
+      const FileSizeLimit limit(size);
+      RecordingWriter writer(file, sample_header());
+      for (int i = 0; i < kFrames; ++i) {
+        writer.append(sample_frame(i));
+        if (i % 2 == 1) writer.flush();
+      }
+      EXPECT_FALSE(writer.finish("success", "")) << size;
+      error = writer.error();
+    }
+    const RecordingReader reader(file);
+    EXPECT_NE(error.find("cut short after " + std::to_string(reader.frame_count()) + " frames"),
+              std::string::npos)
+        << size << ": " << error;
+    EXPECT_FALSE(reader.end());
+    lost += reader.frame_count() < kFrames;
+  }
+  EXPECT_GT(lost, 20);
 }
 
 TEST(Recording, WithoutFramesIsWholeButShowsNothing) {

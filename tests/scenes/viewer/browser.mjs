@@ -56,6 +56,14 @@ export async function scrub(page, time) {
   await settle(page);
 }
 
+/** Puts the camera somewhere. */
+export const lookFrom = (page, position, target) => page.evaluate(([from, to]) => {
+  const {camera, controls} = window.taut.view;
+  camera.position.set(...from);
+  controls.target.set(...to);
+  controls.update();
+}, [position, target]);
+
 /** Place in the window of a world point, from nothing but position, target and opening angle of the camera. */
 export async function project(page, point) {
   const c = await page.evaluate(() => {

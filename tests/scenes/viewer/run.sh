@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Runs a script of this folder with node:  run.sh PROGRAM SAMPLE SCRIPT ARGUMENTS…
 # Needs node 18, a Chromium and the packages of package.json (npm install --prefix tests/scenes/viewer).  Without them it
-# says so and exits with 77, which ctest shows as skipped; with TAUT_REQUIRE_BROWSER=1 it fails.
+# says so and exits with 77, which ctest shows as skipped; with TAUT_REQUIRE_BROWSER=1 it fails.  Without Debian's
+# python3-vtk9 the tests of VTK files alone are skipped.
 set -euo pipefail
 folder=$(dirname "$(readlink -f "$0")")
 export TAUT_PROGRAM=$1 TAUT_SAMPLE=$2
@@ -24,6 +25,11 @@ command -v node >/dev/null || missing "there is no node (Debian: apt-get install
   missing "npm packages are missing (npm install --prefix tests/scenes/viewer)"
 [ -n "${TAUT_THREE:-}" ] || [ -d "$folder/../../../scenes/viewer/node_modules/three" ] ||
   missing "three.js is missing (npm install --prefix scenes/viewer)"
+for python in python3 /usr/bin/python3; do
+  "$python" -c 'import vtkmodules.vtkIOXML' 2>/dev/null && export TAUT_VTK_PYTHON=$python && break
+done
+[ -n "${TAUT_VTK_PYTHON:-}" ] || [ -z "${TAUT_REQUIRE_BROWSER:-}" ] ||
+  missing "VTK is missing (Debian: apt-get install python3-vtk9)"
 case $script in
   *.test.mjs) exec node --test "$@" "$folder/$script" ;;
   *) exec node "$folder/$script" "$@" ;;
