@@ -1,10 +1,12 @@
 #include "scenes/bridge.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "core/joints/ball.h"
 #include "core/joints/fixed.h"
 #include "core/joints/hinge.h"
+#include "scenes/drawing.h"
 #include "scenes/scene_parts.h"
 
 namespace taut {
@@ -12,8 +14,9 @@ namespace {
 
 using namespace scene_parts;
 
-constexpr double kArc = 0.2;         ///< θ: half the angle of the arc [rad]
-constexpr double kHalfPlank = 0.1;   ///< half a plank along the bridge [m]
+constexpr double kArc = 0.2;        ///< θ: half the angle of the arc [rad]
+constexpr double kHalfPlank = 0.1;  ///< half a plank along the bridge [m]
+const Vec3 kPlankSize(2 * kHalfPlank, 1.0, 0.05), kTruckSize(1.0, 0.8, 0.5);  // [m]
 constexpr double kBallOffset = 0.4;  ///< of the ball joints from the middle of a seam [m]
 
 /// Vertex k of the arc: V_k = (R sin φ, 0, R (cos θ − cos φ)) with φ(k) = θ (2k/n − 1) and R such that all
@@ -45,11 +48,23 @@ void add_seam(World& world, int index, BodyId a, BodyId b, const Vec3& p_AP, con
   world.add(name + "_left", Ball(a, b, p_AP + left, p_BQ + left));
 }
 
-void add_truck(World& world, BodyId plank) {
-  BodySpec body{.name = "truck", .mass = MassProperties::box(Vec3(1.0, 0.8, 0.5), 2000)};
+/// A load bed with a cab and six wheels, for the eye; in mechanics it is one box of kTruckSize.
+void draw_truck(Scene& scene, BodyId truck) {
+  const Quat across = exp_so3(Vec3(std::numbers::pi / 2, 0, 0));
+  draw(scene, truck, {Box{{0.66, 0.76, 0.24}}, {Quat::Identity(), {-0.17, 0, 0.02}}});
+  draw(scene, truck, {Box{{0.30, 0.72, 0.40}}, {Quat::Identity(), {0.35, 0, 0.05}}});
+  draw(scene, truck, {Box{{1.0, 0.60, 0.06}}, {Quat::Identity(), {0, 0, -0.13}}});
+  for (const double x : {-0.36, -0.12, 0.34})
+    for (const double y : {-0.33, 0.33}) draw(scene, truck, {Cylinder{0.11, 0.14}, {across, {x, y, -0.14}}});
+}
+
+void add_truck(Scene& scene, BodyId plank) {
+  World& world = scene.world;
+  BodySpec body{.name = "truck", .mass = MassProperties::box(kTruckSize, 2000)};
   body.pose = world.pose(plank);
   body.pose.p = world.pose(plank).point(Vec3(0, 0, 0.275));
   const BodyId truck = world.add_body(body);
+  draw_truck(scene, truck);
   world.add("truck_weld", Fixed(plank, truck, Vec3(0, 0, 0.025), Vec3(0, 0, -0.25), Quat::Identity()));
 }
 
@@ -63,16 +78,17 @@ Scene build(const char* name, bool hinges, const Parameters& parameters) {
   World& world = scene.world;
 
   const Arc arc(n);
-  const MassProperties mass = MassProperties::box(Vec3(0.2, 1.0, 0.05), 5);
+  const MassProperties mass = MassProperties::box(kPlankSize, 5);
   const Vec3 end(kHalfPlank, 0, 0);
   std::vector<BodyId> planks;
   for (int k = 0; k < n; ++k)
     planks.push_back(
         world.add_body(BodySpec{.name = numbered("plank", k), .mass = mass, .pose = arc.plank(k)}));
+  for (const BodyId plank : planks) draw(scene, plank, {Box{kPlankSize}});
   add_seam(world, 0, kGround, planks[0], arc.vertex(0), -end, hinges);
   for (int k = 1; k < n; ++k) add_seam(world, k, planks[k - 1], planks[k], end, -end, hinges);
   add_seam(world, n, kGround, planks[n - 1], arc.vertex(n), end, hinges);
-  if (truck) add_truck(world, planks[n / 2]);
+  if (truck) add_truck(scene, planks[n / 2]);
 
   scene.energy_scale = fall_energy(world, -arc.vertex(n / 2).z(), scene.duration);
   add_probe(scene, planks[n / 2]);

@@ -1,6 +1,7 @@
 #include "scenes/joint_grid.h"
 
 #include "core/joints/ball.h"
+#include "scenes/drawing.h"
 #include "scenes/scene_parts.h"
 
 namespace taut {
@@ -26,7 +27,7 @@ Scene build(const Parameters& parameters) {
       BodySpec body{.name = numbered("sphere", i, k), .mass = mass};
       body.pose.p = Vec3(k, -i, 0);
       body.fixed = i == 0;
-      world.add_body(body);
+      draw(scene, world.add_body(body), {Sphere{kRadius}});
     }
   const Vec3 right(0.5, 0, 0), down(0, -0.5, 0);
   for (int i = 1; i < n; ++i)

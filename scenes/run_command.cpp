@@ -1,18 +1,20 @@
 #include "scenes/run_command.h"
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <set>
 
 #include "core/check.h"
+#include "core/clock.h"
 #include "scenes/interrupt.h"
 #include "scenes/pose_trace.h"
 #include "scenes/progress_bar.h"
 #include "scenes/recorder.h"
 #include "scenes/run_record.h"
+#include "scenes/run_recording.h"
 #include "scenes/run_report.h"
 #include "scenes/scene_source.h"
 #include "scenes/setting_names.h"
@@ -21,23 +23,21 @@
 namespace taut {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 /// The files that a run writes.  All are opened before the run, so that it cannot fail at its end for want of
 /// a folder.
 class Outputs {
  public:
-  explicit Outputs(const RunOptions& options) {
+  Outputs(const RunOptions& options, const Scene& scene) {
     check_distinct(options);
     if (!options.report_file.empty()) open(report_, "--report", options.report_file);
     if (!options.csv_file.empty()) open(csv_, "--csv", options.csv_file);
     require_not_negative("--poses-interval", options.poses_interval);
     if (!options.poses_file.empty())
       poses_ = std::make_unique<PoseTrace>(options.poses_file, options.poses_interval);
+    require_not_negative("--frames-per-second", options.frames_per_second);
+    if (!options.record_file.empty() || options.exports.any())
+      recording_ = std::make_unique<RunRecording>(scene, options.record_file, options.exports,
+                                                  options.frames_per_second);
   }
 
   void header(const Recorder& recorder) {
@@ -48,38 +48,58 @@ class Outputs {
   }
   void sample(Recorder& recorder, Simulator& simulator) {
     if (poses_) poses_->record(simulator.world());
+    if (recording_) note_failure(recording_->sample(simulator));
     if (!csv_.is_open()) return;
     csv_ << shortest(simulator.world().time());
     for (double value : recorder.sample(simulator)) csv_ << ',' << shortest(value);
     csv_ << '\n';
   }
-  /// Writes the report and closes all files.  @returns the name of the first that could not be written, or
-  /// "".
-  std::string finish(const RunOptions& options, const nlohmann::ordered_json& report) {
+  /// Ends the recording, writes the report and closes all files.  What could not be written is among
+  /// errors() then.
+  void finish(const RunOptions& options, Simulator& simulator, const RunRecord& record,
+              const Recorder& recorder, const std::vector<double>& last) {
+    if (recording_) finish_recording(simulator, record);
     if (report_.is_open()) {
+      nlohmann::ordered_json report = run_report(record, recorder, last, simulator.world().state());
+      for (const std::string& error : errors_) report["warnings"].push_back(error);
       report_ << report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
-      if (!report_.flush()) return options.report_file;
+      if (!report_.flush()) note_failure("could not write " + options.report_file);
     }
-    if (csv_.is_open() && !csv_.flush()) return options.csv_file;
-    if (poses_ && !poses_->flush()) return options.poses_file;
-    return "";
+    if (csv_.is_open() && !csv_.flush()) note_failure("could not write " + options.csv_file);
+    if (poses_ && !poses_->flush()) note_failure("could not write " + options.poses_file);
   }
+  const std::vector<std::string>& errors() const { return errors_; }
 
  private:
-  static void open(std::ofstream& out, const char* option, const std::string& file) {
+  void open(std::ofstream& out, const char* option, const std::string& file) {
     out.open(file);
     if (!out) fail(option, "cannot write the file", file);
   }
+  void note_failure(const std::string& error) {
+    if (error.empty()) return;
+    std::cerr << "taut: " << error << '\n';
+    errors_.push_back(error);
+  }
+  void finish_recording(Simulator& simulator, const RunRecord& record) {
+    const ExportOutcome outcome = recording_->finish(simulator, record.status, record.message);
+    for (const std::string& error : outcome.errors) note_failure(error);
+    for (const std::string& note : outcome.notes) std::cerr << "taut: " << note << '\n';
+  }
   static void check_distinct(const RunOptions& options) {
-    const std::string* files[] = {&options.report_file, &options.csv_file, &options.poses_file};
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < i; ++j)
-        if (!files[i]->empty() && *files[i] == *files[j])
-          fail("--report, --csv and --poses", "must be different files", *files[i]);
+    const std::string* files[] = {&options.report_file,  &options.csv_file,          &options.poses_file,
+                                  &options.record_file,  &options.exports.html,      &options.exports.gltf,
+                                  &options.exports.plot, &options.exports.vtk_folder};
+    std::set<std::string> seen;
+    for (const std::string* file : files)
+      if (!file->empty() && !seen.insert(*file).second)
+        fail("--report, --csv, --poses, --record, --html, --gltf, --vtk and --plot",
+             "must be different files", *file);
   }
 
   std::ofstream report_, csv_;
   std::unique_ptr<PoseTrace> poses_;
+  std::unique_ptr<RunRecording> recording_;
+  std::vector<std::string> errors_;
 };
 
 Scene prepared_scene(const RunOptions& options) {
@@ -114,7 +134,7 @@ class GapMeter {
 void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder, Outputs& outputs,
                bool quiet) {
   const World& world = simulator.world();
-  ProgressBar bar(record.steps_asked, !quiet);
+  ProgressBar bar(record.steps_asked, record.dt, !quiet);
   for (std::int64_t i = 0; i < record.steps_asked; ++i) {
     if (InterruptGuard::signal() != 0) {
       record.status = "interrupted";
@@ -126,7 +146,8 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     const double seconds = seconds_since(start);
     const double energy =
         simulator.settings().report_energy ? report.energy() : total_energy(world, world.state());
-    record.add(report, seconds, meter.measure(world.state()), energy);
+    const Gap gap = meter.measure(world.state());
+    record.add(report, seconds, gap, energy);
     if (!report.ok()) {
       record.status = to_string(report.status);
       record.message =
@@ -134,7 +155,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
       return;
     }
     outputs.sample(recorder, simulator);
-    bar.update(i + 1);
+    bar.update(i + 1, gap);
   }
 }
 
@@ -181,7 +202,7 @@ int run_command(const RunOptions& options) {
   Simulator simulator(scene.world, scene.settings);
   Recorder recorder(scene.probes);
   const InterruptGuard guard;  // from before there is any output file
-  Outputs outputs(options);
+  Outputs outputs(options, scene);
 
   if (scene.assemble) assemble(simulator, record);
   record.integrator = name_of(scene.settings.integrator, kIntegratorNames);
@@ -201,12 +222,10 @@ int run_command(const RunOptions& options) {
   }
   record.wall_time = seconds_since(start);
 
-  const std::string unwritten =
-      outputs.finish(options, run_report(record, recorder, last, scene.world.state()));
+  outputs.finish(options, simulator, record, recorder, last);
   if (!options.quiet) std::cout << run_table(record) << std::flush;
   if (record.status != "success") std::cerr << "taut: " << record.status << ": " << record.message << '\n';
-  if (!unwritten.empty()) std::cerr << "taut: could not write " << unwritten << '\n';
-  return !unwritten.empty() && record.status == "success" ? kExitFailure : exit_status(record);
+  return !outputs.errors().empty() && record.status == "success" ? kExitFailure : exit_status(record);
 }
 
 }  // namespace taut

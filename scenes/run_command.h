@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "scenes/exports.h"
 #include "scenes/scene.h"
 
 namespace taut {
@@ -22,8 +23,10 @@ struct RunOptions {
   std::optional<TensionPolicy> tension;
   std::optional<DriftCure> drift_cure;
   std::optional<FactorChoice> factor;
-  std::string report_file, csv_file, poses_file;  ///< empty: none
-  double poses_interval = 0;                      ///< [s]; 0: every step
+  std::string report_file, csv_file, poses_file, record_file;  ///< empty: none
+  double poses_interval = 0;                                   ///< [s]; 0: every step
+  ExportFiles exports;            ///< made from the recording; its csv is not used
+  double frames_per_second = 60;  ///< of the recording; 0: every step
   bool quiet = false;
 };
 

@@ -30,6 +30,12 @@ struct Probe {
   Vec3 point_B = Vec3::Zero();  ///< body point, from the centre of mass
 };
 
+/// A shape that a body is drawn as; it neither collides nor weighs.
+struct Drawing {
+  BodyId body;
+  PlacedShape shape;
+};
+
 /// A world with what is needed to run it.  Shared by the program, the tests and the benchmarks.
 struct Scene {
   std::string name;
@@ -41,6 +47,7 @@ struct Scene {
   double energy_scale =
       0;  ///< E_scale by which energy drift is judged [J]; 0: kinetic + |potential| at the start
   std::vector<Probe> probes;
+  std::vector<Drawing> drawings;  ///< bodies without one are drawn by their collision shapes or their inertia
   /// Joints may be open at the start: call Simulator::assemble() before the first step.
   bool assemble = false;
 };

@@ -3,14 +3,17 @@
 #include <sstream>
 
 #include "core/check.h"
+#include "scenes/drawing.h"
 #include "scenes/scene_reader.h"
 
 namespace taut {
 namespace {
 
-struct Solid {
+/// A shape of uniform density in a file.
+struct Uniform {
   double volume;
   std::function<MassProperties(double mass)> mass_properties;
+  PlacedShape drawn;
 };
 
 double length(JsonObject& shape, const char* key) {
@@ -21,54 +24,63 @@ Vec3 lengths(JsonObject& shape, const char* key) {
 }
 
 /// Shape types: the one place that knows them.
-using ShapeReader = Solid (*)(JsonObject& shape);
+using ShapeReader = Uniform (*)(JsonObject& shape);
 constexpr std::pair<const char*, ShapeReader> kShapes[] = {
     {"box",
      [](JsonObject& s) {
        const Vec3 size = lengths(s, "size");
-       return Solid{box_volume(size), [=](double mass) { return MassProperties::box(size, mass); }};
+       return Uniform{
+           box_volume(size), [=](double mass) { return MassProperties::box(size, mass); }, {Box{size}}};
      }},
     {"sphere",
      [](JsonObject& s) {
        const double r = length(s, "radius");
-       return Solid{sphere_volume(r), [=](double mass) { return MassProperties::sphere(r, mass); }};
+       return Uniform{
+           sphere_volume(r), [=](double mass) { return MassProperties::sphere(r, mass); }, {Sphere{r}}};
      }},
     {"ellipsoid",
      [](JsonObject& s) {
        const Vec3 radii = lengths(s, "radii");
-       return Solid{ellipsoid_volume(radii),
-                    [=](double mass) { return MassProperties::ellipsoid(radii, mass); }};
+       return Uniform{ellipsoid_volume(radii),
+                      [=](double mass) { return MassProperties::ellipsoid(radii, mass); },
+                      {Ellipsoid{radii}}};
      }},
     {"rod",
      [](JsonObject& s) {
        const double l = length(s, "length"), r = length(s, "radius");
-       return Solid{cylinder_volume(r, l), [=](double mass) { return MassProperties::rod(l, r, mass); }};
+       return Uniform{cylinder_volume(r, l), [=](double mass) { return MassProperties::rod(l, r, mass); },
+                      rod_shape(l, r)};
      }},
     {"cylinder",
      [](JsonObject& s) {
        const double r = length(s, "radius"), l = length(s, "length");
-       return Solid{cylinder_volume(r, l), [=](double mass) { return MassProperties::cylinder(r, l, mass); }};
+       return Uniform{cylinder_volume(r, l),
+                      [=](double mass) { return MassProperties::cylinder(r, l, mass); },
+                      {Cylinder{r, l}}};
      }},
     {"capsule",
      [](JsonObject& s) {
        const double r = length(s, "radius"), l = s.get_required("length", &JsonNode::not_negative, 1.0);
-       return Solid{capsule_volume(r, l), [=](double mass) { return MassProperties::capsule(r, l, mass); }};
+       return Uniform{capsule_volume(r, l),
+                      [=](double mass) { return MassProperties::capsule(r, l, mass); },
+                      {Capsule{r, l}}};
      }},
     {"cone",
      [](JsonObject& s) {
        const double r = length(s, "radius"), h = length(s, "height");
-       return Solid{cone_volume(r, h), [=](double mass) { return MassProperties::cone(r, h, mass); }};
+       return Uniform{
+           cone_volume(r, h), [=](double mass) { return MassProperties::cone(r, h, mass); }, {Cone{r, h}}};
      }},
 };
 
-std::optional<Solid> read_shape(const JsonNode& node) {
+std::optional<Uniform> read_shape(const JsonNode& node) {
   const std::size_t before = node.problems().size();
   JsonObject shape(node);
   const auto type = shape.required("type");
   if (!type) return std::nullopt;
   const ShapeReader read = type->choice(kShapes);
   if (node.problems().size() != before) return std::nullopt;
-  const Solid solid = read(shape);
+  const Uniform solid = read(shape);
   shape.reject_unknown_keys();
   if (node.problems().size() != before) return std::nullopt;
   return solid;
@@ -93,7 +105,8 @@ void read_inertia(const JsonNode& node, double mass, MassProperties& result) {
 }
 
 /// mass or density, inertia or shape.  A fixed body needs none of them.
-MassProperties read_mass_properties(JsonObject& body, bool fixed) {
+/// @param drawn the shape, if there is one
+MassProperties read_mass_properties(JsonObject& body, bool fixed, std::optional<PlacedShape>& drawn) {
   MassProperties result(1, Vec3(1, 1, 1));
   std::optional<JsonNode> mass_node = body.find("mass"), density = body.find("density");
   std::optional<JsonNode> inertia = body.find("inertia"), shape = body.find("shape");
@@ -107,7 +120,10 @@ MassProperties read_mass_properties(JsonObject& body, bool fixed) {
     const auto solid = read_shape(*shape);
     if (density && solid) mass *= solid->volume;
     if (solid && body.node().problems().size() == before)
-      shape->guard([&] { result = solid->mass_properties(mass); });
+      shape->guard([&] {
+        result = solid->mass_properties(mass);
+        drawn = solid->drawn;
+      });
   } else {
     if (density && inertia && mass_node->path() == density->path())
       density->problem("needs a shape; give the mass with an inertia");
@@ -165,7 +181,8 @@ void SceneReader::read_body(const JsonNode& node) {
   const auto name = body.find("name");
   if (name) spec.name = name->string();
   spec.fixed = body.get("fixed", &JsonNode::boolean, false);
-  spec.mass = read_mass_properties(body, spec.fixed);
+  std::optional<PlacedShape> drawn;
+  spec.mass = read_mass_properties(body, spec.fixed, drawn);
   spec.pose.p = body.get("position", &JsonNode::vector, Vec3(Vec3::Zero()));
   if (const auto orientation = body.find("orientation")) spec.pose.q = read_orientation(*orientation);
   spec.twist.v = body.get("velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
@@ -195,6 +212,7 @@ void SceneReader::read_body(const JsonNode& node) {
     const BodyId id = scene_.world.add_body(spec);
     path_of_body_[scene_.world.name(id)] = node.path();
     if (!sound) unsound_bodies_.insert(id.index);
+    if (drawn) draw(scene_, id, *drawn);
   });
 }
 

@@ -72,6 +72,8 @@ void append_scene(Scene& scene, const Scene& block, const std::string& prefix, c
     if (probe.joint.index >= 0) probe.joint.index += first_joint;
     scene.probes.push_back(std::move(probe));
   }
+  for (const Drawing& drawing : block.drawings)
+    scene.drawings.push_back({moved(drawing.body), drawing.shape});
   scene.assemble = scene.assemble || block.assemble;
   for (const auto& [name, value] : block.parameters) scene.parameters[prefix + name] = value;
 }

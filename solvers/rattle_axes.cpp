@@ -13,11 +13,22 @@ namespace {
 
 /// Impulses on a level of their law are right to this part of the largest.
 constexpr double kLevelTolerance = 1e-9;
-/// Solves of a stage for the friction of its contacts, and the distance from Coulomb's law that is accepted
-/// after them.
-constexpr int kFrictionPatience = 4, kContactRounds = 30, kSplittingsInARow = 60;
+/// More solves of a stage, because friction let go or velocities were not yet exact.
+constexpr int kMaxSolves = 40;
+/// With contacts, their friction is looked at every so many solves: if it has not come nearer to Coulomb's
+/// law by this factor, splitting takes over, for as many stages.
+constexpr int kFrictionPatience = 4, kSplittingsInARow = 60;
+constexpr double kFrictionProgress = 0.2;
+/// Rounds of an active set with contacts, which has a fall-back of its own.
+constexpr int kContactRounds = 30;
 
 }  // namespace
+
+/// Zero in rows that hold nothing by themselves: of axes, soft joints, contacts, and joints that broke.
+void Rattle::clear_loose_rows(std::span<double> rows) const {
+  clear_broken_rows(rows);
+  system_.clear_bounded_rows(rows);
+}
 
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
@@ -26,7 +37,7 @@ void Rattle::begin_bounds(double h) {
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
   system_.row_inertias(inertia_);
-  axes_.begin(h, start_theta_, rates_, inertia_);
+  axes_.begin(state_.time, h, start_theta_, rates_, inertia_);
   contacts_.begin(h, rates_, inertia_);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
     if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
@@ -51,13 +62,16 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     {
       const Stopwatch watch(report.times.positions);
       kick_and_drift(h);
-      system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
+      system_.rows().residual(end_of_step(h), phi_);
       for (int r = 0; r < system_.row_count(); ++r) rates_[r] = (phi_[r] - start_theta_[r]) / h;
       if (!contacts_.empty()) contact_rates();
     }
-    system_.clear_bounded_rows(phi_);
-    axes_.position_laws(rates_, laws_);
-    contacts_.position_laws(laws_);
+    clear_loose_rows(phi_);
+    renew_position_laws();
+    if (!axes_.finite()) {
+      phi_[0] = std::numeric_limits<double>::quiet_NaN();  // for the diagnosis
+      return false;
+    }
     const double error = iteration > 0 ? law_error(h) : std::numeric_limits<double>::infinity();
     if (error <= settings_.position_tolerance) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
@@ -67,11 +81,9 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     }
     last = error;
     const Stopwatch watch(report.times.positions);
-    const auto renew = [&] {
-      axes_.position_laws(rates_, laws_);
-      contacts_.position_laws(laws_);
-    };
-    if (!solve_laws(lambda_, 0.1 * settings_.position_tolerance / h, renew, report)) return false;
+    if (!solve_laws(
+            lambda_, 0.1 * settings_.position_tolerance / h, [&] { renew_position_laws(); }, report))
+      return false;
     ++report.newton_iterations;
   }
   axes_.finish_positions(rates_);
@@ -133,33 +145,42 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     outcome_ = active_->solve(laws_, delta_, lambda, w_, report.times, settings);
     report.pivots += outcome_.pivots;
     if (!outcome_.ok() && contacts_.empty()) return false;
-    const bool broke = axes_.break_away(w_), slid = contacts_.adapt(lambda, w_, rate_tolerance);
-    if (getenv("DBG")) {
-      double ml = 0, mb = 0, mw = 0;
-      int nn = 0;
-      for (size_t r = 0; r < lambda.size(); ++r) {
-        if (lambda[r] != lambda[r] || w_[r] != w_[r] || delta_[r] != delta_[r]) ++nn;
-        ml = std::max(ml, std::abs(lambda[r]));
-        mb = std::max(mb, std::abs(delta_[r]));
-        mw = std::max(mw, std::abs(w_[r]));
-      }
-      fprintf(stderr, "max lam %.2e b %.2e w %.2e nan %d\n", ml, mb, mw, nn);
-    }
-    solved = outcome_.ok() && !broke && !slid;
+    const bool broke = axes_.break_away(w_);
+    const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
+    const bool slid = contacts_.adapt(lambda, w_, rate_tolerance);
+    solved = outcome_.ok() && !broke && !loaded && !slid;
     if (solved) break;
-    const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
-    if (!outcome_.ok() || (check && contacts_.residual() > 0.2 * earlier)) {
-      splittings_left_ = kSplittingsInARow;
-      std::copy(guess_.begin(), guess_.end(), lambda.begin());
-      return split(lambda, rate_tolerance, report);
+    if (contacts_.empty()) {
+      if (solve == kMaxSolves) return false;
+    } else {
+      const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
+      if (!outcome_.ok() || (check && contacts_.residual() > kFrictionProgress * earlier)) {
+        splittings_left_ = kSplittingsInARow;
+        std::copy(guess_.begin(), guess_.end(), lambda.begin());
+        return split(lambda, rate_tolerance, report);
+      }
+      if (check) earlier = contacts_.residual();
+      if (!contacts_.turns().empty()) turn_contacts(lambda, report);
     }
-    if (check) earlier = contacts_.residual();
-    if (!contacts_.turns().empty()) turn_contacts(lambda, report);
     renew();
   }
   report.complementarity_residual =
       std::max({report.complementarity_residual, outcome_.residual, contacts_.residual()});
   return true;
+}
+
+void Rattle::renew_position_laws() {
+  axes_.position_laws(rates_, laws_);
+  contacts_.position_laws(laws_);
+  for (int r : breaking_.rows()) laws_[r] = RowLaw::none();
+}
+
+void Rattle::renew_velocity_laws() {
+  axes_.velocity_laws(phi_, laws_);
+  contacts_.velocity_laws(laws_);
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
+    if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
+  for (int r : breaking_.rows()) laws_[r] = RowLaw::none();
 }
 
 /// The fall-back of contacts.
@@ -178,25 +199,21 @@ bool Rattle::split(std::span<double> lambda, double rate_tolerance, StepReport& 
 bool Rattle::project_bounded_momenta(StepReport& report) {
   // A first guess for its pieces: the impulses of the first kick.
   std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
-  system_.rows().residual(state_, phi_);
+  system_.rows().residual(end_of_step(0), phi_);
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
   system_.row_inertias(inertia_);
   contacts_.begin_velocities(rates_, inertia_);
-  const auto renew = [&] {
-    axes_.velocity_laws(phi_, laws_);
-    contacts_.velocity_laws(laws_);
-  };
-  renew();
+  renew_velocity_laws();
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
-  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) return false;
-  system_.rows().apply_transpose(system_.jacobian(), mu_, joint_impulse_);
+  if (!solve_laws(
+          mu_, 0.1 * settings_.velocity_tolerance, [&] { renew_velocity_laws(); }, report))
+    return false;
   for (int b = 0; b < world_.body_count(); ++b)
-    if (!system_.mass()[b].fixed)
-      momenta_[b] = {momenta_[b].torque + joint_impulse_[b].torque,
-                     momenta_[b].force + joint_impulse_[b].force};
+    if (inverse_mass_.moves(b))
+      momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), mu_);
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
@@ -208,18 +225,22 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
 
 /// The first kick for the books, at the pose where it acted.
 void Rattle::keep_first_kick() {
-  mean_twists(state_.poses, start_momenta_, kicked_);
-  system_.rows().apply(refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian(),
-                       mean_twists_, kick_rates_);
+  mean_rates(momenta_, kicked_, kick_jacobian(), kick_rates_);
   axes_.keep(lambda_, rates_, kick_rates_);
   contacts_.keep(lambda_, rates_, kick_rates_);
 }
 
+/// Mean rates of the rows in a kick from momenta p₀ to p₁ at the poses of state_.
+void Rattle::mean_rates(std::span<const Wrench> from, std::span<const Wrench> to,
+                        std::span<const double> jacobian, std::span<double> out) {
+  for (int b = 0; b < world_.body_count(); ++b) mean_twists_[b] = mean_twist(b, from[b], to[b]);
+  system_.rows().apply(jacobian, mean_twists_, out);
+}
+
 /// After a step: who is held now, and the books of both kicks.
 void Rattle::finish_bounds(StepReport& report) {
-  system_.rows().residual(state_, phi_);
-  mean_twists(state_.poses, kicked_, momenta_);
-  system_.rows().apply(system_.jacobian(), mean_twists_, kick_rates_);
+  system_.rows().residual(state_, phi_);  // axes are up to date here
+  mean_rates(kicked_, momenta_, system_.jacobian(), kick_rates_);
   axes_.book(mu_, rates_, kick_rates_);
   axes_.finish_velocities(phi_, rates_, state_.time);
   contacts_.finish(mu_, rates_, kick_rates_);

@@ -75,10 +75,7 @@ void Rattle::take_over_places() {
 /// Rates of the contact rows in the drift: J(q₀) M⁻¹ p.  The momenta stay, so that is what counts, and not
 /// how far points have come that were in contact at the start.
 void Rattle::contact_rates() {
-  mean_twists(state_.poses, kicked_, kicked_);
-  const std::span<const double> J =
-      refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian();
-  system_.rows().apply(J, mean_twists_, w_);
+  mean_rates(kicked_, kicked_, kick_jacobian(), w_);
   std::copy(w_.begin() + system_.rows().first_contact_row(), w_.end(),
             rates_.begin() + system_.rows().first_contact_row());
 }

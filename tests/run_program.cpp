@@ -5,8 +5,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -50,15 +48,16 @@ pid_t start(const std::vector<std::string>& arguments, const std::string& out, c
 
 }  // namespace
 
-Outcome run_program(const std::vector<std::string>& arguments, const std::string& interrupt_at) {
+Outcome run_program(const std::vector<std::string>& arguments, const std::string& interrupt_at, int signal,
+                    std::chrono::milliseconds wait) {
   const std::string out = temporary("stdout"), err = temporary("stderr");
   const pid_t child = start(arguments, out, err);
   if (!interrupt_at.empty()) {
     using namespace std::chrono_literals;
     for (int i = 0; i < 1000 && !std::filesystem::exists(interrupt_at); ++i)
       std::this_thread::sleep_for(10ms);
-    std::this_thread::sleep_for(200ms);
-    kill(child, SIGINT);
+    std::this_thread::sleep_for(wait);
+    kill(child, signal);
   }
   int status = 0;
   waitpid(child, &status, 0);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -12,8 +14,9 @@ struct Outcome {
 };
 
 /// Runs the taut program with these arguments to its end, without a terminal.
-/// @param interrupt_at send SIGINT a moment after this file has appeared; empty: never
-Outcome run_program(const std::vector<std::string>& arguments, const std::string& interrupt_at = "");
+/// @param interrupt_at send the signal this long after this file has appeared; empty: never
+Outcome run_program(const std::vector<std::string>& arguments, const std::string& interrupt_at = "",
+                    int signal = SIGINT, std::chrono::milliseconds wait = std::chrono::milliseconds(200));
 
 /// A name in a fresh folder of this test, removed with all in it when the process ends.
 std::string temporary(const std::string& name);

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace taut {
+
+/// RFC 4648, with padding and without line breaks.  (The libraries at hand have it only as a by-product.)
+std::string base64(std::string_view bytes);
+
+}  // namespace taut

@@ -1,0 +1,68 @@
+#include "scenes/frame_sampler.h"
+
+#include "scenes/drawing.h"
+
+namespace taut {
+
+FrameSampler::FrameSampler(const Scene& scene)
+    : scene_(scene), rows_(scene.world), probes_(scene.probes), phi_(rows_.row_count()) {}
+
+RecordingHeader FrameSampler::header(double frames_per_second) const {
+  const World& world = scene_.world;
+  RecordingHeader header;
+  header.scene = scene_.name;
+  header.parameters = scene_.parameters;
+  header.dt = scene_.dt;
+  header.frames_per_second = frames_per_second;
+  header.gravity = world.gravity();
+  for (int b = 0; b < world.body_count(); ++b) {
+    const BodyId id{b};
+    const double mass = id == kGround ? 0 : world.mass_properties(id).mass();
+    header.bodies.push_back({world.name(id), mass, world.is_fixed(id)});
+  }
+  for (int j = 0; j < world.joint_count(); ++j) {
+    const JointId id{j};
+    const Joint& joint = world.joint(id);
+    header.joints.push_back(
+        {world.name(id), std::string(joint.type()), joint.a(), joint.b(), joint.reaction_point_B()});
+  }
+  using Group = RecordedScalar::Group;
+  header.scalars = {{"kinetic energy", "J", Group::kEnergy},
+                    {"potential energy", "J", Group::kEnergy},
+                    {"gap", "m", Group::kGap},
+                    {"gap angle", "rad", Group::kGap}};
+  auto column = probes_.columns().begin();
+  for (const Probe& probe : probes_.probes())
+    for (const std::string& component : components(probe.quantity))
+      header.scalars.push_back(
+          {*column++, std::string(component == "radians" ? "rad" : unit(probe.quantity)), Group::kProbe});
+  collect_shapes(scene_, header);
+  return header;
+}
+
+Frame FrameSampler::sample(Simulator& simulator) {
+  const World& world = simulator.world();
+  const State& state = world.state();
+  Frame frame;
+  frame.time = world.time();
+  frame.poses = state.poses;
+  frame.twists = state.twists;
+
+  rows_.residual(state, phi_);
+  const std::vector<Gap> gaps = joint_gaps(rows_, phi_);
+  const bool has_stepped = simulator.report().dt > 0;
+  for (int j = 0; j < world.joint_count(); ++j) {
+    const JointId id{j};
+    frame.joints.push_back({has_stepped ? simulator.mean_reaction(id) : simulator.reaction(id), gaps[j]});
+  }
+  if (contacts_) contacts_(simulator, frame.contacts);
+
+  const Gap largest = max_gap(rows_, phi_);
+  frame.scalars = {kinetic_energy(world, state), world.potential_energy(state), largest.metres,
+                   largest.radians};
+  const std::vector<double>& values = probes_.sample(simulator);
+  frame.scalars.insert(frame.scalars.end(), values.begin(), values.end());
+  return frame;
+}
+
+}  // namespace taut

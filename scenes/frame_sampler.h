@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/rows.h"
+#include "scenes/recorder.h"
+#include "scenes/recording.h"
+#include "scenes/scene.h"
+#include "solvers/simulator.h"
+
+namespace taut {
+
+/// Reads the frames of a recording from a running simulation.
+class FrameSampler {
+ public:
+  /// Appends the present contacts with their forces.
+  using ContactSource = std::function<void(const Simulator&, std::vector<ContactSample>&)>;
+
+  explicit FrameSampler(const Scene& scene);
+
+  /// Without a source, frames have no contacts.
+  void set_contact_source(ContactSource source) { contacts_ = std::move(source); }
+
+  RecordingHeader header(double frames_per_second) const;
+  /// The present instant.  Wrenches are means over the last step; before the first one, those that the
+  /// acceleration equation gives.
+  Frame sample(Simulator& simulator);
+
+ private:
+  const Scene& scene_;
+  Rows rows_;
+  Recorder probes_;
+  ContactSource contacts_;
+  std::vector<double> phi_;
+};
+
+}  // namespace taut

@@ -1,0 +1,154 @@
+// The recording inside the page (scenes/README.md, "The page"): 16-bit columns, unpacked once.
+
+const halves = (() => {
+  const table = new Float32Array(65536);
+  for (let i = 0; i < 65536; ++i) {
+    const exponent = i >> 10 & 31, mantissa = i & 1023;
+    const magnitude = exponent === 0 ? mantissa * 2 ** -24
+      : exponent === 31 ? (mantissa ? NaN : Infinity) : (1 + mantissa / 1024) * 2 ** (exponent - 15);
+    table[i] = i & 0x8000 ? -magnitude : magnitude;
+  }
+  return table;
+})();
+
+/** Undoes the prediction: words, low bytes before high bytes, as sums over the frames. */
+function unpackWords(bytes, {offset, count, per_frame: perFrame, order}) {
+  const words = new Uint16Array(count);
+  for (let i = 0; i < count; ++i) words[i] = bytes[offset + i] | bytes[offset + count + i] << 8;
+  for (let pass = 0; pass < order; ++pass)
+    for (let i = perFrame; i < count; ++i) words[i] += words[i - perFrame];
+  return words;
+}
+
+/** Numbers per frame that are halves of a scale; all zero if the page has none. */
+class HalfColumn {
+  constructor(bytes, column) {
+    this.words = column ? unpackWords(bytes, column) : null;
+    this.scale = column ? column.scale : 0;
+  }
+  at(index) { return this.words ? halves[this.words[index]] * this.scale : 0; }
+  norm3(index) {
+    if (!this.words) return 0;
+    return Math.hypot(this.at(index), this.at(index + 1), this.at(index + 2));
+  }
+}
+
+export class Recording {
+  /** @param {ArrayBuffer} buffer length of the description, the description (JSON), columns */
+  constructor(buffer) {
+    const length = new DataView(buffer).getUint32(0, true);
+    const d = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, length)));
+    const bytes = new Uint8Array(buffer, 8 + Math.ceil(length / 8) * 8);
+    const plain = (Type, name) => {
+      const {offset, count} = d.columns[name];
+      return new Type(bytes.buffer, bytes.byteOffset + offset, count);
+    };
+    Object.assign(this, {
+      scene: d.scene, parameters: d.parameters, dt: d.dt, gravity: d.gravity, frames: d.frames,
+      bodies: d.bodies, joints: d.joints, shapes: d.shapes, drawn: d.drawn, scalars: d.scalars,
+    });
+    this.bodyCount = d.bodies.name.length;
+    this.jointCount = d.joints.name.length;
+    this.times = plain(Float64Array, 'time');
+    this.scalarValues = plain(Float64Array, 'scalars');
+    this.low = plain(Float32Array, 'position_low');
+    this.step = plain(Float32Array, 'position_step');
+    this.position = unpackWords(bytes, d.columns.position);
+    this.rotation = new Int16Array(unpackWords(bytes, d.columns.rotation).buffer);
+    for (const name of ['speed', 'force', 'torque', 'gap', 'gap_angle'])
+      this[name] = new HalfColumn(bytes, d.columns[name]);
+    this.contactCount = plain(Uint32Array, 'contact_count');
+    this.contactBodies = plain(Uint32Array, 'contact_bodies');
+    this.contactNumbers = plain(Float32Array, 'contact_numbers');
+    this.contactStart = new Uint32Array(this.frames + 1);
+    for (let f = 0; f < this.frames; ++f) this.contactStart[f + 1] = this.contactStart[f] + this.contactCount[f];
+    this.jointsOfBody = Array.from({length: this.bodyCount}, () => []);
+    for (let j = 0; j < this.jointCount; ++j)
+      for (const body of [d.joints.a[j], d.joints.b[j]]) this.jointsOfBody[body].push(j);
+  }
+
+  get start() { return this.times[0]; }
+  get end() { return this.times[this.frames - 1]; }
+
+  /** The last frame that is not after t, and the part of the way to the next one. */
+  locate(t) {
+    let low = 0, high = this.frames - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (this.times[middle] <= t) low = middle; else high = middle - 1;
+    }
+    const next = Math.min(low + 1, this.frames - 1), span = this.times[next] - this.times[low];
+    return {frame: low, next, part: span > 0 ? Math.min(Math.max((t - this.times[low]) / span, 0), 1) : 0};
+  }
+
+  /** The frame nearest to t: numbers are shown of it, never between frames. */
+  nearest(t) {
+    const {frame, next, part} = this.locate(t);
+    return part < 0.5 ? frame : next;
+  }
+
+  /** Writes poses of all bodies at t: x y z and a unit quaternion x y z w, from 7 * body on. */
+  poses(t, out) {
+    const {frame, next, part} = this.locate(t), n = this.bodyCount - 1;
+    out.fill(0, 0, 7);
+    out[6] = 1;
+    const p0 = 3 * n * frame, p1 = 3 * n * next, q0 = 4 * n * frame, q1 = 4 * n * next;
+    for (let b = 0; b < n; ++b) {
+      const o = 7 * (b + 1);
+      for (let i = 0, k = 3 * b; i < 3; ++i, ++k) {
+        const a = this.position[p0 + k];
+        out[o + i] = this.low[k] + this.step[k] * (a + part * (this.position[p1 + k] - a));
+      }
+      let square = 0;
+      for (let i = 0, k = 4 * b; i < 4; ++i, ++k) {
+        const a = this.rotation[q0 + k], q = a + part * (this.rotation[q1 + k] - a);
+        out[o + 3 + i] = q;
+        square += q * q;
+      }
+      const scale = 1 / Math.sqrt(square || 1);
+      for (let i = 3; i < 7; ++i) out[o + i] *= scale;
+    }
+    return out;
+  }
+
+  scalar(frame, index) { return this.scalarValues[frame * this.scalars.length + index]; }
+  jointForce(frame, joint) { return this.force.norm3(3 * (frame * this.jointCount + joint)); }
+  jointVector(column, frame, joint) {
+    const i = 3 * (frame * this.jointCount + joint);
+    return [column.at(i), column.at(i + 1), column.at(i + 2)];
+  }
+  jointGap(frame, joint) { return this.gap.at(frame * this.jointCount + joint); }
+  jointGapAngle(frame, joint) { return this.gap_angle.at(frame * this.jointCount + joint); }
+  bodySpeed(frame, body) { return body === 0 ? 0 : this.speed.at(frame * (this.bodyCount - 1) + body - 1); }
+
+  /** Largest value of a joint quantity over the joints of a body. */
+  bodyJointMaximum(values, body) {
+    let most = 0;
+    for (const joint of this.jointsOfBody[body]) most = Math.max(most, values[joint]);
+    return most;
+  }
+
+  /** [{a, b, position, normal, force}] of a frame. */
+  contacts(frame) {
+    const found = [];
+    for (let c = this.contactStart[frame]; c < this.contactStart[frame + 1]; ++c) {
+      const n = this.contactNumbers.subarray(9 * c, 9 * c + 9);
+      found.push({a: this.contactBodies[2 * c], b: this.contactBodies[2 * c + 1],
+                  position: n.subarray(0, 3), normal: n.subarray(3, 6), force: n.subarray(6, 9)});
+    }
+    return found;
+  }
+
+  /** Size of the force of a contact, counted over all frames [N]. */
+  contactForce(index) { return Math.hypot(...this.contactNumbers.subarray(9 * index + 6, 9 * index + 9)); }
+
+  /** Box around the centres of all bodies over the whole time: {low, high}. */
+  box() {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let k = 0; k < this.low.length; ++k) {
+      low[k % 3] = Math.min(low[k % 3], this.low[k]);
+      high[k % 3] = Math.max(high[k % 3], this.low[k] + 65535 * this.step[k]);
+    }
+    return low[0] <= high[0] ? {low, high} : {low: [-1, -1, -1], high: [1, 1, 1]};
+  }
+}

@@ -1,0 +1,95 @@
+// Geometry of shapes.  Equal kinds share one geometry and are scaled, so that thousands of bodies are a few draw calls.
+import {
+  BoxGeometry, BufferGeometry, CapsuleGeometry, ConeGeometry, CylinderGeometry, Float32BufferAttribute,
+  IcosahedronGeometry, OctahedronGeometry, SphereGeometry,
+} from 'three';
+
+/** Corners around a round shape: fewer where there are many of them. */
+const detail = (count) => (count > 3000 ? 12 : count > 400 ? 20 : 36);
+
+function meshGeometry(shape) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new Float32BufferAttribute(shape.positions, 3));
+  geometry.setIndex(shape.indices);
+  geometry.computeVertexNormals();
+  return geometry;
+}
+
+// The key under which shapes share a geometry, their scale on it, and how it is made.  Axes of revolution are z.
+const kinds = {
+  sphere: (s) => ({key: 'sphere', scale: [s.radius, s.radius, s.radius]}),
+  ellipsoid: (s) => ({key: 'sphere', scale: s.radii}),
+  box: (s) => ({key: 'box', scale: s.size}),
+  cylinder: (s) => ({key: 'cylinder', scale: [s.radius, s.radius, s.length]}),
+  cone: (s) => ({key: 'cone', scale: [s.radius, s.radius, s.height]}),
+  capsule: (s, index) => ({key: `capsule ${index}`, scale: [1, 1, 1]}),
+  mesh: (s, index) => ({key: `mesh ${index}`, scale: [1, 1, 1]}),
+};
+
+function makeGeometry(shape, count) {
+  const n = detail(count);
+  switch (shape.type) {
+    case 'sphere':
+    case 'ellipsoid':
+      return count > 3000 ? new IcosahedronGeometry(1, 1) : new SphereGeometry(1, n, Math.round(0.66 * n));
+    case 'box': return new BoxGeometry(1, 1, 1);
+    case 'cylinder': return new CylinderGeometry(1, 1, 1, count > 400 ? 8 : 24).rotateX(Math.PI / 2);
+    case 'cone': return new ConeGeometry(1, 1, n).rotateX(Math.PI / 2).translate(0, 0, 0.25);
+    case 'capsule':
+      return new CapsuleGeometry(shape.radius, shape.length, Math.round(n / 4), n).rotateX(Math.PI / 2);
+    default: return meshGeometry(shape);
+  }
+}
+
+/**
+ * Groups of instances with one geometry: [{key, geometry, items: [{body, p, q, scale}]}], and the half-spaces
+ * apart, which have no end.
+ */
+export function instanceGroups(recording) {
+  const groups = new Map(), planes = [];
+  for (const [body, shapeIndex, ...pose] of recording.drawn) {
+    const shape = recording.shapes[shapeIndex], item = {body, p: pose.slice(0, 3), q: pose.slice(3)};
+    if (shape.type === 'half_space') {
+      planes.push(item);
+      continue;
+    }
+    const {key, scale} = kinds[shape.type](shape, shapeIndex);
+    if (!groups.has(key)) groups.set(key, {key, shape, items: []});
+    groups.get(key).items.push({...item, scale});
+  }
+  for (const group of groups.values()) group.geometry = makeGeometry(group.shape, group.items.length);
+  return {groups: [...groups.values()], planes};
+}
+
+export const jointGeometry = (count) =>
+  (count > 6000 ? new OctahedronGeometry(1, 0) : count > 2000 ? new IcosahedronGeometry(1, 0)
+    : new SphereGeometry(1, 16, 12));
+export const anchorGeometry = () => new BoxGeometry(2, 2, 2);
+/** An arrow of length 1 along z: shaft and head. */
+export const arrowGeometries = () => [
+  new CylinderGeometry(0.018, 0.018, 0.78, 10).rotateX(Math.PI / 2).translate(0, 0, 0.39),
+  new ConeGeometry(0.055, 0.22, 14).rotateX(Math.PI / 2).translate(0, 0, 0.89),
+];
+
+/** Largest and smallest edge of the box around each body's shapes [m]; [0, 0] where nothing is drawn. */
+export function bodySizes(recording) {
+  const most = new Float32Array(recording.bodyCount), least = new Float32Array(recording.bodyCount).fill(Infinity);
+  for (const [body, shapeIndex] of recording.drawn) {
+    const s = recording.shapes[shapeIndex];
+    const edges = s.size ?? s.radii?.map((r) => 2 * r) ?? (s.type === 'mesh' ? meshEdges(s)
+      : s.radius ? [2 * s.radius, 2 * s.radius, s.length ?? s.height ?? 2 * s.radius] : []);
+    if (!edges.length) continue;
+    most[body] = Math.max(most[body], ...edges);
+    least[body] = Math.min(least[body], ...edges);
+  }
+  return Array.from(most, (size, body) => [size, size ? least[body] : 0]);
+}
+
+function meshEdges({positions}) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  positions.forEach((x, i) => {
+    low[i % 3] = Math.min(low[i % 3], x);
+    high[i % 3] = Math.max(high[i % 3], x);
+  });
+  return high.map((h, i) => h - low[i]);
+}

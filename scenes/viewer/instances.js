@@ -1,0 +1,201 @@
+// Bodies, joints and contacts as instanced meshes, placed and coloured from a recording.
+import {Color, DynamicDrawUsage, Group, InstancedMesh, MeshLambertMaterial, MeshStandardMaterial} from 'three';
+import {palette} from './colors.js';
+import {anchorGeometry, arrowGeometries, bodySizes, instanceGroups, jointGeometry} from './geometry.js';
+
+/** Column-major matrix of rotation q (x y z w), scale (sx sy sz) and position p into out at o. */
+function writeMatrix(out, o, px, py, pz, x, y, z, w, sx, sy, sz) {
+  out[o] = (1 - 2 * (y * y + z * z)) * sx;
+  out[o + 1] = 2 * (x * y + w * z) * sx;
+  out[o + 2] = 2 * (x * z - w * y) * sx;
+  out[o + 4] = 2 * (x * y - w * z) * sy;
+  out[o + 5] = (1 - 2 * (x * x + z * z)) * sy;
+  out[o + 6] = 2 * (y * z + w * x) * sy;
+  out[o + 8] = 2 * (x * z + w * y) * sz;
+  out[o + 9] = 2 * (y * z - w * x) * sz;
+  out[o + 10] = (1 - 2 * (x * x + y * y)) * sz;
+  out[o + 12] = px;
+  out[o + 13] = py;
+  out[o + 14] = pz;
+  out[o + 15] = 1;
+}
+
+/** World position of the body point (x, y, z): poses holds 7 numbers per body. */
+export function worldPoint(poses, body, x, y, z, out = [0, 0, 0]) {
+  const o = 7 * body, qx = poses[o + 3], qy = poses[o + 4], qz = poses[o + 5], qw = poses[o + 6];
+  const tx = 2 * (qy * z - qz * y), ty = 2 * (qz * x - qx * z), tz = 2 * (qx * y - qy * x);
+  out[0] = poses[o] + x + qw * tx + qy * tz - qz * ty;
+  out[1] = poses[o + 1] + y + qw * ty + qz * tx - qx * tz;
+  out[2] = poses[o + 2] + z + qw * tz + qx * ty - qy * tx;
+  return out;
+}
+
+function instanced(geometry, material, count, kind, ids) {
+  const mesh = new InstancedMesh(geometry, material, count);
+  mesh.instanceMatrix.setUsage(DynamicDrawUsage);
+  mesh.frustumCulled = false;
+  mesh.userData = {kind, ids};
+  mesh.setColorAt(0, new Color(1, 1, 1));
+  mesh.instanceColor.array.fill(1);
+  mesh.instanceColor.setUsage(DynamicDrawUsage);
+  return mesh;
+}
+
+export class Instances {
+  constructor(recording) {
+    this.recording = recording;
+    this.root = new Group();
+    const {groups, planes} = instanceGroups(recording);
+    this.planes = planes;
+    this.groups = groups;
+    const many = recording.drawn.length > 3000;
+    const material = many ? new MeshLambertMaterial({fog: false}) : new MeshStandardMaterial({roughness: 0.55, metalness: 0.05, fog: false});
+    for (const group of groups) {
+      group.mesh = instanced(group.geometry, material, group.items.length, 'body', group.items.map((i) => i.body));
+      this.root.add(group.mesh);
+    }
+    this.makeJoints();
+    this.point = [0, 0, 0];
+  }
+
+  makeJoints() {
+    const {jointCount, joints} = this.recording, sizes = bodySizes(this.recording);
+    this.jointRadius = new Float32Array(jointCount);
+    const all = Array.from({length: jointCount}, (_, j) => j);
+    for (const j of all) {
+      const ends = [sizes[joints.a[j]], sizes[joints.b[j]]].filter(([size]) => size > 0);
+      const least = Math.min(...ends.map(([, thin]) => thin)), most = Math.min(...ends.map(([size]) => size));
+      this.jointRadius[j] = ends.length ? Math.min(Math.max(0.68 * least, 0.022 * most), 0.12 * most) : 0.05;
+    }
+    const grounded = (j) => joints.a[j] === 0 || joints.b[j] === 0;
+    const free = all.filter((j) => !grounded(j)), held = all.filter(grounded);
+    const material = new MeshLambertMaterial({fog: false});
+    this.jointMeshes = [];
+    for (const [ids, geometry] of [[free, jointGeometry(free.length)], [held, anchorGeometry()]]) {
+      if (!ids.length) continue;
+      const mesh = instanced(geometry, material, ids.length, 'joint', ids);
+      this.jointMeshes.push(mesh);
+      this.root.add(mesh);
+    }
+  }
+
+  /** Moves everything to the poses (7 numbers per body). */
+  place(poses) {
+    for (const {mesh, items} of this.groups) {
+      const out = mesh.instanceMatrix.array;
+      items.forEach(({body, p, q, scale}, i) => {
+        const o = 7 * body, ax = poses[o + 3], ay = poses[o + 4], az = poses[o + 5], aw = poses[o + 6];
+        const [bx, by, bz, bw] = q;
+        const at = worldPoint(poses, body, p[0], p[1], p[2], this.point);
+        writeMatrix(out, 16 * i, at[0], at[1], at[2],
+                    aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
+                    aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz,
+                    scale[0], scale[1], scale[2]);
+      });
+      mesh.instanceMatrix.needsUpdate = true;
+      mesh.boundingSphere = null;
+    }
+    const {joints} = this.recording;
+    for (const mesh of this.jointMeshes) {
+      const out = mesh.instanceMatrix.array;
+      mesh.userData.ids.forEach((j, i) => {
+        const b = joints.b[j], o = 7 * b, r = this.jointRadius[j];
+        const at = worldPoint(poses, b, ...joints.anchor.slice(3 * j, 3 * j + 3), this.point);
+        writeMatrix(out, 16 * i, at[0], at[1], at[2],
+                    poses[o + 3], poses[o + 4], poses[o + 5], poses[o + 6], r, r, r);
+      });
+      mesh.instanceMatrix.needsUpdate = true;
+      mesh.boundingSphere = null;
+    }
+  }
+
+  /** Values of the joints that a mode of colouring shows at a frame; null if it shows none. */
+  jointValues(mode, frame) {
+    const r = this.recording;
+    if (mode !== 'force' && mode !== 'gap') return null;
+    this.values ??= new Float32Array(r.jointCount);
+    for (let j = 0; j < r.jointCount; ++j)
+      this.values[j] = mode === 'force' ? r.jointForce(frame, j) : r.jointGap(frame, j);
+    return this.values;
+  }
+
+  /**
+   * Colours bodies and joints: bodies by the largest value of their joints, by speed, or each by its own.
+   * @param style {fixed, neutral, accent: Color, selected: {kind, id} or null}
+   */
+  colour(mode, frame, scales, style) {
+    const r = this.recording, scale = scales[mode], values = this.jointValues(mode, frame), {selected} = style;
+    const isSelected = (kind, id) => selected && selected.kind === kind && selected.id === id;
+    for (const mesh of [...this.groups.map((group) => group.mesh), ...this.jointMeshes]) {
+      const out = mesh.instanceColor.array, {kind, ids} = mesh.userData;
+      ids.forEach((id, i) => {
+        const o = 3 * i;
+        if (isSelected(kind, id)) return style.accent.toArray(out, o);
+        if (kind === 'joint')
+          return values ? scale.color(values[id], out, o) : style.joint.toArray(out, o);
+        if (mode === 'body') return (r.bodies.fixed[id] ? style.fixed : palette[id % palette.length]).toArray(out, o);
+        if (r.bodies.fixed[id]) return style.fixed.toArray(out, o);
+        if (mode === 'speed') return scale.color(r.bodySpeed(frame, id), out, o);
+        if (values && r.jointsOfBody[id].length)
+          return scale.color(r.bodyJointMaximum(values, id), out, o);
+        style.neutral.toArray(out, o);
+      });
+      mesh.instanceColor.needsUpdate = true;
+    }
+  }
+
+  showJoints(visible) {
+    for (const mesh of this.jointMeshes) mesh.visible = visible;
+  }
+
+  /** Colour of an instance as the renderer gets it, linear [r, g, b]. */
+  colorOf(kind, id) {
+    for (const mesh of [...this.groups.map((group) => group.mesh), ...this.jointMeshes]) {
+      const i = mesh.userData.kind === kind ? mesh.userData.ids.indexOf(id) : -1;
+      if (i >= 0) return Array.from(mesh.instanceColor.array.slice(3 * i, 3 * i + 3));
+    }
+    return null;
+  }
+}
+
+/** Forces as arrows. */
+export class Arrows {
+  constructor(color) {
+    this.root = new Group();
+    this.material = new MeshLambertMaterial({color, fog: false});
+    this.capacity = 0;
+  }
+
+  /**
+   * @param list [{position, force}]  @param length of the arrow of a force [m] as a function of its size
+   * @param reach length of a usual arrow [m], which says how thick all are: short ones are thick for their length
+   */
+  show(list, length, reach) {
+    if (list.length > this.capacity) this.grow(list.length);
+    for (const mesh of this.root.children) {
+      mesh.count = 0;
+      const out = mesh.instanceMatrix.array;
+      for (const {position, force} of list) {
+        const size = Math.hypot(...force), l = length(size);
+        if (!(l > 0)) continue;
+        // Half-way rotation from z to the force.
+        let x = -force[1] / size, y = force[0] / size, w = 1 + force[2] / size;
+        if (w < 1e-6) x = 1, y = 0, w = 0;
+        const scale = 1 / Math.hypot(x, y, w);
+        const thick = Math.min(reach, 2.5 * l);
+        writeMatrix(out, 16 * mesh.count++, ...position, x * scale, y * scale, 0, w * scale, thick, thick, l);
+      }
+      mesh.instanceMatrix.needsUpdate = true;
+    }
+  }
+
+  grow(count) {
+    this.capacity = Math.max(16, 2 * count);
+    this.root.clear();
+    for (const geometry of arrowGeometries()) {
+      const mesh = new InstancedMesh(geometry, this.material, this.capacity);
+      mesh.frustumCulled = false;
+      this.root.add(mesh);
+    }
+  }
+}

@@ -1,0 +1,73 @@
+// The keyboard does what the mouse does.
+const kOrbit = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
+
+export function setUpKeys(player) {
+  const {state, view, recording} = player, select = (id) => document.getElementById(id);
+  const cycle = (id, step) => {
+    const box = select(id);
+    box.selectedIndex = Math.min(Math.max(box.selectedIndex + step, 0), box.length - 1);
+    box.onchange();
+  };
+  const neighbour = (kind, step) => {
+    const count = kind === 'body' ? recording.bodyCount : recording.jointCount, first = kind === 'body' ? 1 : 0;
+    if (count <= first) return;
+    const from = state.selected?.kind === kind ? state.selected.id : step > 0 ? first - 1 : count;
+    player.select({kind, id: from + step < first ? count - 1 : from + step >= count ? first : from + step});
+  };
+  const orbit = ([x, y]) => {
+    const {camera, controls, up} = view, offset = camera.position.clone().sub(controls.target);
+    offset.applyAxisAngle(up, 0.1 * x);
+    const side = up.clone().cross(offset).normalize(), raised = offset.clone().applyAxisAngle(side, 0.08 * y);
+    if (Math.abs(raised.clone().normalize().dot(up)) < 0.98) offset.copy(raised);
+    camera.position.copy(controls.target).add(offset);
+    view.isMoved = true;
+    controls.update();
+    player.request();
+  };
+  const keys = {
+    ' ': () => player.setPlaying(!state.playing),
+    ArrowLeft: (shift) => player.step(shift ? -10 : -1),
+    ArrowRight: (shift) => player.step(shift ? 10 : 1),
+    Home: () => player.seek(recording.start),
+    End: () => player.seek(recording.end),
+    '+': () => cycle('speed', 1),
+    '=': () => cycle('speed', 1),
+    '-': () => cycle('speed', -1),
+    c: () => {
+      const box = select('mode');
+      box.selectedIndex = (box.selectedIndex + 1) % box.length;
+      box.onchange();
+    },
+    '[': () => neighbour('body', -1),
+    ']': () => neighbour('body', 1),
+    '{': () => neighbour('joint', -1),
+    '}': () => neighbour('joint', 1),
+    '/': () => player.find(),
+    f: () => {
+      if (state.selected?.kind === 'body') player.follow(view.followed === null ? state.selected.id : null);
+    },
+    Escape: () => player.select(null),
+    j: () => player.toggle('joints'),
+    x: () => player.toggle('contacts'),
+    g: () => player.toggle('curves'),
+    r: () => player.home(),
+    t: () => select('theme').click(),
+    '?': () => select('keys').showModal(),
+  };
+  document.addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || document.querySelector('dialog[open]')) return;
+    if (event.altKey) {
+      if (!kOrbit[event.key]) return;
+      event.preventDefault();
+      return orbit(kOrbit[event.key]);
+    }
+    const tag = event.target.tagName;
+    if (tag === 'SELECT' && event.key !== 'Escape') return;  // keys choose in it
+    if (tag === 'BUTTON' && event.key === ' ') return;       // space presses it
+    if (tag === 'INPUT' && event.key.startsWith('Arrow')) event.target.blur();
+    const action = keys[event.key] ?? keys[event.key.toLowerCase()];
+    if (!action) return;
+    event.preventDefault();
+    action(event.shiftKey);
+  });
+}

@@ -1,0 +1,143 @@
+// Numbers of what is selected, and finding things by name.
+import {format, withUnit} from './plots.js';
+
+/** Rows of a vector; what is round-off beside the largest component is 0.  The page has three digits of a force. */
+function vectorRows(name, values, unit, digits = 3) {
+  const most = Math.max(...values.map(Math.abs));
+  return values.map((value, i) => [`${name} ${'xyz'[i]}`, withUnit(Math.abs(value) < 1e-6 * most ? 0 : value, unit, digits)]);
+}
+
+/** Whether a joint's number is ever anything but 0. */
+const isUsed = (recording, column, width, joint) => {
+  if (!column.words) return false;
+  for (let f = 0; f < recording.frames; ++f)
+    for (let i = 0; i < width; ++i)
+      if (column.at(width * (f * recording.jointCount + joint) + i) !== 0) return true;
+  return false;
+};
+
+/** How many contacts a body has, and what they push it with together. */
+function contactRows(contacts, id) {
+  const sum = [0, 0, 0];
+  for (const {b, force} of contacts) force.forEach((value, i) => { sum[i] += b === id ? value : -value; });
+  return [['contacts', String(contacts.length)], ['contact force', withUnit(Math.hypot(...sum), 'N', 4)]];
+}
+
+/** [[name, text], ...] of a body or joint at a frame. */
+export function numbers(recording, {kind, id}, frame, poses, used) {
+  const r = recording;
+  if (kind === 'joint') {
+    const rows = [['force', withUnit(r.jointForce(frame, id), 'N')],
+                  ...vectorRows('force', r.jointVector(r.force, frame, id), 'N')];
+    if (used.torque) rows.push(...vectorRows('torque', r.jointVector(r.torque, frame, id), 'N·m'));
+    rows.push(['gap', withUnit(r.jointGap(frame, id), 'm')]);
+    if (used.angle) rows.push(['gap angle', withUnit(r.jointGapAngle(frame, id), 'rad')]);
+    return rows;
+  }
+  const at = poses.subarray(7 * id, 7 * id + 7), angle = 2 * Math.acos(Math.min(1, Math.abs(at[6])));
+  const most = r.jointsOfBody[id].reduce((sum, joint) => Math.max(sum, r.jointForce(frame, joint)), 0);
+  const rows = [];
+  if (!r.bodies.fixed[id])
+    rows.push(['mass', `${format(r.bodies.mass[id])} kg`], ['speed', withUnit(r.bodySpeed(frame, id), 'm/s')]);
+  rows.push(...vectorRows('position', [...at.subarray(0, 3)], 'm', 4), ['turned by', `${format(angle * 180 / Math.PI)}°`]);
+  if (r.jointsOfBody[id].length) rows.push(['largest joint force', withUnit(most, 'N')]);
+  if (r.contactNumbers.length) rows.push(...contactRows(r.contacts(frame).filter(({a, b}) => a === id || b === id), id));
+  return rows;
+}
+
+export const nameOf = (recording, {kind, id}) => (kind === 'body' ? recording.bodies : recording.joints).name[id];
+
+export class Inspector {
+  /** @param actions {select, follow} */
+  constructor(element, recording, actions) {
+    Object.assign(this, {element, recording, actions});
+  }
+
+  select(selected, followed) {
+    this.selected = selected;
+    this.element.hidden = !selected;
+    if (!selected) return;
+    const {recording: r} = this, {kind, id} = selected, make = (tag, text = '', parent = this.element) => {
+      const node = document.createElement(tag);
+      node.textContent = text;
+      parent.append(node);
+      return node;
+    };
+    this.element.replaceChildren();
+    const head = make('h2', nameOf(r, selected));
+    make('small', kind === 'joint' ? `${r.joints.type[id]} joint` : r.bodies.fixed[id] ? 'fixed body' : 'body', head);
+    const close = make('button', '✕');
+    close.className = 'close';
+    close.setAttribute('aria-label', 'Select nothing');
+    close.onclick = () => this.actions.select(null);
+    this.list = make('dl');
+    this.used = kind === 'joint' ? {torque: isUsed(r, r.torque, 3, id), angle: isUsed(r, r.gap_angle, 1, id)} : {};
+    if (kind === 'body' && id !== 0) {
+      const row = make('div');
+      row.className = 'actions';
+      const follow = make('button', followed === id ? 'Following' : 'Follow', row);
+      follow.id = 'follow';
+      follow.setAttribute('aria-pressed', followed === id);
+      follow.title = 'Keep it where it is in the view (F)';
+      follow.onclick = () => this.actions.follow(followed === id ? null : id);
+    }
+    const links = make('div');
+    links.className = 'links';
+    const others = kind === 'joint' ? [['body', r.joints.a[id]], ['body', r.joints.b[id]]]
+                                    : r.jointsOfBody[id].slice(0, 60).map((joint) => ['joint', joint]);
+    for (const [otherKind, other] of others) {
+      const link = make('button', nameOf(r, {kind: otherKind, id: other}), links);
+      link.onclick = () => this.actions.select({kind: otherKind, id: other});
+    }
+  }
+
+  show(frame, poses) {
+    if (!this.selected) return;
+    const cells = numbers(this.recording, this.selected, frame, poses, this.used).flatMap(([name, text]) => {
+      const dt = document.createElement('dt'), dd = document.createElement('dd');
+      dt.textContent = name;
+      dd.textContent = text;
+      return [dt, dd];
+    });
+    this.list.replaceChildren(...cells);
+  }
+}
+
+/** The dialog that finds bodies and joints whose name contains what is typed. */
+export function setUpFinder(dialog, recording, select) {
+  const input = dialog.querySelector('input'), list = dialog.querySelector('ul');
+  const all = [...recording.bodies.name.map((name, id) => ({kind: 'body', id, name})),
+               ...recording.joints.name.map((name, id) => ({kind: 'joint', id, name}))];
+  const choose = (item) => {
+    dialog.close();
+    select({kind: item.kind, id: item.id});
+  };
+  let found = [];
+  const search = () => {
+    const text = input.value.trim().toLowerCase();
+    found = all.filter(({name}) => name.toLowerCase().includes(text))
+      .sort((a, b) => (b.name.toLowerCase() === text) - (a.name.toLowerCase() === text)).slice(0, 8);
+    list.replaceChildren(...found.map((item) => {
+      const row = document.createElement('li'), button = document.createElement('button');
+      const kind = document.createElement('small');
+      kind.textContent = item.kind === 'joint' ? recording.joints.type[item.id] : 'body';
+      button.textContent = item.name;
+      button.append(kind);
+      button.onclick = () => choose(item);
+      row.append(button);
+      return row;
+    }));
+  };
+  input.oninput = search;
+  input.onkeydown = (event) => {
+    if (event.key !== 'Enter' || !found.length) return;
+    event.preventDefault();
+    choose(found[0]);
+  };
+  return () => {
+    input.value = '';
+    search();
+    dialog.showModal();
+    input.focus();
+  };
+}

@@ -1,0 +1,194 @@
+// Curves over time with a cursor at the present instant; a press or drag on them moves it.
+
+const kColors = {light: ['#2f6db5', '#cf6a1b', '#2f8a55', '#a5478f'], dark: ['#6db0ff', '#ffab5e', '#69d394', '#e58fd0']};
+
+export const format = (value) => {
+  if (!Number.isFinite(value)) return '–';
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  const text = size >= 1e5 || size < 1e-3 ? value.toExponential(2).replace('e+', 'e') : String(Number(value.toPrecision(4)));
+  return text.replace(/^-/, '−');
+};
+
+const kPrefixes = [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, 'µ'], [1e-9, 'n'], [1e-12, 'p']];
+
+/** A number with its unit and a prefix of it: 27.7 kN. */
+export function withUnit(value, unit, digits = 3) {
+  if (!Number.isFinite(value)) return '–';
+  const [factor, prefix] = kPrefixes.find(([size]) => Math.abs(value) >= 0.9995 * size) ?? [1, ''];
+  const text = value === 0 || factor === 1e-12 && Math.abs(value) < 1e-12 ? format(value)
+    : String(Number((value / factor).toPrecision(digits))).replace(/^-/, '−');
+  return `${text} ${prefix}${unit}`.trim();
+}
+
+/** The next number from `least` on that is 1, 2 or 5 times a power of ten. */
+export function roundStep(least) {
+  const power = 10 ** Math.floor(Math.log10(least)), part = least / power;
+  return power * (part > 5 ? 10 : part > 2 ? 5 : part > 1 ? 2 : 1);
+}
+
+/** Round numbers from low to high, about count of them. */
+export function ticks(low, high, count) {
+  const step = roundStep((high - low) / count), found = [];
+  for (let k = Math.ceil(low / step); k * step <= high + 1e-9 * step && found.length < 50; ++k) found.push(k * step);
+  return found;
+}
+
+export class Plot {
+  /** @param series [{name, values: Float64Array}]  @param seek called with a time */
+  constructor(parent, {title, unit, logarithmic = false}, times, seek) {
+    Object.assign(this, {times, unit, logarithmic, seek, series: []});
+    this.element = document.createElement('figure');
+    this.element.className = 'plot';
+    this.caption = document.createElement('figcaption');
+    this.canvas = document.createElement('canvas');
+    this.canvas.setAttribute('role', 'img');
+    this.element.append(this.caption, this.canvas);
+    parent.append(this.element);
+    this.setTitle(title);
+    const move = (event) => {
+      if (event.buttons !== 1) return;
+      const {left, width} = this.canvas.getBoundingClientRect(), [x0, x1] = this.range(width);
+      const part = Math.min(Math.max((event.clientX - left - x0) / (x1 - x0), 0), 1);
+      this.seek(times[0] + part * (times[times.length - 1] - times[0]));
+    };
+    this.canvas.addEventListener('pointerdown', (event) => {
+      this.canvas.setPointerCapture(event.pointerId);
+      move(event);
+    });
+    this.canvas.addEventListener('pointermove', move);
+    new ResizeObserver(() => this.draw()).observe(this.canvas);
+  }
+
+  range(width) { return [48, width - 8]; }
+
+  setTitle(title) {
+    this.title = title;
+    this.canvas.setAttribute('aria-label', `${title} over time`);
+  }
+
+  setSeries(series) {
+    this.series = series;
+    let low = Infinity, high = -Infinity;
+    for (const {values} of series)
+      for (const value of values) {
+        const v = this.map(value);
+        if (Number.isFinite(v)) low = Math.min(low, v), high = Math.max(high, v);
+      }
+    if (!(low <= high)) [low, high] = this.logarithmic ? [-12, -9] : [0, 1];
+    if (this.logarithmic) {
+      [low, high] = [Math.max(Math.floor(low), Math.ceil(high) - 8), Math.ceil(high)];
+      if (low === high) --low;
+    } else {
+      const margin = 0.06 * (high - low) || 0.05 * Math.abs(high) || 1;
+      [low, high] = [low - margin, high + margin];
+    }
+    Object.assign(this, {low, high});
+    this.draw();
+  }
+
+  map(value) { return this.logarithmic ? (value > 0 ? Math.log10(value) : NaN) : value; }
+
+  /** Moves the cursor. */
+  show(t, frame) {
+    Object.assign(this, {t, frame});
+    this.draw();
+  }
+
+  /** Curves are drawn once and kept as an image; the cursor comes on top each time. */
+  draw() {
+    const {clientWidth: width, clientHeight: height} = this.canvas, ratio = Math.min(window.devicePixelRatio, 2);
+    if (!width || !height) return;
+    const dark = document.documentElement.dataset.theme === 'dark', key = [width, height, dark, ratio].join();
+    if (this.key !== key || this.drawnSeries !== this.series) {
+      this.canvas.width = width * ratio;
+      this.canvas.height = height * ratio;
+      this.key = key;
+      this.drawnSeries = this.series;
+      this.image = new OffscreenCanvas(width * ratio, height * ratio);
+      const context = this.image.getContext('2d');
+      context.scale(ratio, ratio);
+      this.drawCurves(context, width, height, kColors[dark ? 'dark' : 'light'], dark);
+    }
+    const context = this.canvas.getContext('2d');
+    context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    context.drawImage(this.image, 0, 0);
+    if (this.t !== undefined) this.drawCursor(context, ratio, width, height, kColors[dark ? 'dark' : 'light'], dark);
+    this.writeCaption(kColors[dark ? 'dark' : 'light']);
+  }
+
+  place(width, height) {
+    const [x0, x1] = this.range(width), t0 = this.times[0], t1 = this.times[this.times.length - 1];
+    return {
+      x: (t) => x0 + (t1 > t0 ? (t - t0) / (t1 - t0) : 0) * (x1 - x0),
+      y: (value) => height - 18 - (this.map(value) - this.low) / (this.high - this.low) * (height - 26),
+    };
+  }
+
+  drawCurves(context, width, height, colors, dark) {
+    const {x, y} = this.place(width, height), [x0, x1] = this.range(width);
+    context.font = '10px system-ui, sans-serif';
+    context.fillStyle = dark ? '#9aa7b5' : '#5d6a78';
+    context.strokeStyle = dark ? '#ffffff14' : '#00000012';
+    context.textAlign = 'right';
+    for (const tick of ticks(this.low, this.high, Math.max(2, Math.round(height / 24)))) {
+      if (this.logarithmic && tick !== Math.round(tick)) continue;
+      const value = this.logarithmic ? 10 ** tick : tick, at = y(value);
+      context.beginPath();
+      context.moveTo(x0, at);
+      context.lineTo(x1, at);
+      context.stroke();
+      context.fillText(this.logarithmic ? `1e${tick}` : format(value), x0 - 5, at + 3);
+    }
+    context.textAlign = 'center';
+    const t0 = this.times[0], t1 = this.times[this.times.length - 1];
+    if (t1 > t0)
+      for (const tick of ticks(t0, t1, Math.max(2, Math.round(width / 80))))
+        context.fillText(`${format(tick)} s`, Math.min(Math.max(x(tick), x0 + 6), x1 - 10), height - 4);
+    context.lineWidth = 1.6;
+    context.lineJoin = 'round';
+    const stride = Math.max(1, Math.floor(this.times.length / (2 * width)));
+    this.series.forEach(({values}, s) => {
+      context.strokeStyle = colors[s % colors.length];
+      context.beginPath();
+      let down = false;
+      for (let f = 0; f < values.length; f += stride) {
+        const at = y(values[f]);
+        if (Number.isFinite(at)) down ? context.lineTo(x(this.times[f]), at) : context.moveTo(x(this.times[f]), at);
+        down = Number.isFinite(at);
+      }
+      context.stroke();
+    });
+  }
+
+  drawCursor(context, ratio, width, height, colors, dark) {
+    const {x, y} = this.place(width, height);
+    context.save();
+    context.scale(ratio, ratio);
+    context.strokeStyle = dark ? '#ffffff90' : '#00000070';
+    context.beginPath();
+    context.moveTo(x(this.t), 4);
+    context.lineTo(x(this.t), height - 18);
+    context.stroke();
+    this.series.forEach(({values}, s) => {
+      const at = y(values[this.frame]);
+      if (!Number.isFinite(at)) return;
+      context.fillStyle = colors[s % colors.length];
+      context.beginPath();
+      context.arc(x(this.times[this.frame]), at, 3, 0, 7);
+      context.fill();
+    });
+    context.restore();
+  }
+
+  writeCaption(colors) {
+    const title = document.createElement('strong');
+    title.textContent = this.unit ? `${this.title} [${this.unit}]` : this.title;
+    this.caption.replaceChildren(title, ...this.series.map(({name, values}, s) => {
+      const item = document.createElement('span');
+      item.style.setProperty('--line', colors[s % colors.length]);
+      item.textContent = `${name} ${this.frame === undefined ? '' : format(values[this.frame])}`;
+      return item;
+    }));
+  }
+}

@@ -1,0 +1,269 @@
+// The picture: camera, light, floor, picking.
+import {
+  AmbientLight, BufferGeometry, Color, DirectionalLight, Fog, HemisphereLight, LineBasicMaterial, LineSegments,
+  Float32BufferAttribute, Mesh, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry, Raycaster, Scene,
+  Vector2, Vector3, WebGLRenderer,
+} from 'three';
+import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
+import {bodySizes} from './geometry.js';
+import {Arrows, Instances, worldPoint} from './instances.js';
+import {roundStep} from './plots.js';
+
+const kThemes = {
+  light: {background: '#eef1f4', grid: '#c3cad3', neutral: '#8fa3ba', fixed: '#767c84', joint: '#3d4b5c',
+          accent: '#0b63e5', arrow: '#c2185b', ground: '#dfe4e9'},
+  dark: {background: '#12161b', grid: '#2c343d', neutral: '#8ea6c4', fixed: '#6b7480', joint: '#cfd8e3',
+         accent: '#5aa9ff', arrow: '#ff5c93', ground: '#1b2128'},
+};
+
+export class View {
+  constructor(canvas, recording) {
+    this.canvas = canvas;
+    this.recording = recording;
+    this.renderer = new WebGLRenderer({canvas, antialias: true});
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, recording.bodyCount > 3000 ? 1.5 : 2));
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(40, 1, 0.01, 1000);
+    this.poses = new Float32Array(7 * recording.bodyCount);
+    this.followed = null;
+    const g = new Vector3(...recording.gravity);
+    this.up = g.length() > 0 ? g.negate().normalize() : new Vector3(0, 0, 1);
+    this.camera.up.copy(this.up);
+
+    this.instances = new Instances(recording);
+    this.arrows = new Arrows('#c2185b');
+    this.wrench = new Arrows('#c2185b');
+    this.scene.add(this.instances.root, this.arrows.root, this.wrench.root);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = false;
+    this.controls.addEventListener('change', () => this.onchange?.());
+    this.controls.addEventListener('start', () => { this.isMoved = true; });  // by hand
+    this.measure();
+    this.addLights();
+    this.addFloor();
+    this.home();
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    this.resize();
+  }
+
+  /** Centre and size of everything that ever moves. */
+  measure() {
+    const {low, high} = this.recording.box(), sizes = bodySizes(this.recording).map(([size]) => size);
+    const margin = sizes.reduce((most, size) => Math.max(most, size), 0) / 2;
+    this.low = new Vector3(...low).addScalar(-margin);
+    this.high = new Vector3(...high).addScalar(margin);
+    this.center = this.low.clone().add(this.high).multiplyScalar(0.5);
+    this.extent = this.high.distanceTo(this.low) || 1;
+    this.margin = margin;
+    this.reach = 0.14 * this.extent;  // the arrow of a large force
+    this.sampleCentres();
+  }
+
+  /** Where bodies are at some instants: what the camera must see. */
+  sampleCentres() {
+    const {recording} = this, poses = new Float32Array(this.poses.length);
+    const every = Math.ceil(recording.bodyCount / 1500), count = Math.min(12, recording.frames);
+    this.centres = [];
+    for (let k = 0; k < count; ++k) {
+      recording.poses(recording.times[Math.round(k * (recording.frames - 1) / Math.max(count - 1, 1))], poses);
+      for (let body = 1; body < recording.bodyCount; body += every)
+        this.centres.push(new Vector3().fromArray(poses, 7 * body));
+    }
+    if (!this.centres.length) this.centres = [this.center];
+  }
+
+  addLights() {
+    const key = new DirectionalLight('#ffffff', 2.0), side = new Vector3(0.5, -0.8, 0.35);
+    key.position.copy(this.up).multiplyScalar(1.2).add(side);
+    this.sky = new HemisphereLight('#ffffff', '#8891a0', 1.5);
+    this.sky.position.copy(this.up);
+    this.scene.add(key, this.sky, new AmbientLight('#ffffff', 0.25));
+  }
+
+  /** A grid under everything, fading out; or the half-spaces, if there are any. */
+  addFloor() {
+    const cell = roundStep(this.extent / 10), half = Math.ceil(2 * this.extent / cell), lines = [];
+    // In pieces: long lines from behind the camera get lost in some renderers.
+    for (let i = -half; i <= half; ++i)
+      for (let j = -half; j < half; ++j) lines.push(i, j, 0, i, j + 1, 0, j, i, 0, j + 1, i, 0);
+    const {planes} = this.instances;
+    const geometry = new BufferGeometry().setAttribute(
+      'position', new Float32BufferAttribute(lines.map((x) => x * cell), 3));
+    this.grid = new LineSegments(geometry, new LineBasicMaterial());  // only the floor fades into the distance
+    if (planes.length) {
+      this.grid.position.set(...planes[0].p);
+      this.grid.quaternion.set(...planes[0].q);
+      this.ground = new Mesh(new PlaneGeometry(8 * this.extent, 8 * this.extent), new MeshLambertMaterial());
+      this.ground.position.copy(this.grid.position).addScaledVector(
+        new Vector3(0, 0, 1).applyQuaternion(this.grid.quaternion), -1e-3 * this.extent);
+      this.ground.quaternion.copy(this.grid.quaternion);
+      this.scene.add(this.ground);
+    } else {
+      this.grid.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), this.up);
+      const corner = (sign) => (Math.sign(sign) < 0 ? this.high : this.low);
+      const lowest = ['x', 'y', 'z'].reduce((sum, axis) => sum + this.up[axis] * corner(this.up[axis])[axis], 0);
+      this.grid.position.copy(this.center)
+        .addScaledVector(this.up, lowest - this.up.dot(this.center) - 0.02 * this.extent);
+    }
+    this.scene.add(this.grid);
+  }
+
+  /** Looks at everything from a little above, mostly across the thinner side; on a narrow screen more along it. */
+  home() {
+    const across = new Vector3(), along = new Vector3(), size = this.high.clone().sub(this.low);
+    const [thin, long] = ['x', 'y', 'z'].filter((axis) => Math.abs(this.up[axis]) < 0.9).sort((a, b) => size[a] - size[b]);
+    across[thin] = thin === 'y' ? -1 : 1;
+    along[long] = 1;
+    const isLine = size[long] > 6 * size[thin], isNarrow = this.camera.aspect < 0.9;
+    const direction = across.multiplyScalar(0.82).addScaledVector(along, isLine ? (isNarrow ? 1.8 : 0.25) : 0.45)
+      .addScaledVector(this.up, isLine && isNarrow ? 0.7 : 0.34).normalize();
+    const {target, distance} = this.fit(direction);
+    this.camera.position.copy(target).addScaledVector(direction, distance);
+    this.controls.target.copy(target);
+    this.camera.near = this.extent / 500;
+    this.camera.far = this.extent * 40;
+    this.scene.fog = new Fog(0, distance + 0.6 * this.extent, distance + 2.4 * this.extent);
+    this.applyTheme(this.theme ?? 'light');
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.isMoved = false;
+  }
+
+  /**
+   * The nearest place from where everything in sampleCentres() is in the picture.  At right r, top t and forward f from
+   * the camera, a point is seen if |r| ≤ a f and −b f ≤ t ≤ c f.  Each of these four bounds holds for all points if it holds
+   * for the point that is worst, wherever the camera is; the camera goes as far forward as they let it.
+   */
+  fit(direction) {
+    const forward = direction.clone().negate(), right = forward.clone().cross(this.up).normalize();
+    const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360), m = this.margin;
+    // The head line and the legend, on a phone above each other, take a part of the height [px].
+    const {clientWidth, clientHeight} = this.canvas, [above, below] = clientWidth <= 760 ? [140, 20] : [50, 36];
+    const rest = (taken) => t * Math.max(1 - 2 * taken / Math.max(clientHeight, 1), 0.3);
+    const a = 0.92 * t * this.camera.aspect, b = rest(below), c = rest(above);
+    const points = this.centres.map((centre) => [centre.dot(right), centre.dot(top), centre.dot(forward)]);
+    const most = (of) => points.reduce((sum, point) => Math.max(sum, of(point)), -Infinity);
+    const east = most(([r, , f]) => r - a * f) + m, west = most(([r, , f]) => -r - a * f) + m;
+    const north = most(([, u, f]) => u - c * f) + m, south = most(([, u, f]) => -u - b * f) + m;
+    const far = most(([, , f]) => f), near = -most(([, , f]) => -f);
+    // Not so near that the front is more than about three times as large as the back.
+    const f = Math.min(-(east + west) / (2 * a), -(north + south) / (b + c), near - 0.4 * (far - near) - 2 * m);
+    // Where there is room to spare, the same on both sides of the picture.
+    const balanced = (k, low, high, lowSlope, highSlope) => {
+      for (let i = 0; i < 40; ++i) {
+        const x = (low + high) / 2;
+        const excess = most((point) => (point[k] - x + m) / (point[2] - f)) / highSlope
+          - most((point) => (x - point[k] + m) / (point[2] - f)) / lowSlope;
+        if (excess > 0) low = x; else high = x;
+      }
+      return (low + high) / 2;
+    };
+    const r = balanced(0, east + a * f, -west - a * f, a, a), u = balanced(1, north + c * f, -south - b * f, b, c);
+    const distance = Math.max((near + far) / 2 - f, 1e-3 * this.extent);
+    const target = new Vector3().addScaledVector(right, r).addScaledVector(top, u).addScaledVector(forward, f + distance);
+    return {target, distance};
+  }
+
+  applyTheme(name) {
+    this.theme = name;
+    const theme = kThemes[name], color = (hex) => new Color(hex);
+    this.scene.background = color(theme.background);
+    if (this.scene.fog) this.scene.fog.color = color(theme.background);
+    this.grid.material.color = color(theme.grid);
+    if (this.ground) this.ground.material.color = color(theme.ground);
+    this.arrows.material.color = color(theme.arrow);
+    this.wrench.material.color = color(theme.accent);
+    this.sky.intensity = name === 'dark' ? 1.3 : 1.7;
+    this.style = {neutral: color(theme.neutral), fixed: color(theme.fixed), joint: color(theme.joint),
+                  accent: color(theme.accent)};
+  }
+
+  resize() {
+    const {clientWidth: width, clientHeight: height} = this.canvas.parentElement;
+    if (!width || !height) return;
+    const isTurned = width !== this.width;  // or opened; curves that come and go change the height alone
+    this.width = width;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    if (isTurned && !this.isMoved && this.followed === null) this.home();
+    this.render();  // at once: the canvas is blank now
+    this.onchange?.();
+  }
+
+  /** Shows the instant t. @param colouring {mode, scales, selected, contacts: whether to show forces} */
+  show(t, {mode, scales, selected, contacts}) {
+    const frame = this.recording.nearest(t), before = this.followed === null ? null : this.bodyPosition(this.followed);
+    this.recording.poses(t, this.poses);
+    if (before) this.moveWith(before);
+    this.instances.place(this.poses);
+    this.instances.colour(mode, frame, scales, {...this.style, selected});
+    const length = (scale) => (force) => this.reach * Math.min(force / scale.high, 2);
+    this.arrows.show(contacts ? this.recording.contacts(frame) : [], length(scales.contact), this.reach);
+    this.wrench.show(selected?.kind === 'joint' ? [{
+      position: this.jointPosition(selected.id),
+      force: this.recording.jointVector(this.recording.force, frame, selected.id),
+    }] : [], length(scales.force), this.reach);
+  }
+
+  render() {
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  bodyPosition(body) { return new Vector3().fromArray(this.poses, 7 * body); }
+  jointPosition(joint) {
+    const {b, anchor} = this.recording.joints;
+    return worldPoint(this.poses, b[joint], ...anchor.slice(3 * joint, 3 * joint + 3));
+  }
+  positionOf({kind, id}) {
+    return kind === 'body' ? this.bodyPosition(id) : new Vector3(...this.jointPosition(id));
+  }
+
+  /** Keeps a body where it is in the picture. */
+  follow(body) {
+    this.followed = body;
+    if (body === null) return;
+    const shift = this.bodyPosition(body).sub(this.controls.target);
+    this.controls.target.add(shift);
+    this.camera.position.add(shift);
+    this.controls.update();
+  }
+  moveWith(before) {
+    const shift = this.bodyPosition(this.followed).sub(before);
+    this.controls.target.add(shift);
+    this.camera.position.add(shift);
+    this.controls.update();
+  }
+
+  /** Place on the canvas [px] of a world point. */
+  project(point) {
+    this.camera.updateMatrixWorld();
+    const v = (point.isVector3 ? point.clone() : new Vector3(...point)).project(this.camera);
+    const {clientWidth, clientHeight} = this.canvas;
+    return {x: (v.x + 1) / 2 * clientWidth, y: (1 - v.y) / 2 * clientHeight, visible: v.z < 1};
+  }
+
+  /** What is drawn at a place on the canvas [px], or else at most `tolerance` beside it: {kind, id} or null. */
+  pick(x, y, tolerance = 0) {
+    const around = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [Math.cos(i * Math.PI / 4), Math.sin(i * Math.PI / 4)]);
+    for (const [dx, dy] of [[0, 0], ...(tolerance ? around : [])]) {
+      const found = this.pickExactly(x + tolerance * dx, y + tolerance * dy);
+      if (found) return found;
+    }
+    return null;
+  }
+
+  pickExactly(x, y) {
+    const ray = new Raycaster(), {clientWidth, clientHeight} = this.canvas;
+    ray.setFromCamera(new Vector2(2 * x / clientWidth - 1, 1 - 2 * y / clientHeight), this.camera);
+    const hits = ray.intersectObjects(this.instances.root.children.filter((mesh) => mesh.visible), false);
+    if (!hits.length) return null;
+    const item = ({object, instanceId}) => ({kind: object.userData.kind, id: object.userData.ids[instanceId]});
+    // Joints sit inside the ends of their bodies: one just under the surface is meant.
+    const joint = hits.find((hit) => {
+      const {kind, id} = item(hit);
+      return kind === 'joint' && hit.distance - hits[0].distance < 4 * this.instances.jointRadius[id];
+    });
+    return item(joint ?? hits[0]);
+  }
+}

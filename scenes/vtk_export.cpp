@@ -1,0 +1,236 @@
+#include "scenes/vtk_export.h"
+
+#include <cstdio>
+#include <fstream>
+#include <pugixml.hpp>
+#include <span>
+
+#include "scenes/base64.h"
+#include "scenes/byte_order.h"
+#include "scenes/recorder.h"
+#include "scenes/recording_chunk.h"
+#include "scenes/shape_mesh.h"
+
+namespace taut {
+namespace {
+
+template <typename Number>
+constexpr const char* kVtkType = nullptr;
+template <>
+constexpr const char* kVtkType<float> = "Float32";
+template <>
+constexpr const char* kVtkType<std::int32_t> = "Int32";
+
+/// VTK's compressed form: the number of blocks, their size, that of a part block, the compressed sizes; then
+/// the blocks.  One block is enough.
+std::string packed(std::string_view bytes) {
+  const std::string block = deflate(bytes, 3);
+  std::string head;
+  for (const std::uint64_t number :
+       {std::uint64_t{1}, std::uint64_t{bytes.size()}, std::uint64_t{0}, std::uint64_t{block.size()}})
+    append_little(head, number);
+  return base64(head) + base64(block);
+}
+
+template <typename Number>
+void add_array(pugi::xml_node parent, const char* name, int components, std::span<const Number> values) {
+  pugi::xml_node array = parent.append_child("DataArray");
+  array.append_attribute("type").set_value(kVtkType<Number>);
+  array.append_attribute("Name").set_value(name);
+  array.append_attribute("NumberOfComponents").set_value(components);
+  // Readers differ on what no block at all looks like; as text, nothing is nothing.
+  array.append_attribute("format").set_value(values.empty() ? "ascii" : "binary");
+  const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+  array.text().set(values.empty() ? " " : packed(bytes).c_str());
+}
+
+/// A field of numbers per point or cell.
+struct Field {
+  const char* name;
+  int components;
+  std::vector<float> values;
+  void add(double value) { values.push_back(static_cast<float>(value)); }
+  void add(const Vec3& v) {
+    for (int i = 0; i < 3; ++i) add(v[i]);
+  }
+};
+
+/// What a .vtp file holds.
+struct PolyData {
+  std::vector<float> points;
+  std::vector<std::int32_t> triangles;  // three corners each; none: every point is a vertex
+  std::vector<Field> fields;            // of triangles, or else of points
+  std::vector<std::pair<const char*, std::vector<std::int32_t>>> indices;  // the same, whole numbers
+};
+
+void add_cells(pugi::xml_node piece, const char* kind, std::span<const std::int32_t> corners, int per_cell) {
+  pugi::xml_node cells = piece.append_child(kind);
+  std::vector<std::int32_t> offsets;
+  for (std::size_t end = per_cell; end <= corners.size(); end += per_cell)
+    offsets.push_back(static_cast<std::int32_t>(end));
+  add_array<std::int32_t>(cells, "connectivity", 1, corners);
+  add_array<std::int32_t>(cells, "offsets", 1, offsets);
+}
+
+pugi::xml_node add_root(pugi::xml_document& document, const char* type) {
+  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
+  declaration.append_attribute("version").set_value("1.0");
+  pugi::xml_node root = document.append_child("VTKFile");
+  root.append_attribute("type").set_value(type);
+  root.append_attribute("version").set_value("1.0");
+  root.append_attribute("byte_order").set_value("LittleEndian");
+  root.append_attribute("header_type").set_value("UInt64");
+  root.append_attribute("compressor").set_value("vtkZLibDataCompressor");
+  return root;
+}
+
+bool write_poly_data(const PolyData& data, const std::filesystem::path& file) {
+  pugi::xml_document document;
+  pugi::xml_node piece = add_root(document, "PolyData").append_child("PolyData").append_child("Piece");
+  const bool surface = !data.triangles.empty();
+  const std::size_t points = data.points.size() / 3;
+  piece.append_attribute("NumberOfPoints").set_value(points);
+  piece.append_attribute("NumberOfVerts").set_value(surface ? 0 : points);
+  piece.append_attribute("NumberOfPolys").set_value(data.triangles.size() / 3);
+  pugi::xml_node fields = piece.append_child(surface ? "CellData" : "PointData");
+  for (const auto& [name, values] : data.indices) add_array<std::int32_t>(fields, name, 1, values);
+  for (const Field& field : data.fields) add_array<float>(fields, field.name, field.components, field.values);
+  add_array<float>(piece.append_child("Points"), "Points", 3, data.points);
+  if (surface) {
+    add_cells(piece, "Polys", data.triangles, 3);
+  } else {
+    std::vector<std::int32_t> each(points);
+    for (std::size_t i = 0; i < points; ++i) each[i] = static_cast<std::int32_t>(i);
+    add_cells(piece, "Verts", each, 1);
+  }
+  return document.save_file(file.c_str(), "", pugi::format_raw);
+}
+
+/// Surfaces of all bodies.
+class BodySurfaces {
+ public:
+  explicit BodySurfaces(const RecordingHeader& header) : header_(header) {
+    const int segments = header.drawn.size() > 2000 ? 8 : header.drawn.size() > 200 ? 12 : 24;
+    for (const Shape& shape : header.shapes) meshes_.push_back(drawing_mesh(shape, segments));
+  }
+  PolyData at(const Frame& frame) const {
+    PolyData data;
+    std::vector<double> largest(header_.bodies.size(), 0);
+    for (std::size_t j = 0; j < header_.joints.size(); ++j)
+      for (BodyId body : {header_.joints[j].a, header_.joints[j].b})
+        largest[body.index] = std::max(largest[body.index], frame.joints[j].wrench.force.norm());
+    data.indices = {{"body", {}}};
+    data.fields = {{"velocity", 3, {}}, {"angular_velocity", 3, {}}, {"joint_force", 1, {}}};
+    for (const DrawnShape& drawn : header_.drawn) {
+      const DrawingMesh& mesh = meshes_[drawn.shape];
+      const Pose& body = frame.poses[drawn.body.index];
+      const auto first = static_cast<std::int32_t>(data.points.size() / 3);
+      for (const Vec3& vertex : mesh.vertices) {
+        const Vec3 p = body.point(drawn.pose.point(vertex));
+        for (int i = 0; i < 3; ++i) data.points.push_back(static_cast<float>(p[i]));
+      }
+      for (const auto& triangle : mesh.triangles) {
+        for (const int corner : triangle) data.triangles.push_back(first + corner);
+        data.indices[0].second.push_back(drawn.body.index);
+        data.fields[0].add(frame.twists[drawn.body.index].v);
+        data.fields[1].add(frame.twists[drawn.body.index].w);
+        data.fields[2].add(largest[drawn.body.index]);
+      }
+    }
+    return data;
+  }
+
+ private:
+  const RecordingHeader& header_;
+  std::vector<DrawingMesh> meshes_;
+};
+
+void add_point(PolyData& data, const Vec3& point) {
+  for (int i = 0; i < 3; ++i) data.points.push_back(static_cast<float>(point[i]));
+}
+
+PolyData joint_points(const RecordingHeader& header, const Frame& frame) {
+  PolyData data;
+  data.indices = {{"joint", {}}};
+  data.fields = {{"force", 3, {}}, {"torque", 3, {}}, {"gap", 1, {}}, {"gap_angle", 1, {}}};
+  for (std::size_t j = 0; j < header.joints.size(); ++j) {
+    const JointSample& joint = frame.joints[j];
+    add_point(data, frame.poses[header.joints[j].b.index].point(header.joints[j].anchor_B));
+    data.indices[0].second.push_back(static_cast<std::int32_t>(j));
+    data.fields[0].add(joint.wrench.force);
+    data.fields[1].add(joint.wrench.torque);
+    data.fields[2].add(joint.gap.metres);
+    data.fields[3].add(joint.gap.radians);
+  }
+  return data;
+}
+
+PolyData contact_points(const Frame& frame) {
+  PolyData data;
+  data.indices = {{"body_a", {}}, {"body_b", {}}};
+  data.fields = {{"normal", 3, {}}, {"force", 3, {}}};
+  for (const ContactSample& contact : frame.contacts) {
+    add_point(data, contact.position);
+    data.indices[0].second.push_back(contact.a.index);
+    data.indices[1].second.push_back(contact.b.index);
+    data.fields[0].add(contact.normal);
+    data.fields[1].add(contact.force);
+  }
+  return data;
+}
+
+/// A .pvd file and the .vtp files that it lists.
+class Series {
+ public:
+  Series(std::filesystem::path folder, std::string name)
+      : folder_(std::move(folder)), name_(std::move(name)) {
+    collection_ = add_root(document_, "Collection").append_child("Collection");
+  }
+  bool add(double time, const PolyData& data) {
+    char number[16];
+    std::snprintf(number, sizeof number, "_%05d", count_++);
+    const std::string file = name_ + number + ".vtp";
+    pugi::xml_node entry = collection_.append_child("DataSet");
+    entry.append_attribute("timestep").set_value(shortest(time).c_str());
+    entry.append_attribute("part").set_value(0);
+    entry.append_attribute("file").set_value(file.c_str());
+    return write_poly_data(data, folder_ / file);
+  }
+  bool finish() const { return document_.save_file((folder_ / (name_ + ".pvd")).c_str(), " "); }
+
+ private:
+  std::filesystem::path folder_;
+  std::string name_;
+  pugi::xml_document document_;
+  pugi::xml_node collection_;
+  int count_ = 0;
+};
+
+bool write_names(const RecordingHeader& header, const std::filesystem::path& file) {
+  std::ofstream out(file);
+  out << "kind,index,name\n";
+  for (std::size_t b = 0; b < header.bodies.size(); ++b)
+    out << "body," << b << ',' << csv_field(header.bodies[b].name) << '\n';
+  for (std::size_t j = 0; j < header.joints.size(); ++j)
+    out << "joint," << j << ',' << csv_field(header.joints[j].name) << '\n';
+  return static_cast<bool>(out.flush());
+}
+
+}  // namespace
+
+bool write_vtk(RecordingReader& recording, const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  const RecordingHeader& header = recording.header();
+  const BodySurfaces surfaces(header);
+  Series bodies(folder, "bodies"), joints(folder, "joints"), contacts(folder, "contacts");
+  bool good = write_names(header, folder / "names.csv");
+  for (int f = 0; good && f < recording.frame_count(); ++f) {
+    const Frame& frame = recording.frame(f);
+    good = bodies.add(frame.time, surfaces.at(frame)) &&
+           joints.add(frame.time, joint_points(header, frame)) &&
+           contacts.add(frame.time, contact_points(frame));
+  }
+  return good && bodies.finish() && joints.finish() && contacts.finish();
+}
+
+}  // namespace taut
