@@ -15,8 +15,8 @@ struct ContactFrame {
 };
 
 /// Rates of A and B against each other at the middle X of the points that face each other.
-///   w = (n, t₁, t₂)·(v_BX − v_AX) [m/s],   φ = (n, t₁, t₂)·(p_WQ − p_WP) [m]              (core/README, Eq.
-///   15)
+///   w = (n, t₁, t₂)·(v_BX − v_AX) [m/s],   φ = (n, t₁, t₂)·(p_WQ − p_WP) [m]
+///                                                                          (solvers/README, "Contacts")
 /// λ [N·s] is the impulse on B at X along these directions; A receives the opposite at the same place.
 struct ContactPoint {
   static constexpr int kRows = 3;

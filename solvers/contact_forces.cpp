@@ -459,9 +459,7 @@ void ContactForces::forget_impacts(bool for_good) {
 }
 
 /// Impulses of rows as world vectors, and their work.
-void ContactForces::book(int k, std::span<const double> lambda, std::span<const double> w,
-                         std::span<const double> rates) {
-  (void)w;
+void ContactForces::book(int k, std::span<const double> lambda, std::span<const double> rates) {
   Point& point = points_[k];
   const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
   const int row = first_row_[k];
@@ -486,7 +484,7 @@ void ContactForces::keep(std::span<const double> lambda, std::span<const double>
     Point& point = points_[k];
     if (!point.active) continue;
     const int row = first_row_[k];
-    book(static_cast<int>(k), lambda, w, rates);
+    book(static_cast<int>(k), lambda, rates);
     point.back = std::max(0.0, lambda[row]);
     point.pressed = point.back > 0;
     // The slip of this step while it holds: what is left of the target.
@@ -515,19 +513,22 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
   }
 }
 
-void ContactForces::finish(std::span<const double> mu, std::span<const double> w,
-                           std::span<const double> rates) {
+void ContactForces::finish(std::span<const double> mu, std::span<const double> rates, double time) {
   struck_ = false;
   for (std::size_t k = 0; k < points_.size(); ++k) {
     Point& point = points_[k];
     Impact& impact = impacts_[k];
     if (impact.stage == Impact::Stage::kDue) {
       struck_ = impact.spent = true;
+      point.impact_time = time;
     }
     impact.stage = Impact::Stage::kNone;
     if (!point.active) continue;
-    if (point.touching && point.approach < -resting_speed_) struck_ = true;
-    book(static_cast<int>(k), mu, w, rates);
+    if (point.touching && point.approach < -resting_speed_) {
+      struck_ = true;
+      point.impact_time = time;
+    }
+    book(static_cast<int>(k), mu, rates);
     const int row = first_row_[k];
     const bool pressed = point.touching && point.back + mu[row] > 0;
     const bool held = pressed && !point.sliding.slips;
@@ -553,6 +554,7 @@ void ContactForces::keep_report(int k) {
   report.force = point.impulse;
   report.torque = point.torque;
   report.normal_force = point.normal_impulse;
+  report.impact_time = point.impact_time;
   departed_.push_back(report);
 }
 
@@ -561,8 +563,8 @@ std::vector<ContactReport> ContactForces::reports() const {
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];
     if (!point.active) continue;
-    reports.push_back(
-        {set_.places()[k].contact, point.impulse, point.torque, point.normal_impulse, point.slid});
+    reports.push_back({set_.places()[k].contact, point.impulse, point.torque, point.normal_impulse,
+                       point.slid, point.impact_time});
   }
   return reports;
 }
@@ -574,6 +576,7 @@ void ContactForces::clear_reports() {
   for (Point& point : points_) {
     point.impulse = point.torque = Vec3::Zero();
     point.normal_impulse = 0;
+    point.impact_time.reset();
   }
   for (Impact& impact : impacts_) impact = {};
 }

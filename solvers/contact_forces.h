@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -90,7 +91,7 @@ class ContactForces {
   /// move_on().
   void keep(std::span<const double> lambda, std::span<const double> w, std::span<const double> rates);
   /// Books the second, and takes over the state of friction.
-  void finish(std::span<const double> mu, std::span<const double> w, std::span<const double> rates);
+  void finish(std::span<const double> mu, std::span<const double> rates, double time);
 
   /// Sums since clear_reports(), with impulses in place of forces.
   std::vector<ContactReport> reports() const;
@@ -119,6 +120,7 @@ class ContactForces {
     Disc sliding, rolling;
     Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();  ///< since clear_reports()
     double normal_impulse = 0;
+    std::optional<double> impact_time;
     bool slid = false;
   };
   struct Impact {
@@ -146,8 +148,7 @@ class ContactForces {
   void ask_for_turn(int place, const Disc& disc);
   double crossing(int place, double w) const;
   bool has_twist(int place) const { return set_.places()[place].at.twist; }
-  void book(int place, std::span<const double> lambda, std::span<const double> w,
-            std::span<const double> rates);
+  void book(int place, std::span<const double> lambda, std::span<const double> rates);
   void keep_report(int place);
 
   ContactSet set_;

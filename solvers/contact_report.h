@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "collision/contact.h"
 
 namespace taut {
@@ -12,6 +14,8 @@ struct ContactReport {
   Vec3 torque = Vec3::Zero();  ///< on B, of rolling and spinning friction [N·m]
   double normal_force = 0;     ///< of it, along the normal [N], ≥ 0
   bool sliding = false;        ///< at the end of the step
+  /// [s] of the last impact in the step: points that came together faster than Settings::resting_speed
+  std::optional<double> impact_time;
 };
 
 /// Work of all contacts in a step [J].

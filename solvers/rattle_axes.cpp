@@ -243,7 +243,7 @@ void Rattle::finish_bounds(StepReport& report) {
   mean_rates(kicked_, momenta_, system_.jacobian(), kick_rates_);
   axes_.book(mu_, rates_, kick_rates_);
   axes_.finish_velocities(phi_, rates_, state_.time);
-  contacts_.finish(mu_, rates_, kick_rates_);
+  contacts_.finish(mu_, kick_rates_, state_.time);
   report.axis_work = {};
   for (const AxisReport& axis : axes_.reports()) report.axis_work += axis.work;
   report.contact_work = contacts_.work();

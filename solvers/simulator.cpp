@@ -99,7 +99,7 @@ class Simulator::Impl {
   double choose_pieces(double dt);
   double step_limit() const;
   void finish(double dt);
-  void require_rattle(const ConstraintSystem& system) const;
+  void check_abilities(const ConstraintSystem& system) const;
   void detach_broken();
   void forget_step();
   void diagnose_stall();
@@ -107,7 +107,11 @@ class Simulator::Impl {
   void set_failure(Status status, std::string message);
 };
 
-void Simulator::Impl::require_rattle(const ConstraintSystem& system) const {
+void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
+  if (settings_.contacts)
+    for (int i = 0; i < world_.shape_count(); ++i)
+      if (const double c = world_.shape(ShapeId{i}).material.compliance; c > 0)
+        fail("material compliance", "must be 0: contacts are rigid", c);
   if (settings_.integrator == Integrator::kRattle) return;
   if (!system.rows().axis_rows().empty() || !world_.breakable().empty())
     fail("settings integrator",
@@ -124,7 +128,7 @@ void Simulator::Impl::refresh() {
   std::unique_ptr<Rattle> old_rattle;
   if (topology_version_ != world_.topology_version() || geometry_version_ != world_.geometry_version()) {
     auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor);
-    require_rattle(*system);
+    check_abilities(*system);
     // What held before holds on, if nothing but the joints has changed.
     if (state_version_ == world_.state_version()) {
       old_system = std::move(system_);
