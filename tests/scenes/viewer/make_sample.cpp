@@ -37,7 +37,8 @@ int main(int argc, char** argv) {
     frame.poses.resize(count + 1);
     frame.twists.resize(count + 1);
     for (int b = 1; b <= count; ++b) {
-      frame.poses[b] = {exp_so3(Vec3(0, 0, frame.time)), {b - 5.0, 0, 0.7 + 0.2 * std::sin(6 * frame.time + b)}};
+      frame.poses[b] = {exp_so3(Vec3(0, 0, frame.time)),
+                        {b - 5.0, 0, 0.7 + 0.2 * std::sin(6 * frame.time + b)}};
       frame.contacts.push_back({kGround, {b}, {b - 5.0, -0.6, 0}, {0, 0, 1}, {0, 0, 5.0 * b}});
     }
     writer.append(std::move(frame));
