@@ -1,7 +1,6 @@
 #include "collision/contact_finder.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <thread>
@@ -11,6 +10,7 @@
 #include "collision/narrow_phase.h"
 #include "collision/thread_pool.h"
 #include "core/check.h"
+#include "core/clock.h"
 
 namespace taut {
 namespace {
@@ -41,10 +41,6 @@ struct TaskResult {
   std::vector<std::pair<ShapeId, ShapeId>> unsupported;
   int touching = 0;
 };
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 int thread_count(int wanted) {
   return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -234,7 +230,7 @@ const std::vector<Contact>& ContactFinder::find(const World& world, const State&
   if (state.poses.size() != bodies) fail("state", "must have one pose per body", state.poses.size());
   if (state.twists.size() != bodies) fail("state", "must have one twist per body", state.twists.size());
   Impl& own = *impl_;
-  auto start = std::chrono::steady_clock::now();
+  auto start = Clock::now();
   const bool known = own.knows(world);
   if (!known) own.learn(world);
   own.place(state, horizon);
@@ -245,7 +241,7 @@ const std::vector<Contact>& ContactFinder::find(const World& world, const State&
   own.find_pairs(world, state, horizon);
   own.report.broad_seconds = seconds_since(start);
 
-  start = std::chrono::steady_clock::now();
+  start = Clock::now();
   const int tasks = static_cast<int>((own.pairs.size() + kPairsPerTask - 1) / kPairsPerTask);
   if (own.results.size() < static_cast<std::size_t>(tasks)) own.results.resize(tasks);
   own.pool.run(tasks, [&](int task, int worker) { own.find_in_task(task, worker, state, horizon); });

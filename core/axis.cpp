@@ -69,6 +69,12 @@ double spring_energy(const AxisSpring& spring, double theta) {
   return x < 0 ? -energy : energy;
 }
 
+double limit_energy(const AxisLimits& limits, double theta) {
+  if (limits.compliance == 0) return 0;
+  const double beyond = std::max({0.0, limits.lower - theta, theta - limits.upper});
+  return 0.5 * beyond * beyond / limits.compliance;
+}
+
 void check_axis(std::string_view axis, const AxisLimits& limits) {
   if (std::isnan(limits.lower) || limits.lower == kUnlimited)
     fail(of("lower limit", axis), "must be a number or −infinity", limits.lower);
@@ -79,10 +85,18 @@ void check_axis(std::string_view axis, const AxisLimits& limits) {
          limits.lower);
   if (!(limits.restitution >= 0 && limits.restitution <= 1))
     fail(of("restitution", axis), "must be from 0 to 1", limits.restitution);
+  require_not_negative(of("limit compliance", axis), limits.compliance);
+  require_not_negative(of("limit damping", axis), limits.damping);
+  if (limits.compliance > 0 && limits.restitution > 0)
+    fail(of("restitution", axis), "must be 0 beside a compliance", limits.restitution);
+  if (limits.compliance == 0 && limits.damping > 0)
+    fail(of("limit damping", axis), "needs a compliance", limits.damping);
 }
 
 void check_axis(std::string_view axis, const AxisMotor& motor) {
   require_finite(of("motor target", axis), motor.target);
+  if (motor.mode == AxisMotor::Mode::kTrajectory && !motor.trajectory)
+    fail(of("motor trajectory", axis), "must be given in its mode", "null");
   require_bound(of("motor max_force", axis), motor.max_force);
   if (!(motor.max_speed > 0)) fail(of("motor max_speed", axis), "must be positive", motor.max_speed);
   if (!motor.force_of_speed) return;
@@ -96,6 +110,7 @@ void check_axis(std::string_view axis, const AxisFriction& friction) {
   require_not_negative(of("static friction", axis), friction.static_friction);
   require_not_negative(of("dynamic friction", axis), friction.dynamic_friction);
   require_not_negative(of("viscous friction", axis), friction.viscous);
+  require_not_negative(of("friction per load", axis), friction.per_load);
   if (friction.dynamic_friction > friction.static_friction)
     fail(of("dynamic friction", axis),
          "must not exceed the static friction " + std::to_string(friction.static_friction),

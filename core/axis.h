@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/motion_point.h"
+
 /// What can act along a free axis of a joint.  An axis is a scalar coordinate θ(q) [rad or m] with rate θ̇;
 /// forces along it are torques [N·m] about an angle and forces [N] along a displacement.  A positive one acts
 /// on body B towards larger θ, and the opposite on A.
@@ -36,20 +38,28 @@ class Curve {
 
 /// lower ≤ θ ≤ upper, angles with their turns: an upper limit of 10π is five turns.  An impact at a limit
 /// reverses the rate by the factor of restitution, θ̇⁺ = −e θ̇⁻.
+/// With a compliance the limit is a spring of stiffness 1/compliance and a damper that act beyond it.
 struct AxisLimits {
   double lower = -kUnlimited, upper = kUnlimited;
   double restitution = 0;
+  double compliance = 0;  ///< [rad/(N·m) or m/N]; then the restitution must be 0
+  double damping = 0;     ///< [N·m·s/rad or N·s/m], with a compliance
 };
 
 /// Drives the axis with at most the available force.
 struct AxisMotor {
-  enum class Mode { kVelocity, kPosition };
+  enum class Mode {
+    kVelocity,    ///< θ̇ = target
+    kPosition,    ///< θ = target
+    kTrajectory,  ///< θ = trajectory(t)
+  };
   Mode mode = Mode::kVelocity;
   double target = 0;              ///< θ̇ [rad/s or m/s], or θ [rad or m] with its turns
   double max_force = kUnlimited;  ///< [N·m or N]
-  double max_speed = kUnlimited;  ///< position mode: how fast it goes to its target [rad/s or m/s]
+  double max_speed = kUnlimited;  ///< position and trajectory: how fast it goes to its target [rad/s or m/s]
   /// |θ̇| → available force, held beyond its ends; the smaller of it and max_force counts.
   std::optional<Curve> force_of_speed{};
+  Motion trajectory{};  ///< θ over time, in that mode
 };
 
 /// Coulomb and viscous friction: sticks up to `static_friction`, then slides with `dynamic_friction`;
@@ -58,6 +68,9 @@ struct AxisFriction {
   double static_friction = 0;   ///< [N·m or N]
   double dynamic_friction = 0;  ///< [N·m or N], at most static_friction
   double viscous = 0;           ///< [N·m·s/rad or N·s/m]
+  /// Static and dynamic friction also grow by this times the force [N] that the joint's translation rows
+  /// carry: μ r [m] for a pin of radius r, μ for a slider.
+  double per_load = 0;
 };
 
 /// Spring and damper: force −k (θ − rest) − c θ̇, or −table(θ − rest) − c θ̇.
@@ -81,11 +94,13 @@ struct AxisProperties {
 
 /// Potential energy of the spring at θ [J]: ½ k (θ − rest)², or the integral of its table from rest.
 double spring_energy(const AxisSpring& spring, double theta);
+/// Of limits with compliance, beyond which θ is [J].
+double limit_energy(const AxisLimits& limits, double theta);
 
 /// @throws std::invalid_argument naming `axis`, what is wrong and the value: limits that are crossed or not
-/// numbers, a restitution outside [0, 1], a target that is not finite, a force, speed, stiffness or friction
-/// that is negative, dynamic above static friction, a force curve with negative force or speed, a spring with
-/// both stiffness and table.
+/// numbers, a restitution outside [0, 1] or beside a compliance, damping without compliance, a target that is
+/// not finite, a trajectory that is missing, a force, speed, stiffness or friction that is negative, dynamic
+/// above static friction, a force curve with negative force or speed, a spring with both stiffness and table.
 void check_axis(std::string_view axis, const AxisLimits& limits);
 void check_axis(std::string_view axis, const AxisMotor& motor);
 void check_axis(std::string_view axis, const AxisFriction& friction);

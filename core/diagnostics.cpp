@@ -5,31 +5,34 @@
 namespace taut {
 namespace {
 
-Gap gap_of(const Rows& rows, const Rows::JointRows& joint, std::span<const double> phi) {
-  double metres2 = 0, radians2 = 0;
+/// Squares of a joint's gap [m², rad²].
+Gap squared_gap(const Rows& rows, const Rows::JointRows& joint, std::span<const double> phi) {
+  Gap square;
   for (int r = joint.first_row; r < joint.first_row + joint.equality_count; ++r)
-    (rows.row(r).angular ? radians2 : metres2) += phi[r] * phi[r];
-  return {std::sqrt(metres2), std::sqrt(radians2)};
+    if (rows.is_equality(r)) (rows.row(r).angular ? square.radians : square.metres) += phi[r] * phi[r];
+  return square;
 }
+
+Gap root(const Gap& square) { return {std::sqrt(square.metres), std::sqrt(square.radians)}; }
 
 }  // namespace
 
 std::vector<Gap> joint_gaps(const Rows& rows, std::span<const double> phi) {
   std::vector<Gap> gaps;
   gaps.reserve(rows.joints().size());
-  for (const Rows::JointRows& joint : rows.joints()) gaps.push_back(gap_of(rows, joint, phi));
+  for (const Rows::JointRows& joint : rows.joints()) gaps.push_back(root(squared_gap(rows, joint, phi)));
   return gaps;
 }
 
 Gap max_gap(const Rows& rows, std::span<const double> phi) {
   Gap worst;
   for (const Rows::JointRows& joint : rows.joints()) {
-    const Gap gap = gap_of(rows, joint, phi);
+    const Gap gap = squared_gap(rows, joint, phi);
     // Written so that a NaN, once met, stays.
     if (!(gap.metres <= worst.metres) && worst.metres == worst.metres) worst.metres = gap.metres;
     if (!(gap.radians <= worst.radians) && worst.radians == worst.radians) worst.radians = gap.radians;
   }
-  return worst;
+  return root(worst);
 }
 
 Vec3 angular_momentum_about_centre(const MassProperties& mass, const Pose& pose, const Vec3& w) {

@@ -10,7 +10,8 @@
 /// Laws that a run is judged by: energies and momenta (core/README, Eq. 13), joint gaps.
 namespace taut {
 
-/// How far a joint is open: norm of its translation rows and of its rotation rows.  Axis rows do not count.
+/// How far a joint is open: norm of its translation rows and of its rotation rows.  Axis rows and rows that a
+/// compliance softens do not count.
 struct Gap {
   double metres = 0;
   double radians = 0;

@@ -20,6 +20,8 @@ class Force {
   virtual double potential_energy(const State&) const { return 0; }
   /// True if f depends on V: the integrator then iterates its second half kick.
   virtual bool depends_on_velocity() const { return false; }
+  /// True if f is no more than the gradient of its potential: its work is then no loss.
+  virtual bool conservative() const { return false; }
   /// The bodies it reads or acts on, so that the World can check them.
   virtual std::vector<BodyId> bodies() const { return {}; }
 };
@@ -43,6 +45,7 @@ class PointForce final : public Force {
   double potential_energy(const State& state) const override {
     return follows_body_ ? 0 : -force_.dot(state.poses[body_.index].point(p_BP_));
   }
+  bool conservative() const override { return !follows_body_; }
   std::vector<BodyId> bodies() const override { return {body_}; }
 
  private:
@@ -104,6 +107,7 @@ class SpringDamper final : public Force {
     return 0.5 * k_ * (length - rest_) * (length - rest_);
   }
   bool depends_on_velocity() const override { return c_ > 0; }
+  bool conservative() const override { return c_ == 0; }
   std::vector<BodyId> bodies() const override { return {a_, b_}; }
 
  private:
@@ -128,6 +132,7 @@ class ForceCallback final : public Force {
   }
   double potential_energy(const State& state) const override { return potential_ ? potential_(state) : 0; }
   bool depends_on_velocity() const override { return velocity_; }
+  bool conservative() const override { return potential_ && !velocity_; }
 
  private:
   Function function_;

@@ -11,10 +11,9 @@
 
 namespace taut {
 
-/// A joint between body A and body B, and for some types further bodies, described once and then immutable. A
-/// type is one header in
-/// core/joints: its constructor checks the input, append_rows() lists the row parts it is made of and
-/// append_axes() the coordinates that it leaves free. Nothing else knows the type.
+/// A joint between body A and body B, and for some types further bodies, described once and then immutable.
+/// A type is one header in core/joints: its constructor checks the input, append_rows() lists the row parts
+/// it is made of and append_axes() the coordinates that it leaves free. Nothing else knows the type.
 class Joint {
  public:
   Joint(BodyId a, BodyId b) : bodies_{a, b} {}
@@ -32,6 +31,8 @@ class Joint {
 
   /// One more than the highest entry of State::axes that its rows read (couplings of axes); 0 for most.
   virtual int axes_needed() const { return 0; }
+  /// The joints whose axes its rows read: it goes when one of them goes.
+  virtual std::vector<JointId> couples() const { return {}; }
 
   BodyId a() const { return bodies_[0]; }
   BodyId b() const { return bodies_[1]; }

@@ -6,17 +6,12 @@
 
 #include "core/axis.h"
 #include "core/check.h"
+#include "core/motion_point.h"
 #include "core/spline.h"
 #include "core/state.h"
 
 /// Prescribed motions as functions of time, for drivers.
 namespace taut {
-
-/// f(t) with its first two derivatives.  Values that are not finite end a step with Status::kNotFinite.
-struct MotionPoint {
-  double value = 0, rate = 0, acceleration = 0;
-};
-using Motion = std::function<MotionPoint(double time)>;
 
 /// value + rate (t − start).
 /// @throws std::invalid_argument if a number is not finite (all of these).

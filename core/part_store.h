@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -77,7 +78,12 @@ class PartStore final : public PartStoreBase {
 
  private:
   static void residual(const Item& i, const Configuration& at, double* out) {
-    if constexpr (requires { i.part.period(); }) {
+    if constexpr (requires { Part::kAccumulates; }) {  // only its increments are known
+      *out = at.near(i.at.axis);
+      if (!at.from.empty())
+        *out += i.part.increment(at.from[i.at.body_a], at.from[i.at.body_b], at.poses[i.at.body_a],
+                                 at.poses[i.at.body_b]);
+    } else if constexpr (requires { i.part.period(); }) {
       const double near = at.near(i.at.axis);  // before `out`, which may be the same place
       i.part.residual(at.poses[i.at.body_a], at.poses[i.at.body_b], out);
       *out = unwrapped(*out, near, i.part.period());
@@ -138,6 +144,24 @@ inline constexpr bool kIsWide = requires {
 };
 template <typename Part>
 using StoreOf = std::conditional_t<kIsWide<Part>, WideStore<Part>, PartStore<Part>>;
+
+/// A part by itself between bodies `a` and `b` of `bodies`, with one Jacobian block of six columns for each
+/// body; `axis` is its entry in State::axes.
+template <typename Part>
+std::shared_ptr<const PartStoreBase> store_of_one(const Part& part, int a, int b,
+                                                  const std::vector<int>& bodies, int axis) {
+  auto store = std::make_shared<StoreOf<Part>>();
+  const auto offset = [](int side) { return 6 * Part::kRows * side; };
+  if constexpr (kIsWide<Part>) {
+    std::vector<int> offsets;
+    for (std::size_t side = 0; side < bodies.size(); ++side)
+      offsets.push_back(offset(static_cast<int>(side)));
+    store->items.push_back({0, std::move(offsets), axis, part});
+  } else {
+    store->items.push_back({{bodies[a], bodies[b], 0, offset(a), offset(b), axis}, part});
+  }
+  return store;
+}
 
 /// Whether a part's rows are angles; a coupling knows only at run time.
 template <typename Part>

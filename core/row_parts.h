@@ -36,8 +36,12 @@ namespace row_parts {
 
 /// sym −∂(r × f)/∂θ for a force f at an arm r that turns with the body: (f·r) 1 − sym(r fᵀ).
 inline Mat3 lever_stiffness(const Vec3& r, const Vec3& f) {
-  const Mat3 rf = r * f.transpose();
-  return f.dot(r) * Mat3::Identity() - 0.5 * (rf + rf.transpose());
+  const double dot = f.dot(r);
+  const double xy = -0.5 * (r[0] * f[1] + r[1] * f[0]), xz = -0.5 * (r[0] * f[2] + r[2] * f[0]),
+               yz = -0.5 * (r[1] * f[2] + r[2] * f[1]);
+  Mat3 K;
+  K << dot - r[0] * f[0], xy, xz, xy, dot - r[1] * f[1], yz, xz, yz, dot - r[2] * f[2];
+  return K;
 }
 
 inline const char* axis_name(int i) { return i == 0 ? "x" : i == 1 ? "y" : "z"; }

@@ -6,9 +6,9 @@
 
 namespace taut {
 
-std::vector<int> AxisSink::bodies() const {
+std::vector<int> detail::body_indices(const Joint* joint) {
   std::vector<int> indices;
-  for (BodyId body : joint_->bodies()) indices.push_back(body.index);
+  for (BodyId body : joint->bodies()) indices.push_back(body.index);
   return indices;
 }
 
@@ -17,6 +17,11 @@ void Rows::clear_blocks(int joint) {
   const JointRows& rows = joints_[joint];
   const std::pair<int, int> blocks(sides_[rows.first_side].offset, 6 * rows.row_count * rows.side_count);
   if (cleared_.empty() || cleared_.back() != blocks) cleared_.push_back(blocks);
+}
+
+void Rows::note_axes(const detail::PartStoreBase* store) {
+  if (std::find(stores_with_axes_.begin(), stores_with_axes_.end(), store) == stores_with_axes_.end())
+    stores_with_axes_.push_back(store);
 }
 
 void Rows::append_axis_row(AxisId axis, int index) {
@@ -29,6 +34,10 @@ Rows::Rows(const World& world, AxisRows axis_rows) {
   sides_.reserve(2 * joint_count);
   for (int j = 0; j < joint_count; ++j) {
     const Joint& joint = world.joint(JointId{j});
+    if (!world.is_attached(JointId{j})) {
+      joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0});
+      continue;
+    }
     RowSink counter;
     joint.append_rows(counter);
     AxisSink axes;
@@ -44,6 +53,10 @@ Rows::Rows(const World& world, AxisRows axis_rows) {
       axes.rows_ = this;
       joint_rows = axis_counter.row_in_joint_;
     }
+    if (joint_rows == 0) {  // no sides either
+      joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0});
+      continue;
+    }
     const int side_count = static_cast<int>(joint.bodies().size());
     joints_.push_back({row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_});
     for (BodyId body : joint.bodies()) {
@@ -53,6 +66,7 @@ Rows::Rows(const World& world, AxisRows axis_rows) {
     RowSink sink;
     sink.rows_ = this;
     sink.joint_ = j;
+    if (axis_rows == AxisRows::kIncluded) world.soften(JointId{j}, sink);
     joint.append_rows(sink);
     if (any_axis) joint.append_axes(axes);
   }
@@ -93,36 +107,26 @@ bool Rows::depends_on_time() const {
 }
 
 void Rows::update_axes(const Configuration& at, std::span<double> axes) const {
-  for (const auto& store : stores_) store->update_axes(at, axes);
+  for (const auto* store : stores_with_axes_) store->update_axes(at, axes);
 }
 
 void Rows::apply(std::span<const double> jacobian, std::span<const Twist> twists,
                  std::span<double> out) const {
   for (const JointRows& joint : joints_) {
-    for (int i = 0; i < joint.row_count; ++i) out[joint.first_row + i] = 0;
+    double* rates = out.data() + joint.first_row;
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
-      const Twist& V = twists[sides_[s].body];
+      const Twist& twist = twists[sides_[s].body];
+      const SixVector V(twist.w, twist.v);
       const double* J = jacobian.data() + sides_[s].offset;
-      for (int i = 0; i < joint.row_count; ++i, J += 6)
-        out[joint.first_row + i] +=
-            J[0] * V.w[0] + J[1] * V.w[1] + J[2] * V.w[2] + J[3] * V.v[0] + J[4] * V.v[1] + J[5] * V.v[2];
+      const bool first = s == joint.first_side;
+      for (int i = 0; i < joint.row_count; ++i, J += 6) rates[i] = V.dot(J) + (first ? 0 : rates[i]);
     }
   }
 }
 
 void Rows::apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                            std::span<Wrench> out) const {
-  for (int body = 0; body < body_count(); ++body) {
-    double sum[6] = {};
-    for (int s : sides_of(body)) {
-      const Side& side = sides_[s];
-      const double* J = jacobian.data() + side.offset;
-      for (int i = 0; i < side.row_count; ++i, J += 6)
-        for (int k = 0; k < 6; ++k) sum[k] += J[k] * lambda[side.first_row + i];
-    }
-    out[body].torque = Vec3(sum[0], sum[1], sum[2]);
-    out[body].force = Vec3(sum[3], sum[4], sum[5]);
-  }
+  for (int body = 0; body < body_count(); ++body) out[body] = wrench_on(body, jacobian, lambda);
 }
 
 }  // namespace taut

@@ -17,7 +17,8 @@
 /// All constraint rows of a World, compiled into contiguous arrays:
 ///
 ///   joint j  owns rows  first_row … first_row + row_count − 1, in the order of the World's joints: first its
-///            equality rows, then one axis row for each free axis with properties (limits, motor, …)
+///            equality rows, then one axis row for each free axis with properties (limits, motor, …); none if
+///            it is detached
 ///   side s   one (joint, body) pair, A, B and further bodies; its Jacobian block has row_count rows by 6
 ///   columns, row-major values   Jacobian values of all sides, one behind the other
 ///
@@ -27,8 +28,32 @@
 namespace taut {
 
 class World;
-
+class Joint;
 class Rows;
+
+/// A twist or wrench in pairs, for products with rows of a Jacobian block.
+class SixVector {
+ public:
+  SixVector(const Vec3& a, const Vec3& b) : first_(a[0], a[1]), second_(a[2], b[0]), third_(b[1], b[2]) {}
+  double dot(const double* row) const {
+    using Pair = Eigen::Map<const Eigen::Vector2d>;
+    return (first_.cwiseProduct(Pair(row)) + second_.cwiseProduct(Pair(row + 2)) +
+            third_.cwiseProduct(Pair(row + 4)))
+        .sum();
+  }
+
+ private:
+  Eigen::Vector2d first_, second_, third_;
+};
+namespace detail {
+/// A part by itself, with its rows from 0 on.
+struct RowGroup {
+  std::shared_ptr<const PartStoreBase> part;
+  int rows = 0;
+  bool angular = false;
+};
+std::vector<int> body_indices(const Joint* joint);
+}  // namespace detail
 
 /// Two bodies of a joint by their place in Joint::bodies(): the A and B of a row part.
 struct Between {
@@ -43,7 +68,13 @@ class RowSink {
 
  private:
   friend class Rows;
-  Rows* rows_ = nullptr;  // null while counting
+  friend class World;
+  template <typename Part>
+  void place(const Part& part, Between sides);
+  Rows* rows_ = nullptr;                                   // null while counting
+  std::vector<detail::RowGroup>* groups_ = nullptr;        // … or where to keep the parts by themselves
+  const class Joint* made_for_ = nullptr;                  // with groups_
+  bool soft_translation_ = false, soft_rotation_ = false;  // that a compliance softens
   int joint_ = 0;
   int count_ = 0;
 };
@@ -52,7 +83,8 @@ class RowSink {
 struct AxisInfo {
   std::string name;
   bool angular = false;
-  AxisLimits limits;  ///< that the axis has from the start, as a rope; without effect if infinite
+  bool accumulates = false;  ///< only its increments are known: no place for limits and springs
+  AxisLimits limits;         ///< that the axis has from the start, as a rope; without effect if infinite
   /// The coordinate as a single row, with one Jacobian block of six for each of `bodies`.
   std::shared_ptr<const detail::PartStoreBase> coordinate;
   std::vector<int> bodies;
@@ -78,8 +110,6 @@ class AxisSink {
   const AxisProperties* properties_ = nullptr;
   int joint_index_ = 0, first_index_ = 0, row_in_joint_ = 0;
   int count_ = 0;
-
-  std::vector<int> bodies() const;
 };
 
 class Rows {
@@ -87,7 +117,7 @@ class Rows {
   struct JointRows {
     int first_row = 0, row_count = 0;
     int first_side = 0, side_count = 0;
-    int equality_count = 0;  ///< of the rows, in front; the others are axis rows
+    int equality_count = 0;  ///< of the rows, in front, softened ones too; the others are axis rows
   };
   struct Side {
     int body = 0, joint = 0;
@@ -99,13 +129,16 @@ class Rows {
     bool angular = false;
     const detail::PartStoreBase* store = nullptr;
     int item = 0, row_in_part = 0;
-    int axis = -1;  ///< of the joint; −1 for an equality row
+    int axis = kEquality;  ///< of the joint, or one of the following
   };
-  /// The row of a free axis: its residual is the coordinate θ itself.
+  static constexpr int kEquality = -1;
+  static constexpr int kSoftened = -2;  ///< an equality row that gives way by its joint's compliance
+  /// A row that is no equality: that of a free axis, whose residual is the coordinate θ itself, or a row of a
+  /// joint that its compliance softens, whose residual is the gap.
   struct AxisRow {
     int row = 0;
-    AxisId axis;
-    int index = 0;  ///< of θ in State::axes
+    AxisId axis;    ///< its `axis` is negative for a softened row
+    int index = 0;  ///< of θ in State::axes; negative for a softened row
   };
   enum class AxisRows { kIncluded, kLeftOut };
 
@@ -121,7 +154,7 @@ class Rows {
   }
   int body_count() const { return static_cast<int>(body_start_.size()) - 1; }
   const Row& row(int i) const { return rows_[i]; }
-  bool is_equality(int i) const { return rows_[i].axis < 0; }
+  bool is_equality(int i) const { return rows_[i].axis == kEquality; }
   /// The rows that are not equalities, in ascending order.
   std::span<const AxisRow> axis_rows() const { return axis_rows_; }
   std::string row_name(int i) const { return rows_[i].store->row_name(rows_[i].item, rows_[i].row_in_part); }
@@ -152,15 +185,26 @@ class Rows {
   /// Jᵀ λ, the wrench of all joints on each body, fixed ones too; overwrites `out`.
   void apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                        std::span<Wrench> out) const;
+  /// The same for one body.
+  Wrench wrench_on(int body, std::span<const double> jacobian, std::span<const double> lambda) const {
+    double sum[6] = {};
+    for (int s : sides_of(body)) {
+      const Side& side = sides_[s];
+      const double *J = jacobian.data() + side.offset, *force = lambda.data() + side.first_row;
+      for (int i = 0; i < side.row_count; ++i, J += 6)
+        for (int k = 0; k < 6; ++k) sum[k] += J[k] * force[i];
+    }
+    return {Vec3(sum[0], sum[1], sum[2]), Vec3(sum[3], sum[4], sum[5])};
+  }
 
  private:
   friend class RowSink;
   friend class AxisSink;
   template <typename Part>
-  void append(const Part& part, int joint, int row_in_joint, Between sides, int axis = -1,
-              int axis_index = -1);
+  void append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index = -1);
   void append_axis_row(AxisId axis, int index);
   void clear_blocks(int joint);
+  void note_axes(const detail::PartStoreBase* store);
 
   std::vector<JointRows> joints_;
   std::vector<Side> sides_;
@@ -171,17 +215,37 @@ class Rows {
   std::vector<int> body_start_, body_sides_;
   std::vector<std::unique_ptr<detail::PartStoreBase>> stores_;
   std::unordered_map<std::type_index, detail::PartStoreBase*> store_of_type_;
+  std::vector<const detail::PartStoreBase*> stores_with_axes_;  // those that update_axes() must ask
   int jacobian_size_ = 0;
 };
 
 template <typename Part>
 void RowSink::add(const Part& part, Between sides) {
-  if (rows_) rows_->append(part, joint_, count_, sides);
+  if constexpr (std::is_same_v<Part, row_parts::Point>) {
+    // In axes of A, so that an open joint leaves no couple and its damper sees no common turn.
+    if (soft_translation_) {
+      for (int k = 0; k < 3; ++k) place(row_parts::PointInPlane{part.p_AP, Vec3::Unit(k), part.p_BQ}, sides);
+      return;
+    }
+  }
+  place(part, sides);
+}
+
+template <typename Part>
+void RowSink::place(const Part& part, Between sides) {
+  const bool soft = detail::is_angular(part) ? soft_rotation_ : soft_translation_;
+  if (rows_) rows_->append(part, joint_, count_, sides, soft ? Rows::kSoftened : Rows::kEquality);
+  if (groups_ && soft)
+    groups_->push_back({detail::store_of_one(part, sides.a, sides.b, detail::body_indices(made_for_), -1),
+                        Part::kRows, detail::is_angular(part)});
   count_ += Part::kRows;
 }
 
 template <typename Part>
 void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index) {
+  if (axis == kSoftened)
+    for (int i = 0; i < Part::kRows; ++i)
+      axis_rows_.push_back({static_cast<int>(rows_.size()) + i, {JointId{joint}, kSoftened}, kSoftened});
   using Store = detail::StoreOf<Part>;
   auto& slot = store_of_type_[typeid(Part)];
   if (!slot) {
@@ -194,6 +258,7 @@ void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, 
   for (int i = 0; i < Part::kRows; ++i)
     rows_.push_back({joint, detail::is_angular(part), slot, item, i, axis});
   const auto offset = [&](int side) { return sides_[place.first_side + side].offset + 6 * row_in_joint; };
+  if (detail::kIsWide<Part> || axis_index >= 0) note_axes(slot);
   if constexpr (detail::kIsWide<Part>) {
     items.push_back({first_row, {}, axis_index, part});
     for (int s = 0; s < place.side_count; ++s) items.back().jacobian.push_back(offset(s));
@@ -210,17 +275,15 @@ void AxisSink::add(std::string_view name, const Part& part, Between sides) {
   static_assert(Part::kRows == 1, "an axis is one coordinate");
   const int axis = count_++, index = first_index_ + axis;
   if (infos_) {
-    auto coordinate = std::make_shared<detail::StoreOf<Part>>();
-    std::vector<int> all = bodies();
-    if constexpr (detail::kIsWide<Part>) {
-      std::vector<int> offsets;
-      for (std::size_t side = 0; side < all.size(); ++side) offsets.push_back(6 * static_cast<int>(side));
-      coordinate->items.push_back({0, std::move(offsets), index, part});
-    } else {
-      coordinate->items.push_back({{all[sides.a], all[sides.b], 0, 6 * sides.a, 6 * sides.b, index}, part});
-    }
-    infos_->push_back(
-        {std::string(name), detail::is_angular(part), {}, std::move(coordinate), std::move(all)});
+    std::vector<int> all = detail::body_indices(joint_);
+    auto coordinate = detail::store_of_one(part, sides.a, sides.b, all, index);
+    constexpr bool accumulates = requires { Part::kAccumulates; };
+    infos_->push_back({std::string(name),
+                       detail::is_angular(part),
+                       accumulates,
+                       {},
+                       std::move(coordinate),
+                       std::move(all)});
   } else if (properties_ && properties_[axis].any()) {
     if (rows_) {
       rows_->append(part, joint_index_, row_in_joint_, sides, axis, index);

@@ -18,11 +18,29 @@ inline Mat3 skew(const Vec3& v) {
   return m;
 }
 
+/// sin(x)/x and cos(x) of x².  Small angles, as in a step, need neither a root nor the library's sine: series
+/// to round-off.
+struct SincCosine {
+  double sinc, cosine;
+};
+inline SincCosine sinc_cosine(double x2) {
+  if (x2 > 0.1) {
+    const double x = std::sqrt(x2);
+    return {std::sin(x) / x, std::cos(x)};
+  }
+  // Σ (−x²)ᵏ/(2k + 1)! and Σ (−x²)ᵏ/(2k)!, in pairs of terms that do not wait for each other.
+  const double x4 = x2 * x2, x8 = x4 * x4;
+  return {((1 - x2 * (1.0 / 6)) + x4 * (1.0 / 120 - x2 * (1.0 / 5040))) +
+              x8 * ((1.0 / 362880 - x2 * (1.0 / 39916800)) + x4 * (1.0 / 6227020800)),
+          ((1 - x2 * 0.5) + x4 * (1.0 / 24 - x2 * (1.0 / 720))) +
+              x8 * ((1.0 / 40320 - x2 * (1.0 / 3628800)) + x4 * (1.0 / 479001600))};
+}
+
 /// Rotation by |θ| [rad] about θ.
 inline Quat exp_so3(const Vec3& theta) {
-  const double angle = theta.norm();
-  const double scale = angle < 1e-8 ? 0.5 - angle * angle / 48 : std::sin(0.5 * angle) / angle;
-  return Quat(std::cos(0.5 * angle), scale * theta.x(), scale * theta.y(), scale * theta.z());
+  const auto [sinc, cosine] = sinc_cosine(0.25 * theta.squaredNorm());
+  const Vec3 v = 0.5 * sinc * theta;
+  return Quat(cosine, v.x(), v.y(), v.z());
 }
 
 /// Rotation vector of q [rad], |θ| ≤ π: the inverse of exp_so3 up to the sign of q.

@@ -58,6 +58,12 @@ struct Wrench {
   Vec3 force = Vec3::Zero();
 };
 
+inline Wrench operator+(const Wrench& a, const Wrench& b) { return {a.torque + b.torque, a.force + b.force}; }
+inline Wrench operator-(const Wrench& a, const Wrench& b) { return {a.torque - b.torque, a.force - b.force}; }
+inline Wrench operator*(double s, const Wrench& a) { return {s * a.torque, s * a.force}; }
+/// Power of a wrench on a body with this twist, or work of an impulse.
+inline double dot(const Wrench& f, const Twist& V) { return f.torque.dot(V.w) + f.force.dot(V.v); }
+
 /// Everything that changes with time.  Entry 0 is the ground.
 struct State {
   double time = 0;
@@ -75,9 +81,11 @@ struct Configuration {
   std::span<const Pose> poses;
   double time = 0;
   std::span<const double> axes{};
+  std::span<const Pose> from{};  ///< the poses at which `axes` holds; empty: `poses` themselves
 
-  Configuration(std::span<const Pose> all_poses, double at_time = 0, std::span<const double> axes_near = {})
-      : poses(all_poses), time(at_time), axes(axes_near) {}
+  Configuration(std::span<const Pose> all_poses, double at_time = 0, std::span<const double> axes_near = {},
+                std::span<const Pose> axes_from = {})
+      : poses(all_poses), time(at_time), axes(axes_near), from(axes_from) {}
   Configuration(const std::vector<Pose>& all_poses) : poses(all_poses) {}
   Configuration(const State& state) : poses(state.poses), time(state.time), axes(state.axes) {}
 

@@ -89,6 +89,8 @@ JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
   sink.first_index_ = axis_start_.back();
   joint->append_axes(sink);
   for (const AxisInfo& axis : axes) check_axis(shown + " " + axis.name, axis.limits);
+  for (JointId other : joint->couples())
+    if (!is_attached(other)) fail("joint " + shown, "couples an axis of a detached joint", this->name(other));
   joint_names_.push_back(register_name(joint_of_name_, std::move(name), "joint", index));
   for (AxisInfo& axis : axes) {
     AxisProperties properties;
@@ -98,8 +100,7 @@ JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
     state_.axes.push_back(0);
   }
   axis_start_.push_back(static_cast<int>(axes_.size()));
-  for (std::size_t i = 0; i < bodies.size(); ++i)
-    for (std::size_t k = i + 1; k < bodies.size(); ++k) jointed_.insert(std::minmax(bodies[i], bodies[k]));
+  note_jointed_bodies(*joint);
   joints_.push_back(std::move(joint));
   ++topology_version_;
   return {index};
@@ -113,9 +114,9 @@ void World::check_force(const Force* force) const {
 
 ForceId World::add_force(std::shared_ptr<const Force> force) {
   check_force(force.get());
-  const bool needs_velocity = force->depends_on_velocity();
+  velocity_forces_ = velocity_forces_ || force->depends_on_velocity();
+  dissipative_forces_ = dissipative_forces_ || !force->conservative();
   forces_.push_back(std::move(force));
-  velocity_forces_ = velocity_forces_ || needs_velocity;
   ++state_version_;
   return {force_count() - 1};
 }
@@ -126,6 +127,8 @@ void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
   forces_[id.index] = std::move(force);
   velocity_forces_ =
       std::any_of(forces_.begin(), forces_.end(), [](const auto& f) { return f->depends_on_velocity(); });
+  dissipative_forces_ =
+      std::any_of(forces_.begin(), forces_.end(), [](const auto& f) { return !f->conservative(); });
   ++state_version_;
 }
 
@@ -210,11 +213,17 @@ double World::potential_energy(const State& state) const {
   for (int b = 0; b < body_count(); ++b)
     if (!fixed_[b]) energy -= masses_[b].mass() * gravity_.dot(state.poses[b].p);
   for (const auto& force : forces_) energy += force->potential_energy(state);
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    if (!axis_properties_[i].spring) continue;
-    double theta = 0;
-    axes_[i].coordinate->residual(state, &theta);
-    energy += spring_energy(*axis_properties_[i].spring, theta);
+  for (int j = 0; j < joint_count(); ++j)
+    if (is_attached({j})) energy += potential_energy_of({j}, state);
+  return energy;
+}
+
+double World::add_dissipative_forces(const State& state, std::span<Wrench> wrenches) const {
+  double energy = 0;
+  for (const auto& force : forces_) {
+    if (force->conservative()) continue;
+    force->accumulate(state, wrenches);
+    energy += force->potential_energy(state);
   }
   return energy;
 }

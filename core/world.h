@@ -12,6 +12,7 @@
 #include "core/axis.h"
 #include "core/force.h"
 #include "core/joint.h"
+#include "core/joint_properties.h"
 #include "core/rigid_body.h"
 #include "core/shape.h"
 #include "core/state.h"
@@ -25,9 +26,9 @@ struct Problem {
 };
 
 /// What exists: bodies, joints, forces, gravity, and their present state.  It owns everything and never
-/// steps. Ids are stable small integers: nothing is ever removed.  Names are unique among bodies and among
-/// joints; an empty name is replaced by a free one (body_3, joint_7).  A copy is an independent world that
-/// shares the immutable joints and force laws.
+/// steps. Ids are stable small integers: nothing is ever removed, but joints can be detached.  Names are
+/// unique among bodies and among joints; an empty name is replaced by a free one (body_3, joint_7).  A copy
+/// is an independent world that shares the immutable joints and force laws.
 ///
 /// Whatever throws leaves the world as it was.
 class World {
@@ -47,6 +48,29 @@ class World {
   }
   JointId add_joint(std::string name, std::shared_ptr<const Joint> joint);
 
+  // Joints as a whole (world_joints.cpp).
+
+  /// Strength of a joint; nullopt: it never breaks.  A joint that breaks is detached by the simulator.
+  /// @throws std::invalid_argument for a missing joint or what check_joint() refuses.
+  void set_break(JointId id, std::optional<BreakLimits> limits);
+  /// The joints that can break, in ascending order.
+  std::span<const std::pair<JointId, BreakLimits>> breakable() const { return breakable_; }
+  /// Elasticity of a joint; nullopt: rigid.  Rows that become soft or rigid are a change of topology.
+  /// @throws std::invalid_argument for a missing joint or what check_joint() refuses.
+  void set_compliance(JointId id, std::optional<JointCompliance> compliance);
+  std::optional<JointCompliance> compliance(JointId id) const;
+  /// Takes a joint out; it keeps id, name, axes and properties, and holds nothing.  Joints that couple its
+  /// axes (gears, drivers) go with it.  Nothing happens if it is out already.
+  void detach(JointId id);
+  /// Puts it back.  It is closed where it was made to be: one that is open then is closed by the simulator
+  /// before its next step.  A joint at the present poses is a new one, Ball::at() and its like.
+  /// @throws std::invalid_argument for a joint that couples an axis of a detached one.
+  void attach(JointId id);
+  bool is_attached(JointId id) const { return detached_.empty() || !detached_.contains(checked(id)); }
+  int detached_count() const { return static_cast<int>(detached_.size()); }
+  /// Of the springs, soft limits and the compliance of one joint, detached or not [J].
+  double potential_energy_of(JointId id, const State& state) const;
+
   // Free axes of joints and what acts along them.  nullopt takes a property away; an axis that gets its first
   // property, or loses its last, is a change of topology, a new value is not.
 
@@ -61,7 +85,8 @@ class World {
   /// "elbow angle": joint and axis for messages.
   std::string axis_label(AxisId id) const;
 
-  /// @throws std::invalid_argument for a missing axis or values that check_axis() refuses.
+  /// @throws std::invalid_argument for a missing axis, values that check_axis() refuses, or limits, a spring
+  /// or a position motor of an axis without positions (turn_x of a ball joint).
   void set_limits(AxisId id, std::optional<AxisLimits> limits);
   void set_motor(AxisId id, std::optional<AxisMotor> motor);
   void set_friction(AxisId id, std::optional<AxisFriction> friction);
@@ -157,15 +182,20 @@ class World {
   void forces(const State& state, std::span<Wrench> wrenches) const;
   /// True if any force law reads velocities.
   bool forces_depend_on_velocity() const { return velocity_forces_; }
-  /// −Σ m g·p over the moving bodies, plus what the force laws and the springs of axes state [J].
+  /// Adds the force laws that are not conservative, which `wrenches` need not be zeroed for, and returns the
+  /// potential energy that these state (of a spring with a damper, for instance) [J].
+  double add_dissipative_forces(const State& state, std::span<Wrench> wrenches) const;
+  bool has_dissipative_forces() const { return dissipative_forces_; }
+  /// −Σ m g·p over the moving bodies, plus what the force laws, springs, soft limits and soft joints state
+  /// [J]; detached joints have none.
   double potential_energy(const State& state) const;
 
   /// Everything that a simulation of this world would trip over: joints that are open at the start by more
   /// than `gap_tolerance` [m or rad], with the gap.  Reports, never throws.
   std::vector<Problem> validate(double gap_tolerance = 1e-6) const;
 
-  /// Changes whenever a body or joint is added, or an axis gets its first property or loses its last; solvers
-  /// rebuild their pattern then.
+  /// Changes whenever a body or joint is added, a joint is detached or attached, becomes soft or rigid, or an
+  /// axis gets its first property or loses its last; solvers rebuild their pattern then.
   int topology_version() const { return topology_version_; }
   /// Changes whenever state, gravity or a force is set; solvers start afresh then.
   int state_version() const { return state_version_; }
@@ -177,7 +207,16 @@ class World {
   int checked(JointId id) const;
   int checked(ShapeId id) const;
   void check_force(const Force* force) const;
+  struct SoftJoint {
+    JointCompliance compliance;
+    std::vector<detail::RowGroup> rows;  // that it softens
+  };
+  static double elastic_energy(const SoftJoint& soft, const State& state);
+  void soften(JointId id, RowSink& sink) const;
+  void find_jointed_bodies();
+  void note_jointed_bodies(const Joint& joint);
   int first_axis_index(JointId joint) const { return axis_start_[joint.index]; }
+  void require_position(AxisId id, const char* what) const;
   template <typename Property>
   void set_property(AxisId id, std::optional<Property> AxisProperties::*member,
                     std::optional<Property> value);
@@ -194,7 +233,10 @@ class World {
   std::vector<AxisProperties> axis_properties_;
   State state_;
   Vec3 gravity_{0, 0, -9.81};
-  bool velocity_forces_ = false;
+  std::vector<std::pair<JointId, BreakLimits>> breakable_;
+  std::map<int, SoftJoint> soft_;  // by joint index
+  std::set<int> detached_;
+  bool velocity_forces_ = false, dissipative_forces_ = false;
   int moving_count_ = 0;
   int topology_version_ = 0, state_version_ = 0, axis_version_ = 0;
 

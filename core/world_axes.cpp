@@ -46,22 +46,33 @@ void World::set_property(AxisId id, std::optional<Property> AxisProperties::*mem
   ++axis_version_;
 }
 
+void World::require_position(AxisId id, const char* what) const {
+  if (axis_info(id).accumulates)
+    fail(std::string(what) + " of " + axis_label(id), "needs an axis with a position, not a turn about",
+         axis_info(id).name);
+}
+
 void World::set_limits(AxisId id, std::optional<AxisLimits> limits) {
+  if (limits) require_position(id, "limits");
   set_property(id, &AxisProperties::limits, std::move(limits));
 }
 void World::set_motor(AxisId id, std::optional<AxisMotor> motor) {
+  if (motor && motor->mode != AxisMotor::Mode::kVelocity) require_position(id, "position motor");
   set_property(id, &AxisProperties::motor, std::move(motor));
 }
 void World::set_friction(AxisId id, std::optional<AxisFriction> friction) {
   set_property(id, &AxisProperties::friction, std::move(friction));
 }
 void World::set_spring(AxisId id, std::optional<AxisSpring> spring) {
+  if (spring) require_position(id, "spring");
   set_property(id, &AxisProperties::spring, std::move(spring));
 }
 
 void World::set_motor_target(AxisId id, double target) {
   AxisProperties& properties = axis_properties_[axis_index(id)];
   if (!properties.motor) fail("motor target of " + axis_label(id), "the axis has no motor", target);
+  if (properties.motor->mode == AxisMotor::Mode::kTrajectory)
+    fail("motor target of " + axis_label(id), "the motor follows a trajectory", target);
   if (!std::isfinite(target)) fail("motor target of " + axis_label(id), "must be finite", target);
   properties.motor->target = target;
   ++axis_version_;

@@ -1,20 +1,31 @@
 #include "scenes/bench_command.h"
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstring>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
+#include <map>
+#include <optional>
 
+#include "core/check.h"
+#include "scenes/bench_plan.h"
+#include "scenes/bench_report.h"
+#include "scenes/child_process.h"
+#include "scenes/recorder.h"
 #include "scenes/run_command.h"
 
 namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Wall time that a run gets beyond its processor time before it is killed, as a factor and in all [s].
+constexpr double kPatience = 4, kStartUp = 30;
+
+const std::vector<std::string> kEngines = {"taut", "ode", "bullet", "mujoco", "simbody", "dart"};
 
 std::vector<fs::path> benchmarks_in(const fs::path& folder, const std::string& only) {
   std::vector<fs::path> found;
@@ -27,44 +38,199 @@ std::vector<fs::path> benchmarks_in(const fs::path& folder, const std::string& o
   return found;
 }
 
-/// Runs a program to its end.  @returns true if it could be started and exited with 0.
-bool run(const fs::path& program, const std::vector<std::string>& arguments) {
-  std::string path = program.string();
-  std::vector<std::string> copies = arguments;
-  std::vector<char*> argv{path.data()};
-  for (std::string& argument : copies) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-  pid_t child = 0;
-  if (const int error = posix_spawn(&child, path.c_str(), nullptr, nullptr, argv.data(), environ)) {
-    std::cerr << "taut bench: cannot start " << path << ": " << std::strerror(error) << '\n';
-    return false;
+/// One run in its own process, as JSON whatever becomes of it.
+Json measure(const fs::path& folder, const BenchRun& run) {
+  std::vector<std::string> arguments = {"--scene",  run.scene,           "--n",    std::to_string(run.n),
+                                        "--method", run.method,          "--rate", shortest(run.rate),
+                                        "--limit",  shortest(run.limit), "--time", shortest(run.time)};
+  if (run.truck) arguments.emplace_back("--truck");
+  const ChildResult child =
+      run_child(folder / ("peer_" + run.engine), arguments, true, kStartUp + kPatience * run.limit);
+  // Some engines print while they build.
+  const std::size_t line = child.output.rfind("\n{");
+  Json json =
+      Json::parse(line == std::string::npos ? child.output : child.output.substr(line), nullptr, false);
+  if (!child.good() || json.is_discarded()) {
+    json = {{"engine", run.engine}, {"method", run.method},      {"scene", run.scene},
+            {"n", run.n},           {"truck", run.truck},        {"rate_hz", run.rate},
+            {"status", "died"},     {"message", child.message()}};
+    if (child.good()) json["message"] = "wrote nothing that can be read";
   }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  json["engine"] = run.engine;
+  return json;
+}
+
+std::optional<Vec3> probe_of(const Json& run) {
+  if (!run.contains("probe") || !run.at("probe").is_array()) return std::nullopt;
+  const Json& p = run.at("probe");
+  return Vec3(p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>());
+}
+
+/// Distances from the converged probes, one run of which is made for each scene.
+class References {
+ public:
+  explicit References(fs::path folder) : folder_(std::move(folder)) {}
+  void add_distance(const BenchRun& run, Json& json) {
+    const std::optional<Vec3> probe = probe_of(json);
+    if (!probe) return;
+    const auto [found, fresh] = probes_.try_emplace(run.scene_label());
+    if (fresh) {
+      const Json reference = measure(folder_, reference_of(run));
+      if (reference.value("status", "") == "success") found->second = probe_of(reference);
+    }
+    if (found->second) json["probe_distance_m"] = (*probe - *found->second).norm();
+  }
+
+ private:
+  fs::path folder_;
+  std::map<std::string, std::optional<Vec3>> probes_;
+};
+
+void show(const BenchRun& run, const Json& json, std::size_t index, std::size_t count) {
+  char numbers[100] = "";
+  if (json.contains("cpu_per_simulated_s") && json.contains("max_joint_error_m"))
+    std::snprintf(numbers, sizeof numbers, "%9.3g s/s, joint %.0e, drift %.0e",
+                  json.at("cpu_per_simulated_s").get<double>(), json.at("max_joint_error_m").get<double>(),
+                  json.at("energy_drift_rel").get<double>());
+  std::fprintf(stderr, "[%3zu/%zu] %-24s %-36s %s %s\n", index, count, run.scene_label().c_str(),
+               run.engine_label().c_str(), json.value("status", "").c_str(), numbers);
+}
+
+Json profile(const fs::path& program, bool quick) {
+  Json profiles = Json::array();
+  const std::vector<std::pair<std::string, int>> scenes =
+      quick ? std::vector<std::pair<std::string, int>>{{"chain", 1000}, {"net-corners", 20}}
+            : std::vector<std::pair<std::string, int>>{
+                  {"chain", 1000},       {"chain", 10000},    {"bridge-hinge", 1000},
+                  {"bridge-balls", 200}, {"net-flag", 40},    {"net-corners", 20},
+                  {"net-corners", 40},   {"net-corners", 80}, {"joint-grid", 40}};
+  for (const auto& [scene, n] : scenes) {
+    const ChildResult child = run_child(program, {"--scene", scene, "--n", std::to_string(n)}, true, 120);
+    Json json = Json::parse(child.output, nullptr, false);
+    if (child.good() && !json.is_discarded()) profiles.push_back(json);
+  }
+  return profiles;
+}
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream out(file);
+  if (!(out << text << std::flush)) fail("--results", "cannot write the file", file.string());
+}
+
+std::string command_of(const BenchOptions& options) {
+  return std::string("taut bench") + (options.quick ? " --quick" : "") +
+         (options.only.empty() ? "" : " --only '" + options.only + "'") +
+         (options.limit > 0 ? " --limit " + shortest(options.limit) : "");
+}
+
+std::string name_of(const BenchOptions& options) { return options.quick ? "quick" : "engines"; }
+
+void write_results(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
+  const std::string name = name_of(options);
+  fs::create_directories(folder);
+  write(folder / (name + ".json"), results.dump(1) + '\n');
+  write(folder / (name + ".md"), bench_page(results, command_of(options)));
+}
+
+/// Pictures, if gnuplot is there.
+void draw(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
+  const std::string name = name_of(options);
+  fs::create_directories(folder / name);
+  const fs::path script = folder / name / "plots.gp";
+  write(script, bench_plots(results, (folder / name).string()));
+  const ChildResult plots = run_child("/usr/bin/env", {"gnuplot", script.string()}, false, 60);
+  if (!plots.good()) std::cerr << "taut bench: no pictures: gnuplot " << plots.message() << '\n';
+  fs::remove(script);
+  std::cerr << "taut bench: " << (folder / (name + ".md")).string() << '\n';
+}
+
+/// Results are written after each scene, so that a run that is stopped leaves what it has.
+BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const fs::path& out) {
+  BenchResults results{
+      {"schema", "taut-bench/1"}, {"machine", machine_description()}, {"quick", options.quick}};
+  std::vector<std::string> built;
+  for (const std::string& engine : kEngines) {
+    const bool there = fs::exists(folder / "peers" / ("peer_" + engine));
+    results["engines"][engine] = there;
+    if (there) built.push_back(engine);
+  }
+  std::vector<BenchRun> plan = bench_plan(options.quick, built);
+  std::erase_if(plan,
+                [&](const BenchRun& r) { return r.scene_label().find(options.only) == std::string::npos; });
+  if (options.limit > 0)
+    for (BenchRun& run : plan) run.limit = options.limit;
+  results["planned_runs"] = plan.size();
+  std::fprintf(stderr, "taut bench: %zu runs, %.0f minutes at most; engines:", plan.size(),
+               longest_time(plan) / 60);
+  for (const std::string& engine : built) std::fprintf(stderr, " %s", engine.c_str());
+  std::fprintf(stderr, "\n");
+  References references(folder / "peers");
+  results["runs"] = Json::array();
+  results["profiles"] =
+      options.only.empty() ? profile(folder / "work_profile", options.quick) : Json::array();
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    Json json = measure(folder / "peers", plan[i]);
+    references.add_distance(plan[i], json);
+    show(plan[i], json, i + 1, plan.size());
+    results["runs"].push_back(std::move(json));
+    if (i + 1 == plan.size() || plan[i + 1].scene_label() != plan[i].scene_label())
+      write_results(results, options, out);
+  }
+  return results;
+}
+
+/// @returns how many runs of taut failed or became slower.
+int run_engines(const fs::path& folder, const fs::path& build, const BenchOptions& options) {
+  const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
+  const BenchResults results = run_plan(folder, options, out);
+  draw(results, options, out);
+  int bad = 0;
+  for (const Json& run : results.at("runs")) {
+    const std::string status = run.value("status", "");
+    bad += run.at("engine") == "taut" && status != "success" && status != "time limit";
+  }
+  if (options.compare.empty()) return bad;
+  std::ifstream in(options.compare);
+  const Json then = Json::parse(in, nullptr, false);
+  if (then.is_discarded() || !then.contains("runs"))
+    fail("--compare", "is no result of taut bench", options.compare);
+  const BenchComparison comparison = compare_bench(results, then, options.factor);
+  std::cout << comparison.text;
+  return bad + comparison.slower + (comparison.compared == 0);
+}
+
+/// @returns how many failed.
+int run_programs(const std::vector<fs::path>& programs, const std::vector<std::string>& arguments) {
+  int failed = 0;
+  for (const fs::path& program : programs) {
+    std::cerr << "== " << program.filename().string() << '\n';
+    if (run_child(program, arguments).good()) continue;
+    std::cerr << "taut bench: " << program.filename().string() << " failed\n";
+    ++failed;
+  }
+  return failed;
 }
 
 }  // namespace
 
-int bench_command(const std::string& build_dir, const std::string& only,
-                  const std::vector<std::string>& arguments) {
-  const fs::path build =
-      build_dir.empty() ? fs::read_symlink("/proc/self/exe").parent_path() : fs::path(build_dir);
-  const std::vector<fs::path> programs = benchmarks_in(build / "benchmarks", only);
-  if (programs.empty()) {
-    std::cerr << "taut bench: no benchmark" << (only.empty() ? "" : " named like " + only) << " in "
-              << (build / "benchmarks").string() << "; `./taut bench` builds them\n";
+int bench_command(const BenchOptions& options) {
+  if (!(options.factor > 0)) fail("--factor", "must be positive", options.factor);
+  const fs::path build = options.build_dir.empty() ? fs::read_symlink("/proc/self/exe").parent_path()
+                                                   : fs::path(options.build_dir);
+  const fs::path folder = build / "benchmarks";
+  const bool engines_only = options.quick || !options.compare.empty();
+  const std::vector<fs::path> programs =
+      engines_only ? std::vector<fs::path>{} : benchmarks_in(folder, options.only);
+  // A name of a program asks for no scenes.
+  const bool scenes = options.arguments.empty() && (options.only.empty() || programs.empty());
+  if (programs.empty() && !fs::exists(folder / "peers" / "peer_taut")) {
+    std::cerr << "taut bench: no benchmark" << (options.only.empty() ? "" : " named like " + options.only)
+              << " in " << folder.string() << "; `./taut bench` builds them\n";
     return kExitFailure;
   }
-  int failed = 0;
-  for (const fs::path& program : programs) {
-    std::cerr << "== " << program.filename().string() << '\n';
-    if (!run(program, arguments)) {
-      std::cerr << "taut bench: " << program.filename().string() << " failed\n";
-      ++failed;
-    }
-  }
-  return failed == 0 ? kExitSuccess : kExitFailure;
+  int bad = scenes ? run_engines(folder, build, options) : 0;
+  bad += run_programs(programs, options.arguments);
+  return bad == 0 ? kExitSuccess : kExitFailure;
 }
 
 }  // namespace taut

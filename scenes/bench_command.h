@@ -5,11 +5,22 @@
 
 namespace taut {
 
-/// `taut bench`: runs every *_benchmark beside the program, or under `build_dir`, one after the other with
-/// these arguments.
-/// @param only run those whose name contains it; empty: all
-/// @returns kExitSuccess, or kExitFailure if one failed or there is none.
-int bench_command(const std::string& build_dir, const std::string& only,
-                  const std::vector<std::string>& arguments);
+/// What `taut bench` was asked for.
+struct BenchOptions {
+  std::string build_dir;  ///< where the benchmarks were built; empty: beside the program
+  std::string only;       ///< scenes and *_benchmark programs with this in their name; empty: all
+  std::vector<std::string> arguments;  ///< for the *_benchmark programs
+  bool quick = false;
+  std::string results;  ///< folder for JSON, Markdown and plots; empty: bench/ in the build folder
+  std::string compare;  ///< JSON of an earlier run
+  double limit = 0;     ///< processor time of each run [s]; 0: that of the plan
+  double factor = 1.5;  ///< a run of taut that takes so many times as long as then is a regression
+};
+
+/// `taut bench`: all scenes in all engines that were built, then every *_benchmark program (not with --quick,
+/// --compare or a scene's name in `only`).
+/// @returns kExitSuccess, or kExitFailure if a run of taut or a program failed, there is nothing to run, a
+/// file could not be written, or something has become slower by the factor.
+int bench_command(const BenchOptions& options);
 
 }  // namespace taut

@@ -5,15 +5,19 @@
 #include "scenes/bridge.h"
 #include "scenes/chain.h"
 #include "scenes/joint_grid.h"
+#include "scenes/machines.h"
 #include "scenes/net.h"
+#include "scenes/ragdoll.h"
 #include "scenes/scene.h"
+#include "scenes/suspension_bridge.h"
 
 namespace taut {
 namespace {
 
 std::vector<SceneInfo> collect() {
   std::vector<SceneInfo> all;
-  for (const auto& family : {chain_scenes, bridge_scenes, net_scenes, joint_grid_scenes})
+  for (const auto& family : {chain_scenes, bridge_scenes, net_scenes, joint_grid_scenes, machine_scenes,
+                             ragdoll_scenes, suspension_bridge_scenes})
     for (SceneInfo& info : family()) all.push_back(std::move(info));
   return all;
 }

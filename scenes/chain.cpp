@@ -1,5 +1,7 @@
 #include "scenes/chain.h"
 
+#include <numbers>
+
 #include "core/joints/ball.h"
 #include "core/joints/hinge.h"
 #include "scenes/drawing.h"
@@ -15,16 +17,22 @@ struct ChainSpec {
   double length, mass;  ///< of a rod [m, kg]
   bool hinges = false;  ///< about world y; ball joints otherwise
   bool heavy = false;   ///< a 100 kg sphere at the end
+  double cone = 0;      ///< limit of the bend of each joint [rad]; 0: none
 };
 
 constexpr double kSphereMass = 100, kSphereRadius = 0.15;
 
-void add_joint(World& world, int index, BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, bool hinge) {
+void add_joint(World& world, int index, BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ,
+               const ChainSpec& spec) {
   std::string name = numbered("joint", index);
-  if (hinge)
+  if (spec.hinges) {
     world.add(std::move(name), Hinge(a, b, p_AP, Vec3::UnitY(), p_BQ, Vec3::UnitY()));
-  else
+  } else if (spec.cone > 0) {
+    const JointId joint = world.add(std::move(name), Ball(a, b, p_AP, p_BQ).with_axes(world, Vec3::UnitX()));
+    world.set_limits(world.axis(joint, "swing"), AxisLimits{.upper = spec.cone});
+  } else {
     world.add(std::move(name), Ball(a, b, p_AP, p_BQ));
+  }
 }
 
 /// Distance of the centre of mass from the pivot: how far it falls until the chain hangs straight down.
@@ -53,7 +61,7 @@ Scene build(const ChainSpec& spec, int n, double duration) {
     body.pose.p = Vec3((k + 0.5) * spec.length, 0, 0);
     const BodyId next = world.add_body(body);
     draw(scene, next, rod_shape(spec.length, kRodRadius));
-    add_joint(world, k, last, next, k == 0 ? Vec3(Vec3::Zero()) : end, -end, spec.hinges);
+    add_joint(world, k, last, next, k == 0 ? Vec3(Vec3::Zero()) : end, -end, spec);
     last = next;
   }
   if (spec.heavy) {
@@ -62,7 +70,7 @@ Scene build(const ChainSpec& spec, int n, double duration) {
     body.pose.p = Vec3(n * spec.length, 0, 0) + radius;
     const BodyId sphere = world.add_body(body);
     draw(scene, sphere, {Sphere{kSphereRadius}});
-    add_joint(world, n, last, sphere, end, -radius, spec.hinges);
+    add_joint(world, n, last, sphere, end, -radius, spec);
     last = sphere;
   }
 
@@ -74,6 +82,7 @@ Scene build(const ChainSpec& spec, int n, double duration) {
 constexpr ChainSpec kPendulumBall{"pendulum-ball", 1.0, 1.0};
 constexpr ChainSpec kPendulumHinge{"pendulum-hinge", 1.0, 1.0, true};
 constexpr ChainSpec kChain{"chain", 0.1, 0.1};
+constexpr ChainSpec kChainLimited{"chain-limited", 0.1, 0.1, false, false, std::numbers::pi / 6};
 constexpr ChainSpec kChainHeavy{"chain-heavy", 0.1, 0.1, false, true};
 
 template <const ChainSpec& spec>
@@ -105,6 +114,10 @@ std::vector<SceneInfo> chain_scenes() {
        "n rods of 0.1 m on ball joints, released from the horizontal",
        {chain_size},
        build_chain<kChain>},
+      {"chain-limited",
+       "chain whose ball joints bend by at most 30 degrees",
+       {chain_size},
+       build_chain<kChainLimited>},
       {"chain-heavy",
        "chain with a sphere of 100 kg at its free end, 1000 times the mass of its neighbour",
        {chain_size},

@@ -67,9 +67,18 @@ void add_rods(Scene& scene, const Surface& surface) {
   for (int b = 1; b < world.body_count(); ++b) draw(scene, BodyId{b}, rod_shape(2 * kHalfRod, kRodRadius));
 }
 
+/// A ball joint whose turns about the axes of A rub with this torque, if there is any.
+void add_ball(World& world, const std::string& name, const Ball& ball, double friction) {
+  const JointId joint =
+      world.add(name, friction > 0 ? ball.with_axes(Quat::Identity(), Quat::Identity()) : ball);
+  if (friction > 0)
+    for (const char* turn : {"turn_x", "turn_y", "turn_z"})
+      world.set_friction(world.axis(joint, turn), AxisFriction{friction, friction, 0});
+}
+
 /// Joints of node (i, j): the first of the rod ends that meet there is the hub, held by the world if the node
 /// is pinned, and every other rod end hangs on the hub.
-void add_node(World& world, const Surface& surface, const Rods& rods, int i, int j) {
+void add_node(World& world, const Surface& surface, const Rods& rods, int i, int j, double friction) {
   struct RodEnd {
     BodyId rod;
     Vec3 p;
@@ -84,12 +93,12 @@ void add_node(World& world, const Surface& surface, const Rods& rods, int i, int
 
   const RodEnd& hub = ends[0];
   if (surface.pinned(i, j))
-    world.add(numbered("pin", i, j), Ball(kGround, hub.rod, surface.node(i, j), hub.p));
+    add_ball(world, numbered("pin", i, j), Ball(kGround, hub.rod, surface.node(i, j), hub.p), friction);
   for (int e = 1; e < count; ++e)
-    world.add(numbered("node", i, j, e), Ball(hub.rod, ends[e].rod, hub.p, ends[e].p));
+    add_ball(world, numbered("node", i, j, e), Ball(hub.rod, ends[e].rod, hub.p, ends[e].p), friction);
 }
 
-Scene build(const char* name, bool flag, const Parameters& parameters) {
+Scene build(const char* name, bool flag, double friction, const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
   Scene scene;
   scene.name = name;
@@ -100,15 +109,18 @@ Scene build(const char* name, bool flag, const Parameters& parameters) {
   const Rods rods(n);
   add_rods(scene, surface);
   for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) add_node(scene.world, surface, rods, i, j);
+    for (int i = 0; i < n; ++i) add_node(scene.world, surface, rods, i, j, friction);
 
   scene.energy_scale = fall_energy(scene.world, 2 * kHalfRod * (n - 1), scene.duration);
   add_probe(scene, rods.x((n - 1) / 2, flag ? n - 1 : n / 2));
   return scene;
 }
 
-Scene build_flag(const Parameters& parameters) { return build("net-flag", true, parameters); }
-Scene build_corners(const Parameters& parameters) { return build("net-corners", false, parameters); }
+Scene build_flag(const Parameters& parameters) { return build("net-flag", true, 0, parameters); }
+Scene build_corners(const Parameters& parameters) { return build("net-corners", false, 0, parameters); }
+Scene build_friction(const Parameters& parameters) {
+  return build("net-friction", false, parameters.at("friction"), parameters);
+}
 
 /// With fewer than three nodes a pinned edge would be one rod held at both ends, which is redundant.
 ParameterInfo net_size(int nodes) { return size(nodes, 3, 500, "nodes along an edge"); }
@@ -119,6 +131,10 @@ std::vector<SceneInfo> net_scenes() {
   return {
       {"net-flag", "n x n net of rods, pinned at two neighbouring corners", {net_size(20)}, build_flag},
       {"net-corners", "n x n net of rods, pinned at its four corners", {net_size(20)}, build_corners},
+      {"net-friction",
+       "net-corners with Coulomb friction in every joint",
+       {net_size(5), {"friction", 1e-3, "N m", "torque about each of three axes", 0, 1e3, false}},
+       build_friction},
       {"net", "net-corners with 40 x 40 nodes", {net_size(40)}, build_corners},
   };
 }

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <string>
 
+#include "core/clock.h"
 #include "core/diagnostics.h"
 
 namespace taut {
@@ -23,7 +23,6 @@ class ProgressBar {
   void finish();
 
  private:
-  using Clock = std::chrono::steady_clock;
   std::int64_t steps_;
   double dt_;
   bool visible_;

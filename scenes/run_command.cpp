@@ -1,6 +1,5 @@
 #include "scenes/run_command.h"
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -9,6 +8,7 @@
 #include <set>
 
 #include "core/check.h"
+#include "core/clock.h"
 #include "scenes/interrupt.h"
 #include "scenes/pose_trace.h"
 #include "scenes/progress_bar.h"
@@ -22,12 +22,6 @@
 
 namespace taut {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// The files that a run writes.  All are opened before the run, so that it cannot fail at its end for want of
 /// a folder.

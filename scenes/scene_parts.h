@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "scenes/drawing.h"
 #include "scenes/scene.h"
 
 /// Small things that the builders share.
@@ -20,6 +21,18 @@ inline ParameterInfo size(double default_value, double minimum, double maximum, 
 inline constexpr double kRodRadius = 0.01;  ///< [m]
 inline MassProperties thin_rod(double length, double mass) {
   return MassProperties::rod(length, kRodRadius, mass);
+}
+
+/// A solid cylinder from one point to another, its body x that way, drawn as it is.
+inline BodyId add_rod(Scene& scene, std::string name, const Vec3& from, const Vec3& to, double radius,
+                      double mass) {
+  const double length = (to - from).norm();
+  BodySpec body{.name = std::move(name), .mass = MassProperties::rod(length, radius, mass)};
+  body.pose.p = 0.5 * (from + to);
+  body.pose.q = Quat::FromTwoVectors(Vec3::UnitX(), to - from).normalized();
+  const BodyId rod = scene.world.add_body(body);
+  draw(scene, rod, rod_shape(length, radius));
+  return rod;
 }
 
 /// One row of a table of durations: T holds from this size on, up to the next row.

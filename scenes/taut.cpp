@@ -1,8 +1,9 @@
-/// The program: taut run | replay | check | list | bench.
+/// The program: taut run | replay | check | list | accuracy | bench.
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "scenes/accuracy_command.h"
 #include "scenes/bench_command.h"
 #include "scenes/check_command.h"
 #include "scenes/list_command.h"
@@ -16,13 +17,14 @@ namespace {
 /// Everything that can be asked for on the command line.
 struct Arguments {
   taut::RunOptions run;
+  taut::AccuracyOptions accuracy;
   std::string list_name;
   std::string check_scene;
-  std::string build_dir, bench_only;
   std::string recording;
   taut::ExportFiles replay;
   bool replay_quietly = false;
-  std::vector<std::string> run_assignments, check_assignments, bench_arguments;
+  taut::BenchOptions bench;
+  std::vector<std::string> run_assignments, check_assignments;
 };
 
 void add_scene(CLI::App& command, std::string& scene, std::vector<std::string>& assignments) {
@@ -87,6 +89,51 @@ void add_run(CLI::App& app, Arguments& arguments) {
   run.add_flag("--quiet", options.quiet, "print nothing but errors");
 }
 
+/// A file, or nothing for the standard output.
+void add_output(CLI::App& command, const std::string& option, std::optional<std::string>& file,
+                const std::string& description) {
+  command
+      .add_option_function<std::string>(
+          option, [&file](const std::string& text) { file = text; }, description)
+      ->expected(0, 1)
+      ->default_str("-")
+      ->type_name("[FILE]");
+}
+
+void add_accuracy(CLI::App& app, Arguments& arguments) {
+  CLI::App& accuracy = *app.add_subcommand(
+      "accuracy", "compare with reference values: errors and tolerances of every quantity");
+  taut::AccuracyOptions& options = arguments.accuracy;
+  accuracy.add_option("--references", options.references, "folder of cases; default: tests/references")
+      ->type_name("DIR");
+  accuracy.add_option("--only", options.only, "cases with this in their name");
+  add_choice(accuracy, "--integrator", options.integrator, taut::kIntegratorNames,
+             "how steps are done; default: rattle4, or rattle with limits, motors, friction and contacts");
+  add_choice(accuracy, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
+  accuracy.add_option("--jobs", options.jobs, "cases at the same time; default: one per core");
+  accuracy.add_flag("--summary", options.summary, "print a line per case, and what failed");
+  add_output(accuracy, "--json", options.json, "write JSON, without FILE in place of the table");
+  add_output(accuracy, "--csv", options.csv, "write CSV, without FILE in place of the table");
+}
+
+void add_bench(CLI::App& app, taut::BenchOptions& options) {
+  CLI::App& bench = *app.add_subcommand(
+      "bench", "the scenes in all engines that are installed, and the benchmark programs");
+  bench.add_flag("--quick", options.quick, "small scenes only, less than three minutes");
+  bench.add_option("--only", options.only, "scenes, or benchmark programs, with this in their name");
+  bench
+      .add_option("--results", options.results,
+                  "folder for JSON, page and pictures; default: bench in the build")
+      ->type_name("DIR");
+  bench
+      .add_option("--compare", options.compare, "results of an earlier run; fails if taut has become slower")
+      ->type_name("OLD.json");
+  bench.add_option("--limit", options.limit, "processor time of each run")->type_name("SECONDS");
+  bench.add_option("--factor", options.factor, "how much slower is too slow; default 1.5");
+  bench.add_option("--build-dir", options.build_dir, "where they were built; default: beside the program");
+  bench.add_option("arguments", options.arguments, "after --: passed to each benchmark program");
+}
+
 void add_others(CLI::App& app, Arguments& arguments) {
   CLI::App& replay = *app.add_subcommand("replay", "turn a recording into something to look at");
   replay.add_option("recording", arguments.recording, "file that `taut run --record` has written")
@@ -100,10 +147,7 @@ void add_others(CLI::App& app, Arguments& arguments) {
   add_scene(check, arguments.check_scene, arguments.check_assignments);
   CLI::App& list = *app.add_subcommand("list", "list the scenes with their parameters");
   list.add_option("scene", arguments.list_name, "only this one");
-  CLI::App& bench = *app.add_subcommand("bench", "run the benchmarks");
-  bench.add_option("--build-dir", arguments.build_dir, "where they were built; default: beside the program");
-  bench.add_option("--only", arguments.bench_only, "those with this in their name");
-  bench.add_option("arguments", arguments.bench_arguments, "after --: passed to each benchmark");
+  add_bench(app, arguments.bench);
 }
 
 int dispatch(const CLI::App& app, Arguments& arguments) {
@@ -124,7 +168,8 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
     std::cout << taut::list_scenes(arguments.list_name);
     return taut::kExitSuccess;
   }
-  return taut::bench_command(arguments.build_dir, arguments.bench_only, arguments.bench_arguments);
+  if (app.got_subcommand("accuracy")) return taut::accuracy_command(arguments.accuracy);
+  return taut::bench_command(arguments.bench);
 }
 
 }  // namespace
@@ -135,6 +180,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   Arguments arguments;
   add_run(app, arguments);
+  add_accuracy(app, arguments);
   add_others(app, arguments);
   try {
     app.parse(argc, argv);

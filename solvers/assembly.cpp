@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "solvers/max_abs.h"
+
 namespace taut {
 namespace {
 
@@ -14,12 +16,6 @@ constexpr double kMaxTurn = 0.5;
 /// Joints with less than this part of the largest share do not belong to the contradiction.
 constexpr double kShare = 1e-3;
 constexpr std::size_t kMinimalSetLimit = 24;
-
-double max_abs(const std::vector<double>& values) {
-  double largest = 0;
-  for (double v : values) largest = std::isfinite(v) ? std::max(largest, std::abs(v)) : v * 0 + INFINITY;
-  return largest;
-}
 
 /// Limits and motors are no part of closing joints.
 void leave_out_axes(const ConstraintSystem& system, std::vector<double>& rows) {

@@ -16,6 +16,8 @@ constexpr double kTouch = 1e-9;
 constexpr double kReturnRate = 1;
 /// Rates this near to a step of the law are on it, relative to 1 + |w|.
 constexpr double kOnStep = 1e-9;
+/// Bounds of friction that grow with the load are right to this part.
+constexpr double kLoadTolerance = 1e-10;
 /// An axis slower than this is at rest at the start [m/s or rad/s].
 constexpr double kRest = 1e-12;
 
@@ -32,6 +34,11 @@ bool on_step(double w, double at) { return std::abs(w - at) <= kOnStep * (1 + st
 
 AxisForces::AxisForces(const World& world, const Rows& rows)
     : world_(world), rows_(rows.axis_rows().begin(), rows.axis_rows().end()) {
+  released_.assign(rows_.size(), 0);
+  for (const Rows::AxisRow& row : rows_) angular_.push_back(rows.row(row.row).angular);
+  if (std::any_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.axis.axis < 0; }))
+    softened_.resize(rows_.size());
+  read_compliances();
   axes_.resize(rows_.size());
   before_ = axes_;
   impacts_.resize(rows_.size());
@@ -54,9 +61,12 @@ void AxisForces::start(std::span<const double> theta, std::span<const double> ra
   before_ = axes_;
 }
 
-void AxisForces::begin(double h, std::span<const double> theta, std::span<const double> rates,
+void AxisForces::begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
                        std::span<const double> inertia) {
   h_ = h;
+  end_time_ = time + h;
+  finite_ = true;
+  read_compliances();
   std::copy(axes_.begin(), axes_.end(), before_.begin());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
@@ -64,9 +74,63 @@ void AxisForces::begin(double h, std::span<const double> theta, std::span<const 
     axis.theta0 = theta[rows_[i].row];
     axis.rate0 = rates[rows_[i].row];
     axis.broken = false;
-    const double damping = (p.friction ? p.friction->viscous : 0) + (p.spring ? p.spring->damping : 0);
+    const double damping = (p.friction ? p.friction->viscous : 0) + (p.spring ? p.spring->damping : 0) +
+                           (p.limits ? p.limits->damping : 0);
     axis.implicit_damping = 0.5 * h * damping > inertia[rows_[i].row];
   }
+}
+
+/// A softened row is an axis with a spring at rest where its gap is closed.
+void AxisForces::read_compliances() {
+  if (softened_.empty() || axis_version_ == world_.axis_version()) return;
+  axis_version_ = world_.axis_version();
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (rows_[i].axis.axis >= 0) continue;
+    const JointCompliance c = world_.compliance(rows_[i].axis.joint).value_or(JointCompliance{});
+    AxisSpring& spring = softened_[i].spring.emplace();
+    spring.stiffness = 1 / (angular_[i] ? c.rotation : c.translation);
+    spring.damping = angular_[i] ? c.rotation_damping : c.translation_damping;
+  }
+}
+
+void AxisForces::inherit(const AxisForces& old) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (rows_[i].axis.axis < 0) continue;
+    const auto same = std::lower_bound(
+        old.rows_.begin(), old.rows_.end(), rows_[i].axis, [](const Rows::AxisRow& row, const AxisId& id) {
+          return row.axis.joint < id.joint || (row.axis.joint == id.joint && row.axis.axis < id.axis);
+        });
+    if (same == old.rows_.end() || same->axis != rows_[i].axis) continue;
+    const Axis& memory = old.axes_[same - old.rows_.begin()];
+    axes_[i].anchor = memory.anchor;
+    axes_[i].stuck = memory.stuck;
+    axes_[i].load = memory.load;
+  }
+  before_ = axes_;
+}
+
+void AxisForces::release(JointId joint) {
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (rows_[i].axis.joint == joint) released_[i] = 1;
+}
+
+bool AxisForces::update_loads(const Rows& rows, std::span<const double> jacobian,
+                              std::span<const double> lambda) {
+  bool changed = false;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const AxisProperties& p = properties(i);
+    if (!p.friction || p.friction->per_load == 0 || released_[i]) continue;
+    const Rows::JointRows& joint = rows.joints()[rows_[i].axis.joint.index];
+    const double* J = jacobian.data() + rows.sides()[joint.first_side + 1].offset;
+    Vec3 force = Vec3::Zero();
+    for (int k = 0; k < joint.equality_count; ++k)
+      if (!rows.row(joint.first_row + k).angular)
+        force += lambda[joint.first_row + k] * Eigen::Map<const Vec3>(J + 6 * k + 3);
+    const double load = force.norm(), change = p.friction->per_load * std::abs(load - axes_[i].load);
+    changed = changed || change > kLoadTolerance * (axes_[i].friction_force + p.friction->per_load * load);
+    axes_[i].load = load;
+  }
+  return changed;
 }
 
 void AxisForces::roll_back() { std::copy(before_.begin(), before_.end(), axes_.begin()); }
@@ -83,6 +147,11 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
     axis.spring_level = axis.damping_level = axis.spring_slope = axis.damping_slope = 0;
+    axis.limit_level = axis.limit_slope = 0;
+    if (released_[i]) {
+      laws[rows_[i].row] = RowLaw::none();
+      continue;
+    }
     if (p.spring) {
       // The force in the middle of the step, at θ₀ + h/2 w, for both kicks: the implicit midpoint rule.
       const AxisSpring& s = *p.spring;
@@ -95,21 +164,42 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
     if (p.friction) {
       const bool held = axis.stuck && !axis.broken;
       axis.damping_slope += half * p.friction->viscous;
-      axis.friction_force = half * (held ? p.friction->static_friction : p.friction->dynamic_friction);
+      axis.friction_force = half * (held ? p.friction->static_friction : p.friction->dynamic_friction) +
+                            p.friction->per_load * axis.load;
       axis.friction_at = held ? (axis.anchor - axis.theta0) / h_ : 0;
     }
     axis.lower_at = -kNever, axis.upper_at = kNever;
     axis.lower_back = axis.upper_back = 0;
-    if (p.limits) set_limits(axis, *p.limits, impacts_[i]);
+    if (is_rigid_limit(i)) set_limits(axis, *p.limits, impacts_[i]);
+    if (p.limits && p.limits->compliance > 0) soften_limit(axis, *p.limits, mean_rates[rows_[i].row]);
     if (p.motor) {
       const AxisMotor& m = *p.motor;
       axis.motor_force = half * motor_force(m, mean_rates[rows_[i].row]);
+      const double aim = m.mode == AxisMotor::Mode::kTrajectory ? m.trajectory(end_time_).value : m.target;
       axis.motor_at = m.mode == AxisMotor::Mode::kVelocity
                           ? m.target
-                          : std::clamp((m.target - axis.theta0) / h_, -m.max_speed, m.max_speed);
+                          : std::clamp((aim - axis.theta0) / h_, -m.max_speed, m.max_speed);
+      require_finite_target(axis);
     }
     laws[rows_[i].row] = law_of(axis, p);
   }
+}
+
+/// A law cannot have a breakpoint that is not a number.
+void AxisForces::require_finite_target(Axis& axis) {
+  if (std::isfinite(axis.motor_at)) return;
+  finite_ = false;
+  axis.motor_at = axis.motor_force = 0;
+}
+
+/// Beyond a limit with compliance a spring acts, as those of axes do, wherever the middle of the step is.
+void AxisForces::soften_limit(Axis& axis, const AxisLimits& limits, double mean_rate) const {
+  const double half = 0.5 * h_, middle = axis.theta0 + half * mean_rate;
+  if (middle >= limits.lower && middle <= limits.upper) return;
+  const double at = middle < limits.lower ? limits.lower : limits.upper;
+  axis.limit_level = -half * (axis.theta0 - at) / limits.compliance;
+  axis.limit_slope = half * half / limits.compliance;
+  axis.damping_slope += half * limits.damping;
 }
 
 /// Bounds of the position stage on the mean rate.
@@ -134,7 +224,8 @@ bool AxisForces::seek_impacts(std::span<const double> w) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const AxisProperties& p = properties(i);
     Impact& impact = impacts_[i];
-    if (!p.limits || p.limits->restitution == 0 || impact.spent || impact.stage != Impact::Stage::kNone)
+    if (!is_rigid_limit(i) || p.limits->restitution == 0 || impact.spent ||
+        impact.stage != Impact::Stage::kNone)
       continue;
     for (bool at_lower : {true, false}) {
       if (!in_flight(i, at_lower)) continue;
@@ -193,7 +284,7 @@ void AxisForces::forget_impacts(bool for_good) {
 bool AxisForces::has_impact(std::span<const double> theta) const {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const AxisProperties& p = properties(i);
-    if (!p.limits) continue;
+    if (!is_rigid_limit(i)) continue;
     const double theta1 = theta[rows_[i].row], rate0 = axes_[i].rate0;
     if (impacts_[i].stage == Impact::Stage::kDue || (theta1 <= p.limits->lower + kTouch && rate0 < -kJolt) ||
         (theta1 >= p.limits->upper - kTouch && rate0 > kJolt))
@@ -208,15 +299,25 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
     const double theta1 = theta[rows_[i].row];
+    if (released_[i]) {
+      laws[rows_[i].row] = RowLaw::none();
+      continue;
+    }
+    axis.limit_level = axis.soft_limit;
+    axis.limit_slope = 0;
     axis.spring_level = axis.spring;
     axis.spring_slope = 0;
     axis.damping_level = axis.implicit_damping ? 0 : axis.damping;
     if (!axis.implicit_damping) axis.damping_slope = 0;
-    if (p.friction && (axis.broken || !axis.stuck))
-      axis.friction_force = 0.5 * h_ * p.friction->dynamic_friction;
+    if (p.friction) {
+      const bool held = axis.stuck && !axis.broken;
+      axis.friction_force = 0.5 * h_ * (held ? p.friction->static_friction : p.friction->dynamic_friction) +
+                            p.friction->per_load * axis.load;
+    }
     axis.friction_at = 0;
     axis.lower_at = -kNever, axis.upper_at = kNever;
-    if (p.limits) {
+    axis.lower_back = axis.upper_back = 0;
+    if (is_rigid_limit(i)) {
       // Newton's law of impact with the rate just before, or else that before the step.  An impact that is
       // due happens even if a gap of order h³ is left.
       const bool due = impacts_[i].stage == Impact::Stage::kDue;
@@ -231,12 +332,13 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
       if (axis.lower_at > axis.upper_at) axis.lower_at = axis.upper_at = 0;  // locked between both
     }
     if (p.motor) {
-      const double left = p.motor->target - theta1;
-      if (p.motor->mode == AxisMotor::Mode::kVelocity)
-        axis.motor_at = p.motor->target;
-      else
-        axis.motor_at =
-            std::abs(left) <= kTouch ? 0 : std::clamp(left / h_, -p.motor->max_speed, p.motor->max_speed);
+      const bool follows = p.motor->mode == AxisMotor::Mode::kTrajectory;
+      const MotionPoint aim = follows ? p.motor->trajectory(end_time_) : MotionPoint{p.motor->target};
+      const double left = aim.value - theta1, back = std::abs(left) <= kTouch ? 0 : left / h_;
+      axis.motor_at = p.motor->mode == AxisMotor::Mode::kVelocity
+                          ? p.motor->target
+                          : std::clamp(aim.rate + back, -p.motor->max_speed, p.motor->max_speed);
+      require_finite_target(axis);
     }
     laws[rows_[i].row] = law_of(axis, p);
   }
@@ -245,8 +347,8 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
 /// The sum of the steps and slopes of one axis.  The steps of limits are there even when far away, so that
 /// the pieces keep their numbers from stage to stage.
 RowLaw AxisForces::law_of(Axis& axis, const AxisProperties& p) const {
-  RowLaw law = RowLaw::viscous(axis.spring_slope + axis.damping_slope);
-  law.level[0] = axis.spring_level + axis.damping_level;
+  RowLaw law = RowLaw::viscous(axis.spring_slope + axis.damping_slope + axis.limit_slope);
+  law.level[0] = axis.spring_level + axis.damping_level + axis.limit_level;
   if (axis.friction_force > 0)
     law = law + RowLaw::box(-axis.friction_force, axis.friction_force, axis.friction_at);
   if (axis.motor_force > 0) {
@@ -254,6 +356,7 @@ RowLaw AxisForces::law_of(Axis& axis, const AxisProperties& p) const {
     if (std::isinf(axis.motor_force)) axis.motor_at = std::clamp(axis.motor_at, axis.lower_at, axis.upper_at);
     law = law + RowLaw::box(-axis.motor_force, axis.motor_force, axis.motor_at);
   }
+  if (p.limits && p.limits->compliance > 0) return law;
   if (p.limits && std::isfinite(p.limits->lower)) {
     law = law + RowLaw::lower_limit(axis.lower_at);
     for (int k = 1; k <= law.steps; ++k) law.level[k] -= axis.lower_back;
@@ -270,7 +373,9 @@ bool AxisForces::break_away(std::span<const double> w) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
-    if (!p.friction || !axis.stuck || axis.broken || on_step(w[rows_[i].row], axis.friction_at)) continue;
+    if (!p.friction || !axis.stuck || axis.broken || released_[i] ||
+        on_step(w[rows_[i].row], axis.friction_at))
+      continue;
     axis.broken = true;
     any = any || p.friction->dynamic_friction < p.friction->static_friction;
   }
@@ -282,9 +387,11 @@ bool AxisForces::break_away(std::span<const double> w) {
 AxisImpulse AxisForces::share(int i, double lambda, double w) const {
   const Axis& axis = axes_[i];
   AxisImpulse impulse;
+  if (released_[i]) return impulse;
+  impulse.elastic_limit = axis.limit_level - axis.limit_slope * w;
   impulse.spring = axis.spring_level - axis.spring_slope * w;
   impulse.damping = axis.damping_level - axis.damping_slope * w;
-  double rest = lambda - impulse.spring - impulse.damping;
+  double rest = lambda - impulse.spring - impulse.damping - impulse.elastic_limit;
   const auto take = [&](double at, double force) {
     const double given = on_step(w, at) ? std::clamp(rest, -force, force) : w < at ? force : -force;
     return force > 0 ? given : 0;
@@ -305,6 +412,7 @@ void AxisForces::finish_positions(std::span<const double> w) {
     const double rate = w[rows_[i].row];
     axis.spring = axis.spring_level - axis.spring_slope * rate;
     axis.damping = -axis.damping_slope * rate;
+    axis.soft_limit = axis.limit_level - axis.limit_slope * rate;
   }
 }
 
@@ -313,8 +421,8 @@ void AxisForces::finish_velocities(std::span<const double> theta, std::span<cons
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const double rate = w[rows_[i].row];
     const bool due = impacts_[i].stage == Impact::Stage::kDue;
-    const bool hit = properties(i).limits && ((on_step(rate, axes_[i].lower_at) && in_flight(i, true)) ||
-                                              (on_step(rate, axes_[i].upper_at) && in_flight(i, false)));
+    const bool hit = is_rigid_limit(i) && ((on_step(rate, axes_[i].lower_at) && in_flight(i, true)) ||
+                                           (on_step(rate, axes_[i].upper_at) && in_flight(i, false)));
     if (due || hit) {
       reports_[i].impact_time = time;
       struck_ = true;
@@ -332,7 +440,7 @@ void AxisForces::finish_velocities(std::span<const double> theta, std::span<cons
 void AxisForces::add(AxisReport& report, int i, double lambda, double w, double rate) const {
   const AxisImpulse impulse = share(i, lambda, w);
   for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
-                    &AxisImpulse::damping}) {
+                    &AxisImpulse::damping, &AxisImpulse::elastic_limit}) {
     report.force.*part += impulse.*part;
     report.work.*part += impulse.*part * rate;
   }
@@ -357,7 +465,8 @@ void AxisForces::book(std::span<const double> lambda, std::span<const double> w,
     report.work += first_kick_[i].work;
     add(report, static_cast<int>(i), lambda[row], w[row], rates[row]);
     report.saturated = axis.motor_force > 0 && !on_step(w[row], axis.motor_at);
-    report.at_limit = on_step(w[row], axis.lower_at) || on_step(w[row], axis.upper_at);
+    report.at_limit =
+        on_step(w[row], axis.lower_at) || on_step(w[row], axis.upper_at) || axis.soft_limit != 0;
   }
 }
 

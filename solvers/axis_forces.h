@@ -23,11 +23,20 @@ class AxisForces {
   /// A new start: friction of axes at rest holds them where they are.  `theta` and `rates` have one entry a
   /// row, as in all functions below.
   void start(std::span<const double> theta, std::span<const double> rates);
-  /// A step of h from θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row.
-  void begin(double h, std::span<const double> theta, std::span<const double> rates,
+  /// A step of h from a time with θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row.
+  void begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
              std::span<const double> inertia);
+  /// False if a motor's trajectory is not at the end of the step; the motor is left out then.
+  bool finite() const { return finite_; }
   /// Back to the start of the step.
   void roll_back();
+  /// Friction of axes that an old system had too holds where it held.
+  void inherit(const AxisForces& old);
+  /// The axes and softened rows of a joint give no force any more.
+  void release(JointId joint);
+  /// Loads by which friction grows, from the impulses of a stage; true if a bound has changed by more than
+  /// the tolerance of impulses, so that the stage must be solved again.
+  bool update_loads(const Rows& rows, std::span<const double> jacobian, std::span<const double> lambda);
 
   /// Laws of the axis rows for the first kick; those of other rows stay.  `mean_rates`: the best estimate, by
   /// which torque–speed curves are read.
@@ -75,6 +84,9 @@ class AxisForces {
     double theta0 = 0, rate0 = 0;
     double spring = 0, damping = 0;  // given by the first kick: they are given again
     bool implicit_damping = false;   // stiff dampers act on θ̇(q₁) instead
+    double soft_limit = 0;           // of a limit with compliance, given by the first kick
+    double limit_level = 0, limit_slope = 0;
+    double load = 0;  // impulse of the joint's force in this stage
     // The steps of the present law.
     double motor_at = 0, motor_force = 0, friction_at = 0, friction_force = 0, lower_at = 0, upper_at = 0;
     double lower_back = 0, upper_back = 0;  // what limits gave in the first kick and may take back
@@ -96,16 +108,28 @@ class AxisForces {
   double motor_force(const AxisMotor& motor, double rate) const;
   RowLaw law_of(Axis& axis, const AxisProperties& properties) const;
   void add(AxisReport& report, int axis, double lambda, double w, double rate) const;
-  const AxisProperties& properties(std::size_t i) const { return world_.axis_properties(rows_[i].axis); }
+  const AxisProperties& properties(std::size_t i) const {
+    return rows_[i].axis.axis < 0 ? softened_[i] : world_.axis_properties(rows_[i].axis);
+  }
+  bool is_rigid_limit(std::size_t i) const {
+    return !released_[i] && properties(i).limits && properties(i).limits->compliance == 0;
+  }
+  void soften_limit(Axis& axis, const AxisLimits& limits, double mean_rate) const;
+  void read_compliances();
+  void require_finite_target(Axis& axis);
 
   const World& world_;
+  std::vector<AxisProperties> softened_;  // springs of softened rows, by row; empty if there are none
+  std::vector<char> released_, angular_;
+  int axis_version_ = -1;
   std::vector<Rows::AxisRow> rows_;
   std::vector<Axis> axes_, before_;
   std::vector<Impact> impacts_;
   int impact_count_ = 0;  // looked for in this step
   bool struck_ = false;
   std::vector<AxisReport> reports_, first_kick_;
-  double h_ = 0;
+  double h_ = 0, end_time_ = 0;
+  bool finite_ = true;
 };
 
 }  // namespace taut

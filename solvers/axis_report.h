@@ -7,11 +7,12 @@ namespace taut {
 /// A quantity along one axis by what gave it; forces and impulses are positive towards larger θ.
 struct AxisImpulse {
   double motor = 0, friction = 0, limit = 0, spring = 0;
-  double damping = 0;  ///< dampers of springs and viscous friction
-  double total() const { return motor + friction + limit + spring + damping; }
+  double damping = 0;        ///< dampers of springs and soft limits, and viscous friction
+  double elastic_limit = 0;  ///< limits with compliance, but for their dampers
+  double total() const { return motor + friction + limit + spring + damping + elastic_limit; }
   AxisImpulse& operator+=(const AxisImpulse& other) {
     motor += other.motor, friction += other.friction, limit += other.limit;
-    spring += other.spring, damping += other.damping;
+    spring += other.spring, damping += other.damping, elastic_limit += other.elastic_limit;
     return *this;
   }
 };

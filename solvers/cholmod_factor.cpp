@@ -177,7 +177,8 @@ bool CholmodFactor::has_supernodal() {
 std::string blas_name() {
   using Config = char* (*)();
   if (auto* symbol = dlsym(RTLD_DEFAULT, "openblas_get_config")) return reinterpret_cast<Config>(symbol)();
-  return "a BLAS that does not tell its name";
+  // CHOLMOD without its GPL modules needs none.
+  return dlsym(RTLD_DEFAULT, "dgemm_") ? "a BLAS that does not tell its name" : "no BLAS";
 }
 
 }  // namespace taut

@@ -52,6 +52,7 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
   ordered_.assign(n, 0.0);
   scratch_.assign(n, 0.0);
   pivots_.assign(n, 0.0);
+  for (auto* values : {&preconditioned_, &direction_, &image_}) values->assign(n, 0.0);
   body_scratch_.resize(rows_.body_count());
   row_at_position_.resize(n);
   for (int r = 0; r < n; ++r) row_at_position_[system_->position_of_row()[r]] = r;
@@ -70,8 +71,9 @@ void ConstraintSystem::set_mass(std::span<const Pose> poses) {
   for (int b = 0; b < mass_.size(); ++b) {
     const MassMatrix::Body& body = mass_[b];
     if (body.fixed) continue;
-    roots_[b].rotation = mass_.principal_axes(b, poses[b]) * body.inverse_moments.cwiseSqrt().asDiagonal();
-    roots_[b].translation = std::sqrt(body.inverse_mass) * Mat3::Identity();
+    roots_[b].rotation = mass_.principal_axes(b, poses[b]) * body.root_inverse_moments.asDiagonal();
+    roots_[b].translation = body.root_inverse_mass * Mat3::Identity();
+    roots_[b].isotropic = true;
   }
 }
 
@@ -192,12 +194,7 @@ void ConstraintSystem::solve(std::span<double> x) {
   for (std::size_t r = 0; r < states.size(); ++r)
     if (states[r] == kMasked) x[r] = 0;
   backsolve(x);
-  if (!shifted_) return;
-  multiply(x, scratch_);
-  for (std::size_t r = 0; r < states.size(); ++r)
-    scratch_[r] = states[r] == kMasked ? 0 : scratch_[r] + states[r] * x[r];
-  std::copy(scratch_.begin(), scratch_.end(), x.begin());
-  backsolve(x);
+  if (shifted_) project(x);
 }
 
 void ConstraintSystem::row_inertias(std::span<double> out) {
@@ -225,11 +222,10 @@ void ConstraintSystem::multiply(std::span<const double> x, std::span<double> out
     for (int i = 0; i < joint.row_count; ++i) out[joint.first_row + i] = 0;
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const Rows::Side& side = rows_.sides()[s];
-      const Wrench& f = body_scratch_[side.body];
+      const Wrench& wrench = body_scratch_[side.body];
+      const SixVector f(wrench.torque, wrench.force);
       const double* W = weighted_.data() + side.offset;
-      for (int i = 0; i < side.row_count; ++i, W += 6)
-        out[joint.first_row + i] += W[0] * f.torque[0] + W[1] * f.torque[1] + W[2] * f.torque[2] +
-                                    W[3] * f.force[0] + W[4] * f.force[1] + W[5] * f.force[2];
+      for (int i = 0; i < side.row_count; ++i, W += 6) out[joint.first_row + i] += f.dot(W);
     }
   }
 }

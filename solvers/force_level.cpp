@@ -42,7 +42,7 @@ void free_accelerations(const MassMatrix& mass, const State& state, std::span<co
 
 ForceLevel::ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings)
     : world_(world), system_(system), settings_(settings) {
-  for (auto* wrenches : {&forces_, &joint_wrenches_}) wrenches->resize(world.body_count());
+  for (auto* wrenches : {&forces_, &joint_wrenches_, &momenta_}) wrenches->resize(world.body_count());
   for (auto* twists : {&acceleration_, &slope_, &sum_, &mean_velocity_}) twists->resize(world.body_count());
   for (auto* values : {&lambda_, &impulses_, &phi_, &rates_, &delta_, &penalty_inertia_})
     values->assign(system.row_count(), 0.0);
@@ -111,6 +111,12 @@ void ForceLevel::accelerate(const State& state, double h, StepReport& report,
     acceleration[b].w += system_.mass().angular_velocity(b, state.poses[b], joint_wrenches_[b].torque);
     acceleration[b].v += system_.mass()[b].inverse_mass * joint_wrenches_[b].force;
   }
+}
+
+std::span<const Wrench> ForceLevel::momenta() {
+  for (int b = 0; b < world_.body_count(); ++b)
+    momenta_[b] = system_.mass().momentum(b, state_.poses[b], state_.twists[b]);
+  return momenta_;
 }
 
 /// V₁ = V₀ + h V̇(q₀, V₀), then q₁ = q₀ ⊕ h V₁.

@@ -25,6 +25,8 @@ class ForceLevel {
   [[nodiscard]] bool advance(double h, StepReport& report);
 
   const State& state() const { return state_; }
+  /// (L, P) of the bodies in world axes.
+  std::span<const Wrench> momenta();
   /// Joint forces at the start of the last step, times h.
   const std::vector<double>& impulses() const { return impulses_; }
 
@@ -42,7 +44,7 @@ class ForceLevel {
   ConstraintSystem& system_;
   const Settings& settings_;
   State state_, stage_, backup_;
-  std::vector<Wrench> forces_, joint_wrenches_;
+  std::vector<Wrench> forces_, joint_wrenches_, momenta_;
   std::vector<Twist> acceleration_, slope_, sum_, mean_velocity_;
   std::vector<double> lambda_, impulses_, phi_, rates_, delta_, penalty_inertia_;
 };

@@ -10,43 +10,83 @@ namespace taut {
 
 namespace detail {
 
-/// Rotation by `angle` about body axis i, applied on the right: q ← q exp(angle e_i).
-inline void rotate_right(Quat& q, int i, double sine, double cosine) {
-  const int j = (i + 1) % 3, k = (i + 2) % 3;
+// Quaternions are handled as four numbers with indices known to the compiler, so that they stay in registers.
+
+/// Rotation about body axis I, applied on the right, by twice the angle with this sine and cosine.
+template <int I>
+void rotate_right(Quat& q, double sine, double cosine) {
+  constexpr int J = (I + 1) % 3, K = (I + 2) % 3;
   double* v = q.coeffs().data();  // x, y, z, w
-  const double w = v[3], vi = v[i], vj = v[j], vk = v[k];
+  const double w = v[3], vi = v[I], vj = v[J], vk = v[K];
   v[3] = cosine * w - sine * vi;
-  v[i] = cosine * vi + sine * w;
-  v[j] = cosine * vj + sine * vk;
-  v[k] = cosine * vk - sine * vj;
+  v[I] = cosine * vi + sine * w;
+  v[J] = cosine * vj + sine * vk;
+  v[K] = cosine * vk - sine * vj;
+}
+
+/// q ← exp(θ) q.
+inline void rotate_left(const Vec3& theta, Quat& q) {
+  const auto [sinc, c] =
+      sinc_cosine(0.25 * (theta[0] * theta[0] + theta[1] * theta[1] + theta[2] * theta[2]));
+  const double s = 0.5 * sinc, a = s * theta[0], b = s * theta[1], d = s * theta[2];
+  const double x = q.x(), y = q.y(), z = q.z(), w = q.w();
+  q = Quat(c * w - (a * x + b * y + d * z), c * x + w * a + (b * z - d * y), c * y + w * b + (d * x - a * z),
+           c * z + w * d + (a * y - b * x));
+}
+
+/// A turn about principal axis I for `time`: angular momentum m stays in space, so it turns back in the body.
+template <int I>
+void turn(const MassMatrix::Body& body, double time, Quat& q, Vec3& m) {
+  constexpr int J = (I + 1) % 3, K = (I + 2) % 3;
+  const double half = 0.5 * time * m[I] * body.inverse_moments[I];
+  const auto [sinc, c] = sinc_cosine(half * half);
+  const double s = half * sinc;
+  rotate_right<I>(q, s, c);
+  const double sine = 2 * s * c, cosine = 1 - 2 * s * s, mj = m[J], mk = m[K];
+  m[J] = cosine * mj + sine * mk;
+  m[K] = cosine * mk - sine * mj;
 }
 
 /// Five rotations about the principal axes, x y z y x [Dullweber1997]: order 2, symplectic, time-reversible.
-inline Quat rotate_split(const MassMatrix::Body& body, Quat q, const Vec3& L, double h) {
+inline void rotate_split(const MassMatrix::Body& body, const Vec3& L, double h, Quat& q) {
   Vec3 m = q.conjugate() * L;  // angular momentum in principal axes
-  const auto turn = [&](int i, double time) {
-    const double half = 0.5 * time * m[i] * body.inverse_moments[i];
-    const double s = std::sin(half), c = std::cos(half);
-    rotate_right(q, i, s, c);
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    const double sine = 2 * s * c, cosine = 1 - 2 * s * s, mj = m[j], mk = m[k];
-    m[j] = cosine * mj + sine * mk;
-    m[k] = cosine * mk - sine * mj;
-  };
-  turn(0, 0.5 * h), turn(1, 0.5 * h), turn(2, h), turn(1, 0.5 * h), turn(0, 0.5 * h);
-  return q;
+  turn<0>(body, 0.5 * h, q, m);
+  turn<1>(body, 0.5 * h, q, m);
+  turn<2>(body, h, q, m);
+  turn<1>(body, 0.5 * h, q, m);
+  turn<0>(body, 0.5 * h, q, m);
 }
 
 /// Exact for two equal moments I_t: a rotation about L at the rate |L| / I_t after one about the symmetry
-/// axis at the rate L_i (1/I_i − 1/I_t).
-inline Quat rotate_symmetric(const MassMatrix::Body& body, Quat q, const Vec3& L, double h) {
-  const int i = body.symmetry_axis;
-  const double across = body.inverse_moments[(i + 1) % 3], excess = body.inverse_moments[i] - across;
+/// axis I at the rate L_I (1/I_I − 1/I_t).
+template <int I>
+void rotate_symmetric(const MassMatrix::Body& body, const Vec3& L, double h, Quat& q) {
+  constexpr int J = (I + 1) % 3, K = (I + 2) % 3;
+  const double across = body.inverse_moments[J], excess = body.inverse_moments[I] - across;
   if (excess != 0) {
-    const double half = 0.5 * h * excess * L.dot(q.toRotationMatrix().col(i));
-    rotate_right(q, i, std::sin(half), std::cos(half));
+    // L along the axis: column I of the rotation matrix, written out.
+    const double *v = q.coeffs().data(), w = v[3], vi = v[I], vj = v[J], vk = v[K];
+    const double along =
+        L[I] * (1 - 2 * (vj * vj + vk * vk)) + 2 * (L[J] * (vi * vj + w * vk) + L[K] * (vi * vk - w * vj));
+    const double half = 0.5 * h * excess * along;
+    const auto [sinc, cosine] = sinc_cosine(half * half);
+    rotate_right<I>(q, half * sinc, cosine);
   }
-  return exp_so3(h * across * L) * q;
+  rotate_left(h * across * L, q);
+}
+
+/// Turns the principal axes.
+inline void rotate(const MassMatrix::Body& body, const Vec3& L, double h, Quat& q) {
+  switch (body.symmetry_axis) {
+    case 0:
+      return rotate_symmetric<0>(body, L, h, q);
+    case 1:
+      return rotate_symmetric<1>(body, L, h, q);
+    case 2:
+      return rotate_symmetric<2>(body, L, h, q);
+    default:
+      return rotate_split(body, L, h, q);
+  }
 }
 
 }  // namespace detail
@@ -55,10 +95,12 @@ inline Quat rotate_symmetric(const MassMatrix::Body& body, Quat q, const Vec3& L
 inline Pose free_flow(const MassMatrix::Body& body, const Pose& pose, const Vec3& L, const Vec3& P,
                       double h) {
   Quat q = body.principal ? pose.q : Quat(pose.q * body.q_BP);
-  q = body.symmetry_axis >= 0 ? detail::rotate_symmetric(body, q, L, h) : detail::rotate_split(body, q, L, h);
+  detail::rotate(body, L, h, q);
   if (!body.principal) q = q * body.q_BP.conjugate();
   // One Newton step towards |q| = 1; its round-off drift over millions of steps would otherwise show.
-  q.coeffs() *= 1.5 - 0.5 * q.squaredNorm();
+  const double x = q.x(), y = q.y(), z = q.z(), w = q.w();
+  const double scale = 1.5 - 0.5 * ((x * x + y * y) + (z * z + w * w));
+  q = Quat(scale * w, scale * x, scale * y, scale * z);
   return {q, pose.p + h * body.inverse_mass * P};
 }
 

@@ -30,6 +30,8 @@ MassMatrix::MassMatrix(const World& world) {
     if (body.fixed) continue;
     body.inverse_mass = 1 / body.mass;
     body.inverse_moments = body.moments.cwiseInverse();
+    body.root_inverse_mass = std::sqrt(body.inverse_mass);
+    body.root_inverse_moments = body.inverse_moments.cwiseSqrt();
   }
 }
 

@@ -14,6 +14,8 @@ class MassMatrix {
     double mass = 1, inverse_mass = 0;
     Vec3 moments = Vec3::Ones();          ///< I_P [kg m²]
     Vec3 inverse_moments = Vec3::Zero();  ///< 1 / I_P
+    double root_inverse_mass = 0;         ///< √(1/m)
+    Vec3 root_inverse_moments = Vec3::Zero();
     Quat q_BP = Quat::Identity();
     bool principal = true;  ///< q_BP is the identity
     bool fixed = true;
@@ -40,6 +42,11 @@ class MassMatrix {
     const Mat3 R = principal_axes(body, pose);
     return R * bodies_[body].moments.cwiseProduct(R.transpose() * w);
   }
+  /// (I_W ω, m v); zero for fixed bodies.
+  Wrench momentum(int body, const Pose& pose, const Twist& V) const {
+    const Body& b = bodies_[body];
+    return b.fixed ? Wrench{} : Wrench{angular_momentum(body, pose, V.w), b.mass * V.v};
+  }
 
  private:
   std::vector<Body> bodies_;
@@ -49,6 +56,33 @@ class MassMatrix {
 struct InverseMassRoot {
   Mat3 rotation = Mat3::Zero();
   Mat3 translation = Mat3::Zero();
+  bool isotropic = true;  ///< `translation` is a multiple of 1
+};
+
+/// M⁻¹ of all bodies at one set of poses, for repeated use there.
+class InverseMass {
+ public:
+  /// `roots` are those of M⁻¹ itself, at the poses in question.
+  void set(std::span<const InverseMassRoot> roots) {
+    bodies_.resize(roots.size());
+    for (std::size_t b = 0; b < roots.size(); ++b) {
+      const Mat3& A = roots[b].rotation;
+      const double t = roots[b].translation(0, 0);
+      bodies_[b] = {A.lazyProduct(A.transpose()), t * t};
+    }
+  }
+  bool moves(int body) const { return bodies_[body].mass > 0; }
+  /// V = M⁻¹ p of a body; zero for fixed ones.
+  Twist twist(int body, const Wrench& p) const {
+    return {bodies_[body].inertia * p.torque, bodies_[body].mass * p.force};
+  }
+
+ private:
+  struct Body {
+    Mat3 inertia;  // I_W⁻¹
+    double mass;   // 1/m
+  };
+  std::vector<Body> bodies_;
 };
 
 }  // namespace taut

@@ -1,15 +1,14 @@
 #include "solvers/rattle.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "solvers/force_level.h"
 #include "solvers/free_flow.h"
 #include "solvers/max_abs.h"
 #include "solvers/stopwatch.h"
-#include "solvers/tension.h"
 
 namespace taut {
 namespace {
@@ -33,16 +32,18 @@ constexpr double kMendable = 1e-6;
 constexpr int kMaxForcePasses = 60;
 constexpr double kForceTolerance = 1e-12;
 
-Wrench operator+(const Wrench& a, const Wrench& b) { return {a.torque + b.torque, a.force + b.force}; }
-Wrench operator-(const Wrench& a, const Wrench& b) { return {a.torque - b.torque, a.force - b.force}; }
-Wrench operator*(double s, const Wrench& a) { return {s * a.torque, s * a.force}; }
-
 }  // namespace
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
-    : world_(world), system_(system), settings_(settings), axes_(world, system.rows()), active_(system) {
+    : world_(world),
+      system_(system),
+      settings_(settings),
+      breaking_(world, system.rows()),
+      has_drivers_(system.rows().depends_on_time()),
+      axes_(world, system.rows()),
+      active_(system) {
   const int bodies = world.body_count(), rows = system.row_count();
-  for (auto* wrenches : {&momenta_, &forces_, &free_momenta_, &kicked_, &joint_impulse_, &move_})
+  for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})
     wrenches->resize(bodies);
   for (auto* values : {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_,
                        &force_multipliers_, &asymmetry_, &last_asymmetry_})
@@ -63,12 +64,8 @@ void Rattle::start(const State& state, StepReport& report) {
   poses_ = state.poses;
   history_ = 0;
   size_ = system_size();
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    const Twist& V = state_.twists[b];
-    if (!body.fixed)
-      momenta_[b] = {system_.mass().angular_momentum(b, state_.poses[b], V.w), body.mass * V.v};
-  }
+  for (int b = 0; b < world_.body_count(); ++b)
+    momenta_[b] = system_.mass().momentum(b, state_.poses[b], state_.twists[b]);
   linearize_and_factorize(report);
   const Stopwatch watch(report.times.velocities);
   project_momenta(report, mu_);
@@ -95,6 +92,7 @@ void Rattle::linearize_and_factorize(StepReport& report) {
     const Stopwatch watch(report.times.assembly);
     system_.linearize(state_);
     system_.set_mass(state_.poses);
+    inverse_mass_.set(system_.mass_roots());
   }
   system_.factorize(report.times);
 }
@@ -108,8 +106,6 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   }
   {
     const Stopwatch watch(report.times.positions);
-    start_momenta_ = momenta_;
-    for (int b = 0; b < world_.body_count(); ++b) free_momenta_[b] = momenta_[b] + 0.5 * h * forces_[b];
     predict_multipliers(h);
   }
   if (!axes_.empty()) begin_axes(h);
@@ -132,10 +128,12 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     }
   }
   report.tension_number = std::max(report.tension_number, omega_ * std::abs(h));
-  if (settings_.report_energy) account_for_kick(report);
+  works_before_ = works_of(report);
+  if (settings_.report_energy) account_for_kick(h, report);
   if (!axes_.empty()) keep_first_kick();
 
-  std::swap(state_.poses, poses_);  // poses_ now holds the old ones
+  std::swap(state_.poses, poses_);  // these now hold the old ones
+  std::swap(momenta_, start_momenta_);
   start_time_ = state_.time;
   state_.time += h;
   if (!axes_.empty()) active_.prepare(laws_, delta_, lambda_);
@@ -147,15 +145,18 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     return Outcome::kStalled;
   }
   if (!finite()) return Outcome::kNotFinite;
-  system_.rows().update_axes(state_, state_.axes);
+  if (breaking_.possible() && break_joints(h, report)) return Outcome::kOverload;
+  system_.rows().update_axes(end_of_step(0), state_.axes);
   if (!axes_.empty()) finish_axes(report);
   if (settings_.report_energy) {
-    for (int b = 0; b < world_.body_count(); ++b)
-      joint_impulse_[b] = momenta_[b] - kicked_[b] - 0.5 * h * forces_[b];
-    report.constraint_work += work(state_.poses, kicked_, momenta_, joint_impulse_);
+    account(kicked_, momenta_, system_.jacobian(), mu_, h, report);
   }
 
   keep_multipliers(h);
+  if (breaking_.any_due() && breaking_.due(state_.time)) {
+    release_overloaded();
+    system_.factorize(report.times);
+  }
   ++report.substeps;
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
@@ -164,12 +165,12 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
 
 /// Impulses for reactions, forces at the end of the step, and what the next prediction starts from.
 void Rattle::keep_multipliers(double h) {
-  const double scale = history_ > 0 ? h / last_h_ : 1;
+  const double scale = history_ > 0 ? h / last_h_ : 1, per_h = 1 / h, per_h2 = per_h * per_h;
   for (int r = 0; r < system_.row_count(); ++r) {
     impulses_[r] += lambda_[r] + mu_[r];
-    if (!axes_.struck()) force_multipliers_[r] = 2 / h * mu_[r];  // the impulse of an impact is no force
+    if (!axes_.struck()) force_multipliers_[r] = 2 * per_h * mu_[r];  // the impulse of an impact is no force
     last_asymmetry_[r] = asymmetry_[r];
-    asymmetry_[r] = (lambda_[r] - scale * start_mu_[r]) / (h * h);
+    asymmetry_[r] = (lambda_[r] - scale * start_mu_[r]) * per_h2;
     start_mu_[r] = mu_[r];
   }
   history_ = axes_.struck() ? 0 : std::min(history_ + 1, 3);
@@ -196,23 +197,25 @@ void Rattle::restore(StepReport& report) {
 
 /// Back to the start of a step whose positions were already accepted.
 void Rattle::roll_back(StepReport& report) {
+  set_works(report, works_before_);
   std::swap(state_.poses, poses_);
-  momenta_ = start_momenta_;
+  std::swap(momenta_, start_momenta_);
   state_.time = start_time_;
+  linearize_and_factorize(report);
   twists_from_momenta();
   world_.forces(state_, forces_);
-  linearize_and_factorize(report);
   axes_.roll_back();
   implicit_ = false;
 }
 
 /// λ is the μ at the same instant plus an asymmetry of order h², which is extrapolated: the error of the
-/// prediction is of order h⁴.  With dependent rows λ starts from 0 instead: a component that is in the null
-/// space of this J need not be in that of the next, and would grow from step to step.
+/// prediction is of order h⁴.  With dependent rows it is μ alone, which was solved from 0 with this same S
+/// and so has no part in its null space; what is extrapolated over steps would have one, and let it grow.
 void Rattle::predict_multipliers(double h) {
   const int rows = system_.row_count();
   if (system_.singular()) {
-    std::fill(lambda_.begin(), lambda_.end(), 0.0);
+    const double scale = history_ > 0 && axes_.empty() ? h / last_h_ : 0;
+    for (int r = 0; r < rows; ++r) lambda_[r] = scale * start_mu_[r];
   } else if (history_ == 0) {
     for (int r = 0; r < rows; ++r) lambda_[r] = 0.5 * h * force_multipliers_[r];
   } else {
@@ -223,15 +226,17 @@ void Rattle::predict_multipliers(double h) {
   }
 }
 
+/// J(q₀), along which λ acts.
+std::span<const double> Rattle::kick_jacobian() const {
+  return refactored_ ? std::span<const double>(start_jacobian_) : std::as_const(system_).jacobian();
+}
+
 void Rattle::kick_and_drift(double h) {
-  const std::span<const double> J =
-      refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian();
-  system_.rows().apply_transpose(J, lambda_, joint_impulse_);
+  const std::span<const double> J = kick_jacobian();
   for (int b = 0; b < world_.body_count(); ++b) {
     const MassMatrix::Body& body = system_.mass()[b];
     if (body.fixed) continue;
-    kicked_[b] = {free_momenta_[b].torque + joint_impulse_[b].torque,
-                  free_momenta_[b].force + joint_impulse_[b].force};
+    kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + system_.rows().wrench_on(b, J, lambda_);
     if (implicit_) {
       kicked_[b].torque = filter_rotation_[b] * kicked_[b].torque;
       kicked_[b].force = filter_translation_[b] * kicked_[b].force;
@@ -249,12 +254,14 @@ bool Rattle::close_positions(double h, StepReport& report) {
       kick_and_drift(h);
       system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
     }
+    clear_broken_rows(phi_);
     const double gap = max_abs(phi_);
+    bool half_solved = false;  // by the distance to closure
     if (!std::isfinite(gap)) return false;
     if (gap <= settings_.position_tolerance) {
       if (!system_.singular() || distance_to_closure(report) <= kFar * size_) break;
       if (polished) return mend_positions(h, report);
-      polished = true;
+      polished = half_solved = true;
     } else {
       const bool slow = iteration > 0 && gap > kSlow * last;
       const bool spent = iteration >= settings_.max_newton_iterations;
@@ -267,8 +274,13 @@ bool Rattle::close_positions(double h, StepReport& report) {
     }
     last = gap;
     const Stopwatch watch(report.times.positions);
-    for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -phi_[r] / h;
-    system_.solve(delta_);
+    if (half_solved) {
+      for (double& d : delta_) d *= -1 / h;
+      system_.project(delta_);
+    } else {
+      for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -1 / h * phi_[r];
+      system_.solve(delta_);
+    }
     for (int r = 0; r < system_.row_count(); ++r) lambda_[r] += delta_[r];
     correction += max_abs(delta_);
     ++report.newton_iterations;
@@ -303,19 +315,20 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   const Stopwatch watch(report.times.velocities);
   double last_change = std::numeric_limits<double>::infinity();
   for (int pass = 0;; ++pass) {
-    for (int b = 0; b < world_.body_count(); ++b) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
+    for (int b = 0; b < world_.body_count(); ++b)
+      if (inverse_mass_.moves(b)) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
     if (axes_.empty())
       project_momenta(report, mu_);
     else if (!project_bounded_momenta(report))
       return false;
     if (!world_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.
-    std::swap(forces_, joint_impulse_);
+    std::swap(forces_, last_forces_);
     world_.forces(state_, forces_);
     double change = 0, size = 0;
     for (int b = 0; b < world_.body_count(); ++b) {
-      change = std::max({change, (forces_[b].force - joint_impulse_[b].force).cwiseAbs().maxCoeff(),
-                         (forces_[b].torque - joint_impulse_[b].torque).cwiseAbs().maxCoeff()});
+      change = std::max({change, (forces_[b].force - last_forces_[b].force).cwiseAbs().maxCoeff(),
+                         (forces_[b].torque - last_forces_[b].torque).cwiseAbs().maxCoeff()});
       size =
           std::max({size, forces_[b].force.cwiseAbs().maxCoeff(), forces_[b].torque.cwiseAbs().maxCoeff()});
     }
@@ -326,7 +339,7 @@ bool Rattle::close_velocities(double h, StepReport& report) {
 }
 
 /// μ with J M⁻¹ (p + Jᵀμ) + φ_t = 0, refined until |J V + φ_t| is within its tolerance.  It is in the range
-/// of S: even with dependent rows S_ε⁻¹ alone does, each pass leaves ε/(σ + ε) of what was left.
+/// of S, also with dependent rows.
 void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   std::fill(mu.begin(), mu.end(), 0.0);
   twists_from_momenta();
@@ -335,13 +348,12 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   clear_axis_rows(velocity_rows_);
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
-    system_.solve_shifted(delta_);
-    system_.rows().apply_transpose(system_.jacobian(), delta_, joint_impulse_);
+    system_.solve_in_range(delta_, 0.5 * settings_.velocity_tolerance);
     for (int b = 0; b < world_.body_count(); ++b) {
-      if (system_.mass()[b].fixed) continue;
-      momenta_[b] = momenta_[b] + joint_impulse_[b];
+      if (!inverse_mass_.moves(b)) continue;
+      momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), delta_);
+      state_.twists[b] = inverse_mass_.twist(b, momenta_[b]);
     }
-    twists_from_momenta();
     system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
     system_.rows().add_rate(state_, velocity_rows_);
     clear_axis_rows(velocity_rows_);
@@ -352,82 +364,8 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
 }
 
 void Rattle::twists_from_momenta() {
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    state_.twists[b] = {system_.mass().angular_velocity(b, state_.poses[b], momenta_[b].torque),
-                        body.inverse_mass * momenta_[b].force};
-  }
-}
-
-/// The step that keeps ω h ≤ max_tension_number and every body's rotation below max_rotation.
-void Rattle::update_step_limit(std::span<const double> force_multipliers) {
-  step_limit_ = std::numeric_limits<double>::infinity();
-  omega_ = 0;
-  if (settings_.tension != TensionPolicy::kIgnore) {
-    for (StiffnessBlocks& block : stiffness_) block = {};
-    system_.rows().stiffness(state_, force_multipliers, stiffness_);
-    omega_ = fastest_transverse_frequency(system_.mass(), state_.poses, stiffness_);
-    if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
-      step_limit_ = settings_.max_tension_number / omega_;
-  }
-  double spin2 = 0;
-  for (const Twist& V : state_.twists) spin2 = std::max(spin2, V.w.squaredNorm());
-  if (spin2 > 0) step_limit_ = std::min(step_limit_, settings_.max_rotation / std::sqrt(spin2));
-}
-
-/// M + h²/2 K in place of M for the kick before the drift [Tournier2015]: the positive part of the geometric
-/// stiffness K acts at the end of the drift instead of at its start, which is stable for any ω h.
-/// (solvers/README, "Tension")
-void Rattle::prepare_stiffness(double h) {
-  const auto positive_part = [](const Mat3& K) -> Mat3 {
-    Eigen::SelfAdjointEigenSolver<Mat3> eigen(K);
-    return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
-           eigen.eigenvectors().transpose();
-  };
-  const auto root_of_inverse = [](const Mat3& M) -> Mat3 {
-    const Eigen::LLT<Mat3> cholesky(M);
-    return cholesky.matrixU().solve(Mat3::Identity());
-  };
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    const Mat3 R = system_.mass().principal_axes(b, state_.poses[b]);
-    const Mat3 I = R * body.moments.asDiagonal() * R.transpose(), m = body.mass * Mat3::Identity();
-    const Mat3 I_h = I + 0.5 * h * h * positive_part(stiffness_[b].rotation);
-    const Mat3 m_h = m + 0.5 * h * h * positive_part(stiffness_[b].translation);
-    filter_rotation_[b] = I * I_h.inverse();
-    filter_translation_[b] = m * m_h.inverse();
-    system_.mass_roots()[b] = {root_of_inverse(I_h), root_of_inverse(m_h)};
-  }
-}
-
-void Rattle::account_for_kick(StepReport& report) {
-  if (!implicit_) {
-    report.constraint_work += work(state_.poses, start_momenta_, kicked_, joint_impulse_);
-    return;
-  }
-  // What the filter takes away is booked apart, as the work of an impulse of its own.
-  std::vector<Wrench>& raw = free_momenta_;
-  for (int b = 0; b < world_.body_count(); ++b) raw[b] = raw[b] + joint_impulse_[b];
-  report.constraint_work += work(state_.poses, start_momenta_, raw, joint_impulse_);
-  for (int b = 0; b < world_.body_count(); ++b) joint_impulse_[b] = kicked_[b] - raw[b];
-  report.stiffness_work += work(state_.poses, raw, kicked_, joint_impulse_);
-}
-
-/// Work of joint impulses j that act together with the other impulses of a kick from momenta p₀ to p₁ at one
-/// pose: Σ j · ½ (V₀ + V₁).  Shared out like this, works of joints and of forces add up to the change of
-/// kinetic energy exactly.
-double Rattle::work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
-                    std::span<const Wrench> impulses) const {
-  double sum = 0;
-  for (int b = 0; b < world_.body_count(); ++b) {
-    if (system_.mass()[b].fixed) continue;
-    const Twist mean{system_.mass().angular_velocity(b, poses[b], 0.5 * (from[b].torque + to[b].torque)),
-                     system_.mass()[b].inverse_mass * 0.5 * (from[b].force + to[b].force)};
-    sum += impulses[b].torque.dot(mean.w) + impulses[b].force.dot(mean.v);
-  }
-  return sum;
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (inverse_mass_.moves(b)) state_.twists[b] = inverse_mass_.twist(b, momenta_[b]);
 }
 
 }  // namespace taut

@@ -7,11 +7,19 @@
 #include "core/world.h"
 #include "solvers/active_set.h"
 #include "solvers/axis_forces.h"
+#include "solvers/breaking.h"
 #include "solvers/constraint_system.h"
 #include "solvers/settings.h"
 #include "solvers/step_report.h"
 
 namespace taut {
+
+/// The sums of a report that a sub-step adds to, so that one that is taken back leaves nothing behind.
+struct Works {
+  double constraint = 0, stiffness = 0, driver = 0, force = 0, dissipative = 0;
+};
+Works works_of(const StepReport& report);
+void set_works(StepReport& report, const Works& works);
 
 /// RATTLE [Andersen1983] on rigid bodies, the default integrator.  One step of length h from (q₀, p₀), where
 /// p = (L, P) are the momenta in world axes and S(q₀) is already factored:
@@ -24,7 +32,7 @@ namespace taut {
 /// The next step starts with the factor of S(q₁): one factorisation a step.        (solvers/README, "RATTLE")
 class Rattle {
  public:
-  enum class Outcome { kDone, kStalled, kUnstable, kImpact, kNotFinite };
+  enum class Outcome { kDone, kStalled, kUnstable, kImpact, kOverload, kNotFinite };
 
   Rattle(const World& world, ConstraintSystem& system, const Settings& settings);
 
@@ -32,12 +40,23 @@ class Rattle {
   void start(const State& state, StepReport& report);
   /// One step of h ≠ 0 (negative in compositions).  kStalled: Newton did not close the positions; kUnstable:
   /// the multipliers turned out to demand a smaller step; kImpact: an axis bounces at time_to_impact(), where
-  /// the next advance must end.  The state is then the old one and the factor is
-  /// that of S(q₀) again.
+  /// the next advance must end; kOverload: a joint does not bear its load, and either is out now, or breaks
+  /// at time_to_break() > 0, where the next advance must end.  The state is then the old one and the factor
+  /// is that of S(q₀) again.
   [[nodiscard]] Outcome advance(double h, StepReport& report);
 
   const State& state() const { return state_; }
+  /// (L, P) of the bodies in world axes, those of state().
+  std::span<const Wrench> momenta() const { return momenta_; }
   double time_to_impact() const { return time_to_impact_; }
+  double time_to_break() const { return breaking_.time_to_break(); }
+  const Breaking& breaking() const { return breaking_; }
+  /// What holds and how, from an integrator of the world before its topology changed; after start().
+  void inherit(const Rattle& old) { axes_.inherit(old.axes_); }
+  /// Zero in the rows of joints that broke.
+  void clear_broken_rows(std::span<double> rows) const {
+    for (int r : breaking_.rows()) rows[r] = 0;
+  }
   /// Largest step that tension and rotation allow from here.
   double step_limit() const { return step_limit_; }
   /// φ at the last Newton iterate, for a diagnosis after kStalled.
@@ -69,6 +88,13 @@ class Rattle {
   bool close_velocities(double h, StepReport& report);
   void project_momenta(StepReport& report, std::span<double> mu);
   void clear_axis_rows(std::span<double> rows) const;
+  bool break_joints(double h, StepReport& report);
+  void release_overloaded();
+  void renew_position_laws();
+  void renew_velocity_laws();
+  Configuration end_of_step(double h) const;
+  void account(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const double> jacobian,
+               std::span<const double> lambda, double h, StepReport& report);
   void begin_axes(double h);
   bool close_bounded_positions(double h, StepReport& report);
   double time_of_impact(double h, StepReport& report);
@@ -76,8 +102,8 @@ class Rattle {
   template <typename Laws>
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report);
   bool project_bounded_momenta(StepReport& report);
-  void mean_rates(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
-                  std::span<const double> jacobian, std::span<double> out);
+  void mean_rates(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const double> jacobian,
+                  std::span<double> out);
   void keep_first_kick();
   void finish_axes(StepReport& report);
   void twists_from_momenta();
@@ -86,24 +112,29 @@ class Rattle {
   bool finite() const;
   void update_step_limit(std::span<const double> force_multipliers);
   void prepare_stiffness(double h);
-  void account_for_kick(StepReport& report);
-  double work(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
-              std::span<const Wrench> impulses) const;
+  void account_for_kick(double h, StepReport& report);
+  std::span<const double> kick_jacobian() const;
+  /// M⁻¹ ½ (p₀ + p₁) of a body at the poses of state_.
+  Twist mean_twist(int b, const Wrench& from, const Wrench& to) const {
+    return inverse_mass_.twist(b, {0.5 * (from.torque + to.torque), 0.5 * (from.force + to.force)});
+  }
+  template <typename Visit>
+  void with_mean_twists(std::span<const Wrench> from, std::span<const Wrench> to, Visit&& visit) const;
 
   const World& world_;
   ConstraintSystem& system_;
   const Settings& settings_;
 
   State state_;                        // at the start of a step; twists are those of momenta_
-  std::vector<Wrench> momenta_;        // (L, P) at the start
+  InverseMass inverse_mass_;           // at the poses of state_
+  std::vector<Wrench> momenta_;        // (L, P) at the start; zero for fixed bodies
   std::vector<Wrench> start_momenta_;  // the same, while momenta_ already hold the end
   double start_time_ = 0;
-  std::vector<Wrench> forces_;         // at the start
-  std::vector<Pose> poses_;            // trial, end of the step
-  std::vector<Wrench> free_momenta_;   // p₀ + h/2 f
-  std::vector<Wrench> kicked_;         // p
-  std::vector<Wrench> joint_impulse_;  // Jᵀλ
-  std::vector<Wrench> move_;           // M times a move of the bodies
+  std::vector<Wrench> forces_;       // at the start
+  std::vector<Pose> poses_;          // trial, end of the step
+  std::vector<Wrench> kicked_;       // p
+  std::vector<Wrench> last_forces_;  // of the pass before
+  std::vector<Wrench> move_;         // M times a move of the bodies
   std::vector<Pose> unmended_;
   double size_ = 1;                     // of the whole system at the start [m]
   std::vector<double> start_jacobian_;  // J(q₀) after a refactorisation elsewhere
@@ -120,6 +151,12 @@ class Rattle {
   double omega_ = 0, step_limit_ = 0;
   bool implicit_ = false;  // this step uses geometric stiffness
   std::vector<Mat3> filter_rotation_, filter_translation_;
+
+  Breaking breaking_;
+  std::vector<double> broken_states_;  // of rows, for the system without laws
+  std::vector<Wrench> dissipative_;    // forces that are not conservative
+  bool has_drivers_ = false;
+  Works works_before_;
 
   // With axis rows:
   AxisForces axes_;

@@ -16,11 +16,13 @@ constexpr double kSlow = 0.6;
 /// Impulses on a level of their law are right to this part of the largest.
 constexpr double kLevelTolerance = 1e-9;
 /// More solves of a stage, because friction let go or velocities were not yet exact.
-constexpr int kMaxSolves = 12;
+constexpr int kMaxSolves = 40;
 
 }  // namespace
 
+/// Rows that hold nothing by themselves: of axes, of soft joints, and of joints that broke.
 void Rattle::clear_axis_rows(std::span<double> rows) const {
+  clear_broken_rows(rows);
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) rows[axis.row] = 0;
 }
 
@@ -31,7 +33,7 @@ void Rattle::begin_axes(double h) {
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
   system_.row_inertias(inertia_);
-  axes_.begin(h, start_theta_, rates_, inertia_);
+  axes_.begin(state_.time, h, start_theta_, rates_, inertia_);
 }
 
 /// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is an active
@@ -43,11 +45,15 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     {
       const Stopwatch watch(report.times.positions);
       kick_and_drift(h);
-      system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
+      system_.rows().residual(end_of_step(h), phi_);
       for (int r = 0; r < system_.row_count(); ++r) rates_[r] = (phi_[r] - start_theta_[r]) / h;
     }
     clear_axis_rows(phi_);
-    axes_.position_laws(rates_, laws_);
+    renew_position_laws();
+    if (!axes_.finite()) {
+      phi_[0] = std::numeric_limits<double>::quiet_NaN();  // for the diagnosis
+      return false;
+    }
     const double error = iteration > 0 ? law_error(h) : std::numeric_limits<double>::infinity();
     if (error <= settings_.position_tolerance) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
@@ -57,8 +63,9 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     }
     last = error;
     const Stopwatch watch(report.times.positions);
-    const auto renew = [&] { axes_.position_laws(rates_, laws_); };
-    if (!solve_laws(lambda_, 0.1 * settings_.position_tolerance / h, renew, report)) return false;
+    if (!solve_laws(
+            lambda_, 0.1 * settings_.position_tolerance / h, [&] { renew_position_laws(); }, report))
+      return false;
     ++report.newton_iterations;
   }
   axes_.finish_positions(rates_);
@@ -111,32 +118,42 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     report.pivots += outcome_.pivots;
     report.complementarity_residual = std::max(report.complementarity_residual, outcome_.residual);
     if (!outcome_.ok()) return false;
-    if (!axes_.break_away(w_)) return true;
+    const bool broken_away = axes_.break_away(w_);
+    if (!axes_.update_loads(system_.rows(), system_.jacobian(), lambda) && !broken_away) return true;
     renew();
   }
-  return true;
+  return false;
+}
+
+void Rattle::renew_position_laws() {
+  axes_.position_laws(rates_, laws_);
+  for (int r : breaking_.rows()) laws_[r] = RowLaw::none();
+}
+
+void Rattle::renew_velocity_laws() {
+  axes_.velocity_laws(phi_, laws_);
+  for (int r = 0; r < system_.row_count(); ++r)
+    if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
+  for (int r : breaking_.rows()) laws_[r] = RowLaw::none();
 }
 
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
 bool Rattle::project_bounded_momenta(StepReport& report) {
   // A first guess for its pieces: the impulses of the first kick.
   std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
-  system_.rows().residual(state_, phi_);
-  const auto renew = [&] { axes_.velocity_laws(phi_, laws_); };
-  renew();
-  for (int r = 0; r < system_.row_count(); ++r)
-    if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
+  system_.rows().residual(end_of_step(0), phi_);
+  renew_velocity_laws();
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
-  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) return false;
-  system_.rows().apply_transpose(system_.jacobian(), mu_, joint_impulse_);
+  if (!solve_laws(
+          mu_, 0.1 * settings_.velocity_tolerance, [&] { renew_velocity_laws(); }, report))
+    return false;
   for (int b = 0; b < world_.body_count(); ++b)
-    if (!system_.mass()[b].fixed)
-      momenta_[b] = {momenta_[b].torque + joint_impulse_[b].torque,
-                     momenta_[b].force + joint_impulse_[b].force};
+    if (inverse_mass_.moves(b))
+      momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), mu_);
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
@@ -148,27 +165,21 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
 
 /// The first kick for the books, at the pose where it acted.
 void Rattle::keep_first_kick() {
-  mean_rates(state_.poses, start_momenta_, kicked_,
-             refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian(), kick_rates_);
+  mean_rates(momenta_, kicked_, kick_jacobian(), kick_rates_);
   axes_.keep(lambda_, rates_, kick_rates_);
 }
 
-/// Mean rates of the rows in a kick from momenta p₀ to p₁ at one pose.
-void Rattle::mean_rates(std::span<const Pose> poses, std::span<const Wrench> from, std::span<const Wrench> to,
+/// Mean rates of the rows in a kick from momenta p₀ to p₁ at the poses of state_.
+void Rattle::mean_rates(std::span<const Wrench> from, std::span<const Wrench> to,
                         std::span<const double> jacobian, std::span<double> out) {
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    mean_twists_[b] = {system_.mass().angular_velocity(b, poses[b], 0.5 * (from[b].torque + to[b].torque)),
-                       body.inverse_mass * 0.5 * (from[b].force + to[b].force)};
-  }
+  for (int b = 0; b < world_.body_count(); ++b) mean_twists_[b] = mean_twist(b, from[b], to[b]);
   system_.rows().apply(jacobian, mean_twists_, out);
 }
 
 /// After a step: who is held now, and the books of both kicks.
 void Rattle::finish_axes(StepReport& report) {
-  system_.rows().residual(state_, phi_);
-  mean_rates(state_.poses, kicked_, momenta_, system_.jacobian(), kick_rates_);
+  system_.rows().residual(state_, phi_);  // axes are up to date here
+  mean_rates(kicked_, momenta_, system_.jacobian(), kick_rates_);
   axes_.book(mu_, rates_, kick_rates_);
   axes_.finish_velocities(phi_, rates_, state_.time);
   report.axis_work = {};

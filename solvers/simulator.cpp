@@ -11,7 +11,9 @@
 #include "solvers/cholmod_factor.h"
 #include "solvers/composition.h"
 #include "solvers/constraint_system.h"
+#include "solvers/energy_books.h"
 #include "solvers/force_level.h"
+#include "solvers/motion_sums.h"
 #include "solvers/rank_report.h"
 #include "solvers/rattle.h"
 #include "solvers/stopwatch.h"
@@ -86,6 +88,7 @@ class Simulator::Impl {
   std::vector<double> reaction_multipliers_, phi_, rates_;
   mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
   mutable int wrench_jacobian_version_ = -1;
+  EnergyBooks books_;
 
  private:
   bool integrate(double dt);
@@ -93,6 +96,8 @@ class Simulator::Impl {
   double choose_pieces(double dt);
   double step_limit() const;
   void finish(double dt);
+  void detach_broken();
+  void forget_step();
   void diagnose_stall();
   void count_work();
   void set_failure(Status status, std::string message);
@@ -100,15 +105,23 @@ class Simulator::Impl {
 
 /// New topology: new pattern, order and symbolic factor.  New state: new start.
 void Simulator::Impl::refresh() {
+  std::unique_ptr<ConstraintSystem> old_system;  // outlives the integrator that refers to it
+  std::unique_ptr<Rattle> old_rattle;
   if (topology_version_ != world_.topology_version()) {
+    auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor);
+    if ((!system->rows().axis_rows().empty() || !world_.breakable().empty()) &&
+        settings_.integrator != Integrator::kRattle)
+      fail("settings integrator",
+           "must be RATTLE of order 2 where free axes have properties or joints break or give way",
+           static_cast<int>(settings_.integrator));
+    // What held before holds on, if nothing but the joints has changed.
+    if (state_version_ == world_.state_version()) {
+      old_system = std::move(system_);
+      old_rattle = std::move(rattle_);
+    }
+    system_ = std::move(system);
     rattle_.reset();
     force_level_.reset();
-    system_ = std::make_unique<ConstraintSystem>(world_, settings_.factor);
-    if (!system_->rows().axis_rows().empty() && settings_.integrator != Integrator::kRattle) {
-      system_.reset();
-      fail("settings integrator", "must be RATTLE of order 2 where free axes have properties",
-           static_cast<int>(settings_.integrator));
-    }
     if (is_force_level(settings_.integrator))
       force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
     else
@@ -141,6 +154,7 @@ void Simulator::Impl::refresh() {
       world_.set_state(state);
     }
     rattle_->start(world_.state(), report_);
+    if (old_rattle) rattle_->inherit(*old_rattle);
   }
   state_version_ = world_.state_version();
 }
@@ -151,7 +165,12 @@ void Simulator::Impl::step(double dt) {
   report_.dt = dt;
   {
     const Stopwatch watch(report_.times.total);
+    if (settings_.report_energy) books_.begin(world_, report_);
+    const bool goes_on =
+        state_version_ == world_.state_version() && topology_version_ == world_.topology_version();
     refresh();
+    if (settings_.report_energy && report_.ok() && rattle_ && !goes_on)
+      books_.start(world_, rattle_->state());
     if (report_.ok()) {
       bool done = true;
       if (force_level_) {
@@ -164,10 +183,16 @@ void Simulator::Impl::step(double dt) {
       if (done)
         finish(dt);
       else
-        state_version_ = -1;  // the world still has the state from before: start from there again
+        forget_step();
     }
     count_work();
   }
+}
+
+/// The world still has the state from before, and all its joints: start from there again.
+void Simulator::Impl::forget_step() {
+  state_version_ = -1;
+  if (rattle_ && rattle_->breaking().any()) topology_version_ = -1;
 }
 
 /// One step of the integrator: RATTLE, or a whole composition of it, which loses its order if a stage were
@@ -176,6 +201,7 @@ Rattle::Outcome Simulator::Impl::advance(double h) {
   const std::span<const double> fractions = composition_of(settings_.integrator);
   if (fractions.size() == 1) return rattle_->advance(h, report_);
   before_ = rattle_->state();
+  const Works works = works_of(report_);
   impulses_before_.assign(rattle_->impulses().begin(), rattle_->impulses().end());
   for (double fraction : fractions) {
     const Rattle::Outcome outcome = rattle_->advance(fraction * h, report_);
@@ -183,6 +209,7 @@ Rattle::Outcome Simulator::Impl::advance(double h) {
     if (outcome != Rattle::Outcome::kNotFinite) {
       rattle_->start(before_, report_);
       rattle_->set_impulses(impulses_before_);
+      set_works(report_, works);
     }
     return outcome;
   }
@@ -231,6 +258,9 @@ bool Simulator::Impl::integrate(double dt) {
         break;
       case Rattle::Outcome::kImpact:
         impact = rattle_->time_to_impact();
+        break;
+      case Rattle::Outcome::kOverload:
+        impact = rattle_->time_to_break();
         break;
       case Rattle::Outcome::kUnstable:
         limit = std::min(kShrink * even, step_limit());
@@ -294,9 +324,11 @@ void Simulator::Impl::finish(double dt) {
   const double time = world_.time() + dt;
   world_.set_state(state);
   world_.set_time(time);
+  if (rattle_) detach_broken();
   state_version_ = world_.state_version();
   report_.time = time;
   system_->rows().residual(state, phi_);
+  if (rattle_) rattle_->clear_broken_rows(phi_);
   report_.gap = max_gap(system_->rows(), phi_);
   if (force_level_) {
     system_->linearize(state);
@@ -309,10 +341,16 @@ void Simulator::Impl::finish(double dt) {
   report_.condition_estimate = system_->condition_estimate();
   if (!settings_.report_energy) return;
   report_.constraint_work -= report_.axis_work.total();
-  report_.kinetic_energy = kinetic_energy(world_, state);
-  report_.potential_energy = world_.potential_energy(state);
-  report_.linear_momentum = linear_momentum(world_, state);
-  report_.angular_momentum = angular_momentum(world_, state);
+  sum_motion(state, force_level_ ? force_level_->momenta() : rattle_->momenta(), report_);
+  books_.close(world_, report_, rattle_ != nullptr);
+}
+
+/// What broke in the step is out of the world from now on.
+void Simulator::Impl::detach_broken() {
+  const std::span<const BreakEvent> events = rattle_->breaking().events();
+  if (events.empty()) return;
+  report_.breaks.assign(events.begin(), events.end());
+  for (const BreakEvent& event : events) world_.detach(event.joint);
 }
 
 void Simulator::Impl::count_work() {
@@ -387,6 +425,7 @@ Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> m
                                         double scale) const {
   const Joint& j = world_.joint(joint);
   const Rows::JointRows& rows = system_->rows().joints()[joint.index];
+  if (rows.row_count == 0) return {};
   const Rows::Side& side = system_->rows().sides()[rows.first_side + 1];
   if (wrench_jacobian_version_ != world_.state_version()) {
     wrench_jacobian_.resize(system_->jacobian().size());
@@ -439,7 +478,7 @@ AxisReport Simulator::axis_report(AxisId axis) const {
   if (found == rows.end()) return {};
   AxisReport report = impl_->rattle_->axes().reports()[found - rows.begin()];
   for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
-                    &AxisImpulse::damping})
+                    &AxisImpulse::damping, &AxisImpulse::elastic_limit})
     report.force.*part /= impl_->report_.dt;
   return report;
 }
@@ -456,7 +495,8 @@ const Settings& Simulator::settings() const { return impl_->settings_; }
 
 std::string Simulator::solver_description() const {
   if (impl_->topology_version_ != impl_->world_.topology_version()) impl_->refresh();
-  return impl_->system_->factor().name() + ", " + blas_name();
+  return impl_->system_->factor().name() + ", " + blas_name() +
+         (CholmodFactor::has_supernodal() ? "" : ", CHOLMOD without its GPL modules");
 }
 
 }  // namespace taut

@@ -37,6 +37,40 @@ struct Contradiction {
   double residual = 0;  ///< [m or rad]
 };
 
+/// A joint that broke in a step, or left with one that did.
+struct BreakEvent {
+  JointId joint;
+  double time = 0;               ///< [s]
+  double force = 0, torque = 0;  ///< the load that it did not bear: mean over a sub-step [N], [N·m]
+  double energy = 0;             ///< that was in its springs and its compliance, and is lost [J]
+  JointId with{};  ///< the joint that broke whose axes it coupled; index −1 if it broke itself
+};
+
+/// Where the energy of a step went.  With E the kinetic and potential energy, that of springs and soft joints
+/// included [J]:
+///   E_end − E_start = motors + drivers + friction + limits + damping + forces + breaking + stabilisation
+///                     + stiffness + integration,
+/// which closes to round-off, since every term is the work of impulses against the mean of the rates before
+/// and after them.
+struct EnergyLedger {
+  double start = 0;          ///< E before the step
+  double motors = 0;         ///< work of motors of axes
+  double drivers = 0;        ///< … of joints that follow the time
+  double friction = 0;       ///< … of Coulomb friction in axes
+  double limits = 0;         ///< … of rigid limits: losses of impacts
+  double damping = 0;        ///< … of dampers and viscous friction of axes and joints
+  double forces = 0;         ///< … of force laws that are not conservative, beyond their own potential
+  double breaking = 0;       ///< energy of springs in joints that broke
+  double stabilisation = 0;  ///< by closing joints and making velocities tangent before the step
+  double stiffness = 0;      ///< taken by implicit geometric stiffness
+  /// What is left: work of ideal joints and conservative forces that is not undone by their potential.
+  double integration = 0;
+  double total() const {
+    return motors + drivers + friction + limits + damping + forces + breaking + stabilisation + stiffness +
+           integration;
+  }
+};
+
 /// The proof of quality of one step.
 struct StepReport {
   Status status = Status::kSuccess;
@@ -64,10 +98,15 @@ struct StepReport {
   Vec3 linear_momentum = Vec3::Zero();              ///< [N·s]
   Vec3 angular_momentum = Vec3::Zero();             ///< about the world origin [N·m·s]
   double constraint_work = 0;                       ///< of all ideal joints' impulses in this step [J]
-  AxisImpulse axis_work;      ///< of motors, friction, limits, springs and dampers of the axes [J]
-  double stiffness_work = 0;  ///< energy taken by implicit geometric stiffness [J]
+  AxisImpulse axis_work;        ///< of motors, friction, limits, springs and dampers of the axes [J]
+  double stiffness_work = 0;    ///< energy taken by implicit geometric stiffness [J]
+  double driver_work = 0;       ///< of joints that follow the time, a part of constraint_work [J]
+  double force_work = 0;        ///< of gravity and the force laws [J]
+  double dissipative_work = 0;  ///< of those that are not conservative, a part of force_work [J]
+  EnergyLedger ledger;
 
-  Contradiction contradiction;  ///< with Status::kContradiction
+  std::vector<BreakEvent> breaks;  ///< in the order in which they happened; the joints are detached now
+  Contradiction contradiction;     ///< with Status::kContradiction
 
   bool ok() const { return status == Status::kSuccess; }
   double energy() const { return kinetic_energy + potential_energy; }

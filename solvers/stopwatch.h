@@ -1,6 +1,6 @@
 #pragma once
 
-#include <chrono>
+#include "core/clock.h"
 
 namespace taut {
 
@@ -8,12 +8,11 @@ namespace taut {
 class Stopwatch {
  public:
   explicit Stopwatch(double& total) : total_(total), start_(Clock::now()) {}
-  ~Stopwatch() { total_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+  ~Stopwatch() { total_ += seconds_since(start_); }
   Stopwatch(const Stopwatch&) = delete;
   Stopwatch& operator=(const Stopwatch&) = delete;
 
  private:
-  using Clock = std::chrono::steady_clock;
   double& total_;
   Clock::time_point start_;
 };

@@ -19,13 +19,12 @@ void for_each_meeting(const Rows& rows, const MassMatrix& mass, int side, Visit 
 template <int RowsI, int RowsJ>
 inline void multiply(const double* W_i, const double* W_j, int rows_i, int rows_j, double* C, int stride,
                      bool overwrite) {
+  using Row = Eigen::Map<const Eigen::Matrix<double, 6, 1>>;
   const int ni = RowsI ? RowsI : rows_i, nj = RowsJ ? RowsJ : rows_j;
   for (int c = 0; c < nj; ++c) {
-    const double* b = W_j + 6 * c;
+    const Row b(W_j + 6 * c);
     for (int r = 0; r < ni; ++r) {
-      const double* a = W_i + 6 * r;
-      const double sum =
-          (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]) + (a[4] * b[4] + a[5] * b[5]);
+      const double sum = Row(W_i + 6 * r).cwiseProduct(b).sum();
       double& entry = C[c * stride + r];
       entry = overwrite ? sum : entry + sum;
     }
@@ -59,13 +58,16 @@ SystemMatrix::SystemMatrix(const Rows& rows, const MassMatrix& mass, const Block
 }
 
 void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering) {
-  const int joints = static_cast<int>(rows.joints().size());
-  std::vector<int> position(joints);
-  for (int k = 0; k < joints; ++k) position[ordering.node_at[k]] = k;
+  std::vector<int> node_at;  // joints without rows, as detached ones, have no block
+  for (int j : ordering.node_at)
+    if (rows.joints()[j].row_count > 0) node_at.push_back(j);
+  const int joints = static_cast<int>(node_at.size());
+  std::vector<int> position(rows.joints().size(), -1);
+  for (int k = 0; k < joints; ++k) position[node_at[k]] = k;
   for (int k = 0; k < joints; ++k)
-    matrix_.block_start.push_back(matrix_.block_start.back() + rows.joints()[ordering.node_at[k]].row_count);
+    matrix_.block_start.push_back(matrix_.block_start.back() + rows.joints()[node_at[k]].row_count);
   position_of_row_.resize(rows.row_count());
-  for (int j = 0; j < joints; ++j)
+  for (int j : node_at)
     for (int i = 0; i < rows.joints()[j].row_count; ++i)
       position_of_row_[rows.joints()[j].first_row + i] = matrix_.block_start[position[j]] + i;
 
@@ -76,7 +78,7 @@ void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const
   std::vector<Meeting> meetings;
   diagonal_.reserve(rows.row_count());
   for (int k = 0; k < joints; ++k) {  // block column k: which blocks, and what is summed into each
-    const Rows::JointRows& joint = rows.joints()[ordering.node_at[k]];
+    const Rows::JointRows& joint = rows.joints()[node_at[k]];
     meetings.clear();
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
       for_each_meeting(rows, mass, s, [&](int other) {
@@ -125,11 +127,14 @@ void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian,
     const InverseMassRoot& A = roots[side.body];
     const double* J = jacobian.data() + side.offset;
     double* W = weighted.data() + side.offset;
-    for (int i = 0; i < side.row_count; ++i, J += 6, W += 6)
-      for (int k = 0; k < 3; ++k) {
+    for (int i = 0; i < side.row_count; ++i, J += 6, W += 6) {
+      for (int k = 0; k < 3; ++k)
         W[k] = J[0] * A.rotation(0, k) + J[1] * A.rotation(1, k) + J[2] * A.rotation(2, k);
-        W[3 + k] = J[3] * A.translation(0, k) + J[4] * A.translation(1, k) + J[5] * A.translation(2, k);
-      }
+      for (int k = 0; k < 3; ++k)
+        W[3 + k] = A.isotropic
+                       ? A.translation(0, 0) * J[3 + k]
+                       : J[3] * A.translation(0, k) + J[4] * A.translation(1, k) + J[5] * A.translation(2, k);
+    }
   }
 }
 
@@ -140,6 +145,8 @@ void SystemMatrix::assemble(std::span<const double> weighted, double shift,
     double* C = matrix_.values.data() + p.slot;
     if (p.rows_i == 3 && p.rows_j == 3)
       multiply<3, 3>(W_i, W_j, 3, 3, C, p.stride, p.first);
+    else if (p.rows_i == 5 && p.rows_j == 5)
+      multiply<5, 5>(W_i, W_j, 5, 5, C, p.stride, p.first);
     else
       multiply<0, 0>(W_i, W_j, p.rows_i, p.rows_j, C, p.stride, p.first);
   }

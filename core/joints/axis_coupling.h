@@ -35,6 +35,7 @@ class AxisCoupling : public Joint {
       coupling_.terms.push_back(std::move(term));
       coupling_.offset += factor * world.axis_value(axis);
       axes_needed_ = std::max(axes_needed_, world.axis_index(axis) + 1);
+      couples_.push_back(axis.joint);
     }
     coupling_.is_angle = world.axis_info(terms.back().first).angular;
   }
@@ -42,6 +43,7 @@ class AxisCoupling : public Joint {
   void append_rows(RowSink& rows) const override { rows.add(coupling_); }
   Vec3 reaction_point_B() const override { return Vec3::Zero(); }
   int axes_needed() const override { return axes_needed_; }
+  std::vector<JointId> couples() const override { return couples_; }
 
  protected:
   row_parts::Coupling coupling_;
@@ -57,6 +59,7 @@ class AxisCoupling : public Joint {
     return bodies;
   }
   int axes_needed_ = 0;
+  std::vector<JointId> couples_;
 };
 
 }  // namespace taut

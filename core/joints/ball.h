@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "core/ball_parts.h"
 #include "core/check.h"
 #include "core/world.h"
 
@@ -7,6 +10,9 @@ namespace taut {
 
 /// Ball joint: point P of A stays on point Q of B.  φ = p_WQ − p_WP ∈ ℝ³ [m]. (core/README, Eq. 5) λ is the
 /// force on B at Q in world axes; A receives −λ at P.
+/// Free axes only after with_axes(): `swing` [rad], the angle between a direction of A and one of B, from 0;
+/// `twist` [rad] about them; and `turn_x`, `turn_y`, `turn_z` [rad], turns of B against A about three axes of
+/// A, for friction and motors of given velocity.  A limit of swing is a cone.
 class Ball final : public Joint {
  public:
   /// Points from the centres of mass, in body axes; for the ground, in world axes.
@@ -19,13 +25,47 @@ class Ball final : public Joint {
   static Ball at(const World& world, BodyId a, BodyId b, const Vec3& p_W) {
     return {a, b, world.pose(a).local(p_W), world.pose(b).local(p_W)};
   }
+  /// The same joint with free axes: z of the frames F in A and G in B are the directions of swing and twist,
+  /// which are 0 where F and G agree; turns are about x, y, z of F.
+  /// @throws std::invalid_argument if an orientation is not of unit length.
+  Ball with_axes(const Quat& q_AF, const Quat& q_BG) const {
+    require_unit("ball frame on A", q_AF.coeffs());
+    require_unit("ball frame on B", q_BG.coeffs());
+    Ball joint = *this;
+    joint.frames_ = Frames{q_AF, q_BG};
+    return joint;
+  }
+  /// The same with z of both frames along a world direction and swing and twist 0 in the present poses.
+  /// @throws std::invalid_argument if the direction is not of unit length.
+  Ball with_axes(const World& world, const Vec3& axis_W) const {
+    require_unit("ball axis", axis_W);
+    Mat3 R;
+    Vec3 x, y;
+    complete_frame(axis_W, x, y);
+    R << x, y, axis_W;
+    const Quat q_WF(R);
+    return with_axes((world.pose(a()).q.conjugate() * q_WF).normalized(),
+                     (world.pose(b()).q.conjugate() * q_WF).normalized());
+  }
 
   std::string_view type() const override { return "ball"; }
   void append_rows(RowSink& rows) const override { rows.add(row_parts::Point{p_AP_, p_BQ_}); }
+  void append_axes(AxisSink& axes) const override {
+    if (!frames_) return;
+    axes.add("swing", row_parts::Swing{frames_->q_AF * Vec3::UnitZ(), frames_->q_BG * Vec3::UnitZ()});
+    axes.add("twist", row_parts::TwistAngle{frames_->q_AF, frames_->q_BG});
+    axes.add("turn_x", row_parts::Turn{frames_->q_AF * Vec3::UnitX()});
+    axes.add("turn_y", row_parts::Turn{frames_->q_AF * Vec3::UnitY()});
+    axes.add("turn_z", row_parts::Turn{frames_->q_AF * Vec3::UnitZ()});
+  }
   Vec3 reaction_point_B() const override { return p_BQ_; }
 
  private:
+  struct Frames {
+    Quat q_AF, q_BG;
+  };
   Vec3 p_AP_, p_BQ_;
+  std::optional<Frames> frames_;
 };
 
 }  // namespace taut

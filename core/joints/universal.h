@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/ball_parts.h"
 #include "core/check.h"
 #include "core/world.h"
 
@@ -12,6 +13,8 @@ namespace taut {
 /// Free axes `angle_1` [rad]: turn of the cross against A about a, and `angle_2`: turn of B against the cross
 /// about b.  Both are 0 in the pose where at() made the joint; otherwise angle_1 where b points along the
 /// first vector that complete_frame() gives to a, and angle_2 where a does so for b.  (core/README, Eq. 15)
+/// `swing` [rad] is the angle by which the joint bends, between the directions of A and B that are a × b
+/// where both angles are 0: cos swing = cos angle_1 cos angle_2.  A limit of it is a cone.
 class Universal final : public Joint {
  public:
   /// Points from the centres of mass and unit axes of the cross, in body axes.
@@ -55,6 +58,7 @@ class Universal final : public Joint {
     axes.add("angle_1", row_parts::Angle{axis_A_, reference_A_, axis_B_});
     // Seen from B, the arm of A turns the other way.
     axes.add("angle_2", row_parts::Angle{-axis_B_, reference_B_, axis_A_}, {1, 0});
+    axes.add("swing", row_parts::Swing{axis_A_.cross(reference_A_), reference_B_.cross(axis_B_)});
   }
   Vec3 reaction_point_B() const override { return p_BQ_; }
 

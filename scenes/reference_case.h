@@ -4,12 +4,14 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "core/world.h"
 
-/// Reads the cases of tests/references (schema: the README there).
+/// Reads cases of the schema mbs-reference/1 (tests/references/README.md): a small mechanical problem, and
+/// values that were obtained without a multibody simulator.
 namespace taut::reference {
 
 /// One value to be met, a number or a list of them.
@@ -33,7 +35,7 @@ struct Anchors {
   Vec3 p_AP, p_BQ;
 };
 
-/// The free axis of a hinge or slider.
+/// A free axis of a hinge, slider or cylindrical joint.
 struct FreeAxis {
   AxisId id;
   BodyId a, b;
@@ -56,22 +58,37 @@ struct Impulse {
   Vec3 p_BP, impulse;  ///< body axes; world axes [N·s]
 };
 
+/// Two bodies that may touch.  All others pass through each other.
+struct Pair {
+  std::string a, b;
+  BodyId body_a, body_b;
+};
+
 struct Case {
-  std::string id, level;
+  std::string id, family, level, description;
   double dt = 1e-3;     ///< the step that the tolerances are for [s]
   double duration = 0;  ///< [s]
   World world;
   std::map<std::string, Anchors> anchors;     ///< by joint
-  std::map<std::string, FreeAxis> axes;       ///< of hinges and sliders
+  std::map<std::string, FreeAxis> axes;       ///< by joint; of a cylindrical one the angle
   std::map<std::string, Coupling> couplings;  ///< by joint
   std::vector<Impulse> impulses;              ///< at t = 0
+  std::vector<Pair> pairs;                    ///< in the order of the file
   std::vector<Quantity> quantities;
+  /// Bodies that stand for moving parts of the world: in no energy and no momentum.
+  std::set<BodyId> carriers;
+  /// Parts of the set-up that taut has no law for, in words.  Nothing of such a case is measured.
+  std::vector<std::string> missing;
+
+  bool has_axis_properties() const;
 };
 
-/// @throws std::exception if the file is not there or has something in it that the schema does not know.
+/// @throws std::exception if the file is not there, is no case, or has something in it that the schema does
+/// not know.
 Case load_case(const std::filesystem::path& file);
 
-/// All case files of a folder in alphabetical order.
+/// All case files of a folder in alphabetical order; the index is none.
+/// @throws std::invalid_argument if there is no such folder.
 std::vector<std::filesystem::path> case_files(const std::filesystem::path& folder);
 
 /// "world" is the ground.

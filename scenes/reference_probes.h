@@ -2,13 +2,21 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "scenes/reference_case.h"
+#include "scenes/reference_contacts.h"
 #include "solvers/simulator.h"
-#include "tests/reference_case.h"
 
 namespace taut::reference {
+
+/// There is no way to measure it, whatever the run.
+class NotMeasured : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// Measures what the probes of a case describe on a running Simulator.  Angles count their turns and some
 /// kinds look at the whole run, so observe() must be called after every step.
@@ -47,7 +55,7 @@ class Probes {
     double minimum = 0, maximum = 0;
   };
 
-  /// Impacts at the limit of a joint, and values next to them.
+  /// Impacts of a pair or at the limit of a joint, and values next to them.
   struct Impacts {
     std::vector<double> times;
     std::map<std::string, std::vector<Values>> before, after;  ///< by the text of what is measured
@@ -68,7 +76,8 @@ class Probes {
   void subscribe(const Json& probe);
   void subscribe_events(const Json& probe);
   void observe_events();
-  void observe(const std::string& joint, Impacts& impacts);
+  void observe(const std::string& where, Impacts& impacts);
+  std::optional<double> last_impact(const std::string& where) const;
   void observe(Turns& turns);
   void observe(BodyId body, Rest& rest);
   void sample(Trace& trace);
@@ -80,6 +89,10 @@ class Probes {
   double sign_on(const Json& probe) const;
   double multiplier_of(const std::string& joint);
   AxisReport axis_report(const Json& probe) const;
+  const Pair& pair(const Json& probe) const;
+  Values contact_force(const Json& probe);
+  Values contact_normal_sum(const Json& probe);
+  double energy_of_carriers(bool kinetic_only) const;
 
   Values point(const Json& probe);
   Values angular_velocity(const Json& probe);
@@ -118,7 +131,7 @@ class Probes {
   double start_energy_;
   std::map<std::string, Angle> angles_;  ///< by the text of their probe
   std::map<std::string, Trace> traces_;
-  std::map<std::string, Impacts> impacts_;  ///< by joint
+  std::map<std::string, Impacts> impacts_;  ///< by the text of the joint or pair
   std::map<std::string, Turns> turns_;      ///< by the text of their scalar
   std::map<std::string, Rest> rests_;       ///< by body
 };

@@ -1,4 +1,4 @@
-#include "tests/small_oscillations.h"
+#include "scenes/small_oscillations.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>

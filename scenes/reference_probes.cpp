@@ -1,4 +1,4 @@
-#include "tests/reference_probes.h"
+#include "scenes/reference_probes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -81,6 +81,8 @@ const std::map<std::string, Probes::Measure>& Probes::measures() {
       {"turning_time", &Probes::turning_time},
       {"turning_value", &Probes::turning_value},
       {"final_value", &Probes::final_value},
+      {"contact_force", &Probes::contact_force},
+      {"contact_normal_sum", &Probes::contact_normal_sum},
       {"list", &Probes::list},
       {"sum", &Probes::sum},
       {"extremum", &Probes::extremum},
@@ -91,7 +93,6 @@ const std::map<std::string, Probes::Measure>& Probes::measures() {
 
 bool Probes::knows(const Json& probe) {
   if (!measures().contains(probe.at("kind"))) return false;
-  if (probe.contains("pair")) return false;  // of shapes in contact
   if (probe.contains("of") && !knows(probe.at("of"))) return false;
   if (probe.contains("items"))
     for (const Json& item : probe.at("items"))
@@ -103,7 +104,7 @@ Probes::Probes(const Case& reference, Simulator& simulator)
     : case_(reference),
       simulator_(simulator),
       start_(simulator.world().state()),
-      start_energy_(total_energy(simulator.world(), simulator.world().state())) {
+      start_energy_(total_energy(simulator.world(), start_) - energy_of_carriers(false)) {
   for (const Quantity& quantity : case_.quantities)
     if (quantity.has_probe() && knows(quantity.probe)) subscribe(quantity.probe);
 }
@@ -208,6 +209,8 @@ double Probes::sign_on(const Json& probe) const {
 }
 
 Values Probes::evaluate(const Json& probe) {
+  if (!measures().contains(probe.at("kind")))
+    throw NotMeasured("probe of unknown kind " + probe.at("kind").dump());
   Values values = (this->*measures().at(probe.at("kind")))(probe);
   if (probe.contains("along")) {
     const Vec3 direction = vector_of(probe, "along");
@@ -274,18 +277,42 @@ Values Probes::joint_tension(const Json& probe) {
   return {-simulator_.reaction(joint(probe)).force.dot(from_a_to_b.normalized())};
 }
 
-Values Probes::energy(const Json&) { return {total_energy(simulator_.world(), state())}; }
-Values Probes::kinetic(const Json&) { return {kinetic_energy(simulator_.world(), state())}; }
-Values Probes::energy_drift(const Json&) {
-  return {total_energy(simulator_.world(), state()) - start_energy_};
+/// What the bodies that stand for moving parts of the world add to the World's own sums.
+double Probes::energy_of_carriers(bool kinetic_only) const {
+  const World& world = simulator_.world();
+  double sum = 0;
+  for (BodyId id : case_.carriers) {
+    const Pose& pose = state().poses[id.index];
+    const Twist& twist = state().twists[id.index];
+    const MassProperties& mass = world.mass_properties(id);
+    sum += 0.5 * mass.mass() * twist.v.squaredNorm() +
+           0.5 * twist.w.dot(angular_momentum_about_centre(mass, pose, twist.w));
+    if (!kinetic_only) sum -= mass.mass() * world.gravity().dot(pose.p);
+  }
+  return sum;
 }
-Values Probes::momentum(const Json&) { return values_of(linear_momentum(simulator_.world(), state())); }
+
+Values Probes::energy(const Json&) {
+  return {total_energy(simulator_.world(), state()) - energy_of_carriers(false)};
+}
+Values Probes::kinetic(const Json&) {
+  return {kinetic_energy(simulator_.world(), state()) - energy_of_carriers(true)};
+}
+Values Probes::energy_drift(const Json& probe) { return {energy(probe)[0] - start_energy_}; }
+
+Values Probes::momentum(const Json&) {
+  Vec3 sum = linear_momentum(simulator_.world(), state());
+  for (BodyId id : case_.carriers)
+    sum -= simulator_.world().mass_properties(id).mass() * state().twists[id.index].v;
+  return values_of(sum);
+}
 
 Values Probes::centre(const Json&) {
   const World& world = simulator_.world();
   double mass = 0;
   Vec3 moment = Vec3::Zero();
   for (int b = 1; b < world.body_count(); ++b) {
+    if (world.is_fixed(BodyId{b}) || case_.carriers.contains(BodyId{b})) continue;
     const double m = world.mass_properties(BodyId{b}).mass();
     mass += m;
     moment += m * state().poses[b].p;
@@ -294,6 +321,7 @@ Values Probes::centre(const Json&) {
 }
 
 Values Probes::moment_of_momentum(const Json& probe) {
+  const World& world = simulator_.world();
   Vec3 about;
   if (probe.at("about").is_string()) {
     const Values c = centre(probe);
@@ -301,7 +329,14 @@ Values Probes::moment_of_momentum(const Json& probe) {
   } else {
     about = vector_of(probe, "about");
   }
-  return values_of(angular_momentum(simulator_.world(), state(), about));
+  Vec3 sum = angular_momentum(world, state(), about);
+  for (BodyId id : case_.carriers) {
+    const Pose& pose = state().poses[id.index];
+    const Twist& twist = state().twists[id.index];
+    const MassProperties& mass = world.mass_properties(id);
+    sum -= (pose.p - about).cross(mass.mass() * twist.v) + angular_momentum_about_centre(mass, pose, twist.w);
+  }
+  return values_of(sum);
 }
 
 Values Probes::radial_speed(const Json& probe) {

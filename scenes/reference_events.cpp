@@ -1,7 +1,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "tests/reference_probes.h"
+#include "core/check.h"
+#include "scenes/reference_probes.h"
 
 /// Probes of what acts along axes, and of events: impacts, turning points, coming to rest.
 namespace taut::reference {
@@ -21,6 +22,9 @@ bool is_turning(const Json& probe) {
   return kind_of(probe) == "turning_time" || kind_of(probe) == "turning_value";
 }
 
+/// The joint or the pair of an impact, as text.
+std::string place_of(const Json& probe) { return probe.at(probe.contains("pair") ? "pair" : "joint").dump(); }
+
 /// The index-th entry, from 1.
 template <typename T>
 const T& entry(const std::vector<T>& list, const Json& probe) {
@@ -39,9 +43,9 @@ bool Probes::is_about_the_run(const Json& probe) {
 
 void Probes::subscribe_events(const Json& probe) {
   if (kind_of(probe) == "rest_time") rests_[probe.at("body")] = {};
-  if (kind_of(probe) == "impact_time") impacts_[probe.at("joint")];
+  if (kind_of(probe) == "impact_time") impacts_[place_of(probe)];
   if (is_at_impact(probe)) {
-    Impacts& impacts = impacts_[probe.at("joint")];
+    Impacts& impacts = impacts_[place_of(probe)];
     const std::string of = probe.at("of").dump();
     impacts.now[of] = evaluate(probe.at("of"));
   }
@@ -52,18 +56,24 @@ void Probes::subscribe_events(const Json& probe) {
 }
 
 void Probes::observe_events() {
-  for (auto& [joint, impacts] : impacts_) observe(joint, impacts);
+  for (auto& [where, impacts] : impacts_) observe(where, impacts);
   for (auto& [of, turns] : turns_) observe(turns);
   for (auto& [body, rest] : rests_) observe(find_body(case_.world, body), rest);
 }
 
-void Probes::observe(const std::string& joint, Impacts& impacts) {
-  const AxisReport report = simulator_.axis_report(case_.axes.at(joint).id);
-  if (report.impact_time) impacts.times.push_back(*report.impact_time);
+std::optional<double> Probes::last_impact(const std::string& where) const {
+  const Json place = Json::parse(where);
+  if (place.is_array()) return pair_contact(simulator_, pair({{"pair", place}})).impact_time;
+  return simulator_.axis_report(case_.axes.at(place).id).impact_time;
+}
+
+void Probes::observe(const std::string& where, Impacts& impacts) {
+  const std::optional<double> time = last_impact(where);
+  if (time) impacts.times.push_back(*time);
   for (auto& [of, now] : impacts.now) {
     const Values last = now;
     now = evaluate(Json::parse(of));
-    if (!report.impact_time) continue;
+    if (!time) continue;
     impacts.before[of].push_back(last);
     impacts.after[of].push_back(now);
   }
@@ -97,7 +107,9 @@ void Probes::observe(BodyId body, Rest& rest) {
 double Probes::multiplier_of(const std::string& joint) {
   const Coupling::Term& last = case_.couplings.at(joint).terms.back();
   const Vec3 axis = state().poses[last.hinge.a.index].q * last.hinge.axis_A;
-  return simulator_.reaction(simulator_.world().joint(joint)).torque.dot(axis) / last.coef;
+  const JointId id = simulator_.world().joint(joint);
+  const double sign = simulator_.world().joint(id).b() == last.hinge.b ? 1 : -1;
+  return sign * simulator_.reaction(id).torque.dot(axis) / last.coef;
 }
 
 AxisReport Probes::axis_report(const Json& probe) const {
@@ -114,12 +126,34 @@ Values Probes::rest_time(const Json& probe) {
   return {rest.since};
 }
 
-Values Probes::impact_time(const Json& probe) { return {entry(impacts_.at(probe.at("joint")).times, probe)}; }
+Values Probes::impact_time(const Json& probe) { return {entry(impacts_.at(place_of(probe)).times, probe)}; }
 
 Values Probes::at_impact(const Json& probe) {
-  Impacts& impacts = impacts_.at(probe.at("joint"));
+  Impacts& impacts = impacts_.at(place_of(probe));
   const std::string of = probe.at("of").dump();
   return entry(kind_of(probe) == "before_impact" ? impacts.before[of] : impacts.after[of], probe);
+}
+
+const Pair& Probes::pair(const Json& probe) const {
+  const std::string a = probe.at("pair").at(0), b = probe.at("pair").at(1);
+  for (const Pair& pair : case_.pairs)
+    if ((pair.a == a && pair.b == b) || (pair.a == b && pair.b == a)) return pair;
+  fail("probe", "there is no such pair", probe.dump());
+}
+
+Values Probes::contact_force(const Json& probe) {
+  const Pair& of = pair(probe);
+  const PairContact contact = pair_contact(simulator_, of);
+  const double sign = probe.at("on") == of.b ? 1 : -1;
+  const std::string part = probe.value("part", "all");
+  Vec3 force = Vec3::Zero();
+  if (part != "friction") force += contact.normal_on_b;
+  if (part != "normal") force += contact.friction_on_b;
+  return {sign * force.x(), sign * force.y(), sign * force.z()};
+}
+
+Values Probes::contact_normal_sum(const Json& probe) {
+  return {pair_contact(simulator_, pair(probe)).normal_sum};
 }
 
 Values Probes::turning_time(const Json& probe) {

@@ -1,0 +1,127 @@
+#include "scenes/bench_plan.h"
+
+#include <algorithm>
+
+namespace taut {
+namespace {
+
+struct SceneSize {
+  const char* scene;
+  int n;
+  bool truck;
+  double time;  ///< simulated [s]; 0: the scene's own
+};
+
+struct EngineMethod {
+  const char* engine;
+  const char* method;
+  std::vector<double> rates;
+};
+
+// Sizes of the full run.  Times of large scenes are cut: what counts is the time per simulated second.
+const std::vector<SceneSize> kFull = {
+    {"pendulum-ball", 1, false, 0},
+    {"pendulum-ball", 2, false, 0},
+    {"pendulum-hinge", 2, false, 0},
+    {"chain", 10, false, 0},
+    {"chain", 100, false, 2},
+    {"chain", 1000, false, 0.5},
+    {"chain-heavy", 10, false, 0},
+    {"chain-heavy", 100, false, 2},
+    {"chain-heavy", 1000, false, 0.5},
+    {"bridge-hinge", 10, false, 0},
+    {"bridge-hinge", 50, false, 2},
+    {"bridge-hinge", 200, false, 0.5},
+    {"bridge-hinge", 1000, false, 0.25},
+    {"bridge-hinge", 50, true, 2},
+    {"bridge-hinge", 200, true, 0.5},
+    {"bridge-balls", 10, false, 0},
+    {"bridge-balls", 50, false, 2},
+    {"bridge-balls", 200, false, 0.5},
+    {"bridge-balls", 50, true, 2},
+    {"bridge-balls", 200, true, 0.5},
+    {"net-flag", 5, false, 0},
+    {"net-flag", 10, false, 2},
+    {"net-flag", 20, false, 0.5},
+    {"net-flag", 40, false, 0.25},
+    {"net-corners", 5, false, 0},
+    {"net-corners", 10, false, 2},
+    {"net-corners", 20, false, 0.5},
+    {"net-corners", 40, false, 0.25},
+};
+const std::vector<SceneSize> kQuick = {
+    {"pendulum-ball", 2, false, 2},  {"chain", 10, false, 1},        {"chain", 100, false, 0.5},
+    {"bridge-hinge", 10, false, 1},  {"bridge-balls", 10, false, 1}, {"net-flag", 5, false, 1},
+    {"net-corners", 10, false, 0.5},
+};
+
+// The settings that served each engine best on these scenes, and its plain ones.
+const std::vector<EngineMethod> kMethods = {
+    {"taut", "rattle", {240, 1000}},
+    {"taut", "implicit", {240}},
+    {"ode", "step:erp=0.8", {240, 1000, 4000}},
+    {"ode", "quick:iters=20,erp=0.8", {240}},
+    {"ode", "quick:iters=100,erp=0.8", {4000}},
+    {"bullet", "si:iters=10", {240, 1000, 4000}},
+    {"bullet", "mlcp:erp=0.8", {240}},
+    {"bullet", "featherstone:rk4=1", {1000}},
+    {"bullet", "featherstone", {4000}},
+    {"mujoco", "newton:stiff=1", {240, 1000}},
+    {"mujoco", "newton:free=1,stiff=1", {240, 1000}},
+    {"mujoco", "cg:stiff=1", {240, 1000, 4000}},
+    {"simbody", "rkm:acc=1e-3", {240}},
+    {"simbody", "rkm:acc=1e-6", {240}},
+    {"dart", "tree", {240, 1000}},
+    {"dart", "free", {240}},
+};
+const std::vector<EngineMethod> kQuickMethods = {
+    {"taut", "rattle", {240}},
+    {"ode", "step:erp=0.8", {240}},
+    {"ode", "quick:iters=20,erp=0.8", {240}},
+    {"bullet", "si:iters=10", {240}},
+    {"bullet", "featherstone:rk4=1", {1000}},
+    {"mujoco", "newton:stiff=1", {240}},
+    {"mujoco", "newton:free=1,stiff=1", {240}},
+    {"simbody", "rkm:acc=1e-3", {240}},
+    {"dart", "tree", {240}},
+};
+
+constexpr double kFullLimit = 20, kQuickLimit = 1;  ///< [s]
+
+}  // namespace
+
+std::string BenchRun::scene_label() const {
+  return scene + ' ' + std::to_string(n) + (truck ? " truck" : "");
+}
+
+std::string BenchRun::engine_label() const {
+  return engine + ' ' + method + ", " + std::to_string(static_cast<int>(rate)) + " Hz";
+}
+
+BenchRun reference_of(const BenchRun& run) {
+  BenchRun reference = run;
+  reference.engine = "taut";
+  reference.method = "rattle4:tol=1e-12";
+  reference.rate = 4000;
+  reference.time = 0.5;
+  return reference;
+}
+
+std::vector<BenchRun> bench_plan(bool quick, const std::vector<std::string>& engines) {
+  std::vector<BenchRun> plan;
+  for (const SceneSize& s : quick ? kQuick : kFull)
+    for (const EngineMethod& m : quick ? kQuickMethods : kMethods)
+      for (double rate : m.rates)
+        if (std::find(engines.begin(), engines.end(), m.engine) != engines.end())
+          plan.push_back(
+              {s.scene, s.n, s.truck, m.engine, m.method, rate, s.time, quick ? kQuickLimit : kFullLimit});
+  return plan;
+}
+
+double longest_time(const std::vector<BenchRun>& plan) {
+  double time = 0;
+  for (const BenchRun& run : plan) time += run.limit;
+  return time;
+}
+
+}  // namespace taut

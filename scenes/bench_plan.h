@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace taut {
+
+/// One run of `taut bench`: a scene of the catalogue in one engine with one method.
+struct BenchRun {
+  std::string scene;
+  int n = 0;
+  bool truck = false;
+  std::string engine;  ///< program peer_<engine>
+  std::string method;
+  double rate = 240;  ///< steps per second
+  double time = 0;    ///< to simulate [s]; 0: the scene's own
+  double limit = 60;  ///< processor time [s]
+
+  /// "net-corners 20", "bridge-balls 50 truck"
+  std::string scene_label() const;
+  std::string engine_label() const;
+};
+
+/// The converged run whose probe all others of the scene are compared with.
+BenchRun reference_of(const BenchRun& run);
+
+/// Every scene, size, engine and method that is run; quick: small ones, so that all of it takes less than
+/// three minutes.
+/// @param engines those that were built
+std::vector<BenchRun> bench_plan(bool quick, const std::vector<std::string>& engines);
+
+/// Longest processor time that a plan can take [s].
+double longest_time(const std::vector<BenchRun>& plan);
+
+}  // namespace taut

@@ -1,0 +1,293 @@
+#include "scenes/bench_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace taut {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What counts as a simulation in the comparison: energy within a tenth, for at least this long.
+constexpr double kMaxDrift = 0.1, kMinTime = 0.2;
+
+std::string format(const char* pattern, auto... values) {
+  char text[512];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+std::string label_of(const Json& run) {
+  return run.at("scene").get<std::string>() + ' ' + std::to_string(run.at("n").get<int>()) +
+         (run.value("truck", false) ? " truck" : "");
+}
+std::string method_of(const Json& run) {
+  return run.at("engine").get<std::string>() + ' ' + run.at("method").get<std::string>() +
+         format(", %g Hz", run.at("rate_hz").get<double>());
+}
+std::string status_of(const Json& run) { return run.value("status", ""); }
+bool is_taut(const Json& run) { return run.at("engine") == "taut"; }
+double cost(const Json& run) { return run.at("cpu_per_simulated_s"); }
+double joint_error(const Json& run) {
+  return std::max(run.at("max_joint_error_m").get<double>(),
+                  run.at("max_joint_angle_error_rad").get<double>());
+}
+bool moved(const Json& run) {
+  return run.contains("cpu_per_simulated_s") && run.contains("max_joint_error_m");
+}
+
+/// Whether it is a simulation with joints within `error`.
+bool holds(const Json& run, double error) {
+  const std::string status = status_of(run);
+  return moved(run) && (status == "success" || status == "time limit") && joint_error(run) <= error &&
+         run.at("energy_drift_rel") <= kMaxDrift &&
+         run.at("simulated_time_s") >= std::min(kMinTime, 0.99 * run.at("duration_s").get<double>());
+}
+
+template <typename Accept>
+const Json* fastest(const std::vector<const Json*>& runs, Accept&& accept) {
+  const Json* best = nullptr;
+  for (const Json* run : runs)
+    if (accept(*run) && (!best || cost(*run) < cost(*best))) best = run;
+  return best;
+}
+
+std::string cell(const Json* run) {
+  if (!run) return "none";
+  std::string text = method_of(*run) + format(": %.3g s/s, joint %.0e, drift %.0e", cost(*run),
+                                              joint_error(*run), run->at("energy_drift_rel").get<double>());
+  if (status_of(*run) == "time limit")
+    text += format(" (first %.2g s)", run->at("simulated_time_s").get<double>());
+  return text;
+}
+
+/// Runs by scene, in the order of the results.
+std::vector<std::pair<std::string, std::vector<const Json*>>> by_scene(const BenchResults& results) {
+  std::vector<std::pair<std::string, std::vector<const Json*>>> scenes;
+  for (const Json& run : results.at("runs")) {
+    if (scenes.empty() || scenes.back().first != label_of(run)) scenes.push_back({label_of(run), {}});
+    scenes.back().second.push_back(&run);
+  }
+  return scenes;
+}
+
+struct Best {
+  const Json *taut, *peer_micro, *peer_milli;
+};
+Best best_of(const std::vector<const Json*>& runs) {
+  return {fastest(runs, [](const Json& r) { return is_taut(r) && holds(r, 1e-9); }),
+          fastest(runs, [](const Json& r) { return !is_taut(r) && holds(r, 1e-6); }),
+          fastest(runs, [](const Json& r) { return !is_taut(r) && holds(r, 1e-3); })};
+}
+
+std::string best_table(const BenchResults& results) {
+  std::string text =
+      "| scene | taut, joints ≤ 1e-9 | best peer, joints ≤ 1e-6 | best peer, joints ≤ 1e-3 "
+      "|\n|---|---|---|---|\n";
+  for (const auto& [scene, runs] : by_scene(results)) {
+    const Best best = best_of(runs);
+    text += "| " + scene + " | " + cell(best.taut) + " | " + cell(best.peer_micro) + " | " +
+            cell(best.peer_milli) + " |\n";
+  }
+  return text;
+}
+
+std::string ahead_list(const BenchResults& results) {
+  std::string text;
+  for (const auto& [scene, runs] : by_scene(results)) {
+    const Best best = best_of(runs);
+    if (!best.taut) {
+      text += "- " + scene + ": taut has no run that counts.\n";
+      continue;
+    }
+    for (const auto& [peer, error] : {std::pair(best.peer_micro, "1e-6"), std::pair(best.peer_milli, "1e-3")})
+      if (peer && cost(*peer) < cost(*best.taut))
+        text += "- " + scene + ", joints ≤ " + error + ": " + method_of(*peer) +
+                format(" takes %.2g of taut's time (%.3g against %.3g s/s).\n",
+                       cost(*peer) / cost(*best.taut), cost(*peer), cost(*best.taut));
+  }
+  return text.empty() ? "Nowhere in these runs.\n" : text;
+}
+
+/// Exponent of a least-squares line through log(time) over log(rows).
+std::optional<double> exponent(const std::vector<std::pair<double, double>>& points) {
+  if (points.size() < 2) return std::nullopt;
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (const auto& [x, y] : points) {
+    const double u = std::log(x), v = std::log(y);
+    sx += u, sy += v, sxx += u * u, sxy += u * v;
+  }
+  const auto count = static_cast<double>(points.size());
+  return (count * sxy - sx * sy) / (count * sxx - sx * sx);
+}
+
+/// Time per step by family of scenes and method, in order of rows.
+std::map<std::pair<std::string, std::string>, std::vector<std::pair<double, double>>> growth(
+    const BenchResults& results) {
+  std::map<std::pair<std::string, std::string>, std::vector<std::pair<double, double>>> curves;
+  for (const Json& run : results.at("runs")) {
+    if (!moved(run) || run.value("truck", false) || run.at("cpu_per_step_s") <= 0) continue;
+    curves[{run.at("scene"), method_of(run)}].emplace_back(run.at("rows"), run.at("cpu_per_step_s"));
+  }
+  for (auto& [key, points] : curves) std::sort(points.begin(), points.end());
+  return curves;
+}
+
+std::string growth_table(const BenchResults& results) {
+  std::string text = "| scenes | method | rows | median time per step | exponent |\n|---|---|---|---|---|\n";
+  for (const auto& [key, points] : growth(results)) {
+    const auto power = exponent(points);
+    if (!power || points.front().first == points.back().first) continue;
+    std::string rows, times;
+    for (const auto& [x, y] : points) {
+      rows += format("%s%g", rows.empty() ? "" : ", ", x);
+      times += format("%s%.3g", times.empty() ? "" : ", ", 1e3 * y);
+    }
+    text += "| " + key.first + " | " + key.second + " | " + rows + " | " + times + " ms | " +
+            format("%.2f", *power) + " |\n";
+  }
+  return text;
+}
+
+std::string profile_table(const BenchResults& results) {
+  std::string text =
+      "| scene | rows | L nonzeros | flops | factorisation | share of DGEMM | forces, positions, assembly, "
+      "factor, velocities [% of a sub-step] | peak memory |\n|---|---|---|---|---|---|---|---|\n";
+  for (const Json& p : results.at("profiles")) {
+    const Json& stages = p.at("stage_times_per_substep_s");
+    std::string shares = "failed";
+    if (stages.contains("total")) {
+      shares.clear();
+      for (const char* stage : {"forces", "positions", "assembly", "factorization", "velocities"})
+        shares += format("%s%.0f", shares.empty() ? "" : ", ",
+                         100 * stages.at(stage).get<double>() / stages.at("total").get<double>());
+    }
+    text +=
+        "| " + p.at("scene").get<std::string>() +
+        format(" %d | %d | %.3g | %.3g | %.3g ms | %.0f %% | ", p.at("n").get<int>(), p.at("rows").get<int>(),
+               p.at("factor_nonzeros").get<double>(), p.at("factor_flops").get<double>(),
+               1e3 * p.at("factor_time_s").get<double>(), 100 * p.at("share_of_dgemm").get<double>()) +
+        shares + format(" | %.0f MB |\n", p.at("peak_memory_mb").get<double>());
+  }
+  return text;
+}
+
+std::string run_table(const BenchResults& results) {
+  std::string text =
+      "| scene | method | status | simulated [s] | wall s/s | CPU s/s | joint error | drift | probe [m] | "
+      "memory "
+      "[MB] |\n|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const Json& run : results.at("runs")) {
+    text += "| " + label_of(run) + " | " + method_of(run) + " | " + status_of(run);
+    if (run.contains("message")) text += ": " + run.at("message").get<std::string>().substr(0, 60);
+    if (!moved(run)) {
+      text += " | | | | | | | |\n";
+      continue;
+    }
+    const double probe = run.contains("probe_distance_m") ? run.at("probe_distance_m").get<double>() : NAN;
+    text += format(" | %.3g | %.3g | %.3g | %.1e | %.1e | ", run.at("simulated_time_s").get<double>(),
+                   run.at("wall_per_simulated_s").get<double>(), cost(run), joint_error(run),
+                   run.at("energy_drift_rel").get<double>()) +
+            (std::isnan(probe) ? "–" : format("%.1e", probe)) +
+            format(" | %.0f |\n", run.value("peak_memory_mb", 0.0));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string bench_page(const BenchResults& results, const std::string& command) {
+  const Json& machine = results.at("machine");
+  std::string text = "# Results of `" + command + "`\n\n";
+  for (const auto& [key, value] : machine.items())
+    text += "- " + key + ": " + (value.is_string() ? value.get<std::string>() : value.dump()) + '\n';
+  text += format("- runs: %zu of %d\n- engines: ", results.at("runs").size(),
+                 results.at("planned_runs").get<int>());
+  for (const auto& [engine, there] : results.at("engines").items())
+    text += engine + (there.get<bool>() ? "; " : " (not installed); ");
+  text +=
+      "\n\nEach run is a process of its own.  s/s is processor time per simulated second, of the calls that "
+      "step; on a "
+      "machine without other\nwork it is the wall time.  Joint error: largest over all joints and steps, "
+      "from the "
+      "poses, in m or rad.  Drift: relative to the\nenergy that the scene can turn over.  Probe: distance of "
+      "one "
+      "body at 0.5 s from a converged run.  Runs that cover less than "
+      "0.2 s, or\nwith a drift above 10 %, do not count as best.  \"time limit\": the run was cut there.\n\n"
+      "## Best of each\n\n" +
+      best_table(results) + "\n## Where a peer is ahead\n\n" + ahead_list(results) +
+      "\n## Growth with size\n\n" + growth_table(results) + "\n## Work of a step\n\n" +
+      profile_table(results) + "\n## All runs\n\n" + run_table(results);
+  return text;
+}
+
+std::string bench_plots(const BenchResults& results, const std::string& folder) {
+  std::string script =
+      "set terminal svg size 720,480 dynamic background rgb 'white'\nset logscale xy\nset grid\nset key "
+      "outside\n"
+      "set format '%.0e'\n";
+  for (const auto& [scene, runs] : by_scene(results)) {
+    std::map<std::string, std::string> series;
+    for (const Json* run : runs)
+      if (moved(*run) && status_of(*run) != "diverged")
+        series[run->at("engine")] += format("%.9g %.9g\n", cost(*run), std::max(joint_error(*run), 1e-16));
+    if (series.empty()) continue;
+    std::string file = scene, blocks, plot;
+    std::replace(file.begin(), file.end(), ' ', '-');
+    int index = 0;
+    for (const auto& [engine, points] : series) {
+      blocks += format("$D%d << EOD\n", index) + points + "EOD\n";
+      plot +=
+          (plot.empty() ? "plot " : ", ") + format("$D%d with points pt 7 title '%s'", index, engine.c_str());
+      ++index;
+    }
+    script += blocks + "set output '" + folder + "/pareto-" + file + ".svg'\nset title '" + scene +
+              "'\nset xlabel 'processor time per simulated second [s]'\nset ylabel 'largest joint error [m "
+              "or rad]'\n" +
+              plot + '\n';
+  }
+  std::map<std::string, std::string> plots;
+  int index = 0;
+  for (const auto& [key, points] : growth(results)) {
+    if (points.size() < 2) continue;
+    script += format("$G%d << EOD\n", index);
+    for (const auto& [x, y] : points) script += format("%.9g %.9g\n", x, y);
+    script += "EOD\n";
+    std::string& plot = plots[key.first];
+    plot += (plot.empty() ? "plot " : ", ") +
+            format("$G%d with linespoints title '%s'", index++, key.second.c_str());
+  }
+  for (const auto& [scene, plot] : plots)
+    script += "set output '" + folder + "/size-" + scene + ".svg'\nset title '" + scene +
+              "'\nset xlabel 'constraint rows'\nset ylabel 'time per step [s]'\n" + plot + '\n';
+  return script;
+}
+
+BenchComparison compare_bench(const BenchResults& now, const BenchResults& then, double factor) {
+  BenchComparison result;
+  std::map<std::string, const Json*> before;
+  for (const Json& run : then.at("runs"))
+    if (moved(run)) before[label_of(run) + ", " + method_of(run)] = &run;
+  for (const Json& run : now.at("runs")) {
+    const std::string key = label_of(run) + ", " + method_of(run);
+    const auto old = before.find(key);
+    if (!is_taut(run) || old == before.end()) continue;
+    ++result.compared;
+    const double ratio = moved(run) ? cost(run) / cost(*old->second) : INFINITY;
+    // A run that loses the promise of closed joints is worth no time at all.
+    const bool opened = moved(run) && joint_error(*old->second) <= 1e-9 && joint_error(run) > 1e-9;
+    const bool slower = ratio > factor || opened || (holds(*old->second, 1e-9) && !holds(run, 1e-9));
+    result.slower += slower;
+    result.text += format("%-60s %8.3g -> %8.3g s/s  x %.2f%s\n", key.c_str(), cost(*old->second),
+                          moved(run) ? cost(run) : NAN, ratio, slower ? "  WORSE" : "");
+  }
+  result.text +=
+      format("%d runs of taut compared, %d worse than x %.2g\n", result.compared, result.slower, factor);
+  return result;
+}
+
+}  // namespace taut

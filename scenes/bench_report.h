@@ -1,0 +1,29 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace taut {
+
+/// Results of `taut bench` (schema taut-bench/1): "machine", "quick", "engines", "runs", "profiles".
+using BenchResults = nlohmann::ordered_json;
+
+/// Processor, cores, memory, compiler, BLAS, load.
+nlohmann::ordered_json machine_description();
+
+/// The page for reading: best peer per scene, where a peer is ahead, growth with size, shares, all runs.
+std::string bench_page(const BenchResults& results, const std::string& command);
+
+/// A gnuplot script that draws joint error against time, one picture per scene, and time against size.
+/// @param folder for the pictures
+std::string bench_plots(const BenchResults& results, const std::string& folder);
+
+/// Ratios to an earlier run, taut's only.
+struct BenchComparison {
+  std::string text;
+  int slower = 0;  ///< by more than the factor
+  int compared = 0;
+};
+BenchComparison compare_bench(const BenchResults& now, const BenchResults& then, double factor);
+
+}  // namespace taut

@@ -1,0 +1,57 @@
+#include "solvers/energy_books.h"
+
+#include "core/diagnostics.h"
+
+namespace taut {
+
+EnergyBooks::Energies EnergyBooks::measure(const World& world, const State& state, double kinetic) {
+  Energies energies{kinetic, world.potential_energy(state), 0};
+  if (world.has_dissipative_forces()) {
+    scratch_.assign(world.body_count(), Wrench{});
+    energies.dissipative = world.add_dissipative_forces(state, scratch_);
+  }
+  return energies;
+}
+
+void EnergyBooks::begin(const World& world, StepReport& report) {
+  start_ = end_versions_ == versions(world)
+               ? end_
+               : measure(world, world.state(), kinetic_energy(world, world.state()));
+  report.ledger.start = start_.total();
+  stabilisation_ = 0;
+}
+
+void EnergyBooks::start(const World& world, const State& state) {
+  const double before = start_.total();
+  start_ = measure(world, state, kinetic_energy(world, state));
+  stabilisation_ = start_.total() - before;
+}
+
+void EnergyBooks::close(const World& world, StepReport& report, bool by_works) {
+  end_ = measure(world, world.state(), report.kinetic_energy);
+  end_versions_ = versions(world);
+  report.potential_energy = end_.potential;
+  EnergyLedger& ledger = report.ledger;
+  if (!by_works) {  // an integrator that knows no works
+    ledger.integration = end_.total() - ledger.start;
+    return;
+  }
+  double lost = 0;  // stored in joints that broke
+  for (const BreakEvent& event : report.breaks) lost += event.energy;
+  const AxisImpulse& axes = report.axis_work;
+  const double dissipative = end_.dissipative - start_.dissipative;
+  ledger.stabilisation = stabilisation_;
+  ledger.motors = axes.motor;
+  ledger.drivers = report.driver_work;
+  ledger.friction = axes.friction;
+  ledger.limits = axes.limit;
+  ledger.damping = axes.damping;
+  ledger.forces = report.dissipative_work + dissipative;
+  ledger.breaking = -lost;
+  ledger.stiffness = report.stiffness_work;
+  ledger.integration = (report.constraint_work - report.driver_work) + axes.spring + axes.elastic_limit +
+                       (report.force_work - report.dissipative_work) +
+                       (end_.potential + lost - start_.potential) - dissipative;
+}
+
+}  // namespace taut

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "core/world.h"
+#include "solvers/step_report.h"
+
+namespace taut {
+
+/// Fills StepReport::ledger: energies before and after a step, and what the works of the step explain of
+/// their difference.                                                                   (solvers/README,
+/// "Energy")
+class EnergyBooks {
+ public:
+  /// Before a step, with the state as the user left it.
+  void begin(const World& world, StepReport& report);
+  /// After joints were closed and velocities made tangent; `state` is where the step starts.
+  void start(const World& world, const State& state);
+  /// After a step; the world is at its end, joints that broke are detached, and the report has the kinetic
+  /// energy.  `by_works`: it has works, too.
+  void close(const World& world, StepReport& report, bool by_works);
+
+ private:
+  struct Energies {
+    double kinetic = 0, potential = 0;
+    double dissipative = 0;  ///< of the potential, that of laws that are not conservative
+    double total() const { return kinetic + potential; }
+  };
+  struct Versions {
+    int topology = -1, state = -1, axes = -1;
+    friend bool operator==(const Versions&, const Versions&) = default;
+  };
+  Energies measure(const World& world, const State& state, double kinetic);
+  static Versions versions(const World& world) {
+    return {world.topology_version(), world.state_version(), world.axis_version()};
+  }
+
+  Energies start_, end_;
+  Versions end_versions_;
+  double stabilisation_ = 0;
+  std::vector<Wrench> scratch_;
+};
+
+}  // namespace taut

@@ -1,0 +1,54 @@
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/rattle.h"
+#include "solvers/tension.h"
+
+// How tension bounds the step, or is taken implicitly.  (solvers/README, "Tension")
+namespace taut {
+
+/// The step that keeps ω h ≤ max_tension_number and every body's rotation below max_rotation.
+void Rattle::update_step_limit(std::span<const double> force_multipliers) {
+  step_limit_ = std::numeric_limits<double>::infinity();
+  omega_ = 0;
+  if (settings_.tension != TensionPolicy::kIgnore) {
+    for (StiffnessBlocks& block : stiffness_) block = {};
+    system_.rows().stiffness(state_, force_multipliers, stiffness_);
+    omega_ = fastest_transverse_frequency(system_.mass_roots(), stiffness_);
+    if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
+      step_limit_ = settings_.max_tension_number / omega_;
+  }
+  double spin2 = 0;
+  for (const Twist& V : state_.twists) spin2 = std::max(spin2, V.w.squaredNorm());
+  if (spin2 > 0) step_limit_ = std::min(step_limit_, settings_.max_rotation / std::sqrt(spin2));
+}
+
+/// M + h²/2 K in place of M for the kick before the drift [Tournier2015]: the positive part of the geometric
+/// stiffness K acts at the end of the drift instead of at its start, which is stable for any ω h.
+/// (solvers/README, "Tension")
+void Rattle::prepare_stiffness(double h) {
+  const auto positive_part = [](const Mat3& K) -> Mat3 {
+    Eigen::SelfAdjointEigenSolver<Mat3> eigen(K);
+    return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
+           eigen.eigenvectors().transpose();
+  };
+  const auto root_of_inverse = [](const Mat3& M) -> Mat3 {
+    const Eigen::LLT<Mat3> cholesky(M);
+    return cholesky.matrixU().solve(Mat3::Identity());
+  };
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const MassMatrix::Body& body = system_.mass()[b];
+    if (body.fixed) continue;
+    const Mat3 R = system_.mass().principal_axes(b, state_.poses[b]);
+    const Mat3 I = R * body.moments.asDiagonal() * R.transpose(), m = body.mass * Mat3::Identity();
+    const Mat3 I_h = I + 0.5 * h * h * positive_part(stiffness_[b].rotation);
+    const Mat3 m_h = m + 0.5 * h * h * positive_part(stiffness_[b].translation);
+    filter_rotation_[b] = I * I_h.inverse();
+    filter_translation_[b] = m * m_h.inverse();
+    system_.mass_roots()[b] = {root_of_inverse(I_h), root_of_inverse(m_h), false};
+  }
+}
+
+}  // namespace taut

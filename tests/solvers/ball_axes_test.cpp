@@ -1,0 +1,186 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/joints.h"
+#include "solvers/simulator.h"
+
+/// Cones, twist limits and friction of ball joints, and friction that grows with the load.
+namespace taut {
+namespace {
+
+constexpr double kG = 9.81;
+
+void run(Simulator& simulator, double dt, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    const StepReport& r = simulator.step(dt);
+    ASSERT_TRUE(r.ok()) << "step " << i << ": " << r.message;
+    ASSERT_LE(r.complementarity_residual, 1e-9);
+    ASSERT_LE(std::max(r.gap.metres, r.gap.radians), 1e-9);
+    ASSERT_NEAR(r.ledger.start + r.ledger.total(), r.energy(), 1e-11 * (1 + std::abs(r.energy()))) << i;
+  }
+}
+
+/// A rod of 1 m and 2 kg along x, held at the origin by a ball joint whose axis is x.
+struct Arm {
+  World world;
+  BodyId rod;
+  JointId joint;
+  double inertia_x, inertia_y;
+  Arm() {
+    const MassProperties m = MassProperties::box(Vec3(1, 0.1, 0.1), 2);
+    rod = world.add_body({.mass = m, .pose = {.p = Vec3(0.5, 0, 0)}});
+    joint =
+        world.add("shoulder", Ball::at(world, kGround, rod, Vec3::Zero()).with_axes(world, Vec3::UnitX()));
+    inertia_x = m.inertia_B()(0, 0);
+    inertia_y = m.inertia_B()(1, 1) + 2 * 0.25;
+  }
+  AxisId axis(const char* name) const { return world.axis(joint, name); }
+};
+
+TEST(BallCone, HoldsTheArmAtItsAngle) {
+  Arm arm;
+  arm.world.set_limits(arm.axis("swing"), AxisLimits{.upper = 0.5});
+  arm.world.set_friction(arm.axis("turn_z"), AxisFriction{.viscous = 0.3});
+  Simulator simulator(arm.world);
+  for (int i = 0; i < 400; ++i) {
+    run(simulator, 5e-3, 1);
+    ASSERT_LE(arm.world.axis_value(arm.axis("swing")), 0.5 + 1e-9) << i;
+  }
+  EXPECT_NEAR(arm.world.axis_value(arm.axis("swing")), 0.5, 1e-9);
+  EXPECT_NEAR(simulator.axis_report(arm.axis("swing")).force.limit, -2 * kG * 0.5 * std::cos(0.5), 1e-6);
+}
+
+/// Along the cone the arm is a spherical pendulum that never leaves it: energy and vertical spin are kept.
+TEST(BallCone, LetsTheArmCircleAlongIt) {
+  World world;
+  const MassProperties m = MassProperties::sphere(0.05, 1);
+  const double angle = 0.6;
+  const Vec3 p(std::sin(angle), 0, std::cos(angle));  // above the joint: it leans on the cone
+  const BodyId ball = world.add_body({.mass = m, .pose = {.p = p}});
+  const Quat q_BG = exp_so3(Vec3(0, angle, 0));  // z of G from the joint to the ball
+  const JointId joint =
+      world.add("", Ball::at(world, kGround, ball, Vec3::Zero()).with_axes(Quat::Identity(), q_BG));
+  world.set_limits(world.axis(joint, "swing"), AxisLimits{.upper = angle});
+  const double rate = 2;  // about the vertical
+  world.set_twist(ball, {Vec3(0, 0, rate), Vec3(0, 0, rate).cross(p)});
+  Simulator simulator(world);
+  const double energy = simulator.step(1e-3).energy();
+  run(simulator, 1e-3, 999);
+  EXPECT_NEAR(simulator.report().energy(), energy, 1e-8);
+  EXPECT_NEAR(world.axis_value(world.axis(joint, "swing")), angle, 1e-9);
+  const Vec3 there = world.pose(ball).p;
+  EXPECT_NEAR(std::remainder(std::atan2(there.y(), there.x()) - rate, 2 * std::numbers::pi), 0, 1e-5);
+}
+
+TEST(BallTwist, StopsAtItsLimitAfterMoreThanATurn) {
+  Arm arm;
+  arm.world.set_gravity(Vec3::Zero());
+  arm.world.set_limits(arm.axis("twist"), AxisLimits{.upper = 8});
+  arm.world.set_twist(arm.rod, {Vec3(10, 0, 0), Vec3::Zero()});
+  Simulator simulator(arm.world);
+  run(simulator, 5e-3, 250);
+  EXPECT_NEAR(arm.world.axis_value(arm.axis("twist")), 8, 1e-9);
+  EXPECT_LE(arm.world.twist(arm.rod).w.norm(), 1e-9);
+}
+
+TEST(BallFriction, HoldsTheArmWithoutCreepBelowItsBound) {
+  Arm arm;
+  const double moment = 2 * kG * 0.5;
+  for (const char* name : {"turn_x", "turn_y", "turn_z"})
+    arm.world.set_friction(arm.axis(name), AxisFriction{1.01 * moment, 0.5 * moment, 0});
+  Simulator simulator(arm.world);
+  run(simulator, 1e-2, 1000);
+  EXPECT_LE((arm.world.pose(arm.rod).p - Vec3(0.5, 0, 0)).norm(), 1e-9);
+  double square = 0;
+  for (const char* name : {"turn_x", "turn_y", "turn_z"})
+    square += std::pow(simulator.axis_report(arm.axis(name)).force.friction, 2);
+  EXPECT_NEAR(std::sqrt(square), moment, 1e-7);
+}
+
+TEST(BallFriction, SlowsASpinByItsTorqueAndStopsIt) {
+  Arm arm;
+  arm.world.set_gravity(Vec3::Zero());
+  const double torque = 0.01;
+  arm.world.set_friction(arm.axis("turn_z"), AxisFriction{torque, torque, 0});  // z of its frame is x
+  arm.world.set_twist(arm.rod, {Vec3(5, 0, 0), Vec3::Zero()});
+  Simulator simulator(arm.world);
+  run(simulator, 1e-3, 1000);
+  EXPECT_NEAR(arm.world.twist(arm.rod).w.x(), 5 - torque / arm.inertia_x * 1.0, 1e-9);
+  run(simulator, 1e-3, 1000);
+  EXPECT_LE(arm.world.twist(arm.rod).w.norm(), 1e-9);
+}
+
+TEST(BallMotor, TurnsAtAGivenVelocityAboutAnAxisOfA) {
+  Arm arm;
+  arm.world.set_gravity(Vec3::Zero());
+  for (const char* name : {"turn_x", "turn_y"})
+    arm.world.set_motor(arm.axis(name), AxisMotor{.target = name[5] == 'x' ? 1.5 : 0});
+  Simulator simulator(arm.world);
+  run(simulator, 1e-3, 1000);
+  // x of the joint's frame is fixed in the ground: a rotation of 1.5 rad about it.
+  Vec3 x, y;
+  complete_frame(Vec3::UnitX(), x, y);
+  EXPECT_LE((arm.world.twist(arm.rod).w - 1.5 * x).norm(), 1e-8);
+  EXPECT_LE((arm.world.pose(arm.rod).p - exp_so3(1.5 * x) * Vec3(0.5, 0, 0)).norm(), 1e-4);
+}
+
+/// A block on a slope holds or slides by the angle of friction.
+TEST(LoadFriction, OfASliderIsCoulombsLaw) {
+  for (double slope : {0.28, 0.32}) {
+    World world;
+    const BodyId block = world.add_body({.mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), 2)});
+    const JointId slide = world.add(
+        "", Slider::at(world, kGround, block, Vec3::Zero(), Vec3(std::cos(slope), 0, -std::sin(slope))));
+    const AxisId axis = world.axis(slide, "displacement");
+    const double mu = 0.3;
+    world.set_friction(axis, AxisFriction{.per_load = mu});
+    Simulator simulator(world);
+    run(simulator, 1e-2, 100);
+    const double a = std::max(0.0, kG * (std::sin(slope) - mu * std::cos(slope)));
+    EXPECT_NEAR(world.axis_value(axis), 0.5 * a, 1e-8) << slope;
+  }
+}
+
+/// A pendulum in a pin of radius r: the load has a part of gravity and one of the speed, and is itself
+/// independent of the friction, a pure torque.
+TEST(LoadFriction, OfAPinFollowsTheReaction) {
+  World world;
+  const MassProperties m = MassProperties::box(Vec3(1, 0.1, 0.1), 2);
+  const BodyId rod = world.add_body({.mass = m, .pose = {.p = Vec3(0.5, 0, 0)}});
+  const JointId pin = world.add("", Hinge::at(world, kGround, rod, Vec3::Zero(), Vec3::UnitY()));
+  const AxisId axis = world.axis(pin, "angle");
+  const double mu_r = 0.05, l = 0.5, inertia = m.inertia_B()(1, 1) + 2 * l * l;
+  world.set_friction(axis, AxisFriction{.per_load = mu_r});
+  Simulator simulator(world);
+  run(simulator, 1e-3, 1200);
+
+  // θ from the horizontal, downwards: I θ̈ = m g l cos θ − sign(θ̇) μr |F|, F = m (a − g), a by θ̇ and θ̈: a
+  // fixed point in θ̈, and Runge–Kutta in time.
+  double theta = 0, rate = 0;
+  const auto acceleration = [&](double angle, double speed) {
+    double alpha = 0;
+    for (int pass = 0; pass < 60; ++pass) {
+      const double along = -2 * l * speed * speed - 2 * kG * std::sin(angle),
+                   across = 2 * l * alpha - 2 * kG * std::cos(angle);
+      const double sign = speed > 0 ? 1 : speed < 0 ? -1 : 1;
+      alpha = (2 * kG * l * std::cos(angle) - sign * mu_r * std::hypot(along, across)) / inertia;
+    }
+    return alpha;
+  };
+  const double h = 1e-4;
+  for (int i = 0; i < 12000; ++i) {
+    const double a1 = acceleration(theta, rate), v2 = rate + 0.5 * h * a1,
+                 a2 = acceleration(theta + 0.5 * h * rate, v2), v3 = rate + 0.5 * h * a2,
+                 a3 = acceleration(theta + 0.5 * h * v2, v3), v4 = rate + h * a3,
+                 a4 = acceleration(theta + h * v3, v4);
+    theta += h / 6 * (rate + 2 * v2 + 2 * v3 + v4);
+    rate += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
+  // Second order, and a turning point at which the friction jumps, which costs a step's worth of h².
+  EXPECT_NEAR(world.axis_value(axis), theta, 2e-5);
+}
+
+}  // namespace
+}  // namespace taut
