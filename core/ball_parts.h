@@ -98,7 +98,7 @@ struct TwistAngle {
   }
   void residual(const Pose& A, const Pose& B, double* theta) const {
     const Directions d = directions(A, B);
-    *theta = 2 * std::atan2(d.z, d.s);
+    *theta = 2 * std::atan2(d.s < 0 ? -d.z : d.z, std::abs(d.s));  // the same for q and −q
   }
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
     const Directions d = directions(A, B);
