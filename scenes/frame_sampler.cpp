@@ -4,6 +4,12 @@
 
 namespace taut {
 
+ContactSample contact_sample(const World& world, const Contact& contact, const Vec3& force) {
+  const Vec3 p_WP = world.pose(contact.A).point(contact.p_AP),
+             p_WQ = world.pose(contact.B).point(contact.p_BQ);
+  return {contact.A, contact.B, (p_WP + p_WQ) / 2, contact.normal, force};
+}
+
 FrameSampler::FrameSampler(const Scene& scene)
     : scene_(scene), rows_(scene.world), probes_(scene.probes), phi_(rows_.row_count()) {}
 

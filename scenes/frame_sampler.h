@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "collision/contact.h"
 #include "core/rows.h"
 #include "scenes/recorder.h"
 #include "scenes/recording.h"
@@ -10,6 +11,10 @@
 #include "solvers/simulator.h"
 
 namespace taut {
+
+/// A contact as a recording has it: half-way between its two points, in the world.
+/// @param force on B, world axes [N]
+ContactSample contact_sample(const World& world, const Contact& contact, const Vec3& force);
 
 /// Reads the frames of a recording from a running simulation.
 class FrameSampler {

@@ -5,13 +5,16 @@
 #include "scenes/shape_json.h"
 
 namespace taut {
+
+using Group = RecordedScalar::Group;
+
+// Not in the anonymous namespace, where the JSON library would not look for it.
+NLOHMANN_JSON_SERIALIZE_ENUM(Group,
+                             {{Group::kEnergy, "energy"}, {Group::kGap, "gap"}, {Group::kProbe, "probe"}})
+
 namespace {
 
 using Json = nlohmann::json;
-using Group = RecordedScalar::Group;
-
-NLOHMANN_JSON_SERIALIZE_ENUM(Group,
-                             {{Group::kEnergy, "energy"}, {Group::kGap, "gap"}, {Group::kProbe, "probe"}})
 
 Json pose_to_json(const Pose& pose) {
   return {pose.p.x(), pose.p.y(), pose.p.z(), pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z()};

@@ -121,7 +121,8 @@ export class Plot {
     const [x0, x1] = this.range(width), t0 = this.times[0], t1 = this.times[this.times.length - 1];
     return {
       x: (t) => x0 + (t1 > t0 ? (t - t0) / (t1 - t0) : 0) * (x1 - x0),
-      y: (value) => height - 18 - (this.map(value) - this.low) / (this.high - this.low) * (height - 26),
+      // What is far below the decades that are shown runs along the bottom.
+      y: (value) => Math.min(height - 18 - (this.map(value) - this.low) / (this.high - this.low) * (height - 26), height - 17),
     };
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <numbers>
 
 #include "scenes/frame_sampler.h"
 #include "scenes/recording_chunk.h"
@@ -240,6 +241,21 @@ TEST(Recording, WithoutFramesIsWholeButShowsNothing) {
   const Outcome replay = run_program({"replay", file, "--plot", temporary("empty.svg")});
   EXPECT_EQ(replay.exit_status, 2);
   EXPECT_NE(replay.err.find("no frames"), std::string::npos) << replay.err;
+}
+
+TEST(FrameSampler, AContactIsHalfWayBetweenItsPointsInTheWorld) {
+  World world;
+  const BodyId ball = world.add_body({.name = "ball",
+                                      .mass = MassProperties::sphere(0.5, 1),
+                                      .pose = {exp_so3(Vec3(0, std::numbers::pi / 2, 0)), {3, 2, 0.49}}});
+  // Its own x axis points down: the lowest point is 0.5 along it, 0.01 below the floor's.
+  const ContactSample sample = contact_sample(
+      world, {{0}, {1}, kGround, ball, {3, 2, 0}, {0.5, 0, 0}, {0, 0, 1}, -0.01, 0}, {1, 0, 7});
+  EXPECT_EQ(sample.a, kGround);
+  EXPECT_EQ(sample.b, ball);
+  EXPECT_LT((sample.position - Vec3(3, 2, -0.005)).norm(), 1e-15);
+  EXPECT_EQ(sample.normal, Vec3(0, 0, 1));
+  EXPECT_EQ(sample.force, Vec3(1, 0, 7));
 }
 
 // Frames from a simulation have the simulator's own numbers.

@@ -214,6 +214,8 @@ test('the page and the table of replay have the same scalars', async () => {
     return Array.from({length: r.frames}, (_, f) => [r.times[f], ...r.scalars.map((_s, i) => r.scalar(f, i))]);
   });
   assert.deepEqual(inPage, rows);
+  assert.deepEqual(recordings.bridge.header.scalars.map(({group}) => group),
+                   ['energy', 'energy', 'gap', 'gap', 'probe', 'probe', 'probe']);
   recordings.bridge.frames.forEach((frame, f) => assert.deepEqual([frame.time, ...frame.scalars], rows[f]));
   await page.close();
 });
