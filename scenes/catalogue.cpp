@@ -9,6 +9,7 @@
 #include "scenes/net.h"
 #include "scenes/ragdoll.h"
 #include "scenes/scene.h"
+#include "scenes/stacks.h"
 #include "scenes/suspension_bridge.h"
 
 namespace taut {
@@ -17,7 +18,7 @@ namespace {
 std::vector<SceneInfo> collect() {
   std::vector<SceneInfo> all;
   for (const auto& family : {chain_scenes, bridge_scenes, net_scenes, joint_grid_scenes, machine_scenes,
-                             ragdoll_scenes, suspension_bridge_scenes})
+                             ragdoll_scenes, stack_scenes, suspension_bridge_scenes})
     for (SceneInfo& info : family()) all.push_back(std::move(info));
   return all;
 }

@@ -10,8 +10,22 @@ ContactSample contact_sample(const World& world, const Contact& contact, const V
   return {contact.A, contact.B, (p_WP + p_WQ) / 2, contact.normal, force};
 }
 
+namespace {
+
+void append_contacts(const Simulator& simulator, std::vector<ContactSample>& samples) {
+  for (const ContactReport& report : simulator.contacts())
+    if (!report.force.isZero(0))
+      samples.push_back(contact_sample(simulator.world(), report.contact, report.force));
+}
+
+}  // namespace
+
 FrameSampler::FrameSampler(const Scene& scene)
-    : scene_(scene), rows_(scene.world), probes_(scene.probes), phi_(rows_.row_count()) {}
+    : scene_(scene),
+      rows_(scene.world),
+      probes_(scene.probes),
+      contacts_(append_contacts),
+      phi_(rows_.row_count()) {}
 
 RecordingHeader FrameSampler::header(double frames_per_second) const {
   const World& world = scene_.world;

@@ -24,7 +24,7 @@ class FrameSampler {
 
   explicit FrameSampler(const Scene& scene);
 
-  /// Without a source, frames have no contacts.
+  /// In place of the contacts of the simulator that give a force.
   void set_contact_source(ContactSource source) { contacts_ = std::move(source); }
 
   RecordingHeader header(double frames_per_second) const;

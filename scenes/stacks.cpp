@@ -1,0 +1,103 @@
+#include "scenes/stacks.h"
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "core/solid.h"
+#include "scenes/scene_parts.h"
+
+namespace taut {
+namespace {
+
+using namespace scene_parts;
+
+constexpr double kDensity = 1000;  ///< [kg/m³]
+
+Scene on_a_floor(std::string name, const Parameters& parameters, double duration) {
+  Scene scene;
+  scene.name = std::move(name);
+  scene.parameters = parameters;
+  scene.duration = duration;
+  scene.world.add_shape(kGround, HalfSpace{});
+  return scene;
+}
+
+BodyId add_solid(Scene& scene, std::string name, const Shape& shape, const Pose& pose,
+                 double density = kDensity) {
+  const BodyId body =
+      scene.world.add_body({.name = std::move(name),
+                            .mass = solid_of(std::array{PlacedShape{shape, {}, density}}).mass,
+                            .pose = pose});
+  scene.world.add_shape(body, shape);
+  return body;
+}
+
+/// Cubes of 1 m on each other; with a heavy top, that one is of 1000 times the density.
+Scene build_stack(const Parameters& parameters) {
+  Scene scene = on_a_floor("stack", parameters, 5);
+  const int n = static_cast<int>(parameters.at("n"));
+  const bool top_heavy = parameters.at("top_heavy") != 0;
+  BodyId last{};
+  for (int i = 0; i < n; ++i)
+    last = add_solid(scene, numbered("box", i), Box{Vec3(1, 1, 1)}, {.p = Vec3(0, 0, 0.5 + i)},
+                     top_heavy && i < n - 1 ? 1e-3 * kDensity : kDensity);
+  scene.energy_scale = fall_energy(scene.world, n, scene.duration);
+  add_probe(scene, last);
+  return scene;
+}
+
+/// n rows of n bricks, every other row set off by half a brick.
+Scene build_wall(const Parameters& parameters) {
+  Scene scene = on_a_floor("wall", parameters, 5);
+  const int n = static_cast<int>(parameters.at("n"));
+  const Vec3 size(0.4, 0.2, 0.2);
+  BodyId last{};
+  for (int row = 0; row < n; ++row)
+    for (int column = 0; column < n; ++column)
+      last = add_solid(scene, numbered("brick", row, column), Box{size},
+                       {.p = Vec3((column + 0.5 * (row % 2)) * size.x(), 0, (row + 0.5) * size.z())});
+  scene.energy_scale = fall_energy(scene.world, n * size.z(), scene.duration);
+  add_probe(scene, last);
+  return scene;
+}
+
+/// Balls, boxes, capsules and cylinders that fall on each other, turned at random but always the same.
+Scene build_heap(const Parameters& parameters) {
+  Scene scene = on_a_floor("heap", parameters, 4);
+  const int n = static_cast<int>(parameters.at("n")), side = std::max(1, static_cast<int>(std::cbrt(n)));
+  constexpr double kSpacing = 0.6, kOff = 0.03;
+  const Shape shapes[] = {Sphere{0.2}, Box{Vec3(0.4, 0.3, 0.2)}, Capsule{0.1, 0.3}, Cylinder{0.15, 0.3}};
+  std::mt19937 generator(1);
+  const auto random = [&] { return 2.0 * generator() / std::mt19937::max() - 1; };
+  BodyId last{};
+  for (int i = 0; i < n; ++i) {
+    Pose pose;
+    const double x = kSpacing * (i % side), y = kSpacing * (i / side % side);
+    pose.p = Vec3(x + kOff * random(), y + kOff * random(), 0.4 + kSpacing * (i / (side * side)));
+    const double a = random(), b = random(), c = random(), d = random();
+    pose.q = Quat(a, b, c, d).normalized();
+    last = add_solid(scene, numbered("body", i), shapes[i % 4], pose);
+  }
+  scene.energy_scale = fall_energy(scene.world, kSpacing * n / (side * side), scene.duration);
+  add_probe(scene, last);
+  return scene;
+}
+
+}  // namespace
+
+std::vector<SceneInfo> stack_scenes() {
+  const ParameterInfo top_heavy{"top_heavy", 0, "bool", "the uppermost cube has 1000 times the density",
+                                0,           1, true};
+  return {{"stack",
+           "n cubes of 1 m on each other",
+           {size(20, 1, 1000, "number of cubes"), top_heavy},
+           build_stack},
+          {"wall", "n rows of n bricks", {size(5, 1, 100, "number of rows")}, build_wall},
+          {"heap",
+           "n balls, boxes, capsules and cylinders that fall on a heap",
+           {size(8, 1, 10000, "number of bodies")},
+           build_heap}};
+}
+
+}  // namespace taut
