@@ -52,7 +52,6 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
   ordered_.assign(n, 0.0);
   scratch_.assign(n, 0.0);
   pivots_.assign(n, 0.0);
-  for (auto* values : {&preconditioned_, &direction_, &image_}) values->assign(n, 0.0);
   body_scratch_.resize(rows_.body_count());
   row_at_position_.resize(n);
   for (int r = 0; r < n; ++r) row_at_position_[system_->position_of_row()[r]] = r;

@@ -87,10 +87,6 @@ class ConstraintSystem {
   void solve(std::span<double> x);
   /// x ← S_ε⁻¹ S x, the second half of solve() where rows are dependent: what S_ε⁻¹ r is in the range of S.
   void project(std::span<double> x);
-  /// x ← S⁺ x for x in the range of S, to max |x − S S⁺x| ≤ `tolerance` or a few passes: conjugate gradients
-  /// with S_ε for a preconditioner, which deal at once with a direction that the shift makes slow.
-  /// Without dependent rows one back-solve.
-  void solve_in_range(std::span<double> x, double tolerance);
   /// x ← S_ε⁻¹ x: one back-solve with whatever was factored.
   void solve_shifted(std::span<double> x) { backsolve(x); }
   /// out = S x through W: (W Wᵀ) x, with all rows whatever their state.
@@ -137,7 +133,6 @@ class ConstraintSystem {
   std::vector<double> jacobian_, weighted_;
   std::vector<InverseMassRoot> roots_;
   std::vector<double> ordered_, scratch_, pivots_;
-  std::vector<double> preconditioned_, direction_, image_;  // of solve_in_range()
   std::vector<double> states_, factored_states_, masked_weighted_;
   std::vector<Wrench> body_scratch_;
   std::vector<int> row_at_position_, dependent_rows_;

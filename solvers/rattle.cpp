@@ -348,7 +348,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   clear_axis_rows(velocity_rows_);
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
-    system_.solve_in_range(delta_, 0.5 * settings_.velocity_tolerance);
+    system_.solve_shifted(delta_);
     for (int b = 0; b < world_.body_count(); ++b) {
       if (!inverse_mass_.moves(b)) continue;
       momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), delta_);
