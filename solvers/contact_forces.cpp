@@ -123,6 +123,10 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     if (!point.active) continue;
     point.gap = place.contact.gap;
     point.approach = rates[first_row_[k]];
+    const int row = first_row_[k];
+    // What starts at rest holds with static friction.
+    const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
+    point.stuck = point.stuck || (point.fresh && point.gap <= kTouch && rests);
     point.fresh = point.broken = point.pressed = false;
     point.back = point.spin_given = 0;
     point.sliding.given = point.rolling.given = Vec2::Zero();
@@ -130,7 +134,6 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     const row_parts::ContactFrame& frame = place.point.frame;
     point.sliding.target = -Vec2(frame.t1.dot(point.slipped), frame.t2.dot(point.slipped)) / h;
     point.rolling.target = Vec2::Zero();
-    const int row = first_row_[k];
     const auto aim = [&](Disc& disc, int first) {
       const Vec2 slip(rates[first], rates[first + 1]);
       disc.slips = !point.stuck && slip.norm() > kRestingSlip && std::isfinite(disc.bound);

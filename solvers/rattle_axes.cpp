@@ -189,7 +189,10 @@ bool Rattle::split(std::span<double> lambda, double rate_tolerance, StepReport& 
                                                     {.rate_tolerance = rate_tolerance}, report.times);
   contacts_.take_over(lambda, w_, rate_tolerance);
   report.splitting_iterations += outcome.iterations;
-  report.complementarity_residual = std::max(report.complementarity_residual, contacts_.residual());
+  if (outcome.converged)
+    report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
+  active_->reset();
+  active_->prepare(laws_, delta_, lambda);  // the pieces of this solution
   outcome_ = {};
   outcome_.status = outcome.converged ? ActiveSetStatus::kSolved : ActiveSetStatus::kNotConverged;
   return outcome.converged;
