@@ -51,7 +51,8 @@ void expect_in_cones(const Simulator& simulator, double friction) {
   for (const ContactReport& contact : simulator.contacts()) {
     EXPECT_GE(contact.normal_force, -1e-8 * largest);
     const Vec3 tangent = contact.force - contact.normal_force * contact.contact.normal;
-    EXPECT_LE(tangent.norm(), friction * contact.normal_force + 1e-6 * largest);
+    // Means over a step in which the normal may turn a little.
+    EXPECT_LE(tangent.norm(), (friction + 1e-3) * contact.normal_force + 1e-6 * largest);
   }
 }
 
