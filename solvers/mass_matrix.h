@@ -66,21 +66,22 @@ class InverseMass {
   void set(std::span<const InverseMassRoot> roots) {
     bodies_.resize(roots.size());
     for (std::size_t b = 0; b < roots.size(); ++b) {
-      const Mat3& A = roots[b].rotation;
       const double t = roots[b].translation(0, 0);
-      bodies_[b] = {A.lazyProduct(A.transpose()), t * t};
+      bodies_[b] = {roots[b].rotation, t * t};
     }
   }
   bool moves(int body) const { return bodies_[body].mass > 0; }
-  /// V = M⁻¹ p of a body; zero for fixed ones.
+  /// V = M⁻¹ p of a body; zero for fixed ones.  The root is not multiplied out: of a thin rod, round-off then
+  /// is a rotation about its axis only, which moves no point on it, be it held by a joint or a stiff damper.
   Twist twist(int body, const Wrench& p) const {
-    return {bodies_[body].inertia * p.torque, bodies_[body].mass * p.force};
+    const Mat3& A = bodies_[body].root;
+    return {A * Vec3(A.transpose() * p.torque), bodies_[body].mass * p.force};
   }
 
  private:
   struct Body {
-    Mat3 inertia;  // I_W⁻¹
-    double mass;   // 1/m
+    Mat3 root;    // of I_W⁻¹
+    double mass;  // 1/m
   };
   std::vector<Body> bodies_;
 };
