@@ -330,16 +330,8 @@ bool ContactForces::adapt(std::span<const double> lambda, std::span<const double
     if (!works(static_cast<int>(k)) || scale_ == 0) continue;
     const Material& material = set_.places()[k].material;
     const double normal = std::max(0.0, point.back + lambda[row]);
-    const bool sticks = point.stuck && !point.broken;
     const double bound = friction_bound(static_cast<int>(k), normal);
     double error = adapt_disc(static_cast<int>(k), point.sliding, row + 1, bound, lambda, w, rate_tolerance);
-    if (sticks && point.sliding.slips && normal > 0) {
-      point.broken = true;  // from here on with dynamic friction
-      if (material.dynamic_friction < material.static_friction) {
-        point.sliding.bound = material.dynamic_friction * normal;
-        error = std::max(error, scale_);
-      }
-    }
     if (has_twist(static_cast<int>(k))) {
       const double arm = material.spinning_friction * normal;
       error = std::max(error, spin_error(static_cast<int>(k), arm, lambda, w));
@@ -349,7 +341,27 @@ bool ContactForces::adapt(std::span<const double> lambda, std::span<const double
     }
     residual_ = std::max(residual_, error / scale_);
   }
-  return residual_ > kTolerance;
+  if (residual_ > kTolerance) return true;
+  const bool released = release_slipping(lambda);
+  if (released) residual_ = 1;
+  return released;
+}
+
+/// Contacts that slip against static friction, in a solution that is right but for that, go on with dynamic
+/// friction.  True if there is one for which that is less.
+bool ContactForces::release_slipping(std::span<const double> lambda) {
+  bool released = false;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Point& point = points_[k];
+    if (!works(static_cast<int>(k)) || !point.stuck || point.broken) continue;
+    if (!point.sliding.slips || point.sliding.weight == 0) continue;
+    point.broken = true;
+    const Material& material = set_.places()[k].material;
+    if (material.dynamic_friction == material.static_friction) continue;
+    point.sliding.bound = material.dynamic_friction * std::max(0.0, point.back + lambda[first_row_[k]]);
+    released = true;
+  }
+  return released;
 }
 
 /// The disc by the impulse τ and the slip u of a solution.  Returns disc_error() of the disc as it was.

@@ -145,6 +145,7 @@ class ContactForces {
   double spin_error(int place, double bound, std::span<const double> lambda, std::span<const double> w) const;
   double normal_error(int place, std::span<const double> lambda, std::span<const double> w) const;
   double friction_bound(int place, double normal) const;
+  bool release_slipping(std::span<const double> lambda);
   void ask_for_turn(int place, const Disc& disc);
   double crossing(int place, double w) const;
   bool has_twist(int place) const { return set_.places()[place].at.twist; }
