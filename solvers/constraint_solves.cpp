@@ -4,6 +4,7 @@
 
 // Solves of a ConstraintSystem whose rows depend on each other.  (solvers/README, "Rank")
 namespace taut {
+
 /// (S + Σ) x on the rows that are not masked, 0 on the others.
 void ConstraintSystem::multiply_factored(std::span<const double> x, std::span<double> out) {
   multiply(x, out);
