@@ -78,7 +78,7 @@ void Rattle::start(const State& state, StepReport& report) {
   free_accelerations(system_.mass(), state_, forces_, accelerations_);
   system_.rows().apply(system_.jacobian(), accelerations_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = -(force_multipliers_[r] + delta_[r]);
-  system_.clear_bounded_rows(force_multipliers_);
+  clear_loose_rows(force_multipliers_);
   system_.solve(force_multipliers_);
   update_step_limit(force_multipliers_);
   if (!bounded()) return;
@@ -354,7 +354,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
-  system_.clear_bounded_rows(velocity_rows_);
+  clear_loose_rows(velocity_rows_);
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
     system_.solve_shifted(delta_);
@@ -365,7 +365,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
     }
     system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
     system_.rows().add_rate(state_, velocity_rows_);
-    system_.clear_bounded_rows(velocity_rows_);
+    clear_loose_rows(velocity_rows_);
     for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
     report.velocity_residual = max_abs(velocity_rows_);
     if (report.velocity_residual <= settings_.velocity_tolerance) break;

@@ -221,7 +221,7 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
   std::copy(velocity_rows_.begin(), velocity_rows_.end(), rates_.begin());
-  system_.clear_bounded_rows(velocity_rows_);
+  clear_loose_rows(velocity_rows_);
   report.velocity_residual = max_abs(velocity_rows_);
   return report.velocity_residual <= settings_.velocity_tolerance;
 }
