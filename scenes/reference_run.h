@@ -29,6 +29,9 @@ enum class Verdict {
 const char* to_string(Verdict verdict);
 
 /// What became of one quantity.
+/// Reason of a quantity that has no probe.
+inline constexpr const char* kNoProbe = "the file does not say how to measure it";
+
 struct Measurement {
   std::string name{};
   std::optional<double> time{};

@@ -78,7 +78,7 @@ void Session::list_quantities() {
     const Quantity& quantity = case_.quantities[i];
     Measurement& result = result_.quantities[i];
     if (!quantity.has_probe())
-      result.reason = "the file does not say how to measure it";
+      result.reason = kNoProbe;
     else if (!Probes::knows(quantity.probe))
       result.reason = "probe of unknown kind: " + quantity.probe.dump();
     else if (plan_.end && quantity.time && *quantity.time > *plan_.end + 1e-9)

@@ -29,6 +29,8 @@ constexpr double kMendable = 1e-6;
 /// change stalls it.
 constexpr int kMaxForcePasses = 60;
 constexpr double kForceTolerance = 1e-12;
+/// Steps in which dependent rows start from no impulse after velocities that were not exact.
+constexpr int kStepsFromZero = 100;
 
 }  // namespace
 
@@ -216,11 +218,14 @@ void Rattle::roll_back(StepReport& report) {
 /// λ is the μ at the same instant plus an asymmetry of order h², which is extrapolated: the error of the
 /// prediction is of order h⁴.  With dependent rows it is μ alone, which was solved from 0 with this same S
 /// and so has no part in its null space; what is extrapolated over steps would have one, and let it grow.
+/// Where a direction is held so weakly that μ leans on it and still was not exact, λ starts from 0.
 void Rattle::predict_multipliers(double h) {
   const int rows = system_.row_count();
   if (system_.singular()) {
     // Those of contacts are held within their cones.
-    const double scale = history_ > 0 && !bounded() ? h / last_h_ : 0;
+    const bool from_mu = history_ > 0 && !bounded() && steps_from_zero_ == 0;
+    steps_from_zero_ = std::max(steps_from_zero_ - 1, 0);
+    const double scale = from_mu ? h / last_h_ : 0;
     const int joint_rows = system_.rows().first_contact_row();
     for (int r = 0; r < joint_rows; ++r) lambda_[r] = scale * start_mu_[r];
   } else if (history_ == 0) {
@@ -368,8 +373,9 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
     clear_loose_rows(velocity_rows_);
     for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
     report.velocity_residual = max_abs(velocity_rows_);
-    if (report.velocity_residual <= settings_.velocity_tolerance) break;
+    if (report.velocity_residual <= settings_.velocity_tolerance) return;
   }
+  steps_from_zero_ = kStepsFromZero;
 }
 
 void Rattle::twists_from_momenta() {

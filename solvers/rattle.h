@@ -168,6 +168,7 @@ class Rattle {
   // λ − μ of the last two steps divided by h², for the prediction.
   std::vector<double> asymmetry_, last_asymmetry_;
   int history_ = 0;
+  int steps_from_zero_ = 0;  // steps to come in which dependent rows start from no impulse
   double last_h_ = 0;
 
   std::vector<StiffnessBlocks> stiffness_;
