@@ -20,8 +20,7 @@ BodyCurve::BodyCurve(CubicSpline<3> spline) : spline_(std::move(spline)) {
     if (k == 0)
       complete_frame(nodes_[k].tangent, nodes_[k].normal, unused);
     else
-      nodes_[k].normal =
-          Quat::FromTwoVectors(nodes_[k - 1].tangent, nodes_[k].tangent) * nodes_[k - 1].normal;
+      nodes_[k].normal = rotation_between(nodes_[k - 1].tangent, nodes_[k].tangent) * nodes_[k - 1].normal;
   }
 }
 
@@ -59,7 +58,7 @@ void BodyCurve::place_frame(Near& at) const {
   at.tangent = at.c.first / speed;
   at.tangent_rate = (at.c.second - at.tangent.dot(at.c.second) * at.tangent) / speed;
   at.gradient = at.c.first / at.D;
-  at.normal[0] = Quat::FromTwoVectors(node.tangent, at.tangent) * node.normal;
+  at.normal[0] = rotation_between(node.tangent, at.tangent) * node.normal;
   at.normal[1] = at.tangent.cross(at.normal[0]);
   at.twist = -at.tangent_rate.dot(node.tangent.cross(at.tangent)) / (1 + node.tangent.dot(at.tangent));
 }

@@ -54,6 +54,9 @@ inline Vec3 log_so3(const Quat& q) {
 /// Two unit vectors that complete the unit vector z to a right-handed frame (x, y, z).
 void complete_frame(const Vec3& z, Vec3& x, Vec3& y);
 
+/// The rotation by the least angle that takes the direction of `from` to that of `to`.
+Quat rotation_between(const Vec3& from, const Vec3& to);
+
 /// Direction of the part of v across the unit vector `axis`; any direction across it where that vanishes.
 Vec3 across(const Vec3& v, const Vec3& axis);
 

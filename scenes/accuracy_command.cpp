@@ -123,8 +123,8 @@ int study_command(const fs::path& references, const fs::path& folder) {
   bool good = write((folder / "study.md").string(), tables);
   good = write((folder / "convergence.csv").string(), convergence_csv(convergence)) && good;
   good = write((folder / "methods.csv").string(), methods_csv(methods)) && good;
-  good = write(script.string(), convergence_plots(convergence, folder.string()) +
-                                    methods_plots(methods, folder.string())) &&
+  good = write(script.string(),
+               convergence_plots(convergence, folder.string()) + methods_plots(methods, folder.string())) &&
          good;
   if (!good) return kExitFailure;
   const ChildResult plots = run_child("/usr/bin/env", {"gnuplot", script.string()}, false, 60);

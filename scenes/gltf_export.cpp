@@ -110,8 +110,7 @@ int add_node(Model& model, int parent, const std::string& name, const Pose& pose
 std::vector<int> add_bodies(Model& model, BufferBuilder& buffer, const RecordingHeader& header,
                             const Frame& start) {
   const Vec3 up = header.gravity.isZero(0) ? Vec3::UnitZ() : Vec3(-header.gravity.normalized());
-  const int root =
-      add_node(model, -1, header.scene, {Quat(Quat::FromTwoVectors(up, Vec3::UnitY())), Vec3::Zero()});
+  const int root = add_node(model, -1, header.scene, {rotation_between(up, Vec3::UnitY()), Vec3::Zero()});
   model.scenes[0].nodes = {root};
   std::vector<int> nodes;
   for (std::size_t b = 0; b < header.bodies.size(); ++b)

@@ -33,7 +33,10 @@ constexpr Mechanism kMechanisms[] = {
     {"double pendulum", "pendulum-ball", 2}, {"chain of ten", "chain", 10}, {"closed loop", "n-four-bar", 2}};
 
 MethodRun run(const Mechanism& mechanism, const Method& method, double dt, double duration) {
-  MethodRun result{.mechanism = mechanism.label, .method = method.name, .dt = dt};
+  MethodRun result;
+  result.mechanism = mechanism.label;
+  result.method = method.name;
+  result.dt = dt;
   Scene scene = build_scene(mechanism.scene, {{"n", double(mechanism.n)}});
   Simulator simulator(scene.world, method.settings);
   const Rows rows(scene.world, Rows::AxisRows::kLeftOut);

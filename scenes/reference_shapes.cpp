@@ -9,7 +9,7 @@ namespace {
 using Json = nlohmann::json;
 
 /// Rotation that takes the z axis, which shapes of revolution have, to a direction.
-Quat from_z_to(const Vec3& direction) { return Quat::FromTwoVectors(Vec3::UnitZ(), direction).normalized(); }
+Quat from_z_to(const Vec3& direction) { return rotation_between(Vec3::UnitZ(), direction).normalized(); }
 
 Quat axis_rotation(const Json& shape) {
   const std::string axis = shape.value("axis", "z");

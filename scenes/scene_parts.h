@@ -29,7 +29,7 @@ inline BodyId add_rod(Scene& scene, std::string name, const Vec3& from, const Ve
   const double length = (to - from).norm();
   BodySpec body{.name = std::move(name), .mass = MassProperties::rod(length, radius, mass)};
   body.pose.p = 0.5 * (from + to);
-  body.pose.q = Quat::FromTwoVectors(Vec3::UnitX(), to - from).normalized();
+  body.pose.q = rotation_between(Vec3::UnitX(), to - from).normalized();
   const BodyId rod = scene.world.add_body(body);
   draw(scene, rod, rod_shape(length, radius));
   return rod;
