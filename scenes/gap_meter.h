@@ -10,7 +10,8 @@ namespace taut {
 /// detached, broken ones too, are not open.
 class GapMeter {
  public:
-  explicit GapMeter(const World& world) { follow(world); }
+  explicit GapMeter(const World& world)
+      : rows_(world), phi_(rows_.row_count()), version_(world.topology_version()) {}
 
   /// Of the present state of a world: the one of the constructor or a copy that lived on.
   Gap largest(const World& world) {
@@ -25,18 +26,13 @@ class GapMeter {
 
  private:
   void evaluate(const World& world) {
-    if (world.topology_version() != version_) follow(world);
+    if (world.topology_version() != version_) *this = GapMeter(world);
     rows_.residual(world.state(), phi_);
-  }
-  void follow(const World& world) {
-    rows_ = Rows(world);
-    phi_.resize(rows_.row_count());
-    version_ = world.topology_version();
   }
 
   Rows rows_;
   std::vector<double> phi_;
-  int version_ = -1;
+  int version_;
 };
 
 }  // namespace taut

@@ -70,7 +70,7 @@ export function scales(recording) {
   const force = quantile(joints, (i) => recording.force.norm3(3 * i), 0.997);
   const gap = quantile(joints, (i) => recording.gap.at(i), 1);
   const speed = quantile(frames * (bodyCount - 1), (i) => recording.speed.at(i), 0.999);
-  const contact = quantile(recording.contactBodies.length / 2, (i) => recording.contactForce(i), 0.99);
+  const contact = quantile(recording.contactTotal, (i) => recording.contactForce(i), 0.99);
   return {
     // Where one cable carries hundreds of others, the small forces must still differ.
     force: new Scale(0, force || 1, 'N', 'root'),

@@ -64,6 +64,9 @@ export function instanceGroups(recording) {
 export const jointGeometry = (count) =>
   (count > 6000 ? new OctahedronGeometry(1, 0) : count > 2000 ? new IcosahedronGeometry(1, 0)
     : new SphereGeometry(1, 16, 12));
+/** A section of a rod, rope or wire: of length and radius 1, along z. */
+export const sectionGeometry = (count) =>
+  new CylinderGeometry(1, 1, 1, count > 2000 ? 5 : 10, 1, count > 2000).rotateX(Math.PI / 2);
 export const anchorGeometry = () => new BoxGeometry(2, 2, 2);
 /** An arrow of length 1 along z: shaft and head. */
 export const arrowGeometries = () => [

@@ -91,7 +91,7 @@ class Player {
     $('theme').onclick = () => this.setTheme(this.view.theme === 'dark' ? 'light' : 'dark');
     $('help').onclick = () => $('keys').showModal();
     for (const id of ['joints', 'contacts', 'curves']) $(id).onclick = () => this.toggle(id);
-    $('contacts').hidden = r.contactNumbers.length === 0;
+    $('contacts').hidden = r.contactTotal === 0;
     if (window.innerHeight < 480) this.toggle('curves');
     this.setUpPicking($('view'));
   }

@@ -196,7 +196,7 @@ export class View {
     const frame = this.recording.nearest(t), before = this.followed === null ? null : this.bodyPosition(this.followed);
     this.recording.poses(t, this.poses);
     if (before) this.moveWith(before);
-    this.instances.place(this.poses);
+    this.instances.place(this.poses, frame);
     this.instances.colour(mode, frame, scales, {...this.style, selected});
     const length = (scale) => (force) => this.reach * Math.min(force / scale.high, 2);
     this.arrows.show(contacts ? this.recording.contacts(frame) : [], length(scales.contact), this.reach);
@@ -216,7 +216,13 @@ export class View {
     return worldPoint(this.poses, b[joint], ...anchor.slice(3 * joint, 3 * joint + 3));
   }
   positionOf({kind, id}) {
-    return kind === 'body' ? this.bodyPosition(id) : new Vector3(...this.jointPosition(id));
+    if (kind === 'body') return this.bodyPosition(id);
+    const course = this.recording.course.get(id);
+    if (!course) return new Vector3(...this.jointPosition(id));
+    // The middle of the longest section of a wire.
+    const points = course.map((point) => new Vector3(...worldPoint(this.poses, ...point)));
+    const middles = points.slice(1).map((end, i) => ({length: end.distanceTo(points[i]), at: end.clone().lerp(points[i], 0.5)}));
+    return middles.reduce((a, b) => (b.length > a.length ? b : a)).at;
   }
 
   /** Keeps a body where it is in the picture. */
