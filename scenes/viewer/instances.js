@@ -98,7 +98,7 @@ export class Instances {
       ([joint, points]) => points.slice(1).map((end, i) => ({joint, begin: points[i], end})));
     add(sections, sectionGeometry(sections.length));
     const {low, high} = this.recording.box();
-    this.thinnest = 0.0013 * Math.hypot(...low.map((x, i) => high[i] - x));  // else it is less than a pixel
+    this.thinnest = 0.0018 * Math.hypot(...low.map((x, i) => high[i] - x));  // else it is less than a pixel
   }
 
   /** Places a cylinder of length and radius 1 along z between two world points. */
@@ -132,7 +132,7 @@ export class Instances {
         if (begin) {
           [begin, end].forEach((point, k) => worldPoint(poses, ...point, ends[k]));
           const length = Math.hypot(...ends[0].map((x, k) => ends[1][k] - x));
-          return this.placeSection(out, 16 * i, ...ends, r && Math.max(0.4 * r, Math.min(this.thinnest, 0.1 * length)));
+          return this.placeSection(out, 16 * i, ...ends, r && Math.max(0.25 * r, Math.min(this.thinnest, 0.1 * length)));
         }
         const o = 7 * body, at = worldPoint(poses, body, p[0], p[1], p[2], this.point);
         writeMatrix(out, 16 * i, at[0], at[1], at[2],
@@ -192,12 +192,17 @@ export class Instances {
   }
 }
 
-/** Forces as arrows. */
+/** Forces as arrows; what of them is inside of or behind bodies shines through. */
 export class Arrows {
   constructor(color) {
     this.root = new Group();
-    this.material = new MeshLambertMaterial({color, fog: false});
+    this.materials = [new MeshLambertMaterial({color, fog: false}),
+                      new MeshLambertMaterial({color, fog: false, transparent: true, opacity: 0.3, depthTest: false, depthWrite: false})];
     this.capacity = 0;
+  }
+
+  setColor(color) {
+    for (const material of this.materials) material.color = color;
   }
 
   /**
@@ -222,10 +227,11 @@ export class Arrows {
   grow(count) {
     this.capacity = Math.max(16, 2 * count);
     this.root.clear();
-    for (const geometry of arrowGeometries()) {
-      const mesh = new InstancedMesh(geometry, this.material, this.capacity);
-      mesh.frustumCulled = false;
-      this.root.add(mesh);
-    }
+    for (const geometry of arrowGeometries())
+      for (const material of this.materials) {
+        const mesh = new InstancedMesh(geometry, material, this.capacity);
+        mesh.frustumCulled = false;
+        this.root.add(mesh);
+      }
   }
 }

@@ -27,7 +27,7 @@ function contactRows(contacts, id) {
 export function numbers(recording, {kind, id}, frame, poses, used) {
   const r = recording;
   if (kind === 'joint') {
-    if (!r.isAttached(frame, id)) return [['', 'broken or detached']];
+    if (!r.isAttached(frame, id)) return [['state', 'broken or detached']];
     const rows = [['force', withUnit(r.jointForce(frame, id), 'N')],
                   ...vectorRows('force', r.jointVector(r.force, frame, id), 'N')];
     if (used.torque) rows.push(...vectorRows('torque', r.jointVector(r.torque, frame, id), 'N·m'));
