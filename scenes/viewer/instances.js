@@ -98,7 +98,7 @@ export class Instances {
       ([joint, points]) => points.slice(1).map((end, i) => ({joint, begin: points[i], end})));
     add(sections, sectionGeometry(sections.length));
     const {low, high} = this.recording.box();
-    this.thinnest = 0.0018 * Math.hypot(...low.map((x, i) => high[i] - x));  // else it is less than a pixel
+    this.thinnest = 0.0009 * Math.hypot(...low.map((x, i) => high[i] - x));  // else it is less than a pixel
   }
 
   /** Places a cylinder of length and radius 1 along z between two world points. */

@@ -15,7 +15,7 @@ class Player {
     this.recording = recording;
     this.scales = makeScales(recording);
     this.view = new View($('view'), recording);
-    this.state = {t: recording.start, playing: false, speed: 1, mode: recording.force.words ? 'force' : 'speed',
+    this.state = {t: recording.start, playing: false, speed: 1, mode: recording.force.words ? 'force' : recording.jointCount ? 'speed' : 'body',
                   selected: null, joints: true, contacts: true};
     this.inspector = new Inspector($('inspector'), recording,
                                    {select: (s) => this.select(s), follow: (body) => this.follow(body)});

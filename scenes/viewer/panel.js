@@ -72,7 +72,7 @@ export class Inspector {
     close.setAttribute('aria-label', 'Select nothing');
     close.onclick = () => this.actions.select(null);
     this.list = make('dl');
-    this.used = kind === 'joint' ? {torque: isUsed(r, r.torque, 3, id), angle: isUsed(r, r.gap_angle, 1, id)} : {};
+    this.used = kind === 'joint' ? {torque: !r.course.has(id) && isUsed(r, r.torque, 3, id), angle: isUsed(r, r.gap_angle, 1, id)} : {};
     if (kind === 'body' && id !== 0) {
       const row = make('div');
       row.className = 'actions';
