@@ -12,6 +12,7 @@
 #include "scenes/base64.h"
 #include "scenes/exports.h"
 #include "scenes/page_columns.h"
+#include "scenes/page_data.h"
 #include "scenes/svg_plot.h"
 #include "tests/run_program.h"
 #include "tests/scenes/sample_recording.h"
