@@ -1,12 +1,12 @@
 #pragma once
 
-#include <cmath>
 #include <string>
 
 #include "core/row_parts.h"
 
 /// Coordinates of joints that leave rotations free which are no single angle.
-namespace taut::row_parts {
+namespace taut {
+namespace row_parts {
 
 /// Swing: angle between direction a of A and direction b of B, from 0 to π.         (core/README, Eq. 26)
 ///   θ = atan2(|a × b|, a·b) [rad]
@@ -22,47 +22,14 @@ struct Swing {
     double sine = 0;  ///< |a × b|
     bool straight = false;
   };
-  Directions directions(const Pose& A, const Pose& B) const {
-    Directions d;
-    d.a = A.q * a_A, d.b = B.q * b_B;
-    const Vec3 n = d.a.cross(d.b);
-    d.sine = n.norm();
-    d.straight = d.sine < 1e-12;
-    Vec3 unused;
-    if (d.straight)
-      complete_frame(d.a, d.j, unused);
-    else
-      d.j = n / d.sine;
-    return d;
-  }
-  void residual(const Pose& A, const Pose& B, double* theta) const {
-    const Vec3 a = A.q * a_A, b = B.q * b_B;
-    *theta = std::atan2(a.cross(b).norm(), a.dot(b));
-  }
-  void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
-    const Vec3 j = directions(A, B).j;
-    J_A << -j.transpose(), 0, 0, 0;
-    J_B << j.transpose(), 0, 0, 0;
-  }
+  Directions directions(const Pose& A, const Pose& B) const;
+  void residual(const Pose& A, const Pose& B, double* theta) const;
+  void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   /// j̇ = (1 − j jᵀ) d(a × b)/dt / |a × b|.
-  void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const {
-    const Directions d = directions(A, B);
-    *gamma = 0;
-    if (d.straight) return;
-    const Vec3 rate = V_A.w.cross(d.a).cross(d.b) + d.a.cross(V_B.w.cross(d.b));
-    const Vec3 turning = (rate - d.j.dot(rate) * d.j) / d.sine;
-    *gamma = turning.dot(V_B.w - V_A.w);
-  }
+  void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
   void stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
-                 StiffnessBlocks& K_B) const {
-    const Directions d = directions(A, B);
-    if (d.straight) return;
-    const Mat3 across = *lambda / d.sine * (Mat3::Identity() - d.j * d.j.transpose());
-    const Mat3 of_a = across * skew(d.b) * skew(d.a), of_b = across * skew(d.a) * skew(d.b);
-    K_A.rotation += 0.5 * (of_a + of_a.transpose());
-    K_B.rotation += 0.5 * (of_b + of_b.transpose());
-  }
-  std::string row_name(int) const { return "swing"; }
+                 StiffnessBlocks& K_B) const;
+  std::string row_name(int) const;
 };
 
 /// Twist: the turn of B against A about their common axis once the swing that takes a to b is undone.
@@ -78,50 +45,20 @@ struct TwistAngle {
   struct Directions {
     Mat3 R_WF;
     double s, x, y, z, D;
-    Vec3 j() const { return {(s * y + z * x) / D, (z * y - s * x) / D, 1}; }
+    Vec3 j() const;
     /// j̇ in F when the parts of q_FG have these rates.
-    Vec3 turning(double s1, double x1, double y1, double z1) const {
-      const double D1 = 2 * (s * s1 + z * z1);
-      const Vec3 here = j();
-      return {(s1 * y + s * y1 + z1 * x + z * x1 - D1 * here.x()) / D,
-              (z1 * y + z * y1 - s1 * x - s * x1 - D1 * here.y()) / D, 0};
-    }
+    Vec3 turning(double s1, double x1, double y1, double z1) const;
     /// j̇ in F when B turns against A with w, in axes of F.
-    Vec3 turning(const Vec3& w) const {
-      const Vec3 u(x, y, z), rate = 0.5 * (s * w + w.cross(u));
-      return turning(-0.5 * w.dot(u), rate.x(), rate.y(), rate.z());
-    }
+    Vec3 turning(const Vec3& w) const;
   };
-  Directions directions(const Pose& A, const Pose& B) const {
-    const Quat q_WF = A.q * q_AF, q = q_WF.conjugate() * (B.q * q_BG);
-    return {q_WF.toRotationMatrix(), q.w(), q.x(), q.y(), q.z(), q.w() * q.w() + q.z() * q.z()};
-  }
-  void residual(const Pose& A, const Pose& B, double* theta) const {
-    const Directions d = directions(A, B);
-    *theta = 2 * std::atan2(d.s < 0 ? -d.z : d.z, std::abs(d.s));  // the same for q and −q
-  }
-  void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
-    const Directions d = directions(A, B);
-    const Vec3 j = d.R_WF * d.j();
-    J_A << -j.transpose(), 0, 0, 0;
-    J_B << j.transpose(), 0, 0, 0;
-  }
+  Directions directions(const Pose& A, const Pose& B) const;
+  void residual(const Pose& A, const Pose& B, double* theta) const;
+  void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   /// θ̇ = j·w with w = R_FW (ω_B − ω_A), so γ = j̇·w + j·ẇ, ẇ = −(R_FW ω_A) × w.
-  void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const {
-    const Directions d = directions(A, B);
-    const Vec3 w = d.R_WF.transpose() * (V_B.w - V_A.w), w_A = d.R_WF.transpose() * V_A.w;
-    *gamma = d.turning(w).dot(w) - d.j().dot(w_A.cross(w));
-  }
+  void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
   void stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
-                 StiffnessBlocks& K_B) const {
-    const Directions d = directions(A, B);
-    Mat3 turning;
-    for (int k = 0; k < 3; ++k) turning.col(k) = d.turning(Vec3::Unit(k));
-    const Mat3 K = -*lambda * d.R_WF * turning * d.R_WF.transpose();
-    K_A.rotation += 0.5 * (K + K.transpose());
-    K_B.rotation += 0.5 * (K + K.transpose());
-  }
-  std::string row_name(int) const { return "twist"; }
+                 StiffnessBlocks& K_B) const;
+  std::string row_name(int) const;
 };
 
 /// Turn of B against A about direction a of A: θ̇ = a·(ω_B − ω_A).  Three of them are no coordinates of the
@@ -134,21 +71,18 @@ struct Turn {
   static constexpr bool kAccumulates = true;
   Vec3 a_A;
 
-  double increment(const Pose& A_from, const Pose& B_from, const Pose& A, const Pose& B) const {
-    const Quat before = A_from.q.conjugate() * B_from.q, now = A.q.conjugate() * B.q;
-    return a_A.dot(log_so3(now * before.conjugate()));
-  }
-  void jacobian(const Pose& A, const Pose&, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
-    const Vec3 a = A.q * a_A;
-    J_A << -a.transpose(), 0, 0, 0;
-    J_B << a.transpose(), 0, 0, 0;
-  }
-  void bias(const Pose& A, const Pose&, const Twist& V_A, const Twist& V_B, double* gamma) const {
-    *gamma = V_A.w.cross(A.q * a_A).dot(V_B.w);
-  }
+  double increment(const Pose& A_from, const Pose& B_from, const Pose& A, const Pose& B) const;
+  void jacobian(const Pose& A, const Pose&, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
+  void bias(const Pose& A, const Pose&, const Twist& V_A, const Twist& V_B, double* gamma) const;
   /// The torque turns with A: a skew block, no symmetric part.
   void stiffness(const Pose&, const Pose&, const double*, StiffnessBlocks&, StiffnessBlocks&) const {}
-  std::string row_name(int) const { return "turn about " + direction_name(a_A); }
+  std::string row_name(int) const;
 };
 
-}  // namespace taut::row_parts
+}  // namespace row_parts
+
+extern template class detail::PartStore<row_parts::Swing>;
+extern template class detail::PartStore<row_parts::TwistAngle>;
+extern template class detail::PartStore<row_parts::Turn>;
+
+}  // namespace taut

@@ -31,20 +31,9 @@ class Force {
 /// @throws std::invalid_argument if the point or the force is not finite.
 class PointForce final : public Force {
  public:
-  PointForce(BodyId body, const Vec3& p_BP, const Vec3& force, bool follows_body = false)
-      : body_(body), p_BP_(p_BP), force_(force), follows_body_(follows_body) {
-    require_all_finite("force point", p_BP);
-    require_all_finite("force", force);
-  }
-  void accumulate(const State& state, std::span<Wrench> wrenches) const override {
-    const Pose& B = state.poses[body_.index];
-    const Vec3 f = follows_body_ ? Vec3(B.q * force_) : force_;
-    wrenches[body_.index].force += f;
-    wrenches[body_.index].torque += (B.q * p_BP_).cross(f);
-  }
-  double potential_energy(const State& state) const override {
-    return follows_body_ ? 0 : -force_.dot(state.poses[body_.index].point(p_BP_));
-  }
+  PointForce(BodyId body, const Vec3& p_BP, const Vec3& force, bool follows_body = false);
+  void accumulate(const State& state, std::span<Wrench> wrenches) const override;
+  double potential_energy(const State& state) const override;
   bool conservative() const override { return !follows_body_; }
   std::vector<BodyId> bodies() const override { return {body_}; }
 
@@ -58,13 +47,8 @@ class PointForce final : public Force {
 /// @throws std::invalid_argument if the torque is not finite.
 class BodyTorque final : public Force {
  public:
-  BodyTorque(BodyId body, const Vec3& torque, bool follows_body = false)
-      : body_(body), torque_(torque), follows_body_(follows_body) {
-    require_all_finite("torque", torque);
-  }
-  void accumulate(const State& state, std::span<Wrench> wrenches) const override {
-    wrenches[body_.index].torque += follows_body_ ? Vec3(state.poses[body_.index].q * torque_) : torque_;
-  }
+  BodyTorque(BodyId body, const Vec3& torque, bool follows_body = false);
+  void accumulate(const State& state, std::span<Wrench> wrenches) const override;
   std::vector<BodyId> bodies() const override { return {body_}; }
 
  private:
@@ -81,31 +65,9 @@ class BodyTorque final : public Force {
 class SpringDamper final : public Force {
  public:
   SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double stiffness, double rest_length,
-               double damping)
-      : a_(a), b_(b), p_AP_(p_AP), p_BQ_(p_BQ), k_(stiffness), rest_(rest_length), c_(damping) {
-    require_all_finite("spring anchor on A", p_AP);
-    require_all_finite("spring anchor on B", p_BQ);
-    require_not_negative("spring stiffness", stiffness);
-    require_not_negative("spring rest length", rest_length);
-    require_not_negative("spring damping", damping);
-  }
-  void accumulate(const State& state, std::span<Wrench> wrenches) const override {
-    const Vec3 r_A = state.poses[a_.index].q * p_AP_, r_B = state.poses[b_.index].q * p_BQ_;
-    const Vec3 d = (state.poses[b_.index].p - state.poses[a_.index].p) + (r_B - r_A);
-    const double length = d.norm();
-    if (length == 0) return;  // no direction to pull along
-    const Vec3 n = d / length;
-    const double rate = n.dot(state.twists[b_.index].at(r_B) - state.twists[a_.index].at(r_A));
-    const Vec3 on_B = -(k_ * (length - rest_) + c_ * rate) * n;
-    wrenches[b_.index].force += on_B;
-    wrenches[b_.index].torque += r_B.cross(on_B);
-    wrenches[a_.index].force -= on_B;
-    wrenches[a_.index].torque -= r_A.cross(on_B);
-  }
-  double potential_energy(const State& state) const override {
-    const double length = (state.poses[b_.index].point(p_BQ_) - state.poses[a_.index].point(p_AP_)).norm();
-    return 0.5 * k_ * (length - rest_) * (length - rest_);
-  }
+               double damping);
+  void accumulate(const State& state, std::span<Wrench> wrenches) const override;
+  double potential_energy(const State& state) const override;
   bool depends_on_velocity() const override { return c_ > 0; }
   bool conservative() const override { return c_ == 0; }
   std::vector<BodyId> bodies() const override { return {a_, b_}; }
@@ -127,10 +89,8 @@ class ForceCallback final : public Force {
       : function_(std::move(function)), potential_(std::move(potential)), velocity_(depends_on_velocity) {
     if (!function_) fail("force callback", "must be callable", "empty function");
   }
-  void accumulate(const State& state, std::span<Wrench> wrenches) const override {
-    function_(state, wrenches);
-  }
-  double potential_energy(const State& state) const override { return potential_ ? potential_(state) : 0; }
+  void accumulate(const State& state, std::span<Wrench> wrenches) const override;
+  double potential_energy(const State& state) const override;
   bool depends_on_velocity() const override { return velocity_; }
   bool conservative() const override { return potential_ && !velocity_; }
 

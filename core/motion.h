@@ -1,13 +1,10 @@
 #pragma once
 
-#include <cmath>
 #include <functional>
 #include <vector>
 
 #include "core/axis.h"
-#include "core/check.h"
 #include "core/motion_point.h"
-#include "core/spline.h"
 #include "core/state.h"
 
 /// Prescribed motions as functions of time, for drivers.
@@ -15,54 +12,18 @@ namespace taut {
 
 /// value + rate (t − start).
 /// @throws std::invalid_argument if a number is not finite (all of these).
-inline Motion linear_motion(double value, double rate, double start = 0) {
-  require_finite("motion value", value);
-  require_finite("motion rate", rate);
-  require_finite("motion start", start);
-  return [=](double t) { return MotionPoint{value + rate * (t - start), rate, 0}; };
-}
+Motion linear_motion(double value, double rate, double start = 0);
 
 /// mean + amplitude sin(omega t + phase), angles in rad, omega in rad/s.
-inline Motion harmonic_motion(double mean, double amplitude, double omega, double phase = 0) {
-  require_finite("motion mean", mean);
-  require_finite("motion amplitude", amplitude);
-  require_finite("motion omega", omega);
-  require_finite("motion phase", phase);
-  return [=](double t) {
-    const double s = std::sin(omega * t + phase), c = std::cos(omega * t + phase);
-    return MotionPoint{mean + amplitude * s, amplitude * omega * c, -amplitude * omega * omega * s};
-  };
-}
+Motion harmonic_motion(double mean, double amplitude, double omega, double phase = 0);
 
 /// A cubic spline through (time, value), with straight lines before and after it.
 /// @throws std::invalid_argument as CubicSpline.
-inline Motion spline_motion(const std::vector<double>& times, const std::vector<double>& values) {
-  std::vector<Eigen::Matrix<double, 1, 1>> points;
-  for (double v : values) points.emplace_back(v);
-  return [spline = CubicSpline<1>(times, points)](double t) {
-    const auto at = spline.at(t);
-    return MotionPoint{at.value[0], at.first[0], at.second[0]};
-  };
-}
+Motion spline_motion(const std::vector<double>& times, const std::vector<double>& values);
 
 /// A velocity given by points (linear between them, held beyond): `value` at the first point, then its exact
 /// integral.
-inline Motion speed_motion(const Curve& speed, double value) {
-  require_finite("motion value", value);
-  std::vector<double> passed{value};
-  const std::vector<Curve::Point>& p = speed.points();
-  for (std::size_t i = 1; i < p.size(); ++i)
-    passed.push_back(passed.back() + 0.5 * (p[i].y + p[i - 1].y) * (p[i].x - p[i - 1].x));
-  return [speed, passed](double t) {
-    const std::vector<Curve::Point>& points = speed.points();
-    std::size_t i = 0;
-    while (i + 1 < points.size() && t >= points[i + 1].x) ++i;
-    const bool inside = t >= points.front().x && i + 1 < points.size();
-    const double since = t - points[i].x, slope = inside ? speed.slope(t) : 0;
-    return MotionPoint{passed[i] + points[i].y * since + 0.5 * slope * since * since,
-                       points[i].y + slope * since, slope};
-  };
-}
+Motion speed_motion(const Curve& speed, double value);
 
 /// Pose of a body relative to another, with velocity and acceleration: p, ṗ, p̈ and ω, ω̇ in the axes of the
 /// other body.

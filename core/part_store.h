@@ -1,16 +1,38 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
 
-#include "core/axis_parts.h"
+#include "core/so3.h"
 #include "core/state.h"
 
-/// Arrays of row parts of one kind, with the place of their rows: what Rows is made of.
-namespace taut::detail {
+/// What row parts (row_parts.h) are written in terms of, and arrays of parts of one kind with the place of
+/// their rows, which Rows is made of.  A header of parts declares the arrays of its own as compiled beside
+/// their bodies (extern template); for a part without that they are compiled where it is used.
+namespace taut {
+
+/// One row-major block of N rows by 6 columns (ω, v).
+template <int N>
+using JacobianBlock = Eigen::Map<Eigen::Matrix<double, N, 6, Eigen::RowMajor>>;
+
+/// Geometric stiffness that a joint's load gives to one of its bodies: rotation–rotation [N·m/rad] and
+/// translation–translation [N/m] block, symmetric parts.
+struct StiffnessBlocks {
+  Mat3 rotation = Mat3::Zero();
+  Mat3 translation = Mat3::Zero();
+};
+
+/// The value next to `near` among value + k period; an infinite period leaves it alone.
+inline double unwrapped(double value, double near, double period) {
+  if (!std::isfinite(period)) return value;
+  return value + period * std::round((near - value) / period);
+}
+
+namespace detail {
 
 /// The Jacobian blocks of a wide part by side of its joint, each kRows × 6 row-major.
 struct SideBlocks {
@@ -172,4 +194,5 @@ bool is_angular(const Part& part) {
     return Part::kAngular;
 }
 
-}  // namespace taut::detail
+}  // namespace detail
+}  // namespace taut

@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "core/axis.h"
+#include "core/axis_parts.h"
 #include "core/contact_part.h"
 #include "core/part_store.h"
+#include "core/row_parts.h"
 #include "core/state.h"
 
 /// All constraint rows of a World, compiled into contiguous arrays:

@@ -52,20 +52,9 @@ inline Vec3 log_so3(const Quat& q) {
 }
 
 /// Two unit vectors that complete the unit vector z to a right-handed frame (x, y, z).
-inline void complete_frame(const Vec3& z, Vec3& x, Vec3& y) {
-  Eigen::Index smallest;
-  z.cwiseAbs().minCoeff(&smallest);
-  x = z.cross(Vec3::Unit(smallest)).normalized();
-  y = z.cross(x);
-}
+void complete_frame(const Vec3& z, Vec3& x, Vec3& y);
 
 /// Direction of the part of v across the unit vector `axis`; any direction across it where that vanishes.
-inline Vec3 across(const Vec3& v, const Vec3& axis) {
-  const Vec3 part = v - v.dot(axis) * axis;
-  if (part.norm() > 1e-6) return part.normalized();
-  Vec3 x, y;
-  complete_frame(axis, x, y);
-  return x;
-}
+Vec3 across(const Vec3& v, const Vec3& axis);
 
 }  // namespace taut

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -9,6 +9,11 @@
 #include "core/check.h"
 
 namespace taut {
+namespace detail {
+/// Second derivatives of the spline below at its points, one row each [n × dimension].
+Eigen::MatrixXd spline_second_derivatives(const std::vector<double>& t, const Eigen::MatrixXd& points,
+                                          bool closed);
+}  // namespace detail
 
 /// Cubic spline through points at increasing parameters, twice continuously differentiable.  An open one ends
 /// with curvature 0 and goes on straight; a closed one returns to its first point (which is given again as
@@ -25,8 +30,8 @@ class CubicSpline {
   /// @throws std::invalid_argument if there are fewer than two points (three for a closed curve), numbers of
   /// parameters and points differ, one is not finite, parameters do not increase strictly, or the ends of a
   /// closed curve differ.
-  CubicSpline(std::vector<double> parameters, std::vector<Vector> points, bool closed = false)
-      : t_(std::move(parameters)), p_(std::move(points)), closed_(closed) {
+  CubicSpline(std::vector<double> parameters, std::vector<Vector> given_points, bool closed = false)
+      : t_(std::move(parameters)), p_(std::move(given_points)), closed_(closed) {
     const std::size_t least = closed ? 4 : 2;
     if (p_.size() < least) fail("spline", "must have more points", p_.size());
     if (t_.size() != p_.size()) fail("spline", "must have one parameter per point", t_.size());
@@ -38,7 +43,10 @@ class CubicSpline {
     }
     if (closed && p_.front() != p_.back())
       fail("spline", "must end where it starts to be closed", p_.back().transpose());
-    solve_second_derivatives();
+    Eigen::MatrixXd points(p_.size(), Dimension);
+    for (std::size_t i = 0; i < p_.size(); ++i) points.row(i) = p_[i].transpose();
+    const Eigen::MatrixXd m = detail::spline_second_derivatives(t_, points, closed);
+    for (std::size_t i = 0; i < p_.size(); ++i) m_.push_back(m.row(i).transpose());
   }
 
   double first_parameter() const { return t_.front(); }
@@ -69,36 +77,12 @@ class CubicSpline {
   At straight(std::size_t i, const Vector& slope, double beyond) const {
     return {p_[i] + beyond * slope, slope, Vector(Vector::Zero()), Vector(Vector::Zero())};
   }
-  /// h_{i−1} m_{i−1} + 2 (h_{i−1} + h_i) m_i + h_i m_{i+1} = 6 (slope_i − slope_{i−1}), m = second
-  /// derivatives at the points; made once, hence dense.
-  void solve_second_derivatives() {
-    const auto n = static_cast<Eigen::Index>(p_.size());
-    Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, Dimension);
-    const auto add = [&](Eigen::Index row, Eigen::Index before, Eigen::Index here, Eigen::Index after,
-                         double h0, double h1, const Vector& step) {
-      A.row(row).setZero();
-      A(row, before) += h0;
-      A(row, here) += 2 * (h0 + h1);
-      A(row, after) += h1;
-      right.row(row) = 6 * step.transpose();
-    };
-    const auto h = [&](Eigen::Index i) { return t_[i + 1] - t_[i]; };
-    const auto slope = [&](Eigen::Index i) -> Vector { return (p_[i + 1] - p_[i]) / h(i); };
-    for (Eigen::Index i = 1; i + 1 < n; ++i) add(i, i - 1, i, i + 1, h(i - 1), h(i), slope(i) - slope(i - 1));
-    if (closed_) {
-      add(0, n - 2, 0, 1, h(n - 2), h(0), slope(0) - slope(n - 2));
-      A.row(n - 1).setZero();
-      A(n - 1, n - 1) = 1;
-      A(n - 1, 0) = -1;
-    }
-    const Eigen::MatrixXd m = A.partialPivLu().solve(right);
-    for (Eigen::Index i = 0; i < n; ++i) m_.push_back(m.row(i).transpose());
-  }
-
   std::vector<double> t_;
   std::vector<Vector> p_, m_;
   bool closed_ = false;
 };
+
+extern template class CubicSpline<1>;  // motions
+extern template class CubicSpline<3>;  // curves
 
 }  // namespace taut

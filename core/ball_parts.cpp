@@ -1,0 +1,126 @@
+#include "core/ball_parts.h"
+
+#include <cmath>
+
+namespace taut {
+namespace row_parts {
+
+Swing::Directions Swing::directions(const Pose& A, const Pose& B) const {
+  Directions d;
+  d.a = A.q * a_A, d.b = B.q * b_B;
+  const Vec3 n = d.a.cross(d.b);
+  d.sine = n.norm();
+  d.straight = d.sine < 1e-12;
+  Vec3 unused;
+  if (d.straight)
+    complete_frame(d.a, d.j, unused);
+  else
+    d.j = n / d.sine;
+  return d;
+}
+
+void Swing::residual(const Pose& A, const Pose& B, double* theta) const {
+  const Vec3 a = A.q * a_A, b = B.q * b_B;
+  *theta = std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+void Swing::jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
+  const Vec3 j = directions(A, B).j;
+  J_A << -j.transpose(), 0, 0, 0;
+  J_B << j.transpose(), 0, 0, 0;
+}
+
+void Swing::bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const {
+  const Directions d = directions(A, B);
+  *gamma = 0;
+  if (d.straight) return;
+  const Vec3 rate = V_A.w.cross(d.a).cross(d.b) + d.a.cross(V_B.w.cross(d.b));
+  const Vec3 turning = (rate - d.j.dot(rate) * d.j) / d.sine;
+  *gamma = turning.dot(V_B.w - V_A.w);
+}
+
+void Swing::stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
+                      StiffnessBlocks& K_B) const {
+  const Directions d = directions(A, B);
+  if (d.straight) return;
+  const Mat3 across = *lambda / d.sine * (Mat3::Identity() - d.j * d.j.transpose());
+  const Mat3 of_a = across * skew(d.b) * skew(d.a), of_b = across * skew(d.a) * skew(d.b);
+  K_A.rotation += 0.5 * (of_a + of_a.transpose());
+  K_B.rotation += 0.5 * (of_b + of_b.transpose());
+}
+
+std::string Swing::row_name(int) const { return "swing"; }
+
+Vec3 TwistAngle::Directions::j() const { return {(s * y + z * x) / D, (z * y - s * x) / D, 1}; }
+
+Vec3 TwistAngle::Directions::turning(double s1, double x1, double y1, double z1) const {
+  const double D1 = 2 * (s * s1 + z * z1);
+  const Vec3 here = j();
+  return {(s1 * y + s * y1 + z1 * x + z * x1 - D1 * here.x()) / D,
+          (z1 * y + z * y1 - s1 * x - s * x1 - D1 * here.y()) / D, 0};
+}
+
+Vec3 TwistAngle::Directions::turning(const Vec3& w) const {
+  const Vec3 u(x, y, z), rate = 0.5 * (s * w + w.cross(u));
+  return turning(-0.5 * w.dot(u), rate.x(), rate.y(), rate.z());
+}
+
+TwistAngle::Directions TwistAngle::directions(const Pose& A, const Pose& B) const {
+  const Quat q_WF = A.q * q_AF, q = q_WF.conjugate() * (B.q * q_BG);
+  return {q_WF.toRotationMatrix(), q.w(), q.x(), q.y(), q.z(), q.w() * q.w() + q.z() * q.z()};
+}
+
+void TwistAngle::residual(const Pose& A, const Pose& B, double* theta) const {
+  const Directions d = directions(A, B);
+  *theta = 2 * std::atan2(d.s < 0 ? -d.z : d.z, std::abs(d.s));  // the same for q and −q
+}
+
+void TwistAngle::jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
+  const Directions d = directions(A, B);
+  const Vec3 j = d.R_WF * d.j();
+  J_A << -j.transpose(), 0, 0, 0;
+  J_B << j.transpose(), 0, 0, 0;
+}
+
+void TwistAngle::bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const {
+  const Directions d = directions(A, B);
+  const Vec3 w = d.R_WF.transpose() * (V_B.w - V_A.w), w_A = d.R_WF.transpose() * V_A.w;
+  *gamma = d.turning(w).dot(w) - d.j().dot(w_A.cross(w));
+}
+
+void TwistAngle::stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
+                           StiffnessBlocks& K_B) const {
+  const Directions d = directions(A, B);
+  Mat3 turning;
+  for (int k = 0; k < 3; ++k) turning.col(k) = d.turning(Vec3::Unit(k));
+  const Mat3 K = -*lambda * d.R_WF * turning * d.R_WF.transpose();
+  K_A.rotation += 0.5 * (K + K.transpose());
+  K_B.rotation += 0.5 * (K + K.transpose());
+}
+
+std::string TwistAngle::row_name(int) const { return "twist"; }
+
+double Turn::increment(const Pose& A_from, const Pose& B_from, const Pose& A, const Pose& B) const {
+  const Quat before = A_from.q.conjugate() * B_from.q, now = A.q.conjugate() * B.q;
+  return a_A.dot(log_so3(now * before.conjugate()));
+}
+
+void Turn::jacobian(const Pose& A, const Pose&, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
+  const Vec3 a = A.q * a_A;
+  J_A << -a.transpose(), 0, 0, 0;
+  J_B << a.transpose(), 0, 0, 0;
+}
+
+void Turn::bias(const Pose& A, const Pose&, const Twist& V_A, const Twist& V_B, double* gamma) const {
+  *gamma = V_A.w.cross(A.q * a_A).dot(V_B.w);
+}
+
+std::string Turn::row_name(int) const { return "turn about " + direction_name(a_A); }
+
+}  // namespace row_parts
+
+template class detail::PartStore<row_parts::Swing>;
+template class detail::PartStore<row_parts::TwistAngle>;
+template class detail::PartStore<row_parts::Turn>;
+
+}  // namespace taut

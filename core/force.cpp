@@ -1,0 +1,68 @@
+#include "core/force.h"
+
+namespace taut {
+
+PointForce::PointForce(BodyId body, const Vec3& p_BP, const Vec3& force, bool follows_body)
+    : body_(body), p_BP_(p_BP), force_(force), follows_body_(follows_body) {
+  require_all_finite("force point", p_BP);
+  require_all_finite("force", force);
+}
+
+void PointForce::accumulate(const State& state, std::span<Wrench> wrenches) const {
+  const Pose& B = state.poses[body_.index];
+  const Vec3 f = follows_body_ ? Vec3(B.q * force_) : force_;
+  wrenches[body_.index].force += f;
+  wrenches[body_.index].torque += (B.q * p_BP_).cross(f);
+}
+
+double PointForce::potential_energy(const State& state) const {
+  return follows_body_ ? 0 : -force_.dot(state.poses[body_.index].point(p_BP_));
+}
+
+BodyTorque::BodyTorque(BodyId body, const Vec3& torque, bool follows_body)
+    : body_(body), torque_(torque), follows_body_(follows_body) {
+  require_all_finite("torque", torque);
+}
+
+void BodyTorque::accumulate(const State& state, std::span<Wrench> wrenches) const {
+  wrenches[body_.index].torque += follows_body_ ? Vec3(state.poses[body_.index].q * torque_) : torque_;
+}
+
+SpringDamper::SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double stiffness,
+                           double rest_length, double damping)
+    : a_(a), b_(b), p_AP_(p_AP), p_BQ_(p_BQ), k_(stiffness), rest_(rest_length), c_(damping) {
+  require_all_finite("spring anchor on A", p_AP);
+  require_all_finite("spring anchor on B", p_BQ);
+  require_not_negative("spring stiffness", stiffness);
+  require_not_negative("spring rest length", rest_length);
+  require_not_negative("spring damping", damping);
+}
+
+void SpringDamper::accumulate(const State& state, std::span<Wrench> wrenches) const {
+  const Vec3 r_A = state.poses[a_.index].q * p_AP_, r_B = state.poses[b_.index].q * p_BQ_;
+  const Vec3 d = (state.poses[b_.index].p - state.poses[a_.index].p) + (r_B - r_A);
+  const double length = d.norm();
+  if (length == 0) return;  // no direction to pull along
+  const Vec3 n = d / length;
+  const double rate = n.dot(state.twists[b_.index].at(r_B) - state.twists[a_.index].at(r_A));
+  const Vec3 on_B = -(k_ * (length - rest_) + c_ * rate) * n;
+  wrenches[b_.index].force += on_B;
+  wrenches[b_.index].torque += r_B.cross(on_B);
+  wrenches[a_.index].force -= on_B;
+  wrenches[a_.index].torque -= r_A.cross(on_B);
+}
+
+double SpringDamper::potential_energy(const State& state) const {
+  const double length = (state.poses[b_.index].point(p_BQ_) - state.poses[a_.index].point(p_AP_)).norm();
+  return 0.5 * k_ * (length - rest_) * (length - rest_);
+}
+
+void ForceCallback::accumulate(const State& state, std::span<Wrench> wrenches) const {
+  function_(state, wrenches);
+}
+
+double ForceCallback::potential_energy(const State& state) const {
+  return potential_ ? potential_(state) : 0;
+}
+
+}  // namespace taut
