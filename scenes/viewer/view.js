@@ -183,14 +183,14 @@ export class View {
 
   resize() {
     const {clientWidth: width, clientHeight: height} = this.canvas.parentElement;
-    if (!width || !height) return;
+    if (!width || !height || (width === this.width && height === this.height)) return;
     const isTurned = width !== this.width;  // or opened; curves that come and go change the height alone
-    this.width = width;
+    Object.assign(this, {width, height});
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     if (isTurned && !this.isMoved && this.followed === null) this.home();
-    this.render();  // at once: the canvas is blank now
+    if (this.isShown) this.render();  // at once: the canvas is blank now
     this.onchange?.();
   }
 
@@ -199,6 +199,7 @@ export class View {
     const frame = this.recording.nearest(t), before = this.followed === null ? null : this.bodyPosition(this.followed);
     this.recording.poses(t, this.poses);
     if (before) this.moveWith(before);
+    this.isShown = true;
     this.instances.place(this.poses, frame);
     this.instances.colour(mode, frame, scales, {...this.style, selected});
     const length = (scale) => (force) => this.reach * Math.min(force / scale.high, kLongestArrow);
