@@ -10,6 +10,9 @@
 
 #include "core/check.h"
 #include "scenes/accuracy_report.h"
+#include "scenes/child_process.h"
+#include "scenes/convergence_study.h"
+#include "scenes/method_study.h"
 #include "scenes/run_command.h"
 
 namespace taut {
@@ -95,8 +98,46 @@ bool write(const std::optional<std::string>& file, const std::string& text) {
 
 }  // namespace
 
+namespace {
+
+/// Mechanisms of the convergence study.
+const std::vector<std::string> kStudied = {"pendulum_simple_90", "pendulum_spherical",
+                                           "double_pendulum_regular", "heavy_top_geradin_cardona",
+                                           "slider_crank_free"};
+constexpr double kStudyStep = 1e-3, kStudyTime = 5;
+
+/// What --study asks for.
+int study_command(const fs::path& references, const fs::path& folder) {
+  fs::create_directories(folder);
+  const std::vector<ConvergenceRun> convergence = run_convergence(references, kStudied);
+  const std::vector<MethodRun> methods = run_methods(kStudyStep, kStudyTime);
+  const std::string tables =
+      "# Convergence\n\nLargest position error [m] against the reference; one step is one step, whatever the "
+      "tension.\n\n" +
+      convergence_table(convergence) +
+      "\n# Methods\n\nSteps of 1 ms for 5 s; errors of energy relative to what the mechanism can turn "
+      "over.\n\n" +
+      methods_table(methods);
+  std::cout << tables << std::flush;
+  const fs::path script = folder / "study.gp";
+  bool good = write((folder / "study.md").string(), tables);
+  good = write((folder / "convergence.csv").string(), convergence_csv(convergence)) && good;
+  good = write((folder / "methods.csv").string(), methods_csv(methods)) && good;
+  good = write(script.string(), convergence_plots(convergence, folder.string()) +
+                                    methods_plots(methods, folder.string())) &&
+         good;
+  if (!good) return kExitFailure;
+  const ChildResult plots = run_child("/usr/bin/env", {"gnuplot", script.string()}, false, 60);
+  fs::remove(script);
+  if (!plots.good()) std::cerr << "taut accuracy: no pictures: gnuplot " << plots.message() << '\n';
+  return kExitSuccess;
+}
+
+}  // namespace
+
 int accuracy_command(const AccuracyOptions& options) {
   const fs::path folder = options.references.empty() ? default_references() : fs::path(options.references);
+  if (!options.study.empty()) return study_command(folder, options.study);
   std::vector<fs::path> files = reference::case_files(folder);
   std::erase_if(files,
                 [&](const fs::path& f) { return f.stem().string().find(options.only) == std::string::npos; });

@@ -15,6 +15,7 @@ struct AccuracyOptions {
   std::optional<FactorChoice> factor;
   int jobs = 0;          ///< cases that run at the same time; 0: as many as the machine has cores
   bool summary = false;  ///< a line per case in place of one per quantity
+  std::string study;     ///< folder for the comparison of methods and the convergence study; empty: cases
   /// Files for JSON and CSV; "-" is the standard output, in place of the table; none: not written.
   std::optional<std::string> json, csv;
 };

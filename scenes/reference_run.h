@@ -28,10 +28,10 @@ enum class Verdict {
 };
 const char* to_string(Verdict verdict);
 
-/// What became of one quantity.
 /// Reason of a quantity that has no probe.
 inline constexpr const char* kNoProbe = "the file does not say how to measure it";
 
+/// What became of one quantity.
 struct Measurement {
   std::string name{};
   std::optional<double> time{};

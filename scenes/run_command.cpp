@@ -113,6 +113,9 @@ Scene prepared_scene(const RunOptions& options) {
   if (options.tension) scene.settings.tension = *options.tension;
   if (options.drift_cure) scene.settings.drift_cure = *options.drift_cure;
   if (options.factor) scene.settings.factor = *options.factor;
+  if (options.solver) scene.settings.solver = *options.solver;
+  if (options.iterations) scene.settings.iterations = *options.iterations;
+  if (options.relaxation) scene.settings.relaxation = *options.relaxation;
   return scene;
 }
 

@@ -23,6 +23,9 @@ struct RunOptions {
   std::optional<TensionPolicy> tension;
   std::optional<DriftCure> drift_cure;
   std::optional<FactorChoice> factor;
+  std::optional<Solver> solver;
+  std::optional<int> iterations;
+  std::optional<double> relaxation;
   std::string report_file, csv_file, poses_file, record_file;  ///< empty: none
   double poses_interval = 0;                                   ///< [s]; 0: every step
   ExportFiles exports;            ///< made from the recording; its csv is not used

@@ -30,6 +30,12 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   number("penalty_frequency", &JsonNode::positive, s.penalty_frequency);
   number("penalty_damping_ratio", &JsonNode::not_negative, s.penalty_damping_ratio);
   choice("factor", kFactorNames, s.factor);
+  choice("solver", kSolverNames, s.solver);
+  integer("iterations", s.iterations);
+  number("relaxation", &JsonNode::positive, s.relaxation);
+  s.contacts = object.get("contacts", &JsonNode::boolean, s.contacts);
+  number("contact_margin", &JsonNode::not_negative, s.contact_margin);
+  number("resting_speed", &JsonNode::not_negative, s.resting_speed);
   s.report_energy = object.get("report_energy", &JsonNode::boolean, s.report_energy);
   object.reject_unknown_keys();
   return s;

@@ -32,6 +32,13 @@ inline constexpr std::pair<const char*, FactorChoice> kFactorNames[] = {
     {"multifrontal", FactorChoice::kMultifrontal},
 };
 
+inline constexpr std::pair<const char*, Solver> kSolverNames[] = {
+    {"direct", Solver::kDirect},
+    {"gauss-seidel", Solver::kGaussSeidel},
+    {"pairwise", Solver::kPairwise},
+    {"propagation", Solver::kPropagation},
+};
+
 /// The name of a value in its table, or "".
 template <typename Choice, std::size_t count>
 const char* name_of(Choice choice, const std::pair<const char*, Choice> (&names)[count]) {

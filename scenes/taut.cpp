@@ -76,6 +76,12 @@ void add_run(CLI::App& app, Arguments& arguments) {
   add_choice(run, "--drift-cure", options.drift_cure, taut::kDriftCureNames,
              "what keeps the joints of a force-level integrator closed");
   add_choice(run, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
+  add_choice(run, "--solver", options.solver, taut::kSolverNames,
+             "how impulses are found: with the factor, or one after the other, to compare with");
+  run.add_option("--iterations", options.iterations, "sweeps of an iterative solver per stage, default 50")
+      ->type_name("NUMBER");
+  run.add_option("--relaxation", options.relaxation, "over-relaxation of gauss-seidel, between 0 and 2")
+      ->type_name("NUMBER");
   run.add_option("--report", options.report_file, "write a JSON report")->type_name("FILE");
   run.add_option("--csv", options.csv_file, "write the probes over time, a line per step")->type_name("FILE");
   run.add_option("--poses", options.poses_file, "write the poses of all bodies over time")->type_name("FILE");
@@ -112,6 +118,11 @@ void add_accuracy(CLI::App& app, Arguments& arguments) {
   add_choice(accuracy, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
   accuracy.add_option("--jobs", options.jobs, "cases at the same time; default: one per core");
   accuracy.add_flag("--summary", options.summary, "print a line per case, and what failed");
+  accuracy
+      .add_option("--study", options.study,
+                  "in place of the cases: convergence of all integrators and a comparison of methods, as "
+                  "tables and pictures")
+      ->type_name("DIR");
   add_output(accuracy, "--json", options.json, "write JSON, without FILE in place of the table");
   add_output(accuracy, "--csv", options.csv, "write CSV, without FILE in place of the table");
 }

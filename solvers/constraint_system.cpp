@@ -150,7 +150,7 @@ void ConstraintSystem::mask_weighted() {
 void ConstraintSystem::factorize(StageTimes& times) {
   {
     const Stopwatch watch(times.assembly);
-    system_->weight(rows_, jacobian_, roots_, weighted_);
+    weigh();
   }
   shifted_ = shift_next_;
   assemble_and_factorize(times);
@@ -181,7 +181,7 @@ void ConstraintSystem::keep_count(StageTimes& times) {
 /// dependence: 10⁸ ε for a bridge of 1000 hinges.  No threshold tells such pivots from small independent
 /// ones, but two shifts do: the former follow the shift, the latter stay.
 void ConstraintSystem::factorize_for_counting(StageTimes& times) {
-  system_->weight(rows_, jacobian_, roots_, weighted_);
+  weigh();
   const double shift = tolerance_.shift;
   shifted_ = shift_next_ = true;
   assemble_and_factorize(times);

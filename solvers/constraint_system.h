@@ -85,6 +85,8 @@ class ConstraintSystem {
   void clear_bounded_rows(std::span<double> values) const;
   /// States of the present factor; empty if all rows are free.
   std::span<const double> factored_states() const { return factored_states_; }
+  /// W = J A alone, for solvers without a factor.
+  void weigh() { system_->weight(rows_, jacobian_, roots_, weighted_); }
   /// S from J and the roots, and its factor.  Sets rank_deficiency() and condition_estimate().
   void factorize(StageTimes& times);
 
@@ -102,7 +104,7 @@ class ConstraintSystem {
   /// out = S x through W: (W Wᵀ) x, with all rows whatever their state.
   void multiply(std::span<const double> x, std::span<double> out);
 
-  /// W = J A of the last factorize(), laid out like the Jacobian.
+  /// W = J A of the last factorize() or weigh(), laid out like the Jacobian.
   std::span<const double> weighted() const { return weighted_; }
   /// The diagonal was multiplied by one plus this before the last factorisation.
   double factored_shift() const { return std::max(compliance_, shifted_ ? tolerance_.shift : 0.0); }

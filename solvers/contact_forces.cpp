@@ -217,26 +217,28 @@ void ContactForces::mask(std::span<double> states, double rho, std::span<const d
 }
 
 void ContactForces::answer(std::span<const double> x, std::span<double> y) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) answer(static_cast<int>(k), x, y);
+}
+
+void ContactForces::answer(int k, std::span<const double> x, std::span<double> y) const {
   const auto into_disc = [&](int row, const Vec2& given, double bound) {
     Vec2 tau = given + Vec2(x[row], x[row + 1]);
     if (tau.norm() > bound) tau *= bound / tau.norm();
     y[row] = tau[0] - given[0];
     y[row + 1] = tau[1] - given[1];
   };
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Point& point = points_[k];
-    const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
-    std::fill_n(y.begin() + row, count, 0.0);
-    if (!works(static_cast<int>(k))) continue;
-    const Material& material = set_.places()[k].material;
-    y[row] = std::max(-point.back, x[row]);
-    const double normal = point.back + y[row];
-    into_disc(row + 1, point.sliding.given, friction_bound(static_cast<int>(k), normal));
-    if (count == 3) continue;
-    const double arm = material.spinning_friction * normal;
-    y[row + 3] = std::clamp(point.spin_given + x[row + 3], -arm, arm) - point.spin_given;
-    into_disc(row + 4, point.rolling.given, material.rolling_friction * normal);
-  }
+  const Point& point = points_[k];
+  const int row = first_row_[k], count = has_twist(k) ? 6 : 3;
+  std::fill_n(y.begin() + row, count, 0.0);
+  if (!works(k)) return;
+  const Material& material = set_.places()[k].material;
+  y[row] = std::max(-point.back, x[row]);
+  const double normal = point.back + y[row];
+  into_disc(row + 1, point.sliding.given, friction_bound(k, normal));
+  if (count == 3) return;
+  const double arm = material.spinning_friction * normal;
+  y[row + 3] = std::clamp(point.spin_given + x[row + 3], -arm, arm) - point.spin_given;
+  into_disc(row + 4, point.rolling.given, material.rolling_friction * normal);
 }
 
 void ContactForces::friction_laws(int k, std::span<RowLaw> laws) const {

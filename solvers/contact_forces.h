@@ -59,6 +59,8 @@ class ContactForces {
   void targets(std::span<double> target) const;
   void mask(std::span<double> states, double rho, std::span<const double> diagonal) const;
   void answer(std::span<const double> x, std::span<double> y) const;
+  /// The same in the rows of one place.
+  void answer(int place, std::span<const double> x, std::span<double> y) const;
   /// Largest distance of impulses from what Signorini's and Coulomb's laws answer to them and the rates, the
   /// natural map [√J]; 0 where rates are met to the tolerance.
   double error(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) const;

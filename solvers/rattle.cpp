@@ -42,7 +42,8 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       has_drivers_(system.rows().depends_on_time()),
       axes_(world, system.rows()),
       contacts_(world, settings),
-      splitting_(system) {
+      splitting_(system),
+      iteration_(system) {
   active_.emplace(system);
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})
@@ -58,6 +59,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   stiffness_.resize(bodies);
   filter_rotation_.resize(bodies);
   filter_translation_.resize(bodies);
+  if (iterative()) absorbed_.resize(bodies);
 }
 
 void Rattle::start(const State& state, StepReport& report) {
@@ -70,6 +72,7 @@ void Rattle::start(const State& state, StepReport& report) {
   for (int b = 0; b < world_.body_count(); ++b)
     momenta_[b] = system_.mass().momentum(b, state_.poses[b], state_.twists[b]);
   linearize_and_factorize(report);
+  if (iterative()) return start_iterative();
   const Stopwatch watch(report.times.velocities);
   project_momenta(report, mu_);
   world_.forces(state_, forces_);
@@ -96,6 +99,7 @@ void Rattle::linearize_and_factorize(StepReport& report) {
     system_.linearize(state_);
     system_.set_mass(state_.poses);
     inverse_mass_.set(system_.mass_roots());
+    if (iterative()) return system_.weigh();
   }
   system_.factorize(report.times);
 }
@@ -112,7 +116,9 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     predict_multipliers(h);
   }
   if (bounded()) begin_bounds(h);
-  if (!(bounded() ? close_bounded_positions(h, report) : close_positions(h, report))) {
+  if (!(iterative() ? stabilize_positions(h, report)
+        : bounded() ? close_bounded_positions(h, report)
+                    : close_positions(h, report))) {
     forget_impacts(false);
     restore(report);
     return Outcome::kStalled;
@@ -140,7 +146,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   start_time_ = state_.time;
   state_.time += h;
   if (!contacts_.empty()) find_contacts();
-  if (bounded()) active_->prepare(laws_, delta_, lambda_);
+  if (bounded() && !iterative()) active_->prepare(laws_, delta_, lambda_);
   linearize_and_factorize(report);
   refactored_ = false;
   if (!close_velocities(h, report)) {
@@ -159,7 +165,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   keep_multipliers(h);
   if (breaking_.any_due() && breaking_.due(state_.time)) {
     release_overloaded();
-    system_.factorize(report.times);
+    if (!iterative()) system_.factorize(report.times);
   }
   ++report.substeps;
   const Stopwatch watch(report.times.velocities);
@@ -221,7 +227,9 @@ void Rattle::roll_back(StepReport& report) {
 /// Where a direction is held so weakly that μ leans on it and still was not exact, λ starts from 0.
 void Rattle::predict_multipliers(double h) {
   const int rows = system_.row_count();
-  if (system_.singular()) {
+  if (iterative()) {
+    for (int r = 0; r < rows; ++r) lambda_[r] = history_ > 0 ? h / last_h_ * start_mu_[r] : 0;
+  } else if (system_.singular()) {
     // Those of contacts are held within their cones.
     const bool from_mu = history_ > 0 && !bounded() && steps_from_zero_ == 0;
     steps_from_zero_ = std::max(steps_from_zero_ - 1, 0);
@@ -249,6 +257,7 @@ void Rattle::kick_and_drift(double h) {
     const MassMatrix::Body& body = system_.mass()[b];
     if (body.fixed) continue;
     kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + system_.rows().wrench_on(b, J, lambda_);
+    if (iterative()) kicked_[b] = kicked_[b] - absorbed_[b];
     if (implicit_) {
       kicked_[b].torque = filter_rotation_[b] * kicked_[b].torque;
       kicked_[b].force = filter_translation_[b] * kicked_[b].force;
@@ -333,7 +342,7 @@ bool Rattle::close_velocities(double h, StepReport& report) {
       if (inverse_mass_.moves(b)) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
     if (!bounded())
       project_momenta(report, mu_);
-    else if (!project_bounded_momenta(report))
+    else if (!(iterative() ? stabilize_velocities(report) : project_bounded_momenta(report)))
       return false;
     if (!world_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.

@@ -12,6 +12,7 @@
 #include "solvers/constraint_system.h"
 #include "solvers/contact_forces.h"
 #include "solvers/contact_splitting.h"
+#include "solvers/impulse_iteration.h"
 #include "solvers/settings.h"
 #include "solvers/step_report.h"
 
@@ -98,7 +99,9 @@ class Rattle {
   void refactor_at_iterate(double h, StepReport& report);
   bool close_velocities(double h, StepReport& report);
   void project_momenta(StepReport& report, std::span<double> mu);
-  bool bounded() const { return !axes_.empty() || !contacts_.empty(); }
+  bool iterative() const { return settings_.solver != Solver::kDirect; }
+  /// Rows have laws of their own, or are to be solved one by one.
+  bool bounded() const { return iterative() || !axes_.empty() || !contacts_.empty(); }
   bool struck() const { return axes_.struck() || contacts_.struck(); }
   void clear_loose_rows(std::span<double> rows) const;
   bool break_joints(double h, StepReport& report);
@@ -124,7 +127,13 @@ class Rattle {
   template <typename Laws>
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report);
   bool split(std::span<double> lambda, double rate_tolerance, StepReport& report);
+  bool stabilize_positions(double h, StepReport& report);
+  bool stabilize_velocities(StepReport& report);
+  bool iterate(std::span<double> lambda, int sweeps, double rate_tolerance, StepReport& report);
+  void start_iterative();
   bool project_bounded_momenta(StepReport& report);
+  void begin_velocities();
+  void end_velocities(StepReport& report);
   void mean_rates(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const double> jacobian,
                   std::span<double> out);
   void keep_first_kick();
@@ -188,7 +197,9 @@ class Rattle {
   double horizon_ = 0;
   std::optional<ActiveSet> active_;
   ContactSplitting splitting_;
-  int splittings_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
+  ImpulseIteration iteration_;
+  std::vector<Wrench> absorbed_;  // momentum that bodies held fast did not take in this stage
+  int splittings_left_ = 0;       // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;
   std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, row_scratch_;

@@ -198,8 +198,8 @@ bool Rattle::split(std::span<double> lambda, double rate_tolerance, StepReport& 
   return outcome.converged;
 }
 
-/// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
-bool Rattle::project_bounded_momenta(StepReport& report) {
+/// Rates and laws of the second kick.
+void Rattle::begin_velocities() {
   // A first guess for its pieces: the impulses of the first kick.
   std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
   system_.rows().residual(end_of_step(0), phi_);
@@ -211,19 +211,31 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   renew_velocity_laws();
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
+}
+
+/// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
+bool Rattle::project_bounded_momenta(StepReport& report) {
+  begin_velocities();
   if (!solve_laws(
           mu_, 0.1 * settings_.velocity_tolerance, [&] { renew_velocity_laws(); }, report))
     return false;
-  for (int b = 0; b < world_.body_count(); ++b)
-    if (inverse_mass_.moves(b))
-      momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), mu_);
+  end_velocities(report);
+  return report.velocity_residual <= settings_.velocity_tolerance;
+}
+
+/// The momenta that μ leads to, and what is left of their rates.
+void Rattle::end_velocities(StepReport& report) {
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (!inverse_mass_.moves(b)) continue;
+    momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), mu_);
+    if (iterative()) momenta_[b] = momenta_[b] - absorbed_[b];
+  }
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
   std::copy(velocity_rows_.begin(), velocity_rows_.end(), rates_.begin());
   clear_loose_rows(velocity_rows_);
   report.velocity_residual = max_abs(velocity_rows_);
-  return report.velocity_residual <= settings_.velocity_tolerance;
 }
 
 /// The first kick for the books, at the pose where it acted.

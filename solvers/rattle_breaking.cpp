@@ -19,7 +19,7 @@ bool Rattle::break_joints(double h, StepReport& report) {
   roll_back(report);
   if (!now) return true;
   release_overloaded();
-  system_.factorize(report.times);
+  if (!iterative()) system_.factorize(report.times);
   return true;
 }
 

@@ -13,7 +13,7 @@ namespace taut {
 void Rattle::update_step_limit(std::span<const double> force_multipliers) {
   step_limit_ = std::numeric_limits<double>::infinity();
   omega_ = 0;
-  if (settings_.tension != TensionPolicy::kIgnore) {
+  if (settings_.tension != TensionPolicy::kIgnore && !iterative()) {  // whose multipliers are no measure
     for (StiffnessBlocks& block : stiffness_) block = {};
     system_.rows().stiffness(state_, force_multipliers, stiffness_);
     omega_ = fastest_transverse_frequency(system_.mass_roots(), stiffness_);

@@ -36,6 +36,17 @@ enum class FactorChoice {
   kMultifrontal,  ///< taut's own LLᵀ
 };
 
+/// How the impulses of a stage are found: by the factor and the active set, or, to compare with, by impulses
+/// on one joint or contact after the other (solvers/impulse_iteration.h), with RATTLE's two stages as
+/// stabilisation of positions before the drift and of velocities after it [Weinstein2006].  These take each
+/// step as it is: how open the joints are is in the report, and no failure.
+enum class Solver {
+  kDirect,
+  kGaussSeidel,  ///< projected Gauss–Seidel, over-relaxed by `relaxation`
+  kPairwise,     ///< joint by joint, the most violated first
+  kPropagation,  ///< joint by joint from the ground upwards, at last with what lies below held fast
+};
+
 struct Settings {
   Integrator integrator = Integrator::kRattle;
 
@@ -60,6 +71,9 @@ struct Settings {
   double resting_speed = 1e-3;    ///< [m/s] slower impacts have no restitution
 
   FactorChoice factor = FactorChoice::kAuto;
+  Solver solver = Solver::kDirect;
+  int iterations = 50;    ///< sweeps of an iterative solver over all joints and contacts, per stage
+  double relaxation = 1;  ///< ω of kGaussSeidel, between 0 and 2
   /// Energies, momenta and the work of the constraint forces in each report.
   bool report_energy = true;
 };

@@ -43,6 +43,14 @@ void check_settings(const Settings& s) {
   require_not_negative("settings resting_speed", s.resting_speed);
   require_not_negative("settings erp", s.erp);
   require_not_negative("settings cfm", s.cfm);
+  if (s.iterations < 1) fail("settings iterations", "must be at least 1", s.iterations);
+  if (!(s.relaxation > 0 && s.relaxation < 2))
+    fail("settings relaxation", "must be between 0 and 2", s.relaxation);
+  if (s.solver != Solver::kDirect && s.integrator != Integrator::kRattle)
+    fail("settings integrator", "must be RATTLE of order 2 with an iterative solver",
+         static_cast<int>(s.integrator));
+  if (s.solver != Solver::kDirect && s.tension == TensionPolicy::kImplicit)
+    fail("settings tension", "must not be implicit with an iterative solver", static_cast<int>(s.tension));
   require_positive("settings penalty_frequency", s.penalty_frequency);
   require_not_negative("settings penalty_damping_ratio", s.penalty_damping_ratio);
 }
@@ -416,7 +424,7 @@ void Simulator::Impl::assemble() {
 void Simulator::Impl::compute_reactions() {
   refresh();
   if (reaction_version_ == world_.state_version()) return;
-  if (rattle_ && !rattle_->axes().empty()) {
+  if (rattle_ && (!rattle_->axes().empty() || !rattle_->contacts().empty())) {
     const std::span<const double> multipliers = rattle_->force_multipliers();
     reaction_multipliers_.assign(multipliers.begin(), multipliers.end());
     reaction_version_ = world_.state_version();
@@ -534,6 +542,8 @@ const Settings& Simulator::settings() const { return impl_->settings_; }
 
 std::string Simulator::solver_description() const {
   if (impl_->topology_version_ != impl_->world_.topology_version()) impl_->refresh();
+  if (impl_->settings_.solver != Solver::kDirect)
+    return "iterative impulses, " + std::to_string(impl_->settings_.iterations) + " sweeps a stage";
   return impl_->system_->factor().name() + ", " + blas_name() +
          (CholmodFactor::has_supernodal() ? "" : ", CHOLMOD without its GPL modules");
 }

@@ -17,9 +17,10 @@ inline std::string probe(const std::string& keys) { return two_bodies(R"("probes
 
 inline std::vector<BadScene> bad_top_level() {
   const std::string known_settings =
-      R"("cfm", "drift_cure", "erp", "factor", "integrator", "max_newton_iterations", "max_rotation", )"
-      R"("max_substeps", "max_tension_number", "penalty_damping_ratio", "penalty_frequency", )"
-      R"("position_tolerance", "report_energy", "tension", "velocity_tolerance")";
+      R"("cfm", "contact_margin", "contacts", "drift_cure", "erp", "factor", "integrator", "iterations", )"
+      R"("max_newton_iterations", "max_rotation", "max_substeps", "max_tension_number", )"
+      R"("penalty_damping_ratio", "penalty_frequency", "position_tolerance", "relaxation", "report_energy", )"
+      R"("resting_speed", "solver", "tension", "velocity_tolerance")";
   return {
       {"[]", "/", "must be an object", "[]"},
       {"{}", "/", R"("format" is missing)", ""},

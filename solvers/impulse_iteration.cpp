@@ -1,0 +1,315 @@
+#include "solvers/impulse_iteration.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+namespace taut {
+namespace {
+
+/// Sweeps over a level before it is taken as immovable.
+constexpr int kLevelSweeps = 10;
+/// Joints of more rows are solved row by row.
+constexpr int kMostRows = 6;
+/// Part of S added to the diagonal of a joint's own block, whose rows may depend on each other.
+constexpr double kShift = 1e-12;
+
+using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
+using BlockVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1>;
+using SixRow = Eigen::Map<const Eigen::Matrix<double, 1, 6>>;
+
+}  // namespace
+
+IterationOutcome ImpulseIteration::solve(const ContactForces& contacts, std::span<const RowLaw> laws,
+                                         std::span<const double> b, std::span<double> lambda,
+                                         std::span<double> w, const IterationLimits& limits,
+                                         std::span<Wrench> absorbed) {
+  const bool by_rows = limits.order == Solver::kGaussSeidel;
+  const Problem problem{contacts, laws, b, lambda, by_rows ? limits.relaxation : 1, absorbed};
+  gather(problem);
+  IterationOutcome outcome;
+  if (limits.order == Solver::kPropagation) find_levels();
+  if (limits.order == Solver::kPairwise) {
+    work_off_queue(problem, limits, outcome);
+  } else {
+    while (outcome.sweeps < limits.sweeps && !outcome.converged) {
+      outcome.residual = sweep(problem, by_rows);
+      ++outcome.sweeps;
+      outcome.converged = outcome.residual <= limits.tolerance;
+    }
+    if (limits.order == Solver::kPropagation && !outcome.converged) propagate(problem);
+  }
+  for (int r = 0; r < system_.row_count(); ++r) w[r] = rate(problem, r);
+  return outcome;
+}
+
+/// Sides of rows, S_rr and Wᵀ λ.
+void ImpulseIteration::gather(const Problem& problem) {
+  const Rows& rows = system_.rows();
+  const double* W = system_.weighted().data();
+  row_start_.assign(1, 0);
+  row_sides_.clear();
+  for (const Rows::JointRows& joint : rows.joints())
+    for (int i = 0; i < joint.row_count; ++i) {
+      for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
+        if (!system_.mass()[rows.sides()[s].body].fixed)
+          row_sides_.push_back({rows.sides()[s].body, rows.sides()[s].offset + 6 * i});
+      row_start_.push_back(static_cast<int>(row_sides_.size()));
+    }
+  diagonal_.resize(rows.row_count());
+  frozen_.assign(rows.body_count(), 0);
+  bodies_.assign(6 * static_cast<std::size_t>(rows.body_count()), 0.0);
+  for (auto* values : {&target_, &scratch_, &answer_}) values->assign(rows.row_count(), 0.0);
+  problem.contacts.targets(target_);
+  for (int r = 0; r < rows.row_count(); ++r) {
+    diagonal_[r] = own(r);
+    for (int s = row_start_[r]; s < row_start_[r + 1]; ++s)
+      for (int k = 0; k < 6; ++k)
+        bodies_[6 * row_sides_[s].body + k] += W[row_sides_[s].offset + k] * problem.lambda[r];
+  }
+  order_.resize(rows.joints().size());
+  for (std::size_t k = 0; k < order_.size(); ++k) order_[k] = static_cast<int>(k);
+}
+
+/// w_r.
+double ImpulseIteration::rate(const Problem& problem, int row) const {
+  const double* W = system_.weighted().data();
+  double w = problem.b[row];
+  for (int s = row_start_[row]; s < row_start_[row + 1]; ++s)
+    w += SixRow(W + row_sides_[s].offset).dot(SixRow(&bodies_[6 * row_sides_[s].body]));
+  return w;
+}
+
+/// S_rr of the bodies that move.
+double ImpulseIteration::own(int row) const {
+  const double* W = system_.weighted().data();
+  double sum = 0;
+  for (int s = row_start_[row]; s < row_start_[row + 1]; ++s)
+    if (!frozen_[row_sides_[s].body]) sum += SixRow(W + row_sides_[s].offset).squaredNorm();
+  return sum;
+}
+
+void ImpulseIteration::change(const Problem& problem, int row, double by) {
+  const double* W = system_.weighted().data();
+  problem.lambda[row] += by;
+  for (int s = row_start_[row]; s < row_start_[row + 1]; ++s) {
+    const auto [body, offset] = row_sides_[s];
+    if (frozen_[body]) {
+      const double* J = system_.jacobian().data() + offset;
+      problem.absorbed[body].torque += by * Vec3(J[0], J[1], J[2]);
+      problem.absorbed[body].force += by * Vec3(J[3], J[4], J[5]);
+    } else {
+      for (int k = 0; k < 6; ++k) bodies_[6 * body + k] += by * W[offset + k];
+    }
+  }
+}
+
+/// What a row by itself answers, relaxed.
+double ImpulseIteration::next_of(const Problem& problem, int row, double own) const {
+  const double s = own / problem.relaxation;
+  return problem.laws[row].resolve(s, rate(problem, row) - s * problem.lambda[row]).lambda;
+}
+
+/// Each relax…() returns the largest change √S_rr |δλ_r|.
+double ImpulseIteration::relax_row(const Problem& problem, int row) {
+  const double s = own(row);
+  if (!(s > 0)) return 0;
+  const double by = next_of(problem, row, s) - problem.lambda[row];
+  if (by != 0) change(problem, row, by);
+  return std::sqrt(s) * std::abs(by);
+}
+
+/// Normal, sliding, spinning and rolling friction in turn, each with the normal impulse of then.
+double ImpulseIteration::relax_contact(const Problem& problem, int block) {
+  const Rows::JointRows& rows = system_.rows().joints()[block];
+  const int place = block - system_.rows().contact_joint(0), first = rows.first_row;
+  double largest = 0;
+  const auto part = [&](int from, int count) {
+    double s = 0;
+    for (int r = from; r < from + count; ++r) s = std::max(s, own(r));
+    if (!(s > 0)) return;
+    for (int r = first; r < first + rows.row_count; ++r) scratch_[r] = problem.lambda[r];
+    for (int r = from; r < from + count; ++r)
+      scratch_[r] -= problem.relaxation * (rate(problem, r) - target_[r]) / s;
+    problem.contacts.answer(place, scratch_, answer_);
+    for (int r = from; r < from + count; ++r) {
+      const double by = answer_[r] - problem.lambda[r];
+      if (by != 0) change(problem, r, by);
+      largest = std::max(largest, std::sqrt(s) * std::abs(by));
+    }
+  };
+  part(first, 1);
+  part(first + 1, 2);
+  if (rows.row_count == 3) return largest;
+  part(first + 3, 1);
+  part(first + 4, 2);
+  return largest;
+}
+
+/// Its equality rows at once, S_jj δ = target − w, then the rows of its axes one by one.
+double ImpulseIteration::relax_joint(const Problem& problem, int block) {
+  const Rows::JointRows& rows = system_.rows().joints()[block];
+  const int first = rows.first_row, count = rows.equality_count;
+  const bool together =
+      count <= kMostRows && std::none_of(problem.laws.begin() + first, problem.laws.begin() + first + count,
+                                         [](const RowLaw& law) { return law.bounded(); });
+  double largest = 0;
+  if (together && count > 0) {
+    const double* W = system_.weighted().data();
+    Block S = Block::Zero(count, count);
+    BlockVector off(count);
+    for (int i = 0; i < count; ++i) {
+      off[i] = problem.laws[first + i].rate(1) - rate(problem, first + i);
+      for (int j = 0; j <= i; ++j)
+        for (int s = row_start_[first + i], t = row_start_[first + j]; s < row_start_[first + i + 1];
+             ++s, ++t)
+          if (!frozen_[row_sides_[s].body])
+            S(i, j) += SixRow(W + row_sides_[s].offset).dot(SixRow(W + row_sides_[t].offset));
+    }
+    if (!(S.diagonal().minCoeff() > 0)) return 0;  // nothing moves
+    const BlockVector root = S.diagonal().cwiseSqrt();
+    S.diagonal() *= 1 + kShift;
+    const BlockVector by = S.ldlt().solve(off);
+    if (!by.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+    for (int i = 0; i < count; ++i) change(problem, first + i, by[i]);
+    largest = root.cwiseProduct(by).cwiseAbs().maxCoeff();
+  }
+  for (int r = first + (together ? count : 0); r < first + rows.row_count; ++r)
+    largest = std::max(largest, relax_row(problem, r));
+  return largest;
+}
+
+double ImpulseIteration::relax(const Problem& problem, int block) {
+  return system_.rows().is_contact(system_.rows().joints()[block].first_row) ? relax_contact(problem, block)
+                                                                             : relax_joint(problem, block);
+}
+
+double ImpulseIteration::sweep(const Problem& problem, bool by_rows) {
+  double largest = 0;
+  for (int block : order_) {
+    const Rows::JointRows& rows = system_.rows().joints()[block];
+    if (rows.row_count == 0) continue;
+    double size = 0;
+    if (by_rows && !system_.rows().is_contact(rows.first_row)) {
+      for (int r = rows.first_row; r < rows.first_row + rows.row_count; ++r)
+        size = std::max(size, relax_row(problem, r));
+    } else {
+      size = relax(problem, block);
+    }
+    if (!(size <= largest)) largest = size;
+    if (std::isnan(largest)) break;
+  }
+  return largest;
+}
+
+/// How far a joint or contact is from its laws: the largest √S_rr |δλ_r| that its rows by themselves ask for.
+double ImpulseIteration::violation(const Problem& problem, int block) {
+  const Rows::JointRows& rows = system_.rows().joints()[block];
+  const int first = rows.first_row;
+  double largest = 0;
+  if (!system_.rows().is_contact(first)) {
+    for (int r = first; r < first + rows.row_count; ++r)
+      if (diagonal_[r] > 0)
+        largest = std::max(largest, std::sqrt(diagonal_[r]) *
+                                        std::abs(next_of(problem, r, diagonal_[r]) - problem.lambda[r]));
+    return largest;
+  }
+  for (int r = first; r < first + rows.row_count; ++r) {
+    const double s = diagonal_[r] > 0 ? diagonal_[r] : 1;
+    scratch_[r] = problem.lambda[r] - (rate(problem, r) - target_[r]) / s;
+  }
+  problem.contacts.answer(block - system_.rows().contact_joint(0), scratch_, answer_);
+  for (int r = first; r < first + rows.row_count; ++r)
+    largest = std::max(largest, std::sqrt(diagonal_[r]) * std::abs(answer_[r] - problem.lambda[r]));
+  return largest;
+}
+
+/// The most violated first; an impulse changes what its neighbours ask for.
+void ImpulseIteration::work_off_queue(const Problem& problem, const IterationLimits& limits,
+                                      IterationOutcome& outcome) {
+  struct Entry {
+    double violation;
+    int block, stamp;
+    bool operator<(const Entry& other) const { return violation < other.violation; }
+  };
+  const Rows& rows = system_.rows();
+  std::priority_queue<Entry> queue;
+  stamp_.assign(order_.size(), 0);
+  const auto enter = [&](int block) {
+    if (rows.joints()[block].row_count == 0) return;
+    const double size = violation(problem, block);
+    ++stamp_[block];
+    if (size > limits.tolerance) queue.push({size, block, stamp_[block]});
+  };
+  for (int block : order_) enter(block);
+  const long most = static_cast<long>(limits.sweeps) * static_cast<long>(order_.size());
+  long impulses = 0;
+  while (!queue.empty() && impulses < most) {
+    const Entry worst = queue.top();
+    queue.pop();
+    if (worst.stamp != stamp_[worst.block]) continue;
+    outcome.residual = relax(problem, worst.block);
+    ++impulses;
+    if (std::isnan(outcome.residual)) break;
+    const Rows::JointRows& joint = rows.joints()[worst.block];
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
+      const int body = rows.sides()[s].body;
+      if (system_.mass()[body].fixed) continue;
+      for (int side : rows.sides_of(body)) enter(rows.sides()[side].joint);
+    }
+  }
+  outcome.sweeps = static_cast<int>((impulses + order_.size() - 1) / std::max<std::size_t>(order_.size(), 1));
+  outcome.converged = queue.empty() && !std::isnan(outcome.residual);
+}
+
+/// Least number of joints and contacts between each body and what does not move.
+void ImpulseIteration::find_levels() {
+  const Rows& rows = system_.rows();
+  constexpr int kNone = std::numeric_limits<int>::max();
+  level_.assign(rows.body_count(), kNone);
+  std::vector<int> front;
+  for (const Rows::Side& side : rows.sides())
+    if (system_.mass()[side.body].fixed && level_[side.body] == kNone) {
+      level_[side.body] = 0;
+      front.push_back(side.body);
+    }
+  for (std::size_t next = 0; next < front.size(); ++next)
+    for (int s : rows.sides_of(front[next])) {
+      const Rows::JointRows& joint = rows.joints()[rows.sides()[s].joint];
+      for (int t = joint.first_side; t < joint.first_side + joint.side_count; ++t) {
+        const int body = rows.sides()[t].body;
+        if (level_[body] != kNone) continue;
+        level_[body] = level_[front[next]] + 1;
+        front.push_back(body);
+      }
+    }
+  std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) { return level_of(a) < level_of(b); });
+}
+
+/// The highest level of its bodies.
+int ImpulseIteration::level_of(int block) const {
+  const Rows::JointRows& joint = system_.rows().joints()[block];
+  int level = 0;
+  for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
+    level = std::max(level, level_[system_.rows().sides()[s].body]);
+  return level;
+}
+
+/// Level by level upwards, each on top of those below as if they could not move.
+void ImpulseIteration::propagate(const Problem& problem) {
+  const Rows& rows = system_.rows();
+  for (std::size_t from = 0, to; from < order_.size(); from = to) {
+    const int level = level_of(order_[from]);
+    for (to = from; to < order_.size() && level_of(order_[to]) == level;) ++to;
+    if (level == std::numeric_limits<int>::max()) return;  // nothing holds these
+    for (int pass = 0; pass < kLevelSweeps; ++pass)
+      for (std::size_t k = from; k < to; ++k)
+        if (rows.joints()[order_[k]].row_count > 0) (void)relax(problem, order_[k]);
+    for (int b = 0; b < rows.body_count(); ++b)
+      if (level_[b] <= level) frozen_[b] = 1;
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solvers/constraint_system.h"
+#include "solvers/contact_forces.h"
+#include "solvers/row_law.h"
+#include "solvers/settings.h"
+
+namespace taut {
+
+struct IterationLimits {
+  Solver order = Solver::kGaussSeidel;
+  int sweeps = 50;        ///< at most; as many blocks as the system has count as one
+  double relaxation = 1;  ///< ω of successive over-relaxation
+  double tolerance = 0;   ///< of the residual [√J]
+};
+
+struct IterationOutcome {
+  int sweeps = 0;
+  double residual = 0;  ///< largest √S_rr |change of λ_r| in the last sweep [√J]
+  bool converged = false;
+};
+
+/// The iterative alternatives to factor and active set: w = S λ + b with the law of each row, by impulses on
+/// one joint or contact after the other, each of which mends that one while all others rest.
+///
+///   kGaussSeidel   row by row, projected, over-relaxed by ω
+///   kPairwise      a whole joint or contact at once, the one that is violated most always first
+///   kPropagation   the same from the ground upwards; at last level by level, with all levels below as if of
+///                  infinite mass, which take no impulse [Guendelman2003]
+///
+/// All but the last phase of kPropagation keep momenta.                 (solvers/README, "Iterative
+/// impulses")
+class ImpulseIteration {
+ public:
+  explicit ImpulseIteration(const ConstraintSystem& system) : system_(system) {}
+
+  /// S = W Wᵀ with the W of the system's last weigh().  `lambda`: a start, then the result; `w`: its rates.
+  /// What bodies of levels below did not take is added to `absorbed`: momenta change by Jᵀλ − absorbed.
+  IterationOutcome solve(const ContactForces& contacts, std::span<const RowLaw> laws,
+                         std::span<const double> b, std::span<double> lambda, std::span<double> w,
+                         const IterationLimits& limits, std::span<Wrench> absorbed);
+
+ private:
+  struct Problem {
+    const ContactForces& contacts;
+    std::span<const RowLaw> laws;
+    std::span<const double> b;
+    std::span<double> lambda;
+    double relaxation;
+    std::span<Wrench> absorbed;
+  };
+  struct RowSide {
+    int body, offset;
+  };
+
+  void gather(const Problem& problem);
+  double rate(const Problem& problem, int row) const;
+  double own(int row) const;
+  void change(const Problem& problem, int row, double by);
+  double next_of(const Problem& problem, int row, double own) const;
+  double relax_row(const Problem& problem, int row);
+  double relax_contact(const Problem& problem, int block);
+  double relax_joint(const Problem& problem, int block);
+  double relax(const Problem& problem, int block);
+  double violation(const Problem& problem, int block);
+  double sweep(const Problem& problem, bool by_rows);
+  void work_off_queue(const Problem& problem, const IterationLimits& limits, IterationOutcome& outcome);
+  void find_levels();
+  int level_of(int block) const;
+  void propagate(const Problem& problem);
+
+  const ConstraintSystem& system_;
+  std::vector<int> row_start_;
+  std::vector<RowSide> row_sides_;
+  std::vector<double> diagonal_, bodies_;  // S_rr; Wᵀ λ, 6 numbers a body
+  std::vector<double> target_, scratch_, answer_;
+  std::vector<char> frozen_;        // bodies
+  std::vector<int> level_, order_;  // of bodies; blocks by level
+  std::vector<int> stamp_;          // of blocks: older entries of the queue are void
+};
+
+}  // namespace taut
