@@ -11,6 +11,12 @@
 
 namespace taut {
 
+/// A point that a wire or rod passes, from the centre of mass of its body in body axes.
+struct WirePoint {
+  BodyId body;
+  Vec3 p_BP = Vec3::Zero();
+};
+
 /// A joint between body A and body B, and for some types further bodies, described once and then immutable.
 /// A type is one header in core/joints: its constructor checks the input, append_rows() lists the row parts
 /// it is made of and append_axes() the coordinates that it leaves free. Nothing else knows the type.
@@ -28,6 +34,10 @@ class Joint {
   virtual void append_axes(AxisSink&) const {}
   /// Point of B (from its centre of mass, body axes) about which the reaction torque is reported.
   virtual Vec3 reaction_point_B() const = 0;
+
+  /// The straight sections that a joint over a distance consists of, from end to end: rods, ropes, wires.
+  /// Empty for joints whose bodies meet.
+  virtual std::vector<WirePoint> course() const { return {}; }
 
   /// One more than the highest entry of State::axes that its rows read (couplings of axes); 0 for most.
   virtual int axes_needed() const { return 0; }

@@ -21,11 +21,7 @@ void append_contacts(const Simulator& simulator, std::vector<ContactSample>& sam
 }  // namespace
 
 FrameSampler::FrameSampler(const Scene& scene)
-    : scene_(scene),
-      rows_(scene.world),
-      probes_(scene.probes),
-      contacts_(append_contacts),
-      phi_(rows_.row_count()) {}
+    : scene_(scene), gaps_(scene.world), probes_(scene.probes), contacts_(append_contacts) {}
 
 RecordingHeader FrameSampler::header(double frames_per_second) const {
   const World& world = scene_.world;
@@ -43,8 +39,8 @@ RecordingHeader FrameSampler::header(double frames_per_second) const {
   for (int j = 0; j < world.joint_count(); ++j) {
     const JointId id{j};
     const Joint& joint = world.joint(id);
-    header.joints.push_back(
-        {world.name(id), std::string(joint.type()), joint.a(), joint.b(), joint.reaction_point_B()});
+    header.joints.push_back({world.name(id), std::string(joint.type()), joint.a(), joint.b(),
+                             joint.reaction_point_B(), joint.course()});
   }
   using Group = RecordedScalar::Group;
   header.scalars = {{"kinetic energy", "J", Group::kEnergy},
@@ -68,16 +64,16 @@ Frame FrameSampler::sample(Simulator& simulator) {
   frame.poses = state.poses;
   frame.twists = state.twists;
 
-  rows_.residual(state, phi_);
-  const std::vector<Gap> gaps = joint_gaps(rows_, phi_);
+  const std::vector<Gap> gaps = gaps_.all(world);
   const bool has_stepped = simulator.report().dt > 0;
   for (int j = 0; j < world.joint_count(); ++j) {
     const JointId id{j};
-    frame.joints.push_back({has_stepped ? simulator.mean_reaction(id) : simulator.reaction(id), gaps[j]});
+    frame.joints.push_back(
+        {has_stepped ? simulator.mean_reaction(id) : simulator.reaction(id), gaps[j], world.is_attached(id)});
   }
   if (contacts_) contacts_(simulator, frame.contacts);
 
-  const Gap largest = max_gap(rows_, phi_);
+  const Gap largest = gaps_.largest(world);
   frame.scalars = {kinetic_energy(world, state), world.potential_energy(state), largest.metres,
                    largest.radians};
   const std::vector<double>& values = probes_.sample(simulator);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "collision/contact.h"
-#include "core/rows.h"
+#include "scenes/gap_meter.h"
 #include "scenes/recorder.h"
 #include "scenes/recording.h"
 #include "scenes/scene.h"
@@ -34,10 +34,9 @@ class FrameSampler {
 
  private:
   const Scene& scene_;
-  Rows rows_;
+  GapMeter gaps_;
   Recorder probes_;
   ContactSource contacts_;
-  std::vector<double> phi_;
 };
 
 }  // namespace taut

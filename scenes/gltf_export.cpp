@@ -106,6 +106,48 @@ int add_node(Model& model, int parent, const std::string& name, const Pose& pose
   return index;
 }
 
+/// A node per section of the rods, ropes and wires: a cylinder of length 1 along z, which the animation
+/// places and stretches.
+struct WireNodes {
+  struct Section {
+    std::size_t joint;
+    WirePoint from, to;
+    int node;
+  };
+  std::vector<Section> sections;
+
+  static constexpr double kThickness = 0.004;  ///< diameter, part of the longest section at the start
+
+  /// Pose and length at a frame; a section of a detached joint has no length.
+  static std::pair<Pose, double> place(const Section& section, const Frame& frame) {
+    const Vec3 from = frame.poses[section.from.body.index].point(section.from.p_BP);
+    const Vec3 d = frame.poses[section.to.body.index].point(section.to.p_BP) - from;
+    const double length = frame.joints[section.joint].attached ? d.norm() : 0;
+    const Quat turn = Quat::FromTwoVectors(Vec3::UnitZ(), d.norm() > 0 ? d : Vec3(Vec3::UnitZ()));
+    return {{turn, from + d / 2}, length};
+  }
+};
+
+WireNodes add_wires(Model& model, BufferBuilder& buffer, const RecordingHeader& header, const Frame& start) {
+  WireNodes wires;
+  double longest = 0;
+  for (std::size_t j = 0; j < header.joints.size(); ++j)
+    for (std::size_t i = 1; i < header.joints[j].course.size(); ++i) {
+      wires.sections.push_back({j, header.joints[j].course[i - 1], header.joints[j].course[i], -1});
+      longest = std::max(longest, WireNodes::place(wires.sections.back(), start).second);
+    }
+  if (wires.sections.empty()) return wires;
+  const int material = add_material(model, "wire", {0.2, 0.2, 0.22, 1});
+  const Cylinder unit{std::max(WireNodes::kThickness / 2 * longest, 1e-6), 1};
+  const int mesh = add_mesh(model, buffer, unit, material, 8);
+  for (WireNodes::Section& section : wires.sections) {
+    const auto [pose, length] = WireNodes::place(section, start);
+    section.node = add_node(model, model.scenes[0].nodes[0], header.joints[section.joint].name, pose, mesh);
+    model.nodes[section.node].scale = {1, 1, length};
+  }
+  return wires;
+}
+
 /// The nodes of all bodies, with their shapes below them.  @returns the node of each body.
 std::vector<int> add_bodies(Model& model, BufferBuilder& buffer, const RecordingHeader& header,
                             const Frame& start) {
@@ -143,36 +185,51 @@ void add_channel(tinygltf::Animation& animation, int node, const char* path, int
   animation.channels.push_back(channel);
 }
 
+/// What moves a node: a number of floats per instant for each.
+struct Track {
+  std::vector<float> positions, rotations, scales;
+
+  void add(const Pose& pose) {
+    for (int i = 0; i < 3; ++i) positions.push_back(static_cast<float>(pose.p[i]));
+    Eigen::Vector4f q = pose.q.coeffs().cast<float>();
+    // The shorter way from quaternion to quaternion.
+    if (!rotations.empty() && q.dot(Eigen::Map<Eigen::Vector4f>(rotations.data() + rotations.size() - 4)) < 0)
+      q = -q;
+    for (int i = 0; i < 4; ++i) rotations.push_back(q[i]);
+  }
+  void write(BufferBuilder& buffer, tinygltf::Animation& animation, int node, int times) const {
+    add_channel(animation, node, "translation", times, buffer.floats(positions, TINYGLTF_TYPE_VEC3));
+    add_channel(animation, node, "rotation", times, buffer.floats(rotations, TINYGLTF_TYPE_VEC4));
+    if (!scales.empty())
+      add_channel(animation, node, "scale", times, buffer.floats(scales, TINYGLTF_TYPE_VEC3));
+  }
+};
+
 void add_animation(Model& model, BufferBuilder& buffer, RecordingReader& recording,
-                   const std::vector<int>& nodes) {
-  const std::size_t bodies = nodes.size();
+                   const std::vector<int>& nodes, const WireNodes& wires) {
   std::vector<float> times;
-  std::vector<std::vector<float>> positions(bodies), rotations(bodies);
+  std::vector<Track> bodies(nodes.size()), sections(wires.sections.size());
   for (int f = 0; f < recording.frame_count(); ++f) {
     const Frame& frame = recording.frame(f);
     const auto time = static_cast<float>(frame.time - recording.time(0));
     if (!times.empty() && time <= times.back()) continue;  // glTF wants ascending times
     times.push_back(time);
-    for (std::size_t b = 1; b < bodies; ++b) {
-      const Pose& pose = frame.poses[b];
-      for (int i = 0; i < 3; ++i) positions[b].push_back(static_cast<float>(pose.p[i]));
-      Eigen::Vector4f q = pose.q.coeffs().cast<float>();
-      // The shorter way from quaternion to quaternion.
-      if (!rotations[b].empty() &&
-          q.dot(Eigen::Map<Eigen::Vector4f>(rotations[b].data() + rotations[b].size() - 4)) < 0)
-        q = -q;
-      for (int i = 0; i < 4; ++i) rotations[b].push_back(q[i]);
+    for (std::size_t b = 1; b < bodies.size(); ++b) bodies[b].add(frame.poses[b]);
+    for (std::size_t s = 0; s < sections.size(); ++s) {
+      const auto [pose, length] = WireNodes::place(wires.sections[s], frame);
+      sections[s].add(pose);
+      const float thickness = length > 0 ? 1 : 0;
+      sections[s].scales.insert(sections[s].scales.end(), {thickness, thickness, static_cast<float>(length)});
     }
   }
   if (times.size() < 2) return;
   const int input = buffer.floats(times, TINYGLTF_TYPE_SCALAR);
   tinygltf::Animation animation;
   animation.name = "simulation";
-  for (std::size_t b = 1; b < bodies; ++b) {
-    if (recording.header().bodies[b].fixed) continue;
-    add_channel(animation, nodes[b], "translation", input, buffer.floats(positions[b], TINYGLTF_TYPE_VEC3));
-    add_channel(animation, nodes[b], "rotation", input, buffer.floats(rotations[b], TINYGLTF_TYPE_VEC4));
-  }
+  for (std::size_t b = 1; b < bodies.size(); ++b)
+    if (!recording.header().bodies[b].fixed) bodies[b].write(buffer, animation, nodes[b], input);
+  for (std::size_t s = 0; s < sections.size(); ++s)
+    sections[s].write(buffer, animation, wires.sections[s].node, input);
   if (!animation.channels.empty()) model.animations.push_back(animation);
 }
 
@@ -187,7 +244,8 @@ bool write_gltf(RecordingReader& recording, const std::filesystem::path& file) {
   model.defaultScene = 0;
   BufferBuilder buffer(model);
   const std::vector<int> nodes = add_bodies(model, buffer, recording.header(), recording.frame(0));
-  add_animation(model, buffer, recording, nodes);
+  const WireNodes wires = add_wires(model, buffer, recording.header(), recording.frame(0));
+  add_animation(model, buffer, recording, nodes, wires);
   std::ofstream out(file, std::ios::binary);
   return tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true) && out.flush();
 }

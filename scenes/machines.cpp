@@ -163,6 +163,7 @@ Scene build_crane(const Parameters& parameters) {
   scene.duration = 8;
   World& world = scene.world;
   const Vec3 foot(0, 0, 1), tip(8, 0, 7), mast(-2, 0, 8), axis = Vec3::UnitY();
+  draw(scene, kGround, {Cylinder{0.15, mast.z()}, {Quat::Identity(), {mast.x(), 0, mast.z() / 2}}});
   const BodyId boom = add_rod(scene, "boom", foot, tip, 0.2, 800);
   world.add("boom_foot", Hinge::at(world, kGround, boom, foot, axis));
   world.add("luffing_rope", Rope::between(world, kGround, boom, mast, tip));

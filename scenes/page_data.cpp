@@ -4,7 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "scenes/byte_order.h"
+#include "scenes/page_columns.h"
+#include "scenes/page_contacts.h"
 #include "scenes/shape_json.h"
 #include "scenes/shape_mesh.h"
 
@@ -12,61 +13,33 @@ namespace taut {
 namespace {
 
 using Json = nlohmann::json;
-using Words = std::vector<std::uint16_t>;
 
-/// Columns one behind the other, each with its place in the description.
-class ColumnWriter {
+/// Which joints are detached in which frames.
+class DetachedJoints {
  public:
-  explicit ColumnWriter(PageData& data) : data_(data) { data_.description["columns"] = Json::object(); }
-
-  template <typename Number>
-  void plain(const char* name, const std::vector<Number>& values) {
-    begin(name, values.size());
-    for (const Number value : values) append_little(data_.bytes, value);
+  explicit DetachedJoints(std::size_t joints) : since_(joints, -1) {}
+  void add(const Frame& frame) {
+    for (std::size_t j = 0; j < since_.size(); ++j) {
+      if (!frame.joints[j].attached && since_[j] < 0) since_[j] = frames_;
+      if (frame.joints[j].attached && since_[j] >= 0) end(j);
+    }
+    ++frames_;
   }
-  /// 16-bit words of all frames as differences to what the last `order` frames predict (0: they stay, 1: they
-  /// go on as they went), modulo 2¹⁶, low bytes first and then high bytes.
-  void predicted(const char* name, const Words& words, std::size_t per_frame, int order) {
-    begin(name, words.size());
-    data_.description["columns"][name]["order"] = order;
-    data_.description["columns"][name]["per_frame"] = per_frame;
-    Words rest(words);
-    for (int pass = 0; pass < order; ++pass)
-      for (std::size_t i = rest.size(); i-- > per_frame;)
-        rest[i] = static_cast<std::uint16_t>(rest[i] - rest[i - per_frame]);
-    for (const int shift : {0, 8})
-      for (const std::uint16_t word : rest) data_.bytes += static_cast<char>(word >> shift & 255);
+  /// [[joint, first frame, frame after the last], ...]
+  Json spans() {
+    for (std::size_t j = 0; j < since_.size(); ++j)
+      if (since_[j] >= 0) end(j);
+    return spans_;
   }
 
  private:
-  void begin(const char* name, std::size_t count) {
-    while (data_.bytes.size() % 8 != 0) data_.bytes += '\0';
-    data_.description["columns"][name] = {{"offset", data_.bytes.size()}, {"count", count}};
+  void end(std::size_t j) {
+    spans_.push_back({j, since_[j], frames_});
+    since_[j] = -1;
   }
-  PageData& data_;
-};
-
-/// Numbers of one kind as halves of their largest absolute value; 8 bits of mantissa are kept.
-struct HalfColumn {
-  std::vector<float> values;
-  void add(double value) { values.push_back(std::isfinite(value) ? static_cast<float>(value) : 0.0f); }
-  void add(const Vec3& v) {
-    for (int i = 0; i < 3; ++i) add(v[i]);
-  }
-  bool is_zero() const {
-    return std::all_of(values.begin(), values.end(), [](float value) { return value == 0; });
-  }
-  void write(ColumnWriter& columns, Json& description, const char* name, std::size_t per_frame) const {
-    if (is_zero()) return;
-    float scale = 0;
-    for (const float value : values) scale = std::max(scale, std::abs(value));
-    Words words;
-    words.reserve(values.size());
-    for (const float value : values)
-      words.push_back(static_cast<std::uint16_t>((half_float(value / scale) + 2) & ~3));
-    columns.predicted(name, words, per_frame, 1);
-    description["columns"][name]["scale"] = scale;
-  }
+  std::vector<int> since_;
+  int frames_ = 0;
+  Json spans_ = Json::array();
 };
 
 /// Positions on a grid of 65,535 steps over each body's own way, and quaternions as 16-bit numbers whose sign
@@ -132,6 +105,15 @@ Json shape_description(const Shape& shape) {
   return {{"type", "mesh"}, {"positions", positions}, {"indices", indices}};
 }
 
+/// [[body, x, y, z], ...]
+Json course_to_json(const std::vector<WirePoint>& course) {
+  Json json = Json::array();
+  for (const WirePoint& point : course)
+    json.push_back({point.body.index, static_cast<float>(point.p_BP.x()), static_cast<float>(point.p_BP.y()),
+                    static_cast<float>(point.p_BP.z())});
+  return json;
+}
+
 Json describe(const RecordingHeader& header) {
   Json d{{"scene", header.scene},
          {"parameters", header.parameters},
@@ -144,12 +126,11 @@ Json describe(const RecordingHeader& header) {
     bodies["mass"].push_back(body.mass);
     bodies["fixed"].push_back(body.fixed ? 1 : 0);
   }
-  joints = {{"name", Json::array()},
-            {"type", Json::array()},
-            {"a", Json::array()},
-            {"b", Json::array()},
-            {"anchor", Json::array()}};
-  for (const RecordedJoint& joint : header.joints) {
+  joints = {{"name", Json::array()}, {"type", Json::array()},   {"a", Json::array()},
+            {"b", Json::array()},    {"anchor", Json::array()}, {"course", Json::array()}};
+  for (std::size_t j = 0; j < header.joints.size(); ++j) {
+    const RecordedJoint& joint = header.joints[j];
+    if (!joint.course.empty()) joints["course"].push_back({j, course_to_json(joint.course)});
     joints["name"].push_back(joint.name);
     joints["type"].push_back(joint.type);
     joints["a"].push_back(joint.a.index);
@@ -176,45 +157,31 @@ Json describe(const RecordingHeader& header) {
   return d;
 }
 
-void add_contacts(const Frame& frame, std::vector<std::uint32_t>& counts, std::vector<std::uint32_t>& bodies,
-                  std::vector<float>& numbers) {
-  counts.push_back(static_cast<std::uint32_t>(frame.contacts.size()));
-  for (const ContactSample& contact : frame.contacts) {
-    bodies.push_back(static_cast<std::uint32_t>(contact.a.index));
-    bodies.push_back(static_cast<std::uint32_t>(contact.b.index));
-    for (const Vec3& v : {contact.position, contact.normal, contact.force})
-      for (int i = 0; i < 3; ++i) numbers.push_back(static_cast<float>(v[i]));
-  }
+/// Of the first, the middle and the last frame: how many contacts there are, about.
+std::size_t most_contacts(RecordingReader& recording) {
+  std::size_t most = 0;
+  const int last = recording.frame_count() - 1;
+  for (const int f : {0, last / 2, last})
+    if (f >= 0) most = std::max(most, recording.frame(f).contacts.size());
+  return most;
 }
 
 }  // namespace
-
-std::uint16_t half_float(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  const auto sign = static_cast<std::uint16_t>(bits >> 16 & 0x8000);
-  const float magnitude = std::abs(value);
-  if (!(magnitude < 65520)) return static_cast<std::uint16_t>(sign | (std::isnan(value) ? 0x7e00 : 0x7c00));
-  if (magnitude < 0x1p-14f)  // subnormal: multiples of 2⁻²⁴
-    return static_cast<std::uint16_t>(sign | std::lrint(magnitude * 0x1p24f));
-  int exponent;
-  const float mantissa = std::frexp(magnitude, &exponent);             // in [½, 1)
-  const auto rounded = static_cast<int>(std::lrint(mantissa * 2048));  // 1024 … 2048; a carry is right too
-  return static_cast<std::uint16_t>(sign | (((exponent + 14) << 10) + rounded - 1024));
-}
 
 PageData page_data(RecordingReader& recording, std::size_t limit) {
   PageData data;
   const RecordingHeader& header = recording.header();
   data.description = describe(header);
   const std::size_t bodies = header.bodies.size() - 1, joints = header.joints.size();
-  const std::size_t per_frame = 16 * bodies + 16 * joints + 8 * header.scalars.size();
+  const std::size_t per_frame = 16 * bodies + 16 * joints + 8 * header.scalars.size() +
+                                ContactColumns::kBytes * most_contacts(recording);
   data.stride = static_cast<int>(1 + per_frame * recording.frame_count() / limit);
 
   std::vector<double> times, scalars;
   PoseColumns poses(bodies, recording.frame_count() / data.stride + 1);
   HalfColumn speed, force, torque, gap, gap_angle;
-  std::vector<std::uint32_t> contact_counts, contact_bodies;
-  std::vector<float> contact_numbers;
+  ContactColumns contacts;
+  DetachedJoints detached(joints);
   for (int f = 0; f < recording.frame_count(); f += data.stride) {
     const Frame& frame = recording.frame(f);
     times.push_back(frame.time);
@@ -227,21 +194,21 @@ PageData page_data(RecordingReader& recording, std::size_t limit) {
       gap.add(joint.gap.metres);
       gap_angle.add(joint.gap.radians);
     }
-    add_contacts(frame, contact_counts, contact_bodies, contact_numbers);
+    contacts.add(frame);
+    detached.add(frame);
   }
   data.description["frames"] = times.size();
-  ColumnWriter columns(data);
+  ColumnWriter columns(data.description, data.bytes);
   columns.plain("time", times);
   columns.plain("scalars", scalars);
   poses.write(columns);
-  speed.write(columns, data.description, "speed", bodies);
-  force.write(columns, data.description, "force", 3 * joints);
-  torque.write(columns, data.description, "torque", 3 * joints);
-  gap.write(columns, data.description, "gap", joints);
-  gap_angle.write(columns, data.description, "gap_angle", joints);
-  columns.plain("contact_count", contact_counts);
-  columns.plain("contact_bodies", contact_bodies);
-  columns.plain("contact_numbers", contact_numbers);
+  speed.write(columns, "speed", bodies);
+  force.write(columns, "force", 3 * joints);
+  torque.write(columns, "torque", 3 * joints);
+  gap.write(columns, "gap", joints);
+  gap_angle.write(columns, "gap_angle", joints);
+  contacts.write(columns);
+  data.description["detached"] = detached.spans();
   return data;
 }
 

@@ -17,7 +17,4 @@ struct PageData {
 /// @param limit [bytes] before compression
 PageData page_data(RecordingReader& recording, std::size_t limit = 400'000'000);
 
-/// IEEE 754 binary16, rounded to nearest; overflow gives infinity.
-std::uint16_t half_float(float value);
-
 }  // namespace taut

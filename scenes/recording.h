@@ -20,7 +20,8 @@ struct RecordedBody {
 struct RecordedJoint {
   std::string name, type;
   BodyId a, b;
-  Vec3 anchor_B = Vec3::Zero();  ///< where its wrench acts: from the centre of mass of B, body axes [m]
+  Vec3 anchor_B = Vec3::Zero();     ///< where its wrench acts: from the centre of mass of B, body axes [m]
+  std::vector<WirePoint> course{};  ///< of rods, ropes and wires: their sections go from point to point
 };
 
 /// A shape to draw: index into RecordingHeader::shapes, at the pose X_BS in its body.
@@ -51,10 +52,11 @@ struct RecordingHeader {
 };
 
 /// Force and torque of a joint on its body B, world axes, the torque about its anchor, and how far it is
-/// open.
+/// open.  One that is detached, or broken, has none of these.
 struct JointSample {
   Reaction wrench;
   Gap gap;
+  bool attached = true;
 };
 
 /// A contact of bodies A and B.

@@ -11,6 +11,7 @@ namespace {
 // Numbers of a frame in each column.
 constexpr std::size_t kPoseNumbers = 7, kTwistNumbers = 6, kJointNumbers = 8;
 constexpr std::size_t kContactWords = 11;
+constexpr double kDetached = -1;  // in place of the gap, which is a length
 
 struct Counts {
   std::uint32_t frames = 0, bodies = 0, joints = 0, scalars = 0;  // bodies without the ground
@@ -160,7 +161,7 @@ std::string encode_frames(std::span<const Frame> frames) {
     for (const JointSample& joint : frame.joints) {
       append(joints, joint.wrench.force);
       append(joints, joint.wrench.torque);
-      append_float(joints, joint.gap.metres);
+      append_float(joints, joint.attached ? joint.gap.metres : kDetached);
       append_float(joints, joint.gap.radians);
     }
   }
@@ -217,6 +218,8 @@ std::optional<std::vector<Frame>> decode_frames(std::string_view raw, const Reco
       sample.wrench.torque = joint.vector();
       sample.gap.metres = joint.number();
       sample.gap.radians = joint.number();
+      sample.attached = sample.gap.metres != kDetached;
+      if (!sample.attached) sample.gap = {};
     }
   }
   if (!read_contacts(bytes, frames, static_cast<int>(header.bodies.size())) || !bytes.at_end())

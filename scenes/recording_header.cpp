@@ -32,6 +32,20 @@ BodyId body_from_json(const Json& json, std::size_t count) {
   return {index};
 }
 
+Json course_to_json(const std::vector<WirePoint>& course) {
+  Json json = Json::array();
+  for (const WirePoint& point : course)
+    json.push_back({point.body.index, point.p_BP.x(), point.p_BP.y(), point.p_BP.z()});
+  return json;
+}
+
+std::vector<WirePoint> course_from_json(const Json& json, std::size_t body_count) {
+  std::vector<WirePoint> course;
+  for (const Json& point : json)
+    course.push_back({body_from_json(point.at(0), body_count), Vec3(point.at(1), point.at(2), point.at(3))});
+  return course;
+}
+
 void read_bodies_and_joints(const Json& json, RecordingHeader& header) {
   for (const Json& body : json.at("bodies"))
     header.bodies.push_back({body.at("name"), body.at("mass"), body.at("fixed")});
@@ -39,7 +53,9 @@ void read_bodies_and_joints(const Json& json, RecordingHeader& header) {
   for (const Json& joint : json.at("joints"))
     header.joints.push_back(
         {joint.at("name"), joint.at("type"), body_from_json(joint.at("a"), header.bodies.size()),
-         body_from_json(joint.at("b"), header.bodies.size()), vector_from_json(joint.at("anchor"))});
+         body_from_json(joint.at("b"), header.bodies.size()), vector_from_json(joint.at("anchor")),
+         joint.contains("course") ? course_from_json(joint.at("course"), header.bodies.size())
+                                  : std::vector<WirePoint>()});
 }
 
 }  // namespace
@@ -54,12 +70,14 @@ std::string encode_header(const RecordingHeader& header) {
   for (const char* list : {"bodies", "joints", "scalars", "shapes", "drawn"}) json[list] = Json::array();
   for (const RecordedBody& body : header.bodies)
     json["bodies"].push_back({{"name", body.name}, {"mass", body.mass}, {"fixed", body.fixed}});
-  for (const RecordedJoint& joint : header.joints)
+  for (const RecordedJoint& joint : header.joints) {
     json["joints"].push_back({{"name", joint.name},
                               {"type", joint.type},
                               {"a", joint.a.index},
                               {"b", joint.b.index},
                               {"anchor", vector_to_json(joint.anchor_B)}});
+    if (!joint.course.empty()) json["joints"].back()["course"] = course_to_json(joint.course);
+  }
   for (const RecordedScalar& scalar : header.scalars)
     json["scalars"].push_back({{"name", scalar.name}, {"unit", scalar.unit}, {"group", scalar.group}});
   for (const Shape& shape : header.shapes) json["shapes"].push_back(shape_to_json(shape));

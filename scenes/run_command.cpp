@@ -9,6 +9,7 @@
 
 #include "core/check.h"
 #include "core/clock.h"
+#include "scenes/gap_meter.h"
 #include "scenes/interrupt.h"
 #include "scenes/pose_trace.h"
 #include "scenes/progress_bar.h"
@@ -118,21 +119,6 @@ Scene prepared_scene(const RunOptions& options) {
   return scene;
 }
 
-/// Largest joint error from the poses alone, independent of what the solver reports.
-class GapMeter {
- public:
-  explicit GapMeter(const World& world) : rows_(world), phi_(rows_.row_count()) {}
-  Gap measure(const State& state) {
-    rows_.residual(state, phi_);
-    return max_gap(rows_, phi_);
-  }
-  int row_count() const { return rows_.row_count(); }
-
- private:
-  Rows rows_;
-  std::vector<double> phi_;
-};
-
 /// Steps until the end, a failure or a signal.
 void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder, Outputs& outputs,
                bool quiet) {
@@ -149,7 +135,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     const double seconds = seconds_since(start);
     const double energy =
         simulator.settings().report_energy ? report.energy() : total_energy(world, world.state());
-    const Gap gap = meter.measure(world.state());
+    const Gap gap = meter.largest(world);
     record.add(report, seconds, gap, energy);
     if (!report.ok()) {
       record.status = to_string(report.status);

@@ -14,6 +14,11 @@ class JointBetween final : public Joint {
   std::string_view type() const override { return joint_->type(); }
   void append_rows(RowSink& rows) const override { joint_->append_rows(rows); }
   Vec3 reaction_point_B() const override { return joint_->reaction_point_B(); }
+  std::vector<WirePoint> course() const override {
+    std::vector<WirePoint> points = joint_->course();
+    for (WirePoint& point : points) point.body = point.body == joint_->a() ? a() : b();
+    return points;
+  }
 
  private:
   std::shared_ptr<const Joint> joint_;

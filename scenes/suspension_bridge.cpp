@@ -80,6 +80,10 @@ Scene build(const Parameters& parameters) {
         world.add(numbered("hanger", k), Rope::between(world, cable[k], planks[k], shape.node(k), seam(k)));
     world.set_break(hanger, BreakLimits{.force = parameters.at("strength") * kPlankMass * kGravity});
   }
+  for (int k : {0, n}) {  // towers
+    const double height = shape.node(k).z();
+    draw(scene, kGround, {Cylinder{0.3, height}, {Quat::Identity(), {shape.x(k), 0, height / 2}}});
+  }
   const double speed = parameters.at("speed");
   world.add_force(driving_weight(planks, parameters.at("load") * kGravity, speed));
   scene.duration = kPlank * n / speed;

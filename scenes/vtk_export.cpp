@@ -57,9 +57,11 @@ struct Field {
 
 /// What a .vtp file holds.
 struct PolyData {
+  enum Cells { kVertices = 1, kLines = 2, kTriangles = 3 };  // points of each
+  Cells cells = kVertices;
   std::vector<float> points;
-  std::vector<std::int32_t> triangles;  // three corners each; none: every point is a vertex
-  std::vector<Field> fields;            // of triangles, or else of points
+  std::vector<std::int32_t> corners;  // of all cells; vertices are the points themselves
+  std::vector<Field> fields;          // of cells
   std::vector<std::pair<const char*, std::vector<std::int32_t>>> indices;  // the same, whole numbers
 };
 
@@ -87,22 +89,20 @@ pugi::xml_node add_root(pugi::xml_document& document, const char* type) {
 bool write_poly_data(const PolyData& data, const std::filesystem::path& file) {
   pugi::xml_document document;
   pugi::xml_node piece = add_root(document, "PolyData").append_child("PolyData").append_child("Piece");
-  const bool surface = !data.triangles.empty();
   const std::size_t points = data.points.size() / 3;
+  std::vector<std::int32_t> corners = data.corners;
+  for (std::size_t i = 0; data.cells == PolyData::kVertices && i < points; ++i)
+    corners.push_back(static_cast<std::int32_t>(i));
+  const char* const kind = data.cells == PolyData::kVertices ? "Verts"
+                           : data.cells == PolyData::kLines  ? "Lines"
+                                                             : "Polys";
   piece.append_attribute("NumberOfPoints").set_value(points);
-  piece.append_attribute("NumberOfVerts").set_value(surface ? 0 : points);
-  piece.append_attribute("NumberOfPolys").set_value(data.triangles.size() / 3);
-  pugi::xml_node fields = piece.append_child(surface ? "CellData" : "PointData");
+  piece.append_attribute((std::string("NumberOf") + kind).c_str()).set_value(corners.size() / data.cells);
+  pugi::xml_node fields = piece.append_child(data.cells == PolyData::kVertices ? "PointData" : "CellData");
   for (const auto& [name, values] : data.indices) add_array<std::int32_t>(fields, name, 1, values);
   for (const Field& field : data.fields) add_array<float>(fields, field.name, field.components, field.values);
   add_array<float>(piece.append_child("Points"), "Points", 3, data.points);
-  if (surface) {
-    add_cells(piece, "Polys", data.triangles, 3);
-  } else {
-    std::vector<std::int32_t> each(points);
-    for (std::size_t i = 0; i < points; ++i) each[i] = static_cast<std::int32_t>(i);
-    add_cells(piece, "Verts", each, 1);
-  }
+  add_cells(piece, kind, corners, data.cells);
   return document.save_file(file.c_str(), "", pugi::format_raw);
 }
 
@@ -114,7 +114,7 @@ class BodySurfaces {
     for (const Shape& shape : header.shapes) meshes_.push_back(drawing_mesh(shape, segments));
   }
   PolyData at(const Frame& frame) const {
-    PolyData data;
+    PolyData data{.cells = PolyData::kTriangles, .points = {}, .corners = {}, .fields = {}, .indices = {}};
     std::vector<double> largest(header_.bodies.size(), 0);
     for (std::size_t j = 0; j < header_.joints.size(); ++j)
       for (BodyId body : {header_.joints[j].a, header_.joints[j].b})
@@ -130,7 +130,7 @@ class BodySurfaces {
         for (int i = 0; i < 3; ++i) data.points.push_back(static_cast<float>(p[i]));
       }
       for (const auto& triangle : mesh.triangles) {
-        for (const int corner : triangle) data.triangles.push_back(first + corner);
+        for (const int corner : triangle) data.corners.push_back(first + corner);
         data.indices[0].second.push_back(drawn.body.index);
         data.fields[0].add(frame.twists[drawn.body.index].v);
         data.fields[1].add(frame.twists[drawn.body.index].w);
@@ -151,16 +151,36 @@ void add_point(PolyData& data, const Vec3& point) {
 
 PolyData joint_points(const RecordingHeader& header, const Frame& frame) {
   PolyData data;
-  data.indices = {{"joint", {}}};
+  data.indices = {{"joint", {}}, {"attached", {}}};
   data.fields = {{"force", 3, {}}, {"torque", 3, {}}, {"gap", 1, {}}, {"gap_angle", 1, {}}};
   for (std::size_t j = 0; j < header.joints.size(); ++j) {
     const JointSample& joint = frame.joints[j];
     add_point(data, frame.poses[header.joints[j].b.index].point(header.joints[j].anchor_B));
     data.indices[0].second.push_back(static_cast<std::int32_t>(j));
+    data.indices[1].second.push_back(joint.attached ? 1 : 0);
     data.fields[0].add(joint.wrench.force);
     data.fields[1].add(joint.wrench.torque);
     data.fields[2].add(joint.gap.metres);
     data.fields[3].add(joint.gap.radians);
+  }
+  return data;
+}
+
+/// The sections of rods, ropes and wires that are attached, with the size of their joint's force.
+PolyData wire_lines(const RecordingHeader& header, const Frame& frame) {
+  PolyData data{.cells = PolyData::kLines, .points = {}, .corners = {}, .fields = {}, .indices = {}};
+  data.indices = {{"joint", {}}};
+  data.fields = {{"force", 1, {}}};
+  for (std::size_t j = 0; j < header.joints.size(); ++j) {
+    const std::vector<WirePoint>& course = header.joints[j].course;
+    for (std::size_t i = 0; frame.joints[j].attached && i < course.size(); ++i) {
+      const auto index = static_cast<std::int32_t>(data.points.size() / 3);
+      add_point(data, frame.poses[course[i].body.index].point(course[i].p_BP));
+      if (i == 0) continue;
+      data.corners.insert(data.corners.end(), {index - 1, index});
+      data.indices[0].second.push_back(static_cast<std::int32_t>(j));
+      data.fields[0].add(frame.joints[j].wrench.force.norm());
+    }
   }
   return data;
 }
@@ -222,15 +242,16 @@ bool write_vtk(RecordingReader& recording, const std::filesystem::path& folder) 
   std::filesystem::create_directories(folder);
   const RecordingHeader& header = recording.header();
   const BodySurfaces surfaces(header);
-  Series bodies(folder, "bodies"), joints(folder, "joints"), contacts(folder, "contacts");
+  Series bodies(folder, "bodies"), joints(folder, "joints"), wires(folder, "wires"),
+      contacts(folder, "contacts");
   bool good = write_names(header, folder / "names.csv");
   for (int f = 0; good && f < recording.frame_count(); ++f) {
     const Frame& frame = recording.frame(f);
-    good = bodies.add(frame.time, surfaces.at(frame)) &&
-           joints.add(frame.time, joint_points(header, frame)) &&
-           contacts.add(frame.time, contact_points(frame));
+    good =
+        bodies.add(frame.time, surfaces.at(frame)) && joints.add(frame.time, joint_points(header, frame)) &&
+        wires.add(frame.time, wire_lines(header, frame)) && contacts.add(frame.time, contact_points(frame));
   }
-  return good && bodies.finish() && joints.finish() && contacts.finish();
+  return good && bodies.finish() && joints.finish() && wires.finish() && contacts.finish();
 }
 
 }  // namespace taut

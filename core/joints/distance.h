@@ -28,6 +28,7 @@ class Distance final : public Joint {
   std::string_view type() const override { return "distance"; }
   void append_rows(RowSink& rows) const override { rows.add(row_parts::Distance{p_AP_, p_BQ_, length_}); }
   Vec3 reaction_point_B() const override { return p_BQ_; }
+  std::vector<WirePoint> course() const override { return {{a(), p_AP_}, {b(), p_BQ_}}; }
 
  private:
   Vec3 p_AP_, p_BQ_;

@@ -13,7 +13,7 @@ class Pulley final : public Joint {
   /// Points from the centres of mass, in body axes; C1 and C2 are where the wire leaves the sheaves.
   /// @throws std::invalid_argument if a point is not finite, or length or ratio are not positive.
   Pulley(WirePoint a, WirePoint c1, WirePoint c2, WirePoint b, double length, double ratio = 1)
-      : Joint(detail::wire_bodies("pulley", {a, c1, c2, b})), point_B_(b.p_BP) {
+      : Joint(detail::wire_bodies("pulley", {a, c1, c2, b})), points_{a, c1, c2, b} {
     require_positive("pulley length", length);
     require_positive("pulley ratio", ratio);
     if (c1.body != c2.body) fail("pulley", "both sheaves must belong to one body", c2.body.index);
@@ -37,11 +37,12 @@ class Pulley final : public Joint {
 
   std::string_view type() const override { return "pulley"; }
   void append_rows(RowSink& rows) const override { rows.add(way_); }
-  Vec3 reaction_point_B() const override { return point_B_; }
+  Vec3 reaction_point_B() const override { return points_.back().p_BP; }
+  std::vector<WirePoint> course() const override { return points_; }
 
  private:
+  std::vector<WirePoint> points_;
   row_parts::Coupling way_;
-  Vec3 point_B_;
 };
 
 }  // namespace taut

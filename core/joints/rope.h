@@ -14,6 +14,7 @@ class Rope final : public Joint {
   /// the length not positive or the restitution not from 0 to 1.
   Rope(const std::vector<WirePoint>& points, double length, double restitution = 0)
       : Joint(detail::wire_bodies("rope", points)),
+        points_(points),
         way_(detail::wire_length("rope", points, std::vector<double>(points.size(), 1), bodies())),
         limits_{-kUnlimited, length, restitution} {
     require_positive("rope length", length);
@@ -36,8 +37,10 @@ class Rope final : public Joint {
     axes.limit(limits_);
   }
   Vec3 reaction_point_B() const override { return point_B_; }
+  std::vector<WirePoint> course() const override { return points_; }
 
  private:
+  std::vector<WirePoint> points_;
   row_parts::Coupling way_;
   AxisLimits limits_;
   Vec3 point_B_ = Vec3::Zero();

@@ -9,12 +9,6 @@
 
 namespace taut {
 
-/// A point that a wire passes, from the centre of mass of its body in body axes.
-struct WirePoint {
-  BodyId body;
-  Vec3 p_BP = Vec3::Zero();
-};
-
 namespace detail {
 
 /// Σ w_i |p_{i+1} − p_i| along the points; sections between two points of one body are constant.

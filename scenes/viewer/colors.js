@@ -70,12 +70,21 @@ export function scales(recording) {
   const force = quantile(joints, (i) => recording.force.norm3(3 * i), 0.997);
   const gap = quantile(joints, (i) => recording.gap.at(i), 1);
   const speed = quantile(frames * (bodyCount - 1), (i) => recording.speed.at(i), 0.999);
-  const contact = quantile(recording.contactBodies.length / 2, (i) => recording.contactForce(i), 0.99);
+  // What moves less than a thousandth of the picture in the whole run is at rest: its speed is round-off.
+  const {low, high} = recording.box(), rest = 1e-3 * Math.hypot(...low.map((x, i) => high[i] - x)) / ((recording.end - recording.start) || 1);
+  // Single impacts must not make what rests look forceless: the median of the largest force of each frame that has any.
+  const peaks = Array.from({length: frames}, (_, f) => {
+    let peak = 0;
+    for (let c = recording.contactStart[f]; c < recording.contactStart[f + 1]; ++c) peak = Math.max(peak, recording.contactForce(c));
+    return peak;
+  }).filter((peak) => peak > 0);
+  const contact = new Scale(0, quantile(peaks.length, (i) => peaks[i], 0.5) || 1, 'N');
+  contact.most = peaks.reduce((a, b) => Math.max(a, b), 0);
   return {
     // Where one cable carries hundreds of others, the small forces must still differ.
     force: new Scale(0, force || 1, 'N', 'root'),
     gap: new Scale(Math.max(gap, 1e-15) * 1e-4, Math.max(gap, 1e-15), 'm', 'log'),
-    speed: new Scale(0, speed || 1, 'm/s'),
-    contact: new Scale(0, contact || 1, 'N'),
+    speed: new Scale(0, Math.max(speed, rest), 'm/s'),
+    contact,
   };
 }

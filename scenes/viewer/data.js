@@ -58,13 +58,43 @@ export class Recording {
     for (const name of ['speed', 'force', 'torque', 'gap', 'gap_angle'])
       this[name] = new HalfColumn(bytes, d.columns[name]);
     this.contactCount = plain(Uint32Array, 'contact_count');
-    this.contactBodies = plain(Uint32Array, 'contact_bodies');
-    this.contactNumbers = plain(Float32Array, 'contact_numbers');
     this.contactStart = new Uint32Array(this.frames + 1);
     for (let f = 0; f < this.frames; ++f) this.contactStart[f + 1] = this.contactStart[f] + this.contactCount[f];
+    this.contactTotal = this.contactStart[this.frames];
+    this.contactLow = plain(Float64Array, 'contact_low');
+    this.contactStep = plain(Float64Array, 'contact_step');
+    this.unpackContacts(bytes, d.columns);
+    this.detached = new Map();
+    for (const [joint, ...span] of d.detached) this.detached.set(joint, [...(this.detached.get(joint) ?? []), span]);
+    // Points [body, x, y, z] of the joints that are rods, ropes or wires.
+    this.course = new Map(d.joints.course);
     this.jointsOfBody = Array.from({length: this.bodyCount}, () => []);
     for (let j = 0; j < this.jointCount; ++j)
       for (const body of [d.joints.a[j], d.joints.b[j]]) this.jointsOfBody[body].push(j);
+  }
+
+  /** Each contact is the difference to the one of the frame before that is as many-th of the same two bodies. */
+  unpackContacts(bytes, columns) {
+    const words = unpackWords(bytes, columns.contact_bodies);
+    this.contactBodies = Uint32Array.from({length: 2 * this.contactTotal}, (_, i) => words[2 * i] | words[2 * i + 1] << 16);
+    this.contactPlace = unpackWords(bytes, columns.contact_place);
+    this.contactForces = new HalfColumn(bytes, columns.contact_force);
+    let before = new Map();
+    for (let f = 0; f < this.frames; ++f) {
+      const now = new Map();
+      for (let c = this.contactStart[f]; c < this.contactStart[f + 1]; ++c) {
+        const pair = this.contactBodies[2 * c] * this.bodyCount + this.contactBodies[2 * c + 1];
+        if (!now.has(pair)) now.set(pair, []);
+        const predecessor = before.get(pair)?.[now.get(pair).length];
+        now.get(pair).push(c);
+        if (predecessor === undefined) continue;
+        for (let i = 0; i < 3; ++i) {
+          this.contactPlace[3 * c + i] += this.contactPlace[3 * predecessor + i];
+          this.contactForces.words[3 * c + i] += this.contactForces.words[3 * predecessor + i];
+        }
+      }
+      before = now;
+    }
   }
 
   get start() { return this.times[0]; }
@@ -128,27 +158,37 @@ export class Recording {
     return most;
   }
 
-  /** [{a, b, position, normal, force}] of a frame. */
+  /** [{a, b, position, force}] of a frame. */
   contacts(frame) {
-    const found = [];
-    for (let c = this.contactStart[frame]; c < this.contactStart[frame + 1]; ++c) {
-      const n = this.contactNumbers.subarray(9 * c, 9 * c + 9);
+    const found = [], forces = this.contactForces;
+    for (let c = this.contactStart[frame]; c < this.contactStart[frame + 1]; ++c)
       found.push({a: this.contactBodies[2 * c], b: this.contactBodies[2 * c + 1],
-                  position: n.subarray(0, 3), normal: n.subarray(3, 6), force: n.subarray(6, 9)});
-    }
+                  position: [0, 1, 2].map((k) => this.contactLow[k] + this.contactStep[k] * this.contactPlace[3 * c + k]),
+                  force: [forces.at(3 * c), forces.at(3 * c + 1), forces.at(3 * c + 2)]});
     return found;
   }
 
   /** Size of the force of a contact, counted over all frames [N]. */
-  contactForce(index) { return Math.hypot(...this.contactNumbers.subarray(9 * index + 6, 9 * index + 9)); }
+  contactForce(index) { return this.contactForces.norm3(3 * index); }
 
-  /** Box around the centres of all bodies over the whole time: {low, high}. */
+  /** Whether a joint holds at a frame: broken ones do not. */
+  isAttached(frame, joint) {
+    return !this.detached.get(joint)?.some(([from, end]) => frame >= from && frame < end);
+  }
+
+  /** Box around the centres of all bodies over the whole time and what wires hang from: {low, high}. */
   box() {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     for (let k = 0; k < this.low.length; ++k) {
       low[k % 3] = Math.min(low[k % 3], this.low[k]);
       high[k % 3] = Math.max(high[k % 3], this.low[k] + 65535 * this.step[k]);
     }
+    for (const points of this.course.values())
+      for (const [body, ...place] of points)
+        if (body === 0) place.forEach((x, k) => {
+          low[k] = Math.min(low[k], x);
+          high[k] = Math.max(high[k], x);
+        });
     return low[0] <= high[0] ? {low, high} : {low: [-1, -1, -1], high: [1, 1, 1]};
   }
 }

@@ -64,6 +64,9 @@ export function instanceGroups(recording) {
 export const jointGeometry = (count) =>
   (count > 6000 ? new OctahedronGeometry(1, 0) : count > 2000 ? new IcosahedronGeometry(1, 0)
     : new SphereGeometry(1, 16, 12));
+/** A section of a rod, rope or wire: of length and radius 1, along z. */
+export const sectionGeometry = (count) =>
+  new CylinderGeometry(1, 1, 1, count > 2000 ? 5 : 10, 1, count > 2000).rotateX(Math.PI / 2);
 export const anchorGeometry = () => new BoxGeometry(2, 2, 2);
 /** An arrow of length 1 along z: shaft and head. */
 export const arrowGeometries = () => [
@@ -71,9 +74,10 @@ export const arrowGeometries = () => [
   new ConeGeometry(0.055, 0.22, 14).rotateX(Math.PI / 2).translate(0, 0, 0.89),
 ];
 
-/** Largest and smallest edge of the box around each body's shapes [m]; [0, 0] where nothing is drawn. */
+/** Largest and smallest edge and diagonal of the box around each body's shapes [m]; zeros where nothing is drawn. */
 export function bodySizes(recording) {
   const most = new Float32Array(recording.bodyCount), least = new Float32Array(recording.bodyCount).fill(Infinity);
+  const diagonal = new Float32Array(recording.bodyCount);
   for (const [body, shapeIndex] of recording.drawn) {
     const s = recording.shapes[shapeIndex];
     const edges = s.size ?? s.radii?.map((r) => 2 * r) ?? (s.type === 'mesh' ? meshEdges(s)
@@ -81,8 +85,10 @@ export function bodySizes(recording) {
     if (!edges.length) continue;
     most[body] = Math.max(most[body], ...edges);
     least[body] = Math.min(least[body], ...edges);
+    // A sphere has no corners.
+    diagonal[body] = Math.max(diagonal[body], s.radii || s.type === 'sphere' ? Math.max(...edges) : Math.hypot(...edges));
   }
-  return Array.from(most, (size, body) => [size, size ? least[body] : 0]);
+  return Array.from(most, (size, body) => [size, size ? least[body] : 0, diagonal[body]]);
 }
 
 function meshEdges({positions}) {

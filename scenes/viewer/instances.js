@@ -1,7 +1,7 @@
 // Bodies, joints and contacts as instanced meshes, placed and coloured from a recording.
 import {Color, DynamicDrawUsage, Group, InstancedMesh, MeshLambertMaterial, MeshStandardMaterial} from 'three';
 import {palette} from './colors.js';
-import {anchorGeometry, arrowGeometries, bodySizes, instanceGroups, jointGeometry} from './geometry.js';
+import {anchorGeometry, arrowGeometries, bodySizes, instanceGroups, jointGeometry, sectionGeometry} from './geometry.js';
 
 /** Column-major matrix of rotation q (x y z w), scale (sx sy sz) and position p into out at o. */
 function writeMatrix(out, o, px, py, pz, x, y, z, w, sx, sy, sz) {
@@ -18,6 +18,15 @@ function writeMatrix(out, o, px, py, pz, x, y, z, w, sx, sy, sz) {
   out[o + 13] = py;
   out[o + 14] = pz;
   out[o + 15] = 1;
+}
+
+/** The shortest rotation (x y z w) from z to a direction of the given length. */
+function turnFromZ(d, length) {
+  if (!(length > 0)) return [0, 0, 0, 1];
+  let x = -d[1] / length, y = d[0] / length, w = 1 + d[2] / length;
+  if (w < 1e-6) x = 1, y = 0, w = 0;
+  const scale = 1 / Math.hypot(x, y, w);
+  return [x * scale, y * scale, 0, w * scale];
 }
 
 /** World position of the body point (x, y, z): poses holds 7 numbers per body. */
@@ -67,20 +76,40 @@ export class Instances {
       const least = Math.min(...ends.map(([, thin]) => thin)), most = Math.min(...ends.map(([size]) => size));
       this.jointRadius[j] = ends.length ? Math.min(Math.max(0.68 * least, 0.022 * most), 0.12 * most) : 0.05;
     }
-    const grounded = (j) => joints.a[j] === 0 || joints.b[j] === 0;
-    const free = all.filter((j) => !grounded(j)), held = all.filter(grounded);
+    // A mark where a joint is; at all points of one that is a rod, rope or wire.
+    const marks = all.flatMap((joint) => {
+      const {a, b, anchor} = joints, grounded = a[joint] === 0 || b[joint] === 0;
+      const points = this.recording.course.get(joint)?.map(([body, ...p]) => ({joint, body, p, held: body === 0}));
+      return points ?? [{joint, body: b[joint], p: anchor.slice(3 * joint, 3 * joint + 3), held: grounded}];
+    });
+    const free = marks.filter(({held}) => !held), held = marks.filter((mark) => mark.held);
     const material = new MeshLambertMaterial({fog: false});
     this.jointMeshes = [];
-    for (const [ids, geometry] of [[free, jointGeometry(free.length)], [held, anchorGeometry()]]) {
-      if (!ids.length) continue;
-      const mesh = instanced(geometry, material, ids.length, 'joint', ids);
+    const add = (items, geometry) => {
+      if (!items.length) return;
+      const mesh = instanced(geometry, material, items.length, 'joint', items.map(({joint}) => joint));
+      mesh.userData.items = items;
       this.jointMeshes.push(mesh);
       this.root.add(mesh);
-    }
+    };
+    add(free, jointGeometry(free.length));
+    add(held, anchorGeometry());
+    const sections = [...this.recording.course].flatMap(
+      ([joint, points]) => points.slice(1).map((end, i) => ({joint, begin: points[i], end})));
+    add(sections, sectionGeometry(sections.length));
+    const {low, high} = this.recording.box();
+    this.thinnest = 0.0009 * Math.hypot(...low.map((x, i) => high[i] - x));  // else it is less than a pixel
   }
 
-  /** Moves everything to the poses (7 numbers per body). */
-  place(poses) {
+  /** Places a cylinder of length and radius 1 along z between two world points. */
+  placeSection(out, o, from, to, radius) {
+    const d = [to[0] - from[0], to[1] - from[1], to[2] - from[2]], length = Math.hypot(...d);
+    const middle = from.map((x, i) => x + d[i] / 2);
+    writeMatrix(out, o, ...middle, ...turnFromZ(d, length), radius, radius, length);
+  }
+
+  /** Moves everything to the poses (7 numbers per body); joints that are detached at the frame vanish. */
+  place(poses, frame) {
     for (const {mesh, items} of this.groups) {
       const out = mesh.instanceMatrix.array;
       items.forEach(({body, p, q, scale}, i) => {
@@ -95,12 +124,17 @@ export class Instances {
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;
     }
-    const {joints} = this.recording;
+    const ends = [[0, 0, 0], [0, 0, 0]];
     for (const mesh of this.jointMeshes) {
       const out = mesh.instanceMatrix.array;
-      mesh.userData.ids.forEach((j, i) => {
-        const b = joints.b[j], o = 7 * b, r = this.jointRadius[j];
-        const at = worldPoint(poses, b, ...joints.anchor.slice(3 * j, 3 * j + 3), this.point);
+      mesh.userData.items.forEach(({joint, body, p, begin, end}, i) => {
+        const r = this.recording.isAttached(frame, joint) ? this.jointRadius[joint] : 0;
+        if (begin) {
+          [begin, end].forEach((point, k) => worldPoint(poses, ...point, ends[k]));
+          const length = Math.hypot(...ends[0].map((x, k) => ends[1][k] - x));
+          return this.placeSection(out, 16 * i, ...ends, r && Math.max(0.25 * r, Math.min(this.thinnest, 0.1 * length)));
+        }
+        const o = 7 * body, at = worldPoint(poses, body, p[0], p[1], p[2], this.point);
         writeMatrix(out, 16 * i, at[0], at[1], at[2],
                     poses[o + 3], poses[o + 4], poses[o + 5], poses[o + 6], r, r, r);
       });
@@ -158,12 +192,17 @@ export class Instances {
   }
 }
 
-/** Forces as arrows. */
+/** Forces as arrows; what of them is inside of or behind bodies shines through. */
 export class Arrows {
   constructor(color) {
     this.root = new Group();
-    this.material = new MeshLambertMaterial({color, fog: false});
+    this.materials = [new MeshLambertMaterial({color, fog: false}),
+                      new MeshLambertMaterial({color, fog: false, transparent: true, opacity: 0.3, depthTest: false, depthWrite: false})];
     this.capacity = 0;
+  }
+
+  setColor(color) {
+    for (const material of this.materials) material.color = color;
   }
 
   /**
@@ -178,12 +217,8 @@ export class Arrows {
       for (const {position, force} of list) {
         const size = Math.hypot(...force), l = length(size);
         if (!(l > 0)) continue;
-        // Half-way rotation from z to the force.
-        let x = -force[1] / size, y = force[0] / size, w = 1 + force[2] / size;
-        if (w < 1e-6) x = 1, y = 0, w = 0;
-        const scale = 1 / Math.hypot(x, y, w);
         const thick = Math.min(reach, 2.5 * l);
-        writeMatrix(out, 16 * mesh.count++, ...position, x * scale, y * scale, 0, w * scale, thick, thick, l);
+        writeMatrix(out, 16 * mesh.count++, ...position, ...turnFromZ(force, size), thick, thick, l);
       }
       mesh.instanceMatrix.needsUpdate = true;
     }
@@ -192,10 +227,11 @@ export class Arrows {
   grow(count) {
     this.capacity = Math.max(16, 2 * count);
     this.root.clear();
-    for (const geometry of arrowGeometries()) {
-      const mesh = new InstancedMesh(geometry, this.material, this.capacity);
-      mesh.frustumCulled = false;
-      this.root.add(mesh);
-    }
+    for (const geometry of arrowGeometries())
+      for (const material of this.materials) {
+        const mesh = new InstancedMesh(geometry, material, this.capacity);
+        mesh.frustumCulled = false;
+        this.root.add(mesh);
+      }
   }
 }

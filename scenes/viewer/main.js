@@ -4,7 +4,7 @@ import {Recording} from './data.js';
 import {setUpKeys} from './keys.js';
 import {Inspector, nameOf, setUpFinder} from './panel.js';
 import {Plot, withUnit} from './plots.js';
-import {View} from './view.js';
+import {kLongestArrow, View} from './view.js';
 
 const $ = (id) => document.getElementById(id);
 const kShort = {'kinetic energy': 'kin.', 'potential energy': 'pot.'};
@@ -15,7 +15,7 @@ class Player {
     this.recording = recording;
     this.scales = makeScales(recording);
     this.view = new View($('view'), recording);
-    this.state = {t: recording.start, playing: false, speed: 1, mode: recording.force.words ? 'force' : 'speed',
+    this.state = {t: recording.start, playing: false, speed: 1, mode: recording.force.words ? 'force' : recording.jointCount ? 'speed' : 'body',
                   selected: null, joints: true, contacts: true};
     this.inspector = new Inspector($('inspector'), recording,
                                    {select: (s) => this.select(s), follow: (body) => this.follow(body)});
@@ -91,7 +91,9 @@ class Player {
     $('theme').onclick = () => this.setTheme(this.view.theme === 'dark' ? 'light' : 'dark');
     $('help').onclick = () => $('keys').showModal();
     for (const id of ['joints', 'contacts', 'curves']) $(id).onclick = () => this.toggle(id);
-    $('contacts').hidden = r.contactNumbers.length === 0;
+    $('contacts').hidden = r.contactTotal === 0;
+    $('joints').hidden = r.jointCount === 0;
+    if (r.jointCount === 0) for (const mode of ['force', 'gap']) $('mode').querySelector(`[value=${mode}]`).remove();
     if (window.innerHeight < 480) this.toggle('curves');
     this.setUpPicking($('view'));
   }
@@ -132,7 +134,8 @@ class Player {
       return item;
     }));
     arrows.hidden = $('contacts').hidden;
-    arrows.textContent = `Arrows: contact forces; the largest ≈ ${withUnit(this.scales.contact.high, 'N', 2)}`;
+    const {most, high} = this.scales.contact, isCut = most > kLongestArrow * high;
+    arrows.textContent = `Arrows: contact forces; the longest ${isCut ? '≥' : '≈'} ${withUnit(isCut ? kLongestArrow * high : most, 'N', 2)}`;
     this.request(true);
   }
 

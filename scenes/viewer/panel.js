@@ -27,6 +27,7 @@ function contactRows(contacts, id) {
 export function numbers(recording, {kind, id}, frame, poses, used) {
   const r = recording;
   if (kind === 'joint') {
+    if (!r.isAttached(frame, id)) return [['state', 'broken or detached']];
     const rows = [['force', withUnit(r.jointForce(frame, id), 'N')],
                   ...vectorRows('force', r.jointVector(r.force, frame, id), 'N')];
     if (used.torque) rows.push(...vectorRows('torque', r.jointVector(r.torque, frame, id), 'N·m'));
@@ -41,7 +42,7 @@ export function numbers(recording, {kind, id}, frame, poses, used) {
     rows.push(['mass', `${format(r.bodies.mass[id])} kg`], ['speed', withUnit(r.bodySpeed(frame, id), 'm/s')]);
   rows.push(...vectorRows('position', [...at.subarray(0, 3)], 'm', 4), ['turned by', `${format(angle * 180 / Math.PI)}°`]);
   if (r.jointsOfBody[id].length) rows.push(['largest joint force', withUnit(most, 'N')]);
-  if (r.contactNumbers.length) rows.push(...contactRows(r.contacts(frame).filter(({a, b}) => a === id || b === id), id));
+  if (r.contactTotal) rows.push(...contactRows(r.contacts(frame).filter(({a, b}) => a === id || b === id), id));
   return rows;
 }
 
@@ -71,7 +72,7 @@ export class Inspector {
     close.setAttribute('aria-label', 'Select nothing');
     close.onclick = () => this.actions.select(null);
     this.list = make('dl');
-    this.used = kind === 'joint' ? {torque: isUsed(r, r.torque, 3, id), angle: isUsed(r, r.gap_angle, 1, id)} : {};
+    this.used = kind === 'joint' ? {torque: !r.course.has(id) && isUsed(r, r.torque, 3, id), angle: isUsed(r, r.gap_angle, 1, id)} : {};
     if (kind === 'body' && id !== 0) {
       const row = make('div');
       row.className = 'actions';

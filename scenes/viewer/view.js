@@ -16,6 +16,9 @@ const kThemes = {
          accent: '#5aa9ff', arrow: '#ff5c93', ground: '#1b2128'},
 };
 
+/** Longer arrows are cut [lengths of usual ones]. */
+export const kLongestArrow = 3;
+
 export class View {
   constructor(canvas, recording) {
     this.canvas = canvas;
@@ -48,7 +51,7 @@ export class View {
 
   /** Centre and size of everything that ever moves. */
   measure() {
-    const {low, high} = this.recording.box(), sizes = bodySizes(this.recording).map(([size]) => size);
+    const {low, high} = this.recording.box(), sizes = bodySizes(this.recording).slice(1).map(([, , diagonal]) => diagonal);
     const margin = sizes.reduce((most, size) => Math.max(most, size), 0) / 2;
     this.low = new Vector3(...low).addScalar(-margin);
     this.high = new Vector3(...high).addScalar(margin);
@@ -138,7 +141,7 @@ export class View {
     const forward = direction.clone().negate(), right = forward.clone().cross(this.up).normalize();
     const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360), m = this.margin;
     // The head line and the legend, on a phone above each other, take a part of the height [px].
-    const {clientWidth, clientHeight} = this.canvas, [above, below] = clientWidth <= 760 ? [140, 20] : [50, 36];
+    const {clientWidth, clientHeight} = this.canvas, [above, below] = clientWidth <= 760 ? [140, 20] : [62, 36];
     const rest = (taken) => t * Math.max(1 - 2 * taken / Math.max(clientHeight, 1), 0.3);
     const a = 0.92 * t * this.camera.aspect, b = rest(below), c = rest(above);
     const points = this.centres.map((centre) => [centre.dot(right), centre.dot(top), centre.dot(forward)]);
@@ -171,8 +174,8 @@ export class View {
     if (this.scene.fog) this.scene.fog.color = color(theme.background);
     this.grid.material.color = color(theme.grid);
     if (this.ground) this.ground.material.color = color(theme.ground);
-    this.arrows.material.color = color(theme.arrow);
-    this.wrench.material.color = color(theme.accent);
+    this.arrows.setColor(color(theme.arrow));
+    this.wrench.setColor(color(theme.accent));
     this.sky.intensity = name === 'dark' ? 1.3 : 1.7;
     this.style = {neutral: color(theme.neutral), fixed: color(theme.fixed), joint: color(theme.joint),
                   accent: color(theme.accent)};
@@ -180,14 +183,14 @@ export class View {
 
   resize() {
     const {clientWidth: width, clientHeight: height} = this.canvas.parentElement;
-    if (!width || !height) return;
+    if (!width || !height || (width === this.width && height === this.height)) return;
     const isTurned = width !== this.width;  // or opened; curves that come and go change the height alone
-    this.width = width;
+    Object.assign(this, {width, height});
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     if (isTurned && !this.isMoved && this.followed === null) this.home();
-    this.render();  // at once: the canvas is blank now
+    if (this.isShown) this.render();  // at once: the canvas is blank now
     this.onchange?.();
   }
 
@@ -196,9 +199,10 @@ export class View {
     const frame = this.recording.nearest(t), before = this.followed === null ? null : this.bodyPosition(this.followed);
     this.recording.poses(t, this.poses);
     if (before) this.moveWith(before);
-    this.instances.place(this.poses);
+    this.isShown = true;
+    this.instances.place(this.poses, frame);
     this.instances.colour(mode, frame, scales, {...this.style, selected});
-    const length = (scale) => (force) => this.reach * Math.min(force / scale.high, 2);
+    const length = (scale) => (force) => this.reach * Math.min(force / scale.high, kLongestArrow);
     this.arrows.show(contacts ? this.recording.contacts(frame) : [], length(scales.contact), this.reach);
     this.wrench.show(selected?.kind === 'joint' ? [{
       position: this.jointPosition(selected.id),
@@ -216,7 +220,13 @@ export class View {
     return worldPoint(this.poses, b[joint], ...anchor.slice(3 * joint, 3 * joint + 3));
   }
   positionOf({kind, id}) {
-    return kind === 'body' ? this.bodyPosition(id) : new Vector3(...this.jointPosition(id));
+    if (kind === 'body') return this.bodyPosition(id);
+    const course = this.recording.course.get(id);
+    if (!course) return new Vector3(...this.jointPosition(id));
+    // The middle of the longest section of a wire.
+    const points = course.map((point) => new Vector3(...worldPoint(this.poses, ...point)));
+    const middles = points.slice(1).map((end, i) => ({length: end.distanceTo(points[i]), at: end.clone().lerp(points[i], 0.5)}));
+    return middles.reduce((a, b) => (b.length > a.length ? b : a)).at;
   }
 
   /** Keeps a body where it is in the picture. */

@@ -149,6 +149,29 @@ TEST(Wires, RopeLengthIsThatOfItsPath) {
   EXPECT_NEAR(world.axis_rate(world.axis(rope, "length")), -2, 1e-14);
 }
 
+// The points that pictures show, in the order of the way.
+TEST(Wires, CoursesRunFromEndToEnd) {
+  Machine m(3);
+  const Vec3 p = m.random.vector(), c1 = m.random.vector(), c2 = m.random.vector(), q = m.random.vector();
+  const WirePoint over{m.frame, m.random.vector()};
+  const JointId joints[] = {
+      m.world.add("rod", Distance::between(m.world, m.first, m.second, p, q)),
+      m.world.add(
+          "rope",
+          Rope({{m.first, m.world.pose(m.first).local(p)}, over, {m.second, m.world.pose(m.second).local(q)}},
+               100)),
+      m.world.add("wire", Pulley::at(m.world, m.first, p, m.frame, c1, c2, m.second, q))};
+  const std::vector<Vec3> expected[] = {
+      {p, q}, {p, m.world.pose(m.frame).point(over.p_BP), q}, {p, c1, c2, q}};
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<WirePoint> course = m.world.joint(joints[i]).course();
+    ASSERT_EQ(course.size(), expected[i].size()) << i;
+    for (std::size_t k = 0; k < course.size(); ++k)
+      EXPECT_LT((m.world.pose(course[k].body).point(course[k].p_BP) - expected[i][k]).norm(), 1e-14);
+  }
+  EXPECT_TRUE(m.world.joint(m.first_angle.joint).course().empty());
+}
+
 TEST(Drivers, PoseDriverIsConsistent) {
   for (unsigned seed = 240; seed < 250; ++seed) {
     Random random(seed);

@@ -11,6 +11,7 @@
 
 #include "scenes/base64.h"
 #include "scenes/exports.h"
+#include "scenes/page_columns.h"
 #include "scenes/page_data.h"
 #include "scenes/svg_plot.h"
 #include "tests/run_program.h"
@@ -64,12 +65,16 @@ TEST(Gltf, AssimpFindsBodiesShapesAndMotion) {
   EXPECT_NEAR(world.b3, z_axis.y(), 1e-6);
   EXPECT_NEAR(world.c3, z_axis.z(), 1e-6);
 
-  // Only the moving body is animated, with every frame.
+  // Only the moving body and the rod are animated, with every frame.
   ASSERT_EQ(scene->mNumAnimations, 1u);
   const aiAnimation& animation = *scene->mAnimations[0];
-  ASSERT_EQ(animation.mNumChannels, 1u);
-  const aiNodeAnim& channel = *animation.mChannels[0];
+  ASSERT_EQ(animation.mNumChannels, 2u);
+  const bool ball_first = std::string(animation.mChannels[0]->mNodeName.C_Str()) == "ball, red";
+  const aiNodeAnim &channel = *animation.mChannels[ball_first ? 0 : 1],
+                   &rod = *animation.mChannels[ball_first ? 1 : 0];
   EXPECT_STREQ(channel.mNodeName.C_Str(), "ball, red");
+  EXPECT_STREQ(rod.mNodeName.C_Str(), "strut");
+  ASSERT_EQ(rod.mNumScalingKeys, static_cast<unsigned>(kFrames));
   ASSERT_EQ(channel.mNumPositionKeys, static_cast<unsigned>(kFrames));
   ASSERT_EQ(channel.mNumRotationKeys, static_cast<unsigned>(kFrames));
   const double per_second = animation.mTicksPerSecond > 0 ? animation.mTicksPerSecond : 1000;
@@ -80,6 +85,8 @@ TEST(Gltf, AssimpFindsBodiesShapesAndMotion) {
     EXPECT_LT((Vec3(p.x, p.y, p.z) - frame.poses[2].p).norm(), 1e-6);
     const aiQuaternion& q = channel.mRotationKeys[i].mValue;
     EXPECT_LT(Quat(q.w, q.x, q.y, q.z).angularDistance(frame.poses[2].q), 1e-6);
+    const double length = (frame.poses[2].point({0.125, 0, 0}) - frame.poses[1].point({0, 0, 0.5})).norm();
+    EXPECT_NEAR(rod.mScalingKeys[i].mValue.z, i == 3 ? 0 : length, 1e-6);  // detached in frame 3
   }
 
   // The sphere of radius 0.25, in its body's frame.

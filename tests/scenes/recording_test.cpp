@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "core/joints.h"
 #include "scenes/frame_sampler.h"
 #include "scenes/recording_chunk.h"
 #include "tests/run_program.h"
@@ -40,6 +41,7 @@ void expect_sample(const Frame& frame) {
     expect_float(frame.joints[j].wrench.torque, expected.joints[j].wrench.torque);
     EXPECT_NEAR(frame.joints[j].gap.metres, expected.joints[j].gap.metres, 1e-18);
     EXPECT_NEAR(frame.joints[j].gap.radians, expected.joints[j].gap.radians, 1e-20);
+    EXPECT_EQ(frame.joints[j].attached, expected.joints[j].attached);
   }
   ASSERT_EQ(frame.contacts.size(), expected.contacts.size());
   for (std::size_t c = 0; c < frame.contacts.size(); ++c) {
@@ -86,6 +88,10 @@ TEST(Recording, GivesBackWhatWasWritten) {
   EXPECT_EQ(header.joints[1].type, "distance");
   EXPECT_EQ(header.joints[1].a, BodyId{1});
   EXPECT_EQ(header.joints[1].anchor_B, Vec3(0.125, 0, 0));
+  EXPECT_TRUE(header.joints[0].course.empty());
+  ASSERT_EQ(header.joints[1].course.size(), 2u);
+  EXPECT_EQ(header.joints[1].course[0].body, BodyId{1});
+  EXPECT_EQ(header.joints[1].course[0].p_BP, Vec3(0, 0, 0.5));
   ASSERT_EQ(header.scalars.size(), 5u);
   EXPECT_EQ(header.scalars[3].group, RecordedScalar::Group::kGap);
   ASSERT_EQ(header.drawn.size(), 3u);
@@ -287,6 +293,25 @@ TEST(FrameSampler, TakesWrenchesGapsAndProbesFromTheSimulator) {
                                         frame.joints[2].gap.metres, frame.joints[3].gap.metres}));
   ASSERT_EQ(frame.contacts.size(), 1u);
   EXPECT_EQ(frame.contacts[0].force.z(), 7);
+}
+
+// A body on a joint of half the strength that it needs: it falls freely, and the joint is no gap of metres.
+TEST(FrameSampler, ABrokenJointIsDetachedAndNotOpen) {
+  Scene scene;
+  World& world = scene.world;
+  const BodyId ball = world.add_body({.name = "ball", .mass = MassProperties::sphere(0.1, 1)});
+  const JointId joint = world.add("hook", Ball::at(world, kGround, ball, Vec3::Zero()));
+  world.set_break(joint, BreakLimits{.force = 0.5 * 9.81});
+  Simulator simulator(world, scene.settings);
+  FrameSampler sampler(scene);
+  EXPECT_TRUE(sampler.sample(simulator).joints[0].attached);
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(simulator.step(0.01).ok());
+  const Frame frame = sampler.sample(simulator);
+  EXPECT_LT(frame.poses[1].p.z(), -1);  // ½ g (0.5 s)² = 1.23 m
+  EXPECT_FALSE(frame.joints[0].attached);
+  EXPECT_EQ(frame.joints[0].gap.metres, 0);
+  EXPECT_EQ(frame.joints[0].wrench.force, Vec3(0, 0, 0));
+  EXPECT_EQ(frame.scalars[2], 0);  // the largest gap
 }
 
 }  // namespace

@@ -109,3 +109,15 @@ export function differing(a, b, box) {
     }
   return count;
 }
+
+const kStops = ['#34558b', '#2a8fa8', '#4fb286', '#c4cf4f', '#f4b13d', '#ea6a32', '#c9243f'];
+
+/** Colour of a part of the way from slack to taut, [r, g, b] up to 255. */
+export function rampColor(part) {
+  const place = Math.min(Math.max(part, 0), 1) * (kStops.length - 1), k = Math.min(Math.floor(place), kStops.length - 2);
+  const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+  return rgb(kStops[k]).map((a, i) => a + (place - k) * (rgb(kStops[k + 1])[i] - a));
+}
+
+/** The name of what is selected. */
+export const heading = (page) => page.locator('#inspector h2').evaluate((node) => node.firstChild.textContent);

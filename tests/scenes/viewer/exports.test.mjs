@@ -6,19 +6,22 @@ import path from 'node:path';
 import {before, test} from 'node:test';
 import validator from 'gltf-validator';
 import {folder, taut} from './browser.mjs';
-import {anchor, norm, readRecording, sub} from './recording.mjs';
+import {add, anchor, course, norm, readRecording, sub, turned} from './recording.mjs';
 
 const file = (name) => path.join(folder, name);
-let bridge;
+let bridge, hung;
 before(() => {
   taut('run', 'bridge', '--time', '0.1', '--record', file('b.taut'), '--quiet');
   execFileSync(process.env.TAUT_SAMPLE, [file('s.taut')]);
-  for (const name of ['b', 's'])
+  // A bridge on ropes that break, one after the other.
+  taut('run', 'suspension-bridge', '--set', 'n=6', '--set', 'strength=1.25', '--set', 'load=3000', '--set', 'speed=6', '--record', file('h.taut'), '--quiet');
+  for (const name of ['b', 's', 'h'])
     taut('replay', file(`${name}.taut`), '--gltf', file(`${name}.glb`), '--vtk', file(`${name}_vtk`), '--quiet');
   bridge = readRecording(file('b.taut'));
+  hung = readRecording(file('h.taut'));
 });
 
-for (const name of ['b', 's'])
+for (const name of ['b', 's', 'h'])
   test(`the Khronos validator finds nothing wrong with ${name}.glb`, async () => {
     const report = await validator.validateBytes(new Uint8Array(fs.readFileSync(file(`${name}.glb`))));
     assert.deepEqual(report.issues.messages.filter(({severity}) => severity < 2), []);
@@ -59,6 +62,47 @@ test('surfaces are around their bodies and carry their numbers', withVtk, () => 
   assert.equal(seen.size, bridge.header.bodies.length - 1);
   const truck = bridge.header.bodies.length - 1, weld = bridge.header.joints.findIndex(({name}) => name === 'truck_weld');
   assert.ok(Math.abs(fields.joint_force[fields.body.indexOf(truck)] / norm(frame.force(weld)) - 1) < 1e-6);
+});
+
+const ropes = ({header}) => header.joints.flatMap(({type}, j) => (type === 'rope' ? [j] : []));
+
+test('ropes are lines in the .vtp files, with their forces, until they break', withVtk, () => {
+  assert.ok(hung.frames.some((frame) => ropes(hung).some((j) => !frame.attached(j))), 'none breaks');
+  for (const f of [1, hung.frames.length - 1]) {
+    const frame = hung.frames[f], whole = ropes(hung).filter((j) => frame.attached(j));
+    const number = String(f).padStart(5, '0'), {points, lines, cell_data: fields} = read(`h_vtk/wires_${number}.vtp`);
+    assert.deepEqual(fields.joint ?? [], whole);
+    whole.forEach((j, i) => {
+      const [from, to] = course(hung, frame, j);
+      close(triple(points, lines[2 * i]), from, 2e-6);
+      close(triple(points, lines[2 * i + 1]), to, 2e-6);
+      assert.ok(Math.abs(fields.force[i] - norm(frame.force(j))) <= 1e-6 * norm(frame.force(j)));
+    });
+    const {joint, attached} = read(`h_vtk/joints_${number}.vtp`).point_data;
+    joint.forEach((j) => assert.equal(attached[j], frame.attached(j) ? 1 : 0));
+  }
+});
+
+test('ropes are thin rods in the .glb file, from end to end at every instant', () => {
+  const bytes = fs.readFileSync(file('h.glb')), length = bytes.readUInt32LE(12);
+  const gltf = JSON.parse(bytes.toString('utf8', 20, 20 + length));
+  const values = (index, width) => {
+    const {bufferView, count} = gltf.accessors[index], start = 28 + length + gltf.bufferViews[bufferView].byteOffset;
+    return Array.from({length: count}, (_, i) => Array.from({length: width}, (_x, k) => bytes.readFloatLE(start + 4 * (width * i + k))));
+  };
+  const {channels, samplers} = gltf.animations[0];
+  for (const j of ropes(hung)) {
+    const node = gltf.nodes.findIndex(({name}) => name === hung.header.joints[j].name);
+    const track = (path, width) => values(samplers[channels.find(({target}) => target.node === node && target.path === path).sampler].output, width);
+    const [places, turns, scales] = [track('translation', 3), track('rotation', 4), track('scale', 3)];
+    hung.frames.forEach((frame, f) => {
+      if (!frame.attached(j)) return assert.deepEqual(scales[f], [0, 0, 0]);
+      const [x, y, z, w] = turns[f], half = turned([w, x, y, z], [0, 0, scales[f][2] / 2]);
+      const [from, to] = course(hung, frame, j);
+      close(sub(places[f], half), from, 1e-5);
+      close(add(places[f], half), to, 1e-5);
+    });
+  }
 });
 
 test('contacts can be read, and no contacts too', withVtk, () => {

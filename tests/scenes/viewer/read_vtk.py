@@ -1,6 +1,6 @@
 """Reads .vtp files with VTK itself and writes them as JSON:  read_vtk.py FILE...   (Debian: python3-vtk9)
 
-Gives {file: {"points": [...], "verts": n, "polys": [corners...], "point_data": {name: [...]}, "cell_data": {...}}}.
+Gives {file: {"points": [...], "verts": n, "lines": [ends...], "polys": [corners...], "point_data": {name: [...]}, "cell_data": {...}}}.
 Fails if VTK reports an error or warning.
 """
 import json
@@ -32,6 +32,7 @@ def main(files):
         found[file] = {
             "points": numbers(points.GetData()) if points else [],
             "verts": data.GetNumberOfVerts(),
+            "lines": numbers(data.GetLines().GetConnectivityArray()) if data.GetNumberOfLines() else [],
             "polys": numbers(data.GetPolys().GetConnectivityArray()) if data.GetNumberOfPolys() else [],
             "point_data": fields(data.GetPointData()),
             "cell_data": fields(data.GetCellData()),

@@ -56,6 +56,7 @@ function frames(raw) {
       force: (j) => joint(j).slice(0, 3),
       torque: (j) => joint(j).slice(3, 6),
       gap: (j) => joint(j)[6],
+      attached: (j) => joint(j)[6] !== -1,
       contacts: Array.from({length: contactCounts[f]}, () => {
         const words = contacts.slice(11 * contact, 11 * ++contact), numbers = new Float32Array(words.buffer);
         return {a: words[0], b: words[1], position: numbers.slice(2, 5), normal: numbers.slice(5, 8), force: numbers.slice(8)};
@@ -82,3 +83,7 @@ export function anchor({header}, frame, j) {
   const {b, anchor: at} = header.joints[j];
   return add(frame.position(b), turned(frame.rotation(b), at));
 }
+
+/** Where the points of a joint's course are at a frame: of a rod, rope or wire. */
+export const course = ({header}, frame, j) => header.joints[j].course.map(
+  ([body, ...at]) => add(frame.position(body), turned(frame.rotation(body), at)));

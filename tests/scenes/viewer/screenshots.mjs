@@ -1,8 +1,8 @@
-// Pictures of pages for the README:  screenshots.mjs FOLDER
+// Pictures of pages for the README:  screenshots.mjs FOLDER [NAME...]
 import path from 'node:path';
 import {launch, open, runScene, scrub, settle} from './browser.mjs';
 
-const folder = process.argv[2];
+const [folder, ...chosen] = process.argv.slice(2);
 if (!folder) throw new Error('which folder?');
 
 const kWide = {viewport: {width: 900, height: 520}};
@@ -17,11 +17,14 @@ const kPictures = {
   'page-net': {run: net, at: 0.8, window: kWide},
   'page-bridge': {run: ['bridge', '--time', '2'], at: 0.27, window: {...kWide, ...kDark}},
   'page-grid': {run: grid, at: 0.9, window: kWide},
+  'page-crane': {run: ['crane', '--time', '5'], at: 3, window: kWide, select: 'hoist_wire'},
+  'page-wall': {run: ['wall', '--time', '0.5'], at: 0.4, window: {...kWide, ...kDark}},
   'page-phone': {run: ['bridge', '--time', '2'], at: 0.27, window: kPhone, select: 'truck'},
 };
 
 const browser = await launch();
 for (const [name, {run, at, window, select}] of Object.entries(kPictures)) {
+  if (chosen.length && !chosen.includes(name)) continue;
   const {page} = await open(browser, runScene(...run).page, window);
   await scrub(page, at);
   if (select) {

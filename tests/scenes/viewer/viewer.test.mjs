@@ -3,7 +3,9 @@ import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import path from 'node:path';
 import {after, before, describe, test} from 'node:test';
-import {differing, folder, launch, lookFrom, open, picture, project, runScene, scrub, settle, taut} from './browser.mjs';
+import {
+  differing, folder, heading, launch, lookFrom, open, picture, project, rampColor, runScene, scrub, settle, taut,
+} from './browser.mjs';
 import {add, anchor, dot, norm, readRecording, sub, turned, unit} from './recording.mjs';
 
 // Short runs: what is looked at is the page, not the physics.
@@ -17,14 +19,6 @@ const kScenes = {
 const kShown = 2 ** -9 + 5e-3;
 // Where from [m, beside the thing] to look at one of thousands, and what at: the thing is not in the middle.
 const kNear = {net: {from: [0.3, -0.3, 0.7], to: [0.1, 0.07, 0]}, grid: {from: [2, -3, 8], to: [1.2, 1, 0]}};
-const kStops = ['#34558b', '#2a8fa8', '#4fb286', '#c4cf4f', '#f4b13d', '#ea6a32', '#c9243f'];
-
-/** Colour of a part of the way from slack to taut, [r, g, b] up to 255. */
-function rampColor(part) {
-  const place = Math.min(Math.max(part, 0), 1) * (kStops.length - 1), k = Math.min(Math.floor(place), kStops.length - 2);
-  const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
-  return rgb(kStops[k]).map((a, i) => a + (place - k) * (rgb(kStops[k + 1])[i] - a));
-}
 
 /** "27.72 kN" as a number. */
 function quantity(text) {
@@ -32,7 +26,6 @@ function quantity(text) {
   return Number(number.replace('−', '-')) * {G: 1e9, M: 1e6, k: 1e3, '': 1, m: 1e-3, µ: 1e-6, n: 1e-9, p: 1e-12}[prefix];
 }
 
-const heading = (page) => page.locator('#inspector h2').evaluate((node) => node.firstChild.textContent);
 async function shown(page, name) {
   await settle(page);
   return page.locator('#inspector dl').evaluate((list, wanted) => {
