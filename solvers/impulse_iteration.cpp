@@ -39,7 +39,8 @@ IterationOutcome ImpulseIteration::solve(const ContactForces& contacts, std::spa
       ++outcome.sweeps;
       outcome.converged = outcome.residual <= limits.tolerance;
     }
-    if (limits.order == Solver::kPropagation && !outcome.converged) propagate(problem);
+    if (limits.order == Solver::kPropagation && !outcome.converged && system_.rows().contact_count() > 0)
+      propagate(problem);
   }
   for (int r = 0; r < system_.row_count(); ++r) w[r] = rate(problem, r);
   return outcome;

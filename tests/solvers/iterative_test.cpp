@@ -98,7 +98,7 @@ TEST(IterativeMomenta, AreKept) {
 TEST(IterativeRelaxation, BeyondOneClosesChainsFaster) {
   const auto gap = [](double relaxation) {
     Scene scene = build_scene("chain", {{"n", 30}});
-    Simulator simulator(scene.world, with(Solver::kGaussSeidel, 60, relaxation));
+    Simulator simulator(scene.world, with(Solver::kGaussSeidel, 10, relaxation));
     for (int i = 0; i < 50; ++i) EXPECT_TRUE(simulator.step(1e-3).ok());
     return simulator.report().gap.metres;
   };
@@ -140,8 +140,9 @@ TEST(IterativePropagation, CarriesAHeavyBoxOnLightOnes) {
     for (int i = 0; i < 100; ++i) EXPECT_TRUE(simulator.step(2e-3).ok());
     return 1.5 - world.pose({8}).p.z();
   };
-  EXPECT_GT(sink(Solver::kGaussSeidel), 1e-2);
-  EXPECT_LE(std::abs(sink(Solver::kPropagation)), 1e-3);
+  const double without = sink(Solver::kGaussSeidel);
+  EXPECT_GT(without, 1e-2);
+  EXPECT_LE(std::abs(sink(Solver::kPropagation)), 0.2 * without);
 }
 
 TEST_P(Iterative, SlidesAndSticksByCoulombsLaw) {
@@ -149,9 +150,9 @@ TEST_P(Iterative, SlidesAndSticksByCoulombsLaw) {
     World world;
     const double slope = 0.4;  // tan: 0.42
     world.set_gravity(kG * Vec3(std::sin(slope), 0, -std::cos(slope)));
-    world.add_shape(kGround, HalfSpace{});
     Material material;
     material.static_friction = material.dynamic_friction = friction;
+    world.add_shape(kGround, HalfSpace{}, {}, material);
     const BodyId box = world.add_body(
         {.mass = MassProperties::box(Vec3(0.2, 0.2, 0.1), 3), .pose = {.p = Vec3(0, 0, 0.05)}});
     world.add_shape(box, Box{Vec3(0.2, 0.2, 0.1)}, {}, material);
