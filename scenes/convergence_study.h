@@ -16,13 +16,13 @@ struct ConvergenceRun {
   };
   std::string id, integrator;
   std::vector<Point> points;  ///< from the longest step to the shortest
-  /// Slope of log error over log dt between the steps that are neither too long nor at round-off; 0 if fewer
-  /// than two are.
+  /// Slope of log error over log dt at the shortest three steps whose errors are neither large nor round-off;
+  /// 0 if fewer than two are.
   double order() const;
 };
 
-/// Cases of a folder with positions at given times, by every integrator that can run them, at 8, 4, …, ¼ of
-/// the step that their tolerances are for.  @param ids names of cases; those that are not there are left out.
+/// Cases of a folder with positions at given times, by every integrator, at 64, 32, …, ¼ of the step that
+/// their tolerances are for.  @param ids names of cases; those that are not there are left out.
 std::vector<ConvergenceRun> run_convergence(const std::filesystem::path& folder,
                                             const std::vector<std::string>& ids);
 

@@ -13,7 +13,7 @@
 namespace taut {
 namespace {
 
-constexpr int kSamples = 200;
+constexpr int kSamples = 100;
 /// Relative energies beyond this are no motion of the mechanism any more.
 constexpr double kRunaway = 1e3;
 

@@ -97,6 +97,7 @@ void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
     system_->assemble(states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
   }
   const Stopwatch watch(times.factorization);
+  factored_ = true;
   ++counters_.factorizations;
   usable_ = factor_->factorize(system_->matrix()) < 0;
   dependent_rows_.clear();

@@ -85,8 +85,13 @@ class ConstraintSystem {
   void clear_bounded_rows(std::span<double> values) const;
   /// States of the present factor; empty if all rows are free.
   std::span<const double> factored_states() const { return factored_states_; }
-  /// W = J A alone, for solvers without a factor.
-  void weigh() { system_->weight(rows_, jacobian_, roots_, weighted_); }
+  /// W = J A alone.  The factor is not that of this W then, until the next factorize().
+  void weigh() {
+    system_->weight(rows_, jacobian_, roots_, weighted_);
+    factored_ = false;
+  }
+  /// False after weigh(): there is no factor of the present S.
+  bool factored() const { return factored_; }
   /// S from J and the roots, and its factor.  Sets rank_deficiency() and condition_estimate().
   void factorize(StageTimes& times);
 
@@ -156,6 +161,7 @@ class ConstraintSystem {
   int small_pivots_ = 0;
   double counted_shift_ = 0;
   bool usable_ = false;
+  bool factored_ = false;    // since the last weigh()
   bool shifted_ = false;     // the present factor is that of S_ε
   bool shift_next_ = false;  // start the next factorisation with the shift
   int full_rank_streak_ = 0;

@@ -162,6 +162,14 @@ void ContactForces::roll_back(bool moved_on) {
   departed_.resize(departed_before_);
 }
 
+bool ContactForces::rest() const {
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (points_[k].live &&
+        (impacts_[k].stage != Impact::Stage::kNone || points_[k].approach < -resting_speed_))
+      return false;
+  return !empty();
+}
+
 void ContactForces::position_laws(std::span<RowLaw> laws) const {
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];

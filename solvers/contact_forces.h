@@ -45,6 +45,8 @@ class ContactForces {
   /// Back to begin(), over a move_on() if there was one.
   void roll_back(bool moved_on);
 
+  /// There are contacts, and none of them came together faster than the resting speed before the step.
+  bool rest() const;
   void position_laws(std::span<RowLaw> laws) const;
   /// Between them: what the first kick gave, in the directions of now.  `rates`: J V without the impulses of
   /// the second.

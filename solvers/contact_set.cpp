@@ -1,6 +1,7 @@
 #include "solvers/contact_set.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <tuple>
@@ -9,9 +10,11 @@ namespace taut {
 namespace {
 
 /// Finds after which an unused place may be given up.
+/// A contact is where one was before if in either body it is no further from it than this [m].
+constexpr double kSamePoint = 1e-4;
 constexpr int kKept = 200;
 /// Tangents follow the slip above this speed [m/s].
-constexpr double kSlipSpeed = 1e-9;
+constexpr double kSlipSpeed = 1e-6;
 
 auto order_of(const Rows::ContactPlace& place) { return std::tuple(place.a, place.b, place.twist); }
 
@@ -97,7 +100,9 @@ bool ContactSet::find(const World& world, const State& state, double horizon) {
   return missing;
 }
 
-/// Contacts of before get their places again, others free ones of the same pair; −1 where there is none.
+/// Contacts of before get their places again: those that are the same feature at the same point first, then
+/// those nearest to where one was, since features of flat faces are numbered anew by round-off, then the same
+/// feature wherever it is now.  Others get free places of the same pair; −1 where there is none.
 void ContactSet::match(const World& world, const std::vector<Contact>& contacts) {
   keys_.clear();
   for (std::size_t k = 0; k < places_.size(); ++k) {
@@ -106,25 +111,38 @@ void ContactSet::match(const World& world, const std::vector<Contact>& contacts)
     ++place.unused;
     place.active = false;
   }
-  const auto before = [](const auto& x, const auto& y) {
+  std::sort(keys_.begin(), keys_.end(), [](const Key& x, const Key& y) {
     return std::tie(x.a, x.b, x.feature) < std::tie(y.a, y.b, y.feature);
-  };
-  std::sort(keys_.begin(), keys_.end(), before);
+  });
   origin_.assign(places_.size(), -1);
   moved_.resize(places_.size());
   std::iota(moved_.begin(), moved_.end(), 0);
   place_of_contact_.assign(contacts.size(), -1);
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const auto key = std::lower_bound(keys_.begin(), keys_.end(), contacts[c], before);
-    if (key == keys_.end() || before(contacts[c], *key)) continue;
-    if (places_[key->place].active) continue;
-    if (places_[key->place].at !=
-        place_for(contacts[c], world.contact_material(contacts[c].a, contacts[c].b)))
-      continue;
-    place_of_contact_[c] = key->place;
-    origin_[key->place] = key->place;
-    places_[key->place].active = true;
-  }
+  enum Likeness { kSameFeatureAndPoint, kNearest, kSameFeature };
+  for (const Likeness likeness : {kSameFeatureAndPoint, kNearest, kSameFeature})
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      if (place_of_contact_[c] >= 0) continue;
+      const Contact& contact = contacts[c];
+      const auto at = place_for(contact, world.contact_material(contact.a, contact.b));
+      const auto first = std::lower_bound(
+          keys_.begin(), keys_.end(), contact,
+          [](const Key& x, const Contact& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
+      double least = likeness == kSameFeature ? std::numeric_limits<double>::infinity() : kSamePoint;
+      int found = -1;
+      for (auto key = first; key != keys_.end() && key->a == contact.a && key->b == contact.b; ++key) {
+        const Place& place = places_[key->place];
+        if (place.active || place.at != at) continue;
+        if (likeness != kNearest && key->feature != contact.feature) continue;
+        const double distance =
+            std::min((place.contact.p_AP - contact.p_AP).norm(), (place.contact.p_BQ - contact.p_BQ).norm());
+        if (distance > least) continue;
+        least = distance;
+        found = key->place;
+      }
+      if (found < 0) continue;
+      place_of_contact_[c] = origin_[found] = found;
+      places_[found].active = true;
+    }
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     if (place_of_contact_[c] >= 0) continue;
     const int place =

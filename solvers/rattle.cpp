@@ -93,15 +93,17 @@ void Rattle::start(const State& state, StepReport& report) {
   active_->reset();
 }
 
+void Rattle::linearize(StepReport& report) {
+  const Stopwatch watch(report.times.assembly);
+  system_.linearize(state_);
+  system_.set_mass(state_.poses);
+  inverse_mass_.set(system_.mass_roots());
+  system_.weigh();
+}
+
 void Rattle::linearize_and_factorize(StepReport& report) {
-  {
-    const Stopwatch watch(report.times.assembly);
-    system_.linearize(state_);
-    system_.set_mass(state_.poses);
-    inverse_mass_.set(system_.mass_roots());
-    if (iterative()) return system_.weigh();
-  }
-  system_.factorize(report.times);
+  linearize(report);
+  if (!iterative()) system_.factorize(report.times);
 }
 
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
@@ -147,7 +149,10 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   state_.time += h;
   if (!contacts_.empty()) find_contacts();
   if (bounded() && !iterative()) active_->prepare(laws_, delta_, lambda_);
-  linearize_and_factorize(report);
+  if (contacts_.empty())
+    linearize_and_factorize(report);
+  else
+    linearize(report);  // what rests needs no factor
   refactored_ = false;
   if (!close_velocities(h, report)) {
     roll_back(report);

@@ -88,6 +88,7 @@ class Rattle {
   /// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.
   static constexpr double kSlow = 0.6;
 
+  void linearize(StepReport& report);
   void linearize_and_factorize(StepReport& report);
   void predict_multipliers(double h);
   void keep_multipliers(double h);
@@ -126,6 +127,9 @@ class Rattle {
   double law_error(double h) const;
   template <typename Laws>
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report);
+  double distance_from_laws(std::span<const double> lambda, std::span<const double> w,
+                            double rate_tolerance) const;
+  bool holds(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool split(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool stabilize_positions(double h, StepReport& report);
   bool stabilize_velocities(StepReport& report);
@@ -202,7 +206,7 @@ class Rattle {
   int splittings_left_ = 0;       // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;
-  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, row_scratch_;
+  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, row_scratch_;
   std::vector<int> pieces_scratch_;
   std::vector<Twist> mean_twists_;
   double time_to_impact_ = 0;

@@ -19,6 +19,11 @@ constexpr int kMaxSolves = 40;
 /// law by this factor, splitting takes over, for as many stages.
 constexpr int kFrictionPatience = 4, kSplittingsInARow = 60;
 constexpr double kFrictionProgress = 0.2;
+/// Impulses of before are taken over if they are off their laws by no more than this part.
+constexpr double kHeld = 1e-9;
+/// Off by no more than this they are mended by so many sweeps, if that is enough.
+constexpr double kNear = 1e-3;
+constexpr int kMendingSweeps = 50;
 /// Rounds of an active set with contacts, which has a fall-back of its own.
 constexpr int kContactRounds = 30;
 
@@ -136,6 +141,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     settings.max_rounds = kContactRounds;
     settings.max_descent_rounds = 0;
   }
+  if (contacts_.rest() && holds(lambda, rate_tolerance, report)) return true;
   if (splittings_left_ > 0 && splittings_left_-- > 0) return split(lambda, rate_tolerance, report);
   guess_.assign(lambda.begin(), lambda.end());
   double earlier = std::numeric_limits<double>::infinity();
@@ -181,6 +187,44 @@ void Rattle::renew_velocity_laws() {
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
     if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
   for (int r : breaking_.rows()) laws_[r] = RowLaw::none();
+}
+
+/// The natural map at impulses whose rates are w, over the largest of them; errors of rates within the
+/// tolerance do not count.
+double Rattle::distance_from_laws(std::span<const double> lambda, std::span<const double> w,
+                                  double rate_tolerance) const {
+  double error = 0, scale = 0;
+  for (int r = 0; r < system_.row_count(); ++r)
+    scale = std::max(scale, std::abs(lambda[r]) / std::sqrt(inertia_[r]));
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
+    const double own = 1 / inertia_[r];
+    const double off = std::abs(lambda[r] - laws_[r].resolve(own, w[r] - own * lambda[r]).lambda);
+    if (!(own * off <= rate_tolerance)) error = std::max(error, std::sqrt(own) * off);
+  }
+  error = std::max(error, contacts_.error(lambda, w, rate_tolerance));
+  return error == 0 ? 0 : error / scale;
+}
+
+/// True if the impulses of before meet the laws at once, or after some sweeps of Gauss–Seidel: a stage of
+/// bodies at rest is done without a factor.
+bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+  std::copy(rates_.begin(), rates_.end(), w_.begin());
+  double off = distance_from_laws(lambda, w_, rate_tolerance);
+  if (off > kNear) return false;
+  if (off > kHeld) {
+    held_.assign(lambda.begin(), lambda.end());
+    (void)iteration_.solve(contacts_, laws_, delta_, held_, w_, {.sweeps = kMendingSweeps}, {});
+    off = distance_from_laws(held_, w_, rate_tolerance);
+    if (off > kHeld) return false;
+    std::copy(held_.begin(), held_.end(), lambda.begin());
+  }
+  if (axes_.break_away(w_) || axes_.update_loads(system_.rows(), system_.jacobian(), lambda)) return false;
+  contacts_.take_over(lambda, w_, rate_tolerance);
+  if (!(contacts_.residual() <= kHeld)) return false;
+  active_->prepare(laws_, delta_, lambda);
+  outcome_ = {};
+  report.complementarity_residual = std::max({report.complementarity_residual, off, contacts_.residual()});
+  return true;
 }
 
 /// The fall-back of contacts.

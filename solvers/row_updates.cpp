@@ -72,6 +72,7 @@ int RowUpdates::add_column(int row) {
 }
 
 bool RowUpdates::set_states(std::span<const double> states, int budget) {
+  if (!system_.factored()) return false;
   assert(states.size() == states_.size());
   if (!system_.usable()) return false;
   forget_old_factor();

@@ -1,0 +1,56 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "scenes/convergence_study.h"
+#include "scenes/method_study.h"
+
+/// What `taut accuracy --study` says, against what is known of the methods.
+namespace taut {
+namespace {
+
+TEST(Study, OrderIsTheSlopeOfTheShortestStepsAboveRoundOff) {
+  ConvergenceRun run;
+  for (double dt : {0.8, 0.4, 0.2, 0.1}) run.points.push_back({dt, 1e-3 * std::pow(dt, 6), 1, ""});
+  run.points.push_back({0.05, 1e-13, 1, ""});
+  run.points.push_back({0.025, 1, 1, "failed"});
+  EXPECT_NEAR(run.order(), 6, 1e-12);
+  run.points.resize(1);
+  EXPECT_EQ(run.order(), 0);
+}
+
+TEST(Study, IntegratorsHaveTheirOrders) {
+  const std::filesystem::path folder = std::filesystem::path(TAUT_SOURCE_DIR) / "tests" / "references";
+  const std::map<std::string, double> nominal = {{"rattle", 2},      {"rattle4", 4},
+                                                 {"rattle6", 6},     {"rattle8", 8},
+                                                 {"force-euler", 1}, {"force-runge-kutta", 4}};
+  for (const ConvergenceRun& run : run_convergence(folder, {"pendulum_simple_90", "no such case"})) {
+    EXPECT_EQ(run.id, "pendulum_simple_90");
+    // Few points of the high orders are above round-off.
+    EXPECT_NEAR(run.order(), nominal.at(run.integrator), run.integrator == "rattle8" ? 1.5 : 0.5)
+        << run.integrator;
+  }
+}
+
+TEST(Study, MethodsDoWhatTheyAreKnownFor) {
+  std::map<std::string, std::map<std::string, MethodRun>> runs;
+  for (MethodRun& run : run_methods(1e-3, 0.5)) runs[run.mechanism][run.method] = std::move(run);
+  ASSERT_EQ(runs.size(), 3u);
+  for (auto& [mechanism, by] : runs) {
+    EXPECT_EQ(by.size(), compared_methods().size());
+    EXPECT_LE(by["RATTLE"].max_gap, 1e-9) << mechanism;
+    EXPECT_LE(by["RATTLE of order 4"].max_drift, by["RATTLE"].max_drift) << mechanism;
+    // Joints drift apart at force level, and less with a cure.
+    EXPECT_GT(by["force level, Euler"].max_gap, 1e-4) << mechanism;
+    EXPECT_LT(by["force level, Euler, Baumgarte 0.8"].max_gap, 0.1 * by["force level, Euler"].max_gap);
+    EXPECT_LT(by["force level, Runge-Kutta, position push"].max_gap, by["force level, Runge-Kutta"].max_gap);
+    // More sweeps, less gap.
+    EXPECT_LE(by["Gauss-Seidel impulses, 50 sweeps, SOR 1.5"].max_gap,
+              by["Gauss-Seidel impulses, 10 sweeps"].max_gap);
+    EXPECT_LE(by["pairwise impulses, 50 a joint"].max_gap, by["pairwise impulses, 10 a joint"].max_gap);
+  }
+}
+
+}  // namespace
+}  // namespace taut
