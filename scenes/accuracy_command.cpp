@@ -112,8 +112,8 @@ int study_command(const fs::path& references, const fs::path& folder) {
   const std::vector<ConvergenceRun> convergence = run_convergence(references, kStudied);
   const std::vector<MethodRun> methods = run_methods(kStudyStep, kStudyTime);
   const std::string tables =
-      "# Convergence\n\nLargest position error [m] against the reference; one step is one step, whatever the "
-      "tension.\n\n" +
+      "# Convergence\n\nLargest position error [m] against the reference; tension divides no step, but one "
+      "that Newton cannot close is.\n\n" +
       convergence_table(convergence) +
       "\n# Methods\n\nSteps of 1 ms for 5 s; errors of energy relative to what the mechanism can turn "
       "over.\n\n" +

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 constexpr double kFractions[] = {64, 32, 16, 8, 4, 2, 1, 0.5, 0.25};
 /// Errors above the first are no small ones, those below the second are round-off or the tolerance to which
 /// joints are closed [m].
-constexpr double kLarge = 0.03, kRoundOff = 2e-10;
+constexpr double kLarge = 0.03, kRoundOff = 1e-9;
 /// Points that an order is taken from.
 constexpr int kFitted = 3;
 

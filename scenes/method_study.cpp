@@ -136,8 +136,9 @@ std::string methods_csv(const std::vector<MethodRun>& runs) {
 
 std::string methods_plots(const std::vector<MethodRun>& runs, const std::string& folder) {
   std::string script =
-      "set terminal svg size 900,900 dynamic background rgb 'white'\nset grid\nset key outside bottom "
-      "center\nset logscale y\nset format y '%.0e'\n";
+      "set terminal svg size 1100,760 dynamic background rgb 'white'\nunset logscale\nset format '%g'\nset "
+      "grid\nset key at screen 0.99, screen 0.95 right top\nset rmargin at screen 0.66\nset logscale y\nset "
+      "format y '%.0e'\n";
   std::map<std::string, std::string> gaps, energies;
   int index = 0;
   for (const MethodRun& r : runs) {

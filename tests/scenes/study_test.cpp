@@ -27,9 +27,11 @@ TEST(Study, IntegratorsHaveTheirOrders) {
                                                  {"force-euler", 1}, {"force-runge-kutta", 4}};
   for (const ConvergenceRun& run : run_convergence(folder, {"pendulum_simple_90", "no such case"})) {
     EXPECT_EQ(run.id, "pendulum_simple_90");
-    // Few points of the high orders are above round-off.
-    EXPECT_NEAR(run.order(), nominal.at(run.integrator), run.integrator == "rattle8" ? 1.5 : 0.5)
-        << run.integrator;
+    if (run.integrator == "rattle8") {  // at round-off after its first step
+      EXPECT_LE(run.points.front().error, 1e-7);
+    } else {
+      EXPECT_NEAR(run.order(), nominal.at(run.integrator), 0.3) << run.integrator;
+    }
   }
 }
 
