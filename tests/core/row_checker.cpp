@@ -15,6 +15,7 @@ Eigen::VectorXd RowChecker::residual(const Pose& A, const Pose& B) const {
 RowChecker::Jacobian RowChecker::jacobian(const Pose& A, const Pose& B) const {
   std::vector<double> values = jacobian_values(A, B);
   Jacobian J(row_count(), 12);
+  if (row_count() == 0) return J;  // a joint that leaves everything free
   for (int s : {0, 1})
     J.middleCols<6>(6 * s) = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>>(
         values.data() + rows_.sides()[s].offset, row_count(), 6);
