@@ -10,8 +10,8 @@
 
 #include "core/check.h"
 #include "scenes/accuracy_report.h"
-#include "scenes/child_process.h"
 #include "scenes/convergence_study.h"
+#include "scenes/gnuplot.h"
 #include "scenes/method_study.h"
 #include "scenes/run_command.h"
 
@@ -96,10 +96,6 @@ bool write(const std::optional<std::string>& file, const std::string& text) {
   return false;
 }
 
-}  // namespace
-
-namespace {
-
 /// Mechanisms of the convergence study.
 const std::vector<std::string> kStudied = {"pendulum_simple_90", "pendulum_spherical",
                                            "double_pendulum_regular", "heavy_top_geradin_cardona",
@@ -119,17 +115,12 @@ int study_command(const fs::path& references, const fs::path& folder) {
       "over.\n\n" +
       methods_table(methods);
   std::cout << tables << std::flush;
-  const fs::path script = folder / "study.gp";
   bool good = write((folder / "study.md").string(), tables);
   good = write((folder / "convergence.csv").string(), convergence_csv(convergence)) && good;
   good = write((folder / "methods.csv").string(), methods_csv(methods)) && good;
-  good = write(script.string(),
-               convergence_plots(convergence, folder.string()) + methods_plots(methods, folder.string())) &&
-         good;
   if (!good) return kExitFailure;
-  const ChildResult plots = run_child("/usr/bin/env", {"gnuplot", script.string()}, false, 60);
-  fs::remove(script);
-  if (!plots.good()) std::cerr << "taut accuracy: no pictures: gnuplot " << plots.message() << '\n';
+  draw(convergence_plots(convergence, folder.string()) + methods_plots(methods, folder.string()), folder,
+       "taut accuracy");
   return kExitSuccess;
 }
 

@@ -1,8 +1,8 @@
 #include "scenes/accuracy_report.h"
 
 #include <algorithm>
-#include <cstdio>
 
+#include "scenes/format.h"
 #include "scenes/recorder.h"
 #include "scenes/setting_names.h"
 
@@ -10,12 +10,6 @@ namespace taut::reference {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string format(const char* pattern, auto... values) {
-  char text[512];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
 
 /// The verdict over both steps: failed if one failed, else measured if one was.
 Verdict overall(const CaseResult& result, std::size_t quantity) {

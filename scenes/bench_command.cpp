@@ -13,6 +13,7 @@
 #include "scenes/bench_plan.h"
 #include "scenes/bench_report.h"
 #include "scenes/child_process.h"
+#include "scenes/gnuplot.h"
 #include "scenes/recorder.h"
 #include "scenes/run_command.h"
 
@@ -133,14 +134,10 @@ void write_results(const BenchResults& results, const BenchOptions& options, con
 }
 
 /// Pictures, if gnuplot is there.
-void draw(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
+void draw_results(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
   const std::string name = name_of(options);
   fs::create_directories(folder / name);
-  const fs::path script = folder / name / "plots.gp";
-  write(script, bench_plots(results, (folder / name).string()));
-  const ChildResult plots = run_child("/usr/bin/env", {"gnuplot", script.string()}, false, 60);
-  if (!plots.good()) std::cerr << "taut bench: no pictures: gnuplot " << plots.message() << '\n';
-  fs::remove(script);
+  draw(bench_plots(results, (folder / name).string()), folder / name, "taut bench");
   std::cerr << "taut bench: " << (folder / (name + ".md")).string() << '\n';
 }
 
@@ -183,7 +180,7 @@ BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const
 int run_engines(const fs::path& folder, const fs::path& build, const BenchOptions& options) {
   const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
   const BenchResults results = run_plan(folder, options, out);
-  draw(results, options, out);
+  draw_results(results, options, out);
   int bad = 0;
   for (const Json& run : results.at("runs")) {
     const std::string status = run.value("status", "");

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <vector>
+
+#include "scenes/format.h"
 
 namespace taut {
 namespace {
@@ -14,12 +15,6 @@ using Json = nlohmann::ordered_json;
 
 // What counts as a simulation in the comparison: energy within a tenth, for at least this long.
 constexpr double kMaxDrift = 0.1, kMinTime = 0.2;
-
-std::string format(const char* pattern, auto... values) {
-  char text[512];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
 
 std::string label_of(const Json& run) {
   return run.at("scene").get<std::string>() + ' ' + std::to_string(run.at("n").get<int>()) +

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
+#include "scenes/format.h"
 #include "scenes/setting_names.h"
 
 namespace taut {
@@ -18,13 +18,6 @@ constexpr double kFractions[] = {64, 32, 16, 8, 4, 2, 1, 0.5, 0.25};
 constexpr double kLarge = 0.03, kRoundOff = 1e-9;
 /// Points that an order is taken from.
 constexpr int kFitted = 3;
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
 
 double position_error(const reference::CaseRun& run) {
   double error = -1;

@@ -123,7 +123,7 @@ struct WireNodes {
     const Vec3 from = frame.poses[section.from.body.index].point(section.from.p_BP);
     const Vec3 d = frame.poses[section.to.body.index].point(section.to.p_BP) - from;
     const double length = frame.joints[section.joint].attached ? d.norm() : 0;
-    const Quat turn = Quat::FromTwoVectors(Vec3::UnitZ(), d.norm() > 0 ? d : Vec3(Vec3::UnitZ()));
+    const Quat turn = rotation_between(Vec3::UnitZ(), d.norm() > 0 ? d : Vec3(Vec3::UnitZ()));
     return {{turn, from + d / 2}, length};
   }
 };

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "core/diagnostics.h"
+#include "scenes/format.h"
+#include "scenes/gap_meter.h"
 #include "scenes/scene.h"
 #include "solvers/simulator.h"
 #include "solvers/stopwatch.h"
@@ -16,13 +17,6 @@ namespace {
 constexpr int kSamples = 100;
 /// Relative energies beyond this are no motion of the mechanism any more.
 constexpr double kRunaway = 1e3;
-
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
 
 struct Mechanism {
   const char* label;
@@ -39,8 +33,7 @@ MethodRun run(const Mechanism& mechanism, const Method& method, double dt, doubl
   result.dt = dt;
   Scene scene = build_scene(mechanism.scene, {{"n", double(mechanism.n)}});
   Simulator simulator(scene.world, method.settings);
-  const Rows rows(scene.world, Rows::AxisRows::kLeftOut);
-  std::vector<double> phi(rows.row_count());
+  GapMeter meter(scene.world);
   const double start = total_energy(scene.world, scene.world.state());
   const auto steps = static_cast<long>(std::lround(duration / dt)), stride = std::max(1L, steps / kSamples);
   double wall = 0;
@@ -50,8 +43,7 @@ MethodRun run(const Mechanism& mechanism, const Method& method, double dt, doubl
       if (!simulator.step(dt).ok()) result.failed = simulator.report().message;
     }
     if (!result.failed.empty()) break;
-    rows.residual(scene.world.state(), phi);
-    const Gap gap = max_gap(rows, phi);
+    const Gap gap = meter.largest(scene.world);
     const double open = std::max(gap.metres, gap.radians);
     result.energy_end = (total_energy(scene.world, scene.world.state()) - start) / scene.energy_scale;
     result.max_gap = std::max(result.max_gap, open);

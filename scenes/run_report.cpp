@@ -1,19 +1,14 @@
 #include "scenes/run_report.h"
 
-#include <cstdio>
 #include <span>
 #include <utility>
+
+#include "scenes/format.h"
 
 namespace taut {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string format(const char* pattern, auto... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
 
 /// Phases by name, in the order of a step.
 std::vector<std::pair<const char*, double>> phases(const StageTimes& times) {

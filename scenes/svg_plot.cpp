@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <pugixml.hpp>
 #include <sstream>
+
+#include "scenes/format.h"
 
 namespace taut {
 namespace {
@@ -26,12 +27,6 @@ struct Panel {
   bool logarithmic = false;
 };
 
-std::string text_of(const char* pattern, auto... values) {
-  char text[96];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
-
 xml_node element(xml_node parent, const char* name,
                  std::initializer_list<std::pair<const char*, std::string>> attributes,
                  const std::string& text = {}) {
@@ -41,7 +36,7 @@ xml_node element(xml_node parent, const char* name,
   return node;
 }
 
-std::string px(double value) { return text_of("%.2f", value); }
+std::string px(double value) { return format("%.2f", value); }
 
 /// What belongs together in one panel: a probe's columns have its name before the dot.
 std::vector<Panel> panels(RecordingReader& recording) {
@@ -61,7 +56,7 @@ std::vector<Panel> panels(RecordingReader& recording) {
     if (scalars[s].group == Group::kGap) gap.lines.push_back(lines[s]);
     if (scalars[s].group != Group::kProbe) continue;
     const std::string stem = name.substr(0, name.rfind('.'));
-    if (stem != last_stem) probes.push_back({text_of("%s [%s]", stem.c_str(), scalars[s].unit.c_str()), {}});
+    if (stem != last_stem) probes.push_back({format("%s [%s]", stem.c_str(), scalars[s].unit.c_str()), {}});
     last_stem = stem;
     lines[s].name = name.substr(name.rfind('.') + 1);
     probes.back().lines.push_back(lines[s]);
@@ -118,12 +113,12 @@ void draw_panel(xml_node svg, const Panel& panel, double top, RecordingReader& r
 
   element(svg, "text", {{"x", px(kLeft)}, {"y", px(top - 8)}, {"class", "title"}}, panel.title);
   for (const double tick : scale.ticks()) {
-    element(svg, "path", {{"class", "grid"}, {"d", text_of("M%.2f %.2fH%.2f", kLeft, y(tick), right)}});
-    element(svg, "text", {{"x", px(kLeft - 6)}, {"y", px(y(tick) + 4)}, {"class", "y"}}, text_of("%g", tick));
+    element(svg, "path", {{"class", "grid"}, {"d", format("M%.2f %.2fH%.2f", kLeft, y(tick), right)}});
+    element(svg, "text", {{"x", px(kLeft - 6)}, {"y", px(y(tick) + 4)}, {"class", "y"}}, format("%g", tick));
   }
   for (const double tick : axis_ticks(first, first + span, 8)) {
-    element(svg, "path", {{"class", "grid"}, {"d", text_of("M%.2f %.2fV%.2f", x(tick), top, bottom)}});
-    element(svg, "text", {{"x", px(x(tick))}, {"y", px(bottom + 16)}, {"class", "x"}}, text_of("%g s", tick));
+    element(svg, "path", {{"class", "grid"}, {"d", format("M%.2f %.2fV%.2f", x(tick), top, bottom)}});
+    element(svg, "text", {{"x", px(x(tick))}, {"y", px(bottom + 16)}, {"class", "x"}}, format("%g s", tick));
   }
   int number = 0;
   for (const Line& line : panel.lines) {
@@ -133,7 +128,7 @@ void draw_panel(xml_node svg, const Panel& panel, double top, RecordingReader& r
     for (std::size_t f = 0; f < line.values.size(); ++f) {
       const double height = y(line.values[f]);
       if (std::isfinite(height))
-        path += text_of("%c%.2f %.2f", pen_down ? 'L' : 'M', x(recording.time(static_cast<int>(f))), height);
+        path += format("%c%.2f %.2f", pen_down ? 'L' : 'M', x(recording.time(static_cast<int>(f))), height);
       pen_down = std::isfinite(height);
     }
     if (!path.empty()) element(svg, "path", {{"class", "line"}, {"stroke", color}, {"d", path}});
@@ -161,7 +156,7 @@ std::string svg_plot(RecordingReader& recording) {
   pugi::xml_document document;
   xml_node svg = element(document, "svg",
                          {{"xmlns", "http://www.w3.org/2000/svg"},
-                          {"viewBox", text_of("0 0 %.2f %.2f", kWidth, height)},
+                          {"viewBox", format("0 0 %.2f %.2f", kWidth, height)},
                           {"width", px(kWidth)},
                           {"height", px(height)}});
   element(svg, "title", {}, recording.header().scene);

@@ -76,7 +76,10 @@ void ConstraintSystem::analyze() {
   masked_weighted_.reserve(weighted_.size());
 }
 
-void ConstraintSystem::linearize(const Configuration& at) { rows_.jacobian(at, jacobian_); }
+void ConstraintSystem::linearize(const Configuration& at) {
+  rows_.jacobian(at, jacobian_);
+  factored_ = false;
+}
 
 void ConstraintSystem::set_mass(std::span<const Pose> poses) {
   for (int b = 0; b < mass_.size(); ++b) {
@@ -151,7 +154,7 @@ void ConstraintSystem::mask_weighted() {
 void ConstraintSystem::factorize(StageTimes& times) {
   {
     const Stopwatch watch(times.assembly);
-    weigh();
+    system_->weight(rows_, jacobian_, roots_, weighted_);
   }
   shifted_ = shift_next_;
   assemble_and_factorize(times);
@@ -182,7 +185,7 @@ void ConstraintSystem::keep_count(StageTimes& times) {
 /// dependence: 10⁸ ε for a bridge of 1000 hinges.  No threshold tells such pivots from small independent
 /// ones, but two shifts do: the former follow the shift, the latter stay.
 void ConstraintSystem::factorize_for_counting(StageTimes& times) {
-  weigh();
+  system_->weight(rows_, jacobian_, roots_, weighted_);
   const double shift = tolerance_.shift;
   shifted_ = shift_next_ = true;
   assemble_and_factorize(times);

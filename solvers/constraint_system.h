@@ -85,12 +85,7 @@ class ConstraintSystem {
   void clear_bounded_rows(std::span<double> values) const;
   /// States of the present factor; empty if all rows are free.
   std::span<const double> factored_states() const { return factored_states_; }
-  /// W = J A alone.  The factor is not that of this W then, until the next factorize().
-  void weigh() {
-    system_->weight(rows_, jacobian_, roots_, weighted_);
-    factored_ = false;
-  }
-  /// False after weigh(): there is no factor of the present S.
+  /// False after linearize(), until the next factorize(): there is no factor of the present S.
   bool factored() const { return factored_; }
   /// S from J and the roots, and its factor.  Sets rank_deficiency() and condition_estimate().
   void factorize(StageTimes& times);
@@ -109,7 +104,7 @@ class ConstraintSystem {
   /// out = S x through W: (W Wᵀ) x, with all rows whatever their state.
   void multiply(std::span<const double> x, std::span<double> out);
 
-  /// W = J A of the last factorize() or weigh(), laid out like the Jacobian.
+  /// W = J A of the last factorize() or row_inertias(), laid out like the Jacobian.
   std::span<const double> weighted() const { return weighted_; }
   /// The diagonal was multiplied by one plus this before the last factorisation.
   double factored_shift() const { return std::max(compliance_, shifted_ ? tolerance_.shift : 0.0); }
@@ -161,7 +156,7 @@ class ConstraintSystem {
   int small_pivots_ = 0;
   double counted_shift_ = 0;
   bool usable_ = false;
-  bool factored_ = false;    // since the last weigh()
+  bool factored_ = false;    // since the last linearize()
   bool shifted_ = false;     // the present factor is that of S_ε
   bool shift_next_ = false;  // start the next factorisation with the shift
   int full_rank_streak_ = 0;

@@ -500,7 +500,6 @@ void ContactForces::book(int k, std::span<const double> lambda, std::span<const 
   point.first_torque = torque;
   point.impulse += impulse;
   point.torque += torque;
-  point.normal_impulse += lambda[row];
 }
 
 void ContactForces::keep(std::span<const double> lambda, std::span<const double> w,
@@ -510,8 +509,7 @@ void ContactForces::keep(std::span<const double> lambda, std::span<const double>
     if (!point.active) continue;
     const int row = first_row_[k];
     book(static_cast<int>(k), lambda, rates);
-    point.back = std::max(0.0, lambda[row]);
-    point.pressed = point.back > 0;
+    point.pressed = lambda[row] > 0;
     // The slip of this step while it holds: what is left of the target.
     if (!point.sliding.slips && point.pressed) {
       const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
@@ -531,6 +529,7 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     if (!point.active) continue;
     if (point.fresh) point.approach = rates[first_row_[k]];
     const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
+    point.back = std::max(0.0, frame.n.dot(point.first));
     point.sliding.given = Vec2(frame.t1.dot(point.first), frame.t2.dot(point.first));
     point.rolling.given = Vec2(frame.t1.dot(point.first_torque), frame.t2.dot(point.first_torque));
     point.spin_given = frame.n.dot(point.first_torque);
@@ -578,7 +577,7 @@ void ContactForces::keep_report(int k) {
   report.contact = set_.contact_before(k);
   report.force = point.impulse;
   report.torque = point.torque;
-  report.normal_force = point.normal_impulse;
+  report.normal_force = report.contact.normal.dot(point.impulse);
   report.impact_time = point.impact_time;
   departed_.push_back(report);
 }
@@ -588,8 +587,9 @@ std::vector<ContactReport> ContactForces::reports() const {
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];
     if (!point.active) continue;
-    reports.push_back({set_.places()[k].contact, point.impulse, point.torque, point.normal_impulse,
-                       point.slid, point.impact_time});
+    const Contact& contact = set_.places()[k].contact;
+    reports.push_back({contact, point.impulse, point.torque, contact.normal.dot(point.impulse), point.slid,
+                       point.impact_time});
   }
   return reports;
 }
@@ -600,7 +600,6 @@ void ContactForces::clear_reports() {
   impact_count_ = 0;
   for (Point& point : points_) {
     point.impulse = point.torque = Vec3::Zero();
-    point.normal_impulse = 0;
     point.impact_time.reset();
   }
   for (Impact& impact : impacts_) impact = {};

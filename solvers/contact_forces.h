@@ -123,7 +123,6 @@ class ContactForces {
     double spin_bound = std::numeric_limits<double>::infinity(), spin_given = 0;
     Disc sliding, rolling;
     Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();  ///< since clear_reports()
-    double normal_impulse = 0;
     std::optional<double> impact_time;
     bool slid = false;
   };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <queue>
 
 namespace taut {
@@ -22,15 +23,26 @@ using SixRow = Eigen::Map<const Eigen::Matrix<double, 1, 6>>;
 
 }  // namespace
 
+ImpulseIteration::ImpulseIteration(const ConstraintSystem& system) : system_(system), impulses_(system) {
+  const int rows = system.row_count();
+  for (auto* values : {&own_, &target_, &scratch_, &answer_}) values->assign(rows, 0.0);
+  order_.resize(system.rows().joints().size());
+  std::iota(order_.begin(), order_.end(), 0);
+}
+
 IterationOutcome ImpulseIteration::solve(const ContactForces& contacts, std::span<const RowLaw> laws,
                                          std::span<const double> b, std::span<double> lambda,
                                          std::span<double> w, const IterationLimits& limits,
                                          std::span<Wrench> absorbed) {
   const bool by_rows = limits.order == Solver::kGaussSeidel;
   const Problem problem{contacts, laws, b, lambda, by_rows ? limits.relaxation : 1, absorbed};
-  gather(problem);
+  impulses_.gather(lambda);
+  for (int r = 0; r < system_.row_count(); ++r) own_[r] = impulses_.diagonal(r);
+  frozen_.assign(system_.rows().body_count(), 0);
+  std::fill(target_.begin(), target_.end(), 0.0);
+  contacts.targets(target_);
   IterationOutcome outcome;
-  if (limits.order == Solver::kPropagation) find_levels();
+  if (limits.order == Solver::kPropagation && level_.empty()) find_levels();
   if (limits.order == Solver::kPairwise) {
     work_off_queue(problem, limits, outcome);
   } else {
@@ -46,80 +58,40 @@ IterationOutcome ImpulseIteration::solve(const ContactForces& contacts, std::spa
   return outcome;
 }
 
-/// Sides of rows, S_rr and Wᵀ λ.
-void ImpulseIteration::gather(const Problem& problem) {
-  const Rows& rows = system_.rows();
-  const double* W = system_.weighted().data();
-  row_start_.assign(1, 0);
-  row_sides_.clear();
-  for (const Rows::JointRows& joint : rows.joints())
-    for (int i = 0; i < joint.row_count; ++i) {
-      for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
-        if (!system_.mass()[rows.sides()[s].body].fixed)
-          row_sides_.push_back({rows.sides()[s].body, rows.sides()[s].offset + 6 * i});
-      row_start_.push_back(static_cast<int>(row_sides_.size()));
-    }
-  diagonal_.resize(rows.row_count());
-  frozen_.assign(rows.body_count(), 0);
-  bodies_.assign(6 * static_cast<std::size_t>(rows.body_count()), 0.0);
-  for (auto* values : {&target_, &scratch_, &answer_}) values->assign(rows.row_count(), 0.0);
-  problem.contacts.targets(target_);
-  for (int r = 0; r < rows.row_count(); ++r) {
-    diagonal_[r] = own(r);
-    for (int s = row_start_[r]; s < row_start_[r + 1]; ++s)
-      for (int k = 0; k < 6; ++k)
-        bodies_[6 * row_sides_[s].body + k] += W[row_sides_[s].offset + k] * problem.lambda[r];
-  }
-  order_.resize(rows.joints().size());
-  for (std::size_t k = 0; k < order_.size(); ++k) order_[k] = static_cast<int>(k);
-}
-
-/// w_r.
-double ImpulseIteration::rate(const Problem& problem, int row) const {
-  const double* W = system_.weighted().data();
-  double w = problem.b[row];
-  for (int s = row_start_[row]; s < row_start_[row + 1]; ++s)
-    w += SixRow(W + row_sides_[s].offset).dot(SixRow(&bodies_[6 * row_sides_[s].body]));
-  return w;
-}
-
-/// S_rr of the bodies that move.
+/// S_rr of the bodies that are not held fast.
 double ImpulseIteration::own(int row) const {
   const double* W = system_.weighted().data();
   double sum = 0;
-  for (int s = row_start_[row]; s < row_start_[row + 1]; ++s)
-    if (!frozen_[row_sides_[s].body]) sum += SixRow(W + row_sides_[s].offset).squaredNorm();
+  for (const RowImpulses::Side& side : impulses_.sides(row))
+    if (!frozen_[side.body]) sum += SixRow(W + side.offset).squaredNorm();
   return sum;
 }
 
 void ImpulseIteration::change(const Problem& problem, int row, double by) {
-  const double* W = system_.weighted().data();
   problem.lambda[row] += by;
-  for (int s = row_start_[row]; s < row_start_[row + 1]; ++s) {
-    const auto [body, offset] = row_sides_[s];
-    if (frozen_[body]) {
-      const double* J = system_.jacobian().data() + offset;
-      problem.absorbed[body].torque += by * Vec3(J[0], J[1], J[2]);
-      problem.absorbed[body].force += by * Vec3(J[3], J[4], J[5]);
-    } else {
-      for (int k = 0; k < 6; ++k) bodies_[6 * body + k] += by * W[offset + k];
+  for (const RowImpulses::Side& side : impulses_.sides(row)) {
+    if (!frozen_[side.body]) {
+      impulses_.add(side, by);
+      continue;
     }
+    const double* J = system_.jacobian().data() + side.offset;
+    problem.absorbed[side.body].torque += by * Vec3(J[0], J[1], J[2]);
+    problem.absorbed[side.body].force += by * Vec3(J[3], J[4], J[5]);
   }
 }
 
 /// What a row by itself answers, relaxed.
-double ImpulseIteration::next_of(const Problem& problem, int row, double own) const {
-  const double s = own / problem.relaxation;
+double ImpulseIteration::next_of(const Problem& problem, int row) const {
+  const double s = own_[row] / problem.relaxation;
   return problem.laws[row].resolve(s, rate(problem, row) - s * problem.lambda[row]).lambda;
 }
 
 /// Each relax…() returns the largest change √S_rr |δλ_r|.
 double ImpulseIteration::relax_row(const Problem& problem, int row) {
-  const double s = own(row);
-  if (!(s > 0)) return 0;
-  const double by = next_of(problem, row, s) - problem.lambda[row];
+  if (!(own_[row] > 0)) return 0;
+  const double by = next_of(problem, row) - problem.lambda[row];
   if (by != 0) change(problem, row, by);
-  return std::sqrt(s) * std::abs(by);
+  return std::sqrt(own_[row]) * std::abs(by);
 }
 
 /// Normal, sliding, spinning and rolling friction in turn, each with the normal impulse of then.
@@ -129,7 +101,7 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
   double largest = 0;
   const auto part = [&](int from, int count) {
     double s = 0;
-    for (int r = from; r < from + count; ++r) s = std::max(s, own(r));
+    for (int r = from; r < from + count; ++r) s = std::max(s, own_[r]);
     if (!(s > 0)) return;
     for (int r = first; r < first + rows.row_count; ++r) scratch_[r] = problem.lambda[r];
     for (int r = from; r < from + count; ++r)
@@ -164,10 +136,11 @@ double ImpulseIteration::relax_joint(const Problem& problem, int block) {
     for (int i = 0; i < count; ++i) {
       off[i] = problem.laws[first + i].rate(1) - rate(problem, first + i);
       for (int j = 0; j <= i; ++j)
-        for (int s = row_start_[first + i], t = row_start_[first + j]; s < row_start_[first + i + 1];
-             ++s, ++t)
-          if (!frozen_[row_sides_[s].body])
-            S(i, j) += SixRow(W + row_sides_[s].offset).dot(SixRow(W + row_sides_[t].offset));
+        for (std::size_t s = 0; s < impulses_.sides(first + i).size(); ++s) {
+          const auto [body, offset] = impulses_.sides(first + i)[s];
+          const int other = impulses_.sides(first + j)[s].offset;
+          if (!frozen_[body]) S(i, j) += SixRow(W + offset).dot(SixRow(W + other));
+        }
     }
     if (!(S.diagonal().minCoeff() > 0)) return 0;  // nothing moves
     const BlockVector root = S.diagonal().cwiseSqrt();
@@ -212,18 +185,17 @@ double ImpulseIteration::violation(const Problem& problem, int block) {
   double largest = 0;
   if (!system_.rows().is_contact(first)) {
     for (int r = first; r < first + rows.row_count; ++r)
-      if (diagonal_[r] > 0)
-        largest = std::max(largest, std::sqrt(diagonal_[r]) *
-                                        std::abs(next_of(problem, r, diagonal_[r]) - problem.lambda[r]));
+      if (own_[r] > 0)
+        largest = std::max(largest, std::sqrt(own_[r]) * std::abs(next_of(problem, r) - problem.lambda[r]));
     return largest;
   }
   for (int r = first; r < first + rows.row_count; ++r) {
-    const double s = diagonal_[r] > 0 ? diagonal_[r] : 1;
+    const double s = own_[r] > 0 ? own_[r] : 1;
     scratch_[r] = problem.lambda[r] - (rate(problem, r) - target_[r]) / s;
   }
   problem.contacts.answer(block - system_.rows().contact_joint(0), scratch_, answer_);
   for (int r = first; r < first + rows.row_count; ++r)
-    largest = std::max(largest, std::sqrt(diagonal_[r]) * std::abs(answer_[r] - problem.lambda[r]));
+    largest = std::max(largest, std::sqrt(own_[r]) * std::abs(answer_[r] - problem.lambda[r]));
   return largest;
 }
 
@@ -305,6 +277,10 @@ void ImpulseIteration::propagate(const Problem& problem) {
     const int level = level_of(order_[from]);
     for (to = from; to < order_.size() && level_of(order_[to]) == level;) ++to;
     if (level == std::numeric_limits<int>::max()) return;  // nothing holds these
+    for (std::size_t k = from; k < to; ++k) {
+      const Rows::JointRows& joint = rows.joints()[order_[k]];
+      for (int r = joint.first_row; r < joint.first_row + joint.row_count; ++r) own_[r] = own(r);
+    }
     for (int pass = 0; pass < kLevelSweeps; ++pass)
       for (std::size_t k = from; k < to; ++k)
         if (rows.joints()[order_[k]].row_count > 0) (void)relax(problem, order_[k]);

@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "solvers/constraint_system.h"
 #include "solvers/contact_forces.h"
+#include "solvers/row_impulses.h"
 #include "solvers/row_law.h"
 #include "solvers/settings.h"
 
@@ -35,10 +35,12 @@ struct IterationOutcome {
 /// impulses")
 class ImpulseIteration {
  public:
-  explicit ImpulseIteration(const ConstraintSystem& system) : system_(system) {}
+  /// For as long as the system keeps its rows.
+  explicit ImpulseIteration(const ConstraintSystem& system);
 
-  /// S = W Wᵀ with the W of the system's last weigh().  `lambda`: a start, then the result; `w`: its rates.
-  /// What bodies of levels below did not take is added to `absorbed`: momenta change by Jᵀλ − absorbed.
+  /// S = W Wᵀ with the W of the system's last row_inertias().  `lambda`: a start, then the result; `w`: its
+  /// rates. What bodies of levels below did not take is added to `absorbed`: momenta change by Jᵀλ −
+  /// absorbed.
   IterationOutcome solve(const ContactForces& contacts, std::span<const RowLaw> laws,
                          std::span<const double> b, std::span<double> lambda, std::span<double> w,
                          const IterationLimits& limits, std::span<Wrench> absorbed);
@@ -52,15 +54,11 @@ class ImpulseIteration {
     double relaxation;
     std::span<Wrench> absorbed;
   };
-  struct RowSide {
-    int body, offset;
-  };
 
-  void gather(const Problem& problem);
-  double rate(const Problem& problem, int row) const;
+  double rate(const Problem& problem, int row) const { return impulses_.rate(row, problem.b[row]); }
   double own(int row) const;
   void change(const Problem& problem, int row, double by);
-  double next_of(const Problem& problem, int row, double own) const;
+  double next_of(const Problem& problem, int row) const;
   double relax_row(const Problem& problem, int row);
   double relax_contact(const Problem& problem, int block);
   double relax_joint(const Problem& problem, int block);
@@ -73,9 +71,8 @@ class ImpulseIteration {
   void propagate(const Problem& problem);
 
   const ConstraintSystem& system_;
-  std::vector<int> row_start_;
-  std::vector<RowSide> row_sides_;
-  std::vector<double> diagonal_, bodies_;  // S_rr; Wᵀ λ, 6 numbers a body
+  RowImpulses impulses_;
+  std::vector<double> own_;  // S_rr of the bodies that are not held fast
   std::vector<double> target_, scratch_, answer_;
   std::vector<char> frozen_;        // bodies
   std::vector<int> level_, order_;  // of bodies; blocks by level

@@ -1,9 +1,8 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
-#include "solvers/constraint_system.h"
+#include "solvers/row_impulses.h"
 #include "solvers/row_law.h"
 
 namespace taut {
@@ -19,7 +18,7 @@ struct GaussSeidelOutcome {
 /// of the game engines, here for comparison and as a fall-back.
 class ProjectedGaussSeidel {
  public:
-  explicit ProjectedGaussSeidel(const ConstraintSystem& system);
+  explicit ProjectedGaussSeidel(const ConstraintSystem& system) : impulses_(system) {}
 
   /// S = W Wᵀ with the W of the system's last factorize().  λ is the start and the result; stops when no row
   /// changes by more than `tolerance` [√J].
@@ -27,15 +26,7 @@ class ProjectedGaussSeidel {
                            int max_sweeps, double tolerance);
 
  private:
-  struct RowSide {
-    int body, offset;
-  };
-  void gather(std::span<const double> lambda);
-
-  const ConstraintSystem& system_;
-  std::vector<int> row_start_;
-  std::vector<RowSide> row_sides_;
-  std::vector<double> diagonal_, bodies_;  ///< S_rr; Wᵀ λ, 6 numbers a body
+  RowImpulses impulses_;
 };
 
 }  // namespace taut

@@ -42,8 +42,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       has_drivers_(system.rows().depends_on_time()),
       axes_(world, system.rows()),
       contacts_(world, settings),
-      splitting_(system),
-      iteration_(system) {
+      splitting_(system) {
   active_.emplace(system);
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})
@@ -59,6 +58,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   stiffness_.resize(bodies);
   filter_rotation_.resize(bodies);
   filter_translation_.resize(bodies);
+  if (iterative() || !contacts_.empty()) iteration_.emplace(system);
   if (iterative()) absorbed_.resize(bodies);
 }
 
@@ -98,7 +98,6 @@ void Rattle::linearize(StepReport& report) {
   system_.linearize(state_);
   system_.set_mass(state_.poses);
   inverse_mass_.set(system_.mass_roots());
-  system_.weigh();
 }
 
 void Rattle::linearize_and_factorize(StepReport& report) {

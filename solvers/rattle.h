@@ -97,6 +97,8 @@ class Rattle {
   double distance_to_closure(StepReport& report);
   bool mend_positions(double h, StepReport& report);
   void kick_and_drift(double h);
+  void try_positions(double h);
+  void rates_without(std::span<const double> lambda);
   void refactor_at_iterate(double h, StepReport& report);
   bool close_velocities(double h, StepReport& report);
   void project_momenta(StepReport& report, std::span<double> mu);
@@ -201,9 +203,9 @@ class Rattle {
   double horizon_ = 0;
   std::optional<ActiveSet> active_;
   ContactSplitting splitting_;
-  ImpulseIteration iteration_;
-  std::vector<Wrench> absorbed_;  // momentum that bodies held fast did not take in this stage
-  int splittings_left_ = 0;       // stages that go straight to it, since the active set gave up on one before
+  std::optional<ImpulseIteration> iteration_;  // iterative, or with contacts
+  std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
+  int splittings_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;
   std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, row_scratch_;

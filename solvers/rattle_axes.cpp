@@ -58,6 +58,22 @@ void Rattle::forget_impacts(bool for_good) {
   contacts_.forget_impacts(for_good);
 }
 
+/// Where the present λ leads to: q₁, φ(q₁), the mean rates and their laws.
+void Rattle::try_positions(double h) {
+  kick_and_drift(h);
+  system_.rows().residual(end_of_step(h), phi_);
+  for (int r = 0; r < system_.row_count(); ++r) rates_[r] = (phi_[r] - start_theta_[r]) / h;
+  if (!contacts_.empty()) contact_rates();
+  clear_loose_rows(phi_);
+  renew_position_laws();
+}
+
+/// delta_ = b of w = S λ + b, such that `lambda` gives the present rates.
+void Rattle::rates_without(std::span<const double> lambda) {
+  system_.multiply(lambda, delta_);
+  for (int r = 0; r < system_.row_count(); ++r) delta_[r] = rates_[r] - delta_[r];
+}
+
 /// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is an active
 /// set.
 bool Rattle::close_bounded_positions(double h, StepReport& report) {
@@ -66,13 +82,8 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
-      kick_and_drift(h);
-      system_.rows().residual(end_of_step(h), phi_);
-      for (int r = 0; r < system_.row_count(); ++r) rates_[r] = (phi_[r] - start_theta_[r]) / h;
-      if (!contacts_.empty()) contact_rates();
+      try_positions(h);
     }
-    clear_loose_rows(phi_);
-    renew_position_laws();
     if (!axes_.finite()) {
       phi_[0] = std::numeric_limits<double>::quiet_NaN();  // for the diagnosis
       return false;
@@ -101,7 +112,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
 /// @returns the length of the sub-step that ends with the first impact.
 double Rattle::time_of_impact(double h, StepReport& report) {
   double time = h;
-  if (close_bounded_positions(h, report))
+  if (iterative() ? stabilize_positions(h, report) : close_bounded_positions(h, report))
     time = first_impact(h);
   else
     forget_impacts(true);
@@ -134,8 +145,7 @@ double Rattle::law_error(double h) const {
 /// static friction lets go, and until the friction of contacts agrees with their slip and normal impulse.
 template <typename Laws>
 bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report) {
-  system_.multiply(lambda, delta_);
-  for (int r = 0; r < system_.row_count(); ++r) delta_[r] = rates_[r] - delta_[r];
+  rates_without(lambda);
   ActiveSetSettings settings{.rate_tolerance = rate_tolerance};
   if (!contacts_.empty()) {  // they have a fall-back of their own
     settings.max_rounds = kContactRounds;
@@ -213,7 +223,7 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
   if (off > kNear) return false;
   if (off > kHeld) {
     held_.assign(lambda.begin(), lambda.end());
-    (void)iteration_.solve(contacts_, laws_, delta_, held_, w_, {.sweeps = kMendingSweeps}, {});
+    (void)iteration_->solve(contacts_, laws_, delta_, held_, w_, {.sweeps = kMendingSweeps}, {});
     off = distance_from_laws(held_, w_, rate_tolerance);
     if (off > kHeld) return false;
     std::copy(held_.begin(), held_.end(), lambda.begin());

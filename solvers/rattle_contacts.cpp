@@ -66,6 +66,7 @@ void Rattle::take_over_places() {
   }
   laws_ = std::move(laws);
   active_.emplace(system_);
+  iteration_.emplace(system_);
   active_->set_pieces(pieces, laws_);
   start_jacobian_.assign(system_.jacobian().size(), 0.0);
   contacts_.give_points(system_);

@@ -31,18 +31,11 @@ void Rattle::start_iterative() {
 bool Rattle::stabilize_positions(double h, StepReport& report) {
   const Stopwatch watch(report.times.positions);
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
-  begin_bounds(h);
   for (int left = settings_.iterations;; left -= kSweepsPerPass) {
-    kick_and_drift(h);
-    system_.rows().residual(end_of_step(h), phi_);
-    for (int r = 0; r < system_.row_count(); ++r) rates_[r] = (phi_[r] - start_theta_[r]) / h;
-    if (!contacts_.empty()) contact_rates();
-    clear_loose_rows(phi_);
-    renew_position_laws();
+    try_positions(h);
     if (!std::isfinite(max_abs(phi_)) || !axes_.finite()) return false;
     if (left <= 0) break;
-    system_.multiply(lambda_, delta_);
-    for (int r = 0; r < system_.row_count(); ++r) delta_[r] = rates_[r] - delta_[r];
+    rates_without(lambda_);
     const double tolerance = 0.1 * settings_.position_tolerance / h;
     if (!iterate(lambda_, std::min(left, kSweepsPerPass), tolerance, report)) return false;
     ++report.newton_iterations;
@@ -56,8 +49,7 @@ bool Rattle::stabilize_positions(double h, StepReport& report) {
 bool Rattle::stabilize_velocities(StepReport& report) {
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
   begin_velocities();
-  system_.multiply(mu_, delta_);
-  for (int r = 0; r < system_.row_count(); ++r) delta_[r] = rates_[r] - delta_[r];
+  rates_without(mu_);
   if (!iterate(mu_, settings_.iterations, 0.1 * settings_.velocity_tolerance, report)) return false;
   end_velocities(report);
   return std::isfinite(report.velocity_residual);
@@ -69,7 +61,7 @@ bool Rattle::iterate(std::span<double> lambda, int sweeps, double rate_tolerance
   for (int r = 0; r < system_.row_count(); ++r)
     if (inertia_[r] > 0) least = least > 0 ? std::min(least, std::sqrt(inertia_[r])) : std::sqrt(inertia_[r]);
   const IterationLimits limits{settings_.solver, sweeps, settings_.relaxation, rate_tolerance * least};
-  const IterationOutcome outcome = iteration_.solve(contacts_, laws_, delta_, lambda, w_, limits, absorbed_);
+  const IterationOutcome outcome = iteration_->solve(contacts_, laws_, delta_, lambda, w_, limits, absorbed_);
   report.sweeps += outcome.sweeps;
   if (!std::isfinite(outcome.residual)) return false;
   (void)axes_.break_away(w_);
