@@ -77,7 +77,7 @@ class JsonNode {
   /// The value whose name the string is.
   template <typename Value, std::size_t count>
   Value choice(const std::pair<const char*, Value> (&table)[count]) const {
-    return choice(std::span(table));
+    return choice(std::span<const std::pair<const char*, Value>>(table));
   }
   template <typename Value>
   Value choice(std::span<const std::pair<const char*, Value>> table) const {

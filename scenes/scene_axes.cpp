@@ -154,7 +154,7 @@ void SceneReader::read_axes(const JsonNode& node, JointId joint) {
     const JsonNode axis_node = *axes.find(member.key().c_str());
     JsonObject keys(axis_node);
     const auto limits = keys.find("limits"), motor = keys.find("motor"), friction = keys.find("friction"),
-               spring = keys.find("spring"), value = keys.find("value");
+               spring = keys.find("spring"), start = keys.find("value");
     const std::size_t before_values = problems_.size();
     const auto values = [&](const auto& child, auto reader) {
       std::optional<decltype(reader(*child))> value;
@@ -165,7 +165,7 @@ void SceneReader::read_axes(const JsonNode& node, JointId joint) {
     const auto motor_values = values(motor, read_motor);
     const auto friction_values = values(friction, read_friction);
     const auto spring_values = values(spring, read_spring);
-    const double start = value ? value->number() : 0;
+    const double start_value = start ? start->number() : 0;
     keys.reject_unknown_keys();
     if (joint.index < 0) continue;
     std::optional<AxisId> id;
@@ -175,7 +175,7 @@ void SceneReader::read_axes(const JsonNode& node, JointId joint) {
     if (motor) motor->guard([&] { scene_.world.set_motor(*id, motor_values); });
     if (friction) friction->guard([&] { scene_.world.set_friction(*id, friction_values); });
     if (spring) spring->guard([&] { scene_.world.set_spring(*id, spring_values); });
-    if (value) value->guard([&] { scene_.world.set_axis_turns(*id, start); });
+    if (start) start->guard([&] { scene_.world.set_axis_turns(*id, start_value); });
   }
 }
 

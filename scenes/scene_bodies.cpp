@@ -60,7 +60,7 @@ FileMass mass_of_shapes(JsonObject& body, const std::vector<FileShape>& shapes) 
     body.node().guard([&] {
       const Solid solid = solid_of(parts);
       const double scale = mass ? total / solid.mass.mass() : 1;
-      result.properties = MassProperties(scale * solid.mass.mass(), scale * solid.mass.inertia_B());
+      result.properties = MassProperties(scale * solid.mass.mass(), Mat3(scale * solid.mass.inertia_B()));
       result.centre = solid.centre;
     });
   return result;
@@ -85,7 +85,9 @@ Quat read_quaternion(const JsonNode& node) {
 FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& shapes) {
   std::optional<JsonNode> mass_node = body.find("mass"), density = body.find("density");
   std::optional<JsonNode> inertia = body.find("inertia"), shape = body.find("shape");
-  const bool needs_none = fixed && !mass_node && !density && !inertia && !shape;
+  const bool with_density = std::any_of(shapes.begin(), shapes.end(),
+                                        [](const FileShape& each) { return each.density.has_value(); });
+  const bool needs_none = fixed && !mass_node && !density && !inertia && !shape && !with_density;
   const auto list = body.find("shapes");
   if (list && !list->json().empty() && !inertia && !shape && !needs_none) {
     const bool sound = shapes.size() == list->json().size();
