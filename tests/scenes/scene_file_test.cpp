@@ -58,6 +58,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.dt, 0.01);
   EXPECT_EQ(scene.duration, 3);
   EXPECT_EQ(scene.energy_scale, 12);
+  EXPECT_EQ(scene.world.time(), 0.25);
   EXPECT_TRUE(scene.assemble);
 
   const Settings& s = scene.settings;
@@ -111,7 +112,8 @@ TEST(SceneFile, ReadsEveryKey) {
 
   for (const char* name :
        {"ball", "hinge", "slider", "fixed", "universal", "distance", "cylindrical", "screw", "planar",
-        "point_on_line", "hinge2", "six_dof", "rope", "gear", "rack_and_pinion", "differential", "driver"})
+        "point_on_line", "hinge2", "six_dof", "rope", "pulley", "point_on_curve", "pose_driver", "gear",
+        "rack_and_pinion", "differential", "driver"})
     EXPECT_EQ(world.joint(world.joint(name)).type(), name);
   EXPECT_EQ(world.force_count(), 4);
 
