@@ -25,9 +25,9 @@ std::optional<TriangleMesh> read_file(JsonObject& keys, Folder folder,
     if (scale) scale->problem("needs a \"file\"");
     return {};
   }
+  const std::size_t before = file->problems().size();
   for (const char* key : in_place)
     if (const auto other = keys.find(key)) other->problem("\"file\" is given as well");
-  const std::size_t before = file->problems().size();
   const std::string name = file->string();
   const double factor = scale ? scale->positive() : 1;
   TriangleMesh mesh;
@@ -113,7 +113,7 @@ std::optional<PlacedShape> read(JsonObject& keys, std::size_t types, Folder fold
   const std::size_t before = keys.node().problems().size();
   const auto type = keys.required("type");
   const ShapeReader read_type = type ? type->choice(std::span(kShapes).first(types)) : nullptr;
-  if (keys.node().problems().size() != before) {
+  if (!read_type || keys.node().problems().size() != before) {
     keys.accept_all_keys();
     return {};
   }
