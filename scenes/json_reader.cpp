@@ -182,6 +182,17 @@ std::vector<JsonNode> JsonNode::items(const char* expected) const {
   return result;
 }
 
+std::vector<std::pair<std::string, JsonNode>> JsonNode::members() const {
+  std::vector<std::pair<std::string, JsonNode>> result;
+  if (!value_->is_object()) {
+    problem("must be an object");
+    return result;
+  }
+  for (const auto& [key, value] : value_->items())
+    result.emplace_back(key, JsonNode(value, child_path(path_, key), *problems_));
+  return result;
+}
+
 void JsonNode::not_a_choice(const std::vector<std::string>& names) const {
   problem("must be one of " + quoted_list(names) +
           (value_->is_string() ? did_you_mean(value_->get_ref<const std::string&>(), names) : ""));

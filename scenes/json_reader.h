@@ -68,6 +68,8 @@ class JsonNode {
   Vec3 unit_vector() const;
   /// Entries of an array; of anything else none, and a problem.
   std::vector<JsonNode> items(const char* expected = "an array") const;
+  /// Entries of an object of any keys, by key; of anything else none, and a problem.
+  std::vector<std::pair<std::string, JsonNode>> members() const;
   /// Exactly `count` finite numbers, or a problem and zeros.
   std::vector<double> numbers(std::size_t count, const char* expected) const;
   /// Any number of finite numbers, and of vectors; problems for entries that are none.

@@ -147,11 +147,7 @@ std::vector<Curve::Point> read_curve_points(const JsonNode& node) {
 }
 
 void SceneReader::read_axes(const JsonNode& node, JointId joint) {
-  const std::size_t before = problems_.size();
-  JsonObject axes(node);
-  if (problems_.size() != before) return;
-  for (const auto& member : node.json().items()) {
-    const JsonNode axis_node = *axes.find(member.key().c_str());
+  for (const auto& [name, axis_node] : node.members()) {
     JsonObject keys(axis_node);
     const auto limits = keys.find("limits"), motor = keys.find("motor"), friction = keys.find("friction"),
                spring = keys.find("spring"), start = keys.find("value");
@@ -169,7 +165,7 @@ void SceneReader::read_axes(const JsonNode& node, JointId joint) {
     keys.reject_unknown_keys();
     if (joint.index < 0) continue;
     std::optional<AxisId> id;
-    axis_node.guard([&] { id = scene_.world.axis(joint, member.key()); });
+    axis_node.guard([&, &name = name] { id = scene_.world.axis(joint, name); });
     if (!id || problems_.size() != before_values) continue;
     if (limits) limits->guard([&] { scene_.world.set_limits(*id, limit_values); });
     if (motor) motor->guard([&] { scene_.world.set_motor(*id, motor_values); });

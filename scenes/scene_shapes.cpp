@@ -25,10 +25,7 @@ std::uint32_t read_groups(JsonObject& keys, const char* key, std::uint32_t fallb
 }  // namespace
 
 void SceneReader::read_materials(const JsonNode& node) {
-  JsonObject materials(node);
-  if (!node.json().is_object()) return;
-  for (const auto& member : node.json().items())
-    materials_[member.key()] = read_material(*materials.find(member.key().c_str()));
+  for (const auto& [name, material] : node.members()) materials_[name] = read_material(material);
 }
 
 Material SceneReader::material_of(const JsonNode& node) const {
