@@ -18,6 +18,13 @@ constexpr int kStepsPerRound = 40, kSearches = 12;
 constexpr double kSlope = 0.5;
 /// Rounds after which `most` is enough, and that the extrapolation uses.
 constexpr int kPatience = 12, kMemory = 6;
+/// A residual that grows by more than this ends the extrapolation; after so many rounds it is careful.
+constexpr double kGrowth = 5, kMixing = 0.5;
+constexpr int kSlow = 20, kPeriod = 10;
+/// Part of the extrapolation's equations that is added to their diagonal.
+constexpr double kRegularization = 1e-13;
+using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMemory, kMemory>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMemory, 1>;
 
 std::span<double> span_of(Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
@@ -39,7 +46,7 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     system_.multiply(lambda, w);
     for (std::size_t r = 0; r < w.size(); ++r) w[r] += b[r];
     outcome.residual = scale_ > 0 ? law_error(problem, limits.rate_tolerance) / scale_ : 0;
-    if (outcome.residual > 5 * last) rounds_ = 0;
+    if (outcome.residual > kGrowth * last) remembered_ = 0;
     last = outcome.residual;
     forcing = std::min(outcome.residual, kForcing);
     const double enough = outcome.rounds > kPatience ? limits.most : limits.tolerance;
@@ -60,7 +67,7 @@ void ContactNewton::begin(const Problem& problem) {
   const int contacts = system_.rows().contact_count();
   for (auto* values : {&s_, &f_, &last_s_, &last_f_, &next_}) values->setZero(contacts);
   for (auto* values : {&steps_, &changes_}) values->setZero(contacts, kMemory);
-  rounds_ = 0;
+  rounds_ = remembered_ = 0;
   system_.row_inertias(own_);
   turned_.assign(system_.weighted().begin(), system_.weighted().end());
   problem.contacts.targets(target_);
@@ -77,7 +84,7 @@ void ContactNewton::begin(const Problem& problem) {
   system_.to_rows(span_of(v_), rates_);
   for (int r = 0; r < n; ++r) problem.w[r] = problem.b[r] + rates_[r];
   (void)next_round(problem);  // s
-  rounds_ = 0;
+  rounds_ = remembered_ = 0;
 }
 
 /// One Σ in a cone and in a disc, so that they keep their shape.
@@ -128,20 +135,34 @@ bool ContactNewton::next_round(const Problem& problem) {
   return off_last > f_.lpNorm<Eigen::Infinity>();
 }
 
-/// next_ = s + f from the combination of the last rounds that leaves the least f.
+/// next_ = s + f from the combination of the last rounds that leaves the least f.  Points that wedge each
+/// other let s go to and fro, or shrink by a hundredth only: then by half of f, and with a new memory now and
+/// then.
 void ContactNewton::extrapolate() {
-  next_ = s_ + f_;
-  if (rounds_ > 1) {
-    const int column = (rounds_ - 2) % kMemory;
+  ++rounds_;
+  const bool slow = rounds_ > kSlow;
+  const double mixing = slow ? kMixing : 1;
+  if (slow && rounds_ % kPeriod == 0) remembered_ = 0;
+  next_ = s_ + mixing * f_;
+  if (remembered_ > 0) {
+    const int column = (remembered_ - 1) % kMemory;
     steps_.col(column) = s_ - last_s_;
     changes_.col(column) = f_ - last_f_;
-    const int m = std::min(rounds_ - 1, kMemory);
-    const Eigen::VectorXd gamma = changes_.leftCols(m).colPivHouseholderQr().solve(f_);
-    if (gamma.allFinite()) next_ -= (steps_.leftCols(m) + changes_.leftCols(m)) * gamma;
+    const int m = std::min(remembered_, kMemory);
+    Small normal = Small::Zero(m, m);
+    SmallVector gamma = SmallVector::Zero(m);
+    for (int i = 0; i < m; ++i) {
+      gamma[i] = changes_.col(i).dot(f_);
+      for (int j = 0; j <= i; ++j) normal(i, j) = normal(j, i) = changes_.col(i).dot(changes_.col(j));
+    }
+    normal.diagonal().array() += kRegularization * normal.trace();
+    gamma = normal.ldlt().solve(gamma);
+    if (!gamma.allFinite()) gamma.setZero();
+    for (int i = 0; i < m; ++i) next_ -= gamma[i] * (steps_.col(i) + mixing * changes_.col(i));
   }
   last_s_ = s_;
   last_f_ = f_;
-  ++rounds_;
+  ++remembered_;
 }
 
 /// v with v = Wᵀ P, to the tolerance [√J].  False if a value is not finite.

@@ -77,7 +77,7 @@ class ContactNewton {
   // s of contacts, what a round makes of it less that, and both of the round before [√J]
   Eigen::VectorXd s_, f_, last_s_, last_f_, next_;
   Eigen::MatrixXd steps_, changes_;
-  int rounds_ = 0;
+  int rounds_ = 0, remembered_ = 0;
 };
 
 }  // namespace taut
