@@ -4,6 +4,7 @@
 #include "core/check.h"
 #include "scenes/bridge.h"
 #include "scenes/chain.h"
+#include "scenes/crossing.h"
 #include "scenes/joint_grid.h"
 #include "scenes/machines.h"
 #include "scenes/net.h"
@@ -18,8 +19,9 @@ namespace {
 
 std::vector<SceneInfo> collect() {
   std::vector<SceneInfo> all;
-  for (const auto& family : {chain_scenes, bridge_scenes, net_scenes, joint_grid_scenes, machine_scenes,
-                             ragdoll_scenes, stack_scenes, suspension_bridge_scenes, tank_scenes})
+  for (const auto& family :
+       {chain_scenes, bridge_scenes, crossing_scenes, net_scenes, joint_grid_scenes, machine_scenes,
+        ragdoll_scenes, stack_scenes, suspension_bridge_scenes, tank_scenes})
     for (SceneInfo& info : family()) all.push_back(std::move(info));
   return all;
 }

@@ -37,12 +37,6 @@ constexpr std::uint32_t kGroundGroup = 1, kHullGroup = 2, kShoeGroup = 4, kWheel
 constexpr CollisionFilter kShoeFilter{kShoeGroup, kWheelGroup}, kWheelFilter{kWheelGroup, kShoeGroup},
     kGrouserFilter{kGrouserGroup, kGroundGroup}, kHullFilter{kHullGroup, kGroundGroup};
 
-Material rubber() {
-  Material material;
-  material.static_friction = material.dynamic_friction = 0.8;
-  return material;
-}
-
 const Quat kAcross = exp_so3(Vec3(-std::numbers::pi / 2, 0, 0));  ///< z along y
 
 /// One side: wheels, then the track round them.
@@ -58,7 +52,10 @@ struct Side {
     const BodyId body = world.add_body({.name = name + wheel,
                                         .mass = MassProperties::cylinder(radius, kWheelWidth, mass),
                                         .pose = {kAcross, p}});
-    world.add_shape(body, Cylinder{radius, kWheelWidth}, {}, rubber(), kWheelFilter);
+    if (getenv("SPH"))
+      world.add_shape(body, Sphere{radius}, {}, rubber(), kWheelFilter);
+    else
+      world.add_shape(body, Cylinder{radius, kWheelWidth}, {}, rubber(), kWheelFilter);
     draw(scene, body, {Cylinder{radius, kWheelWidth}});
     draw(scene, body, {Box{{1.2 * radius, 0.2 * radius, 1.05 * kWheelWidth}}});  // so that it is seen to turn
     return body;
@@ -104,9 +101,10 @@ struct Side {
     body.pose.q = exp_so3(Vec3(0, -std::atan2(to.z() - from.z(), to.x() - from.x()), 0));  // z is inwards
     const BodyId shoe = world.add_body(body);
     world.add_shape(shoe, Box{plate}, {}, rubber(), kShoeFilter);
-    const Capsule grouser{kGrouser, kShoeWidth - 2 * kGrouser}, guide{kGuideRadius, kGuideHeight};
+    const Capsule grouser{kGrouser, getenv("GS") ? 0 : kShoeWidth - 2 * kGrouser},
+        guide{kGuideRadius, kGuideHeight};
     world.add_shape(shoe, grouser, {kAcross, {0, 0, -kPlate / 2}}, rubber(), kGrouserFilter);
-    const double at = kWheelWidth / 2 + kGuidePlay + kGuideRadius;
+    const double at = getenv("SPH") ? 0.145 + kGuideRadius : kWheelWidth / 2 + kGuidePlay + kGuideRadius;
     for (const double side : {-at, at})
       world.add_shape(shoe, guide, {Quat::Identity(), {0, side, kGuideHeight / 2}}, Material{}, kShoeFilter);
     return shoe;
@@ -118,9 +116,12 @@ struct Side {
     };
     std::vector<BodyId> ring;
     for (int k = 0; k < shoes; ++k) ring.push_back(add_shoe(k, pin(k), pin(k + 1)));
-    for (int k = 0; k < shoes; ++k)
-      world.add(name + numbered("pin", k),
-                Hinge::at(world, ring[(k + shoes - 1) % shoes], ring[k], pin(k), Vec3::UnitY()));
+    for (int k = 0; k < shoes; ++k) {
+      const JointId j = world.add(name + numbered("pin", k), Hinge::at(world, ring[(k + shoes - 1) % shoes],
+                                                                       ring[k], pin(k), Vec3::UnitY()));
+      if (getenv("SOFT"))
+        world.set_compliance(j, JointCompliance{.rotation = atof(getenv("SOFT")), .rotation_damping = 1});
+    }
   }
   void add() {
     // The lowest pins are at a height where the grousers stand on the ground.
