@@ -33,8 +33,8 @@ struct Vehicle {
     const BodyId wheel = world.add_body({.name = name + "_wheel",
                                          .mass = MassProperties::cylinder(kRadius, kWidth, kWheelMass),
                                          .pose = pose});
-    world.add_shape(wheel, Cylinder{kRadius, kWidth}, {}, rubber(),
-                    {kWheelGroup, kGroundGroup | kPlankGroup});
+    draw(scene, wheel, {Cylinder{kRadius, kWidth}});
+    world.add_shape(wheel, Sphere{kRadius}, {}, rubber(), {kWheelGroup, kGroundGroup | kPlankGroup});
     const JointId joint = world.add(name, Hinge2::at(world, chassis, wheel, p, Vec3::UnitZ(), Vec3::UnitY()));
     // At rest the spring carries its quarter of the load.
     const double stiffness = load * kGravity / 0.08, damping = 0.3 * std::sqrt(stiffness * load);

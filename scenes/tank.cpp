@@ -23,8 +23,8 @@ constexpr double kFirstRoad = -1.0, kRoadSpacing = 0.5;
 const Vec3 kHullSize(3.0, 1.1, 0.5);
 constexpr double kHullMass = 3000, kHullHeight = 0.75;
 
-constexpr double kPlate = 0.03, kShoeWidth = 0.32, kGrouser = 0.02, kShoeMassPerMetre = 60;
-constexpr double kGuideRadius = 0.015, kGuideHeight = 0.06, kGuidePlay = 0.01;
+constexpr double kPlate = 0.03, kShoeWidth = 0.4, kGrouser = 0.02, kShoeMassPerMetre = 60;
+constexpr double kGuideRadius = 0.015, kGuideHeight = 0.06, kGuideDistance = 0.16;
 
 const Vec3 kArm(-0.25, 0, -0.12);  ///< from its pivot to the wheel
 constexpr double kArmMass = 15, kTorsion = 1e4, kTorsionDamping = 500;
@@ -52,10 +52,7 @@ struct Side {
     const BodyId body = world.add_body({.name = name + wheel,
                                         .mass = MassProperties::cylinder(radius, kWheelWidth, mass),
                                         .pose = {kAcross, p}});
-    if (getenv("SPH"))
-      world.add_shape(body, Sphere{radius}, {}, rubber(), kWheelFilter);
-    else
-      world.add_shape(body, Cylinder{radius, kWheelWidth}, {}, rubber(), kWheelFilter);
+    world.add_shape(body, Sphere{radius}, {}, rubber(), kWheelFilter);
     draw(scene, body, {Cylinder{radius, kWheelWidth}});
     draw(scene, body, {Box{{1.2 * radius, 0.2 * radius, 1.05 * kWheelWidth}}});  // so that it is seen to turn
     return body;
@@ -101,10 +98,9 @@ struct Side {
     body.pose.q = exp_so3(Vec3(0, -std::atan2(to.z() - from.z(), to.x() - from.x()), 0));  // z is inwards
     const BodyId shoe = world.add_body(body);
     world.add_shape(shoe, Box{plate}, {}, rubber(), kShoeFilter);
-    const Capsule grouser{kGrouser, getenv("GS") ? 0 : kShoeWidth - 2 * kGrouser},
-        guide{kGuideRadius, kGuideHeight};
+    const Capsule grouser{kGrouser, kShoeWidth - 2 * kGrouser}, guide{kGuideRadius, kGuideHeight};
     world.add_shape(shoe, grouser, {kAcross, {0, 0, -kPlate / 2}}, rubber(), kGrouserFilter);
-    const double at = getenv("SPH") ? 0.145 + kGuideRadius : kWheelWidth / 2 + kGuidePlay + kGuideRadius;
+    const double at = kGuideDistance + kGuideRadius;
     for (const double side : {-at, at})
       world.add_shape(shoe, guide, {Quat::Identity(), {0, side, kGuideHeight / 2}}, Material{}, kShoeFilter);
     return shoe;
@@ -116,12 +112,9 @@ struct Side {
     };
     std::vector<BodyId> ring;
     for (int k = 0; k < shoes; ++k) ring.push_back(add_shoe(k, pin(k), pin(k + 1)));
-    for (int k = 0; k < shoes; ++k) {
-      const JointId j = world.add(name + numbered("pin", k), Hinge::at(world, ring[(k + shoes - 1) % shoes],
-                                                                       ring[k], pin(k), Vec3::UnitY()));
-      if (getenv("SOFT"))
-        world.set_compliance(j, JointCompliance{.rotation = atof(getenv("SOFT")), .rotation_damping = 1});
-    }
+    for (int k = 0; k < shoes; ++k)
+      world.add(name + numbered("pin", k),
+                Hinge::at(world, ring[(k + shoes - 1) % shoes], ring[k], pin(k), Vec3::UnitY()));
   }
   void add() {
     // The lowest pins are at a height where the grousers stand on the ground.
