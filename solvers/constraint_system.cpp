@@ -14,6 +14,9 @@ namespace {
 
 /// Full-rank factorisations after which the shift is dropped again.
 constexpr int kStreak = 100;
+/// Contact rows from which on the bodies may be the smaller system, and how much less its factor must cost.
+constexpr int kManyContactRows = 150;
+constexpr double kGain = 1;
 
 }  // namespace
 
@@ -49,25 +52,61 @@ void ConstraintSystem::set_contact_places(const World& world, std::span<const Ro
   analyze();
 }
 
+/// What the dense blocks of S alone cost in a factor: each body has one of all its rows, and each row is in
+/// about two of them.
+double ConstraintSystem::flops_of_rows() const {
+  double flops = 0;
+  for (int b = 0; b < rows_.body_count(); ++b) {
+    if (mass_[b].fixed) continue;
+    double rows = 0;
+    for (int s : rows_.sides_of(b)) rows += rows_.sides()[s].row_count;
+    flops += rows * rows * rows / 6;
+  }
+  return flops;
+}
+
+/// True if the bodies are the smaller system.
+bool ConstraintSystem::analyze_bodies() {
+  bodies_.reset();
+  if (rows_.row_count() - rows_.first_contact_row() < kManyContactRows) return false;
+  std::vector<int> body_of_node;
+  const BlockOrdering ordering = order_blocks(body_graph(rows_, mass_, body_of_node));
+  if (flops_of_rows() < kGain * ordering.flops) return false;
+  system_.reset();
+  factor_ = make_factor(choice_, ordering);
+  bodies_ = std::make_unique<BodyMatrix>(rows_, mass_, factor_->triangle(), ordering, body_of_node);
+  factor_->analyze(bodies_->matrix());
+  inverse_compliance_.assign(rows_.row_count(), 0.0);
+  ordered_.assign(bodies_->matrix().size(), 0.0);
+  dependent_rows_.clear();
+  condition_ = 0;
+  return true;
+}
+
+void ConstraintSystem::analyze_rows() {
+  const BlockOrdering ordering = order_blocks(joint_graph(rows_, mass_));
+  factor_ = make_factor(choice_, ordering);
+  system_ = std::make_unique<SystemMatrix>(rows_, mass_, ordering, factor_->triangle());
+  factor_->analyze(system_->matrix());
+  const int n = rows_.row_count();
+  ordered_.assign(n, 0.0);
+  pivots_.assign(n, 0.0);
+  row_at_position_.resize(n);
+  for (int r = 0; r < n; ++r) row_at_position_[system_->position_of_row()[r]] = r;
+}
+
 void ConstraintSystem::analyze() {
   {
     const Stopwatch watch(analysis_time_);
-    const BlockOrdering ordering = order_blocks(joint_graph(rows_, mass_));
-    factor_ = make_factor(choice_, ordering);
-    system_ = std::make_unique<SystemMatrix>(rows_, mass_, ordering, factor_->triangle());
-    factor_->analyze(system_->matrix());
+    if (!analyze_bodies()) analyze_rows();
     ++counters_.analyses;
   }
   const int n = rows_.row_count();
   jacobian_.assign(rows_.jacobian_size(), 0.0);
   weighted_.assign(rows_.jacobian_size(), 0.0);
   roots_.resize(rows_.body_count());
-  ordered_.assign(n, 0.0);
   scratch_.assign(n, 0.0);
-  pivots_.assign(n, 0.0);
   body_scratch_.resize(rows_.body_count());
-  row_at_position_.resize(n);
-  for (int r = 0; r < n; ++r) row_at_position_[system_->position_of_row()[r]] = r;
   dependent_rows_.reserve(n);
   counted_rows_.reserve(n);
   large_pivots_.reserve(n);
@@ -94,17 +133,32 @@ void ConstraintSystem::set_mass(std::span<const Pose> poses) {
 void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
   {
     const Stopwatch watch(times.assembly);
-    if (!states_.empty()) mask_weighted();
+    if (!states_.empty() && !bodies_) mask_weighted();
     factored_states_ = states_;
     ++factor_version_;
-    system_->assemble(states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
+    if (bodies_)
+      assemble_bodies();
+    else
+      system_->assemble(states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
   }
   const Stopwatch watch(times.factorization);
   factored_ = true;
   ++counters_.factorizations;
-  usable_ = factor_->factorize(system_->matrix()) < 0;
+  usable_ = factor_->factorize(bodies_ ? bodies_->matrix() : system_->matrix()) < 0;
   dependent_rows_.clear();
-  if (usable_) inspect_pivots();
+  if (usable_ && !bodies_) inspect_pivots();
+}
+
+/// Σ_r + ε (S_rr + Σ_r) on all rows, or without the shift if none of them is free.
+void ConstraintSystem::assemble_bodies() {
+  inertias_from_weights(inverse_compliance_);
+  shifted_ = states_.empty() || std::find(states_.begin(), states_.end(), 0.0) != states_.end();
+  for (int r = 0; r < rows_.row_count(); ++r) {
+    double& d = inverse_compliance_[r];
+    const double own = d > 0 ? 1 / d : 1, state = states_.empty() ? 0 : states_[r];
+    d = state == kMasked ? 0 : 1 / (state + factored_shift() * (own + state));
+  }
+  bodies_->assemble(weighted_, inverse_compliance_);
 }
 
 void ConstraintSystem::set_row_states(std::span<const double> states) {
@@ -154,10 +208,11 @@ void ConstraintSystem::mask_weighted() {
 void ConstraintSystem::factorize(StageTimes& times) {
   {
     const Stopwatch watch(times.assembly);
-    system_->weight(rows_, jacobian_, roots_, weighted_);
+    SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
   }
   shifted_ = shift_next_;
   assemble_and_factorize(times);
+  if (bodies_) return;
   if (!shifted_ && (!usable_ || !dependent_rows_.empty())) {
     shifted_ = shift_next_ = true;
     full_rank_streak_ = 0;
@@ -185,7 +240,7 @@ void ConstraintSystem::keep_count(StageTimes& times) {
 /// dependence: 10⁸ ε for a bridge of 1000 hinges.  No threshold tells such pivots from small independent
 /// ones, but two shifts do: the former follow the shift, the latter stay.
 void ConstraintSystem::factorize_for_counting(StageTimes& times) {
-  system_->weight(rows_, jacobian_, roots_, weighted_);
+  SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
   const double shift = tolerance_.shift;
   shifted_ = shift_next_ = true;
   assemble_and_factorize(times);
@@ -216,12 +271,35 @@ void ConstraintSystem::inspect_pivots() {
   condition_ = largest > 0 ? largest / smallest : 1;
 }
 
+/// v = P⁻¹ Wᵀ Σ⁻¹ x, then λ = Σ⁻¹ (x − W v).
+void ConstraintSystem::solve_bodies(std::span<double> x) {
+  for (std::size_t r = 0; r < x.size(); ++r) x[r] *= inverse_compliance_[r];
+  rows_.apply_transpose(weighted_, x, body_scratch_);
+  const std::span<const int> position = bodies_->position_of_body();
+  double* v = ordered_.data();
+  for (int b = 0; b < mass_.size(); ++b) {
+    if (position[b] < 0) continue;
+    Vec3::Map(v + position[b]) = body_scratch_[b].torque;
+    Vec3::Map(v + position[b] + 3) = body_scratch_[b].force;
+  }
+  factor_->solve(ordered_);
+  for (const Rows::Side& side : rows_.sides()) {
+    if (position[side.body] < 0) continue;
+    const double* own = v + position[side.body];
+    const SixVector of_body(Vec3::Map(own), Vec3::Map(own + 3));
+    const double* W = weighted_.data() + side.offset;
+    for (int r = side.first_row; r < side.first_row + side.row_count; ++r, W += 6)
+      x[r] -= inverse_compliance_[r] * of_body.dot(W);
+  }
+}
+
 void ConstraintSystem::backsolve(std::span<double> x) {
+  ++counters_.backsolves;
+  if (bodies_) return solve_bodies(x);
   const std::span<const int> position = system_->position_of_row();
   for (std::size_t r = 0; r < x.size(); ++r) ordered_[position[r]] = x[r];
   factor_->solve(ordered_);
   for (std::size_t r = 0; r < x.size(); ++r) x[r] = ordered_[position[r]];
-  ++counters_.backsolves;
 }
 
 void ConstraintSystem::solve(std::span<double> x) {
@@ -237,7 +315,11 @@ void ConstraintSystem::solve(std::span<double> x) {
 }
 
 void ConstraintSystem::row_inertias(std::span<double> out) {
-  system_->weight(rows_, jacobian_, roots_, weighted_);
+  SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
+  inertias_from_weights(out);
+}
+
+void ConstraintSystem::inertias_from_weights(std::span<double> out) const {
   for (const Rows::Side& side : rows_.sides()) {
     const bool first = &side == &rows_.sides()[rows_.joints()[side.joint].first_side];
     for (int i = 0; i < side.row_count; ++i) {

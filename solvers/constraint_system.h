@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/rows.h"
+#include "solvers/body_matrix.h"
 #include "solvers/factor.h"
 #include "solvers/mass_matrix.h"
 #include "solvers/settings.h"
@@ -44,6 +45,9 @@ inline constexpr double kMasked = std::numeric_limits<double>::infinity();
 /// which agrees with the pseudo-inverse to O(ε) on the range of S and is O(round-off / ε) of r on its null
 /// space: the multipliers are those of least norm and dependent rows get no share that grows like 1/ε.
 /// (solvers/README, "Rank")
+///
+/// Where contacts are so many that S is denser than the system of the bodies, that one is factored in its
+/// place (body_matrix.h): the same solves, with ε on the rows that are free.
 class ConstraintSystem {
  public:
   ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance,
@@ -114,37 +118,50 @@ class ConstraintSystem {
   /// 1 / S_rr of each row: the inertia that it feels on its own.
   void row_inertias(std::span<double> out);
 
-  /// Dependent rows that the last factorisation met, and which (row indices).
+  /// True if S is not formed, but solved through the bodies: decided for each pattern.
+  bool through_bodies() const { return bodies_ != nullptr; }
+  /// Dependent rows that the last factorisation met, and which (row indices).  Through bodies: not known, 0.
   int rank_deficiency() const { return static_cast<int>(dependent_rows_.size()); }
   std::span<const int> dependent_rows() const { return dependent_rows_; }
-  bool singular() const { return shifted_; }
+  /// Multipliers are not unique.
+  bool singular() const { return shifted_ || bodies_; }
+  /// The factor is that of S_ε.
+  bool shifted() const { return shifted_; }
   /// (largest / smallest pivot) of the independent rows, each relative to its S_ii: a lower bound of the
-  /// condition of the scaled S.
+  /// condition of the scaled S.  Through bodies: not known, 0.
   double condition_estimate() const { return condition_; }
 
   const WorkCounters& counters() const { return counters_; }
   void reset_counters() { counters_ = {}; }
   double analysis_time() const { return analysis_time_; }
+  /// S, not to be asked for through bodies.
   const SymmetricMatrix& matrix() const { return system_->matrix(); }
-  std::span<const int> position_of_row() const { return system_->position_of_row(); }
   const Factor& factor() const { return *factor_; }
 
  private:
   void analyze();
+  bool analyze_bodies();
+  void analyze_rows();
+  double flops_of_rows() const;
+  void assemble_bodies();
+  void solve_bodies(std::span<double> x);
   void assemble_and_factorize(StageTimes& times);
   void inspect_pivots();
   void keep_count(StageTimes& times);
   void backsolve(std::span<double> x);
   void mask_weighted();
   void multiply_factored(std::span<const double> x, std::span<double> out);
+  void inertias_from_weights(std::span<double> out) const;
 
   FactorChoice choice_;
   Rows::AxisRows axis_rows_;
   Rows rows_;
   MassMatrix mass_;
   RankTolerance tolerance_;
-  std::unique_ptr<SystemMatrix> system_;
-  std::unique_ptr<Factor> factor_;
+  std::unique_ptr<SystemMatrix> system_;  // or
+  std::unique_ptr<BodyMatrix> bodies_;
+  std::unique_ptr<Factor> factor_;          // of either
+  std::vector<double> inverse_compliance_;  // 1/Σ_r, with ε, for bodies_
   std::vector<double> jacobian_, weighted_;
   std::vector<InverseMassRoot> roots_;
   std::vector<double> ordered_, scratch_, pivots_;

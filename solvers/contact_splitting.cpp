@@ -135,7 +135,7 @@ void ContactSplitting::solve_linear(std::span<double> lambda) {
   const int n = system_.row_count();
   std::copy(scratch_.begin(), scratch_.end(), lambda.begin());
   system_.solve(lambda);
-  if (!system_.singular()) return;
+  if (!system_.shifted()) return;
   system_.multiply(lambda, refinement_);
   for (int r = 0; r < n; ++r)
     refinement_[r] = states_[r] == kMasked ? 0 : scratch_[r] - refinement_[r] - states_[r] * lambda[r];

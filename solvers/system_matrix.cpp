@@ -122,7 +122,7 @@ void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const
 }
 
 void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian,
-                          std::span<const InverseMassRoot> roots, std::span<double> weighted) const {
+                          std::span<const InverseMassRoot> roots, std::span<double> weighted) {
   for (const Rows::Side& side : rows.sides()) {
     const InverseMassRoot& A = roots[side.body];
     const double* J = jacobian.data() + side.offset;
