@@ -15,9 +15,9 @@ constexpr double kDrumRadius = 0.3, kDrumWidth = 0.3, kLinkRadius = 0.015, kWeig
 constexpr double kLinkMass = 0.05, kWeight = 10;                                                 // [kg]
 
 /// Half of the links lie on the upper half of the drum, each touching it in its middle, and a quarter hang
-/// down on each side.  A link turns the chain by δ = π/k, k links on the drum, and bears up to
-///   T₂/T₁ = (1 + μ tan(δ/2)) / (1 − μ tan(δ/2)),
-/// whose k-th power tends to Euler's e^{μπ}.
+/// down on each side.  Friction acts on the surface of the drum, R from its axis, tension on the line of the
+/// pins, R + r: their moments balance at dT (R + r) = μ T R dθ, so that the chain bears up to
+///   T₂/T₁ = exp(μπ R/(R + r)).
 Scene build(const Parameters& parameters) {
   Scene scene;
   scene.name = "chain-over-cylinder";
@@ -69,7 +69,7 @@ std::vector<SceneInfo> capstan_scenes() {
            "a chain with a weight of 10 kg at one end and a heavier one at the other, over a fixed drum",
            {size(24, 8, 1000, "number of links, half of them on the drum"),
             {"friction", 0.3, "", "Coulomb coefficient between links and drum", 0, 10, false},
-            {"ratio", 2.3, "", "of the weights; it slides above e^(pi friction)", 1, 1000, false}},
+            {"ratio", 2.3, "", "of the weights; it slides above exp(pi friction / 1.05)", 1, 1000, false}},
            build}};
 }
 
