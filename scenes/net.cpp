@@ -78,8 +78,7 @@ void add_ball(World& world, const std::string& name, const Ball& ball, double fr
 
 /// Joints of node (i, j): the first of the rod ends that meet there is the hub, held by the world if the node
 /// is pinned, and every other rod end hangs on the hub.
-void add_node(World& world, const Surface& surface, const Rods& rods, int i, int j, double friction,
-              BodyId holder = kGround) {
+void add_node(World& world, const Surface& surface, const Rods& rods, int i, int j, double friction) {
   struct RodEnd {
     BodyId rod;
     Vec3 p;
@@ -94,8 +93,7 @@ void add_node(World& world, const Surface& surface, const Rods& rods, int i, int
 
   const RodEnd& hub = ends[0];
   if (surface.pinned(i, j))
-    add_ball(world, numbered("pin", i, j),
-             Ball(holder, hub.rod, world.pose(holder).local(surface.node(i, j)), hub.p), friction);
+    add_ball(world, numbered("pin", i, j), Ball(kGround, hub.rod, surface.node(i, j), hub.p), friction);
   for (int e = 1; e < count; ++e)
     add_ball(world, numbered("node", i, j, e), Ball(hub.rod, ends[e].rod, hub.p, ends[e].p), friction);
 }

@@ -15,7 +15,7 @@ struct Ragdoll {
   Vec3 origin = Vec3::Zero();
   World& world = scene.world;
 
-  /// A round limb from one point to another; of several dolls it can be touched.
+  /// A round limb from one point of the doll to another.
   BodyId add_limb(const std::string& name, const Vec3& from, const Vec3& to, double radius, double mass) {
     return add_rod(scene, prefix + name, origin + from, origin + to, radius, mass);
   }
