@@ -113,8 +113,8 @@ Scene build_stairs(const Parameters& parameters) {
       world.add_shape(BodyId{b}, Capsule{round.radius, std::max(0.0, round.length - 2 * round.radius)},
                       limb.pose, {}, {own, ~own});
       // Falling over forwards about the feet.
-      const double speed = parameters.at("speed");
-      world.set_twist(BodyId{b}, {Vec3(-speed, 0, 0), Vec3(0, speed * world.pose(BodyId{b}).p.z(), 0)});
+      const Vec3 w(-parameters.at("speed"), 0, 0), foot = origin - Vec3(0, 0, 0.9);
+      world.set_twist(BodyId{b}, {w, w.cross(world.pose(BodyId{b}).p - foot)});
     }
   }
   scene.energy_scale = fall_energy(world, kRise * kSteps, scene.duration);
