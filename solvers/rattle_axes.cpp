@@ -19,8 +19,6 @@ constexpr int kMaxSolves = 40;
 /// law by this factor, splitting takes over, for as many stages.
 constexpr int kFrictionPatience = 4, kSplittingsInARow = 60;
 constexpr double kFrictionProgress = 0.2;
-/// A splitting that took more iterations than this was no better: the next stage asks the active set again.
-constexpr int kDearSplitting = 150;
 /// Impulses of before are taken over if they are off their laws by no more than this part.
 constexpr double kHeld = 1e-9;
 /// Off by no more than this they are mended by so many sweeps, if that is enough.
@@ -245,7 +243,6 @@ bool Rattle::split(std::span<double> lambda, double rate_tolerance, StepReport& 
                                                     {.rate_tolerance = rate_tolerance}, report.times);
   contacts_.take_over(lambda, w_, rate_tolerance);
   report.splitting_iterations += outcome.iterations;
-  if (outcome.iterations > kDearSplitting) splittings_left_ = 0;
   if (outcome.converged)
     report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
   active_->reset();
