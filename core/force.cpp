@@ -19,6 +19,11 @@ double PointForce::potential_energy(const State& state) const {
   return follows_body_ ? 0 : -force_.dot(state.poses[body_.index].point(p_BP_));
 }
 
+std::shared_ptr<const Force> PointForce::relocated(const Relocation& to, const Pose& X) const {
+  return std::make_shared<PointForce>(to(body_), p_BP_, follows_body_ ? force_ : Vec3(X.q * force_),
+                                      follows_body_);
+}
+
 BodyTorque::BodyTorque(BodyId body, const Vec3& torque, bool follows_body)
     : body_(body), torque_(torque), follows_body_(follows_body) {
   require_all_finite("torque", torque);
@@ -26,6 +31,11 @@ BodyTorque::BodyTorque(BodyId body, const Vec3& torque, bool follows_body)
 
 void BodyTorque::accumulate(const State& state, std::span<Wrench> wrenches) const {
   wrenches[body_.index].torque += follows_body_ ? Vec3(state.poses[body_.index].q * torque_) : torque_;
+}
+
+std::shared_ptr<const Force> BodyTorque::relocated(const Relocation& to, const Pose& X) const {
+  return std::make_shared<BodyTorque>(to(body_), follows_body_ ? torque_ : Vec3(X.q * torque_),
+                                      follows_body_);
 }
 
 SpringDamper::SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double stiffness,
@@ -55,6 +65,10 @@ void SpringDamper::accumulate(const State& state, std::span<Wrench> wrenches) co
 double SpringDamper::potential_energy(const State& state) const {
   const double length = (state.poses[b_.index].point(p_BQ_) - state.poses[a_.index].point(p_AP_)).norm();
   return 0.5 * k_ * (length - rest_) * (length - rest_);
+}
+
+std::shared_ptr<const Force> SpringDamper::relocated(const Relocation& to, const Pose&) const {
+  return std::make_shared<SpringDamper>(to(a_), to(b_), p_AP_, p_BQ_, k_, rest_, c_);
 }
 
 void ForceCallback::accumulate(const State& state, std::span<Wrench> wrenches) const {

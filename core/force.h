@@ -1,11 +1,13 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "core/check.h"
+#include "core/relocation.h"
 #include "core/state.h"
 
 namespace taut {
@@ -24,6 +26,9 @@ class Force {
   virtual bool conservative() const { return false; }
   /// The bodies it reads or acts on, so that the World can check them.
   virtual std::vector<BodyId> bodies() const { return {}; }
+  /// The same law for World::append(): its ids changed, and what it has in world axes moved by X.  Null if
+  /// the law cannot say; it then gets a copy of the state as its own world would see it, each time.
+  virtual std::shared_ptr<const Force> relocated(const Relocation&, const Pose&) const { return nullptr; }
 };
 
 /// Constant force f [N] at point P of a body, in world axes; with `follows_body` in body axes.
@@ -36,6 +41,7 @@ class PointForce final : public Force {
   double potential_energy(const State& state) const override;
   bool conservative() const override { return !follows_body_; }
   std::vector<BodyId> bodies() const override { return {body_}; }
+  std::shared_ptr<const Force> relocated(const Relocation& to, const Pose& X) const override;
 
  private:
   BodyId body_;
@@ -50,6 +56,7 @@ class BodyTorque final : public Force {
   BodyTorque(BodyId body, const Vec3& torque, bool follows_body = false);
   void accumulate(const State& state, std::span<Wrench> wrenches) const override;
   std::vector<BodyId> bodies() const override { return {body_}; }
+  std::shared_ptr<const Force> relocated(const Relocation& to, const Pose& X) const override;
 
  private:
   BodyId body_;
@@ -71,6 +78,7 @@ class SpringDamper final : public Force {
   bool depends_on_velocity() const override { return c_ > 0; }
   bool conservative() const override { return c_ == 0; }
   std::vector<BodyId> bodies() const override { return {a_, b_}; }
+  std::shared_ptr<const Force> relocated(const Relocation& to, const Pose& X) const override;
 
  private:
   BodyId a_, b_;

@@ -51,4 +51,28 @@ Motion speed_motion(const Curve& speed, double value) {
   };
 }
 
+PoseMotion pose_motion(std::array<Motion, 3> position, std::vector<Turning> turns, const Quat& orientation) {
+  require_unit("pose motion orientation", orientation.coeffs());
+  for (const Turning& turn : turns) require_unit("pose motion axis", turn.axis);
+  return [position = std::move(position), turns = std::move(turns), q0 = orientation.normalized()](double t) {
+    PosePoint at;
+    for (int i = 0; i < 3; ++i) {
+      if (!position[i]) continue;
+      const MotionPoint along = position[i](t);
+      at.pose.p[i] = along.value, at.velocity.v[i] = along.rate, at.acceleration.v[i] = along.acceleration;
+    }
+    for (const Turning& turn : turns) {
+      if (!turn.angle) continue;
+      // The axis u turns with the frame of the turns before it: u̇ = ω × u.
+      const MotionPoint angle = turn.angle(t);
+      const Vec3 u = at.pose.q * turn.axis;
+      at.acceleration.w += angle.acceleration * u + angle.rate * at.velocity.w.cross(u);
+      at.velocity.w += angle.rate * u;
+      at.pose.q = (at.pose.q * exp_so3(angle.value * turn.axis)).normalized();
+    }
+    at.pose.q = (at.pose.q * q0).normalized();
+    return at;
+  };
+}
+
 }  // namespace taut

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -32,5 +33,16 @@ struct PosePoint {
   Twist velocity, acceleration;
 };
 using PoseMotion = std::function<PosePoint(double time)>;
+
+/// A turn by a changing angle [rad] about an axis fixed in the frame that the turns before it have made.
+struct Turning {
+  Vec3 axis = Vec3::UnitZ();
+  Motion angle;
+};
+/// p(t) along the axes of the other body, and q(t) = exp(a₁ θ₁(t)) exp(a₂ θ₂(t)) … orientation.  A motion
+/// that is null is 0.
+/// @throws std::invalid_argument if an axis or the orientation is not of unit length.
+PoseMotion pose_motion(std::array<Motion, 3> position, std::vector<Turning> turns,
+                       const Quat& orientation = Quat::Identity());
 
 }  // namespace taut

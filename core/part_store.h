@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/relocation.h"
 #include "core/so3.h"
 #include "core/state.h"
 
@@ -61,6 +62,8 @@ class PartStoreBase {
   /// Writes the coordinates of axis rows to their entries.
   virtual void update_axes(const Configuration& at, std::span<double> axes) const = 0;
   virtual std::string row_name(int item, int row) const = 0;
+  /// The same with the indices of bodies and axes changed.
+  virtual std::shared_ptr<const PartStoreBase> relocated(const Relocation& to) const = 0;
 };
 
 template <typename Part>
@@ -97,6 +100,14 @@ class PartStore final : public PartStoreBase {
       if (i.at.axis >= 0) residual(i, at, &axes[i.at.axis]);
   }
   std::string row_name(int item, int row) const override { return items[item].part.row_name(row); }
+  std::shared_ptr<const PartStoreBase> relocated(const Relocation& to) const override {
+    auto copy = std::make_shared<PartStore>(*this);
+    for (Item& i : copy->items) {
+      i.at.body_a = to.body(i.at.body_a), i.at.body_b = to.body(i.at.body_b);
+      i.at.axis = to.axis(i.at.axis);
+    }
+    return copy;
+  }
 
  private:
   static void residual(const Item& i, const Configuration& at, double* out) {
@@ -116,7 +127,8 @@ class PartStore final : public PartStoreBase {
 };
 
 /// Parts that tie more than two bodies together or change with time (`kWide`): they know the indices of their
-/// bodies in the world, and get one Jacobian block per side of their joint, zero at first.
+/// bodies in the world, which relocated() changes, and get one Jacobian block per side of their joint, zero
+/// at first.
 template <typename Part>
 class WideStore final : public PartStoreBase {
  public:
@@ -153,6 +165,11 @@ class WideStore final : public PartStoreBase {
     }
   }
   std::string row_name(int item, int row) const override { return items[item].part.row_name(row); }
+  std::shared_ptr<const PartStoreBase> relocated(const Relocation& to) const override {
+    auto copy = std::make_shared<WideStore>(*this);
+    for (Item& i : copy->items) i.part = i.part.relocated(to), i.axis = to.axis(i.axis);
+    return copy;
+  }
 
  private:
   static constexpr bool kTimed = requires(const Part& part, const Configuration& at, double* out) {

@@ -12,6 +12,22 @@ std::vector<int> detail::body_indices(const Joint* joint) {
   return indices;
 }
 
+void RowSink::add_rows_of(const Joint& joint, const Relocation& to) {
+  const Relocation* outer = relocation_;
+  const Relocation all = outer ? outer->after(to) : to;
+  relocation_ = &all;
+  joint.append_rows(*this);
+  relocation_ = outer;
+}
+
+void AxisSink::add_axes_of(const Joint& joint, const Relocation& to) {
+  const Relocation* outer = relocation_;
+  const Relocation all = outer ? outer->after(to) : to;
+  relocation_ = &all;
+  joint.append_axes(*this);
+  relocation_ = outer;
+}
+
 /// Called for each part that may leave a block unwritten; a joint counts once.
 void Rows::clear_blocks(int joint) {
   const JointRows& rows = joints_[joint];

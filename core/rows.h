@@ -69,6 +69,8 @@ class RowSink {
  public:
   template <typename Part>
   void add(const Part& part, Between sides = {});
+  /// All parts of a joint of another world, as World::append() has changed its ids.
+  void add_rows_of(const Joint& joint, const Relocation& to);
 
  private:
   friend class Rows;
@@ -79,6 +81,7 @@ class RowSink {
   std::vector<detail::RowGroup>* groups_ = nullptr;        // … or where to keep the parts by themselves
   const class Joint* made_for_ = nullptr;                  // with groups_
   bool soft_translation_ = false, soft_rotation_ = false;  // that a compliance softens
+  const Relocation* relocation_ = nullptr;                 // of wide parts; null: they stay as they are
   int joint_ = 0;
   int count_ = 0;
 };
@@ -100,6 +103,8 @@ class AxisSink {
   /// An axis with the coordinate of `part`, a row part of one row (core/axis_parts.h).
   template <typename Part>
   void add(std::string_view name, const Part& part, Between sides = {});
+  /// All axes of a joint of another world, as World::append() has changed its ids.
+  void add_axes_of(const Joint& joint, const Relocation& to);
   /// The axis added last has these limits from the start.
   void limit(const AxisLimits& limits) {
     if (infos_) infos_->back().limits = limits;
@@ -108,6 +113,9 @@ class AxisSink {
  private:
   friend class Rows;
   friend class World;
+  template <typename Part>
+  void place(std::string_view name, const Part& part, Between sides);
+  const Relocation* relocation_ = nullptr;  // of wide parts; null: they stay as they are
   const class Joint* joint_ = nullptr;
   std::vector<AxisInfo>* infos_ = nullptr;  // where to describe the axes …
   Rows* rows_ = nullptr;                    // … or to place the next of them that has properties
@@ -251,6 +259,9 @@ class Rows {
 
 template <typename Part>
 void RowSink::add(const Part& part, Between sides) {
+  if constexpr (detail::kIsWide<Part>) {
+    if (relocation_) return place(part.relocated(*relocation_), sides);
+  }
   if constexpr (std::is_same_v<Part, row_parts::Point>) {
     // In axes of A, so that an open joint leaves no couple and its damper sees no common turn.
     if (soft_translation_) {
@@ -302,6 +313,14 @@ void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, 
 
 template <typename Part>
 void AxisSink::add(std::string_view name, const Part& part, Between sides) {
+  if constexpr (detail::kIsWide<Part>) {
+    if (relocation_) return place(name, part.relocated(*relocation_), sides);
+  }
+  place(name, part, sides);
+}
+
+template <typename Part>
+void AxisSink::place(std::string_view name, const Part& part, Between sides) {
   static_assert(Part::kRows == 1, "an axis is one coordinate");
   const int axis = count_++, index = first_index_ + axis;
   if (infos_) {

@@ -7,15 +7,10 @@
 #include <vector>
 
 #include "core/material.h"
+#include "core/relocation.h"
 #include "core/state.h"
 
 namespace taut {
-
-/// Index of a shape in its World.
-struct ShapeId {
-  int index = -1;
-  friend auto operator<=>(ShapeId, ShapeId) = default;
-};
 
 // Shapes are plain data in their own frame S; lengths [m].  The axis of revolution is z.  The origin of a
 // solid of revolution, box or ellipsoid is its centre of mass, as in MassProperties.

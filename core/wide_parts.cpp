@@ -47,6 +47,12 @@ void Coupling::update_axes(const Configuration& at, std::span<double> axes) cons
 
 std::string Coupling::row_name(int) const { return is_angle ? "rotation by the coupling" : "coupling"; }
 
+Coupling Coupling::relocated(const Relocation& to) const {
+  Coupling copy = *this;
+  for (Term& term : copy.terms) term.coordinate = term.coordinate->relocated(to);
+  return copy;
+}
+
 void DrivenCoupling::residual(const Configuration& at, double* phi) const {
   Coupling::residual(at, phi);
   *phi -= motion(at.time).value;

@@ -35,6 +35,7 @@ struct Coupling {
   void stiffness(const Configuration& at, const double* lambda, std::span<StiffnessBlocks> bodies) const;
   void update_axes(const Configuration& at, std::span<double> axes) const;
   std::string row_name(int) const;
+  Coupling relocated(const Relocation& to) const;
 };
 
 /// A relation between free axes that follows the time.   φ = Σ c_k θ_k(q) − offset − f(t)
@@ -45,6 +46,7 @@ struct DrivenCoupling : Coupling {
   void bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const;
   void add_rate(const Configuration& at, double* out) const;
   std::string row_name(int) const;
+  DrivenCoupling relocated(const Relocation& to) const { return {Coupling::relocated(to), motion}; }
 };
 
 /// B has a pose X*(t) = (q*, p*) relative to A.
@@ -65,6 +67,7 @@ struct DrivenPosition {
   void add_rate(const Configuration& at, double* out) const;
   void stiffness(const Configuration& at, const double* lambda, std::span<StiffnessBlocks> bodies) const;
   std::string row_name(int i) const;
+  DrivenPosition relocated(const Relocation& to) const { return {to.body(body_a), to.body(body_b), motion}; }
 };
 
 struct DrivenOrientation {
@@ -83,6 +86,9 @@ struct DrivenOrientation {
   void add_rate(const Configuration& at, double* out) const;
   void stiffness(const Configuration&, const double*, std::span<StiffnessBlocks>) const {}
   std::string row_name(int i) const;
+  DrivenOrientation relocated(const Relocation& to) const {
+    return {to.body(body_a), to.body(body_b), motion};
+  }
 
  private:
   /// E R_FW with φ̇ = E R_FW (ω_B − ω_F).

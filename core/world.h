@@ -113,6 +113,16 @@ class World {
   /// @throws std::invalid_argument for null, a missing body or a missing force.
   void set_force(ForceId id, std::shared_ptr<const Force> force);
 
+  /// Adds all that another world has: bodies, joints with all that acts on and along them, forces, shapes
+  /// with materials and filters, and the present state.  Every name gets `prefix` in front, and all is moved
+  /// as a whole by X_WF, where F is the other's world frame.  What is fixed to its ground is then fixed to
+  /// the ground of this world, or with a placement to a new fixed body `prefix`ground that has this pose.
+  /// Forces in world axes turn with it; gravity and time stay those of this world.
+  /// @return what its ids are here
+  /// @throws std::invalid_argument for a name that is taken, or a placement that is not finite or not of unit
+  /// length.
+  Relocation append(const World& other, const std::string& prefix = "", const Pose& placement = {});
+
   /// Gives a body a shape at the pose X_BS in its frame; several shapes on one body are a compound.  Mass is
   /// the body's own affair: solid_of() gives it.
   /// @throws std::invalid_argument for a missing body, what check_shape() and check_material() refuse, or a
@@ -207,6 +217,8 @@ class World {
   int checked(JointId id) const;
   int checked(ShapeId id) const;
   void check_force(const Force* force) const;
+  void append_joints(const World& other, const std::string& prefix, const Relocation& to);
+  void append_shapes(const World& other, const Relocation& to);
   struct SoftJoint {
     JointCompliance compliance;
     std::vector<detail::RowGroup> rows;  // that it softens

@@ -132,6 +132,18 @@ std::vector<double> JsonNode::numbers(std::size_t count, const char* expected) c
   return result;
 }
 
+std::vector<double> JsonNode::numbers() const {
+  std::vector<double> result;
+  for (const JsonNode& item : items("an array of numbers")) result.push_back(item.number());
+  return result;
+}
+
+std::vector<Vec3> JsonNode::vectors() const {
+  std::vector<Vec3> result;
+  for (const JsonNode& item : items("an array of vectors")) result.push_back(item.vector());
+  return result;
+}
+
 Vec3 JsonNode::vector() const {
   const std::vector<double> v = numbers(3, "an array of 3 numbers");
   return {v[0], v[1], v[2]};
@@ -167,6 +179,17 @@ std::vector<JsonNode> JsonNode::items(const char* expected) const {
   result.reserve(value_->size());
   for (std::size_t i = 0; i < value_->size(); ++i)
     result.emplace_back((*value_)[i], child_path(path_, std::to_string(i)), *problems_);
+  return result;
+}
+
+std::vector<std::pair<std::string, JsonNode>> JsonNode::members() const {
+  std::vector<std::pair<std::string, JsonNode>> result;
+  if (!value_->is_object()) {
+    problem("must be an object");
+    return result;
+  }
+  for (const auto& [key, value] : value_->items())
+    result.emplace_back(key, JsonNode(value, child_path(path_, key), *problems_));
   return result;
 }
 
@@ -209,7 +232,7 @@ std::optional<JsonNode> JsonObject::one_of(std::initializer_list<const char*> ke
 }
 
 void JsonObject::reject_unknown_keys() const {
-  if (!is_object_) return;
+  if (!is_object_ || accepts_all_) return;
   const std::vector<std::string> known(known_.begin(), known_.end());
   for (const auto& [key, value] : node_.json().items())
     if (!known_.contains(key))

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -67,12 +68,21 @@ class JsonNode {
   Vec3 unit_vector() const;
   /// Entries of an array; of anything else none, and a problem.
   std::vector<JsonNode> items(const char* expected = "an array") const;
+  /// Entries of an object of any keys, by key; of anything else none, and a problem.
+  std::vector<std::pair<std::string, JsonNode>> members() const;
   /// Exactly `count` finite numbers, or a problem and zeros.
   std::vector<double> numbers(std::size_t count, const char* expected) const;
+  /// Any number of finite numbers, and of vectors; problems for entries that are none.
+  std::vector<double> numbers() const;
+  std::vector<Vec3> vectors() const;
 
   /// The value whose name the string is.
   template <typename Value, std::size_t count>
   Value choice(const std::pair<const char*, Value> (&table)[count]) const {
+    return choice(std::span<const std::pair<const char*, Value>>(table));
+  }
+  template <typename Value>
+  Value choice(std::span<const std::pair<const char*, Value>> table) const {
     std::vector<std::string> names;
     for (const auto& [name, value] : table) {
       if (value_->is_string() && value_->get_ref<const std::string&>() == name) return value;
@@ -119,10 +129,12 @@ class JsonObject {
 
   /// To be called when all known keys have been asked for.
   void reject_unknown_keys() const;
+  /// Its keys are not known, for instance because its type is wrong: none will be rejected.
+  void accept_all_keys() { accepts_all_ = true; }
 
  private:
   JsonNode node_;
-  bool is_object_;
+  bool is_object_, accepts_all_ = false;
   std::set<std::string> known_;
 };
 

@@ -25,6 +25,8 @@ AxisLimits read_limits(const JsonNode& node) {
   limits.lower = number_or(keys, "lower", limits.lower);
   limits.upper = number_or(keys, "upper", limits.upper);
   limits.restitution = keys.get("restitution", &JsonNode::not_negative, 0.0);
+  limits.compliance = keys.get("compliance", &JsonNode::not_negative, 0.0);
+  limits.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
   keys.reject_unknown_keys();
   return limits;
 }
@@ -32,9 +34,14 @@ AxisLimits read_limits(const JsonNode& node) {
 AxisMotor read_motor(const JsonNode& node) {
   JsonObject keys(node);
   AxisMotor motor;
-  const auto target = keys.one_of({"velocity", "position"});
-  if (target) motor.target = target->number();
-  if (target && target->path().ends_with("position")) motor.mode = AxisMotor::Mode::kPosition;
+  const auto target = keys.one_of({"velocity", "position", "trajectory"});
+  if (target && target->path().ends_with("trajectory")) {
+    motor.mode = AxisMotor::Mode::kTrajectory;
+    motor.trajectory = read_motion(*target);
+  } else if (target) {
+    if (target->path().ends_with("position")) motor.mode = AxisMotor::Mode::kPosition;
+    motor.target = target->number();
+  }
   motor.max_force = keys.get("max_force", &JsonNode::not_negative, motor.max_force);
   motor.max_speed = keys.get("max_speed", &JsonNode::positive, motor.max_speed);
   motor.force_of_speed = read_curve(keys, "force_of_speed");
@@ -48,6 +55,7 @@ AxisFriction read_friction(const JsonNode& node) {
   friction.static_friction = keys.get("static", &JsonNode::not_negative, 0.0);
   friction.dynamic_friction = keys.get("dynamic", &JsonNode::not_negative, friction.static_friction);
   friction.viscous = keys.get("viscous", &JsonNode::not_negative, 0.0);
+  friction.per_load = keys.get("per_load", &JsonNode::not_negative, 0.0);
   keys.reject_unknown_keys();
   return friction;
 }
@@ -63,7 +71,35 @@ AxisSpring read_spring(const JsonNode& node) {
   return spring;
 }
 
-/// One of the motions of core/motion.h.
+/// Not negative, or "infinite".
+double read_compliance(JsonObject& keys, const char* key) {
+  const auto node = keys.find(key);
+  if (!node) return 0;
+  return node->json() == "infinite" ? kUnlimited : node->not_negative();
+}
+
+JointCompliance read_joint_compliance(const JsonNode& node) {
+  JsonObject keys(node);
+  JointCompliance compliance;
+  compliance.translation = read_compliance(keys, "translation");
+  compliance.rotation = read_compliance(keys, "rotation");
+  compliance.translation_damping = keys.get("translation_damping", &JsonNode::not_negative, 0.0);
+  compliance.rotation_damping = keys.get("rotation_damping", &JsonNode::not_negative, 0.0);
+  keys.reject_unknown_keys();
+  return compliance;
+}
+
+BreakLimits read_break(const JsonNode& node) {
+  JsonObject keys(node);
+  BreakLimits limits;
+  limits.force = keys.get("force", &JsonNode::positive, limits.force);
+  limits.torque = keys.get("torque", &JsonNode::positive, limits.torque);
+  keys.reject_unknown_keys();
+  return limits;
+}
+
+}  // namespace
+
 Motion read_motion(const JsonNode& node) {
   JsonObject keys(node);
   const auto kind = keys.one_of({"linear", "harmonic", "spline", "speeds"});
@@ -101,8 +137,6 @@ Motion read_motion(const JsonNode& node) {
   return motion;
 }
 
-}  // namespace
-
 std::vector<Curve::Point> read_curve_points(const JsonNode& node) {
   std::vector<Curve::Point> points;
   for (const JsonNode& item : node.items("an array of pairs [x, y]")) {
@@ -113,14 +147,10 @@ std::vector<Curve::Point> read_curve_points(const JsonNode& node) {
 }
 
 void SceneReader::read_axes(const JsonNode& node, JointId joint) {
-  const std::size_t before = problems_.size();
-  JsonObject axes(node);
-  if (problems_.size() != before) return;
-  for (const auto& member : node.json().items()) {
-    const JsonNode axis_node = *axes.find(member.key().c_str());
+  for (const auto& [name, axis_node] : node.members()) {
     JsonObject keys(axis_node);
     const auto limits = keys.find("limits"), motor = keys.find("motor"), friction = keys.find("friction"),
-               spring = keys.find("spring");
+               spring = keys.find("spring"), start = keys.find("value");
     const std::size_t before_values = problems_.size();
     const auto values = [&](const auto& child, auto reader) {
       std::optional<decltype(reader(*child))> value;
@@ -131,16 +161,33 @@ void SceneReader::read_axes(const JsonNode& node, JointId joint) {
     const auto motor_values = values(motor, read_motor);
     const auto friction_values = values(friction, read_friction);
     const auto spring_values = values(spring, read_spring);
+    const double start_value = start ? start->number() : 0;
     keys.reject_unknown_keys();
     if (joint.index < 0) continue;
     std::optional<AxisId> id;
-    axis_node.guard([&] { id = scene_.world.axis(joint, member.key()); });
+    axis_node.guard([&, &name = name] { id = scene_.world.axis(joint, name); });
     if (!id || problems_.size() != before_values) continue;
     if (limits) limits->guard([&] { scene_.world.set_limits(*id, limit_values); });
     if (motor) motor->guard([&] { scene_.world.set_motor(*id, motor_values); });
     if (friction) friction->guard([&] { scene_.world.set_friction(*id, friction_values); });
     if (spring) spring->guard([&] { scene_.world.set_spring(*id, spring_values); });
+    if (start) start->guard([&] { scene_.world.set_axis_turns(*id, start_value); });
   }
+}
+
+void SceneReader::read_joint_properties(JsonObject& joint, JointId id) {
+  if (const auto node = joint.find("compliance")) {
+    const std::size_t before = problems_.size();
+    const JointCompliance compliance = read_joint_compliance(*node);
+    if (id.index >= 0 && problems_.size() == before)
+      node->guard([&] { scene_.world.set_compliance(id, compliance); });
+  }
+  if (const auto node = joint.find("break")) {
+    const std::size_t before = problems_.size();
+    const BreakLimits limits = read_break(*node);
+    if (id.index >= 0 && problems_.size() == before) node->guard([&] { scene_.world.set_break(id, limits); });
+  }
+  if (!joint.get("attached", &JsonNode::boolean, true) && id.index >= 0) scene_.world.detach(id);
 }
 
 std::optional<AxisId> SceneReader::required_axis(JsonObject& object, const char* key) const {

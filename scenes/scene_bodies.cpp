@@ -1,89 +1,22 @@
-#include <functional>
+#include <algorithm>
 #include <numbers>
 #include <sstream>
 
 #include "core/check.h"
+#include "core/solid.h"
 #include "scenes/drawing.h"
 #include "scenes/scene_reader.h"
+#include "scenes/shape_reader.h"
 
 namespace taut {
 namespace {
 
-/// A shape of uniform density in a file.
-struct Uniform {
-  double volume;
-  std::function<MassProperties(double mass)> mass_properties;
-  PlacedShape drawn;
-};
-
-double length(JsonObject& shape, const char* key) {
-  return shape.get_required(key, &JsonNode::positive, 1.0);
-}
-Vec3 lengths(JsonObject& shape, const char* key) {
-  return shape.get_required(key, &JsonNode::positive_vector, Vec3(Vec3::Ones()));
-}
-
-/// Shape types: the one place that knows them.
-using ShapeReader = Uniform (*)(JsonObject& shape);
-constexpr std::pair<const char*, ShapeReader> kShapes[] = {
-    {"box",
-     [](JsonObject& s) {
-       const Vec3 size = lengths(s, "size");
-       return Uniform{
-           box_volume(size), [=](double mass) { return MassProperties::box(size, mass); }, {Box{size}}};
-     }},
-    {"sphere",
-     [](JsonObject& s) {
-       const double r = length(s, "radius");
-       return Uniform{
-           sphere_volume(r), [=](double mass) { return MassProperties::sphere(r, mass); }, {Sphere{r}}};
-     }},
-    {"ellipsoid",
-     [](JsonObject& s) {
-       const Vec3 radii = lengths(s, "radii");
-       return Uniform{ellipsoid_volume(radii),
-                      [=](double mass) { return MassProperties::ellipsoid(radii, mass); },
-                      {Ellipsoid{radii}}};
-     }},
-    {"rod",
-     [](JsonObject& s) {
-       const double l = length(s, "length"), r = length(s, "radius");
-       return Uniform{cylinder_volume(r, l), [=](double mass) { return MassProperties::rod(l, r, mass); },
-                      rod_shape(l, r)};
-     }},
-    {"cylinder",
-     [](JsonObject& s) {
-       const double r = length(s, "radius"), l = length(s, "length");
-       return Uniform{cylinder_volume(r, l),
-                      [=](double mass) { return MassProperties::cylinder(r, l, mass); },
-                      {Cylinder{r, l}}};
-     }},
-    {"capsule",
-     [](JsonObject& s) {
-       const double r = length(s, "radius"), l = s.get_required("length", &JsonNode::not_negative, 1.0);
-       return Uniform{capsule_volume(r, l),
-                      [=](double mass) { return MassProperties::capsule(r, l, mass); },
-                      {Capsule{r, l}}};
-     }},
-    {"cone",
-     [](JsonObject& s) {
-       const double r = length(s, "radius"), h = length(s, "height");
-       return Uniform{
-           cone_volume(r, h), [=](double mass) { return MassProperties::cone(r, h, mass); }, {Cone{r, h}}};
-     }},
-};
-
-std::optional<Uniform> read_shape(const JsonNode& node) {
+std::optional<PlacedShape> read_solid(const JsonNode& node) {
   const std::size_t before = node.problems().size();
-  JsonObject shape(node);
-  const auto type = shape.required("type");
-  if (!type) return std::nullopt;
-  const ShapeReader read = type->choice(kShapes);
-  if (node.problems().size() != before) return std::nullopt;
-  const Uniform solid = read(shape);
-  shape.reject_unknown_keys();
-  if (node.problems().size() != before) return std::nullopt;
-  return solid;
+  JsonObject keys(node);
+  const std::optional<PlacedShape> solid = read_primitive(keys);
+  keys.reject_unknown_keys();
+  return node.problems().size() == before ? solid : std::nullopt;
 }
 
 /// 3 principal moments or a 3×3 matrix [kg m²].
@@ -104,31 +37,32 @@ void read_inertia(const JsonNode& node, double mass, MassProperties& result) {
   if (node.problems().size() == before) node.guard([&] { result = MassProperties(mass, inertia); });
 }
 
-/// mass or density, inertia or shape.  A fixed body needs none of them.
-/// @param drawn the shape, if there is one
-MassProperties read_mass_properties(JsonObject& body, bool fixed, std::optional<PlacedShape>& drawn) {
-  MassProperties result(1, Vec3(1, 1, 1));
-  std::optional<JsonNode> mass_node = body.find("mass"), density = body.find("density");
-  std::optional<JsonNode> inertia = body.find("inertia"), shape = body.find("shape");
-  if (fixed && !mass_node && !density && !inertia && !shape) return result;
-  mass_node = body.one_of({"mass", "density"});
-  inertia = body.one_of({"inertia", "shape"});
-
+/// The mass and its centre from the collision shapes: with one density for all, one for each, or scaled to a
+/// mass.
+FileMass mass_of_shapes(JsonObject& body, const std::vector<FileShape>& shapes) {
   const std::size_t before = body.node().problems().size();
-  double mass = mass_node ? mass_node->positive() : 1;
-  if (shape) {
-    const auto solid = read_shape(*shape);
-    if (density && solid) mass *= solid->volume;
-    if (solid && body.node().problems().size() == before)
-      shape->guard([&] {
-        result = solid->mass_properties(mass);
-        drawn = solid->drawn;
-      });
-  } else {
-    if (density && inertia && mass_node->path() == density->path())
-      density->problem("needs a shape; give the mass with an inertia");
-    if (inertia) read_inertia(*inertia, mass, result);
+  const auto mass = body.find("mass"), density = body.find("density");
+  const auto with_density = std::count_if(shapes.begin(), shapes.end(),
+                                          [](const FileShape& shape) { return shape.density.has_value(); });
+  const bool all = with_density == static_cast<long>(shapes.size());
+  if (mass || density || !all) body.one_of({"mass", "density"});
+  if (mass && with_density > 0 && !all)
+    mass->problem("all of the shapes or none of them must have a density");
+  const double total = mass ? mass->positive() : 0, common = density ? density->positive() : 1;
+  std::vector<PlacedShape> parts;
+  for (const FileShape& shape : shapes) {
+    parts.push_back(shape.placed);
+    if (!shape.density) parts.back().density = common;
+    shape.node.guard([&] { (void)solid_properties(shape.placed.shape); });
   }
+  FileMass result;
+  if (body.node().problems().size() == before)
+    body.node().guard([&] {
+      const Solid solid = solid_of(parts);
+      const double scale = mass ? total / solid.mass.mass() : 1;
+      result.properties = MassProperties(scale * solid.mass.mass(), Mat3(scale * solid.mass.inertia_B()));
+      result.centre = solid.centre;
+    });
   return result;
 }
 
@@ -147,6 +81,42 @@ Quat read_quaternion(const JsonNode& node) {
 }
 
 }  // namespace
+
+FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& shapes) {
+  std::optional<JsonNode> mass_node = body.find("mass"), density = body.find("density");
+  std::optional<JsonNode> inertia = body.find("inertia"), shape = body.find("shape");
+  const bool with_density = std::any_of(shapes.begin(), shapes.end(),
+                                        [](const FileShape& each) { return each.density.has_value(); });
+  const bool needs_none = fixed && !mass_node && !density && !inertia && !shape && !with_density;
+  const auto list = body.find("shapes");
+  if (list && !list->json().empty() && !inertia && !shape && !needs_none) {
+    const bool sound = shapes.size() == list->json().size();
+    return sound ? mass_of_shapes(body, shapes) : FileMass{};
+  }
+  for (const FileShape& each : shapes)
+    if (each.density) each.density->problem("has no effect, since the mass does not come from the shapes");
+  if (needs_none) return {};
+  mass_node = body.one_of({"mass", "density"});
+  inertia = body.one_of({"inertia", "shape"});
+
+  FileMass result;
+  const std::size_t before = body.node().problems().size();
+  double mass = mass_node ? mass_node->positive() : 1;
+  if (shape) {
+    const auto solid = read_solid(*shape);
+    if (solid && body.node().problems().size() == before)
+      shape->guard([&] {
+        if (density) mass *= solid_properties(solid->shape).volume;
+        result.properties = primitive_mass(*solid, mass);
+        result.drawn = solid;
+      });
+  } else {
+    if (density && inertia && mass_node->path() == density->path())
+      density->problem("needs a shape; give the mass with an inertia");
+    if (inertia) read_inertia(*inertia, mass, result.properties);
+  }
+  return result;
+}
 
 Quat read_orientation(const JsonNode& node) {
   if (node.is_array()) return read_quaternion(node);
@@ -181,10 +151,13 @@ void SceneReader::read_body(const JsonNode& node) {
   const auto name = body.find("name");
   if (name) spec.name = name->string();
   spec.fixed = body.get("fixed", &JsonNode::boolean, false);
-  std::optional<PlacedShape> drawn;
-  spec.mass = read_mass_properties(body, spec.fixed, drawn);
+  const auto shape_list = body.find("shapes");
+  const std::vector<FileShape> shapes = shape_list ? read_shapes(*shape_list) : std::vector<FileShape>();
+  const FileMass mass = read_mass(body, spec.fixed, shapes);
+  spec.mass = mass.properties;
   spec.pose.p = body.get("position", &JsonNode::vector, Vec3(Vec3::Zero()));
   if (const auto orientation = body.find("orientation")) spec.pose.q = read_orientation(*orientation);
+  spec.pose.p += spec.pose.q * mass.centre;
   spec.twist.v = body.get("velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
   spec.twist.w = body.get("angular_velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
   if (const auto in_body_axes = body.find("angular_velocity_body")) {
@@ -211,8 +184,13 @@ void SceneReader::read_body(const JsonNode& node) {
   node.guard([&] {
     const BodyId id = scene_.world.add_body(spec);
     path_of_body_[scene_.world.name(id)] = node.path();
-    if (!sound) unsound_bodies_.insert(id.index);
-    if (drawn) draw(scene_, id, *drawn);
+    if (!sound) {
+      unsound_bodies_.insert(id.index);
+      return;
+    }
+    if (!mass.centre.isZero(0)) centre_of_body_[id.index] = mass.centre;
+    if (mass.drawn && shapes.empty()) draw(scene_, id, *mass.drawn);
+    add_shapes(id, shapes, mass.centre);
   });
 }
 

@@ -43,8 +43,9 @@ Scene load_scene_file(const std::filesystem::path& path) {
 Scene parse_scene(std::string_view text, const std::string& file_name) {
   std::vector<SceneFileProblem> problems;
   Scene scene;
+  const std::filesystem::path path(file_name);
   if (const auto document = parse_json(text, problems))
-    scene = SceneReader(problems).read(*document, std::filesystem::path(file_name).stem().string());
+    scene = SceneReader(problems, path.parent_path()).read(*document, path.stem().string());
   if (!problems.empty()) throw SceneFileError(file_name, std::move(problems));
   return scene;
 }

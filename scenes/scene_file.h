@@ -32,7 +32,8 @@ class SceneFileError : public std::invalid_argument {
 
 /// @throws SceneFileError if the file cannot be read or anything in it is wrong.
 Scene load_scene_file(const std::filesystem::path& path);
-/// The same for a text in memory; `file_name` is for the messages, its stem the default name of the scene.
+/// The same for a text in memory; `file_name` is for the messages, its stem the default name of the scene,
+/// and mesh files are looked for in its folder.
 Scene parse_scene(std::string_view text, const std::string& file_name);
 
 }  // namespace taut

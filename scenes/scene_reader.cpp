@@ -92,8 +92,11 @@ Scene SceneReader::read(const nlohmann::json& document, const std::string& defau
   };
   each("generate", &SceneReader::read_generate);
   read_top_level(top);
+  if (const auto materials = top.find("materials")) read_materials(*materials);
+  if (const auto ground = top.find("ground")) read_ground(*ground);
   each("bodies", &SceneReader::read_body);
   each("joints", &SceneReader::read_joint);
+  each("pairs", &SceneReader::read_pair);
   each("forces", &SceneReader::read_force);
   each("probes", &SceneReader::read_probe);
   top.reject_unknown_keys();
@@ -107,6 +110,7 @@ void SceneReader::read_top_level(JsonObject& top) {
   if (!is_one_block) scene_.energy_scale = 0;
   scene_.name = top.get("name", &JsonNode::string, scene_.name);
   if (const auto gravity = top.find("gravity")) scene_.world.set_gravity(gravity->vector());
+  scene_.world.set_time(top.get("time", &JsonNode::number, scene_.world.time()));
   scene_.dt = top.get("dt", &JsonNode::positive, scene_.dt);
   scene_.duration = top.get("duration", &JsonNode::positive, scene_.duration);
   scene_.energy_scale = top.get("energy_scale", &JsonNode::not_negative, scene_.energy_scale);
@@ -164,12 +168,14 @@ void SceneReader::read_probe(const JsonNode& node) {
   if (!quantity) return;
   const std::size_t before_quantity = problems_.size();
   const QuantityInfo info = quantity->choice(kQuantities);
+  BodyReference body;
   if (problems_.size() != before_quantity) return;
   probe.quantity = info.quantity;
   if (info.subject == Subject::kBody || info.subject == Subject::kBodyPoint)
-    probe.body = required_body(object, "body").id;
+    body = required_body(object, "body");
+  probe.body = body.id;
   if (info.subject == Subject::kBodyPoint)
-    probe.point_B = object.get("point", &JsonNode::vector, Vec3(Vec3::Zero()));
+    probe.point_B = object.get("point", &JsonNode::vector, body.centre) - body.centre;
   if (info.subject == Subject::kJoint)
     if (const auto joint = object.required("joint")) probe.joint = find_joint(*joint);
   object.reject_unknown_keys();
@@ -185,7 +191,9 @@ BodyReference SceneReader::required_body(JsonObject& object, const char* key) co
   if (name.empty()) return {};
   if (scene_.world.has_body(name)) {
     const BodyId id = scene_.world.body(name);
-    return {id, true, !unsound_bodies_.contains(id.index)};
+    const auto centre = centre_of_body_.find(id.index);
+    return {id, true, !unsound_bodies_.contains(id.index),
+            centre == centre_of_body_.end() ? Vec3(Vec3::Zero()) : centre->second};
   }
   // What a block with problems would have generated is not known.
   if (has_unread_block_) return {};

@@ -1,6 +1,7 @@
 #include "scenes/shape_json.h"
 
 #include "core/check.h"
+#include "scenes/shape_reader.h"
 
 namespace taut {
 namespace {
@@ -11,12 +12,6 @@ Json vectors_to_json(const std::vector<Vec3>& vectors) {
   Json list = Json::array();
   for (const Vec3& v : vectors) list.push_back(vector_to_json(v));
   return list;
-}
-
-std::vector<Vec3> vectors_from_json(const Json& json) {
-  std::vector<Vec3> vectors;
-  for (const Json& item : json) vectors.push_back(vector_from_json(item));
-  return vectors;
 }
 
 struct ShapeWriter {
@@ -38,39 +33,6 @@ struct ShapeWriter {
   }
 };
 
-double number(const Json& json, const char* key) { return json.at(key).get<double>(); }
-
-using ShapeReader = Shape (*)(const Json&);
-constexpr std::pair<const char*, ShapeReader> kReaders[] = {
-    {"sphere", [](const Json& j) -> Shape { return Sphere{number(j, "radius")}; }},
-    {"box", [](const Json& j) -> Shape { return Box{vector_from_json(j.at("size"))}; }},
-    {"capsule",
-     [](const Json& j) -> Shape {
-       return Capsule{number(j, "radius"), number(j, "length")};
-     }},
-    {"cylinder",
-     [](const Json& j) -> Shape {
-       return Cylinder{number(j, "radius"), number(j, "length")};
-     }},
-    {"ellipsoid", [](const Json& j) -> Shape { return Ellipsoid{vector_from_json(j.at("radii"))}; }},
-    {"cone",
-     [](const Json& j) -> Shape {
-       return Cone{number(j, "radius"), number(j, "height")};
-     }},
-    {"convex_hull", [](const Json& j) -> Shape { return ConvexHull{vectors_from_json(j.at("points"))}; }},
-    {"triangle_mesh",
-     [](const Json& j) -> Shape {
-       return TriangleMesh{vectors_from_json(j.at("vertices")),
-                           j.at("triangles").get<std::vector<std::array<int, 3>>>()};
-     }},
-    {"half_space", [](const Json&) -> Shape { return HalfSpace{}; }},
-    {"height_field",
-     [](const Json& j) -> Shape {
-       return HeightField{j.at("nx").get<int>(), j.at("ny").get<int>(), number(j, "dx"), number(j, "dy"),
-                          j.at("heights").get<std::vector<double>>()};
-     }},
-};
-
 }  // namespace
 
 Json vector_to_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
@@ -86,14 +48,11 @@ Json shape_to_json(const Shape& shape) {
 }
 
 Shape shape_from_json(const Json& json) {
-  const auto type = json.at("type").get<std::string>();
-  for (const auto& [name, read] : kReaders)
-    if (type == name) {
-      Shape shape = read(json);
-      check_shape(shape);
-      return shape;
-    }
-  fail("type", "there is no shape of this name", type);
+  Problems problems;
+  JsonObject keys(JsonNode(json, "/shape", problems));
+  const std::optional<PlacedShape> shape = read_shape(keys);
+  if (!problems.empty()) fail(problems[0].path, problems[0].message, problems[0].value);
+  return shape->shape;
 }
 
 }  // namespace taut

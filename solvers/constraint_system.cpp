@@ -14,9 +14,8 @@ namespace {
 
 /// Full-rank factorisations after which the shift is dropped again.
 constexpr int kStreak = 100;
-/// Contact rows from which on the bodies may be the smaller system, and how much less its factor must cost.
+/// Contact rows from which on the bodies may be the smaller system.
 constexpr int kManyContactRows = 150;
-constexpr double kGain = 1;
 
 }  // namespace
 
@@ -65,22 +64,25 @@ double ConstraintSystem::flops_of_rows() const {
   return flops;
 }
 
-/// True if the bodies are the smaller system.
-bool ConstraintSystem::analyze_bodies() {
-  bodies_.reset();
+/// True if the bodies are the smaller system; then they are analysed.
+bool ConstraintSystem::bodies_pay() {
   if (rows_.row_count() - rows_.first_contact_row() < kManyContactRows) return false;
-  std::vector<int> body_of_node;
-  const BlockOrdering ordering = order_blocks(body_graph(rows_, mass_, body_of_node));
-  if (flops_of_rows() < kGain * ordering.flops) return false;
+  const BlockOrdering ordering = order_blocks(body_graph(rows_, mass_, body_of_node_));
+  if (flops_of_rows() < ordering.flops) return false;
+  analyze_bodies(ordering);
   system_.reset();
-  factor_ = make_factor(choice_, ordering);
-  bodies_ = std::make_unique<BodyMatrix>(rows_, mass_, factor_->triangle(), ordering, body_of_node);
-  factor_->analyze(bodies_->matrix());
-  inverse_compliance_.assign(rows_.row_count(), 0.0);
-  ordered_.assign(bodies_->matrix().size(), 0.0);
+  factor_.reset();
   dependent_rows_.clear();
   condition_ = 0;
   return true;
+}
+
+void ConstraintSystem::analyze_bodies(const BlockOrdering& ordering) {
+  body_factor_ = make_factor(choice_, ordering);
+  bodies_ = std::make_unique<BodyMatrix>(rows_, mass_, body_factor_->triangle(), ordering, body_of_node_);
+  body_factor_->analyze(bodies_->matrix());
+  inverse_compliance_.assign(rows_.row_count(), 0.0);
+  body_values_.assign(6 * static_cast<std::size_t>(rows_.body_count()), 0.0);
 }
 
 void ConstraintSystem::analyze_rows() {
@@ -98,7 +100,9 @@ void ConstraintSystem::analyze_rows() {
 void ConstraintSystem::analyze() {
   {
     const Stopwatch watch(analysis_time_);
-    if (!analyze_bodies()) analyze_rows();
+    bodies_.reset();
+    through_bodies_ = bodies_pay();
+    if (!through_bodies_) analyze_rows();
     ++counters_.analyses;
   }
   const int n = rows_.row_count();
@@ -107,6 +111,7 @@ void ConstraintSystem::analyze() {
   roots_.resize(rows_.body_count());
   scratch_.assign(n, 0.0);
   body_scratch_.resize(rows_.body_count());
+  product_.assign(6 * static_cast<std::size_t>(rows_.body_count()), 0.0);
   dependent_rows_.reserve(n);
   counted_rows_.reserve(n);
   large_pivots_.reserve(n);
@@ -131,34 +136,64 @@ void ConstraintSystem::set_mass(std::span<const Pose> poses) {
 }
 
 void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
+  factored_states_ = states_;
+  ++factor_version_;
+  factored_ = true;
+  if (through_bodies_) {
+    inertias_from_weights(inverse_compliance_);
+    compliance_of_bodies();
+    usable_ = factorize_bodies(weighted_, inverse_compliance_, times);
+    factored_ = true;
+    return;
+  }
   {
     const Stopwatch watch(times.assembly);
-    if (!states_.empty() && !bodies_) mask_weighted();
-    factored_states_ = states_;
-    ++factor_version_;
-    if (bodies_)
-      assemble_bodies();
-    else
-      system_->assemble(states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
+    if (!states_.empty()) mask_weighted();
+    system_->assemble(states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
   }
   const Stopwatch watch(times.factorization);
-  factored_ = true;
   ++counters_.factorizations;
-  usable_ = factor_->factorize(bodies_ ? bodies_->matrix() : system_->matrix()) < 0;
+  usable_ = factor_->factorize(system_->matrix()) < 0;
   dependent_rows_.clear();
-  if (usable_ && !bodies_) inspect_pivots();
+  if (usable_) inspect_pivots();
 }
 
 /// Σ_r + ε (S_rr + Σ_r) on all rows, or without the shift if none of them is free.
-void ConstraintSystem::assemble_bodies() {
-  inertias_from_weights(inverse_compliance_);
+void ConstraintSystem::compliance_of_bodies() {
   shifted_ = states_.empty() || std::find(states_.begin(), states_.end(), 0.0) != states_.end();
   for (int r = 0; r < rows_.row_count(); ++r) {
     double& d = inverse_compliance_[r];
     const double own = d > 0 ? 1 / d : 1, state = states_.empty() ? 0 : states_[r];
     d = state == kMasked ? 0 : 1 / (state + factored_shift() * (own + state));
   }
-  bodies_->assemble(weighted_, inverse_compliance_);
+}
+
+bool ConstraintSystem::factorize_bodies(std::span<const double> weighted, std::span<const double> D,
+                                        StageTimes& times) {
+  if (!bodies_) {
+    const Stopwatch watch(analysis_time_);
+    analyze_bodies(order_blocks(body_graph(rows_, mass_, body_of_node_)));
+    ++counters_.analyses;
+  }
+  {
+    const Stopwatch watch(times.assembly);
+    bodies_->assemble(weighted, D);
+  }
+  const Stopwatch watch(times.factorization);
+  if (through_bodies_) factored_ = false;
+  ++counters_.factorizations;
+  return body_factor_->factorize(bodies_->matrix()) < 0;
+}
+
+void ConstraintSystem::solve_bodies(std::span<double> v) {
+  const std::span<const int> position = bodies_->position_of_body();
+  ordered_.resize(bodies_->matrix().size());
+  for (std::size_t b = 0; b < position.size(); ++b)
+    if (position[b] >= 0) std::copy_n(v.begin() + 6 * b, 6, ordered_.begin() + position[b]);
+  body_factor_->solve(ordered_);
+  for (std::size_t b = 0; b < position.size(); ++b)
+    if (position[b] >= 0) std::copy_n(ordered_.begin() + position[b], 6, v.begin() + 6 * b);
+  ++counters_.backsolves;
 }
 
 void ConstraintSystem::set_row_states(std::span<const double> states) {
@@ -212,7 +247,7 @@ void ConstraintSystem::factorize(StageTimes& times) {
   }
   shifted_ = shift_next_;
   assemble_and_factorize(times);
-  if (bodies_) return;
+  if (through_bodies_) return;
   if (!shifted_ && (!usable_ || !dependent_rows_.empty())) {
     shifted_ = shift_next_ = true;
     full_rank_streak_ = 0;
@@ -272,30 +307,18 @@ void ConstraintSystem::inspect_pivots() {
 }
 
 /// v = P⁻¹ Wᵀ Σ⁻¹ x, then λ = Σ⁻¹ (x − W v).
-void ConstraintSystem::solve_bodies(std::span<double> x) {
+void ConstraintSystem::solve_through_bodies(std::span<double> x) {
   for (std::size_t r = 0; r < x.size(); ++r) x[r] *= inverse_compliance_[r];
-  rows_.apply_transpose(weighted_, x, body_scratch_);
-  const std::span<const int> position = bodies_->position_of_body();
-  double* v = ordered_.data();
-  for (int b = 0; b < mass_.size(); ++b) {
-    if (position[b] < 0) continue;
-    Vec3::Map(v + position[b]) = body_scratch_[b].torque;
-    Vec3::Map(v + position[b] + 3) = body_scratch_[b].force;
-  }
-  factor_->solve(ordered_);
-  for (const Rows::Side& side : rows_.sides()) {
-    if (position[side.body] < 0) continue;
-    const double* own = v + position[side.body];
-    const SixVector of_body(Vec3::Map(own), Vec3::Map(own + 3));
-    const double* W = weighted_.data() + side.offset;
-    for (int r = side.first_row; r < side.first_row + side.row_count; ++r, W += 6)
-      x[r] -= inverse_compliance_[r] * of_body.dot(W);
-  }
+  to_bodies(x, body_values_);
+  solve_bodies(body_values_);
+  to_rows(body_values_, scratch_);
+  for (std::size_t r = 0; r < x.size(); ++r) x[r] -= inverse_compliance_[r] * scratch_[r];
 }
 
 void ConstraintSystem::backsolve(std::span<double> x) {
+  if (through_bodies_) return solve_through_bodies(x);
   ++counters_.backsolves;
-  if (bodies_) return solve_bodies(x);
+  ordered_.resize(x.size());
   const std::span<const int> position = system_->position_of_row();
   for (std::size_t r = 0; r < x.size(); ++r) ordered_[position[r]] = x[r];
   factor_->solve(ordered_);
@@ -335,20 +358,31 @@ void ConstraintSystem::inertias_from_weights(std::span<double> out) const {
   for (double& s : out) s = s > 0 ? 1 / s : 0;
 }
 
-void ConstraintSystem::multiply(std::span<const double> x, std::span<double> out) {
-  rows_.apply_transpose(weighted_, x, body_scratch_);
-  for (int b = 0; b < mass_.size(); ++b)
-    if (mass_[b].fixed) body_scratch_[b] = {};
+void ConstraintSystem::to_bodies(std::span<const double> lambda, std::span<double> v) {
+  rows_.apply_transpose(weighted_, lambda, body_scratch_);
+  for (int b = 0; b < mass_.size(); ++b) {
+    const Wrench wrench = mass_[b].fixed ? Wrench{} : body_scratch_[b];
+    Vec3::Map(v.data() + 6 * b) = wrench.torque;
+    Vec3::Map(v.data() + 6 * b + 3) = wrench.force;
+  }
+}
+
+void ConstraintSystem::to_rows(std::span<const double> v, std::span<double> out) const {
   for (const Rows::JointRows& joint : rows_.joints()) {
     for (int i = 0; i < joint.row_count; ++i) out[joint.first_row + i] = 0;
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const Rows::Side& side = rows_.sides()[s];
-      const Wrench& wrench = body_scratch_[side.body];
-      const SixVector f(wrench.torque, wrench.force);
+      const double* own = v.data() + 6 * side.body;
+      const SixVector f(Vec3::Map(own), Vec3::Map(own + 3));
       const double* W = weighted_.data() + side.offset;
       for (int i = 0; i < side.row_count; ++i, W += 6) out[joint.first_row + i] += f.dot(W);
     }
   }
+}
+
+void ConstraintSystem::multiply(std::span<const double> x, std::span<double> out) {
+  to_bodies(x, product_);
+  to_rows(product_, out);
 }
 
 }  // namespace taut

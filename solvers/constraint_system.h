@@ -108,6 +108,17 @@ class ConstraintSystem {
   /// out = S x through W: (W Wᵀ) x, with all rows whatever their state.
   void multiply(std::span<const double> x, std::span<double> out);
 
+  /// v = Wᵀ λ, six numbers a body, 0 for fixed ones.
+  void to_bodies(std::span<const double> lambda, std::span<double> v);
+  /// out = W v.
+  void to_rows(std::span<const double> v, std::span<double> out) const;
+  /// P = 1 + W'ᵀ D W' of the bodies with D ≥ 0 (body_matrix.h) and its factor, in place of the present one
+  /// through bodies.  False for values that are not finite.
+  [[nodiscard]] bool factorize_bodies(std::span<const double> weighted, std::span<const double> D,
+                                      StageTimes& times);
+  /// v ← P⁻¹ v.
+  void solve_bodies(std::span<double> v);
+
   /// W = J A of the last factorize() or row_inertias(), laid out like the Jacobian.
   std::span<const double> weighted() const { return weighted_; }
   /// The diagonal was multiplied by one plus this before the last factorisation.
@@ -119,12 +130,12 @@ class ConstraintSystem {
   void row_inertias(std::span<double> out);
 
   /// True if S is not formed, but solved through the bodies: decided for each pattern.
-  bool through_bodies() const { return bodies_ != nullptr; }
+  bool through_bodies() const { return through_bodies_; }
   /// Dependent rows that the last factorisation met, and which (row indices).  Through bodies: not known, 0.
   int rank_deficiency() const { return static_cast<int>(dependent_rows_.size()); }
   std::span<const int> dependent_rows() const { return dependent_rows_; }
   /// Multipliers are not unique.
-  bool singular() const { return shifted_ || bodies_; }
+  bool singular() const { return shifted_ || through_bodies_; }
   /// The factor is that of S_ε.
   bool shifted() const { return shifted_; }
   /// (largest / smallest pivot) of the independent rows, each relative to its S_ii: a lower bound of the
@@ -136,15 +147,16 @@ class ConstraintSystem {
   double analysis_time() const { return analysis_time_; }
   /// S, not to be asked for through bodies.
   const SymmetricMatrix& matrix() const { return system_->matrix(); }
-  const Factor& factor() const { return *factor_; }
+  const Factor& factor() const { return through_bodies_ ? *body_factor_ : *factor_; }
 
  private:
   void analyze();
-  bool analyze_bodies();
+  bool bodies_pay();
   void analyze_rows();
+  void analyze_bodies(const BlockOrdering& ordering);
   double flops_of_rows() const;
-  void assemble_bodies();
-  void solve_bodies(std::span<double> x);
+  void compliance_of_bodies();
+  void solve_through_bodies(std::span<double> x);
   void assemble_and_factorize(StageTimes& times);
   void inspect_pivots();
   void keep_count(StageTimes& times);
@@ -158,10 +170,13 @@ class ConstraintSystem {
   Rows rows_;
   MassMatrix mass_;
   RankTolerance tolerance_;
-  std::unique_ptr<SystemMatrix> system_;  // or
-  std::unique_ptr<BodyMatrix> bodies_;
-  std::unique_ptr<Factor> factor_;          // of either
-  std::vector<double> inverse_compliance_;  // 1/Σ_r, with ε, for bodies_
+  std::unique_ptr<SystemMatrix> system_;  // not through bodies
+  std::unique_ptr<Factor> factor_;
+  std::unique_ptr<BodyMatrix> bodies_;  // made when it is wanted
+  std::unique_ptr<Factor> body_factor_;
+  std::vector<int> body_of_node_;
+  bool through_bodies_ = false;
+  std::vector<double> inverse_compliance_, body_values_, product_;  // 1/Σ_r, with ε; v
   std::vector<double> jacobian_, weighted_;
   std::vector<InverseMassRoot> roots_;
   std::vector<double> ordered_, scratch_, pivots_;

@@ -213,19 +213,18 @@ void ContactForces::targets(std::span<double> target) const {
   }
 }
 
-void ContactForces::mask(std::span<double> states, double rho, std::span<const double> diagonal) const {
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
-    for (int i = 0; i < count; ++i)
-      states[row + i] = works(static_cast<int>(k)) ? rho * diagonal[row + i] : kMasked;
-    for (int first = 1; first < count && works(static_cast<int>(k)); first += 3)
-      states[row + first] = states[row + first + 1] =
-          rho * std::max(diagonal[row + first], diagonal[row + first + 1]);
-  }
-}
-
-void ContactForces::answer(std::span<const double> x, std::span<double> y) const {
-  for (std::size_t k = 0; k < points_.size(); ++k) answer(static_cast<int>(k), x, y);
+ContactForces::Cone ContactForces::cone(int k) const {
+  const Point& point = points_[k];
+  const Material& material = set_.places()[k].material;
+  return {works(k),
+          has_twist(k),
+          friction_bound(k, 1),
+          material.spinning_friction,
+          material.rolling_friction,
+          point.back,
+          point.spin_given,
+          point.sliding.given,
+          point.rolling.given};
 }
 
 void ContactForces::answer(int k, std::span<const double> x, std::span<double> y) const {

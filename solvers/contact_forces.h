@@ -56,13 +56,19 @@ class ContactForces {
   /// what the laws had: then they are renewed, and the stage must be solved again.  `scale`: the size of
   /// impulses [√J], of which `tolerance` is what an error may be.
   bool adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance);
-  // The same for ContactSplitting: rates that the laws ask for, rows that take part with Σ = ρ S_rr (the
-  // larger of the two in a disc) or not at all, and the impulses y in the laws that are nearest to x.
+  /// Rates that the laws ask for.
   void targets(std::span<double> target) const;
-  void mask(std::span<double> states, double rho, std::span<const double> diagonal) const;
-  void answer(std::span<const double> x, std::span<double> y) const;
-  /// The same in the rows of one place.
+  /// The impulses y in the laws of one place that are nearest to x.
   void answer(int place, std::span<const double> x, std::span<double> y) const;
+  /// What the impulses of a contact of a stage may be, about those that the first kick gave: Coulomb's cone
+  /// |Λ_t| ≤ sliding Λ_n, |spin| ≤ spinning Λ_n [m] and |roll| ≤ rolling Λ_n [m].
+  struct Cone {
+    bool works = false, twist = false;
+    double sliding = 0, spinning = 0, rolling = 0;
+    double normal_given = 0, spin_given = 0;
+    Vec2 sliding_given = Vec2::Zero(), rolling_given = Vec2::Zero();
+  };
+  Cone cone(int place) const;
   /// Largest distance of impulses from what Signorini's and Coulomb's laws answer to them and the rates, the
   /// natural map [√J]; 0 where rates are met to the tolerance.
   double error(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) const;

@@ -42,7 +42,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       has_drivers_(system.rows().depends_on_time()),
       axes_(world, system.rows()),
       contacts_(world, settings),
-      splitting_(system) {
+      newton_(system) {
   active_.emplace(system);
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})

@@ -11,7 +11,7 @@
 #include "solvers/breaking.h"
 #include "solvers/constraint_system.h"
 #include "solvers/contact_forces.h"
-#include "solvers/contact_splitting.h"
+#include "solvers/contact_newton.h"
 #include "solvers/impulse_iteration.h"
 #include "solvers/settings.h"
 #include "solvers/step_report.h"
@@ -132,7 +132,7 @@ class Rattle {
   double distance_from_laws(std::span<const double> lambda, std::span<const double> w,
                             double rate_tolerance) const;
   bool holds(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  bool split(std::span<double> lambda, double rate_tolerance, StepReport& report);
+  bool solve_by_newton(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool stabilize_positions(double h, StepReport& report);
   bool stabilize_velocities(StepReport& report);
   bool iterate(std::span<double> lambda, int sweeps, double rate_tolerance, StepReport& report);
@@ -202,10 +202,10 @@ class Rattle {
   ContactForces contacts_;
   double horizon_ = 0;
   std::optional<ActiveSet> active_;
-  ContactSplitting splitting_;
+  ContactNewton newton_;
   std::optional<ImpulseIteration> iteration_;  // iterative, or with contacts
   std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
-  int splittings_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
+  int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;
   std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, row_scratch_;

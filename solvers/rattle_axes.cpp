@@ -16,8 +16,8 @@ constexpr double kLevelTolerance = 1e-9;
 /// More solves of a stage, because friction let go or velocities were not yet exact.
 constexpr int kMaxSolves = 40;
 /// With contacts, their friction is looked at every so many solves: if it has not come nearer to Coulomb's
-/// law by this factor, splitting takes over, for as many stages.
-constexpr int kFrictionPatience = 4, kSplittingsInARow = 60;
+/// law by this factor, Newton's method takes over, for as many stages.
+constexpr int kFrictionPatience = 4, kNewtonsInARow = 60;
 constexpr double kFrictionProgress = 0.2;
 /// Impulses of before are taken over if they are off their laws by no more than this part.
 constexpr double kHeld = 1e-9;
@@ -152,7 +152,8 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     settings.max_descent_rounds = 0;
   }
   if (contacts_.rest() && holds(lambda, rate_tolerance, report)) return true;
-  if (splittings_left_ > 0 && splittings_left_-- > 0) return split(lambda, rate_tolerance, report);
+  if (system_.through_bodies()) return solve_by_newton(lambda, rate_tolerance, report);
+  if (newtons_left_ > 0 && newtons_left_-- > 0) return solve_by_newton(lambda, rate_tolerance, report);
   guess_.assign(lambda.begin(), lambda.end());
   double earlier = std::numeric_limits<double>::infinity();
   bool solved = false;
@@ -171,9 +172,9 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     } else {
       const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
       if (!outcome_.ok() || (check && contacts_.residual() > kFrictionProgress * earlier)) {
-        splittings_left_ = kSplittingsInARow;
+        newtons_left_ = kNewtonsInARow;
         std::copy(guess_.begin(), guess_.end(), lambda.begin());
-        return split(lambda, rate_tolerance, report);
+        return solve_by_newton(lambda, rate_tolerance, report);
       }
       if (check) earlier = contacts_.residual();
       if (!contacts_.turns().empty()) turn_contacts(lambda, report);
@@ -220,7 +221,7 @@ double Rattle::distance_from_laws(std::span<const double> lambda, std::span<cons
 bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& report) {
   std::copy(rates_.begin(), rates_.end(), w_.begin());
   double off = distance_from_laws(lambda, w_, rate_tolerance);
-  if (off > kNear) return false;
+  if (off > kNear || (off > kHeld && system_.through_bodies())) return false;  // Newton is as fast there
   if (off > kHeld) {
     held_.assign(lambda.begin(), lambda.end());
     (void)iteration_->solve(contacts_, laws_, delta_, held_, w_, {.sweeps = kMendingSweeps}, {});
@@ -237,12 +238,12 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
   return true;
 }
 
-/// The fall-back of contacts.
-bool Rattle::split(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  const SplittingOutcome outcome = splitting_.solve(contacts_, laws_, delta_, lambda, w_,
-                                                    {.rate_tolerance = rate_tolerance}, report.times);
+/// Many contacts, and the fall-back of few.
+bool Rattle::solve_by_newton(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+  const NewtonOutcome outcome =
+      newton_.solve(contacts_, laws_, delta_, lambda, w_, {.rate_tolerance = rate_tolerance}, report.times);
   contacts_.take_over(lambda, w_, rate_tolerance);
-  report.splitting_iterations += outcome.iterations;
+  report.contact_iterations += outcome.iterations;
   if (outcome.converged)
     report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
   active_->reset();

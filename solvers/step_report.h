@@ -93,7 +93,7 @@ struct StepReport {
   double tension_number = 0;            ///< largest ω h of the sub-steps taken
   int pivots = 0;                       ///< rows that changed their place in the active sets of the step
   double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
-  int splitting_iterations = 0;         ///< of the fall-back for contacts; 0: the active set did it
+  int contact_iterations = 0;           ///< of Newton's method for contacts; 0: the active set did it
   int sweeps = 0;                       ///< of an iterative solver, both stages
   int contacts = 0;                     ///< points at the end of the step, touching or near
   double penetration = 0;               ///< deepest of them, ≥ 0 [m]

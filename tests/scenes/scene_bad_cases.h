@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tests/scenes/scene_file_cases.h"
+#include "tests/scenes/scene_bad_shapes.h"
 
 namespace taut::scene_file_cases {
 
@@ -41,7 +41,8 @@ inline std::vector<BadScene> bad_top_level() {
       {top(R"("bodies": [7])"), "/bodies/0", "must be an object", "7"},
       {top(R"("a/b~c": {"x": 1e999})"), "/a~1b~0c",
        R"(unknown key; known here are "$schema", "assemble", "bodies", "dt", "duration", "energy_scale", )"
-       R"("forces", "format", "generate", "gravity", "joints", "name", "probes", "settings")",
+       R"("forces", "format", "generate", "gravity", "ground", "joints", "materials", "name", "pairs", )"
+       R"("probes", "settings", "time")",
        R"({"x":null})", false},
       {top(R"("settings": {"integrator": "ratle"})"), "/settings/integrator",
        R"(must be one of "rattle", "rattle4", "rattle6", "rattle8", "force-euler", "force-runge-kutta"; )"
@@ -139,7 +140,7 @@ inline std::vector<BadScene> bad_axes() {
       {with_axes(R"({"angel": {}})"), "/joints/0/axes/angel",
        "axis of h: there is none of this name, only angle", "{}", false},
       {with_axes(R"({"angle": {"limit": {}}})"), at + "/limit",
-       R"(unknown key; known here are "friction", "limits", "motor", "spring"; did you mean "limits"?)",
+       R"(unknown key; known here are "friction", "limits", "motor", "spring", "value"; did you mean "limits"?)",
        "{}"},
       {with_axes(R"({"angle": {"limits": {"lower": 2, "upper": 1}}})"), at + "/limits",
        "lower limit of h angle: must not exceed the upper limit 1.000000", R"({"lower":2,"upper":1})", false},
@@ -147,8 +148,8 @@ inline std::vector<BadScene> bad_axes() {
        "must be finite and not negative", "-1"},
       {with_axes(R"({"angle": {"limits": {"restitution": 2}}})"), at + "/limits",
        "restitution of h angle: must be from 0 to 1", R"({"restitution":2})"},
-      {with_axes(R"({"angle": {"motor": {}}})"), at + "/motor", R"(one of "velocity", "position" is missing)",
-       ""},
+      {with_axes(R"({"angle": {"motor": {}}})"), at + "/motor",
+       R"(one of "velocity", "position", "trajectory" is missing)", ""},
       {with_axes(R"({"angle": {"motor": {"velocity": 1, "max_force": -2}}})"), at + "/motor/max_force",
        "must be finite and not negative", "-2"},
       {with_axes(R"({"angle": {"motor": {"velocity": 1, "force_of_speed": []}}})"),
@@ -206,13 +207,14 @@ inline std::vector<BadScene> bad_joints() {
       {joint(R"("anchor": [0, 0, 0])"), "/joints/0", R"("type" is missing)", ""},
       {joint(R"("type": "hing", "anchor": [0, 0, 0])"), "/joints/0/type",
        R"(must be one of "ball", "hinge", "slider", "fixed", "universal", "distance", "cylindrical", "screw", )"
-       R"("planar", "point_on_line", "hinge2", "six_dof", "rope", "gear", "rack_and_pinion", "differential", )"
-       R"("driver"; did you mean "hinge"?)",
+       R"("planar", "point_on_line", "hinge2", "six_dof", "rope", "pulley", "point_on_curve", "pose_driver", )"
+       R"("gear", "rack_and_pinion", "differential", "driver"; did you mean "hinge"?)",
        R"("hing")"},
       {joint(R"("type": "ball")"), "/joints/0", R"("anchor" is missing)", ""},
       {joint(R"("type": "ball", "anchor": [0, 0, 0], "axis": [0, 0, 1])"), "/joints/0/axis",
-       R"(unknown key; known here are "a", "anchor", "anchor_a", "anchor_b", "axes", "b", "frame", "name", )"
-       R"("type"; did you mean "axes"?)",
+       R"(unknown key; known here are "a", "anchor", "anchor_a", "anchor_b", "attached", "axes", "b", "break", )"
+       R"("compliance", "frame", "frame_orientation", "name", "orientation_a", "orientation_b", "type"; did you )"
+       R"(mean "axes"?)",
        "[0,0,1]"},
       {joint(R"("type": "ball", "anchor": [0, 0, 0], "anchor_a": [0, 0, 0])"), "/joints/0/anchor_a",
        R"("anchor" is given as well)", "[0,0,0]"},
@@ -311,7 +313,7 @@ inline std::vector<BadScene> bad_blocks() {
       {block(R"("builder": "chain", "prefix": "")"), "/generate/0/prefix",
        "must be a string that is not empty", R"("")"},
       {block(R"("builder": "chain", "parameters": {"n": 2}}, {"builder": "chain", "parameters": {"n": 2})"),
-       "/generate/1", "body: name is already taken", R"({"builder":"chain","parameters":{"n":2}})", false},
+       "/generate/1", "probe: name is already taken", R"({"builder":"chain","parameters":{"n":2}})", false},
       // Names of a block with problems are not known, so nothing that refers to them is blamed.
       {top(R"("generate": [{"builder": "chain", "size": 3}], "joints": [{"type": "ball", "a": "rod_0",
              "b": "rod_1", "anchor": [0, 0, 0]}])"),
@@ -323,8 +325,9 @@ inline std::vector<BadScene> bad_blocks() {
 /// Texts with exactly one problem each.
 inline std::vector<BadScene> bad_scenes() {
   std::vector<BadScene> all;
-  for (const auto& group :
-       {bad_top_level(), bad_bodies(), bad_joints(), bad_axes(), bad_forces_and_probes(), bad_blocks()})
+  for (const auto& group : {bad_top_level(), bad_bodies(), bad_joints(), bad_axes(), bad_forces_and_probes(),
+                            bad_blocks(), bad_shapes(), bad_masses_of_shapes(), bad_materials_and_pairs(),
+                            bad_wires_and_curves(), bad_joint_properties()})
     all.insert(all.end(), group.begin(), group.end());
   return all;
 }

@@ -18,7 +18,7 @@ inline std::string two_bodies(const std::string& more) {
 /// Uses every key of the format.
 inline constexpr const char* kEverything = R"({
   "$schema": "taut-scene.schema.json", "format": "taut-scene/1", "name": "everything",
-  "gravity": [0, 0, -1.62], "dt": 0.01, "duration": 3, "energy_scale": 12, "assemble": true,
+  "gravity": [0, 0, -1.62], "dt": 0.01, "duration": 3, "time": 0.25, "energy_scale": 12, "assemble": true,
   "settings": {
     "integrator": "force-runge-kutta", "position_tolerance": 1e-8, "velocity_tolerance": 1e-7,
     "max_newton_iterations": 7, "max_substeps": 64, "tension": "implicit", "max_tension_number": 0.5,
@@ -28,8 +28,31 @@ inline constexpr const char* kEverything = R"({
     "report_energy": false},
   "generate": [{"builder": "chain", "parameters": {"n": 2}, "prefix": "c/", "position": [0, 9, 0],
                 "orientation": [0, 0, 0, 1]}],
+  "materials": {
+    "ice": {"static_friction": 0.05, "dynamic_friction": 0.03},
+    "rubber": {"restitution": 0.7, "dynamic_friction": 0.9, "rolling_friction": 0.001, "spinning_friction": 0.002,
+               "compliance": 1e-6}},
+  "ground": {"shapes": [
+    {"type": "half_space", "material": "ice", "groups": [1, 31], "collides_with": [0]},
+    {"type": "height_field", "nx": 2, "ny": 3, "dx": 1, "dy": 0.5, "heights": [0, 0.1, 0, 0.1, 0.2, 0.3]}]},
   "bodies": [
     {"name": "wall", "fixed": true, "position": [0, 0, 1]},
+    {"name": "shapes", "density": 1000, "position": [5, 6, 7], "orientation": {"axis": [0, 0, 1], "angle_deg": 90},
+     "velocity": [1, 0, 0], "shapes": [
+      {"type": "box", "size": [1, 1, 1], "material": "rubber"},
+      {"type": "sphere", "radius": 0.5, "position": [2, 0, 0], "material": {"static_friction": 0.7}},
+      {"type": "ellipsoid", "radii": [1, 2, 3], "density": 1},
+      {"type": "rod", "length": 2, "radius": 0.1, "orientation": {"axis": [0, 0, 1], "angle_deg": 90}},
+      {"type": "cylinder", "radius": 0.1, "length": 2},
+      {"type": "capsule", "radius": 0.1, "length": 0},
+      {"type": "cone", "radius": 0.1, "height": 2, "orientation": {"rpy_deg": [90, 0, 0]}},
+      {"type": "convex_hull", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.1, 0.1, 0.1]]},
+      {"type": "triangle_mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+       "triangles": [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]}]},
+    {"name": "scaled", "mass": 5, "shapes": [{"type": "sphere", "radius": 0.5, "position": [0, 0, 1]}]},
+    {"name": "plate", "fixed": true, "shapes": [{"type": "triangle_mesh",
+     "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]]}]},
+    {"name": "given", "mass": 5, "inertia": [1, 1, 1], "shapes": [{"type": "box", "size": [1, 1, 1]}]},
     {"name": "moments", "mass": 2, "inertia": [1, 2, 2.5], "position": [1, 2, 3], "velocity": [4, 5, 6],
      "angular_velocity": [7, 8, 9]},
     {"name": "matrix", "fixed": false, "mass": 2, "inertia": [[1, 0.1, 0], [0.1, 2, 0], [0, 0, 2.5]]},
@@ -46,8 +69,16 @@ inline constexpr const char* kEverything = R"({
     {"name": "cone", "mass": 2, "shape": {"type": "cone", "radius": 0.1, "height": 2}}
   ],
   "joints": [
-    {"name": "ball", "type": "ball", "a": "ground", "b": "c/rod_0", "anchor": [0, 0, 0]},
-    {"name": "hinge", "type": "hinge", "a": "rod", "b": "cone", "anchor": [0, 0, 0], "axis": [0, 1, 0]},
+    {"name": "ball", "type": "ball", "a": "ground", "b": "c/rod_0", "anchor": [0, 0, 0],
+     "frame_orientation": {"rpy_deg": [0, 90, 0]}, "compliance": {"translation": 1e-6, "translation_damping": 3},
+     "break": {"force": 100, "torque": 30},
+     "axes": {"swing": {"limits": {"upper": 0.5, "compliance": 1e-3, "damping": 2}},
+              "turn_x": {"friction": {"static": 1, "per_load": 0.01}}}},
+    {"name": "framed", "type": "ball", "a": "rod", "b": "cone", "anchor": [0, 0, 0], "orientation_a": [1, 0, 0, 0],
+     "orientation_b": {"axis": [1, 0, 0], "angle_deg": 90}, "attached": false},
+    {"name": "hinge", "type": "hinge", "a": "rod", "b": "cone", "anchor": [0, 0, 0], "axis": [0, 1, 0],
+     "compliance": {"rotation": "infinite", "rotation_damping": 2},
+     "axes": {"angle": {"value": 12.5, "motor": {"trajectory": {"linear": {"rate": 2}}}}}},
     {"name": "slider", "type": "slider", "a": "wall", "b": "cone", "frame": "body", "anchor_a": [0, 0, 0],
      "anchor_b": [0, 0, 0], "axis_a": [0, 1, 0], "orientation": [1, 0, 0, 0]},
     {"name": "fixed", "type": "fixed", "a": "rod", "b": "box", "anchor": [0, 0, 0], "orientation": [1, 0, 0, 0]},
@@ -74,6 +105,17 @@ inline constexpr const char* kEverything = R"({
      "locked": ["x", "z", "angle_x", "angle_y"], "frame_orientation": {"axis": [0, 0, 1], "angle_deg": 90}},
     {"name": "rope", "type": "rope", "a": "rod", "b": "cone", "frame": "body", "anchor_a": [0, 0, 0],
      "anchor_b": [0, 0, 0], "length": 9, "restitution": 0.25},
+    {"name": "threaded", "type": "rope", "frame": "world", "restitution": 0.5, "points": [
+     {"body": "rod", "point": [0, 0, 0]}, {"body": "wall", "point": [0, 0, 1]}, {"body": "cone", "point": [0, 3, 1]}]},
+    {"name": "pulley", "type": "pulley", "frame": "body", "ratio": 2, "points": [
+     {"body": "rod", "point": [0, 0, 0]}, {"body": "ground", "point": [0, 0, 1]},
+     {"body": "ground", "point": [0, 1, 1]}, {"body": "cone", "point": [0, 0, 0]}]},
+    {"name": "point_on_curve", "type": "point_on_curve", "a": "wall", "b": "cone", "anchor": [0, 0, 1],
+     "points": [[0, 0, 0], [0, 0, 1], [1, 0, 2], [0, 0, 0]], "parameters": [0, 1, 2, 3.5], "closed": true},
+    {"name": "pose_driver", "type": "pose_driver", "a": "wall", "b": "moments",
+     "position": [1, {"linear": {"value": 2, "rate": 0.5}}, 2], "orientation": [1, 0, 0, 0],
+     "turns": [{"axis": [0, 0, 1], "angle": {"harmonic": {"amplitude": 0.2, "omega": 3}}},
+               {"axis": [1, 0, 0], "angle": 0.5}]},
     {"name": "second", "type": "hinge", "a": "rod", "b": "box", "anchor": [0, 0, 0], "axis": [0, 1, 0]},
     {"name": "third", "type": "hinge", "a": "rod", "b": "sphere", "anchor": [0, 0, 0], "axis": [0, 1, 0]},
     {"name": "gear", "type": "gear", "driving": {"joint": "hinge", "axis": "angle"},
@@ -90,6 +132,11 @@ inline constexpr const char* kEverything = R"({
      "motion": {"spline": [[0, 0], [1, 2], [2, 1]]}},
     {"type": "driver", "of": {"joint": "slider", "axis": "displacement"},
      "motion": {"speeds": [[0, 0], [1, 2]], "value": 0.5}}
+  ],
+  "pairs": [
+    {"a": "shapes", "b": "ground", "shape_a": 0, "shape_b": 1, "material": "ice"},
+    {"a": "given", "b": "plate", "collide": false, "material": {"restitution": 0.5}},
+    {"a": "rod", "b": "cone", "collide": true}
   ],
   "forces": [
     {"type": "point-force", "body": "rod", "point": [1, 0, 0], "force": [0, 0, 3], "follows_body": true},

@@ -33,7 +33,7 @@ std::vector<std::string> originals() {
 /// True if the text was read, false if it was refused properly.
 bool is_read(const std::string& text) {
   try {
-    parse_scene(text, "fuzz.json");
+    parse_scene(text, TAUT_SOURCE_DIR "/scenes/fuzz.json");  // where the mesh files are
     return true;
   } catch (const SceneFileError& error) {
     EXPECT_FALSE(error.problems().empty());
@@ -106,7 +106,12 @@ Json damage_document(Json document, Random& random) {
       18446744073709551615ULL,
       Json::array({0, 0, 1}),
       "body",
-      "world"};
+      "world",
+      "marble_funnel.obj",
+      "net.json",
+      31,
+      Json::array({0, 31}),
+      Json::array({Json::array({0, 1, 2}), Json::array({0, 2, 1})})};
   const int count = 1 + below(random, 3);
   for (int i = 0; i < count; ++i) {
     std::vector<Json*> all;

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <span>
+#include <vector>
+
+#include "solvers/constraint_system.h"
+#include "solvers/contact_forces.h"
+#include "solvers/row_law.h"
+
+namespace taut {
+
+/// When the iteration ends: the residual that is sought, and what is enough if that takes long; errors of
+/// rates below `rate_tolerance` [m/s or rad/s] do not count.
+struct NewtonLimits {
+  double tolerance = 1e-9, most = 1e-8, rate_tolerance = 0;
+  int iterations = 500;
+};
+
+/// How it went.
+struct NewtonOutcome {
+  int iterations = 0;  ///< Newton steps: a factorisation and a back-solve each
+  int rounds = 0;      ///< of the proximal iteration
+  /// Natural map at the end, over the size of impulses, the largest |λ| √S_rr and |b| / √S_rr [√J].
+  double residual = 0;
+  bool converged = false;
+};
+
+/// w = S λ + b with Coulomb's law in each contact and the law of each other row, through the bodies:
+///
+///     rounds    λ̄ ← λ = P(λ̄ − Σ⁻¹ (b + W v − t + s)),   s = μ |u_t| along the normals
+///     Newton    v − Wᵀ P(λ̄ − Σ⁻¹ (b + W v − t + s)) = 0   for the velocities v = Wᵀ λ
+///
+/// P is the projection onto what the laws allow: Coulomb's cone, or a row's own answer.  With s, which makes
+/// Coulomb's law the normality law of the cone [DeSaxce1998], held fixed in a round [Cadoux2009], Newton's
+/// equation is the gradient of a strictly convex function with piecewise smooth gradient: a semismooth Newton
+/// method [QiSun1993] with line search meets it from anywhere.  The rounds are the proximal point iteration
+/// [Rockafellar1976], which takes away what Σ gave.  S may be singular.  (solvers/README, "Many contacts")
+class ContactNewton {
+ public:
+  explicit ContactNewton(ConstraintSystem& system) : system_(system) {}
+
+  /// `lambda`: a guess, then the result; `w`: its rates.
+  NewtonOutcome solve(const ContactForces& contacts, std::span<const RowLaw> laws, std::span<const double> b,
+                      std::span<double> lambda, std::span<double> w, const NewtonLimits& limits,
+                      StageTimes& times);
+
+ private:
+  /// What the iteration works on.
+  struct Problem {
+    const ContactForces& contacts;
+    std::span<const RowLaw> laws;
+    std::span<const double> b;
+    std::span<double> lambda, w;
+  };
+
+  void begin(const Problem& problem);
+  void set_sigma(const Problem& problem, double rho);
+  bool next_round(const Problem& problem);
+  void extrapolate();
+  bool minimize(const Problem& problem, double tolerance, const NewtonLimits& limits, StageTimes& times,
+                NewtonOutcome& outcome);
+  void search(const Problem& problem);
+  void project(const Problem& problem, double length = 0);
+  void project_row(const RowLaw& law, int row);
+  void project_contact(const Problem& problem, int place);
+  void turn_rows(int place, double mu, int first, const Eigen::Vector2d& direction);
+  double law_error(const Problem& problem, double rate_tolerance) const;
+
+  ConstraintSystem& system_;
+  double scale_ = 0;
+  std::vector<double> own_, sigma_, target_, shift_;          // S_rr, Σ, t, s
+  std::vector<double> last_, x_, y_, rates_, rates_of_step_;  // λ̄, x, P(x), W v, W δ
+  std::vector<double> bound_;                                 // of spin and rolling
+  std::vector<double> slope_, turned_;                        // P' in the rows turned_ of W
+  Eigen::VectorXd v_, gradient_, step_;
+  // s of contacts, what a round makes of it less that, and both of the round before [√J]
+  Eigen::VectorXd s_, f_, last_s_, last_f_, next_;
+  Eigen::MatrixXd steps_, changes_;
+  int rounds_ = 0;
+};
+
+}  // namespace taut
