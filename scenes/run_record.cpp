@@ -47,7 +47,7 @@ void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, do
   max_condition_estimate = std::max(max_condition_estimate, report.condition_estimate);
   max_tension_number = std::max(max_tension_number, report.tension_number);
   pivots += report.pivots;
-  splitting_iterations += report.splitting_iterations;
+  contact_iterations += report.contact_iterations;
   if (!report.ok()) return;  // the world has not moved: no step, and nothing below is of its state
 
   ++steps;

@@ -38,7 +38,7 @@ struct RunRecord {
   double max_penetration = 0;               ///< largest over all steps [m]
   double final_penetration = 0;             ///< of the last step [m]
   double max_complementarity_residual = 0;  ///< largest over all steps, relative
-  std::int64_t pivots = 0, splitting_iterations = 0;
+  std::int64_t pivots = 0, contact_iterations = 0;
 
   double initial_energy = 0, final_energy = 0, energy_scale = 0;  ///< [J]
   double max_energy_drift = 0;                                    ///< largest |E(t) − E(0)| [J]

@@ -100,7 +100,7 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
   report["final_penetration_m"] = r.final_penetration;
   report["max_complementarity_residual"] = r.max_complementarity_residual;
   report["pivots"] = r.pivots;
-  report["splitting_iterations"] = r.splitting_iterations;
+  report["contact_iterations"] = r.contact_iterations;
   report["energy"] = {{"initial", r.initial_energy},
                       {"final", r.final_energy},
                       {"scale", r.energy_scale},
@@ -140,8 +140,8 @@ std::string run_table(const RunRecord& r) {
       {"contacts", format("at most %d, penetration %.2e m, at the end %.2e m", r.max_contacts,
                           r.max_penetration, r.final_penetration)},
       {"complementarity", format("residual %.2e, ", r.max_complementarity_residual) + "pivots " +
-                              per_step(r.pivots, r.steps) + ", splitting iterations " +
-                              per_step(r.splitting_iterations, r.steps)},
+                              per_step(r.pivots, r.steps) + ", Newton iterations " +
+                              per_step(r.contact_iterations, r.steps)},
       {"status", r.message.empty() ? r.status : r.status + ": " + r.message},
   };
   std::string table;
