@@ -17,6 +17,7 @@ using namespace scene_parts;
 constexpr double kArc = 0.2;        ///< θ: half the angle of the arc [rad]
 constexpr double kHalfPlank = 0.1;  ///< half a plank along the bridge [m]
 const Vec3 kPlankSize(2 * kHalfPlank, 1.0, 0.05), kTruckSize(1.0, 0.8, 0.5);  // [m]
+constexpr double kPlankMass = 5;                                              // [kg]
 constexpr double kBallOffset = 0.4;  ///< of the ball joints from the middle of a seam [m]
 
 /// Vertex k of the arc: V_k = (R sin φ, 0, R (cos θ − cos φ)) with φ(k) = θ (2k/n − 1) and R such that all
@@ -77,20 +78,9 @@ Scene build(const char* name, bool hinges, const Parameters& parameters) {
   scene.duration = duration_for(n, {{10, 5.0}, {200, 2.0}, {1000, 1.0}});
   World& world = scene.world;
 
-  const Arc arc(n);
-  const MassProperties mass = MassProperties::box(kPlankSize, 5);
-  const Vec3 end(kHalfPlank, 0, 0);
-  std::vector<BodyId> planks;
-  for (int k = 0; k < n; ++k)
-    planks.push_back(
-        world.add_body(BodySpec{.name = numbered("plank", k), .mass = mass, .pose = arc.plank(k)}));
-  for (const BodyId plank : planks) draw(scene, plank, {Box{kPlankSize}});
-  add_seam(world, 0, kGround, planks[0], arc.vertex(0), -end, hinges);
-  for (int k = 1; k < n; ++k) add_seam(world, k, planks[k - 1], planks[k], end, -end, hinges);
-  add_seam(world, n, kGround, planks[n - 1], arc.vertex(n), end, hinges);
+  const std::vector<BodyId> planks = add_bridge(scene, n, hinges).planks;
   if (truck) add_truck(scene, planks[n / 2]);
-
-  scene.energy_scale = fall_energy(world, -arc.vertex(n / 2).z(), scene.duration);
+  scene.energy_scale = fall_energy(world, -Arc(n).vertex(n / 2).z(), scene.duration);
   add_probe(scene, planks[n / 2]);
   return scene;
 }
@@ -104,6 +94,22 @@ std::vector<ParameterInfo> bridge_parameters(int planks, bool truck) {
 }
 
 }  // namespace
+
+Bridge add_bridge(Scene& scene, int n, bool hinges) {
+  World& world = scene.world;
+  const Arc arc(n);
+  const MassProperties mass = MassProperties::box(kPlankSize, kPlankMass);
+  const Vec3 end(kHalfPlank, 0, 0);
+  std::vector<BodyId> planks;
+  for (int k = 0; k < n; ++k)
+    planks.push_back(
+        world.add_body(BodySpec{.name = numbered("plank", k), .mass = mass, .pose = arc.plank(k)}));
+  for (const BodyId plank : planks) draw(scene, plank, {Box{kPlankSize}});
+  add_seam(world, 0, kGround, planks[0], arc.vertex(0), -end, hinges);
+  for (int k = 1; k < n; ++k) add_seam(world, k, planks[k - 1], planks[k], end, -end, hinges);
+  add_seam(world, n, kGround, planks[n - 1], arc.vertex(n), end, hinges);
+  return {planks, kPlankSize, arc.vertex(n).x()};
+}
 
 std::vector<SceneInfo> bridge_scenes() {
   return {

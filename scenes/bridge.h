@@ -13,4 +13,13 @@ namespace taut {
 /// With `truck` a mass of 400 planks stands welded on plank n / 2.
 std::vector<SceneInfo> bridge_scenes();
 
+/// What add_bridge() has built.
+struct Bridge {
+  std::vector<BodyId> planks;  ///< along x
+  Vec3 plank = Vec3::Zero();   ///< size of one [m]
+  double half_span = 0;        ///< its ends are at (±half_span, 0, 0) [m]
+};
+/// n planks on a hanging arc, with hinges or pairs of ball joints between them and to the ground.
+Bridge add_bridge(Scene& scene, int n, bool hinges);
+
 }  // namespace taut

@@ -3,7 +3,9 @@
 
 #include "core/check.h"
 #include "scenes/bridge.h"
+#include "scenes/capstan.h"
 #include "scenes/chain.h"
+#include "scenes/crossing.h"
 #include "scenes/joint_grid.h"
 #include "scenes/machines.h"
 #include "scenes/net.h"
@@ -11,14 +13,16 @@
 #include "scenes/scene.h"
 #include "scenes/stacks.h"
 #include "scenes/suspension_bridge.h"
+#include "scenes/tank.h"
 
 namespace taut {
 namespace {
 
 std::vector<SceneInfo> collect() {
   std::vector<SceneInfo> all;
-  for (const auto& family : {chain_scenes, bridge_scenes, net_scenes, joint_grid_scenes, machine_scenes,
-                             ragdoll_scenes, stack_scenes, suspension_bridge_scenes})
+  for (const auto& family :
+       {chain_scenes, capstan_scenes, bridge_scenes, crossing_scenes, net_scenes, joint_grid_scenes,
+        machine_scenes, ragdoll_scenes, stack_scenes, suspension_bridge_scenes, tank_scenes})
     for (SceneInfo& info : family()) all.push_back(std::move(info));
   return all;
 }

@@ -122,6 +122,35 @@ Scene build_friction(const Parameters& parameters) {
   return build("net-friction", false, parameters.at("friction"), parameters);
 }
 
+/// A ball falls into the middle of the net; bars touch it, but not each other.
+Scene build_catch(const Parameters& parameters) {
+  Scene scene = build("net-catch", false, 0, parameters);
+  scene.dt = 1e-3;
+  scene.duration = 3;
+  World& world = scene.world;
+  constexpr std::uint32_t kBars = 2, kBalls = 4;
+  const Material rope = rubbing(0.3);
+  const PlacedShape bar{Capsule{kRodRadius, 2 * kHalfRod},
+                        {exp_so3(Vec3(0, std::numbers::pi / 2, 0)), Vec3::Zero()}};
+  const auto shape = std::make_shared<const Shape>(bar.shape);
+  double lowest = 0;
+  for (int b = 1; b < world.body_count(); ++b) {
+    world.add_shape(BodyId{b}, shape, bar.pose, rope, {kBars, kBalls});
+    lowest = std::min(lowest, world.pose(BodyId{b}).p.z());
+  }
+  constexpr double kBallRadius = 0.2;
+  const double drop = parameters.at("drop");
+  const BodyId ball =
+      world.add_body({.name = "ball",
+                      .mass = MassProperties::sphere(kBallRadius, parameters.at("mass")),
+                      .pose = {.p = Vec3(0.013, 0.021, lowest + kRodRadius + kBallRadius + drop)}});
+  world.add_shape(ball, Sphere{kBallRadius}, {}, rope, {kBalls, kBars});
+  scene.energy_scale = fall_energy(world, drop + 1, scene.duration);
+  scene.probes.clear();
+  add_probe(scene, ball);
+  return scene;
+}
+
 /// With fewer than three nodes a pinned edge would be one rod held at both ends, which is redundant.
 ParameterInfo net_size(int nodes) { return size(nodes, 3, 500, "nodes along an edge"); }
 
@@ -135,6 +164,12 @@ std::vector<SceneInfo> net_scenes() {
        "net-corners with Coulomb friction in every joint",
        {net_size(5), {"friction", 1e-3, "N m", "torque about each of three axes", 0, 1e3, false}},
        build_friction},
+      {"net-catch",
+       "a ball falls into net-corners, whose bars touch it",
+       {net_size(20),
+        {"mass", 50, "kg", "of the ball", 0.1, 1e4, false},
+        {"drop", 0.5, "m", "height that it falls", 0, 100, false}},
+       build_catch},
       {"net", "net-corners with 40 x 40 nodes", {net_size(40)}, build_corners},
   };
 }

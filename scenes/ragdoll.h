@@ -7,6 +7,7 @@
 namespace taut {
 
 /// `ragdoll`: a body of eleven parts with cones, twist limits and hinges with limits, hung by its left hand.
+/// `ragdoll-stairs`: the same body, falling down stairs.
 std::vector<SceneInfo> ragdoll_scenes();
 
 }  // namespace taut

@@ -46,6 +46,8 @@ void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, do
   max_substeps = std::max(max_substeps, report.substeps);
   max_condition_estimate = std::max(max_condition_estimate, report.condition_estimate);
   max_tension_number = std::max(max_tension_number, report.tension_number);
+  pivots += report.pivots;
+  contact_iterations += report.contact_iterations;
   if (!report.ok()) return;  // the world has not moved: no step, and nothing below is of its state
 
   ++steps;
@@ -55,6 +57,10 @@ void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, do
   max_gap.metres = std::max(max_gap.metres, gap.metres);
   max_gap.radians = std::max(max_gap.radians, gap.radians);
   max_velocity_residual = std::max(max_velocity_residual, report.velocity_residual);
+  max_contacts = std::max(max_contacts, report.contacts);
+  max_penetration = std::max(max_penetration, report.penetration);
+  final_penetration = report.penetration;
+  max_complementarity_residual = std::max(max_complementarity_residual, report.complementarity_residual);
   stiffness_work += report.stiffness_work;
   final_energy = energy;
   max_energy_drift = std::max(max_energy_drift, std::abs(energy - initial_energy));

@@ -33,6 +33,13 @@ struct RunRecord {
   Gap max_gap;  ///< over all joints and steps
   double max_velocity_residual = 0;
 
+  // Contacts and axes with laws.
+  int max_contacts = 0;                     ///< points of one step, touching or near
+  double max_penetration = 0;               ///< largest over all steps [m]
+  double final_penetration = 0;             ///< of the last step [m]
+  double max_complementarity_residual = 0;  ///< largest over all steps, relative
+  std::int64_t pivots = 0, contact_iterations = 0;
+
   double initial_energy = 0, final_energy = 0, energy_scale = 0;  ///< [J]
   double max_energy_drift = 0;                                    ///< largest |E(t) − E(0)| [J]
   double stiffness_work = 0;                                      ///< [J]

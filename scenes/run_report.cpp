@@ -95,6 +95,12 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
   report["max_rank_deficiency"] = r.max_rank_deficiency;
   report["max_condition_estimate"] = r.max_condition_estimate;
   report["max_tension_number"] = r.max_tension_number;
+  report["max_contacts"] = r.max_contacts;
+  report["max_penetration_m"] = r.max_penetration;
+  report["final_penetration_m"] = r.final_penetration;
+  report["max_complementarity_residual"] = r.max_complementarity_residual;
+  report["pivots"] = r.pivots;
+  report["contact_iterations"] = r.contact_iterations;
   report["energy"] = {{"initial", r.initial_energy},
                       {"final", r.final_energy},
                       {"scale", r.energy_scale},
@@ -131,6 +137,11 @@ std::string run_table(const RunRecord& r) {
       {"back-solves", per_step(r.backsolves, r.steps) + ", Newton " + per_step(r.newton_iterations, r.steps)},
       {"sub-steps", per_step(r.substeps, r.steps) + format(", at most %d", r.max_substeps)},
       {"redundant rows", format("at most %d", r.max_rank_deficiency)},
+      {"contacts", format("at most %d, penetration %.2e m, at the end %.2e m", r.max_contacts,
+                          r.max_penetration, r.final_penetration)},
+      {"complementarity", format("residual %.2e, ", r.max_complementarity_residual) + "pivots " +
+                              per_step(r.pivots, r.steps) + ", Newton iterations " +
+                              per_step(r.contact_iterations, r.steps)},
       {"status", r.message.empty() ? r.status : r.status + ": " + r.message},
   };
   std::string table;

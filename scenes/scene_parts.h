@@ -35,6 +35,15 @@ inline BodyId add_rod(Scene& scene, std::string name, const Vec3& from, const Ve
   return rod;
 }
 
+/// With this Coulomb coefficient while sticking and sliding.
+inline Material rubbing(double friction) {
+  Material material;
+  material.static_friction = material.dynamic_friction = friction;
+  return material;
+}
+/// Of tyres and tracks.
+inline Material rubber() { return rubbing(0.8); }
+
 /// One row of a table of durations: T holds from this size on, up to the next row.
 struct DurationFrom {
   int size;

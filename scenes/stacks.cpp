@@ -62,9 +62,50 @@ Scene build_wall(const Parameters& parameters) {
   return scene;
 }
 
+/// n rows of tents of two cards that lean on each other, on cards that lie from tent to tent.
+Scene build_cards(const Parameters& parameters) {
+  Scene scene = on_a_floor("card-house", parameters, 5);
+  scene.dt = 1e-3;
+  const int n = static_cast<int>(parameters.at("n"));
+  constexpr double kLean = 0.35, kLength = 0.09, kWidth = 0.06, kThickness = 0.002, kPlay = 5e-4;
+  const Vec3 card(kThickness, kWidth, kLength);
+  const double c = std::cos(kLean), s = std::sin(kLean), spacing = kLength + kPlay;
+  const double tent = kLength * c + kThickness * s, row = tent + kThickness;
+  BodyId last{};
+  for (int level = 0; level < n; ++level) {
+    const int tents = n - level;
+    for (int k = 0; k < tents; ++k) {
+      const double x = spacing * (k - 0.5 * (tents - 1));
+      for (const double side : {-1, 1}) {
+        // Its inner upper edge is above the middle of the tent, its lower one on the row below.
+        Pose pose;
+        pose.p = Vec3(x + side * 0.5 * (kThickness * c + kLength * s), 0, row * level + 0.5 * tent);
+        pose.q = exp_so3(Vec3(0, -side * kLean, 0));
+        last = add_solid(scene, numbered(side < 0 ? "left" : "right", level, k), Box{card}, pose);
+      }
+      if (k > 0)
+        add_solid(scene, numbered("flat", level, k), Box{Vec3(kLength, kWidth, kThickness)},
+                  {.p = Vec3(x - 0.5 * spacing, 0, row * level + tent + 0.5 * kThickness)});
+    }
+  }
+  scene.energy_scale = fall_energy(scene.world, n * row, scene.duration);
+  add_probe(scene, last);
+  return scene;
+}
+
+/// Four walls around a floor of this side.
+void add_walls(Scene& scene, const Vec3& middle, double side, double height) {
+  constexpr double kThick = 0.5;
+  for (const Vec3& out : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) {
+    const Vec3 size = out.cwiseAbs() * kThick + (Vec3(1, 1, 0) - out.cwiseAbs()) * (side + 2 * kThick);
+    scene.world.add_shape(kGround, Box{size + Vec3(0, 0, height)},
+                          {.p = middle + 0.5 * (side + kThick) * out + Vec3(0, 0, 0.5 * height)});
+  }
+}
+
 /// Balls, boxes, capsules and cylinders that fall on each other, turned at random but always the same.
-Scene build_heap(const Parameters& parameters) {
-  Scene scene = on_a_floor("heap", parameters, 4);
+Scene build_heap(const char* name, bool walls, const Parameters& parameters) {
+  Scene scene = on_a_floor(name, parameters, 4);
   const int n = static_cast<int>(parameters.at("n")), side = std::max(1, static_cast<int>(std::cbrt(n)));
   constexpr double kSpacing = 0.6, kOff = 0.03;
   const Shape shapes[] = {Sphere{0.2}, Box{Vec3(0.4, 0.3, 0.2)}, Capsule{0.1, 0.3}, Cylinder{0.15, 0.3}};
@@ -79,10 +120,19 @@ Scene build_heap(const Parameters& parameters) {
     pose.q = Quat(a, b, c, d).normalized();
     last = add_solid(scene, numbered("body", i), shapes[i % 4], pose);
   }
+  if (walls) {
+    const double centre = 0.5 * kSpacing * (side - 1);
+    add_walls(scene, Vec3(centre, centre, 0), kSpacing * side, kSpacing * (1 + n / (side * side)));
+    draw(scene, kGround,
+         {Box{{kSpacing * side, kSpacing * side, 0.01}}, {.p = Vec3(centre, centre, -0.005)}});
+  }
   scene.energy_scale = fall_energy(scene.world, kSpacing * n / (side * side), scene.duration);
   add_probe(scene, last);
   return scene;
 }
+
+Scene build_open_heap(const Parameters& parameters) { return build_heap("heap", false, parameters); }
+Scene build_pile(const Parameters& parameters) { return build_heap("pile", true, parameters); }
 
 }  // namespace
 
@@ -97,7 +147,9 @@ std::vector<SceneInfo> stack_scenes() {
           {"heap",
            "n balls, boxes, capsules and cylinders that fall on a heap",
            {size(8, 1, 10000, "number of bodies")},
-           build_heap}};
+           build_open_heap},
+          {"pile", "heap between four walls", {size(50, 1, 10000, "number of bodies")}, build_pile},
+          {"card-house", "n rows of leaning cards", {size(3, 1, 20, "number of rows")}, build_cards}};
 }
 
 }  // namespace taut

@@ -6,7 +6,7 @@
 
 namespace taut {
 
-/// stack, wall and heap: bodies without joints on a floor.
+/// stack, wall, heap, pile and card-house: bodies without joints on a floor.
 std::vector<SceneInfo> stack_scenes();
 
 }  // namespace taut
