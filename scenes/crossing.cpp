@@ -86,7 +86,7 @@ std::vector<SceneInfo> crossing_scenes() {
   return {{"vehicle-bridge",
            "a vehicle with four driven, sprung wheels drives over a hanging bridge",
            {size(100, 2, 1e4, "number of planks of 0.2 m"),
-            {"load", 200, "kg", "mass of the chassis", 1, 1e4, false},
+            {"load", 20, "kg", "mass of the chassis", 1, 1e4, false},
             {"speed", 2, "m/s", "that the motors of the wheels are set to", 0.1, 10, false}},
            build}};
 }

@@ -13,6 +13,8 @@ using Vec2 = Eigen::Vector2d;
 constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-6, kEqualityRho = 1e-7;
 /// Newton's equation is met to this part of the residual of the round before, and never better than this.
 constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
+/// Rounds after which equalities are met, as far as they can be.
+constexpr int kEqualityRounds = 3;
 constexpr int kStepsPerRound = 40, kSearches = 12;
 /// A step is taken whole if the slope at its end is at most this part of that at its start.
 constexpr double kSlope = 0.5;
@@ -21,6 +23,8 @@ constexpr int kPatience = 12, kMemory = 6;
 /// A residual that grows by more than this ends the extrapolation; after so many rounds it is careful.
 constexpr double kGrowth = 5, kMixing = 0.5;
 constexpr int kSlow = 20, kPeriod = 10;
+/// Rounds with the lagged slip, then as many with the lagged radius.
+constexpr int kTurns = 25;
 /// Part of the extrapolation's equations that is added to their diagonal.
 constexpr double kRegularization = 1e-13;
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMemory, kMemory>;
@@ -45,7 +49,7 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     std::copy(y_.begin(), y_.end(), lambda.begin());
     system_.multiply(lambda, w);
     for (std::size_t r = 0; r < w.size(); ++r) w[r] += b[r];
-    outcome.residual = scale_ > 0 ? law_error(problem, limits.rate_tolerance) / scale_ : 0;
+    outcome.residual = scale_ > 0 ? law_error(problem, limits.rate_tolerance, outcome.rounds) / scale_ : 0;
     if (outcome.residual > kGrowth * last) remembered_ = 0;
     last = outcome.residual;
     forcing = std::min(outcome.residual, kForcing);
@@ -68,6 +72,7 @@ void ContactNewton::begin(const Problem& problem) {
   for (auto* values : {&s_, &f_, &last_s_, &last_f_, &next_}) values->setZero(contacts);
   for (auto* values : {&steps_, &changes_}) values->setZero(contacts, kMemory);
   rounds_ = remembered_ = 0;
+  by_radius_ = false;
   system_.row_inertias(own_);
   turned_.assign(system_.weighted().begin(), system_.weighted().end());
   problem.contacts.targets(target_);
@@ -82,9 +87,6 @@ void ContactNewton::begin(const Problem& problem) {
   }
   system_.to_bodies(last_, span_of(v_));
   system_.to_rows(span_of(v_), rates_);
-  for (int r = 0; r < n; ++r) problem.w[r] = problem.b[r] + rates_[r];
-  (void)next_round(problem);  // s
-  rounds_ = remembered_ = 0;
 }
 
 /// One Σ in a cone and in a disc, so that they keep their shape.
@@ -109,8 +111,9 @@ void ContactNewton::set_sigma(const Problem& problem, double rho) {
   }
 }
 
-/// λ̄ = P and s = μ |u_t| of the round that has ended, s extrapolated from the last rounds [Walker2011]:
-/// without that each round leaves some part of its error, a third or two.  True if λ̄ is further off than s.
+/// What a round leaves to the next: λ̄ = P, and the lagged s = μ |u_t|, or μ Λ_n by radius, extrapolated from
+/// the last rounds [Walker2011]: without that each round leaves some part of its error, a third or two.  True
+/// if λ̄ is further off than s.
 bool ContactNewton::next_round(const Problem& problem) {
   double off_last = 0;
   for (std::size_t r = 0; r < y_.size(); ++r)
@@ -118,28 +121,53 @@ bool ContactNewton::next_round(const Problem& problem) {
   last_ = y_;
   const int contacts = system_.rows().contact_count();
   if (contacts == 0) return true;
+  const bool turn = ++rounds_ % kTurns == 0;
+  read_lagged(problem, s_);
+  answer_lagged(problem, f_);
+  f_ -= s_;
+  const double off_lagged = f_.lpNorm<Eigen::Infinity>();
+  if (turn) {
+    by_radius_ = !by_radius_;
+    remembered_ = 0;
+    answer_lagged(problem, next_);
+  } else {
+    extrapolate();
+  }
   for (int k = 0; k < contacts; ++k) {
+    const int row = problem.contacts.first_row(k);
+    const double root = std::sqrt(own_[row]), value = std::max(0.0, next_[k]);
+    shift_[row] = by_radius_ ? 0 : value * root;
+    bound_[row + 1] = by_radius_ ? value / root : 0;
+  }
+  return off_last > off_lagged;
+}
+
+/// The s that was used [√J].
+void ContactNewton::read_lagged(const Problem& problem, Eigen::VectorXd& s) const {
+  for (int k = 0; k < system_.rows().contact_count(); ++k) {
+    const int row = problem.contacts.first_row(k);
+    const double root = std::sqrt(own_[row]);
+    s[k] = by_radius_ ? root * bound_[row + 1] : shift_[row] / root;
+  }
+}
+
+/// The s that belongs to the present impulses and rates [√J].
+void ContactNewton::answer_lagged(const Problem& problem, Eigen::VectorXd& s) const {
+  for (int k = 0; k < system_.rows().contact_count(); ++k) {
     const ContactForces::Cone cone = problem.contacts.cone(k);
     const int row = problem.contacts.first_row(k);
     const double root = std::sqrt(own_[row]);
     const auto off = [&](int r) { return problem.w[r] - target_[r]; };
-    const double answer = cone.works ? cone.sliding * std::hypot(off(row + 1), off(row + 2)) : 0;
-    s_[k] = shift_[row] / root;
-    f_[k] = answer / root - s_[k];
+    const double lagged = by_radius_ ? root * std::max(0.0, cone.normal_given + y_[row])
+                                     : std::hypot(off(row + 1), off(row + 2)) / root;
+    s[k] = cone.works ? cone.sliding * lagged : 0;
   }
-  extrapolate();
-  for (int k = 0; k < contacts; ++k) {
-    const int row = problem.contacts.first_row(k);
-    shift_[row] = std::max(0.0, next_[k] * std::sqrt(own_[row]));
-  }
-  return off_last > f_.lpNorm<Eigen::Infinity>();
 }
 
 /// next_ = s + f from the combination of the last rounds that leaves the least f.  Points that wedge each
 /// other let s go to and fro, or shrink by a hundredth only: then by half of f, and with a new memory now and
 /// then.
 void ContactNewton::extrapolate() {
-  ++rounds_;
   const bool slow = rounds_ > kSlow;
   const double mixing = slow ? kMixing : 1;
   if (slow && rounds_ % kPeriod == 0) remembered_ = 0;
@@ -249,7 +277,11 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
   const double mu = cone.sliding, normal = cone.normal_given + x_[row];
   const Vec2 tangent = cone.sliding_given + Vec2(x_[row + 1], x_[row + 2]);
   const double size = tangent.norm();
-  if (size <= mu * normal || mu * size <= -normal) {
+  if (by_radius_) {
+    y_[row] = std::max(0.0, normal) - cone.normal_given;
+    slope_[row] = normal > 0 ? 1 : 0;
+    project_disc(k, 1, cone.sliding_given);
+  } else if (size <= mu * normal || mu * size <= -normal) {
     const bool within = size <= mu * normal;
     for (int i = 0; i < 3; ++i) slope_[row + i] = within ? 1 : 0;
     if (within) {
@@ -275,14 +307,21 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
   const double spin = cone.spin_given + x_[row + 3];
   y_[row + 3] = std::clamp(spin, -bound_[row + 3], bound_[row + 3]) - cone.spin_given;
   slope_[row + 3] = std::abs(spin) < bound_[row + 3] ? 1 : 0;
-  const Vec2 roll = cone.rolling_given + Vec2(x_[row + 4], x_[row + 5]);
-  const double turn = roll.norm(), most = bound_[row + 4];
-  const Vec2 answer = (turn > most ? Vec2(most / turn * roll) : roll) - cone.rolling_given;
-  y_[row + 4] = answer[0];
-  y_[row + 5] = answer[1];
-  slope_[row + 4] = turn > most ? 0 : 1;
-  slope_[row + 5] = turn > most ? most / turn : 1;
-  turn_rows(k, 0, 4, turn > most ? Vec2(roll / turn) : Vec2(Vec2::UnitX()));
+  project_disc(k, 4, cone.rolling_given);
+}
+
+/// The disc of radius bound_ in two rows of a contact.
+void ContactNewton::project_disc(int k, int first, const Vec2& given) {
+  const int row = system_.rows().joints()[system_.rows().contact_joint(k)].first_row + first;
+  const Vec2 x = given + Vec2(x_[row], x_[row + 1]);
+  const double size = x.norm(), most = bound_[row];
+  const bool slips = size > most;
+  const Vec2 answer = (slips ? Vec2(most / size * x) : x) - given;
+  y_[row] = answer[0];
+  y_[row + 1] = answer[1];
+  slope_[row] = slips ? 0 : 1;
+  slope_[row + 1] = slips ? most / size : 1;
+  turn_rows(k, 0, first, slips ? Vec2(x / size) : Vec2(Vec2::UnitX()));
 }
 
 /// Rows of W in which P' is diagonal: tangents along `direction` and across it, the first one with the normal
@@ -304,10 +343,12 @@ void ContactNewton::turn_rows(int place, double mu, int first, const Vec2& direc
   }
 }
 
-/// The natural map at λ, with its w.
-double ContactNewton::law_error(const Problem& problem, double rate_tolerance) const {
+/// The natural map at λ, with its w.  What is left of equalities after some rounds is what dependent ones
+/// contradict each other by.
+double ContactNewton::law_error(const Problem& problem, double rate_tolerance, int rounds) const {
   double error = problem.contacts.error(problem.lambda, problem.w, rate_tolerance);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
+    if (rounds > kEqualityRounds && !problem.laws[r].bounded()) continue;
     const double s = own_[r], lambda = problem.lambda[r];
     const double off = std::abs(lambda - problem.laws[r].resolve(s, problem.w[r] - s * lambda).lambda);
     if (!(s * off <= rate_tolerance)) error = std::max(error, std::sqrt(s) * off);

@@ -57,6 +57,8 @@ class ContactNewton {
   void begin(const Problem& problem);
   void set_sigma(const Problem& problem, double rho);
   bool next_round(const Problem& problem);
+  void read_lagged(const Problem& problem, Eigen::VectorXd& s) const;
+  void answer_lagged(const Problem& problem, Eigen::VectorXd& s) const;
   void extrapolate();
   bool minimize(const Problem& problem, double tolerance, const NewtonLimits& limits, StageTimes& times,
                 NewtonOutcome& outcome);
@@ -64,8 +66,9 @@ class ContactNewton {
   void project(const Problem& problem, double length = 0);
   void project_row(const RowLaw& law, int row);
   void project_contact(const Problem& problem, int place);
+  void project_disc(int place, int first, const Eigen::Vector2d& given);
   void turn_rows(int place, double mu, int first, const Eigen::Vector2d& direction);
-  double law_error(const Problem& problem, double rate_tolerance) const;
+  double law_error(const Problem& problem, double rate_tolerance, int rounds) const;
 
   ConstraintSystem& system_;
   double scale_ = 0;
@@ -78,6 +81,7 @@ class ContactNewton {
   Eigen::VectorXd s_, f_, last_s_, last_f_, next_;
   Eigen::MatrixXd steps_, changes_;
   int rounds_ = 0, remembered_ = 0;
+  bool by_radius_ = false;  // s is a radius μ Λ_n, held fast in a round, in place of μ |u_t|
 };
 
 }  // namespace taut
