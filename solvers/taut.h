@@ -15,3 +15,4 @@
 #include "solvers/settings.h"
 #include "solvers/simulator.h"
 #include "solvers/step_report.h"
+#include "solvers/tree_dynamics.h"
