@@ -65,7 +65,9 @@ void ActiveSet::choose_pieces(std::span<const RowLaw> laws, std::span<const doub
                               std::span<const double> lambda) {
   bool any = false;
   for (std::size_t r = 0; r < laws.size(); ++r) {
-    if (steps_[r] != laws[r].steps || (pieces_[r] >= 0 && !laws[r].exists(pieces_[r]))) pieces_[r] = -1;
+    // Laws may have been renewed between the last solve and set_pieces(), too.
+    const bool known = pieces_[r] >= 0 && pieces_[r] < laws[r].pieces();
+    if (steps_[r] != laws[r].steps || !known || !laws[r].exists(pieces_[r])) pieces_[r] = -1;
     steps_[r] = laws[r].steps;
     any = any || pieces_[r] < 0;
   }
