@@ -72,10 +72,7 @@ void add_truck(Scene& scene, BodyId plank) {
 Scene build(const char* name, bool hinges, const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
   const bool truck = parameters.at("truck") != 0;
-  Scene scene;
-  scene.name = name;
-  scene.parameters = parameters;
-  scene.duration = duration_for(n, {{10, 5.0}, {200, 2.0}, {1000, 1.0}});
+  Scene scene = new_scene(name, parameters, duration_for(n, {{10, 5.0}, {200, 2.0}, {1000, 1.0}}));
   World& world = scene.world;
 
   const std::vector<BodyId> planks = add_bridge(scene, n, hinges).planks;

@@ -19,11 +19,7 @@ constexpr double kLinkMass = 0.05, kWeight = 10;                                
 /// pins, R + r: their moments balance at dT (R + r) = μ T R dθ, so that the chain bears up to
 ///   T₂/T₁ = exp(μπ R/(R + r)).
 Scene build(const Parameters& parameters) {
-  Scene scene;
-  scene.name = "chain-over-cylinder";
-  scene.parameters = parameters;
-  scene.dt = 1e-3;
-  scene.duration = 2;
+  Scene scene = new_scene("chain-over-cylinder", parameters, 2, 1e-3);
   World& world = scene.world;
   const int hanging = static_cast<int>(parameters.at("n")) / 4;
   const int laid = static_cast<int>(parameters.at("n")) - 2 * hanging;

@@ -50,9 +50,7 @@ struct Vehicle {
 };
 
 Scene build(const Parameters& parameters) {
-  Scene scene;
-  scene.name = "vehicle-bridge";
-  scene.parameters = parameters;
+  Scene scene = new_scene("vehicle-bridge", parameters);
   scene.dt = 1e-3;
   World& world = scene.world;
   const Bridge bridge = add_bridge(scene, static_cast<int>(parameters.at("n")), true);

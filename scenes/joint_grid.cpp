@@ -13,10 +13,7 @@ constexpr double kRadius = 0.4, kDensity = 1000;
 
 Scene build(const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
-  Scene scene;
-  scene.name = "joint-grid";
-  scene.parameters = parameters;
-  scene.duration = 2;
+  Scene scene = new_scene("joint-grid", parameters, 2);
   World& world = scene.world;
   world.set_gravity(parameters.at("swing") != 0 ? Vec3(0, 0, -9.81) : Vec3(0, -9.81, 0));
 

@@ -18,11 +18,7 @@ constexpr double kGravity = 9.81;
 /// A02.  Every half turn all bars lie in one line, where the mechanism could fold otherwise.
 Scene build_four_bars(const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
-  Scene scene;
-  scene.name = "n-four-bar";
-  scene.parameters = parameters;
-  scene.dt = 1e-3;
-  scene.duration = 10;
+  Scene scene = new_scene("n-four-bar", parameters, 10, 1e-3);
   World& world = scene.world;
   const Vec3 up = Vec3::UnitZ(), right = Vec3::UnitX(), axis = Vec3::UnitY();
   std::vector<BodyId> cranks;
@@ -90,11 +86,7 @@ struct Car {
 };
 
 Scene build_car(const Parameters& parameters) {
-  Scene scene;
-  scene.name = "car";
-  scene.parameters = parameters;
-  scene.dt = 1e-3;
-  scene.duration = 5;
+  Scene scene = new_scene("car", parameters, 5, 1e-3);
   World& world = scene.world;
   const BodyId chassis =
       world.add_body({.name = "chassis", .mass = MassProperties::box(Vec3(4, 1.6, 0.6), 1100)});
@@ -114,11 +106,7 @@ Scene build_car(const Parameters& parameters) {
 
 /// Shoulder, elbow and wrist of a robot in the xz plane at the start: the axes z, y, y, x, y, x.
 Scene build_robot(const Parameters& parameters) {
-  Scene scene;
-  scene.name = "robot-arm";
-  scene.parameters = parameters;
-  scene.dt = 1e-3;
-  scene.duration = 6;
+  Scene scene = new_scene("robot-arm", parameters, 6, 1e-3);
   World& world = scene.world;
   struct Link {
     const char* name;
@@ -156,11 +144,7 @@ Scene build_robot(const Parameters& parameters) {
 /// The wire goes from the winch's carriage over two sheaves at the tip to the hook; a rope from the mast
 /// holds the boom.
 Scene build_crane(const Parameters& parameters) {
-  Scene scene;
-  scene.name = "crane";
-  scene.parameters = parameters;
-  scene.dt = 2e-3;
-  scene.duration = 8;
+  Scene scene = new_scene("crane", parameters, 8, 2e-3);
   World& world = scene.world;
   const Vec3 foot(0, 0, 1), tip(8, 0, 7), mast(-2, 0, 8), axis = Vec3::UnitY();
   draw(scene, kGround, {Cylinder{0.15, mast.z()}, {Quat::Identity(), {mast.x(), 0, mast.z() / 2}}});

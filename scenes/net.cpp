@@ -100,10 +100,7 @@ void add_node(World& world, const Surface& surface, const Rods& rods, int i, int
 
 Scene build(const char* name, bool flag, double friction, const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
-  Scene scene;
-  scene.name = name;
-  scene.parameters = parameters;
-  scene.duration = duration_for(n, {{5, 5.0}, {20, 2.0}, {40, 1.0}, {80, 0.5}});
+  Scene scene = new_scene(name, parameters, duration_for(n, {{5, 5.0}, {20, 2.0}, {40, 1.0}, {80, 0.5}}));
 
   const Surface surface(n, flag);
   const Rods rods(n);

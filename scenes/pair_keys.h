@@ -36,16 +36,8 @@ class PairKeys {
   }
   /// A point of B only: "anchor" in the world's frame or "anchor_b".
   Vec3 point_of_b() {
-    const auto shared = object_.find("anchor"), own = object_.find("anchor_b");
-    if (shared && !own) {
-      reject_in_body_frame(*shared, "\"anchor_b\"");
-      return local_point(pose_b_, shared->vector());
-    }
-    if (shared) own->problem("\"anchor\" is given as well");
-    const auto node = own ? separate("anchor_b") : object_.required(in_body_ ? "anchor_b" : "anchor");
-    if (!node) return Vec3::Zero();
-    const Vec3 p = node->vector();
-    return in_body_ ? Vec3(p - b.centre) : local_point(pose_b_, p);
+    const Vec3 p = one("anchor", "anchor_b", pose_b_, &JsonNode::vector, local_point);
+    return in_body_ ? Vec3(p - b.centre) : p;
   }
   /// A point of a list, of A.
   Vec3 point_on_a(const Vec3& p) const { return in_body_ ? Vec3(p - a.centre) : local_point(pose_a_, p); }
@@ -59,16 +51,7 @@ class PairKeys {
     return axes;
   }
   /// An axis of A only: "axis" in the world's frame or "axis_a".
-  Vec3 axis_of_a() {
-    const auto shared = object_.find("axis"), own = object_.find("axis_a");
-    if (shared && !own) {
-      reject_in_body_frame(*shared, "\"axis_a\"");
-      return turned(pose_a_, shared->unit_vector());
-    }
-    if (shared) own->problem("\"axis\" is given as well");
-    const auto node = own ? separate("axis_a") : object_.required(in_body_ ? "axis_a" : "axis");
-    return node ? local(pose_a_, node->unit_vector(), turned) : Vec3(Vec3::UnitZ());
-  }
+  Vec3 axis_of_a() { return one("axis", "axis_a", pose_a_, &JsonNode::unit_vector, turned); }
   /// "orientation" of B in A; the present one if it is not given.
   Quat orientation_of_b_in_a() {
     if (const auto node = object_.find("orientation")) return read_orientation(*node);
@@ -144,6 +127,19 @@ class PairKeys {
     if (const auto node = separate(key_a)) result.a = local(pose_a_, ((*node).*read)(), to_local);
     if (const auto node = separate(key_b)) result.b = local(pose_b_, ((*node).*read)(), to_local);
     return result;
+  }
+
+  /// A vector of one body only, under the key for both in the world's frame or under its own.
+  Vec3 one(const char* both, const char* key, const Pose& pose, Vec3 (JsonNode::*read)() const,
+           ToLocal to_local) {
+    const auto shared = object_.find(both), own = object_.find(key);
+    if (shared && !own) {
+      reject_in_body_frame(*shared, quoted_list({key}));
+      return to_local(pose, ((*shared).*read)());
+    }
+    if (shared) own->problem(quoted_list({both}) + " is given as well");
+    const auto node = own ? separate(key) : object_.required(in_body_ ? key : both);
+    return node ? local(pose, ((*node).*read)(), to_local) : Vec3(Vec3::UnitZ());
   }
 
   /// A vector for one body.  Its frame must be said: a guess would put the joint at a wrong place.

@@ -69,11 +69,7 @@ struct Ragdoll {
 };
 
 Scene build(const Parameters& parameters) {
-  Scene scene;
-  scene.name = "ragdoll";
-  scene.parameters = parameters;
-  scene.dt = 1.0 / 240;
-  scene.duration = 10;
+  Scene scene = new_scene("ragdoll", parameters, 10);
   const auto [head, left] = Ragdoll{scene}.add();
   scene.world.add("hand", Ball::at(scene.world, kGround, left, Vec3(0.85, 0, 0.5)));
   scene.energy_scale = fall_energy(scene.world, 1, scene.duration);
@@ -84,11 +80,7 @@ Scene build(const Parameters& parameters) {
 /// Dolls stand above the upper landing and walk off it.  What touches is capsules; a doll does not touch
 /// itself.
 Scene build_stairs(const Parameters& parameters) {
-  Scene scene;
-  scene.name = "ragdoll-stairs";
-  scene.parameters = parameters;
-  scene.dt = 1e-3;
-  scene.duration = 4;
+  Scene scene = new_scene("ragdoll-stairs", parameters, 4, 1e-3);
   World& world = scene.world;
   constexpr int kSteps = 8;
   constexpr double kRise = 0.18, kGoing = 0.3, kDepth = 1;

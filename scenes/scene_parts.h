@@ -17,6 +17,17 @@ inline ParameterInfo size(double default_value, double minimum, double maximum, 
   return {"n", default_value, "", std::move(description), minimum, maximum, true};
 }
 
+/// What every builder begins with; dt and duration in seconds.
+inline Scene new_scene(std::string name, const Parameters& parameters, double duration = 1,
+                       double dt = 1.0 / 240) {
+  Scene scene;
+  scene.name = std::move(name);
+  scene.parameters = parameters;
+  scene.duration = duration;
+  scene.dt = dt;
+  return scene;
+}
+
 /// A solid cylinder along body x.
 inline constexpr double kRodRadius = 0.01;  ///< [m]
 inline MassProperties thin_rod(double length, double mass) {
@@ -41,7 +52,7 @@ inline Material rubbing(double friction) {
   material.static_friction = material.dynamic_friction = friction;
   return material;
 }
-/// Of tyres and tracks.
+/// Of tyres.
 inline Material rubber() { return rubbing(0.8); }
 
 /// One row of a table of durations: T holds from this size on, up to the next row.

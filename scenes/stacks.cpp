@@ -15,10 +15,7 @@ using namespace scene_parts;
 constexpr double kDensity = 1000;  ///< [kg/m³]
 
 Scene on_a_floor(std::string name, const Parameters& parameters, double duration) {
-  Scene scene;
-  scene.name = std::move(name);
-  scene.parameters = parameters;
-  scene.duration = duration;
+  Scene scene = new_scene(std::move(name), parameters, duration);
   scene.world.add_shape(kGround, HalfSpace{});
   return scene;
 }

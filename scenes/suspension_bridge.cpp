@@ -46,10 +46,7 @@ ForceCallback driving_weight(std::vector<BodyId> planks, double weight, double s
 
 Scene build(const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
-  Scene scene;
-  scene.name = "suspension-bridge";
-  scene.parameters = parameters;
-  scene.dt = 1.0 / 240;
+  Scene scene = new_scene("suspension-bridge", parameters);
   World& world = scene.world;
   const Shape shape(n);
   std::vector<BodyId> planks, cable;

@@ -257,7 +257,7 @@ void ActiveSet::measure(const Problem& problem, ActiveSetOutcome& outcome) {
   outcome.residual = std::isfinite(scale_) ? 0 : scale_;
   for (std::size_t r = 0; r < states_.size() && std::isfinite(scale_); ++r) {
     const double own = root_[r] * root_[r], lambda = problem.lambda[r];
-    const double error = std::abs(lambda - problem.laws[r].resolve(own, problem.w[r] - own * lambda).lambda);
+    const double error = std::abs(lambda - problem.laws[r].answer(own, lambda, problem.w[r]));
     if (own * error <= problem.settings.rate_tolerance) continue;
     if (root_[r] * error <= outcome.residual * scale_) continue;
     outcome.residual = root_[r] * error / scale_;

@@ -82,7 +82,7 @@ void ConstraintSystem::analyze_bodies(const BlockOrdering& ordering) {
   bodies_ = std::make_unique<BodyMatrix>(rows_, mass_, body_factor_->triangle(), ordering, body_of_node_);
   body_factor_->analyze(bodies_->matrix());
   inverse_compliance_.assign(rows_.row_count(), 0.0);
-  body_values_.assign(6 * static_cast<std::size_t>(rows_.body_count()), 0.0);
+  ordered_bodies_.assign(bodies_->matrix().size(), 0.0);
 }
 
 void ConstraintSystem::analyze_rows() {
@@ -111,7 +111,7 @@ void ConstraintSystem::analyze() {
   roots_.resize(rows_.body_count());
   scratch_.assign(n, 0.0);
   body_scratch_.resize(rows_.body_count());
-  product_.assign(6 * static_cast<std::size_t>(rows_.body_count()), 0.0);
+  body_values_.assign(6 * static_cast<std::size_t>(rows_.body_count()), 0.0);
   dependent_rows_.reserve(n);
   counted_rows_.reserve(n);
   large_pivots_.reserve(n);
@@ -138,9 +138,7 @@ void ConstraintSystem::set_mass(std::span<const Pose> poses) {
 void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
   factored_states_ = states_;
   ++factor_version_;
-  factored_ = true;
   if (through_bodies_) {
-    inertias_from_weights(inverse_compliance_);
     compliance_of_bodies();
     usable_ = factorize_bodies(weighted_, inverse_compliance_, times);
     factored_ = true;
@@ -152,6 +150,7 @@ void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
     system_->assemble(states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
   }
   const Stopwatch watch(times.factorization);
+  factored_ = true;
   ++counters_.factorizations;
   usable_ = factor_->factorize(system_->matrix()) < 0;
   dependent_rows_.clear();
@@ -160,6 +159,7 @@ void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
 
 /// Σ_r + ε (S_rr + Σ_r) on all rows, or without the shift if none of them is free.
 void ConstraintSystem::compliance_of_bodies() {
+  weighted_inertias(inverse_compliance_);
   shifted_ = states_.empty() || std::find(states_.begin(), states_.end(), 0.0) != states_.end();
   for (int r = 0; r < rows_.row_count(); ++r) {
     double& d = inverse_compliance_[r];
@@ -187,12 +187,11 @@ bool ConstraintSystem::factorize_bodies(std::span<const double> weighted, std::s
 
 void ConstraintSystem::solve_bodies(std::span<double> v) {
   const std::span<const int> position = bodies_->position_of_body();
-  ordered_.resize(bodies_->matrix().size());
   for (std::size_t b = 0; b < position.size(); ++b)
-    if (position[b] >= 0) std::copy_n(v.begin() + 6 * b, 6, ordered_.begin() + position[b]);
-  body_factor_->solve(ordered_);
+    if (position[b] >= 0) std::copy_n(v.begin() + 6 * b, 6, ordered_bodies_.begin() + position[b]);
+  body_factor_->solve(ordered_bodies_);
   for (std::size_t b = 0; b < position.size(); ++b)
-    if (position[b] >= 0) std::copy_n(ordered_.begin() + position[b], 6, v.begin() + 6 * b);
+    if (position[b] >= 0) std::copy_n(ordered_bodies_.begin() + position[b], 6, v.begin() + 6 * b);
   ++counters_.backsolves;
 }
 
@@ -318,7 +317,6 @@ void ConstraintSystem::solve_through_bodies(std::span<double> x) {
 void ConstraintSystem::backsolve(std::span<double> x) {
   if (through_bodies_) return solve_through_bodies(x);
   ++counters_.backsolves;
-  ordered_.resize(x.size());
   const std::span<const int> position = system_->position_of_row();
   for (std::size_t r = 0; r < x.size(); ++r) ordered_[position[r]] = x[r];
   factor_->solve(ordered_);
@@ -339,10 +337,10 @@ void ConstraintSystem::solve(std::span<double> x) {
 
 void ConstraintSystem::row_inertias(std::span<double> out) {
   SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
-  inertias_from_weights(out);
+  weighted_inertias(out);
 }
 
-void ConstraintSystem::inertias_from_weights(std::span<double> out) const {
+void ConstraintSystem::weighted_inertias(std::span<double> out) const {
   for (const Rows::Side& side : rows_.sides()) {
     const bool first = &side == &rows_.sides()[rows_.joints()[side.joint].first_side];
     for (int i = 0; i < side.row_count; ++i) {
@@ -381,8 +379,8 @@ void ConstraintSystem::to_rows(std::span<const double> v, std::span<double> out)
 }
 
 void ConstraintSystem::multiply(std::span<const double> x, std::span<double> out) {
-  to_bodies(x, product_);
-  to_rows(product_, out);
+  to_bodies(x, body_values_);
+  to_rows(body_values_, out);
 }
 
 }  // namespace taut

@@ -128,6 +128,8 @@ class ConstraintSystem {
 
   /// 1 / S_rr of each row: the inertia that it feels on its own.
   void row_inertias(std::span<double> out);
+  /// The same with the W that there is.
+  void weighted_inertias(std::span<double> out) const;
 
   /// True if S is not formed, but solved through the bodies: decided for each pattern.
   bool through_bodies() const { return through_bodies_; }
@@ -163,7 +165,6 @@ class ConstraintSystem {
   void backsolve(std::span<double> x);
   void mask_weighted();
   void multiply_factored(std::span<const double> x, std::span<double> out);
-  void inertias_from_weights(std::span<double> out) const;
 
   FactorChoice choice_;
   Rows::AxisRows axis_rows_;
@@ -176,7 +177,8 @@ class ConstraintSystem {
   std::unique_ptr<Factor> body_factor_;
   std::vector<int> body_of_node_;
   bool through_bodies_ = false;
-  std::vector<double> inverse_compliance_, body_values_, product_;  // 1/Σ_r, with ε; v
+  std::vector<double> inverse_compliance_;            // 1/Σ_r, with ε
+  std::vector<double> ordered_bodies_, body_values_;  // six numbers a body, of them all in the latter
   std::vector<double> jacobian_, weighted_;
   std::vector<InverseMassRoot> roots_;
   std::vector<double> ordered_, scratch_, pivots_;

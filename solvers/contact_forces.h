@@ -15,6 +15,12 @@ namespace taut {
 
 using Vec2 = Eigen::Vector2d;
 
+/// The point of the disc |x| ≤ radius that is nearest to x.
+inline Vec2 into_disc(const Vec2& x, double radius) {
+  const double size = x.norm();
+  return size > radius ? Vec2(radius / size * x) : x;
+}
+
 /// Contacts as laws of their rows for the two stages of a RATTLE step: Signorini's law and Newton's of impact
 /// along the normal, Coulomb's in the disc |Λ_t| ≤ μ Λ_n of the tangents, likewise rolling and spinning.
 ///
@@ -137,6 +143,9 @@ class ContactForces {
     double rate = 0;
     bool spent = false;
   };
+
+  /// A contact is touched within this distance [m].
+  static constexpr double kTouch = 1e-9;
 
   void remap();
   void set_roots(std::span<const double> inertia);

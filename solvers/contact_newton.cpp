@@ -7,8 +7,6 @@
 namespace taut {
 namespace {
 
-using Vec2 = Eigen::Vector2d;
-
 /// Σ over S_rr: in the first round, how it falls from round to round, the least, and that of equalities.
 constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-6, kEqualityRho = 1e-7;
 /// Newton's equation is met to this part of the residual of the round before, and never better than this.
@@ -73,7 +71,7 @@ void ContactNewton::begin(const Problem& problem) {
   for (auto* values : {&steps_, &changes_}) values->setZero(contacts, kMemory);
   rounds_ = remembered_ = 0;
   by_radius_ = false;
-  system_.row_inertias(own_);
+  system_.weighted_inertias(own_);
   turned_.assign(system_.weighted().begin(), system_.weighted().end());
   problem.contacts.targets(target_);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
@@ -196,8 +194,8 @@ void ContactNewton::extrapolate() {
 /// v with v = Wᵀ P, to the tolerance [√J].  False if a value is not finite.
 bool ContactNewton::minimize(const Problem& problem, double tolerance, const NewtonLimits& limits,
                              StageTimes& times, NewtonOutcome& outcome) {
+  project(problem);
   for (int step = 0;; ++step) {
-    project(problem);
     system_.to_bodies(y_, span_of(gradient_));
     gradient_ = v_ - gradient_;
     const double size = gradient_.lpNorm<Eigen::Infinity>();
@@ -213,7 +211,8 @@ bool ContactNewton::minimize(const Problem& problem, double tolerance, const New
   }
 }
 
-/// How far along the step: where the slope of the convex function is about 0.
+/// How far along the step: where the slope of the convex function is about 0.  Leaves P and its slopes of
+/// there.
 void ContactNewton::search(const Problem& problem) {
   const double along = step_.dot(v_), square = step_.squaredNorm();
   const auto slope_at = [&](double length) {
@@ -316,7 +315,7 @@ void ContactNewton::project_disc(int k, int first, const Vec2& given) {
   const Vec2 x = given + Vec2(x_[row], x_[row + 1]);
   const double size = x.norm(), most = bound_[row];
   const bool slips = size > most;
-  const Vec2 answer = (slips ? Vec2(most / size * x) : x) - given;
+  const Vec2 answer = into_disc(x, most) - given;
   y_[row] = answer[0];
   y_[row + 1] = answer[1];
   slope_[row] = slips ? 0 : 1;
@@ -350,7 +349,7 @@ double ContactNewton::law_error(const Problem& problem, double rate_tolerance, i
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
     if (rounds > kEqualityRounds && !problem.laws[r].bounded()) continue;
     const double s = own_[r], lambda = problem.lambda[r];
-    const double off = std::abs(lambda - problem.laws[r].resolve(s, problem.w[r] - s * lambda).lambda);
+    const double off = std::abs(lambda - problem.laws[r].answer(s, lambda, problem.w[r]));
     if (!(s * off <= rate_tolerance)) error = std::max(error, std::sqrt(s) * off);
   }
   return error;

@@ -40,7 +40,7 @@ class ContactNewton {
  public:
   explicit ContactNewton(ConstraintSystem& system) : system_(system) {}
 
-  /// `lambda`: a guess, then the result; `w`: its rates.
+  /// S = W Wᵀ with the W that the system has.  `lambda`: a guess, then the result; `w`: its rates.
   NewtonOutcome solve(const ContactForces& contacts, std::span<const RowLaw> laws, std::span<const double> b,
                       std::span<double> lambda, std::span<double> w, const NewtonLimits& limits,
                       StageTimes& times);
@@ -66,8 +66,8 @@ class ContactNewton {
   void project(const Problem& problem, double length = 0);
   void project_row(const RowLaw& law, int row);
   void project_contact(const Problem& problem, int place);
-  void project_disc(int place, int first, const Eigen::Vector2d& given);
-  void turn_rows(int place, double mu, int first, const Eigen::Vector2d& direction);
+  void project_disc(int place, int first, const Vec2& given);
+  void turn_rows(int place, double mu, int first, const Vec2& direction);
   double law_error(const Problem& problem, double rate_tolerance, int rounds) const;
 
   ConstraintSystem& system_;

@@ -83,7 +83,7 @@ void ImpulseIteration::change(const Problem& problem, int row, double by) {
 /// What a row by itself answers, relaxed.
 double ImpulseIteration::next_of(const Problem& problem, int row) const {
   const double s = own_[row] / problem.relaxation;
-  return problem.laws[row].resolve(s, rate(problem, row) - s * problem.lambda[row]).lambda;
+  return problem.laws[row].answer(s, problem.lambda[row], rate(problem, row));
 }
 
 /// Each relax…() returns the largest change √S_rr |δλ_r|.

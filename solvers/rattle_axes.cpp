@@ -209,7 +209,7 @@ double Rattle::distance_from_laws(std::span<const double> lambda, std::span<cons
     scale = std::max(scale, std::abs(lambda[r]) / std::sqrt(inertia_[r]));
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
     const double own = 1 / inertia_[r];
-    const double off = std::abs(lambda[r] - laws_[r].resolve(own, w[r] - own * lambda[r]).lambda);
+    const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r]));
     if (!(own * off <= rate_tolerance)) error = std::max(error, std::sqrt(own) * off);
   }
   error = std::max(error, contacts_.error(lambda, w, rate_tolerance));

@@ -84,6 +84,8 @@ struct RowLaw {
     }
     return on_level(steps, s, beta);
   }
+  /// λ* that the row by itself answers to λ and w = s λ + β, of which λ − λ* is the natural map.
+  double answer(double s, double lambda, double w) const { return resolve(s, w - s * lambda).lambda; }
 
   /// The piece on which λ = `lambda` lies; corners count as levels.
   int piece_at(double lambda) const {

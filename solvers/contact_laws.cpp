@@ -1,0 +1,276 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "solvers/contact_forces.h"
+
+// What contacts ask of a stage, as laws of rows and as cones, and how far a solution is from it.
+namespace taut {
+namespace {
+
+/// Bodies that start inside each other come apart at no more than this speed [m/s].
+constexpr double kReturnSpeed = 1;
+/// A step of a law that no rate comes to.
+constexpr double kNever = 1e12;
+/// Distance from Coulomb's law that is accepted, relative to the largest impulse.
+constexpr double kTolerance = 1e-9;
+/// Slip that turned by more than this (sine) gets its own tangents.
+constexpr double kTurn = 0.05;
+/// Smallest component of a direction that counts as half way between the tangents.
+constexpr double kHalfWay = 0.6;
+
+/// λ = level whatever w.
+RowLaw constant(double level) {
+  RowLaw law;
+  law.level[0] = level;
+  return law;
+}
+
+/// A box around `centre`, or just that if it has no width.
+RowLaw box_around(double centre, double half, double w) {
+  if (!(centre - half < centre + half)) return constant(centre);
+  return RowLaw::box(centre - half, centre + half, w);
+}
+
+}  // namespace
+
+void ContactForces::position_laws(std::span<RowLaw> laws) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
+    std::fill_n(laws.begin() + row, count, RowLaw::none());
+    if (!point.active || impacts_[k].stage == Impact::Stage::kSought) continue;
+    laws[row] = RowLaw::lower_limit(closing_rate(static_cast<int>(k)));
+    friction_laws(static_cast<int>(k), laws);
+  }
+}
+
+void ContactForces::velocity_laws(std::span<RowLaw> laws) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
+    std::fill_n(laws.begin() + row, count, RowLaw::none());
+    if (!point.live) continue;
+    laws[row] = RowLaw::lower_limit(bounce(static_cast<int>(k)));
+    laws[row].level[1] -= point.back;  // both kicks together are the impulse that must not pull
+    friction_laws(static_cast<int>(k), laws);
+  }
+}
+
+/// Newton's law of impact: the least normal rate after it.
+double ContactForces::bounce(int k) const {
+  const double approach = impacts_[k].stage == Impact::Stage::kDue ? impacts_[k].rate : points_[k].approach;
+  return approach < -resting_speed_ ? -set_.places()[k].material.restitution * approach : 0;
+}
+
+/// Bodies may come together by their gap in a step, and bodies inside each other part slowly.
+double ContactForces::closing_rate(int k) const {
+  return std::clamp(-points_[k].gap / h_, -kNever, std::max(kReturnSpeed, kTouch / h_));
+}
+
+void ContactForces::targets(std::span<double> target) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    const int row = first_row_[k], place = static_cast<int>(k);
+    target[row] = in_velocities_ ? bounce(place) : closing_rate(place);
+    for (int i : {0, 1}) target[row + 1 + i] = point.sliding.slips ? 0 : point.sliding.target[i];
+  }
+}
+
+ContactForces::Cone ContactForces::cone(int k) const {
+  const Point& point = points_[k];
+  const Material& material = set_.places()[k].material;
+  return {works(k),
+          has_twist(k),
+          friction_bound(k, 1),
+          material.spinning_friction,
+          material.rolling_friction,
+          point.back,
+          point.spin_given,
+          point.sliding.given,
+          point.rolling.given};
+}
+
+void ContactForces::answer(int k, std::span<const double> x, std::span<double> y) const {
+  const auto in_disc = [&](int r, const Vec2& given, double bound) {
+    const Vec2 tau = into_disc(given + Vec2(x[r], x[r + 1]), bound);
+    y[r] = tau[0] - given[0];
+    y[r + 1] = tau[1] - given[1];
+  };
+  const Point& point = points_[k];
+  const int row = first_row_[k], count = has_twist(k) ? 6 : 3;
+  std::fill_n(y.begin() + row, count, 0.0);
+  if (!works(k)) return;
+  const Material& material = set_.places()[k].material;
+  y[row] = std::max(-point.back, x[row]);
+  const double normal = point.back + y[row];
+  in_disc(row + 1, point.sliding.given, friction_bound(k, normal));
+  if (count == 3) return;
+  const double arm = material.spinning_friction * normal;
+  y[row + 3] = std::clamp(point.spin_given + x[row + 3], -arm, arm) - point.spin_given;
+  in_disc(row + 4, point.rolling.given, material.rolling_friction * normal);
+}
+
+void ContactForces::friction_laws(int k, std::span<RowLaw> laws) const {
+  const Point& point = points_[k];
+  const int row = first_row_[k];
+  disc_laws(point.sliding, row + 1, laws);
+  if (!has_twist(k)) return;
+  laws[row + 3] = box_around(-point.spin_given, point.spin_bound, 0);
+  disc_laws(point.rolling, row + 4, laws);
+}
+
+/// A disc that holds is a square around it, or, if a corner of that was used, one inside it that has its own
+/// corner there.  A disc that slips along t₁ has the level −bound there, and across it the friction that
+/// turns with the slip: the derivative of −bound w/|w|.
+void ContactForces::disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const {
+  const bool holds = !disc.slips || disc.weight == 0 || !(disc.bound > 0);
+  for (int i : {0, 1}) {
+    const double half = disc.slips ? disc.bound * std::abs(disc.direction[i]) : disc.bound;
+    laws[row + i] = box_around(-disc.given[i], half, disc.slips ? 0 : disc.target[i]);
+  }
+  if (holds) return;
+  laws[row + 1] = RowLaw::viscous(disc.weight);
+  laws[row + 1].level[0] = -disc.given[1];
+}
+
+/// Distance of a disc's impulse from Coulomb's answer to it and the slip, P(τ − u/S) [√J].
+double ContactForces::disc_error(const Disc& disc, int row, double bound, std::span<const double> lambda,
+                                 std::span<const double> w) const {
+  const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
+  const Vec2 rest = disc.slips ? Vec2::Zero() : disc.target;
+  const double root = std::max(root_[row], root_[row + 1]);
+  const Vec2 slipped = tau - (Vec2(w[row], w[row + 1]) - rest) / (root * root);
+  return root * (tau - into_disc(slipped, bound)).norm();
+}
+
+double ContactForces::spin_error(int k, double bound, std::span<const double> lambda,
+                                 std::span<const double> w) const {
+  const int row = first_row_[k] + 3;
+  const double spin = points_[k].spin_given + lambda[row];
+  return root_[row] * std::abs(spin - std::clamp(spin - w[row] / (root_[row] * root_[row]), -bound, bound));
+}
+
+/// The same for the normal impulse.
+double ContactForces::normal_error(int k, std::span<const double> lambda, std::span<const double> w) const {
+  const int row = first_row_[k];
+  const double target = in_velocities_ ? bounce(k) : closing_rate(k);
+  const double normal = points_[k].back + lambda[row];
+  return root_[row] *
+         std::abs(normal - std::max(0.0, normal - (w[row] - target) / (root_[row] * root_[row])));
+}
+
+double ContactForces::friction_bound(int k, double normal) const {
+  const Material& material = set_.places()[k].material;
+  return (points_[k].stuck && !points_[k].broken ? material.static_friction : material.dynamic_friction) *
+         std::max(0.0, normal);
+}
+
+double ContactForces::error(std::span<const double> lambda, std::span<const double> w,
+                            double rate_tolerance) const {
+  double largest = 0;
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    const int k = static_cast<int>(p), row = first_row_[p];
+    if (!works(k)) continue;
+    const Point& point = points_[p];
+    const Material& material = set_.places()[p].material;
+    const double normal = std::max(0.0, point.back + lambda[row]);
+    const auto add = [&](double error, int r) {
+      if (!(root_[r] * error <= rate_tolerance)) largest = std::max(largest, error);
+    };
+    add(normal_error(k, lambda, w), row);
+    add(disc_error(point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1);
+    if (!has_twist(k)) continue;
+    add(spin_error(k, material.spinning_friction * normal, lambda, w), row + 3);
+    add(disc_error(point.rolling, row + 4, material.rolling_friction * normal, lambda, w), row + 4);
+  }
+  return largest;
+}
+
+bool ContactForces::adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
+  ++solves_;
+  turns_.clear();
+  scale_ = 0;
+  residual_ = 0;
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    for (int i = 0; i < 3 && points_[k].active; ++i)
+      scale_ = std::max(scale_, root_[first_row_[k] + i] * std::abs(lambda[first_row_[k] + i]));
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Point& point = points_[k];
+    const int row = first_row_[k];
+    if (!works(static_cast<int>(k)) || scale_ == 0) continue;
+    const Material& material = set_.places()[k].material;
+    const double normal = std::max(0.0, point.back + lambda[row]);
+    const double bound = friction_bound(static_cast<int>(k), normal);
+    double error = adapt_disc(static_cast<int>(k), point.sliding, row + 1, bound, lambda, w, rate_tolerance);
+    if (has_twist(static_cast<int>(k))) {
+      const double arm = material.spinning_friction * normal;
+      error = std::max(error, spin_error(static_cast<int>(k), arm, lambda, w));
+      point.spin_bound = arm;
+      error = std::max(error, adapt_disc(static_cast<int>(k), point.rolling, row + 4,
+                                         material.rolling_friction * normal, lambda, w, rate_tolerance));
+    }
+    residual_ = std::max(residual_, error / scale_);
+  }
+  if (residual_ > kTolerance) return true;
+  const bool released = release_slipping(lambda);
+  if (released) residual_ = 1;
+  return released;
+}
+
+/// Contacts that slip against static friction, in a solution that is right but for that, go on with dynamic
+/// friction.  True if there is one for which that is less.
+bool ContactForces::release_slipping(std::span<const double> lambda) {
+  bool released = false;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Point& point = points_[k];
+    if (!works(static_cast<int>(k)) || !point.stuck || point.broken) continue;
+    if (!point.sliding.slips || point.sliding.weight == 0) continue;
+    point.broken = true;
+    const Material& material = set_.places()[k].material;
+    if (material.dynamic_friction == material.static_friction) continue;
+    point.sliding.bound = material.dynamic_friction * std::max(0.0, point.back + lambda[first_row_[k]]);
+    released = true;
+  }
+  return released;
+}
+
+/// The disc by the impulse τ and the slip u of a solution.  Returns disc_error() of the disc as it was.
+double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::span<const double> lambda,
+                                 std::span<const double> w, double rate_tolerance) {
+  const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
+  const Vec2 rest = disc.slips ? Vec2::Zero() : disc.target;
+  const Vec2 slip = Vec2(w[row], w[row + 1]) - rest;
+  const double root = std::max(root_[row], root_[row + 1]);
+  double error = disc_error(disc, row, bound, lambda, w);
+  if (root * error <= rate_tolerance) error = 0;
+  disc.bound = bound;
+  const double speed = slip.norm();
+  if (speed <= std::max(rate_tolerance, kTolerance * scale_ * root)) {  // it rests
+    if (tau.norm() <= bound * (1 + kTolerance)) {
+      disc.slips = false;
+      return error;
+    }
+    disc.slips = true;
+    disc.direction = -tau.normalized();
+    disc.weight = 0;
+  } else {
+    disc.slips = true;
+    disc.direction = slip / speed;
+    disc.weight = bound / speed;
+  }
+  if (error > kTolerance * scale_) ask_for_turn(k, disc);
+  return error;
+}
+
+/// The slip along t₁; the impulse of a disc that holds half way between t₁ and t₂.
+void ContactForces::ask_for_turn(int place, const Disc& disc) {
+  const Vec2& d = disc.direction;
+  if (disc.weight > 0 && std::abs(d[1]) > kTurn)
+    turns_.push_back({place, d[0], d[1]});
+  else if (disc.weight == 0 && std::min(std::abs(d[0]), std::abs(d[1])) < kHalfWay)
+    turns_.push_back(
+        {place, std::numbers::sqrt2 / 2 * (d[0] + d[1]), std::numbers::sqrt2 / 2 * (d[1] - d[0])});
+}
+
+}  // namespace taut
