@@ -48,18 +48,28 @@ SpringDamper::SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_B
   require_not_negative("spring damping", damping);
 }
 
-void SpringDamper::accumulate(const State& state, std::span<Wrench> wrenches) const {
-  const Vec3 r_A = state.poses[a_.index].q * p_AP_, r_B = state.poses[b_.index].q * p_BQ_;
-  const Vec3 d = (state.poses[b_.index].p - state.poses[a_.index].p) + (r_B - r_A);
+SpringDamper::Pull SpringDamper::pull(const State& state) const {
+  Pull pull{state.poses[a_.index].q * p_AP_, state.poses[b_.index].q * p_BQ_};
+  const Vec3 d = (state.poses[b_.index].p - state.poses[a_.index].p) + (pull.r_B - pull.r_A);
   const double length = d.norm();
-  if (length == 0) return;  // no direction to pull along
-  const Vec3 n = d / length;
-  const double rate = n.dot(state.twists[b_.index].at(r_B) - state.twists[a_.index].at(r_A));
-  const Vec3 on_B = -(k_ * (length - rest_) + c_ * rate) * n;
+  if (length == 0) return pull;  // no direction to pull along
+  pull.n = d / length;
+  const double rate = pull.n.dot(state.twists[b_.index].at(pull.r_B) - state.twists[a_.index].at(pull.r_A));
+  pull.tension = k_ * (length - rest_) + c_ * rate;
+  return pull;
+}
+
+void SpringDamper::accumulate(const State& state, std::span<Wrench> wrenches) const {
+  const auto [r_A, r_B, n, tension] = pull(state);
+  const Vec3 on_B = -tension * n;
   wrenches[b_.index].force += on_B;
   wrenches[b_.index].torque += r_B.cross(on_B);
   wrenches[a_.index].force -= on_B;
   wrenches[a_.index].torque -= r_A.cross(on_B);
+}
+
+std::optional<LineForce> SpringDamper::line_force(const State& state) const {
+  return LineForce{a_, b_, p_AP_, p_BQ_, pull(state).tension, k_ > 0};
 }
 
 double SpringDamper::potential_energy(const State& state) const {

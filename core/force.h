@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -11,6 +12,14 @@
 #include "core/state.h"
 
 namespace taut {
+
+/// How a law pulls point P of A and point Q of B along the line between them, so that it can be drawn.
+struct LineForce {
+  BodyId a, b;
+  Vec3 p_AP = Vec3::Zero(), p_BQ = Vec3::Zero();  ///< from the centres of mass, body axes [m]
+  double tension = 0;                             ///< [N], negative: it pushes them apart
+  bool elastic = true;                            ///< its tension depends on the length; else a mere damper
+};
 
 /// A force law f(q, V, t).  Gravity is not one of them; the World adds it.
 class Force {
@@ -26,6 +35,8 @@ class Force {
   virtual bool conservative() const { return false; }
   /// The bodies it reads or acts on, so that the World can check them.
   virtual std::vector<BodyId> bodies() const { return {}; }
+  /// What it does along a line; nothing for laws that do something else too.
+  virtual std::optional<LineForce> line_force(const State&) const { return std::nullopt; }
   /// The same law for World::append(): its ids changed, and what it has in world axes moved by X.  Null if
   /// the law cannot say; it then gets a copy of the state as its own world would see it, each time.
   virtual std::shared_ptr<const Force> relocated(const Relocation&, const Pose&) const { return nullptr; }
@@ -78,9 +89,18 @@ class SpringDamper final : public Force {
   bool depends_on_velocity() const override { return c_ > 0; }
   bool conservative() const override { return c_ == 0; }
   std::vector<BodyId> bodies() const override { return {a_, b_}; }
+  std::optional<LineForce> line_force(const State& state) const override;
   std::shared_ptr<const Force> relocated(const Relocation& to, const Pose& X) const override;
 
  private:
+  /// The tension, and what the wrenches need besides.
+  struct Pull {
+    Vec3 r_A, r_B;          // arms, world axes
+    Vec3 n = Vec3::Zero();  // from P to Q, unit; 0 where L = 0
+    double tension = 0;
+  };
+  Pull pull(const State& state) const;
+
   BodyId a_, b_;
   Vec3 p_AP_, p_BQ_;
   double k_, rest_, c_;

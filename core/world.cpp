@@ -122,9 +122,9 @@ ForceId World::add_force(std::shared_ptr<const Force> force) {
 }
 
 void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
-  if (id.index < 0 || id.index >= force_count()) fail("force id", "no such force", id.index);
+  const int index = checked(id);
   check_force(force.get());
-  forces_[id.index] = std::move(force);
+  forces_[index] = std::move(force);
   velocity_forces_ =
       std::any_of(forces_.begin(), forces_.end(), [](const auto& f) { return f->depends_on_velocity(); });
   dissipative_forces_ =
@@ -248,6 +248,11 @@ std::vector<Problem> World::validate(double gap_tolerance) const {
 
 int World::checked(BodyId id) const {
   if (id.index < 0 || id.index >= body_count()) fail("body id", "no such body", id.index);
+  return id.index;
+}
+
+int World::checked(ForceId id) const {
+  if (id.index < 0 || id.index >= force_count()) fail("force id", "no such force", id.index);
   return id.index;
 }
 

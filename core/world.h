@@ -164,6 +164,7 @@ class World {
   const std::string& name(BodyId id) const { return body_names_[checked(id)]; }
   const std::string& name(JointId id) const { return joint_names_[checked(id)]; }
   const Joint& joint(JointId id) const { return *joints_[checked(id)]; }
+  const Force& force(ForceId id) const { return *forces_[checked(id)]; }
   /// @throws std::invalid_argument if there is none of that name.
   BodyId body(std::string_view name) const;
   JointId joint(std::string_view name) const;
@@ -215,6 +216,7 @@ class World {
  private:
   int checked(BodyId id) const;
   int checked(JointId id) const;
+  int checked(ForceId id) const;
   int checked(ShapeId id) const;
   void check_force(const Force* force) const;
   void append_joints(const World& other, const std::string& prefix, const Relocation& to);

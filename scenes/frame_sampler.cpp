@@ -4,6 +4,13 @@
 
 namespace taut {
 
+std::vector<ForceId> line_forces(const World& world) {
+  std::vector<ForceId> found;
+  for (int f = 0; f < world.force_count(); ++f)
+    if (world.force(ForceId{f}).line_force(world.state())) found.push_back({f});
+  return found;
+}
+
 ContactSample contact_sample(const World& world, const Contact& contact, const Vec3& force) {
   const Vec3 p_WP = world.pose(contact.A).point(contact.p_AP),
              p_WQ = world.pose(contact.B).point(contact.p_BQ);
@@ -21,7 +28,11 @@ void append_contacts(const Simulator& simulator, std::vector<ContactSample>& sam
 }  // namespace
 
 FrameSampler::FrameSampler(const Scene& scene)
-    : scene_(scene), gaps_(scene.world), probes_(scene.probes), contacts_(append_contacts) {}
+    : scene_(scene),
+      springs_(line_forces(scene.world)),
+      gaps_(scene.world),
+      probes_(scene.probes),
+      contacts_(append_contacts) {}
 
 RecordingHeader FrameSampler::header(double frames_per_second) const {
   const World& world = scene_.world;
@@ -41,6 +52,13 @@ RecordingHeader FrameSampler::header(double frames_per_second) const {
     const Joint& joint = world.joint(id);
     header.joints.push_back({world.name(id), std::string(joint.type()), joint.a(), joint.b(),
                              joint.reaction_point_B(), joint.course()});
+  }
+  for (const ForceId id : springs_) {
+    const auto line = world.force(id).line_force(world.state());
+    header.springs.push_back({(line->elastic ? "spring_" : "damper_") + std::to_string(id.index),
+                              line->elastic,
+                              {line->a, line->p_AP},
+                              {line->b, line->p_BQ}});
   }
   using Group = RecordedScalar::Group;
   header.scalars = {{"kinetic energy", "J", Group::kEnergy},
@@ -72,6 +90,10 @@ Frame FrameSampler::sample(Simulator& simulator) {
         {has_stepped ? simulator.mean_reaction(id) : simulator.reaction(id), gaps[j], world.is_attached(id)});
   }
   if (contacts_) contacts_(simulator, frame.contacts);
+  for (const ForceId id : springs_) {
+    const auto line = world.force(id).line_force(state);
+    frame.tensions.push_back(line ? line->tension : 0);  // 0: another law has taken its place
+  }
 
   const Gap largest = gaps_.largest(world);
   frame.scalars = {kinetic_energy(world, state), world.potential_energy(state), largest.metres,

@@ -12,6 +12,9 @@
 
 namespace taut {
 
+/// Forces of the world that pull along a line, in their order.
+std::vector<ForceId> line_forces(const World& world);
+
 /// A contact as a recording has it: half-way between its two points, in the world.
 /// @param force on B, world axes [N]
 ContactSample contact_sample(const World& world, const Contact& contact, const Vec3& force);
@@ -34,6 +37,7 @@ class FrameSampler {
 
  private:
   const Scene& scene_;
+  std::vector<ForceId> springs_;  // the forces that pull along a line
   GapMeter gaps_;
   Recorder probes_;
   ContactSource contacts_;

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "scenes/coil.h"
 #include "scenes/shape_mesh.h"
 
 namespace taut {
@@ -69,8 +70,8 @@ int add_material(Model& model, const std::string& name, std::vector<double> colo
   return static_cast<int>(model.materials.size()) - 1;
 }
 
-int add_mesh(Model& model, BufferBuilder& buffer, const Shape& shape, int material, int segments) {
-  const DrawingMesh drawing = drawing_mesh(shape, segments);
+int add_mesh(Model& model, BufferBuilder& buffer, const std::string& name, const DrawingMesh& drawing,
+             int material) {
   std::vector<float> positions, normals;
   std::vector<std::uint32_t> indices;
   for (std::size_t v = 0; v < drawing.vertices.size(); ++v)
@@ -88,7 +89,7 @@ int add_mesh(Model& model, BufferBuilder& buffer, const Shape& shape, int materi
   primitive.material = material;
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
   tinygltf::Mesh mesh;
-  mesh.name = shape_name(shape);
+  mesh.name = name;
   mesh.primitives.push_back(primitive);
   model.meshes.push_back(mesh);
   return static_cast<int>(model.meshes.size()) - 1;
@@ -106,46 +107,68 @@ int add_node(Model& model, int parent, const std::string& name, const Pose& pose
   return index;
 }
 
-/// A node per section of the rods, ropes and wires: a cylinder of length 1 along z, which the animation
-/// places and stretches.
-struct WireNodes {
-  struct Section {
-    std::size_t joint;
-    WirePoint from, to;
-    int node;
-  };
-  std::vector<Section> sections;
+/// Something between two points that the animation places and stretches: a mesh of length 1 along z.
+struct Stretched {
+  std::string name;
+  WirePoint from, to;
+  std::size_t joint = kNoJoint;  ///< with which it comes and goes
+  double width = 1;              ///< scale in x and y
+  int node = -1;
 
-  static constexpr double kThickness = 0.004;  ///< diameter, part of the longest section at the start
+  static constexpr std::size_t kNoJoint = static_cast<std::size_t>(-1);
 
   /// Pose and length at a frame; a section of a detached joint has no length.
-  static std::pair<Pose, double> place(const Section& section, const Frame& frame) {
-    const Vec3 from = frame.poses[section.from.body.index].point(section.from.p_BP);
-    const Vec3 d = frame.poses[section.to.body.index].point(section.to.p_BP) - from;
-    const double length = frame.joints[section.joint].attached ? d.norm() : 0;
+  std::pair<Pose, double> place(const Frame& frame) const {
+    const Vec3 begin = frame.poses[from.body.index].point(from.p_BP);
+    const Vec3 d = frame.poses[to.body.index].point(to.p_BP) - begin;
+    const double length = joint == kNoJoint || frame.joints[joint].attached ? d.norm() : 0;
     const Quat turn = rotation_between(Vec3::UnitZ(), d.norm() > 0 ? d : Vec3(Vec3::UnitZ()));
-    return {{turn, from + d / 2}, length};
+    return {{turn, begin + d / 2}, length};
   }
 };
 
-WireNodes add_wires(Model& model, BufferBuilder& buffer, const RecordingHeader& header, const Frame& start) {
-  WireNodes wires;
+void add_node(Model& model, Stretched& item, const Frame& start, int mesh) {
+  const auto [pose, length] = item.place(start);
+  item.node = add_node(model, model.scenes[0].nodes[0], item.name, pose, mesh);
+  model.nodes[item.node].scale = {item.width, item.width, length};
+}
+
+/// The sections of the rods, ropes and wires, as cylinders.
+std::vector<Stretched> add_wires(Model& model, BufferBuilder& buffer, const RecordingHeader& header,
+                                 const Frame& start) {
+  constexpr double kThickness = 0.004;  // diameter, part of the longest section at the start
+  std::vector<Stretched> wires;
   double longest = 0;
-  for (std::size_t j = 0; j < header.joints.size(); ++j)
-    for (std::size_t i = 1; i < header.joints[j].course.size(); ++i) {
-      wires.sections.push_back({j, header.joints[j].course[i - 1], header.joints[j].course[i], -1});
-      longest = std::max(longest, WireNodes::place(wires.sections.back(), start).second);
+  for (std::size_t j = 0; j < header.joints.size(); ++j) {
+    const auto& [name, type, a, b, anchor, course] = header.joints[j];
+    for (std::size_t i = 1; i < course.size(); ++i) {
+      wires.push_back({.name = name, .from = course[i - 1], .to = course[i], .joint = j});
+      longest = std::max(longest, wires.back().place(start).second);
     }
-  if (wires.sections.empty()) return wires;
-  const int material = add_material(model, "wire", {0.2, 0.2, 0.22, 1});
-  const Cylinder unit{std::max(WireNodes::kThickness / 2 * longest, 1e-6), 1};
-  const int mesh = add_mesh(model, buffer, unit, material, 8);
-  for (WireNodes::Section& section : wires.sections) {
-    const auto [pose, length] = WireNodes::place(section, start);
-    section.node = add_node(model, model.scenes[0].nodes[0], header.joints[section.joint].name, pose, mesh);
-    model.nodes[section.node].scale = {1, 1, length};
   }
+  if (wires.empty()) return wires;
+  const int material = add_material(model, "wire", {0.2, 0.2, 0.22, 1});
+  const Cylinder unit{std::max(kThickness / 2 * longest, 1e-6), 1};
+  const int mesh = add_mesh(model, buffer, "wire", drawing_mesh(unit, 8), material);
+  for (Stretched& wire : wires) add_node(model, wire, start, mesh);
   return wires;
+}
+
+/// Springs as coils, mere dampers as thick cylinders.
+std::vector<Stretched> add_springs(Model& model, BufferBuilder& buffer, const RecordingHeader& header,
+                                   const Frame& start) {
+  std::vector<Stretched> springs;
+  if (header.springs.empty()) return springs;
+  const int material = add_material(model, "spring", {0.62, 0.3, 0.22, 1});
+  const int coil = add_mesh(model, buffer, "spring", coil_mesh(), material);
+  const int tube = add_mesh(model, buffer, "damper", drawing_mesh(Cylinder{0.6, 1}, 16), material);
+  for (const RecordedSpring& spring : header.springs) {
+    Stretched& item =
+        springs.emplace_back(Stretched{.name = spring.name, .from = spring.from, .to = spring.to});
+    item.width = std::max(kCoilSlimness * item.place(start).second, 1e-6);
+    add_node(model, item, start, spring.elastic ? coil : tube);
+  }
+  return springs;
 }
 
 /// The nodes of all bodies, with their shapes below them.  @returns the node of each body.
@@ -166,7 +189,9 @@ std::vector<int> add_bodies(Model& model, BufferBuilder& buffer, const Recording
     const bool is_fixed = header.bodies[drawn.body.index].fixed;
     const auto [mesh, is_new] = mesh_of.try_emplace({drawn.shape, is_fixed}, 0);
     const Shape& shape = header.shapes[drawn.shape];
-    if (is_new) mesh->second = add_mesh(model, buffer, shape, is_fixed ? fixed : moving, segments);
+    if (is_new)
+      mesh->second = add_mesh(model, buffer, shape_name(shape), drawing_mesh(shape, segments),
+                              is_fixed ? fixed : moving);
     add_node(model, nodes[drawn.body.index], shape_name(shape), drawn.pose, mesh->second);
   }
   return nodes;
@@ -206,9 +231,9 @@ struct Track {
 };
 
 void add_animation(Model& model, BufferBuilder& buffer, RecordingReader& recording,
-                   const std::vector<int>& nodes, const WireNodes& wires) {
+                   const std::vector<int>& nodes, const std::vector<Stretched>& stretched) {
   std::vector<float> times;
-  std::vector<Track> bodies(nodes.size()), sections(wires.sections.size());
+  std::vector<Track> bodies(nodes.size()), sections(stretched.size());
   for (int f = 0; f < recording.frame_count(); ++f) {
     const Frame& frame = recording.frame(f);
     const auto time = static_cast<float>(frame.time - recording.time(0));
@@ -216,10 +241,10 @@ void add_animation(Model& model, BufferBuilder& buffer, RecordingReader& recordi
     times.push_back(time);
     for (std::size_t b = 1; b < bodies.size(); ++b) bodies[b].add(frame.poses[b]);
     for (std::size_t s = 0; s < sections.size(); ++s) {
-      const auto [pose, length] = WireNodes::place(wires.sections[s], frame);
+      const auto [pose, length] = stretched[s].place(frame);
       sections[s].add(pose);
-      const float thickness = length > 0 ? 1 : 0;
-      sections[s].scales.insert(sections[s].scales.end(), {thickness, thickness, static_cast<float>(length)});
+      const auto width = static_cast<float>(length > 0 ? stretched[s].width : 0);
+      sections[s].scales.insert(sections[s].scales.end(), {width, width, static_cast<float>(length)});
     }
   }
   if (times.size() < 2) return;
@@ -229,7 +254,7 @@ void add_animation(Model& model, BufferBuilder& buffer, RecordingReader& recordi
   for (std::size_t b = 1; b < bodies.size(); ++b)
     if (!recording.header().bodies[b].fixed) bodies[b].write(buffer, animation, nodes[b], input);
   for (std::size_t s = 0; s < sections.size(); ++s)
-    sections[s].write(buffer, animation, wires.sections[s].node, input);
+    sections[s].write(buffer, animation, stretched[s].node, input);
   if (!animation.channels.empty()) model.animations.push_back(animation);
 }
 
@@ -244,8 +269,10 @@ bool write_gltf(RecordingReader& recording, const std::filesystem::path& file) {
   model.defaultScene = 0;
   BufferBuilder buffer(model);
   const std::vector<int> nodes = add_bodies(model, buffer, recording.header(), recording.frame(0));
-  const WireNodes wires = add_wires(model, buffer, recording.header(), recording.frame(0));
-  add_animation(model, buffer, recording, nodes, wires);
+  std::vector<Stretched> stretched = add_wires(model, buffer, recording.header(), recording.frame(0));
+  const std::vector<Stretched> springs = add_springs(model, buffer, recording.header(), recording.frame(0));
+  stretched.insert(stretched.end(), springs.begin(), springs.end());
+  add_animation(model, buffer, recording, nodes, stretched);
   std::ofstream out(file, std::ios::binary);
   return tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true) && out.flush();
 }

@@ -6,6 +6,7 @@
 
 #include "scenes/page_columns.h"
 #include "scenes/page_contacts.h"
+#include "scenes/recording_codec.h"
 #include "scenes/shape_json.h"
 #include "scenes/shape_mesh.h"
 
@@ -137,6 +138,7 @@ Json describe(const RecordingHeader& header) {
     joints["b"].push_back(joint.b.index);
     for (int i = 0; i < 3; ++i) joints["anchor"].push_back(static_cast<float>(joint.anchor_B[i]));
   }
+  d["springs"] = springs_to_json(header.springs);
   drawn = Json::array();
   for (const DrawnShape& item : header.drawn) {
     const Quat& q = item.pose.q;
@@ -173,13 +175,13 @@ PageData page_data(RecordingReader& recording, std::size_t limit) {
   const RecordingHeader& header = recording.header();
   data.description = describe(header);
   const std::size_t bodies = header.bodies.size() - 1, joints = header.joints.size();
-  const std::size_t per_frame = 16 * bodies + 16 * joints + 8 * header.scalars.size() +
-                                ContactColumns::kBytes * most_contacts(recording);
+  const std::size_t per_frame = 16 * bodies + 16 * joints + 2 * header.springs.size() +
+                                8 * header.scalars.size() + ContactColumns::kBytes * most_contacts(recording);
   data.stride = static_cast<int>(1 + per_frame * recording.frame_count() / limit);
 
   std::vector<double> times, scalars;
   PoseColumns poses(bodies, recording.frame_count() / data.stride + 1);
-  HalfColumn speed, force, torque, gap, gap_angle;
+  HalfColumn speed, force, torque, gap, gap_angle, tension;
   ContactColumns contacts;
   DetachedJoints detached(joints);
   for (int f = 0; f < recording.frame_count(); f += data.stride) {
@@ -194,6 +196,7 @@ PageData page_data(RecordingReader& recording, std::size_t limit) {
       gap.add(joint.gap.metres);
       gap_angle.add(joint.gap.radians);
     }
+    for (const double value : frame.tensions) tension.add(value);
     contacts.add(frame);
     detached.add(frame);
   }
@@ -207,6 +210,7 @@ PageData page_data(RecordingReader& recording, std::size_t limit) {
   torque.write(columns, "torque", 3 * joints);
   gap.write(columns, "gap", joints);
   gap_angle.write(columns, "gap_angle", joints);
+  tension.write(columns, "tension", header.springs.size());
   contacts.write(columns);
   data.description["detached"] = detached.spans();
   return data;

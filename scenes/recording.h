@@ -24,6 +24,13 @@ struct RecordedJoint {
   std::vector<WirePoint> course{};  ///< of rods, ropes and wires: their sections go from point to point
 };
 
+/// A force law that pulls along a line: a spring, or a damper alone.
+struct RecordedSpring {
+  std::string name;
+  bool elastic = true;  ///< false: a damper without a spring
+  WirePoint from, to;
+};
+
 /// A shape to draw: index into RecordingHeader::shapes, at the pose X_BS in its body.
 struct DrawnShape {
   int shape = 0;
@@ -46,6 +53,7 @@ struct RecordingHeader {
   Vec3 gravity = Vec3::Zero();       ///< [m/s²]
   std::vector<RecordedBody> bodies;  ///< the ground is the first
   std::vector<RecordedJoint> joints;
+  std::vector<RecordedSpring> springs;
   std::vector<RecordedScalar> scalars;
   std::vector<Shape> shapes;
   std::vector<DrawnShape> drawn;
@@ -74,6 +82,7 @@ struct Frame {
   std::vector<Twist> twists;
   std::vector<JointSample> joints;
   std::vector<ContactSample> contacts;
+  std::vector<double> tensions;  ///< of the springs [N], negative: it pushes
   std::vector<double> scalars;
 };
 

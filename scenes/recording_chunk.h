@@ -9,7 +9,10 @@
 /// The outer layer of a recording: a 16-byte mark, then chunks with length, checksum and compressed payload.
 namespace taut {
 
-inline constexpr std::string_view kRecordingMark = "taut-recording/1";
+inline constexpr std::string_view kRecordingMark = "taut-recording/2";
+/// Of recordings before there were springs in them; they are read all the same.
+inline constexpr std::string_view kFirstRecordingMark = "taut-recording/1";
+static_assert(kRecordingMark.size() == kFirstRecordingMark.size());
 
 /// Type of a chunk, four letters.
 using ChunkType = std::array<char, 4>;

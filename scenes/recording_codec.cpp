@@ -132,11 +132,27 @@ bool read_contacts(ByteReader& bytes, std::vector<Frame>& frames, int body_count
   return true;
 }
 
+void append_tensions(std::string& raw, std::span<const Frame> frames) {
+  std::vector<std::uint32_t> words;
+  for (const Frame& frame : frames)
+    for (const double tension : frame.tensions) append_float(words, tension);
+  append_column(raw, std::move(words), frames.front().tensions.size());
+}
+
+bool read_tensions(ByteReader& bytes, std::vector<Frame>& frames, std::size_t spring_count) {
+  const std::vector<std::uint32_t> words = bytes.column(frames.size(), spring_count);
+  if (!bytes.sound()) return false;
+  WordReader reader(words, 0);
+  for (Frame& frame : frames)
+    for (std::size_t i = 0; i < spring_count; ++i) frame.tensions.push_back(reader.number());
+  return true;
+}
+
 }  // namespace
 
 std::size_t frame_size(const RecordingHeader& header) {
   return 8 + 8 * header.scalars.size() + 4 + 4 * (kPoseNumbers + kTwistNumbers) * (header.bodies.size() - 1) +
-         4 * kJointNumbers * header.joints.size();
+         4 * kJointNumbers * header.joints.size() + 4 * header.springs.size();
 }
 
 std::string encode_frames(std::span<const Frame> frames) {
@@ -169,6 +185,7 @@ std::string encode_frames(std::span<const Frame> frames) {
   append_column(raw, std::move(twists), kTwistNumbers * (first.poses.size() - 1));
   append_column(raw, std::move(joints), kJointNumbers * first.joints.size());
   append_contacts(raw, frames);
+  append_tensions(raw, frames);
   return raw;
 }
 
@@ -222,7 +239,8 @@ std::optional<std::vector<Frame>> decode_frames(std::string_view raw, const Reco
       if (!sample.attached) sample.gap = {};
     }
   }
-  if (!read_contacts(bytes, frames, static_cast<int>(header.bodies.size())) || !bytes.at_end())
+  if (!read_contacts(bytes, frames, static_cast<int>(header.bodies.size())) ||
+      !read_tensions(bytes, frames, header.springs.size()) || !bytes.at_end())
     return std::nullopt;
   return frames;
 }

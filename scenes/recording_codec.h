@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +15,9 @@ namespace taut {
 std::string encode_header(const RecordingHeader& header);
 /// @throws std::exception for anything that is not what encode_header() makes.
 RecordingHeader decode_header(std::string_view raw);
+
+/// [{name, type: spring or damper, course: two points [body, x, y, z]}, ...]
+nlohmann::json springs_to_json(const std::vector<RecordedSpring>& springs);
 
 std::string encode_end(const RecordingEnd& end);
 /// @throws std::exception.

@@ -46,6 +46,14 @@ std::vector<WirePoint> course_from_json(const Json& json, std::size_t body_count
   return course;
 }
 
+void read_springs(const Json& json, RecordingHeader& header) {
+  for (const Json& spring : json) {
+    const std::vector<WirePoint> ends = course_from_json(spring.at("course"), header.bodies.size());
+    if (ends.size() != 2) fail("spring", "must have two ends", ends.size());
+    header.springs.push_back({spring.at("name"), spring.at("type") == "spring", ends[0], ends[1]});
+  }
+}
+
 void read_bodies_and_joints(const Json& json, RecordingHeader& header) {
   for (const Json& body : json.at("bodies"))
     header.bodies.push_back({body.at("name"), body.at("mass"), body.at("fixed")});
@@ -59,6 +67,15 @@ void read_bodies_and_joints(const Json& json, RecordingHeader& header) {
 }
 
 }  // namespace
+
+nlohmann::json springs_to_json(const std::vector<RecordedSpring>& springs) {
+  Json json = Json::array();
+  for (const RecordedSpring& spring : springs)
+    json.push_back({{"name", spring.name},
+                    {"type", spring.elastic ? "spring" : "damper"},
+                    {"course", course_to_json({spring.from, spring.to})}});
+  return json;
+}
 
 std::string encode_header(const RecordingHeader& header) {
   Json json{{"scene", header.scene},
@@ -78,6 +95,7 @@ std::string encode_header(const RecordingHeader& header) {
                               {"anchor", vector_to_json(joint.anchor_B)}});
     if (!joint.course.empty()) json["joints"].back()["course"] = course_to_json(joint.course);
   }
+  json["springs"] = springs_to_json(header.springs);
   for (const RecordedScalar& scalar : header.scalars)
     json["scalars"].push_back({{"name", scalar.name}, {"unit", scalar.unit}, {"group", scalar.group}});
   for (const Shape& shape : header.shapes) json["shapes"].push_back(shape_to_json(shape));
@@ -96,6 +114,7 @@ RecordingHeader decode_header(std::string_view raw) {
   header.frames_per_second = json.at("frames_per_second");
   header.gravity = vector_from_json(json.at("gravity"));
   read_bodies_and_joints(json, header);
+  if (json.contains("springs")) read_springs(json.at("springs"), header);  // not in taut-recording/1
   for (const Json& scalar : json.at("scalars"))
     header.scalars.push_back({scalar.at("name"), scalar.at("unit"), scalar.at("group").get<Group>()});
   for (const Json& shape : json.at("shapes")) header.shapes.push_back(shape_from_json(shape));

@@ -14,12 +14,21 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
   std::error_code error;
   size_ = std::filesystem::file_size(file, error);
   if (!in_ || error) fail("recording", "cannot read the file", file.string());
-  if (read(0, kRecordingMark.size()) != kRecordingMark)
-    fail("recording", "this is no taut recording: it does not begin with " + std::string(kRecordingMark),
-         file.string());
+  check_mark();
   scan();
   if (!has_header_)
     fail("recording", "the header is damaged or cut off, so nothing can be read", file.string());
+}
+
+void RecordingReader::check_mark() {
+  const std::string mark = read(0, kRecordingMark.size());
+  if (mark == kRecordingMark || mark == kFirstRecordingMark) return;
+  const bool is_ours = mark.starts_with(kRecordingMark.substr(0, kRecordingMark.find('/') + 1));
+  const std::string ours(kRecordingMark);
+  if (is_ours && mark.size() == ours.size())
+    fail("recording", "its format " + mark + " is not one that this version reads, up to " + ours,
+         file_.string());
+  fail("recording", "this is no taut recording: it does not begin with " + ours, file_.string());
 }
 
 /// Fewer bytes at the end of the file.

@@ -38,6 +38,7 @@ class RecordingReader {
     std::uint64_t stored_size = 0, raw_size = 0;
     int first_frame = 0, frame_count = 0;
   };
+  void check_mark();
   void scan();
   std::string read(std::uint64_t place, std::uint64_t size);
   bool take_chunk(const struct ChunkHead& head, std::uint64_t place);

@@ -20,6 +20,7 @@ void print_summary(const RecordingReader& recording) {
   line("scene", header.scene + parameters);
   line("bodies", std::to_string(header.bodies.size() - 1));
   line("joints", std::to_string(header.joints.size()));
+  if (!header.springs.empty()) line("springs", std::to_string(header.springs.size()));
   const int frames = recording.frame_count();
   std::string span = std::to_string(frames);
   if (frames > 0)

@@ -185,6 +185,22 @@ PolyData wire_lines(const RecordingHeader& header, const Frame& frame) {
   return data;
 }
 
+/// Springs and dampers, with their tension.
+PolyData spring_lines(const RecordingHeader& header, const Frame& frame) {
+  PolyData data{.cells = PolyData::kLines, .points = {}, .corners = {}, .fields = {}, .indices = {}};
+  data.indices = {{"spring", {}}};
+  data.fields = {{"tension", 1, {}}};
+  for (std::size_t s = 0; s < header.springs.size(); ++s) {
+    const auto first = static_cast<std::int32_t>(2 * s);
+    for (const WirePoint& end : {header.springs[s].from, header.springs[s].to})
+      add_point(data, frame.poses[end.body.index].point(end.p_BP));
+    data.corners.insert(data.corners.end(), {first, first + 1});
+    data.indices[0].second.push_back(static_cast<std::int32_t>(s));
+    data.fields[0].add(frame.tensions[s]);
+  }
+  return data;
+}
+
 PolyData contact_points(const Frame& frame) {
   PolyData data;
   data.indices = {{"body_a", {}}, {"body_b", {}}};
@@ -233,6 +249,8 @@ bool write_names(const RecordingHeader& header, const std::filesystem::path& fil
     out << "body," << b << ',' << csv_field(header.bodies[b].name) << '\n';
   for (std::size_t j = 0; j < header.joints.size(); ++j)
     out << "joint," << j << ',' << csv_field(header.joints[j].name) << '\n';
+  for (std::size_t s = 0; s < header.springs.size(); ++s)
+    out << "spring," << s << ',' << csv_field(header.springs[s].name) << '\n';
   return static_cast<bool>(out.flush());
 }
 
@@ -243,15 +261,18 @@ bool write_vtk(RecordingReader& recording, const std::filesystem::path& folder) 
   const RecordingHeader& header = recording.header();
   const BodySurfaces surfaces(header);
   Series bodies(folder, "bodies"), joints(folder, "joints"), wires(folder, "wires"),
-      contacts(folder, "contacts");
+      springs(folder, "springs"), contacts(folder, "contacts");
   bool good = write_names(header, folder / "names.csv");
   for (int f = 0; good && f < recording.frame_count(); ++f) {
     const Frame& frame = recording.frame(f);
-    good =
-        bodies.add(frame.time, surfaces.at(frame)) && joints.add(frame.time, joint_points(header, frame)) &&
-        wires.add(frame.time, wire_lines(header, frame)) && contacts.add(frame.time, contact_points(frame));
+    good = bodies.add(frame.time, surfaces.at(frame)) &&
+           joints.add(frame.time, joint_points(header, frame)) &&
+           wires.add(frame.time, wire_lines(header, frame)) &&
+           springs.add(frame.time, spring_lines(header, frame)) &&
+           contacts.add(frame.time, contact_points(frame));
   }
-  return good && bodies.finish() && joints.finish() && wires.finish() && contacts.finish();
+  return good && bodies.finish() && joints.finish() && wires.finish() && springs.finish() &&
+         contacts.finish();
 }
 
 }  // namespace taut

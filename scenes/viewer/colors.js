@@ -67,7 +67,9 @@ function quantile(count, at, q) {
 
 export function scales(recording) {
   const {frames, jointCount, bodyCount} = recording, joints = frames * jointCount;
-  const force = quantile(joints, (i) => recording.force.norm3(3 * i), 0.997);
+  // The values of joints, then those of springs.
+  const force = quantile(joints + frames * recording.springCount,
+    (i) => (i < joints ? recording.force.norm3(3 * i) : Math.abs(recording.tension.at(i - joints))), 0.997);
   const gap = quantile(joints, (i) => recording.gap.at(i), 1);
   const speed = quantile(frames * (bodyCount - 1), (i) => recording.speed.at(i), 0.999);
   // What moves less than a thousandth of the picture in the whole run is at rest: its speed is round-off.

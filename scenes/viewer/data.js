@@ -46,16 +46,18 @@ export class Recording {
     Object.assign(this, {
       scene: d.scene, parameters: d.parameters, dt: d.dt, gravity: d.gravity, frames: d.frames,
       bodies: d.bodies, joints: d.joints, shapes: d.shapes, drawn: d.drawn, scalars: d.scalars,
+      springs: d.springs,
     });
     this.bodyCount = d.bodies.name.length;
     this.jointCount = d.joints.name.length;
+    this.springCount = d.springs.length;
     this.times = plain(Float64Array, 'time');
     this.scalarValues = plain(Float64Array, 'scalars');
     this.low = plain(Float32Array, 'position_low');
     this.step = plain(Float32Array, 'position_step');
     this.position = unpackWords(bytes, d.columns.position);
     this.rotation = new Int16Array(unpackWords(bytes, d.columns.rotation).buffer);
-    for (const name of ['speed', 'force', 'torque', 'gap', 'gap_angle'])
+    for (const name of ['speed', 'force', 'torque', 'gap', 'gap_angle', 'tension'])
       this[name] = new HalfColumn(bytes, d.columns[name]);
     this.contactCount = plain(Uint32Array, 'contact_count');
     this.contactStart = new Uint32Array(this.frames + 1);
@@ -151,6 +153,9 @@ export class Recording {
   jointGapAngle(frame, joint) { return this.gap_angle.at(frame * this.jointCount + joint); }
   bodySpeed(frame, body) { return body === 0 ? 0 : this.speed.at(frame * (this.bodyCount - 1) + body - 1); }
 
+  /** What a spring or damper pulls with [N]; negative: it pushes. */
+  tensionOf(frame, spring) { return this.tension.at(frame * this.springCount + spring); }
+
   /** Largest value of a joint quantity over the joints of a body. */
   bodyJointMaximum(values, body) {
     let most = 0;
@@ -176,14 +181,14 @@ export class Recording {
     return !this.detached.get(joint)?.some(([from, end]) => frame >= from && frame < end);
   }
 
-  /** Box around the centres of all bodies over the whole time and what wires hang from: {low, high}. */
+  /** Box around the centres of all bodies over the whole time and what wires and springs hang from: {low, high}. */
   box() {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     for (let k = 0; k < this.low.length; ++k) {
       low[k % 3] = Math.min(low[k % 3], this.low[k]);
       high[k % 3] = Math.max(high[k % 3], this.low[k] + 65535 * this.step[k]);
     }
-    for (const points of this.course.values())
+    for (const points of [...this.course.values(), ...this.springs.map(({course}) => course)])
       for (const [body, ...place] of points)
         if (body === 0) place.forEach((x, k) => {
           low[k] = Math.min(low[k], x);

@@ -1,7 +1,7 @@
 // Geometry of shapes.  Equal kinds share one geometry and are scaled, so that thousands of bodies are a few draw calls.
 import {
-  BoxGeometry, BufferGeometry, CapsuleGeometry, ConeGeometry, CylinderGeometry, Float32BufferAttribute,
-  IcosahedronGeometry, OctahedronGeometry, SphereGeometry,
+  BoxGeometry, BufferGeometry, CapsuleGeometry, ConeGeometry, Curve, CylinderGeometry, Float32BufferAttribute,
+  IcosahedronGeometry, LatheGeometry, OctahedronGeometry, SphereGeometry, TubeGeometry, Vector2, Vector3,
 } from 'three';
 
 /** Corners around a round shape: fewer where there are many of them. */
@@ -67,6 +67,33 @@ export const jointGeometry = (count) =>
 /** A section of a rod, rope or wire: of length and radius 1, along z. */
 export const sectionGeometry = (count) =>
   new CylinderGeometry(1, 1, 1, count > 2000 ? 5 : 10, 1, count > 2000).rotateX(Math.PI / 2);
+
+/** The middle of the wire of a coil of radius and length 1 along z, with straight ends on the axis. */
+class Coil extends Curve {
+  constructor(turns) {
+    super();
+    this.turns = turns;
+  }
+  getPoint(t, point = new Vector3()) {
+    const part = Math.min(Math.max((t - 0.1) / 0.8, 0), 1), ends = Math.min(t / 0.1, (1 - t) / 0.1, 1) * 0.1;
+    const radius = kSlimness * Math.min(1, 2 * this.turns * part, 2 * this.turns * (1 - part)), angle = 2 * Math.PI * this.turns * part;
+    const z = t < 0.1 ? ends - 0.5 : t > 0.9 ? 0.5 - ends : 0.8 * part - 0.4;
+    return point.set(radius * Math.cos(angle), radius * Math.sin(angle), z);
+  }
+}
+/** Radius of a coil at rest, part of its length: its wire is round then. */
+export const kSlimness = 0.05;
+/** A spring: of length and radius 1, along z. */
+export function springGeometry(count) {
+  const turns = 9, [along, around] = count > 300 ? [6, 3] : count > 30 ? [10, 5] : [16, 8];
+  return new TubeGeometry(new Coil(turns), Math.round(1.25 * turns * along), 0.16 * kSlimness, around)
+    .scale(1 / kSlimness, 1 / kSlimness, 1);
+}
+/** A damper: a cylinder and its thinner rod, of length 1 along z. */
+export function damperGeometry() {
+  const outline = [[0, -0.5], [0.2, -0.5], [0.2, -0.3], [0.8, -0.3], [0.8, 0.2], [0.2, 0.2], [0.2, 0.5], [0, 0.5]];
+  return new LatheGeometry(outline.map(([r, z]) => new Vector2(r, z)), 16).rotateX(Math.PI / 2);
+}
 export const anchorGeometry = () => new BoxGeometry(2, 2, 2);
 /** An arrow of length 1 along z: shaft and head. */
 export const arrowGeometries = () => [

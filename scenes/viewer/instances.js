@@ -1,7 +1,10 @@
 // Bodies, joints and contacts as instanced meshes, placed and coloured from a recording.
 import {Color, DynamicDrawUsage, Group, InstancedMesh, MeshLambertMaterial, MeshStandardMaterial} from 'three';
 import {palette} from './colors.js';
-import {anchorGeometry, arrowGeometries, bodySizes, instanceGroups, jointGeometry, sectionGeometry} from './geometry.js';
+import {
+  anchorGeometry, arrowGeometries, bodySizes, damperGeometry, instanceGroups, jointGeometry, kSlimness, sectionGeometry,
+  springGeometry,
+} from './geometry.js';
 
 /** Column-major matrix of rotation q (x y z w), scale (sx sy sz) and position p into out at o. */
 function writeMatrix(out, o, px, py, pz, x, y, z, w, sx, sy, sz) {
@@ -64,6 +67,7 @@ export class Instances {
       this.root.add(group.mesh);
     }
     this.makeJoints();
+    this.makeSprings();
     this.point = [0, 0, 0];
   }
 
@@ -101,6 +105,30 @@ export class Instances {
     this.thinnest = 0.0009 * Math.hypot(...low.map((x, i) => high[i] - x));  // else it is less than a pixel
   }
 
+  /** Springs as coils, mere dampers as cylinders with a rod; as thick as suits their mean length. */
+  makeSprings() {
+    const {springs, frames} = this.recording, poses = new Float32Array(7 * this.recording.bodyCount);
+    const lengths = new Float64Array(springs.length), count = Math.min(frames, 8);
+    for (let k = 0; k < count; ++k) {
+      this.recording.poses(this.recording.times[Math.round(k * (frames - 1) / Math.max(count - 1, 1))], poses);
+      springs.forEach(({course: [from, to]}, i) => {
+        const a = worldPoint(poses, ...from), b = worldPoint(poses, ...to);
+        lengths[i] += Math.hypot(...a.map((x, j) => b[j] - x)) / count;
+      });
+    }
+    const all = springs.map(({type, course: [begin, end]}, spring) => ({spring, type, begin, end, radius: Math.max(kSlimness * lengths[spring], 2 * this.thinnest)}));
+    this.springMeshes = [];
+    const material = new MeshLambertMaterial({fog: false});
+    for (const [type, makeGeometry] of [['spring', springGeometry], ['damper', damperGeometry]]) {
+      const items = all.filter((item) => item.type === type);
+      if (!items.length) continue;
+      const mesh = instanced(makeGeometry(items.length), material, items.length, 'spring', items.map(({spring}) => spring));
+      mesh.userData.items = items;
+      this.springMeshes.push(mesh);
+      this.root.add(mesh);
+    }
+  }
+
   /** Places a cylinder of length and radius 1 along z between two world points. */
   placeSection(out, o, from, to, radius) {
     const d = [to[0] - from[0], to[1] - from[1], to[2] - from[2]], length = Math.hypot(...d);
@@ -124,6 +152,7 @@ export class Instances {
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;
     }
+    this.placeSprings(poses);
     const ends = [[0, 0, 0], [0, 0, 0]];
     for (const mesh of this.jointMeshes) {
       const out = mesh.instanceMatrix.array;
@@ -143,6 +172,18 @@ export class Instances {
     }
   }
 
+  placeSprings(poses) {
+    const ends = [[0, 0, 0], [0, 0, 0]];
+    for (const mesh of this.springMeshes) {
+      mesh.userData.items.forEach(({begin, end, radius}, i) => {
+        [begin, end].forEach((point, k) => worldPoint(poses, ...point, ends[k]));
+        this.placeSection(mesh.instanceMatrix.array, 16 * i, ...ends, radius);
+      });
+      mesh.instanceMatrix.needsUpdate = true;
+      mesh.boundingSphere = null;
+    }
+  }
+
   /** Values of the joints that a mode of colouring shows at a frame; null if it shows none. */
   jointValues(mode, frame) {
     const r = this.recording;
@@ -154,17 +195,19 @@ export class Instances {
   }
 
   /**
-   * Colours bodies and joints: bodies by the largest value of their joints, by speed, or each by its own.
+   * Colours everything: bodies by the largest value of their joints, by speed, or each by its own.
    * @param style {fixed, neutral, accent: Color, selected: {kind, id} or null}
    */
   colour(mode, frame, scales, style) {
     const r = this.recording, scale = scales[mode], values = this.jointValues(mode, frame), {selected} = style;
     const isSelected = (kind, id) => selected && selected.kind === kind && selected.id === id;
-    for (const mesh of [...this.groups.map((group) => group.mesh), ...this.jointMeshes]) {
+    for (const mesh of this.meshes()) {
       const out = mesh.instanceColor.array, {kind, ids} = mesh.userData;
       ids.forEach((id, i) => {
         const o = 3 * i;
         if (isSelected(kind, id)) return style.accent.toArray(out, o);
+        if (kind === 'spring')
+          return mode === 'force' ? scale.color(Math.abs(r.tensionOf(frame, id)), out, o) : style.joint.toArray(out, o);
         if (kind === 'joint')
           return values ? scale.color(values[id], out, o) : style.joint.toArray(out, o);
         if (mode === 'body') return (r.bodies.fixed[id] ? style.fixed : palette[id % palette.length]).toArray(out, o);
@@ -178,13 +221,15 @@ export class Instances {
     }
   }
 
+  meshes() { return [...this.groups.map((group) => group.mesh), ...this.jointMeshes, ...this.springMeshes]; }
+
   showJoints(visible) {
-    for (const mesh of this.jointMeshes) mesh.visible = visible;
+    for (const mesh of [...this.jointMeshes, ...this.springMeshes]) mesh.visible = visible;
   }
 
   /** Colour of an instance as the renderer gets it, linear [r, g, b]. */
   colorOf(kind, id) {
-    for (const mesh of [...this.groups.map((group) => group.mesh), ...this.jointMeshes]) {
+    for (const mesh of this.meshes()) {
       const i = mesh.userData.kind === kind ? mesh.userData.ids.indexOf(id) : -1;
       if (i >= 0) return Array.from(mesh.instanceColor.array.slice(3 * i, 3 * i + 3));
     }

@@ -1,7 +1,8 @@
 // The keyboard does what the mouse does.
 const kOrbit = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
 
-export function setUpKeys(player) {
+/** What each key does; called with whether shift is held. */
+function actions(player) {
   const {state, view, recording} = player, select = (id) => document.getElementById(id);
   const cycle = (id, step) => {
     const box = select(id);
@@ -14,17 +15,7 @@ export function setUpKeys(player) {
     const from = state.selected?.kind === kind ? state.selected.id : step > 0 ? first - 1 : count;
     player.select({kind, id: from + step < first ? count - 1 : from + step >= count ? first : from + step});
   };
-  const orbit = ([x, y]) => {
-    const {camera, controls, up} = view, offset = camera.position.clone().sub(controls.target);
-    offset.applyAxisAngle(up, 0.1 * x);
-    const side = up.clone().cross(offset).normalize(), raised = offset.clone().applyAxisAngle(side, 0.08 * y);
-    if (Math.abs(raised.clone().normalize().dot(up)) < 0.98) offset.copy(raised);
-    camera.position.copy(controls.target).add(offset);
-    view.isMoved = true;
-    controls.update();
-    player.request();
-  };
-  const keys = {
+  return {
     ' ': () => player.setPlaying(!state.playing),
     ArrowLeft: (shift) => player.step(shift ? -10 : -1),
     ArrowRight: (shift) => player.step(shift ? 10 : 1),
@@ -54,12 +45,28 @@ export function setUpKeys(player) {
     t: () => select('theme').click(),
     '?': () => select('keys').showModal(),
   };
+}
+
+/** Turns the camera about what it looks at. */
+function orbit(player, [x, y]) {
+  const {camera, controls, up} = player.view, offset = camera.position.clone().sub(controls.target);
+  offset.applyAxisAngle(up, 0.1 * x);
+  const side = up.clone().cross(offset).normalize(), raised = offset.clone().applyAxisAngle(side, 0.08 * y);
+  if (Math.abs(raised.clone().normalize().dot(up)) < 0.98) offset.copy(raised);
+  camera.position.copy(controls.target).add(offset);
+  player.view.isMoved = true;
+  controls.update();
+  player.request();
+}
+
+export function setUpKeys(player) {
+  const keys = actions(player);
   document.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.metaKey || document.querySelector('dialog[open]')) return;
     if (event.altKey) {
       if (!kOrbit[event.key]) return;
       event.preventDefault();
-      return orbit(kOrbit[event.key]);
+      return orbit(player, kOrbit[event.key]);
     }
     const tag = event.target.tagName;
     if (tag === 'SELECT' && event.key !== 'Escape') return;  // keys choose in it

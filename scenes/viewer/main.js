@@ -15,7 +15,7 @@ class Player {
     this.recording = recording;
     this.scales = makeScales(recording);
     this.view = new View($('view'), recording);
-    this.state = {t: recording.start, playing: false, speed: 1, mode: recording.force.words ? 'force' : recording.jointCount ? 'speed' : 'body',
+    this.state = {t: recording.start, playing: false, speed: 1, mode: recording.force.words || recording.tension.words ? 'force' : recording.jointCount ? 'speed' : 'body',
                   selected: null, joints: true, contacts: true};
     this.inspector = new Inspector($('inspector'), recording,
                                    {select: (s) => this.select(s), follow: (body) => this.follow(body)});
@@ -77,7 +77,7 @@ class Player {
     const r = this.recording, moving = r.bodies.fixed.filter((fixed, i) => i > 0 && !fixed).length;
     const parameters = Object.entries(r.parameters).map(([key, value]) => `${key} = ${value}`);
     $('facts').textContent = [...parameters, `${moving.toLocaleString('en')} bodies`,
-      `${r.jointCount.toLocaleString('en')} joints`].join(' · ');
+      `${r.jointCount.toLocaleString('en')} joints`, ...(r.springCount ? [`${r.springCount.toLocaleString('en')} springs`] : [])].join(' · ');
     const slider = $('time');
     Object.assign(slider, {min: r.start, max: r.end, value: r.start});
     slider.oninput = () => this.seek(Number(slider.value));
@@ -92,8 +92,10 @@ class Player {
     $('help').onclick = () => $('keys').showModal();
     for (const id of ['joints', 'contacts', 'curves']) $(id).onclick = () => this.toggle(id);
     $('contacts').hidden = r.contactTotal === 0;
-    $('joints').hidden = r.jointCount === 0;
-    if (r.jointCount === 0) for (const mode of ['force', 'gap']) $('mode').querySelector(`[value=${mode}]`).remove();
+    $('joints').hidden = r.jointCount + r.springCount === 0;
+    if (r.springCount) kModes.force = r.jointCount ? 'Force of joints and springs' : 'Force of springs';
+    const without = [...(r.jointCount ? [] : ['gap']), ...(r.jointCount + r.springCount ? [] : ['force'])];
+    for (const mode of without) $('mode').querySelector(`[value=${mode}]`).remove();
     if (window.innerHeight < 480) this.toggle('curves');
     this.setUpPicking($('view'));
   }
@@ -153,9 +155,10 @@ class Player {
     if (plot.element.hidden) return;
     const series = (name, at) => [{name, values: Float64Array.from({length: r.frames}, (_, f) => at(f))}];
     plot.setTitle(nameOf(r, selected));
-    plot.unit = selected.kind === 'joint' ? 'N' : 'm/s';
+    plot.unit = selected.kind === 'body' ? 'm/s' : 'N';
     plot.setSeries(selected.kind === 'joint' ? series('force', (f) => r.jointForce(f, selected.id))
-                                             : series('speed', (f) => r.bodySpeed(f, selected.id)));
+      : selected.kind === 'spring' ? series('tension', (f) => r.tensionOf(f, selected.id))
+        : series('speed', (f) => r.bodySpeed(f, selected.id)));
   }
 
   follow(body) {

@@ -1,4 +1,5 @@
 // Numbers of what is selected, and finding things by name.
+import {worldPoint} from './instances.js';
 import {format, withUnit} from './plots.js';
 
 /** Rows of a vector; what is round-off beside the largest component is 0.  The page has three digits of a force. */
@@ -23,7 +24,7 @@ function contactRows(contacts, id) {
   return [['contacts', String(contacts.length)], ['contact force', withUnit(Math.hypot(...sum), 'N', 4)]];
 }
 
-/** [[name, text], ...] of a body or joint at a frame. */
+/** [[name, text], ...] of a body, joint or spring at a frame. */
 export function numbers(recording, {kind, id}, frame, poses, used) {
   const r = recording;
   if (kind === 'joint') {
@@ -34,6 +35,11 @@ export function numbers(recording, {kind, id}, frame, poses, used) {
     rows.push(['gap', withUnit(r.jointGap(frame, id), 'm')]);
     if (used.angle) rows.push(['gap angle', withUnit(r.jointGapAngle(frame, id), 'rad')]);
     return rows;
+  }
+  if (kind === 'spring') {
+    const [p, q] = r.springs[id].course.map((end) => worldPoint(poses, ...end));
+    return [['tension', withUnit(r.tensionOf(frame, id), 'N')],
+            ['length', withUnit(Math.hypot(...p.map((x, i) => q[i] - x)), 'm', 4)]];
   }
   const at = poses.subarray(7 * id, 7 * id + 7), angle = 2 * Math.acos(Math.min(1, Math.abs(at[6])));
   const most = r.jointsOfBody[id].reduce((sum, joint) => Math.max(sum, r.jointForce(frame, joint)), 0);
@@ -46,7 +52,8 @@ export function numbers(recording, {kind, id}, frame, poses, used) {
   return rows;
 }
 
-export const nameOf = (recording, {kind, id}) => (kind === 'body' ? recording.bodies : recording.joints).name[id];
+export const nameOf = (recording, {kind, id}) => (kind === 'spring' ? recording.springs[id].name
+  : (kind === 'body' ? recording.bodies : recording.joints).name[id]);
 
 export class Inspector {
   /** @param actions {select, follow} */
@@ -66,7 +73,7 @@ export class Inspector {
     };
     this.element.replaceChildren();
     const head = make('h2', nameOf(r, selected));
-    make('small', kind === 'joint' ? `${r.joints.type[id]} joint` : r.bodies.fixed[id] ? 'fixed body' : 'body', head);
+    make('small', kind === 'spring' ? r.springs[id].type : kind === 'joint' ? `${r.joints.type[id]} joint` : r.bodies.fixed[id] ? 'fixed body' : 'body', head);
     const close = make('button', '✕');
     close.className = 'close';
     close.setAttribute('aria-label', 'Select nothing');
@@ -84,8 +91,9 @@ export class Inspector {
     }
     const links = make('div');
     links.className = 'links';
-    const others = kind === 'joint' ? [['body', r.joints.a[id]], ['body', r.joints.b[id]]]
-                                    : r.jointsOfBody[id].slice(0, 60).map((joint) => ['joint', joint]);
+    const others = kind === 'spring' ? r.springs[id].course.map(([body]) => ['body', body])
+      : kind === 'joint' ? [['body', r.joints.a[id]], ['body', r.joints.b[id]]]
+        : r.jointsOfBody[id].slice(0, 60).map((joint) => ['joint', joint]);
     for (const [otherKind, other] of others) {
       const link = make('button', nameOf(r, {kind: otherKind, id: other}), links);
       link.onclick = () => this.actions.select({kind: otherKind, id: other});
@@ -104,11 +112,15 @@ export class Inspector {
   }
 }
 
-/** The dialog that finds bodies and joints whose name contains what is typed. */
+const kindOf = (recording, {kind, id}) => (kind === 'joint' ? recording.joints.type[id]
+  : kind === 'spring' ? recording.springs[id].type : 'body');
+
+/** The dialog that finds bodies, joints and springs whose name contains what is typed. */
 export function setUpFinder(dialog, recording, select) {
   const input = dialog.querySelector('input'), list = dialog.querySelector('ul');
   const all = [...recording.bodies.name.map((name, id) => ({kind: 'body', id, name})),
-               ...recording.joints.name.map((name, id) => ({kind: 'joint', id, name}))];
+               ...recording.joints.name.map((name, id) => ({kind: 'joint', id, name})),
+               ...recording.springs.map(({name}, id) => ({kind: 'spring', id, name}))];
   const choose = (item) => {
     dialog.close();
     select({kind: item.kind, id: item.id});
@@ -121,7 +133,7 @@ export function setUpFinder(dialog, recording, select) {
     list.replaceChildren(...found.map((item) => {
       const row = document.createElement('li'), button = document.createElement('button');
       const kind = document.createElement('small');
-      kind.textContent = item.kind === 'joint' ? recording.joints.type[item.id] : 'body';
+      kind.textContent = kindOf(recording, item);
       button.textContent = item.name;
       button.append(kind);
       button.onclick = () => choose(item);

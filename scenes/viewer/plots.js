@@ -34,6 +34,21 @@ export function ticks(low, high, count) {
   return found;
 }
 
+/** Indices that keep every peak: of each `stride` values the least and the largest, in their order. */
+export function outline(values, stride) {
+  if (stride < 3) return values.keys();
+  const kept = [];
+  for (let start = 0; start < values.length; start += stride) {
+    let least = start, most = start;
+    for (let f = start; f < Math.min(start + stride, values.length); ++f) {
+      if (values[f] < values[least]) least = f;
+      if (values[f] > values[most]) most = f;
+    }
+    kept.push(Math.min(least, most), ...(least === most ? [] : [Math.max(least, most)]));
+  }
+  return kept;
+}
+
 export class Plot {
   /** @param series [{name, values: Float64Array}]  @param seek called with a time */
   constructor(parent, {title, unit, logarithmic = false}, times, seek) {
@@ -148,12 +163,11 @@ export class Plot {
         context.fillText(`${format(tick)} s`, Math.min(Math.max(x(tick), x0 + 6), x1 - 10), height - 4);
     context.lineWidth = 1.6;
     context.lineJoin = 'round';
-    const stride = Math.max(1, Math.floor(this.times.length / (2 * width)));
     this.series.forEach(({values}, s) => {
       context.strokeStyle = colors[s % colors.length];
       context.beginPath();
       let down = false;
-      for (let f = 0; f < values.length; f += stride) {
+      for (const f of outline(values, Math.ceil(values.length / width))) {
         const at = y(values[f]);
         if (Number.isFinite(at)) down ? context.lineTo(x(this.times[f]), at) : context.moveTo(x(this.times[f]), at);
         down = Number.isFinite(at);

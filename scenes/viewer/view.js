@@ -221,9 +221,9 @@ export class View {
   }
   positionOf({kind, id}) {
     if (kind === 'body') return this.bodyPosition(id);
-    const course = this.recording.course.get(id);
+    const course = kind === 'spring' ? this.recording.springs[id].course : this.recording.course.get(id);
     if (!course) return new Vector3(...this.jointPosition(id));
-    // The middle of the longest section of a wire.
+    // The middle of the longest section of a wire, or of a spring.
     const points = course.map((point) => new Vector3(...worldPoint(this.poses, ...point)));
     const middles = points.slice(1).map((end, i) => ({length: end.distanceTo(points[i]), at: end.clone().lerp(points[i], 0.5)}));
     return middles.reduce((a, b) => (b.length > a.length ? b : a)).at;

@@ -365,6 +365,24 @@ TEST(Forces, SpringDamperObeysTheThirdLawAndDissipates) {
   }
 }
 
+TEST(Forces, ASpringSaysItsLineAndTension) {
+  Random random(34);
+  for (int i = 0; i < 20; ++i) {
+    OneLaw s(random);
+    const SpringDamper law(s.a, s.b, random.vector(), random.vector(), 3, 0.5, 2.5);
+    const auto line = law.line_force(s.world.state());
+    ASSERT_TRUE(line);
+    EXPECT_TRUE(line->elastic);
+    std::vector<Wrench> wrenches(s.world.body_count());
+    law.accumulate(s.world.state(), wrenches);
+    const Vec3 p = s.world.pose(line->a).point(line->p_AP), q = s.world.pose(line->b).point(line->p_BQ);
+    const Vec3 pull = line->tension * (q - p).normalized();
+    EXPECT_LT((wrenches[s.a.index].force - pull).norm(), 1e-13 * (1 + pull.norm()));
+  }
+  const OneLaw s(random);
+  EXPECT_FALSE(PointForce(s.a, Vec3::Zero(), Vec3::UnitX()).line_force(s.world.state()));
+}
+
 TEST(Forces, SpringOfNoLengthPullsNowhere) {
   World world;
   world.set_gravity(Vec3::Zero());

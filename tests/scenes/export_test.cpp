@@ -6,10 +6,12 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <pugixml.hpp>
 #include <sstream>
 
 #include "scenes/base64.h"
+#include "scenes/coil.h"
 #include "scenes/exports.h"
 #include "scenes/page_columns.h"
 #include "scenes/page_data.h"
@@ -43,6 +45,12 @@ aiMatrix4x4 world_matrix(const aiNode* node) {
   return matrix;
 }
 
+const aiNodeAnim* channel_of(const aiAnimation& animation, std::string_view node) {
+  for (unsigned c = 0; c < animation.mNumChannels; ++c)
+    if (animation.mChannels[c]->mNodeName.C_Str() == node) return animation.mChannels[c];
+  return nullptr;
+}
+
 // assimp reads what tinygltf wrote: two libraries that know nothing of each other.
 TEST(Gltf, AssimpFindsBodiesShapesAndMotion) {
   RecordingReader recording(sample_file());
@@ -65,15 +73,12 @@ TEST(Gltf, AssimpFindsBodiesShapesAndMotion) {
   EXPECT_NEAR(world.b3, z_axis.y(), 1e-6);
   EXPECT_NEAR(world.c3, z_axis.z(), 1e-6);
 
-  // Only the moving body and the rod are animated, with every frame.
+  // Only the moving body, the rod, the spring and the damper are animated, with every frame.
   ASSERT_EQ(scene->mNumAnimations, 1u);
   const aiAnimation& animation = *scene->mAnimations[0];
-  ASSERT_EQ(animation.mNumChannels, 2u);
-  const bool ball_first = std::string(animation.mChannels[0]->mNodeName.C_Str()) == "ball, red";
-  const aiNodeAnim &channel = *animation.mChannels[ball_first ? 0 : 1],
-                   &rod = *animation.mChannels[ball_first ? 1 : 0];
-  EXPECT_STREQ(channel.mNodeName.C_Str(), "ball, red");
-  EXPECT_STREQ(rod.mNodeName.C_Str(), "strut");
+  ASSERT_EQ(animation.mNumChannels, 4u);
+  ASSERT_TRUE(channel_of(animation, "ball, red") && channel_of(animation, "strut"));
+  const aiNodeAnim &channel = *channel_of(animation, "ball, red"), &rod = *channel_of(animation, "strut");
   ASSERT_EQ(rod.mNumScalingKeys, static_cast<unsigned>(kFrames));
   ASSERT_EQ(channel.mNumPositionKeys, static_cast<unsigned>(kFrames));
   ASSERT_EQ(channel.mNumRotationKeys, static_cast<unsigned>(kFrames));
@@ -95,6 +100,60 @@ TEST(Gltf, AssimpFindsBodiesShapesAndMotion) {
   const aiMesh& mesh = *scene->mMeshes[shape->mMeshes[0]];
   EXPECT_GT(mesh.mNumFaces, 100u);
   for (unsigned v = 0; v < mesh.mNumVertices; ++v) EXPECT_NEAR(mesh.mVertices[v].Length(), 0.25, 1e-6);
+}
+
+// Both ends of coil and cylinder are where those of the spring and the damper are, in each frame.
+TEST(Gltf, SpringsReachFromEndToEnd) {
+  RecordingReader recording(sample_file());
+  const std::string file = temporary("springs.glb");
+  ASSERT_TRUE(export_recording(recording, {.html = {}, .gltf = file, .vtk_folder = {}, .plot = {}, .csv = {}})
+                  .errors.empty());
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(file, aiProcess_ValidateDataStructure);
+  ASSERT_NE(scene, nullptr) << importer.GetErrorString();
+  for (const RecordedSpring& spring : sample_header().springs) {
+    const aiNodeAnim* channel = channel_of(*scene->mAnimations[0], spring.name);
+    ASSERT_NE(channel, nullptr) << spring.name;
+    ASSERT_EQ(channel->mNumScalingKeys, static_cast<unsigned>(kFrames));
+    const aiMesh& mesh = *scene->mMeshes[body_node(*scene, spring.name.c_str())->mMeshes[0]];
+    Vec3 low = Vec3::Constant(1e9), high = -low;
+    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+      const Vec3 p(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z);
+      low = low.cwiseMin(p), high = high.cwiseMax(p);
+    }
+    EXPECT_NEAR(low.z(), -0.5, 1e-3);
+    EXPECT_NEAR(high.z(), 0.5, 1e-3);
+    EXPECT_NEAR(high.x(), -low.x(), 0.05);  // about the axis
+    for (int i = 0; i < kFrames; ++i) {
+      const Frame frame = sample_frame(i);
+      const Vec3 from = frame.poses[spring.from.body.index].point(spring.from.p_BP),
+                 to = frame.poses[spring.to.body.index].point(spring.to.p_BP);
+      const aiVector3D &p = channel->mPositionKeys[i].mValue, &s = channel->mScalingKeys[i].mValue;
+      const aiQuaternion& q = channel->mRotationKeys[i].mValue;
+      const Vec3 half = Quat(q.w, q.x, q.y, q.z) * Vec3(0, 0, s.z / 2), middle(p.x, p.y, p.z);
+      EXPECT_LT((middle + half - to).norm(), 1e-6) << spring.name << " in frame " << i;
+      EXPECT_LT((middle - half - from).norm(), 1e-6) << spring.name << " in frame " << i;
+    }
+  }
+}
+
+// A closed surface with outward normals: the divergence theorem gives its volume, that of wire and ends.
+TEST(Coil, IsAWireOfTheLengthOfItsHelix) {
+  const int turns = 9;
+  const DrawingMesh mesh = coil_mesh(turns, 48, 24);
+  double volume = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const auto slim = [&](int i) {
+      const Vec3& v = mesh.vertices[i];
+      return Vec3(kCoilSlimness * v.x(), kCoilSlimness * v.y(), v.z());
+    };
+    volume += slim(a).dot(slim(b).cross(slim(c))) / 6;
+    const Vec3 normal = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+    EXPECT_GT(normal.dot(mesh.normals[a]), 0);
+  }
+  const double wire = 0.16 * kCoilSlimness, radius = kCoilSlimness;
+  const double length = std::hypot(2 * std::numbers::pi * radius * (turns - 0.5), 0.8) + 0.2;
+  EXPECT_NEAR(volume, std::numbers::pi * wire * wire * length, 0.03 * volume);  // half turns that grow: 2 %
 }
 
 TEST(Svg, CurvesPassThroughTheValues) {
@@ -171,7 +230,7 @@ TEST(HalfFloat, RoundsToTheNearest) {
 TEST(PageData, LeavesFramesOutAboveItsLimit) {
   RecordingReader recording(sample_file());
   EXPECT_EQ(page_data(recording).stride, 1);
-  const PageData small = page_data(recording, 150);  // one frame has 104 bytes
+  const PageData small = page_data(recording, 150);  // one frame has 108 bytes
   EXPECT_GT(small.stride, 1);
   EXPECT_EQ(small.description["frames"], (kFrames + small.stride - 1) / small.stride);
 }

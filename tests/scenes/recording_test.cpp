@@ -51,6 +51,8 @@ void expect_sample(const Frame& frame) {
     expect_float(frame.contacts[c].normal, expected.contacts[c].normal);
     expect_float(frame.contacts[c].force, expected.contacts[c].force);
   }
+  ASSERT_EQ(frame.tensions.size(), 2u);
+  for (int s = 0; s < 2; ++s) EXPECT_EQ(frame.tensions[s], static_cast<float>(expected.tensions[s]));
 }
 
 std::string sample_bytes() {
@@ -92,6 +94,12 @@ TEST(Recording, GivesBackWhatWasWritten) {
   ASSERT_EQ(header.joints[1].course.size(), 2u);
   EXPECT_EQ(header.joints[1].course[0].body, BodyId{1});
   EXPECT_EQ(header.joints[1].course[0].p_BP, Vec3(0, 0, 0.5));
+  ASSERT_EQ(header.springs.size(), 2u);
+  EXPECT_EQ(header.springs[0].name, "spring_0");
+  EXPECT_EQ(header.springs[0].to.body, BodyId{2});
+  EXPECT_EQ(header.springs[0].from.p_BP, Vec3(-1, 0, 0.5));
+  EXPECT_TRUE(header.springs[0].elastic);
+  EXPECT_FALSE(header.springs[1].elastic);
   ASSERT_EQ(header.scalars.size(), 5u);
   EXPECT_EQ(header.scalars[3].group, RecordedScalar::Group::kGap);
   ASSERT_EQ(header.drawn.size(), 3u);
@@ -173,6 +181,36 @@ TEST(Recording, SoundChunksWithWrongContentsDoNotCrash) {
   for (const char* json : {"", "[]", "{\"scene\": 3}", "{\"bodies\": []}"}) {
     write_text(file, std::string(kRecordingMark) + make_chunk(kHeaderChunk, json));
     EXPECT_THROW(RecordingReader{file}, std::invalid_argument) << json;
+  }
+}
+
+// A file that a version without springs wrote: the double pendulum, let fall for 0.05 s, four frames.
+TEST(Recording, FilesOfTheFirstFormatAreRead) {
+  RecordingReader reader(TAUT_SOURCE_DIR "/tests/scenes/first_format.taut");
+  EXPECT_EQ(reader.damage(), "");
+  EXPECT_TRUE(reader.header().springs.empty());
+  ASSERT_EQ(reader.frame_count(), 4);
+  const Scene scene = load_scene_file(TAUT_SOURCE_DIR "/scenes/double_pendulum.json");
+  const Frame& frame = reader.frame(0);
+  ASSERT_EQ(frame.poses.size(), scene.world.state().poses.size());
+  for (std::size_t b = 0; b < frame.poses.size(); ++b)
+    expect_float(frame.poses[b].p, scene.world.state().poses[b].p);
+  EXPECT_TRUE(frame.tensions.empty());
+  const double start = frame.scalars[0] + frame.scalars[1];
+  const Frame& last = reader.frame(3);
+  EXPECT_GT(last.scalars[0], frame.scalars[0]);
+  EXPECT_NEAR(last.scalars[0] + last.scalars[1], start, 1e-6 * std::abs(start));
+}
+
+TEST(Recording, AnUnknownFormatIsNamed) {
+  std::string bytes = sample_bytes();
+  bytes[kRecordingMark.size() - 1] = '9';
+  write_text(temporary("later.taut"), bytes);
+  try {
+    RecordingReader reader(temporary("later.taut"));
+    FAIL() << "it was read";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("taut-recording/9"), std::string::npos) << error.what();
   }
 }
 
@@ -293,6 +331,34 @@ TEST(FrameSampler, TakesWrenchesGapsAndProbesFromTheSimulator) {
                                         frame.joints[2].gap.metres, frame.joints[3].gap.metres}));
   ASSERT_EQ(frame.contacts.size(), 1u);
   EXPECT_EQ(frame.contacts[0].force.z(), 7);
+}
+
+// Tensions are those of Hooke's and the damper's law, and other forces are no springs.
+TEST(FrameSampler, TakesTheTensionOfSprings) {
+  Scene scene;
+  World& world = scene.world;
+  world.set_gravity(Vec3::Zero());
+  const BodyId ball = world.add_body({.name = "ball",
+                                      .mass = MassProperties::sphere(0.1, 2),
+                                      .pose = {.q = Quat::Identity(), .p = {0, 0, -3}},
+                                      .twist = {.w = Vec3::Zero(), .v = {0, 0, -0.5}}});
+  world.add_force(PointForce(ball, Vec3::Zero(), Vec3::UnitX()));
+  world.add_force(SpringDamper(kGround, ball, {0, 0, 1}, {0, 0, 0.5}, 10, 3, 4));  // 3.5 m long
+  world.add_force(SpringDamper(kGround, ball, {0, 0, 1}, Vec3::Zero(), 0, 0, 6));
+  Simulator simulator(world, scene.settings);
+  const FrameSampler constant(scene);
+  FrameSampler sampler(scene);
+  const RecordingHeader header = constant.header(60);
+  ASSERT_EQ(header.springs.size(), 2u);
+  EXPECT_EQ(header.springs[0].name, "spring_1");
+  EXPECT_EQ(header.springs[1].name, "damper_2");
+  EXPECT_EQ(header.springs[0].to.p_BP, Vec3(0, 0, 0.5));
+  const Frame frame = sampler.sample(simulator);
+  ASSERT_EQ(frame.tensions.size(), 2u);
+  EXPECT_NEAR(frame.tensions[0], 10 * 0.5 + 4 * 0.5, 1e-13);
+  EXPECT_NEAR(frame.tensions[1], 6 * 0.5, 1e-13);
+  world.set_force(ForceId{1}, std::make_shared<BodyTorque>(ball, Vec3::UnitZ()));
+  EXPECT_EQ(sampler.sample(simulator).tensions[0], 0);  // the spring is no longer there
 }
 
 // A body on a joint of half the strength that it needs: it falls freely, and the joint is no gap of metres.

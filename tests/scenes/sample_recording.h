@@ -7,7 +7,7 @@
 #include "scenes/recording_writer.h"
 
 /// A small recording with known numbers: two spheres on a stick, one of them fixed, two joints of which one
-/// is a rod that is detached in frame 3, a contact now and then.
+/// is a rod that is detached in frame 3, a spring and a damper, a contact now and then.
 namespace taut::testing {
 
 inline RecordingHeader sample_header() {
@@ -21,6 +21,8 @@ inline RecordingHeader sample_header() {
   header.bodies = {{"ground", 0, true}, {"post", 2, true}, {"ball, red", 0.5, false}};
   header.joints = {{"pin", "ball", {0}, {2}, {0, 0, 0.25}}, {"strut", "distance", {1}, {2}, {0.125, 0, 0}}};
   header.joints[1].course = {{{1}, {0, 0, 0.5}}, {{2}, {0.125, 0, 0}}};
+  header.springs = {{"spring_0", true, {{0}, {-1, 0, 0.5}}, {{2}, {0, 0, 0.25}}},
+                    {"damper_4", false, {{1}, {0, 0.5, 0}}, {{2}, {0, 0.25, 0}}}};
   header.scalars = {{"kinetic energy", "J", Group::kEnergy},
                     {"potential energy", "J", Group::kEnergy},
                     {"gap", "m", Group::kGap},
@@ -43,6 +45,7 @@ inline Frame sample_frame(int i) {
                   {{{0, 0, -2.5}, {0.1, 0, 0.25 * i}}, {0, 3e-14}}};
   if (i == 3) frame.joints[1] = {.wrench = {}, .gap = {}, .attached = false};
   if (i % 3 == 1) frame.contacts = {{{0}, {2}, {0.5, 0.25, 0}, {0, 0, 1}, {0, 1.5, 8.0 * i}}};
+  frame.tensions = {-7.5 + 4 * i, 0.1 * i * i};
   frame.scalars = {1.0 / 3 + i, -0.1 * i, 1e-12 * (i + 1), 3e-14, frame.poses[2].p.x()};
   return frame;
 }

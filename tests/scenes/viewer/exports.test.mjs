@@ -6,7 +6,7 @@ import path from 'node:path';
 import {before, test} from 'node:test';
 import validator from 'gltf-validator';
 import {folder, taut} from './browser.mjs';
-import {add, anchor, course, norm, readRecording, sub, turned} from './recording.mjs';
+import {add, anchor, course, norm, readRecording, springEnds, sub, turned} from './recording.mjs';
 
 const file = (name) => path.join(folder, name);
 let bridge, hung;
@@ -103,6 +103,20 @@ test('ropes are thin rods in the .glb file, from end to end at every instant', (
       close(add(places[f], half), to, 1e-5);
     });
   }
+});
+
+test('springs are lines in the .vtp files, with their tension', withVtk, () => {
+  const sample = readRecording(file('s.taut')), {length} = sample.header.springs;
+  assert.equal(length, 2);
+  for (const f of [0, 7]) {
+    const frame = sample.frames[f], {points, lines, cell_data: fields} = read(`s_vtk/springs_0000${f}.vtp`);
+    assert.deepEqual(fields.spring, [0, 1]);
+    for (let s = 0; s < length; ++s) {
+      springEnds(sample, frame, s).forEach((end, i) => close(triple(points, lines[2 * s + i]), end, 1e-6));
+      assert.equal(fields.tension[s], frame.tension(s));
+    }
+  }
+  assert.deepEqual(read('b_vtk/springs_00000.vtp').points, []);
 });
 
 test('contacts can be read, and no contacts too', withVtk, () => {

@@ -1,8 +1,10 @@
 // What is drawn of forces in a real browser: ropes and wires with their colours, contacts as arrows.
 import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import path from 'node:path';
 import {after, before, test} from 'node:test';
-import {heading, launch, open, picture, project, rampColor, runScene, scrub, settle} from './browser.mjs';
-import {add, course, dot, norm, readRecording, sub, unit} from './recording.mjs';
+import {folder, heading, launch, open, picture, project, rampColor, runScene, scrub, settle, taut} from './browser.mjs';
+import {add, course, dot, norm, readRecording, springEnds, sub, unit} from './recording.mjs';
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -54,6 +56,78 @@ for (const [name, args] of [['crane', ['--time', '3']],
     assert.deepEqual(complaints, []);
     await page.close();
   });
+
+/** The colour as a screen has it of a spring's tension, by the scale of the page. */
+async function springColor(page, id) {
+  const linear = await page.evaluate((i) => window.taut.view.instances.colorOf('spring', i), id);
+  return linear.map((c) => 255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055));
+}
+
+test('springs are drawn from end to end, have name, length, tension and its colour', async () => {
+  const scene = new URL('../../../scenes/spring_mass.json', import.meta.url).pathname;
+  const files = runScene(scene, '--time', '2'), recording = readRecording(files.recording), {frames, header} = recording;
+  assert.deepEqual(header.springs.map(({name, type}) => [name, type]), [['spring_0', 'spring'], ['spring_1', 'spring']]);
+  const {page, complaints} = await open(browser, files.page, {hasTouch: true});
+  const top = await page.evaluate(() => window.taut.scales.force.high);
+  // Relaxed at 0.85 m by 1 kN/m with 8 N s/m, on a guide: Hooke's law and the damper's by hand.
+  for (const frame of [frames[9], frames[70], frames.at(-1)]) {
+    const [from, to] = springEnds(recording, frame, 0), expected = 1000 * (norm(sub(to, from)) - 0.85) - 8 * frame.velocity(2)[2];
+    assert.ok(Math.abs(frame.tension(0) - expected) < 2e-3, `${frame.tension(0)} N instead of ${expected} N`);
+  }
+  const row = (name) => page.locator('#inspector dl').evaluate(
+    (list, wanted) => [...list.children].find((node) => node.textContent === wanted).nextElementSibling.textContent, name);
+  for (const frame of [frames[20], frames[77]]) {
+    await scrub(page, frame.time);
+    for (const s of [0, 1]) {
+      const [from, to] = springEnds(recording, frame, s), middle = add(from, sub(to, from).map((x) => x / 2));
+      // The ends of a coil are on its axis; its middle is around it, where a finger's width is allowed.
+      for (const place of [add(from, sub(to, from).map((x) => 0.95 * x)), middle]) {
+        const at = await project(page, place), seen = await picture(page), color = await springColor(page, s);
+        rampColor(Math.sqrt(Math.abs(frame.tension(s)) / top)).forEach((c, i) => assert.ok(Math.abs(c - color[i]) < 3, `${color}`));
+        const around = Array.from({length: 21 * 9}, (_, i) => seen.at(at.x - 10 + i % 21, at.y - 4 + Math.floor(i / 21)));
+        assert.ok(around.some((pixel) => dot(unit(pixel), unit(color)) > 0.97), `nothing like ${color}`);
+        await page.evaluate(() => window.taut.select(null));
+        await page.touchscreen.tap(at.x, at.y);
+        await settle(page);
+        assert.equal(await heading(page), header.springs[s].name);
+        assert.ok(Math.abs(parseFloat((await row('tension')).replace('−', '-')) - frame.tension(s)) <= 7e-3 * Math.abs(frame.tension(s)));
+        assert.ok(Math.abs(parseFloat(await row('length')) / norm(sub(to, from)) - 1) < 2e-3 || /mm/.test(await row('length')));
+        await page.evaluate(() => window.taut.select(null));
+        await settle(page);
+      }
+    }
+  }
+  await page.keyboard.press('/');
+  await page.keyboard.type('spring_1');
+  await page.keyboard.press('Enter');
+  assert.equal(await heading(page), 'spring_1');
+  const plot = await page.evaluate(() => window.taut.selectionPlot.series[0]);
+  assert.equal(plot.name, 'tension');
+  await page.keyboard.press('j');
+  assert.ok(await page.evaluate(() => window.taut.view.instances.springMeshes.every((mesh) => !mesh.visible)));
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
+
+test('a damper is not drawn as a spring, and its colour is that of its force when it pushes too', async () => {
+  const file = path.join(folder, 'sample.taut'), html = path.join(folder, 'sample.html');
+  execFileSync(process.env.TAUT_SAMPLE, [file]);
+  taut('replay', file, '--html', html, '--quiet');
+  const {page, complaints} = await open(browser, html), recording = readRecording(file), top = await page.evaluate(() => window.taut.scales.force.high);
+  const pushing = recording.frames[0], pulling = recording.frames[29];
+  assert.ok(pushing.tension(1) < 0 && pulling.tension(1) > 0);
+  for (const frame of [pushing, pulling]) {
+    await scrub(page, frame.time);
+    const [from, to] = springEnds(recording, frame, 1), at = await project(page, add(from, sub(to, from).map((x) => x / 2)));
+    const color = await springColor(page, 1);
+    rampColor(Math.sqrt(Math.abs(frame.tension(1)) / top)).forEach((c, i) => assert.ok(Math.abs(c - color[i]) < 3, `${color}`));
+    await page.mouse.click(at.x, at.y);
+    assert.equal(await page.locator('#inspector h2').textContent(), 'damper_1damper');
+    assert.match(await page.locator('#inspector dl').textContent(), frame === pushing ? /tension−5 N/ : /tension4.6\d N/);
+  }
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
 
 test('contact forces of a stack are those of the recording and carry its weight', async () => {
   const n = 5, files = runScene('stack', '--set', `n=${n}`, '--time', '0.5'), recording = readRecording(files.recording);

@@ -1,4 +1,5 @@
-/// Writes a recording with one body of every shape above a floor, each pressed on by a contact force:
+/// Writes a recording with one body of every shape above a floor, each pressed on by a contact force, the
+/// first one held by a spring and a damper:
 ///   make_sample FILE
 #include <cmath>
 #include <iostream>
@@ -30,6 +31,8 @@ int main(int argc, char** argv) {
     header.bodies.push_back({shape_name(header.shapes[b]), 1, false});
     header.drawn.push_back({b, {b}, {}});
   }
+  header.springs = {{"spring_0", true, {kGround, {-4, 0, 2}}, {{1}, {0, 0, 0.3}}},
+                    {"damper_1", false, {{1}, {0.3, 0, 0}}, {{2}, {-0.25, 0, 0}}}};
   RecordingWriter writer(argv[1], header);
   for (int f = 0; f < 31; ++f) {
     Frame frame;
@@ -41,6 +44,7 @@ int main(int argc, char** argv) {
                         {b - 5.0, 0, 0.7 + 0.2 * std::sin(6 * frame.time + b)}};
       frame.contacts.push_back({kGround, {b}, {b - 5.0, -0.6, 0}, {0, 0, 1}, {0, 0, 5.0 * b}});
     }
+    frame.tensions = {20 * std::sin(6 * frame.time), -5 + 10 * frame.time};
     writer.append(std::move(frame));
   }
   if (!writer.finish("success", "")) std::cerr << writer.error() << '\n';

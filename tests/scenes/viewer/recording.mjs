@@ -4,7 +4,7 @@ import zlib from 'node:zlib';
 
 export function readRecording(file) {
   const bytes = fs.readFileSync(file);
-  if (bytes.toString('latin1', 0, 16) !== 'taut-recording/1') throw new Error('no recording');
+  if (bytes.toString('latin1', 0, 16) !== 'taut-recording/2') throw new Error('no recording');
   const recording = {frames: []};
   for (let at = 16; at < bytes.length;) {
     const type = bytes.toString('latin1', at + 4, at + 8);
@@ -13,13 +13,13 @@ export function readRecording(file) {
     if (bytes.toString('latin1', at, at + 4) !== 'tCHK' || raw.length !== size) throw new Error('bad chunk');
     if (type === 'HEAD') recording.header = JSON.parse(raw);
     if (type === 'DONE') recording.end = JSON.parse(raw);
-    if (type === 'FRMS') recording.frames.push(...frames(raw));
+    if (type === 'FRMS') recording.frames.push(...frames(raw, recording.header.springs.length));
     at += 32 + stored;
   }
   return recording;
 }
 
-function frames(raw) {
+function frames(raw, springs) {
   const [count, bodies, joints, scalars] = [0, 4, 8, 12].map((at) => raw.readUInt32LE(at));
   let at = 16;
   const doubles = (n) => Array.from({length: n}, (_, i) => raw.readDoubleLE(at + 8 * i));
@@ -41,6 +41,7 @@ function frames(raw) {
   const contactCounts = Array.from({length: count}, (_, i) => raw.readUInt32LE(at + 4 * i));
   at += 4 * count;
   const contacts = column(contactCounts.reduce((a, b) => a + b, 0), 11);
+  const tensions = floats(count, springs);
   let contact = 0;
   const of = (data, frame, perFrame, width) => (index) =>
     Array.from(data.subarray(frame * perFrame + width * index, frame * perFrame + width * (index + 1)));
@@ -56,6 +57,7 @@ function frames(raw) {
       force: (j) => joint(j).slice(0, 3),
       torque: (j) => joint(j).slice(3, 6),
       gap: (j) => joint(j)[6],
+      tension: (s) => tensions[f * springs + s],
       attached: (j) => joint(j)[6] !== -1,
       contacts: Array.from({length: contactCounts[f]}, () => {
         const words = contacts.slice(11 * contact, 11 * ++contact), numbers = new Float32Array(words.buffer);
@@ -84,6 +86,7 @@ export function anchor({header}, frame, j) {
   return add(frame.position(b), turned(frame.rotation(b), at));
 }
 
-/** Where the points of a joint's course are at a frame: of a rod, rope or wire. */
-export const course = ({header}, frame, j) => header.joints[j].course.map(
-  ([body, ...at]) => add(frame.position(body), turned(frame.rotation(body), at)));
+/** Where the points of the course of a rod, rope, wire or spring are at a frame. */
+const points = (frame, course) => course.map(([body, ...at]) => add(frame.position(body), turned(frame.rotation(body), at)));
+export const course = ({header}, frame, j) => points(frame, header.joints[j].course);
+export const springEnds = ({header}, frame, s) => points(frame, header.springs[s].course);
