@@ -11,6 +11,7 @@
 #include "core/check.h"
 #include "scenes/accuracy_report.h"
 #include "scenes/convergence_study.h"
+#include "scenes/energy_study.h"
 #include "scenes/gnuplot.h"
 #include "scenes/method_study.h"
 #include "scenes/run_command.h"
@@ -101,26 +102,34 @@ const std::vector<std::string> kStudied = {"pendulum_simple_90", "pendulum_spher
                                            "double_pendulum_regular", "heavy_top_geradin_cardona",
                                            "slider_crank_free"};
 constexpr double kStudyStep = 1e-3, kStudyTime = 5;
+constexpr long kEnergySteps = 1'000'000;
 
 /// What --study asks for.
 int study_command(const fs::path& references, const fs::path& folder) {
   fs::create_directories(folder);
   const std::vector<ConvergenceRun> convergence = run_convergence(references, kStudied);
   const std::vector<MethodRun> methods = run_methods(kStudyStep, kStudyTime);
+  const std::vector<EnergyRun> energy = run_energy(kEnergySteps, kStudyStep);
   const std::string tables =
       "# Convergence\n\nLargest position error [m] against the reference; tension divides no step, but one "
       "that Newton cannot close is.\n\n" +
       convergence_table(convergence) +
       "\n# Methods\n\nSteps of 1 ms for 5 s; errors of energy relative to what the mechanism can turn "
       "over.\n\n" +
-      methods_table(methods);
+      methods_table(methods) +
+      "\n# Energy\n\nDouble pendulum; errors relative to what it can turn over; drift is the slope of the "
+      "best line times the time of the run. The picture has range and mean of 500 equal parts of the "
+      "run.\n\n" +
+      energy_table(energy);
   std::cout << tables << std::flush;
   bool good = write((folder / "study.md").string(), tables);
   good = write((folder / "convergence.csv").string(), convergence_csv(convergence)) && good;
   good = write((folder / "methods.csv").string(), methods_csv(methods)) && good;
+  good = write((folder / "energy.csv").string(), energy_csv(energy)) && good;
   if (!good) return kExitFailure;
-  draw(convergence_plots(convergence, folder.string()) + methods_plots(methods, folder.string()), folder,
-       "taut accuracy");
+  draw(convergence_plots(convergence, folder.string()) + methods_plots(methods, folder.string()) +
+           energy_plots(energy, folder.string()),
+       folder, "taut accuracy");
   return kExitSuccess;
 }
 

@@ -176,9 +176,20 @@ BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const
   return results;
 }
 
+/// An earlier result to compare with; nothing if none is asked for.
+std::optional<BenchResults> earlier_results(const std::string& file) {
+  if (file.empty()) return std::nullopt;
+  std::ifstream in(file);
+  BenchResults then = BenchResults::parse(in, nullptr, false);
+  if (then.is_discarded() || !then.contains("runs") || !then.at("runs").is_array())
+    fail("--compare", "is no result of taut bench", file);
+  return then;
+}
+
 /// @returns how many runs of taut failed or became slower.
 int run_engines(const fs::path& folder, const fs::path& build, const BenchOptions& options) {
   const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
+  const std::optional<BenchResults> then = earlier_results(options.compare);
   const BenchResults results = run_plan(folder, options, out);
   draw_results(results, options, out);
   int bad = 0;
@@ -186,12 +197,8 @@ int run_engines(const fs::path& folder, const fs::path& build, const BenchOption
     const std::string status = run.value("status", "");
     bad += run.at("engine") == "taut" && status != "success" && status != "time limit";
   }
-  if (options.compare.empty()) return bad;
-  std::ifstream in(options.compare);
-  const Json then = Json::parse(in, nullptr, false);
-  if (then.is_discarded() || !then.contains("runs"))
-    fail("--compare", "is no result of taut bench", options.compare);
-  const BenchComparison comparison = compare_bench(results, then, options.factor);
+  if (!then) return bad;
+  const BenchComparison comparison = compare_bench(results, *then, options.factor);
   std::cout << comparison.text;
   return bad + comparison.slower + (comparison.compared == 0);
 }

@@ -27,13 +27,32 @@ double position_error(const reference::CaseRun& run) {
   return error;
 }
 
-ConvergenceRun converge(const fs::path& file, Integrator integrator) {
-  ConvergenceRun result{
-      .id = file.stem().string(), .integrator = name_of(integrator, kIntegratorNames), .points = {}};
+/// Sweeps of the iterative solvers: enough for joints of the few bodies here, so that the step is what is
+/// seen.
+constexpr int kSweeps = 100;
+
+/// Every integrator on the factor, and RATTLE's steps with each of the iterative solvers.
+std::vector<std::pair<std::string, Settings>> studied_methods() {
+  std::vector<std::pair<std::string, Settings>> methods;
+  for (const auto& [name, integrator] : kIntegratorNames) {
+    methods.push_back({name, {}});
+    methods.back().second.integrator = integrator;
+  }
+  for (const auto& [name, solver] : kSolverNames) {
+    if (solver == Solver::kDirect) continue;
+    methods.push_back({name, {}});
+    methods.back().second.solver = solver;
+    methods.back().second.iterations = kSweeps;
+  }
+  return methods;
+}
+
+ConvergenceRun converge(const fs::path& file, const std::string& method, const Settings& settings) {
+  ConvergenceRun result{.id = file.stem().string(), .method = method, .points = {}};
   for (double fraction : kFractions) {
     reference::RunPlan plan;
     plan.choose_integrator = false;
-    plan.settings.integrator = integrator;
+    plan.settings = settings;
     plan.settings.tension = TensionPolicy::kIgnore;  // one step is one step
     plan.settings.max_rotation = 10;
     plan.settings.drift_cure = DriftCure::kNone;  // a cure of first order would be all that is seen
@@ -63,17 +82,17 @@ std::vector<ConvergenceRun> run_convergence(const fs::path& folder, const std::v
   for (const std::string& id : ids) {
     const fs::path file = folder / (id + ".json");
     if (!fs::exists(file)) continue;
-    for (const auto& [name, integrator] : kIntegratorNames) runs.push_back(converge(file, integrator));
+    for (const auto& [method, settings] : studied_methods()) runs.push_back(converge(file, method, settings));
   }
   return runs;
 }
 
 std::string convergence_table(const std::vector<ConvergenceRun>& runs) {
-  std::string text = "| case | integrator | order |";
+  std::string text = "| case | method | order |";
   for (double fraction : kFractions) text += format(" error at %g dt |", fraction);
   text += "\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const ConvergenceRun& r : runs) {
-    text += "| " + r.id + " | " + r.integrator + (r.order() > 0 ? format(" | %.1f |", r.order()) : " | – |");
+    text += "| " + r.id + " | " + r.method + (r.order() > 0 ? format(" | %.1f |", r.order()) : " | – |");
     for (const ConvergenceRun::Point& p : r.points)
       text += p.failed.empty() ? format(" %.1e |", p.error) : std::string(" failed |");
     text += '\n';
@@ -82,10 +101,10 @@ std::string convergence_table(const std::vector<ConvergenceRun>& runs) {
 }
 
 std::string convergence_csv(const std::vector<ConvergenceRun>& runs) {
-  std::string text = "case,integrator,dt_s,position_error_m,wall_time_s,failed\n";
+  std::string text = "case,method,dt_s,position_error_m,wall_time_s,failed\n";
   for (const ConvergenceRun& r : runs)
     for (const ConvergenceRun::Point& p : r.points)
-      text += r.id + ',' + r.integrator + format(",%.9g,%.6g,%.4g,", p.dt, p.error, p.wall_time) +
+      text += r.id + ',' + r.method + format(",%.9g,%.6g,%.4g,", p.dt, p.error, p.wall_time) +
               (p.failed.empty() ? "" : '"' + p.failed + '"') + '\n';
   return text;
 }
@@ -108,7 +127,7 @@ std::string convergence_plots(const std::vector<ConvergenceRun>& runs, const std
               format("$C%d using %s with linespoints pt 7 ps 0.5 %s", index, columns, title.c_str());
     };
     curve(errors[r.id], "1:2", "notitle");
-    curve(works[r.id], "3:2", "title '" + r.integrator + "'");
+    curve(works[r.id], "3:2", "title '" + r.method + "'");
     ++index;
   }
   for (const auto& [id, plot] : errors)

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "scenes/convergence_study.h"
+#include "scenes/energy_study.h"
 #include "scenes/method_study.h"
 
 /// What `taut accuracy --study` says, against what is known of the methods.
@@ -20,6 +21,31 @@ TEST(Study, OrderIsTheSlopeOfTheShortestStepsAboveRoundOff) {
   EXPECT_EQ(run.order(), 0);
 }
 
+TEST(Study, EnergyDriftIsTheSlopeTimesTheTime) {
+  EnergyRun run;
+  for (int i = 1; i <= 50; ++i) run.windows.push_back({0.1 * i, -2, 3 - 0.02 * i, 5});  // −0.2 a second
+  EXPECT_NEAR(run.drift(), -0.2 * 5, 1e-12);
+  EXPECT_EQ(run.largest(), 5);
+}
+
+// 20,000 steps, as a short form of the million: RATTLE's energy comes back, and windows leave no step out.
+TEST(Study, EnergyOfTheDoublePendulumComesBack) {
+  const std::vector<EnergyRun> runs = run_energy(20'000, 1e-3);
+  ASSERT_EQ(runs.size(), 3u);
+  for (const EnergyRun& run : runs) {
+    EXPECT_EQ(run.failed, "") << run.method;
+    ASSERT_EQ(run.windows.size(), 500u);
+    EXPECT_NEAR(run.windows.back().time, 20, 1e-9);
+    for (const EnergyRun::Window& w : run.windows) {
+      EXPECT_LE(w.least, w.mean);
+      EXPECT_LE(w.mean, w.most);
+    }
+    EXPECT_LT(std::abs(run.drift()), 0.2 * run.largest()) << run.method;
+    EXPECT_LE(run.max_gap, 1e-9) << run.method;
+  }
+  EXPECT_LT(runs[1].largest() + runs[2].largest(), 1e-6);  // Runge–Kutta and order 4
+}
+
 TEST(Study, IntegratorsHaveTheirOrders) {
   const std::filesystem::path folder = std::filesystem::path(TAUT_SOURCE_DIR) / "tests" / "references";
   const std::map<std::string, double> nominal = {{"rattle", 2},      {"rattle4", 4},
@@ -27,10 +53,10 @@ TEST(Study, IntegratorsHaveTheirOrders) {
                                                  {"force-euler", 1}, {"force-runge-kutta", 4}};
   for (const ConvergenceRun& run : run_convergence(folder, {"pendulum_simple_90", "no such case"})) {
     EXPECT_EQ(run.id, "pendulum_simple_90");
-    if (run.integrator == "rattle8") {  // at round-off after its first step
+    if (run.method == "rattle8") {  // at round-off after its first step
       EXPECT_LE(run.points.front().error, 1e-7);
     } else {
-      EXPECT_NEAR(run.order(), nominal.at(run.integrator), 0.3) << run.integrator;
+      EXPECT_NEAR(run.order(), nominal.at(run.method), 0.3) << run.method;
     }
   }
 }

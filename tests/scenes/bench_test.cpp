@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include "scenes/bench_report.h"
+#include "tests/run_program.h"
+
+/// When `taut bench --compare` says that something has become worse.
+namespace taut::testing {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A run of 2 s, of the cost [s of processor time per simulated s] and joint error [m].
+Json run_of(const char* engine, int n, double cost, double joint_error) {
+  return {{"engine", engine},
+          {"method", "rattle"},
+          {"scene", "chain"},
+          {"n", n},
+          {"truck", false},
+          {"rate_hz", 240.0},
+          {"status", "success"},
+          {"cpu_per_simulated_s", cost},
+          {"max_joint_error_m", joint_error},
+          {"max_joint_angle_error_rad", 0.0},
+          {"energy_drift_rel", 1e-4},
+          {"simulated_time_s", 2.0},
+          {"duration_s", 2.0}};
+}
+BenchResults results(std::vector<Json> runs) { return {{"runs", std::move(runs)}}; }
+
+TEST(BenchComparison, EqualResultsAreNotWorse) {
+  const BenchResults same = results({run_of("taut", 10, 0.1, 1e-10), run_of("taut", 20, 0.3, 1e-10)});
+  const BenchComparison comparison = compare_bench(same, same, 1.5);
+  EXPECT_EQ(comparison.compared, 2);
+  EXPECT_EQ(comparison.slower, 0);
+}
+
+TEST(BenchComparison, OnlyWhatTakesMoreThanTheFactorIsWorse) {
+  const BenchResults then = results({run_of("taut", 10, 0.1, 1e-10), run_of("taut", 20, 0.3, 1e-10)});
+  const BenchResults now = results({run_of("taut", 10, 0.149, 1e-10), run_of("taut", 20, 0.46, 1e-10)});
+  const BenchComparison comparison = compare_bench(now, then, 1.5);
+  EXPECT_EQ(comparison.slower, 1);
+  EXPECT_NE(comparison.text.find("x 1.53  WORSE"), std::string::npos) << comparison.text;
+  EXPECT_EQ(compare_bench(now, then, 1.4).slower, 2);
+  EXPECT_EQ(compare_bench(then, now, 1.5).slower, 0);  // faster is no regression
+}
+
+TEST(BenchComparison, AnOpenedJointIsWorseThoughFaster) {
+  const BenchResults then = results({run_of("taut", 10, 0.1, 1e-10)});
+  EXPECT_EQ(compare_bench(results({run_of("taut", 10, 0.05, 2e-9)}), then, 1.5).slower, 1);
+  // What was open before may stay so.
+  EXPECT_EQ(
+      compare_bench(results({run_of("taut", 10, 0.1, 3e-6)}), results({run_of("taut", 10, 0.1, 2e-6)}), 1.5)
+          .slower,
+      0);
+}
+
+TEST(BenchComparison, ARunThatFailsNowIsWorse) {
+  const BenchResults then = results({run_of("taut", 10, 0.1, 1e-10)});
+  Json stopped = run_of("taut", 10, 0.1, 1e-10), crashed = stopped;
+  stopped["status"] = "diverged";
+  crashed["status"] = "crashed";
+  crashed.erase("cpu_per_simulated_s");
+  EXPECT_EQ(compare_bench(results({stopped}), then, 1.5).slower, 1);
+  EXPECT_EQ(compare_bench(results({crashed}), then, 1.5).slower, 1);
+}
+
+TEST(BenchComparison, OtherEnginesAndNewScenesDoNotCount) {
+  const BenchResults then = results({run_of("taut", 10, 0.1, 1e-10), run_of("ode", 10, 0.1, 1e-3)});
+  const BenchComparison comparison =
+      compare_bench(results({run_of("ode", 10, 9, 1), run_of("taut", 99, 9, 1)}), then, 1.5);
+  EXPECT_EQ(comparison.compared, 0);
+  EXPECT_EQ(comparison.slower, 0);
+}
+
+// Before three minutes of measuring, not after them.
+TEST(BenchComparison, WhatIsNoResultIsRefusedAtOnce) {
+  write_text(temporary("no_result.json"), "{\"runs\": 3}");
+  for (const std::string& file : {std::string("/no/such/file.json"), temporary("no_result.json")}) {
+    const Outcome outcome = run_program({"bench", "--quick", "--compare", file});
+    EXPECT_EQ(outcome.exit_status, 2);
+    EXPECT_NE(outcome.err.find(file), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.find("minutes at most"), std::string::npos) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace taut::testing
