@@ -187,9 +187,9 @@ std::optional<BenchResults> earlier_results(const std::string& file) {
 }
 
 /// @returns how many runs of taut failed or became slower.
-int run_engines(const fs::path& folder, const fs::path& build, const BenchOptions& options) {
+int run_engines(const fs::path& folder, const fs::path& build, const BenchOptions& options,
+                const std::optional<BenchResults>& then) {
   const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
-  const std::optional<BenchResults> then = earlier_results(options.compare);
   const BenchResults results = run_plan(folder, options, out);
   draw_results(results, options, out);
   int bad = 0;
@@ -219,6 +219,7 @@ int run_programs(const std::vector<fs::path>& programs, const std::vector<std::s
 
 int bench_command(const BenchOptions& options) {
   if (!(options.factor > 0)) fail("--factor", "must be positive", options.factor);
+  const std::optional<BenchResults> then = earlier_results(options.compare);
   const fs::path build = options.build_dir.empty() ? fs::read_symlink("/proc/self/exe").parent_path()
                                                    : fs::path(options.build_dir);
   const fs::path folder = build / "benchmarks";
@@ -232,7 +233,7 @@ int bench_command(const BenchOptions& options) {
               << " in " << folder.string() << "; `./taut bench` builds them\n";
     return kExitFailure;
   }
-  int bad = scenes ? run_engines(folder, build, options) : 0;
+  int bad = scenes ? run_engines(folder, build, options, then) : 0;
   bad += run_programs(programs, options.arguments);
   return bad == 0 ? kExitSuccess : kExitFailure;
 }

@@ -101,28 +101,55 @@ export const arrowGeometries = () => [
   new ConeGeometry(0.055, 0.22, 14).rotateX(Math.PI / 2).translate(0, 0, 0.89),
 ];
 
+/** The box around a shape in its own axes: {low, high}; null for a half-space. */
+export function shapeBox(s) {
+  const around = (x, y, z) => ({low: [-x, -y, -z], high: [x, y, z]});
+  switch (s.type) {
+    case 'half_space': return null;
+    case 'mesh': return meshBox(s);
+    case 'box': return around(...s.size.map((edge) => edge / 2));
+    case 'ellipsoid': return around(...s.radii);
+    case 'sphere': return around(s.radius, s.radius, s.radius);
+    case 'capsule': return around(s.radius, s.radius, s.length / 2 + s.radius);
+    case 'cone': return {low: [-s.radius, -s.radius, -s.height / 4], high: [s.radius, s.radius, 0.75 * s.height]};
+    default: return around(s.radius, s.radius, s.length / 2);
+  }
+}
+
+function meshBox({positions}) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  positions.forEach((x, i) => {
+    low[i % 3] = Math.min(low[i % 3], x);
+    high[i % 3] = Math.max(high[i % 3], x);
+  });
+  return {low, high};
+}
+
+/** Points that show where a shape reaches, in its own axes: corners of its box; of round ones, the ends of the axes. */
+export function outerPoints(shape) {
+  const box = shapeBox(shape);
+  if (!box) return [];
+  const {low, high} = box;
+  if (shape.radii || shape.type === 'sphere')
+    return [0, 1, 2].flatMap((i) => [low, high].map((end) => end.map((x, k) => (k === i ? x : 0))));
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => low.map((x, k) => (corner >> k & 1 ? high[k] : x)));
+}
+
 /** Largest and smallest edge and diagonal of the box around each body's shapes [m]; zeros where nothing is drawn. */
 export function bodySizes(recording) {
   const most = new Float32Array(recording.bodyCount), least = new Float32Array(recording.bodyCount).fill(Infinity);
   const diagonal = new Float32Array(recording.bodyCount);
+  const edgesOf = recording.shapes.map((shape) => {
+    const box = shapeBox(shape);
+    return box && box.high.map((x, i) => x - box.low[i]);
+  });
   for (const [body, shapeIndex] of recording.drawn) {
-    const s = recording.shapes[shapeIndex];
-    const edges = s.size ?? s.radii?.map((r) => 2 * r) ?? (s.type === 'mesh' ? meshEdges(s)
-      : s.radius ? [2 * s.radius, 2 * s.radius, s.length ?? s.height ?? 2 * s.radius] : []);
-    if (!edges.length) continue;
+    const edges = edgesOf[shapeIndex], s = recording.shapes[shapeIndex];
+    if (!edges) continue;
     most[body] = Math.max(most[body], ...edges);
     least[body] = Math.min(least[body], ...edges);
     // A sphere has no corners.
     diagonal[body] = Math.max(diagonal[body], s.radii || s.type === 'sphere' ? Math.max(...edges) : Math.hypot(...edges));
   }
   return Array.from(most, (size, body) => [size, size ? least[body] : 0, diagonal[body]]);
-}
-
-function meshEdges({positions}) {
-  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-  positions.forEach((x, i) => {
-    low[i % 3] = Math.min(low[i % 3], x);
-    high[i % 3] = Math.max(high[i % 3], x);
-  });
-  return high.map((h, i) => h - low[i]);
 }

@@ -21,6 +21,7 @@ class Player {
                                    {select: (s) => this.select(s), follow: (body) => this.follow(body)});
     this.find = setUpFinder($('finder'), recording, (selected) => this.select(selected));
     this.view.onchange = () => this.request();
+    this.view.covered = () => this.inspector.covers();
     this.setUpTheme();
     this.setUpPlots();
     this.setUpControls();
@@ -59,7 +60,7 @@ class Player {
     const energy = of('energy').map(({name, values}) => ({name: kShort[name] ?? name, values}));
     if (energy.length === 2)
       energy.push({name: 'total', values: energy[0].values.map((value, f) => value + energy[1].values[f])});
-    if (energy.length) add({title: 'Energy', unit: 'J'}, energy);
+    if (energy.length) add({title: 'Energy', unit: 'J', digits: 3}, energy);
     const gaps = of('gap').filter(({values}, i) => i === 0 || values.some((value) => value > 0));
     if (gaps.length && r.jointCount) add({title: 'Largest gap', logarithmic: true}, gaps.map(({unit, values}) => ({name: `[${unit}]`, values})));
     this.selectionPlot = add({title: 'Selection'}, []);
@@ -76,8 +77,8 @@ class Player {
   setUpControls() {
     const r = this.recording, moving = r.bodies.fixed.filter((fixed, i) => i > 0 && !fixed).length;
     const parameters = Object.entries(r.parameters).map(([key, value]) => `${key} = ${value}`);
-    $('facts').textContent = [...parameters, `${moving.toLocaleString('en')} bodies`,
-      `${r.jointCount.toLocaleString('en')} joints`, ...(r.springCount ? [`${r.springCount.toLocaleString('en')} springs`] : [])].join(' · ');
+    const counted = [[moving, 'body', 'bodies'], [r.jointCount, 'joint', 'joints'], ...(r.springCount ? [[r.springCount, 'spring', 'springs']] : [])];
+    $('facts').textContent = [...parameters, ...counted.map(([count, one, many]) => `${count.toLocaleString('en')} ${count === 1 ? one : many}`)].join(' · ');
     const slider = $('time');
     Object.assign(slider, {min: r.start, max: r.end, value: r.start});
     slider.oninput = () => this.seek(Number(slider.value));

@@ -100,6 +100,13 @@ export class Inspector {
     }
   }
 
+  /** How much of the view it takes [px]: at the right, or on a phone at the bottom. */
+  covers() {
+    if (this.element.hidden) return {right: 0, bottom: 0};
+    const own = this.element.getBoundingClientRect(), all = this.element.parentElement.getBoundingClientRect();
+    return own.width > 0.9 * all.width ? {right: 0, bottom: all.bottom - own.top} : {right: all.right - own.left, bottom: 0};
+  }
+
   show(frame, poses) {
     if (!this.selected) return;
     const cells = numbers(this.recording, this.selected, frame, poses, this.used).flatMap(([name, text]) => {

@@ -2,20 +2,23 @@
 
 const kColors = {light: ['#2f6db5', '#cf6a1b', '#2f8a55', '#a5478f'], dark: ['#6db0ff', '#ffab5e', '#69d394', '#e58fd0']};
 
-export const format = (value) => {
+export const format = (value, digits = 4) => {
   if (!Number.isFinite(value)) return '–';
   if (value === 0) return '0';
   const size = Math.abs(value);
-  const text = size >= 1e5 || size < 1e-3 ? value.toExponential(2).replace('e+', 'e') : String(Number(value.toPrecision(4)));
+  const text = size >= 1e5 || size < 1e-3 ? value.toExponential(2).replace('e+', 'e') : String(Number(value.toPrecision(digits)));
   return text.replace(/^-/, '−');
 };
 
 const kPrefixes = [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, 'µ'], [1e-9, 'n'], [1e-12, 'p']];
 
+/** [factor, letter] of the prefix that a number of this size is written with. */
+const prefixOf = (size) => kPrefixes.find(([factor]) => size >= 0.9995 * factor) ?? [1, ''];
+
 /** A number with its unit and a prefix of it: 27.7 kN. */
 export function withUnit(value, unit, digits = 3) {
   if (!Number.isFinite(value)) return '–';
-  const [factor, prefix] = kPrefixes.find(([size]) => Math.abs(value) >= 0.9995 * size) ?? [1, ''];
+  const [factor, prefix] = prefixOf(Math.abs(value));
   const text = value === 0 || factor === 1e-12 && Math.abs(value) < 1e-12 ? format(value)
     : String(Number((value / factor).toPrecision(digits))).replace(/^-/, '−');
   return `${text} ${prefix}${unit}`.trim();
@@ -51,8 +54,8 @@ export function outline(values, stride) {
 
 export class Plot {
   /** @param series [{name, values: Float64Array}]  @param seek called with a time */
-  constructor(parent, {title, unit, logarithmic = false}, times, seek) {
-    Object.assign(this, {times, unit, logarithmic, seek, series: []});
+  constructor(parent, {title, unit, logarithmic = false, digits = 4}, times, seek) {
+    Object.assign(this, {times, unit, logarithmic, digits, seek, series: []});
     this.element = document.createElement('figure');
     this.element.className = 'plot';
     this.caption = document.createElement('figcaption');
@@ -98,6 +101,9 @@ export class Plot {
       const margin = 0.06 * (high - low) || 0.05 * Math.abs(high) || 1;
       [low, high] = [low - margin, high + margin];
     }
+    // One prefix for axis and numbers, that of the largest: a column of kJ is easier to read than one of 50000 J.
+    const size = Math.max(Math.abs(low), Math.abs(high));
+    [this.factor, this.prefix] = this.unit && !this.logarithmic && size >= 1000 ? prefixOf(size) : [1, ''];
     Object.assign(this, {low, high});
     this.draw();
   }
@@ -147,14 +153,15 @@ export class Plot {
     context.fillStyle = dark ? '#9aa7b5' : '#5d6a78';
     context.strokeStyle = dark ? '#ffffff14' : '#00000012';
     context.textAlign = 'right';
-    for (const tick of ticks(this.low, this.high, Math.max(2, Math.round(height / 24)))) {
+    const each = this.factor, levels = Math.max(2, Math.round(height / 24));
+    for (const tick of ticks(this.low / each, this.high / each, levels)) {
       if (this.logarithmic && tick !== Math.round(tick)) continue;
-      const value = this.logarithmic ? 10 ** tick : tick, at = y(value);
+      const at = y(this.logarithmic ? 10 ** tick : tick * each);
       context.beginPath();
       context.moveTo(x0, at);
       context.lineTo(x1, at);
       context.stroke();
-      context.fillText(this.logarithmic ? `1e${tick}` : format(value), x0 - 5, at + 3);
+      context.fillText(this.logarithmic ? `1e${tick}` : format(tick), x0 - 5, at + 3);
     }
     context.textAlign = 'center';
     const t0 = this.times[0], t1 = this.times[this.times.length - 1];
@@ -196,13 +203,19 @@ export class Plot {
     context.restore();
   }
 
+  /** A number of a curve; what hardly differs from 0 in the picture with one digit. */
+  short(value) {
+    const isSmall = !this.logarithmic && Math.abs(value) < 1e-4 * (this.high - this.low);
+    return isSmall && value !== 0 ? (value / this.factor).toExponential(0).replaceAll('-', '−') : format(value / this.factor, this.digits);
+  }
+
   writeCaption(colors) {
     const title = document.createElement('strong');
-    title.textContent = this.unit ? `${this.title} [${this.unit}]` : this.title;
+    title.textContent = this.unit ? `${this.title} [${this.prefix}${this.unit}]` : this.title;
     this.caption.replaceChildren(title, ...this.series.map(({name, values}, s) => {
       const item = document.createElement('span');
       item.style.setProperty('--line', colors[s % colors.length]);
-      item.textContent = `${name} ${this.frame === undefined ? '' : format(values[this.frame])}`;
+      item.textContent = `${name} ${this.frame === undefined ? '' : this.short(values[this.frame])}`;
       return item;
     }));
   }

@@ -1,11 +1,11 @@
 // The picture: camera, light, floor, picking.
 import {
   AmbientLight, BufferGeometry, Color, DirectionalLight, Fog, HemisphereLight, LineBasicMaterial, LineSegments,
-  Float32BufferAttribute, Mesh, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry, Raycaster, Scene,
+  Float32BufferAttribute, Mesh, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry, Quaternion, Raycaster, Scene,
   Vector2, Vector3, WebGLRenderer,
 } from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
-import {bodySizes} from './geometry.js';
+import {bodySizes, outerPoints} from './geometry.js';
 import {Arrows, Instances, worldPoint} from './instances.js';
 import {roundStep} from './plots.js';
 
@@ -57,22 +57,29 @@ export class View {
     this.high = new Vector3(...high).addScalar(margin);
     this.center = this.low.clone().add(this.high).multiplyScalar(0.5);
     this.extent = this.high.distanceTo(this.low) || 1;
-    this.margin = margin;
     this.reach = 0.14 * this.extent;  // the arrow of a large force
-    this.sampleCentres();
+    this.samplePoints(margin);
   }
 
-  /** Where bodies are at some instants: what the camera must see. */
-  sampleCentres() {
-    const {recording} = this, poses = new Float32Array(this.poses.length);
-    const every = Math.ceil(recording.bodyCount / 1500), count = Math.min(12, recording.frames);
-    this.centres = [];
+  /** Where everything is at some instants: what the camera must see, each with `this.margin` around it. */
+  samplePoints(bodyRadius) {
+    const {recording: r} = this, poses = new Float32Array(this.poses.length);
+    // Corners of the shapes; of many bodies the centres alone.
+    const corners = r.drawn.length > 240 ? null : r.drawn.flatMap(([body, shape, x, y, z, ...q]) => {
+      const turn = new Quaternion(...q), place = new Vector3(x, y, z);
+      return outerPoints(r.shapes[shape]).map((point) => [body, ...new Vector3(...point).applyQuaternion(turn).add(place)]);
+    });
+    const every = Math.ceil(r.bodyCount / 1500);
+    const centres = Array.from({length: Math.ceil((r.bodyCount - 1) / every)}, (_, i) => [1 + every * i, 0, 0, 0]);
+    const ends = [...r.course.values(), ...r.springs.map(({course}) => course)].flat();
+    const all = [...(corners ?? centres), ...ends], count = Math.min(Math.max(12, Math.floor(6000 / all.length)), 60, r.frames);
+    this.points = [];
     for (let k = 0; k < count; ++k) {
-      recording.poses(recording.times[Math.round(k * (recording.frames - 1) / Math.max(count - 1, 1))], poses);
-      for (let body = 1; body < recording.bodyCount; body += every)
-        this.centres.push(new Vector3().fromArray(poses, 7 * body));
+      r.poses(r.times[Math.round(k * (r.frames - 1) / Math.max(count - 1, 1))], poses);
+      for (const point of all) this.points.push(new Vector3(...worldPoint(poses, ...point)));
     }
-    if (!this.centres.length) this.centres = [this.center];
+    if (!this.points.length) this.points = [this.center];
+    this.margin = corners ? 0.01 * this.extent : bodyRadius;
   }
 
   addLights() {
@@ -133,24 +140,25 @@ export class View {
   }
 
   /**
-   * The nearest place from where everything in sampleCentres() is in the picture.  At right r, top t and forward f from
-   * the camera, a point is seen if |r| ≤ a f and −b f ≤ t ≤ c f.  Each of these four bounds holds for all points if it holds
+   * The nearest place from where everything in samplePoints() is in the picture.  At right r, top t and forward f from
+   * the camera, a point is seen if −w f ≤ r ≤ e f and −b f ≤ t ≤ c f.  Each of these four bounds holds for all points if it holds
    * for the point that is worst, wherever the camera is; the camera goes as far forward as they let it.
    */
   fit(direction) {
     const forward = direction.clone().negate(), right = forward.clone().cross(this.up).normalize();
     const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360), m = this.margin;
-    // The head line and the legend, on a phone above each other, take a part of the height [px].
-    const {clientWidth, clientHeight} = this.canvas, [above, below] = clientWidth <= 760 ? [140, 20] : [62, 36];
-    const rest = (taken) => t * Math.max(1 - 2 * taken / Math.max(clientHeight, 1), 0.3);
-    const a = 0.92 * t * this.camera.aspect, b = rest(below), c = rest(above);
-    const points = this.centres.map((centre) => [centre.dot(right), centre.dot(top), centre.dot(forward)]);
+    // The head line and the legend, on a phone above each other, take a part of the height, and so may others [px].
+    const {clientWidth, clientHeight} = this.canvas, isPhone = clientWidth <= 760, covered = this.covered?.() ?? {right: 0, bottom: 0};
+    const rest = (taken, size) => t * Math.max(1 - 2 * taken / Math.max(size, 1), 0.05);
+    const b = rest(Math.max(covered.bottom, isPhone ? 20 : 36), clientHeight), c = rest(isPhone ? 140 : 62, clientHeight);
+    const w = 0.92 * t * this.camera.aspect, e = Math.min(w, this.camera.aspect * rest(covered.right, clientWidth));
+    const points = this.points.map((point) => [point.dot(right), point.dot(top), point.dot(forward)]);
     const most = (of) => points.reduce((sum, point) => Math.max(sum, of(point)), -Infinity);
-    const east = most(([r, , f]) => r - a * f) + m, west = most(([r, , f]) => -r - a * f) + m;
+    const east = most(([r, , f]) => r - e * f) + m, west = most(([r, , f]) => -r - w * f) + m;
     const north = most(([, u, f]) => u - c * f) + m, south = most(([, u, f]) => -u - b * f) + m;
     const far = most(([, , f]) => f), near = -most(([, , f]) => -f);
     // Not so near that the front is more than about three times as large as the back.
-    const f = Math.min(-(east + west) / (2 * a), -(north + south) / (b + c), near - 0.4 * (far - near) - 2 * m);
+    const f = Math.min(-(east + west) / (e + w), -(north + south) / (b + c), near - 0.4 * (far - near) - 2 * m);
     // Where there is room to spare, the same on both sides of the picture.
     const balanced = (k, low, high, lowSlope, highSlope) => {
       for (let i = 0; i < 40; ++i) {
@@ -161,7 +169,7 @@ export class View {
       }
       return (low + high) / 2;
     };
-    const r = balanced(0, east + a * f, -west - a * f, a, a), u = balanced(1, north + c * f, -south - b * f, b, c);
+    const r = balanced(0, east + e * f, -west - w * f, w, e), u = balanced(1, north + c * f, -south - b * f, b, c);
     const distance = Math.max((near + far) / 2 - f, 1e-3 * this.extent);
     const target = new Vector3().addScaledVector(right, r).addScaledVector(top, u).addScaledVector(forward, f + distance);
     return {target, distance};

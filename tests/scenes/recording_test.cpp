@@ -9,6 +9,7 @@
 #include "core/joints.h"
 #include "scenes/frame_sampler.h"
 #include "scenes/recording_chunk.h"
+#include "scenes/scene_file.h"
 #include "tests/run_program.h"
 #include "tests/scenes/sample_recording.h"
 
@@ -199,7 +200,7 @@ TEST(Recording, FilesOfTheFirstFormatAreRead) {
   const double start = frame.scalars[0] + frame.scalars[1];
   const Frame& last = reader.frame(3);
   EXPECT_GT(last.scalars[0], frame.scalars[0]);
-  EXPECT_NEAR(last.scalars[0] + last.scalars[1], start, 1e-6 * std::abs(start));
+  EXPECT_NEAR(last.scalars[0] + last.scalars[1], start, 1e-6 * last.scalars[0]);
 }
 
 TEST(Recording, AnUnknownFormatIsNamed) {

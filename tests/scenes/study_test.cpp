@@ -30,9 +30,11 @@ TEST(Study, EnergyDriftIsTheSlopeTimesTheTime) {
 
 // 20,000 steps, as a short form of the million: RATTLE's energy comes back, and windows leave no step out.
 TEST(Study, EnergyOfTheDoublePendulumComesBack) {
-  const std::vector<EnergyRun> runs = run_energy(20'000, 1e-3);
+  const std::vector<EnergyRun> all = run_energy(20'000, 1e-3);
+  std::map<std::string, EnergyRun> runs;
+  for (const EnergyRun& run : all) runs[run.method] = run;
   ASSERT_EQ(runs.size(), 3u);
-  for (const EnergyRun& run : runs) {
+  for (const EnergyRun& run : all) {
     EXPECT_EQ(run.failed, "") << run.method;
     ASSERT_EQ(run.windows.size(), 500u);
     EXPECT_NEAR(run.windows.back().time, 20, 1e-9);
@@ -40,10 +42,15 @@ TEST(Study, EnergyOfTheDoublePendulumComesBack) {
       EXPECT_LE(w.least, w.mean);
       EXPECT_LE(w.mean, w.most);
     }
-    EXPECT_LT(std::abs(run.drift()), 0.2 * run.largest()) << run.method;
     EXPECT_LE(run.max_gap, 1e-9) << run.method;
   }
-  EXPECT_LT(runs[1].largest() + runs[2].largest(), 1e-6);  // Runge–Kutta and order 4
+  const EnergyRun &second = runs["RATTLE"], &fourth = runs["RATTLE of order 4"];
+  const EnergyRun& runge_kutta = runs["force level, Runge-Kutta, position push"];
+  EXPECT_LT(std::abs(second.drift()), 0.05 * second.largest());
+  EXPECT_LT(std::abs(fourth.drift()), 0.05 * fourth.largest());
+  EXPECT_LT(fourth.largest(), 1e-3 * second.largest());
+  // Runge–Kutta loses energy all the time, however little.
+  EXPECT_GT(std::abs(runge_kutta.drift()), 0.5 * runge_kutta.largest());
 }
 
 TEST(Study, IntegratorsHaveTheirOrders) {

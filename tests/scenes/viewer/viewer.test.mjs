@@ -6,6 +6,7 @@ import {after, before, describe, test} from 'node:test';
 import {
   differing, folder, heading, launch, lookFrom, open, picture, project, rampColor, runScene, scrub, settle, taut,
 } from './browser.mjs';
+import {outline} from '../../../scenes/viewer/plots.js';
 import {add, anchor, dot, norm, readRecording, sub, turned, unit} from './recording.mjs';
 
 // Short runs: what is looked at is the page, not the physics.
@@ -195,6 +196,18 @@ test('the pixels of a joint have the colour of its force', async () => {
   }
   assert.ok(hues.some((hue) => dot(hue, hues[0]) < 0.97), 'the colour never changes');
   await page.close();
+});
+
+test('curves of many points keep every peak, in order', () => {
+  const values = Float64Array.from({length: 10001}, (_, i) => Math.sin(i / 700));
+  values[5003] = 9;
+  values[5004] = -9;
+  values[10000] = 7;
+  const kept = [...outline(values, 25)];
+  assert.ok(kept.length <= 2 * 401);
+  for (const i of [5003, 5004, 10000]) assert.ok(kept.includes(i), `${i} is lost`);
+  assert.deepEqual(kept, [...kept].sort((a, b) => a - b));
+  assert.deepEqual([...outline(values.subarray(0, 50), 1)].length, 50);
 });
 
 test('the page and the table of replay have the same scalars', async () => {
