@@ -111,9 +111,10 @@ std::string convergence_csv(const std::vector<ConvergenceRun>& runs) {
 
 std::string convergence_plots(const std::vector<ConvergenceRun>& runs, const std::string& folder) {
   std::string script =
-      "set terminal svg size 960,420 dynamic background rgb 'white'\nset grid\nset logscale xy\nset format "
+      "set terminal svg size 1180,420 dynamic background rgb 'white'\nset grid\nset logscale xy\nset format "
       "'%.0e'\n";
   std::map<std::string, std::string> errors, works;
+  std::map<std::string, int> curves;  // of each case
   int index = 0;
   for (const ConvergenceRun& r : runs) {
     std::string points;
@@ -122,9 +123,11 @@ std::string convergence_plots(const std::vector<ConvergenceRun>& runs, const std
         points += format("%.9g %.6g %.6g\n", p.dt, std::max(p.error, 1e-16), p.wall_time);
     if (points.empty()) continue;
     script += format("$C%d << EOD\n", index) + points + "EOD\n";
+    const int number = curves[r.id]++;
     const auto curve = [&](std::string& plot, const char* columns, const std::string& title) {
       plot += (plot.empty() ? "plot " : ", ") +
-              format("$C%d using %s with linespoints pt 7 ps 0.5 %s", index, columns, title.c_str());
+              format("$C%d using %s with linespoints pt 7 ps 0.5 lt %d dt %d %s", index, columns,
+                     number % 8 + 1, number / 8 + 1, title.c_str());
     };
     curve(errors[r.id], "1:2", "notitle");
     curve(works[r.id], "3:2", "title '" + r.method + "'");
@@ -133,7 +136,7 @@ std::string convergence_plots(const std::vector<ConvergenceRun>& runs, const std
   for (const auto& [id, plot] : errors)
     script += "set output '" + folder + "/convergence-" + id + ".svg'\nset multiplot layout 1,2 title '" +
               id + "' noenhanced\nset key off\nset xlabel 'dt [s]'\nset ylabel 'position error [m]'\n" +
-              plot + "\nset key top right\nset xlabel 'time of the run [s]'\n" + works[id] +
+              plot + "\nset key outside right top\nset xlabel 'time of the run [s]'\n" + works[id] +
               "\nunset multiplot\n";
   return script;
 }

@@ -50,14 +50,15 @@ TEST(Study, EnergyOfTheDoublePendulumComesBack) {
   EXPECT_LT(std::abs(fourth.drift()), 0.05 * fourth.largest());
   EXPECT_LT(fourth.largest(), 1e-3 * second.largest());
   // Runge–Kutta loses energy all the time, however little.
-  EXPECT_GT(std::abs(runge_kutta.drift()), 0.5 * runge_kutta.largest());
+  EXPECT_GT(std::abs(runge_kutta.drift()), 0.2 * runge_kutta.largest());
 }
 
-TEST(Study, IntegratorsHaveTheirOrders) {
+TEST(Study, IntegratorsAndSolversHaveTheirOrders) {
   const std::filesystem::path folder = std::filesystem::path(TAUT_SOURCE_DIR) / "tests" / "references";
-  const std::map<std::string, double> nominal = {{"rattle", 2},      {"rattle4", 4},
-                                                 {"rattle6", 6},     {"rattle8", 8},
-                                                 {"force-euler", 1}, {"force-runge-kutta", 4}};
+  const std::map<std::string, double> nominal = {
+      {"rattle", 2},       {"rattle4", 4},     {"rattle6", 6},
+      {"rattle8", 8},      {"force-euler", 1}, {"force-runge-kutta", 4},
+      {"gauss-seidel", 2}, {"pairwise", 2},    {"propagation", 2}};
   for (const ConvergenceRun& run : run_convergence(folder, {"pendulum_simple_90", "no such case"})) {
     EXPECT_EQ(run.id, "pendulum_simple_90");
     if (run.method == "rattle8") {  // at round-off after its first step

@@ -124,6 +124,7 @@ test('a damper is not drawn as a spring, and its colour is that of its force whe
     await page.mouse.click(at.x, at.y);
     assert.equal(await page.locator('#inspector h2').textContent(), 'damper_1damper');
     assert.match(await page.locator('#inspector dl').textContent(), frame === pushing ? /tension−5 N/ : /tension4.6\d N/);
+    await page.keyboard.press('Escape');
   }
   assert.deepEqual(complaints, []);
   await page.close();
