@@ -1,7 +1,10 @@
 #include "scenes/exports.h"
 
+#include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <functional>
+#include <system_error>
 
 #include "core/check.h"
 #include "scenes/gltf_export.h"
@@ -38,6 +41,22 @@ bool write_text(const std::string& file, const std::string& text) {
   return static_cast<bool>(out.flush());
 }
 
+/// A file that could not be written to its end is taken away: half a page looks like a page.
+void make_file(const std::string& file, const std::function<bool()>& write,
+               std::vector<std::string>& errors) {
+  std::string reason;
+  try {
+    errno = 0;
+    if (write()) return;
+    if (errno != 0) reason = ": " + std::generic_category().message(errno);
+  } catch (const std::exception& error) {
+    reason = std::string(": ") + error.what();
+  }
+  errors.push_back("could not write " + file + reason);
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
+}
+
 }  // namespace
 
 void check_exports(const ExportFiles& files) {
@@ -58,12 +77,7 @@ ExportOutcome export_recording(RecordingReader& recording, const ExportFiles& fi
     fail("recording", "has no frames, so there is nothing to show", recording.file().string());
   ExportOutcome outcome;
   const auto make = [&](const std::string& file, const std::function<bool()>& write) {
-    if (file.empty()) return;
-    try {
-      if (!write()) outcome.errors.push_back("could not write " + file);
-    } catch (const std::exception& error) {
-      outcome.errors.push_back("could not write " + file + ": " + error.what());
-    }
+    if (!file.empty()) make_file(file, write, outcome.errors);
   };
   make(files.html, [&] {
     const HtmlPage page = html_page(recording);

@@ -137,6 +137,7 @@ export function setUpFinder(dialog, recording, select) {
     const text = input.value.trim().toLowerCase();
     found = all.filter(({name}) => name.toLowerCase().includes(text))
       .sort((a, b) => (b.name.toLowerCase() === text) - (a.name.toLowerCase() === text)).slice(0, 8);
+    if (!found.length) return list.replaceChildren(Object.assign(document.createElement('li'), {textContent: 'No name has this in it.'}));
     list.replaceChildren(...found.map((item) => {
       const row = document.createElement('li'), button = document.createElement('button');
       const kind = document.createElement('small');
@@ -150,6 +151,10 @@ export function setUpFinder(dialog, recording, select) {
   };
   input.oninput = search;
   input.onkeydown = (event) => {
+    if (event.key === 'Escape') {  // which would only empty the field
+      event.preventDefault();
+      return dialog.close();
+    }
     if (event.key !== 'Enter' || !found.length) return;
     event.preventDefault();
     choose(found[0]);

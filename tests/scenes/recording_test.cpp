@@ -1,8 +1,6 @@
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 #include <numbers>
 
@@ -11,6 +9,7 @@
 #include "scenes/recording_chunk.h"
 #include "scenes/scene_file.h"
 #include "tests/run_program.h"
+#include "tests/scenes/file_size_limit.h"
 #include "tests/scenes/sample_recording.h"
 
 namespace taut::testing {
@@ -230,25 +229,6 @@ TEST(Recording, AFullDiskIsSaid) {
   EXPECT_NE(writer.error().find("No space left on device"), std::string::npos) << writer.error();
   EXPECT_NE(writer.error().find("/dev/full"), std::string::npos);
 }
-
-/// Lets this process write files of at most so many bytes while it lives: what fills up here fills up as a
-/// disk does, in the middle of a chunk.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, SIG_DFL);
-  }
-
- private:
-  rlimit before_{};
-};
 
 // Wherever in the file the space ends, what was said to be written is there, and nothing of the rest.
 TEST(Recording, WhatFillsUpStaysReadable) {

@@ -250,6 +250,12 @@ test('the keyboard plays, steps, selects, colours and orbits', async () => {
   await page.keyboard.type('rod_1');
   await page.keyboard.press('Enter');
   assert.equal(await heading(page), 'rod_1');
+  await page.keyboard.press('/');
+  await page.keyboard.type('no such');
+  assert.match(await page.locator('#finder ul').textContent(), /No name/);
+  await page.keyboard.press('Escape');
+  assert.equal(await page.locator('#finder').isVisible(), false);
+  assert.equal(await heading(page), 'rod_1');
   await page.keyboard.press('c');
   assert.equal(await page.locator('#mode').inputValue(), 'gap');
   const position = () => page.evaluate(() => window.taut.view.camera.position.toArray());
