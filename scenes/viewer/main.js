@@ -171,6 +171,7 @@ class Player {
   home() {
     this.view.follow(null);
     this.inspector.select(this.state.selected, null);
+    this.showNumbers(this.recording.nearest(this.state.t));  // the view goes beside them
     this.view.home();
     this.request(true);
   }

@@ -299,6 +299,24 @@ test('fits a phone and answers to taps', async () => {
   await page.close();
 });
 
+test('reset shows everything beside the numbers of the selection', async () => {
+  for (const [viewport, name] of [[{width: 900, height: 520}, 'pendulum'], [{width: 390, height: 700}, 'bridge']]) {
+    const {page} = await open(browser, files[name].page, {viewport});
+    const {frames, header} = recordings[name], frame = frames.at(-1);
+    await scrub(page, frame.time);
+    await page.evaluate(() => window.taut.select({kind: 'body', id: 1}));
+    await page.keyboard.press('r');
+    await settle(page);
+    const numbers = await page.locator('#inspector').boundingBox(), view = await stage(page);
+    for (let body = 1; body < header.bodies.length; ++body) {
+      const {x, y} = await project(page, frame.position(body));
+      const isBeside = viewport.width > 760 ? x < numbers.x : y < numbers.y;
+      assert.ok(isBeside && x > view.x && x < view.x + view.width && y > view.y, `${name}: ${header.bodies[body].name} at ${x}, ${y}`);
+    }
+    await page.close();
+  }
+});
+
 test('every shape is drawn, and contact forces are arrows', async () => {
   const recording = path.join(folder, 'sample.taut'), file = path.join(folder, 'sample.html');
   execFileSync(process.env.TAUT_SAMPLE, [recording]);
