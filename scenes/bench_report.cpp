@@ -267,7 +267,8 @@ BenchComparison compare_bench(const BenchResults& now, const BenchResults& then,
   std::map<std::string, const Json*> before;
   for (const Json& run : then.at("runs"))
     if (moved(run)) before[label_of(run) + ", " + method_of(run)] = &run;
-  for (const Json& run : now.at("runs")) {
+  for (std::size_t i = 0; i < now.at("runs").size(); ++i) {
+    const Json& run = now.at("runs")[i];
     const std::string key = label_of(run) + ", " + method_of(run);
     const auto old = before.find(key);
     if (!is_taut(run) || old == before.end()) continue;
@@ -275,14 +276,18 @@ BenchComparison compare_bench(const BenchResults& now, const BenchResults& then,
     const double ratio = moved(run) ? cost(run) / cost(*old->second) : INFINITY;
     // A run that loses the promise of closed joints is worth no time at all.
     const bool opened = moved(run) && joint_error(*old->second) <= 1e-9 && joint_error(run) > 1e-9;
-    const bool slower = ratio > factor || opened || (holds(*old->second, 1e-9) && !holds(run, 1e-9));
-    result.slower += slower;
+    const bool worse = ratio > factor || opened || (holds(*old->second, 1e-9) && !holds(run, 1e-9));
+    if (worse) result.worse.push_back(i);
     result.text += format("%-60s %8.3g -> %8.3g s/s  x %.2f%s\n", key.c_str(), cost(*old->second),
-                          moved(run) ? cost(run) : NAN, ratio, slower ? "  WORSE" : "");
+                          moved(run) ? cost(run) : NAN, ratio, worse ? "  WORSE" : "");
   }
-  result.text +=
-      format("%d runs of taut compared, %d worse than x %.2g\n", result.compared, result.slower, factor);
+  result.text += format("%d runs of taut compared, %zu worse than x %.2g\n", result.compared,
+                        result.worse.size(), factor);
   return result;
+}
+
+bool is_better_measurement(const Json& run, const Json& other) {
+  return moved(run) && moved(other) && cost(run) < cost(other);
 }
 
 }  // namespace taut

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace taut {
 
@@ -21,9 +22,13 @@ std::string bench_plots(const BenchResults& results, const std::string& folder);
 /// Ratios to an earlier run, taut's only.
 struct BenchComparison {
   std::string text;
-  int slower = 0;  ///< by more than the factor
+  std::vector<std::size_t> worse;  ///< indices of runs that take longer by more than the factor, or are open
   int compared = 0;
 };
 BenchComparison compare_bench(const BenchResults& now, const BenchResults& then, double factor);
+
+/// Whether a run is the better measurement of the two: it moved, and took less processor time.  What else the
+/// machine does only adds time.
+bool is_better_measurement(const nlohmann::ordered_json& run, const nlohmann::ordered_json& other);
 
 }  // namespace taut

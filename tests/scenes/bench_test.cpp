@@ -31,27 +31,27 @@ TEST(BenchComparison, EqualResultsAreNotWorse) {
   const BenchResults same = results({run_of("taut", 10, 0.1, 1e-10), run_of("taut", 20, 0.3, 1e-10)});
   const BenchComparison comparison = compare_bench(same, same, 1.5);
   EXPECT_EQ(comparison.compared, 2);
-  EXPECT_EQ(comparison.slower, 0);
+  EXPECT_TRUE(comparison.worse.empty());
 }
 
 TEST(BenchComparison, OnlyWhatTakesMoreThanTheFactorIsWorse) {
   const BenchResults then = results({run_of("taut", 10, 0.1, 1e-10), run_of("taut", 20, 0.3, 1e-10)});
   const BenchResults now = results({run_of("taut", 10, 0.149, 1e-10), run_of("taut", 20, 0.46, 1e-10)});
   const BenchComparison comparison = compare_bench(now, then, 1.5);
-  EXPECT_EQ(comparison.slower, 1);
+  EXPECT_EQ(comparison.worse, std::vector<std::size_t>{1});
   EXPECT_NE(comparison.text.find("x 1.53  WORSE"), std::string::npos) << comparison.text;
-  EXPECT_EQ(compare_bench(now, then, 1.4).slower, 2);
-  EXPECT_EQ(compare_bench(then, now, 1.5).slower, 0);  // faster is no regression
+  EXPECT_EQ(compare_bench(now, then, 1.4).worse.size(), 2u);
+  EXPECT_EQ(compare_bench(then, now, 1.5).worse.size(), 0u);  // faster is no regression
 }
 
 TEST(BenchComparison, AnOpenedJointIsWorseThoughFaster) {
   const BenchResults then = results({run_of("taut", 10, 0.1, 1e-10)});
-  EXPECT_EQ(compare_bench(results({run_of("taut", 10, 0.05, 2e-9)}), then, 1.5).slower, 1);
+  EXPECT_EQ(compare_bench(results({run_of("taut", 10, 0.05, 2e-9)}), then, 1.5).worse.size(), 1u);
   // What was open before may stay so.
   EXPECT_EQ(
       compare_bench(results({run_of("taut", 10, 0.1, 3e-6)}), results({run_of("taut", 10, 0.1, 2e-6)}), 1.5)
-          .slower,
-      0);
+          .worse.size(),
+      0u);
 }
 
 TEST(BenchComparison, ARunThatFailsNowIsWorse) {
@@ -60,8 +60,8 @@ TEST(BenchComparison, ARunThatFailsNowIsWorse) {
   stopped["status"] = "diverged";
   crashed["status"] = "crashed";
   crashed.erase("cpu_per_simulated_s");
-  EXPECT_EQ(compare_bench(results({stopped}), then, 1.5).slower, 1);
-  EXPECT_EQ(compare_bench(results({crashed}), then, 1.5).slower, 1);
+  EXPECT_EQ(compare_bench(results({stopped}), then, 1.5).worse.size(), 1u);
+  EXPECT_EQ(compare_bench(results({crashed}), then, 1.5).worse.size(), 1u);
 }
 
 TEST(BenchComparison, OtherEnginesAndNewScenesDoNotCount) {
@@ -69,7 +69,16 @@ TEST(BenchComparison, OtherEnginesAndNewScenesDoNotCount) {
   const BenchComparison comparison =
       compare_bench(results({run_of("ode", 10, 9, 1), run_of("taut", 99, 9, 1)}), then, 1.5);
   EXPECT_EQ(comparison.compared, 0);
-  EXPECT_EQ(comparison.slower, 0);
+  EXPECT_TRUE(comparison.worse.empty());
+}
+
+TEST(BenchComparison, TheFasterOfTwoMeasurementsIsTheBetterOne) {
+  const Json slow = run_of("taut", 10, 0.2, 1e-10), fast = run_of("taut", 10, 0.1, 1e-10);
+  Json crashed = fast;
+  crashed.erase("cpu_per_simulated_s");
+  EXPECT_TRUE(is_better_measurement(fast, slow));
+  EXPECT_FALSE(is_better_measurement(slow, fast));
+  EXPECT_FALSE(is_better_measurement(crashed, slow));
 }
 
 // Before three minutes of measuring, not after them.
