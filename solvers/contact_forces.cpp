@@ -138,8 +138,8 @@ void ContactForces::roll_back(bool moved_on) {
 
 bool ContactForces::rest() const {
   for (std::size_t k = 0; k < points_.size(); ++k)
-    if (points_[k].live &&
-        (impacts_[k].stage != Impact::Stage::kNone || points_[k].approach < -resting_speed_))
+    if (points_[k].live && (impacts_[k].stage != Impact::Stage::kNone ||
+                            (points_[k].approach < -resting_speed_ && compliance(static_cast<int>(k)) == 0)))
       return false;
   return !empty();
 }
@@ -161,7 +161,8 @@ bool ContactForces::seek_impacts(std::span<const double> w) {
     const Point& point = points_[k];
     Impact& impact = impacts_[k];
     if (!point.active || set_.places()[k].material.restitution == 0 || impact.spent ||
-        impact.stage != Impact::Stage::kNone || point.gap <= kTouch || point.approach > -resting_speed_)
+        impact.stage != Impact::Stage::kNone || point.gap <= kTouch || point.approach > -resting_speed_ ||
+        compliance(static_cast<int>(k)) > 0)
       continue;
     const double stop = -point.gap / h_;
     if (w[first_row_[k]] > stop + 1e-9 * (1 + std::abs(stop))) continue;
@@ -280,7 +281,7 @@ void ContactForces::finish(std::span<const double> mu, std::span<const double> r
     }
     impact.stage = Impact::Stage::kNone;
     if (!point.active) continue;
-    if (point.touching && point.approach < -resting_speed_) {
+    if (point.touching && point.approach < -resting_speed_ && compliance(static_cast<int>(k)) == 0) {
       struck_ = true;
       point.impact_time = time;
     }

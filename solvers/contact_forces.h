@@ -62,6 +62,9 @@ class ContactForces {
   /// what the laws had: then they are renewed, and the stage must be solved again.  `scale`: the size of
   /// impulses [√J], of which `tolerance` is what an error may be.
   bool adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance);
+  /// True if a contact that works is compliant: no law of a row alone.
+  bool soft() const;
+  bool inv() const { return in_velocities_; }
   /// Rates that the laws ask for.
   void targets(std::span<double> target) const;
   /// The impulses y in the laws of one place that are nearest to x.
@@ -71,10 +74,13 @@ class ContactForces {
   struct Cone {
     bool works = false, twist = false;
     double sliding = 0, spinning = 0, rolling = 0;
+    double softness = 0, most = std::numeric_limits<double>::infinity();  ///< of the normal (NormalLaw)
     double normal_given = 0, spin_given = 0;
     Vec2 sliding_given = Vec2::Zero(), rolling_given = Vec2::Zero();
   };
   Cone cone(int place) const;
+  /// Rate per impulse that the compliance of a contact adds along its normal in this stage.
+  double softness(int place) const { return normal_law(place).softness; }
   /// Largest distance of impulses from what Signorini's and Coulomb's laws answer to them and the rates, the
   /// natural map [√J]; 0 where rates are met to the tolerance.
   double error(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) const;
@@ -147,10 +153,19 @@ class ContactForces {
   /// A contact is touched within this distance [m].
   static constexpr double kTouch = 1e-9;
 
+  /// Along the normal: w + softness λ ≥ target, 0 ≤ Λ ≤ most; between these bounds of Λ there is equality,
+  /// and at the upper one w + softness λ ≤ target.
+  struct NormalLaw {
+    double target = 0, softness = 0, most = std::numeric_limits<double>::infinity();
+  };
+
   void remap();
   void set_roots(std::span<const double> inertia);
   void disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const;
   void friction_laws(int place, std::span<RowLaw> laws) const;
+  NormalLaw normal_law(int place) const;
+  NormalLaw soft_law(int place) const;
+  double compliance(int place) const { return set_.places()[place].material.compliance; }
   double bounce(int place) const;
   double closing_rate(int place) const;
   bool works(int place) const {

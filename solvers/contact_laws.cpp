@@ -16,6 +16,8 @@ constexpr double kNever = 1e12;
 constexpr double kTolerance = 1e-9;
 /// Slip that turned by more than this (sine) gets its own tangents.
 constexpr double kTurn = 0.05;
+/// Less restitution is taken as this: critical damping but for 1e-5 of it.
+constexpr double kLeastRestitution = 1e-300;
 /// Smallest component of a direction that counts as half way between the tangents.
 constexpr double kHalfWay = 0.6;
 
@@ -40,7 +42,7 @@ void ContactForces::position_laws(std::span<RowLaw> laws) const {
     const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
     std::fill_n(laws.begin() + row, count, RowLaw::none());
     if (!point.active || impacts_[k].stage == Impact::Stage::kSought) continue;
-    laws[row] = RowLaw::lower_limit(closing_rate(static_cast<int>(k)));
+    laws[row] = RowLaw::lower_limit(normal_law(static_cast<int>(k)).target);
     friction_laws(static_cast<int>(k), laws);
   }
 }
@@ -51,10 +53,43 @@ void ContactForces::velocity_laws(std::span<RowLaw> laws) const {
     const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
     std::fill_n(laws.begin() + row, count, RowLaw::none());
     if (!point.live) continue;
-    laws[row] = RowLaw::lower_limit(bounce(static_cast<int>(k)));
+    const NormalLaw normal = normal_law(static_cast<int>(k));
+    laws[row] = RowLaw::lower_limit(normal.target);
     laws[row].level[1] -= point.back;  // both kicks together are the impulse that must not pull
+    laws[row].level[0] = normal.most - point.back;
     friction_laws(static_cast<int>(k), laws);
   }
+}
+
+bool ContactForces::soft() const {
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (points_[k].live && compliance(static_cast<int>(k)) > 0) return true;
+  return false;
+}
+
+ContactForces::NormalLaw ContactForces::normal_law(int k) const {
+  if (compliance(k) > 0) return soft_law(k);
+  return {.target = in_velocities_ ? bounce(k) : closing_rate(k)};
+}
+
+/// N = max(0, −g/C) with the gap g = g₀ + a w, in which a = h is the end of the step and a = h/2 its middle,
+/// where a spring keeps its energy; more than that is a damper.  The second kick gives what the first gave,
+/// unless the bodies then part faster than a spring would throw them.   (solvers/README, "Compliant
+/// contacts")
+ContactForces::NormalLaw ContactForces::soft_law(int k) const {
+  const Point& point = points_[k];
+  const Material& material = set_.places()[k].material;
+  const double C = material.compliance, root = root_[first_row_[k]], period = std::sqrt(C) / root;  // 1/ω
+  if (in_velocities_) {
+    const double pressed = std::max(-point.gap, 2 * C * point.back / h_);
+    const double rebound = std::max(-material.restitution * point.approach, point.approach);
+    return {.target = std::max(0.0, rebound) + std::max(0.0, pressed) / period, .most = 2 * point.back};
+  }
+  const double log_e = -std::log(std::max(material.restitution, kLeastRestitution));
+  const double damping = log_e / std::hypot(std::numbers::pi, log_e);
+  const double a =
+      point.gap >= 0 ? h_ : 0.5 * h_ + damping * std::max(2 * period, 0.5 * h_);
+  return {.target = std::clamp(-point.gap / a, -kNever, kNever), .softness = 2 * C / (h_ * a)};
 }
 
 /// Newton's law of impact: the least normal rate after it.
@@ -72,7 +107,7 @@ void ContactForces::targets(std::span<double> target) const {
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];
     const int row = first_row_[k], place = static_cast<int>(k);
-    target[row] = in_velocities_ ? bounce(place) : closing_rate(place);
+    target[row] = normal_law(place).target;
     for (int i : {0, 1}) target[row + 1 + i] = point.sliding.slips ? 0 : point.sliding.target[i];
   }
 }
@@ -80,11 +115,14 @@ void ContactForces::targets(std::span<double> target) const {
 ContactForces::Cone ContactForces::cone(int k) const {
   const Point& point = points_[k];
   const Material& material = set_.places()[k].material;
+  const NormalLaw normal = normal_law(k);
   return {works(k),
           has_twist(k),
           friction_bound(k, 1),
           material.spinning_friction,
           material.rolling_friction,
+          normal.softness,
+          normal.most,
           point.back,
           point.spin_given,
           point.sliding.given,
@@ -102,7 +140,7 @@ void ContactForces::answer(int k, std::span<const double> x, std::span<double> y
   std::fill_n(y.begin() + row, count, 0.0);
   if (!works(k)) return;
   const Material& material = set_.places()[k].material;
-  y[row] = std::max(-point.back, x[row]);
+  y[row] = std::min(std::max(-point.back, x[row]), normal_law(k).most - point.back);
   const double normal = point.back + y[row];
   in_disc(row + 1, point.sliding.given, friction_bound(k, normal));
   if (count == 3) return;
@@ -154,10 +192,11 @@ double ContactForces::spin_error(int k, double bound, std::span<const double> la
 /// The same for the normal impulse.
 double ContactForces::normal_error(int k, std::span<const double> lambda, std::span<const double> w) const {
   const int row = first_row_[k];
-  const double target = in_velocities_ ? bounce(k) : closing_rate(k);
+  const NormalLaw law = normal_law(k);
   const double normal = points_[k].back + lambda[row];
-  return root_[row] *
-         std::abs(normal - std::max(0.0, normal - (w[row] - target) / (root_[row] * root_[row])));
+  const double off = w[row] + law.softness * lambda[row] - law.target;
+  const double own = root_[row] * root_[row] + law.softness;
+  return root_[row] * std::abs(normal - std::clamp(normal - off / own, 0.0, law.most));
 }
 
 double ContactForces::friction_bound(int k, double normal) const {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <cstdio>
+#include <cstdlib>
 
 namespace taut {
 namespace {
@@ -13,6 +15,7 @@ constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-6, kEquality
 constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
 /// Rounds after which equalities are met, as far as they can be.
 constexpr int kEqualityRounds = 3;
+constexpr double kLinear = 1e-3;
 constexpr int kStepsPerRound = 40, kSearches = 12;
 /// A step is taken whole if the slope at its end is at most this part of that at its start.
 constexpr double kSlope = 0.5;
@@ -21,8 +24,8 @@ constexpr int kPatience = 12, kMemory = 6;
 /// A residual that grows by more than this ends the extrapolation; after so many rounds it is careful.
 constexpr double kGrowth = 5, kMixing = 0.5;
 constexpr int kSlow = 20, kPeriod = 10;
-/// Rounds with the lagged slip, then as many with the lagged radius.
-constexpr int kTurns = 25;
+/// Rounds with lagged quantities before all is tried at once, at first and later.
+constexpr int kFirstLagged = 3, kLagged = 10;
 /// Part of the extrapolation's equations that is added to their diagonal.
 constexpr double kRegularization = 1e-13;
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMemory, kMemory>;
@@ -42,19 +45,25 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
   for (double rho = kFirstRho;;) {
     ++outcome.rounds;
     set_sigma(problem, rho);
-    const bool finite =
-        minimize(problem, std::max(kForcing * forcing, kLeastGradient) * scale_, limits, times, outcome);
+    const double tolerance = std::max(kForcing * forcing, kLeastGradient) * scale_;
+    const bool met = minimize(problem, tolerance, limits, times, outcome);
+    if (!met && mode_ == Mode::kCoupled) back_to_last();
+    const bool finite = met || mode_ == Mode::kCoupled;
     std::copy(y_.begin(), y_.end(), lambda.begin());
     system_.multiply(lambda, w);
     for (std::size_t r = 0; r < w.size(); ++r) w[r] += b[r];
     outcome.residual = scale_ > 0 ? law_error(problem, limits.rate_tolerance, outcome.rounds) / scale_ : 0;
+    if (getenv("TRACE")) fprintf(stderr, "  %s round %d mode %d rho %.0e met %d its %d res %.2e\n", problem.contacts.inv() ? "V" : "P", outcome.rounds, int(mode_), rho, met, outcome.iterations, outcome.residual);
     if (outcome.residual > kGrowth * last) remembered_ = 0;
     last = outcome.residual;
     forcing = std::min(outcome.residual, kForcing);
     const double enough = outcome.rounds > kPatience ? limits.most : limits.tolerance;
     outcome.converged = finite && outcome.residual <= enough;
     if (outcome.converged || !finite || outcome.iterations >= limits.iterations) return outcome;
-    if (next_round(problem)) rho = std::max(kRhoFactor * rho, kLeastRho);
+    if (next_round(problem, next_mode(met)) && met)
+      rho = std::max(kRhoFactor * rho, kLeastRho);
+    else if (!met)
+      rho = kFirstRho;
   }
 }
 
@@ -65,12 +74,14 @@ void ContactNewton::begin(const Problem& problem) {
   for (auto* values :
        {&own_, &sigma_, &target_, &shift_, &last_, &x_, &y_, &rates_, &rates_of_step_, &bound_, &slope_})
     values->assign(n, 0.0);
+  carry_.assign(n, 1.0);
   for (auto* values : {&v_, &gradient_, &step_}) values->setZero(6 * system_.rows().body_count());
   const int contacts = system_.rows().contact_count();
   for (auto* values : {&s_, &f_, &last_s_, &last_f_, &next_}) values->setZero(contacts);
   for (auto* values : {&steps_, &changes_}) values->setZero(contacts, kMemory);
-  rounds_ = remembered_ = 0;
-  by_radius_ = false;
+  coupling_.assign(contacts, 0.0);
+  rounds_ = remembered_ = mode_rounds_ = 0;
+  mode_ = lagged_ = Mode::kSlip;
   system_.weighted_inertias(own_);
   turned_.assign(system_.weighted().begin(), system_.weighted().end());
   problem.contacts.targets(target_);
@@ -83,8 +94,24 @@ void ContactNewton::begin(const Problem& problem) {
     scale_ = std::max({scale_, root * std::abs(problem.lambda[r]), std::abs(problem.b[r]) / root});
     last_[r] = y_[r] = problem.lambda[r];
   }
+  for (int k = 0; k < contacts; ++k) {
+    const ContactForces::Cone cone = problem.contacts.cone(k);
+    const int row = problem.contacts.first_row(k);
+    if (by_radius(cone)) bound_[row + 1] = cone.sliding * std::max(0.0, cone.normal_given + last_[row]);
+  }
+  back_to_last();
+}
+
+/// v and y of the impulses that a round starts from.
+void ContactNewton::back_to_last() {
+  y_ = last_;
   system_.to_bodies(last_, span_of(v_));
   system_.to_rows(span_of(v_), rates_);
+}
+
+/// Compliant normals are decoupled from the disc, whose metric is another one.
+bool ContactNewton::by_radius(const ContactForces::Cone& cone) const {
+  return mode_ != Mode::kSlip || cone.softness > 0 || std::isfinite(cone.most);
 }
 
 /// One Σ in a cone and in a disc, so that they keep their shape.
@@ -100,6 +127,8 @@ void ContactNewton::set_sigma(const Problem& problem, double rho) {
     };
     const ContactForces::Cone cone = problem.contacts.cone(k);
     alike(row, 3);
+    carry_[row] = sigma_[row] / (sigma_[row] + cone.softness);
+    sigma_[row] += cone.softness;
     if (!cone.twist) continue;
     alike(row + 3, 1);
     alike(row + 4, 2);
@@ -109,33 +138,51 @@ void ContactNewton::set_sigma(const Problem& problem, double rho) {
   }
 }
 
+/// Some rounds with the lagged slip, which converge from anywhere; then with nothing lagged, as long as that
+/// goes well; then with the lagged radius, and so on.
+ContactNewton::Mode ContactNewton::next_mode(bool met) {
+  ++mode_rounds_;
+  if (mode_ == Mode::kCoupled) {
+    if (met) return mode_;
+    mode_rounds_ = 0;
+    lagged_ = lagged_ == Mode::kSlip ? Mode::kRadius : Mode::kSlip;
+    return lagged_;
+  }
+  if (mode_rounds_ < (rounds_ < kLagged ? kFirstLagged : kLagged)) return mode_;
+  mode_rounds_ = 0;
+  return Mode::kCoupled;
+}
+
 /// What a round leaves to the next: λ̄ = P, and the lagged s = μ |u_t|, or μ Λ_n by radius, extrapolated from
 /// the last rounds [Walker2011]: without that each round leaves some part of its error, a third or two.  True
 /// if λ̄ is further off than s.
-bool ContactNewton::next_round(const Problem& problem) {
+bool ContactNewton::next_round(const Problem& problem, Mode mode) {
   double off_last = 0;
   for (std::size_t r = 0; r < y_.size(); ++r)
-    off_last = std::max(off_last, sigma_[r] * std::abs(y_[r] - last_[r]) / std::sqrt(own_[r]));
+    off_last = std::max(off_last, carry_[r] * sigma_[r] * std::abs(y_[r] - last_[r]) / std::sqrt(own_[r]));
   last_ = y_;
   const int contacts = system_.rows().contact_count();
-  if (contacts == 0) return true;
-  const bool turn = ++rounds_ % kTurns == 0;
-  read_lagged(problem, s_);
-  answer_lagged(problem, f_);
-  f_ -= s_;
-  const double off_lagged = f_.lpNorm<Eigen::Infinity>();
+  const bool turn = mode != mode_;
+  mode_ = mode;
+  ++rounds_;
+  if (contacts == 0 || mode == Mode::kCoupled) return true;
+  double off_lagged = 0;
   if (turn) {
-    by_radius_ = !by_radius_;
     remembered_ = 0;
     answer_lagged(problem, next_);
   } else {
+    read_lagged(problem, s_);
+    answer_lagged(problem, f_);
+    f_ -= s_;
+    off_lagged = f_.lpNorm<Eigen::Infinity>();
     extrapolate();
   }
   for (int k = 0; k < contacts; ++k) {
     const int row = problem.contacts.first_row(k);
     const double root = std::sqrt(own_[row]), value = std::max(0.0, next_[k]);
-    shift_[row] = by_radius_ ? 0 : value * root;
-    bound_[row + 1] = by_radius_ ? value / root : 0;
+    const bool radius = by_radius(problem.contacts.cone(k));
+    shift_[row] = radius ? 0 : value * root;
+    bound_[row + 1] = radius ? value / root : 0;
   }
   return off_last > off_lagged;
 }
@@ -145,7 +192,7 @@ void ContactNewton::read_lagged(const Problem& problem, Eigen::VectorXd& s) cons
   for (int k = 0; k < system_.rows().contact_count(); ++k) {
     const int row = problem.contacts.first_row(k);
     const double root = std::sqrt(own_[row]);
-    s[k] = by_radius_ ? root * bound_[row + 1] : shift_[row] / root;
+    s[k] = by_radius(problem.contacts.cone(k)) ? root * bound_[row + 1] : shift_[row] / root;
   }
 }
 
@@ -156,7 +203,7 @@ void ContactNewton::answer_lagged(const Problem& problem, Eigen::VectorXd& s) co
     const int row = problem.contacts.first_row(k);
     const double root = std::sqrt(own_[row]);
     const auto off = [&](int r) { return problem.w[r] - target_[r]; };
-    const double lagged = by_radius_ ? root * std::max(0.0, cone.normal_given + y_[row])
+    const double lagged = by_radius(cone) ? root * std::max(0.0, cone.normal_given + y_[row])
                                      : std::hypot(off(row + 1), off(row + 2)) / root;
     s[k] = cone.works ? cone.sliding * lagged : 0;
   }
@@ -200,12 +247,19 @@ bool ContactNewton::minimize(const Problem& problem, double tolerance, const New
     gradient_ = v_ - gradient_;
     const double size = gradient_.lpNorm<Eigen::Infinity>();
     if (!std::isfinite(size)) return false;
-    if (size <= tolerance || step == kStepsPerRound || outcome.iterations >= limits.iterations) return true;
+    if (getenv("TRACE2")) fprintf(stderr, "      step %d size %.2e\n", step, size);
+    if (size <= tolerance) return true;
+    if (step == kStepsPerRound || outcome.iterations >= limits.iterations) return mode_ != Mode::kCoupled;
     ++outcome.iterations;
     for (std::size_t r = 0; r < slope_.size(); ++r) slope_[r] /= sigma_[r];
     if (!system_.factorize_bodies(turned_, slope_, times)) return false;
-    step_ = -gradient_;
-    system_.solve_bodies(span_of(step_));
+    if (mode_ == Mode::kCoupled) {
+      coupled_step(kLinear);
+      if (!(step_.dot(gradient_) < 0)) return false;
+    } else {
+      step_ = -gradient_;
+      system_.solve_bodies(span_of(step_));
+    }
     system_.to_rows(span_of(step_), rates_of_step_);
     search(problem);
   }
@@ -247,7 +301,7 @@ void ContactNewton::search(const Problem& problem) {
 void ContactNewton::project(const Problem& problem, double length) {
   const Rows& rows = system_.rows();
   for (std::size_t r = 0; r < x_.size(); ++r)
-    x_[r] = last_[r] -
+    x_[r] = carry_[r] * last_[r] -
             (problem.b[r] + rates_[r] + length * rates_of_step_[r] - target_[r] + shift_[r]) / sigma_[r];
   for (int r = 0; r < rows.first_contact_row(); ++r) project_row(problem.laws[r], r);
   for (int k = 0; k < rows.contact_count(); ++k) project_contact(problem, k);
@@ -271,14 +325,21 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
   if (!cone.works) {
     std::fill_n(y_.begin() + row, count, 0.0);
     std::fill_n(slope_.begin() + row, count, 0.0);
+    coupling_[k] = 0;
     return;
   }
   const double mu = cone.sliding, normal = cone.normal_given + x_[row];
   const Vec2 tangent = cone.sliding_given + Vec2(x_[row + 1], x_[row + 2]);
   const double size = tangent.norm();
-  if (by_radius_) {
-    y_[row] = std::max(0.0, normal) - cone.normal_given;
-    slope_[row] = normal > 0 ? 1 : 0;
+  coupling_[k] = 0;
+  if (by_radius(cone)) {
+    const double total = std::clamp(normal, 0.0, cone.most);
+    y_[row] = total - cone.normal_given;
+    slope_[row] = total == normal ? 1 : 0;
+    if (mode_ == Mode::kCoupled) {
+      bound_[row + 1] = mu * total;
+      if (size > bound_[row + 1]) coupling_[k] = mu * slope_[row];
+    }
     project_disc(k, 1, cone.sliding_given);
   } else if (size <= mu * normal || mu * size <= -normal) {
     const bool within = size <= mu * normal;

@@ -54,15 +54,23 @@ class ContactNewton {
     std::span<double> lambda, w;
   };
 
+  /// What of Coulomb's law is held fast in a round: s = μ |u_t| or the radius μ Λ_n of a disc, or nothing.
+  enum class Mode { kSlip, kRadius, kCoupled };
+
   void begin(const Problem& problem);
   void set_sigma(const Problem& problem, double rho);
-  bool next_round(const Problem& problem);
+  Mode next_mode(bool met);
+  bool next_round(const Problem& problem, Mode mode);
+  void back_to_last();
+  bool by_radius(const ContactForces::Cone& cone) const;
   void read_lagged(const Problem& problem, Eigen::VectorXd& s) const;
   void answer_lagged(const Problem& problem, Eigen::VectorXd& s) const;
   void extrapolate();
   bool minimize(const Problem& problem, double tolerance, const NewtonLimits& limits, StageTimes& times,
                 NewtonOutcome& outcome);
   void search(const Problem& problem);
+  void coupled_step(double part);
+  void add_coupling(const Eigen::VectorXd& u, Eigen::VectorXd& sum) const;
   void project(const Problem& problem, double length = 0);
   void project_row(const RowLaw& law, int row);
   void project_contact(const Problem& problem, int place);
@@ -72,7 +80,8 @@ class ContactNewton {
 
   ConstraintSystem& system_;
   double scale_ = 0;
-  std::vector<double> own_, sigma_, target_, shift_;          // S_rr, Σ, t, s
+  std::vector<double> own_, sigma_, target_, shift_;          // S_rr, Σ with compliance, t, s
+  std::vector<double> carry_;                                 // what part of that Σ is the round's own
   std::vector<double> last_, x_, y_, rates_, rates_of_step_;  // λ̄, x, P(x), W v, W δ
   std::vector<double> bound_;                                 // of spin and rolling
   std::vector<double> slope_, turned_;                        // P' in the rows turned_ of W
@@ -80,8 +89,10 @@ class ContactNewton {
   // s of contacts, what a round makes of it less that, and both of the round before [√J]
   Eigen::VectorXd s_, f_, last_s_, last_f_, next_;
   Eigen::MatrixXd steps_, changes_;
-  int rounds_ = 0, remembered_ = 0;
-  bool by_radius_ = false;  // s is a radius μ Λ_n, held fast in a round, in place of μ |u_t|
+  int rounds_ = 0, remembered_ = 0, mode_rounds_ = 0;
+  Mode mode_ = Mode::kSlip, lagged_ = Mode::kSlip;
+  std::vector<double> coupling_;  // ∂y_t/∂y_n of each contact along its slip
+  std::vector<Eigen::VectorXd> basis_;
 };
 
 }  // namespace taut

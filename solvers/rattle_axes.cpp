@@ -152,7 +152,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     settings.max_descent_rounds = 0;
   }
   if (contacts_.rest() && holds(lambda, rate_tolerance, report)) return true;
-  if (system_.through_bodies()) return solve_by_newton(lambda, rate_tolerance, report);
+  if (system_.through_bodies() || contacts_.soft()) return solve_by_newton(lambda, rate_tolerance, report);
   if (newtons_left_ > 0 && newtons_left_-- > 0) return solve_by_newton(lambda, rate_tolerance, report);
   guess_.assign(lambda.begin(), lambda.end());
   double earlier = std::numeric_limits<double>::infinity();

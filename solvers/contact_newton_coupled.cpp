@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "solvers/contact_newton.h"
+
+// Rounds in which nothing of Coulomb's law is held fast.  (solvers/README, "Many contacts")
+namespace taut {
+namespace {
+int vectors = 0;
+
+/// Steps of a round and of GMRES, what that leaves of a residual, and halvings of a step.
+constexpr int kMostVectors = 80;
+std::span<double> span_of(Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
+
+}  // namespace
+
+/// sum += Σ μ/Σ_n W_tᵀ W_n u over the contacts that slip.
+void ContactNewton::add_coupling(const Eigen::VectorXd& u, Eigen::VectorXd& sum) const {
+  const Rows& rows = system_.rows();
+  using Six = Eigen::Matrix<double, 6, 1>;
+  for (int k = 0; k < rows.contact_count(); ++k) {
+    if (coupling_[k] == 0) continue;
+    const Rows::JointRows& contact = rows.joints()[rows.contact_joint(k)];
+    const auto sides = rows.sides().subspan(contact.first_side, contact.side_count);
+    const auto row_of = [&](const auto& side, int row) {
+      return Eigen::Map<const Six>(turned_.data() + side.offset + 6 * row);
+    };
+    double rate = 0;
+    for (const auto& side : sides) rate += row_of(side, 0).dot(u.segment<6>(6 * side.body));
+    rate *= coupling_[k] / sigma_[contact.first_row];
+    for (const auto& side : sides) sum.segment<6>(6 * side.body) += rate * row_of(side, 1);
+  }
+}
+
+/// (H + N) step = −gradient by GMRES with H, the symmetric part that has a factor, on the right.
+void ContactNewton::coupled_step(double part) {
+  const double size = gradient_.norm();
+  basis_.resize(kMostVectors + 1);
+  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(kMostVectors + 1, kMostVectors);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(kMostVectors + 1);
+  std::vector<Eigen::JacobiRotation<double>> turns(kMostVectors);
+  basis_[0] = -gradient_ / size;
+  g[0] = size;
+  int m = 0;
+  while (m < kMostVectors && std::abs(g[m]) > part * size) {
+    step_ = basis_[m];
+    system_.solve_bodies(span_of(step_));
+    Eigen::VectorXd& next = basis_[m + 1];
+    next = basis_[m];
+    add_coupling(step_, next);
+    for (int pass = 0; pass < 2; ++pass)
+      for (int i = 0; i <= m; ++i) {
+        const double c = basis_[i].dot(next);
+        R(i, m) += c;
+        next -= c * basis_[i];
+      }
+    const double rest = next.norm();
+    R(m + 1, m) = rest;
+    for (int i = 0; i < m; ++i) R.col(m).applyOnTheLeft(i, i + 1, turns[i].adjoint());
+    turns[m].makeGivens(R(m, m), R(m + 1, m));
+    R.col(m).applyOnTheLeft(m, m + 1, turns[m].adjoint());
+    g.applyOnTheLeft(m, m + 1, turns[m].adjoint());
+    ++m;
+    if (!(rest > 1e-14 * size)) break;
+    next /= rest;
+  }
+  vectors = m;
+  const Eigen::VectorXd z = R.topLeftCorner(m, m).triangularView<Eigen::Upper>().solve(g.head(m));
+  step_.setZero();
+  for (int i = 0; i < m; ++i) step_ += z[i] * basis_[i];
+  system_.solve_bodies(span_of(step_));
+}
+
+}  // namespace taut
