@@ -120,9 +120,11 @@ struct Side {
     };
     std::vector<BodyId> ring;
     for (int k = 0; k < shoes; ++k) ring.push_back(add_shoe(k, pin(k), pin(k + 1)));
-    for (int k = 0; k < shoes; ++k)
-      world.add(name + numbered("pin", k),
-                Hinge::at(world, ring[(k + shoes - 1) % shoes], ring[k], pin(k), Vec3::UnitY()));
+    for (int k = 1; k < shoes; ++k)
+      world.add(name + numbered("pin", k), Hinge::at(world, ring[k - 1], ring[k], pin(k), Vec3::UnitY()));
+    // The others keep the ring in its plane; hinges all round would be redundant.
+    world.add(name + numbered("pin", 0), SixDof::at(world, ring[shoes - 1], ring[0], pin(0), Quat::Identity(),
+                                                    {{true, false, true}, {false, false, false}}));
   }
   void add() {
     // The lowest pins are at a height where the grousers stand on the ground.

@@ -10,12 +10,19 @@ namespace taut {
 namespace {
 
 /// Σ over S_rr: in the first round, how it falls from round to round, the least, and that of equalities.
-constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-6, kEqualityRho = 1e-7;
+constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-5, kEqualityRho = 1e-9;
 /// Newton's equation is met to this part of the residual of the round before, and never better than this.
 constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
 /// Rounds after which equalities are met, as far as they can be.
 constexpr int kEqualityRounds = 3;
+/// Before `most` is enough in any case, equalities are to be met to so many times the tolerance of rates.
+constexpr double kClosed = 5;
 constexpr double kLinear = 1e-3;
+/// Gradients below this may be round-off, and are if so many steps do not halve them.
+constexpr double kRoundOff = 1e-8;
+constexpr int kStuck = 2;
+/// Rounds that leave more than this of the residual are slow.
+constexpr double kSlowRound = 0.3;
 constexpr int kStepsPerRound = 40, kSearches = 12;
 /// A step is taken whole if the slope at its end is at most this part of that at its start.
 constexpr double kSlope = 0.5;
@@ -47,18 +54,18 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     set_sigma(problem, rho);
     const double tolerance = std::max(kForcing * forcing, kLeastGradient) * scale_;
     const bool met = minimize(problem, tolerance, limits, times, outcome);
-    if (!met && mode_ == Mode::kCoupled) back_to_last();
+    if (!met && mode_ == Mode::kCoupled) y_ = last_;
     const bool finite = met || mode_ == Mode::kCoupled;
-    std::copy(y_.begin(), y_.end(), lambda.begin());
-    system_.multiply(lambda, w);
-    for (std::size_t r = 0; r < w.size(); ++r) w[r] += b[r];
+    read_rates(problem);
     outcome.residual = scale_ > 0 ? law_error(problem, limits.rate_tolerance, outcome.rounds) / scale_ : 0;
-    if (getenv("TRACE")) fprintf(stderr, "  %s round %d mode %d rho %.0e met %d its %d res %.2e\n", problem.contacts.inv() ? "V" : "P", outcome.rounds, int(mode_), rho, met, outcome.iterations, outcome.residual);
+    if (getenv("TRACE")) fprintf(stderr, "  %s round %d mode %d rho %.0e met %d its %d res %.2e open %.2e\n", problem.contacts.inv() ? "V" : "P", outcome.rounds, int(mode_), rho, met, outcome.iterations, outcome.residual, open_rate(problem));
     if (outcome.residual > kGrowth * last) remembered_ = 0;
+    const bool slow = outcome.rounds > kPatience || outcome.residual > kSlowRound * last;
     last = outcome.residual;
     forcing = std::min(outcome.residual, kForcing);
-    const double enough = outcome.rounds > kPatience ? limits.most : limits.tolerance;
-    outcome.converged = finite && outcome.residual <= enough;
+    const double enough = slow ? limits.most : limits.tolerance;
+    const bool closed = outcome.rounds > kPatience || open_rate(problem) <= kClosed * limits.rate_tolerance;
+    outcome.converged = finite && outcome.residual <= enough && closed;
     if (outcome.converged || !finite || outcome.iterations >= limits.iterations) return outcome;
     if (next_round(problem, next_mode(met)) && met)
       rho = std::max(kRhoFactor * rho, kLeastRho);
@@ -72,7 +79,7 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
 void ContactNewton::begin(const Problem& problem) {
   const int n = system_.row_count();
   for (auto* values :
-       {&own_, &sigma_, &target_, &shift_, &last_, &x_, &y_, &rates_, &rates_of_step_, &bound_, &slope_})
+       {&own_, &sigma_, &target_, &shift_, &last_, &x_, &y_, &rates_, &rates_of_step_, &bound_, &slope_, &base_, &change_})
     values->assign(n, 0.0);
   carry_.assign(n, 1.0);
   for (auto* values : {&v_, &gradient_, &step_}) values->setZero(6 * system_.rows().body_count());
@@ -99,14 +106,30 @@ void ContactNewton::begin(const Problem& problem) {
     const int row = problem.contacts.first_row(k);
     if (by_radius(cone)) bound_[row + 1] = cone.sliding * std::max(0.0, cone.normal_given + last_[row]);
   }
-  back_to_last();
+  read_rates(problem);
+  start_round(problem);
 }
 
-/// v and y of the impulses that a round starts from.
-void ContactNewton::back_to_last() {
-  y_ = last_;
-  system_.to_bodies(last_, span_of(v_));
-  system_.to_rows(span_of(v_), rates_);
+/// λ and w of y.
+void ContactNewton::read_rates(const Problem& problem) const {
+  std::copy(y_.begin(), y_.end(), problem.lambda.begin());
+  system_.multiply(problem.lambda, problem.w);
+  for (std::size_t r = 0; r < y_.size(); ++r) problem.w[r] += problem.b[r];
+}
+
+/// A round starts from λ̄ = y and its rates.
+void ContactNewton::start_round(const Problem& problem) {
+  last_ = y_;
+  std::copy(problem.w.begin(), problem.w.end(), base_.begin());
+  v_.setZero();
+  std::fill(rates_.begin(), rates_.end(), 0.0);
+}
+
+/// The gradient δv − Wᵀ (y − λ̄).
+void ContactNewton::read_gradient() {
+  for (std::size_t r = 0; r < y_.size(); ++r) change_[r] = y_[r] - last_[r];
+  system_.to_bodies(change_, span_of(gradient_));
+  gradient_ = v_ - gradient_;
 }
 
 /// Compliant normals are decoupled from the disc, whose metric is another one.
@@ -160,7 +183,7 @@ bool ContactNewton::next_round(const Problem& problem, Mode mode) {
   double off_last = 0;
   for (std::size_t r = 0; r < y_.size(); ++r)
     off_last = std::max(off_last, carry_[r] * sigma_[r] * std::abs(y_[r] - last_[r]) / std::sqrt(own_[r]));
-  last_ = y_;
+  start_round(problem);
   const int contacts = system_.rows().contact_count();
   const bool turn = mode != mode_;
   mode_ = mode;
@@ -242,13 +265,16 @@ void ContactNewton::extrapolate() {
 bool ContactNewton::minimize(const Problem& problem, double tolerance, const NewtonLimits& limits,
                              StageTimes& times, NewtonOutcome& outcome) {
   project(problem);
+  double least = std::numeric_limits<double>::infinity();
+  int stuck = 0;  // steps since it fell, at round-off
   for (int step = 0;; ++step) {
-    system_.to_bodies(y_, span_of(gradient_));
-    gradient_ = v_ - gradient_;
+    read_gradient();
     const double size = gradient_.lpNorm<Eigen::Infinity>();
     if (!std::isfinite(size)) return false;
     if (getenv("TRACE2")) fprintf(stderr, "      step %d size %.2e\n", step, size);
-    if (size <= tolerance) return true;
+    stuck = size > 0.5 * least && least <= kRoundOff * scale_ ? stuck + 1 : 0;
+    least = std::min(least, size);
+    if (size <= tolerance || stuck == kStuck) return true;
     if (step == kStepsPerRound || outcome.iterations >= limits.iterations) return mode_ != Mode::kCoupled;
     ++outcome.iterations;
     for (std::size_t r = 0; r < slope_.size(); ++r) slope_[r] /= sigma_[r];
@@ -272,7 +298,7 @@ void ContactNewton::search(const Problem& problem) {
   const auto slope_at = [&](double length) {
     double slope = along + length * square;
     project(problem, length);
-    for (std::size_t r = 0; r < y_.size(); ++r) slope -= rates_of_step_[r] * y_[r];
+    for (std::size_t r = 0; r < y_.size(); ++r) slope -= rates_of_step_[r] * (y_[r] - last_[r]);
     return slope;
   };
   const double start = step_.dot(gradient_);
@@ -302,7 +328,7 @@ void ContactNewton::project(const Problem& problem, double length) {
   const Rows& rows = system_.rows();
   for (std::size_t r = 0; r < x_.size(); ++r)
     x_[r] = carry_[r] * last_[r] -
-            (problem.b[r] + rates_[r] + length * rates_of_step_[r] - target_[r] + shift_[r]) / sigma_[r];
+            (base_[r] + rates_[r] + length * rates_of_step_[r] - target_[r] + shift_[r]) / sigma_[r];
   for (int r = 0; r < rows.first_contact_row(); ++r) project_row(problem.laws[r], r);
   for (int k = 0; k < rows.contact_count(); ++k) project_contact(problem, k);
 }
@@ -401,6 +427,14 @@ void ContactNewton::turn_rows(int place, double mu, int first, const Vec2& direc
       if (first == 1) turned[k] = length * (W[k] + mu * along);
     }
   }
+}
+
+/// The largest rate that an equality is off by.
+double ContactNewton::open_rate(const Problem& problem) const {
+  double open = 0;
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
+    if (!problem.laws[r].bounded()) open = std::max(open, std::abs(problem.w[r] - target_[r]));
+  return open;
 }
 
 /// The natural map at λ, with its w.  What is left of equalities after some rounds is what dependent ones

@@ -61,7 +61,9 @@ class ContactNewton {
   void set_sigma(const Problem& problem, double rho);
   Mode next_mode(bool met);
   bool next_round(const Problem& problem, Mode mode);
-  void back_to_last();
+  void read_rates(const Problem& problem) const;
+  void read_gradient();
+  void start_round(const Problem& problem);
   bool by_radius(const ContactForces::Cone& cone) const;
   void read_lagged(const Problem& problem, Eigen::VectorXd& s) const;
   void answer_lagged(const Problem& problem, Eigen::VectorXd& s) const;
@@ -76,16 +78,18 @@ class ContactNewton {
   void project_contact(const Problem& problem, int place);
   void project_disc(int place, int first, const Vec2& given);
   void turn_rows(int place, double mu, int first, const Vec2& direction);
+  double open_rate(const Problem& problem) const;
   double law_error(const Problem& problem, double rate_tolerance, int rounds) const;
 
   ConstraintSystem& system_;
   double scale_ = 0;
   std::vector<double> own_, sigma_, target_, shift_;          // S_rr, Σ with compliance, t, s
   std::vector<double> carry_;                                 // what part of that Σ is the round's own
-  std::vector<double> last_, x_, y_, rates_, rates_of_step_;  // λ̄, x, P(x), W v, W δ
+  std::vector<double> last_, x_, y_, rates_, rates_of_step_;  // λ̄, x, P(x), W δv, W times the step
+  std::vector<double> base_, change_;                         // b + S λ̄, y − λ̄
   std::vector<double> bound_;                                 // of spin and rolling
   std::vector<double> slope_, turned_;                        // P' in the rows turned_ of W
-  Eigen::VectorXd v_, gradient_, step_;
+  Eigen::VectorXd v_, gradient_, step_;  // δv = v − Wᵀ λ̄, so that round-off is that of small numbers
   // s of contacts, what a round makes of it less that, and both of the round before [√J]
   Eigen::VectorXd s_, f_, last_s_, last_f_, next_;
   Eigen::MatrixXd steps_, changes_;

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <cstdio>
+#include <cstdlib>
 
 #include "solvers/max_abs.h"
 #include "solvers/rattle.h"
@@ -89,6 +91,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       return false;
     }
     const double error = iteration > 0 ? law_error(h) : std::numeric_limits<double>::infinity();
+    if (getenv("TRACE")) fprintf(stderr, "  P iteration %d h %g error %.3e refactored %d\n", iteration, h, error, int(refactored_));
     if (error <= settings_.position_tolerance) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
     if (iteration > 1 && error > kSlow * last) {
@@ -275,6 +278,8 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
           mu_, 0.1 * settings_.velocity_tolerance, [&] { renew_velocity_laws(); }, report))
     return false;
   end_velocities(report);
+  if (getenv("TRACE")) { int worst = 0; for (int r = 0; r < system_.row_count(); ++r) if (std::abs(velocity_rows_[r]) > std::abs(velocity_rows_[worst])) worst = r; double ml = max_abs(mu_); if (report.velocity_residual > 1e-9) { const auto& js = system_.rows().joints(); for (std::size_t j = 0; j < js.size(); ++j) for (int i = 0; i < js[j].row_count; ++i) { int r = js[j].first_row + i; if (std::abs(velocity_rows_[r]) > 2e-10) fprintf(stderr, "      joint %d row %d of %d: %.2e mu %g S %g\n", int(j), i, js[j].row_count, velocity_rows_[r], mu_[r], 1/inertia_[r]); } }
+ fprintf(stderr, "   velocity residual %.3e row %d mu %g max %g\n", report.velocity_residual, worst, mu_[worst], ml);}
   return report.velocity_residual <= settings_.velocity_tolerance;
 }
 
