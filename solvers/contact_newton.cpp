@@ -11,12 +11,14 @@ namespace {
 
 /// Σ over S_rr: in the first round, how it falls from round to round, the least, and that of equalities.
 constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-5, kEqualityRho = 1e-9;
+/// That of the first round from a guess that is nearly right.
+constexpr double kNearRho = 1e-4;
 /// Newton's equation is met to this part of the residual of the round before, and never better than this.
 constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
 /// Rounds after which equalities are met, as far as they can be.
 constexpr int kEqualityRounds = 3;
 /// Before `most` is enough in any case, equalities are to be met to so many times the tolerance of rates.
-constexpr double kClosed = 5;
+constexpr double kClosed = 9;
 constexpr double kLinear = 1e-3;
 /// Gradients below this may be round-off, and are if so many steps do not halve them.
 constexpr double kRoundOff = 1e-8;
@@ -31,8 +33,11 @@ constexpr int kPatience = 12, kMemory = 6;
 /// A residual that grows by more than this ends the extrapolation; after so many rounds it is careful.
 constexpr double kGrowth = 5, kMixing = 0.5;
 constexpr int kSlow = 20, kPeriod = 10;
-/// Rounds with lagged quantities before all is tried at once, at first and later.
-constexpr int kFirstLagged = 3, kLagged = 10;
+/// Rounds with lagged quantities before all is tried at once, with compliant contacts and without.
+constexpr int kSoftTurns = 3, kTurns = 25;
+/// After so many rounds with nothing lagged the residual must have fallen to this part.
+constexpr int kLook = 4;
+constexpr double kProgress = 0.5;
 /// Part of the extrapolation's equations that is added to their diagonal.
 constexpr double kRegularization = 1e-13;
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMemory, kMemory>;
@@ -49,12 +54,17 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
   NewtonOutcome outcome;
   begin(problem);
   double forcing = kForcing, last = 1;
-  for (double rho = kFirstRho;;) {
+  double rho = kFirstRho;
+  if (limits.near && soft_) {
+    begin_coupled(last, rho);
+    mode_ = Mode::kCoupled;
+    rho = kNearRho;
+  }
+  for (;;) {
     ++outcome.rounds;
     set_sigma(problem, rho);
     const double tolerance = std::max(kForcing * forcing, kLeastGradient) * scale_;
     const bool met = minimize(problem, tolerance, limits, times, outcome);
-    if (!met && mode_ == Mode::kCoupled) y_ = last_;
     const bool finite = met || mode_ == Mode::kCoupled;
     read_rates(problem);
     outcome.residual = scale_ > 0 ? law_error(problem, limits.rate_tolerance, outcome.rounds) / scale_ : 0;
@@ -67,10 +77,8 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     const bool closed = outcome.rounds > kPatience || open_rate(problem) <= kClosed * limits.rate_tolerance;
     outcome.converged = finite && outcome.residual <= enough && closed;
     if (outcome.converged || !finite || outcome.iterations >= limits.iterations) return outcome;
-    if (next_round(problem, next_mode(met)) && met)
-      rho = std::max(kRhoFactor * rho, kLeastRho);
-    else if (!met)
-      rho = kFirstRho;
+    const Mode mode = next_mode(problem, met, outcome.residual, rho);
+    if (next_round(problem, mode)) rho = std::max(kRhoFactor * rho, kLeastRho);
   }
 }
 
@@ -89,6 +97,7 @@ void ContactNewton::begin(const Problem& problem) {
   coupling_.assign(contacts, 0.0);
   rounds_ = remembered_ = mode_rounds_ = 0;
   mode_ = lagged_ = Mode::kSlip;
+  soft_ = problem.contacts.soft();
   system_.weighted_inertias(own_);
   turned_.assign(system_.weighted().begin(), system_.weighted().end());
   problem.contacts.targets(target_);
@@ -163,17 +172,34 @@ void ContactNewton::set_sigma(const Problem& problem, double rho) {
 
 /// Some rounds with the lagged slip, which converge from anywhere; then with nothing lagged, as long as that
 /// goes well; then with the lagged radius, and so on.
-ContactNewton::Mode ContactNewton::next_mode(bool met) {
+ContactNewton::Mode ContactNewton::next_mode(const Problem& problem, bool met, double residual, double& rho) {
   ++mode_rounds_;
-  if (mode_ == Mode::kCoupled) {
-    if (met) return mode_;
-    mode_rounds_ = 0;
-    lagged_ = lagged_ == Mode::kSlip ? Mode::kRadius : Mode::kSlip;
-    return lagged_;
+  if (mode_ != Mode::kCoupled) {
+    if (mode_rounds_ < (soft_ ? kSoftTurns : kTurns)) return mode_;
+    begin_coupled(residual, rho);
+    return Mode::kCoupled;
   }
-  if (mode_rounds_ < (rounds_ < kLagged ? kFirstLagged : kLagged)) return mode_;
+  const bool look = mode_rounds_ % kLook == 0;
+  if (met && (!look || residual <= kProgress * looked_residual_)) {
+    if (look) looked_residual_ = residual;
+    return mode_;
+  }
+  if (!met || residual > kept_residual_) {
+    y_ = kept_;
+    read_rates(problem);
+    rho = kept_rho_;
+  }
   mode_rounds_ = 0;
-  return Mode::kCoupled;
+  lagged_ = lagged_ == Mode::kSlip ? Mode::kRadius : Mode::kSlip;
+  return lagged_;
+}
+
+void ContactNewton::begin_coupled(double residual, double& rho) {
+  mode_rounds_ = 0;
+  kept_ = y_;
+  kept_rho_ = rho;
+  kept_residual_ = looked_residual_ = residual;
+  rho = std::max(rho, kNearRho);
 }
 
 /// What a round leaves to the next: λ̄ = P, and the lagged s = μ |u_t|, or μ Λ_n by radius, extrapolated from

@@ -15,6 +15,7 @@ namespace taut {
 struct NewtonLimits {
   double tolerance = 1e-9, most = 1e-8, rate_tolerance = 0;
   int iterations = 500;
+  bool near = false;  ///< the guess is nearly right
 };
 
 /// How it went.
@@ -59,7 +60,8 @@ class ContactNewton {
 
   void begin(const Problem& problem);
   void set_sigma(const Problem& problem, double rho);
-  Mode next_mode(bool met);
+  Mode next_mode(const Problem& problem, bool met, double residual, double& rho);
+  void begin_coupled(double residual, double& rho);
   bool next_round(const Problem& problem, Mode mode);
   void read_rates(const Problem& problem) const;
   void read_gradient();
@@ -96,6 +98,10 @@ class ContactNewton {
   int rounds_ = 0, remembered_ = 0, mode_rounds_ = 0;
   Mode mode_ = Mode::kSlip, lagged_ = Mode::kSlip;
   std::vector<double> coupling_;  // ∂y_t/∂y_n of each contact along its slip
+  bool soft_ = false;             // a contact is compliant
+  // Where rounds with nothing lagged began, and what they are measured by.
+  std::vector<double> kept_;
+  double kept_rho_ = 0, kept_residual_ = 0, looked_residual_ = 0;
   std::vector<Eigen::VectorXd> basis_;
 };
 

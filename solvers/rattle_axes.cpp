@@ -100,6 +100,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     }
     last = error;
     const Stopwatch watch(report.times.positions);
+    near_ = iteration > 0;
     if (!solve_laws(
             lambda_, 0.1 * settings_.position_tolerance / h, [&] { renew_position_laws(); }, report))
       return false;
@@ -244,7 +245,7 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
 /// Many contacts, and the fall-back of few.
 bool Rattle::solve_by_newton(std::span<double> lambda, double rate_tolerance, StepReport& report) {
   const NewtonOutcome outcome =
-      newton_.solve(contacts_, laws_, delta_, lambda, w_, {.rate_tolerance = rate_tolerance}, report.times);
+      newton_.solve(contacts_, laws_, delta_, lambda, w_, {.rate_tolerance = rate_tolerance, .near = near_}, report.times);
   contacts_.take_over(lambda, w_, rate_tolerance);
   report.contact_iterations += outcome.iterations;
   if (outcome.converged)
@@ -274,6 +275,7 @@ void Rattle::begin_velocities() {
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
 bool Rattle::project_bounded_momenta(StepReport& report) {
   begin_velocities();
+  near_ = false;
   if (!solve_laws(
           mu_, 0.1 * settings_.velocity_tolerance, [&] { renew_velocity_laws(); }, report))
     return false;
