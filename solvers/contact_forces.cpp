@@ -247,6 +247,9 @@ void ContactForces::keep(std::span<const double> lambda, std::span<const double>
     if (!point.sliding.slips && point.pressed) {
       const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
       point.slipped += h_ * (w[row + 1] * frame.t1 + w[row + 2] * frame.t2);
+    } else if (const double C = compliance(static_cast<int>(k)); C > 0 && point.pressed) {
+      const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
+      point.slipped = -2 * C / h_ * (lambda[row + 1] * frame.t1 + lambda[row + 2] * frame.t2);
     } else {
       point.slipped = Vec3::Zero();
     }
@@ -289,7 +292,8 @@ void ContactForces::finish(std::span<const double> mu, std::span<const double> r
     const int row = first_row_[k];
     const bool pressed = point.touching && point.back + mu[row] > 0;
     const bool held = pressed && !point.sliding.slips;
-    if (!held || !point.stuck) point.slipped = held && point.stuck ? point.slipped : Vec3::Zero();
+    const bool stretched = compliance(static_cast<int>(k)) > 0 ? pressed : held && point.stuck;
+    if (!stretched) point.slipped = Vec3::Zero();
     point.stuck = held;
     point.slid = pressed && !held;
     // The next first kick gives half of it.

@@ -75,12 +75,15 @@ class ContactForces {
     bool works = false, twist = false;
     double sliding = 0, spinning = 0, rolling = 0;
     double softness = 0, most = std::numeric_limits<double>::infinity();  ///< of the normal (NormalLaw)
+    double slip_softness = 0;                                             ///< of the tangents (SlipLaw)
     double normal_given = 0, spin_given = 0;
     Vec2 sliding_given = Vec2::Zero(), rolling_given = Vec2::Zero();
   };
   Cone cone(int place) const;
   /// Rate per impulse that the compliance of a contact adds along its normal in this stage.
   double softness(int place) const { return normal_law(place).softness; }
+  /// The same across it.
+  double slip_softness(int place) const { return slip_law(place, points_[place].sliding).softness; }
   /// Largest distance of impulses from what Signorini's and Coulomb's laws answer to them and the rates, the
   /// natural map [√J]; 0 where rates are met to the tolerance.
   double error(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) const;
@@ -159,12 +162,19 @@ class ContactForces {
     double target = 0, softness = 0, most = std::numeric_limits<double>::infinity();
   };
 
+  /// Across it: w + softness λ − target is the slip, which is 0 within the disc.
+  struct SlipLaw {
+    Vec2 target = Vec2::Zero();
+    double softness = 0;
+  };
+
   void remap();
   void set_roots(std::span<const double> inertia);
   void disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const;
   void friction_laws(int place, std::span<RowLaw> laws) const;
   NormalLaw normal_law(int place) const;
   NormalLaw soft_law(int place) const;
+  SlipLaw slip_law(int place, const Disc& disc) const;
   double compliance(int place) const { return set_.places()[place].material.compliance; }
   double bounce(int place) const;
   double closing_rate(int place) const;
@@ -173,7 +183,7 @@ class ContactForces {
   }
   double adapt_disc(int place, Disc& disc, int row, double bound, std::span<const double> lambda,
                     std::span<const double> w, double rate_tolerance);
-  double disc_error(const Disc& disc, int row, double bound, std::span<const double> lambda,
+  double disc_error(int place, const Disc& disc, int row, double bound, std::span<const double> lambda,
                     std::span<const double> w) const;
   double spin_error(int place, double bound, std::span<const double> lambda, std::span<const double> w) const;
   double normal_error(int place, std::span<const double> lambda, std::span<const double> w) const;

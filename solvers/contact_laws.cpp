@@ -92,6 +92,17 @@ ContactForces::NormalLaw ContactForces::soft_law(int k) const {
   return {.target = std::clamp(-point.gap / a, -kNever, kNever), .softness = 2 * C / (h_ * a)};
 }
 
+/// The same spring across the normal, which yields where friction does: its stretch is what slipped.  The
+/// second kick gives what the first gave, less a critical damper.
+ContactForces::SlipLaw ContactForces::slip_law(int k, const Disc& disc) const {
+  const Point& point = points_[k];
+  const double C = compliance(k);
+  if (C == 0 || &disc != &point.sliding) return {disc.slips ? Vec2::Zero() : disc.target, 0};
+  if (!in_velocities_) return {disc.target, 2 * C / (h_ * h_)};
+  const double softness = root_[first_row_[k] + 1] * std::sqrt(C) / h_;
+  return {softness * disc.given, softness};
+}
+
 /// Newton's law of impact: the least normal rate after it.
 double ContactForces::bounce(int k) const {
   const double approach = impacts_[k].stage == Impact::Stage::kDue ? impacts_[k].rate : points_[k].approach;
@@ -108,7 +119,8 @@ void ContactForces::targets(std::span<double> target) const {
     const Point& point = points_[k];
     const int row = first_row_[k], place = static_cast<int>(k);
     target[row] = normal_law(place).target;
-    for (int i : {0, 1}) target[row + 1 + i] = point.sliding.slips ? 0 : point.sliding.target[i];
+    const SlipLaw law = slip_law(place, point.sliding);
+    for (int i : {0, 1}) target[row + 1 + i] = law.target[i];
   }
 }
 
@@ -123,6 +135,7 @@ ContactForces::Cone ContactForces::cone(int k) const {
           material.rolling_friction,
           normal.softness,
           normal.most,
+          slip_law(k, point.sliding).softness,
           point.back,
           point.spin_given,
           point.sliding.given,
@@ -173,12 +186,13 @@ void ContactForces::disc_laws(const Disc& disc, int row, std::span<RowLaw> laws)
 }
 
 /// Distance of a disc's impulse from Coulomb's answer to it and the slip, P(τ − u/S) [√J].
-double ContactForces::disc_error(const Disc& disc, int row, double bound, std::span<const double> lambda,
+double ContactForces::disc_error(int k, const Disc& disc, int row, double bound, std::span<const double> lambda,
                                  std::span<const double> w) const {
   const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
-  const Vec2 rest = disc.slips ? Vec2::Zero() : disc.target;
+  const SlipLaw law = slip_law(k, disc);
+  const Vec2 slip = Vec2(w[row], w[row + 1]) + law.softness * Vec2(lambda[row], lambda[row + 1]) - law.target;
   const double root = std::max(root_[row], root_[row + 1]);
-  const Vec2 slipped = tau - (Vec2(w[row], w[row + 1]) - rest) / (root * root);
+  const Vec2 slipped = tau - slip / (root * root + law.softness);
   return root * (tau - into_disc(slipped, bound)).norm();
 }
 
@@ -218,10 +232,10 @@ double ContactForces::error(std::span<const double> lambda, std::span<const doub
       if (!(root_[r] * error <= rate_tolerance)) largest = std::max(largest, error);
     };
     add(normal_error(k, lambda, w), row);
-    add(disc_error(point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1);
+    add(disc_error(k, point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1);
     if (!has_twist(k)) continue;
     add(spin_error(k, material.spinning_friction * normal, lambda, w), row + 3);
-    add(disc_error(point.rolling, row + 4, material.rolling_friction * normal, lambda, w), row + 4);
+    add(disc_error(k, point.rolling, row + 4, material.rolling_friction * normal, lambda, w), row + 4);
   }
   return largest;
 }
@@ -278,10 +292,10 @@ bool ContactForces::release_slipping(std::span<const double> lambda) {
 double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::span<const double> lambda,
                                  std::span<const double> w, double rate_tolerance) {
   const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
-  const Vec2 rest = disc.slips ? Vec2::Zero() : disc.target;
-  const Vec2 slip = Vec2(w[row], w[row + 1]) - rest;
+  const SlipLaw law = slip_law(k, disc);
+  const Vec2 slip = Vec2(w[row], w[row + 1]) + law.softness * Vec2(lambda[row], lambda[row + 1]) - law.target;
   const double root = std::max(root_[row], root_[row + 1]);
-  double error = disc_error(disc, row, bound, lambda, w);
+  double error = disc_error(k, disc, row, bound, lambda, w);
   if (root * error <= rate_tolerance) error = 0;
   disc.bound = bound;
   const double speed = slip.norm();

@@ -159,8 +159,11 @@ void ContactNewton::set_sigma(const Problem& problem, double rho) {
     };
     const ContactForces::Cone cone = problem.contacts.cone(k);
     alike(row, 3);
-    carry_[row] = sigma_[row] / (sigma_[row] + cone.softness);
-    sigma_[row] += cone.softness;
+    for (int i = 0; i < 3; ++i) {
+      const double softness = i == 0 ? cone.softness : cone.slip_softness;
+      carry_[row + i] = sigma_[row + i] / (sigma_[row + i] + softness);
+      sigma_[row + i] += softness;
+    }
     if (!cone.twist) continue;
     alike(row + 3, 1);
     alike(row + 4, 2);

@@ -115,7 +115,7 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
     }
   };
   part(first, 1, problem.contacts.softness(place));
-  part(first + 1, 2);
+  part(first + 1, 2, problem.contacts.slip_softness(place));
   if (rows.row_count == 3) return largest;
   part(first + 3, 1);
   part(first + 4, 2);
