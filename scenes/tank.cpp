@@ -39,8 +39,10 @@ constexpr CollisionFilter kShoeFilter{kShoeGroup, kWheelGroup}, kWheelFilter{kWh
 
 constexpr double kTyre = 5e-7, kPad = 2e-7;  ///< compliance [m/N] of rims and pads of rubber
 
-Material soft_rubber(double compliance) {
-  Material material = rubber();
+constexpr double kRubber = 0.8, kTeeth = 40;  ///< friction; of a sprocket, in place of its teeth
+
+Material soft_rubber(double compliance, double friction = kRubber) {
+  Material material = rubbing(friction);
   material.compliance = compliance;
   return material;
 }
@@ -56,18 +58,19 @@ struct Side {
   int shoes;
   World& world = scene.world;
 
-  BodyId add_wheel(const std::string& wheel, const Vec3& p, double radius, double mass) {
+  BodyId add_wheel(const std::string& wheel, const Vec3& p, double radius, double mass,
+                   double friction = kRubber) {
     const BodyId body = world.add_body({.name = name + wheel,
                                         .mass = MassProperties::cylinder(radius, kWheelWidth, mass),
                                         .pose = {kAcross, p}});
-    world.add_shape(body, Sphere{radius}, {}, soft_rubber(kTyre), kWheelFilter);
+    world.add_shape(body, Sphere{radius}, {}, soft_rubber(kTyre, friction), kWheelFilter);
     draw(scene, body, {Cylinder{radius, kWheelWidth}});
     draw(scene, body, {Box{{1.2 * radius, 0.2 * radius, 1.05 * kWheelWidth}}});  // so that it is seen to turn
     return body;
   }
   void add_sprocket() {
     const Vec3 p(kSprocket.x, y, kSprocket.z);
-    const BodyId wheel = add_wheel("sprocket", p, kSprocket.radius, kDriveMass);
+    const BodyId wheel = add_wheel("sprocket", p, kSprocket.radius, kDriveMass, kTeeth);
     const JointId drive = world.add(name + "drive", Hinge::at(world, hull, wheel, p, Vec3::UnitY()));
     AxisMotor motor{.target = speed / (kSprocket.radius + kPlate / 2)};
     motor.force_of_speed = Curve({{0, kTorque}, {10, kTorque}, {40, 0.25 * kTorque}});

@@ -119,6 +119,7 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     aim(point.sliding, row + 1);
     if (has_twist(static_cast<int>(k))) aim(point.rolling, row + 4);
   }
+  set_soft_laws();
 }
 
 void ContactForces::set_roots(std::span<const double> inertia) {
@@ -162,7 +163,7 @@ bool ContactForces::seek_impacts(std::span<const double> w) {
     Impact& impact = impacts_[k];
     if (!point.active || set_.places()[k].material.restitution == 0 || impact.spent ||
         impact.stage != Impact::Stage::kNone || point.gap <= kTouch || point.approach > -resting_speed_ ||
-        compliance(static_cast<int>(k)) > 0)
+        impact_is_seen(static_cast<int>(k)))
       continue;
     const double stop = -point.gap / h_;
     if (w[first_row_[k]] > stop + 1e-9 * (1 + std::abs(stop))) continue;
@@ -271,6 +272,7 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     point.spin_given = frame.n.dot(point.first_torque);
     point.sliding.target = point.rolling.target = Vec2::Zero();
   }
+  set_soft_laws();
 }
 
 void ContactForces::finish(std::span<const double> mu, std::span<const double> rates, double time) {

@@ -64,7 +64,6 @@ class ContactForces {
   bool adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance);
   /// True if a contact that works is compliant: no law of a row alone.
   bool soft() const;
-  bool inv() const { return in_velocities_; }
   /// Rates that the laws ask for.
   void targets(std::span<double> target) const;
   /// The impulses y in the laws of one place that are nearest to x.
@@ -124,6 +123,11 @@ class ContactForces {
   void clear_reports();
 
  private:
+  /// Along the normal: w + softness λ ≥ target, 0 ≤ Λ ≤ most; between these bounds of Λ there is equality,
+  /// and at the upper one w + softness λ ≤ target.
+  struct NormalLaw {
+    double target = 0, softness = 0, most = std::numeric_limits<double>::infinity();
+  };
   /// Coulomb's law in two rows: |τ| ≤ bound, against the slip.
   struct Disc {
     double bound = std::numeric_limits<double>::infinity();  ///< a new contact is first taken to hold
@@ -134,6 +138,7 @@ class ContactForces {
     Vec2 target = Vec2::Zero();      ///< rate that is rest: takes back what slipped while it should hold
   };
   struct Point {
+    NormalLaw soft;  ///< of a compliant contact in this stage
     bool active = false, live = false, touching = false, pressed = false;
     double gap = 0, approach = 0;
     bool fresh = true;  ///< has not been through a begin()
@@ -156,12 +161,6 @@ class ContactForces {
   /// A contact is touched within this distance [m].
   static constexpr double kTouch = 1e-9;
 
-  /// Along the normal: w + softness λ ≥ target, 0 ≤ Λ ≤ most; between these bounds of Λ there is equality,
-  /// and at the upper one w + softness λ ≤ target.
-  struct NormalLaw {
-    double target = 0, softness = 0, most = std::numeric_limits<double>::infinity();
-  };
-
   /// Across it: w + softness λ − target is the slip, which is 0 within the disc.
   struct SlipLaw {
     Vec2 target = Vec2::Zero();
@@ -173,9 +172,11 @@ class ContactForces {
   void disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const;
   void friction_laws(int place, std::span<RowLaw> laws) const;
   NormalLaw normal_law(int place) const;
+  void set_soft_laws();
   NormalLaw soft_law(int place) const;
   SlipLaw slip_law(int place, const Disc& disc) const;
   double compliance(int place) const { return set_.places()[place].material.compliance; }
+  bool impact_is_seen(int place) const;
   double bounce(int place) const;
   double closing_rate(int place) const;
   bool works(int place) const {

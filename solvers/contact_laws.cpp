@@ -16,8 +16,6 @@ constexpr double kNever = 1e12;
 constexpr double kTolerance = 1e-9;
 /// Slip that turned by more than this (sine) gets its own tangents.
 constexpr double kTurn = 0.05;
-/// Less restitution is taken as this: critical damping but for 1e-5 of it.
-constexpr double kLeastRestitution = 1e-300;
 /// Smallest component of a direction that counts as half way between the tangents.
 constexpr double kHalfWay = 0.6;
 
@@ -34,7 +32,30 @@ RowLaw box_around(double centre, double half, double w) {
   return RowLaw::box(centre - half, centre + half, w);
 }
 
+/// e of a spring and damper of this ratio to critical damping, let go where its force is 0.
+double restitution_of(double ratio) {
+  const double root = std::sqrt(1 - ratio * ratio);
+  return std::exp(-ratio / root * std::atan2(2 * ratio * root, 2 * ratio * ratio - 1));
+}
+
+/// The inverse of that, at most critical damping, of which e = e⁻².
+double damping_ratio(double restitution) {
+  double low = 0, high = 1 - 1e-12;
+  if (restitution <= restitution_of(high)) return 1;
+  for (int i = 0; i < 50; ++i) {
+    const double middle = 0.5 * (low + high);
+    (restitution_of(middle) > restitution ? low : high) = middle;
+  }
+  return low;
+}
+
 }  // namespace
+
+void ContactForces::set_soft_laws() {
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (points_[k].active && compliance(static_cast<int>(k)) > 0)
+      points_[k].soft = soft_law(static_cast<int>(k));
+}
 
 void ContactForces::position_laws(std::span<RowLaw> laws) const {
   for (std::size_t k = 0; k < points_.size(); ++k) {
@@ -68,7 +89,7 @@ bool ContactForces::soft() const {
 }
 
 ContactForces::NormalLaw ContactForces::normal_law(int k) const {
-  if (compliance(k) > 0) return soft_law(k);
+  if (compliance(k) > 0 && impacts_[k].stage != Impact::Stage::kDue) return points_[k].soft;
   return {.target = in_velocities_ ? bounce(k) : closing_rate(k)};
 }
 
@@ -85,11 +106,14 @@ ContactForces::NormalLaw ContactForces::soft_law(int k) const {
     const double rebound = std::max(-material.restitution * point.approach, point.approach);
     return {.target = std::max(0.0, rebound) + std::max(0.0, pressed) / period, .most = 2 * point.back};
   }
-  const double log_e = -std::log(std::max(material.restitution, kLeastRestitution));
-  const double damping = log_e / std::hypot(std::numbers::pi, log_e);
-  const double a =
-      point.gap >= 0 ? h_ : 0.5 * h_ + damping * std::max(2 * period, 0.5 * h_);
+  const double damping = damping_ratio(material.restitution);
+  const double a = point.gap >= 0 ? h_ : 0.5 * h_ + damping * std::max(2 * period, 0.5 * h_);
   return {.target = std::clamp(-point.gap / a, -kNever, kNever), .softness = 2 * C / (h_ * a)};
+}
+
+/// True if a step is short enough to see the impact of a compliant contact: ω h < 1.
+bool ContactForces::impact_is_seen(int k) const {
+  return compliance(k) > 0 && h_ * root_[first_row_[k]] < std::sqrt(compliance(k));
 }
 
 /// The same spring across the normal, which yields where friction does: its stretch is what slipped.  The
@@ -186,8 +210,8 @@ void ContactForces::disc_laws(const Disc& disc, int row, std::span<RowLaw> laws)
 }
 
 /// Distance of a disc's impulse from Coulomb's answer to it and the slip, P(τ − u/S) [√J].
-double ContactForces::disc_error(int k, const Disc& disc, int row, double bound, std::span<const double> lambda,
-                                 std::span<const double> w) const {
+double ContactForces::disc_error(int k, const Disc& disc, int row, double bound,
+                                 std::span<const double> lambda, std::span<const double> w) const {
   const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
   const SlipLaw law = slip_law(k, disc);
   const Vec2 slip = Vec2(w[row], w[row + 1]) + law.softness * Vec2(lambda[row], lambda[row + 1]) - law.target;
@@ -228,11 +252,11 @@ double ContactForces::error(std::span<const double> lambda, std::span<const doub
     const Point& point = points_[p];
     const Material& material = set_.places()[p].material;
     const double normal = std::max(0.0, point.back + lambda[row]);
-    const auto add = [&](double error, int r) {
-      if (!(root_[r] * error <= rate_tolerance)) largest = std::max(largest, error);
+    const auto add = [&](double error, int r, double softness = 0) {
+      if (!((root_[r] + softness / root_[r]) * error <= rate_tolerance)) largest = std::max(largest, error);
     };
-    add(normal_error(k, lambda, w), row);
-    add(disc_error(k, point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1);
+    add(normal_error(k, lambda, w), row, softness(k));
+    add(disc_error(k, point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1, slip_softness(k));
     if (!has_twist(k)) continue;
     add(spin_error(k, material.spinning_friction * normal, lambda, w), row + 3);
     add(disc_error(k, point.rolling, row + 4, material.rolling_friction * normal, lambda, w), row + 4);
@@ -296,7 +320,7 @@ double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::
   const Vec2 slip = Vec2(w[row], w[row + 1]) + law.softness * Vec2(lambda[row], lambda[row + 1]) - law.target;
   const double root = std::max(root_[row], root_[row + 1]);
   double error = disc_error(k, disc, row, bound, lambda, w);
-  if (root * error <= rate_tolerance) error = 0;
+  if ((root + law.softness / root) * error <= rate_tolerance) error = 0;
   disc.bound = bound;
   const double speed = slip.norm();
   if (speed <= std::max(rate_tolerance, kTolerance * scale_ * root)) {  // it rests

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <cstdio>
-#include <cstdlib>
 
 namespace taut {
 namespace {
@@ -68,7 +66,6 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     const bool finite = met || mode_ == Mode::kCoupled;
     read_rates(problem);
     outcome.residual = scale_ > 0 ? law_error(problem, limits.rate_tolerance, outcome.rounds) / scale_ : 0;
-    if (getenv("TRACE")) fprintf(stderr, "  %s round %d mode %d rho %.0e met %d its %d res %.2e open %.2e\n", problem.contacts.inv() ? "V" : "P", outcome.rounds, int(mode_), rho, met, outcome.iterations, outcome.residual, open_rate(problem));
     if (outcome.residual > kGrowth * last) remembered_ = 0;
     const bool slow = outcome.rounds > kPatience || outcome.residual > kSlowRound * last;
     last = outcome.residual;
@@ -86,8 +83,8 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
 /// guess.
 void ContactNewton::begin(const Problem& problem) {
   const int n = system_.row_count();
-  for (auto* values :
-       {&own_, &sigma_, &target_, &shift_, &last_, &x_, &y_, &rates_, &rates_of_step_, &bound_, &slope_, &base_, &change_})
+  for (auto* values : {&own_, &sigma_, &target_, &shift_, &last_, &x_, &y_, &rates_, &rates_of_step_, &bound_,
+                       &slope_, &base_, &change_})
     values->assign(n, 0.0);
   carry_.assign(n, 1.0);
   for (auto* values : {&v_, &gradient_, &step_}) values->setZero(6 * system_.rows().body_count());
@@ -256,7 +253,7 @@ void ContactNewton::answer_lagged(const Problem& problem, Eigen::VectorXd& s) co
     const double root = std::sqrt(own_[row]);
     const auto off = [&](int r) { return problem.w[r] - target_[r]; };
     const double lagged = by_radius(cone) ? root * std::max(0.0, cone.normal_given + y_[row])
-                                     : std::hypot(off(row + 1), off(row + 2)) / root;
+                                          : std::hypot(off(row + 1), off(row + 2)) / root;
     s[k] = cone.works ? cone.sliding * lagged : 0;
   }
 }
@@ -300,7 +297,6 @@ bool ContactNewton::minimize(const Problem& problem, double tolerance, const New
     read_gradient();
     const double size = gradient_.lpNorm<Eigen::Infinity>();
     if (!std::isfinite(size)) return false;
-    if (getenv("TRACE2")) fprintf(stderr, "      step %d size %.2e\n", step, size);
     stuck = size > 0.5 * least && least <= kRoundOff * scale_ ? stuck + 1 : 0;
     least = std::min(least, size);
     if (size <= tolerance || stuck == kStuck) return true;

@@ -1,14 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "solvers/contact_newton.h"
 
 // Rounds in which nothing of Coulomb's law is held fast.  (solvers/README, "Many contacts")
 namespace taut {
 namespace {
-int vectors = 0;
 
 /// Steps of a round and of GMRES, what that leaves of a residual, and halvings of a step.
 constexpr int kMostVectors = 80;
@@ -66,7 +63,6 @@ void ContactNewton::coupled_step(double part) {
     if (!(rest > 1e-14 * size)) break;
     next /= rest;
   }
-  vectors = m;
   const Eigen::VectorXd z = R.topLeftCorner(m, m).triangularView<Eigen::Upper>().solve(g.head(m));
   step_.setZero();
   for (int i = 0; i < m; ++i) step_ += z[i] * basis_[i];

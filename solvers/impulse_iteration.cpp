@@ -105,8 +105,8 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
     if (!(s > 0)) return;
     for (int r = first; r < first + rows.row_count; ++r) scratch_[r] = problem.lambda[r];
     for (int r = from; r < from + count; ++r)
-      scratch_[r] -= problem.relaxation *
-                     (rate(problem, r) + softness * problem.lambda[r] - target_[r]) / (s + softness);
+      scratch_[r] -= problem.relaxation * (rate(problem, r) + softness * problem.lambda[r] - target_[r]) /
+                     (s + softness);
     problem.contacts.answer(place, scratch_, answer_);
     for (int r = from; r < from + count; ++r) {
       const double by = answer_[r] - problem.lambda[r];

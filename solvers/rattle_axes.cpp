@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <cstdio>
-#include <cstdlib>
 
 #include "solvers/max_abs.h"
 #include "solvers/rattle.h"
@@ -91,7 +89,6 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       return false;
     }
     const double error = iteration > 0 ? law_error(h) : std::numeric_limits<double>::infinity();
-    if (getenv("TRACE")) fprintf(stderr, "  P iteration %d h %g error %.3e refactored %d\n", iteration, h, error, int(refactored_));
     if (error <= settings_.position_tolerance) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
     if (iteration > 1 && error > kSlow * last) {
@@ -156,8 +153,16 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     settings.max_descent_rounds = 0;
   }
   if (contacts_.rest() && holds(lambda, rate_tolerance, report)) return true;
-  if (system_.through_bodies() || contacts_.soft()) return solve_by_newton(lambda, rate_tolerance, report);
-  if (newtons_left_ > 0 && newtons_left_-- > 0) return solve_by_newton(lambda, rate_tolerance, report);
+  const auto by_newton = [&] {
+    for (int solve = 0; solve < kMaxSolves && solve_by_newton(lambda, rate_tolerance, report); ++solve) {
+      const bool broke = axes_.break_away(w_);
+      if (!axes_.update_loads(system_.rows(), system_.jacobian(), lambda) && !broke) return true;
+      renew();
+    }
+    return false;
+  };
+  if (system_.through_bodies() || contacts_.soft()) return by_newton();
+  if (newtons_left_ > 0 && newtons_left_-- > 0) return by_newton();
   guess_.assign(lambda.begin(), lambda.end());
   double earlier = std::numeric_limits<double>::infinity();
   bool solved = false;
@@ -178,7 +183,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
       if (!outcome_.ok() || (check && contacts_.residual() > kFrictionProgress * earlier)) {
         newtons_left_ = kNewtonsInARow;
         std::copy(guess_.begin(), guess_.end(), lambda.begin());
-        return solve_by_newton(lambda, rate_tolerance, report);
+        return by_newton();
       }
       if (check) earlier = contacts_.residual();
       if (!contacts_.turns().empty()) turn_contacts(lambda, report);
@@ -244,8 +249,8 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
 
 /// Many contacts, and the fall-back of few.
 bool Rattle::solve_by_newton(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  const NewtonOutcome outcome =
-      newton_.solve(contacts_, laws_, delta_, lambda, w_, {.rate_tolerance = rate_tolerance, .near = near_}, report.times);
+  const NewtonOutcome outcome = newton_.solve(
+      contacts_, laws_, delta_, lambda, w_, {.rate_tolerance = rate_tolerance, .near = near_}, report.times);
   contacts_.take_over(lambda, w_, rate_tolerance);
   report.contact_iterations += outcome.iterations;
   if (outcome.converged)
@@ -280,8 +285,6 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
           mu_, 0.1 * settings_.velocity_tolerance, [&] { renew_velocity_laws(); }, report))
     return false;
   end_velocities(report);
-  if (getenv("TRACE")) { int worst = 0; for (int r = 0; r < system_.row_count(); ++r) if (std::abs(velocity_rows_[r]) > std::abs(velocity_rows_[worst])) worst = r; double ml = max_abs(mu_); if (report.velocity_residual > 1e-9) { const auto& js = system_.rows().joints(); for (std::size_t j = 0; j < js.size(); ++j) for (int i = 0; i < js[j].row_count; ++i) { int r = js[j].first_row + i; if (std::abs(velocity_rows_[r]) > 2e-10) fprintf(stderr, "      joint %d row %d of %d: %.2e mu %g S %g\n", int(j), i, js[j].row_count, velocity_rows_[r], mu_[r], 1/inertia_[r]); } }
- fprintf(stderr, "   velocity residual %.3e row %d mu %g max %g\n", report.velocity_residual, worst, mu_[worst], ml);}
   return report.velocity_residual <= settings_.velocity_tolerance;
 }
 
