@@ -28,7 +28,7 @@ constexpr double kGuideRadius = 0.015, kGuideHeight = 0.06, kGuideDistance = 0.1
 
 const Vec3 kArm(-0.25, 0, -0.12);  ///< from its pivot to the wheel
 constexpr double kArmMass = 15, kTorsion = 1e4, kTorsionDamping = 500;
-constexpr double kTension = 12e3, kTensioner = 2e5, kTensionerDamping = 4e3;
+constexpr double kTension = 12e3, kTensioner = 2e6, kTensionerDamping = 2e4;
 constexpr double kTorque = 6000;
 constexpr double kStart = 3.5;  ///< of ramp and bumps
 
@@ -39,7 +39,7 @@ constexpr CollisionFilter kShoeFilter{kShoeGroup, kWheelGroup}, kWheelFilter{kWh
 
 constexpr double kTyre = 5e-7, kPad = 2e-7;  ///< compliance [m/N] of rims and pads of rubber
 
-constexpr double kRubber = 0.8, kTeeth = 40;  ///< friction; of a sprocket, in place of its teeth
+constexpr double kRubber = 0.7, kTeeth = 40;  ///< friction; of a sprocket, in place of its teeth
 
 Material soft_rubber(double compliance, double friction = kRubber) {
   Material material = rubbing(friction);
@@ -108,7 +108,7 @@ struct Side {
     body.pose.p = 0.5 * (from + to);
     body.pose.q = exp_so3(Vec3(0, -std::atan2(to.z() - from.z(), to.x() - from.x()), 0));  // z is inwards
     const BodyId shoe = world.add_body(body);
-    world.add_shape(shoe, Box{plate}, {}, rubber(), kShoeFilter);
+    world.add_shape(shoe, Box{plate}, {}, rubbing(kRubber), kShoeFilter);
     const Capsule grouser{kGrouser, kShoeWidth - 2 * kGrouser}, guide{kGuideRadius, kGuideHeight};
     world.add_shape(shoe, grouser, {kAcross, {0, 0, -kPlate / 2}}, soft_rubber(kPad), kGrouserFilter);
     const double at = kGuideDistance + kGuideRadius;
@@ -151,17 +151,17 @@ struct Side {
 
 void add_ground(Scene& scene, double ramp, int bumps) {
   World& world = scene.world;
-  world.add_shape(kGround, HalfSpace{}, {}, rubber());
+  world.add_shape(kGround, HalfSpace{}, {}, rubbing(kRubber));
   if (ramp > 0) {
     const double angle = ramp * std::numbers::pi / 180, length = 12, thickness = 0.5;
     const Quat q = exp_so3(Vec3(0, -angle, 0));
     const Vec3 p = Vec3(kStart, 0, 0) + q * Vec3(length / 2, 0, -thickness / 2);
-    world.add_shape(kGround, Box{{length, 6, thickness}}, {q, p}, rubber());
+    world.add_shape(kGround, Box{{length, 6, thickness}}, {q, p}, rubbing(kRubber));
   }
   constexpr double kBumpRadius = 0.3, kBumpHeight = 0.1, kBumpSpacing = 1.2;
   for (int k = 0; k < bumps; ++k)
     world.add_shape(kGround, Cylinder{kBumpRadius, 6},
-                    {kAcross, {kStart + k * kBumpSpacing, 0, kBumpHeight - kBumpRadius}}, rubber());
+                    {kAcross, {kStart + k * kBumpSpacing, 0, kBumpHeight - kBumpRadius}}, rubbing(kRubber));
 }
 
 Scene build(const Parameters& parameters) {

@@ -256,7 +256,8 @@ double ContactForces::error(std::span<const double> lambda, std::span<const doub
       if (!((root_[r] + softness / root_[r]) * error <= rate_tolerance)) largest = std::max(largest, error);
     };
     add(normal_error(k, lambda, w), row, softness(k));
-    add(disc_error(k, point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1, slip_softness(k));
+    add(disc_error(k, point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1,
+        slip_softness(k));
     if (!has_twist(k)) continue;
     add(spin_error(k, material.spinning_friction * normal, lambda, w), row + 3);
     add(disc_error(k, point.rolling, row + 4, material.rolling_friction * normal, lambda, w), row + 4);

@@ -9,15 +9,12 @@ namespace {
 
 /// Σ over S_rr: in the first round, how it falls from round to round, the least, and that of equalities.
 constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-5, kEqualityRho = 1e-9;
-/// That of the first round from a guess that is nearly right.
-constexpr double kNearRho = 1e-4;
 /// Newton's equation is met to this part of the residual of the round before, and never better than this.
 constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
 /// Rounds after which equalities are met, as far as they can be.
 constexpr int kEqualityRounds = 3;
 /// Before `most` is enough in any case, equalities are to be met to so many times the tolerance of rates.
 constexpr double kClosed = 9;
-constexpr double kLinear = 1e-3;
 /// Gradients below this may be round-off, and are if so many steps do not halve them.
 constexpr double kRoundOff = 1e-8;
 constexpr int kStuck = 2;
@@ -31,11 +28,6 @@ constexpr int kPatience = 12, kMemory = 6;
 /// A residual that grows by more than this ends the extrapolation; after so many rounds it is careful.
 constexpr double kGrowth = 5, kMixing = 0.5;
 constexpr int kSlow = 20, kPeriod = 10;
-/// Rounds with lagged quantities before all is tried at once, with compliant contacts and without.
-constexpr int kSoftTurns = 3, kTurns = 25;
-/// After so many rounds with nothing lagged the residual must have fallen to this part.
-constexpr int kLook = 4;
-constexpr double kProgress = 0.5;
 /// Part of the extrapolation's equations that is added to their diagonal.
 constexpr double kRegularization = 1e-13;
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMemory, kMemory>;
@@ -51,11 +43,10 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
   const Problem problem{contacts, laws, b, lambda, w};
   NewtonOutcome outcome;
   begin(problem);
-  double forcing = kForcing, last = 1;
-  double rho = kFirstRho;
+  double forcing = kForcing, last = 1, rho = kFirstRho;
   if (limits.near && soft_) {
-    begin_coupled(last, rho);
     mode_ = Mode::kCoupled;
+    begin_coupled(last, rho);
     rho = kNearRho;
   }
   for (;;) {
@@ -68,8 +59,8 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     outcome.residual = scale_ > 0 ? law_error(problem, limits.rate_tolerance, outcome.rounds) / scale_ : 0;
     if (outcome.residual > kGrowth * last) remembered_ = 0;
     const bool slow = outcome.rounds > kPatience || outcome.residual > kSlowRound * last;
-    last = outcome.residual;
-    forcing = std::min(outcome.residual, kForcing);
+    if (met) last = outcome.residual;
+    forcing = std::min(last, kForcing);
     const double enough = slow ? limits.most : limits.tolerance;
     const bool closed = outcome.rounds > kPatience || open_rate(problem) <= kClosed * limits.rate_tolerance;
     outcome.converged = finite && outcome.residual <= enough && closed;
@@ -168,38 +159,6 @@ void ContactNewton::set_sigma(const Problem& problem, double rho) {
     bound_[row + 3] = cone.spinning * normal;
     bound_[row + 4] = cone.rolling * normal;
   }
-}
-
-/// Some rounds with the lagged slip, which converge from anywhere; then with nothing lagged, as long as that
-/// goes well; then with the lagged radius, and so on.
-ContactNewton::Mode ContactNewton::next_mode(const Problem& problem, bool met, double residual, double& rho) {
-  ++mode_rounds_;
-  if (mode_ != Mode::kCoupled) {
-    if (mode_rounds_ < (soft_ ? kSoftTurns : kTurns)) return mode_;
-    begin_coupled(residual, rho);
-    return Mode::kCoupled;
-  }
-  const bool look = mode_rounds_ % kLook == 0;
-  if (met && (!look || residual <= kProgress * looked_residual_)) {
-    if (look) looked_residual_ = residual;
-    return mode_;
-  }
-  if (!met || residual > kept_residual_) {
-    y_ = kept_;
-    read_rates(problem);
-    rho = kept_rho_;
-  }
-  mode_rounds_ = 0;
-  lagged_ = lagged_ == Mode::kSlip ? Mode::kRadius : Mode::kSlip;
-  return lagged_;
-}
-
-void ContactNewton::begin_coupled(double residual, double& rho) {
-  mode_rounds_ = 0;
-  kept_ = y_;
-  kept_rho_ = rho;
-  kept_residual_ = looked_residual_ = residual;
-  rho = std::max(rho, kNearRho);
 }
 
 /// What a round leaves to the next: λ̄ = P, and the lagged s = μ |u_t|, or μ Λ_n by radius, extrapolated from
@@ -305,7 +264,7 @@ bool ContactNewton::minimize(const Problem& problem, double tolerance, const New
     for (std::size_t r = 0; r < slope_.size(); ++r) slope_[r] /= sigma_[r];
     if (!system_.factorize_bodies(turned_, slope_, times)) return false;
     if (mode_ == Mode::kCoupled) {
-      coupled_step(kLinear);
+      coupled_step();
       if (!(step_.dot(gradient_) < 0)) return false;
     } else {
       step_ = -gradient_;
@@ -346,112 +305,6 @@ void ContactNewton::search(const Problem& problem) {
   }
   v_ += length * step_;
   for (std::size_t r = 0; r < rates_.size(); ++r) rates_[r] += length * rates_of_step_[r];
-}
-
-/// x and y = P(x) at the present velocities and `length` of the step, with the slopes of P.
-void ContactNewton::project(const Problem& problem, double length) {
-  const Rows& rows = system_.rows();
-  for (std::size_t r = 0; r < x_.size(); ++r)
-    x_[r] = carry_[r] * last_[r] -
-            (base_[r] + rates_[r] + length * rates_of_step_[r] - target_[r] + shift_[r]) / sigma_[r];
-  for (int r = 0; r < rows.first_contact_row(); ++r) project_row(problem.laws[r], r);
-  for (int k = 0; k < rows.contact_count(); ++k) project_contact(problem, k);
-}
-
-void ContactNewton::project_row(const RowLaw& law, int r) {
-  if (!law.bounded()) {
-    y_[r] = x_[r];
-    slope_[r] = 1;
-    return;
-  }
-  const RowLaw::Point point = law.resolve(sigma_[r], -sigma_[r] * x_[r]);
-  y_[r] = point.lambda;
-  slope_[r] = RowLaw::is_vertical(point.piece) ? 1 : law.slope * sigma_[r] / (1 + law.slope * sigma_[r]);
-}
-
-/// The nearest point of Coulomb's cone |Λ_t| ≤ μ Λ_n, of the spin's interval and of the rolling disc.
-void ContactNewton::project_contact(const Problem& problem, int k) {
-  const ContactForces::Cone cone = problem.contacts.cone(k);
-  const int row = problem.contacts.first_row(k), count = cone.twist ? 6 : 3;
-  if (!cone.works) {
-    std::fill_n(y_.begin() + row, count, 0.0);
-    std::fill_n(slope_.begin() + row, count, 0.0);
-    coupling_[k] = 0;
-    return;
-  }
-  const double mu = cone.sliding, normal = cone.normal_given + x_[row];
-  const Vec2 tangent = cone.sliding_given + Vec2(x_[row + 1], x_[row + 2]);
-  const double size = tangent.norm();
-  coupling_[k] = 0;
-  if (by_radius(cone)) {
-    const double total = std::clamp(normal, 0.0, cone.most);
-    y_[row] = total - cone.normal_given;
-    slope_[row] = total == normal ? 1 : 0;
-    if (mode_ == Mode::kCoupled) {
-      bound_[row + 1] = mu * total;
-      if (size > bound_[row + 1]) coupling_[k] = mu * slope_[row];
-    }
-    project_disc(k, 1, cone.sliding_given);
-  } else if (size <= mu * normal || mu * size <= -normal) {
-    const bool within = size <= mu * normal;
-    for (int i = 0; i < 3; ++i) slope_[row + i] = within ? 1 : 0;
-    if (within) {
-      std::copy_n(x_.begin() + row, 3, y_.begin() + row);
-    } else {
-      y_[row] = -cone.normal_given;
-      y_[row + 1] = -cone.sliding_given[0];
-      y_[row + 2] = -cone.sliding_given[1];
-    }
-    turn_rows(k, 0, 1, Vec2::UnitX());
-  } else {
-    const Vec2 direction = size > 0 ? Vec2(tangent / size) : Vec2(Vec2::UnitX());
-    const double on = (normal + mu * size) / (1 + mu * mu);
-    y_[row] = on - cone.normal_given;
-    y_[row + 1] = mu * on * direction[0] - cone.sliding_given[0];
-    y_[row + 2] = mu * on * direction[1] - cone.sliding_given[1];
-    slope_[row] = 1;  // along the generator
-    slope_[row + 1] = 0;
-    slope_[row + 2] = size > 0 ? mu * on / size : 0;  // across it
-    turn_rows(k, mu, 1, direction);
-  }
-  if (!cone.twist) return;
-  const double spin = cone.spin_given + x_[row + 3];
-  y_[row + 3] = std::clamp(spin, -bound_[row + 3], bound_[row + 3]) - cone.spin_given;
-  slope_[row + 3] = std::abs(spin) < bound_[row + 3] ? 1 : 0;
-  project_disc(k, 4, cone.rolling_given);
-}
-
-/// The disc of radius bound_ in two rows of a contact.
-void ContactNewton::project_disc(int k, int first, const Vec2& given) {
-  const int row = system_.rows().joints()[system_.rows().contact_joint(k)].first_row + first;
-  const Vec2 x = given + Vec2(x_[row], x_[row + 1]);
-  const double size = x.norm(), most = bound_[row];
-  const bool slips = size > most;
-  const Vec2 answer = into_disc(x, most) - given;
-  y_[row] = answer[0];
-  y_[row + 1] = answer[1];
-  slope_[row] = slips ? 0 : 1;
-  slope_[row + 1] = slips ? most / size : 1;
-  turn_rows(k, 0, first, slips ? Vec2(x / size) : Vec2(Vec2::UnitX()));
-}
-
-/// Rows of W in which P' is diagonal: tangents along `direction` and across it, the first one with the normal
-/// along the generator (1, μ) of the cone.
-void ContactNewton::turn_rows(int place, double mu, int first, const Vec2& direction) {
-  const Rows& rows = system_.rows();
-  const Rows::JointRows& contact = rows.joints()[rows.contact_joint(place)];
-  const double length = 1 / std::sqrt(1 + mu * mu);
-  for (int s = contact.first_side; s < contact.first_side + contact.side_count; ++s) {
-    const double* W = system_.weighted().data() + rows.sides()[s].offset;
-    double* turned = turned_.data() + rows.sides()[s].offset;
-    for (int k = 0; k < 6; ++k) {
-      const double a = W[6 * first + k], b = W[6 * first + 6 + k];
-      const double along = direction[0] * a + direction[1] * b;
-      turned[6 * first + k] = along;
-      turned[6 * first + 6 + k] = direction[0] * b - direction[1] * a;
-      if (first == 1) turned[k] = length * (W[k] + mu * along);
-    }
-  }
 }
 
 /// The largest rate that an equality is off by.

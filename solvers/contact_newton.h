@@ -47,6 +47,9 @@ class ContactNewton {
                       StageTimes& times);
 
  private:
+  /// Σ over S_rr where nothing is lagged, at first.
+  static constexpr double kNearRho = 1e-4;
+
   /// What the iteration works on.
   struct Problem {
     const ContactForces& contacts;
@@ -61,7 +64,7 @@ class ContactNewton {
   void begin(const Problem& problem);
   void set_sigma(const Problem& problem, double rho);
   Mode next_mode(const Problem& problem, bool met, double residual, double& rho);
-  void begin_coupled(double residual, double& rho);
+  void begin_coupled(double residual, double rho);
   bool next_round(const Problem& problem, Mode mode);
   void read_rates(const Problem& problem) const;
   void read_gradient();
@@ -73,7 +76,7 @@ class ContactNewton {
   bool minimize(const Problem& problem, double tolerance, const NewtonLimits& limits, StageTimes& times,
                 NewtonOutcome& outcome);
   void search(const Problem& problem);
-  void coupled_step(double part);
+  void coupled_step();
   void add_coupling(const Eigen::VectorXd& u, Eigen::VectorXd& sum) const;
   void project(const Problem& problem, double length = 0);
   void project_row(const RowLaw& law, int row);

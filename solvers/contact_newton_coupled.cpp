@@ -7,11 +7,51 @@
 namespace taut {
 namespace {
 
-/// Steps of a round and of GMRES, what that leaves of a residual, and halvings of a step.
+/// Vectors of GMRES, what that leaves of a residual, and what round-off is.
 constexpr int kMostVectors = 80;
+constexpr double kLinear = 1e-3, kBreakdown = 1e-14;
+/// Rounds with lagged quantities before all is tried at once, with compliant contacts and without.
+constexpr int kSoftTurns = 3, kTurns = 25;
+/// After so many rounds with nothing lagged the residual must have fallen to this part.
+constexpr int kLook = 4;
+constexpr double kProgress = 0.5;
+
 std::span<double> span_of(Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
 }  // namespace
+
+/// Some rounds with the lagged slip, which converge from anywhere; then with nothing lagged, as long as that
+/// goes well; then with the lagged radius, and so on.
+ContactNewton::Mode ContactNewton::next_mode(const Problem& problem, bool met, double residual, double& rho) {
+  ++mode_rounds_;
+  if (mode_ != Mode::kCoupled) {
+    if (mode_rounds_ < (soft_ ? kSoftTurns : kTurns)) return mode_;
+    begin_coupled(residual, rho);
+    rho = std::max(rho, kNearRho);
+    return Mode::kCoupled;
+  }
+  const bool look = mode_rounds_ % kLook == 0;
+  if (met && (!look || residual <= kProgress * looked_residual_)) {
+    if (look) looked_residual_ = residual;
+    return mode_;
+  }
+  if (!met || residual > kept_residual_) {
+    y_ = kept_;
+    read_rates(problem);
+    rho = kept_rho_;
+  }
+  mode_rounds_ = 0;
+  lagged_ = lagged_ == Mode::kSlip ? Mode::kRadius : Mode::kSlip;
+  return lagged_;
+}
+
+/// What there is to go back to.
+void ContactNewton::begin_coupled(double residual, double rho) {
+  mode_rounds_ = 0;
+  kept_ = y_;
+  kept_rho_ = rho;
+  kept_residual_ = looked_residual_ = residual;
+}
 
 /// sum += Σ μ/Σ_n W_tᵀ W_n u over the contacts that slip.
 void ContactNewton::add_coupling(const Eigen::VectorXd& u, Eigen::VectorXd& sum) const {
@@ -31,8 +71,9 @@ void ContactNewton::add_coupling(const Eigen::VectorXd& u, Eigen::VectorXd& sum)
   }
 }
 
-/// (H + N) step = −gradient by GMRES with H, the symmetric part that has a factor, on the right.
-void ContactNewton::coupled_step(double part) {
+/// (H + N) step = −gradient by GMRES [SaadSchultz1986] with H, the symmetric part that has a factor, on the
+/// right: (1 + N H⁻¹) z = −gradient, step = H⁻¹ z.
+void ContactNewton::coupled_step() {
   const double size = gradient_.norm();
   basis_.resize(kMostVectors + 1);
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(kMostVectors + 1, kMostVectors);
@@ -41,7 +82,7 @@ void ContactNewton::coupled_step(double part) {
   basis_[0] = -gradient_ / size;
   g[0] = size;
   int m = 0;
-  while (m < kMostVectors && std::abs(g[m]) > part * size) {
+  while (m < kMostVectors && std::abs(g[m]) > kLinear * size) {
     step_ = basis_[m];
     system_.solve_bodies(span_of(step_));
     Eigen::VectorXd& next = basis_[m + 1];
@@ -60,7 +101,7 @@ void ContactNewton::coupled_step(double part) {
     R.col(m).applyOnTheLeft(m, m + 1, turns[m].adjoint());
     g.applyOnTheLeft(m, m + 1, turns[m].adjoint());
     ++m;
-    if (!(rest > 1e-14 * size)) break;
+    if (!(rest > kBreakdown)) break;
     next /= rest;
   }
   const Eigen::VectorXd z = R.topLeftCorner(m, m).triangularView<Eigen::Upper>().solve(g.head(m));
