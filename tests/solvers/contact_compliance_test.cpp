@@ -98,9 +98,9 @@ TEST(ContactCompliance, impacts_give_back_their_restitution) {
   };
   // Resolved (ω h = 0.01): errors of order ω h.  Critical damping is the most: e⁻².  Not resolved
   // (ω h = 1000): Newton's law but for 1/(ω h).
-  for (const Case& c : {Case{1e-2, 1, 1, 1e-2}, Case{1e-2, 0.5, 0.5, 1e-2}, Case{1e-2, 0.2, 0.2, 1e-2},
-                        Case{1e-2, 0, std::exp(-2), 1e-2}, Case{1e-12, 0.5, 0.5, 2e-3},
-                        Case{1e-12, 0, 0, 2e-3}}) {
+  for (const Case& c :
+       {Case{1e-2, 1, 1, 1e-2}, Case{1e-2, 0.5, 0.5, 1e-2}, Case{1e-2, 0.2, 0.2, 1e-2},
+        Case{1e-2, 0, std::exp(-2), 1e-2}, Case{1e-12, 0.5, 0.5, 2e-3}, Case{1e-12, 0, 0, 2e-3}}) {
     World world;
     world.set_gravity(Vec3::Zero());
     world.add_shape(kGround, HalfSpace{}, {}, soft(c.compliance, c.restitution));
@@ -146,16 +146,15 @@ TEST(ContactCompliance, what_slides_is_slowed_by_friction) {
   World world;
   world.add_shape(kGround, HalfSpace{}, {}, soft(1e-6, 0, mu));
   const Vec3 size(0.4, 0.4, 0.1);
-  const BodyId box =
-      world.add_body({.name = "box",
-                      .mass = MassProperties::box(size, mass),
-                      .pose = {.p = Vec3(0, 0, 0.05 - 1e-6 * mass * kG / 4)}});
+  const BodyId box = world.add_body({.name = "box",
+                                     .mass = MassProperties::box(size, mass),
+                                     .pose = {.p = Vec3(0, 0, 0.05 - 1e-6 * mass * kG / 4)}});
   world.add_shape(box, Box{size}, {}, soft(0, 0, mu));
   world.set_twist(box, {Vec3::Zero(), Vec3(v0, 0, 0)});
   Simulator simulator(world);
   run(simulator, 1e-3, 300);
   EXPECT_NEAR(world.twist(box).v.x(), v0 - mu * kG * 0.3, 2e-3);  // a ripple as it begins to pitch
-  run(simulator, 1e-3, 700);                                       // it stops after 0.68 s
+  run(simulator, 1e-3, 700);                                      // it stops after 0.68 s
   EXPECT_NEAR(world.pose(box).p.x(), v0 * v0 / (2 * mu * kG), 2e-3);
   EXPECT_LE(world.twist(box).v.norm(), 1e-6);
 }
@@ -178,8 +177,8 @@ TEST(ContactCompliance, friction_of_joints_breaks_away_beside_it) {
   World world;
   world.add_shape(kGround, HalfSpace{}, {}, soft(1e-6));
   add_ball(world, "ball", 0.1, 0.1, 1, soft(0));
-  const BodyId bob = world.add_body(
-      {.name = "bob", .mass = MassProperties::sphere(0.05, 1), .pose = {.p = Vec3(1, 0, 2)}});
+  const BodyId bob =
+      world.add_body({.name = "bob", .mass = MassProperties::sphere(0.05, 1), .pose = {.p = Vec3(1, 0, 2)}});
   const JointId hinge = world.add("hinge", Hinge::at(world, kGround, bob, Vec3(0, 0, 2), Vec3::UnitY()));
   AxisFriction friction;
   friction.static_friction = 5;  // below the 9.81 N·m of its weight
