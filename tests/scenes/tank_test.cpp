@@ -88,6 +88,17 @@ TEST(Tank, drives_with_the_speed_of_its_tracks) {
   EXPECT_NEAR(drive.heading(), 0, 1e-3);
 }
 
+// On the plane, with gravity as on a slope of 20°.
+TEST(Tank, climbs) {
+  Drive drive({{"n", 30}, {"left", 0.5}, {"right", 0.5}});
+  const double slope = 20 * std::numbers::pi / 180;
+  drive.scene.world.set_gravity(9.81 * Vec3(-std::sin(slope), 0, -std::cos(slope)));
+  drive.run(0.4);
+  const double start = drive.position().x();
+  drive.run(0.3);
+  EXPECT_NEAR(drive.position().x() - start, 0.5 * 0.3, 0.15 * 0.5 * 0.3);
+}
+
 TEST(Tank, turns_where_it_stands_if_its_tracks_run_against_each_other) {
   Drive drive({{"n", 30}, {"left", -1}, {"right", 1}});
   drive.run(0.6);
