@@ -203,6 +203,7 @@ class Rattle {
   double horizon_ = 0;
   std::optional<ActiveSet> active_;
   ContactNewton newton_;
+  bool near_ = false;  // this stage was solved at a neighbouring state
   std::optional<ImpulseIteration> iteration_;  // iterative, or with contacts
   std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
   int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before

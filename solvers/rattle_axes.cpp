@@ -97,6 +97,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     }
     last = error;
     const Stopwatch watch(report.times.positions);
+    near_ = iteration > 0;
     if (!solve_laws(
             lambda_, 0.1 * settings_.position_tolerance / h, [&] { renew_position_laws(); }, report))
       return false;
@@ -152,8 +153,16 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     settings.max_descent_rounds = 0;
   }
   if (contacts_.rest() && holds(lambda, rate_tolerance, report)) return true;
-  if (system_.through_bodies()) return solve_by_newton(lambda, rate_tolerance, report);
-  if (newtons_left_ > 0 && newtons_left_-- > 0) return solve_by_newton(lambda, rate_tolerance, report);
+  const auto by_newton = [&] {
+    for (int solve = 0; solve < kMaxSolves && solve_by_newton(lambda, rate_tolerance, report); ++solve) {
+      const bool broke = axes_.break_away(w_);
+      if (!axes_.update_loads(system_.rows(), system_.jacobian(), lambda) && !broke) return true;
+      renew();
+    }
+    return false;
+  };
+  if (system_.through_bodies() || contacts_.soft()) return by_newton();
+  if (newtons_left_ > 0 && newtons_left_-- > 0) return by_newton();
   guess_.assign(lambda.begin(), lambda.end());
   double earlier = std::numeric_limits<double>::infinity();
   bool solved = false;
@@ -174,7 +183,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
       if (!outcome_.ok() || (check && contacts_.residual() > kFrictionProgress * earlier)) {
         newtons_left_ = kNewtonsInARow;
         std::copy(guess_.begin(), guess_.end(), lambda.begin());
-        return solve_by_newton(lambda, rate_tolerance, report);
+        return by_newton();
       }
       if (check) earlier = contacts_.residual();
       if (!contacts_.turns().empty()) turn_contacts(lambda, report);
@@ -240,8 +249,8 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
 
 /// Many contacts, and the fall-back of few.
 bool Rattle::solve_by_newton(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  const NewtonOutcome outcome =
-      newton_.solve(contacts_, laws_, delta_, lambda, w_, {.rate_tolerance = rate_tolerance}, report.times);
+  const NewtonOutcome outcome = newton_.solve(
+      contacts_, laws_, delta_, lambda, w_, {.rate_tolerance = rate_tolerance, .near = near_}, report.times);
   contacts_.take_over(lambda, w_, rate_tolerance);
   report.contact_iterations += outcome.iterations;
   if (outcome.converged)
@@ -271,6 +280,7 @@ void Rattle::begin_velocities() {
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
 bool Rattle::project_bounded_momenta(StepReport& report) {
   begin_velocities();
+  near_ = false;
   if (!solve_laws(
           mu_, 0.1 * settings_.velocity_tolerance, [&] { renew_velocity_laws(); }, report))
     return false;
