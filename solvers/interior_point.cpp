@@ -1,0 +1,198 @@
+#include "solvers/interior_point.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+/// Compliance of equalities over S_rr: it acts on the change of an iteration only.
+constexpr double kEqualityRho = 1e-7;
+/// μ at the start over the mean power of the elements, and the least over the largest energy of one.
+constexpr double kFirstMu = 0.1, kLeastMu = 1e-10;
+/// Part of the way to the boundary that is gone.
+constexpr double kInside = 0.995;
+
+}  // namespace
+
+InteriorOutcome InteriorPoint::solve(std::span<const RowLaw> laws, std::span<const double> b,
+                                     std::span<double> lambda, std::span<double> w,
+                                     const InteriorLimits& limits, StageTimes& times) {
+  const Problem problem{laws, b, lambda, w};
+  InteriorOutcome outcome;
+  begin(problem);
+  for (;; ++outcome.iterations) {
+    outcome.residual = scale_ > 0 ? law_error(problem) / scale_ : 0;
+    outcome.converged = outcome.residual <= limits.tolerance;
+    if (outcome.converged || !std::isfinite(outcome.residual) || outcome.iterations >= limits.iterations)
+      return outcome;
+    const double mu = mean_product(0);
+    set_stiffness(problem, 0, false);
+    if (!system_.factorize_bodies(system_.weighted(), stiffness_, times)) return outcome;
+    direction(problem);
+    const double left = mu > 0 ? mean_product(longest(1)) / mu : 0;
+    set_stiffness(problem, left * left * left * mu, true);
+    direction(problem);
+    move(problem, longest(kInside));
+  }
+}
+
+/// The elements, centred about the rates of the guess.
+void InteriorPoint::begin(const Problem& problem) {
+  const std::size_t n = problem.laws.size();
+  for (auto* values : {&own_, &base_, &stiffness_, &off_, &change_}) values->assign(n, 0.0);
+  for (auto* values : {&v_, &step_}) values->assign(6 * system_.rows().body_count(), 0.0);
+  elements_.clear();
+  system_.weighted_inertias(own_);
+  scale_ = 0;
+  for (std::size_t r = 0; r < n; ++r) {
+    own_[r] = own_[r] > 0 ? 1 / own_[r] : 1;
+    const double root = std::sqrt(own_[r]);
+    scale_ = std::max({scale_, root * std::abs(problem.lambda[r]), std::abs(problem.b[r]) / root});
+    if (problem.laws[r].bounded()) add_elements(problem.laws[r], static_cast<int>(r));
+  }
+  system_.to_bodies(problem.lambda, v_);
+  system_.to_rows(v_, problem.w);
+  for (std::size_t r = 0; r < n; ++r) problem.w[r] += problem.b[r];
+  double power = 0, energy = 0;
+  for (const Element& element : elements_) {
+    const double range = element.hi - element.lo;
+    if (!std::isfinite(range)) continue;
+    power += range * std::abs(problem.w[element.row] - element.at);
+    energy = std::max(energy, range * range * own_[element.row]);
+  }
+  const double mu = std::max({kFirstMu * power / std::max<double>(1, elements_.size()), kLeastMu * energy,
+                              kLeastMu * kLeastMu * scale_ * scale_});
+  for (Element& element : elements_) center(element, problem.w[element.row], mu);
+  update_impulses(problem);
+}
+
+/// The steps of a law; base_ is where it is with all e = 0.
+void InteriorPoint::add_elements(const RowLaw& law, int row) {
+  base_[row] = std::isinf(law.level[0]) ? law.level[1] : law.level[0];
+  for (int k = 1; k <= law.steps; ++k) {
+    const bool first = std::isinf(law.level[k - 1]);
+    elements_.push_back({.row = row,
+                         .at = law.at[k - 1],
+                         .lo = first ? 0 : law.level[k] - law.level[k - 1],
+                         .hi = first ? RowLaw::kInfinity : 0});
+  }
+}
+
+/// e, z and y on the central path at w; of one-sided steps that w is beyond, at a point of that μ.
+void InteriorPoint::center(Element& element, double w, double mu) const {
+  const double rate = w - element.at, range = element.hi - element.lo;
+  if (std::isfinite(range)) {
+    const double p = 2 * mu * range / (rate * range + 2 * mu + std::hypot(rate * range, 2 * mu));
+    element.e = element.lo + p;
+    element.z = mu / (element.e - element.lo);
+    element.y = mu / (element.hi - element.e);
+    return;
+  }
+  const double s = own_[element.row], root = std::sqrt(mu * s);
+  if (std::isinf(element.hi)) {
+    element.z = std::max(rate, root);
+    element.e = element.lo + mu / element.z;
+  } else {
+    element.y = std::max(-rate, root);
+    element.e = element.hi - mu / element.y;
+  }
+}
+
+/// λ of bounded rows from their elements.
+void InteriorPoint::update_impulses(const Problem& problem) {
+  for (std::size_t r = 0; r < problem.laws.size(); ++r)
+    if (problem.laws[r].bounded()) problem.lambda[r] = base_[r] - problem.laws[r].slope * problem.w[r];
+  for (const Element& element : elements_) problem.lambda[element.row] += element.e;
+}
+
+/// δλ = −D (δw + …) of each row, for products that are to become μ; with the second order of the last
+/// direction.
+void InteriorPoint::set_stiffness(const Problem& problem, double mu, bool correct) {
+  for (std::size_t r = 0; r < problem.laws.size(); ++r) {
+    const RowLaw& law = problem.laws[r];
+    stiffness_[r] = law.bounded() ? law.slope : 1 / (kEqualityRho * own_[r]);
+    off_[r] = law.bounded() ? 0 : stiffness_[r] * (problem.w[r] - law.rate(1));
+  }
+  for (Element& element : elements_) {
+    const double p = element.e - element.lo, q = element.hi - element.e;
+    element.target_z = mu - (correct ? element.de * element.dz : 0);
+    element.target_y = mu + (correct ? element.de * element.dy : 0);
+    element.stiffness = 1 / (element.z / p + element.y / q);
+    element.off = problem.w[element.row] - element.at - element.target_z / p + element.target_y / q;
+    stiffness_[element.row] += element.stiffness;
+    off_[element.row] += element.stiffness * element.off;
+  }
+}
+
+/// P δv = Wᵀ (λ − D off) − v, and what follows for the elements.
+void InteriorPoint::direction(const Problem& problem) {
+  for (std::size_t r = 0; r < change_.size(); ++r) change_[r] = problem.lambda[r] - off_[r];
+  system_.to_bodies(change_, step_);
+  for (std::size_t i = 0; i < v_.size(); ++i) step_[i] -= v_[i];
+  system_.solve_bodies(step_);
+  system_.to_rows(step_, change_);
+  for (Element& element : elements_) {
+    const double p = element.e - element.lo, q = element.hi - element.e;
+    element.de = -element.stiffness * (change_[element.row] + element.off);
+    element.dz = std::isinf(p) ? 0 : (element.target_z - element.z * (p + element.de)) / p;
+    element.dy = std::isinf(q) ? 0 : (element.target_y - element.y * (q - element.de)) / q;
+  }
+}
+
+/// The longest step up to 1 that stays inside, and goes only this part of the way to the boundary.
+double InteriorPoint::longest(double part) const {
+  double length = 1 / part;
+  for (const Element& element : elements_) {
+    const auto stop = [&](double value, double change) {
+      if (change < 0 && length * change < -value) length = -value / change;
+    };
+    stop(element.e - element.lo, element.de);
+    stop(element.hi - element.e, -element.de);
+    stop(element.z, element.dz);
+    stop(element.y, element.dy);
+  }
+  return std::min(1.0, part * length);
+}
+
+/// Mean of the products after a step of this length.
+double InteriorPoint::mean_product(double length) const {
+  double sum = 0;
+  int count = 0;
+  for (const Element& element : elements_) {
+    const double e = element.e + length * element.de;
+    if (std::isfinite(element.lo)) sum += (e - element.lo) * (element.z + length * element.dz), ++count;
+    if (std::isfinite(element.hi)) sum += (element.hi - e) * (element.y + length * element.dy), ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+void InteriorPoint::move(const Problem& problem, double length) {
+  for (std::size_t i = 0; i < v_.size(); ++i) v_[i] += length * step_[i];
+  for (std::size_t r = 0; r < change_.size(); ++r)
+    if (!problem.laws[r].bounded()) problem.lambda[r] -= length * (stiffness_[r] * change_[r] + off_[r]);
+  for (Element& element : elements_) {
+    element.e += length * element.de;
+    element.z += length * element.dz;
+    element.y += length * element.dy;
+    element.de = element.dz = element.dy = 0;
+  }
+  system_.to_rows(v_, problem.w);
+  for (std::size_t r = 0; r < change_.size(); ++r) problem.w[r] += problem.b[r];
+  update_impulses(problem);
+  for (std::size_t r = 0; r < change_.size(); ++r)
+    scale_ = std::max(scale_, std::sqrt(own_[r]) * std::abs(problem.lambda[r]));
+}
+
+/// The natural map.
+double InteriorPoint::law_error(const Problem& problem) const {
+  double error = 0;
+  for (std::size_t r = 0; r < problem.laws.size(); ++r) {
+    const double s = own_[r], lambda = problem.lambda[r];
+    const double off = std::sqrt(s) * std::abs(lambda - problem.laws[r].answer(s, lambda, problem.w[r]));
+    if (!(off <= error)) error = off;
+  }
+  return error;
+}
+
+}  // namespace taut
