@@ -79,31 +79,31 @@ void InteriorPoint::add_elements(const RowLaw& law, int row) {
   }
 }
 
-/// e, z and y on the central path at w; of one-sided steps that w is beyond, at a point of that μ.
+/// p, q, z and y on the central path at w; of one-sided steps that w is beyond, at a point of that μ.
 void InteriorPoint::center(Element& element, double w, double mu) const {
   const double rate = w - element.at, range = element.hi - element.lo;
+  const double least = std::sqrt(mu * own_[element.row]);
+  element.p = element.q = RowLaw::kInfinity;
   if (std::isfinite(range)) {
-    const double p = 2 * mu * range / (rate * range + 2 * mu + std::hypot(rate * range, 2 * mu));
-    element.e = element.lo + p;
-    element.z = mu / (element.e - element.lo);
-    element.y = mu / (element.hi - element.e);
-    return;
-  }
-  const double s = own_[element.row], root = std::sqrt(mu * s);
-  if (std::isinf(element.hi)) {
-    element.z = std::max(rate, root);
-    element.e = element.lo + mu / element.z;
+    const double turn = std::hypot(rate * range, 2 * mu), forward = std::abs(rate) * range;
+    const double near = 2 * mu * range / (forward + 2 * mu + turn);
+    element.p = rate > 0 ? near : range - near;
+    element.q = rate > 0 ? range - near : near;
+  } else if (std::isinf(element.hi)) {
+    element.p = mu / std::max(rate, least);
   } else {
-    element.y = std::max(-rate, root);
-    element.e = element.hi - mu / element.y;
+    element.q = mu / std::max(-rate, least);
   }
+  element.z = mu / element.p;
+  element.y = mu / element.q;
 }
 
 /// λ of bounded rows from their elements.
 void InteriorPoint::update_impulses(const Problem& problem) {
   for (std::size_t r = 0; r < problem.laws.size(); ++r)
     if (problem.laws[r].bounded()) problem.lambda[r] = base_[r] - problem.laws[r].slope * problem.w[r];
-  for (const Element& element : elements_) problem.lambda[element.row] += element.e;
+  for (const Element& element : elements_)
+    problem.lambda[element.row] += element.p < element.q ? element.lo + element.p : element.hi - element.q;
 }
 
 /// δλ = −D (δw + …) of each row, for products that are to become μ; with the second order of the last
@@ -115,7 +115,7 @@ void InteriorPoint::set_stiffness(const Problem& problem, double mu, bool correc
     off_[r] = law.bounded() ? 0 : stiffness_[r] * (problem.w[r] - law.rate(1));
   }
   for (Element& element : elements_) {
-    const double p = element.e - element.lo, q = element.hi - element.e;
+    const double p = element.p, q = element.q;
     element.target_z = mu - (correct ? element.de * element.dz : 0);
     element.target_y = mu + (correct ? element.de * element.dy : 0);
     element.stiffness = 1 / (element.z / p + element.y / q);
@@ -133,7 +133,7 @@ void InteriorPoint::direction(const Problem& problem) {
   system_.solve_bodies(step_);
   system_.to_rows(step_, change_);
   for (Element& element : elements_) {
-    const double p = element.e - element.lo, q = element.hi - element.e;
+    const double p = element.p, q = element.q;
     element.de = -element.stiffness * (change_[element.row] + element.off);
     element.dz = std::isinf(p) ? 0 : (element.target_z - element.z * (p + element.de)) / p;
     element.dy = std::isinf(q) ? 0 : (element.target_y - element.y * (q - element.de)) / q;
@@ -147,8 +147,8 @@ double InteriorPoint::longest(double part) const {
     const auto stop = [&](double value, double change) {
       if (change < 0 && length * change < -value) length = -value / change;
     };
-    stop(element.e - element.lo, element.de);
-    stop(element.hi - element.e, -element.de);
+    stop(element.p, element.de);
+    stop(element.q, -element.de);
     stop(element.z, element.dz);
     stop(element.y, element.dy);
   }
@@ -160,9 +160,9 @@ double InteriorPoint::mean_product(double length) const {
   double sum = 0;
   int count = 0;
   for (const Element& element : elements_) {
-    const double e = element.e + length * element.de;
-    if (std::isfinite(element.lo)) sum += (e - element.lo) * (element.z + length * element.dz), ++count;
-    if (std::isfinite(element.hi)) sum += (element.hi - e) * (element.y + length * element.dy), ++count;
+    const double change = length * element.de;
+    if (std::isfinite(element.lo)) sum += (element.p + change) * (element.z + length * element.dz), ++count;
+    if (std::isfinite(element.hi)) sum += (element.q - change) * (element.y + length * element.dy), ++count;
   }
   return count > 0 ? sum / count : 0;
 }
@@ -172,7 +172,8 @@ void InteriorPoint::move(const Problem& problem, double length) {
   for (std::size_t r = 0; r < change_.size(); ++r)
     if (!problem.laws[r].bounded()) problem.lambda[r] -= length * (stiffness_[r] * change_[r] + off_[r]);
   for (Element& element : elements_) {
-    element.e += length * element.de;
+    element.p += length * element.de;
+    element.q -= length * element.de;
     element.z += length * element.dz;
     element.y += length * element.dy;
     element.de = element.dz = element.dy = 0;
@@ -190,7 +191,8 @@ double InteriorPoint::law_error(const Problem& problem) const {
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const double s = own_[r], lambda = problem.lambda[r];
     const double off = std::sqrt(s) * std::abs(lambda - problem.laws[r].answer(s, lambda, problem.w[r]));
-    if (!(off <= error)) error = off;
+    if (std::isnan(off)) return off;
+    error = std::max(error, off);
   }
   return error;
 }

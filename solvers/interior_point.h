@@ -42,8 +42,9 @@ class InteriorPoint {
   /// One step of the law of a row.
   struct Element {
     int row;
-    double at, lo, hi;  // w_k and the range of e
-    double e = 0, z = 0, y = 0;
+    double at, lo, hi;    // w_k and the range of e
+    double p = 0, q = 0;  // e − lo and hi − e, each without cancellation
+    double z = 0, y = 0;
     double de = 0, dz = 0, dy = 0;
     double target_z = 0, target_y = 0;
     double stiffness = 0, off = 0;  // δe = −stiffness (δw + off)
