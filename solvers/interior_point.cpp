@@ -9,7 +9,7 @@ namespace {
 /// Compliance of equalities over S_rr: it acts on the change of an iteration only.
 constexpr double kEqualityRho = 1e-7;
 /// μ at the start over the mean power of the elements, and the least over the largest energy of one.
-constexpr double kFirstMu = 0.1, kLeastMu = 1e-10;
+constexpr double kFirstMu = 0.1, kLeastMu = 1e-6;
 /// Part of the way to the boundary that is gone.
 constexpr double kInside = 0.995;
 
@@ -22,7 +22,7 @@ InteriorOutcome InteriorPoint::solve(std::span<const RowLaw> laws, std::span<con
   InteriorOutcome outcome;
   begin(problem);
   for (;; ++outcome.iterations) {
-    outcome.residual = scale_ > 0 ? law_error(problem) / scale_ : 0;
+    outcome.residual = law_error(problem);
     outcome.converged = outcome.residual <= limits.tolerance;
     if (outcome.converged || !std::isfinite(outcome.residual) || outcome.iterations >= limits.iterations)
       return outcome;
@@ -40,7 +40,7 @@ InteriorOutcome InteriorPoint::solve(std::span<const RowLaw> laws, std::span<con
 /// The elements, centred about the rates of the guess.
 void InteriorPoint::begin(const Problem& problem) {
   const std::size_t n = problem.laws.size();
-  for (auto* values : {&own_, &base_, &stiffness_, &off_, &change_}) values->assign(n, 0.0);
+  for (auto* values : {&own_, &base_, &stiffness_, &off_, &change_, &rates_}) values->assign(n, 0.0);
   for (auto* values : {&v_, &step_}) values->assign(6 * system_.rows().body_count(), 0.0);
   elements_.clear();
   system_.weighted_inertias(own_);
@@ -52,18 +52,19 @@ void InteriorPoint::begin(const Problem& problem) {
     if (problem.laws[r].bounded()) add_elements(problem.laws[r], static_cast<int>(r));
   }
   system_.to_bodies(problem.lambda, v_);
-  system_.to_rows(v_, problem.w);
-  for (std::size_t r = 0; r < n; ++r) problem.w[r] += problem.b[r];
+  system_.to_rows(v_, rates_);
+  for (std::size_t r = 0; r < n; ++r) rates_[r] += problem.b[r];
   double power = 0, energy = 0;
   for (const Element& element : elements_) {
-    const double range = element.hi - element.lo;
-    if (!std::isfinite(range)) continue;
-    power += range * std::abs(problem.w[element.row] - element.at);
-    energy = std::max(energy, range * range * own_[element.row]);
+    const double rate = std::abs(rates_[element.row] - element.at), s = own_[element.row];
+    const double whole = element.hi - element.lo;
+    const double range = std::isfinite(whole) ? whole : rate / s;  // one-sided: what would stop it
+    power += range * rate;
+    energy = std::max(energy, range * range * s);
   }
   const double mu = std::max({kFirstMu * power / std::max<double>(1, elements_.size()), kLeastMu * energy,
                               kLeastMu * kLeastMu * scale_ * scale_});
-  for (Element& element : elements_) center(element, problem.w[element.row], mu);
+  for (Element& element : elements_) center(element, rates_[element.row], mu);
   update_impulses(problem);
 }
 
@@ -101,7 +102,7 @@ void InteriorPoint::center(Element& element, double w, double mu) const {
 /// λ of bounded rows from their elements.
 void InteriorPoint::update_impulses(const Problem& problem) {
   for (std::size_t r = 0; r < problem.laws.size(); ++r)
-    if (problem.laws[r].bounded()) problem.lambda[r] = base_[r] - problem.laws[r].slope * problem.w[r];
+    if (problem.laws[r].bounded()) problem.lambda[r] = base_[r] - problem.laws[r].slope * rates_[r];
   for (const Element& element : elements_)
     problem.lambda[element.row] += element.p < element.q ? element.lo + element.p : element.hi - element.q;
 }
@@ -112,14 +113,14 @@ void InteriorPoint::set_stiffness(const Problem& problem, double mu, bool correc
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const RowLaw& law = problem.laws[r];
     stiffness_[r] = law.bounded() ? law.slope : 1 / (kEqualityRho * own_[r]);
-    off_[r] = law.bounded() ? 0 : stiffness_[r] * (problem.w[r] - law.rate(1));
+    off_[r] = law.bounded() ? 0 : stiffness_[r] * (rates_[r] - law.rate(1));
   }
   for (Element& element : elements_) {
     const double p = element.p, q = element.q;
     element.target_z = mu - (correct ? element.de * element.dz : 0);
     element.target_y = mu + (correct ? element.de * element.dy : 0);
     element.stiffness = 1 / (element.z / p + element.y / q);
-    element.off = problem.w[element.row] - element.at - element.target_z / p + element.target_y / q;
+    element.off = rates_[element.row] - element.at - element.target_z / p + element.target_y / q;
     stiffness_[element.row] += element.stiffness;
     off_[element.row] += element.stiffness * element.off;
   }
@@ -178,23 +179,24 @@ void InteriorPoint::move(const Problem& problem, double length) {
     element.y += length * element.dy;
     element.de = element.dz = element.dy = 0;
   }
-  system_.to_rows(v_, problem.w);
-  for (std::size_t r = 0; r < change_.size(); ++r) problem.w[r] += problem.b[r];
+  system_.to_rows(v_, rates_);
+  for (std::size_t r = 0; r < change_.size(); ++r) rates_[r] += problem.b[r];
   update_impulses(problem);
-  for (std::size_t r = 0; r < change_.size(); ++r)
-    scale_ = std::max(scale_, std::sqrt(own_[r]) * std::abs(problem.lambda[r]));
 }
 
-/// The natural map.
-double InteriorPoint::law_error(const Problem& problem) const {
-  double error = 0;
+/// w of the impulses themselves, which v is only on the way to, and the natural map over the size of both.
+double InteriorPoint::law_error(const Problem& problem) {
+  system_.multiply(problem.lambda, problem.w);
+  for (std::size_t r = 0; r < problem.w.size(); ++r) problem.w[r] += problem.b[r];
+  double error = 0, scale = 0;
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const double s = own_[r], lambda = problem.lambda[r];
+    scale = std::max({scale, std::sqrt(s) * std::abs(lambda), std::abs(problem.b[r]) / std::sqrt(s)});
     const double off = std::sqrt(s) * std::abs(lambda - problem.laws[r].answer(s, lambda, problem.w[r]));
     if (std::isnan(off)) return off;
     error = std::max(error, off);
   }
-  return error;
+  return scale > 0 ? error / scale : 0;
 }
 
 }  // namespace taut

@@ -91,13 +91,14 @@ bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepRep
   for (int r = 0; r < system_.row_count(); ++r) w_[r] += delta_[r];
   if (distance_from_laws(lambda, w_, rate_tolerance) <= kNewtonRange) {
     held_.assign(lambda.begin(), lambda.end());
-    const NewtonLimits few{.rate_tolerance = rate_tolerance, .iterations = kFewSteps};
+    const NewtonLimits few{.most = kHeld, .rate_tolerance = rate_tolerance, .iterations = kFewSteps};
     if (solve_by_newton(lambda, few, report)) return true;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
   const InteriorOutcome outcome = interior_.solve(laws_, delta_, lambda, w_, {}, report.times);
   report.contact_iterations += outcome.iterations;
-  if (!outcome.converged) return solve_by_newton(lambda, {.rate_tolerance = rate_tolerance}, report);
+  if (!outcome.converged)
+    return solve_by_newton(lambda, {.most = kHeld, .rate_tolerance = rate_tolerance}, report);
   report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
   return true;
 }
