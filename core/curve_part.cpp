@@ -89,8 +89,10 @@ void PointInBody::stiffness(const Pose& A, const Vec3& g, const Mat3& H, Stiffne
   const Vec3 f = A.q * g;
   K_A.translation += S;
   K_B.translation += S;
-  K_A.rotation += lever_stiffness(s, f) + skew(s) * S * skew(s).transpose();
-  K_B.rotation += lever_stiffness(r_B, f) + skew(r_B) * S * skew(r_B).transpose();
+  K_A.rotation += skew(s) * S * skew(s).transpose();
+  K_B.rotation += skew(r_B) * S * skew(r_B).transpose();
+  add_lever_stiffness(s, f, K_A.rotation);
+  add_lever_stiffness(r_B, f, K_B.rotation);
 }
 
 void PointOnCurve::residual(const Pose& A, const Pose& B, double* phi) const {

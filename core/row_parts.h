@@ -22,8 +22,14 @@ namespace taut {
 
 namespace row_parts {
 
-/// sym −∂(r × f)/∂θ for a force f at an arm r that turns with the body: (f·r) 1 − sym(r fᵀ).
-Mat3 lever_stiffness(const Vec3& r, const Vec3& f);
+/// K += sym −∂(r × f)/∂θ for a force f at an arm r that turns with the body: (f·r) 1 − sym(r fᵀ).
+inline void add_lever_stiffness(const Vec3& r, const Vec3& f, Mat3& K) {
+  const double xx = r[0] * f[0], yy = r[1] * f[1], zz = r[2] * f[2];
+  const double xy = 0.5 * (r[0] * f[1] + r[1] * f[0]), xz = 0.5 * (r[0] * f[2] + r[2] * f[0]),
+               yz = 0.5 * (r[1] * f[2] + r[2] * f[1]);
+  K(0, 0) += yy + zz, K(1, 1) += xx + zz, K(2, 2) += xx + yy;
+  K(0, 1) -= xy, K(1, 0) -= xy, K(0, 2) -= xz, K(2, 0) -= xz, K(1, 2) -= yz, K(2, 1) -= yz;
+}
 
 const char* axis_name(int i);
 

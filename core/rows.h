@@ -215,12 +215,12 @@ class Rows {
                        std::span<Wrench> out) const;
   /// The same for one body.
   Wrench wrench_on(int body, std::span<const double> jacobian, std::span<const double> lambda) const {
-    double sum[6] = {};
+    using Six = Eigen::Matrix<double, 6, 1>;
+    Six sum = Six::Zero();
     for (int s : sides_of(body)) {
       const Side& side = sides_[s];
       const double *J = jacobian.data() + side.offset, *force = lambda.data() + side.first_row;
-      for (int i = 0; i < side.row_count; ++i, J += 6)
-        for (int k = 0; k < 6; ++k) sum[k] += J[k] * force[i];
+      for (int i = 0; i < side.row_count; ++i, J += 6) sum += force[i] * Eigen::Map<const Six>(J);
     }
     return {Vec3(sum[0], sum[1], sum[2]), Vec3(sum[3], sum[4], sum[5])};
   }
