@@ -173,6 +173,7 @@ bool ContactNewton::next_round(const Problem& problem, Mode mode) {
   const bool turn = mode != mode_;
   mode_ = mode;
   ++rounds_;
+  if (mode == Mode::kCoupled) std::fill(shift_.begin(), shift_.end(), 0.0);
   if (contacts == 0 || mode == Mode::kCoupled) return true;
   double off_lagged = 0;
   if (turn) {
@@ -246,7 +247,8 @@ void ContactNewton::extrapolate() {
   ++remembered_;
 }
 
-/// v with v = Wᵀ P, to the tolerance [√J].  False if a value is not finite.
+/// v with v = Wᵀ P, to the tolerance [√J].  False if a value is not finite, or with nothing lagged if that is
+/// not reached.
 bool ContactNewton::minimize(const Problem& problem, double tolerance, const NewtonLimits& limits,
                              StageTimes& times, NewtonOutcome& outcome) {
   project(problem);

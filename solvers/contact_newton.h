@@ -36,7 +36,8 @@ struct NewtonOutcome {
 /// Coulomb's law the normality law of the cone [DeSaxce1998], held fixed in a round [Cadoux2009], Newton's
 /// equation is the gradient of a strictly convex function with piecewise smooth gradient: a semismooth Newton
 /// method [QiSun1993] with line search meets it from anywhere.  The rounds are the proximal point iteration
-/// [Rockafellar1976], which takes away what Σ gave.  S may be singular.  (solvers/README, "Many contacts")
+/// [Rockafellar1976], which takes away what Σ gave.  S may be singular.  Where s does not settle, rounds are
+/// tried that hold nothing fast.  (solvers/README, "Many contacts")
 class ContactNewton {
  public:
   explicit ContactNewton(ConstraintSystem& system) : system_(system) {}
@@ -92,7 +93,7 @@ class ContactNewton {
   std::vector<double> carry_;                                 // what part of that Σ is the round's own
   std::vector<double> last_, x_, y_, rates_, rates_of_step_;  // λ̄, x, P(x), W δv, W times the step
   std::vector<double> base_, change_;                         // b + S λ̄, y − λ̄
-  std::vector<double> bound_;                                 // of spin and rolling
+  std::vector<double> bound_;                                 // radii of discs
   std::vector<double> slope_, turned_;                        // P' in the rows turned_ of W
   Eigen::VectorXd v_, gradient_, step_;  // δv = v − Wᵀ λ̄, so that round-off is that of small numbers
   // s of contacts, what a round makes of it less that, and both of the round before [√J]
