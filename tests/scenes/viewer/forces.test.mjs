@@ -122,6 +122,7 @@ test('a damper is not drawn as a spring, and its colour is that of its force whe
     const color = await springColor(page, 1);
     rampColor(Math.sqrt(Math.abs(frame.tension(1)) / top)).forEach((c, i) => assert.ok(Math.abs(c - color[i]) < 3, `${color}`));
     await page.mouse.click(at.x, at.y);
+    await settle(page);
     assert.equal(await page.locator('#inspector h2').textContent(), 'damper_1damper');
     assert.match(await page.locator('#inspector dl').textContent(), frame === pushing ? /tension−5 N/ : /tension4.6\d N/);
     await page.keyboard.press('Escape');
