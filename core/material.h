@@ -10,7 +10,7 @@ struct Material {
   double dynamic_friction = 0.5;  ///< Coulomb's μ while sliding
   double rolling_friction = 0;  ///< arm δ of the rolling resistance [m]: torque ≤ δ λ_n across the normal
   double spinning_friction = 0;  ///< arm of the drilling friction [m]: torque ≤ arm·λ_n about the normal
-  double compliance = 0;         ///< [m/N] normal; 0: rigid
+  double compliance = 0;         ///< [m/N] along the normal, and across it while friction holds; 0: rigid
 
   friend bool operator==(const Material&, const Material&) = default;
 };

@@ -13,6 +13,7 @@
 #include "scenes/scene.h"
 #include "scenes/stacks.h"
 #include "scenes/suspension_bridge.h"
+#include "scenes/tank.h"
 
 namespace taut {
 namespace {
@@ -21,7 +22,7 @@ std::vector<SceneInfo> collect() {
   std::vector<SceneInfo> all;
   for (const auto& family :
        {chain_scenes, capstan_scenes, bridge_scenes, crossing_scenes, net_scenes, joint_grid_scenes,
-        machine_scenes, ragdoll_scenes, stack_scenes, suspension_bridge_scenes})
+        machine_scenes, ragdoll_scenes, stack_scenes, suspension_bridge_scenes, tank_scenes})
     for (SceneInfo& info : family()) all.push_back(std::move(info));
   return all;
 }

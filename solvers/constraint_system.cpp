@@ -16,6 +16,8 @@ namespace {
 constexpr int kStreak = 100;
 /// Contact rows from which on the bodies may be the smaller system.
 constexpr int kManyContactRows = 150;
+/// Axes with Coulomb friction from which on the active set has to give way to solves through the bodies.
+constexpr int kManyRubbingAxes = 150;
 
 }  // namespace
 
@@ -39,6 +41,8 @@ std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& or
 ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance,
                                    Rows::AxisRows axis_rows)
     : choice_(choice), axis_rows_(axis_rows), rows_(world, axis_rows), mass_(world), tolerance_(tolerance) {
+  for (const Rows::AxisRow& row : rows_.axis_rows())
+    rubbing_axes_ += row.axis.axis >= 0 && world.axis_properties(row.axis).friction.has_value();
   analyze();
   counted_shift_ = tolerance.shift;
 }
@@ -64,11 +68,13 @@ double ConstraintSystem::flops_of_rows() const {
   return flops;
 }
 
-/// True if the bodies are the smaller system; then they are analysed.
+/// True if the bodies are the smaller system, or the one that many axes with friction ask for; then they are
+/// analysed.
 bool ConstraintSystem::bodies_pay() {
-  if (rows_.row_count() - rows_.first_contact_row() < kManyContactRows) return false;
+  const bool rubs = rubbing_axes_ >= kManyRubbingAxes;
+  if (!rubs && rows_.row_count() - rows_.first_contact_row() < kManyContactRows) return false;
   const BlockOrdering ordering = order_blocks(body_graph(rows_, mass_, body_of_node_));
-  if (flops_of_rows() < ordering.flops) return false;
+  if (!rubs && flops_of_rows() < ordering.flops) return false;
   analyze_bodies(ordering);
   system_.reset();
   factor_.reset();

@@ -46,8 +46,8 @@ inline constexpr double kMasked = std::numeric_limits<double>::infinity();
 /// space: the multipliers are those of least norm and dependent rows get no share that grows like 1/ε.
 /// (solvers/README, "Rank")
 ///
-/// Where contacts are so many that S is denser than the system of the bodies, that one is factored in its
-/// place (body_matrix.h): the same solves, with ε on the rows that are free.
+/// Where contacts are so many that S is denser than the system of the bodies, or many axes have friction,
+/// that one is factored in its place (body_matrix.h): the same solves, with ε on the rows that are free.
 class ConstraintSystem {
  public:
   ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance,
@@ -177,6 +177,7 @@ class ConstraintSystem {
   std::unique_ptr<Factor> body_factor_;
   std::vector<int> body_of_node_;
   bool through_bodies_ = false;
+  int rubbing_axes_ = 0;                              // with Coulomb friction
   std::vector<double> inverse_compliance_;            // 1/Σ_r, with ε
   std::vector<double> ordered_bodies_, body_values_;  // six numbers a body, of them all in the latter
   std::vector<double> jacobian_, weighted_;

@@ -119,6 +119,7 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     aim(point.sliding, row + 1);
     if (has_twist(static_cast<int>(k))) aim(point.rolling, row + 4);
   }
+  set_soft_laws();
 }
 
 void ContactForces::set_roots(std::span<const double> inertia) {
@@ -138,8 +139,8 @@ void ContactForces::roll_back(bool moved_on) {
 
 bool ContactForces::rest() const {
   for (std::size_t k = 0; k < points_.size(); ++k)
-    if (points_[k].live &&
-        (impacts_[k].stage != Impact::Stage::kNone || points_[k].approach < -resting_speed_))
+    if (points_[k].live && (impacts_[k].stage != Impact::Stage::kNone ||
+                            (points_[k].approach < -resting_speed_ && compliance(static_cast<int>(k)) == 0)))
       return false;
   return !empty();
 }
@@ -161,7 +162,8 @@ bool ContactForces::seek_impacts(std::span<const double> w) {
     const Point& point = points_[k];
     Impact& impact = impacts_[k];
     if (!point.active || set_.places()[k].material.restitution == 0 || impact.spent ||
-        impact.stage != Impact::Stage::kNone || point.gap <= kTouch || point.approach > -resting_speed_)
+        impact.stage != Impact::Stage::kNone || point.gap <= kTouch || point.approach > -resting_speed_ ||
+        impact_is_seen(static_cast<int>(k)))
       continue;
     const double stop = -point.gap / h_;
     if (w[first_row_[k]] > stop + 1e-9 * (1 + std::abs(stop))) continue;
@@ -246,6 +248,9 @@ void ContactForces::keep(std::span<const double> lambda, std::span<const double>
     if (!point.sliding.slips && point.pressed) {
       const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
       point.slipped += h_ * (w[row + 1] * frame.t1 + w[row + 2] * frame.t2);
+    } else if (const double C = compliance(static_cast<int>(k)); C > 0 && point.pressed) {
+      const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
+      point.slipped = -2 * C / h_ * (lambda[row + 1] * frame.t1 + lambda[row + 2] * frame.t2);
     } else {
       point.slipped = Vec3::Zero();
     }
@@ -267,6 +272,7 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     point.spin_given = frame.n.dot(point.first_torque);
     point.sliding.target = point.rolling.target = Vec2::Zero();
   }
+  set_soft_laws();
 }
 
 void ContactForces::finish(std::span<const double> mu, std::span<const double> rates, double time) {
@@ -280,7 +286,7 @@ void ContactForces::finish(std::span<const double> mu, std::span<const double> r
     }
     impact.stage = Impact::Stage::kNone;
     if (!point.active) continue;
-    if (point.touching && point.approach < -resting_speed_) {
+    if (point.touching && point.approach < -resting_speed_ && compliance(static_cast<int>(k)) == 0) {
       struck_ = true;
       point.impact_time = time;
     }
@@ -288,7 +294,8 @@ void ContactForces::finish(std::span<const double> mu, std::span<const double> r
     const int row = first_row_[k];
     const bool pressed = point.touching && point.back + mu[row] > 0;
     const bool held = pressed && !point.sliding.slips;
-    if (!held || !point.stuck) point.slipped = held && point.stuck ? point.slipped : Vec3::Zero();
+    const bool stretched = compliance(static_cast<int>(k)) > 0 ? pressed : held && point.stuck;
+    if (!stretched) point.slipped = Vec3::Zero();
     point.stuck = held;
     point.slid = pressed && !held;
     // The next first kick gives half of it.

@@ -62,6 +62,8 @@ class ContactForces {
   /// what the laws had: then they are renewed, and the stage must be solved again.  `scale`: the size of
   /// impulses [√J], of which `tolerance` is what an error may be.
   bool adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance);
+  /// True if a contact that works is compliant: no law of a row alone.
+  bool soft() const;
   /// Rates that the laws ask for.
   void targets(std::span<double> target) const;
   /// The impulses y in the laws of one place that are nearest to x.
@@ -71,10 +73,16 @@ class ContactForces {
   struct Cone {
     bool works = false, twist = false;
     double sliding = 0, spinning = 0, rolling = 0;
+    double softness = 0, most = std::numeric_limits<double>::infinity();  ///< of the normal (NormalLaw)
+    double slip_softness = 0;                                             ///< of the tangents (SlipLaw)
     double normal_given = 0, spin_given = 0;
     Vec2 sliding_given = Vec2::Zero(), rolling_given = Vec2::Zero();
   };
   Cone cone(int place) const;
+  /// Rate per impulse that the compliance of a contact adds along its normal in this stage.
+  double softness(int place) const { return normal_law(place).softness; }
+  /// The same across it.
+  double slip_softness(int place) const { return slip_law(place, points_[place].sliding).softness; }
   /// Largest distance of impulses from what Signorini's and Coulomb's laws answer to them and the rates, the
   /// natural map [√J]; 0 where rates are met to the tolerance.
   double error(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) const;
@@ -115,6 +123,11 @@ class ContactForces {
   void clear_reports();
 
  private:
+  /// Along the normal: w + softness λ ≥ target, 0 ≤ Λ ≤ most; between these bounds of Λ there is equality,
+  /// and at the upper one w + softness λ ≤ target.
+  struct NormalLaw {
+    double target = 0, softness = 0, most = std::numeric_limits<double>::infinity();
+  };
   /// Coulomb's law in two rows: |τ| ≤ bound, against the slip.
   struct Disc {
     double bound = std::numeric_limits<double>::infinity();  ///< a new contact is first taken to hold
@@ -125,6 +138,7 @@ class ContactForces {
     Vec2 target = Vec2::Zero();      ///< rate that is rest: takes back what slipped while it should hold
   };
   struct Point {
+    NormalLaw soft;  ///< of a compliant contact in this stage
     bool active = false, live = false, touching = false, pressed = false;
     double gap = 0, approach = 0;
     bool fresh = true;  ///< has not been through a begin()
@@ -147,10 +161,22 @@ class ContactForces {
   /// A contact is touched within this distance [m].
   static constexpr double kTouch = 1e-9;
 
+  /// Across it: w + softness λ − target is the slip, which is 0 within the disc.
+  struct SlipLaw {
+    Vec2 target = Vec2::Zero();
+    double softness = 0;
+  };
+
   void remap();
   void set_roots(std::span<const double> inertia);
   void disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const;
   void friction_laws(int place, std::span<RowLaw> laws) const;
+  NormalLaw normal_law(int place) const;
+  void set_soft_laws();
+  NormalLaw soft_law(int place) const;
+  SlipLaw slip_law(int place, const Disc& disc) const;
+  double compliance(int place) const { return set_.places()[place].material.compliance; }
+  bool impact_is_seen(int place) const;
   double bounce(int place) const;
   double closing_rate(int place) const;
   bool works(int place) const {
@@ -158,7 +184,7 @@ class ContactForces {
   }
   double adapt_disc(int place, Disc& disc, int row, double bound, std::span<const double> lambda,
                     std::span<const double> w, double rate_tolerance);
-  double disc_error(const Disc& disc, int row, double bound, std::span<const double> lambda,
+  double disc_error(int place, const Disc& disc, int row, double bound, std::span<const double> lambda,
                     std::span<const double> w) const;
   double spin_error(int place, double bound, std::span<const double> lambda, std::span<const double> w) const;
   double normal_error(int place, std::span<const double> lambda, std::span<const double> w) const;

@@ -32,7 +32,30 @@ RowLaw box_around(double centre, double half, double w) {
   return RowLaw::box(centre - half, centre + half, w);
 }
 
+/// e of a spring and damper of this ratio to critical damping, let go where its force is 0.
+double restitution_of(double ratio) {
+  const double root = std::sqrt(1 - ratio * ratio);
+  return std::exp(-ratio / root * std::atan2(2 * ratio * root, 2 * ratio * ratio - 1));
+}
+
+/// The inverse of that, at most critical damping, of which e = e⁻².
+double damping_ratio(double restitution) {
+  double low = 0, high = 1 - 1e-12;
+  if (restitution <= restitution_of(high)) return 1;
+  for (int i = 0; i < 50; ++i) {
+    const double middle = 0.5 * (low + high);
+    (restitution_of(middle) > restitution ? low : high) = middle;
+  }
+  return low;
+}
+
 }  // namespace
+
+void ContactForces::set_soft_laws() {
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (points_[k].active && compliance(static_cast<int>(k)) > 0)
+      points_[k].soft = soft_law(static_cast<int>(k));
+}
 
 void ContactForces::position_laws(std::span<RowLaw> laws) const {
   for (std::size_t k = 0; k < points_.size(); ++k) {
@@ -40,7 +63,7 @@ void ContactForces::position_laws(std::span<RowLaw> laws) const {
     const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
     std::fill_n(laws.begin() + row, count, RowLaw::none());
     if (!point.active || impacts_[k].stage == Impact::Stage::kSought) continue;
-    laws[row] = RowLaw::lower_limit(closing_rate(static_cast<int>(k)));
+    laws[row] = RowLaw::lower_limit(normal_law(static_cast<int>(k)).target);
     friction_laws(static_cast<int>(k), laws);
   }
 }
@@ -51,10 +74,57 @@ void ContactForces::velocity_laws(std::span<RowLaw> laws) const {
     const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
     std::fill_n(laws.begin() + row, count, RowLaw::none());
     if (!point.live) continue;
-    laws[row] = RowLaw::lower_limit(bounce(static_cast<int>(k)));
+    const NormalLaw normal = normal_law(static_cast<int>(k));
+    laws[row] = RowLaw::lower_limit(normal.target);
     laws[row].level[1] -= point.back;  // both kicks together are the impulse that must not pull
+    laws[row].level[0] = normal.most - point.back;
     friction_laws(static_cast<int>(k), laws);
   }
+}
+
+bool ContactForces::soft() const {
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (points_[k].live && compliance(static_cast<int>(k)) > 0) return true;
+  return false;
+}
+
+ContactForces::NormalLaw ContactForces::normal_law(int k) const {
+  if (compliance(k) > 0 && impacts_[k].stage != Impact::Stage::kDue) return points_[k].soft;
+  return {.target = in_velocities_ ? bounce(k) : closing_rate(k)};
+}
+
+/// N = max(0, −g/C) with the gap g = g₀ + a w, in which a = h is the end of the step and a = h/2 its middle,
+/// where a spring keeps its energy; more than that is a damper.  The second kick gives what the first gave,
+/// unless the bodies then part faster than a spring would throw them.   (solvers/README, "Compliant
+/// contacts")
+ContactForces::NormalLaw ContactForces::soft_law(int k) const {
+  const Point& point = points_[k];
+  const Material& material = set_.places()[k].material;
+  const double C = material.compliance, root = root_[first_row_[k]], period = std::sqrt(C) / root;  // 1/ω
+  if (in_velocities_) {
+    const double pressed = std::max(-point.gap, 2 * C * point.back / h_);
+    const double rebound = std::max(-material.restitution * point.approach, point.approach);
+    return {.target = std::max(0.0, rebound) + std::max(0.0, pressed) / period, .most = 2 * point.back};
+  }
+  const double damping = damping_ratio(material.restitution);
+  const double a = point.gap >= 0 ? h_ : 0.5 * h_ + damping * std::max(2 * period, 0.5 * h_);
+  return {.target = std::clamp(-point.gap / a, -kNever, kNever), .softness = 2 * C / (h_ * a)};
+}
+
+/// True if a step is short enough to see the impact of a compliant contact: ω h < 1.
+bool ContactForces::impact_is_seen(int k) const {
+  return compliance(k) > 0 && h_ * root_[first_row_[k]] < std::sqrt(compliance(k));
+}
+
+/// The same spring across the normal, which yields where friction does: its stretch is what slipped.  The
+/// second kick gives what the first gave, less a critical damper.
+ContactForces::SlipLaw ContactForces::slip_law(int k, const Disc& disc) const {
+  const Point& point = points_[k];
+  const double C = compliance(k);
+  if (C == 0 || &disc != &point.sliding) return {disc.slips ? Vec2::Zero() : disc.target, 0};
+  if (!in_velocities_) return {disc.target, 2 * C / (h_ * h_)};
+  const double softness = root_[first_row_[k] + 1] * std::sqrt(C) / h_;
+  return {softness * disc.given, softness};
 }
 
 /// Newton's law of impact: the least normal rate after it.
@@ -72,19 +142,24 @@ void ContactForces::targets(std::span<double> target) const {
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];
     const int row = first_row_[k], place = static_cast<int>(k);
-    target[row] = in_velocities_ ? bounce(place) : closing_rate(place);
-    for (int i : {0, 1}) target[row + 1 + i] = point.sliding.slips ? 0 : point.sliding.target[i];
+    target[row] = normal_law(place).target;
+    const SlipLaw law = slip_law(place, point.sliding);
+    for (int i : {0, 1}) target[row + 1 + i] = law.target[i];
   }
 }
 
 ContactForces::Cone ContactForces::cone(int k) const {
   const Point& point = points_[k];
   const Material& material = set_.places()[k].material;
+  const NormalLaw normal = normal_law(k);
   return {works(k),
           has_twist(k),
           friction_bound(k, 1),
           material.spinning_friction,
           material.rolling_friction,
+          normal.softness,
+          normal.most,
+          slip_law(k, point.sliding).softness,
           point.back,
           point.spin_given,
           point.sliding.given,
@@ -102,7 +177,7 @@ void ContactForces::answer(int k, std::span<const double> x, std::span<double> y
   std::fill_n(y.begin() + row, count, 0.0);
   if (!works(k)) return;
   const Material& material = set_.places()[k].material;
-  y[row] = std::max(-point.back, x[row]);
+  y[row] = std::min(std::max(-point.back, x[row]), normal_law(k).most - point.back);
   const double normal = point.back + y[row];
   in_disc(row + 1, point.sliding.given, friction_bound(k, normal));
   if (count == 3) return;
@@ -135,12 +210,13 @@ void ContactForces::disc_laws(const Disc& disc, int row, std::span<RowLaw> laws)
 }
 
 /// Distance of a disc's impulse from Coulomb's answer to it and the slip, P(τ − u/S) [√J].
-double ContactForces::disc_error(const Disc& disc, int row, double bound, std::span<const double> lambda,
-                                 std::span<const double> w) const {
+double ContactForces::disc_error(int k, const Disc& disc, int row, double bound,
+                                 std::span<const double> lambda, std::span<const double> w) const {
   const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
-  const Vec2 rest = disc.slips ? Vec2::Zero() : disc.target;
+  const SlipLaw law = slip_law(k, disc);
+  const Vec2 slip = Vec2(w[row], w[row + 1]) + law.softness * Vec2(lambda[row], lambda[row + 1]) - law.target;
   const double root = std::max(root_[row], root_[row + 1]);
-  const Vec2 slipped = tau - (Vec2(w[row], w[row + 1]) - rest) / (root * root);
+  const Vec2 slipped = tau - slip / (root * root + law.softness);
   return root * (tau - into_disc(slipped, bound)).norm();
 }
 
@@ -154,10 +230,11 @@ double ContactForces::spin_error(int k, double bound, std::span<const double> la
 /// The same for the normal impulse.
 double ContactForces::normal_error(int k, std::span<const double> lambda, std::span<const double> w) const {
   const int row = first_row_[k];
-  const double target = in_velocities_ ? bounce(k) : closing_rate(k);
+  const NormalLaw law = normal_law(k);
   const double normal = points_[k].back + lambda[row];
-  return root_[row] *
-         std::abs(normal - std::max(0.0, normal - (w[row] - target) / (root_[row] * root_[row])));
+  const double off = w[row] + law.softness * lambda[row] - law.target;
+  const double own = root_[row] * root_[row] + law.softness;
+  return root_[row] * std::abs(normal - std::clamp(normal - off / own, 0.0, law.most));
 }
 
 double ContactForces::friction_bound(int k, double normal) const {
@@ -175,14 +252,15 @@ double ContactForces::error(std::span<const double> lambda, std::span<const doub
     const Point& point = points_[p];
     const Material& material = set_.places()[p].material;
     const double normal = std::max(0.0, point.back + lambda[row]);
-    const auto add = [&](double error, int r) {
-      if (!(root_[r] * error <= rate_tolerance)) largest = std::max(largest, error);
+    const auto add = [&](double error, int r, double softness = 0) {
+      if (!((root_[r] + softness / root_[r]) * error <= rate_tolerance)) largest = std::max(largest, error);
     };
-    add(normal_error(k, lambda, w), row);
-    add(disc_error(point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1);
+    add(normal_error(k, lambda, w), row, softness(k));
+    add(disc_error(k, point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1,
+        slip_softness(k));
     if (!has_twist(k)) continue;
     add(spin_error(k, material.spinning_friction * normal, lambda, w), row + 3);
-    add(disc_error(point.rolling, row + 4, material.rolling_friction * normal, lambda, w), row + 4);
+    add(disc_error(k, point.rolling, row + 4, material.rolling_friction * normal, lambda, w), row + 4);
   }
   return largest;
 }
@@ -239,11 +317,11 @@ bool ContactForces::release_slipping(std::span<const double> lambda) {
 double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::span<const double> lambda,
                                  std::span<const double> w, double rate_tolerance) {
   const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
-  const Vec2 rest = disc.slips ? Vec2::Zero() : disc.target;
-  const Vec2 slip = Vec2(w[row], w[row + 1]) - rest;
+  const SlipLaw law = slip_law(k, disc);
+  const Vec2 slip = Vec2(w[row], w[row + 1]) + law.softness * Vec2(lambda[row], lambda[row + 1]) - law.target;
   const double root = std::max(root_[row], root_[row + 1]);
-  double error = disc_error(disc, row, bound, lambda, w);
-  if (root * error <= rate_tolerance) error = 0;
+  double error = disc_error(k, disc, row, bound, lambda, w);
+  if ((root + law.softness / root) * error <= rate_tolerance) error = 0;
   disc.bound = bound;
   const double speed = slip.norm();
   if (speed <= std::max(rate_tolerance, kTolerance * scale_ * root)) {  // it rests

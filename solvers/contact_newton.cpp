@@ -8,11 +8,18 @@ namespace taut {
 namespace {
 
 /// Σ over S_rr: in the first round, how it falls from round to round, the least, and that of equalities.
-constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-6, kEqualityRho = 1e-7;
+constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-5, kEqualityRho = 1e-9;
 /// Newton's equation is met to this part of the residual of the round before, and never better than this.
 constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
 /// Rounds after which equalities are met, as far as they can be.
 constexpr int kEqualityRounds = 3;
+/// Before `most` is enough in any case, equalities are to be met to so many times the tolerance of rates.
+constexpr double kClosed = 9;
+/// Gradients below this may be round-off, and are if so many steps do not halve them.
+constexpr double kRoundOff = 1e-8;
+constexpr int kStuck = 2;
+/// Rounds that leave more than this of the residual are slow.
+constexpr double kSlowRound = 0.3;
 constexpr int kStepsPerRound = 40, kSearches = 12;
 /// A step is taken whole if the slope at its end is at most this part of that at its start.
 constexpr double kSlope = 0.5;
@@ -21,8 +28,6 @@ constexpr int kPatience = 12, kMemory = 6;
 /// A residual that grows by more than this ends the extrapolation; after so many rounds it is careful.
 constexpr double kGrowth = 5, kMixing = 0.5;
 constexpr int kSlow = 20, kPeriod = 10;
-/// Rounds with the lagged slip, then as many with the lagged radius.
-constexpr int kTurns = 25;
 /// Part of the extrapolation's equations that is added to their diagonal.
 constexpr double kRegularization = 1e-13;
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMemory, kMemory>;
@@ -38,23 +43,30 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
   const Problem problem{contacts, laws, b, lambda, w};
   NewtonOutcome outcome;
   begin(problem);
-  double forcing = kForcing, last = 1;
-  for (double rho = kFirstRho;;) {
+  double forcing = kForcing, last = 1, rho = kFirstRho;
+  if (limits.near && soft_) {
+    mode_ = Mode::kCoupled;
+    begin_coupled(last, rho);
+    rho = kNearRho;
+  }
+  for (;;) {
     ++outcome.rounds;
     set_sigma(problem, rho);
-    const bool finite =
-        minimize(problem, std::max(kForcing * forcing, kLeastGradient) * scale_, limits, times, outcome);
-    std::copy(y_.begin(), y_.end(), lambda.begin());
-    system_.multiply(lambda, w);
-    for (std::size_t r = 0; r < w.size(); ++r) w[r] += b[r];
+    const double tolerance = std::max(kForcing * forcing, kLeastGradient) * scale_;
+    const bool met = minimize(problem, tolerance, limits, times, outcome);
+    const bool finite = met || mode_ == Mode::kCoupled;
+    read_rates(problem);
     outcome.residual = scale_ > 0 ? law_error(problem, limits.rate_tolerance, outcome.rounds) / scale_ : 0;
     if (outcome.residual > kGrowth * last) remembered_ = 0;
-    last = outcome.residual;
-    forcing = std::min(outcome.residual, kForcing);
-    const double enough = outcome.rounds > kPatience ? limits.most : limits.tolerance;
-    outcome.converged = finite && outcome.residual <= enough;
+    const bool slow = outcome.rounds > kPatience || outcome.residual > kSlowRound * last;
+    if (met) last = outcome.residual;
+    forcing = std::min(last, kForcing);
+    const double enough = slow ? limits.most : limits.tolerance;
+    const bool closed = outcome.rounds > kPatience || open_rate(problem) <= kClosed * limits.rate_tolerance;
+    outcome.converged = finite && outcome.residual <= enough && closed;
     if (outcome.converged || !finite || outcome.iterations >= limits.iterations) return outcome;
-    if (next_round(problem)) rho = std::max(kRhoFactor * rho, kLeastRho);
+    const Mode mode = next_mode(problem, met, outcome.residual, rho);
+    if (next_round(problem, mode)) rho = std::max(kRhoFactor * rho, kLeastRho);
   }
 }
 
@@ -62,15 +74,18 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
 /// guess.
 void ContactNewton::begin(const Problem& problem) {
   const int n = system_.row_count();
-  for (auto* values :
-       {&own_, &sigma_, &target_, &shift_, &last_, &x_, &y_, &rates_, &rates_of_step_, &bound_, &slope_})
+  for (auto* values : {&own_, &sigma_, &target_, &shift_, &last_, &x_, &y_, &rates_, &rates_of_step_, &bound_,
+                       &slope_, &base_, &change_})
     values->assign(n, 0.0);
+  carry_.assign(n, 1.0);
   for (auto* values : {&v_, &gradient_, &step_}) values->setZero(6 * system_.rows().body_count());
   const int contacts = system_.rows().contact_count();
   for (auto* values : {&s_, &f_, &last_s_, &last_f_, &next_}) values->setZero(contacts);
   for (auto* values : {&steps_, &changes_}) values->setZero(contacts, kMemory);
-  rounds_ = remembered_ = 0;
-  by_radius_ = false;
+  coupling_.assign(contacts, 0.0);
+  rounds_ = remembered_ = mode_rounds_ = 0;
+  mode_ = lagged_ = Mode::kSlip;
+  soft_ = problem.contacts.soft();
   system_.weighted_inertias(own_);
   turned_.assign(system_.weighted().begin(), system_.weighted().end());
   problem.contacts.targets(target_);
@@ -83,8 +98,40 @@ void ContactNewton::begin(const Problem& problem) {
     scale_ = std::max({scale_, root * std::abs(problem.lambda[r]), std::abs(problem.b[r]) / root});
     last_[r] = y_[r] = problem.lambda[r];
   }
-  system_.to_bodies(last_, span_of(v_));
-  system_.to_rows(span_of(v_), rates_);
+  for (int k = 0; k < contacts; ++k) {
+    const ContactForces::Cone cone = problem.contacts.cone(k);
+    const int row = problem.contacts.first_row(k);
+    if (by_radius(cone)) bound_[row + 1] = cone.sliding * std::max(0.0, cone.normal_given + last_[row]);
+  }
+  read_rates(problem);
+  start_round(problem);
+}
+
+/// λ and w of y.
+void ContactNewton::read_rates(const Problem& problem) const {
+  std::copy(y_.begin(), y_.end(), problem.lambda.begin());
+  system_.multiply(problem.lambda, problem.w);
+  for (std::size_t r = 0; r < y_.size(); ++r) problem.w[r] += problem.b[r];
+}
+
+/// A round starts from λ̄ = y and its rates.
+void ContactNewton::start_round(const Problem& problem) {
+  last_ = y_;
+  std::copy(problem.w.begin(), problem.w.end(), base_.begin());
+  v_.setZero();
+  std::fill(rates_.begin(), rates_.end(), 0.0);
+}
+
+/// The gradient δv − Wᵀ (y − λ̄).
+void ContactNewton::read_gradient() {
+  for (std::size_t r = 0; r < y_.size(); ++r) change_[r] = y_[r] - last_[r];
+  system_.to_bodies(change_, span_of(gradient_));
+  gradient_ = v_ - gradient_;
+}
+
+/// Compliant normals are decoupled from the disc, whose metric is another one.
+bool ContactNewton::by_radius(const ContactForces::Cone& cone) const {
+  return mode_ != Mode::kSlip || cone.softness > 0 || std::isfinite(cone.most);
 }
 
 /// One Σ in a cone and in a disc, so that they keep their shape.
@@ -100,6 +147,11 @@ void ContactNewton::set_sigma(const Problem& problem, double rho) {
     };
     const ContactForces::Cone cone = problem.contacts.cone(k);
     alike(row, 3);
+    for (int i = 0; i < 3; ++i) {
+      const double softness = i == 0 ? cone.softness : cone.slip_softness;
+      carry_[row + i] = sigma_[row + i] / (sigma_[row + i] + softness);
+      sigma_[row + i] += softness;
+    }
     if (!cone.twist) continue;
     alike(row + 3, 1);
     alike(row + 4, 2);
@@ -112,30 +164,34 @@ void ContactNewton::set_sigma(const Problem& problem, double rho) {
 /// What a round leaves to the next: λ̄ = P, and the lagged s = μ |u_t|, or μ Λ_n by radius, extrapolated from
 /// the last rounds [Walker2011]: without that each round leaves some part of its error, a third or two.  True
 /// if λ̄ is further off than s.
-bool ContactNewton::next_round(const Problem& problem) {
+bool ContactNewton::next_round(const Problem& problem, Mode mode) {
   double off_last = 0;
   for (std::size_t r = 0; r < y_.size(); ++r)
-    off_last = std::max(off_last, sigma_[r] * std::abs(y_[r] - last_[r]) / std::sqrt(own_[r]));
-  last_ = y_;
+    off_last = std::max(off_last, carry_[r] * sigma_[r] * std::abs(y_[r] - last_[r]) / std::sqrt(own_[r]));
+  start_round(problem);
   const int contacts = system_.rows().contact_count();
-  if (contacts == 0) return true;
-  const bool turn = ++rounds_ % kTurns == 0;
-  read_lagged(problem, s_);
-  answer_lagged(problem, f_);
-  f_ -= s_;
-  const double off_lagged = f_.lpNorm<Eigen::Infinity>();
+  const bool turn = mode != mode_;
+  mode_ = mode;
+  ++rounds_;
+  if (mode == Mode::kCoupled) std::fill(shift_.begin(), shift_.end(), 0.0);
+  if (contacts == 0 || mode == Mode::kCoupled) return true;
+  double off_lagged = 0;
   if (turn) {
-    by_radius_ = !by_radius_;
     remembered_ = 0;
     answer_lagged(problem, next_);
   } else {
+    read_lagged(problem, s_);
+    answer_lagged(problem, f_);
+    f_ -= s_;
+    off_lagged = f_.lpNorm<Eigen::Infinity>();
     extrapolate();
   }
   for (int k = 0; k < contacts; ++k) {
     const int row = problem.contacts.first_row(k);
     const double root = std::sqrt(own_[row]), value = std::max(0.0, next_[k]);
-    shift_[row] = by_radius_ ? 0 : value * root;
-    bound_[row + 1] = by_radius_ ? value / root : 0;
+    const bool radius = by_radius(problem.contacts.cone(k));
+    shift_[row] = radius ? 0 : value * root;
+    bound_[row + 1] = radius ? value / root : 0;
   }
   return off_last > off_lagged;
 }
@@ -145,7 +201,7 @@ void ContactNewton::read_lagged(const Problem& problem, Eigen::VectorXd& s) cons
   for (int k = 0; k < system_.rows().contact_count(); ++k) {
     const int row = problem.contacts.first_row(k);
     const double root = std::sqrt(own_[row]);
-    s[k] = by_radius_ ? root * bound_[row + 1] : shift_[row] / root;
+    s[k] = by_radius(problem.contacts.cone(k)) ? root * bound_[row + 1] : shift_[row] / root;
   }
 }
 
@@ -156,8 +212,8 @@ void ContactNewton::answer_lagged(const Problem& problem, Eigen::VectorXd& s) co
     const int row = problem.contacts.first_row(k);
     const double root = std::sqrt(own_[row]);
     const auto off = [&](int r) { return problem.w[r] - target_[r]; };
-    const double lagged = by_radius_ ? root * std::max(0.0, cone.normal_given + y_[row])
-                                     : std::hypot(off(row + 1), off(row + 2)) / root;
+    const double lagged = by_radius(cone) ? root * std::max(0.0, cone.normal_given + y_[row])
+                                          : std::hypot(off(row + 1), off(row + 2)) / root;
     s[k] = cone.works ? cone.sliding * lagged : 0;
   }
 }
@@ -191,21 +247,31 @@ void ContactNewton::extrapolate() {
   ++remembered_;
 }
 
-/// v with v = Wᵀ P, to the tolerance [√J].  False if a value is not finite.
+/// v with v = Wᵀ P, to the tolerance [√J].  False if a value is not finite, or with nothing lagged if that is
+/// not reached.
 bool ContactNewton::minimize(const Problem& problem, double tolerance, const NewtonLimits& limits,
                              StageTimes& times, NewtonOutcome& outcome) {
   project(problem);
+  double least = std::numeric_limits<double>::infinity();
+  int stuck = 0;  // steps since it fell, at round-off
   for (int step = 0;; ++step) {
-    system_.to_bodies(y_, span_of(gradient_));
-    gradient_ = v_ - gradient_;
+    read_gradient();
     const double size = gradient_.lpNorm<Eigen::Infinity>();
     if (!std::isfinite(size)) return false;
-    if (size <= tolerance || step == kStepsPerRound || outcome.iterations >= limits.iterations) return true;
+    stuck = size > 0.5 * least && least <= kRoundOff * scale_ ? stuck + 1 : 0;
+    least = std::min(least, size);
+    if (size <= tolerance || stuck == kStuck) return true;
+    if (step == kStepsPerRound || outcome.iterations >= limits.iterations) return mode_ != Mode::kCoupled;
     ++outcome.iterations;
     for (std::size_t r = 0; r < slope_.size(); ++r) slope_[r] /= sigma_[r];
     if (!system_.factorize_bodies(turned_, slope_, times)) return false;
-    step_ = -gradient_;
-    system_.solve_bodies(span_of(step_));
+    if (mode_ == Mode::kCoupled) {
+      coupled_step();
+      if (!(step_.dot(gradient_) < 0)) return false;
+    } else {
+      step_ = -gradient_;
+      system_.solve_bodies(span_of(step_));
+    }
     system_.to_rows(span_of(step_), rates_of_step_);
     search(problem);
   }
@@ -218,7 +284,7 @@ void ContactNewton::search(const Problem& problem) {
   const auto slope_at = [&](double length) {
     double slope = along + length * square;
     project(problem, length);
-    for (std::size_t r = 0; r < y_.size(); ++r) slope -= rates_of_step_[r] * y_[r];
+    for (std::size_t r = 0; r < y_.size(); ++r) slope -= rates_of_step_[r] * (y_[r] - last_[r]);
     return slope;
   };
   const double start = step_.dot(gradient_);
@@ -243,103 +309,12 @@ void ContactNewton::search(const Problem& problem) {
   for (std::size_t r = 0; r < rates_.size(); ++r) rates_[r] += length * rates_of_step_[r];
 }
 
-/// x and y = P(x) at the present velocities and `length` of the step, with the slopes of P.
-void ContactNewton::project(const Problem& problem, double length) {
-  const Rows& rows = system_.rows();
-  for (std::size_t r = 0; r < x_.size(); ++r)
-    x_[r] = last_[r] -
-            (problem.b[r] + rates_[r] + length * rates_of_step_[r] - target_[r] + shift_[r]) / sigma_[r];
-  for (int r = 0; r < rows.first_contact_row(); ++r) project_row(problem.laws[r], r);
-  for (int k = 0; k < rows.contact_count(); ++k) project_contact(problem, k);
-}
-
-void ContactNewton::project_row(const RowLaw& law, int r) {
-  if (!law.bounded()) {
-    y_[r] = x_[r];
-    slope_[r] = 1;
-    return;
-  }
-  const RowLaw::Point point = law.resolve(sigma_[r], -sigma_[r] * x_[r]);
-  y_[r] = point.lambda;
-  slope_[r] = RowLaw::is_vertical(point.piece) ? 1 : law.slope * sigma_[r] / (1 + law.slope * sigma_[r]);
-}
-
-/// The nearest point of Coulomb's cone |Λ_t| ≤ μ Λ_n, of the spin's interval and of the rolling disc.
-void ContactNewton::project_contact(const Problem& problem, int k) {
-  const ContactForces::Cone cone = problem.contacts.cone(k);
-  const int row = problem.contacts.first_row(k), count = cone.twist ? 6 : 3;
-  if (!cone.works) {
-    std::fill_n(y_.begin() + row, count, 0.0);
-    std::fill_n(slope_.begin() + row, count, 0.0);
-    return;
-  }
-  const double mu = cone.sliding, normal = cone.normal_given + x_[row];
-  const Vec2 tangent = cone.sliding_given + Vec2(x_[row + 1], x_[row + 2]);
-  const double size = tangent.norm();
-  if (by_radius_) {
-    y_[row] = std::max(0.0, normal) - cone.normal_given;
-    slope_[row] = normal > 0 ? 1 : 0;
-    project_disc(k, 1, cone.sliding_given);
-  } else if (size <= mu * normal || mu * size <= -normal) {
-    const bool within = size <= mu * normal;
-    for (int i = 0; i < 3; ++i) slope_[row + i] = within ? 1 : 0;
-    if (within) {
-      std::copy_n(x_.begin() + row, 3, y_.begin() + row);
-    } else {
-      y_[row] = -cone.normal_given;
-      y_[row + 1] = -cone.sliding_given[0];
-      y_[row + 2] = -cone.sliding_given[1];
-    }
-    turn_rows(k, 0, 1, Vec2::UnitX());
-  } else {
-    const Vec2 direction = size > 0 ? Vec2(tangent / size) : Vec2(Vec2::UnitX());
-    const double on = (normal + mu * size) / (1 + mu * mu);
-    y_[row] = on - cone.normal_given;
-    y_[row + 1] = mu * on * direction[0] - cone.sliding_given[0];
-    y_[row + 2] = mu * on * direction[1] - cone.sliding_given[1];
-    slope_[row] = 1;  // along the generator
-    slope_[row + 1] = 0;
-    slope_[row + 2] = size > 0 ? mu * on / size : 0;  // across it
-    turn_rows(k, mu, 1, direction);
-  }
-  if (!cone.twist) return;
-  const double spin = cone.spin_given + x_[row + 3];
-  y_[row + 3] = std::clamp(spin, -bound_[row + 3], bound_[row + 3]) - cone.spin_given;
-  slope_[row + 3] = std::abs(spin) < bound_[row + 3] ? 1 : 0;
-  project_disc(k, 4, cone.rolling_given);
-}
-
-/// The disc of radius bound_ in two rows of a contact.
-void ContactNewton::project_disc(int k, int first, const Vec2& given) {
-  const int row = system_.rows().joints()[system_.rows().contact_joint(k)].first_row + first;
-  const Vec2 x = given + Vec2(x_[row], x_[row + 1]);
-  const double size = x.norm(), most = bound_[row];
-  const bool slips = size > most;
-  const Vec2 answer = into_disc(x, most) - given;
-  y_[row] = answer[0];
-  y_[row + 1] = answer[1];
-  slope_[row] = slips ? 0 : 1;
-  slope_[row + 1] = slips ? most / size : 1;
-  turn_rows(k, 0, first, slips ? Vec2(x / size) : Vec2(Vec2::UnitX()));
-}
-
-/// Rows of W in which P' is diagonal: tangents along `direction` and across it, the first one with the normal
-/// along the generator (1, μ) of the cone.
-void ContactNewton::turn_rows(int place, double mu, int first, const Vec2& direction) {
-  const Rows& rows = system_.rows();
-  const Rows::JointRows& contact = rows.joints()[rows.contact_joint(place)];
-  const double length = 1 / std::sqrt(1 + mu * mu);
-  for (int s = contact.first_side; s < contact.first_side + contact.side_count; ++s) {
-    const double* W = system_.weighted().data() + rows.sides()[s].offset;
-    double* turned = turned_.data() + rows.sides()[s].offset;
-    for (int k = 0; k < 6; ++k) {
-      const double a = W[6 * first + k], b = W[6 * first + 6 + k];
-      const double along = direction[0] * a + direction[1] * b;
-      turned[6 * first + k] = along;
-      turned[6 * first + 6 + k] = direction[0] * b - direction[1] * a;
-      if (first == 1) turned[k] = length * (W[k] + mu * along);
-    }
-  }
+/// The largest rate that an equality is off by.
+double ContactNewton::open_rate(const Problem& problem) const {
+  double open = 0;
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
+    if (!problem.laws[r].bounded()) open = std::max(open, std::abs(problem.w[r] - target_[r]));
+  return open;
 }
 
 /// The natural map at λ, with its w.  What is left of equalities after some rounds is what dependent ones

@@ -15,6 +15,7 @@ namespace taut {
 struct NewtonLimits {
   double tolerance = 1e-9, most = 1e-8, rate_tolerance = 0;
   int iterations = 500;
+  bool near = false;  ///< the guess is nearly right
 };
 
 /// How it went.
@@ -35,7 +36,8 @@ struct NewtonOutcome {
 /// Coulomb's law the normality law of the cone [DeSaxce1998], held fixed in a round [Cadoux2009], Newton's
 /// equation is the gradient of a strictly convex function with piecewise smooth gradient: a semismooth Newton
 /// method [QiSun1993] with line search meets it from anywhere.  The rounds are the proximal point iteration
-/// [Rockafellar1976], which takes away what Σ gave.  S may be singular.  (solvers/README, "Many contacts")
+/// [Rockafellar1976], which takes away what Σ gave.  S may be singular.  Where s does not settle, rounds are
+/// tried that hold nothing fast.  (solvers/README, "Many contacts")
 class ContactNewton {
  public:
   explicit ContactNewton(ConstraintSystem& system) : system_(system) {}
@@ -46,6 +48,9 @@ class ContactNewton {
                       StageTimes& times);
 
  private:
+  /// Σ over S_rr where nothing is lagged, at first.
+  static constexpr double kNearRho = 1e-4;
+
   /// What the iteration works on.
   struct Problem {
     const ContactForces& contacts;
@@ -54,34 +59,54 @@ class ContactNewton {
     std::span<double> lambda, w;
   };
 
+  /// What of Coulomb's law is held fast in a round: s = μ |u_t| or the radius μ Λ_n of a disc, or nothing.
+  enum class Mode { kSlip, kRadius, kCoupled };
+
   void begin(const Problem& problem);
   void set_sigma(const Problem& problem, double rho);
-  bool next_round(const Problem& problem);
+  Mode next_mode(const Problem& problem, bool met, double residual, double& rho);
+  void begin_coupled(double residual, double rho);
+  bool next_round(const Problem& problem, Mode mode);
+  void read_rates(const Problem& problem) const;
+  void read_gradient();
+  void start_round(const Problem& problem);
+  bool by_radius(const ContactForces::Cone& cone) const;
   void read_lagged(const Problem& problem, Eigen::VectorXd& s) const;
   void answer_lagged(const Problem& problem, Eigen::VectorXd& s) const;
   void extrapolate();
   bool minimize(const Problem& problem, double tolerance, const NewtonLimits& limits, StageTimes& times,
                 NewtonOutcome& outcome);
   void search(const Problem& problem);
+  void coupled_step();
+  void add_coupling(const Eigen::VectorXd& u, Eigen::VectorXd& sum) const;
   void project(const Problem& problem, double length = 0);
   void project_row(const RowLaw& law, int row);
   void project_contact(const Problem& problem, int place);
   void project_disc(int place, int first, const Vec2& given);
   void turn_rows(int place, double mu, int first, const Vec2& direction);
+  double open_rate(const Problem& problem) const;
   double law_error(const Problem& problem, double rate_tolerance, int rounds) const;
 
   ConstraintSystem& system_;
   double scale_ = 0;
-  std::vector<double> own_, sigma_, target_, shift_;          // S_rr, Σ, t, s
-  std::vector<double> last_, x_, y_, rates_, rates_of_step_;  // λ̄, x, P(x), W v, W δ
-  std::vector<double> bound_;                                 // of spin and rolling
+  std::vector<double> own_, sigma_, target_, shift_;          // S_rr, Σ with compliance, t, s
+  std::vector<double> carry_;                                 // what part of that Σ is the round's own
+  std::vector<double> last_, x_, y_, rates_, rates_of_step_;  // λ̄, x, P(x), W δv, W times the step
+  std::vector<double> base_, change_;                         // b + S λ̄, y − λ̄
+  std::vector<double> bound_;                                 // radii of discs
   std::vector<double> slope_, turned_;                        // P' in the rows turned_ of W
-  Eigen::VectorXd v_, gradient_, step_;
+  Eigen::VectorXd v_, gradient_, step_;  // δv = v − Wᵀ λ̄, so that round-off is that of small numbers
   // s of contacts, what a round makes of it less that, and both of the round before [√J]
   Eigen::VectorXd s_, f_, last_s_, last_f_, next_;
   Eigen::MatrixXd steps_, changes_;
-  int rounds_ = 0, remembered_ = 0;
-  bool by_radius_ = false;  // s is a radius μ Λ_n, held fast in a round, in place of μ |u_t|
+  int rounds_ = 0, remembered_ = 0, mode_rounds_ = 0;
+  Mode mode_ = Mode::kSlip, lagged_ = Mode::kSlip;
+  std::vector<double> coupling_;  // ∂y_t/∂y_n of each contact along its slip
+  bool soft_ = false;             // a contact is compliant
+  // Where rounds with nothing lagged began, and what they are measured by.
+  std::vector<double> kept_;
+  double kept_rho_ = 0, kept_residual_ = 0, looked_residual_ = 0;
+  std::vector<Eigen::VectorXd> basis_;
 };
 
 }  // namespace taut

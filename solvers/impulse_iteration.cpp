@@ -99,13 +99,14 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
   const Rows::JointRows& rows = system_.rows().joints()[block];
   const int place = block - system_.rows().contact_joint(0), first = rows.first_row;
   double largest = 0;
-  const auto part = [&](int from, int count) {
+  const auto part = [&](int from, int count, double softness = 0) {
     double s = 0;
     for (int r = from; r < from + count; ++r) s = std::max(s, own_[r]);
     if (!(s > 0)) return;
     for (int r = first; r < first + rows.row_count; ++r) scratch_[r] = problem.lambda[r];
     for (int r = from; r < from + count; ++r)
-      scratch_[r] -= problem.relaxation * (rate(problem, r) - target_[r]) / s;
+      scratch_[r] -= problem.relaxation * (rate(problem, r) + softness * problem.lambda[r] - target_[r]) /
+                     (s + softness);
     problem.contacts.answer(place, scratch_, answer_);
     for (int r = from; r < from + count; ++r) {
       const double by = answer_[r] - problem.lambda[r];
@@ -113,8 +114,8 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
       largest = std::max(largest, std::sqrt(s) * std::abs(by));
     }
   };
-  part(first, 1);
-  part(first + 1, 2);
+  part(first, 1, problem.contacts.softness(place));
+  part(first + 1, 2, problem.contacts.slip_softness(place));
   if (rows.row_count == 3) return largest;
   part(first + 3, 1);
   part(first + 4, 2);

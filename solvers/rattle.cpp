@@ -42,7 +42,8 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       has_drivers_(system.rows().depends_on_time()),
       axes_(world, system.rows()),
       contacts_(world, settings),
-      newton_(system) {
+      newton_(system),
+      interior_(system) {
   active_.emplace(system);
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})
@@ -148,10 +149,10 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   state_.time += h;
   if (!contacts_.empty()) find_contacts();
   if (bounded() && !iterative()) active_->prepare(laws_, delta_, lambda_);
-  if (contacts_.empty())
-    linearize_and_factorize(report);
+  if (factors_on_demand())
+    linearize(report);
   else
-    linearize(report);  // what rests needs no factor
+    linearize_and_factorize(report);
   refactored_ = false;
   if (!close_velocities(h, report)) {
     roll_back(report);
@@ -234,8 +235,10 @@ void Rattle::predict_multipliers(double h) {
   if (iterative()) {
     for (int r = 0; r < rows; ++r) lambda_[r] = history_ > 0 ? h / last_h_ * start_mu_[r] : 0;
   } else if (system_.singular()) {
-    // Those of contacts are held within their cones.
-    const bool from_mu = history_ > 0 && !bounded() && steps_from_zero_ == 0;
+    // Those of contacts are held within their cones.  Newton's method and interior points through the bodies
+    // leave a null space as they find it.
+    const bool good_guess = !bounded() || (contacts_.empty() && factors_on_demand());
+    const bool from_mu = history_ > 0 && good_guess && steps_from_zero_ == 0;
     steps_from_zero_ = std::max(steps_from_zero_ - 1, 0);
     const double scale = from_mu ? h / last_h_ : 0;
     const int joint_rows = system_.rows().first_contact_row();

@@ -13,6 +13,7 @@
 #include "solvers/contact_forces.h"
 #include "solvers/contact_newton.h"
 #include "solvers/impulse_iteration.h"
+#include "solvers/interior_point.h"
 #include "solvers/settings.h"
 #include "solvers/step_report.h"
 
@@ -105,6 +106,12 @@ class Rattle {
   bool iterative() const { return settings_.solver != Solver::kDirect; }
   /// Rows have laws of their own, or are to be solved one by one.
   bool bounded() const { return iterative() || !axes_.empty() || !contacts_.empty(); }
+  /// The impulses of the step before may serve again, without a factor.
+  bool may_rest() const { return contacts_.empty() ? system_.through_bodies() : contacts_.rest(); }
+  /// Stages ask for the factor of S, if they do, themselves.
+  bool factors_on_demand() const {
+    return !contacts_.empty() || system_.through_bodies() || newtons_left_ > 0;
+  }
   bool struck() const { return axes_.struck() || contacts_.struck(); }
   void clear_loose_rows(std::span<double> rows) const;
   bool break_joints(double h, StepReport& report);
@@ -127,12 +134,15 @@ class Rattle {
   bool close_bounded_positions(double h, StepReport& report);
   double time_of_impact(double h, StepReport& report);
   double law_error(double h) const;
-  template <typename Laws>
-  bool solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report);
+  using Renew = void (Rattle::*)();  // of the laws of a stage
+  bool solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   double distance_from_laws(std::span<const double> lambda, std::span<const double> w,
                             double rate_tolerance) const;
   bool holds(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  bool solve_by_newton(std::span<double> lambda, double rate_tolerance, StepReport& report);
+  void take_pieces(std::span<const double> lambda);
+  bool solve_through_bodies(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
+  bool solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report);
+  bool solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
   bool stabilize_positions(double h, StepReport& report);
   bool stabilize_velocities(StepReport& report);
   bool iterate(std::span<double> lambda, int sweeps, double rate_tolerance, StepReport& report);
@@ -203,6 +213,8 @@ class Rattle {
   double horizon_ = 0;
   std::optional<ActiveSet> active_;
   ContactNewton newton_;
+  bool near_ = false;  // this stage was solved at a neighbouring state
+  InteriorPoint interior_;
   std::optional<ImpulseIteration> iteration_;  // iterative, or with contacts
   std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
   int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "solvers/max_abs.h"
@@ -19,13 +20,10 @@ constexpr int kMaxSolves = 40;
 /// law by this factor, Newton's method takes over, for as many stages.
 constexpr int kFrictionPatience = 4, kNewtonsInARow = 60;
 constexpr double kFrictionProgress = 0.2;
-/// Impulses of before are taken over if they are off their laws by no more than this part.
-constexpr double kHeld = 1e-9;
-/// Off by no more than this they are mended by so many sweeps, if that is enough.
-constexpr double kNear = 1e-3;
-constexpr int kMendingSweeps = 50;
 /// Rounds of an active set with contacts, which has a fall-back of its own.
 constexpr int kContactRounds = 30;
+/// Bounded rows from which on an active set that stalls is not descended from: the bodies are faster.
+constexpr int kManyRows = 60;
 
 }  // namespace
 
@@ -97,8 +95,8 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     }
     last = error;
     const Stopwatch watch(report.times.positions);
-    if (!solve_laws(
-            lambda_, 0.1 * settings_.position_tolerance / h, [&] { renew_position_laws(); }, report))
+    near_ = iteration > 0;
+    if (!solve_laws(lambda_, 0.1 * settings_.position_tolerance / h, &Rattle::renew_position_laws, report))
       return false;
     ++report.newton_iterations;
   }
@@ -143,17 +141,15 @@ double Rattle::law_error(double h) const {
 
 /// Solves w = S λ + b for the laws, with b such that the present λ gives the present rates; again where
 /// static friction lets go, and until the friction of contacts agrees with their slip and normal impulse.
-template <typename Laws>
-bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& renew, StepReport& report) {
+bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report) {
   rates_without(lambda);
   ActiveSetSettings settings{.rate_tolerance = rate_tolerance};
-  if (!contacts_.empty()) {  // they have a fall-back of their own
-    settings.max_rounds = kContactRounds;
-    settings.max_descent_rounds = 0;
-  }
-  if (contacts_.rest() && holds(lambda, rate_tolerance, report)) return true;
-  if (system_.through_bodies()) return solve_by_newton(lambda, rate_tolerance, report);
-  if (newtons_left_ > 0 && newtons_left_-- > 0) return solve_by_newton(lambda, rate_tolerance, report);
+  const bool many = std::ssize(system_.rows().axis_rows()) >= kManyRows;
+  if (!contacts_.empty()) settings.max_rounds = kContactRounds;
+  if (!contacts_.empty() || many) settings.max_descent_rounds = 0;  // the bodies are the fall-back
+  if (may_rest() && holds(lambda, rate_tolerance, report)) return true;
+  if (system_.through_bodies() || contacts_.soft() || (newtons_left_ > 0 && newtons_left_-- > 0))
+    return solve_through_bodies(lambda, rate_tolerance, renew, report);
   guess_.assign(lambda.begin(), lambda.end());
   double earlier = std::numeric_limits<double>::infinity();
   bool solved = false;
@@ -161,7 +157,12 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
     settings.keep_null_space = solve > 0;
     outcome_ = active_->solve(laws_, delta_, lambda, w_, report.times, settings);
     report.pivots += outcome_.pivots;
-    if (!outcome_.ok() && contacts_.empty()) return false;
+    if (!outcome_.ok() && contacts_.empty()) {
+      if (!many || outcome_.status != ActiveSetStatus::kNotConverged) return false;
+      newtons_left_ = kNewtonsInARow;
+      std::copy(guess_.begin(), guess_.end(), lambda.begin());
+      return solve_through_bodies(lambda, rate_tolerance, renew, report);
+    }
     const bool broke = axes_.break_away(w_);
     const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
     const bool slid = contacts_.adapt(lambda, w_, rate_tolerance);
@@ -174,12 +175,12 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Laws&& 
       if (!outcome_.ok() || (check && contacts_.residual() > kFrictionProgress * earlier)) {
         newtons_left_ = kNewtonsInARow;
         std::copy(guess_.begin(), guess_.end(), lambda.begin());
-        return solve_by_newton(lambda, rate_tolerance, report);
+        return solve_through_bodies(lambda, rate_tolerance, renew, report);
       }
       if (check) earlier = contacts_.residual();
       if (!contacts_.turns().empty()) turn_contacts(lambda, report);
     }
-    renew();
+    (this->*renew)();
   }
   report.complementarity_residual =
       std::max({report.complementarity_residual, outcome_.residual, contacts_.residual()});
@@ -200,59 +201,6 @@ void Rattle::renew_velocity_laws() {
   for (int r : breaking_.rows()) laws_[r] = RowLaw::none();
 }
 
-/// The natural map at impulses whose rates are w, over the largest of them; errors of rates within the
-/// tolerance do not count.
-double Rattle::distance_from_laws(std::span<const double> lambda, std::span<const double> w,
-                                  double rate_tolerance) const {
-  double error = 0, scale = 0;
-  for (int r = 0; r < system_.row_count(); ++r)
-    scale = std::max(scale, std::abs(lambda[r]) / std::sqrt(inertia_[r]));
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
-    const double own = 1 / inertia_[r];
-    const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r]));
-    if (!(own * off <= rate_tolerance)) error = std::max(error, std::sqrt(own) * off);
-  }
-  error = std::max(error, contacts_.error(lambda, w, rate_tolerance));
-  return error == 0 ? 0 : error / scale;
-}
-
-/// True if the impulses of before meet the laws at once, or after some sweeps of Gauss–Seidel: a stage of
-/// bodies at rest is done without a factor.
-bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  std::copy(rates_.begin(), rates_.end(), w_.begin());
-  double off = distance_from_laws(lambda, w_, rate_tolerance);
-  if (off > kNear || (off > kHeld && system_.through_bodies())) return false;  // Newton is as fast there
-  if (off > kHeld) {
-    held_.assign(lambda.begin(), lambda.end());
-    (void)iteration_->solve(contacts_, laws_, delta_, held_, w_, {.sweeps = kMendingSweeps}, {});
-    off = distance_from_laws(held_, w_, rate_tolerance);
-    if (off > kHeld) return false;
-    std::copy(held_.begin(), held_.end(), lambda.begin());
-  }
-  if (axes_.break_away(w_) || axes_.update_loads(system_.rows(), system_.jacobian(), lambda)) return false;
-  contacts_.take_over(lambda, w_, rate_tolerance);
-  if (!(contacts_.residual() <= kHeld)) return false;
-  active_->prepare(laws_, delta_, lambda);
-  outcome_ = {};
-  report.complementarity_residual = std::max({report.complementarity_residual, off, contacts_.residual()});
-  return true;
-}
-
-/// Many contacts, and the fall-back of few.
-bool Rattle::solve_by_newton(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  const NewtonOutcome outcome =
-      newton_.solve(contacts_, laws_, delta_, lambda, w_, {.rate_tolerance = rate_tolerance}, report.times);
-  contacts_.take_over(lambda, w_, rate_tolerance);
-  report.contact_iterations += outcome.iterations;
-  if (outcome.converged)
-    report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
-  active_->reset();
-  active_->prepare(laws_, delta_, lambda);  // the pieces of this solution
-  outcome_ = {};
-  outcome_.status = outcome.converged ? ActiveSetStatus::kSolved : ActiveSetStatus::kNotConverged;
-  return outcome.converged;
-}
-
 /// Rates and laws of the second kick.
 void Rattle::begin_velocities() {
   // A first guess for its pieces: the impulses of the first kick.
@@ -271,8 +219,8 @@ void Rattle::begin_velocities() {
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
 bool Rattle::project_bounded_momenta(StepReport& report) {
   begin_velocities();
-  if (!solve_laws(
-          mu_, 0.1 * settings_.velocity_tolerance, [&] { renew_velocity_laws(); }, report))
+  near_ = false;
+  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, &Rattle::renew_velocity_laws, report))
     return false;
   end_velocities(report);
   return report.velocity_residual <= settings_.velocity_tolerance;

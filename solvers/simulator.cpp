@@ -116,10 +116,6 @@ class Simulator::Impl {
 };
 
 void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
-  if (settings_.contacts)
-    for (int i = 0; i < world_.shape_count(); ++i)
-      if (const double c = world_.shape(ShapeId{i}).material.compliance; c > 0)
-        fail("material compliance", "must be 0: contacts are rigid", c);
   if (settings_.integrator == Integrator::kRattle) return;
   if (!system.rows().axis_rows().empty() || !world_.breakable().empty())
     fail("settings integrator",

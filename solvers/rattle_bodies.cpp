@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/rattle.h"
+
+// Stages whose laws are met without an active set: at rest by the impulses of before, else through the
+// bodies, by Newton's method for contacts and for what is nearly solved, or by an interior point method.
+// (solvers/README, "Many contacts", "Many axes with friction")
+namespace taut {
+namespace {
+
+/// Impulses of before are taken over if they are off their laws by no more than this part.
+constexpr double kHeld = 1e-9;
+/// Off by no more than this they are mended by so many sweeps, if that is enough.
+constexpr double kNear = 1e-3;
+constexpr int kMendingSweeps = 50;
+/// Without contacts Newton's method starts where the laws are off by no more than this part, for so many
+/// steps: then it has few rows to put on other pieces.
+constexpr double kNewtonRange = 1e-5;
+constexpr int kFewSteps = 8;
+/// More solves of a stage, because friction let go or the load that it grows by has changed.
+constexpr int kMaxSolves = 40;
+
+}  // namespace
+
+/// The natural map at impulses whose rates are w, over the largest of them; errors of rates within the
+/// tolerance do not count.
+double Rattle::distance_from_laws(std::span<const double> lambda, std::span<const double> w,
+                                  double rate_tolerance) const {
+  double error = 0, scale = 0;
+  for (int r = 0; r < system_.row_count(); ++r)
+    scale = std::max(scale, std::abs(lambda[r]) / std::sqrt(inertia_[r]));
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
+    const double own = 1 / inertia_[r];
+    const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r]));
+    if (!(own * off <= rate_tolerance)) error = std::max(error, std::sqrt(own) * off);
+  }
+  error = std::max(error, contacts_.error(lambda, w, rate_tolerance));
+  return error == 0 ? 0 : error / scale;
+}
+
+/// True if the impulses of before meet the laws at once, or after some sweeps of Gauss–Seidel: a stage of
+/// bodies at rest is done without a factor.
+bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+  std::copy(rates_.begin(), rates_.end(), w_.begin());
+  double off = distance_from_laws(lambda, w_, rate_tolerance);
+  if (off > kNear || (off > kHeld && system_.through_bodies())) return false;  // Newton is as fast there
+  if (off > kHeld) {
+    held_.assign(lambda.begin(), lambda.end());
+    (void)iteration_->solve(contacts_, laws_, delta_, held_, w_, {.sweeps = kMendingSweeps}, {});
+    off = distance_from_laws(held_, w_, rate_tolerance);
+    if (off > kHeld) return false;
+    std::copy(held_.begin(), held_.end(), lambda.begin());
+  }
+  if (axes_.break_away(w_) || axes_.update_loads(system_.rows(), system_.jacobian(), lambda)) return false;
+  contacts_.take_over(lambda, w_, rate_tolerance);
+  if (!(contacts_.residual() <= kHeld)) return false;
+  take_pieces(lambda);
+  report.complementarity_residual = std::max({report.complementarity_residual, off, contacts_.residual()});
+  return true;
+}
+
+/// The pieces of this solution, for the next solve and for law_error().
+void Rattle::take_pieces(std::span<const double> lambda) {
+  active_->reset();
+  active_->prepare(laws_, delta_, lambda);
+  outcome_ = {};
+}
+
+/// All that the bodies are the system for: again where static friction lets go or its load changes.
+bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_tolerance, Renew renew,
+                                  StepReport& report) {
+  for (int solve = 0; solve < kMaxSolves; ++solve) {
+    const bool solved =
+        contacts_.empty()
+            ? solve_axes(lambda, rate_tolerance, report)
+            : solve_by_newton(lambda, {.rate_tolerance = rate_tolerance, .near = near_}, report);
+    take_pieces(lambda);
+    if (!solved) break;
+    const bool broke = axes_.break_away(w_);
+    const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
+    if (!broke && !loaded) return true;
+    (this->*renew)();
+  }
+  outcome_.status = ActiveSetStatus::kNotConverged;
+  return false;
+}
+
+/// Many axes and no contacts: what is nearly solved by some steps of Newton, all else by interior points.
+bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+  system_.multiply(lambda, w_);
+  for (int r = 0; r < system_.row_count(); ++r) w_[r] += delta_[r];
+  if (distance_from_laws(lambda, w_, rate_tolerance) <= kNewtonRange) {
+    held_.assign(lambda.begin(), lambda.end());
+    const NewtonLimits few{.most = kHeld, .rate_tolerance = rate_tolerance, .iterations = kFewSteps};
+    if (solve_by_newton(lambda, few, report)) return true;
+    std::copy(held_.begin(), held_.end(), lambda.begin());
+  }
+  const InteriorOutcome outcome = interior_.solve(laws_, delta_, lambda, w_, {}, report.times);
+  report.contact_iterations += outcome.iterations;
+  if (!outcome.converged)
+    return solve_by_newton(lambda, {.most = kHeld, .rate_tolerance = rate_tolerance}, report);
+  report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
+  return true;
+}
+
+/// Contacts, and what is left to others.
+bool Rattle::solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report) {
+  const NewtonOutcome outcome = newton_.solve(contacts_, laws_, delta_, lambda, w_, limits, report.times);
+  contacts_.take_over(lambda, w_, limits.rate_tolerance);
+  report.contact_iterations += outcome.iterations;
+  if (outcome.converged)
+    report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
+  return outcome.converged;
+}
+
+}  // namespace taut
