@@ -99,6 +99,8 @@ class Player {
     for (const mode of without) $('mode').querySelector(`[value=${mode}]`).remove();
     if (window.innerHeight < 480) this.toggle('curves');
     this.setUpPicking($('view'));
+    // The title ends where the buttons begin.
+    new ResizeObserver(() => $('head').style.setProperty('--tools', `${$('tools').offsetWidth}px`)).observe($('tools'));
   }
 
   /** A press that does not move picks; a drag is the camera's. */

@@ -58,14 +58,14 @@ export class View {
     this.center = this.low.clone().add(this.high).multiplyScalar(0.5);
     this.extent = this.high.distanceTo(this.low) || 1;
     this.reach = 0.14 * this.extent;  // the arrow of a large force
-    this.samplePoints(margin);
+    this.samplePoints(sizes);
   }
 
-  /** Where everything is at some instants: what the camera must see, each with `this.margin` around it. */
-  samplePoints(bodyRadius) {
+  /** Where everything is at some instants: what the camera must see, each with its margin around it. */
+  samplePoints(sizes) {
     const {recording: r} = this, poses = new Float32Array(this.poses.length);
     // Corners of the shapes; of many bodies the centres alone.
-    const corners = r.drawn.length > 240 ? null : r.drawn.flatMap(([body, shape, x, y, z, ...q]) => {
+    const corners = r.drawn.length > 600 ? null : r.drawn.flatMap(([body, shape, x, y, z, ...q]) => {
       const turn = new Quaternion(...q), place = new Vector3(x, y, z);
       return outerPoints(r.shapes[shape]).map((point) => [body, ...new Vector3(...point).applyQuaternion(turn).add(place)]);
     });
@@ -74,12 +74,16 @@ export class View {
     const ends = [...r.course.values(), ...r.springs.map(({course}) => course)].flat();
     const all = [...(corners ?? centres), ...ends], count = Math.min(Math.max(12, Math.floor(6000 / all.length)), 60, r.frames);
     this.points = [];
+    this.margins = [];
+    const margin = corners ? () => 0.01 * this.extent : ([body]) => (body ? sizes[body - 1] / 2 : 0);
     for (let k = 0; k < count; ++k) {
       r.poses(r.times[Math.round(k * (r.frames - 1) / Math.max(count - 1, 1))], poses);
-      for (const point of all) this.points.push(new Vector3(...worldPoint(poses, ...point)));
+      for (const point of all) {
+        this.points.push(new Vector3(...worldPoint(poses, ...point)));
+        this.margins.push(margin(point));
+      }
     }
-    if (!this.points.length) this.points = [this.center];
-    this.margin = corners ? 0.01 * this.extent : bodyRadius;
+    if (!this.points.length) [this.points, this.margins] = [[this.center], [this.extent / 2]];
   }
 
   addLights() {
@@ -146,25 +150,25 @@ export class View {
    */
   fit(direction) {
     const forward = direction.clone().negate(), right = forward.clone().cross(this.up).normalize();
-    const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360), m = this.margin;
+    const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360);
     // The head line and the legend, on a phone above each other, take a part of the height, and so may others [px].
     const {clientWidth, clientHeight} = this.canvas, isPhone = clientWidth <= 760, covered = this.covered?.() ?? {right: 0, bottom: 0};
     const rest = (taken, size) => t * Math.max(1 - 2 * taken / Math.max(size, 1), 0.05);
     const b = rest(Math.max(covered.bottom, isPhone ? 20 : 36), clientHeight), c = rest(isPhone ? 140 : 62, clientHeight);
     const w = 0.92 * t * this.camera.aspect, e = Math.min(w, this.camera.aspect * rest(covered.right, clientWidth));
-    const points = this.points.map((point) => [point.dot(right), point.dot(top), point.dot(forward)]);
+    const points = this.points.map((point, i) => [point.dot(right), point.dot(top), point.dot(forward), this.margins[i]]);
     const most = (of) => points.reduce((sum, point) => Math.max(sum, of(point)), -Infinity);
-    const east = most(([r, , f]) => r - e * f) + m, west = most(([r, , f]) => -r - w * f) + m;
-    const north = most(([, u, f]) => u - c * f) + m, south = most(([, u, f]) => -u - b * f) + m;
-    const far = most(([, , f]) => f), near = -most(([, , f]) => -f);
+    const east = most(([r, , f, m]) => r - e * f + m), west = most(([r, , f, m]) => -r - w * f + m);
+    const north = most(([, u, f, m]) => u - c * f + m), south = most(([, u, f, m]) => -u - b * f + m);
+    const far = most(([, , f]) => f), near = -most(([, , f, m]) => 2 * m - f);
     // Not so near that the front is more than about three times as large as the back.
-    const f = Math.min(-(east + west) / (e + w), -(north + south) / (b + c), near - 0.4 * (far - near) - 2 * m);
+    const f = Math.min(-(east + west) / (e + w), -(north + south) / (b + c), near - 0.4 * (far - near));
     // Where there is room to spare, the same on both sides of the picture.
     const balanced = (k, low, high, lowSlope, highSlope) => {
       for (let i = 0; i < 40; ++i) {
         const x = (low + high) / 2;
-        const excess = most((point) => (point[k] - x + m) / (point[2] - f)) / highSlope
-          - most((point) => (x - point[k] + m) / (point[2] - f)) / lowSlope;
+        const excess = most((point) => (point[k] - x + point[3]) / (point[2] - f)) / highSlope
+          - most((point) => (x - point[k] + point[3]) / (point[2] - f)) / lowSlope;
         if (excess > 0) low = x; else high = x;
       }
       return (low + high) / 2;
