@@ -1,11 +1,12 @@
 #!/bin/sh
 # Installs a build of taut into a stage, then builds and runs the outside project against it: through CMake, and the
 # same source through pkg-config with nothing but the compiler.
-#   run.sh BUILD_DIR [CXX]
+#   run.sh BUILD_DIR [CXX [GENERATOR]]   GENERATOR as in cmake -G: a machine that built with Ninja need not have make
 set -eu
 here=$(cd "$(dirname "$0")" && pwd -P)
 build=$1
 cxx=${2:-c++}
+generator=${3:-Ninja}
 stage=$build/stage
 
 rm -rf "$stage" "$stage-moved" "$build/outside"
@@ -15,7 +16,7 @@ mv "$stage" "$stage-moved"
 stage=$stage-moved
 
 echo "== CMake"
-cmake -S "$here" -B "$build/outside" -DCMAKE_PREFIX_PATH="$stage" -DCMAKE_CXX_COMPILER="$cxx" \
+cmake -S "$here" -B "$build/outside" -G "$generator" -DCMAKE_PREFIX_PATH="$stage" -DCMAKE_CXX_COMPILER="$cxx" \
   -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build "$build/outside"
 "$build/outside/bridge"

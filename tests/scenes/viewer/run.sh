@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs a script of this folder with node:  run.sh PROGRAM SAMPLE SCRIPT ARGUMENTS…
-# Needs node 18, a Chromium and the packages of package.json (npm install --prefix tests/scenes/viewer).  Without them it
+# Needs node 18 or later, a Chromium and the packages of package.json (npm install --prefix tests/scenes/viewer).  Without them it
 # says so and exits with 77, which ctest shows as skipped; with TAUT_REQUIRE_BROWSER=1 it fails.  Without Debian's
 # python3-vtk9 the tests of VTK files alone are skipped.
 set -euo pipefail
