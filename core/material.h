@@ -1,9 +1,17 @@
 #pragma once
 
+#include <compare>
+
 namespace taut {
 
+/// Index of a material that has a name in its World; −1: none.
+struct MaterialId {
+  int index = -1;
+  friend auto operator<=>(MaterialId, MaterialId) = default;
+};
+
 /// What a surface is made of.  Each shape has one; a pair of shapes gets combined(a, b) unless the World
-/// holds one for that pair.
+/// holds one for these shapes, or for their materials by name.
 struct Material {
   double restitution = 0;         ///< Newton's e ∈ [0, 1]: normal speed after over before an impact
   double static_friction = 0.5;   ///< Coulomb's μ while sticking, ≥ dynamic_friction

@@ -87,6 +87,7 @@ struct ShapeRecord {
   Pose pose;  ///< X_BS
   Material material;
   CollisionFilter filter;
+  MaterialId named;  ///< what `material` is, if it has a name
 };
 
 }  // namespace taut

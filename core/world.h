@@ -136,8 +136,22 @@ class World {
   const ShapeRecord& shape(ShapeId id) const { return shapes_[checked(id)]; }
   /// @throws std::invalid_argument for what check_material() refuses.
   void set_material(ShapeId id, const Material& material);
+  /// A material with a name, which shapes can share and pairs can refer to.
+  /// @throws std::invalid_argument for an empty name or one that is taken, and for what check_material()
+  /// refuses.
+  MaterialId add_material(std::string name, const Material& material);
+  /// The shape is of that material; @throws std::invalid_argument if there is no such one.
+  void set_material(ShapeId id, MaterialId material);
+  int material_count() const { return static_cast<int>(materials_.size()); }
+  const Material& material(MaterialId id) const { return materials_[checked(id)].second; }
+  const std::string& name(MaterialId id) const { return materials_[checked(id)].first; }
+  /// @throws std::invalid_argument if there is none of that name.
+  MaterialId material(std::string_view name) const;
   /// The material of a contact between two shapes, in place of combined(): order does not matter.
   void set_contact_material(ShapeId a, ShapeId b, const Material& material);
+  /// The same for all shapes of two materials, which may be one and the same.
+  void set_contact_material(MaterialId a, MaterialId b, const Material& material);
+  /// What was set for the shapes, or else for their materials, or else combined().
   Material contact_material(ShapeId a, ShapeId b) const;
   /// Says whether two bodies may touch, in place of the rule that bodies with a common joint do not.
   /// @throws std::invalid_argument for a missing body or twice the same.
@@ -218,9 +232,10 @@ class World {
   int checked(JointId id) const;
   int checked(ForceId id) const;
   int checked(ShapeId id) const;
+  int checked(MaterialId id) const;
   void check_force(const Force* force) const;
   void append_joints(const World& other, const std::string& prefix, const Relocation& to);
-  void append_shapes(const World& other, const Relocation& to);
+  void append_shapes(const World& other, const std::string& prefix, const Relocation& to);
   struct SoftJoint {
     JointCompliance compliance;
     std::vector<detail::RowGroup> rows;  // that it softens
@@ -257,6 +272,8 @@ class World {
   // Shapes (world_shapes.cpp).  Pairs are stored smaller index first.
   std::vector<ShapeRecord> shapes_;
   std::map<std::pair<ShapeId, ShapeId>, Material> contact_materials_;
+  std::vector<std::pair<std::string, Material>> materials_;
+  std::map<std::pair<MaterialId, MaterialId>, Material> material_pairs_;
   std::map<std::pair<BodyId, BodyId>, bool> collisions_;
   std::set<std::pair<BodyId, BodyId>> jointed_;
   int geometry_version_ = 0;

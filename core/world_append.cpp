@@ -106,6 +106,9 @@ Relocation World::append(const World& other, const std::string& prefix, const Po
       fail("body", "name is already taken", prefix + other.body_names_[b]);
   for (const std::string& name : other.joint_names_)
     if (has_joint(prefix + name)) fail("joint", "name is already taken", prefix + name);
+  for (const auto& [name, material] : materials_)
+    for (const auto& [appended, same] : other.materials_)
+      if (name == prefix + appended) fail("material", "name is already taken", name);
 
   const Pose X{placement.q.normalized(), placement.p};
   Relocation to;
@@ -133,7 +136,7 @@ Relocation World::append(const World& other, const std::string& prefix, const Po
     add_body(spec);
   }
   append_joints(other, prefix, to);
-  append_shapes(other, to);
+  append_shapes(other, prefix, to);
   for (const auto& force : other.forces_) {
     auto moved = force->relocated(to, X);
     if (!moved)
@@ -155,9 +158,15 @@ void World::append_joints(const World& other, const std::string& prefix, const R
   for (int joint : other.detached_) detach(to(JointId{joint}));
 }
 
-void World::append_shapes(const World& other, const Relocation& to) {
+void World::append_shapes(const World& other, const std::string& prefix, const Relocation& to) {
+  const int first_material = material_count();
+  const auto moved = [&](MaterialId id) { return id.index < 0 ? id : MaterialId{id.index + first_material}; };
+  for (const auto& [name, material] : other.materials_) add_material(prefix + name, material);
+  for (const auto& [pair, material] : other.material_pairs_)
+    set_contact_material(moved(pair.first), moved(pair.second), material);
   for (ShapeRecord record : other.shapes_) {
     record.body = to(record.body);
+    record.named = moved(record.named);
     shapes_.push_back(std::move(record));
   }
   for (const auto& [pair, material] : other.contact_materials_)

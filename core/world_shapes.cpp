@@ -19,6 +19,11 @@ int World::checked(ShapeId id) const {
   return id.index;
 }
 
+int World::checked(MaterialId id) const {
+  if (id.index < 0 || id.index >= material_count()) fail("material id", "no such material", id.index);
+  return id.index;
+}
+
 ShapeId World::add_shape(BodyId body, Shape shape, const Pose& pose, const Material& material,
                          CollisionFilter filter) {
   return add_shape(body, std::make_shared<const Shape>(std::move(shape)), pose, material, filter);
@@ -34,7 +39,7 @@ ShapeId World::add_shape(BodyId body, std::shared_ptr<const Shape> shape, const 
   require_unit("orientation of " + owner, pose.q.coeffs());
   Pose X_BS = pose;
   X_BS.q.normalize();
-  shapes_.push_back({body, std::move(shape), X_BS, material, filter});
+  shapes_.push_back({body, std::move(shape), X_BS, material, filter, {}});
   ++geometry_version_;
   return {shape_count() - 1};
 }
@@ -42,6 +47,34 @@ ShapeId World::add_shape(BodyId body, std::shared_ptr<const Shape> shape, const 
 void World::set_material(ShapeId id, const Material& material) {
   check_material(material);
   shapes_[checked(id)].material = material;
+  shapes_[checked(id)].named = {};
+}
+
+void World::set_material(ShapeId id, MaterialId material) {
+  shapes_[checked(id)].material = this->material(material);
+  shapes_[checked(id)].named = material;
+}
+
+MaterialId World::add_material(std::string name, const Material& material) {
+  if (name.empty()) fail("material", "must have a name", "\"\"");
+  for (const auto& [taken, other] : materials_)
+    if (taken == name) fail("material", "name is already taken", name);
+  check_material(material);
+  materials_.emplace_back(std::move(name), material);
+  return {material_count() - 1};
+}
+
+MaterialId World::material(std::string_view name) const {
+  const auto found = std::find_if(materials_.begin(), materials_.end(),
+                                  [&](const auto& material) { return material.first == name; });
+  if (found == materials_.end()) fail("material", "there is none of this name", std::string(name));
+  return {static_cast<int>(found - materials_.begin())};
+}
+
+void World::set_contact_material(MaterialId a, MaterialId b, const Material& material) {
+  checked(a), checked(b);
+  check_material(material);
+  material_pairs_[ordered(a, b)] = material;
 }
 
 void World::set_contact_material(ShapeId a, ShapeId b, const Material& material) {
@@ -54,7 +87,10 @@ Material World::contact_material(ShapeId a, ShapeId b) const {
   if (!contact_materials_.empty())
     if (const auto found = contact_materials_.find(ordered(a, b)); found != contact_materials_.end())
       return found->second;
-  return combined(shape(a).material, shape(b).material);
+  const ShapeRecord &A = shape(a), &B = shape(b);
+  if (const auto found = material_pairs_.find(ordered(A.named, B.named)); found != material_pairs_.end())
+    return found->second;
+  return combined(A.material, B.material);
 }
 
 void World::set_collision(BodyId a, BodyId b, bool may_collide) {

@@ -93,6 +93,7 @@ Scene SceneReader::read(const nlohmann::json& document, const std::string& defau
   each("generate", &SceneReader::read_generate);
   read_top_level(top);
   if (const auto materials = top.find("materials")) read_materials(*materials);
+  each("material_pairs", &SceneReader::read_material_pair);
   if (const auto ground = top.find("ground")) read_ground(*ground);
   each("bodies", &SceneReader::read_body);
   each("joints", &SceneReader::read_joint);

@@ -29,6 +29,7 @@ struct FileShape {
   PlacedShape placed;
   std::optional<JsonNode> density;
   Material material;
+  MaterialId named;
   CollisionFilter filter;
 };
 
@@ -70,6 +71,9 @@ class SceneReader {
   void add_shapes(BodyId body, const std::vector<FileShape>& shapes, const Vec3& centre);
   /// The name of a material, or one in place.
   Material material_of(const JsonNode& node) const;
+  /// The material of the name; a problem if there is none or it is no name, and none.
+  MaterialId named_material(const JsonNode& node) const;
+  void read_material_pair(const JsonNode& node);
   void read_pair(const JsonNode& node);
   /// All shapes of a body, or the one that the key counts.
   std::vector<ShapeId> shapes_of_pair(JsonObject& pair, const char* body_key, const char* shape_key);
@@ -88,7 +92,7 @@ class SceneReader {
   Problems& problems_;
   std::filesystem::path folder_;
   Scene scene_;
-  std::map<std::string, Material> materials_;
+  std::set<std::pair<MaterialId, MaterialId>> material_pairs_;
   std::unordered_map<int, Vec3> centre_of_body_;                               // where it is not 0
   std::unordered_map<std::string, std::string> path_of_body_, path_of_joint_;  // names of the file
   std::set<int> unsound_bodies_;

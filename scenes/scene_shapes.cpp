@@ -25,7 +25,10 @@ std::uint32_t read_groups(JsonObject& keys, const char* key, std::uint32_t fallb
 }  // namespace
 
 void SceneReader::read_materials(const JsonNode& node) {
-  for (const auto& [name, material] : node.members()) materials_[name] = read_material(material);
+  for (const auto& [name, material] : node.members()) {
+    const Material read = read_material(material);
+    material.guard([&, &name = name] { scene_.world.add_material(name, read); });
+  }
 }
 
 Material SceneReader::material_of(const JsonNode& node) const {
@@ -34,13 +37,35 @@ Material SceneReader::material_of(const JsonNode& node) const {
     node.problem("must be the name of a material, or a material");
     return {};
   }
-  const std::string name = node.json().get<std::string>();
-  const auto found = materials_.find(name);
-  if (found != materials_.end()) return found->second;
+  const MaterialId named = named_material(node);
+  return named.index < 0 ? Material{} : scene_.world.material(named);
+}
+
+MaterialId SceneReader::named_material(const JsonNode& node) const {
+  const std::string name = node.string();
+  if (!node.json().is_string()) return {};
   std::vector<std::string> names;
-  for (const auto& [known, material] : materials_) names.push_back(known);
+  for (int m = 0; m < scene_.world.material_count(); ++m) {
+    names.push_back(scene_.world.name(MaterialId{m}));
+    if (names.back() == name) return {m};
+  }
   node.problem("there is no material of this name" + did_you_mean(name, names));
   return {};
+}
+
+/// What holds between two named materials in place of combined().
+void SceneReader::read_material_pair(const JsonNode& node) {
+  const std::size_t before = problems_.size();
+  JsonObject pair(node);
+  const auto a = pair.required("a"), b = pair.required("b"), between = pair.required("material");
+  const MaterialId first = a ? named_material(*a) : MaterialId{},
+                   second = b ? named_material(*b) : MaterialId{};
+  const Material material = between ? material_of(*between) : Material{};
+  pair.reject_unknown_keys();
+  if (problems_.size() != before) return;
+  if (!material_pairs_.insert(std::minmax(first, second)).second)
+    return node.problem("these two materials are there already");
+  scene_.world.set_contact_material(first, second, material);
 }
 
 std::vector<FileShape> SceneReader::read_shapes(const JsonNode& list) const {
@@ -54,13 +79,16 @@ std::optional<FileShape> SceneReader::read_shape_of_body(const JsonNode& node) c
   const std::size_t before = problems_.size();
   JsonObject keys(node);
   const std::optional<PlacedShape> shape = read_shape(keys, &folder_);
-  FileShape result{node, shape.value_or(PlacedShape{}), keys.find("density"), {}, {}};
+  FileShape result{node, shape.value_or(PlacedShape{}), keys.find("density"), {}, {}, {}};
   Pose pose;
   pose.p = keys.get("position", &JsonNode::vector, pose.p);
   if (const auto orientation = keys.find("orientation")) pose.q = read_orientation(*orientation);
   result.placed.pose = {(pose.q * result.placed.pose.q).normalized(), pose.point(result.placed.pose.p)};
   if (result.density) result.placed.density = result.density->positive();
-  if (const auto material = keys.find("material")) result.material = material_of(*material);
+  if (const auto material = keys.find("material")) {
+    result.material = material_of(*material);
+    if (material->json().is_string() && problems_.size() == before) result.named = named_material(*material);
+  }
   result.filter.groups = read_groups(keys, "groups", result.filter.groups);
   result.filter.mask = read_groups(keys, "collides_with", result.filter.mask);
   keys.reject_unknown_keys();
@@ -72,7 +100,8 @@ void SceneReader::add_shapes(BodyId body, const std::vector<FileShape>& shapes, 
   for (const FileShape& shape : shapes)
     shape.node.guard([&] {
       const Pose X_BS{shape.placed.pose.q, shape.placed.pose.p - centre};
-      scene_.world.add_shape(body, shape.placed.shape, X_BS, shape.material, shape.filter);
+      const ShapeId id = scene_.world.add_shape(body, shape.placed.shape, X_BS, shape.material, shape.filter);
+      if (shape.named.index >= 0) scene_.world.set_material(id, shape.named);
     });
 }
 

@@ -135,6 +135,48 @@ TEST(WorldShapes, AreCheckedAndKept) {
   EXPECT_EQ(world.shape_count(), 2);
 }
 
+TEST(WorldShapes, PairsOfNamedMaterials) {
+  World world;
+  const BodyId body = world.add_body({.name = "crate"});
+  const MaterialId ice = world.add_material("ice", {.static_friction = 0.1, .dynamic_friction = 0.1}),
+                   rubber = world.add_material("rubber", {.restitution = 0.8});
+  const ShapeId floor = world.add_shape(kGround, HalfSpace{}), sole = world.add_shape(body, Sphere{1}),
+                heel = world.add_shape(body, Sphere{1});
+  world.set_material(floor, ice);
+  world.set_material(sole, rubber);
+  world.set_material(heel, rubber);
+  EXPECT_EQ(world.shape(floor).material, world.material(ice));
+  EXPECT_EQ(world.contact_material(floor, sole), combined(world.material(ice), world.material(rubber)));
+  world.set_contact_material(rubber, ice, {.restitution = 0.25});
+  EXPECT_EQ(world.contact_material(floor, sole).restitution, 0.25);
+  EXPECT_EQ(world.contact_material(sole, floor).restitution, 0.25);
+  EXPECT_EQ(world.contact_material(sole, heel).restitution, 0.8);
+  world.set_contact_material(rubber, rubber, {.restitution = 0.9});
+  EXPECT_EQ(world.contact_material(sole, heel).restitution, 0.9);
+  world.set_contact_material(floor, heel, {.restitution = 0.5});  // what is said of shapes wins
+  EXPECT_EQ(world.contact_material(floor, heel).restitution, 0.5);
+  EXPECT_EQ(world.contact_material(floor, sole).restitution, 0.25);
+
+  World whole;
+  whole.add_material("ice", {});
+  const Relocation to = whole.append(world, "part/");
+  EXPECT_EQ(whole.contact_material(to(floor), to(sole)).restitution, 0.25);
+  EXPECT_EQ(whole.name(whole.shape(to(sole)).named), "part/rubber");
+  world.set_material(sole, Material{.restitution = 0.8});  // the same values without the name
+  EXPECT_EQ(world.contact_material(floor, sole), combined(world.material(ice), {.restitution = 0.8}));
+
+  EXPECT_EQ(world.material("rubber"), rubber);
+  expect_invalid([&] { world.material("tar"); }, {"material", "none of this name", "tar"});
+  expect_invalid([&] { world.add_material("ice", {}); }, {"material", "already taken", "ice"});
+  expect_invalid([&] { world.add_material("", {}); }, {"material", "must have a name"});
+  expect_invalid([&] { world.add_material("tar", {.restitution = 2}); }, {"restitution", "2"});
+  expect_invalid([&] { world.set_material(sole, MaterialId{7}); }, {"material id", "7"});
+  expect_invalid([&] { world.set_contact_material(ice, MaterialId{}, {}); }, {"material id", "-1"});
+  World clash;
+  clash.add_material("part/ice", {});
+  expect_invalid([&] { clash.append(world, "part/"); }, {"material", "already taken", "part/ice"});
+}
+
 TEST(WorldShapes, WhoMayCollide) {
   World world;
   const BodyId a = world.add_body({}), b = world.add_body({.pose = {Quat::Identity(), Vec3(1, 0, 0)}}),

@@ -41,7 +41,7 @@ inline std::vector<BadScene> bad_top_level() {
       {top(R"("bodies": [7])"), "/bodies/0", "must be an object", "7"},
       {top(R"("a/b~c": {"x": 1e999})"), "/a~1b~0c",
        R"(unknown key; known here are "$schema", "assemble", "bodies", "dt", "duration", "energy_scale", )"
-       R"("forces", "format", "generate", "gravity", "ground", "joints", "materials", "name", "pairs", )"
+       R"("forces", "format", "generate", "gravity", "ground", "joints", "material_pairs", "materials", "name", "pairs", )"
        R"("probes", "settings", "time")",
        R"({"x":null})", false},
       {top(R"("settings": {"integrator": "ratle"})"), "/settings/integrator",

@@ -131,7 +131,22 @@ inline std::vector<BadScene> bad_materials_and_pairs() {
   const auto pair = [](const std::string& keys) {
     return two_bodies(R"("ground": {"shapes": [{"type": "half_space"}]}, "pairs": [{)" + keys + "}]");
   };
+  const auto materials = [](const std::string& pairs) {
+    return R"({"format": "taut-scene/1", "materials": {"ice": {}, "tar": {}}, "material_pairs": [)" + pairs +
+           "]}";
+  };
   return {
+      {materials(R"({"a": "ice", "b": "tor", "material": {}})"), "/material_pairs/0/b",
+       R"(there is no material of this name; did you mean "tar"?)", R"("tor")", false},
+      {materials(R"({"a": "ice", "material": {}})"), "/material_pairs/0", R"("b" is missing)", ""},
+      {materials(R"({"a": "ice", "b": "tar"})"), "/material_pairs/0", R"("material" is missing)", ""},
+      {materials(R"({"a": {}, "b": "tar", "material": {}})"), "/material_pairs/0/a", "must be a string",
+       "{}"},
+      {materials(R"({"a": "ice", "b": "tar", "material": {"restitution": 2}})"), "/material_pairs/0/material",
+       "restitution: must not be above 1", R"({"restitution":2})"},
+      {materials(R"({"a": "ice", "b": "tar", "material": {}}, {"a": "tar", "b": "ice", "material": {}})"),
+       "/material_pairs/1", "these two materials are there already", R"({"a":"tar","b":"ice","material":{}})",
+       false},
       {material(R"("restitution": -0.1)"), "/materials/m/restitution", "must be finite and not negative",
        "-0.1"},
       {material(R"("restitution": 1.5)"), "/materials/m", "restitution: must not be above 1",
