@@ -129,6 +129,7 @@ ContactForces::SlipLaw ContactForces::slip_law(int k, const Disc& disc) const {
 
 /// Newton's law of impact: the least normal rate after it.
 double ContactForces::bounce(int k) const {
+  if (single_kick_) return -set_.places()[k].material.restitution * points_[k].approach;
   const double approach = impacts_[k].stage == Impact::Stage::kDue ? impacts_[k].rate : points_[k].approach;
   return approach < -resting_speed_ ? -set_.places()[k].material.restitution * approach : 0;
 }
