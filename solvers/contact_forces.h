@@ -63,6 +63,8 @@ class ContactForces {
   /// Moreau–Jean between begin_single_kick() and velocity_laws(): `rates` J V before the step.  Contacts that
   /// are touched have Newton's law of impact w ≥ −e w⁻ however slow they are.
   void begin_impulses(std::span<const double> rates, std::span<const double> inertia);
+  /// Zeroes a guess in the rows of contacts that give nothing in this stage.
+  void clear_idle(std::span<double> lambda) const;
   /// Compares a solution of a stage with Coulomb's law.  True if radius, slip or stick of a contact is not
   /// what the laws had: then they are renewed, and the stage must be solved again.  `scale`: the size of
   /// impulses [√J], of which `tolerance` is what an error may be.

@@ -82,6 +82,12 @@ void ContactForces::velocity_laws(std::span<RowLaw> laws) const {
   }
 }
 
+void ContactForces::clear_idle(std::span<double> lambda) const {
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (!works(static_cast<int>(k)))
+      std::fill_n(lambda.begin() + first_row_[k], has_twist(static_cast<int>(k)) ? 6 : 3, 0.0);
+}
+
 bool ContactForces::soft() const {
   for (std::size_t k = 0; k < points_.size(); ++k)
     if (points_[k].live && compliance(static_cast<int>(k)) > 0) return true;

@@ -92,6 +92,7 @@ void MoreauJean::begin_laws(double h, StepReport& report) {
       fail("settings integrator", "must be RATTLE of order 2 where compliant materials touch",
            static_cast<int>(settings_.integrator));
     }
+    contacts_.clear_idle(mu_);
     system_.rows().residual(end_of_step(0), phi_);
     renew_laws();
     active_->prepare(laws_, rates_, mu_);
@@ -114,8 +115,8 @@ void MoreauJean::weigh(double h) {
     if (!inverse_mass_.moves(b)) continue;
     const Twist &V0 = first_twists_[b], &V1 = state_.twists[b];
     weighted_.twists[b] = {(1 - theta) * V0.w + theta * V1.w, (1 - theta) * V0.v + theta * V1.v};
-    weighted_.poses[b] = free_flow(system_.mass()[b], moved(b, theta * h - last), momenta_[b].torque,
-                                   momenta_[b].force, last);
+    weighted_.poses[b] =
+        free_flow(system_.mass()[b], moved(b, theta * h - last), momenta_[b].torque, momenta_[b].force, last);
   }
 }
 

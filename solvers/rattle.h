@@ -103,8 +103,8 @@ class Rattle {
   void rates_without(std::span<const double> lambda);
   void refactor_at_iterate(double h, StepReport& report);
   bool close_velocities(double h, StepReport& report);
-  /// Between passes of the fixed point for forces that depend on what they lead to: whether forces_, new since
-  /// last_forces_, are the same, still come closer, or do not.
+  /// Between passes of the fixed point for forces that depend on what they lead to: whether forces_, new
+  /// since last_forces_, are the same, still come closer, or do not.
   enum class Fixed { kYes, kNotYet, kStalled };
   Fixed fixed_point(int pass, double& last_change) const;
   void project_momenta(StepReport& report, std::span<double> mu);

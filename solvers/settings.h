@@ -13,8 +13,8 @@ enum class Integrator {
   kMoreauJean,       ///< Moreau–Jean: impulses of a whole step, laws on the velocities at its end; order 1
 };
 
-/// What keeps the joints of a force-level integrator or of Moreau–Jean from drifting apart.  RATTLE needs none
-/// and ignores it.
+/// What keeps the joints of a force-level integrator or of Moreau–Jean from drifting apart.  RATTLE needs
+/// none and ignores it.
 enum class DriftCure {
   kAuto,  ///< kBaumgarte at force level, kPositionPush with Moreau–Jean, which knows only this one and kNone
   kNone,
