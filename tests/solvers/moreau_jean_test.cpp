@@ -226,8 +226,12 @@ TEST(MoreauJean, ImpactsKeepMomentaAndNeverAddEnergy) {
     for (int i = 0; i < 300; ++i) {
       const StepReport& report = simulator.step(2e-3);
       ASSERT_TRUE(report.ok()) << seed << " " << i << ": " << report.message;
-      ASSERT_LE(report.kinetic_energy, energy + 1e-9 * scale) << seed << " " << i;
-      if (report.kinetic_energy < energy - 1e-9 * scale) ++impacts;
+      // Work of the impulses against ½ (V₀ + V₁), which is what they change of the kinetic energy exactly;
+      // between impacts the split rotation of a box keeps it to order h².
+      const double work = report.ledger.contacts + report.ledger.friction;
+      ASSERT_LE(work, 1e-12 * scale) << seed << " " << i;
+      ASSERT_LE(report.kinetic_energy, energy + work + 1e-5 * scale) << seed << " " << i;
+      if (work < -1e-9 * scale) ++impacts;
       energy = report.kinetic_energy;
     }
     EXPECT_LE((linear_momentum(world, world.state()) - linear).norm(), 1e-10) << seed;
