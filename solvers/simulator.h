@@ -46,9 +46,8 @@ class Simulator {
 
   /// One step of dt [s].  The world's state moves to the end of the step, or stays where it was if the report
   /// does not say success.  The report lives until the next call.
-  /// @throws std::invalid_argument if dt is not finite and positive, or for what the integrator has not: free
-  /// axes with properties, contacts and joints that break are kRattle's, kMoreauJean has them but for the
-  /// last.
+  /// @throws std::invalid_argument if dt is not finite and positive, or for axes with properties, contacts or
+  /// joints that break and an integrator other than kRattle; kMoreauJean lacks only the last.
   const StepReport& step(double dt);
   const StepReport& report() const;
 
