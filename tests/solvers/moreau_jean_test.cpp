@@ -416,5 +416,37 @@ TEST(MoreauJean, WhatItCannotDoIsRefused) {
   EXPECT_THROW(Simulator(world, implicit), std::invalid_argument);
 }
 
+TEST(MoreauJean, CompliantContactsAndBreakingJointsAreRefusedByName) {
+  Material soft = made(0.5);
+  soft.compliance = 1e-5;
+  const auto message = [](World& world) -> std::string {
+    Simulator simulator(world, moreau_jean());
+    try {
+      for (int i = 0; i < 200; ++i) (void)simulator.step(2e-3);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  World own;
+  own.add_shape(kGround, HalfSpace{}, {}, made(0.5));
+  add_ball(own, "ball", Vec3(0, 0, 0.2), soft);
+  EXPECT_NE(message(own).find("compliance"), std::string::npos);
+  EXPECT_EQ(own.time(), 0);
+
+  World pair;  // found when they come together; the world is left where it was
+  const ShapeId floor = pair.add_shape(kGround, HalfSpace{}, {}, made(0.5));
+  const BodyId ball = add_ball(pair, "ball", Vec3(0, 0, 0.2), made(0.5));
+  pair.set_contact_material(floor, ShapeId{1}, soft);
+  EXPECT_NE(message(pair).find("compliant"), std::string::npos);
+  EXPECT_GT(pair.time(), 0.1);
+  EXPECT_GT(pair.pose(ball).p.z(), 0.09);
+
+  World weak;
+  const std::vector<BodyId> rods = add_chain(weak, 2, Vec3::Zero(), true, nullptr);
+  weak.set_break(JointId{0}, BreakLimits{.force = 10});
+  EXPECT_NE(message(weak).find("break"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace taut
