@@ -372,6 +372,41 @@ TEST(MoreauJean, AxesHaveFrictionLimitsAndMotors) {
   EXPECT_NEAR(world.pose(blocks[0]).p.x(), 1.5 * 1.5 / (2 * 1.5), 2e-3);
 }
 
+TEST(MoreauJean, DampersMotorsDriversAndSoftJointsFollowTheirClosedForms) {
+  World world;
+  std::vector<BodyId> blocks;
+  std::vector<AxisId> axes;
+  for (int i = 0; i < 3; ++i) {
+    blocks.push_back(world.add_body({.name = numbered("block", i),
+                                     .mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), 2),
+                                     .pose = {.p = Vec3(0, i, 0)}}));
+    const JointId joint =
+        world.add(numbered("slide", i), Slider::at(world, kGround, blocks[i], Vec3(0, i, 0), Vec3::UnitX()));
+    axes.push_back(world.axis(joint, "displacement"));
+  }
+  world.set_spring(axes[0], AxisSpring{.stiffness = 0, .damping = 5});
+  world.set_twist(blocks[0], {Vec3::Zero(), Vec3(1, 0, 0)});
+  world.set_motor(axes[1], AxisMotor{.mode = AxisMotor::Mode::kPosition, .target = 0.3, .max_speed = 0.5});
+  const Motion motion = harmonic_motion(0, 0.2, 3);
+  world.add("drive", Driver(world, axes[2], motion));
+  const BodyId bob = world.add_body({.name = "bob", .mass = MassProperties::sphere(0.1, 1)});
+  const JointId soft = world.add("soft", Ball::at(world, kGround, bob, Vec3::Zero()));
+  world.set_compliance(soft, JointCompliance{.translation = 1e-3, .translation_damping = 30});
+  const double theta = 0.75, dt = 0.01;
+  Simulator simulator(world, moreau_jean(theta));
+  double rate = 1;
+  for (int i = 0; i < 200; ++i) {
+    const StepReport& report = simulator.step(dt);
+    ASSERT_TRUE(report.ok()) << report.message;
+    ASSERT_LE(report.gap.metres, 1e-9);
+    rate *= (1 - (1 - theta) * dt * 5 / 2) / (1 + theta * dt * 5 / 2);
+    ASSERT_NEAR(world.twist(blocks[0]).v.x(), rate, 1e-11);
+    ASSERT_NEAR(world.pose(blocks[2]).p.x(), motion(world.time()).value, 1e-9);
+  }
+  EXPECT_NEAR(world.pose(blocks[1]).p.x(), 0.3, 1e-9);
+  EXPECT_NEAR(world.pose(bob).p.z(), -1e-3 * kG, 1e-9);
+}
+
 TEST(MoreauJean, TheLedgerClosesAndImpactsAreBookedAsLosses) {
   World world;
   world.add_shape(kGround, HalfSpace{}, {}, made(0.5, 0.5));
