@@ -29,6 +29,7 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   number("cfm", &JsonNode::not_negative, s.cfm);
   number("penalty_frequency", &JsonNode::positive, s.penalty_frequency);
   number("penalty_damping_ratio", &JsonNode::not_negative, s.penalty_damping_ratio);
+  number("theta", &JsonNode::positive, s.theta);
   choice("factor", kFactorNames, s.factor);
   choice("solver", kSolverNames, s.solver);
   integer("iterations", s.iterations);

@@ -40,6 +40,7 @@ class Rattle {
   enum class Outcome { kDone, kStalled, kUnstable, kImpact, kOverload, kNotFinite };
 
   Rattle(const World& world, ConstraintSystem& system, const Settings& settings);
+  virtual ~Rattle() = default;
 
   /// The longest step that may come: contacts are found as far ahead as that.
   void set_horizon(double horizon) { horizon_ = horizon; }
@@ -51,7 +52,7 @@ class Rattle {
   /// the next advance must end; kOverload: a joint does not bear its load, and either is out now, or breaks
   /// at time_to_break() > 0, where the next advance must end.  The state is then the old one and the factor
   /// is that of S(q₀) again.
-  [[nodiscard]] Outcome advance(double h, StepReport& report);
+  [[nodiscard]] virtual Outcome advance(double h, StepReport& report);
 
   const State& state() const { return state_; }
   /// (L, P) of the bodies in world axes, those of state().
@@ -91,7 +92,7 @@ class Rattle {
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 
- private:
+ protected:  // the stages, which Moreau–Jean has, too (moreau_jean.h)
   /// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.
   static constexpr double kSlow = 0.6;
 
@@ -108,6 +109,10 @@ class Rattle {
   void rates_without(std::span<const double> lambda);
   void refactor_at_iterate(double h, StepReport& report);
   bool close_velocities(double h, StepReport& report);
+  /// Between passes of the fixed point for forces that depend on what they lead to: whether forces_, new
+  /// since last_forces_, are the same, still come closer, or do not.
+  enum class Fixed { kYes, kNotYet, kStalled };
+  Fixed fixed_point(int pass, double& last_change) const;
   void project_momenta(StepReport& report, std::span<double> mu);
   bool iterative() const { return settings_.solver != Solver::kDirect; }
   /// Rows have laws of their own, or are to be solved one by one.

@@ -13,6 +13,7 @@
 #include "solvers/constraint_system.h"
 #include "solvers/energy_books.h"
 #include "solvers/force_level.h"
+#include "solvers/moreau_jean.h"
 #include "solvers/motion_sums.h"
 #include "solvers/rank_report.h"
 #include "solvers/rattle.h"
@@ -58,6 +59,14 @@ void check_settings(const Settings& s) {
     fail("settings tension", "must not be implicit with an iterative solver", static_cast<int>(s.tension));
   require_positive("settings penalty_frequency", s.penalty_frequency);
   require_not_negative("settings penalty_damping_ratio", s.penalty_damping_ratio);
+  if (!(s.theta >= 0.5 && s.theta <= 1)) fail("settings theta", "must be between 0.5 and 1", s.theta);
+  if (s.integrator != Integrator::kMoreauJean) return;
+  if (s.tension == TensionPolicy::kImplicit)
+    fail("settings tension", "must not be implicit with Moreau-Jean", static_cast<int>(s.tension));
+  if (s.drift_cure != DriftCure::kAuto && s.drift_cure != DriftCure::kNone &&
+      s.drift_cure != DriftCure::kPositionPush)
+    fail("settings drift_cure", "must be none or position push with Moreau-Jean",
+         static_cast<int>(s.drift_cure));
 }
 
 }  // namespace
@@ -82,6 +91,9 @@ class Simulator::Impl {
  public:
   Impl(World& world, const Settings& settings) : world_(world), settings_(settings) {
     check_settings(settings);
+    if (settings_.drift_cure != DriftCure::kAuto) return;
+    settings_.drift_cure =
+        settings.integrator == Integrator::kMoreauJean ? DriftCure::kPositionPush : DriftCure::kBaumgarte;
   }
 
   void step(double dt);
@@ -125,6 +137,15 @@ class Simulator::Impl {
 
 void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
   if (settings_.integrator == Integrator::kRattle) return;
+  if (settings_.integrator == Integrator::kMoreauJean) {
+    if (!world_.breakable().empty())
+      fail("settings integrator", "must be RATTLE of order 2 where joints break",
+           static_cast<int>(settings_.integrator));
+    for (int i = 0; i < world_.shape_count() && settings_.contacts; ++i)
+      if (const double compliance = world_.shape({i}).material.compliance; compliance > 0)
+        fail("material compliance", "must be 0 with Moreau-Jean", compliance);
+    return;
+  }
   if (!system.rows().axis_rows().empty() || !world_.breakable().empty())
     fail("settings integrator",
          "must be RATTLE of order 2 where free axes have properties or joints break or give way",
@@ -151,6 +172,8 @@ void Simulator::Impl::refresh() {
     force_level_.reset();
     if (is_force_level(settings_.integrator))
       force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
+    else if (settings_.integrator == Integrator::kMoreauJean)
+      rattle_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
     else
       rattle_ = std::make_unique<Rattle>(world_, *system_, settings_);
     phi_.assign(system_->row_count(), 0.0);

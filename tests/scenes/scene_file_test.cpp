@@ -76,6 +76,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(s.cfm, 1e-9);
   EXPECT_EQ(s.penalty_frequency, 30);
   EXPECT_EQ(s.penalty_damping_ratio, 0.7);
+  EXPECT_EQ(s.theta, 0.75);
   EXPECT_EQ(s.solver, Solver::kPairwise);
   EXPECT_EQ(s.iterations, 9);
   EXPECT_EQ(s.relaxation, 1.5);
