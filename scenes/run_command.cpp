@@ -116,6 +116,7 @@ Scene prepared_scene(const RunOptions& options) {
   if (options.solver) scene.settings.solver = *options.solver;
   if (options.iterations) scene.settings.iterations = *options.iterations;
   if (options.relaxation) scene.settings.relaxation = *options.relaxation;
+  if (options.merge_fixed_joints) scene.settings.merge_fixed_joints = true;
   return scene;
 }
 

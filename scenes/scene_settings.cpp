@@ -36,6 +36,7 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   s.contacts = object.get("contacts", &JsonNode::boolean, s.contacts);
   number("contact_margin", &JsonNode::not_negative, s.contact_margin);
   number("resting_speed", &JsonNode::not_negative, s.resting_speed);
+  s.merge_fixed_joints = object.get("merge_fixed_joints", &JsonNode::boolean, s.merge_fixed_joints);
   s.report_energy = object.get("report_energy", &JsonNode::boolean, s.report_energy);
   object.reject_unknown_keys();
   return s;

@@ -70,6 +70,9 @@ struct Settings {
   double contact_margin = 0.005;  ///< [m] contacts exist up to this gap
   double resting_speed = 1e-3;    ///< [m/s] slower impacts have no restitution
 
+  /// Bodies that fixed joints hold together move as one; see solvers/README.md, "Merged bodies".
+  bool merge_fixed_joints = false;
+
   FactorChoice factor = FactorChoice::kAuto;
   Solver solver = Solver::kDirect;
   int iterations = 50;    ///< sweeps of an iterative solver over all joints and contacts, per stage

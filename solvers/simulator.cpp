@@ -7,6 +7,7 @@
 
 #include "core/check.h"
 #include "core/diagnostics.h"
+#include "core/merged_world.h"
 #include "solvers/assembly.h"
 #include "solvers/cholmod_factor.h"
 #include "solvers/composition.h"
@@ -17,6 +18,7 @@
 #include "solvers/rank_report.h"
 #include "solvers/rattle.h"
 #include "solvers/stopwatch.h"
+#include "solvers/weld_loads.h"
 
 namespace taut {
 namespace {
@@ -73,7 +75,13 @@ std::string_view to_string(Status status) {
 
 class Simulator::Impl {
  public:
-  Impl(World& world, const Settings& settings) : world_(world), settings_(settings) {
+  Impl(World& world, const Settings& settings)
+      : source_(world),
+        merged_(settings.merge_fixed_joints
+                    ? std::make_unique<MergedWorld>(world, settings.position_tolerance)
+                    : nullptr),
+        world_(merged_ ? merged_->world() : world),
+        settings_(settings) {
     check_settings(settings);
   }
 
@@ -83,7 +91,21 @@ class Simulator::Impl {
   Reaction reaction_from(JointId joint, std::span<const double> multipliers, double scale) const;
   void compute_reactions();
 
-  World& world_;
+  // With merged bodies (merged_): world_ is a copy of the source, which is followed and kept up to date.
+  bool follow_source() { return merged_ && merged_->update(source_); }
+  void keep_means();
+  void give_back();
+  bool merges(JointId joint) const { return weld_loads_ && weld_loads_->is_weld(joint); }
+  std::vector<Reaction> weld_reactions() const;
+  void solve_present_welds();
+  std::vector<ContactReport> mean_contacts() const;
+  void solve_weld_means();
+  void refer_to_source(Contact& contact) const;
+  const Rows& source_rows() const { return weld_loads_ ? weld_loads_->rows() : system_->rows(); }
+
+  World& source_;  // the user's
+  std::unique_ptr<MergedWorld> merged_;
+  World& world_;  // that is stepped: source_ itself, or the merged one
   Settings settings_;
   StepReport report_;
   std::unique_ptr<ConstraintSystem> system_;
@@ -100,6 +122,10 @@ class Simulator::Impl {
   mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
   mutable int wrench_jacobian_version_ = -1;
   EnergyBooks books_;
+  std::unique_ptr<WeldLoads> weld_loads_;  // null if nothing is merged
+  State start_, given_;                    // of the source: at the start of the step, as given back last
+  int given_version_ = -1, present_version_ = -1;             // of world_
+  std::vector<Reaction> mean_reactions_, present_reactions_;  // of welds, by joint; empty: not solved
 
  private:
   bool integrate(double dt);
@@ -152,6 +178,9 @@ void Simulator::Impl::refresh() {
     geometry_version_ = world_.geometry_version();
     state_version_ = wrench_jacobian_version_ = -1;
     report_.times.analysis = system_->analysis_time();
+    weld_loads_.reset();
+    present_reactions_.clear();
+    if (merged_ && !merged_->groups().empty()) weld_loads_ = std::make_unique<WeldLoads>(source_, *merged_);
   }
   if (state_version_ == world_.state_version()) return;
   if (force_level_) {
@@ -187,7 +216,9 @@ void Simulator::Impl::step(double dt) {
   {
     const Stopwatch watch(report_.times.total);
     horizon_ = dt;
-    if (settings_.report_energy) books_.begin(world_, report_);
+    mean_reactions_.clear(), start_.poses.clear();
+    const bool moved = follow_source();
+    if (settings_.report_energy) books_.begin(world_, moved ? source_ : world_, report_);
     const bool goes_on = state_version_ == world_.state_version() &&
                          topology_version_ == world_.topology_version() &&
                          geometry_version_ == world_.geometry_version();
@@ -196,6 +227,7 @@ void Simulator::Impl::step(double dt) {
       books_.start(world_, rattle_->state());
     if (report_.ok()) {
       bool done = true;
+      if (weld_loads_) merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), start_);
       if (force_level_) {
         done = force_level_->advance(dt, report_);
         if (!done) set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
@@ -207,8 +239,9 @@ void Simulator::Impl::step(double dt) {
       if (done)
         finish(dt);
       else
-        forget_step();
+        forget_step(), start_.poses.clear();
     }
+    give_back();
     count_work();
   }
 }
@@ -382,7 +415,10 @@ void Simulator::Impl::detach_broken() {
   const std::span<const BreakEvent> events = rattle_->breaking().events();
   if (events.empty()) return;
   report_.breaks.assign(events.begin(), events.end());
-  for (const BreakEvent& event : events) world_.detach(event.joint);
+  for (const BreakEvent& event : events) {
+    world_.detach(event.joint);
+    if (merged_) source_.detach(event.joint);
+  }
 }
 
 void Simulator::Impl::count_work() {
@@ -393,7 +429,9 @@ void Simulator::Impl::count_work() {
 }
 
 void Simulator::Impl::assemble() {
+  keep_means();
   report_ = {};
+  follow_source();
   if (topology_version_ != world_.topology_version()) refresh();
   State state = world_.state();
   if (close_joints(*system_, state, settings_.position_tolerance, report_)) {
@@ -412,13 +450,17 @@ void Simulator::Impl::assemble() {
     set_failure(report_.contradiction.joints.empty() ? Status::kNotConverged : Status::kContradiction,
                 "the joints cannot be closed");
   }
+  give_back();
   count_work();
 }
 
 /// λ of the acceleration equation in the present state, with a system of its own so that the integrator keeps
 /// its factor.
 void Simulator::Impl::compute_reactions() {
+  keep_means();
+  follow_source();
   refresh();
+  give_back();
   if (reaction_version_ == world_.state_version()) return;
   if (rattle_ && (!rattle_->axes().empty() || !rattle_->contacts().empty())) {
     const std::span<const double> multipliers = rattle_->force_multipliers();
@@ -455,14 +497,15 @@ void Simulator::Impl::compute_reactions() {
 
 Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> multipliers,
                                         double scale) const {
-  const Joint& j = world_.joint(joint);
+  const Joint& j = source_.joint(joint);
   const Rows::JointRows& rows = system_->rows().joints()[joint.index];
   if (rows.row_count == 0) return {};
-  const Rows::Side& side = system_->rows().sides()[rows.first_side + 1];
-  if (wrench_jacobian_version_ != world_.state_version()) {
-    wrench_jacobian_.resize(system_->jacobian().size());
-    system_->rows().jacobian(world_.state(), wrench_jacobian_);
-    wrench_jacobian_version_ = world_.state_version();
+  const Rows& own_rows = source_rows();
+  const Rows::Side& side = own_rows.sides()[own_rows.joints()[joint.index].first_side + 1];
+  if (wrench_jacobian_version_ != source_.state_version()) {
+    wrench_jacobian_.resize(own_rows.jacobian_size());
+    own_rows.jacobian(source_.state(), wrench_jacobian_);
+    wrench_jacobian_version_ = source_.state_version();
   }
   const std::vector<double>& jacobian = wrench_jacobian_;
   Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
@@ -471,8 +514,90 @@ Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> m
               Eigen::Map<const Eigen::Matrix<double, 6, 1>>(jacobian.data() + side.offset + 6 * i);
   Reaction reaction;
   reaction.force = wrench.tail<3>();
-  reaction.torque = wrench.head<3>() - (world_.pose(j.b()).q * j.reaction_point_B()).cross(reaction.force);
+  reaction.torque = wrench.head<3>() - (source_.pose(j.b()).q * j.reaction_point_B()).cross(reaction.force);
   return reaction;
+}
+
+/// The source gets what the merged world has come to.
+void Simulator::Impl::give_back() {
+  if (!merged_) return;
+  if (given_version_ == world_.state_version()) return;
+  merged_->expand(world_.state(), given_);
+  source_.set_state(given_);
+  merged_->note_state(source_);
+  given_version_ = world_.state_version();
+}
+
+/// Mean reactions of the last step are those of the bodies as they then were: solved at the latest when the
+/// source has changed and is about to be followed.
+void Simulator::Impl::keep_means() {
+  if (weld_loads_ && !start_.poses.empty() && merged_->is_behind(source_)) solve_weld_means();
+}
+
+/// By joint, of what weld_loads_ has solved last.
+std::vector<Reaction> Simulator::Impl::weld_reactions() const {
+  std::vector<Reaction> reactions(source_.joint_count());
+  for (int j = 0; j < source_.joint_count(); ++j) {
+    if (!merges(JointId{j})) continue;
+    const Joint& weld = source_.joint(JointId{j});
+    const Wrench& on_B = weld_loads_->on_B(JointId{j});
+    const Vec3 arm = weld_loads_->state().poses[weld.b().index].q * weld.reaction_point_B();
+    reactions[j] = {on_B.force, on_B.torque - arm.cross(on_B.force)};
+  }
+  return reactions;
+}
+
+void Simulator::Impl::solve_weld_means() {
+  if (!mean_reactions_.empty()) return;
+  const double scale = 1 / report_.dt;
+  if (force_level_)
+    weld_loads_->solve_mean(start_, report_.dt, {system_->rows(), force_level_->impulses(), scale}, {});
+  else
+    weld_loads_->solve_mean(start_, report_.dt, {system_->rows(), rattle_->impulses(), scale},
+                            mean_contacts());
+  mean_reactions_ = weld_reactions();
+}
+
+/// Contacts of the last step with mean forces, on the bodies of world_.
+std::vector<ContactReport> Simulator::Impl::mean_contacts() const {
+  std::vector<ContactReport> reports = rattle_->contacts().reports();
+  for (ContactReport& report : reports) {
+    report.force /= report_.dt;
+    report.torque /= report_.dt;
+    report.normal_force /= report_.dt;
+  }
+  return reports;
+}
+
+/// In the present state, with the multipliers that compute_reactions() has left.
+void Simulator::Impl::solve_present_welds() {
+  if (present_version_ == world_.state_version() && !present_reactions_.empty()) return;
+  const State& state = world_.state();
+  const Rows& rows = system_->rows();
+  std::vector<double> jacobian(rows.jacobian_size());
+  std::vector<Wrench> forces(world_.body_count()), of_joints(world_.body_count());
+  std::vector<Twist> accelerations(world_.body_count());
+  rows.jacobian(state, jacobian);
+  rows.apply_transpose(jacobian, reaction_multipliers_, of_joints);
+  world_.forces(state, forces);
+  for (int b = 0; b < world_.body_count(); ++b) forces[b] = forces[b] + of_joints[b];
+  free_accelerations(system_->mass(), state, forces, accelerations);
+  weld_loads_->solve_present(
+      accelerations, {rows, reaction_multipliers_},
+      rattle_ ? rattle_->contacts().set().places() : std::span<const ContactSet::Place>{});
+  present_reactions_ = weld_reactions();
+  present_version_ = world_.state_version();
+}
+
+/// A contact between carriers as one between the bodies that have the shapes.
+void Simulator::Impl::refer_to_source(Contact& contact) const {
+  if (!merged_) return;
+  const auto refer = [&](BodyId& body, Vec3& point, ShapeId shape) {
+    body = source_.shape(shape).body;
+    if (merged_->is_carried(body)) point = merged_->carriers().frames[body.index].local(point);
+  };
+  refer(contact.A, contact.p_AP, contact.a);
+  refer(contact.B, contact.p_BQ, contact.b);
 }
 
 Simulator::Simulator(World& world, const Settings& settings)
@@ -487,8 +612,13 @@ const StepReport& Simulator::step(double dt) {
 const StepReport& Simulator::report() const { return impl_->report_; }
 
 Reaction Simulator::mean_reaction(JointId joint) const {
-  (void)impl_->world_.joint(joint);  // throws for an id that is not there
+  (void)impl_->source_.joint(joint);  // throws for an id that is not there
   if (!impl_->system_ || impl_->report_.dt == 0) return {};
+  if (impl_->merges(joint)) {
+    if (impl_->start_.poses.empty()) return {};
+    impl_->solve_weld_means();
+    return impl_->mean_reactions_[joint.index];
+  }
   const std::span<const double> impulses = impl_->force_level_
                                                ? std::span<const double>(impl_->force_level_->impulses())
                                                : impl_->rattle_->impulses();
@@ -496,13 +626,17 @@ Reaction Simulator::mean_reaction(JointId joint) const {
 }
 
 Reaction Simulator::reaction(JointId joint) {
-  (void)impl_->world_.joint(joint);
+  (void)impl_->source_.joint(joint);
   impl_->compute_reactions();
+  if (impl_->merges(joint)) {
+    impl_->solve_present_welds();
+    return impl_->present_reactions_[joint.index];
+  }
   return impl_->reaction_from(joint, impl_->reaction_multipliers_, 1);
 }
 
 AxisReport Simulator::axis_report(AxisId axis) const {
-  (void)impl_->world_.axis_index(axis);  // throws for an id that is not there
+  (void)impl_->source_.axis_index(axis);  // throws for an id that is not there
   if (!impl_->rattle_ || impl_->report_.dt == 0) return {};
   const std::span<const Rows::AxisRow> rows = impl_->system_->rows().axis_rows();
   const auto found =
@@ -517,26 +651,37 @@ AxisReport Simulator::axis_report(AxisId axis) const {
 
 std::vector<ContactReport> Simulator::contacts() const {
   if (!impl_->rattle_ || impl_->report_.dt == 0) return {};
-  std::vector<ContactReport> reports = impl_->rattle_->contacts().reports();
-  for (ContactReport& report : reports) {
-    report.force /= impl_->report_.dt;
-    report.torque /= impl_->report_.dt;
-    report.normal_force /= impl_->report_.dt;
-  }
+  std::vector<ContactReport> reports = impl_->mean_contacts();
+  for (ContactReport& report : reports) impl_->refer_to_source(report.contact);
   return reports;
 }
 
-RankReport Simulator::analyze_rank() { return taut::analyze_rank(impl_->world_, impl_->settings_); }
+RankReport Simulator::analyze_rank() { return taut::analyze_rank(impl_->source_, impl_->settings_); }
 
 const StepReport& Simulator::assemble() {
   impl_->assemble();
   return impl_->report_;
 }
 
-const World& Simulator::world() const { return impl_->world_; }
+std::vector<JointId> Simulator::merged_joints() const {
+  std::vector<JointId> joints;
+  impl_->keep_means();
+  impl_->follow_source();
+  if (!impl_->merged_) return joints;
+  for (const MergedGroup& group : impl_->merged_->groups())
+    for (const auto* welds : {&group.welds, &group.loops})
+      for (JointId weld : *welds)
+        if (weld.index >= 0) joints.push_back(weld);
+  std::sort(joints.begin(), joints.end());
+  return joints;
+}
+
+const World& Simulator::world() const { return impl_->source_; }
 const Settings& Simulator::settings() const { return impl_->settings_; }
 
 std::string Simulator::solver_description() const {
+  impl_->keep_means();
+  impl_->follow_source();
   if (impl_->topology_version_ != impl_->world_.topology_version()) impl_->refresh();
   if (impl_->settings_.solver != Solver::kDirect)
     return "iterative impulses, " + std::to_string(impl_->settings_.iterations) + " sweeps a stage";
