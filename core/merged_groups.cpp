@@ -48,8 +48,8 @@ class Grouping {
     for (JointId weld : welds_) {
       const Joint& joint = world_.joint(weld);
       if (world_.is_fixed(joint.a()) || world_.is_fixed(joint.b())) continue;
-      const auto [low, high] = std::minmax(top(joint.a().index), top(joint.b().index));
-      up[high] = low;
+      const int a = top(joint.a().index), b = top(joint.b().index);
+      up[std::max(a, b)] = std::min(a, b);
     }
     std::vector<int> component(world_.body_count(), -1);
     for (JointId weld : welds_) {
@@ -131,18 +131,18 @@ class Grouping {
 
   /// Adds the groups that a joint which is not merged away does not allow.
   void note_conflict(JointId id, const Places& at, std::set<int>& in_conflict) const {
-    std::set<int> groups, carriers;
+    std::map<int, int> groups;  // and how many of the bodies they have
+    std::set<int> carriers;
     bool all_fixed = true;
-    const std::span<const BodyId> bodies = world_.joint(id).bodies();
-    for (BodyId body : bodies) {
+    for (BodyId body : world_.joint(id).bodies()) {
       const int carrier = at.carrier[body.index];
       carriers.insert(carrier);
       all_fixed = all_fixed && world_.is_fixed(BodyId{carrier});
-      if (at.group[body.index] >= 0) groups.insert(at.group[body.index]);
+      if (at.group[body.index] >= 0) ++groups[at.group[body.index]];
     }
-    const bool shared = carriers.size() < bodies.size();
-    if (all_fixed || carriers.size() == 1 || (shared && can_break(id)))
-      in_conflict.insert(groups.begin(), groups.end());
+    const bool idle = all_fixed || carriers.size() == 1;
+    for (const auto& [group, bodies] : groups)
+      if (idle || (bodies > 1 && can_break(id))) in_conflict.insert(group);
   }
 
   /// False if there was none.

@@ -108,7 +108,9 @@ TEST(MergedMotion, DiffersByTheSquareOfTheStep) {
     run(merged, merging(), 0.2 / steps, steps);
     run(solved, solving(), 0.2 / steps, steps);
     const double now = difference(merged, solved);
-    if (refinement > 0) EXPECT_NEAR(before / now, 4, 0.4) << now;
+    if (refinement > 0) {
+      EXPECT_NEAR(before / now, 4, 0.4) << now;
+    }
     before = now;
   }
 }
@@ -353,10 +355,11 @@ TEST(MergedMotion, CollisionRulesAreThoseOfTheMembers) {
     if (forbidden) world.set_collision(right, table, false);  // while it runs
     for (int i = 0; i < 20; ++i) ASSERT_TRUE(simulator.step(0.005).ok());
     // Held at its left half only it tips over to the right.
-    if (forbidden)
+    if (forbidden) {
       EXPECT_LT(world.pose(right).p.z(), 0.49);
-    else
+    } else {
       EXPECT_NEAR(world.pose(right).p.z(), 0.5, 1e-9);
+    }
   }
 }
 
