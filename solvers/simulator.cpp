@@ -7,18 +7,13 @@
 
 #include "core/check.h"
 #include "core/diagnostics.h"
-#include "core/merged_world.h"
 #include "solvers/assembly.h"
 #include "solvers/cholmod_factor.h"
 #include "solvers/composition.h"
-#include "solvers/constraint_system.h"
-#include "solvers/energy_books.h"
-#include "solvers/force_level.h"
 #include "solvers/motion_sums.h"
 #include "solvers/rank_report.h"
-#include "solvers/rattle.h"
+#include "solvers/simulator_impl.h"
 #include "solvers/stopwatch.h"
-#include "solvers/weld_loads.h"
 
 namespace taut {
 namespace {
@@ -32,6 +27,8 @@ constexpr double kShrink = 0.5, kGrow = 1.5;
 bool is_force_level(Integrator integrator) {
   return integrator == Integrator::kForceEuler || integrator == Integrator::kForceRungeKutta;
 }
+
+}  // namespace
 
 void check_settings(const Settings& s) {
   require_positive("settings position_tolerance", s.position_tolerance);
@@ -57,8 +54,6 @@ void check_settings(const Settings& s) {
   require_not_negative("settings penalty_damping_ratio", s.penalty_damping_ratio);
 }
 
-}  // namespace
-
 std::string_view to_string(Status status) {
   switch (status) {
     case Status::kSuccess:
@@ -72,74 +67,6 @@ std::string_view to_string(Status status) {
   }
   return "unknown";
 }
-
-class Simulator::Impl {
- public:
-  Impl(World& world, const Settings& settings)
-      : source_(world),
-        merged_(settings.merge_fixed_joints
-                    ? std::make_unique<MergedWorld>(world, settings.position_tolerance)
-                    : nullptr),
-        world_(merged_ ? merged_->world() : world),
-        settings_(settings) {
-    check_settings(settings);
-  }
-
-  void step(double dt);
-  void assemble();
-  void refresh();
-  Reaction reaction_from(JointId joint, std::span<const double> multipliers, double scale) const;
-  void compute_reactions();
-
-  // With merged bodies (merged_): world_ is a copy of the source, which is followed and kept up to date.
-  bool follow_source() { return merged_ && merged_->update(source_); }
-  void keep_means();
-  void give_back();
-  bool merges(JointId joint) const { return weld_loads_ && weld_loads_->is_weld(joint); }
-  std::vector<Reaction> weld_reactions() const;
-  void solve_present_welds();
-  std::vector<ContactReport> mean_contacts() const;
-  void solve_weld_means();
-  void refer_to_source(Contact& contact) const;
-  const Rows& source_rows() const { return weld_loads_ ? weld_loads_->rows() : system_->rows(); }
-
-  World& source_;  // the user's
-  std::unique_ptr<MergedWorld> merged_;
-  World& world_;  // that is stepped: source_ itself, or the merged one
-  Settings settings_;
-  StepReport report_;
-  std::unique_ptr<ConstraintSystem> system_;
-  std::unique_ptr<Rattle> rattle_;
-  std::unique_ptr<ForceLevel> force_level_;
-  State before_;
-  double horizon_ = 0;  // the step to come
-  std::vector<double> impulses_before_;
-  double pieces_ = 1,
-         most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
-  int quiet_ = 0;           // steps in a row that asked for fewer
-  int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1;
-  std::vector<double> reaction_multipliers_, phi_, rates_;
-  mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
-  mutable int wrench_jacobian_version_ = -1;
-  EnergyBooks books_;
-  std::unique_ptr<WeldLoads> weld_loads_;  // null if nothing is merged
-  State start_, given_;                    // of the source: at the start of the step, as given back last
-  int given_version_ = -1, present_version_ = -1;             // of world_
-  std::vector<Reaction> mean_reactions_, present_reactions_;  // of welds, by joint; empty: not solved
-
- private:
-  bool integrate(double dt);
-  Rattle::Outcome advance(double h);
-  double choose_pieces(double dt);
-  double step_limit() const;
-  void finish(double dt);
-  void check_abilities(const ConstraintSystem& system) const;
-  void detach_broken();
-  void forget_step();
-  void diagnose_stall();
-  void count_work();
-  void set_failure(Status status, std::string message);
-};
 
 void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
   if (settings_.integrator == Integrator::kRattle) return;
@@ -452,152 +379,6 @@ void Simulator::Impl::assemble() {
   }
   give_back();
   count_work();
-}
-
-/// λ of the acceleration equation in the present state, with a system of its own so that the integrator keeps
-/// its factor.
-void Simulator::Impl::compute_reactions() {
-  keep_means();
-  follow_source();
-  refresh();
-  give_back();
-  if (reaction_version_ == world_.state_version()) return;
-  if (rattle_ && (!rattle_->axes().empty() || !rattle_->contacts().empty())) {
-    const std::span<const double> multipliers = rattle_->force_multipliers();
-    reaction_multipliers_.assign(multipliers.begin(), multipliers.end());
-    reaction_version_ = world_.state_version();
-    return;
-  }
-  const State& state = world_.state();
-  StageTimes times;
-  ConstraintSystem system(world_, settings_.factor);
-  system.linearize(state);
-  system.set_mass(state.poses);
-  system.factorize(times);
-  std::vector<Wrench> forces(world_.body_count());
-  std::vector<Twist> accelerations(world_.body_count());
-  world_.forces(state, forces);
-  free_accelerations(system.mass(), state, forces, accelerations);
-  std::vector<double> rates(system.row_count());
-  system.rows().bias(state, state.twists, reaction_multipliers_);
-  system.rows().apply(system.jacobian(), accelerations, rates);
-  for (int r = 0; r < system.row_count(); ++r)
-    reaction_multipliers_[r] = -(reaction_multipliers_[r] + rates[r]);
-  // The least-norm solution, refined once where rows depend on each other.
-  std::vector<double> rhs = reaction_multipliers_, correction(rhs.size());
-  system.solve(reaction_multipliers_);
-  for (int pass = 0; pass < (system.singular() ? 3 : 1); ++pass) {
-    system.multiply(reaction_multipliers_, correction);
-    for (std::size_t r = 0; r < rhs.size(); ++r) correction[r] = rhs[r] - correction[r];
-    system.solve(correction);
-    for (std::size_t r = 0; r < rhs.size(); ++r) reaction_multipliers_[r] += correction[r];
-  }
-  reaction_version_ = world_.state_version();
-}
-
-Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> multipliers,
-                                        double scale) const {
-  const Joint& j = source_.joint(joint);
-  const Rows::JointRows& rows = system_->rows().joints()[joint.index];
-  if (rows.row_count == 0) return {};
-  const Rows& own_rows = source_rows();
-  const Rows::Side& side = own_rows.sides()[own_rows.joints()[joint.index].first_side + 1];
-  if (wrench_jacobian_version_ != source_.state_version()) {
-    wrench_jacobian_.resize(own_rows.jacobian_size());
-    own_rows.jacobian(source_.state(), wrench_jacobian_);
-    wrench_jacobian_version_ = source_.state_version();
-  }
-  const std::vector<double>& jacobian = wrench_jacobian_;
-  Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
-  for (int i = 0; i < rows.row_count; ++i)
-    wrench += scale * multipliers[rows.first_row + i] *
-              Eigen::Map<const Eigen::Matrix<double, 6, 1>>(jacobian.data() + side.offset + 6 * i);
-  Reaction reaction;
-  reaction.force = wrench.tail<3>();
-  reaction.torque = wrench.head<3>() - (source_.pose(j.b()).q * j.reaction_point_B()).cross(reaction.force);
-  return reaction;
-}
-
-/// The source gets what the merged world has come to.
-void Simulator::Impl::give_back() {
-  if (!merged_) return;
-  if (given_version_ == world_.state_version()) return;
-  merged_->expand(world_.state(), given_);
-  source_.set_state(given_);
-  merged_->note_state(source_);
-  given_version_ = world_.state_version();
-}
-
-/// Mean reactions of the last step are those of the bodies as they then were: solved at the latest when the
-/// source has changed and is about to be followed.
-void Simulator::Impl::keep_means() {
-  if (weld_loads_ && !start_.poses.empty() && merged_->is_behind(source_)) solve_weld_means();
-}
-
-/// By joint, of what weld_loads_ has solved last.
-std::vector<Reaction> Simulator::Impl::weld_reactions() const {
-  std::vector<Reaction> reactions(source_.joint_count());
-  for (int j = 0; j < source_.joint_count(); ++j) {
-    if (!merges(JointId{j})) continue;
-    const Joint& weld = source_.joint(JointId{j});
-    const Wrench& on_B = weld_loads_->on_B(JointId{j});
-    const Vec3 arm = weld_loads_->state().poses[weld.b().index].q * weld.reaction_point_B();
-    reactions[j] = {on_B.force, on_B.torque - arm.cross(on_B.force)};
-  }
-  return reactions;
-}
-
-void Simulator::Impl::solve_weld_means() {
-  if (!mean_reactions_.empty()) return;
-  const double scale = 1 / report_.dt;
-  if (force_level_)
-    weld_loads_->solve_mean(start_, report_.dt, {system_->rows(), force_level_->impulses(), scale}, {});
-  else
-    weld_loads_->solve_mean(start_, report_.dt, {system_->rows(), rattle_->impulses(), scale},
-                            mean_contacts());
-  mean_reactions_ = weld_reactions();
-}
-
-/// Contacts of the last step with mean forces, on the bodies of world_.
-std::vector<ContactReport> Simulator::Impl::mean_contacts() const {
-  std::vector<ContactReport> reports = rattle_->contacts().reports();
-  for (ContactReport& report : reports) {
-    report.force /= report_.dt;
-    report.torque /= report_.dt;
-    report.normal_force /= report_.dt;
-  }
-  return reports;
-}
-
-/// In the present state, with the multipliers that compute_reactions() has left.
-void Simulator::Impl::solve_present_welds() {
-  if (present_version_ == world_.state_version() && !present_reactions_.empty()) return;
-  const State& state = world_.state();
-  const Rows& rows = system_->rows();
-  std::vector<double> jacobian(rows.jacobian_size());
-  std::vector<Wrench> forces(world_.body_count()), of_joints(world_.body_count());
-  std::vector<Twist> accelerations(world_.body_count());
-  rows.jacobian(state, jacobian);
-  rows.apply_transpose(jacobian, reaction_multipliers_, of_joints);
-  world_.forces(state, forces);
-  for (int b = 0; b < world_.body_count(); ++b) forces[b] = forces[b] + of_joints[b];
-  free_accelerations(system_->mass(), state, forces, accelerations);
-  weld_loads_->solve_present(
-      accelerations, {rows, reaction_multipliers_},
-      rattle_ ? rattle_->contacts().set().places() : std::span<const ContactSet::Place>{});
-  present_reactions_ = weld_reactions();
-  present_version_ = world_.state_version();
-}
-
-/// A contact between carriers as one between the bodies that have the shapes.
-void Simulator::Impl::refer_to_source(Contact& contact) const {
-  if (!merged_) return;
-  const auto refer = [&](BodyId& body, Vec3& point, ShapeId shape) {
-    body = source_.shape(shape).body;
-    if (merged_->is_carried(body)) point = merged_->carriers().frames[body.index].local(point);
-  };
-  refer(contact.A, contact.p_AP, contact.a);
-  refer(contact.B, contact.p_BQ, contact.b);
 }
 
 Simulator::Simulator(World& world, const Settings& settings)
