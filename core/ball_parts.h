@@ -17,6 +17,7 @@ struct Swing {
   static constexpr bool kAngular = true;
   Vec3 a_A, b_B;
 
+  Swing carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * a_A, X_CB.q * b_B}; }
   struct Directions {
     Vec3 a, b, j;
     double sine = 0;  ///< |a × b|
@@ -42,6 +43,7 @@ struct TwistAngle {
   static constexpr double period() { return 2 * 3.14159265358979323846; }
   Quat q_AF, q_BG;
 
+  TwistAngle carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * q_AF, X_CB.q * q_BG}; }
   struct Directions {
     Mat3 R_WF;
     double s, x, y, z, D;
@@ -71,6 +73,7 @@ struct Turn {
   static constexpr bool kAccumulates = true;
   Vec3 a_A;
 
+  Turn carried(const Pose& X_CA, const Pose&) const { return {X_CA.q * a_A}; }
   double increment(const Pose& A_from, const Pose& B_from, const Pose& A, const Pose& B) const;
   void jacobian(const Pose& A, const Pose&, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   void bias(const Pose& A, const Pose&, const Twist& V_A, const Twist& V_B, double* gamma) const;

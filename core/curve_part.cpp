@@ -24,6 +24,17 @@ BodyCurve::BodyCurve(CubicSpline<3> spline) : spline_(std::move(spline)) {
   }
 }
 
+BodyCurve BodyCurve::carried(const Pose& X_CA) const {
+  BodyCurve copy = *this;
+  copy.spline_ = spline_.moved(X_CA.q.toRotationMatrix(), X_CA.p);
+  for (Node& node : copy.nodes_) {
+    node.p = X_CA.point(node.p);
+    node.tangent = X_CA.q * node.tangent;
+    node.normal = X_CA.q * node.normal;
+  }
+  return copy;
+}
+
 BodyCurve::Near BodyCurve::near(const Vec3& x) const {
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();

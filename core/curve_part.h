@@ -29,6 +29,8 @@ class BodyCurve {
   explicit BodyCurve(CubicSpline<3> spline);
 
   const CubicSpline<3>& spline() const { return spline_; }
+  /// The curve in axes of a body that carries its own, with the same normals.
+  BodyCurve carried(const Pose& X_CA) const;
 
   /// The nearest place: the nearest node, then Newton's method on c'(s)·(x − c(s)) = 0.
   Near near(const Vec3& x) const;
@@ -73,6 +75,9 @@ struct PointOnCurve {
   std::shared_ptr<const BodyCurve> curve;
   Vec3 p_BQ;
 
+  PointOnCurve carried(const Pose& X_CA, const Pose& X_CB) const {
+    return {std::make_shared<const BodyCurve>(curve->carried(X_CA)), X_CB.point(p_BQ)};
+  }
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<2> J_A, JacobianBlock<2> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -94,6 +99,9 @@ struct CurveParameter {
   std::shared_ptr<const BodyCurve> curve;
   Vec3 p_BQ;
 
+  CurveParameter carried(const Pose& X_CA, const Pose& X_CB) const {
+    return {std::make_shared<const BodyCurve>(curve->carried(X_CA)), X_CB.point(p_BQ)};
+  }
   double period() const;
   void residual(const Pose& A, const Pose& B, double* s) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,6 +39,10 @@ class Joint {
   /// The straight sections that a joint over a distance consists of, from end to end: rods, ropes, wires.
   /// Empty for joints whose bodies meet.
   virtual std::vector<WirePoint> course() const { return {}; }
+
+  /// X_AB, if the joint holds B rigidly to A and has neither axes nor rows that follow the time: the two can
+  /// then be merged into one body (core/merged_world.h).
+  virtual std::optional<Pose> rigid_pose() const { return {}; }
 
   /// One more than the highest entry of State::axes that its rows read (couplings of axes); 0 for most.
   virtual int axes_needed() const { return 0; }

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/check.h"
 #include "core/relocation.h"
 #include "core/so3.h"
 #include "core/state.h"
@@ -48,6 +49,24 @@ struct PartPlace {
   int axis = -1;  ///< of an axis row: its entry in State::axes, which it is also unwrapped next to
 };
 
+/// The same part between the bodies that carry A and B, on which these have the poses X_CA and X_CB.
+/// @throws std::invalid_argument if the type of part has no carried() to say so.
+template <typename Part>
+Part carried(const Part& part, const Pose& X_CA, const Pose& X_CB) {
+  if constexpr (requires { part.carried(X_CA, X_CB); })
+    return part.carried(X_CA, X_CB);
+  else
+    fail("row part", "has no carried(), which merging of bodies needs", part.row_name(0));
+}
+/// A wide part with other ids, and in axes of the bodies that carry its own.
+/// @throws std::invalid_argument if there are such and it does not declare `kCarried`, that it respects them.
+template <typename Part>
+Part relocated(const Part& part, const Relocation& to) {
+  if constexpr (!requires { Part::kCarried; })
+    if (to.carriers) fail("row part", "has no kCarried, which merging of bodies needs", part.row_name(0));
+  return part.relocated(to);
+}
+
 class PartStoreBase {
  public:
   virtual ~PartStoreBase() = default;
@@ -62,7 +81,7 @@ class PartStoreBase {
   /// Writes the coordinates of axis rows to their entries.
   virtual void update_axes(const Configuration& at, std::span<double> axes) const = 0;
   virtual std::string row_name(int item, int row) const = 0;
-  /// The same with the indices of bodies and axes changed.
+  /// The same with the indices of bodies and axes changed, and in axes of what carries the bodies.
   virtual std::shared_ptr<const PartStoreBase> relocated(const Relocation& to) const = 0;
 };
 
@@ -103,6 +122,7 @@ class PartStore final : public PartStoreBase {
   std::shared_ptr<const PartStoreBase> relocated(const Relocation& to) const override {
     auto copy = std::make_shared<PartStore>(*this);
     for (Item& i : copy->items) {
+      if (to.carriers) i.part = carried(i.part, to.frame(BodyId{i.at.body_a}), to.frame(BodyId{i.at.body_b}));
       i.at.body_a = to.body(i.at.body_a), i.at.body_b = to.body(i.at.body_b);
       i.at.axis = to.axis(i.at.axis);
     }
@@ -167,7 +187,7 @@ class WideStore final : public PartStoreBase {
   std::string row_name(int item, int row) const override { return items[item].part.row_name(row); }
   std::shared_ptr<const PartStoreBase> relocated(const Relocation& to) const override {
     auto copy = std::make_shared<WideStore>(*this);
-    for (Item& i : copy->items) i.part = i.part.relocated(to), i.axis = to.axis(i.axis);
+    for (Item& i : copy->items) i.part = detail::relocated(i.part, to), i.axis = to.axis(i.axis);
     return copy;
   }
 

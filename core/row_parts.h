@@ -14,6 +14,7 @@
 ///   bias       γ = J̇ V, so that φ̈ = J V̇ + γ                                      (core/README, Eq. 3)
 ///   stiffness  the diagonal blocks of K = −∂(Jᵀλ)/∂q, symmetric part             (core/README, Eq. 4)
 ///   row_name   which motion a row holds, for reports
+///   carried    the same part between bodies that carry A and B at fixed poses X_CA, X_CB (merged_world.h)
 ///
 /// A positive λ acts on B along +J_Bᵀ, and on A along +J_Aᵀ = the opposite wrench (Newton's third law).
 /// A new kind is one more struct like these; nothing else has to know of it.  tests/core/row_parts_test.cpp
@@ -43,6 +44,7 @@ struct Point {
   static constexpr bool kAngular = false;
   Vec3 p_AP, p_BQ;
 
+  Point carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.point(p_AP), X_CB.point(p_BQ)}; }
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<3> J_A, JacobianBlock<3> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -58,6 +60,9 @@ struct PointInPlane {
   static constexpr bool kAngular = false;
   Vec3 p_AP, a_A, p_BQ;
 
+  PointInPlane carried(const Pose& X_CA, const Pose& X_CB) const {
+    return {X_CA.point(p_AP), X_CA.q * a_A, X_CB.point(p_BQ)};
+  }
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -73,6 +78,7 @@ struct Perpendicular {
   static constexpr bool kAngular = true;
   Vec3 a_A, b_B;
 
+  Perpendicular carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * a_A, X_CB.q * b_B}; }
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -89,6 +95,7 @@ struct Orientation {
   static constexpr bool kAngular = true;
   Quat q_AF, q_BG;
 
+  Orientation carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * q_AF, X_CB.q * q_BG}; }
   /// q_FG on the hemisphere of small angles.
   Quat relative(const Pose& A, const Pose& B) const;
   void residual(const Pose& A, const Pose& B, double* phi) const;
@@ -107,6 +114,9 @@ struct Distance {
   Vec3 p_AP, p_BQ;
   double length;
 
+  Distance carried(const Pose& X_CA, const Pose& X_CB) const {
+    return {X_CA.point(p_AP), X_CB.point(p_BQ), length};
+  }
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;

@@ -12,20 +12,26 @@ std::vector<int> detail::body_indices(const Joint* joint) {
   return indices;
 }
 
+Pose detail::carrier_frame(const Relocation& to, const Joint& joint, int side) {
+  return to.frame(joint.bodies()[side]);
+}
+
 void RowSink::add_rows_of(const Joint& joint, const Relocation& to) {
   const Relocation* outer = relocation_;
+  const Joint* outer_source = source_;
   const Relocation all = outer ? outer->after(to) : to;
-  relocation_ = &all;
+  relocation_ = &all, source_ = &joint;
   joint.append_rows(*this);
-  relocation_ = outer;
+  relocation_ = outer, source_ = outer_source;
 }
 
 void AxisSink::add_axes_of(const Joint& joint, const Relocation& to) {
   const Relocation* outer = relocation_;
+  const Joint* outer_source = source_;
   const Relocation all = outer ? outer->after(to) : to;
-  relocation_ = &all;
+  relocation_ = &all, source_ = &joint;
   joint.append_axes(*this);
-  relocation_ = outer;
+  relocation_ = outer, source_ = outer_source;
 }
 
 /// Called for each part that may leave a block unwritten; a joint counts once.

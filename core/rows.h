@@ -49,6 +49,11 @@ class SixVector {
  private:
   Eigen::Vector2d first_, second_, third_;
 };
+/// Two bodies of a joint by their place in Joint::bodies(): the A and B of a row part.
+struct Between {
+  int a = 0, b = 1;
+};
+
 namespace detail {
 /// A part by itself, with its rows from 0 on.
 struct RowGroup {
@@ -57,31 +62,45 @@ struct RowGroup {
   bool angular = false;
 };
 std::vector<int> body_indices(const Joint* joint);
+/// X_CB of a body of the joint, by its place in Joint::bodies().
+Pose carrier_frame(const Relocation& to, const Joint& joint, int side);
+/// The places of the two bodies in the joint as relocated.
+inline Between relocated(const Between& sides, const Relocation& to) {
+  return {to.side(sides.a), to.side(sides.b)};
+}
+/// A part of `joint` as the relocation changes it.
+template <typename Part>
+Part relocated(const Part& part, const Relocation& to, const Joint& joint, const Between& sides) {
+  if constexpr (kIsWide<Part>)
+    return relocated(part, to);
+  else if (to.carriers)
+    return carried(part, carrier_frame(to, joint, sides.a), carrier_frame(to, joint, sides.b));
+  else
+    return part;
+}
 }  // namespace detail
-
-/// Two bodies of a joint by their place in Joint::bodies(): the A and B of a row part.
-struct Between {
-  int a = 0, b = 1;
-};
 
 /// What a joint hands its row parts to: once to count its rows, then once to place them.
 class RowSink {
  public:
   template <typename Part>
   void add(const Part& part, Between sides = {});
-  /// All parts of a joint of another world, as World::append() has changed its ids.
+  /// All parts of a joint of another world, as World::append() or merging has changed its ids and bodies.
   void add_rows_of(const Joint& joint, const Relocation& to);
 
  private:
   friend class Rows;
   friend class World;
   template <typename Part>
+  void add_here(const Part& part, Between sides);
+  template <typename Part>
   void place(const Part& part, Between sides);
   Rows* rows_ = nullptr;                                   // null while counting
   std::vector<detail::RowGroup>* groups_ = nullptr;        // … or where to keep the parts by themselves
   const class Joint* made_for_ = nullptr;                  // with groups_
   bool soft_translation_ = false, soft_rotation_ = false;  // that a compliance softens
-  const Relocation* relocation_ = nullptr;                 // of wide parts; null: they stay as they are
+  const Relocation* relocation_ = nullptr;                 // null: parts stay as they are
+  const class Joint* source_ = nullptr;                    // … that this joint lists
   int joint_ = 0;
   int count_ = 0;
 };
@@ -103,7 +122,7 @@ class AxisSink {
   /// An axis with the coordinate of `part`, a row part of one row (core/axis_parts.h).
   template <typename Part>
   void add(std::string_view name, const Part& part, Between sides = {});
-  /// All axes of a joint of another world, as World::append() has changed its ids.
+  /// All axes of a joint of another world, as World::append() or merging has changed its ids and bodies.
   void add_axes_of(const Joint& joint, const Relocation& to);
   /// The axis added last has these limits from the start.
   void limit(const AxisLimits& limits) {
@@ -115,7 +134,8 @@ class AxisSink {
   friend class World;
   template <typename Part>
   void place(std::string_view name, const Part& part, Between sides);
-  const Relocation* relocation_ = nullptr;  // of wide parts; null: they stay as they are
+  const Relocation* relocation_ = nullptr;  // null: parts stay as they are
+  const class Joint* source_ = nullptr;     // … that this joint lists
   const class Joint* joint_ = nullptr;
   std::vector<AxisInfo>* infos_ = nullptr;  // where to describe the axes …
   Rows* rows_ = nullptr;                    // … or to place the next of them that has properties
@@ -259,17 +279,21 @@ class Rows {
 
 template <typename Part>
 void RowSink::add(const Part& part, Between sides) {
-  if constexpr (detail::kIsWide<Part>) {
-    if (relocation_) return place(part.relocated(*relocation_), sides);
-  }
   if constexpr (std::is_same_v<Part, row_parts::Point>) {
     // In axes of A, so that an open joint leaves no couple and its damper sees no common turn.
     if (soft_translation_) {
-      for (int k = 0; k < 3; ++k) place(row_parts::PointInPlane{part.p_AP, Vec3::Unit(k), part.p_BQ}, sides);
+      for (int k = 0; k < 3; ++k)
+        add_here(row_parts::PointInPlane{part.p_AP, Vec3::Unit(k), part.p_BQ}, sides);
       return;
     }
   }
-  place(part, sides);
+  add_here(part, sides);
+}
+
+template <typename Part>
+void RowSink::add_here(const Part& part, Between sides) {
+  if (!relocation_) return place(part, sides);
+  place(detail::relocated(part, *relocation_, *source_, sides), detail::relocated(sides, *relocation_));
 }
 
 template <typename Part>
@@ -313,10 +337,8 @@ void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, 
 
 template <typename Part>
 void AxisSink::add(std::string_view name, const Part& part, Between sides) {
-  if constexpr (detail::kIsWide<Part>) {
-    if (relocation_) return place(name, part.relocated(*relocation_), sides);
-  }
-  place(name, part, sides);
+  if (!relocation_) return place(name, part, sides);
+  place(name, detail::relocated(part, *relocation_, *source_, sides), detail::relocated(sides, *relocation_));
 }
 
 template <typename Part>

@@ -88,6 +88,7 @@ struct ShapeRecord {
   Material material;
   CollisionFilter filter;
   MaterialId named;  ///< what `material` is, if it has a name
+  BodyId owner{};  ///< the body that says whom it may touch: `body`, unless that carries it (merged_world.h)
 };
 
 }  // namespace taut

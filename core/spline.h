@@ -49,6 +49,14 @@ class CubicSpline {
     for (std::size_t i = 0; i < p_.size(); ++i) m_.push_back(m.row(i).transpose());
   }
 
+  /// Of the points R p + d: R turns derivatives along, since they are linear in the points.
+  CubicSpline moved(const Eigen::Matrix<double, Dimension, Dimension>& R, const Vector& d) const {
+    CubicSpline copy = *this;
+    for (Vector& p : copy.p_) p = R * p + d;
+    for (Vector& m : copy.m_) m = R * m;
+    return copy;
+  }
+
   double first_parameter() const { return t_.front(); }
   double last_parameter() const { return t_.back(); }
   double length() const { return t_.back() - t_.front(); }

@@ -43,6 +43,9 @@ struct Pose {
   Vec3 local(const Vec3& p_WP) const { return q.conjugate() * (p_WP - p); }
 };
 
+/// X_WB = X_WA X_AB.
+inline Pose operator*(const Pose& X_WA, const Pose& X_AB) { return {X_WA.q * X_AB.q, X_WA.point(X_AB.p)}; }
+
 /// V_WB: angular velocity [rad/s] and velocity of the centre of mass [m/s], both in world axes.
 struct Twist {
   Vec3 w = Vec3::Zero();

@@ -49,7 +49,21 @@ std::string Coupling::row_name(int) const { return is_angle ? "rotation by the c
 
 Coupling Coupling::relocated(const Relocation& to) const {
   Coupling copy = *this;
-  for (Term& term : copy.terms) term.coordinate = term.coordinate->relocated(to);
+  Relocation within = to;  // the blocks of a coordinate stay in the order of its own bodies
+  within.sides.clear();
+  copy.terms.clear();
+  for (Term term : terms) {
+    term.coordinate = term.coordinate->relocated(within);
+    for (int& side : term.sides) side = to.side(side);
+    // A section between two bodies on the same carrier has a constant length.
+    if (term.sides.size() == 2 && term.sides[0] == term.sides[1]) {
+      double theta;
+      term.coordinate->residual(std::vector<Pose>(to.carriers->bodies.size()), &theta);
+      copy.offset -= term.factor * theta;
+      continue;
+    }
+    copy.terms.push_back(std::move(term));
+  }
   return copy;
 }
 
@@ -67,7 +81,7 @@ void DrivenCoupling::add_rate(const Configuration& at, double* out) const { *out
 
 std::string DrivenCoupling::row_name(int) const { return is_angle ? "rotation by the driver" : "driver"; }
 
-PointInPlane DrivenPosition::row(int i) { return {Vec3::Zero(), Vec3::Unit(i), Vec3::Zero()}; }
+PointInPlane DrivenPosition::row(int i) const { return {X_A.p, X_A.q * Vec3::Unit(i), X_B.p}; }
 
 void DrivenPosition::residual(const Configuration& at, double* phi) const {
   const Vec3 target = motion(at.time).pose.p;
@@ -105,7 +119,9 @@ std::string DrivenPosition::row_name(int i) const {
   return std::string("translation driven along A's ") + axis_name(i);
 }
 
-Orientation DrivenOrientation::part(const PosePoint& target) { return {target.pose.q, Quat::Identity()}; }
+Orientation DrivenOrientation::part(const PosePoint& target) const {
+  return {X_A.q * target.pose.q, X_B.q};
+}
 
 void DrivenOrientation::residual(const Configuration& at, double* phi) const {
   part(motion(at.time)).residual(at.poses[body_a], at.poses[body_b], phi);
@@ -119,14 +135,15 @@ void DrivenOrientation::jacobian(const Configuration& at, detail::SideBlocks J) 
 void DrivenOrientation::bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const {
   const PosePoint target = motion(at.time);
   const Pose &A = at.poses[body_a], &B = at.poses[body_b];
-  const Vec3 w = A.q * target.velocity.w, w_A = twists[body_a].w;
+  const Quat q_WA = A.q * X_A.q;
+  const Vec3 w = q_WA * target.velocity.w, w_A = twists[body_a].w;
   part(target).bias(A, B, {w_A + w, Vec3::Zero()}, twists[body_b], gamma);
-  Eigen::Map<Vec3>{gamma} -= rate_matrix(at, target) * (A.q * target.acceleration.w + w_A.cross(w));
+  Eigen::Map<Vec3>{gamma} -= rate_matrix(at, target) * (q_WA * target.acceleration.w + w_A.cross(w));
 }
 
 void DrivenOrientation::add_rate(const Configuration& at, double* out) const {
   const PosePoint target = motion(at.time);
-  Eigen::Map<Vec3>{out} -= rate_matrix(at, target) * (at.poses[body_a].q * target.velocity.w);
+  Eigen::Map<Vec3>{out} -= rate_matrix(at, target) * (at.poses[body_a].q * X_A.q * target.velocity.w);
 }
 
 std::string DrivenOrientation::row_name(int i) const {

@@ -9,7 +9,8 @@
 #include "core/row_parts.h"
 
 /// Row parts of several bodies, or that change with time.  They know the indices of their bodies in the world
-/// and their sides in Joint::bodies(); their Jacobian blocks come zeroed.
+/// and their sides in Joint::bodies(); their Jacobian blocks come zeroed.  Those here are `kCarried`: a
+/// relocation to bodies that carry theirs moves them into the axes of these.
 namespace taut {
 namespace row_parts {
 
@@ -17,6 +18,7 @@ namespace row_parts {
 /// λ is the force or torque along the last axis if its factor is 1; c_k λ acts along axis k.  (Eq. 16)
 struct Coupling {
   static constexpr bool kWide = true;
+  static constexpr bool kCarried = true;
   static constexpr int kRows = 1;
   static constexpr std::size_t kMaxBodies = 8;  ///< of one axis
   struct Term {
@@ -55,29 +57,36 @@ struct DrivenCoupling : Coupling {
 /// Translation and rotation are two parts, so that a row is of one kind.
 struct DrivenPosition {
   static constexpr bool kWide = true;
+  static constexpr bool kCarried = true;
   static constexpr int kRows = 3;
   static constexpr bool kAngular = false;
   int body_a, body_b;
   PoseMotion motion;
+  Pose X_A{}, X_B{};  ///< of the frames meant by A and B on the bodies
 
-  static PointInPlane row(int i);
+  PointInPlane row(int i) const;
   void residual(const Configuration& at, double* phi) const;
   void jacobian(const Configuration& at, detail::SideBlocks J) const;
   void bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const;
   void add_rate(const Configuration& at, double* out) const;
   void stiffness(const Configuration& at, const double* lambda, std::span<StiffnessBlocks> bodies) const;
   std::string row_name(int i) const;
-  DrivenPosition relocated(const Relocation& to) const { return {to.body(body_a), to.body(body_b), motion}; }
+  DrivenPosition relocated(const Relocation& to) const {
+    return {to.body(body_a), to.body(body_b), motion, to.frame(BodyId{body_a}) * X_A,
+            to.frame(BodyId{body_b}) * X_B};
+  }
 };
 
 struct DrivenOrientation {
   static constexpr bool kWide = true;
+  static constexpr bool kCarried = true;
   static constexpr int kRows = 3;
   static constexpr bool kAngular = true;
   int body_a, body_b;
   PoseMotion motion;
+  Pose X_A{}, X_B{};  ///< of the frames meant by A and B on the bodies
 
-  static Orientation part(const PosePoint& target);
+  Orientation part(const PosePoint& target) const;
   void residual(const Configuration& at, double* phi) const;
   void jacobian(const Configuration& at, detail::SideBlocks J) const;
   /// The target frame F turns with ω_F = ω_A + R_WA ω*: the bias is that of an orientation row against a body
@@ -87,7 +96,8 @@ struct DrivenOrientation {
   void stiffness(const Configuration&, const double*, std::span<StiffnessBlocks>) const {}
   std::string row_name(int i) const;
   DrivenOrientation relocated(const Relocation& to) const {
-    return {to.body(body_a), to.body(body_b), motion};
+    return {to.body(body_a), to.body(body_b), motion, to.frame(BodyId{body_a}) * X_A,
+            to.frame(BodyId{body_b}) * X_B};
   }
 
  private:

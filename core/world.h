@@ -226,6 +226,9 @@ class World {
   int state_version() const { return state_version_; }
   /// Changes whenever a property of an axis is set; solvers read the new values and go on.
   int axis_version() const { return axis_version_; }
+  /// Changes whenever the strength of a joint, a material or who may collide is set, which solvers ask for
+  /// each time; only what works on a changed copy of the world needs it.
+  int property_version() const { return property_version_; }
 
  private:
   int checked(BodyId id) const;
@@ -233,6 +236,7 @@ class World {
   int checked(ForceId id) const;
   int checked(ShapeId id) const;
   int checked(MaterialId id) const;
+  bool no_rule_forbids(BodyId a, BodyId b) const;
   void check_force(const Force* force) const;
   void append_joints(const World& other, const std::string& prefix, const Relocation& to);
   void append_shapes(const World& other, const std::string& prefix, const Relocation& to);
@@ -251,6 +255,7 @@ class World {
                     std::optional<Property> value);
 
   friend class Rows;
+  friend class MergedWorld;
   std::vector<MassProperties> masses_;
   std::vector<char> fixed_;
   std::vector<std::string> body_names_, joint_names_;
@@ -267,7 +272,7 @@ class World {
   std::set<int> detached_;
   bool velocity_forces_ = false, dissipative_forces_ = false;
   int moving_count_ = 0;
-  int topology_version_ = 0, state_version_ = 0, axis_version_ = 0;
+  int topology_version_ = 0, state_version_ = 0, axis_version_ = 0, property_version_ = 0;
 
   // Shapes (world_shapes.cpp).  Pairs are stored smaller index first.
   std::vector<ShapeRecord> shapes_;

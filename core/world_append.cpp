@@ -16,6 +16,7 @@ class AppendedJoint final : public Joint {
   void append_rows(RowSink& rows) const override { rows.add_rows_of(*joint_, to_); }
   void append_axes(AxisSink& axes) const override { axes.add_axes_of(*joint_, to_); }
   Vec3 reaction_point_B() const override { return joint_->reaction_point_B(); }
+  std::optional<Pose> rigid_pose() const override { return joint_->rigid_pose(); }
   std::vector<WirePoint> course() const override {
     std::vector<WirePoint> points = joint_->course();
     for (WirePoint& point : points) point.body = to_(point.body);
@@ -166,6 +167,7 @@ void World::append_shapes(const World& other, const std::string& prefix, const R
     set_contact_material(moved(pair.first), moved(pair.second), material);
   for (ShapeRecord record : other.shapes_) {
     record.body = to(record.body);
+    record.owner = to(record.owner);
     record.named = moved(record.named);
     shapes_.push_back(std::move(record));
   }

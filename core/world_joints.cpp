@@ -18,6 +18,7 @@ void World::set_break(JointId id, std::optional<BreakLimits> limits) {
     breakable_.erase(place);
   else if (limits)
     breakable_.insert(place, {id, *limits});
+  ++property_version_;
 }
 
 void World::set_compliance(JointId id, std::optional<JointCompliance> compliance) {

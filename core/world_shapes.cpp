@@ -39,7 +39,7 @@ ShapeId World::add_shape(BodyId body, std::shared_ptr<const Shape> shape, const 
   require_unit("orientation of " + owner, pose.q.coeffs());
   Pose X_BS = pose;
   X_BS.q.normalize();
-  shapes_.push_back({body, std::move(shape), X_BS, material, filter, {}});
+  shapes_.push_back({body, std::move(shape), X_BS, material, filter, {}, body});
   ++geometry_version_;
   return {shape_count() - 1};
 }
@@ -48,11 +48,13 @@ void World::set_material(ShapeId id, const Material& material) {
   check_material(material);
   shapes_[checked(id)].material = material;
   shapes_[checked(id)].named = {};
+  ++property_version_;
 }
 
 void World::set_material(ShapeId id, MaterialId material) {
   shapes_[checked(id)].material = this->material(material);
   shapes_[checked(id)].named = material;
+  ++property_version_;
 }
 
 MaterialId World::add_material(std::string name, const Material& material) {
@@ -61,6 +63,7 @@ MaterialId World::add_material(std::string name, const Material& material) {
     if (taken == name) fail("material", "name is already taken", name);
   check_material(material);
   materials_.emplace_back(std::move(name), material);
+  ++property_version_;
   return {material_count() - 1};
 }
 
@@ -75,12 +78,14 @@ void World::set_contact_material(MaterialId a, MaterialId b, const Material& mat
   checked(a), checked(b);
   check_material(material);
   material_pairs_[ordered(a, b)] = material;
+  ++property_version_;
 }
 
 void World::set_contact_material(ShapeId a, ShapeId b, const Material& material) {
   checked(a), checked(b);
   check_material(material);
   contact_materials_[ordered(a, b)] = material;
+  ++property_version_;
 }
 
 Material World::contact_material(ShapeId a, ShapeId b) const {
@@ -97,10 +102,15 @@ void World::set_collision(BodyId a, BodyId b, bool may_collide) {
   checked(a), checked(b);
   if (a == b) fail("collision of " + name(a), "a body cannot collide with itself", name(b));
   collisions_[ordered(a, b)] = may_collide;
+  ++property_version_;
 }
 
 bool World::may_collide(BodyId a, BodyId b) const {
-  if (a == b || (is_fixed(a) && is_fixed(b))) return false;
+  return a != b && !(is_fixed(a) && is_fixed(b)) && no_rule_forbids(a, b);
+}
+
+/// By set_collision(), or else by the joints.
+bool World::no_rule_forbids(BodyId a, BodyId b) const {
   if (const auto found = collisions_.find(ordered(a, b)); found != collisions_.end()) return found->second;
   return !jointed_.contains(ordered(a, b));
 }
@@ -108,7 +118,7 @@ bool World::may_collide(BodyId a, BodyId b) const {
 bool World::may_collide(ShapeId a, ShapeId b) const {
   const ShapeRecord &A = shape(a), &B = shape(b);
   return (A.filter.groups & B.filter.mask) && (B.filter.groups & A.filter.mask) &&
-         may_collide(A.body, B.body);
+         A.body != B.body && !(is_fixed(A.body) && is_fixed(B.body)) && no_rule_forbids(A.owner, B.owner);
 }
 
 }  // namespace taut

@@ -83,6 +83,8 @@ void add_run(CLI::App& app, Arguments& arguments) {
       ->type_name("NUMBER");
   run.add_option("--relaxation", options.relaxation, "over-relaxation of gauss-seidel, between 0 and 2")
       ->type_name("NUMBER");
+  run.add_flag("--merge-fixed-joints", options.merge_fixed_joints,
+               "let bodies that fixed joints hold together move as one");
   run.add_option("--report", options.report_file, "write a JSON report")->type_name("FILE");
   run.add_option("--csv", options.csv_file, "write the probes over time, a line per step")->type_name("FILE");
   run.add_option("--poses", options.poses_file, "write the poses of all bodies over time")->type_name("FILE");

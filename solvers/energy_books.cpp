@@ -13,10 +13,10 @@ EnergyBooks::Energies EnergyBooks::measure(const World& world, const State& stat
   return energies;
 }
 
-void EnergyBooks::begin(const World& world, StepReport& report) {
+void EnergyBooks::begin(const World& world, const World& seen, StepReport& report) {
   start_ = end_versions_ == versions(world)
                ? end_
-               : measure(world, world.state(), kinetic_energy(world, world.state()));
+               : measure(seen, seen.state(), kinetic_energy(seen, seen.state()));
   report.ledger.start = start_.total();
   stabilisation_ = 0;
 }

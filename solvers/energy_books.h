@@ -12,8 +12,9 @@ namespace taut {
 /// "Energy")
 class EnergyBooks {
  public:
-  /// Before a step, with the state as the user left it.
-  void begin(const World& world, StepReport& report);
+  /// Before a step, with the state as the user left it.  `seen` is the world that has it: `world` itself, or
+  /// the one whose bodies it has merged.
+  void begin(const World& world, const World& seen, StepReport& report);
   /// After joints were closed and velocities made tangent; `state` is where the step starts.
   void start(const World& world, const State& state);
   /// After a step; the world is at its end, joints that broke are detached, and the report has the kinetic

@@ -18,6 +18,7 @@ MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Setti
 }
 
 Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
+  loosest_ = 0;
   report.tension_number = std::max(report.tension_number, omega_ * h);
   works_before_ = works_of(report);
   predict(h);
@@ -35,6 +36,7 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   }
   keep_impulses(h);
   ++report.substeps;
+  report_inexactness(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
   return Outcome::kDone;

@@ -47,6 +47,13 @@ double Rattle::distance_from_laws(std::span<const double> lambda, std::span<cons
 /// True if the impulses of before meet the laws at once, or after some sweeps of Gauss–Seidel: a stage of
 /// bodies at rest is done without a factor.
 bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+  // Contacts that are gone, as where bodies may no longer collide, give nothing from now on.
+  const std::span<const ContactSet::Place> places = contacts_.set().places();
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const auto given = lambda.begin() + contacts_.first_row(static_cast<int>(k));
+    const int count = places[k].at.twist ? 6 : 3;
+    if (!places[k].active && std::any_of(given, given + count, [](double l) { return l != 0; })) return false;
+  }
   std::copy(rates_.begin(), rates_.end(), w_.begin());
   double off = distance_from_laws(lambda, w_, rate_tolerance);
   if (off > kNear || (off > kHeld && system_.through_bodies())) return false;  // Newton is as fast there

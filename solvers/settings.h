@@ -79,6 +79,9 @@ struct Settings {
   /// up to this is taken, with Status::kInexact; 0: such a step fails.
   double inexact_tolerance = 1e-4;
 
+  /// Bodies that fixed joints hold together move as one; see solvers/README.md, "Merged bodies".
+  bool merge_fixed_joints = false;
+
   FactorChoice factor = FactorChoice::kAuto;
   Solver solver = Solver::kDirect;
   int iterations = 50;    ///< sweeps of an iterative solver over all joints and contacts, per stage

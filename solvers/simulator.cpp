@@ -10,13 +10,10 @@
 #include "solvers/assembly.h"
 #include "solvers/cholmod_factor.h"
 #include "solvers/composition.h"
-#include "solvers/constraint_system.h"
-#include "solvers/energy_books.h"
-#include "solvers/force_level.h"
 #include "solvers/moreau_jean.h"
 #include "solvers/motion_sums.h"
 #include "solvers/rank_report.h"
-#include "solvers/rattle.h"
+#include "solvers/simulator_impl.h"
 #include "solvers/stopwatch.h"
 
 namespace taut {
@@ -35,6 +32,8 @@ constexpr int kHardSteps = 10;
 bool is_force_level(Integrator integrator) {
   return integrator == Integrator::kForceEuler || integrator == Integrator::kForceRungeKutta;
 }
+
+}  // namespace
 
 void check_settings(const Settings& s) {
   require_positive("settings position_tolerance", s.position_tolerance);
@@ -69,8 +68,6 @@ void check_settings(const Settings& s) {
          static_cast<int>(s.drift_cure));
 }
 
-}  // namespace
-
 std::string_view to_string(Status status) {
   switch (status) {
     case Status::kSuccess:
@@ -86,54 +83,6 @@ std::string_view to_string(Status status) {
   }
   return "unknown";
 }
-
-class Simulator::Impl {
- public:
-  Impl(World& world, const Settings& settings) : world_(world), settings_(settings) {
-    check_settings(settings);
-    if (settings_.drift_cure != DriftCure::kAuto) return;
-    settings_.drift_cure =
-        settings.integrator == Integrator::kMoreauJean ? DriftCure::kPositionPush : DriftCure::kBaumgarte;
-  }
-
-  void step(double dt);
-  void assemble();
-  void refresh();
-  Reaction reaction_from(JointId joint, std::span<const double> multipliers, double scale) const;
-  void compute_reactions();
-
-  World& world_;
-  Settings settings_;
-  StepReport report_;
-  std::unique_ptr<ConstraintSystem> system_;
-  std::unique_ptr<Rattle> rattle_;
-  std::unique_ptr<ForceLevel> force_level_;
-  State before_;
-  double horizon_ = 0;  // the step to come
-  std::vector<double> impulses_before_;
-  double pieces_ = 1,
-         most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
-  int quiet_ = 0;           // steps in a row that asked for fewer
-  int hard_steps_ = 0;      // to come, in which inexact laws are taken at once
-  int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1;
-  std::vector<double> reaction_multipliers_, phi_, rates_;
-  mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
-  mutable int wrench_jacobian_version_ = -1;
-  EnergyBooks books_;
-
- private:
-  bool integrate(double dt);
-  Rattle::Outcome advance(double h);
-  double choose_pieces(double dt);
-  double step_limit() const;
-  void finish(double dt);
-  void check_abilities(const ConstraintSystem& system) const;
-  void detach_broken();
-  void forget_step();
-  void diagnose_stall();
-  void count_work();
-  void set_failure(Status status, std::string message);
-};
 
 void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
   if (settings_.integrator == Integrator::kRattle) return;
@@ -183,6 +132,9 @@ void Simulator::Impl::refresh() {
     geometry_version_ = world_.geometry_version();
     state_version_ = wrench_jacobian_version_ = -1;
     report_.times.analysis = system_->analysis_time();
+    weld_loads_.reset();
+    present_reactions_.clear();
+    if (merged_ && !merged_->groups().empty()) weld_loads_ = std::make_unique<WeldLoads>(source_, *merged_);
   }
   if (state_version_ == world_.state_version()) return;
   if (force_level_) {
@@ -218,7 +170,9 @@ void Simulator::Impl::step(double dt) {
   {
     const Stopwatch watch(report_.times.total);
     horizon_ = dt;
-    if (settings_.report_energy) books_.begin(world_, report_);
+    mean_reactions_.clear(), start_.poses.clear();
+    const bool moved = follow_source();
+    if (settings_.report_energy) books_.begin(world_, moved ? source_ : world_, report_);
     const bool goes_on = state_version_ == world_.state_version() &&
                          topology_version_ == world_.topology_version() &&
                          geometry_version_ == world_.geometry_version();
@@ -227,6 +181,7 @@ void Simulator::Impl::step(double dt) {
       books_.start(world_, rattle_->state());
     if (report_.ok()) {
       bool done = true;
+      if (weld_loads_) merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), start_);
       if (force_level_) {
         done = force_level_->advance(dt, report_);
         if (!done) set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
@@ -238,8 +193,9 @@ void Simulator::Impl::step(double dt) {
       if (done)
         finish(dt);
       else
-        forget_step();
+        forget_step(), start_.poses.clear();
     }
+    give_back();
     count_work();
   }
 }
@@ -425,7 +381,10 @@ void Simulator::Impl::detach_broken() {
   const std::span<const BreakEvent> events = rattle_->breaking().events();
   if (events.empty()) return;
   report_.breaks.assign(events.begin(), events.end());
-  for (const BreakEvent& event : events) world_.detach(event.joint);
+  for (const BreakEvent& event : events) {
+    world_.detach(event.joint);
+    if (merged_) source_.detach(event.joint);
+  }
 }
 
 void Simulator::Impl::count_work() {
@@ -436,7 +395,9 @@ void Simulator::Impl::count_work() {
 }
 
 void Simulator::Impl::assemble() {
+  keep_means();
   report_ = {};
+  follow_source();
   if (topology_version_ != world_.topology_version()) refresh();
   State state = world_.state();
   if (close_joints(*system_, state, settings_.position_tolerance, report_)) {
@@ -455,67 +416,8 @@ void Simulator::Impl::assemble() {
     set_failure(report_.contradiction.joints.empty() ? Status::kNotConverged : Status::kContradiction,
                 "the joints cannot be closed");
   }
+  give_back();
   count_work();
-}
-
-/// λ of the acceleration equation in the present state, with a system of its own so that the integrator keeps
-/// its factor.
-void Simulator::Impl::compute_reactions() {
-  refresh();
-  if (reaction_version_ == world_.state_version()) return;
-  if (rattle_ && (!rattle_->axes().empty() || !rattle_->contacts().empty())) {
-    const std::span<const double> multipliers = rattle_->force_multipliers();
-    reaction_multipliers_.assign(multipliers.begin(), multipliers.end());
-    reaction_version_ = world_.state_version();
-    return;
-  }
-  const State& state = world_.state();
-  StageTimes times;
-  ConstraintSystem system(world_, settings_.factor);
-  system.linearize(state);
-  system.set_mass(state.poses);
-  system.factorize(times);
-  std::vector<Wrench> forces(world_.body_count());
-  std::vector<Twist> accelerations(world_.body_count());
-  world_.forces(state, forces);
-  free_accelerations(system.mass(), state, forces, accelerations);
-  std::vector<double> rates(system.row_count());
-  system.rows().bias(state, state.twists, reaction_multipliers_);
-  system.rows().apply(system.jacobian(), accelerations, rates);
-  for (int r = 0; r < system.row_count(); ++r)
-    reaction_multipliers_[r] = -(reaction_multipliers_[r] + rates[r]);
-  // The least-norm solution, refined once where rows depend on each other.
-  std::vector<double> rhs = reaction_multipliers_, correction(rhs.size());
-  system.solve(reaction_multipliers_);
-  for (int pass = 0; pass < (system.singular() ? 3 : 1); ++pass) {
-    system.multiply(reaction_multipliers_, correction);
-    for (std::size_t r = 0; r < rhs.size(); ++r) correction[r] = rhs[r] - correction[r];
-    system.solve(correction);
-    for (std::size_t r = 0; r < rhs.size(); ++r) reaction_multipliers_[r] += correction[r];
-  }
-  reaction_version_ = world_.state_version();
-}
-
-Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> multipliers,
-                                        double scale) const {
-  const Joint& j = world_.joint(joint);
-  const Rows::JointRows& rows = system_->rows().joints()[joint.index];
-  if (rows.row_count == 0) return {};
-  const Rows::Side& side = system_->rows().sides()[rows.first_side + 1];
-  if (wrench_jacobian_version_ != world_.state_version()) {
-    wrench_jacobian_.resize(system_->jacobian().size());
-    system_->rows().jacobian(world_.state(), wrench_jacobian_);
-    wrench_jacobian_version_ = world_.state_version();
-  }
-  const std::vector<double>& jacobian = wrench_jacobian_;
-  Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
-  for (int i = 0; i < rows.row_count; ++i)
-    wrench += scale * multipliers[rows.first_row + i] *
-              Eigen::Map<const Eigen::Matrix<double, 6, 1>>(jacobian.data() + side.offset + 6 * i);
-  Reaction reaction;
-  reaction.force = wrench.tail<3>();
-  reaction.torque = wrench.head<3>() - (world_.pose(j.b()).q * j.reaction_point_B()).cross(reaction.force);
-  return reaction;
 }
 
 Simulator::Simulator(World& world, const Settings& settings)
@@ -530,8 +432,13 @@ const StepReport& Simulator::step(double dt) {
 const StepReport& Simulator::report() const { return impl_->report_; }
 
 Reaction Simulator::mean_reaction(JointId joint) const {
-  (void)impl_->world_.joint(joint);  // throws for an id that is not there
+  (void)impl_->source_.joint(joint);  // throws for an id that is not there
   if (!impl_->system_ || impl_->report_.dt == 0) return {};
+  if (impl_->merges(joint)) {
+    if (impl_->start_.poses.empty()) return {};
+    impl_->solve_weld_means();
+    return impl_->mean_reactions_[joint.index];
+  }
   const std::span<const double> impulses = impl_->force_level_
                                                ? std::span<const double>(impl_->force_level_->impulses())
                                                : impl_->rattle_->impulses();
@@ -539,13 +446,17 @@ Reaction Simulator::mean_reaction(JointId joint) const {
 }
 
 Reaction Simulator::reaction(JointId joint) {
-  (void)impl_->world_.joint(joint);
+  (void)impl_->source_.joint(joint);
   impl_->compute_reactions();
+  if (impl_->merges(joint)) {
+    impl_->solve_present_welds();
+    return impl_->present_reactions_[joint.index];
+  }
   return impl_->reaction_from(joint, impl_->reaction_multipliers_, 1);
 }
 
 AxisReport Simulator::axis_report(AxisId axis) const {
-  (void)impl_->world_.axis_index(axis);  // throws for an id that is not there
+  (void)impl_->source_.axis_index(axis);  // throws for an id that is not there
   if (!impl_->rattle_ || impl_->report_.dt == 0) return {};
   const std::span<const Rows::AxisRow> rows = impl_->system_->rows().axis_rows();
   const auto found =
@@ -560,26 +471,37 @@ AxisReport Simulator::axis_report(AxisId axis) const {
 
 std::vector<ContactReport> Simulator::contacts() const {
   if (!impl_->rattle_ || impl_->report_.dt == 0) return {};
-  std::vector<ContactReport> reports = impl_->rattle_->contacts().reports();
-  for (ContactReport& report : reports) {
-    report.force /= impl_->report_.dt;
-    report.torque /= impl_->report_.dt;
-    report.normal_force /= impl_->report_.dt;
-  }
+  std::vector<ContactReport> reports = impl_->mean_contacts();
+  for (ContactReport& report : reports) impl_->refer_to_source(report.contact);
   return reports;
 }
 
-RankReport Simulator::analyze_rank() { return taut::analyze_rank(impl_->world_, impl_->settings_); }
+RankReport Simulator::analyze_rank() { return taut::analyze_rank(impl_->source_, impl_->settings_); }
 
 const StepReport& Simulator::assemble() {
   impl_->assemble();
   return impl_->report_;
 }
 
-const World& Simulator::world() const { return impl_->world_; }
+std::vector<JointId> Simulator::merged_joints() const {
+  std::vector<JointId> joints;
+  impl_->keep_means();
+  impl_->follow_source();
+  if (!impl_->merged_) return joints;
+  for (const MergedGroup& group : impl_->merged_->groups())
+    for (const auto* welds : {&group.welds, &group.loops})
+      for (JointId weld : *welds)
+        if (weld.index >= 0) joints.push_back(weld);
+  std::sort(joints.begin(), joints.end());
+  return joints;
+}
+
+const World& Simulator::world() const { return impl_->source_; }
 const Settings& Simulator::settings() const { return impl_->settings_; }
 
 std::string Simulator::solver_description() const {
+  impl_->keep_means();
+  impl_->follow_source();
   if (impl_->topology_version_ != impl_->world_.topology_version()) impl_->refresh();
   if (impl_->settings_.solver != Solver::kDirect)
     return "iterative impulses, " + std::to_string(impl_->settings_.iterations) + " sweeps a stage";

@@ -73,6 +73,10 @@ class Simulator {
   /// Closes all joints from the present pose by the smallest mass-weighted move; velocities are made tangent.
   const StepReport& assemble();
 
+  /// The fixed joints that are not solved, because their bodies move as one (Settings::merge_fixed_joints),
+  /// in ascending order.  Their reactions follow from the motion.       (solvers/README, "Merged bodies")
+  std::vector<JointId> merged_joints() const;
+
   const World& world() const;
   const Settings& settings() const;
   /// "CHOLMOD 3.0.14 supernodal, OpenBLAS 0.3.21 …": which factor and BLAS do the work.

@@ -30,6 +30,7 @@ class Fixed final : public Joint {
     rows.add(row_parts::Orientation{q_AB_, Quat::Identity()});
   }
   Vec3 reaction_point_B() const override { return p_BQ_; }
+  std::optional<Pose> rigid_pose() const override { return Pose{q_AB_, p_AP_ - q_AB_ * p_BQ_}; }
 
  private:
   Vec3 p_AP_, p_BQ_;

@@ -85,6 +85,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(s.resting_speed, 0.02);
   EXPECT_EQ(s.inexact_tolerance, 1e-6);
   EXPECT_EQ(s.factor, FactorChoice::kMultifrontal);
+  EXPECT_TRUE(s.merge_fixed_joints);
   EXPECT_FALSE(s.report_energy);
 
   const World& world = scene.world;

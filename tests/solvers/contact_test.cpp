@@ -334,5 +334,22 @@ TEST(Contact, integrators_and_materials_that_cannot_do_it_are_refused) {
   EXPECT_THROW((void)simulator.step(1e-3), std::invalid_argument);
 }
 
+/// Its contacts give nothing any more, though at rest the impulses of before would balance.
+TEST(Contact, bodies_that_may_no_longer_collide_fall) {
+  World world;
+  const BodyId table = world.add_body({.pose = {Quat::Identity(), {0, 0, -0.5}}, .fixed = true});
+  const BodyId box =
+      world.add_body({.mass = MassProperties::box({1, 1, 1}, 3), .pose = {Quat::Identity(), {0, 0, 0.5}}});
+  world.add_shape(table, Box{{10, 10, 1}});
+  world.add_shape(box, Box{{1, 1, 1}});
+  Simulator simulator(world);
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(simulator.step(0.005).ok());
+  EXPECT_NEAR(world.pose(box).p.z(), 0.5, 1e-9);
+  world.set_collision(box, table, false);
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(simulator.step(0.005).ok());
+  // The change counts from the end of the first step on: half of its fall is missing.
+  EXPECT_NEAR(world.twist(box).v.z(), -9.81 * 0.0475, 1e-9);
+}
+
 }  // namespace
 }  // namespace taut

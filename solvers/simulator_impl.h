@@ -1,0 +1,95 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/merged_world.h"
+#include "solvers/constraint_system.h"
+#include "solvers/energy_books.h"
+#include "solvers/force_level.h"
+#include "solvers/rattle.h"
+#include "solvers/simulator.h"
+#include "solvers/weld_loads.h"
+
+namespace taut {
+
+/// @throws std::invalid_argument naming a setting that is out of range.
+void check_settings(const Settings& settings);
+
+/// What the methods of Simulator work with; simulator.cpp steps, simulator_reactions.cpp answers what joints
+/// bear.
+class Simulator::Impl {
+ public:
+  Impl(World& world, const Settings& settings)
+      : source_(world),
+        merged_(settings.merge_fixed_joints
+                    ? std::make_unique<MergedWorld>(world, settings.position_tolerance)
+                    : nullptr),
+        world_(merged_ ? merged_->world() : world),
+        settings_(settings) {
+    check_settings(settings);
+    if (settings_.drift_cure != DriftCure::kAuto) return;
+    settings_.drift_cure =
+        settings.integrator == Integrator::kMoreauJean ? DriftCure::kPositionPush : DriftCure::kBaumgarte;
+  }
+
+  void step(double dt);
+  void assemble();
+  void refresh();
+  Reaction reaction_from(JointId joint, std::span<const double> multipliers, double scale) const;
+  void compute_reactions();
+
+  // With merged bodies (merged_): world_ is a copy of the source, which is followed and kept up to date.
+  bool follow_source() { return merged_ && merged_->update(source_); }
+  void keep_means();
+  void give_back();
+  bool merges(JointId joint) const { return weld_loads_ && weld_loads_->is_weld(joint); }
+  std::vector<Reaction> weld_reactions() const;
+  void solve_present_welds();
+  std::vector<ContactReport> mean_contacts() const;
+  void solve_weld_means();
+  void refer_to_source(Contact& contact) const;
+  const Rows& source_rows() const { return weld_loads_ ? weld_loads_->rows() : system_->rows(); }
+
+  World& source_;  // the user's
+  std::unique_ptr<MergedWorld> merged_;
+  World& world_;  // that is stepped: source_ itself, or the merged one
+  Settings settings_;
+  StepReport report_;
+  std::unique_ptr<ConstraintSystem> system_;
+  std::unique_ptr<Rattle> rattle_;
+  std::unique_ptr<ForceLevel> force_level_;
+  State before_;
+  double horizon_ = 0;  // the step to come
+  std::vector<double> impulses_before_;
+  double pieces_ = 1,
+         most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
+  int quiet_ = 0;           // steps in a row that asked for fewer
+  int hard_steps_ = 0;      // to come, in which inexact laws are taken at once
+  int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1;
+  std::vector<double> reaction_multipliers_, phi_, rates_;
+  mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
+  mutable int wrench_jacobian_version_ = -1;
+  EnergyBooks books_;
+  std::unique_ptr<WeldLoads> weld_loads_;  // null if nothing is merged
+  State start_, given_;                    // of the source: at the start of the step, as given back last
+  int given_version_ = -1, present_version_ = -1;             // of world_
+  std::vector<Reaction> mean_reactions_, present_reactions_;  // of welds, by joint; empty: not solved
+
+ private:
+  bool integrate(double dt);
+  Rattle::Outcome advance(double h);
+  double choose_pieces(double dt);
+  double step_limit() const;
+  void finish(double dt);
+  void check_abilities(const ConstraintSystem& system) const;
+  void detach_broken();
+  void forget_step();
+  void diagnose_stall();
+  void count_work();
+  void set_failure(Status status, std::string message);
+};
+
+}  // namespace taut
