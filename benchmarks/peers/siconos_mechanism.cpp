@@ -62,6 +62,7 @@ class SiconosMechanism::Impl {
           model_, times, std::make_shared<MoreauJeanDirectProjectionOSI>(settings.theta), velocities,
           std::make_shared<MLCPProjectOnConstraints>(SICONOS_MLCP_ENUM));
       projected->setConstraintTol(settings.constraint_tolerance);
+      projected->setProjectionMaxIteration(static_cast<unsigned>(settings.projection_iterations));
       simulation_ = projected;
     } else {
       simulation_ = std::make_shared<TimeStepping>(

@@ -15,7 +15,8 @@ struct SiconosSettings {
   double theta = 0.5;               ///< of the Moreau–Jean scheme
   int newton_iterations = 50;       ///< 1: Siconos's linear mode, without a check of the residual
   double newton_tolerance = 1e-6;   ///< of the momentum balance
-  double constraint_tolerance = 0;  ///< of the projection
+  double constraint_tolerance = 0;  ///< of the projection, each row [m or 1]
+  int projection_iterations = 50;
   double dt = 0;
 };
 

@@ -19,7 +19,8 @@ SiconosSettings settings_of(const System& system, const Method& method, double d
   out.theta = method.get("theta", 0.5);
   out.newton_iterations = static_cast<int>(method.get("newton", 50));
   out.newton_tolerance = method.get("ntol", 1e-6);
-  out.constraint_tolerance = method.get("tol", 1e-9);
+  out.constraint_tolerance = method.get("tol", 5e-7);
+  out.projection_iterations = static_cast<int>(method.get("iters", 50));
   out.dt = dt;
   return out;
 }
