@@ -74,7 +74,7 @@ const std::vector<EngineMethod> kMethods = {
     {"dart", "tree", {240, 1000}},
     {"dart", "free", {240}},
     {"siconos", "moreau", {240, 1000, 4000}},
-    {"siconos", "moreau:blocks=0", {1000}},
+    {"siconos", "moreau:blocks=0", {1000, 4000}},
     {"siconos", "projection", {240, 1000}},
 };
 const std::vector<EngineMethod> kQuickMethods = {

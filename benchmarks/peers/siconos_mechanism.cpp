@@ -12,6 +12,7 @@
 #include <MoreauJeanOSI.hpp>
 #include <NewtonEulerDS.hpp>
 #include <NonSmoothDynamicalSystem.hpp>
+#include <OSNSMatrix.hpp>
 #include <PivotJointR.hpp>
 #include <SiconosVector.hpp>
 #include <SimpleMatrix.hpp>
@@ -19,6 +20,9 @@
 #include <TimeStepping.hpp>
 #include <TimeSteppingDirectProjection.hpp>
 #include <boost/math/quaternion.hpp>
+
+// Its header wants that of MUMPS, which Siconos's packages do not bring.
+extern "C" void NM_MUMPS(NumericsMatrix* matrix, int job);
 
 namespace taut::peers {
 namespace {
@@ -39,6 +43,17 @@ std::array<double, 3> rotate(const Quaternion& q, const std::array<double, 3>& v
 
 Quaternion quaternion(const std::array<double, 4>& q) { return Quaternion(q[0], q[1], q[2], q[3]); }
 
+/// Siconos makes a matrix in each step and forgets what MUMPS holds of the last one, 2 MB on net-corners 20.
+class VelocityProblem final : public Equality {
+ public:
+  int compute(double time) override {
+    const int error = Equality::compute(time);
+    constexpr int kEnd = -2;
+    if (getMStorageType() == NM_SPARSE_BLOCK) NM_MUMPS(M()->numericsMatrix().get(), kEnd);
+    return error;
+  }
+};
+
 /// Siconos calls a plain function with what its solver says.
 int solver_error_of_last_step = 0;
 void note_solver_error(int error, Simulation*) {
@@ -54,7 +69,7 @@ class SiconosMechanism::Impl {
     for (std::size_t b = 1; b < bodies_.size(); ++b) add_body(b, system.bodies[b], system.gravity);
     for (const PlainJoint& joint : system.tree) add_joint(joint);
     for (const PlainJoint& joint : system.loops) add_joint(joint);
-    const auto velocities = std::make_shared<Equality>();
+    const auto velocities = std::make_shared<VelocityProblem>();
     velocities->setMStorageType(settings.blocks ? NM_SPARSE_BLOCK : NM_DENSE);
     const auto times = std::make_shared<TimeDiscretisation>(0, settings.dt);
     if (settings.projection) {

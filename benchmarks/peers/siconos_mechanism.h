@@ -29,7 +29,7 @@ class SiconosMechanism {
   ~SiconosMechanism();
   /// @throws std::exception if Siconos gives up.
   void step();
-  /// Of the solver in the last step; 0 if it found nothing wrong.
+  /// What the solver said in the last step; 0 if it found nothing wrong.
   int solver_error() const;
   void read(std::vector<PlainMotion>& bodies) const;
 
