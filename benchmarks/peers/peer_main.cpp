@@ -42,8 +42,8 @@ double cpu_now() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Engines that call LAPACK would otherwise be charged for OpenBLAS threads that wait for each other: Siconos four
-/// times its work on matrices of 171 rows.
+/// Engines that call LAPACK would otherwise be charged for OpenBLAS threads that wait for each other: Siconos
+/// four times its work on matrices of 171 rows.
 void use_one_blas_thread() {
   using SetThreads = void (*)(int);
   if (auto* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<SetThreads>(symbol)(1);

@@ -1,9 +1,9 @@
 #include "benchmarks/peers/plain.h"
 #include "benchmarks/peers/siconos_mechanism.h"
 
-/// Siconos: maximal coordinates, the Moreau–Jean scheme.  Methods: moreau (joints closed in velocities), projection
-/// (and then in positions, by dense LU); blocks (1: sparse blocks and MUMPS, 0: dense LU), theta, newton (iterations), ntol
-/// and, of the projection, tol.
+/// Siconos: maximal coordinates, the Moreau–Jean scheme.  Methods: moreau (joints closed in velocities),
+/// projection (and then in positions, by dense LU); blocks (1: sparse blocks and MUMPS, 0: dense LU), theta,
+/// newton (iterations), ntol and, of the projection, tol.
 namespace {
 
 using namespace taut;
