@@ -22,8 +22,8 @@ struct SiconosSettings {
 
 class SiconosMechanism {
  public:
-  /// The projection of Siconos 4.4 writes past its arrays from this number of joints on.
-  static constexpr int kProjectedJoints = 199;
+  /// With more joints the projection of Siconos 4.4 writes past its arrays.
+  static constexpr int kMaxProjectedJoints = 199;
 
   SiconosMechanism(const PlainSystem& system, const SiconosSettings& settings);
   ~SiconosMechanism();

@@ -13,8 +13,8 @@ SiconosSettings settings_of(const System& system, const Method& method, double d
   if (method.name != "moreau" && method.name != "projection") throw Unsupported("method " + method.name);
   SiconosSettings out;
   out.projection = method.name == "projection";
-  if (out.projection && system.joints.size() >= SiconosMechanism::kProjectedJoints)
-    throw Unsupported("a projection of so many joints");
+  if (out.projection && system.joints.size() > SiconosMechanism::kMaxProjectedJoints)
+    throw Unsupported("a projection of more than 199 joints");
   out.blocks = method.get("blocks", 1) != 0;
   out.theta = method.get("theta", 0.5);
   out.newton_iterations = static_cast<int>(method.get("newton", 50));

@@ -96,13 +96,13 @@ TEST_P(Peers, SwingAsThePendulumOfTheClosedForm) {
     }
 }
 
-// In space, with loops: a wrong order of a quaternion or frame of an inertia shows here.  The flag falls by
+// In space, with loops, from rods that lie across: a quaternion in another order shows here.  The flag falls by
 // 0.2 m; iterative and softened engines end up within 2 cm of each other.
 TEST_P(PeersWithLoops, DropTheFlagAsTautDoes) {
   const std::vector<double> p = probe("net-flag", 5, 1000);
   if (p.empty()) return;
-  const double converged[] = {0.0421291, -0.3708262,
-                              -0.2066350};  // RATTLE of order 4 at 4 kHz, Simbody to 1e-7
+  // RATTLE of order 4 at 4 kHz and Simbody agree to 1e-7 m.
+  const double converged[] = {0.0421291, -0.3708262, -0.2066350};
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(p[i], converged[i], 0.025) << i;
 }
 
