@@ -96,8 +96,8 @@ TEST_P(Peers, SwingAsThePendulumOfTheClosedForm) {
     }
 }
 
-// In space, with loops, from rods that lie across: a quaternion in another order shows here.  The flag falls by
-// 0.2 m; iterative and softened engines end up within 2 cm of each other.
+// In space, with loops, from rods that lie across: a quaternion in another order shows here.  The flag falls
+// by 0.2 m; iterative and softened engines end up within 2 cm of each other.
 TEST_P(PeersWithLoops, DropTheFlagAsTautDoes) {
   const std::vector<double> p = probe("net-flag", 5, 1000);
   if (p.empty()) return;
