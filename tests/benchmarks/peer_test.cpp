@@ -96,14 +96,14 @@ TEST_P(Peers, SwingAsThePendulumOfTheClosedForm) {
     }
 }
 
-// In space, with loops, from rods that lie across: a quaternion in another order shows here.  The flag falls
-// by 0.2 m; iterative and softened engines end up within 2 cm of each other.
+// In space, with loops, from rods that lie across: a quaternion in another order shows here.  The flag has
+// swung by 0.2 m; iterative, softened and damped engines end up within 1 cm of each other.
 TEST_P(PeersWithLoops, DropTheFlagAsTautDoes) {
-  const std::vector<double> p = probe("net-flag", 5, 1000);
+  const std::vector<double> p = probe("net-flag", 3, 1000);
   if (p.empty()) return;
   // RATTLE of order 4 at 4 kHz and Simbody agree to 1e-7 m.
-  const double converged[] = {0.0421291, -0.3708262, -0.2066350};
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(p[i], converged[i], 0.025) << i;
+  const double converged[] = {0.0448313, -0.1971358, -0.0212487};
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(p[i], converged[i], 0.012) << i;
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, Peers, ::testing::ValuesIn(kCases));
