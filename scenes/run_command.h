@@ -26,6 +26,7 @@ struct RunOptions {
   std::optional<Solver> solver;
   std::optional<int> iterations;
   std::optional<double> relaxation;
+  std::optional<double> theta;
   std::string report_file, csv_file, poses_file, record_file;  ///< empty: none
   double poses_interval = 0;                                   ///< [s]; 0: every step
   ExportFiles exports;            ///< made from the recording; its csv is not used
