@@ -1,0 +1,74 @@
+// Contacts whose laws cannot be met to 1e-8: what a step does then, and says.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "scenes/scene.h"
+#include "solvers/simulator.h"
+
+namespace taut {
+namespace {
+
+/// 80 bodies that have fallen between four walls and wedge each other, where Newton's method gives up.  (If
+/// it no longer does one day, these tests need a harder heap.)
+Scene wedged_bodies() {
+  Scene scene = build_scene("pile", {{"n", 80}});
+  std::ifstream file(TAUT_SOURCE_DIR "/tests/solvers/hard_pile.txt");
+  std::string head;
+  std::getline(file, head);
+  State state = scene.world.state();
+  for (int b = 0; b < scene.world.body_count(); ++b) {
+    Pose& pose = state.poses[b];
+    Twist& twist = state.twists[b];
+    for (int i = 0; i < 4; ++i) file >> pose.q.coeffs()[i];
+    for (Vec3* v : {&pose.p, &twist.w, &twist.v})
+      for (double& x : *v) file >> x;
+  }
+  EXPECT_TRUE(file.good());
+  scene.world.set_state(state);
+  return scene;
+}
+
+/// The step is done, says how far off its laws are, and obeys those that do not hang on them: no energy comes
+/// from contacts, and bodies do not sink into each other.
+TEST(Inexact, AStepGoesOnAndSaysHowFarOffItIs) {
+  Scene scene = wedged_bodies();
+  Simulator simulator(scene.world, scene.settings);
+  int inexact = 0;
+  for (int i = 0; i < 4; ++i) {
+    const StepReport& report = simulator.step(scene.dt);
+    ASSERT_TRUE(report.advanced()) << report.message;
+    EXPECT_NEAR(scene.world.time(), (i + 1) * scene.dt, 1e-12);
+    if (report.ok()) {
+      EXPECT_LE(report.complementarity_residual, 1e-8);
+    } else {
+      ++inexact;
+      EXPECT_EQ(report.status, Status::kInexact);
+      EXPECT_FALSE(report.message.empty());
+      EXPECT_GT(report.complementarity_residual, 1e-8);
+      EXPECT_LE(report.complementarity_residual, scene.settings.inexact_tolerance);
+    }
+    // What contacts are off by does work: 1e-4 of the largest impulse at the slip of its point, in 3 J.
+    EXPECT_LE(report.ledger.contacts + report.ledger.friction, 1e-4);
+    EXPECT_LE(report.penetration, 1e-3);
+  }
+  EXPECT_GT(inexact, 0);
+}
+
+/// With no such tolerance the step fails, and the world stays.
+TEST(Inexact, NothingInexactIsTakenIfItIsNotWanted) {
+  Scene scene = wedged_bodies();
+  scene.settings.inexact_tolerance = 0;
+  scene.settings.max_substeps = 2;  // or it takes long
+  Simulator simulator(scene.world, scene.settings);
+  const State before = scene.world.state();
+  const StepReport& report = simulator.step(scene.dt);
+  EXPECT_EQ(report.status, Status::kNotConverged);
+  EXPECT_FALSE(report.advanced());
+  for (std::size_t b = 0; b < before.poses.size(); ++b)
+    EXPECT_EQ(before.poses[b].p, scene.world.pose(BodyId{static_cast<int>(b)}).p);
+}
+
+}  // namespace
+}  // namespace taut
