@@ -37,6 +37,7 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   s.contacts = object.get("contacts", &JsonNode::boolean, s.contacts);
   number("contact_margin", &JsonNode::not_negative, s.contact_margin);
   number("resting_speed", &JsonNode::not_negative, s.resting_speed);
+  number("inexact_tolerance", &JsonNode::not_negative, s.inexact_tolerance);
   s.report_energy = object.get("report_energy", &JsonNode::boolean, s.report_energy);
   object.reject_unknown_keys();
   return s;

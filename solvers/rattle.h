@@ -83,6 +83,12 @@ class Rattle {
   const ContactForces& contacts() const { return contacts_; }
   /// Forces of the rows at the end of the last step.
   std::span<const double> force_multipliers() const { return force_multipliers_; }
+  /// Residual up to which the laws of a stage are taken as met when Newton's method has spent its steps,
+  /// which are few if the steps before were hard; 0: none beyond its own.
+  void take_inexact(double residual, bool few_steps) {
+    inexact_ = residual;
+    few_steps_ = few_steps;
+  }
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 
@@ -148,6 +154,9 @@ class Rattle {
   bool solve_through_bodies(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   bool solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
+  bool solve_by_sweeps(std::span<double> lambda, double rate_tolerance, StepReport& report);
+  double open_rate(std::span<const double> w) const;
+  void report_inexactness(StepReport& report) const;
   bool stabilize_positions(double h, StepReport& report);
   bool stabilize_velocities(StepReport& report);
   bool iterate(std::span<double> lambda, int sweeps, double rate_tolerance, StepReport& report);
@@ -222,6 +231,8 @@ class Rattle {
   InteriorPoint interior_;
   std::optional<ImpulseIteration> iteration_;  // iterative, or with contacts
   std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
+  double inexact_ = 0, loosest_ = 0;  // residual that may be taken, and the largest taken in this advance
+  bool few_steps_ = false;
   int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;

@@ -27,6 +27,10 @@ constexpr std::size_t kShownJoints = 8;
 /// A sub-step that failed is followed by one this much shorter; each success lets the next grow again.
 constexpr int kQuietSteps = 300;
 constexpr double kShrink = 0.5, kGrow = 1.5;
+/// Laws may be met inexactly in sub-steps below this part of the step, and in so many steps after such a one
+/// in any.
+constexpr double kHardPart = 0.6;
+constexpr int kHardSteps = 10;
 
 bool is_force_level(Integrator integrator) {
   return integrator == Integrator::kForceEuler || integrator == Integrator::kForceRungeKutta;
@@ -42,6 +46,7 @@ void check_settings(const Settings& s) {
   require_positive("settings max_rotation", s.max_rotation);
   require_not_negative("settings contact_margin", s.contact_margin);
   require_not_negative("settings resting_speed", s.resting_speed);
+  require_not_negative("settings inexact_tolerance", s.inexact_tolerance);
   require_not_negative("settings erp", s.erp);
   require_not_negative("settings cfm", s.cfm);
   if (s.iterations < 1) fail("settings iterations", "must be at least 1", s.iterations);
@@ -70,6 +75,8 @@ std::string_view to_string(Status status) {
   switch (status) {
     case Status::kSuccess:
       return "success";
+    case Status::kInexact:
+      return "inexact";
     case Status::kNotConverged:
       return "not converged";
     case Status::kContradiction:
@@ -107,6 +114,7 @@ class Simulator::Impl {
   double pieces_ = 1,
          most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
   int quiet_ = 0;           // steps in a row that asked for fewer
+  int hard_steps_ = 0;      // to come, in which inexact laws are taken at once
   int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1;
   std::vector<double> reaction_multipliers_, phi_, rates_;
   mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
@@ -291,7 +299,10 @@ double Simulator::Impl::step_limit() const {
 /// Covers dt in as many equal sub-steps as tension, rotation and convergence ask for.
 bool Simulator::Impl::integrate(double dt) {
   const double smallest = dt / settings_.max_substeps, piece = dt / choose_pieces(dt);
+  const bool hard = hard_steps_ > 0;
+  rattle_->take_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   double remaining = dt, limit = std::numeric_limits<double>::infinity(), impact = 0;
+  bool afresh = false;
   while (remaining > 0) {
     const double left = std::max(
         1.0, std::ceil(remaining / std::max(std::min({piece, step_limit(), limit}), smallest) - 1e-9));
@@ -313,7 +324,15 @@ bool Simulator::Impl::integrate(double dt) {
         limit = std::min(kShrink * even, step_limit());
         break;
       case Rattle::Outcome::kStalled:
+        // Impulses of before can be a bad guess for contacts: once without.
+        if (!afresh && remaining == dt && !rattle_->active_set_outcome().ok() &&
+            !rattle_->contacts().empty()) {
+          afresh = true;
+          rattle_->start(State(rattle_->state()), report_);
+          break;
+        }
         limit = kShrink * even;
+        if (limit < kHardPart * dt) rattle_->take_inexact(settings_.inexact_tolerance, hard);
         break;
       case Rattle::Outcome::kNotFinite:
         set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
@@ -324,6 +343,7 @@ bool Simulator::Impl::integrate(double dt) {
       return false;
     }
   }
+  hard_steps_ = report_.status == Status::kInexact ? kHardSteps : std::max(hard_steps_ - 1, 0);
   return true;
 }
 

@@ -17,7 +17,8 @@ inline std::string probe(const std::string& keys) { return two_bodies(R"("probes
 
 inline std::vector<BadScene> bad_top_level() {
   const std::string known_settings =
-      R"("cfm", "contact_margin", "contacts", "drift_cure", "erp", "factor", "integrator", "iterations", )"
+      R"("cfm", "contact_margin", "contacts", "drift_cure", "erp", "factor", "inexact_tolerance", )"
+      R"("integrator", "iterations", )"
       R"("max_newton_iterations", "max_rotation", "max_substeps", "max_tension_number", )"
       R"("penalty_damping_ratio", "penalty_frequency", "position_tolerance", "relaxation", "report_energy", )"
       R"("resting_speed", "solver", "tension", "theta", "velocity_tolerance")";
