@@ -20,6 +20,7 @@ MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Setti
 Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   report.tension_number = std::max(report.tension_number, omega_ * h);
   works_before_ = works_of(report);
+  loosest_ = 0;
   predict(h);
   go_to_middle(h, report);
   begin_laws(h, report);
@@ -35,6 +36,7 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   }
   keep_impulses(h);
   ++report.substeps;
+  report_inexactness(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
   return Outcome::kDone;
