@@ -56,9 +56,9 @@ TEST(Study, EnergyOfTheDoublePendulumComesBack) {
 TEST(Study, IntegratorsAndSolversHaveTheirOrders) {
   const std::filesystem::path folder = std::filesystem::path(TAUT_SOURCE_DIR) / "tests" / "references";
   const std::map<std::string, double> nominal = {
-      {"rattle", 2},       {"rattle4", 4},     {"rattle6", 6},
-      {"rattle8", 8},      {"force-euler", 1}, {"force-runge-kutta", 4},
-      {"gauss-seidel", 2}, {"pairwise", 2},    {"propagation", 2}};
+      {"rattle", 2},      {"rattle4", 4},           {"rattle6", 6},     {"rattle8", 8},
+      {"force-euler", 1}, {"force-runge-kutta", 4}, {"moreau-jean", 1}, {"gauss-seidel", 2},
+      {"pairwise", 2},    {"propagation", 2}};
   for (const ConvergenceRun& run : run_convergence(folder, {"pendulum_simple_90", "no such case"})) {
     EXPECT_EQ(run.id, "pendulum_simple_90");
     if (run.method == "rattle8") {  // at round-off after its first step
