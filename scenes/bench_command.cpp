@@ -26,7 +26,7 @@ using Json = nlohmann::ordered_json;
 /// Wall time that a run gets beyond its processor time before it is killed, as a factor and in all [s].
 constexpr double kPatience = 4, kStartUp = 30;
 
-const std::vector<std::string> kEngines = {"taut", "ode", "bullet", "mujoco", "simbody", "dart"};
+const std::vector<std::string> kEngines = {"taut", "ode", "bullet", "mujoco", "simbody", "dart", "siconos"};
 
 std::vector<fs::path> benchmarks_in(const fs::path& folder, const std::string& only) {
   std::vector<fs::path> found;

@@ -73,6 +73,9 @@ const std::vector<EngineMethod> kMethods = {
     {"simbody", "rkm:acc=1e-6", {240}},
     {"dart", "tree", {240, 1000}},
     {"dart", "free", {240}},
+    {"siconos", "moreau", {240, 1000, 4000}},
+    {"siconos", "moreau:blocks=0", {1000, 4000}},
+    {"siconos", "projection", {240, 1000}},
 };
 const std::vector<EngineMethod> kQuickMethods = {
     {"taut", "rattle", {240}},
@@ -84,6 +87,7 @@ const std::vector<EngineMethod> kQuickMethods = {
     {"mujoco", "newton:free=1,stiff=1", {240}},
     {"simbody", "rkm:acc=1e-3", {240}},
     {"dart", "tree", {240}},
+    {"siconos", "moreau", {240}},
 };
 
 constexpr double kFullLimit = 20, kQuickLimit = 1;  ///< [s]

@@ -15,6 +15,8 @@ using namespace scene_parts;
 constexpr double kGravity = 9.81;
 constexpr double kBase = 1.0, kTrack = 0.6, kRadius = 0.18, kWidth = 0.1;  ///< of the vehicle [m]
 constexpr double kWheelMass = 5, kTravel = 0.1;
+constexpr double kRubber = 0.8;       ///< friction of tyres
+constexpr double kTyreSinks = 0.005;  ///< under its share of the load [m]
 constexpr std::uint32_t kGroundGroup = 1, kPlankGroup = 2, kWheelGroup = 4;
 
 /// Four driven wheels on hinge-2 joints; x ahead.
@@ -34,7 +36,8 @@ struct Vehicle {
                                          .mass = MassProperties::cylinder(kRadius, kWidth, kWheelMass),
                                          .pose = pose});
     draw(scene, wheel, {Cylinder{kRadius, kWidth}});
-    world.add_shape(wheel, Sphere{kRadius}, {}, rubber(), {kWheelGroup, kGroundGroup | kPlankGroup});
+    world.add_shape(wheel, Sphere{kRadius}, {}, rubbing(kRubber, kTyreSinks / (0.25 * load * kGravity)),
+                    {kWheelGroup, kGroundGroup | kPlankGroup});
     const JointId joint = world.add(name, Hinge2::at(world, chassis, wheel, p, Vec3::UnitZ(), Vec3::UnitY()));
     // At rest the spring carries its quarter of the load.
     const double stiffness = load * kGravity / 0.08, damping = 0.3 * std::sqrt(stiffness * load);
@@ -55,12 +58,12 @@ Scene build(const Parameters& parameters) {
   World& world = scene.world;
   const Bridge bridge = add_bridge(scene, static_cast<int>(parameters.at("n")), true);
   for (const BodyId plank : bridge.planks)
-    world.add_shape(plank, Box{bridge.plank}, {}, rubber(), {kPlankGroup, kWheelGroup});
+    world.add_shape(plank, Box{bridge.plank}, {}, rubbing(kRubber), {kPlankGroup, kWheelGroup});
   constexpr double kBank = 4, kDepth = 0.5;
   const double top = bridge.plank.z() / 2;
   for (const double side : {-1, 1})
     world.add_shape(kGround, Box{{kBank, 2, kDepth}},
-                    {.p = Vec3(side * (bridge.half_span + kBank / 2), 0, top - kDepth / 2)}, rubber(),
+                    {.p = Vec3(side * (bridge.half_span + kBank / 2), 0, top - kDepth / 2)}, rubbing(kRubber),
                     {kGroundGroup, kWheelGroup});
 
   const double load = parameters.at("load"), speed = parameters.at("speed");

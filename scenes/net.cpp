@@ -135,13 +135,14 @@ Scene build_catch(const Parameters& parameters) {
     world.add_shape(BodyId{b}, shape, bar.pose, rope, {kBars, kBalls});
     lowest = std::min(lowest, world.pose(BodyId{b}).p.z());
   }
-  constexpr double kBallRadius = 0.2;
-  const double drop = parameters.at("drop");
+  constexpr double kBallRadius = 0.2, kBallSinks = 0.002;  ///< under its own weight on one point [m]
+  const double drop = parameters.at("drop"), mass = parameters.at("mass");
   const BodyId ball =
       world.add_body({.name = "ball",
-                      .mass = MassProperties::sphere(kBallRadius, parameters.at("mass")),
+                      .mass = MassProperties::sphere(kBallRadius, mass),
                       .pose = {.p = Vec3(0.013, 0.021, lowest + kRodRadius + kBallRadius + drop)}});
-  world.add_shape(ball, Sphere{kBallRadius}, {}, rope, {kBalls, kBars});
+  world.add_shape(ball, Sphere{kBallRadius}, {}, rubbing(0.3, kBallSinks / (mass * world.gravity().norm())),
+                  {kBalls, kBars});
   scene.energy_scale = fall_energy(world, drop + 1, scene.duration);
   scene.probes.clear();
   add_probe(scene, ball);

@@ -116,6 +116,7 @@ Scene prepared_scene(const RunOptions& options) {
   if (options.solver) scene.settings.solver = *options.solver;
   if (options.iterations) scene.settings.iterations = *options.iterations;
   if (options.relaxation) scene.settings.relaxation = *options.relaxation;
+  if (options.theta) scene.settings.theta = *options.theta;
   if (options.merge_fixed_joints) scene.settings.merge_fixed_joints = true;
   return scene;
 }
@@ -138,7 +139,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
         simulator.settings().report_energy ? report.energy() : total_energy(world, world.state());
     const Gap gap = meter.largest(world);
     record.add(report, seconds, gap, energy);
-    if (!report.ok()) {
+    if (!report.advanced()) {
       record.status = to_string(report.status);
       record.message =
           "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s: " + report.message;
@@ -147,6 +148,11 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     outputs.sample(recorder, simulator);
     bar.update(i + 1, gap);
   }
+  if (record.inexact_steps == 0) return;
+  record.status = to_string(Status::kInexact);
+  record.message = "in " + std::to_string(record.inexact_steps) + " of " + std::to_string(record.steps) +
+                   " steps the laws of contacts, friction and limits are met to " +
+                   shortest(record.max_complementarity_residual) + " of the largest impulse only";
 }
 
 /// Closes joints that may be open at the start.

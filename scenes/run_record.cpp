@@ -48,9 +48,10 @@ void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, do
   max_tension_number = std::max(max_tension_number, report.tension_number);
   pivots += report.pivots;
   contact_iterations += report.contact_iterations;
-  if (!report.ok()) return;  // the world has not moved: no step, and nothing below is of its state
+  if (!report.advanced()) return;  // the world has not moved: no step, and nothing below is of its state
 
   ++steps;
+  inexact_steps += !report.ok();
   step_times.push_back(seconds);
   simulated_time = report.time - start_time;
   max_rank_deficiency = std::max(max_rank_deficiency, report.rank_deficiency);

@@ -99,6 +99,7 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
   report["max_penetration_m"] = r.max_penetration;
   report["final_penetration_m"] = r.final_penetration;
   report["max_complementarity_residual"] = r.max_complementarity_residual;
+  report["inexact_steps"] = r.inexact_steps;
   report["pivots"] = r.pivots;
   report["contact_iterations"] = r.contact_iterations;
   report["energy"] = {{"initial", r.initial_energy},
@@ -117,7 +118,7 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
 std::string run_table(const RunRecord& r) {
   std::string parameters;
   for (const auto& [key, value] : r.parameters) parameters += " " + key + "=" + shortest(value);
-  const std::vector<std::pair<const char*, std::string>> lines{
+  std::vector<std::pair<const char*, std::string>> lines{
       {"scene", r.scene + parameters},
       {"bodies", format("%d", r.bodies)},
       {"joints", format("%d (%d rows)", r.joints, r.constraint_rows)},
@@ -137,13 +138,16 @@ std::string run_table(const RunRecord& r) {
       {"back-solves", per_step(r.backsolves, r.steps) + ", Newton " + per_step(r.newton_iterations, r.steps)},
       {"sub-steps", per_step(r.substeps, r.steps) + format(", at most %d", r.max_substeps)},
       {"redundant rows", format("at most %d", r.max_rank_deficiency)},
-      {"contacts", format("at most %d, penetration %.2e m, at the end %.2e m", r.max_contacts,
-                          r.max_penetration, r.final_penetration)},
-      {"complementarity", format("residual %.2e, ", r.max_complementarity_residual) + "pivots " +
-                              per_step(r.pivots, r.steps) + ", Newton iterations " +
-                              per_step(r.contact_iterations, r.steps)},
-      {"status", r.message.empty() ? r.status : r.status + ": " + r.message},
   };
+  if (r.max_contacts > 0)
+    lines.emplace_back("contacts", format("at most %d, penetration %.2e m, at the end %.2e m", r.max_contacts,
+                                          r.max_penetration, r.final_penetration));
+  if (r.max_contacts > 0 || r.pivots > 0 || r.contact_iterations > 0)
+    lines.emplace_back("complementarity", format("residual %.2e, ", r.max_complementarity_residual) +
+                                              "pivots " + per_step(r.pivots, r.steps) +
+                                              ", Newton iterations " +
+                                              per_step(r.contact_iterations, r.steps));
+  lines.emplace_back("status", r.message.empty() ? r.status : r.status + ": " + r.message);
   std::string table;
   for (const auto& [name, value] : lines) table += format("%-26s", name) + value + "\n";
   for (const std::string& warning : r.warnings) table += format("%-26s", "warning") + warning + "\n";

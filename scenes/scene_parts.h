@@ -46,14 +46,13 @@ inline BodyId add_rod(Scene& scene, std::string name, const Vec3& from, const Ve
   return rod;
 }
 
-/// With this Coulomb coefficient while sticking and sliding.
-inline Material rubbing(double friction) {
+/// With this Coulomb coefficient while sticking and sliding; it gives way by `compliance` [m/N].
+inline Material rubbing(double friction, double compliance = 0) {
   Material material;
   material.static_friction = material.dynamic_friction = friction;
+  material.compliance = compliance;
   return material;
 }
-/// Of tyres.
-inline Material rubber() { return rubbing(0.8); }
 
 /// One row of a table of durations: T holds from this size on, up to the next row.
 struct DurationFrom {

@@ -29,6 +29,7 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   number("cfm", &JsonNode::not_negative, s.cfm);
   number("penalty_frequency", &JsonNode::positive, s.penalty_frequency);
   number("penalty_damping_ratio", &JsonNode::not_negative, s.penalty_damping_ratio);
+  number("theta", &JsonNode::positive, s.theta);
   choice("factor", kFactorNames, s.factor);
   choice("solver", kSolverNames, s.solver);
   integer("iterations", s.iterations);
@@ -36,6 +37,7 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   s.contacts = object.get("contacts", &JsonNode::boolean, s.contacts);
   number("contact_margin", &JsonNode::not_negative, s.contact_margin);
   number("resting_speed", &JsonNode::not_negative, s.resting_speed);
+  number("inexact_tolerance", &JsonNode::not_negative, s.inexact_tolerance);
   s.merge_fixed_joints = object.get("merge_fixed_joints", &JsonNode::boolean, s.merge_fixed_joints);
   s.report_energy = object.get("report_energy", &JsonNode::boolean, s.report_energy);
   object.reject_unknown_keys();

@@ -11,6 +11,7 @@ inline constexpr std::pair<const char*, Integrator> kIntegratorNames[] = {
     {"rattle", Integrator::kRattle},          {"rattle4", Integrator::kRattle4},
     {"rattle6", Integrator::kRattle6},        {"rattle8", Integrator::kRattle8},
     {"force-euler", Integrator::kForceEuler}, {"force-runge-kutta", Integrator::kForceRungeKutta},
+    {"moreau-jean", Integrator::kMoreauJean},
 };
 inline constexpr std::pair<const char*, TensionPolicy> kTensionNames[] = {
     {"substep", TensionPolicy::kSubstep},
@@ -18,6 +19,7 @@ inline constexpr std::pair<const char*, TensionPolicy> kTensionNames[] = {
     {"ignore", TensionPolicy::kIgnore},
 };
 inline constexpr std::pair<const char*, DriftCure> kDriftCureNames[] = {
+    {"auto", DriftCure::kAuto},
     {"none", DriftCure::kNone},
     {"baumgarte", DriftCure::kBaumgarte},
     {"velocity-impulse", DriftCure::kVelocityImpulse},

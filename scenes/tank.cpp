@@ -41,12 +41,6 @@ constexpr double kTyre = 5e-7, kPad = 2e-7;  ///< compliance [m/N] of rims and p
 
 constexpr double kRubber = 0.7, kTeeth = 40;  ///< friction; of a sprocket, in place of its teeth
 
-Material soft_rubber(double compliance, double friction = kRubber) {
-  Material material = rubbing(friction);
-  material.compliance = compliance;
-  return material;
-}
-
 const Quat kAcross = exp_so3(Vec3(-std::numbers::pi / 2, 0, 0));  ///< z along y
 
 /// One side: wheels, then the track round them.
@@ -63,7 +57,7 @@ struct Side {
     const BodyId body = world.add_body({.name = name + wheel,
                                         .mass = MassProperties::cylinder(radius, kWheelWidth, mass),
                                         .pose = {kAcross, p}});
-    world.add_shape(body, Sphere{radius}, {}, soft_rubber(kTyre, friction), kWheelFilter);
+    world.add_shape(body, Sphere{radius}, {}, rubbing(friction, kTyre), kWheelFilter);
     draw(scene, body, {Cylinder{radius, kWheelWidth}});
     draw(scene, body, {Box{{1.2 * radius, 0.2 * radius, 1.05 * kWheelWidth}}});  // so that it is seen to turn
     return body;
@@ -110,7 +104,7 @@ struct Side {
     const BodyId shoe = world.add_body(body);
     world.add_shape(shoe, Box{plate}, {}, rubbing(kRubber), kShoeFilter);
     const Capsule grouser{kGrouser, kShoeWidth - 2 * kGrouser}, guide{kGuideRadius, kGuideHeight};
-    world.add_shape(shoe, grouser, {kAcross, {0, 0, -kPlate / 2}}, soft_rubber(kPad), kGrouserFilter);
+    world.add_shape(shoe, grouser, {kAcross, {0, 0, -kPlate / 2}}, rubbing(kRubber, kPad), kGrouserFilter);
     const double at = kGuideDistance + kGuideRadius;
     for (const double side : {-at, at})
       world.add_shape(shoe, guide, {Quat::Identity(), {0, side, kGuideHeight / 2}}, Material{}, kShoeFilter);

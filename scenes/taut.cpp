@@ -74,7 +74,8 @@ void add_run(CLI::App& app, Arguments& arguments) {
   add_choice(run, "--integrator", options.integrator, taut::kIntegratorNames, "how a step is done");
   add_choice(run, "--tension", options.tension, taut::kTensionNames, "what is done where tension is stiff");
   add_choice(run, "--drift-cure", options.drift_cure, taut::kDriftCureNames,
-             "what keeps the joints of a force-level integrator closed");
+             "what keeps the joints of a force-level integrator or of moreau-jean closed");
+  run.add_option("--theta", options.theta, "of moreau-jean, 1/2 to 1, default 1/2")->type_name("NUMBER");
   add_choice(run, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
   add_choice(run, "--solver", options.solver, taut::kSolverNames,
              "how impulses are found: with the factor, or one after the other, to compare with");

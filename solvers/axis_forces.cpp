@@ -6,10 +6,6 @@
 namespace taut {
 namespace {
 
-/// A step of a law that no rate comes to.
-constexpr double kNever = 1e12;
-/// A limit is touched within this distance [m or rad]; positions are closed to less.
-constexpr double kTouch = 1e-9;
 /// An axis that starts beyond its limit comes back at no more than this rate [m/s or rad/s].
 constexpr double kReturnRate = 1;
 /// Rates this near to a step of the law are on it, relative to 1 + |w|.
@@ -40,6 +36,7 @@ AxisForces::AxisForces(const World& world, const Rows& rows)
   impacts_.resize(rows_.size());
   reports_.resize(rows_.size());
   first_kick_.resize(rows_.size());
+  reports_before_ = reports_;
 }
 
 void AxisForces::clear_reports() {
@@ -64,6 +61,7 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
   finite_ = true;
   read_compliances();
   std::copy(axes_.begin(), axes_.end(), before_.begin());
+  reports_before_ = reports_;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
@@ -129,7 +127,10 @@ bool AxisForces::update_loads(const Rows& rows, std::span<const double> jacobian
   return changed;
 }
 
-void AxisForces::roll_back() { std::copy(before_.begin(), before_.end(), axes_.begin()); }
+void AxisForces::roll_back() {
+  std::copy(before_.begin(), before_.end(), axes_.begin());
+  reports_ = reports_before_;
+}
 
 double AxisForces::motor_force(const AxisMotor& motor, double rate) const {
   const double available =

@@ -43,6 +43,11 @@ class AxisForces {
   void position_laws(std::span<const double> mean_rates, std::span<RowLaw> laws);
   /// Laws for the second kick, with θ(q₁).
   void velocity_laws(std::span<const double> theta, std::span<RowLaw> laws);
+  /// Laws of a step of Moreau–Jean, whose impulses λ act at once on the rates w = θ̇ after it, between begin()
+  /// with the rates before it and break_away(): springs and dampers at (1 − ϑ) of the start and ϑ of the end,
+  /// limits that are passed at `theta`, in the middle of the step, w ≥ −e θ̇₀.      (solvers/README,
+  /// "Moreau–Jean")
+  void impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws);
   /// Axes that static friction held and that have broken away at this solution of a stage: their bound is now
   /// that of dynamic friction, and the stage must be solved again.
   bool break_away(std::span<const double> w);
@@ -79,6 +84,11 @@ class AxisForces {
   void clear_reports();
 
  private:
+  /// A step of a law that no rate comes to.
+  static constexpr double kNever = 1e12;
+  /// A limit is touched within this distance [m or rad]; positions are closed to less.
+  static constexpr double kTouch = 1e-9;
+
   /// Memory of an axis; a copy of all of them is a way back.
   struct Axis {
     double anchor = 0;    // where friction holds it
@@ -104,6 +114,8 @@ class AxisForces {
     bool spent = false;  // no more in this step
   };
 
+  void add_springs(Axis& axis, const AxisProperties& p, double weight, double theta) const;
+  void set_impacts(Axis& axis, const AxisLimits& limits, double theta) const;
   void set_limits(Axis& axis, const AxisLimits& limits, const Impact& impact) const;
   bool has_impact(std::span<const double> theta) const;
   bool in_flight(std::size_t i, bool at_lower) const;
@@ -130,7 +142,7 @@ class AxisForces {
   std::vector<Impact> impacts_;
   int impact_count_ = 0;  // looked for in this step
   bool struck_ = false;
-  std::vector<AxisReport> reports_, first_kick_;
+  std::vector<AxisReport> reports_, reports_before_, first_kick_;
   double h_ = 0, end_time_ = 0;
   bool finite_ = true;
 };

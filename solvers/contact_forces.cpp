@@ -81,15 +81,20 @@ void ContactForces::give_points(ConstraintSystem& system) const {
     if (points_[k].active) system.set_contact(static_cast<int>(k), set_.places()[k].point);
 }
 
-void ContactForces::begin(double h, std::span<const double> rates, std::span<const double> inertia) {
+/// What roll_back() needs.
+void ContactForces::remember(double h) {
   h_ = h;
   in_velocities_ = false;
   before_ = points_;
   impacts_before_ = impacts_;
   work_before_ = work_;
   departed_before_ = departed_.size();
-  set_roots(inertia);
   solves_ = 0;
+}
+
+void ContactForces::begin(double h, std::span<const double> rates, std::span<const double> inertia) {
+  remember(h);
+  set_roots(inertia);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     Point& point = points_[k];
     const ContactSet::Place& place = set_.places()[k];
@@ -108,18 +113,51 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     const row_parts::ContactFrame& frame = place.point.frame;
     point.sliding.target = -Vec2(frame.t1.dot(point.slipped), frame.t2.dot(point.slipped)) / h;
     point.rolling.target = Vec2::Zero();
-    const auto aim = [&](Disc& disc, int first) {
-      const Vec2 slip(rates[first], rates[first + 1]);
-      disc.slips = !point.stuck && slip.norm() > kRestingSlip && std::isfinite(disc.bound);
-      if (disc.slips) {
-        disc.direction = slip.normalized();
-        disc.weight = disc.bound / slip.norm();
-      }
-    };
-    aim(point.sliding, row + 1);
-    if (has_twist(static_cast<int>(k))) aim(point.rolling, row + 4);
+    aim_discs(static_cast<int>(k), rates);
   }
   set_soft_laws();
+}
+
+/// A first guess: what slips goes on slipping.
+void ContactForces::aim_discs(int k, std::span<const double> rates) {
+  Point& point = points_[k];
+  const auto aim = [&](Disc& disc, int first) {
+    const Vec2 slip(rates[first], rates[first + 1]);
+    disc.slips = !point.stuck && slip.norm() > kRestingSlip && std::isfinite(disc.bound);
+    if (disc.slips) {
+      disc.direction = slip.normalized();
+      disc.weight = disc.bound / slip.norm();
+    }
+  };
+  aim(point.sliding, first_row_[k] + 1);
+  if (has_twist(k)) aim(point.rolling, first_row_[k] + 4);
+}
+
+void ContactForces::begin_single_kick(double h) {
+  remember(h);
+  single_kick_ = true;
+  for (Point& point : points_) {
+    point.broken = point.pressed = false;
+    point.back = point.spin_given = 0;
+    point.first = point.first_torque = point.slipped = Vec3::Zero();
+    for (Disc* disc : {&point.sliding, &point.rolling}) disc->given = disc->target = Vec2::Zero();
+  }
+}
+
+void ContactForces::begin_impulses(std::span<const double> rates, std::span<const double> inertia) {
+  set_roots(inertia);
+  in_velocities_ = true;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    Point& point = points_[k];
+    point.live = point.active && point.touching;
+    if (!point.active) continue;
+    const int row = first_row_[k];
+    point.approach = rates[row];
+    const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
+    point.stuck = point.stuck || (point.fresh && rests);
+    point.fresh = false;
+    aim_discs(static_cast<int>(k), rates);
+  }
 }
 
 void ContactForces::set_roots(std::span<const double> inertia) {

@@ -48,6 +48,8 @@ class ContactForces {
 
   /// A step of h begins; `rates`: J V before it.
   void begin(double h, std::span<const double> rates, std::span<const double> inertia);
+  /// The same for a step of Moreau–Jean, whose impulses act at once, after move_on().
+  void begin_single_kick(double h);
   /// Back to begin(), over a move_on() if there was one.
   void roll_back(bool moved_on);
 
@@ -58,6 +60,11 @@ class ContactForces {
   /// the second.
   void begin_velocities(std::span<const double> rates, std::span<const double> inertia);
   void velocity_laws(std::span<RowLaw> laws) const;
+  /// Moreau–Jean between begin_single_kick() and velocity_laws(): `rates` J V before the step.  Contacts that
+  /// are touched have Newton's law of impact w ≥ −e w⁻ however slow they are.
+  void begin_impulses(std::span<const double> rates, std::span<const double> inertia);
+  /// Zeroes a guess in the rows of contacts that give nothing in this stage.
+  void clear_idle(std::span<double> lambda) const;
   /// Compares a solution of a stage with Coulomb's law.  True if radius, slip or stick of a contact is not
   /// what the laws had: then they are renewed, and the stage must be solved again.  `scale`: the size of
   /// impulses [√J], of which `tolerance` is what an error may be.
@@ -168,6 +175,8 @@ class ContactForces {
   };
 
   void remap();
+  void remember(double h);
+  void aim_discs(int place, std::span<const double> rates);
   void set_roots(std::span<const double> inertia);
   void disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const;
   void friction_laws(int place, std::span<RowLaw> laws) const;
@@ -212,7 +221,7 @@ class ContactForces {
   std::size_t departed_before_ = 0;
   double h_ = 0, residual_ = 0, scale_ = 0;
   int impact_count_ = 0, solves_ = 0;
-  bool struck_ = false, in_velocities_ = false;
+  bool struck_ = false, in_velocities_ = false, single_kick_ = false;
 };
 
 }  // namespace taut

@@ -82,6 +82,12 @@ void ContactForces::velocity_laws(std::span<RowLaw> laws) const {
   }
 }
 
+void ContactForces::clear_idle(std::span<double> lambda) const {
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (!works(static_cast<int>(k)))
+      std::fill_n(lambda.begin() + first_row_[k], has_twist(static_cast<int>(k)) ? 6 : 3, 0.0);
+}
+
 bool ContactForces::soft() const {
   for (std::size_t k = 0; k < points_.size(); ++k)
     if (points_[k].live && compliance(static_cast<int>(k)) > 0) return true;
@@ -129,6 +135,7 @@ ContactForces::SlipLaw ContactForces::slip_law(int k, const Disc& disc) const {
 
 /// Newton's law of impact: the least normal rate after it.
 double ContactForces::bounce(int k) const {
+  if (single_kick_) return -set_.places()[k].material.restitution * points_[k].approach;
   const double approach = impacts_[k].stage == Impact::Stage::kDue ? impacts_[k].rate : points_[k].approach;
   return approach < -resting_speed_ ? -set_.places()[k].material.restitution * approach : 0;
 }

@@ -64,10 +64,29 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     const double enough = slow ? limits.most : limits.tolerance;
     const bool closed = outcome.rounds > kPatience || open_rate(problem) <= kClosed * limits.rate_tolerance;
     outcome.converged = finite && outcome.residual <= enough && closed;
-    if (outcome.converged || !finite || outcome.iterations >= limits.iterations) return outcome;
+    if (outcome.converged) return outcome;
+    keep_best(problem, outcome.residual, closed);
+    if (!finite || outcome.iterations >= limits.iterations) {
+      give_best(problem, outcome);
+      return outcome;
+    }
     const Mode mode = next_mode(problem, met, outcome.residual, rho);
     if (next_round(problem, mode)) rho = std::max(kRhoFactor * rho, kLeastRho);
   }
+}
+
+void ContactNewton::keep_best(const Problem& problem, double residual, bool closed) {
+  if (!closed || !(residual < best_residual_)) return;
+  best_residual_ = residual;
+  best_.assign(problem.lambda.begin(), problem.lambda.end());
+  best_w_.assign(problem.w.begin(), problem.w.end());
+}
+
+void ContactNewton::give_best(const Problem& problem, NewtonOutcome& outcome) const {
+  if (!std::isfinite(best_residual_)) return;
+  outcome.residual = best_residual_;
+  std::copy(best_.begin(), best_.end(), problem.lambda.begin());
+  std::copy(best_w_.begin(), best_w_.end(), problem.w.begin());
 }
 
 /// S_rr, the rates asked for, the size of impulses [√J] (also of those that vanish in the end), and the
@@ -84,6 +103,7 @@ void ContactNewton::begin(const Problem& problem) {
   for (auto* values : {&steps_, &changes_}) values->setZero(contacts, kMemory);
   coupling_.assign(contacts, 0.0);
   rounds_ = remembered_ = mode_rounds_ = 0;
+  best_residual_ = std::numeric_limits<double>::infinity();
   mode_ = lagged_ = Mode::kSlip;
   soft_ = problem.contacts.soft();
   system_.weighted_inertias(own_);

@@ -24,7 +24,7 @@ struct NewtonOutcome {
   int rounds = 0;      ///< of the proximal iteration
   /// Natural map at the end, over the size of impulses, the largest |λ| √S_rr and |b| / √S_rr [√J].
   double residual = 0;
-  bool converged = false;
+  bool converged = false;  ///< else λ and w are those of the best round in which joints were closed, if any
 };
 
 /// w = S λ + b with Coulomb's law in each contact and the law of each other row, through the bodies:
@@ -63,6 +63,8 @@ class ContactNewton {
   enum class Mode { kSlip, kRadius, kCoupled };
 
   void begin(const Problem& problem);
+  void keep_best(const Problem& problem, double residual, bool closed);
+  void give_best(const Problem& problem, NewtonOutcome& outcome) const;
   void set_sigma(const Problem& problem, double rho);
   Mode next_mode(const Problem& problem, bool met, double residual, double& rho);
   void begin_coupled(double residual, double rho);
@@ -104,6 +106,8 @@ class ContactNewton {
   std::vector<double> coupling_;  // ∂y_t/∂y_n of each contact along its slip
   bool soft_ = false;             // a contact is compliant
   // Where rounds with nothing lagged began, and what they are measured by.
+  std::vector<double> best_, best_w_;  // λ and w of the round with the least residual and closed joints
+  double best_residual_ = 0;
   std::vector<double> kept_;
   double kept_rho_ = 0, kept_residual_ = 0, looked_residual_ = 0;
   std::vector<Eigen::VectorXd> basis_;

@@ -107,6 +107,7 @@ void Rattle::linearize_and_factorize(StepReport& report) {
 }
 
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
+  loosest_ = 0;
   implicit_ =
       settings_.tension == TensionPolicy::kImplicit && omega_ * std::abs(h) > settings_.max_tension_number;
   if (implicit_) {
@@ -173,6 +174,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     if (!iterative()) system_.factorize(report.times);
   }
   ++report.substeps;
+  report_inexactness(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
   return Outcome::kDone;
@@ -355,17 +357,22 @@ bool Rattle::close_velocities(double h, StepReport& report) {
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.
     std::swap(forces_, last_forces_);
     world_.forces(state_, forces_);
-    double change = 0, size = 0;
-    for (int b = 0; b < world_.body_count(); ++b) {
-      change = std::max({change, (forces_[b].force - last_forces_[b].force).cwiseAbs().maxCoeff(),
-                         (forces_[b].torque - last_forces_[b].torque).cwiseAbs().maxCoeff()});
-      size =
-          std::max({size, forces_[b].force.cwiseAbs().maxCoeff(), forces_[b].torque.cwiseAbs().maxCoeff()});
-    }
-    if (!(change > kForceTolerance * size)) return true;
-    if (pass >= kMaxForcePasses || (pass > 0 && change > 0.5 * last_change)) return false;
-    last_change = change;
+    const Fixed fixed = fixed_point(pass, last_change);
+    if (fixed != Fixed::kNotYet) return fixed == Fixed::kYes;
   }
+}
+
+Rattle::Fixed Rattle::fixed_point(int pass, double& last_change) const {
+  double change = 0, size = 0;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    change = std::max({change, (forces_[b].force - last_forces_[b].force).cwiseAbs().maxCoeff(),
+                       (forces_[b].torque - last_forces_[b].torque).cwiseAbs().maxCoeff()});
+    size = std::max({size, forces_[b].force.cwiseAbs().maxCoeff(), forces_[b].torque.cwiseAbs().maxCoeff()});
+  }
+  if (!(change > kForceTolerance * size)) return Fixed::kYes;
+  if (pass >= kMaxForcePasses || (pass > 0 && change > 0.5 * last_change)) return Fixed::kStalled;
+  last_change = change;
+  return Fixed::kNotYet;
 }
 
 /// μ with J M⁻¹ (p + Jᵀμ) + φ_t = 0, refined until |J V + φ_t| is within its tolerance.  It is in the range

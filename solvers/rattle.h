@@ -40,6 +40,7 @@ class Rattle {
   enum class Outcome { kDone, kStalled, kUnstable, kImpact, kOverload, kNotFinite };
 
   Rattle(const World& world, ConstraintSystem& system, const Settings& settings);
+  virtual ~Rattle() = default;
 
   /// The longest step that may come: contacts are found as far ahead as that.
   void set_horizon(double horizon) { horizon_ = horizon; }
@@ -51,7 +52,7 @@ class Rattle {
   /// the next advance must end; kOverload: a joint does not bear its load, and either is out now, or breaks
   /// at time_to_break() > 0, where the next advance must end.  The state is then the old one and the factor
   /// is that of S(q₀) again.
-  [[nodiscard]] Outcome advance(double h, StepReport& report);
+  [[nodiscard]] virtual Outcome advance(double h, StepReport& report);
 
   const State& state() const { return state_; }
   /// (L, P) of the bodies in world axes, those of state().
@@ -82,10 +83,16 @@ class Rattle {
   const ContactForces& contacts() const { return contacts_; }
   /// Forces of the rows at the end of the last step.
   std::span<const double> force_multipliers() const { return force_multipliers_; }
+  /// Residual up to which the laws of a stage are taken as met when Newton's method has spent its steps,
+  /// which are few if the steps before were hard; 0: none beyond its own.
+  void take_inexact(double residual, bool few_steps) {
+    inexact_ = residual;
+    few_steps_ = few_steps;
+  }
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 
- private:
+ protected:  // the stages, which Moreau–Jean has, too (moreau_jean.h)
   /// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.
   static constexpr double kSlow = 0.6;
 
@@ -102,6 +109,10 @@ class Rattle {
   void rates_without(std::span<const double> lambda);
   void refactor_at_iterate(double h, StepReport& report);
   bool close_velocities(double h, StepReport& report);
+  /// Between passes of the fixed point for forces that depend on what they lead to: whether forces_, new
+  /// since last_forces_, are the same, still come closer, or do not.
+  enum class Fixed { kYes, kNotYet, kStalled };
+  Fixed fixed_point(int pass, double& last_change) const;
   void project_momenta(StepReport& report, std::span<double> mu);
   bool iterative() const { return settings_.solver != Solver::kDirect; }
   /// Rows have laws of their own, or are to be solved one by one.
@@ -143,6 +154,9 @@ class Rattle {
   bool solve_through_bodies(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   bool solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
+  bool solve_by_sweeps(std::span<double> lambda, double rate_tolerance, StepReport& report);
+  double open_rate(std::span<const double> w) const;
+  void report_inexactness(StepReport& report) const;
   bool stabilize_positions(double h, StepReport& report);
   bool stabilize_velocities(StepReport& report);
   bool iterate(std::span<double> lambda, int sweeps, double rate_tolerance, StepReport& report);
@@ -217,6 +231,8 @@ class Rattle {
   InteriorPoint interior_;
   std::optional<ImpulseIteration> iteration_;  // iterative, or with contacts
   std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
+  double inexact_ = 0, loosest_ = 0;  // residual that may be taken, and the largest taken in this advance
+  bool few_steps_ = false;
   int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;

@@ -18,6 +18,11 @@ constexpr int kMendingSweeps = 50;
 /// steps: then it has few rows to put on other pieces.
 constexpr double kNewtonRange = 1e-5;
 constexpr int kFewSteps = 8;
+/// Newton steps where those of the step before were not enough.
+constexpr int kStepsOfHardStages = 150;
+/// Sweeps of Gauss–Seidel where that was not enough, and how many times the tolerance joints may be off then.
+constexpr int kLastSweeps = 1000;
+constexpr double kClosed = 9;
 /// More solves of a stage, because friction let go or the load that it grows by has changed.
 constexpr int kMaxSolves = 40;
 
@@ -77,11 +82,12 @@ void Rattle::take_pieces(std::span<const double> lambda) {
 /// All that the bodies are the system for: again where static friction lets go or its load changes.
 bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_tolerance, Renew renew,
                                   StepReport& report) {
+  NewtonLimits limits{.rate_tolerance = rate_tolerance, .near = near_};
+  if (few_steps_) limits.iterations = kStepsOfHardStages;
   for (int solve = 0; solve < kMaxSolves; ++solve) {
-    const bool solved =
-        contacts_.empty()
-            ? solve_axes(lambda, rate_tolerance, report)
-            : solve_by_newton(lambda, {.rate_tolerance = rate_tolerance, .near = near_}, report);
+    const bool solved = contacts_.empty() ? solve_axes(lambda, rate_tolerance, report)
+                                          : solve_by_newton(lambda, limits, report) ||
+                                                solve_by_sweeps(lambda, rate_tolerance, report);
     take_pieces(lambda);
     if (!solved) break;
     const bool broke = axes_.break_away(w_);
@@ -119,6 +125,45 @@ bool Rattle::solve_by_newton(std::span<double> lambda, const NewtonLimits& limit
   if (outcome.converged)
     report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
   return outcome.converged;
+}
+
+/// Where Newton's method has given up: its best round, or what Gauss–Seidel makes of that if it is better, if
+/// it is good enough.  Gauss–Seidel on contacts comes near from anywhere, and no further.
+bool Rattle::solve_by_sweeps(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+  if (inexact_ == 0 || contacts_.empty()) return false;
+  const double best = distance_from_laws(lambda, w_, rate_tolerance);
+  held_.assign(lambda.begin(), lambda.end());
+  (void)iteration_->solve(contacts_, laws_, delta_, lambda, w_, {.sweeps = kLastSweeps}, {});
+  double residual = distance_from_laws(lambda, w_, rate_tolerance);
+  if (!(residual < best) || open_rate(w_) > kClosed * rate_tolerance) {
+    residual = best;
+    std::copy(held_.begin(), held_.end(), lambda.begin());
+    system_.multiply(lambda, w_);
+    for (int r = 0; r < system_.row_count(); ++r) w_[r] += delta_[r];
+  }
+  contacts_.take_over(lambda, w_, rate_tolerance);
+  if (!(residual <= inexact_)) return false;
+  if (residual > NewtonLimits().most)
+    loosest_ = std::max(loosest_, residual);
+  else
+    report.complementarity_residual = std::max(report.complementarity_residual, residual);
+  return true;
+}
+
+/// The largest rate that a joint is off by.
+double Rattle::open_rate(std::span<const double> w) const {
+  double open = 0;
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
+    if (!laws_[r].bounded()) open = std::max(open, std::abs(w[r] - laws_[r].rate(1)));
+  return open;
+}
+
+/// Only for stages of sub-steps that are kept.
+void Rattle::report_inexactness(StepReport& report) const {
+  if (loosest_ == 0) return;
+  report.status = Status::kInexact;
+  report.complementarity_residual = std::max(report.complementarity_residual, loosest_);
+  report.message = "the laws of contacts, friction and limits are not met to 1e-8";
 }
 
 }  // namespace taut

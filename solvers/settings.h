@@ -10,14 +10,18 @@ enum class Integrator {
   kRattle8,
   kForceEuler,       ///< joint forces from the acceleration equation, semi-implicit Euler
   kForceRungeKutta,  ///< joint forces from the acceleration equation, classical RK4
+  kMoreauJean,       ///< Moreau–Jean: impulses of a whole step, laws on the velocities at its end; order 1
 };
 
-/// What keeps the joints of a force-level integrator from drifting apart.  RATTLE needs none and ignores it.
+/// What keeps the joints of a force-level integrator or of Moreau–Jean from drifting apart.  RATTLE needs
+/// none and ignores it.
 enum class DriftCure {
+  kAuto,  ///< kBaumgarte at force level, kPositionPush with Moreau–Jean, which knows only this one and kNone
   kNone,
   kBaumgarte,        ///< acceleration feedback with `erp` and `cfm`
   kVelocityImpulse,  ///< an impulse after each step gives J V = −erp φ / dt
-  kPositionPush,     ///< positions are pushed back by `erp` φ after each step, velocities made tangent
+  kPositionPush,     ///< positions are pushed back by `erp` φ after each step, velocities made tangent;
+                     ///< with Moreau–Jean: until joints are closed, and velocities are left alone
   kPenalty,          ///< no multipliers: springs and dampers in place of the joints
 };
 
@@ -60,15 +64,20 @@ struct Settings {
       0.7;                    ///< ω h with ω the fastest transverse frequency that the multipliers imply
   double max_rotation = 0.4;  ///< rotation of any body in one sub-step [rad]
 
-  DriftCure drift_cure = DriftCure::kBaumgarte;
+  DriftCure drift_cure = DriftCure::kAuto;
   double erp = 0.8;               ///< part of the joint error taken out in one step
   double cfm = 0;                 ///< compliance added to each row, as a fraction of its own S_ii
   double penalty_frequency = 50;  ///< [Hz] of the penalty springs on the bodies' own inertia
   double penalty_damping_ratio = 1;
 
+  double theta = 0.5;  ///< of Moreau–Jean, q₁ = q₀ + h (θ V₁ + (1 − θ) V₀), between ½ and 1
+
   bool contacts = true;           ///< shapes of the world touch; false: they pass through each other
   double contact_margin = 0.005;  ///< [m] contacts exist up to this gap
   double resting_speed = 1e-3;    ///< [m/s] slower impacts have no restitution
+  /// Where the laws of contacts, friction and limits cannot be met to 1e-8 of the largest impulse, a residual
+  /// up to this is taken, with Status::kInexact; 0: such a step fails.
+  double inexact_tolerance = 1e-4;
 
   /// Bodies that fixed joints hold together move as one; see solvers/README.md, "Merged bodies".
   bool merge_fixed_joints = false;

@@ -10,6 +10,7 @@
 #include "solvers/assembly.h"
 #include "solvers/cholmod_factor.h"
 #include "solvers/composition.h"
+#include "solvers/moreau_jean.h"
 #include "solvers/motion_sums.h"
 #include "solvers/rank_report.h"
 #include "solvers/simulator_impl.h"
@@ -23,6 +24,10 @@ constexpr std::size_t kShownJoints = 8;
 /// A sub-step that failed is followed by one this much shorter; each success lets the next grow again.
 constexpr int kQuietSteps = 300;
 constexpr double kShrink = 0.5, kGrow = 1.5;
+/// Laws may be met inexactly in sub-steps below this part of the step, and in so many steps after such a one
+/// in any.
+constexpr double kHardPart = 0.6;
+constexpr int kHardSteps = 10;
 
 bool is_force_level(Integrator integrator) {
   return integrator == Integrator::kForceEuler || integrator == Integrator::kForceRungeKutta;
@@ -40,6 +45,7 @@ void check_settings(const Settings& s) {
   require_positive("settings max_rotation", s.max_rotation);
   require_not_negative("settings contact_margin", s.contact_margin);
   require_not_negative("settings resting_speed", s.resting_speed);
+  require_not_negative("settings inexact_tolerance", s.inexact_tolerance);
   require_not_negative("settings erp", s.erp);
   require_not_negative("settings cfm", s.cfm);
   if (s.iterations < 1) fail("settings iterations", "must be at least 1", s.iterations);
@@ -52,12 +58,22 @@ void check_settings(const Settings& s) {
     fail("settings tension", "must not be implicit with an iterative solver", static_cast<int>(s.tension));
   require_positive("settings penalty_frequency", s.penalty_frequency);
   require_not_negative("settings penalty_damping_ratio", s.penalty_damping_ratio);
+  if (!(s.theta >= 0.5 && s.theta <= 1)) fail("settings theta", "must be between 0.5 and 1", s.theta);
+  if (s.integrator != Integrator::kMoreauJean) return;
+  if (s.tension == TensionPolicy::kImplicit)
+    fail("settings tension", "must not be implicit with Moreau-Jean", static_cast<int>(s.tension));
+  if (s.drift_cure != DriftCure::kAuto && s.drift_cure != DriftCure::kNone &&
+      s.drift_cure != DriftCure::kPositionPush)
+    fail("settings drift_cure", "must be none or position push with Moreau-Jean",
+         static_cast<int>(s.drift_cure));
 }
 
 std::string_view to_string(Status status) {
   switch (status) {
     case Status::kSuccess:
       return "success";
+    case Status::kInexact:
+      return "inexact";
     case Status::kNotConverged:
       return "not converged";
     case Status::kContradiction:
@@ -70,6 +86,15 @@ std::string_view to_string(Status status) {
 
 void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
   if (settings_.integrator == Integrator::kRattle) return;
+  if (settings_.integrator == Integrator::kMoreauJean) {
+    if (!world_.breakable().empty())
+      fail("settings integrator", "must be RATTLE of order 2 where joints break",
+           static_cast<int>(settings_.integrator));
+    for (int i = 0; i < world_.shape_count() && settings_.contacts; ++i)
+      if (const double compliance = world_.shape({i}).material.compliance; compliance > 0)
+        fail("material compliance", "must be 0 with Moreau-Jean", compliance);
+    return;
+  }
   if (!system.rows().axis_rows().empty() || !world_.breakable().empty())
     fail("settings integrator",
          "must be RATTLE of order 2 where free axes have properties or joints break or give way",
@@ -96,6 +121,8 @@ void Simulator::Impl::refresh() {
     force_level_.reset();
     if (is_force_level(settings_.integrator))
       force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
+    else if (settings_.integrator == Integrator::kMoreauJean)
+      rattle_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
     else
       rattle_ = std::make_unique<Rattle>(world_, *system_, settings_);
     phi_.assign(system_->row_count(), 0.0);
@@ -228,7 +255,10 @@ double Simulator::Impl::step_limit() const {
 /// Covers dt in as many equal sub-steps as tension, rotation and convergence ask for.
 bool Simulator::Impl::integrate(double dt) {
   const double smallest = dt / settings_.max_substeps, piece = dt / choose_pieces(dt);
+  const bool hard = hard_steps_ > 0;
+  rattle_->take_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   double remaining = dt, limit = std::numeric_limits<double>::infinity(), impact = 0;
+  bool afresh = false;
   while (remaining > 0) {
     const double left = std::max(
         1.0, std::ceil(remaining / std::max(std::min({piece, step_limit(), limit}), smallest) - 1e-9));
@@ -250,7 +280,15 @@ bool Simulator::Impl::integrate(double dt) {
         limit = std::min(kShrink * even, step_limit());
         break;
       case Rattle::Outcome::kStalled:
+        // Impulses of before can be a bad guess for contacts: once without.
+        if (!afresh && remaining == dt && !rattle_->active_set_outcome().ok() &&
+            !rattle_->contacts().empty()) {
+          afresh = true;
+          rattle_->start(State(rattle_->state()), report_);
+          break;
+        }
         limit = kShrink * even;
+        if (limit < kHardPart * dt) rattle_->take_inexact(settings_.inexact_tolerance, hard);
         break;
       case Rattle::Outcome::kNotFinite:
         set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
@@ -261,6 +299,7 @@ bool Simulator::Impl::integrate(double dt) {
       return false;
     }
   }
+  hard_steps_ = report_.status == Status::kInexact ? kHardSteps : std::max(hard_steps_ - 1, 0);
   return true;
 }
 

@@ -46,8 +46,8 @@ class Simulator {
 
   /// One step of dt [s].  The world's state moves to the end of the step, or stays where it was if the report
   /// does not say success.  The report lives until the next call.
-  /// @throws std::invalid_argument if dt is not finite and positive, or if free axes have properties and the
-  /// integrator is another than kRattle.
+  /// @throws std::invalid_argument if dt is not finite and positive, or for axes with properties, contacts or
+  /// joints that break and an integrator other than kRattle; kMoreauJean lacks only the last.
   const StepReport& step(double dt);
   const StepReport& report() const;
 

@@ -30,6 +30,9 @@ class Simulator::Impl {
         world_(merged_ ? merged_->world() : world),
         settings_(settings) {
     check_settings(settings);
+    if (settings_.drift_cure != DriftCure::kAuto) return;
+    settings_.drift_cure =
+        settings.integrator == Integrator::kMoreauJean ? DriftCure::kPositionPush : DriftCure::kBaumgarte;
   }
 
   void step(double dt);
@@ -64,6 +67,7 @@ class Simulator::Impl {
   double pieces_ = 1,
          most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
   int quiet_ = 0;           // steps in a row that asked for fewer
+  int hard_steps_ = 0;      // to come, in which inexact laws are taken at once
   int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1;
   std::vector<double> reaction_multipliers_, phi_, rates_;
   mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks

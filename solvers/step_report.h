@@ -13,6 +13,9 @@ namespace taut {
 
 enum class Status {
   kSuccess,
+  kInexact,  ///< the step is done and its joints are closed, but the laws of contacts, friction and limits
+             ///< are met to `complementarity_residual` only, which is between 1e-8 and
+             ///< Settings::inexact_tolerance
   kNotConverged,   ///< positions could not be closed down to the smallest sub-step; the state is that before
                    ///< the step
   kContradiction,  ///< some joints cannot hold together: see StepReport::contradiction; state as before the
@@ -116,6 +119,8 @@ struct StepReport {
   Contradiction contradiction;     ///< with Status::kContradiction
 
   bool ok() const { return status == Status::kSuccess; }
+  /// The world has moved on: after success, or inexactly.
+  bool advanced() const { return ok() || status == Status::kInexact; }
   double energy() const { return kinetic_energy + potential_energy; }
 };
 

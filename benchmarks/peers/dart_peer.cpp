@@ -76,7 +76,7 @@ class DartEngine final : public Engine {
     if (joint.kind == JointKind::kBall)
       made = skeleton.createJointAndBodyNodePair<dd::BallJoint>(parent);
     else if (joint.kind == JointKind::kHinge)
-      throw Unsupported("a hinge that closes a loop");
+      made = skeleton.createJointAndBodyNodePair<dd::RevoluteJoint>(parent);
     else
       made = skeleton.createJointAndBodyNodePair<dd::WeldJoint>(parent);
     // The joint frame stands at the anchor with the axes of the child.

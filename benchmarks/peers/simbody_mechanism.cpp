@@ -14,12 +14,12 @@ SimTK::Transform frame(const std::array<double, 4>& q, const std::array<double, 
 
 class SimbodyMechanism::Impl {
  public:
-  Impl(const SimbodySystem& system, const SimbodySettings& settings)
+  Impl(const PlainSystem& system, const SimbodySettings& settings)
       : matter_(system_), forces_(system_), bodies_(system.bodies.size()) {
     gravity_ = std::make_unique<SimTK::Force::UniformGravity>(forces_, matter_, vector(system.gravity));
     bodies_[0] = matter_.updGround();
-    for (const SimbodyJoint& joint : system.tree) add_body(joint, system.bodies[joint.b]);
-    for (const SimbodyJoint& joint : system.loops) close(joint);
+    for (const PlainJoint& joint : system.tree) add_body(joint, system.bodies[joint.b]);
+    for (const PlainJoint& joint : system.loops) close(joint);
     const SimTK::State start = system_.realizeTopology();
     if (settings.euler) {
       integrator_ = std::make_unique<SimTK::SemiExplicitEulerIntegrator>(system_, settings.dt);
@@ -34,7 +34,7 @@ class SimbodyMechanism::Impl {
 
   void step_to(double time) { stepper_->stepTo(time); }
 
-  void read(std::vector<std::array<double, 13>>& out) const {
+  void read(std::vector<PlainMotion>& out) const {
     const SimTK::State& s = stepper_->getState();
     system_.realize(s, SimTK::Stage::Velocity);
     out.resize(bodies_.size());
@@ -48,28 +48,28 @@ class SimbodyMechanism::Impl {
   }
 
  private:
-  void add_body(const SimbodyJoint& joint, const SimbodyBody& body) {
+  void add_body(const PlainJoint& joint, const PlainBody& body) {
     const auto& I = body.moments;
     const SimTK::Body::Rigid info(
         SimTK::MassProperties(body.mass, SimTK::Vec3(0), SimTK::Inertia(I[0], I[1], I[2])));
     const SimTK::Transform on_a = frame(joint.q_A, joint.p_A), on_b = frame(joint.q_B, joint.p_B);
     SimTK::MobilizedBody& parent = bodies_[joint.a];
-    if (joint.kind == SimbodyJoint::kBall)
+    if (joint.kind == PlainJoint::kBall)
       bodies_[joint.b] = SimTK::MobilizedBody::Ball(parent, on_a, info, on_b);
-    else if (joint.kind == SimbodyJoint::kHinge)
+    else if (joint.kind == PlainJoint::kHinge)
       bodies_[joint.b] = SimTK::MobilizedBody::Pin(parent, on_a, info, on_b);
     else
       bodies_[joint.b] = SimTK::MobilizedBody::Weld(parent, on_a, info, on_b);
   }
-  void close(const SimbodyJoint& joint) {
+  void close(const PlainJoint& joint) {
     SimTK::MobilizedBody &A = bodies_[joint.a], &B = bodies_[joint.b];
     const SimTK::Transform on_a = frame(joint.q_A, joint.p_A), on_b = frame(joint.q_B, joint.p_B);
-    if (joint.kind == SimbodyJoint::kFixed) {
+    if (joint.kind == PlainJoint::kFixed) {
       SimTK::Constraint::Weld(A, on_a, B, on_b);
       return;
     }
     SimTK::Constraint::Ball(A, vector(joint.p_A), B, vector(joint.p_B));
-    if (joint.kind == SimbodyJoint::kBall) return;
+    if (joint.kind == PlainJoint::kBall) return;
     // The axis of B stays across two directions of A.
     SimTK::Constraint::ConstantAngle(A, on_a.x(), B, on_b.z(), SimTK::Pi / 2);
     SimTK::Constraint::ConstantAngle(A, on_a.y(), B, on_b.z(), SimTK::Pi / 2);
@@ -84,10 +84,10 @@ class SimbodyMechanism::Impl {
   std::unique_ptr<SimTK::TimeStepper> stepper_;
 };
 
-SimbodyMechanism::SimbodyMechanism(const SimbodySystem& system, const SimbodySettings& settings)
+SimbodyMechanism::SimbodyMechanism(const PlainSystem& system, const SimbodySettings& settings)
     : impl_(std::make_unique<Impl>(system, settings)) {}
 SimbodyMechanism::~SimbodyMechanism() = default;
 void SimbodyMechanism::step_to(double time) { impl_->step_to(time); }
-void SimbodyMechanism::read(std::vector<std::array<double, 13>>& bodies) const { impl_->read(bodies); }
+void SimbodyMechanism::read(std::vector<PlainMotion>& bodies) const { impl_->read(bodies); }
 
 }  // namespace taut::peers

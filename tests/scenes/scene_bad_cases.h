@@ -17,10 +17,11 @@ inline std::string probe(const std::string& keys) { return two_bodies(R"("probes
 
 inline std::vector<BadScene> bad_top_level() {
   const std::string known_settings =
-      R"("cfm", "contact_margin", "contacts", "drift_cure", "erp", "factor", "integrator", "iterations", )"
-      R"("max_newton_iterations", "max_rotation", "max_substeps", "max_tension_number", "merge_fixed_joints", )"
+      R"("cfm", "contact_margin", "contacts", "drift_cure", "erp", "factor", "inexact_tolerance", )"
+      R"("integrator", "iterations", "max_newton_iterations", "max_rotation", "max_substeps", )"
+      R"("max_tension_number", "merge_fixed_joints", )"
       R"("penalty_damping_ratio", "penalty_frequency", "position_tolerance", "relaxation", "report_energy", )"
-      R"("resting_speed", "solver", "tension", "velocity_tolerance")";
+      R"("resting_speed", "solver", "tension", "theta", "velocity_tolerance")";
   return {
       {"[]", "/", "must be an object", "[]"},
       {"{}", "/", R"("format" is missing)", ""},
@@ -45,11 +46,11 @@ inline std::vector<BadScene> bad_top_level() {
        R"("probes", "settings", "time")",
        R"({"x":null})", false},
       {top(R"("settings": {"integrator": "ratle"})"), "/settings/integrator",
-       R"(must be one of "rattle", "rattle4", "rattle6", "rattle8", "force-euler", "force-runge-kutta"; )"
+       R"(must be one of "rattle", "rattle4", "rattle6", "rattle8", "force-euler", "force-runge-kutta", "moreau-jean"; )"
        R"(did you mean "rattle"?)",
        R"("ratle")"},
       {top(R"("settings": {"drift_cure": 2})"), "/settings/drift_cure",
-       R"(must be one of "none", "baumgarte", "velocity-impulse", "position-push", "penalty")", "2"},
+       R"(must be one of "auto", "none", "baumgarte", "velocity-impulse", "position-push", "penalty")", "2"},
       {top(R"("settings": {"max_substeps": 1.5})"), "/settings/max_substeps",
        "must be a positive whole number", "1.5"},
       {top(R"("settings": {"max_substeps": 0})"), "/settings/max_substeps", "must be a positive whole number",

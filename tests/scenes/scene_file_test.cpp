@@ -76,12 +76,14 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(s.cfm, 1e-9);
   EXPECT_EQ(s.penalty_frequency, 30);
   EXPECT_EQ(s.penalty_damping_ratio, 0.7);
+  EXPECT_EQ(s.theta, 0.75);
   EXPECT_EQ(s.solver, Solver::kPairwise);
   EXPECT_EQ(s.iterations, 9);
   EXPECT_EQ(s.relaxation, 1.5);
   EXPECT_FALSE(s.contacts);
   EXPECT_EQ(s.contact_margin, 0.01);
   EXPECT_EQ(s.resting_speed, 0.02);
+  EXPECT_EQ(s.inexact_tolerance, 1e-6);
   EXPECT_EQ(s.factor, FactorChoice::kMultifrontal);
   EXPECT_TRUE(s.merge_fixed_joints);
   EXPECT_FALSE(s.report_energy);

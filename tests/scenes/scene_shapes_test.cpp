@@ -213,26 +213,56 @@ TEST(SceneShapes, AreDrawn) {
   EXPECT_TRUE(shapes_of(scene.world, "box").empty());
 }
 
-/// A cube on a plane inclined by atan 0.6 stays with μ = 0.7 and slides with μ = 0.5 with
-/// a = g (sin α − μ cos α).
+/// A cube of 0.1 m of material `cube` on a plane of material `floor`, both turned by `alpha` about y.
+std::string cube_on_slope(double alpha, const std::string& more) {
+  const std::string turned =
+      R"("orientation": {"axis": [0, 1, 0], "angle_rad": )" + std::to_string(alpha) + "}";
+  return R"("ground": {"shapes": [{"type": "half_space", "material": "floor", )" + turned + R"(}]},
+          "bodies": [{"name": "cube", "density": 500, )" +
+         turned + R"(, "shapes": [{"type": "box", "size": [0.1, 0.1, 0.1], "position": [0, 0, 0.05],
+             "material": "cube"}]}], )" +
+         more;
+}
+
+/// Its way in 0.5 s on a slope of atan 0.6 with friction μ: none for μ ≥ 0.6, else a = g (sin α − μ cos α).
+void slides_as_with(double mu, const std::string& materials) {
+  const double alpha = std::atan(0.6), dt = 0.01, g = 9.81;
+  World world = world_of(cube_on_slope(alpha, materials));
+  const Vec3 start = world.pose(world.body("cube")).p;
+  Simulator simulator(world);
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(simulator.step(dt).ok()) << simulator.report().message;
+  const double t = 50 * dt, a = std::max(0.0, g * (std::sin(alpha) - mu * std::cos(alpha)));
+  // 1 %: the start of sliding is resolved to one step of fifty; 1e-6 of the angle in the text.
+  EXPECT_NEAR((world.pose(world.body("cube")).p - start).norm(), 0.5 * a * t * t,
+              0.01 * 0.5 * a * t * t + 1e-5)
+      << materials;
+}
+
 TEST(SceneShapes, FrictionOfTheFileActs) {
-  for (const double mu : {0.7, 0.5}) {
-    const double alpha = std::atan(0.6), dt = 0.01, g = 9.81;
-    World world = world_of(R"("materials": {"any": {"static_friction": )" + std::to_string(mu) +
-                           R"(}}, "ground": {"shapes": [{"type": "half_space", "material": "any",
-             "orientation": {"axis": [0, 1, 0], "angle_rad": )" +
-                           std::to_string(alpha) + R"(}}]},
-          "bodies": [{"name": "cube", "density": 500, "orientation": {"axis": [0, 1, 0], "angle_rad": )" +
-                           std::to_string(alpha) + R"(}, "shapes": [{"type": "box", "size": [0.1, 0.1, 0.1],
-             "position": [0, 0, 0.05], "material": "any"}]}])");
-    const Vec3 start = world.pose(world.body("cube")).p;
-    Simulator simulator(world);
-    for (int i = 0; i < 50; ++i) ASSERT_TRUE(simulator.step(dt).ok()) << simulator.report().message;
-    const double t = 50 * dt, a = std::max(0.0, g * (std::sin(alpha) - mu * std::cos(alpha)));
-    // 1 %: the start of sliding is resolved to one step of fifty; 1e-6 of the angle in the text.
-    EXPECT_NEAR((world.pose(world.body("cube")).p - start).norm(), 0.5 * a * t * t,
-                0.01 * 0.5 * a * t * t + 1e-5);
-  }
+  slides_as_with(0.7,
+                 R"("materials": {"cube": {"static_friction": 0.7}, "floor": {"static_friction": 0.7}})");
+  slides_as_with(0.5,
+                 R"("materials": {"cube": {"static_friction": 0.5}, "floor": {"static_friction": 0.5}})");
+}
+
+/// What holds between two named materials wins over what they are, in either order of the names, and one of
+/// the two bodies over both.
+TEST(SceneShapes, FrictionOfPairsOfMaterialsActs) {
+  const std::string
+      rough = R"("materials": {"cube": {"static_friction": 0.9}, "floor": {"static_friction": 0.9}}, )",
+      smooth = R"("materials": {"cube": {"static_friction": 0.2}, "floor": {"static_friction": 0.2}}, )";
+  slides_as_with(
+      0.4,
+      rough + R"("material_pairs": [{"a": "cube", "b": "floor", "material": {"static_friction": 0.4}}])");
+  slides_as_with(
+      0.7,
+      smooth + R"("material_pairs": [{"a": "floor", "b": "cube", "material": {"static_friction": 0.7}}])");
+  slides_as_with(
+      0.3, rough + R"("material_pairs": [{"a": "cube", "b": "floor", "material": {"static_friction": 0.8}}],
+      "pairs": [{"a": "cube", "b": "ground", "material": {"static_friction": 0.3}}])");
+  // A material with itself is a pair like any other, and none of two different ones.
+  slides_as_with(
+      0.9, rough + R"("material_pairs": [{"a": "cube", "b": "cube", "material": {"static_friction": 0.1}}])");
 }
 
 /// The shipped scene with contact, up to where the steel marble has left the funnel, a mesh from a file, and

@@ -1,0 +1,84 @@
+// Time of a step against the number of contacts: walls of bricks that stand, and piles of mixed bodies that
+// have come to rest.  Times are medians of thread CPU time on one thread.  (benchmarks/README)
+#include <benchmark/benchmark.h>
+#include <time.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "solvers/simulator.h"
+
+namespace {
+
+using namespace taut;
+
+constexpr double kStep = 1.0 / 240;  ///< [s]
+
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Steps of a scene after it has run for `settling` seconds.
+void contacts(benchmark::State& state, const std::string& name, int n, double settling) {
+  Scene scene = build_scene(name, {{"n", n}});
+  scene.settings.threads = 1;
+  Simulator simulator(scene.world, scene.settings);
+  while (scene.world.time() < settling)
+    if (!simulator.step(kStep).ok()) return state.SkipWithError(simulator.report().message.c_str());
+  std::vector<double> times;
+  double points = 0, pivots = 0, newton = 0, analyses = 0, factorizations = 0, residual = 0, penetration = 0;
+  for (auto _ : state) {
+    const double start = cpu_seconds();
+    const StepReport& report = simulator.step(kStep);
+    times.push_back(cpu_seconds() - start);
+    state.SetIterationTime(times.back());
+    if (!report.ok()) return state.SkipWithError(report.message.c_str());
+    points += report.contacts, pivots += report.pivots, newton += report.contact_iterations;
+    analyses += report.analyses, factorizations += report.factorizations;
+    residual = std::max(residual, report.complementarity_residual);
+    penetration = std::max(penetration, report.penetration);
+  }
+  const double steps = static_cast<double>(times.size());
+  state.counters["bodies"] = scene.world.moving_body_count();
+  state.counters["contacts"] = points / steps;
+  state.counters["step_ms"] = 1e3 * median(times);
+  state.counters["us_per_contact"] = points > 0 ? 1e6 * median(times) * steps / points : 0;
+  state.counters["pivots"] = pivots / steps;
+  state.counters["newton_steps"] = newton / steps;
+  state.counters["analyses"] = analyses / steps;
+  state.counters["factorizations"] = factorizations / steps;
+  state.counters["residual"] = residual;
+  state.counters["penetration_m"] = penetration;
+}
+
+struct Case {
+  const char* scene;
+  int n;
+  double settling;  ///< [s]
+  int steps;
+};
+constexpr Case kCases[] = {{"wall", 4, 0.5, 100}, {"wall", 8, 0.5, 60}, {"wall", 16, 0.5, 20},
+                           {"wall", 32, 0.25, 8}, {"pile", 30, 3, 60},  {"pile", 100, 4, 40},
+                           {"pile", 300, 5, 20}};
+
+const bool registered = [] {
+  for (const Case& c : kCases)
+    benchmark::RegisterBenchmark(("Contacts/" + std::string(c.scene) + "/" + std::to_string(c.n)).c_str(),
+                                 [c](benchmark::State& state) { contacts(state, c.scene, c.n, c.settling); })
+        ->Iterations(c.steps)
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
+  return true;
+}();
+
+}  // namespace

@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/axis_forces.h"
+
+// What axes ask of a step of Moreau–Jean.  (solvers/README, "Moreau–Jean")
+namespace taut {
+
+void AxisForces::impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Axis& axis = axes_[i];
+    const AxisProperties& p = properties(i);
+    first_kick_[i] = {};
+    if (released_[i]) {
+      laws[rows_[i].row] = RowLaw::none();
+      continue;
+    }
+    add_springs(axis, p, weight, theta[rows_[i].row]);
+    axis.friction_force = axis.motor_force = axis.friction_at = 0;
+    if (p.friction) {
+      const bool held = axis.stuck && !axis.broken;
+      axis.friction_force = h_ * (held ? p.friction->static_friction : p.friction->dynamic_friction) +
+                            p.friction->per_load * axis.load;
+    }
+    axis.lower_at = -kNever, axis.upper_at = kNever;
+    axis.lower_back = axis.upper_back = 0;
+    if (is_rigid_limit(i)) set_impacts(axis, *p.limits, theta[rows_[i].row]);
+    if (p.motor) {
+      const AxisMotor& m = *p.motor;
+      const bool follows = m.mode == AxisMotor::Mode::kTrajectory;
+      const MotionPoint aim = follows ? m.trajectory(end_time_ - h_) : MotionPoint{m.target};
+      axis.motor_force = h_ * motor_force(m, axis.rate0);
+      axis.motor_at = m.mode == AxisMotor::Mode::kVelocity
+                          ? m.target
+                          : std::clamp(aim.rate + (aim.value - axis.theta0) / h_, -m.max_speed, m.max_speed);
+      require_finite_target(axis);
+    }
+    laws[rows_[i].row] = law_of(axis, p);
+  }
+}
+
+/// Springs at θ₀ + ϑ h ((1 − ϑ) θ̇₀ + ϑ w), a limit with compliance as one of them where the middle of the
+/// step, `theta`, is beyond it, and dampers against (1 − ϑ) θ̇₀ + ϑ w.
+void AxisForces::add_springs(Axis& axis, const AxisProperties& p, double weight, double theta) const {
+  const double ahead = axis.theta0 + weight * (1 - weight) * h_ * axis.rate0, reach = weight * h_;
+  axis.spring_level = axis.spring_slope = axis.limit_level = axis.limit_slope = 0;
+  double damping = p.friction ? p.friction->viscous : 0;
+  if (p.spring) {
+    const AxisSpring& s = *p.spring;
+    const double stretch = ahead - s.rest;
+    axis.spring_level = -h_ * (s.table ? s.table->extended(stretch) : s.stiffness * stretch);
+    axis.spring_slope = reach * reach * std::max(0.0, s.table ? s.table->slope(stretch) : s.stiffness);
+    damping += s.damping;
+  }
+  if (p.limits && p.limits->compliance > 0 && (theta < p.limits->lower || theta > p.limits->upper)) {
+    const double at = theta < p.limits->lower ? p.limits->lower : p.limits->upper;
+    axis.limit_level = -h_ * (ahead - at) / p.limits->compliance;
+    axis.limit_slope = reach * reach / p.limits->compliance;
+    damping += p.limits->damping;
+  }
+  axis.soft_limit = axis.limit_level;
+  axis.damping_level = -h_ * (1 - weight) * damping * axis.rate0;
+  axis.damping_slope = reach * damping;
+}
+
+/// Newton's law of impact for a limit that is passed at `theta`.
+void AxisForces::set_impacts(Axis& axis, const AxisLimits& limits, double theta) const {
+  const double bounce = -limits.restitution * axis.rate0;
+  if (theta <= limits.lower + kTouch) axis.lower_at = bounce;
+  if (theta >= limits.upper - kTouch) axis.upper_at = bounce;
+  if (axis.lower_at > axis.upper_at) axis.lower_at = axis.upper_at = 0;  // locked between both
+}
+
+}  // namespace taut

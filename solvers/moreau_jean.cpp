@@ -1,0 +1,208 @@
+#include "solvers/moreau_jean.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/check.h"
+#include "solvers/assembly.h"
+#include "solvers/free_flow.h"
+#include "solvers/stopwatch.h"
+
+namespace taut {
+
+MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Settings& settings)
+    : Rattle(world, system, settings) {
+  first_twists_.resize(world.body_count());
+}
+
+Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
+  loosest_ = 0;
+  report.tension_number = std::max(report.tension_number, omega_ * h);
+  works_before_ = works_of(report);
+  predict(h);
+  go_to_middle(h, report);
+  begin_laws(h, report);
+  if (const Outcome outcome = find_impulses(h, report); outcome != Outcome::kDone) {
+    if (outcome == Outcome::kStalled) roll_back(report);
+    return outcome;
+  }
+  book(h, report);
+  if (!go_to_end(h, report)) {
+    state_.axes = first_axes_;
+    roll_back(report);
+    return Outcome::kStalled;
+  }
+  keep_impulses(h);
+  ++report.substeps;
+  report_inexactness(report);
+  const Stopwatch watch(report.times.velocities);
+  update_step_limit(force_multipliers_);
+  return Outcome::kDone;
+}
+
+/// The impulses of the step before, as a guess; of dependent rows behind contacts none, since what they have
+/// in the null space would be carried from step to step.
+void MoreauJean::predict(double h) {
+  std::fill(lambda_.begin(), lambda_.end(), 0.0);
+  const bool dependent = system_.singular() && !contacts_.empty();
+  const int first = dependent ? system_.rows().first_contact_row() : 0;
+  std::fill_n(mu_.begin(), first, 0.0);
+  for (int r = first; r < system_.row_count(); ++r)
+    mu_[r] = history_ > 0 ? h / last_h_ * mu_[r] : h * force_multipliers_[r];
+}
+
+/// q_M, its contacts, and J there.  poses_ and start_momenta_ stay those of the start.
+void MoreauJean::go_to_middle(double h, StepReport& report) {
+  if (bounded()) {
+    system_.rows().residual(state_, phi_);
+    for (const Rows::AxisRow& axis : system_.rows().axis_rows()) start_theta_[axis.row] = phi_[axis.row];
+    contacts_.begin_single_kick(h);
+  }
+  start_momenta_ = kicked_ = momenta_;
+  poses_ = state_.poses;
+  start_time_ = state_.time;
+  state_.time += 0.5 * h;
+  {
+    const Stopwatch watch(report.times.positions);
+    for (int b = 0; b < world_.body_count(); ++b)
+      if (inverse_mass_.moves(b)) state_.poses[b] = moved(b, 0.5 * h);
+  }
+  if (!contacts_.empty()) find_contacts();
+  linearize(report);
+}
+
+/// A body after h with the momenta of the start.
+Pose MoreauJean::moved(int b, double h) const {
+  return free_flow(system_.mass()[b], poses_[b], start_momenta_[b].torque, start_momenta_[b].force, h);
+}
+
+/// V₀ and what the laws take from it, and the factor for these laws.
+void MoreauJean::begin_laws(double h, StepReport& report) {
+  twists_from_momenta();
+  first_twists_ = state_.twists;
+  weighted_ = state_;
+  if (bounded()) {
+    system_.rows().apply(system_.jacobian(), state_.twists, rates_);
+    system_.rows().add_rate(state_, rates_);
+    system_.row_inertias(inertia_);
+    axes_.begin(start_time_, h, start_theta_, rates_, inertia_);
+    contacts_.begin_impulses(rates_, inertia_);
+    if (contacts_.soft()) {
+      roll_back(report);
+      fail("settings integrator", "must be RATTLE of order 2 where compliant materials touch",
+           static_cast<int>(settings_.integrator));
+    }
+    contacts_.clear_idle(mu_);
+    system_.rows().residual(end_of_step(0), phi_);
+    renew_laws();
+    active_->prepare(laws_, rates_, mu_);
+  }
+  if (!factors_on_demand()) system_.factorize(report.times);
+}
+
+void MoreauJean::renew_laws() {
+  axes_.impulse_laws(settings_.theta, phi_, laws_);
+  contacts_.velocity_laws(laws_);
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
+    if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
+}
+
+/// (q_ϑ, V_ϑ) of the momenta of now.
+void MoreauJean::weigh(double h) {
+  const double theta = settings_.theta, last = theta * theta * h;
+  weighted_.time = start_time_ + theta * h;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (!inverse_mass_.moves(b)) continue;
+    const Twist &V0 = first_twists_[b], &V1 = state_.twists[b];
+    weighted_.twists[b] = {(1 - theta) * V0.w + theta * V1.w, (1 - theta) * V0.v + theta * V1.v};
+    weighted_.poses[b] =
+        free_flow(system_.mass()[b], moved(b, theta * h - last), momenta_[b].torque, momenta_[b].force, last);
+  }
+}
+
+/// Λ, with the forces at the state that it leads to: a fixed point.
+Rattle::Outcome MoreauJean::find_impulses(double h, StepReport& report) {
+  double last_change = std::numeric_limits<double>::infinity();
+  weigh(h);
+  world_.forces(weighted_, forces_);
+  for (int pass = 0;; ++pass) {
+    for (int b = 0; b < world_.body_count(); ++b)
+      if (inverse_mass_.moves(b)) momenta_[b] = start_momenta_[b] + h * forces_[b];
+    if (!finite() || !axes_.finite()) return Outcome::kNotFinite;
+    if (!solve_stage(report)) return Outcome::kStalled;
+    const Stopwatch watch(report.times.forces);
+    weigh(h);
+    std::swap(forces_, last_forces_);
+    world_.forces(weighted_, forces_);
+    const Fixed fixed = fixed_point(pass, last_change);
+    if (fixed == Fixed::kYes) std::swap(forces_, last_forces_);  // those that p₁ has
+    if (fixed != Fixed::kNotYet) return fixed == Fixed::kYes ? Outcome::kDone : Outcome::kStalled;
+  }
+}
+
+/// Joints and laws on J V₁, from the momenta without impulses.
+bool MoreauJean::solve_stage(StepReport& report) {
+  const Stopwatch watch(report.times.velocities);
+  if (!bounded()) {
+    project_momenta(report, mu_);
+    return std::isfinite(report.velocity_residual);
+  }
+  twists_from_momenta();
+  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
+  system_.rows().add_rate(state_, rates_);
+  renew_laws();
+  system_.multiply(mu_, delta_);
+  for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
+  near_ = false;
+  const auto renew = static_cast<Renew>(&MoreauJean::renew_laws);
+  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) return false;
+  end_velocities(report);
+  return report.velocity_residual <= settings_.velocity_tolerance;
+}
+
+/// The one kick of the step, at q_M where it acts.
+void MoreauJean::book(double h, StepReport& report) {
+  if (bounded()) finish_bounds(report);
+  if (!settings_.report_energy) return;
+  std::swap(state_, weighted_);  // where forces that are not conservative were taken
+  account(start_momenta_, momenta_, system_.jacobian(), mu_, 2 * h, report);
+  std::swap(state_, weighted_);
+}
+
+/// q₁, and joints closed there if that is wanted.
+bool MoreauJean::go_to_end(double h, StepReport& report) {
+  {
+    const Stopwatch watch(report.times.positions);
+    const double last = settings_.theta * h;
+    for (int b = 0; b < world_.body_count(); ++b)
+      if (inverse_mass_.moves(b))
+        state_.poses[b] =
+            free_flow(system_.mass()[b], moved(b, h - last), momenta_[b].torque, momenta_[b].force, last);
+  }
+  state_.time = start_time_ + h;
+  first_axes_ = state_.axes;
+  system_.rows().update_axes(end_of_step(0), state_.axes);
+  if (settings_.drift_cure == DriftCure::kPositionPush &&
+      !close_joints(system_, state_, settings_.position_tolerance, report)) {
+    system_.rows().residual(state_, phi_);  // for the diagnosis
+    return false;
+  }
+  system_.set_mass(state_.poses);
+  inverse_mass_.set(system_.mass_roots());
+  twists_from_momenta();
+  return true;
+}
+
+/// For reactions and the next guess.  The impulse of an impact is no force.
+void MoreauJean::keep_impulses(double h) {
+  for (int r = 0; r < system_.row_count(); ++r) {
+    impulses_[r] += mu_[r];
+    if (!struck()) force_multipliers_[r] = mu_[r] / h;
+  }
+  history_ = 1;
+  last_h_ = h;
+}
+
+}  // namespace taut
