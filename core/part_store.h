@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <memory>
 #include <span>
 #include <string>
@@ -50,10 +51,12 @@ struct PartPlace {
 };
 
 /// The same part between the bodies that carry A and B, on which these have the poses X_CA and X_CB.
-/// @throws std::invalid_argument if the type of part has no carried() to say so.
+/// @throws std::invalid_argument if the type of part has no carried() of its own to say so.
 template <typename Part>
 Part carried(const Part& part, const Pose& X_CA, const Pose& X_CB) {
-  if constexpr (requires { part.carried(X_CA, X_CB); })
+  if constexpr (requires {
+                  { part.carried(X_CA, X_CB) } -> std::same_as<Part>;
+                })
     return part.carried(X_CA, X_CB);
   else
     fail("row part", "has no carried(), which merging of bodies needs", part.row_name(0));
