@@ -18,7 +18,6 @@ MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Setti
 }
 
 Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
-  loosest_ = 0;
   report.tension_number = std::max(report.tension_number, omega_ * h);
   works_before_ = works_of(report);
   loosest_ = 0;
