@@ -14,9 +14,8 @@ EnergyBooks::Energies EnergyBooks::measure(const World& world, const State& stat
 }
 
 void EnergyBooks::begin(const World& world, const World& seen, StepReport& report) {
-  start_ = end_versions_ == versions(world)
-               ? end_
-               : measure(seen, seen.state(), kinetic_energy(seen, seen.state()));
+  start_ = end_versions_ == versions(world) ? end_
+                                            : measure(seen, seen.state(), kinetic_energy(seen, seen.state()));
   report.ledger.start = start_.total();
   stabilisation_ = 0;
 }
@@ -50,9 +49,10 @@ void EnergyBooks::close(const World& world, StepReport& report, bool by_works) {
   ledger.forces = report.dissipative_work + dissipative;
   ledger.breaking = -lost;
   ledger.stiffness = report.stiffness_work;
-  ledger.integration = (report.constraint_work - report.driver_work) + axes.spring + axes.elastic_limit +
-                       (report.force_work - report.dissipative_work) +
-                       (end_.potential + lost - start_.potential) - dissipative;
+  // … to what the free flow has left there.
+  ledger.integration += (report.constraint_work - report.driver_work) + axes.spring + axes.elastic_limit +
+                        (report.force_work - report.dissipative_work) +
+                        (end_.potential + lost - start_.potential) - dissipative;
 }
 
 }  // namespace taut

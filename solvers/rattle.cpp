@@ -141,7 +141,10 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   }
   report.tension_number = std::max(report.tension_number, omega_ * std::abs(h));
   works_before_ = works_of(report);
-  if (settings_.report_energy) account_for_kick(h, report);
+  if (settings_.report_energy) {
+    account_for_kick(h, report);
+    account_for_flow(report);
+  }
   if (bounded()) keep_first_kick();
 
   std::swap(state_.poses, poses_);  // these now hold the old ones

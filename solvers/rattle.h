@@ -21,7 +21,7 @@ namespace taut {
 
 /// The sums of a report that a sub-step adds to, so that one that is taken back leaves nothing behind.
 struct Works {
-  double constraint = 0, stiffness = 0, driver = 0, force = 0, dissipative = 0;
+  double constraint = 0, stiffness = 0, driver = 0, force = 0, dissipative = 0, flow = 0;
 };
 Works works_of(const StepReport& report);
 void set_works(StepReport& report, const Works& works);
@@ -175,6 +175,7 @@ class Rattle {
   void update_step_limit(std::span<const double> force_multipliers);
   void prepare_stiffness(double h);
   void account_for_kick(double h, StepReport& report);
+  void account_for_flow(StepReport& report) const;
   std::span<const double> kick_jacobian() const;
   /// M⁻¹ ½ (p₀ + p₁) of a body at the poses of state_.
   Twist mean_twist(int b, const Wrench& from, const Wrench& to) const {

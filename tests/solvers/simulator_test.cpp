@@ -202,6 +202,26 @@ TEST(Rattle, WorkOfForcesAndJointsAddsUpToTheEnergy) {
   EXPECT_LT(std::abs(work), 1e-3 * scene.energy_scale);
 }
 
+/// Three different moments, so that the free flow itself is off by the third power of the step, beside a
+/// joint.
+TEST(Rattle, TheLedgerClosesForBodiesWithThreeDifferentMoments) {
+  World world;
+  const MassProperties plate = MassProperties::box(Vec3(0.6, 0.3, 0.1), 2.0);
+  const BodyId free = world.add_body({.name = "free", .mass = plate});
+  const BodyId hung = world.add_body({.name = "hung", .mass = plate, .pose = {.p = Vec3(2, 0, 0)}});
+  world.add("pivot", Ball::at(world, kGround, hung, Vec3(1.7, 0.1, 0)));
+  world.set_twist(free, {Vec3(3, -2, 4), Vec3(1, 0, 0)});
+  Simulator simulator(world);
+  double flow = 0;
+  for (int i = 0; i < 300; ++i) {
+    const StepReport& r = simulator.step(0.004);
+    ASSERT_TRUE(r.ok()) << r.message;
+    ASSERT_NEAR(r.ledger.start + r.ledger.total(), r.energy(), 1e-13 * (10 + std::abs(r.energy()))) << i;
+    flow = std::max(flow, std::abs(r.ledger.integration));
+  }
+  EXPECT_GT(flow, 1e-9);  // there was something to book
+}
+
 /// Static loads shared by redundant joints: the least-norm multipliers, against a dense pseudo-inverse.
 TEST(Redundancy, ReactionsAreThoseOfLeastNorm) {
   World world;
