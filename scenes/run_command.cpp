@@ -9,6 +9,7 @@
 
 #include "core/check.h"
 #include "core/clock.h"
+#include "scenes/format.h"
 #include "scenes/gap_meter.h"
 #include "scenes/interrupt.h"
 #include "scenes/pose_trace.h"
@@ -152,7 +153,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
   record.status = to_string(Status::kInexact);
   record.message = "in " + std::to_string(record.inexact_steps) + " of " + std::to_string(record.steps) +
                    " steps the laws of contacts, friction and limits are met to " +
-                   shortest(record.max_complementarity_residual) + " of the largest impulse only";
+                   format("%.1e", record.max_complementarity_residual) + " of the largest impulse only";
 }
 
 /// Closes joints that may be open at the start.

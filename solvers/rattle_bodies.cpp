@@ -19,7 +19,7 @@ constexpr int kMendingSweeps = 50;
 constexpr double kNewtonRange = 1e-5;
 constexpr int kFewSteps = 8;
 /// Newton steps where those of the step before were not enough.
-constexpr int kStepsOfHardStages = 150;
+constexpr int kStepsOfHardStages = 300;
 /// Sweeps of Gauss–Seidel where that was not enough, and how many times the tolerance joints may be off then.
 constexpr int kLastSweeps = 1000;
 constexpr double kClosed = 9;

@@ -285,10 +285,10 @@ bool Simulator::Impl::integrate(double dt) {
             !rattle_->contacts().empty()) {
           afresh = true;
           rattle_->start(State(rattle_->state()), report_);
-          break;
+        } else {
+          limit = kShrink * even;
         }
-        limit = kShrink * even;
-        if (limit < kHardPart * dt) rattle_->take_inexact(settings_.inexact_tolerance, hard);
+        if (hard || limit < kHardPart * dt) rattle_->take_inexact(settings_.inexact_tolerance, false);
         break;
       case Rattle::Outcome::kNotFinite:
         set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");

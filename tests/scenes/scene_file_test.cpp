@@ -278,7 +278,8 @@ TEST(SceneFile, ListsAllErrorsOfAFileAtOnce) {
         "bad.json: /joints/1/b: joins a body to itself (value: \"c\")\n"
         "bad.json: /colour: unknown key; known here are \"$schema\", \"assemble\", \"bodies\", \"dt\", "
         "\"duration\", \"energy_scale\", \"forces\", \"format\", \"generate\", \"gravity\", \"ground\", "
-        "\"joints\", \"materials\", \"name\", \"pairs\", \"probes\", \"settings\", \"time\" (value: 1)\n"
+        "\"joints\", \"material_pairs\", \"materials\", \"name\", \"pairs\", \"probes\", \"settings\", "
+        "\"time\" (value: 1)\n"
         "bad.json: /joints/2: ball \"open\" must be closed at the start to 1e-06 m or rad, but has a gap; "
         "\"assemble\": true lets the simulator close it (value: 0.5 m)");
     EXPECT_EQ(error.problems().size(), 11U);
