@@ -119,9 +119,7 @@ std::string DrivenPosition::row_name(int i) const {
   return std::string("translation driven along A's ") + axis_name(i);
 }
 
-Orientation DrivenOrientation::part(const PosePoint& target) const {
-  return {X_A.q * target.pose.q, X_B.q};
-}
+Orientation DrivenOrientation::part(const PosePoint& target) const { return {X_A.q * target.pose.q, X_B.q}; }
 
 void DrivenOrientation::residual(const Configuration& at, double* phi) const {
   part(motion(at.time)).residual(at.poses[body_a], at.poses[body_b], phi);

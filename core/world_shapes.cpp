@@ -117,8 +117,8 @@ bool World::no_rule_forbids(BodyId a, BodyId b) const {
 
 bool World::may_collide(ShapeId a, ShapeId b) const {
   const ShapeRecord &A = shape(a), &B = shape(b);
-  return (A.filter.groups & B.filter.mask) && (B.filter.groups & A.filter.mask) &&
-         A.body != B.body && !(is_fixed(A.body) && is_fixed(B.body)) && no_rule_forbids(A.owner, B.owner);
+  return (A.filter.groups & B.filter.mask) && (B.filter.groups & A.filter.mask) && A.body != B.body &&
+         !(is_fixed(A.body) && is_fixed(B.body)) && no_rule_forbids(A.owner, B.owner);
 }
 
 }  // namespace taut
