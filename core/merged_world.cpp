@@ -145,7 +145,10 @@ MergedWorld::MergedWorld(const World& source, double tolerance) : tolerance_(tol
 }
 
 bool MergedWorld::update(const World& source) {
-  bool rebuilt = topology_seen_ != source.topology_version_ || geometry_seen_ != source.geometry_version_;
+  const auto same_joint = [](const auto& a, const auto& b) { return a.first == b.first; };
+  bool rebuilt = topology_seen_ != source.topology_version_ || geometry_seen_ != source.geometry_version_ ||
+                 !std::equal(source.soft_.begin(), source.soft_.end(), world_.soft_.begin(),
+                             world_.soft_.end(), same_joint);
   if (!rebuilt && properties_seen_ != source.property_version_) {
     rebuilt = merged_groups(source, tolerance_) != groups_;
     if (!rebuilt) take_properties(source);
@@ -154,7 +157,7 @@ bool MergedWorld::update(const World& source) {
   if (rebuilt) {
     groups_ = merged_groups(source, tolerance_);
     rebuild(source);
-    return moved;
+    return true;
   }
   if (axes_seen_ != source.axis_version_) {
     world_.axis_properties_ = source.axis_properties_;

@@ -49,7 +49,8 @@ class MergedWorld {
   bool is_carried(BodyId body) const { return carried_[body.index]; }
 
   /// Takes over what has changed in the source since the last time: topology and strengths may make other
-  /// groups.  True if the state was set there; it is then the nearest one with closed welds, by the masses.
+  /// groups.  True if the state was set there or the groups were made anew; it is then the nearest one with
+  /// closed welds, by the masses.
   bool update(const World& source);
   /// update() would change anything.
   bool is_behind(const World& source) const;

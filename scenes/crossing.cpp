@@ -36,7 +36,8 @@ struct Vehicle {
                                          .mass = MassProperties::cylinder(kRadius, kWidth, kWheelMass),
                                          .pose = pose});
     draw(scene, wheel, {Cylinder{kRadius, kWidth}});
-    world.add_shape(wheel, Sphere{kRadius}, {}, rubbing(kRubber, kTyreSinks / (0.25 * load * kGravity)),
+    world.add_shape(wheel, Sphere{kRadius}, {},
+                    rubbing(kRubber, kTyreSinks / ((0.25 * load + kWheelMass) * kGravity)),
                     {kWheelGroup, kGroundGroup | kPlankGroup});
     const JointId joint = world.add(name, Hinge2::at(world, chassis, wheel, p, Vec3::UnitZ(), Vec3::UnitY()));
     // At rest the spring carries its quarter of the load.

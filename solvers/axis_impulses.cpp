@@ -66,9 +66,10 @@ void AxisForces::add_springs(Axis& axis, const AxisProperties& p, double weight,
 /// Newton's law of impact for a limit that is passed at `theta`.
 void AxisForces::set_impacts(Axis& axis, const AxisLimits& limits, double theta) const {
   const double bounce = -limits.restitution * axis.rate0;
-  if (theta <= limits.lower + kTouch) axis.lower_at = bounce;
-  if (theta >= limits.upper - kTouch) axis.upper_at = bounce;
-  if (axis.lower_at > axis.upper_at) axis.lower_at = axis.upper_at = 0;  // locked between both
+  const bool at_lower = theta <= limits.lower + kTouch, at_upper = theta >= limits.upper - kTouch;
+  if (at_lower) axis.lower_at = bounce;
+  if (at_upper) axis.upper_at = bounce;
+  if (at_lower && at_upper) axis.lower_at = axis.upper_at = 0;  // locked between both
 }
 
 }  // namespace taut

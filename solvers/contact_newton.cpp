@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "solvers/max_abs.h"
+
 namespace taut {
 namespace {
 
@@ -56,16 +58,17 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     const bool met = minimize(problem, tolerance, limits, times, outcome);
     const bool finite = met || mode_ == Mode::kCoupled;
     read_rates(problem);
-    outcome.residual = scale_ > 0 ? law_error(problem, limits.rate_tolerance, outcome.rounds) / scale_ : 0;
+    outcome.residual = law_error(problem, limits.rate_tolerance, outcome.rounds);
     if (outcome.residual > kGrowth * last) remembered_ = 0;
     const bool slow = outcome.rounds > kPatience || outcome.residual > kSlowRound * last;
     if (met) last = outcome.residual;
     forcing = std::min(last, kForcing);
     const double enough = slow ? limits.most : limits.tolerance;
-    const bool closed = outcome.rounds > kPatience || open_rate(problem) <= kClosed * limits.rate_tolerance;
+    const bool held = open_rate(problem) <= kClosed * limits.rate_tolerance;
+    const bool closed = held || outcome.rounds > kPatience;
     outcome.converged = finite && outcome.residual <= enough && closed;
     if (outcome.converged) return outcome;
-    keep_best(problem, outcome.residual, closed);
+    if (held) keep_best(problem, outcome.residual);
     if (!finite || outcome.iterations >= limits.iterations) {
       give_best(problem, outcome);
       return outcome;
@@ -75,8 +78,8 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
   }
 }
 
-void ContactNewton::keep_best(const Problem& problem, double residual, bool closed) {
-  if (!closed || !(residual < best_residual_)) return;
+void ContactNewton::keep_best(const Problem& problem, double residual) {
+  if (!(residual < best_residual_)) return;
   best_residual_ = residual;
   best_.assign(problem.lambda.begin(), problem.lambda.end());
   best_w_.assign(problem.w.begin(), problem.w.end());
@@ -337,9 +340,11 @@ double ContactNewton::open_rate(const Problem& problem) const {
   return open;
 }
 
-/// The natural map at λ, with its w.  What is left of equalities after some rounds is what dependent ones
-/// contradict each other by.
+/// The natural map at λ, with its w, over the size of impulses; infinite if λ is.  What is left of equalities
+/// after some rounds is what dependent ones contradict each other by.
 double ContactNewton::law_error(const Problem& problem, double rate_tolerance, int rounds) const {
+  if (!std::isfinite(max_abs(problem.lambda))) return std::numeric_limits<double>::infinity();
+  if (scale_ == 0) return 0;
   double error = problem.contacts.error(problem.lambda, problem.w, rate_tolerance);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
     if (rounds > kEqualityRounds && !problem.laws[r].bounded()) continue;
@@ -347,7 +352,7 @@ double ContactNewton::law_error(const Problem& problem, double rate_tolerance, i
     const double off = std::abs(lambda - problem.laws[r].answer(s, lambda, problem.w[r]));
     if (!(s * off <= rate_tolerance)) error = std::max(error, std::sqrt(s) * off);
   }
-  return error;
+  return error / scale_;
 }
 
 }  // namespace taut

@@ -63,7 +63,7 @@ class ContactNewton {
   enum class Mode { kSlip, kRadius, kCoupled };
 
   void begin(const Problem& problem);
-  void keep_best(const Problem& problem, double residual, bool closed);
+  void keep_best(const Problem& problem, double residual);
   void give_best(const Problem& problem, NewtonOutcome& outcome) const;
   void set_sigma(const Problem& problem, double rho);
   Mode next_mode(const Problem& problem, bool met, double residual, double& rho);
@@ -103,11 +103,11 @@ class ContactNewton {
   Eigen::MatrixXd steps_, changes_;
   int rounds_ = 0, remembered_ = 0, mode_rounds_ = 0;
   Mode mode_ = Mode::kSlip, lagged_ = Mode::kSlip;
-  std::vector<double> coupling_;  // ∂y_t/∂y_n of each contact along its slip
-  bool soft_ = false;             // a contact is compliant
-  // Where rounds with nothing lagged began, and what they are measured by.
+  std::vector<double> coupling_;       // ∂y_t/∂y_n of each contact along its slip
+  bool soft_ = false;                  // a contact is compliant
   std::vector<double> best_, best_w_;  // λ and w of the round with the least residual and closed joints
   double best_residual_ = 0;
+  // Where rounds with nothing lagged began, and what they are measured by.
   std::vector<double> kept_;
   double kept_rho_ = 0, kept_residual_ = 0, looked_residual_ = 0;
   std::vector<Eigen::VectorXd> basis_;

@@ -28,12 +28,14 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
     if (outcome == Outcome::kStalled) roll_back(report);
     return outcome;
   }
+  if (!finite()) return Outcome::kNotFinite;
   book(h, report);
   if (!go_to_end(h, report)) {
     state_.axes = first_axes_;
     roll_back(report);
     return Outcome::kStalled;
   }
+  if (settings_.report_energy) report.ledger.integration += spin_energy(momenta_, state_.poses, Bodies::kAll);
   keep_impulses(h);
   ++report.substeps;
   report_inexactness(report);
@@ -156,6 +158,7 @@ bool MoreauJean::solve_stage(StepReport& report) {
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
   near_ = false;
+  loosest_ = 0;  // of the passes before, which this one replaces
   const auto renew = static_cast<Renew>(&MoreauJean::renew_laws);
   if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) return false;
   end_velocities(report);
@@ -169,6 +172,10 @@ void MoreauJean::book(double h, StepReport& report) {
   std::swap(state_, weighted_);  // where forces that are not conservative were taken
   account(start_momenta_, momenta_, system_.jacobian(), mu_, 2 * h, report);
   std::swap(state_, weighted_);
+  // What the ways to q_M and from there to q₁ change of the kinetic energy, up to its end.
+  report.ledger.integration += spin_energy(start_momenta_, state_.poses, Bodies::kAll) -
+                               spin_energy(start_momenta_, poses_, Bodies::kAll) -
+                               spin_energy(momenta_, state_.poses, Bodies::kAll);
 }
 
 /// q₁, and joints closed there if that is wanted.

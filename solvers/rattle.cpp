@@ -143,7 +143,8 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   works_before_ = works_of(report);
   if (settings_.report_energy) {
     account_for_kick(h, report);
-    account_for_flow(report);
+    report.ledger.integration +=
+        spin_energy(kicked_, poses_, Bodies::kSplit) - spin_energy(kicked_, state_.poses, Bodies::kSplit);
   }
   if (bounded()) keep_first_kick();
 

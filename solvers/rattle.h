@@ -89,6 +89,8 @@ class Rattle {
     inexact_ = residual;
     few_steps_ = few_steps;
   }
+  /// The next guess has no impulses of contacts.
+  void forget_contact_impulses();
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 
@@ -175,7 +177,8 @@ class Rattle {
   void update_step_limit(std::span<const double> force_multipliers);
   void prepare_stiffness(double h);
   void account_for_kick(double h, StepReport& report);
-  void account_for_flow(StepReport& report) const;
+  enum class Bodies { kAll, kSplit };
+  double spin_energy(std::span<const Wrench> momenta, std::span<const Pose> poses, Bodies which) const;
   std::span<const double> kick_jacobian() const;
   /// M⁻¹ ½ (p₀ + p₁) of a body at the poses of state_.
   Twist mean_twist(int b, const Wrench& from, const Wrench& to) const {
@@ -232,7 +235,9 @@ class Rattle {
   InteriorPoint interior_;
   std::optional<ImpulseIteration> iteration_;  // iterative, or with contacts
   std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
-  double inexact_ = 0, loosest_ = 0;  // residual that may be taken, and the largest taken in this advance
+  double inexact_ = 0;                         // residual that may be taken
+  double loose_ = 0,
+         loosest_ = 0;  // taken beyond 1e-8 by the present solve, and by the stages of this advance
   bool few_steps_ = false;
   int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;

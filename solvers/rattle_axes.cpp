@@ -101,6 +101,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     ++report.newton_iterations;
   }
   axes_.finish_positions(rates_);
+  loosest_ = std::max(loosest_, loose_);
   surprised_ = false;
   return true;
 }
@@ -142,6 +143,7 @@ double Rattle::law_error(double h) const {
 /// Solves w = S λ + b for the laws, with b such that the present λ gives the present rates; again where
 /// static friction lets go, and until the friction of contacts agrees with their slip and normal impulse.
 bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report) {
+  loose_ = 0;
   rates_without(lambda);
   ActiveSetSettings settings{.rate_tolerance = rate_tolerance};
   const bool many = std::ssize(system_.rows().axis_rows()) >= kManyRows;
@@ -228,6 +230,7 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
 
 /// The momenta that μ leads to, and what is left of their rates.
 void Rattle::end_velocities(StepReport& report) {
+  loosest_ = std::max(loosest_, loose_);
   for (int b = 0; b < world_.body_count(); ++b) {
     if (!inverse_mass_.moves(b)) continue;
     momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), mu_);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/max_abs.h"
 #include "solvers/rattle.h"
 
 // Stages whose laws are met without an active set: at rest by the impulses of before, else through the
@@ -122,6 +123,7 @@ bool Rattle::solve_by_newton(std::span<double> lambda, const NewtonLimits& limit
   const NewtonOutcome outcome = newton_.solve(contacts_, laws_, delta_, lambda, w_, limits, report.times);
   contacts_.take_over(lambda, w_, limits.rate_tolerance);
   report.contact_iterations += outcome.iterations;
+  loose_ = 0;
   if (outcome.converged)
     report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
   return outcome.converged;
@@ -142,9 +144,9 @@ bool Rattle::solve_by_sweeps(std::span<double> lambda, double rate_tolerance, St
     for (int r = 0; r < system_.row_count(); ++r) w_[r] += delta_[r];
   }
   contacts_.take_over(lambda, w_, rate_tolerance);
-  if (!(residual <= inexact_)) return false;
+  if (!(residual <= inexact_) || !std::isfinite(max_abs(lambda))) return false;
   if (residual > NewtonLimits().most)
-    loosest_ = std::max(loosest_, residual);
+    loose_ = residual;
   else
     report.complementarity_residual = std::max(report.complementarity_residual, residual);
   return true;
@@ -156,6 +158,12 @@ double Rattle::open_rate(std::span<const double> w) const {
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
     if (!laws_[r].bounded()) open = std::max(open, std::abs(w[r] - laws_[r].rate(1)));
   return open;
+}
+
+void Rattle::forget_contact_impulses() {
+  const auto first = system_.rows().first_contact_row();
+  for (auto* values : {&lambda_, &mu_, &start_mu_, &force_multipliers_})
+    std::fill(values->begin() + first, values->end(), 0.0);
 }
 
 /// Only for stages of sub-steps that are kept.

@@ -85,19 +85,18 @@ void Rattle::account(std::span<const Wrench> from, std::span<const Wrench> to,
     if (system_.rows().row(r).store->depends_on_time()) report.driver_work += lambda[r] * velocity_rows_[r];
 }
 
-/// The free flow of a body with three different moments keeps its energy to the third order only: the part of
-/// the integration error that no impulse does.
-void Rattle::account_for_flow(StepReport& report) const {
+/// Σ ½ Lᵀ I_W⁻¹ L of all bodies, or of those with three different moments, whose free flow is split and keeps
+/// it to the third order only.
+double Rattle::spin_energy(std::span<const Wrench> momenta, std::span<const Pose> poses, Bodies which) const {
+  double energy = 0;
   for (int b = 0; b < world_.body_count(); ++b) {
     const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed || body.symmetry_axis >= 0) continue;
-    const auto energy_at = [&](const Pose& pose) {
-      const Quat q = body.principal ? pose.q : Quat(pose.q * body.q_BP);
-      const Vec3 m = q.conjugate() * kicked_[b].torque;
-      return 0.5 * m.cwiseAbs2().dot(body.inverse_moments);
-    };
-    report.ledger.integration += energy_at(poses_[b]) - energy_at(state_.poses[b]);
+    if (body.fixed || (which == Bodies::kSplit && body.symmetry_axis >= 0)) continue;
+    const Quat q = body.principal ? poses[b].q : Quat(poses[b].q * body.q_BP);
+    const Vec3 m = q.conjugate() * momenta[b].torque;
+    energy += 0.5 * m.cwiseAbs2().dot(body.inverse_moments);
   }
+  return energy;
 }
 
 /// The first kick.  What the filter of implicit stiffness takes away is booked apart, as the work of an

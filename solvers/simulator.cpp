@@ -130,7 +130,8 @@ void Simulator::Impl::refresh() {
     reaction_multipliers_.assign(system_->row_count(), 0.0);
     topology_version_ = world_.topology_version();
     geometry_version_ = world_.geometry_version();
-    state_version_ = wrench_jacobian_version_ = -1;
+    state_version_ = reaction_version_ = wrench_jacobian_version_ = -1;
+    hard_steps_ = 0;
     report_.times.analysis = system_->analysis_time();
     weld_loads_.reset();
     present_reactions_.clear();
@@ -171,8 +172,9 @@ void Simulator::Impl::step(double dt) {
     const Stopwatch watch(report_.times.total);
     horizon_ = dt;
     mean_reactions_.clear(), start_.poses.clear();
-    const bool moved = follow_source();
-    if (settings_.report_energy) books_.begin(world_, moved ? source_ : world_, report_);
+    follow_source();
+    if (settings_.report_energy) books_.begin(world_, moved_ ? source_ : world_, report_);
+    moved_ = false;
     const bool goes_on = state_version_ == world_.state_version() &&
                          topology_version_ == world_.topology_version() &&
                          geometry_version_ == world_.geometry_version();
@@ -195,7 +197,10 @@ void Simulator::Impl::step(double dt) {
       else
         forget_step(), start_.poses.clear();
     }
-    give_back();
+    if (report_.advanced())
+      give_back();
+    else
+      given_version_ = world_.state_version();  // the user's world stays as it was
     count_work();
   }
 }
@@ -258,7 +263,7 @@ bool Simulator::Impl::integrate(double dt) {
   const bool hard = hard_steps_ > 0;
   rattle_->take_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   double remaining = dt, limit = std::numeric_limits<double>::infinity(), impact = 0;
-  bool afresh = false;
+  bool forgot = false;
   while (remaining > 0) {
     const double left = std::max(
         1.0, std::ceil(remaining / std::max(std::min({piece, step_limit(), limit}), smallest) - 1e-9));
@@ -280,15 +285,18 @@ bool Simulator::Impl::integrate(double dt) {
         limit = std::min(kShrink * even, step_limit());
         break;
       case Rattle::Outcome::kStalled:
-        // Impulses of before can be a bad guess for contacts: once without.
-        if (!afresh && remaining == dt && !rattle_->active_set_outcome().ok() &&
-            !rattle_->contacts().empty()) {
-          afresh = true;
-          rattle_->start(State(rattle_->state()), report_);
+        // Laws that could not be met: once more without impulses of contacts as a guess, then in shorter
+        // sub-steps, and inexactly.
+        if (const bool laws = !rattle_->active_set_outcome().ok(); laws && !rattle_->contacts().empty()) {
+          rattle_->forget_contact_impulses();
+          if (!forgot)
+            forgot = true;
+          else
+            limit = kShrink * even;
+          if (hard || limit < kHardPart * piece) rattle_->take_inexact(settings_.inexact_tolerance, false);
         } else {
           limit = kShrink * even;
         }
-        if (hard || limit < kHardPart * dt) rattle_->take_inexact(settings_.inexact_tolerance, false);
         break;
       case Rattle::Outcome::kNotFinite:
         set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
@@ -437,8 +445,10 @@ Reaction Simulator::mean_reaction(JointId joint) const {
   if (impl_->merges(joint)) {
     if (impl_->start_.poses.empty()) return {};
     impl_->solve_weld_means();
+    if (joint.index >= std::ssize(impl_->mean_reactions_)) return {};  // it has become one since
     return impl_->mean_reactions_[joint.index];
   }
+  if (joint.index >= std::ssize(impl_->system_->rows().joints())) return {};  // it is new
   const std::span<const double> impulses = impl_->force_level_
                                                ? std::span<const double>(impl_->force_level_->impulses())
                                                : impl_->rattle_->impulses();
@@ -485,10 +495,9 @@ const StepReport& Simulator::assemble() {
 
 std::vector<JointId> Simulator::merged_joints() const {
   std::vector<JointId> joints;
-  impl_->keep_means();
-  impl_->follow_source();
   if (!impl_->merged_) return joints;
-  for (const MergedGroup& group : impl_->merged_->groups())
+  // Those that the next step will have, which is not taken in advance.
+  for (const MergedGroup& group : merged_groups(impl_->source_, impl_->settings_.position_tolerance))
     for (const auto* welds : {&group.welds, &group.loops})
       for (JointId weld : *welds)
         if (weld.index >= 0) joints.push_back(weld);
@@ -500,9 +509,10 @@ const World& Simulator::world() const { return impl_->source_; }
 const Settings& Simulator::settings() const { return impl_->settings_; }
 
 std::string Simulator::solver_description() const {
-  impl_->keep_means();
-  impl_->follow_source();
-  if (impl_->topology_version_ != impl_->world_.topology_version()) impl_->refresh();
+  if (!impl_->system_) {
+    impl_->follow_source();
+    impl_->refresh();
+  }
   if (impl_->settings_.solver != Solver::kDirect)
     return "iterative impulses, " + std::to_string(impl_->settings_.iterations) + " sweeps a stage";
   return impl_->system_->factor().name() + ", " + blas_name() +

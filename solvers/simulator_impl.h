@@ -42,7 +42,7 @@ class Simulator::Impl {
   void compute_reactions();
 
   // With merged bodies (merged_): world_ is a copy of the source, which is followed and kept up to date.
-  bool follow_source() { return merged_ && merged_->update(source_); }
+  void follow_source() { moved_ = (merged_ && merged_->update(source_)) || moved_; }
   void keep_means();
   void give_back();
   bool merges(JointId joint) const { return weld_loads_ && weld_loads_->is_weld(joint); }
@@ -74,6 +74,7 @@ class Simulator::Impl {
   mutable int wrench_jacobian_version_ = -1;
   EnergyBooks books_;
   std::unique_ptr<WeldLoads> weld_loads_;  // null if nothing is merged
+  bool moved_ = false;                     // the source, since the last step
   State start_, given_;                    // of the source: at the start of the step, as given back last
   int given_version_ = -1, present_version_ = -1;             // of world_
   std::vector<Reaction> mean_reactions_, present_reactions_;  // of welds, by joint; empty: not solved

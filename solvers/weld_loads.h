@@ -25,7 +25,9 @@ class WeldLoads {
 
   /// All rows of the source.
   const Rows& rows() const { return rows_; }
-  bool is_weld(JointId joint) const { return is_weld_[joint.index]; }
+  bool is_weld(JointId joint) const {  // also for joints that came later
+    return joint.index < std::ssize(is_weld_) && is_weld_[joint.index];
+  }
 
   /// What acts in the merged world: multipliers of its rows times `scale`.
   struct Impulses {

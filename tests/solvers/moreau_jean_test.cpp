@@ -407,6 +407,28 @@ TEST(MoreauJean, DampersMotorsDriversAndSoftJointsFollowTheirClosedForms) {
   EXPECT_NEAR(world.pose(bob).p.z(), -1e-3 * kG, 1e-9);
 }
 
+/// In space, with three different moments, the push in action and θ beside the middle.
+TEST(MoreauJean, TheLedgerClosesInSpace) {
+  for (const double theta : {0.5, 0.8}) {
+    World world;
+    const MassProperties plate = MassProperties::box(Vec3(0.6, 0.3, 0.1), 2.0);
+    const BodyId free = world.add_body({.name = "free", .mass = plate});
+    world.set_twist(free, {Vec3(3, -2, 4), Vec3(1, 0, 0)});
+    BodyId last = kGround;
+    for (int i = 0; i < 3; ++i) {
+      const BodyId next = world.add_body({.mass = plate, .pose = {.p = Vec3(2 + 0.6 * i, 0.1 * i, 0)}});
+      world.add("pivot " + std::to_string(i), Ball::at(world, last, next, Vec3(1.7 + 0.6 * i, 0.05, 0.02)));
+      last = next;
+    }
+    Simulator simulator(world, moreau_jean(theta));
+    for (int i = 0; i < 200; ++i) {
+      const StepReport& report = simulator.step(4e-3);
+      ASSERT_TRUE(report.ok()) << report.message;
+      ASSERT_NEAR(report.energy() - report.ledger.start, report.ledger.total(), 1e-11) << i;
+    }
+  }
+}
+
 TEST(MoreauJean, TheLedgerClosesAndImpactsAreBookedAsLosses) {
   World world;
   world.add_shape(kGround, HalfSpace{}, {}, made(0.5, 0.5));
