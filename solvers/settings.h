@@ -75,8 +75,8 @@ struct Settings {
   bool contacts = true;           ///< shapes of the world touch; false: they pass through each other
   double contact_margin = 0.005;  ///< [m] contacts exist up to this gap
   double resting_speed = 1e-3;    ///< [m/s] slower impacts have no restitution
-  /// Where the laws of contacts, friction and limits cannot be met to 1e-8 of the largest impulse, a residual
-  /// up to this is taken, with Status::kInexact; 0: such a step fails.
+  /// Where, in a world with contacts, the laws of contacts, friction and limits cannot be met to 1e-8 of the
+  /// largest impulse, a residual up to this is taken, with Status::kInexact; 0: such a step fails.
   double inexact_tolerance = 1e-4;
 
   /// Bodies that fixed joints hold together move as one; see solvers/README.md, "Merged bodies".

@@ -35,7 +35,7 @@ struct RankReport {
 /// Advances a World in time.
 ///
 ///     Simulator simulator(world);
-///     for (...) if (const StepReport& r = simulator.step(1e-3); !r.ok()) throw
+///     for (...) if (const StepReport& r = simulator.step(1e-3); !r.advanced()) throw
 ///     std::runtime_error(r.message);
 class Simulator {
  public:
@@ -44,10 +44,11 @@ class Simulator {
   ~Simulator();
   Simulator(Simulator&&) noexcept;
 
-  /// One step of dt [s].  The world's state moves to the end of the step, or stays where it was if the report
-  /// does not say success.  The report lives until the next call.
+  /// One step of dt [s].  The world's state moves to the end of the step if StepReport::advanced(), or stays
+  /// where it was.  The report lives until the next call.
   /// @throws std::invalid_argument if dt is not finite and positive, or for axes with properties, contacts or
-  /// joints that break and an integrator other than kRattle; kMoreauJean lacks only the last.
+  /// joints that break and an integrator other than kRattle; kMoreauJean lacks joints that break and
+  /// compliant contacts only.
   const StepReport& step(double dt);
   const StepReport& report() const;
 
