@@ -2,32 +2,21 @@
 // have come to rest.  Times are medians of the processor time of all threads: contacts are found on all
 // cores. (benchmarks/README)
 #include <benchmark/benchmark.h>
-#include <time.h>
 
 #include <algorithm>
 #include <string>
 #include <vector>
 
+#include "benchmarks/timing.h"
 #include "scenes/scene.h"
 #include "solvers/simulator.h"
 
 namespace {
 
 using namespace taut;
+using namespace taut::benchmarks;
 
 constexpr double kStep = 1.0 / 240;  ///< [s]
-
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Steps of a scene after it has run for `settling` seconds.
 void contacts(benchmark::State& state, const std::string& name, int n, double settling) {
@@ -39,9 +28,9 @@ void contacts(benchmark::State& state, const std::string& name, int n, double se
   double inexact = 0, points = 0, pivots = 0, newton = 0, analyses = 0, factorizations = 0, residual = 0,
          penetration = 0;
   for (auto _ : state) {
-    const double start = cpu_seconds();
+    const double start = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
     const StepReport& report = simulator.step(kStep);
-    times.push_back(cpu_seconds() - start);
+    times.push_back(cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - start);
     state.SetIterationTime(times.back());
     if (!report.advanced()) return state.SkipWithError(report.message.c_str());
     inexact += !report.ok();

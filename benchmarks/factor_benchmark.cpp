@@ -13,31 +13,13 @@
 #include <vector>
 
 #include "benchmarks/block_problem.h"
+#include "benchmarks/timing.h"
 #include "solvers/multifrontal_factor.h"
 
 namespace {
 
 using namespace taut;
 using namespace taut::benchmarks;
-
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-template <typename Function>
-double seconds_of(Function&& function) {
-  const double start = cpu_seconds();
-  function();
-  return cpu_seconds() - start;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return values.empty() ? 0.0 : *middle;
-}
 
 // One BLAS thread, and no nested parallel regions: CHOLMOD 5.12 opens them for small scatter loops, with more
 // threads than cores.
@@ -54,19 +36,19 @@ void factors(benchmark::State& state, const BlockGraph& graph) {
   use_one_thread();
   const SymmetricMatrix A = block_matrix(graph, amd_places(graph));
   MultifrontalFactor multifrontal;
-  const double analyze = seconds_of([&] { multifrontal.analyze(A); });
+  const double analyze = cpu_seconds_of([&] { multifrontal.analyze(A); });
   BareCholmod supernodal(A, true), simplicial(A, false);
   std::vector<double> x(static_cast<std::size_t>(A.size()), 1.0);
   Timings own, super, simple;
   bool failed = multifrontal.factorize(A) >= 0;
   for (auto _ : state) {
-    own.factorize.push_back(seconds_of([&] { failed = multifrontal.factorize(A) >= 0 || failed; }));
+    own.factorize.push_back(cpu_seconds_of([&] { failed = multifrontal.factorize(A) >= 0 || failed; }));
     state.SetIterationTime(own.factorize.back());
-    own.solve.push_back(seconds_of([&] { multifrontal.solve(x); }));
-    super.factorize.push_back(seconds_of([&] { supernodal.factorize(); }));
-    super.solve.push_back(seconds_of([&] { supernodal.solve(); }));
-    simple.factorize.push_back(seconds_of([&] { simplicial.factorize(); }));
-    simple.solve.push_back(seconds_of([&] { simplicial.solve(); }));
+    own.solve.push_back(cpu_seconds_of([&] { multifrontal.solve(x); }));
+    super.factorize.push_back(cpu_seconds_of([&] { supernodal.factorize(); }));
+    super.solve.push_back(cpu_seconds_of([&] { supernodal.solve(); }));
+    simple.factorize.push_back(cpu_seconds_of([&] { simplicial.factorize(); }));
+    simple.solve.push_back(cpu_seconds_of([&] { simplicial.solve(); }));
     std::fill(x.begin(), x.end(), 1.0);
   }
   if (failed) state.SkipWithError("not positive definite");
@@ -102,7 +84,7 @@ void dgemm(benchmark::State& state) {
   const double one = 1.0, zero = 0.0;
   std::vector<double> A(n * n, 1.0), C(n * n), times;
   for (auto _ : state) {
-    times.push_back(seconds_of(
+    times.push_back(cpu_seconds_of(
         [&] { multiply("N", "T", &n, &n, &n, &one, A.data(), &n, A.data(), &n, &zero, C.data(), &n); }));
     state.SetIterationTime(times.back());
   }

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "benchmarks/block_problem.h"
+#include "benchmarks/timing.h"
 #include "scenes/scene.h"
 #include "solvers/constraint_system.h"
 #include "solvers/simulator.h"
@@ -29,34 +30,22 @@ using namespace taut::benchmarks;
 constexpr double kStep = 1e-3;  ///< [s]
 constexpr int kWarmUp = 4;
 
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-template <typename Clock, typename Function>
-double seconds_of(Clock&& clock, Function&& function) {
-  const double start = clock();
+template <typename Function>
+double wall_seconds_of(Function&& function) {
+  const double start = wall_seconds();
   function();
-  return clock() - start;
+  return wall_seconds() - start;
 }
 
 /// CPU time of the second of two calls.
 template <typename Function>
 double second_time(Function&& function) {
   function();
-  return seconds_of(cpu_seconds, function);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return values.empty() ? 0.0 : *middle;
+  return cpu_seconds_of(function);
 }
 
 /// A scene after a few steps from its start, and the reports of the steps taken since.
@@ -69,7 +58,7 @@ class Run {
 
   void pass_by() { ok_ = simulator_.step(kStep).ok() && ok_; }  ///< a step that does not count
   void step() {
-    times_.push_back(seconds_of(cpu_seconds, [&] { ok_ = simulator_.step(kStep).ok() && ok_; }));
+    times_.push_back(cpu_seconds_of([&] { ok_ = simulator_.step(kStep).ok() && ok_; }));
     const StepReport& report = simulator_.report();
     const StageTimes& t = report.times;
     substeps_ += report.substeps;
@@ -182,12 +171,12 @@ void openmp_trap(benchmark::State& state) {
   std::vector<double> as_it_comes, without_threads, own;
   for (auto _ : state) {
     omp_set_max_active_levels(1);
-    as_it_comes.push_back(seconds_of(wall_seconds, [&] { cholmod.factorize(); }));
+    as_it_comes.push_back(wall_seconds_of([&] { cholmod.factorize(); }));
     StageTimes times;  // CholmodFactor under the same default
     system.factorize(times);
     own.push_back(times.factorization);
     omp_set_max_active_levels(0);
-    without_threads.push_back(seconds_of(wall_seconds, [&] { cholmod.factorize(); }));
+    without_threads.push_back(wall_seconds_of([&] { cholmod.factorize(); }));
     state.SetIterationTime(as_it_comes.back());
   }
   state.counters["threads_wall_ms"] = 1e3 * median(as_it_comes);

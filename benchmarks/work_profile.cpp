@@ -1,7 +1,6 @@
 // Where the work of a step goes, for one scene: fill and operations of the factor, its rate beside that of
 // DGEMM, time per stage, memory.  Prints one JSON object.  One thread; processor times.
 #include <sys/resource.h>
-#include <time.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "benchmarks/timing.h"
 #include "scenes/scene.h"
 #include "solvers/constraint_system.h"
 #include "solvers/multifrontal_factor.h"
@@ -25,22 +25,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kStep = 1e-3;  ///< [s]
 
-double cpu_now() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 template <typename Function>
 double median_time(int times, Function&& function) {
   std::vector<double> taken;
-  for (int i = 0; i < times; ++i) {
-    const double start = cpu_now();
-    function();
-    taken.push_back(cpu_now() - start);
-  }
-  std::nth_element(taken.begin(), taken.begin() + times / 2, taken.end());
-  return taken[times / 2];
+  for (int i = 0; i < times; ++i) taken.push_back(benchmarks::cpu_seconds_of(function));
+  return benchmarks::median(std::move(taken));
 }
 
 /// Operations per second of a square product of 1024.

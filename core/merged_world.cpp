@@ -138,6 +138,11 @@ MassProperties without_round_off(double mass, Mat3 inertia) {
 
 }  // namespace
 
+Mat3 turned_inertia(const MassProperties& mass, const Quat& q) {
+  const Mat3 R = q.toRotationMatrix();
+  return R * mass.inertia_B() * R.transpose();
+}
+
 MergedWorld::MergedWorld(const World& source, double tolerance) : tolerance_(tolerance) {
   groups_ = merged_groups(source, tolerance);
   rebuild(source);
@@ -243,9 +248,8 @@ void MergedWorld::make_bodies(const World& source) {
       world_.fixed_[body.index] = true;
       const MassProperties& own = source.mass_properties(body);
       const Pose& X = carriers_->frames[body.index];
-      const Mat3 R = X.q.toRotationMatrix();
       mass += own.mass();
-      inertia += inertia_about(R * own.inertia_B() * R.transpose(), own.mass(), X.p);
+      inertia += inertia_about(turned_inertia(own, X.q), own.mass(), X.p);
     }
     if (group.fixed) continue;
     world_.fixed_[group.carrier.index] = false;
@@ -365,9 +369,8 @@ Pose MergedWorld::nearest_pose(const MergedGroup& group, const World& source) co
       const MassProperties& own = source.mass_properties(body);
       const Pose &X_WB = source.pose(body), &X_CB = carriers_->frames[body.index];
       const Vec3 arm = X.q * X_CB.p;
-      const Mat3 R = X_WB.q.toRotationMatrix();
       off += own.mass() * arm.cross(X_WB.p - X.p) +
-             R * own.inertia_B() * R.transpose() * log_so3(X_WB.q * (X.q * X_CB.q).conjugate());
+             turned_inertia(own, X_WB.q) * log_so3(X_WB.q * (X.q * X_CB.q).conjugate());
     }
     const Mat3 R = X.q.toRotationMatrix();
     const Vec3 turn = R * all.inertia_B().ldlt().solve(R.transpose() * off);
@@ -385,10 +388,9 @@ Twist MergedWorld::common_twist(const MergedGroup& group, const World& source) c
   for (BodyId body : group.members) {
     const MassProperties& own = source.mass_properties(body);
     const Twist& V = source.twist(body);
-    const Mat3 R = source.pose(body).q.toRotationMatrix();
+    const Pose& X_WB = source.pose(body);
     linear += own.mass() * V.v;
-    angular +=
-        (source.pose(body).p - X.p).cross(own.mass() * V.v) + R * own.inertia_B() * R.transpose() * V.w;
+    angular += (X_WB.p - X.p).cross(own.mass() * V.v) + turned_inertia(own, X_WB.q) * V.w;
   }
   const Mat3 R = X.q.toRotationMatrix();
   return {R * all.inertia_B().ldlt().solve(R.transpose() * angular), linear / all.mass()};

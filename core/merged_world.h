@@ -28,6 +28,9 @@ struct MergedGroup {
 ///   - a joint that can break has two of its bodies in it.
 std::vector<MergedGroup> merged_groups(const World& world, double tolerance);
 
+/// R I_B Rᵀ [kg m²]: about the centre of mass, in axes in which the body is turned by q.
+Mat3 turned_inertia(const MassProperties& mass, const Quat& q);
+
 /// A copy of a world, its source, in which each group is one rigid body: total mass, common centre of mass,
 /// inertia by the parallel-axis theorem.  Ids of bodies, joints, axes and shapes are those of the source.
 /// The body of a group is that with the id of its carrier; it has its frame at the common centre, in the axes

@@ -64,7 +64,7 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     if (met) last = outcome.residual;
     forcing = std::min(last, kForcing);
     const double enough = slow ? limits.most : limits.tolerance;
-    const bool held = open_rate(problem) <= kClosed * limits.rate_tolerance;
+    const bool held = holds_joints(problem.laws, problem.w, limits.rate_tolerance);
     const bool closed = held || outcome.rounds > kPatience;
     outcome.converged = finite && outcome.residual <= enough && closed;
     if (outcome.converged) return outcome;
@@ -332,12 +332,12 @@ void ContactNewton::search(const Problem& problem) {
   for (std::size_t r = 0; r < rates_.size(); ++r) rates_[r] += length * rates_of_step_[r];
 }
 
-/// The largest rate that an equality is off by.
-double ContactNewton::open_rate(const Problem& problem) const {
+bool ContactNewton::holds_joints(std::span<const RowLaw> laws, std::span<const double> w,
+                                 double rate_tolerance) const {
   double open = 0;
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
-    if (!problem.laws[r].bounded()) open = std::max(open, std::abs(problem.w[r] - target_[r]));
-  return open;
+    if (!laws[r].bounded()) open = std::max(open, std::abs(w[r] - laws[r].rate(1)));
+  return open <= kClosed * rate_tolerance;
 }
 
 /// The natural map at λ, with its w, over the size of impulses; infinite if λ is.  What is left of equalities

@@ -47,6 +47,9 @@ class ContactNewton {
                       std::span<double> lambda, std::span<double> w, const NewtonLimits& limits,
                       StageTimes& times);
 
+  /// The rates w meet the equalities of joints, to some times the tolerance of rates.
+  bool holds_joints(std::span<const RowLaw> laws, std::span<const double> w, double rate_tolerance) const;
+
  private:
   /// Σ over S_rr where nothing is lagged, at first.
   static constexpr double kNearRho = 1e-4;
@@ -86,7 +89,6 @@ class ContactNewton {
   void project_contact(const Problem& problem, int place);
   void project_disc(int place, int first, const Vec2& given);
   void turn_rows(int place, double mu, int first, const Vec2& direction);
-  double open_rate(const Problem& problem) const;
   double law_error(const Problem& problem, double rate_tolerance, int rounds) const;
 
   ConstraintSystem& system_;

@@ -40,6 +40,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       settings_(settings),
       breaking_(world, system.rows()),
       has_drivers_(system.rows().depends_on_time()),
+      has_split_flow_(any_split()),
       axes_(world, system.rows()),
       contacts_(world, settings),
       newton_(system),
@@ -143,8 +144,9 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   works_before_ = works_of(report);
   if (settings_.report_energy) {
     account_for_kick(h, report);
-    report.ledger.integration +=
-        spin_energy(kicked_, poses_, Bodies::kSplit) - spin_energy(kicked_, state_.poses, Bodies::kSplit);
+    if (has_split_flow_)
+      report.ledger.integration +=
+          spin_energy(kicked_, poses_, Bodies::kSplit) - spin_energy(kicked_, state_.poses, Bodies::kSplit);
   }
   if (bounded()) keep_first_kick();
 

@@ -157,7 +157,6 @@ class Rattle {
   bool solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
   bool solve_by_sweeps(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  double open_rate(std::span<const double> w) const;
   void report_inexactness(StepReport& report) const;
   bool stabilize_positions(double h, StepReport& report);
   bool stabilize_velocities(StepReport& report);
@@ -177,6 +176,7 @@ class Rattle {
   void update_step_limit(std::span<const double> force_multipliers);
   void prepare_stiffness(double h);
   void account_for_kick(double h, StepReport& report);
+  bool any_split() const;
   enum class Bodies { kAll, kSplit };
   double spin_energy(std::span<const Wrench> momenta, std::span<const Pose> poses, Bodies which) const;
   std::span<const double> kick_jacobian() const;
@@ -222,7 +222,7 @@ class Rattle {
   Breaking breaking_;
   std::vector<double> broken_states_;  // of rows, for the system without laws
   std::vector<Wrench> dissipative_;    // forces that are not conservative
-  bool has_drivers_ = false;
+  bool has_drivers_ = false, has_split_flow_ = false;
   Works works_before_;
 
   // With axes or contacts:

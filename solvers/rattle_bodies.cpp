@@ -21,9 +21,8 @@ constexpr double kNewtonRange = 1e-5;
 constexpr int kFewSteps = 8;
 /// Newton steps where those of the step before were not enough.
 constexpr int kStepsOfHardStages = 300;
-/// Sweeps of Gauss–Seidel where that was not enough, and how many times the tolerance joints may be off then.
+/// Sweeps of Gauss–Seidel where that was not enough.
 constexpr int kLastSweeps = 1000;
-constexpr double kClosed = 9;
 /// More solves of a stage, because friction let go or the load that it grows by has changed.
 constexpr int kMaxSolves = 40;
 
@@ -137,7 +136,7 @@ bool Rattle::solve_by_sweeps(std::span<double> lambda, double rate_tolerance, St
   held_.assign(lambda.begin(), lambda.end());
   (void)iteration_->solve(contacts_, laws_, delta_, lambda, w_, {.sweeps = kLastSweeps}, {});
   double residual = distance_from_laws(lambda, w_, rate_tolerance);
-  if (!(residual < best) || open_rate(w_) > kClosed * rate_tolerance) {
+  if (!(residual < best) || !newton_.holds_joints(laws_, w_, rate_tolerance)) {
     residual = best;
     std::copy(held_.begin(), held_.end(), lambda.begin());
     system_.multiply(lambda, w_);
@@ -150,14 +149,6 @@ bool Rattle::solve_by_sweeps(std::span<double> lambda, double rate_tolerance, St
   else
     report.complementarity_residual = std::max(report.complementarity_residual, residual);
   return true;
-}
-
-/// The largest rate that a joint is off by.
-double Rattle::open_rate(std::span<const double> w) const {
-  double open = 0;
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
-    if (!laws_[r].bounded()) open = std::max(open, std::abs(w[r] - laws_[r].rate(1)));
-  return open;
 }
 
 void Rattle::forget_contact_impulses() {

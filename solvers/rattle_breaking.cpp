@@ -85,6 +85,13 @@ void Rattle::account(std::span<const Wrench> from, std::span<const Wrench> to,
     if (system_.rows().row(r).store->depends_on_time()) report.driver_work += lambda[r] * velocity_rows_[r];
 }
 
+/// Some moving body has three different moments.
+bool Rattle::any_split() const {
+  for (int b = 0; b < system_.mass().size(); ++b)
+    if (!system_.mass()[b].fixed && system_.mass()[b].symmetry_axis < 0) return true;
+  return false;
+}
+
 /// Σ ½ Lᵀ I_W⁻¹ L of all bodies, or of those with three different moments, whose free flow is split and keeps
 /// it to the third order only.
 double Rattle::spin_energy(std::span<const Wrench> momenta, std::span<const Pose> poses, Bodies which) const {

@@ -20,11 +20,6 @@ Vector6 stacked(const Wrench& wrench) {
 }
 Wrench wrench_of(const Vector6& v) { return {v.head<3>(), v.tail<3>()}; }
 
-Mat3 world_inertia(const MassProperties& mass, const Pose& pose) {
-  const Mat3 R = pose.q.toRotationMatrix();
-  return R * mass.inertia_B() * R.transpose();
-}
-
 }  // namespace
 
 WeldLoads::WeldLoads(const World& source, const MergedWorld& merged)
@@ -102,7 +97,7 @@ void WeldLoads::solve_present(std::span<const Twist> accelerations, const Impuls
       const Vec3 arm = X.p - merged_.world().pose(group.carrier).p;
       const Twist own = group.fixed ? Twist{} : Twist{A.w, A.at(arm) + V.w.cross(V.w.cross(arm))};
       const MassProperties& mass = merged_.source_mass(body);
-      const Mat3 I = world_inertia(mass, X);
+      const Mat3 I = turned_inertia(mass, X.q);
       required_[body.index] = required_[body.index] +
                               Wrench{I * own.w + V.w.cross(I * V.w), mass.mass() * own.v} - laws_[body.index];
     }
@@ -155,11 +150,11 @@ void WeldLoads::balance(const MergedGroup& group) {
     sum.torque += F.torque + (state_.poses[body.index].p - X.p).cross(F.force);
   }
   const MassProperties& all = world.mass_properties(group.carrier);
-  const Vec3 turn = world_inertia(all, X).ldlt().solve(sum.torque), move = sum.force / all.mass();
+  const Vec3 turn = turned_inertia(all, X.q).ldlt().solve(sum.torque), move = sum.force / all.mass();
   for (BodyId body : group.members) {
     const MassProperties& own = merged_.source_mass(body);
     const Pose& at = state_.poses[body.index];
-    required_[body.index] = required_[body.index] - Wrench{world_inertia(own, at) * turn,
+    required_[body.index] = required_[body.index] - Wrench{turned_inertia(own, at.q) * turn,
                                                            own.mass() * (move + turn.cross(at.p - X.p))};
   }
 }
@@ -190,7 +185,7 @@ Matrix6 WeldLoads::inverse_mass(int body) const {
   Matrix6 inverse = Matrix6::Zero();
   if (!merged_.is_carried(BodyId{body})) return inverse;  // fixed
   const MassProperties& mass = merged_.source_mass(BodyId{body});
-  inverse.topLeftCorner<3, 3>() = world_inertia(mass, state_.poses[body]).inverse();
+  inverse.topLeftCorner<3, 3>() = turned_inertia(mass, state_.poses[body].q).inverse();
   inverse.bottomRightCorner<3, 3>().diagonal().setConstant(1 / mass.mass());
   return inverse;
 }

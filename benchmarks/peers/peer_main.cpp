@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/peers/peer.h"
+#include "benchmarks/timing.h"
 #include "core/diagnostics.h"
 #include "scenes/scene.h"
 
@@ -47,13 +48,6 @@ double cpu_now() {
 void use_one_blas_thread() {
   using SetThreads = void (*)(int);
   if (auto* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<SetThreads>(symbol)(1);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double peak_memory_mb() {
@@ -153,7 +147,8 @@ std::string simulate(Engine& engine, const Scene& scene, const Options& options,
   out["wall_per_simulated_s"] = wall / simulated;
   out["cpu_per_simulated_s"] = cpu / simulated;
   const std::size_t warm_up = std::min<std::size_t>(10, times.size() / 3);
-  out["cpu_per_step_s"] = median({times.begin() + static_cast<std::ptrdiff_t>(warm_up), times.end()});
+  out["cpu_per_step_s"] =
+      benchmarks::median({times.begin() + static_cast<std::ptrdiff_t>(warm_up), times.end()});
   return status;
 }
 

@@ -3,7 +3,7 @@
 
 /// Siconos: maximal coordinates, the Moreau–Jean scheme.  Methods: moreau (joints closed in velocities),
 /// projection (and then in positions, by dense LU); blocks (1: sparse blocks and MUMPS, 0: dense LU), theta,
-/// newton (iterations), ntol and, of the projection, tol.
+/// newton (iterations), ntol and, of the projection, tol and iters.
 namespace {
 
 using namespace taut;
@@ -25,30 +25,17 @@ SiconosSettings settings_of(const System& system, const Method& method, double d
   return out;
 }
 
-class SiconosEngine final : public Engine {
+class SiconosEngine final : public PlainEngine<SiconosMechanism> {
  public:
   SiconosEngine(const System& system, const Method& method, double dt)
-      : mechanism_(plain(system), settings_of(system, method, dt)) {}
-
-  void step() override {
-    try {
-      mechanism_.step();
-      if (const int error = mechanism_.solver_error(); error != 0)
-        trouble_ = std::string("diverged: solver error ").append(std::to_string(error));
-    } catch (const std::exception& error) {
-      trouble_ = std::string("diverged: ").append(error.what()).substr(0, 160);
-    }
-  }
-  std::string trouble() const override { return trouble_; }
-  void read(State& state) override {
-    mechanism_.read(bodies_);
-    set_motion(bodies_, state);
-  }
+      : PlainEngine(system, settings_of(system, method, dt)) {}
 
  private:
-  std::string trouble_;
-  SiconosMechanism mechanism_;
-  std::vector<PlainMotion> bodies_;
+  void advance() override {
+    mechanism_.step();
+    if (const int error = mechanism_.solver_error(); error != 0)
+      trouble_ = std::string("diverged: solver error ").append(std::to_string(error));
+  }
 };
 
 }  // namespace

@@ -13,30 +13,16 @@ SimbodySettings settings_of(const Method& method, double dt) {
   return {method.name == "euler", method.get("acc", 1e-3), method.get("ctol", 0), dt};
 }
 
-class SimbodyEngine final : public Engine {
+class SimbodyEngine final : public PlainEngine<SimbodyMechanism> {
  public:
   SimbodyEngine(const System& system, const Method& method, double dt)
-      : dt_(dt), mechanism_(plain(system), settings_of(method, dt)) {}
-
-  void step() override {
-    try {
-      mechanism_.step_to(++steps_ * dt_);
-    } catch (const std::exception& error) {
-      trouble_ = std::string("diverged: ").append(error.what()).substr(0, 160);
-    }
-  }
-  std::string trouble() const override { return trouble_; }
-  void read(State& state) override {
-    mechanism_.read(bodies_);
-    set_motion(bodies_, state);
-  }
+      : PlainEngine(system, settings_of(method, dt)), dt_(dt) {}
 
  private:
+  void advance() override { mechanism_.step_to(++steps_ * dt_); }
+
   double dt_;
   int steps_ = 0;
-  std::string trouble_;
-  SimbodyMechanism mechanism_;
-  std::vector<PlainMotion> bodies_;
 };
 
 }  // namespace

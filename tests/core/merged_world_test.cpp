@@ -13,18 +13,12 @@ namespace {
 
 using testing::expect_invalid;
 using testing::Random;
+using testing::random_mass;
 using testing::WorldRowsChecker;
 
 constexpr double kTolerance = 1e-10;
 /// Sums of some ten products of numbers of order one, in another order.
 constexpr double kRoundOff = 1e-12;
-
-MassProperties random_mass(Random& random) {
-  const Vec3 size(random.uniform(0.3, 1), random.uniform(0.3, 1), random.uniform(0.3, 1));
-  const MassProperties box = MassProperties::box(size, random.uniform(0.5, 2));
-  const Mat3 R = random.rotation().toRotationMatrix();
-  return {box.mass(), Mat3(R * box.inertia_B() * R.transpose())};
-}
 
 /// Three welded pairs a1–a2, b1–b2, c1–c2 in random poses, and a post that is welded to the ground.
 struct Pairs {

@@ -6,17 +6,14 @@
 #include "core/diagnostics.h"
 #include "core/joints.h"
 #include "solvers/simulator.h"
+#include "tests/solvers/merging.h"
 
 namespace taut {
 namespace {
 
 constexpr double kG = 9.81;
 
-Settings merging() {
-  Settings settings;
-  settings.merge_fixed_joints = true;
-  return settings;
-}
+using testing::merging;
 
 /// Two boxes of 1 kg welded to each other below a ball joint.
 struct Hanging {

@@ -6,7 +6,8 @@
 #include "core/joints.h"
 #include "solvers/simulator.h"
 #include "tests/core/expect_invalid.h"
-#include "tests/core/random_state.h"
+#include "tests/core/random_mass.h"
+#include "tests/solvers/merging.h"
 
 // Bodies merged at their fixed joints move as they do with the joints solved.
 //
@@ -16,26 +17,10 @@ namespace taut {
 namespace {
 
 using testing::expect_invalid;
+using testing::merging;
 using testing::Random;
-
-Settings merging(Integrator integrator = Integrator::kRattle) {
-  Settings settings;
-  settings.integrator = integrator;
-  settings.merge_fixed_joints = true;
-  return settings;
-}
-Settings solving(Integrator integrator = Integrator::kRattle) {
-  Settings settings = merging(integrator);
-  settings.merge_fixed_joints = false;
-  return settings;
-}
-
-MassProperties random_mass(Random& random) {
-  const Vec3 size(random.uniform(0.3, 1), random.uniform(0.3, 1), random.uniform(0.3, 1));
-  const MassProperties box = MassProperties::box(size, random.uniform(0.5, 2));
-  const Mat3 R = random.rotation().toRotationMatrix();
-  return {box.mass(), Mat3(R * box.inertia_B() * R.transpose())};
-}
+using testing::random_mass;
+using testing::solving;
 
 /// Bodies that are joined to an earlier one each, by a weld or another joint; some groups have loops of
 /// welds.

@@ -4,25 +4,17 @@
 
 #include "core/joints.h"
 #include "solvers/simulator.h"
-#include "tests/core/random_state.h"
+#include "tests/core/random_mass.h"
+#include "tests/solvers/merging.h"
 
 // What fixed joints bear whose bodies move as one.
 namespace taut {
 namespace {
 
+using testing::merging;
 using testing::Random;
-
-Settings merging(Integrator integrator = Integrator::kRattle) {
-  Settings settings;
-  settings.integrator = integrator;
-  settings.merge_fixed_joints = true;
-  return settings;
-}
-Settings solving(Integrator integrator = Integrator::kRattle) {
-  Settings settings = merging(integrator);
-  settings.merge_fixed_joints = false;
-  return settings;
-}
+using testing::random_mass;
+using testing::solving;
 
 void expect_near(const Reaction& got, const Vec3& force, const Vec3& torque, double tolerance) {
   EXPECT_LT((got.force - force).norm(), tolerance) << got.force.transpose() << " / " << force.transpose();
@@ -94,13 +86,6 @@ TEST(MergedReactions, OfATurningDumbbellAreCentripetal) {
   const Reaction mean = simulator.mean_reaction(to_right);
   EXPECT_NEAR(mean.force.norm(), pull, 1e-3 * pull);
   EXPECT_LT(mean.torque.norm(), 1e-3 * pull);
-}
-
-MassProperties random_mass(Random& random) {
-  const Vec3 size(random.uniform(0.3, 1), random.uniform(0.3, 1), random.uniform(0.3, 1));
-  const MassProperties box = MassProperties::box(size, random.uniform(0.5, 2));
-  const Mat3 R = random.rotation().toRotationMatrix();
-  return {box.mass(), Mat3(R * box.inertia_B() * R.transpose())};
 }
 
 /// Two groups with a hinge between them that hang from a ball joint, pulled at by a spring; with loops of

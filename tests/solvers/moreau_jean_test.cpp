@@ -342,19 +342,30 @@ TEST(MoreauJean, KeepsTheEnergyOfASpringWithThetaOneHalfAndTakesItWithMore) {
   EXPECT_NEAR(spring_energy(1), std::pow(1.01, -1000), 1e-6);
 }
 
+struct Sliders {
+  std::vector<BodyId> blocks;
+  std::vector<AxisId> axes;
+};
+
+/// Blocks of 2 kg beside each other that slide along x.
+Sliders three_sliders(World& world) {
+  Sliders sliders;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 p(0, i, 0);
+    sliders.blocks.push_back(world.add_body({.name = numbered("block", i),
+                                             .mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), 2),
+                                             .pose = {.p = p}}));
+    const JointId joint =
+        world.add(numbered("slide", i), Slider::at(world, kGround, sliders.blocks[i], p, Vec3::UnitX()));
+    sliders.axes.push_back(world.axis(joint, "displacement"));
+  }
+  return sliders;
+}
+
 TEST(MoreauJean, AxesHaveFrictionLimitsAndMotors) {
   World world;
   world.set_gravity(Vec3::Zero());
-  std::vector<BodyId> blocks;
-  std::vector<AxisId> axes;
-  for (int i = 0; i < 3; ++i) {
-    blocks.push_back(world.add_body({.name = numbered("block", i),
-                                     .mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), 2),
-                                     .pose = {.p = Vec3(0, i, 0)}}));
-    const JointId joint =
-        world.add(numbered("slide", i), Slider::at(world, kGround, blocks[i], Vec3(0, i, 0), Vec3::UnitX()));
-    axes.push_back(world.axis(joint, "displacement"));
-  }
+  const auto [blocks, axes] = three_sliders(world);
   world.set_friction(axes[0], AxisFriction{.static_friction = 3, .dynamic_friction = 3});
   world.set_twist(blocks[0], {Vec3::Zero(), Vec3(1.5, 0, 0)});
   world.set_limits(axes[1], AxisLimits{.lower = -1, .upper = 0.5, .restitution = 0.4});
@@ -374,16 +385,7 @@ TEST(MoreauJean, AxesHaveFrictionLimitsAndMotors) {
 
 TEST(MoreauJean, DampersMotorsDriversAndSoftJointsFollowTheirClosedForms) {
   World world;
-  std::vector<BodyId> blocks;
-  std::vector<AxisId> axes;
-  for (int i = 0; i < 3; ++i) {
-    blocks.push_back(world.add_body({.name = numbered("block", i),
-                                     .mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), 2),
-                                     .pose = {.p = Vec3(0, i, 0)}}));
-    const JointId joint =
-        world.add(numbered("slide", i), Slider::at(world, kGround, blocks[i], Vec3(0, i, 0), Vec3::UnitX()));
-    axes.push_back(world.axis(joint, "displacement"));
-  }
+  const auto [blocks, axes] = three_sliders(world);
   world.set_spring(axes[0], AxisSpring{.stiffness = 0, .damping = 5});
   world.set_twist(blocks[0], {Vec3::Zero(), Vec3(1, 0, 0)});
   world.set_motor(axes[1], AxisMotor{.mode = AxisMotor::Mode::kPosition, .target = 0.3, .max_speed = 0.5});
