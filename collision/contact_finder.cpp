@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <thread>
 
@@ -86,8 +87,8 @@ bool ContactFinder::Impl::knows(const World& world) const {
     const ShapeRecord& record = world.shape({i});
     const Item& item = items[i];
     const Role role = item.geometry->kind == Geometry::Kind::kHalfSpace ? Role::kNone
-                      : world.is_fixed(record.body)                     ? Role::kFixed
-                                                                        : Role::kMoving;
+                      : world.moves(record.body)                        ? Role::kMoving
+                                                                        : Role::kFixed;
     if (item.shape != record.shape || item.body != record.body.index || item.X_BS.p != record.pose.p ||
         item.X_BS.q.coeffs() != record.pose.q.coeffs() || roles[i] != role)
       return false;
@@ -108,8 +109,8 @@ void ContactFinder::Impl::learn(const World& world) {
     items.push_back(
         {record.shape, geometry, record.body.index, record.pose, record.pose.p.norm() + geometry->extent});
     roles.push_back(geometry->kind == Geometry::Kind::kHalfSpace ? Role::kNone
-                    : world.is_fixed(record.body)                ? Role::kFixed
-                                                                 : Role::kMoving);
+                    : world.moves(record.body)                   ? Role::kMoving
+                                                                 : Role::kFixed);
   }
   geometries = std::move(needed);
 }
@@ -119,7 +120,7 @@ void ContactFinder::Impl::place(const State& state, double horizon) {
   const int count = static_cast<int>(items.size());
   poses.resize(items.size());
   bounds.resize(items.size());
-  pool.run((count + kShapesPerTask - 1) / kShapesPerTask, [&](int task, int) {
+  const auto place_some = [&](int task, int) {
     const int end = std::min(count, (task + 1) * kShapesPerTask);
     for (int i = task * kShapesPerTask; i < end; ++i) {
       const Item& item = items[i];
@@ -130,7 +131,8 @@ void ContactFinder::Impl::place(const State& state, double horizon) {
       const Vec3 pad = Vec3::Constant(0.5 * settings.margin + speed(item, state) * horizon);
       bounds[i].low -= pad, bounds[i].high += pad;
     }
-  });
+  };
+  pool.run((count + kShapesPerTask - 1) / kShapesPerTask, std::cref(place_some));
 }
 
 void ContactFinder::Impl::find_pairs(const World& world, const State& state, double horizon) {
@@ -142,6 +144,7 @@ void ContactFinder::Impl::find_pairs(const World& world, const State& state, dou
     const Vec3 up = poses[h].q * Vec3::UnitZ();
     for (int i = 0; i < count; ++i) {
       if (i == h || (roles[i] == Role::kNone && i < h)) continue;
+      if (!world.moves({items[i].body}) && !world.moves({items[h].body})) continue;
       const double reach = items[i].geometry->extent + settings.margin +
                            (speed(items[i], state) + state.twists[items[h].body].v.norm()) * horizon;
       // A half-space that turns sweeps everything; its pairs are judged one by one.
@@ -244,7 +247,9 @@ const std::vector<Contact>& ContactFinder::find(const World& world, const State&
   start = Clock::now();
   const int tasks = static_cast<int>((own.pairs.size() + kPairsPerTask - 1) / kPairsPerTask);
   if (own.results.size() < static_cast<std::size_t>(tasks)) own.results.resize(tasks);
-  own.pool.run(tasks, [&](int task, int worker) { own.find_in_task(task, worker, state, horizon); });
+  const auto find_some = [&](int task, int worker) { own.find_in_task(task, worker, state, horizon); };
+  own.pool.run(tasks,
+               std::cref(find_some));  // by reference: a function object of this size would be allocated
   own.before.swap(own.contacts);
   own.contacts.clear();
   own.report.shapes = world.shape_count();

@@ -159,6 +159,7 @@ bool MergedWorld::update(const World& source) {
     if (!rebuilt) take_properties(source);
   }
   const bool moved = state_seen_ != source.state_version_;
+  if (!rebuilt) take_stirs(source);
   if (rebuilt) {
     groups_ = merged_groups(source, tolerance_);
     rebuild(source);
@@ -190,13 +191,16 @@ bool MergedWorld::is_behind(const World& source) const {
 /// new one here.
 void MergedWorld::rebuild(const World& source) {
   const int topology = world_.topology_version_, geometry = world_.geometry_version_,
-            state = world_.state_version_, axes = world_.axis_version_;
+            state = world_.state_version_, axes = world_.axis_version_, sleep = world_.sleep_version_;
   const bool moved = state_seen_ != source.state_version_;
   world_ = source;
   source_masses_ = source.masses_;
   source_fixed_ = source.fixed_;
   world_.topology_version_ = topology + 1, world_.geometry_version_ = geometry + 1;
   world_.state_version_ = state + moved, world_.axis_version_ = axes + 1;
+  world_.sleep_version_ = sleep + 1;
+  stirs_seen_ = source.stirs_;
+  stir_version_seen_ = source.stir_version_;
   place_frames(source);
   make_bodies(source);
   make_joints(source);
@@ -246,6 +250,7 @@ void MergedWorld::make_bodies(const World& source) {
     Mat3 inertia = Mat3::Zero();
     for (BodyId body : group.members) {
       world_.fixed_[body.index] = true;
+      world_.asleep_[body.index] = false;
       const MassProperties& own = source.mass_properties(body);
       const Pose& X = carriers_->frames[body.index];
       mass += own.mass();
@@ -253,8 +258,12 @@ void MergedWorld::make_bodies(const World& source) {
     }
     if (group.fixed) continue;
     world_.fixed_[group.carrier.index] = false;
+    world_.asleep_[group.carrier.index] = std::all_of(group.members.begin(), group.members.end(),
+                                                      [&](BodyId b) { return source.is_asleep(b); });
     world_.masses_[group.carrier.index] = without_round_off(mass, 0.5 * (inertia + inertia.transpose()));
   }
+  world_.asleep_count_ =
+      static_cast<int>(std::count(world_.asleep_.begin(), world_.asleep_.end(), char(true)));
   world_.moving_count_ =
       static_cast<int>(std::count(world_.fixed_.begin(), world_.fixed_.end(), char(false)));
 }
@@ -330,6 +339,28 @@ void MergedWorld::make_forces(const World& source) {
   // What they come to is that of the source: the flags of the copy hold.
   world_.velocity_forces_ = source.velocity_forces_;
   world_.dissipative_forces_ = source.dissipative_forces_;
+}
+
+/// What is woken in the source wakes its carrier.
+void MergedWorld::take_stirs(const World& source) {
+  if (stir_version_seen_ == source.stir_version_) return;
+  for (int b = 0; b < source.body_count(); ++b)
+    if (stirs_seen_[b] != source.stirs_[b]) world_.wake(carriers_->bodies[b]);
+  stirs_seen_ = source.stirs_;
+  stir_version_seen_ = source.stir_version_;
+}
+
+void MergedWorld::give_sleep(World& source) const {
+  bool changed = false;
+  for (int b = 0; b < source.body_count(); ++b) {
+    const char asleep = world_.asleep_[carriers_->bodies[b].index] && !source.fixed_[b];
+    changed = changed || asleep != source.asleep_[b];
+    source.asleep_[b] = asleep;
+  }
+  if (!changed) return;
+  source.asleep_count_ =
+      static_cast<int>(std::count(source.asleep_.begin(), source.asleep_.end(), char(true)));
+  ++source.sleep_version_;
 }
 
 void MergedWorld::take_properties(const World& source) {

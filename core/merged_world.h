@@ -57,6 +57,8 @@ class MergedWorld {
   bool update(const World& source);
   /// update() would change anything.
   bool is_behind(const World& source) const;
+  /// Members sleep if their carrier does.
+  void give_sleep(World& source) const;
   /// The source has the state of world() now; update() need not look at it.
   void note_state(const World& source) { state_seen_ = source.state_version(); }
   /// State of the source for one of world().
@@ -75,6 +77,7 @@ class MergedWorld {
   void make_forces(const World& source);
   void take_properties(const World& source);
   void take_state(const World& source);
+  void take_stirs(const World& source);
   Pose nearest_pose(const MergedGroup& group, const World& source) const;
   Twist common_twist(const MergedGroup& group, const World& source) const;
 
@@ -85,8 +88,10 @@ class MergedWorld {
   std::vector<char> carried_;  // members
   std::vector<MassProperties> source_masses_;
   std::vector<char> source_fixed_;
+  std::vector<int> stirs_seen_;
   std::vector<std::shared_ptr<const Force>> source_laws_;
-  int topology_seen_ = -1, geometry_seen_ = -1, state_seen_ = -1, axes_seen_ = -1, properties_seen_ = -1;
+  int topology_seen_ = -1, geometry_seen_ = -1, state_seen_ = -1, axes_seen_ = -1, properties_seen_ = -1,
+      stir_version_seen_ = -1;
 };
 
 }  // namespace taut

@@ -5,6 +5,14 @@
 #include "core/world.h"
 
 namespace taut {
+namespace {
+
+bool moves(const World& world, const Joint& joint) {
+  const std::span<const BodyId> bodies = joint.bodies();
+  return std::any_of(bodies.begin(), bodies.end(), [&](BodyId body) { return world.moves(body); });
+}
+
+}  // namespace
 
 std::vector<int> detail::body_indices(const Joint* joint) {
   std::vector<int> indices;
@@ -50,9 +58,9 @@ void Rows::append_axis_row(AxisId axis, int index) {
   axis_rows_.push_back({static_cast<int>(rows_.size()) - 1, axis, index});
 }
 
-void Rows::append_joint(const World& world, int j, AxisRows axis_rows) {
+void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints joints) {
   const Joint& joint = world.joint(JointId{j});
-  if (!world.is_attached(JointId{j})) {
+  if (!world.is_attached(JointId{j}) || (joints == Joints::kMoving && !moves(world, joint))) {
     joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0});
     return;
   }
@@ -111,11 +119,11 @@ void Rows::set_contact(int k, const row_parts::ContactPoint& point) {
   if (contacts_[k].twist >= 0) contact_twists_->items[contacts_[k].twist].part.frame = point.frame;
 }
 
-Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace> contacts) {
+Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace> contacts, Joints joints) {
   const std::size_t count = world.joint_count() + contacts.size();
   joints_.reserve(count);
   sides_.reserve(2 * count);
-  for (int j = 0; j < world.joint_count(); ++j) append_joint(world, j, axis_rows);
+  for (int j = 0; j < world.joint_count(); ++j) append_joint(world, j, axis_rows, joints);
   first_contact_row_ = row_count();
   for (const ContactPlace& place : contacts) append_contact(place);
 

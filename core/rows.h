@@ -173,6 +173,10 @@ class Rows {
     int index = 0;  ///< of θ in State::axes; negative for a softened row
   };
   enum class AxisRows { kIncluded, kLeftOut };
+  enum class Joints {
+    kAll,     ///< that are attached
+    kMoving,  ///< … and have a body that moves (World::moves())
+  };
   /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more
   /// (spin, two of rolling).
   struct ContactPlace {
@@ -182,7 +186,7 @@ class Rows {
   };
 
   explicit Rows(const World& world, AxisRows axis_rows = AxisRows::kIncluded,
-                std::span<const ContactPlace> contacts = {});
+                std::span<const ContactPlace> contacts = {}, Joints joints = Joints::kAll);
 
   int row_count() const { return static_cast<int>(rows_.size()); }
   int jacobian_size() const { return jacobian_size_; }
@@ -251,7 +255,7 @@ class Rows {
   template <typename Part>
   void append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index = -1);
   void append_axis_row(AxisId axis, int index);
-  void append_joint(const World& world, int j, AxisRows axis_rows);
+  void append_joint(const World& world, int j, AxisRows axis_rows, Joints joints);
   void append_contact(const ContactPlace& place);
   void clear_blocks(int joint);
   void note_axes(const detail::PartStoreBase* store);

@@ -53,6 +53,8 @@ BodyId World::add_body(BodySpec spec) {
   body_names_.push_back(register_name(body_of_name_, std::move(spec.name), "body", index));
   masses_.push_back(spec.mass);
   fixed_.push_back(spec.fixed);
+  asleep_.push_back(false);
+  stirs_.push_back(0);
   moving_count_ += !spec.fixed;
   spec.pose.q.normalize();
   state_.poses.push_back(spec.pose);
@@ -102,6 +104,7 @@ JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
   axis_start_.push_back(static_cast<int>(axes_.size()));
   note_jointed_bodies(*joint);
   joints_.push_back(std::move(joint));
+  wake_bodies_of({index});
   ++topology_version_;
   return {index};
 }
@@ -116,6 +119,7 @@ ForceId World::add_force(std::shared_ptr<const Force> force) {
   check_force(force.get());
   velocity_forces_ = velocity_forces_ || force->depends_on_velocity();
   dissipative_forces_ = dissipative_forces_ || !force->conservative();
+  wake_or_all(force->bodies());
   forces_.push_back(std::move(force));
   ++state_version_;
   return {force_count() - 1};
@@ -124,6 +128,8 @@ ForceId World::add_force(std::shared_ptr<const Force> force) {
 void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
   const int index = checked(id);
   check_force(force.get());
+  wake_or_all(forces_[index]->bodies());
+  wake_or_all(force->bodies());
   forces_[index] = std::move(force);
   velocity_forces_ =
       std::any_of(forces_.begin(), forces_.end(), [](const auto& f) { return f->depends_on_velocity(); });
@@ -135,6 +141,7 @@ void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
 void World::set_gravity(const Vec3& gravity) {
   require_all_finite("gravity", gravity);
   gravity_ = gravity;
+  wake_all();
   ++state_version_;
 }
 
@@ -155,12 +162,14 @@ void World::set_pose(BodyId id, const Pose& pose) {
   if (id == kGround) fail("pose of ground", "cannot be changed", pose.p.transpose());
   state_.poses[id.index] = pose;
   state_.poses[id.index].q.normalize();
+  is_fixed(id) ? wake_all() : wake(id);
   ++state_version_;
 }
 
 void World::set_twist(BodyId id, const Twist& twist) {
   check_twist(name(id), twist, is_fixed(id));
   state_.twists[id.index] = twist;
+  wake(id);
   ++state_version_;
 }
 
@@ -188,6 +197,7 @@ void World::set_state(const State& state) {
     check_pose(body_names_[b], X);
     check_twist(body_names_[b], V, fixed_[b]);
   }
+  if (asleep_count_ > 0) wake_moved(state);
   state_ = state;
   ++state_version_;
 }

@@ -202,6 +202,21 @@ class World {
 
   void set_time(double time);
 
+  // Sleep (world_sleep.cpp): a simulator that is asked to (Settings::sleep) lets groups of bodies that have
+  // come to rest stay where they are, at no cost, until something wakes them.
+
+  bool is_asleep(BodyId id) const { return asleep_[checked(id)]; }
+  int asleep_count() const { return asleep_count_; }
+  /// Counts how often a body was woken, asleep or not: its rest, if any, begins anew.
+  int stirs(BodyId id) const { return stirs_[checked(id)]; }
+  /// Neither fixed nor asleep.
+  bool moves(BodyId id) const { return !fixed_[checked(id)] && !asleep_[id.index]; }
+  /// The body moves again, and with the next step all that fell asleep together with it.  What is set on a
+  /// body, a joint of it or an axis of these wakes it without being asked; gravity, a force law that does not
+  /// say on which bodies it acts, and what is set on a fixed body wake all.
+  void wake(BodyId id);
+  void wake_all();
+
   /// Sum of gravity and all force laws on each body, about its centre of mass, world axes.  Fixed bodies get
   /// what the laws put on them.  `wrenches` has body_count() entries [N·m, N] and is overwritten.
   void forces(const State& state, std::span<Wrench> wrenches) const;
@@ -229,6 +244,8 @@ class World {
   /// Changes whenever the strength of a joint, a material or who may collide is set, which solvers ask for
   /// each time; only what works on a changed copy of the world needs it.
   int property_version() const { return property_version_; }
+  /// Changes whenever a body falls asleep or wakes; solvers rebuild their pattern then.
+  int sleep_version() const { return sleep_version_; }
 
  private:
   int checked(BodyId id) const;
@@ -254,10 +271,17 @@ class World {
   void set_property(AxisId id, std::optional<Property> AxisProperties::*member,
                     std::optional<Property> value);
 
+  void put_to_sleep(BodyId id);
+  void wake_or_all(const std::vector<BodyId>& bodies);
+  void wake_bodies_of(JointId joint);
+  void wake_moved(const State& state);
+
   friend class Rows;
   friend class MergedWorld;
+  friend class Sleep;
   std::vector<MassProperties> masses_;
-  std::vector<char> fixed_;
+  std::vector<char> fixed_, asleep_;
+  std::vector<int> stirs_;
   std::vector<std::string> body_names_, joint_names_;
   std::unordered_map<std::string, int> body_of_name_, joint_of_name_;
   std::vector<std::shared_ptr<const Joint>> joints_;
@@ -271,8 +295,9 @@ class World {
   std::map<int, SoftJoint> soft_;  // by joint index
   std::set<int> detached_;
   bool velocity_forces_ = false, dissipative_forces_ = false;
-  int moving_count_ = 0;
-  int topology_version_ = 0, state_version_ = 0, axis_version_ = 0, property_version_ = 0;
+  int moving_count_ = 0, asleep_count_ = 0;
+  int topology_version_ = 0, state_version_ = 0, axis_version_ = 0, property_version_ = 0, sleep_version_ = 0,
+      stir_version_ = 0;
 
   // Shapes (world_shapes.cpp).  Pairs are stored smaller index first.
   std::vector<ShapeRecord> shapes_;

@@ -42,6 +42,7 @@ void World::set_property(AxisId id, std::optional<Property> AxisProperties::*mem
   if (value) check_axis(axis_label(id), *value);
   const bool before = properties.any();
   properties.*member = std::move(value);
+  wake_bodies_of(id.joint);
   if (properties.any() != before) ++topology_version_;
   ++axis_version_;
 }
@@ -74,6 +75,7 @@ void World::set_motor_target(AxisId id, double target) {
   if (properties.motor->mode == AxisMotor::Mode::kTrajectory)
     fail("motor target of " + axis_label(id), "the motor follows a trajectory", target);
   if (!std::isfinite(target)) fail("motor target of " + axis_label(id), "must be finite", target);
+  if (properties.motor->target != target) wake_bodies_of(id.joint);
   properties.motor->target = target;
   ++axis_version_;
 }
@@ -103,6 +105,7 @@ void World::set_axis_turns(AxisId id, double value) {
   if (!std::isfinite(value)) fail("value of " + axis_label(id), "must be finite", value);
   state_.axes[index] = value;
   state_.axes[index] = axis_value(id);
+  wake_bodies_of(id.joint);
   ++state_version_;
 }
 

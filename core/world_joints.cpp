@@ -18,6 +18,7 @@ void World::set_break(JointId id, std::optional<BreakLimits> limits) {
     breakable_.erase(place);
   else if (limits)
     breakable_.insert(place, {id, *limits});
+  wake_bodies_of(id);
   ++property_version_;
 }
 
@@ -39,6 +40,7 @@ void World::set_compliance(JointId id, std::optional<JointCompliance> compliance
     made.append_rows(sink);
     soft_.emplace(id.index, std::move(soft));
   }
+  wake_bodies_of(id);
   if (before != after) ++topology_version_;
   ++axis_version_;
 }
@@ -87,6 +89,7 @@ double World::potential_energy_of(JointId id, const State& state) const {
 void World::detach(JointId id) {
   if (!is_attached(id)) return;
   detached_.insert(id.index);
+  wake_bodies_of(id);
   for (int j = 0; j < joint_count(); ++j) {  // what couples its axes goes with it
     const std::vector<JointId> couples = joints_[j]->couples();
     if (std::find(couples.begin(), couples.end(), id) != couples.end()) detach({j});
@@ -100,6 +103,7 @@ void World::attach(JointId id) {
   for (JointId other : joint(id).couples())
     if (!is_attached(other)) fail("joint " + name(id), "couples an axis of a detached joint", name(other));
   detached_.erase(id.index);
+  wake_bodies_of(id);
   find_jointed_bodies();
   ++topology_version_;
 }

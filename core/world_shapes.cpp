@@ -40,6 +40,7 @@ ShapeId World::add_shape(BodyId body, std::shared_ptr<const Shape> shape, const 
   Pose X_BS = pose;
   X_BS.q.normalize();
   shapes_.push_back({body, std::move(shape), X_BS, material, filter, {}, body});
+  is_fixed(body) ? wake_all() : wake(body);
   ++geometry_version_;
   return {shape_count() - 1};
 }
@@ -48,12 +49,14 @@ void World::set_material(ShapeId id, const Material& material) {
   check_material(material);
   shapes_[checked(id)].material = material;
   shapes_[checked(id)].named = {};
+  wake_all();
   ++property_version_;
 }
 
 void World::set_material(ShapeId id, MaterialId material) {
   shapes_[checked(id)].material = this->material(material);
   shapes_[checked(id)].named = material;
+  wake_all();
   ++property_version_;
 }
 
@@ -78,6 +81,7 @@ void World::set_contact_material(MaterialId a, MaterialId b, const Material& mat
   checked(a), checked(b);
   check_material(material);
   material_pairs_[ordered(a, b)] = material;
+  wake_all();
   ++property_version_;
 }
 
@@ -85,6 +89,7 @@ void World::set_contact_material(ShapeId a, ShapeId b, const Material& material)
   checked(a), checked(b);
   check_material(material);
   contact_materials_[ordered(a, b)] = material;
+  wake_all();
   ++property_version_;
 }
 
@@ -102,6 +107,7 @@ void World::set_collision(BodyId a, BodyId b, bool may_collide) {
   checked(a), checked(b);
   if (a == b) fail("collision of " + name(a), "a body cannot collide with itself", name(b));
   collisions_[ordered(a, b)] = may_collide;
+  wake(a), wake(b);
   ++property_version_;
 }
 

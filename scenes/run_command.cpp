@@ -118,6 +118,7 @@ Scene prepared_scene(const RunOptions& options) {
   if (options.iterations) scene.settings.iterations = *options.iterations;
   if (options.relaxation) scene.settings.relaxation = *options.relaxation;
   if (options.theta) scene.settings.theta = *options.theta;
+  if (options.sleep) scene.settings.sleep = true;
   if (options.merge_fixed_joints) scene.settings.merge_fixed_joints = true;
   return scene;
 }

@@ -27,7 +27,7 @@ struct RunOptions {
   std::optional<int> iterations;
   std::optional<double> relaxation;
   std::optional<double> theta;
-  bool merge_fixed_joints = false;                             ///< also if the scene does not say so
+  bool sleep = false, merge_fixed_joints = false;              ///< also if the scene does not say so
   std::string report_file, csv_file, poses_file, record_file;  ///< empty: none
   double poses_interval = 0;                                   ///< [s]; 0: every step
   ExportFiles exports;            ///< made from the recording; its csv is not used

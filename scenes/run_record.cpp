@@ -52,6 +52,7 @@ void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, do
 
   ++steps;
   inexact_steps += !report.ok();
+  asleep = report.asleep;
   step_times.push_back(seconds);
   simulated_time = report.time - start_time;
   max_rank_deficiency = std::max(max_rank_deficiency, report.rank_deficiency);

@@ -39,6 +39,7 @@ struct RunRecord {
   double final_penetration = 0;             ///< of the last step [m]
   double max_complementarity_residual = 0;  ///< largest over all steps, relative
   std::int64_t inexact_steps = 0;           ///< whose laws were not met to 1e-8
+  int asleep = 0;                           ///< bodies, at the end
   std::int64_t pivots = 0, contact_iterations = 0;
 
   double initial_energy = 0, final_energy = 0, energy_scale = 0;  ///< [J]

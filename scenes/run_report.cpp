@@ -100,6 +100,7 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
   report["final_penetration_m"] = r.final_penetration;
   report["max_complementarity_residual"] = r.max_complementarity_residual;
   report["inexact_steps"] = r.inexact_steps;
+  report["asleep"] = r.asleep;
   report["pivots"] = r.pivots;
   report["contact_iterations"] = r.contact_iterations;
   report["energy"] = {{"initial", r.initial_energy},

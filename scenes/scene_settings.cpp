@@ -38,6 +38,9 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   number("contact_margin", &JsonNode::not_negative, s.contact_margin);
   number("resting_speed", &JsonNode::not_negative, s.resting_speed);
   number("inexact_tolerance", &JsonNode::not_negative, s.inexact_tolerance);
+  s.sleep = object.get("sleep", &JsonNode::boolean, s.sleep);
+  number("sleep_speed", &JsonNode::positive, s.sleep_speed);
+  number("sleep_time", &JsonNode::not_negative, s.sleep_time);
   s.merge_fixed_joints = object.get("merge_fixed_joints", &JsonNode::boolean, s.merge_fixed_joints);
   s.report_energy = object.get("report_energy", &JsonNode::boolean, s.report_energy);
   object.reject_unknown_keys();

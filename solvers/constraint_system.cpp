@@ -40,7 +40,11 @@ std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& or
 
 ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance,
                                    Rows::AxisRows axis_rows)
-    : choice_(choice), axis_rows_(axis_rows), rows_(world, axis_rows), mass_(world), tolerance_(tolerance) {
+    : choice_(choice),
+      axis_rows_(axis_rows),
+      rows_(world, axis_rows, {}, Rows::Joints::kMoving),
+      mass_(world),
+      tolerance_(tolerance) {
   for (const Rows::AxisRow& row : rows_.axis_rows())
     rubbing_axes_ += row.axis.axis >= 0 && world.axis_properties(row.axis).friction.has_value();
   analyze();
@@ -48,7 +52,7 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
 }
 
 void ConstraintSystem::set_contact_places(const World& world, std::span<const Rows::ContactPlace> places) {
-  rows_ = Rows(world, axis_rows_, places);
+  rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving);
   states_.clear();
   factored_states_.clear();
   ++factor_version_;

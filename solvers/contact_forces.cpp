@@ -18,9 +18,20 @@ ContactForces::ContactForces(const World& world, const Settings& settings)
       wanted_(settings.contacts),
       resting_speed_(settings.resting_speed) {}
 
+void ContactForces::inherit(ContactForces& old, const World& world) {
+  inherited_ = set_.inherit(old.set_, world);
+  for (int k : inherited_) points_.push_back(old.points_[k]);
+  impacts_.resize(points_.size());
+  before_ = points_;
+  impacts_before_ = impacts_;
+}
+
 bool ContactForces::start(const World& world, const State& state, double horizon) {
   const bool changed = set_.find(world, state, horizon);
-  points_.assign(set_.places().size(), {});
+  if (inherited_.empty())
+    points_.assign(set_.places().size(), {});
+  else
+    remap();
   impacts_.assign(set_.places().size(), {});
   for (std::size_t k = 0; k < points_.size(); ++k) points_[k].active = set_.places()[k].active;
   before_ = points_;

@@ -38,6 +38,15 @@ class ContactForces {
 
   /// New start: contacts at this state.  True if the places changed.
   bool start(const World& world, const State& state, double horizon);
+  /// What is known of contacts by the forces of the same world before its pattern changed; to be called
+  /// before start().
+  void inherit(ContactForces& old, const World& world);
+  /// The place there that a place continues, −1 for none, after start().
+  int inherited(int place) const {
+    const int origin = place < std::ssize(set_.origin()) ? set_.origin()[place] : -1;
+    return origin < 0 || origin >= std::ssize(inherited_) ? -1 : inherited_[origin];
+  }
+  void end_inheritance() { inherited_.clear(); }
   /// Contacts at the end of the drift; what is known of those that go on is kept.  True if the places
   /// changed.
   bool move_on(const World& world, const State& state, double horizon);
@@ -213,6 +222,7 @@ class ContactForces {
   std::vector<Impact> impacts_, impacts_before_;
   std::vector<double> root_;  // √S_rr
   std::vector<Turn> turns_;
+  std::vector<int> inherited_;
   std::vector<ContactReport> departed_;
   std::vector<char> goes_on_;
   std::vector<Point> point_scratch_;

@@ -162,6 +162,23 @@ int ContactSet::free_place(const Rows::ContactPlace& at) const {
   return -1;
 }
 
+std::vector<int> ContactSet::inherit(ContactSet& old, const World& world) {
+  finder_ = std::move(old.finder_);
+  std::vector<int> from;
+  for (std::size_t k = 0; k < old.places_.size(); ++k) {
+    const Place& place = old.places_[k];
+    if (!place.active || !(world.moves({place.at.a}) || world.moves({place.at.b}))) continue;
+    from.push_back(static_cast<int>(k));
+    places_.push_back(place);
+  }
+  before_ = places_;
+  origin_.resize(places_.size());
+  std::iota(origin_.begin(), origin_.end(), 0);
+  moved_ = origin_;
+  rebuild();
+  return from;
+}
+
 /// Drops places that nothing has used for long.
 void ContactSet::rebuild() {
   std::vector<Place> kept, kept_before;

@@ -39,6 +39,9 @@ class ContactSet {
   std::span<const int> moved() const { return moved_; }
   /// The contact that a place, by its index of then, had before the last find().
   const Contact& contact_before(int place) const { return contacts_before_[place]; }
+  /// Goes on with the contacts of another set, but for those of bodies that do not move any more.  Returns
+  /// which place each of the places was there.
+  std::vector<int> inherit(ContactSet& old, const World& world);
   /// As it was before the last find(), but in the places of now.
   void undo();
   /// Turned tangents.

@@ -21,7 +21,7 @@ MassMatrix::MassMatrix(const World& world) {
   for (int i = 0; i < world.body_count(); ++i) {
     const MassProperties& mass = world.mass_properties(BodyId{i});
     Body& body = bodies_[i];
-    body.fixed = world.is_fixed(BodyId{i});
+    body.fixed = !world.moves(BodyId{i});
     body.mass = mass.mass();
     body.moments = mass.principal_moments();
     body.q_BP = mass.q_BP();

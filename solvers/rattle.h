@@ -60,8 +60,10 @@ class Rattle {
   double time_to_impact() const { return time_to_impact_; }
   double time_to_break() const { return breaking_.time_to_break(); }
   const Breaking& breaking() const { return breaking_; }
-  /// What holds and how, from an integrator of the world before its topology changed; after start().
-  void inherit(const Rattle& old) { axes_.inherit(old.axes_); }
+  /// From an integrator of the world before its pattern changed: its contacts, before start() …
+  void inherit_contacts(Rattle& old);
+  /// … and after it what holds and how, with the forces as a guess.
+  void inherit(const Rattle& old);
   /// Zero in the rows of joints that broke.
   void clear_broken_rows(std::span<double> rows) const {
     for (int r : breaking_.rows()) rows[r] = 0;
@@ -140,6 +142,8 @@ class Rattle {
   void start_contacts();
   void find_contacts();
   void take_over_places();
+  void set_places();
+  void move_rows(std::span<const int> from);
   void turn_contacts(std::span<double> lambda, StepReport& report);
   void contact_rates();
   std::size_t contact_offset() const;

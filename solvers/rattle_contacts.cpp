@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "solvers/rattle.h"
 #include "solvers/stopwatch.h"
@@ -13,6 +14,36 @@ namespace {
 constexpr double kTogether = 1e-3;
 
 }  // namespace
+
+void Rattle::inherit_contacts(Rattle& old) {
+  if (contacts_.empty() || old.contacts_.empty()) return;
+  contacts_.inherit(old.contacts_, world_);
+  std::vector<int> from(system_.row_count());
+  std::iota(from.begin(), from.end(), 0);
+  set_places();
+  from.resize(system_.row_count(), -1);
+  move_rows(from);
+}
+
+void Rattle::inherit(const Rattle& old) {
+  axes_.inherit(old.axes_);
+  if (!bounded()) return;
+  const Rows &rows = system_.rows(), &old_rows = old.system_.rows();
+  const auto take = [&](const Rows::JointRows& joint, const Rows::JointRows& before) {
+    if (joint.row_count != before.row_count) return;
+    for (auto values : {&Rattle::force_multipliers_, &Rattle::lambda_})
+      std::copy_n((old.*values).begin() + before.first_row, before.row_count,
+                  (this->*values).begin() + joint.first_row);
+  };
+  const std::size_t joints = std::min(rows.joints().size() - rows.contact_count(),
+                                      old_rows.joints().size() - old_rows.contact_count());
+  for (std::size_t j = 0; j < joints; ++j) take(rows.joints()[j], old_rows.joints()[j]);
+  for (int k = 0; k < rows.contact_count(); ++k)
+    if (const int before = contacts_.inherited(k); before >= 0)
+      take(rows.joints()[rows.contact_joint(k)], old_rows.joints()[old_rows.contact_joint(before)]);
+  contacts_.end_inheritance();
+  update_step_limit(force_multipliers_);
+}
 
 void Rattle::start_contacts() {
   if (contacts_.start(world_, state_, horizon_))
@@ -36,9 +67,7 @@ void Rattle::find_contacts() {
 void Rattle::take_over_places() {
   const int joint_rows = system_.rows().first_contact_row();
   const std::vector<int> old_first(contacts_.first_rows().begin(), contacts_.first_rows().end());
-  pieces_scratch_.assign(active_->pieces().begin(), active_->pieces().end());
-  system_.set_contact_places(world_, contacts_.set().rows());
-  contacts_.set_rows(system_.rows());
+  set_places();
   const int rows = system_.row_count();
   std::vector<int> from(rows, -1);
   for (int r = 0; r < joint_rows; ++r) from[r] = r;
@@ -49,6 +78,19 @@ void Rattle::take_over_places() {
     for (int i = 0; i < count; ++i)
       from[contacts_.first_row(static_cast<int>(k)) + i] = old_first[origin[k]] + i;
   }
+  move_rows(from);
+  contacts_.give_points(system_);
+}
+
+void Rattle::set_places() {
+  pieces_scratch_.assign(active_->pieces().begin(), active_->pieces().end());
+  system_.set_contact_places(world_, contacts_.set().rows());
+  contacts_.set_rows(system_.rows());
+}
+
+/// All that has rows, to those of the new places: `from` says for each row which one it was, −1 for none.
+void Rattle::move_rows(std::span<const int> from) {
+  const int rows = system_.row_count();
   for (auto* values :
        {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_, &force_multipliers_,
         &asymmetry_, &last_asymmetry_, &start_theta_, &rates_, &kick_rates_, &inertia_, &w_}) {
@@ -69,7 +111,6 @@ void Rattle::take_over_places() {
   iteration_.emplace(system_);
   active_->set_pieces(pieces, laws_);
   start_jacobian_.assign(system_.jacobian().size(), 0.0);
-  contacts_.give_points(system_);
   system_.release_bounded_rows();
 }
 

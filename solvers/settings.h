@@ -79,6 +79,12 @@ struct Settings {
   /// largest impulse, a residual up to this is taken, with Status::kInexact; 0: such a step fails.
   double inexact_tolerance = 1e-4;
 
+  /// Islands (bodies that joints, forces and contacts connect) whose bodies have been slower than
+  /// `sleep_speed` [m/s] for `sleep_time` [s] stay where they are, at no cost, until something wakes them;
+  /// see solvers/README.md, "Sleep".
+  bool sleep = false;
+  double sleep_speed = 1e-4, sleep_time = 0.5;
+
   /// Bodies that fixed joints hold together move as one; see solvers/README.md, "Merged bodies".
   bool merge_fixed_joints = false;
 

@@ -46,6 +46,8 @@ void check_settings(const Settings& s) {
   require_not_negative("settings contact_margin", s.contact_margin);
   require_not_negative("settings resting_speed", s.resting_speed);
   require_not_negative("settings inexact_tolerance", s.inexact_tolerance);
+  require_positive("settings sleep_speed", s.sleep_speed);
+  require_not_negative("settings sleep_time", s.sleep_time);
   require_not_negative("settings erp", s.erp);
   require_not_negative("settings cfm", s.cfm);
   if (s.iterations < 1) fail("settings iterations", "must be at least 1", s.iterations);
@@ -108,7 +110,7 @@ void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
 void Simulator::Impl::refresh() {
   std::unique_ptr<ConstraintSystem> old_system;  // outlives the integrator that refers to it
   std::unique_ptr<Rattle> old_rattle;
-  if (topology_version_ != world_.topology_version() || geometry_version_ != world_.geometry_version()) {
+  if (!knows_pattern()) {
     auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor);
     check_abilities(*system);
     // What held before holds on, if nothing but the joints has changed.
@@ -130,6 +132,7 @@ void Simulator::Impl::refresh() {
     reaction_multipliers_.assign(system_->row_count(), 0.0);
     topology_version_ = world_.topology_version();
     geometry_version_ = world_.geometry_version();
+    sleep_version_ = world_.sleep_version();
     state_version_ = reaction_version_ = wrench_jacobian_version_ = -1;
     hard_steps_ = 0;
     report_.times.analysis = system_->analysis_time();
@@ -158,6 +161,7 @@ void Simulator::Impl::refresh() {
       world_.set_state(state);
     }
     rattle_->set_horizon(horizon_);
+    if (old_rattle) rattle_->inherit_contacts(*old_rattle);
     rattle_->start(world_.state(), report_);
     if (old_rattle) rattle_->inherit(*old_rattle);
   }
@@ -166,43 +170,61 @@ void Simulator::Impl::refresh() {
 
 void Simulator::Impl::step(double dt) {
   require_positive("step dt", dt);
+  follow_source();
+  std::vector<BodyId> tired;
+  if (sleep_) tired = tired_bodies(dt);
   report_ = {};
   report_.dt = dt;
   {
     const Stopwatch watch(report_.times.total);
     horizon_ = dt;
     mean_reactions_.clear(), start_.poses.clear();
-    follow_source();
     if (settings_.report_energy) books_.begin(world_, moved_ ? source_ : world_, report_);
     moved_ = false;
-    const bool goes_on = state_version_ == world_.state_version() &&
-                         topology_version_ == world_.topology_version() &&
-                         geometry_version_ == world_.geometry_version();
-    refresh();
-    if (settings_.report_energy && report_.ok() && rattle_ && !goes_on)
-      books_.start(world_, rattle_->state());
-    if (report_.ok()) {
-      bool done = true;
-      if (weld_loads_) merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), start_);
-      if (force_level_) {
-        done = force_level_->advance(dt, report_);
-        if (!done) set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
-      } else {
-        rattle_->set_horizon(dt);
-        rattle_->clear_impulses();
-        done = integrate(dt);
-      }
-      if (done)
-        finish(dt);
-      else
-        forget_step(), start_.poses.clear();
-    }
+    if (sleep_) sleep_->put_to_sleep(world_, tired);
+    while (!advance_to_end(dt))
+      ;
     if (report_.advanced())
       give_back();
     else
       given_version_ = world_.state_version();  // the user's world stays as it was
     count_work();
   }
+}
+
+bool Simulator::Impl::knows_pattern() const {
+  return topology_version_ == world_.topology_version() && geometry_version_ == world_.geometry_version() &&
+         sleep_version_ == world_.sleep_version();
+}
+
+/// False if bodies woke that the step has touched: it must be taken again.
+bool Simulator::Impl::advance_to_end(double dt) {
+  const bool goes_on = state_version_ == world_.state_version() && knows_pattern();
+  refresh();
+  if (!report_.ok()) return true;
+  if (settings_.report_energy && rattle_ && !goes_on) books_.start(world_, rattle_->state());
+  if (weld_loads_) merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), start_);
+  bool done = true;
+  if (force_level_) {
+    done = force_level_->advance(dt, report_);
+    if (!done) set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
+  } else {
+    rattle_->set_horizon(dt);
+    rattle_->clear_impulses();
+    done = integrate(dt);
+  }
+  if (done && sleep_ && rattle_ && sleep_->wake_touched(world_, rattle_->contacts().reports())) {
+    forget_step();
+    set_works(report_, {});
+    report_.status = Status::kSuccess;
+    report_.message.clear();
+    return false;
+  }
+  if (done)
+    finish(dt);
+  else
+    forget_step(), start_.poses.clear();
+  return true;
 }
 
 /// The world still has the state from before, and all its joints: start from there again.
@@ -356,6 +378,8 @@ void Simulator::Impl::finish(double dt) {
   world_.set_state(state);
   world_.set_time(time);
   if (rattle_) detach_broken();
+  if (sleep_) sleep_->watch(world_, dt);
+  report_.asleep = world_.asleep_count();
   state_version_ = world_.state_version();
   report_.time = time;
   for (auto* values : {&phi_, &rates_, &reaction_multipliers_}) values->resize(system_->row_count());
@@ -406,7 +430,8 @@ void Simulator::Impl::assemble() {
   keep_means();
   report_ = {};
   follow_source();
-  if (topology_version_ != world_.topology_version()) refresh();
+  world_.wake_all();
+  if (!knows_pattern()) refresh();
   State state = world_.state();
   if (close_joints(*system_, state, settings_.position_tolerance, report_)) {
     world_.set_state(state);
@@ -441,22 +466,12 @@ const StepReport& Simulator::report() const { return impl_->report_; }
 
 Reaction Simulator::mean_reaction(JointId joint) const {
   (void)impl_->source_.joint(joint);  // throws for an id that is not there
-  if (!impl_->system_ || impl_->report_.dt == 0) return {};
-  if (impl_->merges(joint)) {
-    if (impl_->start_.poses.empty()) return {};
-    impl_->solve_weld_means();
-    if (joint.index >= std::ssize(impl_->mean_reactions_)) return {};  // it has become one since
-    return impl_->mean_reactions_[joint.index];
-  }
-  if (joint.index >= std::ssize(impl_->system_->rows().joints())) return {};  // it is new
-  const std::span<const double> impulses = impl_->force_level_
-                                               ? std::span<const double>(impl_->force_level_->impulses())
-                                               : impl_->rattle_->impulses();
-  return impl_->reaction_from(joint, impulses, 1 / impl_->report_.dt);
+  return impl_->mean_reaction(joint);
 }
 
 Reaction Simulator::reaction(JointId joint) {
   (void)impl_->source_.joint(joint);
+  if (impl_->rests(joint)) return impl_->mean_reaction(joint);
   impl_->compute_reactions();
   if (impl_->merges(joint)) {
     impl_->solve_present_welds();
@@ -467,26 +482,17 @@ Reaction Simulator::reaction(JointId joint) {
 
 AxisReport Simulator::axis_report(AxisId axis) const {
   (void)impl_->source_.axis_index(axis);  // throws for an id that is not there
-  if (!impl_->rattle_ || impl_->report_.dt == 0) return {};
-  const std::span<const Rows::AxisRow> rows = impl_->system_->rows().axis_rows();
-  const auto found =
-      std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.axis == axis; });
-  if (found == rows.end()) return {};
-  AxisReport report = impl_->rattle_->axes().reports()[found - rows.begin()];
-  for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
-                    &AxisImpulse::damping, &AxisImpulse::elastic_limit})
-    report.force.*part /= impl_->report_.dt;
-  return report;
+  return impl_->axis_report(axis);
 }
 
-std::vector<ContactReport> Simulator::contacts() const {
-  if (!impl_->rattle_ || impl_->report_.dt == 0) return {};
-  std::vector<ContactReport> reports = impl_->mean_contacts();
-  for (ContactReport& report : reports) impl_->refer_to_source(report.contact);
-  return reports;
-}
+std::vector<ContactReport> Simulator::contacts() const { return impl_->contacts(); }
 
-RankReport Simulator::analyze_rank() { return taut::analyze_rank(impl_->source_, impl_->settings_); }
+RankReport Simulator::analyze_rank() {
+  if (impl_->source_.asleep_count() == 0) return taut::analyze_rank(impl_->source_, impl_->settings_);
+  World awake = impl_->source_;
+  awake.wake_all();
+  return taut::analyze_rank(awake, impl_->settings_);
+}
 
 const StepReport& Simulator::assemble() {
   impl_->assemble();

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "solvers/force_level.h"
 #include "solvers/rattle.h"
 #include "solvers/simulator.h"
+#include "solvers/sleep.h"
 #include "solvers/weld_loads.h"
 
 namespace taut {
@@ -30,6 +33,8 @@ class Simulator::Impl {
         world_(merged_ ? merged_->world() : world),
         settings_(settings) {
     check_settings(settings);
+    source_.wake_all(), world_.wake_all();  // who sleeps is known to the simulator that let them
+    if (settings.sleep) sleep_.emplace(world_, settings);
     if (settings_.drift_cure != DriftCure::kAuto) return;
     settings_.drift_cure =
         settings.integrator == Integrator::kMoreauJean ? DriftCure::kPositionPush : DriftCure::kBaumgarte;
@@ -40,6 +45,18 @@ class Simulator::Impl {
   void refresh();
   Reaction reaction_from(JointId joint, std::span<const double> multipliers, double scale) const;
   void compute_reactions();
+
+  Reaction mean_reaction(JointId joint);
+  AxisReport axis_report(AxisId axis) const;
+  std::vector<ContactReport> contacts() const;
+
+  // Sleep (simulator_sleep.cpp).
+  std::span<const ContactSet::Place> places() const;
+  void note_moved_bodies();
+  std::vector<BodyId> tired_bodies(double dt);
+  void note_reports_of(std::span<const BodyId> tired);
+  bool rests(const ContactReport& report) const;
+  bool rests(JointId joint) const;
 
   // With merged bodies (merged_): world_ is a copy of the source, which is followed and kept up to date.
   void follow_source() { moved_ = (merged_ && merged_->update(source_)) || moved_; }
@@ -68,18 +85,28 @@ class Simulator::Impl {
          most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
   int quiet_ = 0;           // steps in a row that asked for fewer
   int hard_steps_ = 0;      // to come, in which inexact laws are taken at once
-  int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1;
+  int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1,
+      sleep_version_ = -1;
   std::vector<double> reaction_multipliers_, phi_, rates_;
   mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
   mutable int wrench_jacobian_version_ = -1;
   EnergyBooks books_;
   std::unique_ptr<WeldLoads> weld_loads_;  // null if nothing is merged
   bool moved_ = false;                     // the source, since the last step
-  State start_, given_;                    // of the source: at the start of the step, as given back last
+  std::optional<Sleep> sleep_;
+  /// What sleeping bodies bore in the last step before; entries of others are not looked at.
+  struct {
+    std::map<JointId, Reaction> reactions;
+    std::map<AxisId, AxisReport> axes;
+    std::vector<ContactReport> contacts;
+  } asleep_;
+  State start_, given_;  // of the source: at the start of the step, as given back last
   int given_version_ = -1, present_version_ = -1;             // of world_
   std::vector<Reaction> mean_reactions_, present_reactions_;  // of welds, by joint; empty: not solved
 
  private:
+  bool knows_pattern() const;
+  bool advance_to_end(double dt);
   bool integrate(double dt);
   Rattle::Outcome advance(double h);
   double choose_pieces(double dt);

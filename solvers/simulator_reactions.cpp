@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "solvers/simulator_impl.h"
 
 // What joints bear, and what merged bodies give back to the user's world.  (solvers/README, "Merged bodies")
@@ -67,10 +69,55 @@ Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> m
   return reaction;
 }
 
+Reaction Simulator::Impl::mean_reaction(JointId joint) {
+  if (!system_ || report_.dt == 0) return {};
+  if (rests(joint)) {
+    const auto then = asleep_.reactions.find(joint);
+    return then == asleep_.reactions.end() ? Reaction{} : then->second;
+  }
+  if (merges(joint)) {
+    if (start_.poses.empty()) return {};
+    solve_weld_means();
+    if (joint.index >= std::ssize(mean_reactions_)) return {};  // it has become one since
+    return mean_reactions_[joint.index];
+  }
+  if (joint.index >= std::ssize(system_->rows().joints())) return {};  // it is new
+  const std::span<const double> impulses =
+      force_level_ ? std::span<const double>(force_level_->impulses()) : rattle_->impulses();
+  return reaction_from(joint, impulses, 1 / report_.dt);
+}
+
+AxisReport Simulator::Impl::axis_report(AxisId axis) const {
+  if (!rattle_ || report_.dt == 0) return {};
+  if (rests(axis.joint)) {
+    const auto then = asleep_.axes.find(axis);
+    return then == asleep_.axes.end() ? AxisReport{} : then->second;
+  }
+  const std::span<const Rows::AxisRow> rows = system_->rows().axis_rows();
+  const auto found =
+      std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.axis == axis; });
+  if (found == rows.end()) return {};
+  AxisReport report = rattle_->axes().reports()[found - rows.begin()];
+  for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
+                    &AxisImpulse::damping, &AxisImpulse::elastic_limit})
+    report.force.*part /= report_.dt;
+  return report;
+}
+
+std::vector<ContactReport> Simulator::Impl::contacts() const {
+  if (!rattle_ || report_.dt == 0) return {};
+  std::vector<ContactReport> reports = mean_contacts();
+  for (ContactReport& report : reports) refer_to_source(report.contact);
+  for (const ContactReport& report : asleep_.contacts)
+    if (rests(report)) reports.push_back(report);
+  return reports;
+}
+
 /// The source gets what the merged world has come to.
 void Simulator::Impl::give_back() {
   if (!merged_) return;
   if (given_version_ == world_.state_version()) return;
+  merged_->give_sleep(source_);
   merged_->expand(world_.state(), given_);
   source_.set_state(given_);
   merged_->note_state(source_);

@@ -100,6 +100,7 @@ struct StepReport {
   int sweeps = 0;                       ///< of an iterative solver, both stages
   int contacts = 0;                     ///< points at the end of the step, touching or near
   double penetration = 0;               ///< deepest of them, ≥ 0 [m]
+  int asleep = 0;                       ///< bodies that did not move because they sleep (Settings::sleep)
   StageTimes times;
 
   // With Settings::report_energy:

@@ -85,6 +85,9 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(s.resting_speed, 0.02);
   EXPECT_EQ(s.inexact_tolerance, 1e-6);
   EXPECT_EQ(s.factor, FactorChoice::kMultifrontal);
+  EXPECT_TRUE(s.sleep);
+  EXPECT_EQ(s.sleep_speed, 1e-3);
+  EXPECT_EQ(s.sleep_time, 0.75);
   EXPECT_TRUE(s.merge_fixed_joints);
   EXPECT_FALSE(s.report_energy);
 

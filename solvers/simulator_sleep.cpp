@@ -1,0 +1,72 @@
+#include <algorithm>
+
+#include "solvers/simulator_impl.h"
+
+// Islands that fall asleep and wake between steps.                              (solvers/README, "Sleep")
+namespace taut {
+namespace {
+
+bool same(const Pose& a, const Pose& b) { return a.p == b.p && a.q.coeffs() == b.q.coeffs(); }
+bool same(const Twist& a, const Twist& b) { return a.w == b.w && a.v == b.v; }
+
+}  // namespace
+
+std::span<const ContactSet::Place> Simulator::Impl::places() const {
+  if (!rattle_ || rattle_->contacts().empty()) return {};
+  return rattle_->contacts().set().places();
+}
+
+/// What the user has moved since the last step is not at rest.
+void Simulator::Impl::note_moved_bodies() {
+  if (!system_ || state_version_ == world_.state_version()) return;
+  const State &now = world_.state(), &then = force_level_ ? force_level_->state() : rattle_->state();
+  for (int b = 0; b < std::ssize(then.poses); ++b)
+    if (!same(now.poses[b], then.poses[b]) || !same(now.twists[b], then.twists[b])) world_.wake({b});
+}
+
+/// Before a step of dt, with all that the last one has left: the bodies that fall asleep, what they bear
+/// noted.
+std::vector<BodyId> Simulator::Impl::tired_bodies(double dt) {
+  note_moved_bodies();
+  sleep_->wake(world_, places(), dt);
+  const bool known = system_ && topology_version_ == world_.topology_version() &&
+                     geometry_version_ == world_.geometry_version();
+  if (!known || !report_.advanced() || report_.dt == 0) return {};
+  std::vector<BodyId> tired = sleep_->tired(world_, system_->rows(), places());
+  if (!tired.empty()) note_reports_of(tired);
+  return tired;
+}
+
+/// Reactions, axes and contacts of bodies that are about to fall asleep stay as they were in the last step.
+void Simulator::Impl::note_reports_of(std::span<const BodyId> tired) {
+  std::vector<char> is_tired(world_.body_count(), false);
+  for (BodyId body : tired) is_tired[body.index] = true;
+  const auto carrier = [&](BodyId body) { return merged_ ? merged_->carriers().bodies[body.index] : body; };
+  for (int j = 0; j < source_.joint_count(); ++j) {
+    const JointId joint{j};
+    const std::span<const BodyId> bodies = source_.joint(joint).bodies();
+    if (!source_.is_attached(joint) ||
+        std::none_of(bodies.begin(), bodies.end(), [&](BodyId b) { return is_tired[carrier(b).index]; }))
+      continue;
+    asleep_.reactions[joint] = mean_reaction(joint);
+    for (int k = 0; k < source_.axis_count(joint); ++k) asleep_.axes[{joint, k}] = axis_report({joint, k});
+  }
+  std::erase_if(asleep_.contacts, [&](const ContactReport& c) { return !rests(c); });
+  for (const ContactReport& c : contacts())
+    if (is_tired[carrier(c.contact.A).index] || is_tired[carrier(c.contact.B).index])
+      asleep_.contacts.push_back(c);
+}
+
+/// A contact between bodies of which one is asleep and none moves.
+bool Simulator::Impl::rests(const ContactReport& report) const {
+  const BodyId A = report.contact.A, B = report.contact.B;
+  return !source_.moves(A) && !source_.moves(B) && (source_.is_asleep(A) || source_.is_asleep(B));
+}
+
+bool Simulator::Impl::rests(JointId joint) const {
+  if (source_.asleep_count() == 0) return false;
+  const std::span<const BodyId> bodies = source_.joint(joint).bodies();
+  return std::any_of(bodies.begin(), bodies.end(), [&](BodyId b) { return source_.is_asleep(b); });
+}
+
+}  // namespace taut
