@@ -23,7 +23,7 @@ void EnergyBooks::begin(const World& world, const World& seen, StepReport& repor
 void EnergyBooks::start(const World& world, const State& state) {
   const double before = start_.total();
   start_ = measure(world, state, kinetic_energy(world, state));
-  stabilisation_ = start_.total() - before;
+  stabilisation_ += start_.total() - before;
 }
 
 void EnergyBooks::close(const World& world, StepReport& report, bool by_works) {

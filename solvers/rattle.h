@@ -47,6 +47,8 @@ class Rattle {
 
   /// Takes over a state: factors S there, makes velocities tangent and estimates the multipliers.
   void start(const State& state, StepReport& report);
+  /// Gravity or a force law has changed, the state has not.
+  void renew_forces() { world_.forces(state_, forces_); }
   /// One step of h ≠ 0 (negative in compositions).  kStalled: Newton did not close the positions; kUnstable:
   /// the multipliers turned out to demand a smaller step; kImpact: an axis bounces at time_to_impact(), where
   /// the next advance must end; kOverload: a joint does not bear its load, and either is out now, or breaks

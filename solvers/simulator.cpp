@@ -106,11 +106,30 @@ void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
        static_cast<int>(settings_.integrator));
 }
 
-/// New topology: new pattern, order and symbolic factor.  New state: new start.
+/// The state of a body is not what the integrator has left.
+bool Simulator::Impl::is_moved(int body) const {
+  const State &now = world_.state(), &then = force_level_ ? force_level_->state() : rattle_->state();
+  const Pose &X = now.poses[body], &X_then = then.poses[body];
+  const Twist &V = now.twists[body], &V_then = then.twists[body];
+  return X.p != X_then.p || X.q.coeffs() != X_then.q.coeffs() || V.w != V_then.w || V.v != V_then.v;
+}
+
+/// The same of the state as a whole.
+bool Simulator::Impl::is_moved() const {
+  const State &now = world_.state(), &then = rattle_->state();
+  if (now.time != then.time || now.axes != then.axes) return true;
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (is_moved(b)) return true;
+  return false;
+}
+
+/// New topology: new pattern, order and symbolic factor.  New state: new start.  New forces alone leave what
+/// contacts and friction know of the steps before.
 void Simulator::Impl::refresh() {
   std::unique_ptr<ConstraintSystem> old_system;  // outlives the integrator that refers to it
   std::unique_ptr<Rattle> old_rattle;
-  if (!knows_pattern()) {
+  const bool is_new = !knows_pattern();
+  if (is_new) {
     auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor);
     check_abilities(*system);
     // What held before holds on, if nothing but the joints has changed.
@@ -141,6 +160,11 @@ void Simulator::Impl::refresh() {
     if (merged_ && !merged_->groups().empty()) weld_loads_ = std::make_unique<WeldLoads>(source_, *merged_);
   }
   if (state_version_ == world_.state_version()) return;
+  if (rattle_ && !is_new && state_version_ >= 0 && !is_moved()) {  // forces, then
+    rattle_->renew_forces();
+    state_version_ = world_.state_version();
+    return;
+  }
   if (force_level_) {
     force_level_->start(world_.state());
   } else {

@@ -52,6 +52,8 @@ class Simulator::Impl {
 
   // Sleep (simulator_sleep.cpp).
   std::span<const ContactSet::Place> places() const;
+  bool is_moved(int body) const;
+  bool is_moved() const;
   void note_moved_bodies();
   std::vector<BodyId> tired_bodies(double dt);
   void note_reports_of(std::span<const BodyId> tired);

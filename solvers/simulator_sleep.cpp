@@ -4,12 +4,6 @@
 
 // Islands that fall asleep and wake between steps.                              (solvers/README, "Sleep")
 namespace taut {
-namespace {
-
-bool same(const Pose& a, const Pose& b) { return a.p == b.p && a.q.coeffs() == b.q.coeffs(); }
-bool same(const Twist& a, const Twist& b) { return a.w == b.w && a.v == b.v; }
-
-}  // namespace
 
 std::span<const ContactSet::Place> Simulator::Impl::places() const {
   if (!rattle_ || rattle_->contacts().empty()) return {};
@@ -19,9 +13,8 @@ std::span<const ContactSet::Place> Simulator::Impl::places() const {
 /// What the user has moved since the last step is not at rest.
 void Simulator::Impl::note_moved_bodies() {
   if (!system_ || state_version_ == world_.state_version()) return;
-  const State &now = world_.state(), &then = force_level_ ? force_level_->state() : rattle_->state();
-  for (int b = 0; b < std::ssize(then.poses); ++b)
-    if (!same(now.poses[b], then.poses[b]) || !same(now.twists[b], then.twists[b])) world_.wake({b});
+  for (int b = 0; b < system_->rows().body_count(); ++b)
+    if (is_moved(b)) world_.wake({b});
 }
 
 /// Before a step of dt, with all that the last one has left: the bodies that fall asleep, what they bear

@@ -83,7 +83,7 @@ struct StepReport {
   double time = 0;      ///< at the end of the step [s]
   double dt = 0;
 
-  Gap gap;                       ///< largest joint error at the end
+  Gap gap;                       ///< largest joint error at the end, of bodies that are awake
   double velocity_residual = 0;  ///< largest |J V| [m/s or rad/s]
   int newton_iterations = 0;     ///< position stage, all sub-steps
   int substeps = 0;
