@@ -143,6 +143,7 @@ std::string run_table(const RunRecord& r) {
   if (r.max_contacts > 0)
     lines.emplace_back("contacts", format("at most %d, penetration %.2e m, at the end %.2e m", r.max_contacts,
                                           r.max_penetration, r.final_penetration));
+  if (r.asleep > 0) lines.emplace_back("asleep", format("%d bodies at the end", r.asleep));
   if (r.max_contacts > 0 || r.pivots > 0 || r.contact_iterations > 0)
     lines.emplace_back("complementarity", format("residual %.2e, ", r.max_complementarity_residual) +
                                               "pivots " + per_step(r.pivots, r.steps) +
