@@ -18,11 +18,20 @@ using namespace taut::benchmarks;
 
 constexpr double kStep = 1.0 / 240;  ///< [s]
 
-/// Steps of a scene after it has run for `settling` seconds.
-void contacts(benchmark::State& state, const std::string& name, int n, double settling) {
-  Scene scene = build_scene(name, {{"n", n}});
+struct Case {
+  const char* scene;
+  int n;
+  double settling;  ///< [s]
+  int steps;
+  bool sleep = false;
+};
+
+/// Steps of a scene after it has settled, or with `sleep` after it fell asleep besides.
+void contacts(benchmark::State& state, const Case& c) {
+  Scene scene = build_scene(c.scene, {{"n", c.n}});
+  scene.settings.sleep = c.sleep;
   Simulator simulator(scene.world, scene.settings);
-  while (scene.world.time() < settling)
+  while (scene.world.time() < c.settling)
     if (!simulator.step(kStep).advanced()) return state.SkipWithError(simulator.report().message.c_str());
   std::vector<double> times;
   double inexact = 0, points = 0, pivots = 0, newton = 0, analyses = 0, factorizations = 0, residual = 0,
@@ -41,6 +50,7 @@ void contacts(benchmark::State& state, const std::string& name, int n, double se
   }
   const double steps = static_cast<double>(times.size());
   state.counters["bodies"] = scene.world.moving_body_count();
+  state.counters["asleep"] = scene.world.asleep_count();
   state.counters["contacts"] = points / steps;
   state.counters["step_ms"] = 1e3 * median(times);
   state.counters["us_per_contact"] = points > 0 ? 1e6 * median(times) * steps / points : 0;
@@ -53,20 +63,16 @@ void contacts(benchmark::State& state, const std::string& name, int n, double se
   state.counters["penetration_m"] = penetration;
 }
 
-struct Case {
-  const char* scene;
-  int n;
-  double settling;  ///< [s]
-  int steps;
-};
-constexpr Case kCases[] = {{"wall", 4, 0.5, 100}, {"wall", 8, 0.5, 60}, {"wall", 16, 0.5, 20},
-                           {"wall", 32, 0.25, 8}, {"pile", 30, 3, 60},  {"pile", 100, 4, 40},
+constexpr Case kCases[] = {{"wall", 4, 0.5, 100}, {"wall", 8, 0.5, 60},       {"wall", 8, 1, 100, true},
+                           {"wall", 16, 0.5, 20}, {"wall", 32, 0.25, 8},      {"wall", 32, 0.7, 100, true},
+                           {"pile", 30, 3, 60},   {"pile", 30, 6, 100, true}, {"pile", 100, 4, 40},
                            {"pile", 300, 5, 20}};
 
 const bool registered = [] {
   for (const Case& c : kCases)
-    benchmark::RegisterBenchmark(("Contacts/" + std::string(c.scene) + "/" + std::to_string(c.n)).c_str(),
-                                 [c](benchmark::State& state) { contacts(state, c.scene, c.n, c.settling); })
+    benchmark::RegisterBenchmark(
+        ("Contacts/" + std::string(c.scene) + "/" + std::to_string(c.n) + (c.sleep ? "/asleep" : "")).c_str(),
+        [c](benchmark::State& state) { contacts(state, c); })
         ->Iterations(c.steps)
         ->UseManualTime()
         ->Unit(benchmark::kMillisecond);
