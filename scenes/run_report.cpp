@@ -65,6 +65,9 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
   report["parameters"] = r.parameters;
   report["status"] = r.status;
   report["message"] = r.message;
+  report["contradiction"] = r.contradiction.empty()
+                                ? Json()
+                                : Json{{"members", r.contradiction}, {"residual", r.contradiction_residual}};
   report["warnings"] = r.warnings;
   report["taut_version"] = TAUT_VERSION;
   report["integrator"] = r.integrator;
