@@ -62,6 +62,8 @@ class World {
   /// Takes a joint out; it keeps id, name, axes and properties, and holds nothing.  Joints that couple its
   /// axes (gears, drivers) go with it.  Nothing happens if it is out already.
   void detach(JointId id);
+  /// Takes out all joints but these and those whose axes they couple.
+  void detach_all_but(std::span<const JointId> joints);
   /// Puts it back.  It is closed where it was made to be: one that is open then is closed by the simulator
   /// before its next step.  A joint at the present poses is a new one, Ball::at() and its like.
   /// @throws std::invalid_argument for a joint that couples an axis of a detached one.

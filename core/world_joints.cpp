@@ -98,6 +98,22 @@ void World::detach(JointId id) {
   ++topology_version_;
 }
 
+void World::detach_all_but(std::span<const JointId> joints) {
+  std::vector<JointId> open(joints.begin(), joints.end());
+  std::set<int> stay;
+  while (!open.empty()) {
+    const int j = checked(open.back());
+    open.pop_back();
+    if (!stay.insert(j).second) continue;
+    for (JointId other : joints_[j]->couples()) open.push_back(other);
+  }
+  for (int j = 0; j < joint_count(); ++j)
+    if (!stay.contains(j)) detached_.insert(detached_.end(), j);
+  wake_all();
+  find_jointed_bodies();
+  ++topology_version_;
+}
+
 void World::attach(JointId id) {
   if (is_attached(id)) return;
   for (JointId other : joint(id).couples())

@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "scenes/format.h"
 #include "scenes/run_command.h"
 #include "scenes/scene_source.h"
 #include "solvers/simulator.h"
@@ -45,6 +46,15 @@ std::string joint_counts(const World& world) {
   return count.empty() ? text : text + ")";
 }
 
+/// What the first step would fail by: limits, motors and contacts included.
+void add_contradiction(std::vector<Problem>& problems, const World& world, const Contradiction& found) {
+  if (found.empty()) return;
+  std::string text;
+  for (const std::string& name : names_of(found, world)) text += (text.empty() ? "" : ", ") + name;
+  problems.push_back({"contradiction", "these cannot hold together at the first step (" +
+                                           format("%.3g", found.residual) + " is left): " + text});
+}
+
 }  // namespace
 
 int check_command(const std::string& name, const std::map<std::string, double>& parameters) {
@@ -55,7 +65,8 @@ int check_command(const std::string& name, const std::map<std::string, double>& 
     const StepReport& report = simulator.assemble();
     if (!report.ok()) std::cout << "problem: the joints cannot be closed: " << report.message << '\n';
   }
-  const std::vector<Problem> problems = world.validate();
+  std::vector<Problem> problems = world.validate();
+  add_contradiction(problems, world, simulator.contradiction(scene.dt));
   for (const Problem& problem : problems)
     std::cout << "problem: " << problem.subject << ": " << problem.message << '\n';
   const RankReport rank = simulator.analyze_rank();

@@ -123,6 +123,13 @@ Scene prepared_scene(const RunOptions& options) {
   return scene;
 }
 
+void note_failure(RunRecord& record, const StepReport& report, const World& world, const std::string& when) {
+  record.status = to_string(report.status);
+  record.message = when + ": " + report.message;
+  record.contradiction = names_of(report.contradiction, world);
+  record.contradiction_residual = report.contradiction.residual;
+}
+
 /// Steps until the end, a failure or a signal.
 void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder, Outputs& outputs,
                bool quiet) {
@@ -142,10 +149,8 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     const Gap gap = meter.largest(world);
     record.add(report, seconds, gap, energy);
     if (!report.advanced()) {
-      record.status = to_string(report.status);
-      record.message =
-          "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s: " + report.message;
-      return;
+      return note_failure(record, report, world,
+                          "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s");
     }
     outputs.sample(recorder, simulator);
     bar.update(i + 1, gap);
@@ -160,9 +165,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
 /// Closes joints that may be open at the start.
 void assemble(Simulator& simulator, RunRecord& record) {
   const StepReport& report = simulator.assemble();
-  if (report.ok()) return;
-  record.status = to_string(report.status);
-  record.message = "closing the joints at the start: " + report.message;
+  if (!report.ok()) note_failure(record, report, simulator.world(), "closing the joints at the start");
 }
 
 void add_warnings(RunRecord& record, const World& world) {

@@ -47,6 +47,8 @@ struct RunRecord {
   double stiffness_work = 0;                                      ///< [J]
 
   std::string status = "success", message;
+  std::vector<std::string> contradiction;  ///< what cannot hold together, by name
+  double contradiction_residual = 0;       ///< [m or rad]
   std::vector<std::string> warnings;
 
   void start(const Scene& scene, int rows, double energy);

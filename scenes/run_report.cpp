@@ -65,6 +65,9 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
   report["parameters"] = r.parameters;
   report["status"] = r.status;
   report["message"] = r.message;
+  report["contradiction"] = r.contradiction.empty()
+                                ? Json()
+                                : Json{{"members", r.contradiction}, {"residual", r.contradiction_residual}};
   report["warnings"] = r.warnings;
   report["taut_version"] = TAUT_VERSION;
   report["integrator"] = r.integrator;
@@ -150,6 +153,10 @@ std::string run_table(const RunRecord& r) {
                                               ", Newton iterations " +
                                               per_step(r.contact_iterations, r.steps));
   lines.emplace_back("status", r.message.empty() ? r.status : r.status + ": " + r.message);
+  std::string members;
+  for (const std::string& member : r.contradiction) members += (members.empty() ? "" : ", ") + member;
+  if (!members.empty())
+    lines.emplace_back("cannot hold together", members + format(" (%.3g is left)", r.contradiction_residual));
   std::string table;
   for (const auto& [name, value] : lines) table += format("%-26s", name) + value + "\n";
   for (const std::string& warning : r.warnings) table += format("%-26s", "warning") + warning + "\n";

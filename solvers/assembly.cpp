@@ -13,6 +13,7 @@ namespace {
 constexpr int kMaxIterations = 60;
 /// Longest rotation of a body in one iteration [rad]; a Newton step beyond that means nothing.
 constexpr double kMaxTurn = 0.5;
+
 /// Joints with less than this part of the largest share do not belong to the contradiction.
 constexpr double kShare = 1e-3;
 constexpr std::size_t kMinimalSetLimit = 24;
@@ -111,8 +112,8 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
   return false;
 }
 
-Contradiction find_contradiction(const World& world, ConstraintSystem& system, const std::vector<Pose>& poses,
-                                 StepReport& report) {
+Contradiction find_stuck_joints(const World& world, ConstraintSystem& system, const std::vector<Pose>& poses,
+                                StepReport& report) {
   const int n = system.row_count();
   std::vector<double> phi(n), inner(n), reachable(n);
   const Configuration at(poses, world.time(), world.state().axes);

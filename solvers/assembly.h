@@ -13,8 +13,9 @@ namespace taut {
 bool close_joints(ConstraintSystem& system, State& state, double tolerance, StepReport& report);
 
 /// The joints that hold the part of φ that no motion can reduce to first order, the null-space part φ − S S⁺
-/// φ at these poses. Sets of up to 24 joints are made minimal: without any one of them the rest could hold.
-Contradiction find_contradiction(const World& world, ConstraintSystem& system, const std::vector<Pose>& poses,
-                                 StepReport& report);
+/// φ at these poses, as those of a taut line do that bears a load across.  Sets of up to 24 joints are made
+/// minimal: without any one of them the rest could hold.
+Contradiction find_stuck_joints(const World& world, ConstraintSystem& system, const std::vector<Pose>& poses,
+                                StepReport& report);
 
 }  // namespace taut

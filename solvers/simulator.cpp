@@ -10,6 +10,7 @@
 #include "solvers/assembly.h"
 #include "solvers/cholmod_factor.h"
 #include "solvers/composition.h"
+#include "solvers/contradiction.h"
 #include "solvers/moreau_jean.h"
 #include "solvers/motion_sums.h"
 #include "solvers/rank_report.h"
@@ -19,8 +20,6 @@
 namespace taut {
 namespace {
 
-/// Joints shown by name in a message.
-constexpr std::size_t kShownJoints = 8;
 /// A sub-step that failed is followed by one this much shorter; each success lets the next grow again.
 constexpr int kQuietSteps = 300;
 constexpr double kShrink = 0.5, kGrow = 1.5;
@@ -177,8 +176,8 @@ void Simulator::Impl::refresh() {
     if (std::max(gap.metres, gap.radians) > settings_.position_tolerance) {
       State state = world_.state();
       if (!close_joints(*system_, state, settings_.position_tolerance, report_)) {
-        report_.contradiction = find_contradiction(world_, *system_, state.poses, report_);
-        set_failure(report_.contradiction.joints.empty() ? Status::kNotConverged : Status::kContradiction,
+        report_.contradiction = find_contradiction({.world = world_, .from = state, .bounds = false});
+        set_failure(report_.contradiction.empty() ? Status::kNotConverged : Status::kContradiction,
                     "the joints cannot be closed at the start");
         return;
       }
@@ -349,50 +348,12 @@ bool Simulator::Impl::integrate(double dt) {
         return false;
     }
     if (limit < smallest) {
-      diagnose_stall();
+      diagnose_stall(remaining);
       return false;
     }
   }
   hard_steps_ = report_.status == Status::kInexact ? kHardSteps : std::max(hard_steps_ - 1, 0);
   return true;
-}
-
-void Simulator::Impl::diagnose_stall() {
-  const std::span<const double> phi = rattle_->residual();
-  if (std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); })) {
-    set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
-    return;
-  }
-  if (const ActiveSetOutcome& outcome = rattle_->active_set_outcome(); !outcome.ok()) {
-    // Bounds and joints that exclude each other: the row that misses its law most is where it shows.
-    if (outcome.worst_row >= 0 && !system_->rows().is_contact(outcome.worst_row))
-      report_.contradiction.joints.push_back({system_->rows().row(outcome.worst_row).joint});
-    report_.contradiction.residual = outcome.residual;
-    set_failure(
-        outcome.status == ActiveSetStatus::kContradiction ? Status::kContradiction : Status::kNotConverged,
-        "limits, motors, friction and contacts could not be met together with the joints");
-    return;
-  }
-  report_.contradiction = find_contradiction(world_, *system_, rattle_->trial_poses(), report_);
-  std::ostringstream message;
-  message << "positions could not be closed with sub-steps down to dt/" << settings_.max_substeps;
-  set_failure(report_.contradiction.joints.empty() ? Status::kNotConverged : Status::kContradiction,
-              message.str());
-}
-
-void Simulator::Impl::set_failure(Status status, std::string message) {
-  report_.status = status;
-  if (status == Status::kContradiction) {
-    std::ostringstream text;
-    text << message << "; these joints cannot hold together (" << report_.contradiction.residual
-         << " is left):";
-    const auto& joints = report_.contradiction.joints;
-    for (std::size_t i = 0; i < std::min(joints.size(), kShownJoints); ++i)
-      text << (i ? ", " : " ") << world_.joint(joints[i]).type() << " " << world_.name(joints[i]);
-    if (joints.size() > kShownJoints) text << " and " << joints.size() - kShownJoints << " more";
-    message = text.str();
-  }
-  report_.message = std::move(message);
 }
 
 /// The proof of quality, from the state that the user gets.
@@ -469,8 +430,8 @@ void Simulator::Impl::assemble() {
              !std::isfinite(max_gap(system_->rows(), phi_).metres + max_gap(system_->rows(), phi_).radians)) {
     set_failure(Status::kNotFinite, "a joint's gap is not finite");
   } else if (report_.ok()) {
-    report_.contradiction = find_contradiction(world_, *system_, state.poses, report_);
-    set_failure(report_.contradiction.joints.empty() ? Status::kNotConverged : Status::kContradiction,
+    report_.contradiction = find_contradiction({.world = world_, .from = state, .bounds = false});
+    set_failure(report_.contradiction.empty() ? Status::kNotConverged : Status::kContradiction,
                 "the joints cannot be closed");
   }
   give_back();
@@ -516,6 +477,11 @@ RankReport Simulator::analyze_rank() {
   World awake = impl_->source_;
   awake.wake_all();
   return taut::analyze_rank(awake, impl_->settings_);
+}
+
+Contradiction Simulator::contradiction(double horizon) {
+  require_not_negative("contradiction horizon", horizon);
+  return impl_->contradiction(horizon);
 }
 
 const StepReport& Simulator::assemble() {

@@ -71,6 +71,10 @@ class Simulator {
 
   /// Rank, freedoms and redundant rows by name in the present pose.  Nothing moves.
   RankReport analyze_rank();
+  /// What cannot hold together `horizon` [s] from now: joints with limits, motors of unbounded force and
+  /// contacts, by an irreducible set of them.  Empty if all of it can, as far as is known.  Nothing moves.
+  /// @throws std::invalid_argument if the horizon is negative or not finite.
+  Contradiction contradiction(double horizon = 0);
   /// Closes all joints from the present pose by the smallest mass-weighted move; velocities are made tangent.
   const StepReport& assemble();
 

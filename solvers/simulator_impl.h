@@ -22,7 +22,7 @@ namespace taut {
 void check_settings(const Settings& settings);
 
 /// What the methods of Simulator work with; simulator.cpp steps, simulator_reactions.cpp answers what joints
-/// bear.
+/// bear, simulator_diagnosis.cpp says why a step failed.
 class Simulator::Impl {
  public:
   Impl(World& world, const Settings& settings)
@@ -42,6 +42,7 @@ class Simulator::Impl {
 
   void step(double dt);
   void assemble();
+  Contradiction contradiction(double horizon);
   void refresh();
   Reaction reaction_from(JointId joint, std::span<const double> multipliers, double scale) const;
   void compute_reactions();
@@ -117,7 +118,8 @@ class Simulator::Impl {
   void check_abilities(const ConstraintSystem& system) const;
   void detach_broken();
   void forget_step();
-  void diagnose_stall();
+  void diagnose_stall(double remaining);
+  Contradiction contradiction_from(const State& state, double horizon) const;
   void count_work();
   void set_failure(Status status, std::string message);
 };

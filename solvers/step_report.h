@@ -6,6 +6,7 @@
 
 #include "core/diagnostics.h"
 #include "core/state.h"
+#include "core/world.h"
 #include "solvers/axis_report.h"
 #include "solvers/contact_report.h"
 
@@ -18,8 +19,8 @@ enum class Status {
              ///< Settings::inexact_tolerance
   kNotConverged,   ///< positions could not be closed down to the smallest sub-step; the state is that before
                    ///< the step
-  kContradiction,  ///< some joints cannot hold together: see StepReport::contradiction; state as before the
-                   ///< step
+  kContradiction,  ///< some joints, limits, motors or contacts cannot hold together: see
+                   ///< StepReport::contradiction; state as before the step
   kNotFinite,      ///< a force or a state is not finite; state as before the step
 };
 std::string_view to_string(Status status);
@@ -35,11 +36,32 @@ struct StageTimes {
   double total = 0;
 };
 
-/// Joints that cannot hold together, and the gap that is left when they share it.
+/// Joints, limits, motors and contacts that cannot hold together, and the gap that is left when they share
+/// it.
 struct Contradiction {
+  /// What else than its joint holds an axis.
+  struct Bound {
+    enum class Kind { kLowerLimit, kUpperLimit, kMotor };
+    AxisId axis;
+    Kind kind = Kind::kLowerLimit;
+    friend bool operator==(const Bound&, const Bound&) = default;
+  };
+  /// All contacts of two bodies, a.index < b.index.
+  struct Touch {
+    BodyId a, b;
+    friend bool operator==(const Touch&, const Touch&) = default;
+  };
+
   std::vector<JointId> joints;
+  std::vector<Bound> bounds;
+  std::vector<Touch> contacts;
   double residual = 0;  ///< [m or rad]
+
+  bool empty() const { return joints.empty() && bounds.empty() && contacts.empty(); }
 };
+/// Its members for messages, in the order of the fields: "hinge elbow", "upper limit of hinge elbow angle",
+/// "motor of slider lift displacement", "contact of box and ground".
+std::vector<std::string> names_of(const Contradiction& contradiction, const World& world);
 
 /// A joint that broke in a step, or left with one that did.
 struct BreakEvent {

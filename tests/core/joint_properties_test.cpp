@@ -110,5 +110,24 @@ TEST(Detach, LeavesIdsNamesAndPropertiesButNoRows) {
   EXPECT_NEAR(world.potential_energy(world.state()), energy, 1e-12);
 }
 
+TEST(Detach, AllButSomeAndWhatTheseCouple) {
+  World world = pair_of_bodies();
+  const JointId hinge = world.add("hinge", Hinge::at(world, kGround, kA, Vec3::Zero(), Vec3::UnitZ()));
+  const JointId other = world.add("other", Hinge::at(world, kA, kB, Vec3(1, 0, 0), Vec3::UnitZ()));
+  const JointId third = world.add("third", Ball::at(world, kGround, kB, Vec3(1, 0, 0)));
+  const JointId driver = world.add("driver", Driver(world, world.axis(hinge, "angle"), linear_motion(0, 1)));
+  World both = world;
+  both.detach_all_but(std::vector{driver});
+  EXPECT_TRUE(both.is_attached(driver));
+  EXPECT_TRUE(both.is_attached(hinge));
+  EXPECT_FALSE(both.is_attached(other));
+  EXPECT_FALSE(both.is_attached(third));
+  EXPECT_EQ(Rows(both).row_count(), 6);
+  EXPECT_TRUE(both.may_collide(kA, kB));
+  world.detach_all_but(std::vector{third});
+  EXPECT_EQ(world.detached_count(), 3);
+  EXPECT_EQ(Rows(world).row_count(), 3);
+}
+
 }  // namespace
 }  // namespace taut

@@ -5,6 +5,7 @@
 #include "core/diagnostics.h"
 #include "core/joints.h"
 #include "tests/core/expect_invalid.h"
+#include "tests/core/random_mass.h"
 #include "tests/core/world_rows_checker.h"
 
 // Bodies that fixed joints hold together as one body.

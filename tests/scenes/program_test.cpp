@@ -56,6 +56,34 @@ TEST(Program, CheckCountsFreedomsAndNamesRedundantRows) {
   EXPECT_NE(balls.out.find("and 34 more\n"), std::string::npos) << balls.out;         // twenty are named
 }
 
+/// A driver that turns an arm into a limit, from the start or on the way.
+TEST(Program, NamesWhatCannotHoldTogether) {
+  const std::string file = temporary("arm.json"), report_file = temporary("arm_report.json");
+  for (const char* start : {"0.2", "0.35"}) {
+    write_text(file, R"({"format": "taut-scene/1", "name": "arm", "dt": 0.01, "duration": 1,
+      "bodies": [{"name": "arm", "density": 1000, "shape": {"type": "box", "size": [1, 0.1, 0.1]}}],
+      "joints": [
+        {"name": "elbow", "type": "hinge", "a": "ground", "b": "arm", "anchor": [0, 0, 0], "axis": [0, 1, 0],
+         "axes": {"angle": {"limits": {"lower": -1, "upper": 0.3}}}},
+        {"name": "crank", "type": "driver", "of": {"joint": "elbow", "axis": "angle"},
+         "motion": {"linear": {"value": )" +
+                         std::string(start) + R"(, "rate": 1}}}], "assemble": true})");
+    const std::string members = "driver crank, upper limit of hinge elbow angle";
+    const bool at_once = start == std::string("0.35");
+    const Outcome check = run_program({"check", file});
+    EXPECT_EQ(check.exit_status, at_once ? 1 : 0) << check.out << check.err;
+    EXPECT_EQ(check.out.find(members) != std::string::npos, at_once) << check.out;
+    const Outcome run = run_program({"run", file, "--report", report_file});
+    EXPECT_EQ(run.exit_status, 1) << run.err;
+    EXPECT_NE(run.out.find("cannot hold together      " + members), std::string::npos) << run.out;
+    EXPECT_NE(run.err.find(members), std::string::npos) << run.err;
+    const Json report = Json::parse(read_text(report_file));
+    EXPECT_EQ(report["status"], "contradiction");
+    EXPECT_EQ(report["contradiction"]["members"], Json({"driver crank", "upper limit of hinge elbow angle"}));
+    EXPECT_GT(report["contradiction"]["residual"], 1e-4);
+  }
+}
+
 TEST(Program, RunWritesReportAndCsv) {
   const std::string report_file = temporary("r.json"), csv_file = temporary("r.csv");
   const Outcome run = run_program({"run", "chain", "--set", "n=10", "--dt", "0.001", "--time", "0.02",

@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "solvers/assembly.h"
+#include "solvers/contradiction.h"
+#include "solvers/simulator_impl.h"
+
+// Why a step failed.  (solvers/README, "Contradiction")
+namespace taut {
+namespace {
+
+/// Members of a contradiction shown by name in a message.
+constexpr std::size_t kShownMembers = 8;
+/// Steps ahead at which a contradiction is looked for if there is none at the end of this one: where rates
+/// grow without bounds the step fails shortly before.
+constexpr double kStepsAhead[] = {1, 4};
+
+}  // namespace
+
+Contradiction Simulator::Impl::contradiction_from(const State& state, double horizon) const {
+  std::vector<JointId> gone;
+  if (rattle_)
+    for (int row : rattle_->breaking().rows())
+      if (const JointId joint{system_->rows().row(row).joint}; gone.empty() || gone.back() != joint)
+        gone.push_back(joint);
+  return find_contradiction({.world = world_,
+                             .from = state,
+                             .horizon = horizon,
+                             .contact_margin = settings_.contacts ? settings_.contact_margin : 0,
+                             .gone = gone,
+                             .named = &source_});
+}
+
+Contradiction Simulator::Impl::contradiction(double horizon) {
+  keep_means();
+  follow_source();
+  return contradiction_from(world_.state(), horizon);
+}
+
+void Simulator::Impl::diagnose_stall(double remaining) {
+  const std::span<const double> phi = rattle_->residual();
+  if (std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); })) {
+    set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
+    return;
+  }
+  Contradiction& found = report_.contradiction;
+  found = contradiction_from(rattle_->state(), remaining);
+  for (double steps : kStepsAhead)
+    if (found.empty()) found = contradiction_from(rattle_->state(), steps * report_.dt);
+  const ActiveSetOutcome& outcome = rattle_->active_set_outcome();
+  if (outcome.ok() && found.empty())
+    found = find_stuck_joints(world_, *system_, rattle_->trial_poses(), report_);
+  Status status = found.empty() ? Status::kNotConverged : Status::kContradiction;
+  if (outcome.ok()) {
+    std::ostringstream message;
+    message << "positions could not be closed with sub-steps down to dt/" << settings_.max_substeps;
+    return set_failure(status, message.str());
+  }
+  if (found.empty()) {  // the row that misses its law most is where it shows
+    if (outcome.worst_row >= 0 && !system_->rows().is_contact(outcome.worst_row))
+      found.joints.push_back({system_->rows().row(outcome.worst_row).joint});
+    found.residual = outcome.residual;
+    if (outcome.status == ActiveSetStatus::kContradiction) status = Status::kContradiction;
+  }
+  set_failure(status, "limits, motors, friction and contacts could not be met together with the joints");
+}
+
+void Simulator::Impl::set_failure(Status status, std::string message) {
+  report_.status = status;
+  if (status == Status::kContradiction) {
+    const Contradiction& found = report_.contradiction;
+    const std::vector<std::string> names = names_of(found, source_);
+    std::ostringstream text;
+    text << message << (found.joints.size() == names.size() ? "; these joints" : "; these")
+         << " cannot hold together (" << found.residual << " is left):";
+    for (std::size_t i = 0; i < std::min(names.size(), kShownMembers); ++i)
+      text << (i ? ", " : " ") << names[i];
+    if (names.size() > kShownMembers) text << " and " << names.size() - kShownMembers << " more";
+    message = text.str();
+  }
+  report_.message = std::move(message);
+}
+
+}  // namespace taut
