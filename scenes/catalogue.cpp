@@ -9,6 +9,7 @@
 #include "scenes/joint_grid.h"
 #include "scenes/machines.h"
 #include "scenes/net.h"
+#include "scenes/net_drag.h"
 #include "scenes/ragdoll.h"
 #include "scenes/scene.h"
 #include "scenes/stacks.h"
@@ -20,9 +21,9 @@ namespace {
 
 std::vector<SceneInfo> collect() {
   std::vector<SceneInfo> all;
-  for (const auto& family :
-       {chain_scenes, capstan_scenes, bridge_scenes, crossing_scenes, net_scenes, joint_grid_scenes,
-        machine_scenes, ragdoll_scenes, stack_scenes, suspension_bridge_scenes, tank_scenes})
+  for (const auto& family : {chain_scenes, capstan_scenes, bridge_scenes, crossing_scenes, net_scenes,
+                             net_drag_scenes, joint_grid_scenes, machine_scenes, ragdoll_scenes, stack_scenes,
+                             suspension_bridge_scenes, tank_scenes})
     for (SceneInfo& info : family()) all.push_back(std::move(info));
   return all;
 }

@@ -12,8 +12,8 @@ namespace {
 
 using namespace scene_parts;
 
-constexpr double kArc = 0.4;       ///< θ: half the angle of the arc [rad]
-constexpr double kHalfRod = 0.05;  ///< [m]
+constexpr double kArc = 0.4;  ///< θ: half the angle of the arc [rad]
+constexpr double kHalfRod = NetRods::kHalf;
 
 /// The start surface.  A flat net pinned at the full distance of its corners would be a singular start, so
 /// the nodes lie on a translation surface of arcs, which keeps every rod at exactly 0.1 m:
@@ -46,14 +46,6 @@ struct Surface {
   double radius;
 };
 
-/// Ids of the rods: x rods with j outer, then y rods with i outer.
-struct Rods {
-  explicit Rods(int nodes) : n(nodes) {}
-  BodyId x(int i, int j) const { return {1 + j * (n - 1) + i}; }
-  BodyId y(int i, int j) const { return {1 + n * (n - 1) + i * (n - 1) + j}; }
-  int n;
-};
-
 void add_rods(Scene& scene, const Surface& surface) {
   World& world = scene.world;
   const MassProperties rod = thin_rod(2 * kHalfRod, 0.1);
@@ -78,23 +70,12 @@ void add_ball(World& world, const std::string& name, const Ball& ball, double fr
 
 /// Joints of node (i, j): the first of the rod ends that meet there is the hub, held by the world if the node
 /// is pinned, and every other rod end hangs on the hub.
-void add_node(World& world, const Surface& surface, const Rods& rods, int i, int j, double friction) {
-  struct RodEnd {
-    BodyId rod;
-    Vec3 p;
-  } ends[4];
-  int count = 0;
-  const Vec3 end(kHalfRod, 0, 0);
-  const int last = surface.n - 1;
-  if (i > 0) ends[count++] = {rods.x(i - 1, j), end};
-  if (i < last) ends[count++] = {rods.x(i, j), -end};
-  if (j > 0) ends[count++] = {rods.y(i, j - 1), end};
-  if (j < last) ends[count++] = {rods.y(i, j), -end};
-
-  const RodEnd& hub = ends[0];
+void add_node(World& world, const Surface& surface, const NetRods& rods, int i, int j, double friction) {
+  const std::vector<NetRods::End> ends = rods.ends(i, j);
+  const NetRods::End& hub = ends[0];
   if (surface.pinned(i, j))
     add_ball(world, numbered("pin", i, j), Ball(kGround, hub.rod, surface.node(i, j), hub.p), friction);
-  for (int e = 1; e < count; ++e)
+  for (int e = 1; e < static_cast<int>(ends.size()); ++e)
     add_ball(world, numbered("node", i, j, e), Ball(hub.rod, ends[e].rod, hub.p, ends[e].p), friction);
 }
 
@@ -103,7 +84,7 @@ Scene build(const char* name, bool flag, double friction, const Parameters& para
   Scene scene = new_scene(name, parameters, duration_for(n, {{5, 5.0}, {20, 2.0}, {40, 1.0}, {80, 0.5}}));
 
   const Surface surface(n, flag);
-  const Rods rods(n);
+  const NetRods rods{n};
   add_rods(scene, surface);
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) add_node(scene.world, surface, rods, i, j, friction);
@@ -153,6 +134,16 @@ Scene build_catch(const Parameters& parameters) {
 ParameterInfo net_size(int nodes) { return size(nodes, 3, 500, "nodes along an edge"); }
 
 }  // namespace
+
+std::vector<NetRods::End> NetRods::ends(int i, int j) const {
+  std::vector<End> all;
+  const Vec3 end(kHalf, 0, 0);
+  if (i > 0) all.push_back({x(i - 1, j), end});
+  if (i < n - 1) all.push_back({x(i, j), -end});
+  if (j > 0) all.push_back({y(i, j - 1), end});
+  if (j < n - 1) all.push_back({y(i, j), -end});
+  return all;
+}
 
 std::vector<SceneInfo> net_scenes() {
   return {

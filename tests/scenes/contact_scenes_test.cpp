@@ -83,6 +83,80 @@ TEST(NetCatch, a_light_ball_is_caught) {
   EXPECT_GT(simulator.report().contacts, 0);
 }
 
+// On flat ground all of it slides straight on after a second: friction is μ times its weight, the bar pulls
+// with as much, and all that it works is rubbed away.
+TEST(NetDrag, is_dragged_over_flat_ground_by_its_friction) {
+  const double n = 5, load = 5, speed = 0.5, friction = 0.4, measured = 0.2;
+  Scene scene = build_scene(
+      "net-drag", {{"n", n}, {"load", load}, {"speed", speed}, {"friction", friction}, {"bump", 0}});
+  Simulator simulator(scene.world, scene.settings);
+  run(scene, simulator, 1.2);
+  const JointId drive = scene.world.joint("drive");
+  const int steps = static_cast<int>(std::lround(measured / scene.dt));
+  double pull = 0, rubbed = 0, driven = 0;
+  for (int i = 0; i < steps; ++i) {
+    const StepReport& report = simulator.step(scene.dt);
+    ASSERT_TRUE(report.ok()) << report.message;
+    pull += simulator.mean_reaction(drive).force.x() / steps;
+    rubbed -= report.ledger.friction;
+    driven += report.ledger.drivers;
+  }
+  // The box still swings a little on the knots that give way: 1e-4.
+  const double expected = friction * (2 * n * (n - 1) * 0.1 + load) * kG;
+  EXPECT_NEAR(pull, expected, 1e-3 * expected);
+  EXPECT_NEAR(rubbed, expected * speed * measured, 1e-3 * rubbed);
+  EXPECT_NEAR(driven, expected * speed * measured, 1e-3 * driven);
+}
+
+/// Work of the contacts of the last step on the bodies, Σ F·(v_Q − v_P) dt, with the mean of the velocities
+/// before and after it [J].
+double contact_work(const Simulator& simulator, const std::vector<Twist>& before) {
+  const World& world = simulator.world();
+  const auto velocity = [&](BodyId body, const Vec3& p) -> Vec3 {
+    const Twist &V0 = before[body.index], &V1 = world.twist(body);
+    return 0.5 * (V0.v + V1.v + (V0.w + V1.w).cross(world.pose(body).q * p));
+  };
+  double work = 0;
+  for (const ContactReport& report : simulator.contacts()) {
+    const Contact& c = report.contact;
+    work += report.force.dot(velocity(c.B, c.p_BQ) - velocity(c.A, c.p_AP)) * simulator.report().dt;
+  }
+  return work;
+}
+
+// Over bumps: energy comes from the bar alone, by pull times speed, and goes into contacts, by forces times
+// slip.
+TEST(NetDrag, drags_its_load_over_bumps) {
+  const double speed = 1;
+  Scene scene = build_scene("net-drag", {{"n", 4}, {"speed", speed}});
+  const World& world = scene.world;
+  Simulator simulator(scene.world, scene.settings);
+  run(scene, simulator, 0.5);
+  const JointId drive = world.joint("drive");
+  const BodyId load = world.body("load"), rod = world.body("rod_x_1_1");
+  const double start = simulator.report().energy(), rest = world.pose(load).p.z();
+  double drivers = 0, lost = 0, pulled = 0, rubbed = 0, highest = 0;
+  while (world.time() < 2) {
+    const std::vector<Twist> before = world.state().twists;
+    run(scene, simulator, scene.dt);
+    if (HasFatalFailure()) return;
+    const StepReport& report = simulator.report();
+    // Knots and load sink by 0.6 mm at rest, and are pressed harder as the load lurches.
+    ASSERT_LE(report.penetration, 3e-3);
+    ASSERT_LE((world.pose(load).p - world.pose(rod).p).norm(), 0.16);  // it lies where it lay
+    pulled += simulator.mean_reaction(drive).force.x() * speed * scene.dt;
+    rubbed -= contact_work(simulator, before);
+    drivers += report.ledger.drivers;
+    lost -= report.ledger.friction + report.ledger.contacts;
+    highest = std::max(highest, world.pose(load).p.z());
+  }
+  EXPECT_GT(highest, rest + 0.02);
+  EXPECT_NEAR(drivers, pulled, 1e-6 * pulled);
+  EXPECT_NEAR(drivers - lost, simulator.report().energy() - start, 1e-3 * drivers);
+  // Impacts within a step, and sub-steps, are not the mean of what was before and after.
+  EXPECT_NEAR(lost, rubbed, 5e-3 * lost);
+}
+
 TEST(Pile, stays_within_its_walls) {
   Scene scene = build_scene("pile", {{"n", 8}});
   scene.dt = 2e-3;
