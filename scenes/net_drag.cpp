@@ -174,7 +174,7 @@ std::vector<SceneInfo> net_drag_scenes() {
            {size(8, 3, 100, "nodes along an edge of the net"),
             {"load", 10, "kg", "mass of the box that lies on its middle", 0.1, 1e4, false},
             {"speed", 0.5, "m/s", "at which it is dragged", 0.01, 10, false},
-            {"friction", 0.5, "", "Coulomb coefficient of net, load and ground", 0, 10, false},
+            {"friction", 0.5, "", "Coulomb coefficient of net, load and ground", 0.1, 10, false},
             {"bump", 0.05, "m", "height of the bumps; 0 is a flat ground", 0, 0.1, false}},
            build}};
 }

@@ -21,6 +21,7 @@ const kPictures = {
   'page-crane': {run: ['crane', '--time', '5'], at: 3, window: kWide, select: 'hoist_wire'},
   'page-wall': {run: ['wall', '--time', '0.5'], at: 0.4, window: {...kWide, ...kDark}},
   'page-tank': {run: ['tank', '--time', '0.5'], at: 0.4, window: kWide},
+  'page-drag': {run: ['net-drag', '--set', 'bump=0.1', '--time', '4'], at: 3.6, window: kWide},
   'page-springs': {run: [springs, '--time', '2'], at: 0.3, window: kWide, select: 'spring_1'},
   'page-phone': {run: ['bridge', '--time', '2'], at: 0.27, window: kPhone, select: 'truck'},
 };
