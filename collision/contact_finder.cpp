@@ -205,7 +205,9 @@ void ContactFinder::Impl::find_pair(int a, int b, const State& state, double hor
     // Q in the frame of shape b first: world coordinates would lose digits far from the origin.
     contact.p_BQ = item_b.X_BS.point(X_ab.R.transpose() * (point.q - X_ab.p));
     const Vec3 v_P = V_A.at(X_A.q * contact.p_AP), v_Q = V_B.at(X_B.q * contact.p_BQ);
-    if (contact.gap > settings.margin + horizon * std::max(0.0, -contact.normal.dot(v_Q - v_P))) continue;
+    // Written so that nothing comes of poses that are not finite.
+    const double reach = settings.margin + horizon * std::max(0.0, -contact.normal.dot(v_Q - v_P));
+    if (!(contact.gap <= reach)) continue;
     result.contacts.push_back(contact);
   }
   result.touching += result.contacts.size() > first;

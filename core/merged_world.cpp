@@ -124,6 +124,15 @@ class HeldWeight final : public Force {
   double potential_;
 };
 
+bool same(const State& a, const State& b) {
+  if (a.time != b.time || a.axes != b.axes || a.poses.size() != b.poses.size()) return false;
+  for (std::size_t i = 0; i < a.poses.size(); ++i)
+    if (a.poses[i].p != b.poses[i].p || a.poses[i].q.coeffs() != b.poses[i].q.coeffs() ||
+        a.twists[i].w != b.twists[i].w || a.twists[i].v != b.twists[i].v)
+      return false;
+  return true;
+}
+
 Mat3 inertia_about(const Mat3& inertia, double mass, const Vec3& arm) {
   return inertia + mass * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
 }
@@ -173,7 +182,7 @@ bool MergedWorld::update(const World& source) {
   }
   if (moved) {
     world_.gravity_ = source.gravity_;
-    take_state(source);
+    if (!same(source.state_, known_)) take_state(source);
     make_forces(source);
     ++world_.state_version_;
     state_seen_ = source.state_version_;

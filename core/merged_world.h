@@ -60,7 +60,10 @@ class MergedWorld {
   /// Members sleep if their carrier does.
   void give_sleep(World& source) const;
   /// The source has the state of world() now; update() need not look at it.
-  void note_state(const World& source) { state_seen_ = source.state_version(); }
+  void note_state(const World& source) {
+    state_seen_ = source.state_version();
+    known_ = source.state();
+  }
   /// State of the source for one of world().
   void expand(const State& merged, State& source) const;
   /// World::forces() of the source at the last update().
@@ -89,6 +92,7 @@ class MergedWorld {
   std::vector<MassProperties> source_masses_;
   std::vector<char> source_fixed_;
   std::vector<int> stirs_seen_;
+  State known_;  // of the source, as the merged world left it
   std::vector<std::shared_ptr<const Force>> source_laws_;
   int topology_seen_ = -1, geometry_seen_ = -1, state_seen_ = -1, axes_seen_ = -1, properties_seen_ = -1,
       stir_version_seen_ = -1;

@@ -174,6 +174,7 @@ void World::append_shapes(const World& other, const std::string& prefix, const R
   for (const auto& [pair, material] : other.contact_materials_)
     set_contact_material(to(pair.first), to(pair.second), material);
   for (const auto& [pair, may] : other.collisions_) set_collision(to(pair.first), to(pair.second), may);
+  if (!other.shapes_.empty()) wake_all();
   ++geometry_version_;
 }
 

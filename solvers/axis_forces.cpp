@@ -88,19 +88,31 @@ void AxisForces::read_compliances() {
 }
 
 void AxisForces::inherit(const AxisForces& old) {
+  resting_ = old.resting_;
+  for (std::size_t i = 0; i < old.rows_.size(); ++i)
+    if (old.rows_[i].axis.axis >= 0) resting_.insert_or_assign(old.rows_[i].axis, old.axes_[i]);
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    if (rows_[i].axis.axis < 0) continue;
-    const auto same = std::lower_bound(
-        old.rows_.begin(), old.rows_.end(), rows_[i].axis, [](const Rows::AxisRow& row, const AxisId& id) {
-          return row.axis.joint < id.joint || (row.axis.joint == id.joint && row.axis.axis < id.axis);
-        });
-    if (same == old.rows_.end() || same->axis != rows_[i].axis) continue;
-    const Axis& memory = old.axes_[same - old.rows_.begin()];
-    axes_[i].anchor = memory.anchor;
-    axes_[i].stuck = memory.stuck;
-    axes_[i].load = memory.load;
+    const auto same = resting_.find(rows_[i].axis);
+    if (same == resting_.end()) continue;
+    const Axis& memory = same->second;
+    if (memory.known) {
+      axes_[i].anchor = memory.anchor;
+      axes_[i].stuck = memory.stuck;
+      axes_[i].load = memory.load;
+    }
+    resting_.erase(same);
   }
   before_ = axes_;
+}
+
+void AxisForces::forget(std::span<const char> moved) {
+  const auto is_moved = [&](JointId joint) {
+    const std::span<const BodyId> bodies = world_.joint(joint).bodies();
+    return std::any_of(bodies.begin(), bodies.end(), [&](BodyId body) { return moved[body.index]; });
+  };
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (is_moved(rows_[i].axis.joint)) axes_[i].known = false;
+  std::erase_if(resting_, [&](const auto& entry) { return is_moved(entry.first.joint); });
 }
 
 void AxisForces::release(JointId joint) {

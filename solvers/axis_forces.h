@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <span>
 #include <vector>
 
@@ -30,8 +31,11 @@ class AxisForces {
   bool finite() const { return finite_; }
   /// Back to the start of the step.
   void roll_back();
-  /// Friction of axes that an old system had too holds where it held.
+  /// Friction of axes that an old system had too holds where it held; what is known of axes that have no rows
+  /// now, because their bodies sleep, is kept.
   void inherit(const AxisForces& old);
+  /// Nothing is known of axes of bodies that were moved.
+  void forget(std::span<const char> moved);
   /// The axes and softened rows of a joint give no force any more.
   void release(JointId joint);
   /// Loads by which friction grows, from the impulses of a stage; true if a bound has changed by more than
@@ -94,6 +98,7 @@ class AxisForces {
     double anchor = 0;    // where friction holds it
     bool stuck = false;   // friction held it at the end of the last step
     bool broken = false;  // … but not in this one
+    bool known = true;    // no body was moved
     double theta0 = 0, rate0 = 0;
     double spring = 0, damping = 0;  // given by the first kick: they are given again
     bool implicit_damping = false;   // stiff dampers act on θ̇(q₁) instead
@@ -139,6 +144,7 @@ class AxisForces {
   int axis_version_ = -1;
   std::vector<Rows::AxisRow> rows_;
   std::vector<Axis> axes_, before_;
+  std::map<AxisId, Axis> resting_;  // of bodies that sleep
   std::vector<Impact> impacts_;
   int impact_count_ = 0;  // looked for in this step
   bool struck_ = false;

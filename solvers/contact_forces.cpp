@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace taut {
 namespace {
@@ -19,11 +20,36 @@ ContactForces::ContactForces(const World& world, const Settings& settings)
       resting_speed_(settings.resting_speed) {}
 
 void ContactForces::inherit(ContactForces& old, const World& world) {
-  inherited_ = set_.inherit(old.set_, world);
-  for (int k : inherited_) points_.push_back(old.points_[k]);
+  const ContactSet::Heritage from = set_.inherit(old.set_, world);
+  const int places = static_cast<int>(old.points_.size());
+  const auto point = [&](int k) { return k < places ? old.points_[k] : old.resting_points_[k - places]; };
+  for (int k : from.places) {
+    inherited_.push_back(k < places ? k : -1);
+    points_.push_back(point(k));
+  }
+  for (int k : from.resting) resting_points_.push_back(point(k));
   impacts_.resize(points_.size());
   before_ = points_;
   impacts_before_ = impacts_;
+}
+
+void ContactForces::keep_memory() {
+  inherited_.resize(points_.size());
+  std::iota(inherited_.begin(), inherited_.end(), 0);
+}
+
+void ContactForces::forget(std::span<const char> moved) {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Rows::ContactPlace& at = set_.places()[k].at;
+    if (!moved[at.a] && !moved[at.b]) continue;
+    const bool active = points_[k].active;
+    points_[k] = {};
+    points_[k].active = active;
+  }
+  for (std::size_t k = 0; k < resting_points_.size(); ++k) {
+    const Rows::ContactPlace& at = set_.resting()[k].at;
+    if (moved[at.a] || moved[at.b]) resting_points_[k] = {};
+  }
 }
 
 bool ContactForces::start(const World& world, const State& state, double horizon) {

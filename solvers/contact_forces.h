@@ -41,6 +41,10 @@ class ContactForces {
   /// What is known of contacts by the forces of the same world before its pattern changed; to be called
   /// before start().
   void inherit(ContactForces& old, const World& world);
+  /// The next start() keeps what is known.
+  void keep_memory();
+  /// Nothing is known of contacts of bodies that were moved.
+  void forget(std::span<const char> moved);
   /// The place there that a place continues, −1 for none, after start().
   int inherited(int place) const {
     const int origin = place < std::ssize(set_.origin()) ? set_.origin()[place] : -1;
@@ -222,7 +226,8 @@ class ContactForces {
   std::vector<Impact> impacts_, impacts_before_;
   std::vector<double> root_;  // √S_rr
   std::vector<Turn> turns_;
-  std::vector<int> inherited_;
+  std::vector<int> inherited_;         // −1: from one that had no rows
+  std::vector<Point> resting_points_;  // of the contacts of bodies that sleep
   std::vector<ContactReport> departed_;
   std::vector<char> goes_on_;
   std::vector<Point> point_scratch_;

@@ -54,7 +54,8 @@ row_parts::ContactFrame frame_of(const Vec3& n, const Vec3& slip, const Vec3& la
   frame.n = n;
   Vec3 along = slip.norm() > kSlipSpeed ? slip : last;
   along -= n.dot(along) * n;
-  if (along.norm() < 1e-3 * (slip.norm() > kSlipSpeed ? slip.norm() : 1)) along = n.unitOrthogonal();
+  // Written so that what is not a number, left by a step that failed, does not stay.
+  if (!(along.norm() >= 1e-3 * (slip.norm() > kSlipSpeed ? slip.norm() : 1))) along = n.unitOrthogonal();
   frame.t1 = along.normalized();
   frame.t2 = n.cross(frame.t1);
   return frame;
@@ -162,14 +163,16 @@ int ContactSet::free_place(const Rows::ContactPlace& at) const {
   return -1;
 }
 
-std::vector<int> ContactSet::inherit(ContactSet& old, const World& world) {
+ContactSet::Heritage ContactSet::inherit(ContactSet& old, const World& world) {
   finder_ = std::move(old.finder_);
-  std::vector<int> from;
-  for (std::size_t k = 0; k < old.places_.size(); ++k) {
-    const Place& place = old.places_[k];
-    if (!place.active || !(world.moves({place.at.a}) || world.moves({place.at.b}))) continue;
-    from.push_back(static_cast<int>(k));
-    places_.push_back(place);
+  Heritage from;
+  const int places = static_cast<int>(old.places_.size());
+  for (int k = 0; k < places + std::ssize(old.resting_); ++k) {
+    const Place& place = k < places ? old.places_[k] : old.resting_[k - places];
+    if (!place.active) continue;
+    const bool moves = world.moves({place.at.a}) || world.moves({place.at.b});
+    (moves ? places_ : resting_).push_back(place);
+    (moves ? from.places : from.resting).push_back(k);
   }
   before_ = places_;
   origin_.resize(places_.size());

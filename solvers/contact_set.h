@@ -28,6 +28,8 @@ class ContactSet {
   /// No two shapes of the world can touch.
   bool empty() const { return empty_; }
   std::span<const Place> places() const { return places_; }
+  /// Contacts of bodies that sleep, as they were.
+  std::span<const Place> resting() const { return resting_; }
   std::vector<Rows::ContactPlace> rows() const;
 
   /// Contacts at a state, and those that could come about within `horizon` [s] (contact_finder.h), put into
@@ -39,9 +41,14 @@ class ContactSet {
   std::span<const int> moved() const { return moved_; }
   /// The contact that a place, by its index of then, had before the last find().
   const Contact& contact_before(int place) const { return contacts_before_[place]; }
-  /// Goes on with the contacts of another set, but for those of bodies that do not move any more.  Returns
-  /// which place each of the places was there.
-  std::vector<int> inherit(ContactSet& old, const World& world);
+  /// Goes on with the contacts of another set.  Those between bodies that do not move have no places; they
+  /// are kept until these wake.
+  struct Heritage {
+    std::vector<int>
+        places;  ///< of each place: its index there; contacts that were kept come after the places
+    std::vector<int> resting;  ///< the same of those that are kept here
+  };
+  Heritage inherit(ContactSet& old, const World& world);
   /// As it was before the last find(), but in the places of now.
   void undo();
   /// Turned tangents.
@@ -61,7 +68,7 @@ class ContactSet {
 
   bool empty_ = true;
   ContactFinder finder_;
-  std::vector<Place> places_, before_;
+  std::vector<Place> places_, before_, resting_;
   std::vector<Contact> contacts_before_;  // in the places of before
   std::vector<int> origin_, moved_;
   std::vector<Key> keys_;

@@ -66,9 +66,11 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
 
 void Rattle::start(const State& state, StepReport& report) {
   state_ = state;
+  knows_residual_ = false;
   poses_ = state.poses;
   if (!contacts_.empty()) start_contacts();
   system_.release_bounded_rows();
+  for (auto* values : {&lambda_, &start_mu_}) std::fill(values->begin(), values->end(), 0.0);
   history_ = 0;
   size_ = system_size();
   for (int b = 0; b < world_.body_count(); ++b)
@@ -222,6 +224,7 @@ void Rattle::restore(StepReport& report) {
 /// Back to the start of a step whose positions were already accepted.
 void Rattle::roll_back(StepReport& report) {
   set_works(report, works_before_);
+  knows_residual_ = false;
   std::swap(state_.poses, poses_);
   std::swap(momenta_, start_momenta_);
   state_.time = start_time_;
@@ -284,6 +287,7 @@ void Rattle::kick_and_drift(double h) {
 bool Rattle::close_positions(double h, StepReport& report) {
   double last = std::numeric_limits<double>::infinity(), correction = 0;
   bool polished = false;
+  knows_residual_ = false;
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
@@ -322,6 +326,7 @@ bool Rattle::close_positions(double h, StepReport& report) {
     ++report.newton_iterations;
   }
   surprised_ = correction > kSurprise * max_abs(lambda_);
+  knows_residual_ = true;
   return true;
 }
 

@@ -47,8 +47,14 @@ class Rattle {
 
   /// Takes over a state: factors S there, makes velocities tangent and estimates the multipliers.
   void start(const State& state, StepReport& report);
-  /// Gravity or a force law has changed, the state has not.
-  void renew_forces() { world_.forces(state_, forces_); }
+  /// The same in the pattern that there is, which keeps what is known of contacts and friction.
+  void restart(const State& state, StepReport& report);
+  /// Nothing is known of contacts and axes of bodies that were moved (one entry a body).
+  void forget(std::span<const char> moved);
+  /// Gravity or a force law has changed, the state has not.  False if that is a jump: restart(), then.
+  bool renew_forces();
+  /// The last step ended at this time to the last bit.
+  void set_time(double time) { state_.time = time; }
   /// One step of h ≠ 0 (negative in compositions).  kStalled: Newton did not close the positions; kUnstable:
   /// the multipliers turned out to demand a smaller step; kImpact: an axis bounces at time_to_impact(), where
   /// the next advance must end; kOverload: a joint does not bear its load, and either is out now, or breaks
@@ -74,6 +80,8 @@ class Rattle {
   double step_limit() const { return step_limit_; }
   /// φ at the last Newton iterate, for a diagnosis after kStalled.
   std::span<const double> residual() const { return phi_; }
+  /// That is φ at the poses of state().
+  bool knows_residual() const { return knows_residual_; }
   const std::vector<Pose>& trial_poses() const { return poses_; }
   /// λ + μ, summed over the advances since clear_impulses(), for reactions.
   std::span<const double> impulses() const { return impulses_; }
@@ -145,6 +153,13 @@ class Rattle {
   void find_contacts();
   void take_over_places();
   void set_places();
+  struct Guess {
+    std::vector<Rows::JointRows> joints;
+    int contacts = 0;
+    std::vector<double> forces, lambda;
+  };
+  Guess guess() const;
+  void take(const Guess& guess);
   void move_rows(std::span<const int> from);
   void turn_contacts(std::span<double> lambda, StepReport& report);
   void contact_rates();
@@ -212,6 +227,7 @@ class Rattle {
   std::vector<double> start_jacobian_;  // J(q₀) after a refactorisation elsewhere
   std::vector<Twist> accelerations_;
   bool refactored_ = false, surprised_ = false;
+  bool knows_residual_ = false;  // the last step left φ at its end in phi_
 
   std::vector<double> lambda_, mu_, start_mu_, delta_, phi_, velocity_rows_, impulses_, force_multipliers_;
   // λ − μ of the last two steps divided by h², for the prediction.

@@ -12,6 +12,8 @@ namespace {
 
 /// Impacts closer together than this part of a step are one.
 constexpr double kTogether = 1e-3;
+/// Forces that change by more than this part between steps ask for a new start.
+constexpr double kJump = 0.25;
 
 }  // namespace
 
@@ -27,22 +29,63 @@ void Rattle::inherit_contacts(Rattle& old) {
 
 void Rattle::inherit(const Rattle& old) {
   axes_.inherit(old.axes_);
-  if (!bounded()) return;
-  const Rows &rows = system_.rows(), &old_rows = old.system_.rows();
-  const auto take = [&](const Rows::JointRows& joint, const Rows::JointRows& before) {
+  if (bounded()) take(old.guess());
+}
+
+void Rattle::restart(const State& state, StepReport& report) {
+  if (!bounded()) return start(state, report);
+  const AxisForces axes = axes_;
+  const Guess before = guess();
+  contacts_.keep_memory();
+  start(state, report);
+  axes_.inherit(axes);
+  take(before);
+}
+
+void Rattle::forget(std::span<const char> moved) {
+  axes_.forget(moved);
+  contacts_.forget(moved);
+}
+
+Rattle::Guess Rattle::guess() const {
+  const Rows& rows = system_.rows();
+  return {{rows.joints().begin(), rows.joints().end()}, rows.contact_count(), force_multipliers_, lambda_};
+}
+
+/// Multipliers of the steps before as a guess.  Those of start() know of no contacts, but of loads that are
+/// new: the step limit is that of both.
+void Rattle::take(const Guess& guess) {
+  const Rows& rows = system_.rows();
+  const auto take_rows = [&](const Rows::JointRows& joint, const Rows::JointRows& before) {
     if (joint.row_count != before.row_count) return;
-    for (auto values : {&Rattle::force_multipliers_, &Rattle::lambda_})
-      std::copy_n((old.*values).begin() + before.first_row, before.row_count,
-                  (this->*values).begin() + joint.first_row);
+    std::copy_n(guess.forces.begin() + before.first_row, before.row_count,
+                force_multipliers_.begin() + joint.first_row);
+    std::copy_n(guess.lambda.begin() + before.first_row, before.row_count, lambda_.begin() + joint.first_row);
   };
-  const std::size_t joints = std::min(rows.joints().size() - rows.contact_count(),
-                                      old_rows.joints().size() - old_rows.contact_count());
-  for (std::size_t j = 0; j < joints; ++j) take(rows.joints()[j], old_rows.joints()[j]);
+  const std::size_t joints_before = guess.joints.size() - guess.contacts;
+  const std::size_t joints = std::min(rows.joints().size() - rows.contact_count(), joints_before);
+  for (std::size_t j = 0; j < joints; ++j) take_rows(rows.joints()[j], guess.joints[j]);
   for (int k = 0; k < rows.contact_count(); ++k)
     if (const int before = contacts_.inherited(k); before >= 0)
-      take(rows.joints()[rows.contact_joint(k)], old_rows.joints()[old_rows.contact_joint(before)]);
+      take_rows(rows.joints()[rows.contact_joint(k)], guess.joints[joints_before + before]);
   contacts_.end_inheritance();
+  const double limit = step_limit_, omega = omega_;
   update_step_limit(force_multipliers_);
+  step_limit_ = std::min(step_limit_, limit);
+  omega_ = std::max(omega_, omega);
+}
+
+bool Rattle::renew_forces() {
+  last_forces_ = forces_;
+  world_.forces(state_, forces_);
+  double change = 0, size = 0;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (!inverse_mass_.moves(b)) continue;
+    change = std::max({change, (forces_[b].force - last_forces_[b].force).norm(),
+                       (forces_[b].torque - last_forces_[b].torque).norm()});
+    size = std::max({size, last_forces_[b].force.norm(), last_forces_[b].torque.norm()});
+  }
+  return change <= kJump * size;
 }
 
 void Rattle::start_contacts() {

@@ -54,6 +54,11 @@ void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
        static_cast<int>(settings_.integrator));
 }
 
+/// The integrator has a state, which that of the world can be compared with.
+bool Simulator::Impl::has_started() const {
+  return force_level_ ? !force_level_->state().poses.empty() : rattle_ && !rattle_->state().poses.empty();
+}
+
 /// The state of a body is not what the integrator has left.
 bool Simulator::Impl::is_moved(int body) const {
   const State &now = world_.state(), &then = force_level_ ? force_level_->state() : rattle_->state();
@@ -63,25 +68,39 @@ bool Simulator::Impl::is_moved(int body) const {
 }
 
 /// The same of the state as a whole.
-bool Simulator::Impl::is_moved() const {
+bool Simulator::Impl::has_moved() const {
   const State &now = world_.state(), &then = rattle_->state();
   if (now.time != then.time || now.axes != then.axes) return true;
-  for (int b = 0; b < world_.body_count(); ++b)
+  for (int b = 0; b < std::ssize(then.poses); ++b)
     if (is_moved(b)) return true;
   return false;
 }
 
-/// New topology: new pattern, order and symbolic factor.  New state: new start.  New forces alone leave what
-/// contacts and friction know of the steps before.
+/// Which they are, of all bodies; those that have just fallen asleep are where they were.
+std::vector<char> Simulator::Impl::moved_bodies() const {
+  std::vector<char> moved(world_.body_count(), false);
+  if (retaken_) return moved;
+  const State& then = rattle_->state();
+  for (int b = 0; b < std::ssize(then.poses); ++b) moved[b] = world_.moves({b}) && is_moved(b);
+  for (int b = 0; b < std::ssize(then.poses); ++b)
+    if (world_.is_fixed({b})) moved[b] = is_moved(b);
+  return moved;
+}
+
+/// New topology: new pattern, order and symbolic factor.  New state: new start.  What contacts and friction
+/// know of the steps before is kept, but where bodies were moved.
 void Simulator::Impl::refresh() {
   std::unique_ptr<ConstraintSystem> old_system;  // outlives the integrator that refers to it
   std::unique_ptr<Rattle> old_rattle;
   const bool is_new = !knows_pattern();
+  // What it knows after a step that failed may be anything.
+  const bool knows = rattle_ && has_started() && (state_version_ >= 0 || retaken_);
   if (is_new) {
     auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor);
     check_abilities(*system);
-    // What held before holds on, if nothing but the joints has changed.
-    if (state_version_ == world_.state_version()) {
+    // What held before holds on, but where bodies were moved.
+    if (knows) {
+      rattle_->forget(moved_bodies());
       old_system = std::move(system_);
       old_rattle = std::move(rattle_);
     }
@@ -108,14 +127,15 @@ void Simulator::Impl::refresh() {
     if (merged_ && !merged_->groups().empty()) weld_loads_ = std::make_unique<WeldLoads>(source_, *merged_);
   }
   if (state_version_ == world_.state_version()) return;
-  if (rattle_ && !is_new && state_version_ >= 0 && !is_moved()) {  // forces, then
-    rattle_->renew_forces();
+  const bool goes_on = knows && !is_new;
+  if (goes_on && !retaken_ && !has_moved() && rattle_->renew_forces()) {
     state_version_ = world_.state_version();
     return;
   }
   if (force_level_) {
     force_level_->start(world_.state());
   } else {
+    phi_.resize(system_->row_count());  // a step that failed may have found contacts
     system_->rows().residual(world_.state(), phi_);
     const Gap gap = max_gap(system_->rows(), phi_);
     if (!std::isfinite(gap.metres + gap.radians)) {
@@ -133,9 +153,15 @@ void Simulator::Impl::refresh() {
       world_.set_state(state);
     }
     rattle_->set_horizon(horizon_);
-    if (old_rattle) rattle_->inherit_contacts(*old_rattle);
-    rattle_->start(world_.state(), report_);
-    if (old_rattle) rattle_->inherit(*old_rattle);
+    if (goes_on) {
+      rattle_->forget(moved_bodies());
+      rattle_->restart(world_.state(), report_);
+    } else {
+      if (old_rattle) rattle_->inherit_contacts(*old_rattle);
+      rattle_->start(world_.state(), report_);
+      if (old_rattle) rattle_->inherit(*old_rattle);
+    }
+    retaken_ = false;
   }
   state_version_ = world_.state_version();
 }
@@ -143,8 +169,10 @@ void Simulator::Impl::refresh() {
 void Simulator::Impl::step(double dt) {
   require_positive("step dt", dt);
   follow_source();
-  std::vector<BodyId> tired;
-  if (sleep_) tired = tired_bodies(dt);
+  if (sleep_)
+    find_tired_bodies(dt);
+  else if (source_.asleep_count() > 0)  // for a simulator that is no more
+    source_.wake_all(), world_.wake_all();
   report_ = {};
   report_.dt = dt;
   {
@@ -153,13 +181,16 @@ void Simulator::Impl::step(double dt) {
     mean_reactions_.clear(), start_.poses.clear();
     if (settings_.report_energy) books_.begin(world_, moved_ ? source_ : world_, report_);
     moved_ = false;
-    if (sleep_) sleep_->put_to_sleep(world_, tired);
+    if (sleep_) sleep_->put_to_sleep(world_, tired_);
     while (!advance_to_end(dt))
       ;
-    if (report_.advanced())
+    if (report_.advanced()) {
       give_back();
-    else
+    } else {
+      stay_awake();
       given_version_ = world_.state_version();  // the user's world stays as it was
+    }
+    report_.asleep = source_.asleep_count();
     count_work();
   }
 }
@@ -169,7 +200,8 @@ bool Simulator::Impl::knows_pattern() const {
          sleep_version_ == world_.sleep_version();
 }
 
-/// False if bodies woke that the step has touched: it must be taken again.
+/// False if bodies woke that the step has touched, or that it could not be done without: it must be taken
+/// again.
 bool Simulator::Impl::advance_to_end(double dt) {
   const bool goes_on = state_version_ == world_.state_version() && knows_pattern();
   refresh();
@@ -177,6 +209,7 @@ bool Simulator::Impl::advance_to_end(double dt) {
   if (settings_.report_energy && rattle_ && !goes_on) books_.start(world_, rattle_->state());
   if (weld_loads_) merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), start_);
   bool done = true;
+  state_version_ = -1;  // until the end, which an exception of a force law may prevent
   if (force_level_) {
     done = force_level_->advance(dt, report_);
     if (!done) set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
@@ -185,11 +218,13 @@ bool Simulator::Impl::advance_to_end(double dt) {
     rattle_->clear_impulses();
     done = integrate(dt);
   }
-  if (done && sleep_ && rattle_ && sleep_->wake_touched(world_, rattle_->contacts().reports())) {
+  if (sleep_ && rattle_ && wakes(done)) {
+    retaken_ = done;
     forget_step();
     set_works(report_, {});
     report_.status = Status::kSuccess;
     report_.message.clear();
+    report_.contradiction = {};
     return false;
   }
   if (done)
@@ -311,15 +346,19 @@ void Simulator::Impl::finish(double dt) {
   const double time = world_.time() + dt;
   world_.set_state(state);
   world_.set_time(time);
+  if (rattle_) rattle_->set_time(time);
   if (rattle_) detach_broken();
   if (sleep_) sleep_->watch(world_, dt);
-  report_.asleep = world_.asleep_count();
   state_version_ = world_.state_version();
   report_.time = time;
   for (auto* values : {&phi_, &rates_, &reaction_multipliers_}) values->resize(system_->row_count());
-  system_->rows().residual(state, phi_);
-  if (rattle_) rattle_->clear_broken_rows(phi_);
-  report_.gap = max_gap(system_->rows(), phi_);
+  if (rattle_ && rattle_->knows_residual()) {
+    report_.gap = max_gap(system_->rows(), rattle_->residual());
+  } else {
+    system_->rows().residual(state, phi_);
+    if (rattle_) rattle_->clear_broken_rows(phi_);
+    report_.gap = max_gap(system_->rows(), phi_);
+  }
   if (force_level_) {
     system_->linearize(state);
     system_->rows().apply(system_->jacobian(), state.twists, rates_);
@@ -364,9 +403,10 @@ void Simulator::Impl::assemble() {
   keep_means();
   report_ = {};
   follow_source();
-  world_.wake_all();
+  source_.wake_all(), world_.wake_all();
   if (!knows_pattern()) refresh();
   State state = world_.state();
+  phi_.resize(system_->row_count());
   if (close_joints(*system_, state, settings_.position_tolerance, report_)) {
     world_.set_state(state);
     refresh();
@@ -456,6 +496,7 @@ const Settings& Simulator::settings() const { return impl_->settings_; }
 std::string Simulator::solver_description() const {
   if (!impl_->system_) {
     impl_->follow_source();
+    if (impl_->sleep_) impl_->wake_islands(0);
     impl_->refresh();
   }
   if (impl_->settings_.solver != Solver::kDirect)

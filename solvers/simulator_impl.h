@@ -53,10 +53,15 @@ class Simulator::Impl {
 
   // Sleep (simulator_sleep.cpp).
   std::span<const ContactSet::Place> places() const;
+  bool has_started() const;
   bool is_moved(int body) const;
-  bool is_moved() const;
+  bool has_moved() const;
+  std::vector<char> moved_bodies() const;
   void note_moved_bodies();
-  std::vector<BodyId> tired_bodies(double dt);
+  void wake_islands(double h);
+  void find_tired_bodies(double dt);
+  void stay_awake();
+  bool wakes(bool done);
   void note_reports_of(std::span<const BodyId> tired);
   bool rests(const ContactReport& report) const;
   bool rests(JointId joint) const;
@@ -88,6 +93,7 @@ class Simulator::Impl {
          most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
   int quiet_ = 0;           // steps in a row that asked for fewer
   int hard_steps_ = 0;      // to come, in which inexact laws are taken at once
+  bool retaken_ = false;    // the integrator is at the end of a step that is taken again: its memory holds
   int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1,
       sleep_version_ = -1;
   std::vector<double> reaction_multipliers_, phi_, rates_;
@@ -97,6 +103,8 @@ class Simulator::Impl {
   std::unique_ptr<WeldLoads> weld_loads_;  // null if nothing is merged
   bool moved_ = false;                     // the source, since the last step
   std::optional<Sleep> sleep_;
+  std::vector<BodyId> tired_;  // that fall asleep with this step
+  std::vector<Twist> tired_twists_;
   /// What sleeping bodies bore in the last step before; entries of others are not looked at.
   struct {
     std::map<JointId, Reaction> reactions;

@@ -10,6 +10,7 @@ namespace taut {
 void Simulator::Impl::compute_reactions() {
   keep_means();
   follow_source();
+  if (sleep_) wake_islands(0);
   refresh();
   give_back();
   if (reaction_version_ == world_.state_version()) return;

@@ -10,24 +10,44 @@ std::span<const ContactSet::Place> Simulator::Impl::places() const {
   return rattle_->contacts().set().places();
 }
 
-/// What the user has moved since the last step is not at rest.
+/// What the user has moved since the last step is not at rest, nor is anything if it was a fixed body.
 void Simulator::Impl::note_moved_bodies() {
-  if (!system_ || state_version_ == world_.state_version()) return;
+  if (!system_ || !has_started() || state_version_ == world_.state_version()) return;
   for (int b = 0; b < system_->rows().body_count(); ++b)
-    if (is_moved(b)) world_.wake({b});
+    if (is_moved(b)) world_.is_fixed({b}) ? world_.wake_all() : world_.wake({b});
+}
+
+void Simulator::Impl::wake_islands(double h) {
+  note_moved_bodies();
+  sleep_->wake(world_, places(), h);
 }
 
 /// Before a step of dt, with all that the last one has left: the bodies that fall asleep, what they bear
 /// noted.
-std::vector<BodyId> Simulator::Impl::tired_bodies(double dt) {
-  note_moved_bodies();
-  sleep_->wake(world_, places(), dt);
+void Simulator::Impl::find_tired_bodies(double dt) {
+  wake_islands(dt);
+  tired_.clear(), tired_twists_.clear();
   const bool known = system_ && topology_version_ == world_.topology_version() &&
                      geometry_version_ == world_.geometry_version();
-  if (!known || !report_.advanced() || report_.dt == 0) return {};
-  std::vector<BodyId> tired = sleep_->tired(world_, system_->rows(), places());
-  if (!tired.empty()) note_reports_of(tired);
-  return tired;
+  if (!known || !report_.advanced() || report_.dt == 0) return;
+  tired_ = sleep_->tired(world_, system_->rows(), places());
+  for (BodyId body : tired_) tired_twists_.push_back(world_.twist(body));
+  if (!tired_.empty()) note_reports_of(tired_);
+}
+
+/// A step that failed changes nothing: not who sleeps, either.
+void Simulator::Impl::stay_awake() {
+  for (std::size_t i = 0; i < tired_.size(); ++i) world_.set_twist(tired_[i], tired_twists_[i]);
+  tired_.clear(), tired_twists_.clear();
+}
+
+/// After a step that is done, or could not be: whether bodies woke for it.
+bool Simulator::Impl::wakes(bool done) {
+  if (done) return sleep_->wake_touched(world_, rattle_->contacts().reports());
+  if (world_.asleep_count() == 0) return false;
+  world_.wake_all();
+  stay_awake();
+  return true;
 }
 
 /// Reactions, axes and contacts of bodies that are about to fall asleep stay as they were in the last step.

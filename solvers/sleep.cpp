@@ -156,6 +156,7 @@ bool Sleep::any_asleep() const {
 void Sleep::wake(World& world, std::span<const ContactSet::Place> places, double h) {
   read_bodies(world);
   for (int b = 0; b < world.body_count(); ++b) {
+    if (island_of_[b] < 0 && world.is_asleep({b})) world.wake({b});  // it sleeps for another simulator
     const bool slept = island_of_[b] >= 0 && !world.is_asleep({b});
     if (stirs_[b] == world.stirs({b}) && !slept) continue;
     quiet_[b] = 0;
