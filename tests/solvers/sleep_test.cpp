@@ -4,45 +4,33 @@
 
 #include "core/diagnostics.h"
 #include "core/joints.h"
-#include "solvers/simulator.h"
 #include "tests/allocation_counter.h"
+#include "tests/solvers/sleeping.h"
 
 // Islands at rest fall asleep, and wake.
 namespace taut {
 namespace {
 
-constexpr double kStep = 1.0 / 240;
+using testing::add_box;
+using testing::kStep;
+using testing::sleeping;
+using testing::with_floor;
+
 constexpr double kWeight = 9.81;  // of one box [N]
 
-Settings sleeping(bool sleep = true) {
-  Settings settings;
-  settings.sleep = sleep;
-  return settings;
-}
-
-/// Boxes of 0.2 m and 1 kg, stacked 1 cm above each other at x, with friction.
+/// Boxes 1 mm above each other at x.
 std::vector<BodyId> add_stack(World& world, double x, int count, double restitution = 0) {
   std::vector<BodyId> boxes;
   Material material;
-  material.static_friction = material.dynamic_friction = 0.5;
   material.restitution = restitution;
-  for (int i = 0; i < count; ++i) {
-    boxes.push_back(world.add_body({.mass = MassProperties::box({0.2, 0.2, 0.2}, 1),
-                                    .pose = {Quat::Identity(), {x, 0, 0.1 + 0.001 * (i + 1) + 0.2 * i}}}));
-    world.add_shape(boxes.back(), Box{{0.2, 0.2, 0.2}}, {}, material);
-  }
+  for (int i = 0; i < count; ++i)
+    boxes.push_back(add_box(world, {x, 0, 0.1 + 0.001 * (i + 1) + 0.2 * i}, material));
   return boxes;
 }
 
-World with_floor() {
-  World world;
-  world.add_shape(kGround, HalfSpace{});
-  return world;
-}
-
-void advance(Simulator& simulator, double time, double dt = kStep) {
-  for (int i = 0; i < std::lround(time / dt); ++i)
-    ASSERT_TRUE(simulator.step(dt).ok()) << "step " << i << ": " << simulator.report().message;
+/// For so many seconds.
+void advance(Simulator& simulator, double time) {
+  testing::advance(simulator, static_cast<int>(std::lround(time / kStep)));
 }
 
 double force_on(const Simulator& simulator, BodyId body) {

@@ -4,40 +4,23 @@
 
 #include "core/diagnostics.h"
 #include "core/joints.h"
-#include "solvers/simulator.h"
+#include "tests/solvers/sleeping.h"
 
 // What bodies wake for, and what is known of contacts and friction over sleep, waking and what is set between
 // steps.
 namespace taut {
 namespace {
 
-constexpr double kStep = 1.0 / 240;
+using testing::add_box;
+using testing::advance;
+using testing::kStep;
+using testing::sleeping;
+using testing::with_floor;
 
-Settings sleeping(bool sleep = true) {
-  Settings settings;
-  settings.sleep = sleep;
-  return settings;
-}
-
-World with_floor() {
-  World world;
-  world.add_shape(kGround, HalfSpace{});
-  return world;
-}
-
-BodyId add_box(World& world, const Vec3& p, double compliance = 0) {
-  const BodyId box =
-      world.add_body({.mass = MassProperties::box({0.2, 0.2, 0.2}, 1), .pose = {Quat::Identity(), p}});
+Material compliant(double compliance) {
   Material material;
-  material.static_friction = material.dynamic_friction = 0.5;
   material.compliance = compliance;
-  world.add_shape(box, Box{{0.2, 0.2, 0.2}}, {}, material);
-  return box;
-}
-
-void advance(Simulator& simulator, int steps, double dt = kStep) {
-  for (int i = 0; i < steps; ++i)
-    ASSERT_TRUE(simulator.step(dt).ok()) << "step " << i << ": " << simulator.report().message;
+  return material;
 }
 
 /// Air resistance, so that a body on springs comes to rest.
@@ -226,7 +209,7 @@ TEST(Memory, of_contacts_over_forces_that_are_set_in_each_step) {
   for (const bool merge : {false, true})
     for (const double spin : {0.1, 900.0}) {  // of a top beside it, which asks for sub-steps
       World world = with_floor();
-      const BodyId block = add_box(world, {0, 0, 0.1}, 1e-5);
+      const BodyId block = add_box(world, {0, 0, 0.1}, compliant(1e-5));
       add_drag(world, block);
       if (merge) {
         const BodyId lid = world.add_body({.mass = MassProperties::box({0.1, 0.1, 0.1}, 0.3),
@@ -254,7 +237,7 @@ TEST(Memory, of_contacts_over_sleep) {
   World world;
   world.set_gravity({2, 0, -9.6});
   world.add_shape(kGround, HalfSpace{});
-  const BodyId block = add_box(world, {0, 0, 0.1}, 1e-4);
+  const BodyId block = add_box(world, {0, 0, 0.1}, compliant(1e-4));
   add_drag(world, block);
   Simulator simulator(world, sleeping());
   advance(simulator, 480);
@@ -272,7 +255,7 @@ TEST(Memory, of_the_awake_where_others_are_woken) {
   World world;
   world.set_gravity({2, 0, -9.6});
   world.add_shape(kGround, HalfSpace{});
-  const BodyId block = add_box(world, {0, 0, 0.1}, 1e-4), other = add_box(world, {0, 5, 0.1});
+  const BodyId block = add_box(world, {0, 0, 0.1}, compliant(1e-4)), other = add_box(world, {0, 5, 0.1});
   add_drag(world, block);
   const BodyId wheel =
       world.add_body({.mass = MassProperties::sphere(0.05, 0.01), .pose = {Quat::Identity(), {0, 0, 0.1}}});
