@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/check.h"
+#include "core/same_state.h"
 
 namespace taut {
 namespace {
@@ -124,13 +125,8 @@ class HeldWeight final : public Force {
   double potential_;
 };
 
-bool same(const State& a, const State& b) {
-  if (a.time != b.time || a.axes != b.axes || a.poses.size() != b.poses.size()) return false;
-  for (std::size_t i = 0; i < a.poses.size(); ++i)
-    if (a.poses[i].p != b.poses[i].p || a.poses[i].q.coeffs() != b.poses[i].q.coeffs() ||
-        a.twists[i].w != b.twists[i].w || a.twists[i].v != b.twists[i].v)
-      return false;
-  return true;
+int count_of(const std::vector<char>& flags, bool value) {
+  return static_cast<int>(std::count(flags.begin(), flags.end(), char(value)));
 }
 
 Mat3 inertia_about(const Mat3& inertia, double mass, const Vec3& arm) {
@@ -168,12 +164,12 @@ bool MergedWorld::update(const World& source) {
     if (!rebuilt) take_properties(source);
   }
   const bool moved = state_seen_ != source.state_version_;
-  if (!rebuilt) take_stirs(source);
   if (rebuilt) {
     groups_ = merged_groups(source, tolerance_);
     rebuild(source);
     return true;
   }
+  take_stirs(source);
   if (axes_seen_ != source.axis_version_) {
     world_.axis_properties_ = source.axis_properties_;
     for (const auto& [joint, soft] : source.soft_) world_.soft_.at(joint).compliance = soft.compliance;
@@ -271,10 +267,8 @@ void MergedWorld::make_bodies(const World& source) {
                                                       [&](BodyId b) { return source.is_asleep(b); });
     world_.masses_[group.carrier.index] = without_round_off(mass, 0.5 * (inertia + inertia.transpose()));
   }
-  world_.asleep_count_ =
-      static_cast<int>(std::count(world_.asleep_.begin(), world_.asleep_.end(), char(true)));
-  world_.moving_count_ =
-      static_cast<int>(std::count(world_.fixed_.begin(), world_.fixed_.end(), char(false)));
+  world_.asleep_count_ = count_of(world_.asleep_, true);
+  world_.moving_count_ = count_of(world_.fixed_, false);
 }
 
 /// Who may collide stays what the joints of the source say.
@@ -367,8 +361,7 @@ void MergedWorld::give_sleep(World& source) const {
     source.asleep_[b] = asleep;
   }
   if (!changed) return;
-  source.asleep_count_ =
-      static_cast<int>(std::count(source.asleep_.begin(), source.asleep_.end(), char(true)));
+  source.asleep_count_ = count_of(source.asleep_, true);
   ++source.sleep_version_;
 }
 

@@ -1,14 +1,8 @@
-#include <algorithm>
-
+#include "core/same_state.h"
 #include "core/world.h"
 
 // Bodies that are asleep.
 namespace taut {
-namespace {
-
-bool same(const Pose& a, const Pose& b) { return a.p == b.p && a.q.coeffs() == b.q.coeffs(); }
-
-}  // namespace
 
 void World::put_to_sleep(BodyId id) {
   if (!moves(id)) return;

@@ -7,6 +7,7 @@
 
 #include "core/check.h"
 #include "core/diagnostics.h"
+#include "core/same_state.h"
 #include "solvers/assembly.h"
 #include "solvers/cholmod_factor.h"
 #include "solvers/composition.h"
@@ -54,39 +55,6 @@ void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
        static_cast<int>(settings_.integrator));
 }
 
-/// The integrator has a state, which that of the world can be compared with.
-bool Simulator::Impl::has_started() const {
-  return force_level_ ? !force_level_->state().poses.empty() : rattle_ && !rattle_->state().poses.empty();
-}
-
-/// The state of a body is not what the integrator has left.
-bool Simulator::Impl::is_moved(int body) const {
-  const State &now = world_.state(), &then = force_level_ ? force_level_->state() : rattle_->state();
-  const Pose &X = now.poses[body], &X_then = then.poses[body];
-  const Twist &V = now.twists[body], &V_then = then.twists[body];
-  return X.p != X_then.p || X.q.coeffs() != X_then.q.coeffs() || V.w != V_then.w || V.v != V_then.v;
-}
-
-/// The same of the state as a whole.
-bool Simulator::Impl::has_moved() const {
-  const State &now = world_.state(), &then = rattle_->state();
-  if (now.time != then.time || now.axes != then.axes) return true;
-  for (int b = 0; b < std::ssize(then.poses); ++b)
-    if (is_moved(b)) return true;
-  return false;
-}
-
-/// Which they are, of all bodies; those that have just fallen asleep are where they were.
-std::vector<char> Simulator::Impl::moved_bodies() const {
-  std::vector<char> moved(world_.body_count(), false);
-  if (retaken_) return moved;
-  const State& then = rattle_->state();
-  for (int b = 0; b < std::ssize(then.poses); ++b) moved[b] = world_.moves({b}) && is_moved(b);
-  for (int b = 0; b < std::ssize(then.poses); ++b)
-    if (world_.is_fixed({b})) moved[b] = is_moved(b);
-  return moved;
-}
-
 /// New topology: new pattern, order and symbolic factor.  New state: new start.  What contacts and friction
 /// know of the steps before is kept, but where bodies were moved.
 void Simulator::Impl::refresh() {
@@ -128,7 +96,7 @@ void Simulator::Impl::refresh() {
   }
   if (state_version_ == world_.state_version()) return;
   const bool goes_on = knows && !is_new;
-  if (goes_on && !retaken_ && !has_moved() && rattle_->renew_forces()) {
+  if (goes_on && !retaken_ && same(world_.state(), rattle_->state()) && rattle_->renew_forces()) {
     state_version_ = world_.state_version();
     return;
   }

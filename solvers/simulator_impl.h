@@ -51,11 +51,10 @@ class Simulator::Impl {
   AxisReport axis_report(AxisId axis) const;
   std::vector<ContactReport> contacts() const;
 
-  // Sleep (simulator_sleep.cpp).
+  // What was moved, and sleep (simulator_sleep.cpp).
   std::span<const ContactSet::Place> places() const;
   bool has_started() const;
   bool is_moved(int body) const;
-  bool has_moved() const;
   std::vector<char> moved_bodies() const;
   void note_moved_bodies();
   void wake_islands(double h);

@@ -1,13 +1,34 @@
 #include <algorithm>
 
+#include "core/same_state.h"
 #include "solvers/simulator_impl.h"
 
-// Islands that fall asleep and wake between steps.                              (solvers/README, "Sleep")
+// What was moved between steps; islands that fall asleep and wake. (solvers/README, "Sleep")
 namespace taut {
 
 std::span<const ContactSet::Place> Simulator::Impl::places() const {
   if (!rattle_ || rattle_->contacts().empty()) return {};
   return rattle_->contacts().set().places();
+}
+
+/// The integrator has a state, which that of the world can be compared with.
+bool Simulator::Impl::has_started() const {
+  return force_level_ ? !force_level_->state().poses.empty() : rattle_ && !rattle_->state().poses.empty();
+}
+
+/// The state of a body is not what the integrator has left.
+bool Simulator::Impl::is_moved(int body) const {
+  const State &now = world_.state(), &then = force_level_ ? force_level_->state() : rattle_->state();
+  return !same(now.poses[body], then.poses[body]) || !same(now.twists[body], then.twists[body]);
+}
+
+/// Which they are, of all bodies; those that have just fallen asleep are where they were.
+std::vector<char> Simulator::Impl::moved_bodies() const {
+  std::vector<char> moved(world_.body_count(), false);
+  if (retaken_) return moved;
+  for (int b = 0; b < std::ssize(rattle_->state().poses); ++b)
+    moved[b] = !world_.is_asleep({b}) && is_moved(b);
+  return moved;
 }
 
 /// What the user has moved since the last step is not at rest, nor is anything if it was a fixed body.
