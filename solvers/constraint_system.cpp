@@ -118,6 +118,7 @@ void ConstraintSystem::analyze() {
   const int n = rows_.row_count();
   jacobian_.assign(rows_.jacobian_size(), 0.0);
   weighted_.assign(rows_.jacobian_size(), 0.0);
+  knows_weighted_ = false;
   roots_.resize(rows_.body_count());
   scratch_.assign(n, 0.0);
   body_scratch_.resize(rows_.body_count());
@@ -156,8 +157,13 @@ void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
   }
   {
     const Stopwatch watch(times.assembly);
-    if (!states_.empty()) mask_weighted();
-    system_->assemble(states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
+    if (states_.empty() && factored_shift() == 0) {
+      system_->assemble(rows_, jacobian_, roots_);
+    } else {
+      make_weighted();
+      if (!states_.empty()) mask_weighted();
+      system_->assemble(rows_, states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
+    }
   }
   const Stopwatch watch(times.factorization);
   factored_ = true;
@@ -240,6 +246,12 @@ void ConstraintSystem::turn_tangents(int place, row_parts::ContactPoint& point, 
     }
 }
 
+/// W from J and the roots, which must be those of the factor, if it is not known.
+void ConstraintSystem::make_weighted() {
+  if (!knows_weighted_) SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
+  knows_weighted_ = true;
+}
+
 /// A copy of W whose masked rows are zero: S of it has the pattern of S and only a diagonal there.
 void ConstraintSystem::mask_weighted() {
   masked_weighted_ = weighted_;
@@ -250,9 +262,10 @@ void ConstraintSystem::mask_weighted() {
 }
 
 void ConstraintSystem::factorize(StageTimes& times) {
-  {
+  knows_weighted_ = false;
+  if (!rows_.axis_rows().empty() || rows_.contact_count() > 0 || through_bodies_) {  // others ask for W
     const Stopwatch watch(times.assembly);
-    SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
+    make_weighted();
   }
   shifted_ = shift_next_;
   assemble_and_factorize(times);
@@ -284,7 +297,7 @@ void ConstraintSystem::keep_count(StageTimes& times) {
 /// dependence: 10⁸ ε for a bridge of 1000 hinges.  No threshold tells such pivots from small independent
 /// ones, but two shifts do: the former follow the shift, the latter stay.
 void ConstraintSystem::factorize_for_counting(StageTimes& times) {
-  SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
+  knows_weighted_ = false;
   const double shift = tolerance_.shift;
   shifted_ = shift_next_ = true;
   assemble_and_factorize(times);
@@ -346,7 +359,8 @@ void ConstraintSystem::solve(std::span<double> x) {
 }
 
 void ConstraintSystem::row_inertias(std::span<double> out) {
-  SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
+  knows_weighted_ = false;
+  make_weighted();
   weighted_inertias(out);
 }
 
@@ -367,6 +381,7 @@ void ConstraintSystem::weighted_inertias(std::span<double> out) const {
 }
 
 void ConstraintSystem::to_bodies(std::span<const double> lambda, std::span<double> v) {
+  make_weighted();
   rows_.apply_transpose(weighted_, lambda, body_scratch_);
   for (int b = 0; b < mass_.size(); ++b) {
     const Wrench wrench = mass_[b].fixed ? Wrench{} : body_scratch_[b];

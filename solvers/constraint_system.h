@@ -119,7 +119,8 @@ class ConstraintSystem {
   /// v ← P⁻¹ v.
   void solve_bodies(std::span<double> v);
 
-  /// W = J A of the last factorize() or row_inertias(), laid out like the Jacobian.
+  /// W = J A of the last factorize() or row_inertias(), laid out like the Jacobian.  Of joints alone
+  /// factorize() makes it only where rows are dependent.
   std::span<const double> weighted() const { return weighted_; }
   /// The diagonal was multiplied by one plus this before the last factorisation.
   double factored_shift() const { return std::max(compliance_, shifted_ ? tolerance_.shift : 0.0); }
@@ -163,6 +164,7 @@ class ConstraintSystem {
   void inspect_pivots();
   void keep_count(StageTimes& times);
   void backsolve(std::span<double> x);
+  void make_weighted();
   void mask_weighted();
   void multiply_factored(std::span<const double> x, std::span<double> out);
 
@@ -191,9 +193,10 @@ class ConstraintSystem {
   int small_pivots_ = 0;
   double counted_shift_ = 0;
   bool usable_ = false;
-  bool factored_ = false;    // since the last linearize()
-  bool shifted_ = false;     // the present factor is that of S_ε
-  bool shift_next_ = false;  // start the next factorisation with the shift
+  bool factored_ = false;        // since the last linearize()
+  bool knows_weighted_ = false;  // weighted_ is that of the present factor
+  bool shifted_ = false;         // the present factor is that of S_ε
+  bool shift_next_ = false;      // start the next factorisation with the shift
   int full_rank_streak_ = 0;
   double condition_ = 1, compliance_ = 0;
   double analysis_time_ = 0;

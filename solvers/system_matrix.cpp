@@ -15,6 +15,18 @@ void for_each_meeting(const Rows& rows, const MassMatrix& mass, int side, Visit 
   for (int other : rows.sides_of(body)) visit(other);
 }
 
+/// W of one side.
+inline void weigh(const Rows::Side& side, const double* J, const InverseMassRoot& A, double* W) {
+  for (int i = 0; i < side.row_count; ++i, J += 6, W += 6) {
+    for (int k = 0; k < 3; ++k)
+      W[k] = J[0] * A.rotation(0, k) + J[1] * A.rotation(1, k) + J[2] * A.rotation(2, k);
+    for (int k = 0; k < 3; ++k)
+      W[3 + k] = A.isotropic
+                     ? A.translation(0, 0) * J[3 + k]
+                     : J[3] * A.translation(0, k) + J[4] * A.translation(1, k) + J[5] * A.translation(2, k);
+  }
+}
+
 /// C (+)= W_i W_jᵀ for blocks of a size known to the compiler or not (0).
 template <int RowsI, int RowsJ>
 inline void multiply(const double* W_i, const double* W_j, int rows_i, int rows_j, double* C, int stride,
@@ -64,18 +76,23 @@ void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const
   const int joints = static_cast<int>(node_at.size());
   std::vector<int> position(rows.joints().size(), -1);
   for (int k = 0; k < joints; ++k) position[node_at[k]] = k;
-  for (int k = 0; k < joints; ++k)
-    matrix_.block_start.push_back(matrix_.block_start.back() + rows.joints()[node_at[k]].row_count);
+  const auto height = [&](int block) { return rows.joints()[node_at[block]].row_count; };
+  for (int k = 0; k < joints; ++k) matrix_.block_start.push_back(matrix_.block_start.back() + height(k));
   position_of_row_.resize(rows.row_count());
-  for (int j : node_at)
-    for (int i = 0; i < rows.joints()[j].row_count; ++i)
-      position_of_row_[rows.joints()[j].first_row + i] = matrix_.block_start[position[j]] + i;
+  for (int k = 0; k < joints; ++k)
+    for (int i = 0; i < height(k); ++i)
+      position_of_row_[rows.joints()[node_at[k]].first_row + i] = matrix_.block_start[k] + i;
+  std::vector<int> place(rows.sides().size());  // of a side among those of its body
+  for (int b = 0; b < rows.body_count(); ++b)
+    for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k)
+      place[rows.sides_of(b)[k]] = static_cast<int>(k);
 
   const bool lower = matrix_.triangle == SymmetricMatrix::Triangle::kLower;
   struct Meeting {
-    int block_row, side_i, side_j;
+    int block_row, body, i, j;
   };
   std::vector<Meeting> meetings;
+  std::vector<std::pair<int, Product>> products;  // with their bodies
   diagonal_.reserve(rows.row_count());
   for (int k = 0; k < joints; ++k) {  // block column k: which blocks, and what is summed into each
     const Rows::JointRows& joint = rows.joints()[node_at[k]];
@@ -83,72 +100,106 @@ void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
       for_each_meeting(rows, mass, s, [&](int other) {
         const int block_row = position[rows.sides()[other].joint];
-        if (lower ? block_row >= k : block_row <= k) meetings.push_back({block_row, other, s});
+        if (lower ? block_row >= k : block_row <= k)
+          meetings.push_back({block_row, rows.sides()[s].body, place[other], place[s]});
       });
     std::stable_sort(meetings.begin(), meetings.end(),
                      [](const Meeting& a, const Meeting& b) { return a.block_row < b.block_row; });
-    const int first_value = static_cast<int>(matrix_.row_index.size());
     int column_length = 0;
+    const auto opens_block = [&](std::size_t m) {
+      return m == 0 || meetings[m].block_row != meetings[m - 1].block_row;
+    };
     for (std::size_t m = 0; m < meetings.size(); ++m)
-      if (m == 0 || meetings[m].block_row != meetings[m - 1].block_row)
-        column_length +=
-            matrix_.block_start[meetings[m].block_row + 1] - matrix_.block_start[meetings[m].block_row];
+      if (opens_block(m)) column_length += height(meetings[m].block_row);
 
-    int offset = 0;
+    int slot = static_cast<int>(matrix_.row_index.size());
     for (std::size_t m = 0; m < meetings.size(); ++m) {
-      const bool first = m == 0 || meetings[m].block_row != meetings[m - 1].block_row;
-      const int height =
-          matrix_.block_start[meetings[m].block_row + 1] - matrix_.block_start[meetings[m].block_row];
-      const Rows::Side &i = rows.sides()[meetings[m].side_i], &j = rows.sides()[meetings[m].side_j];
-      if (first && m > 0)
-        offset += matrix_.block_start[meetings[m - 1].block_row + 1] -
-                  matrix_.block_start[meetings[m - 1].block_row];
-      products_.push_back({first_value + offset, column_length, i.offset, j.offset,
-                           static_cast<std::int8_t>(height), static_cast<std::int8_t>(joint.row_count),
-                           first});
-      if (first && meetings[m].block_row == k)
-        for (int c = 0; c < height; ++c) diagonal_.push_back(first_value + offset + c * column_length + c);
+      if (m > 0 && opens_block(m)) slot += height(meetings[m - 1].block_row);
+      products.push_back({meetings[m].body, {slot, column_length, meetings[m].i, meetings[m].j, false}});
+      if (opens_block(m) && meetings[m].block_row == k)
+        for (int c = 0; c < joint.row_count; ++c) diagonal_.push_back(slot + c * column_length + c);
     }
     for (int c = 0; c < joint.row_count; ++c) {
       for (std::size_t m = 0; m < meetings.size(); ++m)
-        if (m == 0 || meetings[m].block_row != meetings[m - 1].block_row)
-          for (int r = matrix_.block_start[meetings[m].block_row];
-               r < matrix_.block_start[meetings[m].block_row + 1]; ++r)
-            matrix_.row_index.push_back(r);
+        if (opens_block(m))
+          for (int r = 0; r < height(meetings[m].block_row); ++r)
+            matrix_.row_index.push_back(matrix_.block_start[meetings[m].block_row] + r);
       matrix_.column_start.push_back(static_cast<int>(matrix_.row_index.size()));
     }
   }
   matrix_.values.assign(matrix_.row_index.size(), 0.0);
+  sort_products(rows, products);
+}
+
+/// By body, by counting sort; the first product of a block in that order overwrites it.
+void SystemMatrix::sort_products(const Rows& rows, std::span<const std::pair<int, Product>> products) {
+  first_product_.assign(rows.body_count() + 1, 0);
+  for (const auto& [body, product] : products) ++first_product_[body + 1];
+  for (int b = 0; b < rows.body_count(); ++b) first_product_[b + 1] += first_product_[b];
+  std::vector<int> next(first_product_.begin(), first_product_.end() - 1);
+  products_.resize(products.size());
+  for (const auto& [body, product] : products) products_[next[body]++] = product;
+  std::vector<char> written(matrix_.values.size(), 0);
+  for (Product& product : products_) {
+    product.first = !written[product.slot];
+    written[product.slot] = 1;
+  }
+  std::size_t most_sides = 0;
+  int most_values = 0;
+  for (int b = 0; b < rows.body_count(); ++b) {
+    int values = 0;
+    for (int s : rows.sides_of(b)) values += 6 * rows.sides()[s].row_count;
+    most_values = std::max(most_values, values);
+    most_sides = std::max(most_sides, rows.sides_of(b).size());
+  }
+  own_weighted_.resize(most_values);
+  own_.resize(most_sides);
 }
 
 void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian,
                           std::span<const InverseMassRoot> roots, std::span<double> weighted) {
-  for (const Rows::Side& side : rows.sides()) {
-    const InverseMassRoot& A = roots[side.body];
-    const double* J = jacobian.data() + side.offset;
-    double* W = weighted.data() + side.offset;
-    for (int i = 0; i < side.row_count; ++i, J += 6, W += 6) {
-      for (int k = 0; k < 3; ++k)
-        W[k] = J[0] * A.rotation(0, k) + J[1] * A.rotation(1, k) + J[2] * A.rotation(2, k);
-      for (int k = 0; k < 3; ++k)
-        W[3 + k] = A.isotropic
-                       ? A.translation(0, 0) * J[3 + k]
-                       : J[3] * A.translation(0, k) + J[4] * A.translation(1, k) + J[5] * A.translation(2, k);
-    }
+  for (const Rows::Side& side : rows.sides())
+    weigh(side, jacobian.data() + side.offset, roots[side.body], weighted.data() + side.offset);
+}
+
+/// All products of a body, with the W of its sides at own_.
+void SystemMatrix::add_products(const Rows& rows, int body) {
+  const std::span<const int> sides = rows.sides_of(body);
+  for (int k = first_product_[body]; k < first_product_[body + 1]; ++k) {
+    const Product& p = products_[k];
+    const int rows_i = rows.sides()[sides[p.i]].row_count, rows_j = rows.sides()[sides[p.j]].row_count;
+    double* C = matrix_.values.data() + p.slot;
+    if (rows_i == 3 && rows_j == 3)
+      multiply<3, 3>(own_[p.i], own_[p.j], 3, 3, C, p.stride, p.first);
+    else if (rows_i == 5 && rows_j == 5)
+      multiply<5, 5>(own_[p.i], own_[p.j], 5, 5, C, p.stride, p.first);
+    else
+      multiply<0, 0>(own_[p.i], own_[p.j], rows_i, rows_j, C, p.stride, p.first);
   }
 }
 
-void SystemMatrix::assemble(std::span<const double> weighted, double shift,
+void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian,
+                            std::span<const InverseMassRoot> roots) {
+  for (int b = 0; b < rows.body_count(); ++b) {
+    if (first_product_[b] == first_product_[b + 1]) continue;
+    double* W = own_weighted_.data();
+    for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k) {
+      const Rows::Side& side = rows.sides()[rows.sides_of(b)[k]];
+      weigh(side, jacobian.data() + side.offset, roots[b], W);
+      own_[k] = W;
+      W += 6 * side.row_count;
+    }
+    add_products(rows, b);
+  }
+}
+
+void SystemMatrix::assemble(const Rows& rows, std::span<const double> weighted, double shift,
                             std::span<const double> row_states) {
-  for (const Product& p : products_) {
-    const double *W_i = weighted.data() + p.offset_i, *W_j = weighted.data() + p.offset_j;
-    double* C = matrix_.values.data() + p.slot;
-    if (p.rows_i == 3 && p.rows_j == 3)
-      multiply<3, 3>(W_i, W_j, 3, 3, C, p.stride, p.first);
-    else if (p.rows_i == 5 && p.rows_j == 5)
-      multiply<5, 5>(W_i, W_j, 5, 5, C, p.stride, p.first);
-    else
-      multiply<0, 0>(W_i, W_j, p.rows_i, p.rows_j, C, p.stride, p.first);
+  for (int b = 0; b < rows.body_count(); ++b) {
+    if (first_product_[b] == first_product_[b + 1]) continue;
+    for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k)
+      own_[k] = weighted.data() + rows.sides()[rows.sides_of(b)[k]].offset;
+    add_products(rows, b);
   }
   for (std::size_t r = 0; r < row_states.size(); ++r)
     matrix_.values[diagonal_[position_of_row_[r]]] += std::isinf(row_states[r]) ? 1 : row_states[r];

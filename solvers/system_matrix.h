@@ -1,7 +1,7 @@
 #pragma once
 
-#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/rows.h"
@@ -15,8 +15,8 @@ namespace taut {
 BlockGraph joint_graph(const Rows& rows, const MassMatrix& mass);
 
 /// S = W Wᵀ = J M⁻¹ Jᵀ with W = J A, M⁻¹ = A Aᵀ.  Pattern and slot map are made once; assemble() is then one
-/// loop over pairs of sides that meet at a body, each of which knows where its block goes: no search, no
-/// allocation.
+/// loop over the bodies and the pairs of sides that meet at each, which know where their blocks go: no
+/// search, no allocation.  The W of a body is needed nowhere else, so that it need not leave the cache.
 class SystemMatrix {
  public:
   SystemMatrix(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering,
@@ -25,10 +25,13 @@ class SystemMatrix {
   /// W from J and the roots A of M⁻¹, laid out like the Jacobian values.
   static void weight(const Rows& rows, std::span<const double> jacobian,
                      std::span<const InverseMassRoot> roots, std::span<double> weighted);
+  /// Values of S from J and the roots A; `rows` are those that the pattern was made for.
+  void assemble(const Rows& rows, std::span<const double> jacobian, std::span<const InverseMassRoot> roots);
   /// Values of S from W, then every diagonal entry times (1 + shift).  With `row_states` (one per row of the
   /// joints, see ConstraintSystem::set_row_states) Σ_r is added to S_rr before that, and masked rows, which
   /// the caller has zeroed in W, get the diagonal 1.
-  void assemble(std::span<const double> weighted, double shift, std::span<const double> row_states = {});
+  void assemble(const Rows& rows, std::span<const double> weighted, double shift,
+                std::span<const double> row_states = {});
 
   const SymmetricMatrix& matrix() const { return matrix_; }
   /// Where row r of the joints stands in the order of elimination.
@@ -37,17 +40,23 @@ class SystemMatrix {
   std::span<const int> diagonal() const { return diagonal_; }
 
  private:
-  /// Adds W_i W_jᵀ to the block that starts at `slot` with columns `stride` apart.
+  /// Adds W_i W_jᵀ, of the sides at places i and j of a body's, to the block that starts at `slot` with
+  /// columns `stride` apart.
   struct Product {
     int slot, stride;
-    int offset_i, offset_j;
-    std::int8_t rows_i, rows_j;
+    int i, j;
     bool first;  // the block's first product overwrites
   };
   void build_pattern(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering);
 
+  void sort_products(const Rows& rows, std::span<const std::pair<int, Product>> products);
+  void add_products(const Rows& rows, int body);
+
   SymmetricMatrix matrix_;
-  std::vector<Product> products_;
+  std::vector<Product> products_;     // body by body
+  std::vector<int> first_product_;    // of each body
+  std::vector<double> own_weighted_;  // W of one body …
+  std::vector<const double*> own_;    // … or where it is, by side
   std::vector<int> position_of_row_, diagonal_;
 };
 
