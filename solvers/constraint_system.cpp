@@ -137,13 +137,18 @@ void ConstraintSystem::linearize(const Configuration& at) {
 }
 
 void ConstraintSystem::set_mass(std::span<const Pose> poses) {
+  full_roots_.clear();
   for (int b = 0; b < mass_.size(); ++b) {
     const MassMatrix::Body& body = mass_[b];
     if (body.fixed) continue;
-    roots_[b].rotation = mass_.principal_axes(b, poses[b]) * body.root_inverse_moments.asDiagonal();
-    roots_[b].translation = body.root_inverse_mass * Mat3::Identity();
-    roots_[b].isotropic = true;
+    roots_[b] = {mass_.principal_axes(b, poses[b]) * body.root_inverse_moments.asDiagonal(),
+                 body.root_inverse_mass};
   }
+}
+
+std::span<FullMassRoot> ConstraintSystem::use_full_roots() {
+  full_roots_.resize(roots_.size());
+  return full_roots_;
 }
 
 void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
@@ -158,7 +163,10 @@ void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
   {
     const Stopwatch watch(times.assembly);
     if (states_.empty() && factored_shift() == 0) {
-      system_->assemble(rows_, jacobian_, roots_);
+      if (full_roots_.empty())
+        system_->assemble<InverseMassRoot>(rows_, jacobian_, roots_);
+      else
+        system_->assemble<FullMassRoot>(rows_, jacobian_, full_roots_);
     } else {
       make_weighted();
       if (!states_.empty()) mask_weighted();
@@ -248,7 +256,11 @@ void ConstraintSystem::turn_tangents(int place, row_parts::ContactPoint& point, 
 
 /// W from J and the roots, which must be those of the factor, if it is not known.
 void ConstraintSystem::make_weighted() {
-  if (!knows_weighted_) SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
+  if (knows_weighted_) return;
+  if (full_roots_.empty())
+    SystemMatrix::weight<InverseMassRoot>(rows_, jacobian_, roots_, weighted_);
+  else
+    SystemMatrix::weight<FullMassRoot>(rows_, jacobian_, full_roots_, weighted_);
   knows_weighted_ = true;
 }
 

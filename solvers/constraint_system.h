@@ -70,11 +70,12 @@ class ConstraintSystem {
   /// J given from outside, for instance a mean of two.
   std::span<double> jacobian() { return jacobian_; }
   std::span<const double> jacobian() const { return jacobian_; }
-  /// The usual roots of M⁻¹ at these poses …
+  /// The roots of M⁻¹ at these poses …
   void set_mass(std::span<const Pose> poses);
-  /// … or others.
-  std::span<InverseMassRoot> mass_roots() { return roots_; }
   std::span<const InverseMassRoot> mass_roots() const { return roots_; }
+  const InverseMassRoot& inverse_mass(int body) const { return roots_[body]; }
+  /// … and until the next set_mass(), others for S in their place, one a body, for the caller to fill.
+  std::span<FullMassRoot> use_full_roots();
   /// Compliance of all rows as a fraction of their own S_rr (constraint force mixing); 0 at first.
   void set_compliance(double fraction) { compliance_ = fraction; }
   /// ε of S_ε from now on.
@@ -184,6 +185,7 @@ class ConstraintSystem {
   std::vector<double> ordered_bodies_, body_values_;  // six numbers a body, of them all in the latter
   std::vector<double> jacobian_, weighted_;
   std::vector<InverseMassRoot> roots_;
+  std::vector<FullMassRoot> full_roots_;  // empty: not in use
   std::vector<double> ordered_, scratch_, pivots_;
   std::vector<double> states_, factored_states_, masked_weighted_;
   std::vector<Wrench> body_scratch_;

@@ -6,7 +6,7 @@ namespace taut {
 namespace {
 
 /// The axis about which the inertia is symmetric, to round-off.
-int symmetry_axis(const Vec3& moments) {
+std::int8_t symmetry_axis(const Vec3& moments) {
   const auto equal = [&](int i, int j) { return std::abs(moments[i] - moments[j]) <= 4e-16 * moments[i]; };
   if (equal(1, 2)) return 0;
   if (equal(0, 2)) return 1;

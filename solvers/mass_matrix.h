@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -10,16 +11,19 @@ namespace taut {
 /// M = diag(I_W, m 1₃) per body, kept in principal axes; fixed bodies have M⁻¹ = 0.
 class MassMatrix {
  public:
-  struct Body {
-    double mass = 1, inverse_mass = 0;
-    Vec3 moments = Vec3::Ones();          ///< I_P [kg m²]
+  /// What each step reads comes first, in one line of the cache.
+  struct alignas(64) Body {
     Vec3 inverse_moments = Vec3::Zero();  ///< 1 / I_P
-    double root_inverse_mass = 0;         ///< √(1/m)
+    double inverse_mass = 0;
     Vec3 root_inverse_moments = Vec3::Zero();
-    Quat q_BP = Quat::Identity();
     bool principal = true;  ///< q_BP is the identity
     bool fixed = true;
-    int symmetry_axis = -1;  ///< axis i with the other two moments equal; −1: none
+    std::int8_t symmetry_axis = -1;  ///< axis i with the other two moments equal; −1: none
+
+    double root_inverse_mass = 0;  ///< √(1/m)
+    double mass = 1;
+    Vec3 moments = Vec3::Ones();  ///< I_P [kg m²]
+    Quat q_BP = Quat::Identity();
   };
 
   explicit MassMatrix(const World& world);
@@ -52,38 +56,22 @@ class MassMatrix {
   std::vector<Body> bodies_;
 };
 
-/// A square root of M⁻¹ per body: M⁻¹ = A Aᵀ in two 3×3 blocks.
+/// A square root of M⁻¹ of a body: M⁻¹ = A Aᵀ with A = diag(rotation, translation 1₃); zero for fixed ones.
 struct InverseMassRoot {
   Mat3 rotation = Mat3::Zero();
-  Mat3 translation = Mat3::Zero();
-  bool isotropic = true;  ///< `translation` is a multiple of 1
+  double translation = 0;
+
+  bool moves() const { return translation > 0; }
+  /// V = M⁻¹ p.  The root is not multiplied out: of a thin rod, round-off then is a rotation about its axis
+  /// only, which moves no point on it, be it held by a joint or a stiff damper.
+  Twist twist(const Wrench& p) const {
+    return {rotation * Vec3(rotation.transpose() * p.torque), translation * translation * p.force};
+  }
 };
 
-/// M⁻¹ of all bodies at one set of poses, for repeated use there.
-class InverseMass {
- public:
-  /// `roots` are those of M⁻¹ itself, at the poses in question.
-  void set(std::span<const InverseMassRoot> roots) {
-    bodies_.resize(roots.size());
-    for (std::size_t b = 0; b < roots.size(); ++b) {
-      const double t = roots[b].translation(0, 0);
-      bodies_[b] = {roots[b].rotation, t * t};
-    }
-  }
-  bool moves(int body) const { return bodies_[body].mass > 0; }
-  /// V = M⁻¹ p of a body; zero for fixed ones.  The root is not multiplied out: of a thin rod, round-off then
-  /// is a rotation about its axis only, which moves no point on it, be it held by a joint or a stiff damper.
-  Twist twist(int body, const Wrench& p) const {
-    const Mat3& A = bodies_[body].root;
-    return {A * Vec3(A.transpose() * p.torque), bodies_[body].mass * p.force};
-  }
-
- private:
-  struct Body {
-    Mat3 root;    // of I_W⁻¹
-    double mass;  // 1/m
-  };
-  std::vector<Body> bodies_;
+/// A root of what takes the place of M⁻¹ where that has two full blocks.
+struct FullMassRoot {
+  Mat3 rotation = Mat3::Zero(), translation = Mat3::Zero();
 };
 
 }  // namespace taut

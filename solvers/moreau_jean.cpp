@@ -69,7 +69,7 @@ void MoreauJean::go_to_middle(double h, StepReport& report) {
   {
     const Stopwatch watch(report.times.positions);
     for (int b = 0; b < world_.body_count(); ++b)
-      if (inverse_mass_.moves(b)) state_.poses[b] = moved(b, 0.5 * h);
+      if (system_.inverse_mass(b).moves()) state_.poses[b] = moved(b, 0.5 * h);
   }
   if (!contacts_.empty()) find_contacts();
   linearize(report);
@@ -116,7 +116,7 @@ void MoreauJean::weigh(double h) {
   const double theta = settings_.theta, last = theta * theta * h;
   weighted_.time = start_time_ + theta * h;
   for (int b = 0; b < world_.body_count(); ++b) {
-    if (!inverse_mass_.moves(b)) continue;
+    if (!system_.inverse_mass(b).moves()) continue;
     const Twist &V0 = first_twists_[b], &V1 = state_.twists[b];
     weighted_.twists[b] = {(1 - theta) * V0.w + theta * V1.w, (1 - theta) * V0.v + theta * V1.v};
     weighted_.poses[b] =
@@ -131,7 +131,7 @@ Rattle::Outcome MoreauJean::find_impulses(double h, StepReport& report) {
   world_.forces(weighted_, forces_);
   for (int pass = 0;; ++pass) {
     for (int b = 0; b < world_.body_count(); ++b)
-      if (inverse_mass_.moves(b)) momenta_[b] = start_momenta_[b] + h * forces_[b];
+      if (system_.inverse_mass(b).moves()) momenta_[b] = start_momenta_[b] + h * forces_[b];
     if (!finite() || !axes_.finite()) return Outcome::kNotFinite;
     if (!solve_stage(report)) return Outcome::kStalled;
     const Stopwatch watch(report.times.forces);
@@ -184,7 +184,7 @@ bool MoreauJean::go_to_end(double h, StepReport& report) {
     const Stopwatch watch(report.times.positions);
     const double last = settings_.theta * h;
     for (int b = 0; b < world_.body_count(); ++b)
-      if (inverse_mass_.moves(b))
+      if (system_.inverse_mass(b).moves())
         state_.poses[b] =
             free_flow(system_.mass()[b], moved(b, h - last), momenta_[b].torque, momenta_[b].force, last);
   }
@@ -197,7 +197,6 @@ bool MoreauJean::go_to_end(double h, StepReport& report) {
     return false;
   }
   system_.set_mass(state_.poses);
-  inverse_mass_.set(system_.mass_roots());
   twists_from_momenta();
   return true;
 }

@@ -101,7 +101,6 @@ void Rattle::linearize(StepReport& report) {
   const Stopwatch watch(report.times.assembly);
   system_.linearize(state_);
   system_.set_mass(state_.poses);
-  inverse_mass_.set(system_.mass_roots());
 }
 
 void Rattle::linearize_and_factorize(StepReport& report) {
@@ -359,7 +358,7 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   double last_change = std::numeric_limits<double>::infinity();
   for (int pass = 0;; ++pass) {
     for (int b = 0; b < world_.body_count(); ++b)
-      if (inverse_mass_.moves(b)) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
+      if (system_.inverse_mass(b).moves()) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
     if (!bounded())
       project_momenta(report, mu_);
     else if (!(iterative() ? stabilize_velocities(report) : project_bounded_momenta(report)))
@@ -398,9 +397,9 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
     system_.solve_shifted(delta_);
     for (int b = 0; b < world_.body_count(); ++b) {
-      if (!inverse_mass_.moves(b)) continue;
+      if (!system_.inverse_mass(b).moves()) continue;
       momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), delta_);
-      state_.twists[b] = inverse_mass_.twist(b, momenta_[b]);
+      state_.twists[b] = system_.inverse_mass(b).twist(momenta_[b]);
     }
     system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
     system_.rows().add_rate(state_, velocity_rows_);
@@ -414,7 +413,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
 
 void Rattle::twists_from_momenta() {
   for (int b = 0; b < world_.body_count(); ++b)
-    if (inverse_mass_.moves(b)) state_.twists[b] = inverse_mass_.twist(b, momenta_[b]);
+    if (system_.inverse_mass(b).moves()) state_.twists[b] = system_.inverse_mass(b).twist(momenta_[b]);
 }
 
 }  // namespace taut

@@ -203,7 +203,7 @@ class Rattle {
   std::span<const double> kick_jacobian() const;
   /// M⁻¹ ½ (p₀ + p₁) of a body at the poses of state_.
   Twist mean_twist(int b, const Wrench& from, const Wrench& to) const {
-    return inverse_mass_.twist(b, {0.5 * (from.torque + to.torque), 0.5 * (from.force + to.force)});
+    return system_.inverse_mass(b).twist({0.5 * (from.torque + to.torque), 0.5 * (from.force + to.force)});
   }
   template <typename Visit>
   void with_mean_twists(std::span<const Wrench> from, std::span<const Wrench> to, Visit&& visit) const;
@@ -213,7 +213,6 @@ class Rattle {
   const Settings& settings_;
 
   State state_;                        // at the start of a step; twists are those of momenta_
-  InverseMass inverse_mass_;           // at the poses of state_
   std::vector<Wrench> momenta_;        // (L, P) at the start; zero for fixed bodies
   std::vector<Wrench> start_momenta_;  // the same, while momenta_ already hold the end
   double start_time_ = 0;

@@ -232,7 +232,7 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
 void Rattle::end_velocities(StepReport& report) {
   loosest_ = std::max(loosest_, loose_);
   for (int b = 0; b < world_.body_count(); ++b) {
-    if (!inverse_mass_.moves(b)) continue;
+    if (!system_.inverse_mass(b).moves()) continue;
     momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), mu_);
     if (iterative()) momenta_[b] = momenta_[b] - absorbed_[b];
   }

@@ -57,7 +57,7 @@ void set_works(StepReport& report, const Works& works) {
 template <typename Visit>
 void Rattle::with_mean_twists(std::span<const Wrench> from, std::span<const Wrench> to, Visit&& visit) const {
   for (int b = 0; b < world_.body_count(); ++b)
-    if (inverse_mass_.moves(b)) visit(b, mean_twist(b, from[b], to[b]));
+    if (system_.inverse_mass(b).moves()) visit(b, mean_twist(b, from[b], to[b]));
 }
 
 /// Works in a kick from momenta p₀ to p₁ by forces and the joints' impulses Jᵀ λ.

@@ -80,7 +80,7 @@ bool Rattle::renew_forces() {
   world_.forces(state_, forces_);
   double change = 0, size = 0;
   for (int b = 0; b < world_.body_count(); ++b) {
-    if (!inverse_mass_.moves(b)) continue;
+    if (!system_.inverse_mass(b).moves()) continue;
     change = std::max({change, (forces_[b].force - last_forces_[b].force).norm(),
                        (forces_[b].torque - last_forces_[b].torque).norm()});
     size = std::max({size, last_forces_[b].force.norm(), last_forces_[b].torque.norm()});

@@ -73,6 +73,7 @@ bool Rattle::mend_positions(double h, StepReport& report) {
     gap = max_abs(phi_);
   }
   system_.set_shift(kSteppingTolerance.shift);
+  system_.set_mass(state_.poses);  // where the kick acts
   if (!(gap <= last)) {
     std::copy(unmended_.begin(), unmended_.end(), poses_.begin());
     system_.rows().residual(end, phi_);

@@ -38,6 +38,7 @@ void Rattle::prepare_stiffness(double h) {
     const Eigen::LLT<Mat3> cholesky(M);
     return cholesky.matrixU().solve(Mat3::Identity());
   };
+  const std::span<FullMassRoot> roots = system_.use_full_roots();
   for (int b = 0; b < world_.body_count(); ++b) {
     const MassMatrix::Body& body = system_.mass()[b];
     if (body.fixed) continue;
@@ -47,7 +48,7 @@ void Rattle::prepare_stiffness(double h) {
     const Mat3 m_h = m + 0.5 * h * h * positive_part(stiffness_[b].translation);
     filter_rotation_[b] = I * I_h.inverse();
     filter_translation_[b] = m * m_h.inverse();
-    system_.mass_roots()[b] = {root_of_inverse(I_h), root_of_inverse(m_h), false};
+    roots[b] = {root_of_inverse(I_h), root_of_inverse(m_h)};
   }
 }
 

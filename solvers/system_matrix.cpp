@@ -15,15 +15,20 @@ void for_each_meeting(const Rows& rows, const MassMatrix& mass, int side, Visit 
   for (int other : rows.sides_of(body)) visit(other);
 }
 
+inline void weigh_translation(const double* v, double root, double* out) {
+  for (int k = 0; k < 3; ++k) out[k] = root * v[k];
+}
+inline void weigh_translation(const double* v, const Mat3& root, double* out) {
+  for (int k = 0; k < 3; ++k) out[k] = v[0] * root(0, k) + v[1] * root(1, k) + v[2] * root(2, k);
+}
+
 /// W of one side.
-inline void weigh(const Rows::Side& side, const double* J, const InverseMassRoot& A, double* W) {
+template <typename Root>
+inline void weigh(const Rows::Side& side, const double* J, const Root& A, double* W) {
   for (int i = 0; i < side.row_count; ++i, J += 6, W += 6) {
     for (int k = 0; k < 3; ++k)
       W[k] = J[0] * A.rotation(0, k) + J[1] * A.rotation(1, k) + J[2] * A.rotation(2, k);
-    for (int k = 0; k < 3; ++k)
-      W[3 + k] = A.isotropic
-                     ? A.translation(0, 0) * J[3 + k]
-                     : J[3] * A.translation(0, k) + J[4] * A.translation(1, k) + J[5] * A.translation(2, k);
+    weigh_translation(J + 3, A.translation, W + 3);
   }
 }
 
@@ -156,8 +161,9 @@ void SystemMatrix::sort_products(const Rows& rows, std::span<const std::pair<int
   own_.resize(most_sides);
 }
 
-void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian,
-                          std::span<const InverseMassRoot> roots, std::span<double> weighted) {
+template <typename Root>
+void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
+                          std::span<double> weighted) {
   for (const Rows::Side& side : rows.sides())
     weigh(side, jacobian.data() + side.offset, roots[side.body], weighted.data() + side.offset);
 }
@@ -178,8 +184,8 @@ void SystemMatrix::add_products(const Rows& rows, int body) {
   }
 }
 
-void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian,
-                            std::span<const InverseMassRoot> roots) {
+template <typename Root>
+void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots) {
   for (int b = 0; b < rows.body_count(); ++b) {
     if (first_product_[b] == first_product_[b + 1]) continue;
     double* W = own_weighted_.data();
@@ -192,6 +198,15 @@ void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian,
     add_products(rows, b);
   }
 }
+
+template void SystemMatrix::weight<InverseMassRoot>(const Rows&, std::span<const double>,
+                                                    std::span<const InverseMassRoot>, std::span<double>);
+template void SystemMatrix::weight<FullMassRoot>(const Rows&, std::span<const double>,
+                                                 std::span<const FullMassRoot>, std::span<double>);
+template void SystemMatrix::assemble<InverseMassRoot>(const Rows&, std::span<const double>,
+                                                      std::span<const InverseMassRoot>);
+template void SystemMatrix::assemble<FullMassRoot>(const Rows&, std::span<const double>,
+                                                   std::span<const FullMassRoot>);
 
 void SystemMatrix::assemble(const Rows& rows, std::span<const double> weighted, double shift,
                             std::span<const double> row_states) {

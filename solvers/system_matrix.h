@@ -23,10 +23,12 @@ class SystemMatrix {
                SymmetricMatrix::Triangle triangle);
 
   /// W from J and the roots A of M⁻¹, laid out like the Jacobian values.
-  static void weight(const Rows& rows, std::span<const double> jacobian,
-                     std::span<const InverseMassRoot> roots, std::span<double> weighted);
+  template <typename Root>
+  static void weight(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
+                     std::span<double> weighted);
   /// Values of S from J and the roots A; `rows` are those that the pattern was made for.
-  void assemble(const Rows& rows, std::span<const double> jacobian, std::span<const InverseMassRoot> roots);
+  template <typename Root>
+  void assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots);
   /// Values of S from W, then every diagonal entry times (1 + shift).  With `row_states` (one per row of the
   /// joints, see ConstraintSystem::set_row_states) Σ_r is added to S_rr before that, and masked rows, which
   /// the caller has zeroed in W, get the diagonal 1.
