@@ -12,6 +12,18 @@ bool moves(const World& world, const Joint& joint) {
   return std::any_of(bodies.begin(), bodies.end(), [&](BodyId body) { return world.moves(body); });
 }
 
+/// Items 0 … n − 1 by their bodies, in order, by counting sort; −1: of none.
+void sort_by(const std::vector<int>& body_of, int bodies, std::vector<int>& start, std::vector<int>& items) {
+  start.assign(bodies + 1, 0);
+  for (int body : body_of)
+    if (body >= 0) ++start[body + 1];
+  for (int b = 0; b < bodies; ++b) start[b + 1] += start[b];
+  std::vector<int> next(start.begin(), start.end() - 1);
+  items.resize(start.back());
+  for (std::size_t i = 0; i < body_of.size(); ++i)
+    if (body_of[i] >= 0) items[next[body_of[i]]++] = static_cast<int>(i);
+}
+
 }  // namespace
 
 std::vector<int> detail::body_indices(const Joint* joint) {
@@ -126,14 +138,17 @@ Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace>
   for (int j = 0; j < world.joint_count(); ++j) append_joint(world, j, axis_rows, joints);
   first_contact_row_ = row_count();
   for (const ContactPlace& place : contacts) append_contact(place);
+  sort_by_body(world.body_count());
+}
 
-  // Sides of each body by counting sort, which keeps the order of the joints.
-  body_start_.assign(world.body_count() + 1, 0);
-  for (const Side& side : sides_) ++body_start_[side.body + 1];
-  for (int b = 0; b < world.body_count(); ++b) body_start_[b + 1] += body_start_[b];
-  std::vector<int> next(body_start_.begin(), body_start_.end() - 1);
-  body_sides_.resize(sides_.size());
-  for (int s = 0; s < static_cast<int>(sides_.size()); ++s) body_sides_[next[sides_[s].body]++] = s;
+/// Sides of each body, and joints that are due at it.
+void Rows::sort_by_body(int bodies) {
+  std::vector<int> body_of;
+  for (const Side& side : sides_) body_of.push_back(side.body);
+  sort_by(body_of, bodies, body_start_, body_sides_);
+  body_of.assign(joints_.size(), -1);
+  for (const Side& side : sides_) body_of[side.joint] = std::max(body_of[side.joint], side.body);
+  sort_by(body_of, bodies, due_start_, due_joints_);
 }
 
 void Rows::residual(const Configuration& at, std::span<double> phi) const {
@@ -168,16 +183,7 @@ void Rows::update_axes(const Configuration& at, std::span<double> axes) const {
 
 void Rows::apply(std::span<const double> jacobian, std::span<const Twist> twists,
                  std::span<double> out) const {
-  for (const JointRows& joint : joints_) {
-    double* rates = out.data() + joint.first_row;
-    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
-      const Twist& twist = twists[sides_[s].body];
-      const SixVector V(twist.w, twist.v);
-      const double* J = jacobian.data() + sides_[s].offset;
-      const bool first = s == joint.first_side;
-      for (int i = 0; i < joint.row_count; ++i, J += 6) rates[i] = V.dot(J) + (first ? 0 : rates[i]);
-    }
-  }
+  for (const JointRows& joint : joints_) apply(joint, jacobian, twists, out);
 }
 
 void Rows::apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,

@@ -197,6 +197,11 @@ class Rows {
     return {body_sides_.data() + body_start_[body], body_sides_.data() + body_start_[body + 1]};
   }
   int body_count() const { return static_cast<int>(body_start_.size()) - 1; }
+  /// Joints with rows whose last body, by index, this is: a loop over bodies can do them as soon as their
+  /// twists or poses are there, and still near.
+  std::span<const int> joints_due(int body) const {
+    return {due_joints_.data() + due_start_[body], due_joints_.data() + due_start_[body + 1]};
+  }
   const Row& row(int i) const { return rows_[i]; }
   bool is_equality(int i) const { return rows_[i].axis == kEquality && !is_contact(i); }
   /// Contact rows come last.
@@ -234,6 +239,18 @@ class Rows {
 
   /// J V, with the values that jacobian() gave.
   void apply(std::span<const double> jacobian, std::span<const Twist> twists, std::span<double> out) const;
+  /// The same for one joint.
+  void apply(const JointRows& joint, std::span<const double> jacobian, std::span<const Twist> twists,
+             std::span<double> out) const {
+    double* rates = out.data() + joint.first_row;
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
+      const Twist& twist = twists[sides_[s].body];
+      const SixVector V(twist.w, twist.v);
+      const double* J = jacobian.data() + sides_[s].offset;
+      const bool first = s == joint.first_side;
+      for (int i = 0; i < joint.row_count; ++i, J += 6) rates[i] = V.dot(J) + (first ? 0 : rates[i]);
+    }
+  }
   /// Jᵀ λ, the wrench of all joints on each body, fixed ones too; overwrites `out`.
   void apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                        std::span<Wrench> out) const;
@@ -258,6 +275,7 @@ class Rows {
   void append_joint(const World& world, int j, AxisRows axis_rows, Joints joints);
   void append_contact(const ContactPlace& place);
   void clear_blocks(int joint);
+  void sort_by_body(int bodies);
   void note_axes(const detail::PartStoreBase* store);
 
   std::vector<JointRows> joints_;
@@ -275,6 +293,7 @@ class Rows {
   // Joints whose parts do not write all of their Jacobian: first value and count, zeroed each time.
   std::vector<std::pair<int, int>> cleared_;
   std::vector<int> body_start_, body_sides_;
+  std::vector<int> due_start_, due_joints_;
   std::vector<std::unique_ptr<detail::PartStoreBase>> stores_;
   std::unordered_map<std::type_index, detail::PartStoreBase*> store_of_type_;
   std::vector<const detail::PartStoreBase*> stores_with_axes_;  // those that update_axes() must ask

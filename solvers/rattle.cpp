@@ -385,25 +385,34 @@ Rattle::Fixed Rattle::fixed_point(int pass, double& last_change) const {
   return Fixed::kNotYet;
 }
 
+/// Momenta as `change` makes them of each body that moves, then twists and J V + φ_t: each joint as soon as
+/// the twists of its bodies are there, while its Jacobian is still near.
+template <typename Change>
+void Rattle::twists_and_rates(Change change) {
+  const Rows& rows = system_.rows();
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (system_.inverse_mass(b).moves()) {
+      change(b);
+      state_.twists[b] = system_.inverse_mass(b).twist(momenta_[b]);
+    }
+    for (int j : rows.joints_due(b))
+      rows.apply(rows.joints()[j], system_.jacobian(), state_.twists, velocity_rows_);
+  }
+  rows.add_rate(state_, velocity_rows_);
+  clear_loose_rows(velocity_rows_);
+}
+
 /// μ with J M⁻¹ (p + Jᵀμ) + φ_t = 0, refined until |J V + φ_t| is within its tolerance.  It is in the range
 /// of S, also with dependent rows.
 void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
   std::fill(mu.begin(), mu.end(), 0.0);
-  twists_from_momenta();
-  system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
-  system_.rows().add_rate(state_, velocity_rows_);
-  clear_loose_rows(velocity_rows_);
+  twists_and_rates([](int) {});
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
     system_.solve_shifted(delta_);
-    for (int b = 0; b < world_.body_count(); ++b) {
-      if (!system_.inverse_mass(b).moves()) continue;
+    twists_and_rates([this](int b) {
       momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), delta_);
-      state_.twists[b] = system_.inverse_mass(b).twist(momenta_[b]);
-    }
-    system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
-    system_.rows().add_rate(state_, velocity_rows_);
-    clear_loose_rows(velocity_rows_);
+    });
     for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
     report.velocity_residual = max_abs(velocity_rows_);
     if (report.velocity_residual <= settings_.velocity_tolerance) return;

@@ -127,6 +127,8 @@ class Rattle {
   /// since last_forces_, are the same, still come closer, or do not.
   enum class Fixed { kYes, kNotYet, kStalled };
   Fixed fixed_point(int pass, double& last_change) const;
+  template <typename Change>
+  void twists_and_rates(Change change);
   void project_momenta(StepReport& report, std::span<double> mu);
   bool iterative() const { return settings_.solver != Solver::kDirect; }
   /// Rows have laws of their own, or are to be solved one by one.

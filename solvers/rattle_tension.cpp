@@ -38,17 +38,28 @@ void Rattle::prepare_stiffness(double h) {
     const Eigen::LLT<Mat3> cholesky(M);
     return cholesky.matrixU().solve(Mat3::Identity());
   };
+  // M (M + h²/2 K)⁻¹ and a root of the inverse, from those of M⁻¹ where nothing pulls, as translations of
+  // ball joints.
+  const auto filter = [&](const Mat3& M, const Mat3& K, const Mat3& root, Mat3& kept, Mat3& root_h) {
+    if (K.isZero(0)) {
+      kept.setIdentity();
+      root_h = root;
+      return;
+    }
+    const Mat3 M_h = M + 0.5 * h * h * positive_part(K);
+    kept = M * M_h.inverse();
+    root_h = root_of_inverse(M_h);
+  };
   const std::span<FullMassRoot> roots = system_.use_full_roots();
   for (int b = 0; b < world_.body_count(); ++b) {
     const MassMatrix::Body& body = system_.mass()[b];
     if (body.fixed) continue;
     const Mat3 R = system_.mass().principal_axes(b, state_.poses[b]);
-    const Mat3 I = R * body.moments.asDiagonal() * R.transpose(), m = body.mass * Mat3::Identity();
-    const Mat3 I_h = I + 0.5 * h * h * positive_part(stiffness_[b].rotation);
-    const Mat3 m_h = m + 0.5 * h * h * positive_part(stiffness_[b].translation);
-    filter_rotation_[b] = I * I_h.inverse();
-    filter_translation_[b] = m * m_h.inverse();
-    roots[b] = {root_of_inverse(I_h), root_of_inverse(m_h)};
+    filter(R * body.moments.asDiagonal() * R.transpose(), stiffness_[b].rotation,
+           system_.inverse_mass(b).rotation, filter_rotation_[b], roots[b].rotation);
+    filter(body.mass * Mat3::Identity(), stiffness_[b].translation,
+           system_.inverse_mass(b).translation * Mat3::Identity(), filter_translation_[b],
+           roots[b].translation);
   }
 }
 

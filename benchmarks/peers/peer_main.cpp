@@ -1,11 +1,12 @@
-#include <dlfcn.h>
 #include <sys/resource.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -32,6 +33,9 @@ struct Options {
 /// no simulation any more.
 constexpr double kDivergedDrift = 100, kDivergedGap = 100;
 constexpr double kProbeTime = 0.5;
+/// Runs that are over sooner [s] are made again, so many times at most, and the fastest counts.
+constexpr double kShort = 0.2;
+constexpr int kMaxTurns = 5;
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -43,11 +47,13 @@ double cpu_now() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Engines that call LAPACK would otherwise be charged for OpenBLAS threads that wait for each other: Siconos
-/// four times its work on matrices of 171 rows.
-void use_one_blas_thread() {
-  using SetThreads = void (*)(int);
-  if (auto* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<SetThreads>(symbol)(1);
+/// OpenBLAS starts its threads when it is loaded, and they wait by spinning: an engine that calls LAPACK, or
+/// only links it, would be charged for that, Siconos four times its work on matrices of 171 rows.  So the
+/// program starts itself again with one thread.
+void use_one_blas_thread(char** argv) {
+  constexpr const char* kThreads = "OPENBLAS_NUM_THREADS";
+  if (std::getenv(kThreads) || setenv(kThreads, "1", 0) != 0) return;
+  execv("/proc/self/exe", argv);  // comes back only if it fails
 }
 
 double peak_memory_mb() {
@@ -161,16 +167,24 @@ Json run(const Options& options, const std::string& name, const Factory& factory
            {"truck", options.truck},
            {"rate_hz", options.rate},
            {"bodies", scene.world.moving_body_count()}};
-  Measurer measurer(scene);
-  out["rows"] = measurer.row_count();
+  out["rows"] = Measurer(scene).row_count();
   out["probe"] = nullptr;
   try {
     const System system = describe(scene.world);
-    const double start = now();
-    const auto engine = factory(system, Method(options.method), 1 / options.rate);
-    out["build_time_s"] = now() - start;
-    out["status"] = simulate(*engine, scene, options, measurer, out);
-    measurer.write(out);
+    Json best;
+    double total = 0;
+    for (int turn = 0; turn == 0 || (turn < kMaxTurns && total < kShort); ++turn) {
+      Json made;
+      Measurer measurer(scene);
+      const double start = now();
+      const auto engine = factory(system, Method(options.method), 1 / options.rate);
+      made["build_time_s"] = now() - start;
+      made["status"] = simulate(*engine, scene, options, measurer, made);
+      measurer.write(made);
+      total += now() - start;
+      if (turn == 0 || made["cpu_per_simulated_s"] < best["cpu_per_simulated_s"]) best = made;
+    }
+    out.update(best);
   } catch (const Unsupported& error) {
     out["status"] = "unsupported";
     out["message"] = error.what();
@@ -185,6 +199,7 @@ Json run(const Options& options, const std::string& name, const Factory& factory
 }  // namespace
 
 int peer_main(int argc, char** argv, const std::string& engine, const Factory& factory) {
+  use_one_blas_thread(argv);
   CLI::App app("one scene in " + engine + ", measured from the poses; prints JSON");
   Options options;
   app.add_option("--scene", options.scene, "a scene of the catalogue");
@@ -195,7 +210,6 @@ int peer_main(int argc, char** argv, const std::string& engine, const Factory& f
   app.add_option("--time", options.time, "time to simulate [s]; default: the scene's");
   app.add_option("--limit", options.limit, "processor time of the steps [s]");
   CLI11_PARSE(app, argc, argv);
-  use_one_blas_thread();
   try {
     std::cout << run(options, engine, factory).dump() << std::endl;
   } catch (const std::invalid_argument& error) {
