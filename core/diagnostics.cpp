@@ -8,8 +8,11 @@ namespace {
 /// Squares of a joint's gap [m², rad²].
 Gap squared_gap(const Rows& rows, const Rows::JointRows& joint, std::span<const double> phi) {
   Gap square;
-  for (int r = joint.first_row; r < joint.first_row + joint.equality_count; ++r)
-    if (rows.is_equality(r)) (rows.row(r).angular ? square.radians : square.metres) += phi[r] * phi[r];
+  for (int r = joint.first_row; r < joint.first_row + joint.equality_count; ++r) {
+    const Rows::Unit unit = rows.gap_unit(r);
+    if (unit != Rows::Unit::kNone)
+      (unit == Rows::Unit::kRadian ? square.radians : square.metres) += phi[r] * phi[r];
+  }
   return square;
 }
 

@@ -203,6 +203,9 @@ class Rows {
     return {due_joints_.data() + due_start_[body], due_joints_.data() + due_start_[body + 1]};
   }
   const Row& row(int i) const { return rows_[i]; }
+  /// In what the gap of an equality row of a joint is, beside the rows, for loops over all of them.
+  enum class Unit : char { kNone, kMetre, kRadian };
+  Unit gap_unit(int i) const { return unit_[i]; }
   bool is_equality(int i) const { return rows_[i].axis == kEquality && !is_contact(i); }
   /// Contact rows come last.
   bool is_contact(int i) const { return i >= first_contact_row_; }
@@ -281,6 +284,7 @@ class Rows {
   std::vector<JointRows> joints_;
   std::vector<Side> sides_;
   std::vector<Row> rows_;
+  std::vector<Unit> unit_;
   std::vector<AxisRow> axis_rows_;
   // Items of contact places in the stores of their parts; −1: no twist.
   struct ContactItems {
@@ -345,6 +349,9 @@ void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, 
   const int first_row = place.first_row + row_in_joint, item = static_cast<int>(items.size());
   for (int i = 0; i < Part::kRows; ++i)
     rows_.push_back({joint, detail::is_angular(part), slot, item, i, axis});
+  unit_.resize(rows_.size(), axis != kEquality          ? Unit::kNone
+                             : detail::is_angular(part) ? Unit::kRadian
+                                                        : Unit::kMetre);
   const auto offset = [&](int side) { return sides_[place.first_side + side].offset + 6 * row_in_joint; };
   if (detail::kIsWide<Part> || axis_index >= 0) note_axes(slot);
   if constexpr (detail::kIsWide<Part>) {

@@ -34,6 +34,10 @@ int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatri
   }
   const int failed = kernels_->factor_panel(panel, front.leading, front.rows, front.pivots, pack_.data());
   if (failed >= 0) return rows_[front.row_begin + failed];
+  for (int k = 0; k < front.pivots; ++k) {  // while they are near
+    const double reciprocal = panel[k * (std::ptrdiff_t{front.leading} + 1)];
+    pivots_[rows_[front.row_begin + k]] = 1.0 / (reciprocal * reciprocal);
+  }
 
   const int m = front.rows - front.pivots, ldc = contribution_leading(front);
   if (m == 0) return -1;
@@ -73,12 +77,7 @@ void MultifrontalFactor::solve(std::span<double> x) {
 
 void MultifrontalFactor::pivots(std::span<double> d) const {
   assert(static_cast<int>(d.size()) == size_);
-  for (const Front& front : fronts_) {
-    for (int k = 0; k < front.pivots; ++k) {
-      const double reciprocal = L_[front.panel + k * (std::int64_t{front.leading} + 1)];
-      d[rows_[front.row_begin + k]] = 1.0 / (reciprocal * reciprocal);
-    }
-  }
+  std::copy(pivots_.begin(), pivots_.end(), d.begin());
 }
 
 }  // namespace taut

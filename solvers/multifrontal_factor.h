@@ -91,7 +91,8 @@ class MultifrontalFactor final : public Factor {
   AlignedVector<double> L_;          // panels, front after front
   AlignedVector<double> contributions_;
   AlignedVector<double> pack_;
-  AlignedVector<double> y_;  // a front's part of x
+  std::vector<double> pivots_;  // D_ii of the last factorisation
+  AlignedVector<double> y_;     // a front's part of x
 };
 
 }  // namespace taut

@@ -37,6 +37,7 @@ void check(const SymmetricMatrix& A) {
 void MultifrontalFactor::analyze(const SymmetricMatrix& A) {
   check(A);
   size_ = A.size();
+  pivots_.assign(size_, 0.0);
   const AssemblyTree tree = build_assembly_tree(A);
   plan_fronts(A, tree);
   plan_contributions();
