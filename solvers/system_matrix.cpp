@@ -32,20 +32,39 @@ inline void weigh(const Rows::Side& side, const double* J, const Root& A, double
   }
 }
 
-/// C (+)= W_i W_jᵀ for blocks of a size known to the compiler or not (0).
-template <int RowsI, int RowsJ>
-inline void multiply(const double* W_i, const double* W_j, int rows_i, int rows_j, double* C, int stride,
-                     bool overwrite) {
-  using Row = Eigen::Map<const Eigen::Matrix<double, 6, 1>>;
+/// C (+)= W_i W_jᵀ for blocks of a size known to the compiler or not (0): the six products of an entry in
+/// three pairs, and two entries at a time, whose pairs are then added across.
+template <int RowsI, int RowsJ, bool Overwrite>
+inline void multiply(const double* W_i, const double* W_j, int rows_i, int rows_j, double* C, int stride) {
+  using Pair = Eigen::Array2d;
+  const auto pair = [](const double* at) { return Pair(Eigen::Map<const Pair>(at)); };
   const int ni = RowsI ? RowsI : rows_i, nj = RowsJ ? RowsJ : rows_j;
-  for (int c = 0; c < nj; ++c) {
-    const Row b(W_j + 6 * c);
-    for (int r = 0; r < ni; ++r) {
-      const double sum = Row(W_i + 6 * r).cwiseProduct(b).sum();
-      double& entry = C[c * stride + r];
-      entry = overwrite ? sum : entry + sum;
+  for (int c = 0; c < nj; ++c, W_j += 6, C += stride) {
+    const Pair b0 = pair(W_j), b1 = pair(W_j + 2), b2 = pair(W_j + 4);
+    const auto products = [&](int r) {
+      const double* a = W_i + 6 * r;
+      return Pair(pair(a) * b0 + pair(a + 2) * b1 + pair(a + 4) * b2);
+    };
+    for (int r = 0; r + 1 < ni; r += 2) {
+      const Pair s = products(r), t = products(r + 1), sum = Pair(s[0], t[0]) + Pair(s[1], t[1]);
+      Eigen::Map<Pair> entries(C + r);
+      entries = Overwrite ? sum : Pair(entries + sum);
     }
+    if (ni % 2 == 0) continue;
+    const double sum = products(ni - 1).sum();
+    C[ni - 1] = Overwrite ? sum : C[ni - 1] + sum;
   }
+}
+
+/// The same for the sizes that are common, and for all others.
+template <bool Overwrite>
+inline void multiply(const double* W_i, const double* W_j, int rows_i, int rows_j, double* C, int stride) {
+  if (rows_i == 3 && rows_j == 3)
+    multiply<3, 3, Overwrite>(W_i, W_j, 3, 3, C, stride);
+  else if (rows_i == 5 && rows_j == 5)
+    multiply<5, 5, Overwrite>(W_i, W_j, 5, 5, C, stride);
+  else
+    multiply<0, 0, Overwrite>(W_i, W_j, rows_i, rows_j, C, stride);
 }
 
 }  // namespace
@@ -175,12 +194,10 @@ void SystemMatrix::add_products(const Rows& rows, int body) {
     const Product& p = products_[k];
     const int rows_i = rows.sides()[sides[p.i]].row_count, rows_j = rows.sides()[sides[p.j]].row_count;
     double* C = matrix_.values.data() + p.slot;
-    if (rows_i == 3 && rows_j == 3)
-      multiply<3, 3>(own_[p.i], own_[p.j], 3, 3, C, p.stride, p.first);
-    else if (rows_i == 5 && rows_j == 5)
-      multiply<5, 5>(own_[p.i], own_[p.j], 5, 5, C, p.stride, p.first);
+    if (p.first)
+      multiply<true>(own_[p.i], own_[p.j], rows_i, rows_j, C, p.stride);
     else
-      multiply<0, 0>(own_[p.i], own_[p.j], rows_i, rows_j, C, p.stride, p.first);
+      multiply<false>(own_[p.i], own_[p.j], rows_i, rows_j, C, p.stride);
   }
 }
 
