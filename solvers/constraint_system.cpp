@@ -55,7 +55,7 @@ void ConstraintSystem::set_contact_places(const World& world, std::span<const Ro
   rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving);
   states_.clear();
   factored_states_.clear();
-  ++factor_version_;
+  ++factor_version_, ++body_factor_version_;
   analyze();
 }
 
@@ -118,6 +118,8 @@ void ConstraintSystem::analyze() {
   const int n = rows_.row_count();
   jacobian_.assign(rows_.jacobian_size(), 0.0);
   weighted_.assign(rows_.jacobian_size(), 0.0);
+  inertias_.assign(n, 0.0);
+  weighted_current_ = inertias_current_ = false;
   roots_.resize(rows_.body_count());
   scratch_.assign(n, 0.0);
   body_scratch_.resize(rows_.body_count());
@@ -132,10 +134,19 @@ void ConstraintSystem::analyze() {
 
 void ConstraintSystem::linearize(const Configuration& at) {
   rows_.jacobian(at, jacobian_);
-  factored_ = false;
+  factored_ = weighted_current_ = false;
+}
+
+/// W of J and the roots.
+void ConstraintSystem::weight() {
+  if (weighted_current_) return;
+  SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
+  weighted_current_ = true;
+  inertias_current_ = false;
 }
 
 void ConstraintSystem::set_mass(std::span<const Pose> poses) {
+  weighted_current_ = false;
   for (int b = 0; b < mass_.size(); ++b) {
     const MassMatrix::Body& body = mass_[b];
     if (body.fixed) continue;
@@ -192,6 +203,7 @@ bool ConstraintSystem::factorize_bodies(std::span<const double> weighted, std::s
   const Stopwatch watch(times.factorization);
   if (through_bodies_) factored_ = false;
   ++counters_.factorizations;
+  ++body_factor_version_;
   return body_factor_->factorize(bodies_->matrix()) < 0;
 }
 
@@ -228,6 +240,7 @@ void ConstraintSystem::turn_tangents(int place, row_parts::ContactPoint& point, 
   point.frame.t2 = cos * point.frame.t2 - sin * point.frame.t1;
   point.frame.t1 = t1;
   rows_.set_contact(place, point);
+  weighted_current_ = false;
   const Rows::JointRows& rows = rows_.joints()[rows_.contact_joint(place)];
   for (int s = rows.first_side; s < rows.first_side + rows.side_count; ++s)
     for (int first = 1; first < rows.row_count; first += 3) {
@@ -252,7 +265,7 @@ void ConstraintSystem::mask_weighted() {
 void ConstraintSystem::factorize(StageTimes& times) {
   {
     const Stopwatch watch(times.assembly);
-    SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
+    weight();
   }
   shifted_ = shift_next_;
   assemble_and_factorize(times);
@@ -284,7 +297,7 @@ void ConstraintSystem::keep_count(StageTimes& times) {
 /// dependence: 10⁸ ε for a bridge of 1000 hinges.  No threshold tells such pivots from small independent
 /// ones, but two shifts do: the former follow the shift, the latter stay.
 void ConstraintSystem::factorize_for_counting(StageTimes& times) {
-  SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
+  weight();
   const double shift = tolerance_.shift;
   shifted_ = shift_next_ = true;
   assemble_and_factorize(times);
@@ -346,11 +359,17 @@ void ConstraintSystem::solve(std::span<double> x) {
 }
 
 void ConstraintSystem::row_inertias(std::span<double> out) {
-  SystemMatrix::weight(rows_, jacobian_, roots_, weighted_);
-  weighted_inertias(out);
+  weight();
+  if (!inertias_current_) weighted_inertias(inertias_);
+  inertias_current_ = true;
+  std::copy(inertias_.begin(), inertias_.end(), out.begin());
 }
 
 void ConstraintSystem::weighted_inertias(std::span<double> out) const {
+  if (inertias_current_) {
+    std::copy(inertias_.begin(), inertias_.end(), out.begin());
+    return;
+  }
   for (const Rows::Side& side : rows_.sides()) {
     const bool first = &side == &rows_.sides()[rows_.joints()[side.joint].first_side];
     for (int i = 0; i < side.row_count; ++i) {

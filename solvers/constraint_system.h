@@ -68,12 +68,18 @@ class ConstraintSystem {
   /// J at these poses, for drivers at this time.
   void linearize(const Configuration& at);
   /// J given from outside, for instance a mean of two.
-  std::span<double> jacobian() { return jacobian_; }
+  std::span<double> jacobian() {
+    weighted_current_ = false;
+    return jacobian_;
+  }
   std::span<const double> jacobian() const { return jacobian_; }
   /// The usual roots of M⁻¹ at these poses …
   void set_mass(std::span<const Pose> poses);
   /// … or others.
-  std::span<InverseMassRoot> mass_roots() { return roots_; }
+  std::span<InverseMassRoot> mass_roots() {
+    weighted_current_ = false;
+    return roots_;
+  }
   std::span<const InverseMassRoot> mass_roots() const { return roots_; }
   /// Compliance of all rows as a fraction of their own S_rr (constraint force mixing); 0 at first.
   void set_compliance(double fraction) { compliance_ = fraction; }
@@ -116,6 +122,8 @@ class ConstraintSystem {
   /// through bodies.  False for values that are not finite.
   [[nodiscard]] bool factorize_bodies(std::span<const double> weighted, std::span<const double> D,
                                       StageTimes& times);
+  /// Grows with every factor of P.
+  long body_factor_version() const { return body_factor_version_; }
   /// v ← P⁻¹ v.
   void solve_bodies(std::span<double> v);
 
@@ -153,6 +161,7 @@ class ConstraintSystem {
 
  private:
   void analyze();
+  void weight();
   bool bodies_pay();
   void analyze_rows();
   void analyze_bodies(const BlockOrdering& ordering);
@@ -181,6 +190,9 @@ class ConstraintSystem {
   std::vector<double> inverse_compliance_;            // 1/Σ_r, with ε
   std::vector<double> ordered_bodies_, body_values_;  // six numbers a body, of them all in the latter
   std::vector<double> jacobian_, weighted_;
+  std::vector<double> inertias_;   // 1/S_rr of that W, if inertias_current_
+  bool weighted_current_ = false;  // W is that of J and the roots
+  bool inertias_current_ = false;
   std::vector<InverseMassRoot> roots_;
   std::vector<double> ordered_, scratch_, pivots_;
   std::vector<double> states_, factored_states_, masked_weighted_;
@@ -197,7 +209,7 @@ class ConstraintSystem {
   int full_rank_streak_ = 0;
   double condition_ = 1, compliance_ = 0;
   double analysis_time_ = 0;
-  long factor_version_ = 0;
+  long factor_version_ = 0, body_factor_version_ = 0;
   WorkCounters counters_;
 };
 
