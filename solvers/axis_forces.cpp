@@ -30,7 +30,7 @@ AxisForces::AxisForces(const World& world, const Rows& rows)
   for (const Rows::AxisRow& row : rows_) angular_.push_back(rows.row(row.row).angular);
   if (std::any_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.axis.axis < 0; }))
     softened_.resize(rows_.size());
-  read_compliances();
+  read_properties();
   axes_.resize(rows_.size());
   before_ = axes_;
   impacts_.resize(rows_.size());
@@ -59,7 +59,7 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
   h_ = h;
   end_time_ = time + h;
   finite_ = true;
-  read_compliances();
+  read_properties();
   std::copy(axes_.begin(), axes_.end(), before_.begin());
   reports_before_ = reports_;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -74,12 +74,18 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
   }
 }
 
-/// A softened row is an axis with a spring at rest where its gap is closed.
-void AxisForces::read_compliances() {
-  if (softened_.empty() || axis_version_ == world_.axis_version()) return;
+/// What is asked for often, and that a softened row is an axis with a spring at rest where its gap is closed.
+void AxisForces::read_properties() {
+  if (axis_version_ == world_.axis_version()) return;
   axis_version_ = world_.axis_version();
+  has_limits_ = has_loads_ = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    if (rows_[i].axis.axis >= 0) continue;
+    if (rows_[i].axis.axis >= 0) {
+      const AxisProperties& p = properties(i);
+      has_limits_ = has_limits_ || (p.limits && p.limits->compliance == 0);
+      has_loads_ = has_loads_ || (p.friction && p.friction->per_load != 0);
+      continue;
+    }
     const JointCompliance c = world_.compliance(rows_[i].axis.joint).value_or(JointCompliance{});
     AxisSpring& spring = softened_[i].spring.emplace();
     spring.stiffness = 1 / (angular_[i] ? c.rotation : c.translation);
@@ -123,6 +129,7 @@ void AxisForces::release(JointId joint) {
 bool AxisForces::update_loads(const Rows& rows, std::span<const double> jacobian,
                               std::span<const double> lambda) {
   bool changed = false;
+  if (!has_loads_) return false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const AxisProperties& p = properties(i);
     if (!p.friction || p.friction->per_load == 0 || released_[i]) continue;
@@ -175,7 +182,8 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
       axis.damping_slope += half * p.friction->viscous;
       axis.friction_force = half * (held ? p.friction->static_friction : p.friction->dynamic_friction) +
                             p.friction->per_load * axis.load;
-      axis.friction_at = held ? (axis.anchor - axis.theta0) / h_ : 0;
+      const double off = axis.anchor - axis.theta0;
+      axis.friction_at = held ? (off - std::clamp(off, -slack_, slack_)) / h_ : 0;
     }
     axis.lower_at = -kNever, axis.upper_at = kNever;
     axis.lower_back = axis.upper_back = 0;
@@ -228,7 +236,7 @@ bool AxisForces::in_flight(std::size_t i, bool at_lower) const {
 }
 
 bool AxisForces::seek_impacts(std::span<const double> w) {
-  if (impact_count_ >= kMostImpacts) return false;
+  if (!has_limits_ || impact_count_ >= kMostImpacts) return false;
   bool any = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const AxisProperties& p = properties(i);
@@ -293,6 +301,7 @@ void AxisForces::forget_impacts(bool for_good) {
 
 /// Some axis runs into a limit in this sub-step.
 bool AxisForces::has_impact(std::span<const double> theta) const {
+  if (!has_limits_) return false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const AxisProperties& p = properties(i);
     if (!is_rigid_limit(i)) continue;
@@ -393,6 +402,15 @@ bool AxisForces::break_away(std::span<const double> w) {
   return any;
 }
 
+bool AxisForces::any_broken() const {
+  return std::any_of(axes_.begin(), axes_.end(), [](const Axis& axis) { return axis.broken; });
+}
+
+void AxisForces::clear_loose(std::span<char> rows) const {
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (!axes_[i].stuck || axes_[i].broken || released_[i] || rows_[i].axis.axis < 0) rows[rows_[i].row] = 0;
+}
+
 /// Springs, dampers and levels are known from w; on a step of the law the rest goes to friction as far as it
 /// reaches, then to the motor, then to the limit.
 AxisImpulse AxisForces::share(int i, double lambda, double w) const {
@@ -444,6 +462,7 @@ void AxisForces::finish_velocities(std::span<const double> theta, std::span<cons
     const bool held = axis.friction_force > 0 && on_step(w[rows_[i].row], 0);
     if (held && (!axis.stuck || axis.broken)) axis.anchor = theta[rows_[i].row];
     axis.stuck = held;
+    axis.broken = false;
     reports_[i].stuck = held;
   }
 }

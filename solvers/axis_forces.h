@@ -23,6 +23,8 @@ class AxisForces {
   bool empty() const { return axes_.empty(); }
   /// A new start: friction of axes at rest holds them where they are.  `theta` and `rates` have one entry a
   /// row, as in all functions below.
+  /// Friction does not pull an axis back that is no further than this from where it holds it; 0 at first.
+  void set_slack(double slack) { slack_ = slack; }
   void start(std::span<const double> theta, std::span<const double> rates);
   /// A step of h from a time with θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row.
   void begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
@@ -55,6 +57,10 @@ class AxisForces {
   /// Axes that static friction held and that have broken away at this solution of a stage: their bound is now
   /// that of dynamic friction, and the stage must be solved again.
   bool break_away(std::span<const double> w);
+  /// Friction has let go of an axis in this step.
+  bool any_broken() const;
+  /// Zeroes the entries of rows that friction does not hold, one a row.
+  void clear_loose(std::span<char> rows) const;
 
   /// True if a solution of the position stage stops an axis in free flight at a limit with restitution.  From
   /// then on that limit is left out: solved again, the stage shows when the axis crosses it.
@@ -135,13 +141,14 @@ class AxisForces {
     return !released_[i] && properties(i).limits && properties(i).limits->compliance == 0;
   }
   void soften_limit(Axis& axis, const AxisLimits& limits, double mean_rate) const;
-  void read_compliances();
+  void read_properties();
   void require_finite_target(Axis& axis);
 
   const World& world_;
   std::vector<AxisProperties> softened_;  // springs of softened rows, by row; empty if there are none
   std::vector<char> released_, angular_;
   int axis_version_ = -1;
+  bool has_limits_ = false, has_loads_ = false;  // rigid limits, friction that grows with the load
   std::vector<Rows::AxisRow> rows_;
   std::vector<Axis> axes_, before_;
   std::map<AxisId, Axis> resting_;  // of bodies that sleep
@@ -149,6 +156,7 @@ class AxisForces {
   int impact_count_ = 0;  // looked for in this step
   bool struck_ = false;
   std::vector<AxisReport> reports_, reports_before_, first_kick_;
+  double slack_ = 0;
   double h_ = 0, end_time_ = 0;
   bool finite_ = true;
 };

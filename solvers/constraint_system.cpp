@@ -55,7 +55,7 @@ void ConstraintSystem::set_contact_places(const World& world, std::span<const Ro
   rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving);
   states_.clear();
   factored_states_.clear();
-  ++factor_version_;
+  ++factor_version_, ++body_factor_version_;
   analyze();
 }
 
@@ -118,7 +118,8 @@ void ConstraintSystem::analyze() {
   const int n = rows_.row_count();
   jacobian_.assign(rows_.jacobian_size(), 0.0);
   weighted_.assign(rows_.jacobian_size(), 0.0);
-  knows_weighted_ = false;
+  inertias_.assign(n, 0.0);
+  weighted_current_ = inertias_current_ = false;
   roots_.resize(rows_.body_count());
   scratch_.assign(n, 0.0);
   body_scratch_.resize(rows_.body_count());
@@ -133,11 +134,23 @@ void ConstraintSystem::analyze() {
 
 void ConstraintSystem::linearize(const Configuration& at) {
   rows_.jacobian(at, jacobian_);
-  factored_ = false;
+  factored_ = weighted_current_ = false;
+}
+
+/// W of J and the roots.
+void ConstraintSystem::weight() {
+  if (weighted_current_) return;
+  if (full_roots_.empty())
+    SystemMatrix::weight<InverseMassRoot>(rows_, jacobian_, roots_, weighted_);
+  else
+    SystemMatrix::weight<FullMassRoot>(rows_, jacobian_, full_roots_, weighted_);
+  weighted_current_ = true;
+  inertias_current_ = false;
 }
 
 void ConstraintSystem::set_mass(std::span<const Pose> poses) {
   full_roots_.clear();
+  weighted_current_ = false;
   for (int b = 0; b < mass_.size(); ++b) {
     const MassMatrix::Body& body = mass_[b];
     if (body.fixed) continue;
@@ -147,6 +160,7 @@ void ConstraintSystem::set_mass(std::span<const Pose> poses) {
 }
 
 std::span<FullMassRoot> ConstraintSystem::use_full_roots() {
+  weighted_current_ = false;
   full_roots_.resize(roots_.size());
   return full_roots_;
 }
@@ -168,7 +182,7 @@ void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
       else
         system_->assemble<FullMassRoot>(rows_, jacobian_, full_roots_);
     } else {
-      make_weighted();
+      weight();
       if (!states_.empty()) mask_weighted();
       system_->assemble(rows_, states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
     }
@@ -206,6 +220,7 @@ bool ConstraintSystem::factorize_bodies(std::span<const double> weighted, std::s
   const Stopwatch watch(times.factorization);
   if (through_bodies_) factored_ = false;
   ++counters_.factorizations;
+  ++body_factor_version_;
   return body_factor_->factorize(bodies_->matrix()) < 0;
 }
 
@@ -242,6 +257,7 @@ void ConstraintSystem::turn_tangents(int place, row_parts::ContactPoint& point, 
   point.frame.t2 = cos * point.frame.t2 - sin * point.frame.t1;
   point.frame.t1 = t1;
   rows_.set_contact(place, point);
+  weighted_current_ = false;
   const Rows::JointRows& rows = rows_.joints()[rows_.contact_joint(place)];
   for (int s = rows.first_side; s < rows.first_side + rows.side_count; ++s)
     for (int first = 1; first < rows.row_count; first += 3) {
@@ -254,16 +270,6 @@ void ConstraintSystem::turn_tangents(int place, row_parts::ContactPoint& point, 
     }
 }
 
-/// W from J and the roots, which must be those of the factor, if it is not known.
-void ConstraintSystem::make_weighted() {
-  if (knows_weighted_) return;
-  if (full_roots_.empty())
-    SystemMatrix::weight<InverseMassRoot>(rows_, jacobian_, roots_, weighted_);
-  else
-    SystemMatrix::weight<FullMassRoot>(rows_, jacobian_, full_roots_, weighted_);
-  knows_weighted_ = true;
-}
-
 /// A copy of W whose masked rows are zero: S of it has the pattern of S and only a diagonal there.
 void ConstraintSystem::mask_weighted() {
   masked_weighted_ = weighted_;
@@ -274,10 +280,9 @@ void ConstraintSystem::mask_weighted() {
 }
 
 void ConstraintSystem::factorize(StageTimes& times) {
-  knows_weighted_ = false;
   if (!rows_.axis_rows().empty() || rows_.contact_count() > 0 || through_bodies_) {  // others ask for W
     const Stopwatch watch(times.assembly);
-    make_weighted();
+    weight();
   }
   shifted_ = shift_next_;
   assemble_and_factorize(times);
@@ -309,7 +314,6 @@ void ConstraintSystem::keep_count(StageTimes& times) {
 /// dependence: 10⁸ ε for a bridge of 1000 hinges.  No threshold tells such pivots from small independent
 /// ones, but two shifts do: the former follow the shift, the latter stay.
 void ConstraintSystem::factorize_for_counting(StageTimes& times) {
-  knows_weighted_ = false;
   const double shift = tolerance_.shift;
   shifted_ = shift_next_ = true;
   assemble_and_factorize(times);
@@ -371,12 +375,17 @@ void ConstraintSystem::solve(std::span<double> x) {
 }
 
 void ConstraintSystem::row_inertias(std::span<double> out) {
-  knows_weighted_ = false;
-  make_weighted();
-  weighted_inertias(out);
+  weight();
+  if (!inertias_current_) weighted_inertias(inertias_);
+  inertias_current_ = true;
+  std::copy(inertias_.begin(), inertias_.end(), out.begin());
 }
 
 void ConstraintSystem::weighted_inertias(std::span<double> out) const {
+  if (inertias_current_) {
+    std::copy(inertias_.begin(), inertias_.end(), out.begin());
+    return;
+  }
   for (const Rows::Side& side : rows_.sides()) {
     const bool first = &side == &rows_.sides()[rows_.joints()[side.joint].first_side];
     for (int i = 0; i < side.row_count; ++i) {
@@ -393,7 +402,7 @@ void ConstraintSystem::weighted_inertias(std::span<double> out) const {
 }
 
 void ConstraintSystem::to_bodies(std::span<const double> lambda, std::span<double> v) {
-  make_weighted();
+  weight();
   rows_.apply_transpose(weighted_, lambda, body_scratch_);
   for (int b = 0; b < mass_.size(); ++b) {
     const Wrench wrench = mass_[b].fixed ? Wrench{} : body_scratch_[b];

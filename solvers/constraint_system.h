@@ -68,7 +68,10 @@ class ConstraintSystem {
   /// J at these poses, for drivers at this time.
   void linearize(const Configuration& at);
   /// J given from outside, for instance a mean of two.
-  std::span<double> jacobian() { return jacobian_; }
+  std::span<double> jacobian() {
+    weighted_current_ = false;
+    return jacobian_;
+  }
   std::span<const double> jacobian() const { return jacobian_; }
   /// The roots of M⁻¹ at these poses …
   void set_mass(std::span<const Pose> poses);
@@ -117,6 +120,8 @@ class ConstraintSystem {
   /// through bodies.  False for values that are not finite.
   [[nodiscard]] bool factorize_bodies(std::span<const double> weighted, std::span<const double> D,
                                       StageTimes& times);
+  /// Grows with every factor of P.
+  long body_factor_version() const { return body_factor_version_; }
   /// v ← P⁻¹ v.
   void solve_bodies(std::span<double> v);
 
@@ -155,6 +160,7 @@ class ConstraintSystem {
 
  private:
   void analyze();
+  void weight();
   bool bodies_pay();
   void analyze_rows();
   void analyze_bodies(const BlockOrdering& ordering);
@@ -165,7 +171,6 @@ class ConstraintSystem {
   void inspect_pivots();
   void keep_count(StageTimes& times);
   void backsolve(std::span<double> x);
-  void make_weighted();
   void mask_weighted();
   void multiply_factored(std::span<const double> x, std::span<double> out);
 
@@ -184,6 +189,9 @@ class ConstraintSystem {
   std::vector<double> inverse_compliance_;            // 1/Σ_r, with ε
   std::vector<double> ordered_bodies_, body_values_;  // six numbers a body, of them all in the latter
   std::vector<double> jacobian_, weighted_;
+  std::vector<double> inertias_;   // 1/S_rr of that W, if inertias_current_
+  bool weighted_current_ = false;  // W is that of J and the roots
+  bool inertias_current_ = false;
   std::vector<InverseMassRoot> roots_;
   std::vector<FullMassRoot> full_roots_;  // empty: not in use
   std::vector<double> ordered_, scratch_, pivots_;
@@ -195,14 +203,13 @@ class ConstraintSystem {
   int small_pivots_ = 0;
   double counted_shift_ = 0;
   bool usable_ = false;
-  bool factored_ = false;        // since the last linearize()
-  bool knows_weighted_ = false;  // weighted_ is that of the present factor
-  bool shifted_ = false;         // the present factor is that of S_ε
-  bool shift_next_ = false;      // start the next factorisation with the shift
+  bool factored_ = false;    // since the last linearize()
+  bool shifted_ = false;     // the present factor is that of S_ε
+  bool shift_next_ = false;  // start the next factorisation with the shift
   int full_rank_streak_ = 0;
   double condition_ = 1, compliance_ = 0;
   double analysis_time_ = 0;
-  long factor_version_ = 0;
+  long factor_version_ = 0, body_factor_version_ = 0;
   WorkCounters counters_;
 };
 

@@ -32,6 +32,9 @@ constexpr double kForceTolerance = 1e-12;
 /// Steps in which dependent rows start from no impulse after velocities that were not exact.
 constexpr int kStepsFromZero = 100;
 
+/// Part of the position tolerance that many rubbing axes leave alone.
+constexpr double kSlack = 0.25;
+
 }  // namespace
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
@@ -44,7 +47,8 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       axes_(world, system.rows()),
       contacts_(world, settings),
       newton_(system),
-      interior_(system) {
+      interior_(system),
+      piece_newton_(system) {
   active_.emplace(system);
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})
@@ -60,6 +64,9 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   stiffness_.resize(bodies);
   filter_rotation_.resize(bodies);
   filter_translation_.resize(bodies);
+  // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
+  if (rubs()) slack_ = kSlack * settings.position_tolerance;
+  axes_.set_slack(slack_);
   if (iterative() || !contacts_.empty()) iteration_.emplace(system);
   if (iterative()) absorbed_.resize(bodies);
 }
@@ -85,14 +92,14 @@ void Rattle::start(const State& state, StepReport& report) {
   system_.rows().bias(state_, state_.twists, force_multipliers_);
   accelerations_.resize(world_.body_count());
   free_accelerations(system_.mass(), state_, forces_, accelerations_);
-  system_.rows().apply(system_.jacobian(), accelerations_, delta_);
+  system_.rows().apply(jacobian(), accelerations_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = -(force_multipliers_[r] + delta_[r]);
   clear_loose_rows(force_multipliers_);
   system_.solve(force_multipliers_);
   update_step_limit(force_multipliers_);
   if (!bounded()) return;
   system_.rows().residual(state_, phi_);
-  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
+  system_.rows().apply(jacobian(), state_.twists, rates_);
   axes_.start(phi_, rates_);
   active_->reset();
 }
@@ -172,7 +179,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   system_.rows().update_axes(end_of_step(0), state_.axes);
   if (bounded()) finish_bounds(report);
   if (settings_.report_energy) {
-    account(kicked_, momenta_, system_.jacobian(), mu_, h, report);
+    account(kicked_, momenta_, jacobian(), mu_, h, report);
   }
 
   keep_multipliers(h);
@@ -265,7 +272,7 @@ void Rattle::predict_multipliers(double h) {
 
 /// J(q₀), along which λ acts.
 std::span<const double> Rattle::kick_jacobian() const {
-  return refactored_ ? std::span<const double>(start_jacobian_) : std::as_const(system_).jacobian();
+  return refactored_ ? std::span<const double>(start_jacobian_) : jacobian();
 }
 
 void Rattle::kick_and_drift(double h) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/world.h"
@@ -14,6 +15,7 @@
 #include "solvers/contact_newton.h"
 #include "solvers/impulse_iteration.h"
 #include "solvers/interior_point.h"
+#include "solvers/piece_newton.h"
 #include "solvers/settings.h"
 #include "solvers/step_report.h"
 
@@ -134,7 +136,9 @@ class Rattle {
   /// Rows have laws of their own, or are to be solved one by one.
   bool bounded() const { return iterative() || !axes_.empty() || !contacts_.empty(); }
   /// The impulses of the step before may serve again, without a factor.
-  bool may_rest() const { return contacts_.empty() ? system_.through_bodies() : contacts_.rest(); }
+  bool may_rest() const { return rubs() || (!contacts_.empty() && contacts_.rest()); }
+  /// So many axes rub that the bodies are the system, and nothing else.
+  bool rubs() const { return contacts_.empty() && system_.through_bodies(); }
   /// Stages ask for the factor of S, if they do, themselves.
   bool factors_on_demand() const {
     return !contacts_.empty() || system_.through_bodies() || newtons_left_ > 0;
@@ -174,10 +178,12 @@ class Rattle {
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   double distance_from_laws(std::span<const double> lambda, std::span<const double> w,
                             double rate_tolerance) const;
+  double resting_tolerance(double rate_tolerance, bool rested) const;
   bool holds(std::span<double> lambda, double rate_tolerance, StepReport& report);
   void take_pieces(std::span<const double> lambda);
   bool solve_through_bodies(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   bool solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report);
+  bool solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report);
   bool solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
   bool solve_by_sweeps(std::span<double> lambda, double rate_tolerance, StepReport& report);
   void report_inexactness(StepReport& report) const;
@@ -197,11 +203,13 @@ class Rattle {
   void roll_back(StepReport& report);
   bool finite() const;
   void update_step_limit(std::span<const double> force_multipliers);
+  void clear_held_bodies();
   void prepare_stiffness(double h);
   void account_for_kick(double h, StepReport& report);
   bool any_split() const;
   enum class Bodies { kAll, kSplit };
   double spin_energy(std::span<const Wrench> momenta, std::span<const Pose> poses, Bodies which) const;
+  std::span<const double> jacobian() const { return std::as_const(system_).jacobian(); }
   std::span<const double> kick_jacobian() const;
   /// M⁻¹ ½ (p₀ + p₁) of a body at the poses of state_.
   Twist mean_twist(int b, const Wrench& from, const Wrench& to) const {
@@ -255,7 +263,13 @@ class Rattle {
   std::optional<ActiveSet> active_;
   ContactNewton newton_;
   bool near_ = false;  // this stage was solved at a neighbouring state
+  std::vector<char> held_rows_;
+  std::vector<int> set_of_body_;
+  bool holds_bodies_ = false;  // the step limit left some out
+  bool rested_ = false;        // the last stage took the impulses of before
+  double slack_ = 0;           // of gaps and of places where friction holds, which is left [m or rad]
   InteriorPoint interior_;
+  PieceNewton piece_newton_;
   std::optional<ImpulseIteration> iteration_;  // iterative, or with contacts
   std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
   double inexact_ = 0;                         // residual that may be taken

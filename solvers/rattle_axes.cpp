@@ -2,6 +2,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 #include "solvers/max_abs.h"
 #include "solvers/rattle.h"
@@ -36,8 +37,10 @@ void Rattle::clear_loose_rows(std::span<double> rows) const {
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
   system_.rows().residual(state_, phi_);
+  if (rubs())
+    for (int r = 0; r < system_.row_count(); ++r) start_theta_[r] = std::clamp(phi_[r], -slack_, slack_);
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) start_theta_[axis.row] = phi_[axis.row];
-  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
+  system_.rows().apply(jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
   system_.row_inertias(inertia_);
   axes_.begin(state_.time, h, start_theta_, rates_, inertia_);
@@ -80,14 +83,14 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
-      try_positions(h);
+      if (iteration == 0 || !rubs() || !rested_) try_positions(h);  // else λ is the same
     }
     if (!axes_.finite()) {
       phi_[0] = std::numeric_limits<double>::quiet_NaN();  // for the diagnosis
       return false;
     }
     const double error = iteration > 0 ? law_error(h) : std::numeric_limits<double>::infinity();
-    if (error <= settings_.position_tolerance) break;
+    if (error <= settings_.position_tolerance - slack_) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
     if (iteration > 1 && error > kSlow * last) {
       if (refactored_ || error > 10 * last) return false;
@@ -102,7 +105,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
   }
   axes_.finish_positions(rates_);
   loosest_ = std::max(loosest_, loose_);
-  surprised_ = false;
+  surprised_ = holds_bodies_ && axes_.any_broken();  // who was left out of the step limit may move
   return true;
 }
 
@@ -149,7 +152,8 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
   const bool many = std::ssize(system_.rows().axis_rows()) >= kManyRows;
   if (!contacts_.empty()) settings.max_rounds = kContactRounds;
   if (!contacts_.empty() || many) settings.max_descent_rounds = 0;  // the bodies are the fall-back
-  if (may_rest() && holds(lambda, rate_tolerance, report)) return true;
+  const double resting = resting_tolerance(rate_tolerance, std::exchange(rested_, false) || !rubs());
+  if (may_rest() && holds(lambda, resting, report)) return true;
   if (system_.through_bodies() || contacts_.soft() || (newtons_left_ > 0 && newtons_left_-- > 0))
     return solve_through_bodies(lambda, rate_tolerance, renew, report);
   guess_.assign(lambda.begin(), lambda.end());
@@ -166,7 +170,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
       return solve_through_bodies(lambda, rate_tolerance, renew, report);
     }
     const bool broke = axes_.break_away(w_);
-    const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
+    const bool loaded = axes_.update_loads(system_.rows(), jacobian(), lambda);
     const bool slid = contacts_.adapt(lambda, w_, rate_tolerance);
     solved = outcome_.ok() && !broke && !loaded && !slid;
     if (solved) break;
@@ -209,7 +213,7 @@ void Rattle::begin_velocities() {
   std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
   system_.rows().residual(end_of_step(0), phi_);
   twists_from_momenta();
-  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
+  system_.rows().apply(jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
   system_.row_inertias(inertia_);
   contacts_.begin_velocities(rates_, inertia_);
@@ -233,11 +237,11 @@ void Rattle::end_velocities(StepReport& report) {
   loosest_ = std::max(loosest_, loose_);
   for (int b = 0; b < world_.body_count(); ++b) {
     if (!system_.inverse_mass(b).moves()) continue;
-    momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), mu_);
+    momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, jacobian(), mu_);
     if (iterative()) momenta_[b] = momenta_[b] - absorbed_[b];
   }
   twists_from_momenta();
-  system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
+  system_.rows().apply(jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
   std::copy(velocity_rows_.begin(), velocity_rows_.end(), rates_.begin());
   clear_loose_rows(velocity_rows_);
@@ -261,7 +265,7 @@ void Rattle::mean_rates(std::span<const Wrench> from, std::span<const Wrench> to
 /// After a step: who is held now, and the books of both kicks.
 void Rattle::finish_bounds(StepReport& report) {
   system_.rows().residual(state_, phi_);  // axes are up to date here
-  mean_rates(kicked_, momenta_, system_.jacobian(), kick_rates_);
+  mean_rates(kicked_, momenta_, jacobian(), kick_rates_);
   axes_.book(mu_, rates_, kick_rates_);
   axes_.finish_velocities(phi_, rates_, state_.time);
   contacts_.finish(mu_, kick_rates_, state_.time);

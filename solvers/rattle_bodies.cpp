@@ -19,6 +19,8 @@ constexpr int kMendingSweeps = 50;
 /// steps: then it has few rows to put on other pieces.
 constexpr double kNewtonRange = 1e-5;
 constexpr int kFewSteps = 8;
+/// What that leaves where positions were looked at again.
+constexpr double kExact = 1e-13;
 /// Newton steps where those of the step before were not enough.
 constexpr int kStepsOfHardStages = 300;
 /// Sweeps of Gauss–Seidel where that was not enough.
@@ -44,6 +46,12 @@ double Rattle::distance_from_laws(std::span<const double> lambda, std::span<cons
   return error == 0 ? 0 : error / scale;
 }
 
+/// Rates that impulses of before may miss their laws by at rest.  What one stage leaves is mended by the
+/// next, in turns and for ever, unless that one is solved, too.
+double Rattle::resting_tolerance(double rate_tolerance, bool rested) const {
+  return rested || near_ ? rate_tolerance : std::min(rate_tolerance, 0.1 * settings_.velocity_tolerance);
+}
+
 /// True if the impulses of before meet the laws at once, or after some sweeps of Gauss–Seidel: a stage of
 /// bodies at rest is done without a factor.
 bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& report) {
@@ -56,7 +64,9 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
   }
   std::copy(rates_.begin(), rates_.end(), w_.begin());
   double off = distance_from_laws(lambda, w_, rate_tolerance);
-  if (off > kNear || (off > kHeld && system_.through_bodies())) return false;  // Newton is as fast there
+  // Newton is as fast through the bodies.
+  if (off > kNear || (system_.through_bodies() && off > (rubs() ? 0 : kHeld))) return false;
+  if (rubs() && !newton_.holds_joints(laws_, w_, rate_tolerance)) return false;
   if (off > kHeld) {
     held_.assign(lambda.begin(), lambda.end());
     (void)iteration_->solve(contacts_, laws_, delta_, held_, w_, {.sweeps = kMendingSweeps}, {});
@@ -64,19 +74,29 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
     if (off > kHeld) return false;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
-  if (axes_.break_away(w_) || axes_.update_loads(system_.rows(), system_.jacobian(), lambda)) return false;
+  if (axes_.break_away(w_) || axes_.update_loads(system_.rows(), jacobian(), lambda)) return false;
   contacts_.take_over(lambda, w_, rate_tolerance);
   if (!(contacts_.residual() <= kHeld)) return false;
   take_pieces(lambda);
+  rested_ = true;
   report.complementarity_residual = std::max({report.complementarity_residual, off, contacts_.residual()});
   return true;
 }
 
 /// The pieces of this solution, for the next solve and for law_error().
 void Rattle::take_pieces(std::span<const double> lambda) {
-  active_->reset();
-  active_->prepare(laws_, delta_, lambda);
   outcome_ = {};
+  if (!rubs()) {
+    active_->reset();
+    active_->prepare(laws_, delta_, lambda);
+    return;
+  }
+  pieces_scratch_.resize(lambda.size());
+  for (std::size_t r = 0; r < lambda.size(); ++r) {
+    const double own = 1 / inertia_[r];
+    pieces_scratch_[r] = laws_[r].resolve(own, w_[r] - own * lambda[r]).piece;
+  }
+  active_->set_pieces(pieces_scratch_, laws_);
 }
 
 /// All that the bodies are the system for: again where static friction lets go or its load changes.
@@ -91,7 +111,7 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
     take_pieces(lambda);
     if (!solved) break;
     const bool broke = axes_.break_away(w_);
-    const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
+    const bool loaded = axes_.update_loads(system_.rows(), jacobian(), lambda);
     if (!broke && !loaded) return true;
     (this->*renew)();
   }
@@ -99,13 +119,18 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
   return false;
 }
 
-/// Many axes and no contacts: what is nearly solved by some steps of Newton, all else by interior points.
+/// Many axes and no contacts: what is nearly solved on the pieces of the guess, or by some steps of Newton,
+/// all else by interior points.
 bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report) {
   system_.multiply(lambda, w_);
   for (int r = 0; r < system_.row_count(); ++r) w_[r] += delta_[r];
   if (distance_from_laws(lambda, w_, rate_tolerance) <= kNewtonRange) {
+    const double tolerance = near_ ? kExact : kHeld;
     held_.assign(lambda.begin(), lambda.end());
-    const NewtonLimits few{.most = kHeld, .rate_tolerance = rate_tolerance, .iterations = kFewSteps};
+    if (solve_on_pieces(lambda, {tolerance, rate_tolerance}, report)) return true;
+    std::copy(held_.begin(), held_.end(), lambda.begin());
+    const NewtonLimits few{
+        .tolerance = tolerance, .most = kHeld, .rate_tolerance = rate_tolerance, .iterations = kFewSteps};
     if (solve_by_newton(lambda, few, report)) return true;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
@@ -115,6 +140,14 @@ bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepRep
     return solve_by_newton(lambda, {.most = kHeld, .rate_tolerance = rate_tolerance}, report);
   report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
   return true;
+}
+
+bool Rattle::solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report) {
+  const PieceOutcome outcome = piece_newton_.solve(laws_, delta_, lambda, w_, limits, report.times);
+  report.contact_iterations += outcome.iterations;
+  if (outcome.converged)
+    report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
+  return outcome.converged;
 }
 
 /// Contacts, and what is left to others.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "solvers/rattle.h"
 #include "solvers/tension.h"
@@ -16,13 +17,45 @@ void Rattle::update_step_limit(std::span<const double> force_multipliers) {
   if (settings_.tension != TensionPolicy::kIgnore && !iterative()) {  // whose multipliers are no measure
     for (StiffnessBlocks& block : stiffness_) block = {};
     system_.rows().stiffness(state_, force_multipliers, stiffness_);
-    omega_ = fastest_transverse_frequency(system_.mass_roots(), stiffness_);
+    clear_held_bodies();
+    omega_ = fastest_transverse_frequency(std::as_const(system_).mass_roots(), stiffness_);
     if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
       step_limit_ = settings_.max_tension_number / omega_;
   }
   double spin2 = 0;
   for (const Twist& V : state_.twists) spin2 = std::max(spin2, V.w.squaredNorm());
   if (spin2 > 0) step_limit_ = std::min(step_limit_, settings_.max_rotation / std::sqrt(spin2));
+}
+
+/// Bodies that friction holds to the ground, directly or through others, do not move whatever their load.
+void Rattle::clear_held_bodies() {
+  holds_bodies_ = false;
+  if (!rubs() || has_drivers_) return;
+  const Rows& rows = system_.rows();
+  held_rows_.assign(rows.row_count(), 1);
+  axes_.clear_loose(held_rows_);
+  for (int r : breaking_.rows()) held_rows_[r] = 0;
+  // Sets of bodies that stick together; fixed ones are in that of the ground.
+  constexpr int kFixed = 0, kLocked = 6;
+  set_of_body_.resize(world_.body_count());
+  for (int b = 0; b < world_.body_count(); ++b) set_of_body_[b] = system_.mass()[b].fixed ? kFixed : b;
+  const auto set_of = [&](int b) {
+    while (set_of_body_[b] != b) b = set_of_body_[b] = set_of_body_[set_of_body_[b]];
+    return b;
+  };
+  for (const Rows::JointRows& joint : rows.joints()) {
+    const auto first = held_rows_.begin() + joint.first_row;
+    if (joint.side_count != 2 || joint.row_count != kLocked || std::count(first, first + kLocked, 0) > 0)
+      continue;
+    const int a = set_of(rows.sides()[joint.first_side].body),
+              b = set_of(rows.sides()[joint.first_side + 1].body);
+    set_of_body_[std::max(a, b)] = std::min(a, b);
+  }
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (system_.mass()[b].fixed || set_of(b) != kFixed) continue;
+    stiffness_[b] = {};
+    holds_bodies_ = true;
+  }
 }
 
 /// M + h²/2 K in place of M for the kick before the drift [Tournier2015]: the positive part of the geometric
