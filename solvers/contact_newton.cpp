@@ -11,6 +11,8 @@ namespace {
 
 /// Σ over S_rr: in the first round, how it falls from round to round, the least, and that of equalities.
 constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-5, kEqualityRho = 1e-9;
+/// The first one over the residual of the guess, with nothing lagged.
+constexpr double kRhoOfResidual = 100;
 /// Newton's equation is met to this part of the residual of the round before, and never better than this.
 constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
 /// Rounds after which equalities are met, as far as they can be.
@@ -20,9 +22,13 @@ constexpr double kClosed = 9;
 /// Gradients below this may be round-off, and are if so many steps do not halve them.
 constexpr double kRoundOff = 1e-8;
 constexpr int kStuck = 2;
-/// Rounds that leave more than this of the residual are slow.
+/// Rounds that leave more than this of the residual are slow, after so many.
 constexpr double kSlowRound = 0.3;
+constexpr int kFirstRounds = 3;
 constexpr int kStepsPerRound = 40, kSearches = 12;
+/// With nothing lagged: steps of a round, and how far its gradient may grow.
+constexpr int kCoupledSteps = 20;
+constexpr double kBlowUp = 10;
 /// A step is taken whole if the slope at its end is at most this part of that at its start.
 constexpr double kSlope = 0.5;
 /// Rounds after which `most` is enough, and that the extrapolation uses.
@@ -45,35 +51,40 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
   const Problem problem{contacts, laws, b, lambda, w};
   NewtonOutcome outcome;
   begin(problem);
-  double forcing = kForcing, last = 1, rho = kFirstRho;
-  if (limits.near && soft_) {
-    mode_ = Mode::kCoupled;
-    begin_coupled(last, rho);
-    rho = kNearRho;
+  double last = 1, rho = kFirstRho;
+  const auto held = [&] { return holds_joints(problem.laws, problem.w, limits.rate_tolerance); };
+  if (soft_ ? limits.near : is_heap()) {
+    const double off = law_error(problem, limits.rate_tolerance, 0);
+    rho = limits.near ? kNearRho : std::clamp(kRhoOfResidual * off, kNearRho, kFirstRho);
+    if (!soft_) last = off;
+    begin_coupled(off);
   }
   for (;;) {
     ++outcome.rounds;
     set_sigma(problem, rho);
-    const double tolerance = std::max(kForcing * forcing, kLeastGradient) * scale_;
+    const double tolerance = std::max(kForcing * std::min(last, kForcing), kLeastGradient) * scale_;
     const bool met = minimize(problem, tolerance, limits, times, outcome);
     const bool finite = met || mode_ == Mode::kCoupled;
     read_rates(problem);
     outcome.residual = law_error(problem, limits.rate_tolerance, outcome.rounds);
     if (outcome.residual > kGrowth * last) remembered_ = 0;
-    const bool slow = outcome.rounds > kPatience || outcome.residual > kSlowRound * last;
-    if (met) last = outcome.residual;
-    forcing = std::min(last, kForcing);
+    const bool slow = outcome.rounds > kPatience ||
+                      (outcome.rounds > kFirstRounds && !(outcome.residual <= kSlowRound * last));
     const double enough = slow ? limits.most : limits.tolerance;
-    const bool held = holds_joints(problem.laws, problem.w, limits.rate_tolerance);
-    const bool closed = held || outcome.rounds > kPatience;
-    outcome.converged = finite && outcome.residual <= enough && closed;
+    const bool closed = held(), as_closed = closed || outcome.rounds > kPatience;
+    outcome.converged = finite && outcome.residual <= enough && as_closed;
     if (outcome.converged) return outcome;
-    if (held) keep_best(problem, outcome.residual);
-    if (!finite || outcome.iterations >= limits.iterations) {
+    if (closed) keep_best(problem, outcome.residual);
+    outcome.converged = best_residual_ <= enough;
+    if (outcome.converged || !finite || outcome.iterations >= limits.iterations) {
       give_best(problem, outcome);
       return outcome;
     }
-    const Mode mode = next_mode(problem, met, outcome.residual, rho);
+    const Mode before = mode_, mode = next_mode(problem, met, outcome.residual, rho);
+    if (before == Mode::kCoupled)
+      last = kept_residual_;
+    else if (met)
+      last = outcome.residual;
     if (next_round(problem, mode)) rho = std::max(kRhoFactor * rho, kLeastRho);
   }
 }
@@ -90,6 +101,11 @@ void ContactNewton::give_best(const Problem& problem, NewtonOutcome& outcome) co
   outcome.residual = best_residual_;
   std::copy(best_.begin(), best_.end(), problem.lambda.begin());
   std::copy(best_w_.begin(), best_w_.end(), problem.w.begin());
+}
+
+bool ContactNewton::is_heap() const {
+  const Rows& rows = system_.rows();
+  return rows.contact_count() > 0 && (rows.first_contact_row() == 0 || system_.through_bodies());
 }
 
 /// S_rr, the rates asked for, the size of impulses [√J] (also of those that vanish in the end), and the
@@ -197,7 +213,8 @@ bool ContactNewton::next_round(const Problem& problem, Mode mode) {
   mode_ = mode;
   ++rounds_;
   if (mode == Mode::kCoupled) std::fill(shift_.begin(), shift_.end(), 0.0);
-  if (contacts == 0 || mode == Mode::kCoupled) return true;
+  if (mode == Mode::kCoupled) return false;
+  if (contacts == 0) return true;
   double off_lagged = 0;
   if (turn) {
     remembered_ = 0;
@@ -275,7 +292,7 @@ void ContactNewton::extrapolate() {
 bool ContactNewton::minimize(const Problem& problem, double tolerance, const NewtonLimits& limits,
                              StageTimes& times, NewtonOutcome& outcome) {
   project(problem);
-  double least = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity(), first = 0;
   int stuck = 0;  // steps since it fell, at round-off
   for (int step = 0;; ++step) {
     read_gradient();
@@ -283,14 +300,16 @@ bool ContactNewton::minimize(const Problem& problem, double tolerance, const New
     if (!std::isfinite(size)) return false;
     stuck = size > 0.5 * least && least <= kRoundOff * scale_ ? stuck + 1 : 0;
     least = std::min(least, size);
+    if (step == 0) first = size;
     if (size <= tolerance || stuck == kStuck) return true;
-    if (step == kStepsPerRound || outcome.iterations >= limits.iterations) return mode_ != Mode::kCoupled;
+    const bool coupled = mode_ == Mode::kCoupled;
+    if (coupled && (step == kCoupledSteps || size > kBlowUp * first)) return false;
+    if (step == kStepsPerRound || outcome.iterations >= limits.iterations) return !coupled;
     ++outcome.iterations;
     for (std::size_t r = 0; r < slope_.size(); ++r) slope_[r] /= sigma_[r];
     if (!system_.factorize_bodies(turned_, slope_, times)) return false;
     if (mode_ == Mode::kCoupled) {
       coupled_step();
-      if (!(step_.dot(gradient_) < 0)) return false;
     } else {
       step_ = -gradient_;
       system_.solve_bodies(span_of(step_));

@@ -36,8 +36,9 @@ struct NewtonOutcome {
 /// Coulomb's law the normality law of the cone [DeSaxce1998], held fixed in a round [Cadoux2009], Newton's
 /// equation is the gradient of a strictly convex function with piecewise smooth gradient: a semismooth Newton
 /// method [QiSun1993] with line search meets it from anywhere.  The rounds are the proximal point iteration
-/// [Rockafellar1976], which takes away what Σ gave.  S may be singular.  Where s does not settle, rounds are
-/// tried that hold nothing fast.  (solvers/README, "Many contacts")
+/// [Rockafellar1976], which takes away what Σ gave.  S may be singular.  Heaps begin with rounds that hold
+/// nothing fast and have the Σ for which they end; all else comes to them where s does not settle.
+/// (solvers/README, "Many contacts")
 class ContactNewton {
  public:
   explicit ContactNewton(ConstraintSystem& system) : system_(system) {}
@@ -49,6 +50,8 @@ class ContactNewton {
 
   /// The rates w meet the equalities of joints, to some times the tolerance of rates.
   bool holds_joints(std::span<const RowLaw> laws, std::span<const double> w, double rate_tolerance) const;
+  /// Contacts are all that there is, or very many: rounds that hold nothing fast come first.
+  bool is_heap() const;
 
  private:
   /// Σ over S_rr where nothing is lagged, at first.
@@ -70,7 +73,8 @@ class ContactNewton {
   void give_best(const Problem& problem, NewtonOutcome& outcome) const;
   void set_sigma(const Problem& problem, double rho);
   Mode next_mode(const Problem& problem, bool met, double residual, double& rho);
-  void begin_coupled(double residual, double rho);
+  void begin_coupled(double residual);
+  bool adapt(const Problem& problem, bool met, double residual, double& rho);
   bool next_round(const Problem& problem, Mode mode);
   void read_rates(const Problem& problem) const;
   void read_gradient();
@@ -83,7 +87,8 @@ class ContactNewton {
                 NewtonOutcome& outcome);
   void search(const Problem& problem);
   void coupled_step();
-  void add_coupling(const Eigen::VectorXd& u, Eigen::VectorXd& sum) const;
+  void solve_coupled(double part);
+  void add_coupling(double part, const Eigen::VectorXd& u, Eigen::VectorXd& sum) const;
   void project(const Problem& problem, double length = 0);
   void project_row(const RowLaw& law, int row);
   void project_contact(const Problem& problem, int place);
@@ -109,10 +114,15 @@ class ContactNewton {
   bool soft_ = false;                  // a contact is compliant
   std::vector<double> best_, best_w_;  // λ and w of the round with the least residual and closed joints
   double best_residual_ = 0;
-  // Where rounds with nothing lagged began, and what they are measured by.
+  // The last good round with nothing lagged, and what it is measured by.
   std::vector<double> kept_;
-  double kept_rho_ = 0, kept_residual_ = 0, looked_residual_ = 0;
+  double kept_residual_ = 0, looked_residual_ = 0;
+  int hold_ = 0;  // rounds that are to go well before Σ falls again
+  // GMRES: its vectors, R and the turns that make it, and what is left of the right side.
   std::vector<Eigen::VectorXd> basis_;
+  Eigen::MatrixXd krylov_;
+  Eigen::VectorXd krylov_residual_;
+  std::vector<Eigen::JacobiRotation<double>> krylov_turns_;
 };
 
 }  // namespace taut

@@ -10,51 +10,77 @@ namespace {
 /// Vectors of GMRES, what that leaves of a residual, and what round-off is.
 constexpr int kMostVectors = 80;
 constexpr double kLinear = 1e-3, kBreakdown = 1e-14;
-/// Rounds with lagged quantities before all is tried at once, with compliant contacts and without.
+/// What is coupled, at least, where less of it has to do.
+constexpr double kLeastPart = 0.25;
+/// Rounds with lagged quantities before all is tried at once again, with compliant contacts and without.
 constexpr int kSoftTurns = 3, kTurns = 25;
-/// After so many rounds with nothing lagged the residual must have fallen to this part.
-constexpr int kLook = 4;
-constexpr double kProgress = 0.5;
+/// A round is kept if its Newton method ended and the residual grew by no more than this, or if the residual
+/// fell to this part anyway.
+constexpr double kWorse = 3, kProgress = 0.5;
+/// Σ over S_rr: how it falls and grows, its bounds, and the rounds that must go well before it falls again.
+constexpr double kDown = 0.3, kUp = 3, kLeastRho = 1e-8, kMostRho = 1e-2, kWell = 0.7, kFast = 0.1;
+constexpr int kHold = 3;
+/// After so many rounds the residual must have fallen to kProgress.
+constexpr int kLook = 12;
 
 std::span<double> span_of(Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
 }  // namespace
 
-/// Some rounds with the lagged slip, which converge from anywhere; then with nothing lagged, as long as that
-/// goes well; then with the lagged radius, and so on.
+/// Rounds with nothing lagged as long as they go well; then with the lagged slip or radius, and so on.
 ContactNewton::Mode ContactNewton::next_mode(const Problem& problem, bool met, double residual, double& rho) {
   ++mode_rounds_;
   if (mode_ != Mode::kCoupled) {
     if (mode_rounds_ < (soft_ ? kSoftTurns : kTurns)) return mode_;
-    begin_coupled(residual, rho);
+    begin_coupled(residual);
     rho = std::max(rho, kNearRho);
     return Mode::kCoupled;
   }
-  const bool look = mode_rounds_ % kLook == 0;
-  if (met && (!look || residual <= kProgress * looked_residual_)) {
-    if (look) looked_residual_ = residual;
-    return mode_;
-  }
-  if (!met || residual > kept_residual_) {
-    y_ = kept_;
-    read_rates(problem);
-    rho = kept_rho_;
+  if (adapt(problem, met, residual, rho)) {
+    if (mode_rounds_ % kLook != 0) return mode_;
+    if (kept_residual_ <= kProgress * looked_residual_) {
+      looked_residual_ = kept_residual_;
+      return mode_;
+    }
   }
   mode_rounds_ = 0;
   lagged_ = lagged_ == Mode::kSlip ? Mode::kRadius : Mode::kSlip;
   return lagged_;
 }
 
+/// There is no function that these rounds descend, but a Σ for which they end: it grows after a round that
+/// did not, which is taken back, and falls again after some that did.  False if it can grow no more.
+bool ContactNewton::adapt(const Problem& problem, bool met, double residual, double& rho) {
+  if ((met && residual <= kWorse * kept_residual_) || residual <= kProgress * kept_residual_) {
+    const bool well = residual <= kWell * kept_residual_, fast = residual <= kFast * kept_residual_;
+    kept_ = y_;
+    kept_residual_ = residual;
+    if (!met)
+      hold_ = 1;
+    else if (hold_ > 0 && well)
+      --hold_;
+    else
+      rho = std::max((fast ? kFast : kDown) * rho, kLeastRho);
+    return true;
+  }
+  y_ = kept_;
+  read_rates(problem);
+  if (rho >= kMostRho) return false;
+  rho = std::min(kUp * rho, kMostRho);
+  hold_ = kHold;
+  return true;
+}
+
 /// What there is to go back to.
-void ContactNewton::begin_coupled(double residual, double rho) {
-  mode_rounds_ = 0;
+void ContactNewton::begin_coupled(double residual) {
+  mode_ = Mode::kCoupled;
+  mode_rounds_ = hold_ = 0;
   kept_ = y_;
-  kept_rho_ = rho;
   kept_residual_ = looked_residual_ = residual;
 }
 
-/// sum += Σ μ/Σ_n W_tᵀ W_n u over the contacts that slip.
-void ContactNewton::add_coupling(const Eigen::VectorXd& u, Eigen::VectorXd& sum) const {
+/// sum += part Σ μ/Σ_n W_tᵀ W_n u over the contacts that slip.
+void ContactNewton::add_coupling(double part, const Eigen::VectorXd& u, Eigen::VectorXd& sum) const {
   const Rows& rows = system_.rows();
   using Six = Eigen::Matrix<double, 6, 1>;
   for (int k = 0; k < rows.contact_count(); ++k) {
@@ -66,19 +92,32 @@ void ContactNewton::add_coupling(const Eigen::VectorXd& u, Eigen::VectorXd& sum)
     };
     double rate = 0;
     for (const auto& side : sides) rate += row_of(side, 0).dot(u.segment<6>(6 * side.body));
-    rate *= coupling_[k] / sigma_[contact.first_row];
+    rate *= part * coupling_[k] / sigma_[contact.first_row];
     for (const auto& side : sides) sum.segment<6>(6 * side.body) += rate * row_of(side, 1);
   }
 }
 
-/// (H + N) step = −gradient by GMRES [SaadSchultz1986] with H, the symmetric part that has a factor, on the
-/// right: (1 + N H⁻¹) z = −gradient, step = H⁻¹ z.
+/// (H + N) step = −gradient, with less of N where that does not go down the gradient, as H alone does.
 void ContactNewton::coupled_step() {
+  for (double part = 1; part >= kLeastPart; part *= 0.5) {
+    solve_coupled(part);
+    if (step_.dot(gradient_) < 0) return;
+  }
+  step_ = -gradient_;
+  system_.solve_bodies(span_of(step_));
+}
+
+/// (H + part N) step = −gradient by GMRES [SaadSchultz1986] with H, the symmetric part that has a factor, on
+/// the right: (1 + part N H⁻¹) z = −gradient, step = H⁻¹ z.
+void ContactNewton::solve_coupled(double part) {
   const double size = gradient_.norm();
   basis_.resize(kMostVectors + 1);
-  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(kMostVectors + 1, kMostVectors);
-  Eigen::VectorXd g = Eigen::VectorXd::Zero(kMostVectors + 1);
-  std::vector<Eigen::JacobiRotation<double>> turns(kMostVectors);
+  krylov_.resize(kMostVectors + 1, kMostVectors);
+  krylov_turns_.resize(kMostVectors);
+  krylov_residual_.resize(kMostVectors + 1);
+  auto& R = krylov_;
+  auto& g = krylov_residual_;
+  auto& turns = krylov_turns_;
   basis_[0] = -gradient_ / size;
   g[0] = size;
   int m = 0;
@@ -87,7 +126,9 @@ void ContactNewton::coupled_step() {
     system_.solve_bodies(span_of(step_));
     Eigen::VectorXd& next = basis_[m + 1];
     next = basis_[m];
-    add_coupling(step_, next);
+    R.col(m).setZero();
+    g[m + 1] = 0;
+    add_coupling(part, step_, next);
     for (int pass = 0; pass < 2; ++pass)
       for (int i = 0; i <= m; ++i) {
         const double c = basis_[i].dot(next);
@@ -104,9 +145,9 @@ void ContactNewton::coupled_step() {
     if (!(rest > kBreakdown)) break;
     next /= rest;
   }
-  const Eigen::VectorXd z = R.topLeftCorner(m, m).triangularView<Eigen::Upper>().solve(g.head(m));
+  R.topLeftCorner(m, m).triangularView<Eigen::Upper>().solveInPlace(g.head(m));
   step_.setZero();
-  for (int i = 0; i < m; ++i) step_ += z[i] * basis_[i];
+  for (int i = 0; i < m; ++i) step_ += g[i] * basis_[i];
   system_.solve_bodies(span_of(step_));
 }
 

@@ -41,6 +41,8 @@ IterationOutcome ImpulseIteration::solve(const ContactForces& contacts, std::spa
   frozen_.assign(system_.rows().body_count(), 0);
   std::fill(target_.begin(), target_.end(), 0.0);
   contacts.targets(target_);
+  cones_.clear();
+  for (int k = 0; k < system_.rows().contact_count(); ++k) cones_.push_back(contacts.cone(k));
   IterationOutcome outcome;
   if (limits.order == Solver::kPropagation && level_.empty()) find_levels();
   if (limits.order == Solver::kPairwise) {
@@ -97,28 +99,38 @@ double ImpulseIteration::relax_row(const Problem& problem, int row) {
 /// Normal, sliding, spinning and rolling friction in turn, each with the normal impulse of then.
 double ImpulseIteration::relax_contact(const Problem& problem, int block) {
   const Rows::JointRows& rows = system_.rows().joints()[block];
-  const int place = block - system_.rows().contact_joint(0), first = rows.first_row;
+  const ContactForces::Cone& cone = cones_[block - system_.rows().contact_joint(0)];
+  const int row = rows.first_row;
   double largest = 0;
-  const auto part = [&](int from, int count, double softness = 0) {
-    double s = 0;
-    for (int r = from; r < from + count; ++r) s = std::max(s, own_[r]);
-    if (!(s > 0)) return;
-    for (int r = first; r < first + rows.row_count; ++r) scratch_[r] = problem.lambda[r];
-    for (int r = from; r < from + count; ++r)
-      scratch_[r] -= problem.relaxation * (rate(problem, r) + softness * problem.lambda[r] - target_[r]) /
-                     (s + softness);
-    problem.contacts.answer(place, scratch_, answer_);
-    for (int r = from; r < from + count; ++r) {
-      const double by = answer_[r] - problem.lambda[r];
-      if (by != 0) change(problem, r, by);
-      largest = std::max(largest, std::sqrt(s) * std::abs(by));
-    }
+  const auto give = [&](int r, double s, double to) {
+    const double by = (cone.works ? to : 0) - problem.lambda[r];
+    if (by != 0) change(problem, r, by);
+    largest = std::max(largest, std::sqrt(s) * std::abs(by));
   };
-  part(first, 1, problem.contacts.softness(place));
-  part(first + 1, 2, problem.contacts.slip_softness(place));
+  const auto asked = [&](int r, double s, double softness) {
+    const double off = rate(problem, r) + softness * problem.lambda[r] - target_[r];
+    return problem.lambda[r] - problem.relaxation * off / (s + softness);
+  };
+  const auto in_disc = [&](int first, const Vec2& given, double bound, double softness) {
+    const double s = std::max(own_[first], own_[first + 1]);
+    if (!(s > 0)) return;
+    const Vec2 tau(asked(first, s, softness), asked(first + 1, s, softness));
+    const Vec2 to = into_disc(given + tau, bound) - given;
+    give(first, s, to[0]);
+    give(first + 1, s, to[1]);
+  };
+  if (own_[row] > 0) {
+    const double to = std::max(-cone.normal_given, asked(row, own_[row], cone.softness));
+    give(row, own_[row], std::min(to, cone.most - cone.normal_given));
+  }
+  const double normal = std::max(0.0, cone.normal_given + problem.lambda[row]);
+  in_disc(row + 1, cone.sliding_given, cone.sliding * normal, cone.slip_softness);
   if (rows.row_count == 3) return largest;
-  part(first + 3, 1);
-  part(first + 4, 2);
+  if (const double s = own_[row + 3]; s > 0) {
+    const double arm = cone.spinning * normal;
+    give(row + 3, s, std::clamp(cone.spin_given + asked(row + 3, s, 0), -arm, arm) - cone.spin_given);
+  }
+  in_disc(row + 4, cone.rolling_given, cone.rolling * normal, 0);
   return largest;
 }
 

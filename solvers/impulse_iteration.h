@@ -74,6 +74,7 @@ class ImpulseIteration {
   RowImpulses impulses_;
   std::vector<double> own_;  // S_rr of the bodies that are not held fast
   std::vector<double> target_, scratch_, answer_;
+  std::vector<ContactForces::Cone> cones_;
   std::vector<char> frozen_;        // bodies
   std::vector<int> level_, order_;  // of bodies; blocks by level
   std::vector<int> stamp_;          // of blocks: older entries of the queue are void

@@ -184,6 +184,7 @@ class Rattle {
   bool solve_through_bodies(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   bool solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report);
+  void sweep_guess(std::span<double> lambda, double rate_tolerance);
   bool solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
   bool solve_by_sweeps(std::span<double> lambda, double rate_tolerance, StepReport& report);
   void report_inexactness(StepReport& report) const;

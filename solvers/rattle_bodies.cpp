@@ -23,6 +23,10 @@ constexpr int kFewSteps = 8;
 constexpr double kExact = 1e-13;
 /// Newton steps where those of the step before were not enough.
 constexpr int kStepsOfHardStages = 300;
+/// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
+/// more than this part of the largest.
+constexpr int kFirstSweeps = 300;
+constexpr double kSwept = 1e-10;
 /// Sweeps of Gauss–Seidel where that was not enough.
 constexpr int kLastSweeps = 1000;
 /// More solves of a stage, because friction let go or the load that it grows by has changed.
@@ -150,8 +154,26 @@ bool Rattle::solve_on_pieces(std::span<double> lambda, const PieceLimits& limits
   return outcome.converged;
 }
 
+/// A better guess for Newton's method: Gauss–Seidel, whose sweeps cost little, comes near from anywhere.
+void Rattle::sweep_guess(std::span<double> lambda, double rate_tolerance) {
+  system_.multiply(lambda, w_);
+  double size = 0;
+  for (int r = 0; r < system_.row_count(); ++r) {
+    w_[r] += delta_[r];
+    size = std::max(size, std::abs(delta_[r]) * std::sqrt(inertia_[r]));
+  }
+  const double off = distance_from_laws(lambda, w_, rate_tolerance);
+  if (off <= kNear) return;
+  held_.assign(lambda.begin(), lambda.end());
+  const IterationLimits limits{.sweeps = kFirstSweeps, .tolerance = kSwept * size};
+  (void)iteration_->solve(contacts_, laws_, delta_, held_, w_, limits, {});
+  if (distance_from_laws(held_, w_, rate_tolerance) < off)
+    std::copy(held_.begin(), held_.end(), lambda.begin());
+}
+
 /// Contacts, and what is left to others.
 bool Rattle::solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report) {
+  if (newton_.is_heap() && !contacts_.soft()) sweep_guess(lambda, limits.rate_tolerance);
   const NewtonOutcome outcome = newton_.solve(contacts_, laws_, delta_, lambda, w_, limits, report.times);
   contacts_.take_over(lambda, w_, limits.rate_tolerance);
   report.contact_iterations += outcome.iterations;
