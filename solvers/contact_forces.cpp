@@ -17,7 +17,9 @@ constexpr int kMostImpacts = 16;
 ContactForces::ContactForces(const World& world, const Settings& settings)
     : set_(world, settings.contact_margin),
       wanted_(settings.contacts),
-      resting_speed_(settings.resting_speed) {}
+      resting_speed_(settings.resting_speed) {
+  for (int b = 0; b < world.body_count(); ++b) moves_.push_back(world.moves({b}));
+}
 
 void ContactForces::inherit(ContactForces& old, const World& world) {
   const ContactSet::Heritage from = set_.inherit(old.set_, world);
@@ -73,6 +75,10 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
     Point& point = points_[k];
     point.active = place.active;
     point.gap = place.contact.gap;
+    // Where it ends the drift it slips at another rate than where it began it: the mean is what it slipped.
+    if (point.slip && (place.slip - *point.slip).norm() > kRestingSlip)
+      point.slipped += 0.5 * h_ * (place.slip - *point.slip);
+    point.slip.reset();
     point.touching =
         place.active && (point.gap <= kTouch || point.pressed || impacts_[k].stage == Impact::Stage::kDue);
     // A first guess: both kicks alike, and the slip along t₁.
@@ -319,10 +325,13 @@ void ContactForces::keep(std::span<const double> lambda, std::span<const double>
     const int row = first_row_[k];
     book(static_cast<int>(k), lambda, rates);
     point.pressed = lambda[row] > 0;
+    point.slip.reset();
     // The slip of this step while it holds: what is left of the target.
     if (!point.sliding.slips && point.pressed) {
       const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
-      point.slipped += h_ * (w[row + 1] * frame.t1 + w[row + 2] * frame.t2);
+      const Vec3 slip = w[row + 1] * frame.t1 + w[row + 2] * frame.t2;
+      point.slipped += h_ * slip;
+      if (compliance(static_cast<int>(k)) == 0) point.slip = slip;
     } else if (const double C = compliance(static_cast<int>(k)); C > 0 && point.pressed) {
       const row_parts::ContactFrame& frame = set_.places()[k].point.frame;
       point.slipped = -2 * C / h_ * (lambda[row + 1] * frame.t1 + lambda[row + 2] * frame.t2);

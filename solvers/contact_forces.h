@@ -92,6 +92,7 @@ class ContactForces {
   /// |Λ_t| ≤ sliding Λ_n, |spin| ≤ spinning Λ_n [m] and |roll| ≤ rolling Λ_n [m].
   struct Cone {
     bool works = false, twist = false;
+    bool shares = false;  ///< its slip does not open the cone (share_loads)
     double sliding = 0, spinning = 0, rolling = 0;
     double softness = 0, most = std::numeric_limits<double>::infinity();  ///< of the normal (NormalLaw)
     double slip_softness = 0;                                             ///< of the tangents (SlipLaw)
@@ -111,6 +112,25 @@ class ContactForces {
     (void)adapt(lambda, w, rate_tolerance);
     turns_.clear();
   }
+  /// A rigid contact that stuck slips at the last adapt().
+  bool slips_where_it_held() const;
+  /// From here on contacts that stick are asked, in cone() and error(), for impulses in the cone of static
+  /// friction that obey its normality law.  All impulses with which none of them slips do, however they
+  /// divide the load, so there are none where one slips all the same.  (solvers/README, "Static friction")
+  /// False if none of those that slip can be told to hold, since they are on bodies that are being struck:
+  /// they are let go.
+  bool begin_sharing();
+  /// Unless they hold, all is as it was at begin_sharing(), but for those that were let go.
+  void end_sharing(bool hold);
+  /// Not ended yet.
+  void go_on_sharing() { sharing_ = true; }
+  /// The largest slip of these at rates w [m/s].
+  double shared_slip(std::span<const double> w) const;
+  /// Of those that slipped at begin_sharing() all that slip still, or all if it is not `judged` by the rates
+  /// w, go on with dynamic friction.  True if that leaves some to share the load anew.
+  bool let_go(std::span<const double> w, bool judged);
+  /// Static friction was more than dynamic friction where it let go since begin_sharing().
+  bool weakened() const { return weakened_; }
   /// The largest distance from Coulomb's law at the last adapt(), relative.
   double residual() const { return residual_; }
   /// Tangents that are better turned: place and the direction (cos, sin) of the new t₁ in the old frame.
@@ -163,8 +183,9 @@ class ContactForces {
     double gap = 0, approach = 0;
     bool fresh = true;  ///< has not been through a begin()
     double back = 0;    ///< normal impulse of the first kick
-    bool stuck = false, broken = false;
+    bool stuck = false, broken = false, wavers = false;
     Vec3 slipped = Vec3::Zero();                             ///< since it sticks [m]
+    std::optional<Vec3> slip;                                ///< at the start of a drift in which it held
     Vec3 first = Vec3::Zero(), first_torque = Vec3::Zero();  ///< of the first kick on B
     double spin_bound = std::numeric_limits<double>::infinity(), spin_given = 0;
     Disc sliding, rolling;
@@ -211,7 +232,14 @@ class ContactForces {
   double spin_error(int place, double bound, std::span<const double> lambda, std::span<const double> w) const;
   double normal_error(int place, std::span<const double> lambda, std::span<const double> w) const;
   double friction_bound(int place, double normal) const;
-  bool release_slipping(std::span<const double> lambda);
+  bool sticks(int place) const {
+    return works(place) && points_[place].stuck && !points_[place].broken && compliance(place) == 0;
+  }
+  bool slips_in_vain(int place) const;
+  double slip_of(int place, std::span<const double> w) const;
+  void release(int place);
+  std::vector<char> struck_bodies() const;
+  double cone_error(int place, std::span<const double> lambda, std::span<const double> w) const;
   void ask_for_turn(int place, const Disc& disc);
   double crossing(int place, double w) const;
   bool has_twist(int place) const { return set_.places()[place].at.twist; }
@@ -221,8 +249,9 @@ class ContactForces {
   ContactSet set_;
   bool wanted_;
   double resting_speed_;
+  std::vector<char> moves_;  // bodies
   std::vector<int> first_row_;
-  std::vector<Point> points_, before_;
+  std::vector<Point> points_, before_, unshared_;
   std::vector<Impact> impacts_, impacts_before_;
   std::vector<double> root_;  // √S_rr
   std::vector<Turn> turns_;
@@ -234,9 +263,10 @@ class ContactForces {
   std::vector<Impact> impact_scratch_;
   ContactWork work_, work_before_;
   std::size_t departed_before_ = 0;
-  double h_ = 0, residual_ = 0, scale_ = 0;
+  double h_ = 0, residual_ = 0, unshared_residual_ = 0, scale_ = 0;
   int impact_count_ = 0, solves_ = 0;
-  bool struck_ = false, in_velocities_ = false, single_kick_ = false;
+  bool struck_ = false, in_velocities_ = false, single_kick_ = false, sharing_ = false;
+  bool weakened_ = false;
 };
 
 }  // namespace taut

@@ -14,6 +14,9 @@ constexpr double kReturnSpeed = 1;
 constexpr double kNever = 1e12;
 /// Distance from Coulomb's law that is accepted, relative to the largest impulse.
 constexpr double kTolerance = 1e-9;
+/// A contact that sticks has not slipped by less than this, relative to all impulses: what may be left of the
+/// laws where they are met.
+constexpr double kStill = 1e-8;
 /// Slip that turned by more than this (sine) gets its own tangents.
 constexpr double kTurn = 0.05;
 /// Smallest component of a direction that counts as half way between the tangents.
@@ -127,6 +130,7 @@ bool ContactForces::impact_is_seen(int k) const {
 ContactForces::SlipLaw ContactForces::slip_law(int k, const Disc& disc) const {
   const Point& point = points_[k];
   const double C = compliance(k);
+  if (&disc == &point.sliding && sharing_ && sticks(k)) return {disc.target, 0};
   if (C == 0 || &disc != &point.sliding) return {disc.slips ? Vec2::Zero() : disc.target, 0};
   if (!in_velocities_) return {disc.target, 2 * C / (h_ * h_)};
   const double softness = root_[first_row_[k] + 1] * std::sqrt(C) / h_;
@@ -161,6 +165,7 @@ ContactForces::Cone ContactForces::cone(int k) const {
   const NormalLaw normal = normal_law(k);
   return {works(k),
           has_twist(k),
+          sharing_ && sticks(k),
           friction_bound(k, 1),
           material.spinning_friction,
           material.rolling_friction,
@@ -262,9 +267,13 @@ double ContactForces::error(std::span<const double> lambda, std::span<const doub
     const auto add = [&](double error, int r, double softness = 0) {
       if (!((root_[r] + softness / root_[r]) * error <= rate_tolerance)) largest = std::max(largest, error);
     };
-    add(normal_error(k, lambda, w), row, softness(k));
-    add(disc_error(k, point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1,
-        slip_softness(k));
+    if (sharing_ && sticks(k)) {
+      largest = std::max(largest, cone_error(k, lambda, w));
+    } else {
+      add(normal_error(k, lambda, w), row, softness(k));
+      add(disc_error(k, point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1,
+          slip_softness(k));
+    }
     if (!has_twist(k)) continue;
     add(spin_error(k, material.spinning_friction * normal, lambda, w), row + 3);
     add(disc_error(k, point.rolling, row + 4, material.rolling_friction * normal, lambda, w), row + 4);
@@ -298,26 +307,11 @@ bool ContactForces::adapt(std::span<const double> lambda, std::span<const double
     residual_ = std::max(residual_, error / scale_);
   }
   if (residual_ > kTolerance) return true;
-  const bool released = release_slipping(lambda);
-  if (released) residual_ = 1;
-  return released;
-}
-
-/// Contacts that slip against static friction, in a solution that is right but for that, go on with dynamic
-/// friction.  True if there is one for which that is less.
-bool ContactForces::release_slipping(std::span<const double> lambda) {
-  bool released = false;
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    Point& point = points_[k];
-    if (!works(static_cast<int>(k)) || !point.stuck || point.broken) continue;
-    if (!point.sliding.slips || point.sliding.weight == 0) continue;
-    point.broken = true;
-    const Material& material = set_.places()[k].material;
-    if (material.dynamic_friction == material.static_friction) continue;
-    point.sliding.bound = material.dynamic_friction * std::max(0.0, point.back + lambda[first_row_[k]]);
-    released = true;
-  }
-  return released;
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (compliance(static_cast<int>(k)) > 0 && works(static_cast<int>(k)) && points_[k].sliding.slips &&
+        points_[k].sliding.weight > 0)
+      points_[k].broken = true;
+  return false;
 }
 
 /// The disc by the impulse τ and the slip u of a solution.  Returns disc_error() of the disc as it was.
@@ -331,8 +325,9 @@ double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::
   if ((root + law.softness / root) * error <= rate_tolerance) error = 0;
   disc.bound = bound;
   const double speed = slip.norm();
-  if (speed <= std::max(rate_tolerance, kTolerance * scale_ * root)) {  // it rests
-    if (tau.norm() <= bound * (1 + kTolerance)) {
+  const bool stuck = &disc == &points_[k].sliding && sticks(k);
+  if (speed <= std::max(rate_tolerance, (stuck ? kStill : kTolerance) * scale_ * root)) {  // it rests
+    if (tau.norm() <= bound * (1 + kTolerance) + (stuck ? kStill * scale_ / root : 0)) {
       disc.slips = false;
       return error;
     }

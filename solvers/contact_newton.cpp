@@ -38,6 +38,9 @@ constexpr double kGrowth = 5, kMixing = 0.5;
 constexpr int kSlow = 20, kPeriod = 10;
 /// Part of the extrapolation's equations that is added to their diagonal.
 constexpr double kRegularization = 1e-13;
+/// After so many rounds the slip of contacts that can hold has fallen to less than this part in each.
+constexpr int kRoundsToHold = 3;
+constexpr double kSlowSlip = 0.97;
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMemory, kMemory>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMemory, 1>;
 
@@ -51,7 +54,7 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
   const Problem problem{contacts, laws, b, lambda, w};
   NewtonOutcome outcome;
   begin(problem);
-  double last = 1, rho = kFirstRho;
+  double last = 1, rho = kFirstRho, last_slip = 0;
   const auto held = [&] { return holds_joints(problem.laws, problem.w, limits.rate_tolerance); };
   if (soft_ ? limits.near : is_heap()) {
     const double off = law_error(problem, limits.rate_tolerance, 0);
@@ -76,7 +79,10 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     if (outcome.converged) return outcome;
     if (closed) keep_best(problem, outcome.residual);
     outcome.converged = best_residual_ <= enough;
-    if (outcome.converged || !finite || outcome.iterations >= limits.iterations) {
+    const double slip = limits.holding ? problem.contacts.shared_slip(problem.w) : 0;
+    const bool in_vain = outcome.rounds > kRoundsToHold && slip > kSlowSlip * last_slip;
+    last_slip = slip;
+    if (outcome.converged || !finite || in_vain || outcome.iterations >= limits.iterations) {
       give_best(problem, outcome);
       return outcome;
     }
@@ -170,7 +176,7 @@ void ContactNewton::read_gradient() {
 
 /// Compliant normals are decoupled from the disc, whose metric is another one.
 bool ContactNewton::by_radius(const ContactForces::Cone& cone) const {
-  return mode_ != Mode::kSlip || cone.softness > 0 || std::isfinite(cone.most);
+  return !cone.shares && (mode_ != Mode::kSlip || cone.softness > 0 || std::isfinite(cone.most));
 }
 
 /// One Σ in a cone and in a disc, so that they keep their shape.
@@ -254,7 +260,7 @@ void ContactNewton::answer_lagged(const Problem& problem, Eigen::VectorXd& s) co
     const auto off = [&](int r) { return problem.w[r] - target_[r]; };
     const double lagged = by_radius(cone) ? root * std::max(0.0, cone.normal_given + y_[row])
                                           : std::hypot(off(row + 1), off(row + 2)) / root;
-    s[k] = cone.works ? cone.sliding * lagged : 0;
+    s[k] = cone.works && !cone.shares ? cone.sliding * lagged : 0;
   }
 }
 

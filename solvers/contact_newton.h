@@ -16,6 +16,8 @@ struct NewtonLimits {
   double tolerance = 1e-9, most = 1e-8, rate_tolerance = 0;
   int iterations = 500;
   bool near = false;  ///< the guess is nearly right
+  /// Ends where rounds no longer lower the slip of contacts that share a load: they do not hold.
+  bool holding = false;
 };
 
 /// How it went.

@@ -209,14 +209,14 @@ void ContactSet::fill(int index, const Contact& contact, const World& world, con
   const Pose &A = state.poses[place.at.a], &B = state.poses[place.at.b];
   const Twist &V_A = state.twists[place.at.a], &V_B = state.twists[place.at.b];
   const Vec3 r_A = A.q * contact.p_AP, r_B = B.q * contact.p_BQ;
-  const Vec3 slip = V_B.at(r_B) - V_A.at(r_A);
+  const Vec3 rate = V_B.at(r_B) - V_A.at(r_A);
+  place.slip = rate - contact.normal.dot(rate) * contact.normal;
   place.contact = contact;
   place.unused = 0;
   place.material = world.contact_material(contact.a, contact.b);
   place.point.p_AP = contact.p_AP;
   place.point.p_BQ = contact.p_BQ;
-  place.point.frame =
-      frame_of(contact.normal, slip - contact.normal.dot(slip) * contact.normal, place.point.frame.t1);
+  place.point.frame = frame_of(contact.normal, place.slip, place.point.frame.t1);
 }
 
 }  // namespace taut

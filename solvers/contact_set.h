@@ -21,6 +21,7 @@ class ContactSet {
     Contact contact;                  ///< the present one, or the last
     Material material;                ///< of the pair
     row_parts::ContactPoint point{};  ///< its rows
+    Vec3 slip = Vec3::Zero();         ///< of B along A at the last find() [m/s]
   };
 
   ContactSet(const World& world, double margin);

@@ -186,6 +186,8 @@ class Rattle {
   bool solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report);
   void sweep_guess(std::span<double> lambda, double rate_tolerance);
   bool solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
+  NewtonOutcome run_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
+  bool hold_on(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool solve_by_sweeps(std::span<double> lambda, double rate_tolerance, StepReport& report);
   void report_inexactness(StepReport& report) const;
   bool stabilize_positions(double h, StepReport& report);
@@ -280,7 +282,7 @@ class Rattle {
   int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;
-  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, row_scratch_;
+  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, unshared_, row_scratch_;
   std::vector<int> pieces_scratch_;
   std::vector<Twist> mean_twists_;
   double time_to_impact_ = 0;

@@ -158,8 +158,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
     return solve_through_bodies(lambda, rate_tolerance, renew, report);
   guess_.assign(lambda.begin(), lambda.end());
   double earlier = std::numeric_limits<double>::infinity();
-  bool solved = false;
-  for (int solve = 0; !solved; ++solve) {
+  for (int solve = 0;; ++solve) {
     settings.keep_null_space = solve > 0;
     outcome_ = active_->solve(laws_, delta_, lambda, w_, report.times, settings);
     report.pivots += outcome_.pivots;
@@ -172,13 +171,20 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
     const bool broke = axes_.break_away(w_);
     const bool loaded = axes_.update_loads(system_.rows(), jacobian(), lambda);
     const bool slid = contacts_.adapt(lambda, w_, rate_tolerance);
-    solved = outcome_.ok() && !broke && !loaded && !slid;
-    if (solved) break;
+    const bool met = outcome_.ok() && !broke && !loaded && !slid;
+    if (met && !contacts_.slips_where_it_held()) break;
+    if (met && hold_on(lambda, rate_tolerance, report)) {
+      take_pieces(lambda);
+      if (!axes_.break_away(w_) && !axes_.update_loads(system_.rows(), system_.jacobian(), lambda))
+        return true;
+    } else if (met && !contacts_.weakened()) {
+      break;
+    }
     if (contacts_.empty()) {
       if (solve == kMaxSolves) return false;
     } else {
       const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
-      if (!outcome_.ok() || (check && contacts_.residual() > kFrictionProgress * earlier)) {
+      if (!outcome_.ok() || (check && !met && contacts_.residual() > kFrictionProgress * earlier)) {
         newtons_left_ = kNewtonsInARow;
         std::copy(guess_.begin(), guess_.end(), lambda.begin());
         return solve_through_bodies(lambda, rate_tolerance, renew, report);

@@ -29,6 +29,8 @@ constexpr int kFirstSweeps = 300;
 constexpr double kSwept = 1e-10;
 /// Sweeps of Gauss–Seidel where that was not enough.
 constexpr int kLastSweeps = 1000;
+/// Newton steps in which contacts that stick are to find a division of the load that holds them.
+constexpr int kStepsToHold = 150;
 /// More solves of a stage, because friction let go or the load that it grows by has changed.
 constexpr int kMaxSolves = 40;
 
@@ -80,7 +82,7 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
   }
   if (axes_.break_away(w_) || axes_.update_loads(system_.rows(), jacobian(), lambda)) return false;
   contacts_.take_over(lambda, w_, rate_tolerance);
-  if (!(contacts_.residual() <= kHeld)) return false;
+  if (!(contacts_.residual() <= kHeld) || contacts_.slips_where_it_held()) return false;
   take_pieces(lambda);
   rested_ = true;
   report.complementarity_residual = std::max({report.complementarity_residual, off, contacts_.residual()});
@@ -171,16 +173,54 @@ void Rattle::sweep_guess(std::span<double> lambda, double rate_tolerance) {
     std::copy(held_.begin(), held_.end(), lambda.begin());
 }
 
-/// Contacts, and what is left to others.
+/// Contacts, and what is left to others; again where static friction lets go.
 bool Rattle::solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report) {
   if (newton_.is_heap() && !contacts_.soft()) sweep_guess(lambda, limits.rate_tolerance);
+  guess_.assign(lambda.begin(), lambda.end());
+  for (int solve = 0;; ++solve) {
+    if (!run_newton(lambda, limits, report).converged) return false;
+    if (solve == kMaxSolves || !contacts_.slips_where_it_held()) return true;
+    if (hold_on(lambda, limits.rate_tolerance, report) || !contacts_.weakened()) return true;
+  }
+}
+
+NewtonOutcome Rattle::run_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report) {
   const NewtonOutcome outcome = newton_.solve(contacts_, laws_, delta_, lambda, w_, limits, report.times);
   contacts_.take_over(lambda, w_, limits.rate_tolerance);
   report.contact_iterations += outcome.iterations;
   loose_ = 0;
   if (outcome.converged)
     report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
-  return outcome.converged;
+  return outcome;
+}
+
+/// A solution in which contacts slip that stuck: true, and another one, if there is one in which they hold.
+/// Else they are let go, and λ and w stay as they are.
+bool Rattle::hold_on(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+  NewtonLimits limits{.rate_tolerance = rate_tolerance, .iterations = kStepsToHold, .holding = true};
+  limits.most = limits.tolerance;
+  if (!contacts_.begin_sharing()) return false;
+  unshared_.assign(lambda.begin(), lambda.end());
+  for (bool again = true; again;) {
+    std::copy(guess_.begin(), guess_.end(), lambda.begin());
+    const NewtonOutcome outcome = run_newton(lambda, limits, report);
+    if (outcome.converged && !contacts_.slips_where_it_held()) {
+      // What holds by the normality law holds by Coulomb's where it does not slip at all.
+      contacts_.end_sharing(true);
+      const double off = distance_from_laws(lambda, w_, rate_tolerance);
+      if (off <= NewtonLimits().most) {
+        report.complementarity_residual = std::max(report.complementarity_residual, off);
+        return true;
+      }
+      contacts_.go_on_sharing();
+    }
+    again = contacts_.let_go(w_, outcome.iterations < limits.iterations);
+  }
+  contacts_.end_sharing(false);
+  std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
+  system_.multiply(lambda, w_);
+  for (int r = 0; r < system_.row_count(); ++r) w_[r] += delta_[r];
+  return false;
 }
 
 /// Where Newton's method has given up: its best round, or what Gauss–Seidel makes of that if it is better, if
