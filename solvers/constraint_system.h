@@ -125,9 +125,12 @@ class ConstraintSystem {
   /// v ← P⁻¹ v.
   void solve_bodies(std::span<double> v);
 
-  /// W = J A of the last factorize() or row_inertias(), laid out like the Jacobian.  Of joints alone
-  /// factorize() makes it only where rows are dependent.
-  std::span<const double> weighted() const { return weighted_; }
+  /// W = J A, laid out like the Jacobian: made here if it is not known, as factorize() makes it of joints
+  /// alone only where rows are dependent.
+  std::span<const double> weighted() {
+    if (!weighted_current_) weight();
+    return weighted_;
+  }
   /// The diagonal was multiplied by one plus this before the last factorisation.
   double factored_shift() const { return std::max(compliance_, shifted_ ? tolerance_.shift : 0.0); }
   /// Grows with every factorisation, never falls.

@@ -23,7 +23,7 @@ using SixRow = Eigen::Map<const Eigen::Matrix<double, 1, 6>>;
 
 }  // namespace
 
-ImpulseIteration::ImpulseIteration(const ConstraintSystem& system) : system_(system), impulses_(system) {
+ImpulseIteration::ImpulseIteration(ConstraintSystem& system) : system_(system), impulses_(system) {
   const int rows = system.row_count();
   for (auto* values : {&own_, &target_, &scratch_, &answer_}) values->assign(rows, 0.0);
   order_.resize(system.rows().joints().size());

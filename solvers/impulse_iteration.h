@@ -36,7 +36,7 @@ struct IterationOutcome {
 class ImpulseIteration {
  public:
   /// For as long as the system keeps its rows.
-  explicit ImpulseIteration(const ConstraintSystem& system);
+  explicit ImpulseIteration(ConstraintSystem& system);
 
   /// S = W Wᵀ with the W of the system's last row_inertias().  `lambda`: a start, then the result; `w`: its
   /// rates. What bodies of levels below did not take is added to `absorbed`: momenta change by Jᵀλ −
@@ -70,7 +70,7 @@ class ImpulseIteration {
   int level_of(int block) const;
   void propagate(const Problem& problem);
 
-  const ConstraintSystem& system_;
+  ConstraintSystem& system_;
   RowImpulses impulses_;
   std::vector<double> own_;  // S_rr of the bodies that are not held fast
   std::vector<double> target_, scratch_, answer_;

@@ -18,7 +18,7 @@ struct GaussSeidelOutcome {
 /// of the game engines, here for comparison and as a fall-back.
 class ProjectedGaussSeidel {
  public:
-  explicit ProjectedGaussSeidel(const ConstraintSystem& system) : impulses_(system) {}
+  explicit ProjectedGaussSeidel(ConstraintSystem& system) : impulses_(system) {}
 
   /// S = W Wᵀ with the W of the system's last factorize().  λ is the start and the result; stops when no row
   /// changes by more than `tolerance` [√J].

@@ -18,7 +18,7 @@ class RowImpulses {
   };
 
   /// For as long as the system keeps its rows.
-  explicit RowImpulses(const ConstraintSystem& system) : system_(system) {
+  explicit RowImpulses(ConstraintSystem& system) : system_(system) {
     const Rows& rows = system.rows();
     row_start_.push_back(0);
     for (const Rows::JointRows& joint : rows.joints())
@@ -68,7 +68,7 @@ class RowImpulses {
  private:
   const double* W() const { return system_.weighted().data(); }
 
-  const ConstraintSystem& system_;
+  ConstraintSystem& system_;
   std::vector<int> row_start_;
   std::vector<Side> sides_;
   std::vector<double> diagonal_, bodies_;  // Wᵀ λ: 6 numbers a body
