@@ -16,7 +16,7 @@ constexpr double kNever = 1e12;
 constexpr double kTolerance = 1e-9;
 /// A contact that sticks has not slipped by less than this, relative to all impulses: what may be left of the
 /// laws where they are met.
-constexpr double kStill = 1e-8;
+constexpr double kStill = 1e-6;
 /// Slip that turned by more than this (sine) gets its own tangents.
 constexpr double kTurn = 0.05;
 /// Smallest component of a direction that counts as half way between the tangents.
