@@ -388,13 +388,14 @@ RowLaw AxisForces::law_of(Axis& axis, const AxisProperties& p) const {
   return law;
 }
 
-bool AxisForces::break_away(std::span<const double> w) {
+bool AxisForces::break_away(std::span<const double> w, double rate_tolerance) {
   bool any = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
     if (!p.friction || !axis.stuck || axis.broken || released_[i] ||
-        on_step(w[rows_[i].row], axis.friction_at))
+        on_step(w[rows_[i].row], axis.friction_at) ||
+        std::abs(w[rows_[i].row] - axis.friction_at) <= rate_tolerance)
       continue;
     axis.broken = true;
     any = any || p.friction->dynamic_friction < p.friction->static_friction;
@@ -403,12 +404,16 @@ bool AxisForces::break_away(std::span<const double> w) {
 }
 
 bool AxisForces::any_broken() const {
-  return std::any_of(axes_.begin(), axes_.end(), [](const Axis& axis) { return axis.broken; });
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (axes_[i].broken || (axes_[i].stuck && !properties(i).friction)) return true;
+  return false;
 }
 
 void AxisForces::clear_loose(std::span<char> rows) const {
   for (std::size_t i = 0; i < rows_.size(); ++i)
-    if (!axes_[i].stuck || axes_[i].broken || released_[i] || rows_[i].axis.axis < 0) rows[rows_[i].row] = 0;
+    if (!axes_[i].stuck || axes_[i].broken || !properties(i).friction || released_[i] ||
+        rows_[i].axis.axis < 0)
+      rows[rows_[i].row] = 0;
 }
 
 /// Springs, dampers and levels are known from w; on a step of the law the rest goes to friction as far as it

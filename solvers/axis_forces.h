@@ -56,7 +56,7 @@ class AxisForces {
   void impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws);
   /// Axes that static friction held and that have broken away at this solution of a stage: their bound is now
   /// that of dynamic friction, and the stage must be solved again.
-  bool break_away(std::span<const double> w);
+  bool break_away(std::span<const double> w, double rate_tolerance);
   /// Friction has let go of an axis in this step.
   bool any_broken() const;
   /// Zeroes the entries of rows that friction does not hold, one a row.

@@ -67,8 +67,8 @@ class ConstraintSystem {
 
   /// J at these poses, for drivers at this time.
   void linearize(const Configuration& at);
-  /// J given from outside, for instance a mean of two.
-  std::span<double> jacobian() {
+  /// J given from outside, for instance a mean of two: to be written to.
+  std::span<double> change_jacobian() {
     weighted_current_ = false;
     return jacobian_;
   }

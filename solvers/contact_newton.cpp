@@ -40,6 +40,8 @@ constexpr int kSlow = 20, kPeriod = 10;
 constexpr double kRegularization = 1e-13;
 /// After so many rounds the slip of contacts that can hold has fallen to less than this part in each.
 constexpr int kRoundsToHold = 3;
+/// Rounds may need no Newton step: so many for each that is allowed.
+constexpr int kRoundsOfAStep = 10;
 constexpr double kSlowSlip = 0.97;
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMemory, kMemory>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMemory, 1>;
@@ -82,7 +84,8 @@ NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<cons
     const double slip = limits.holding ? problem.contacts.shared_slip(problem.w) : 0;
     const bool in_vain = outcome.rounds > kRoundsToHold && slip > kSlowSlip * last_slip;
     last_slip = slip;
-    if (outcome.converged || !finite || in_vain || outcome.iterations >= limits.iterations) {
+    if (outcome.converged || !finite || in_vain || outcome.iterations >= limits.iterations ||
+        outcome.rounds >= kRoundsOfAStep * limits.iterations) {
       give_best(problem, outcome);
       return outcome;
     }

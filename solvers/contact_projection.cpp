@@ -51,7 +51,7 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
     }
     project_disc(k, 1, cone.sliding_given);
   } else if (size <= mu * normal || mu * size <= -normal) {
-    const bool within = size <= mu * normal;
+    const bool within = normal >= 0 && size <= mu * normal;
     for (int i = 0; i < 3; ++i) slope_[row + i] = within ? 1 : 0;
     if (within) {
       std::copy_n(x_.begin() + row, 3, y_.begin() + row);

@@ -15,7 +15,7 @@ constexpr double kSlips = 1e-2;
 Vec3 into_cone(const Vec3& x, double mu) {
   const Vec2 tangent = x.tail<2>();
   const double size = tangent.norm();
-  if (size <= mu * x[0]) return x;
+  if (x[0] >= 0 && size <= mu * x[0]) return x;
   if (mu * size <= -x[0]) return Vec3::Zero();
   const double normal = (x[0] + mu * size) / (1 + mu * mu);
   Vec3 nearest;
@@ -68,7 +68,8 @@ bool ContactForces::begin_sharing() {
 void ContactForces::end_sharing(bool hold) {
   sharing_ = false;
   if (hold) return;
-  for (std::size_t k = 0; k < points_.size(); ++k) unshared_[k].broken = points_[k].broken;
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (unshared_[k].wavers) unshared_[k].broken = points_[k].broken;
   points_ = unshared_;
   residual_ = unshared_residual_;
   turns_.clear();

@@ -37,17 +37,18 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
   int stuck = 0;
   for (;; ++outcome.iterations) {
     system_.multiply(lambda, w);
-    double error = 0, counted = 0, scale = 0;
+    double error = 0, counted = 0, scale = 0, sum = 0;
     for (std::size_t r = 0; r < n; ++r) {
       w[r] += b[r];
       const RowLaw::Point answer = laws[r].resolve(own_[r], w[r] - own_[r] * lambda[r]);
       const double root = std::sqrt(own_[r]), off = root * std::abs(lambda[r] - answer.lambda);
       if (outcome.iterations > 0) pieces_[r] = answer.piece;
       scale = std::max(scale, root * std::abs(lambda[r]));
+      sum += off + root * std::abs(lambda[r]);
       error = std::max(error, off);
       if (!(root * off <= limits.rate_tolerance)) counted = std::max(counted, off);
     }
-    if (!std::isfinite(error + scale)) return outcome;
+    if (!std::isfinite(sum)) return outcome;  // a maximum passes over what is not a number
     outcome.residual = counted > 0 ? counted / scale : 0;
     outcome.converged = outcome.residual <= limits.tolerance;
     const bool done = outcome.converged && (error > kProgress * last || error <= kExact * scale);

@@ -221,7 +221,8 @@ void Rattle::restore(StepReport& report) {
   axes_.roll_back();
   contacts_.roll_back(false);
   if (!refactored_ && !implicit_) return;
-  if (refactored_) std::copy(start_jacobian_.begin(), start_jacobian_.end(), system_.jacobian().begin());
+  if (refactored_)
+    std::copy(start_jacobian_.begin(), start_jacobian_.end(), system_.change_jacobian().begin());
   system_.set_mass(state_.poses);
   system_.factorize(report.times);
   refactored_ = implicit_ = false;
@@ -341,7 +342,7 @@ bool Rattle::close_positions(double h, StepReport& report) {
 void Rattle::refactor_at_iterate(double h, StepReport& report) {
   std::copy(system_.jacobian().begin(), system_.jacobian().end(), start_jacobian_.begin());
   system_.linearize({poses_, state_.time + h, state_.axes});
-  std::span<double> J = system_.jacobian();
+  std::span<double> J = system_.change_jacobian();
   for (std::size_t i = 0; i < J.size(); ++i) J[i] = 0.5 * (J[i] + start_jacobian_[i]);
   // Contacts belong to the start.
   std::copy(start_jacobian_.begin() + contact_offset(), start_jacobian_.end(), J.begin() + contact_offset());

@@ -279,6 +279,8 @@ class Rattle {
   double loose_ = 0,
          loosest_ = 0;  // taken beyond 1e-8 by the present solve, and by the stages of this advance
   bool few_steps_ = false;
+  bool laws_moved_ =
+      false;              // friction let go, or its load changed, before the laws of this stage were solved
   int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;

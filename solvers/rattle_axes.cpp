@@ -153,7 +153,9 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
   if (!contacts_.empty()) settings.max_rounds = kContactRounds;
   if (!contacts_.empty() || many) settings.max_descent_rounds = 0;  // the bodies are the fall-back
   const double resting = resting_tolerance(rate_tolerance, std::exchange(rested_, false) || !rubs());
+  laws_moved_ = false;
   if (may_rest() && holds(lambda, resting, report)) return true;
+  if (laws_moved_) (this->*renew)();
   if (system_.through_bodies() || contacts_.soft() || (newtons_left_ > 0 && newtons_left_-- > 0))
     return solve_through_bodies(lambda, rate_tolerance, renew, report);
   guess_.assign(lambda.begin(), lambda.end());
@@ -168,14 +170,15 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
       std::copy(guess_.begin(), guess_.end(), lambda.begin());
       return solve_through_bodies(lambda, rate_tolerance, renew, report);
     }
-    const bool broke = axes_.break_away(w_);
+    const bool broke = axes_.break_away(w_, rate_tolerance);
     const bool loaded = axes_.update_loads(system_.rows(), jacobian(), lambda);
     const bool slid = contacts_.adapt(lambda, w_, rate_tolerance);
     const bool met = outcome_.ok() && !broke && !loaded && !slid;
     if (met && !contacts_.slips_where_it_held()) break;
     if (met && hold_on(lambda, rate_tolerance, report)) {
       take_pieces(lambda);
-      if (!axes_.break_away(w_) && !axes_.update_loads(system_.rows(), system_.jacobian(), lambda))
+      if (!axes_.break_away(w_, rate_tolerance) &&
+          !axes_.update_loads(system_.rows(), system_.jacobian(), lambda))
         return true;
     } else if (met && !contacts_.weakened()) {
       break;
@@ -184,7 +187,8 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
       if (solve == kMaxSolves) return false;
     } else {
       const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
-      if (!outcome_.ok() || (check && !met && contacts_.residual() > kFrictionProgress * earlier)) {
+      if (!outcome_.ok() || solve >= kMaxSolves ||
+          (check && !met && contacts_.residual() > kFrictionProgress * earlier)) {
         newtons_left_ = kNewtonsInARow;
         std::copy(guess_.begin(), guess_.end(), lambda.begin());
         return solve_through_bodies(lambda, rate_tolerance, renew, report);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "solvers/max_abs.h"
 #include "solvers/rattle.h"
@@ -40,9 +41,12 @@ constexpr int kMaxSolves = 40;
 /// tolerance do not count.
 double Rattle::distance_from_laws(std::span<const double> lambda, std::span<const double> w,
                                   double rate_tolerance) const {
-  double error = 0, scale = 0;
-  for (int r = 0; r < system_.row_count(); ++r)
+  double error = 0, scale = 0, sum = 0;
+  for (int r = 0; r < system_.row_count(); ++r) {
     scale = std::max(scale, std::abs(lambda[r]) / std::sqrt(inertia_[r]));
+    sum += std::abs(lambda[r]) + std::abs(w[r]);
+  }
+  if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
     const double own = 1 / inertia_[r];
     const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r]));
@@ -80,7 +84,9 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
     if (off > kHeld) return false;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
-  if (axes_.break_away(w_) || axes_.update_loads(system_.rows(), jacobian(), lambda)) return false;
+  laws_moved_ = axes_.break_away(w_, rate_tolerance);
+  laws_moved_ = axes_.update_loads(system_.rows(), jacobian(), lambda) || laws_moved_;
+  if (laws_moved_) return false;
   contacts_.take_over(lambda, w_, rate_tolerance);
   if (!(contacts_.residual() <= kHeld) || contacts_.slips_where_it_held()) return false;
   take_pieces(lambda);
@@ -116,7 +122,7 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
                                                 solve_by_sweeps(lambda, rate_tolerance, report);
     take_pieces(lambda);
     if (!solved) break;
-    const bool broke = axes_.break_away(w_);
+    const bool broke = axes_.break_away(w_, rate_tolerance);
     const bool loaded = axes_.update_loads(system_.rows(), jacobian(), lambda);
     if (!broke && !loaded) return true;
     (this->*renew)();

@@ -64,8 +64,8 @@ bool Rattle::iterate(std::span<double> lambda, int sweeps, double rate_tolerance
   const IterationOutcome outcome = iteration_->solve(contacts_, laws_, delta_, lambda, w_, limits, absorbed_);
   report.sweeps += outcome.sweeps;
   if (!std::isfinite(outcome.residual)) return false;
-  (void)axes_.break_away(w_);
-  (void)axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
+  (void)axes_.break_away(w_, 0);
+  (void)axes_.update_loads(system_.rows(), jacobian(), lambda);
   contacts_.take_over(lambda, w_, rate_tolerance);
   return true;
 }

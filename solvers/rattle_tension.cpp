@@ -28,9 +28,12 @@ void Rattle::update_step_limit(std::span<const double> force_multipliers) {
 }
 
 /// Bodies that friction holds to the ground, directly or through others, do not move whatever their load.
+/// Only where a step in which it lets go is looked at again.
 void Rattle::clear_held_bodies() {
   holds_bodies_ = false;
-  if (!rubs() || has_drivers_) return;
+  if (!rubs() || has_drivers_ || settings_.tension != TensionPolicy::kSubstep ||
+      settings_.integrator == Integrator::kMoreauJean)
+    return;
   const Rows& rows = system_.rows();
   held_rows_.assign(rows.row_count(), 1);
   axes_.clear_loose(held_rows_);

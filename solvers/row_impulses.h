@@ -35,11 +35,12 @@ class RowImpulses {
   /// S_rr and Wᵀ λ with the W of now.
   void gather(std::span<const double> lambda) {
     std::fill(bodies_.begin(), bodies_.end(), 0.0);
+    const double* W = this->W();
     for (std::size_t r = 0; r < lambda.size(); ++r) {
       diagonal_[r] = 0;
       for (const Side& side : sides(static_cast<int>(r)))
         for (int k = 0; k < 6; ++k) {
-          const double entry = W()[side.offset + k];
+          const double entry = W[side.offset + k];
           diagonal_[r] += entry * entry;
           bodies_[6 * side.body + k] += entry * lambda[r];
         }
@@ -53,8 +54,9 @@ class RowImpulses {
   double diagonal(int row) const { return diagonal_[row]; }
   /// b + (S λ)_r.
   double rate(int row, double b) const {
+    const double* W = this->W();
     for (const Side& side : sides(row))
-      for (int k = 0; k < 6; ++k) b += W()[side.offset + k] * bodies_[6 * side.body + k];
+      for (int k = 0; k < 6; ++k) b += W[side.offset + k] * bodies_[6 * side.body + k];
     return b;
   }
   /// λ_r has changed `by` so much: for all of its bodies, or one.
@@ -62,7 +64,8 @@ class RowImpulses {
     for (const Side& side : sides(row)) add(side, by);
   }
   void add(const Side& side, double by) {
-    for (int k = 0; k < 6; ++k) bodies_[6 * side.body + k] += W()[side.offset + k] * by;
+    const double* W = this->W() + side.offset;
+    for (int k = 0; k < 6; ++k) bodies_[6 * side.body + k] += W[k] * by;
   }
 
  private:
