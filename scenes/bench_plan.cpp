@@ -60,6 +60,7 @@ const std::vector<SceneSize> kQuick = {
 const std::vector<EngineMethod> kMethods = {
     {"taut", "rattle", {60, 240, 1000}},
     {"taut", "implicit", {60, 240}},
+    {"taut", "fixed", {60, 240}},
     {"ode", "step:erp=0.8", {60, 240, 1000, 4000}},
     {"ode", "quick:iters=20,erp=0.8", {240}},
     {"ode", "quick:iters=100,erp=0.8", {4000}},

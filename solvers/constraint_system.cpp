@@ -176,15 +176,14 @@ void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
   }
   {
     const Stopwatch watch(times.assembly);
-    if (states_.empty() && factored_shift() == 0) {
-      if (full_roots_.empty())
-        system_->assemble<InverseMassRoot>(rows_, jacobian_, roots_);
-      else
-        system_->assemble<FullMassRoot>(rows_, jacobian_, full_roots_);
-    } else {
+    if (!states_.empty()) {
       weight();
-      if (!states_.empty()) mask_weighted();
-      system_->assemble(rows_, states_.empty() ? weighted_ : masked_weighted_, factored_shift(), states_);
+      mask_weighted();
+      system_->assemble(rows_, masked_weighted_, factored_shift(), states_);
+    } else if (full_roots_.empty()) {
+      system_->assemble<InverseMassRoot>(rows_, jacobian_, roots_, factored_shift());
+    } else {
+      system_->assemble<FullMassRoot>(rows_, jacobian_, full_roots_, factored_shift());
     }
   }
   const Stopwatch watch(times.factorization);

@@ -11,10 +11,10 @@ struct RowRun {
   int length = 0;
 };
 
-/// Dense kernels on one front of a multifrontal Cholesky factorisation.  A front has n rows, the first p of
-/// which are pivots.  Its panel [L₁₁; L₂₁] is n×p, column-major, with a leading dimension that is a multiple
-/// of four; the rows from n to there are padding and hold zeros.  Its contribution C = −L₂₁L₂₁ᵀ is m×m with m
-/// = n − p, column-major, lower triangle only.
+/// Dense kernels of assembly and of one front of a multifrontal Cholesky factorisation.  A front has n rows,
+/// the first p of which are pivots.  Its panel [L₁₁; L₂₁] is n×p, column-major, with a leading dimension that
+/// is a multiple of four; the rows from n to there are padding and hold zeros.  Its contribution C = −L₂₁L₂₁ᵀ
+/// is m×m with m = n − p, column-major, lower triangle only.
 ///
 /// The kernels exist twice, for AVX2 with FMA and portably; front_kernels() picks once, by the processor, so
 /// that one machine always computes the same bits.  None of them allocates, throws or starts a thread.
@@ -47,7 +47,24 @@ struct FrontKernels {
 
   /// Backward substitution with a front: x₁ ← L₁₁⁻ᵀ(x₁ − L₂₁ᵀx₂).
   void (*backward)(const double* panel, int ld, int p, const int* rows, double* x, double* y);
+
+  /// W = J A by columns, for products: J is `rows`×6, row after row, A = diag(rotation, translation) has 3×3
+  /// blocks, column-major, and a translation that is null means `scale` 1₃.  Column k is W + k ld with ld =
+  /// side_height(rows); what is behind the last row repeats it.  A rotation that is null means A = 1₆.
+  void (*weigh)(const double* J, int rows, const double* rotation, const double* translation, double scale,
+                double* W);
+
+  /// The same with W laid out like J.
+  void (*weigh_rows)(const double* J, int rows, const double* rotation, const double* translation,
+                     double scale, double* W);
+
+  /// C ← W_i W_jᵀ, or C + W_i W_jᵀ, of W by columns; the columns of C are `stride` apart.
+  void (*multiply_sides)(const double* W_i, int rows, const double* W_j, int columns, double* C, int stride,
+                         bool overwrite);
 };
+
+/// Leading dimension of W by columns.
+constexpr int side_height(int rows) { return (rows + 3) & ~3; }
 
 /// Columns that the blocked kernels take at a time.
 constexpr int kPanelWidth = 64;

@@ -29,6 +29,14 @@ inline void sum_each(const Vec (&v)[4], double (&sums)[4]) {
   const Vec crossed = _mm256_permute2f128_pd(low, high, 0x21), straight = _mm256_blend_pd(low, high, 0xC);
   store(sums, _mm256_add_pd(crossed, straight));
 }
+inline void transpose(Vec (&v)[4]) {
+  const Vec a = _mm256_unpacklo_pd(v[0], v[1]), b = _mm256_unpackhi_pd(v[0], v[1]);
+  const Vec c = _mm256_unpacklo_pd(v[2], v[3]), d = _mm256_unpackhi_pd(v[2], v[3]);
+  v[0] = _mm256_permute2f128_pd(a, c, 0x20);
+  v[1] = _mm256_permute2f128_pd(b, d, 0x20);
+  v[2] = _mm256_permute2f128_pd(a, c, 0x31);
+  v[3] = _mm256_permute2f128_pd(b, d, 0x31);
+}
 alignas(32) constexpr long long kLanes[8] = {-1, -1, -1, -1, 0, 0, 0, 0};
 inline Vec first_lanes(int count) {
   return _mm256_loadu_pd(reinterpret_cast<const double*>(kLanes + 4 - count));
@@ -38,14 +46,15 @@ inline Vec keep(Vec a, Vec mask) { return _mm256_and_pd(a, mask); }
 }  // namespace
 }  // namespace taut
 
+#include "solvers/block_products_impl.h"
 #include "solvers/front_kernels_impl.h"
 #include "solvers/front_solves_impl.h"
 
 namespace taut {
 
 const FrontKernels* avx2_front_kernels() {
-  static constexpr FrontKernels kernels{"AVX2",   factor_panel, contribution, extend_add,
-                                        assemble, forward,      backward};
+  static constexpr FrontKernels kernels{"AVX2",  factor_panel, contribution, extend_add, assemble,
+                                        forward, backward,     weigh,        weigh_rows, multiply_sides};
   return &kernels;
 }
 

@@ -36,6 +36,13 @@ inline double minus_product(double a, double b, double c) { return c - a * b; }
 inline void sum_each(const Vec (&v)[4], double (&sums)[4]) {
   for (int k = 0; k < 4; ++k) sums[k] = (v[k].low[0] + v[k].high[0]) + (v[k].low[1] + v[k].high[1]);
 }
+inline void transpose(Vec (&v)[4]) {
+  const Vec w[4] = {v[0], v[1], v[2], v[3]};
+  v[0] = {Pair{w[0].low[0], w[1].low[0]}, Pair{w[2].low[0], w[3].low[0]}};
+  v[1] = {Pair{w[0].low[1], w[1].low[1]}, Pair{w[2].low[1], w[3].low[1]}};
+  v[2] = {Pair{w[0].high[0], w[1].high[0]}, Pair{w[2].high[0], w[3].high[0]}};
+  v[3] = {Pair{w[0].high[1], w[1].high[1]}, Pair{w[2].high[1], w[3].high[1]}};
+}
 constexpr long long kLanes[8] = {-1, -1, -1, -1, 0, 0, 0, 0};
 inline Vec first_lanes(int count) { return load(reinterpret_cast<const double*>(kLanes + 4 - count)); }
 typedef long long Mask __attribute__((vector_size(16)));
@@ -47,14 +54,15 @@ inline Vec keep(const Vec& a, const Vec& mask) { return {keep(a.low, mask.low), 
 }  // namespace
 }  // namespace taut
 
+#include "solvers/block_products_impl.h"
 #include "solvers/front_kernels_impl.h"
 #include "solvers/front_solves_impl.h"
 
 namespace taut {
 
 const FrontKernels& portable_front_kernels() {
-  static constexpr FrontKernels kernels{"portable", factor_panel, contribution, extend_add,
-                                        assemble,   forward,      backward};
+  static constexpr FrontKernels kernels{"portable", factor_panel, contribution, extend_add, assemble,
+                                        forward,    backward,     weigh,        weigh_rows, multiply_sides};
   return kernels;
 }
 

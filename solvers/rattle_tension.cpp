@@ -9,6 +9,20 @@
 
 // How tension bounds the step, or is taken implicitly.  (solvers/README, "Tension")
 namespace taut {
+namespace {
+
+/// Whether no eigenvalue of a symmetric K is negative but for round-off: the pivots of K + ε tr(K) 1₃ are
+/// positive.
+bool is_semidefinite(const Mat3& K) {
+  constexpr double kRoundOff = 1e-14;
+  const double shift = kRoundOff * K.trace();
+  const double a = K(0, 0) + shift, b = K(1, 0), c = K(2, 0);
+  if (!(shift > 0 && a > 0)) return false;
+  const double d = K(1, 1) + shift - b * b / a, e = K(2, 1) - b * c / a;
+  return d > 0 && K(2, 2) + shift - c * c / a - e * e / d > 0;
+}
+
+}  // namespace
 
 /// The step that keeps ω h ≤ max_tension_number and every body's rotation below max_rotation.
 void Rattle::update_step_limit(std::span<const double> force_multipliers) {
@@ -65,7 +79,9 @@ void Rattle::clear_held_bodies() {
 /// stiffness K acts at the end of the drift instead of at its start, which is stable for any ω h.
 /// (solvers/README, "Tension")
 void Rattle::prepare_stiffness(double h) {
+  // Of a matrix without negative eigenvalues, as under pull alone, it is the matrix.
   const auto positive_part = [](const Mat3& K) -> Mat3 {
+    if (is_semidefinite(K)) return K;
     Eigen::SelfAdjointEigenSolver<Mat3> eigen(K);
     return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
            eigen.eigenvectors().transpose();

@@ -15,57 +15,13 @@ void for_each_meeting(const Rows& rows, const MassMatrix& mass, int side, Visit 
   for (int other : rows.sides_of(body)) visit(other);
 }
 
-inline void weigh_translation(const double* v, double root, double* out) {
-  for (int k = 0; k < 3; ++k) out[k] = root * v[k];
-}
-inline void weigh_translation(const double* v, const Mat3& root, double* out) {
-  for (int k = 0; k < 3; ++k) out[k] = v[0] * root(0, k) + v[1] * root(1, k) + v[2] * root(2, k);
-}
-
-/// W of one side.
-template <typename Root>
-inline void weigh(const Rows::Side& side, const double* J, const Root& A, double* W) {
-  for (int i = 0; i < side.row_count; ++i, J += 6, W += 6) {
-    for (int k = 0; k < 3; ++k)
-      W[k] = J[0] * A.rotation(0, k) + J[1] * A.rotation(1, k) + J[2] * A.rotation(2, k);
-    weigh_translation(J + 3, A.translation, W + 3);
-  }
-}
-
-/// C (+)= W_i W_jᵀ for blocks of a size known to the compiler or not (0): the six products of an entry in
-/// three pairs, and two entries at a time, whose pairs are then added across.
-template <int RowsI, int RowsJ, bool Overwrite>
-inline void multiply(const double* W_i, const double* W_j, int rows_i, int rows_j, double* C, int stride) {
-  using Pair = Eigen::Array2d;
-  const auto pair = [](const double* at) { return Pair(Eigen::Map<const Pair>(at)); };
-  const int ni = RowsI ? RowsI : rows_i, nj = RowsJ ? RowsJ : rows_j;
-  for (int c = 0; c < nj; ++c, W_j += 6, C += stride) {
-    const Pair b0 = pair(W_j), b1 = pair(W_j + 2), b2 = pair(W_j + 4);
-    const auto products = [&](int r) {
-      const double* a = W_i + 6 * r;
-      return Pair(pair(a) * b0 + pair(a + 2) * b1 + pair(a + 4) * b2);
-    };
-    for (int r = 0; r + 1 < ni; r += 2) {
-      const Pair s = products(r), t = products(r + 1), sum = Pair(s[0], t[0]) + Pair(s[1], t[1]);
-      Eigen::Map<Pair> entries(C + r);
-      entries = Overwrite ? sum : Pair(entries + sum);
-    }
-    if (ni % 2 == 0) continue;
-    const double sum = products(ni - 1).sum();
-    C[ni - 1] = Overwrite ? sum : C[ni - 1] + sum;
-  }
-}
-
-/// The same for the sizes that are common, and for all others.
-template <bool Overwrite>
-inline void multiply(const double* W_i, const double* W_j, int rows_i, int rows_j, double* C, int stride) {
-  if (rows_i == 3 && rows_j == 3)
-    multiply<3, 3, Overwrite>(W_i, W_j, 3, 3, C, stride);
-  else if (rows_i == 5 && rows_j == 5)
-    multiply<5, 5, Overwrite>(W_i, W_j, 5, 5, C, stride);
-  else
-    multiply<0, 0, Overwrite>(W_i, W_j, rows_i, rows_j, C, stride);
-}
+/// How the kernels take a root of M⁻¹.
+struct RootBlocks {
+  const double *rotation, *translation;
+  double scale;
+};
+inline RootBlocks blocks_of(const InverseMassRoot& A) { return {A.rotation.data(), nullptr, A.translation}; }
+inline RootBlocks blocks_of(const FullMassRoot& A) { return {A.rotation.data(), A.translation.data(), 0}; }
 
 }  // namespace
 
@@ -172,7 +128,7 @@ void SystemMatrix::sort_products(const Rows& rows, std::span<const std::pair<int
   int most_values = 0;
   for (int b = 0; b < rows.body_count(); ++b) {
     int values = 0;
-    for (int s : rows.sides_of(b)) values += 6 * rows.sides()[s].row_count;
+    for (int s : rows.sides_of(b)) values += 6 * side_height(rows.sides()[s].row_count);
     most_values = std::max(most_values, values);
     most_sides = std::max(most_sides, rows.sides_of(b).size());
   }
@@ -183,8 +139,12 @@ void SystemMatrix::sort_products(const Rows& rows, std::span<const std::pair<int
 template <typename Root>
 void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
                           std::span<double> weighted) {
-  for (const Rows::Side& side : rows.sides())
-    weigh(side, jacobian.data() + side.offset, roots[side.body], weighted.data() + side.offset);
+  const FrontKernels& kernels = front_kernels();
+  for (const Rows::Side& side : rows.sides()) {
+    const RootBlocks A = blocks_of(roots[side.body]);
+    kernels.weigh_rows(jacobian.data() + side.offset, side.row_count, A.rotation, A.translation, A.scale,
+                       weighted.data() + side.offset);
+  }
 }
 
 /// All products of a body, with the W of its sides at own_.
@@ -192,28 +152,41 @@ void SystemMatrix::add_products(const Rows& rows, int body) {
   const std::span<const int> sides = rows.sides_of(body);
   for (int k = first_product_[body]; k < first_product_[body + 1]; ++k) {
     const Product& p = products_[k];
-    const int rows_i = rows.sides()[sides[p.i]].row_count, rows_j = rows.sides()[sides[p.j]].row_count;
-    double* C = matrix_.values.data() + p.slot;
-    if (p.first)
-      multiply<true>(own_[p.i], own_[p.j], rows_i, rows_j, C, p.stride);
-    else
-      multiply<false>(own_[p.i], own_[p.j], rows_i, rows_j, C, p.stride);
+    kernels_.multiply_sides(own_[p.i], rows.sides()[sides[p.i]].row_count, own_[p.j],
+                            rows.sides()[sides[p.j]].row_count, matrix_.values.data() + p.slot, p.stride,
+                            p.first);
   }
 }
 
-template <typename Root>
-void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots) {
+/// S of what `weigh(side, W)` makes of each side of a body.
+template <typename Weigh>
+void SystemMatrix::assemble_bodies(const Rows& rows, Weigh weigh) {
   for (int b = 0; b < rows.body_count(); ++b) {
     if (first_product_[b] == first_product_[b + 1]) continue;
     double* W = own_weighted_.data();
     for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k) {
       const Rows::Side& side = rows.sides()[rows.sides_of(b)[k]];
-      weigh(side, jacobian.data() + side.offset, roots[b], W);
+      weigh(side, W);
       own_[k] = W;
-      W += 6 * side.row_count;
+      W += 6 * side_height(side.row_count);
     }
     add_products(rows, b);
   }
+}
+
+void SystemMatrix::shift_diagonal(double shift) {
+  if (shift != 0)
+    for (int i : diagonal_) matrix_.values[i] *= 1 + shift;
+}
+
+template <typename Root>
+void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
+                            double shift) {
+  assemble_bodies(rows, [&](const Rows::Side& side, double* W) {
+    const RootBlocks A = blocks_of(roots[side.body]);
+    kernels_.weigh(jacobian.data() + side.offset, side.row_count, A.rotation, A.translation, A.scale, W);
+  });
+  shift_diagonal(shift);
 }
 
 template void SystemMatrix::weight<InverseMassRoot>(const Rows&, std::span<const double>,
@@ -221,22 +194,18 @@ template void SystemMatrix::weight<InverseMassRoot>(const Rows&, std::span<const
 template void SystemMatrix::weight<FullMassRoot>(const Rows&, std::span<const double>,
                                                  std::span<const FullMassRoot>, std::span<double>);
 template void SystemMatrix::assemble<InverseMassRoot>(const Rows&, std::span<const double>,
-                                                      std::span<const InverseMassRoot>);
+                                                      std::span<const InverseMassRoot>, double);
 template void SystemMatrix::assemble<FullMassRoot>(const Rows&, std::span<const double>,
-                                                   std::span<const FullMassRoot>);
+                                                   std::span<const FullMassRoot>, double);
 
 void SystemMatrix::assemble(const Rows& rows, std::span<const double> weighted, double shift,
                             std::span<const double> row_states) {
-  for (int b = 0; b < rows.body_count(); ++b) {
-    if (first_product_[b] == first_product_[b + 1]) continue;
-    for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k)
-      own_[k] = weighted.data() + rows.sides()[rows.sides_of(b)[k]].offset;
-    add_products(rows, b);
-  }
+  assemble_bodies(rows, [&](const Rows::Side& side, double* W) {
+    kernels_.weigh(weighted.data() + side.offset, side.row_count, nullptr, nullptr, 1, W);
+  });
   for (std::size_t r = 0; r < row_states.size(); ++r)
     matrix_.values[diagonal_[position_of_row_[r]]] += std::isinf(row_states[r]) ? 1 : row_states[r];
-  if (shift != 0)
-    for (int i : diagonal_) matrix_.values[i] *= 1 + shift;
+  shift_diagonal(shift);
 }
 
 }  // namespace taut

@@ -7,6 +7,7 @@
 #include "core/rows.h"
 #include "solvers/block_ordering.h"
 #include "solvers/factor.h"
+#include "solvers/front_kernels.h"
 #include "solvers/mass_matrix.h"
 
 namespace taut {
@@ -26,9 +27,11 @@ class SystemMatrix {
   template <typename Root>
   static void weight(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
                      std::span<double> weighted);
-  /// Values of S from J and the roots A; `rows` are those that the pattern was made for.
+  /// Values of S from J and the roots A, then every diagonal entry times (1 + shift); `rows` are those that
+  /// the pattern was made for.
   template <typename Root>
-  void assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots);
+  void assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
+                double shift);
   /// Values of S from W, then every diagonal entry times (1 + shift).  With `row_states` (one per row of the
   /// joints, see ConstraintSystem::set_row_states) Σ_r is added to S_rr before that, and masked rows, which
   /// the caller has zeroed in W, get the diagonal 1.
@@ -53,12 +56,16 @@ class SystemMatrix {
 
   void sort_products(const Rows& rows, std::span<const std::pair<int, Product>> products);
   void add_products(const Rows& rows, int body);
+  template <typename Weigh>
+  void assemble_bodies(const Rows& rows, Weigh weigh);
+  void shift_diagonal(double shift);
 
+  const FrontKernels& kernels_ = front_kernels();
   SymmetricMatrix matrix_;
   std::vector<Product> products_;     // body by body
   std::vector<int> first_product_;    // of each body
-  std::vector<double> own_weighted_;  // W of one body …
-  std::vector<const double*> own_;    // … or where it is, by side
+  std::vector<double> own_weighted_;  // W of one body, by columns
+  std::vector<const double*> own_;    // where it is, by side
   std::vector<int> position_of_row_, diagonal_;
 };
 
