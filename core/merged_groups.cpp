@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/merged_world.h"
+#include "core/union_find.h"
 
 // Which bodies can be merged.
 namespace taut {
@@ -39,22 +40,17 @@ class Grouping {
 
   /// Moving bodies that welds connect, not by way of fixed ones; with their welds in ascending order.
   void find_components() {
-    std::vector<int> up(world_.body_count());
-    std::iota(up.begin(), up.end(), 0);
-    const auto top = [&](int b) {
-      while (up[b] != b) b = up[b] = up[up[b]];
-      return b;
-    };
+    UnionFind connected;
+    connected.reset(world_.body_count());
     for (JointId weld : welds_) {
       const Joint& joint = world_.joint(weld);
       if (world_.is_fixed(joint.a()) || world_.is_fixed(joint.b())) continue;
-      const int a = top(joint.a().index), b = top(joint.b().index);
-      up[std::max(a, b)] = std::min(a, b);
+      connected.join(joint.a().index, joint.b().index);
     }
     std::vector<int> component(world_.body_count(), -1);
     for (JointId weld : welds_) {
       const Joint& joint = world_.joint(weld);
-      int& c = component[top(world_.is_fixed(joint.a()) ? joint.b().index : joint.a().index)];
+      int& c = component[connected.find(world_.is_fixed(joint.a()) ? joint.b().index : joint.a().index)];
       if (c < 0) {
         c = static_cast<int>(welds_of_component_.size());
         welds_of_component_.emplace_back();

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/union_find.h"
 #include "core/world.h"
 #include "solvers/active_set.h"
 #include "solvers/axis_forces.h"
@@ -267,7 +268,7 @@ class Rattle {
   ContactNewton newton_;
   bool near_ = false;  // this stage was solved at a neighbouring state
   std::vector<char> held_rows_;
-  std::vector<int> set_of_body_;
+  UnionFind stuck_together_;  // bodies
   bool holds_bodies_ = false;  // the step limit left some out
   bool rested_ = false;        // the last stage took the impulses of before
   double slack_ = 0;           // of gaps and of places where friction holds, which is left [m or rad]

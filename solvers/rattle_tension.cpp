@@ -54,22 +54,17 @@ void Rattle::clear_held_bodies() {
   for (int r : breaking_.rows()) held_rows_[r] = 0;
   // Sets of bodies that stick together; fixed ones are in that of the ground.
   constexpr int kFixed = 0, kLocked = 6;
-  set_of_body_.resize(world_.body_count());
-  for (int b = 0; b < world_.body_count(); ++b) set_of_body_[b] = system_.mass()[b].fixed ? kFixed : b;
-  const auto set_of = [&](int b) {
-    while (set_of_body_[b] != b) b = set_of_body_[b] = set_of_body_[set_of_body_[b]];
-    return b;
-  };
+  stuck_together_.reset(world_.body_count());
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (system_.mass()[b].fixed) stuck_together_.join(kFixed, b);
   for (const Rows::JointRows& joint : rows.joints()) {
     const auto first = held_rows_.begin() + joint.first_row;
     if (joint.side_count != 2 || joint.row_count != kLocked || std::count(first, first + kLocked, 0) > 0)
       continue;
-    const int a = set_of(rows.sides()[joint.first_side].body),
-              b = set_of(rows.sides()[joint.first_side + 1].body);
-    set_of_body_[std::max(a, b)] = std::min(a, b);
+    stuck_together_.join(rows.sides()[joint.first_side].body, rows.sides()[joint.first_side + 1].body);
   }
   for (int b = 0; b < world_.body_count(); ++b) {
-    if (system_.mass()[b].fixed || set_of(b) != kFixed) continue;
+    if (system_.mass()[b].fixed || stuck_together_.find(b) != kFixed) continue;
     stiffness_[b] = {};
     holds_bodies_ = true;
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 namespace taut {
 namespace {
@@ -51,26 +50,17 @@ void Sleep::watch(const World& world, double dt) {
   for (int b = 0; b < world.body_count(); ++b) quiet_[b] = is_slow(world, b) ? quiet_[b] + dt : 0;
 }
 
-int Sleep::root_of(int body) {
-  while (up_[body] != body) body = up_[body] = up_[up_[body]];
-  return body;
-}
-
 void Sleep::join(const World& world, std::span<const BodyId> bodies) {
   int first = -1;
   for (BodyId body : bodies) {
     if (!world.moves(body)) continue;
-    const int root = root_of(body.index);
-    if (first < 0)
-      first = root;
-    else
-      up_[root] = first;
+    if (first < 0) first = body.index;
+    connected_.join(first, body.index);
   }
 }
 
 void Sleep::connect(const World& world, std::span<const ContactSet::Place> places) {
-  up_.resize(quiet_.size());
-  std::iota(up_.begin(), up_.end(), 0);
+  connected_.reset(static_cast<int>(quiet_.size()));
   for (int j = 0; j < world.joint_count(); ++j)
     if (world.is_attached(JointId{j})) join(world, world.joint(JointId{j}).bodies());
   for (int f = 0; f < world.force_count(); ++f) join(world, world.force(ForceId{f}).bodies());
@@ -83,7 +73,7 @@ void Sleep::note_restless(const World& world, const Rows& rows) {
   restless_.assign(quiet_.size(), false);
   const auto note = [&](JointId joint) {
     for (BodyId body : world.joint(joint).bodies())
-      if (world.moves(body)) restless_[root_of(body.index)] = true;
+      if (world.moves(body)) restless_[connected_.find(body.index)] = true;
   };
   for (int r = 0; r < rows.first_contact_row(); ++r)
     if (rows.row(r).store->depends_on_time()) note({rows.row(r).joint});
@@ -93,7 +83,7 @@ void Sleep::note_restless(const World& world, const Rows& rows) {
     if (properties.motor && keeps_going(*properties.motor)) note(row.axis.joint);
   }
   for (int b = 0; b < world.body_count(); ++b)
-    if (world.moves({b}) && !(is_quiet(b) && is_slow(world, b))) restless_[root_of(b)] = true;
+    if (world.moves({b}) && !(is_quiet(b) && is_slow(world, b))) restless_[connected_.find(b)] = true;
 }
 
 std::vector<BodyId> Sleep::tired(const World& world, const Rows& rows,
@@ -106,16 +96,16 @@ std::vector<BodyId> Sleep::tired(const World& world, const Rows& rows,
   connect(world, places);
   note_restless(world, rows);
   for (int b = first; b < std::ssize(quiet_); ++b)
-    if (may_sleep(b) && !restless_[root_of(b)]) bodies.push_back({b});
+    if (may_sleep(b) && !restless_[connected_.find(b)]) bodies.push_back({b});
   return bodies;
 }
 
 /// Bodies of tired(), by whose islands they are still sorted.
 void Sleep::put_to_sleep(World& world, std::span<const BodyId> bodies) {
   if (bodies.empty()) return;
-  std::vector<int> island_of_root(quiet_.size(), -1);
+  std::vector<int> island_of_first(quiet_.size(), -1);
   for (BodyId body : bodies) {
-    int& island = island_of_root[root_of(body.index)];
+    int& island = island_of_first[connected_.find(body.index)];
     if (island < 0) {
       const auto place =
           std::find_if(islands_.begin(), islands_.end(), [](const auto& i) { return i.empty(); });

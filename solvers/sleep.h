@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/union_find.h"
 #include "core/world.h"
 #include "solvers/contact_report.h"
 #include "solvers/contact_set.h"
@@ -36,18 +37,18 @@ class Sleep {
   bool is_quiet(int body) const { return quiet_[body] >= time_; }
   void connect(const World& world, std::span<const ContactSet::Place> places);
   void join(const World& world, std::span<const BodyId> bodies);
-  int root_of(int body);
   void note_restless(const World& world, const Rows& rows);
   void wake_island(World& world, int island);
   bool any_asleep() const;
   bool forces_changed(const World& world, int body) const;
 
   double speed_, time_;
-  std::vector<double> quiet_;        // time for which a body has been slow [s]
-  std::vector<double> gyration_;     // square of the largest radius of gyration [m²]
-  std::vector<int> stirs_;           // World::stirs() that were seen
-  std::vector<int> island_of_, up_;  // of bodies: the island that sleeps, −1 for none; union–find
-  std::vector<char> restless_;       // roots
+  std::vector<double> quiet_;                 // time for which a body has been slow [s]
+  std::vector<double> gyration_;              // square of the largest radius of gyration [m²]
+  std::vector<int> stirs_;                    // World::stirs() that were seen
+  std::vector<int> island_of_;                // of bodies: the island that sleeps, −1 for none
+  UnionFind connected_;                       // bodies
+  std::vector<char> restless_;                // first bodies of what is connected
   std::vector<std::vector<BodyId>> islands_;  // that sleep; empty: a free place
   std::vector<Wrench> forces_, forces_then_;  // now, and when the body fell asleep
 };
