@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/counting_sort.h"
 #include "core/world.h"
 
 namespace taut {
@@ -12,16 +13,11 @@ bool moves(const World& world, const Joint& joint) {
   return std::any_of(bodies.begin(), bodies.end(), [&](BodyId body) { return world.moves(body); });
 }
 
-/// Items 0 … n − 1 by their bodies, in order, by counting sort; −1: of none.
+/// Items 0 … n − 1 by their bodies, in order; −1: of none.
 void sort_by(const std::vector<int>& body_of, int bodies, std::vector<int>& start, std::vector<int>& items) {
-  start.assign(bodies + 1, 0);
-  for (int body : body_of)
-    if (body >= 0) ++start[body + 1];
-  for (int b = 0; b < bodies; ++b) start[b + 1] += start[b];
-  std::vector<int> next(start.begin(), start.end() - 1);
-  items.resize(start.back());
-  for (std::size_t i = 0; i < body_of.size(); ++i)
-    if (body_of[i] >= 0) items[next[body_of[i]]++] = static_cast<int>(i);
+  counting_sort(
+      body_of.size(), bodies, [&](std::size_t i) { return body_of[i]; },
+      [](std::size_t i) { return static_cast<int>(i); }, start, items);
 }
 
 }  // namespace

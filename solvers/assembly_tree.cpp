@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/counting_sort.h"
+
 namespace taut {
 namespace {
 
@@ -31,16 +33,14 @@ BlockPattern block_pattern(const SymmetricMatrix& A) {
 }
 
 BlockPattern transposed(const BlockPattern& pattern) {
-  const std::size_t count = pattern.start.size() - 1;
+  std::vector<int> column_of(pattern.rows.size());
+  const int count = static_cast<int>(pattern.start.size()) - 1;
+  for (int j = 0; j < count; ++j)
+    std::fill(column_of.begin() + pattern.start[j], column_of.begin() + pattern.start[j + 1], j);
   BlockPattern result;
-  result.start.assign(count + 1, 0);
-  result.rows.resize(pattern.rows.size());
-  for (int i : pattern.rows) ++result.start[i + 1];
-  std::partial_sum(result.start.begin(), result.start.end(), result.start.begin());
-  std::vector<int> next(result.start.begin(), result.start.end() - 1);
-  for (std::size_t j = 0; j < count; ++j)
-    for (int t = pattern.start[j]; t < pattern.start[j + 1]; ++t)
-      result.rows[next[pattern.rows[t]]++] = static_cast<int>(j);
+  counting_sort(
+      pattern.rows.size(), count, [&](std::size_t t) { return pattern.rows[t]; },
+      [&](std::size_t t) { return column_of[t]; }, result.start, result.rows);
   return result;
 }
 
@@ -218,12 +218,9 @@ AssemblyTree build_assembly_tree(const SymmetricMatrix& A, const FrontCost& cost
   int fronts = 0;
   for (int f = 0; f < count; ++f)
     if (into[f] == f) front[f] = fronts++;
-  result.pivot_start.assign(static_cast<std::size_t>(fronts) + 1, 0);
-  for (std::size_t j = 0; j < order.size(); ++j) ++result.pivot_start[front[into[s.of[j]]] + 1];
-  std::partial_sum(result.pivot_start.begin(), result.pivot_start.end(), result.pivot_start.begin());
-  std::vector<int> next(result.pivot_start.begin(), result.pivot_start.end() - 1);
-  result.pivots.resize(order.size());
-  for (std::size_t j = 0; j < order.size(); ++j) result.pivots[next[front[into[s.of[j]]]]++] = order[j];
+  counting_sort(
+      order.size(), fronts, [&](std::size_t j) { return front[into[s.of[j]]]; },
+      [&](std::size_t j) { return order[j]; }, result.pivot_start, result.pivots);
   for (int f = 0; f < count; ++f) {
     if (into[f] != f) continue;
     for (int t = s.row_start[f]; t < s.row_end[f]; ++t) result.rows.push_back(order[s.rows[t]]);

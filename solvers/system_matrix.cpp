@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/counting_sort.h"
+
 namespace taut {
 namespace {
 
@@ -111,14 +113,11 @@ void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const
   sort_products(rows, products);
 }
 
-/// By body, by counting sort; the first product of a block in that order overwrites it.
+/// By body; the first product of a block in that order overwrites it.
 void SystemMatrix::sort_products(const Rows& rows, std::span<const std::pair<int, Product>> products) {
-  first_product_.assign(rows.body_count() + 1, 0);
-  for (const auto& [body, product] : products) ++first_product_[body + 1];
-  for (int b = 0; b < rows.body_count(); ++b) first_product_[b + 1] += first_product_[b];
-  std::vector<int> next(first_product_.begin(), first_product_.end() - 1);
-  products_.resize(products.size());
-  for (const auto& [body, product] : products) products_[next[body]++] = product;
+  counting_sort(
+      products.size(), rows.body_count(), [&](std::size_t i) { return products[i].first; },
+      [&](std::size_t i) { return products[i].second; }, first_product_, products_);
   std::vector<char> written(matrix_.values.size(), 0);
   for (Product& product : products_) {
     product.first = !written[product.slot];
