@@ -92,14 +92,14 @@ void Rattle::start(const State& state, StepReport& report) {
   system_.rows().bias(state_, state_.twists, force_multipliers_);
   accelerations_.resize(world_.body_count());
   free_accelerations(system_.mass(), state_, forces_, accelerations_);
-  system_.rows().apply(jacobian(), accelerations_, delta_);
+  system_.rows().apply(system_.jacobian(), accelerations_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = -(force_multipliers_[r] + delta_[r]);
   clear_loose_rows(force_multipliers_);
   system_.solve(force_multipliers_);
   update_step_limit(force_multipliers_);
   if (!bounded()) return;
   system_.rows().residual(state_, phi_);
-  system_.rows().apply(jacobian(), state_.twists, rates_);
+  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   axes_.start(phi_, rates_);
   active_->reset();
 }
@@ -179,7 +179,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   system_.rows().update_axes(end_of_step(0), state_.axes);
   if (bounded()) finish_bounds(report);
   if (settings_.report_energy) {
-    account(kicked_, momenta_, jacobian(), mu_, h, report);
+    account(kicked_, momenta_, system_.jacobian(), mu_, h, report);
   }
 
   keep_multipliers(h);
@@ -273,7 +273,7 @@ void Rattle::predict_multipliers(double h) {
 
 /// J(q₀), along which λ acts.
 std::span<const double> Rattle::kick_jacobian() const {
-  return refactored_ ? std::span<const double>(start_jacobian_) : jacobian();
+  return refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian();
 }
 
 void Rattle::kick_and_drift(double h) {

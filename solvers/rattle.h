@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "core/union_find.h"
@@ -213,7 +212,6 @@ class Rattle {
   bool any_split() const;
   enum class Bodies { kAll, kSplit };
   double spin_energy(std::span<const Wrench> momenta, std::span<const Pose> poses, Bodies which) const;
-  std::span<const double> jacobian() const { return std::as_const(system_).jacobian(); }
   std::span<const double> kick_jacobian() const;
   /// M⁻¹ ½ (p₀ + p₁) of a body at the poses of state_.
   Twist mean_twist(int b, const Wrench& from, const Wrench& to) const {
@@ -268,7 +266,7 @@ class Rattle {
   ContactNewton newton_;
   bool near_ = false;  // this stage was solved at a neighbouring state
   std::vector<char> held_rows_;
-  UnionFind stuck_together_;  // bodies
+  UnionFind stuck_together_;   // bodies
   bool holds_bodies_ = false;  // the step limit left some out
   bool rested_ = false;        // the last stage took the impulses of before
   double slack_ = 0;           // of gaps and of places where friction holds, which is left [m or rad]

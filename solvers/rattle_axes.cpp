@@ -40,7 +40,7 @@ void Rattle::begin_bounds(double h) {
   if (rubs())
     for (int r = 0; r < system_.row_count(); ++r) start_theta_[r] = std::clamp(phi_[r], -slack_, slack_);
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) start_theta_[axis.row] = phi_[axis.row];
-  system_.rows().apply(jacobian(), state_.twists, rates_);
+  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
   system_.row_inertias(inertia_);
   axes_.begin(state_.time, h, start_theta_, rates_, inertia_);
@@ -171,7 +171,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
       return solve_through_bodies(lambda, rate_tolerance, renew, report);
     }
     const bool broke = axes_.break_away(w_, rate_tolerance);
-    const bool loaded = axes_.update_loads(system_.rows(), jacobian(), lambda);
+    const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
     const bool slid = contacts_.adapt(lambda, w_, rate_tolerance);
     const bool met = outcome_.ok() && !broke && !loaded && !slid;
     if (met && !contacts_.slips_where_it_held()) break;
@@ -223,7 +223,7 @@ void Rattle::begin_velocities() {
   std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
   system_.rows().residual(end_of_step(0), phi_);
   twists_from_momenta();
-  system_.rows().apply(jacobian(), state_.twists, rates_);
+  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
   system_.row_inertias(inertia_);
   contacts_.begin_velocities(rates_, inertia_);
@@ -247,11 +247,11 @@ void Rattle::end_velocities(StepReport& report) {
   loosest_ = std::max(loosest_, loose_);
   for (int b = 0; b < world_.body_count(); ++b) {
     if (!system_.inverse_mass(b).moves()) continue;
-    momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, jacobian(), mu_);
+    momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), mu_);
     if (iterative()) momenta_[b] = momenta_[b] - absorbed_[b];
   }
   twists_from_momenta();
-  system_.rows().apply(jacobian(), state_.twists, velocity_rows_);
+  system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
   std::copy(velocity_rows_.begin(), velocity_rows_.end(), rates_.begin());
   clear_loose_rows(velocity_rows_);
@@ -275,7 +275,7 @@ void Rattle::mean_rates(std::span<const Wrench> from, std::span<const Wrench> to
 /// After a step: who is held now, and the books of both kicks.
 void Rattle::finish_bounds(StepReport& report) {
   system_.rows().residual(state_, phi_);  // axes are up to date here
-  mean_rates(kicked_, momenta_, jacobian(), kick_rates_);
+  mean_rates(kicked_, momenta_, system_.jacobian(), kick_rates_);
   axes_.book(mu_, rates_, kick_rates_);
   axes_.finish_velocities(phi_, rates_, state_.time);
   contacts_.finish(mu_, kick_rates_, state_.time);

@@ -85,7 +85,7 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
   laws_moved_ = axes_.break_away(w_, rate_tolerance);
-  laws_moved_ = axes_.update_loads(system_.rows(), jacobian(), lambda) || laws_moved_;
+  laws_moved_ = axes_.update_loads(system_.rows(), system_.jacobian(), lambda) || laws_moved_;
   if (laws_moved_) return false;
   contacts_.take_over(lambda, w_, rate_tolerance);
   if (!(contacts_.residual() <= kHeld) || contacts_.slips_where_it_held()) return false;
@@ -123,7 +123,7 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
     take_pieces(lambda);
     if (!solved) break;
     const bool broke = axes_.break_away(w_, rate_tolerance);
-    const bool loaded = axes_.update_loads(system_.rows(), jacobian(), lambda);
+    const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
     if (!broke && !loaded) return true;
     (this->*renew)();
   }

@@ -65,7 +65,7 @@ bool Rattle::iterate(std::span<double> lambda, int sweeps, double rate_tolerance
   report.sweeps += outcome.sweeps;
   if (!std::isfinite(outcome.residual)) return false;
   (void)axes_.break_away(w_, 0);
-  (void)axes_.update_loads(system_.rows(), jacobian(), lambda);
+  (void)axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
   contacts_.take_over(lambda, w_, rate_tolerance);
   return true;
 }

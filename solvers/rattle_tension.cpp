@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "solvers/rattle.h"
 #include "solvers/tension.h"
@@ -32,7 +31,7 @@ void Rattle::update_step_limit(std::span<const double> force_multipliers) {
     for (StiffnessBlocks& block : stiffness_) block = {};
     system_.rows().stiffness(state_, force_multipliers, stiffness_);
     clear_held_bodies();
-    omega_ = fastest_transverse_frequency(std::as_const(system_).mass_roots(), stiffness_);
+    omega_ = fastest_transverse_frequency(system_.mass_roots(), stiffness_);
     if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
       step_limit_ = settings_.max_tension_number / omega_;
   }

@@ -255,7 +255,7 @@ struct LargeCase {
       if (!scene.world.is_fixed(BodyId{i}))
         twists[i] = {size * random_vector(random), size * random_vector(random)};
     VectorXd out(solver.system.row_count());
-    solver.system.rows().apply(std::as_const(solver.system).jacobian(), twists, {out.data(), laws.size()});
+    solver.system.rows().apply(solver.system.jacobian(), twists, {out.data(), laws.size()});
     return out;
   }
   std::mt19937 random;
