@@ -196,7 +196,7 @@ void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
 
 /// Σ_r + ε (S_rr + Σ_r) on all rows, or without the shift if none of them is free.
 void ConstraintSystem::compliance_of_bodies() {
-  weighted_inertias(inverse_compliance_);
+  row_inertias(inverse_compliance_);
   shifted_ = states_.empty() || std::find(states_.begin(), states_.end(), 0.0) != states_.end();
   for (int r = 0; r < rows_.row_count(); ++r) {
     double& d = inverse_compliance_[r];
@@ -375,16 +375,11 @@ void ConstraintSystem::solve(std::span<double> x) {
 
 void ConstraintSystem::row_inertias(std::span<double> out) {
   weight();
-  if (!inertias_current_) weighted_inertias(inertias_);
-  inertias_current_ = true;
+  if (!inertias_current_) sum_inertias();
   std::copy(inertias_.begin(), inertias_.end(), out.begin());
 }
 
-void ConstraintSystem::weighted_inertias(std::span<double> out) const {
-  if (inertias_current_) {
-    std::copy(inertias_.begin(), inertias_.end(), out.begin());
-    return;
-  }
+void ConstraintSystem::sum_inertias() {
   for (const Rows::Side& side : rows_.sides()) {
     const bool first = &side == &rows_.sides()[rows_.joints()[side.joint].first_side];
     for (int i = 0; i < side.row_count; ++i) {
@@ -393,11 +388,12 @@ void ConstraintSystem::weighted_inertias(std::span<double> out) const {
               ? 0
               : Eigen::Map<const Eigen::Matrix<double, 6, 1>>(weighted_.data() + side.offset + 6 * i)
                     .squaredNorm();
-      double& sum = out[side.first_row + i];
+      double& sum = inertias_[side.first_row + i];
       sum = first ? own : sum + own;
     }
   }
-  for (double& s : out) s = s > 0 ? 1 / s : 0;
+  for (double& s : inertias_) s = s > 0 ? 1 / s : 0;
+  inertias_current_ = true;
 }
 
 void ConstraintSystem::to_bodies(std::span<const double> lambda, std::span<double> v) {

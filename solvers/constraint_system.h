@@ -138,8 +138,6 @@ class ConstraintSystem {
 
   /// 1 / S_rr of each row: the inertia that it feels on its own.
   void row_inertias(std::span<double> out);
-  /// The same with the W that there is.
-  void weighted_inertias(std::span<double> out) const;
 
   /// True if S is not formed, but solved through the bodies: decided for each pattern.
   bool through_bodies() const { return through_bodies_; }
@@ -164,6 +162,7 @@ class ConstraintSystem {
  private:
   void analyze();
   void weight();
+  void sum_inertias();
   bool bodies_pay();
   void analyze_rows();
   void analyze_bodies(const BlockOrdering& ordering);

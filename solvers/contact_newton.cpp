@@ -134,7 +134,7 @@ void ContactNewton::begin(const Problem& problem) {
   best_residual_ = std::numeric_limits<double>::infinity();
   mode_ = lagged_ = Mode::kSlip;
   soft_ = problem.contacts.soft();
-  system_.weighted_inertias(own_);
+  system_.row_inertias(own_);
   turned_.assign(system_.weighted().begin(), system_.weighted().end());
   problem.contacts.targets(target_);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)

@@ -38,9 +38,8 @@ class ImpulseIteration {
   /// For as long as the system keeps its rows.
   explicit ImpulseIteration(ConstraintSystem& system);
 
-  /// S = W Wᵀ with the W of the system's last row_inertias().  `lambda`: a start, then the result; `w`: its
-  /// rates. What bodies of levels below did not take is added to `absorbed`: momenta change by Jᵀλ −
-  /// absorbed.
+  /// `lambda`: a start, then the result; `w`: its rates.  What bodies of levels below did not take is added
+  /// to `absorbed`: momenta change by Jᵀλ − absorbed.
   IterationOutcome solve(const ContactForces& contacts, std::span<const RowLaw> laws,
                          std::span<const double> b, std::span<double> lambda, std::span<double> w,
                          const IterationLimits& limits, std::span<Wrench> absorbed);

@@ -43,7 +43,7 @@ void InteriorPoint::begin(const Problem& problem) {
   for (auto* values : {&own_, &base_, &stiffness_, &off_, &change_, &rates_}) values->assign(n, 0.0);
   for (auto* values : {&v_, &step_}) values->assign(6 * system_.rows().body_count(), 0.0);
   elements_.clear();
-  system_.weighted_inertias(own_);
+  system_.row_inertias(own_);
   scale_ = 0;
   for (std::size_t r = 0; r < n; ++r) {
     own_[r] = own_[r] > 0 ? 1 / own_[r] : 1;

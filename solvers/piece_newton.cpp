@@ -27,7 +27,7 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
   for (auto* values : {&own_, &stiffness_, &change_, &rates_}) values->assign(n, 0.0);
   v_.assign(6 * static_cast<std::size_t>(system_.rows().body_count()), 0.0);
   pieces_.resize(n);
-  system_.weighted_inertias(own_);
+  system_.row_inertias(own_);
   for (std::size_t r = 0; r < n; ++r) {
     own_[r] = own_[r] > 0 ? 1 / own_[r] : 1;
     pieces_[r] = laws[r].piece_at(lambda[r]);

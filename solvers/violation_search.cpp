@@ -28,7 +28,7 @@ ViolationSearch::ViolationSearch(const World& world, std::span<const ContactSet:
     for (std::size_t k = 0; k < contacts.size(); ++k)
       system_.set_contact(static_cast<int>(k), contacts[k].point);
   }
-  for (auto* values : {&inertia_, &x_, &stiffness_, &scaled_, &force_, &row_scratch_})
+  for (auto* values : {&inertia_, &x_, &stiffness_, &scaled_, &force_})
     values->assign(system_.row_count(), 0.0);
   for (auto* values : {&gradient_, &v_}) values->assign(6 * system_.rows().body_count(), 0.0);
 }
@@ -82,7 +82,6 @@ double ViolationSearch::evaluate(std::span<const Pose> poses, std::span<const ch
 /// D, Wᵀ D c and how steep f is, at poses_.
 void ViolationSearch::gather() {
   system_.linearize(configuration(poses_));
-  system_.row_inertias(row_scratch_);  // makes W
   std::fill(stiffness_.begin(), stiffness_.end(), 0.0);
   std::fill(force_.begin(), force_.end(), 0.0);
   for (std::size_t i = 0; i < demands_.size(); ++i) {

@@ -67,7 +67,7 @@ class ViolationSearch {
   std::vector<double> inertia_;  // 1 / S_rr at the start
   std::span<const char> wanted_;
   std::vector<Pose> poses_, trial_;
-  std::vector<double> x_, excess_, trial_excess_, stiffness_, scaled_, force_, row_scratch_;
+  std::vector<double> x_, excess_, trial_excess_, stiffness_, scaled_, force_;
   std::vector<double> gradient_, v_, share_;
   double damping_ = 0, f_ = 0, largest_ = 0, trial_largest_ = 0, steepness_ = 0;
 };

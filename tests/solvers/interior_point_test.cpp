@@ -15,8 +15,6 @@ struct Interior {
   explicit Interior(const World& world) : system(world, FactorChoice::kAuto), solver(system) {
     system.linearize(world.state().poses);
     system.set_mass(world.state().poses);
-    std::vector<double> inertias(system.row_count());
-    system.row_inertias(inertias);  // makes W
   }
   InteriorOutcome solve(const std::vector<RowLaw>& laws, const VectorXd& b) {
     if (lambda.size() == 0) lambda = VectorXd::Zero(b.size());

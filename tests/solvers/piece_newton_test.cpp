@@ -24,8 +24,6 @@ TEST(PieceNewton, FollowsRatesThatChangeALittle) {
     ConstraintSystem system(world, FactorChoice::kAuto);
     system.linearize(world.state().poses);
     system.set_mass(world.state().poses);
-    std::vector<double> inertias(system.row_count());
-    system.row_inertias(inertias);  // makes W
     const int n = system.row_count();
     const MatrixXd S = dense_system(world);
     VectorXd impulse(n), change(n), lambda = VectorXd::Zero(n), w(n);
