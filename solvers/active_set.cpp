@@ -182,12 +182,11 @@ bool ActiveSet::solve_pieces(const Problem& problem, Start start, int budget, St
 
 /// w = S λ + b and what each equation lacks; the largest, over √S_rr.
 double ActiveSet::collect_residual(const Problem& problem) {
-  system_.multiply(problem.lambda, problem.w);
+  system_.rates(problem.lambda, problem.b, problem.w);
   double largest = 0;
   scale_ = 0;
   for (std::size_t r = 0; r < states_.size(); ++r) {
-    double& w = problem.w[r];
-    w += problem.b[r];
+    const double w = problem.w[r];
     scale_ = std::max({scale_, root_[r] * std::abs(problem.lambda[r]), std::abs(problem.b[r]) / root_[r]});
     residual_[r] = 0;
     if (states_[r] == kMasked) continue;

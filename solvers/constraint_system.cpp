@@ -424,4 +424,9 @@ void ConstraintSystem::multiply(std::span<const double> x, std::span<double> out
   to_rows(body_values_, out);
 }
 
+void ConstraintSystem::rates(std::span<const double> lambda, std::span<const double> b, std::span<double> w) {
+  multiply(lambda, w);
+  for (std::size_t r = 0; r < w.size(); ++r) w[r] += b[r];
+}
+
 }  // namespace taut

@@ -111,6 +111,8 @@ class ConstraintSystem {
   void solve_shifted(std::span<double> x) { backsolve(x); }
   /// out = S x through W: (W Wᵀ) x, with all rows whatever their state.
   void multiply(std::span<const double> x, std::span<double> out);
+  /// w = S λ + b: the rates of the rows, b without λ.
+  void rates(std::span<const double> lambda, std::span<const double> b, std::span<double> w);
 
   /// v = Wᵀ λ, six numbers a body, 0 for fixed ones.
   void to_bodies(std::span<const double> lambda, std::span<double> v);

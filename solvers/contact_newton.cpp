@@ -158,8 +158,7 @@ void ContactNewton::begin(const Problem& problem) {
 /// λ and w of y.
 void ContactNewton::read_rates(const Problem& problem) const {
   std::copy(y_.begin(), y_.end(), problem.lambda.begin());
-  system_.multiply(problem.lambda, problem.w);
-  for (std::size_t r = 0; r < y_.size(); ++r) problem.w[r] += problem.b[r];
+  system_.rates(problem.lambda, problem.b, problem.w);
 }
 
 /// A round starts from λ̄ = y and its rates.

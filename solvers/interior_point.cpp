@@ -186,8 +186,7 @@ void InteriorPoint::move(const Problem& problem, double length) {
 
 /// w of the impulses themselves, which v is only on the way to, and the natural map over the size of both.
 double InteriorPoint::law_error(const Problem& problem) {
-  system_.multiply(problem.lambda, problem.w);
-  for (std::size_t r = 0; r < problem.w.size(); ++r) problem.w[r] += problem.b[r];
+  system_.rates(problem.lambda, problem.b, problem.w);
   double error = 0, scale = 0;
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const double s = own_[r], lambda = problem.lambda[r];

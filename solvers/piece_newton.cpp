@@ -36,10 +36,9 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
   double last = std::numeric_limits<double>::infinity();
   int stuck = 0;
   for (;; ++outcome.iterations) {
-    system_.multiply(lambda, w);
+    system_.rates(lambda, b, w);
     double error = 0, counted = 0, scale = 0, sum = 0;
     for (std::size_t r = 0; r < n; ++r) {
-      w[r] += b[r];
       const RowLaw::Point answer = laws[r].resolve(own_[r], w[r] - own_[r] * lambda[r]);
       const double root = std::sqrt(own_[r]), off = root * std::abs(lambda[r] - answer.lambda);
       if (outcome.iterations > 0) pieces_[r] = answer.piece;

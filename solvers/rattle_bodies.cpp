@@ -35,6 +35,14 @@ constexpr int kStepsToHold = 150;
 /// More solves of a stage, because friction let go or the load that it grows by has changed.
 constexpr int kMaxSolves = 40;
 
+/// What a solver has done.
+template <typename Outcome>
+void book(const Outcome& outcome, StepReport& report) {
+  report.contact_iterations += outcome.iterations;
+  if (outcome.converged)
+    report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
+}
+
 }  // namespace
 
 /// The natural map at impulses whose rates are w, over the largest of them; errors of rates within the
@@ -134,8 +142,7 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
 /// Many axes and no contacts: what is nearly solved on the pieces of the guess, or by some steps of Newton,
 /// all else by interior points.
 bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  system_.multiply(lambda, w_);
-  for (int r = 0; r < system_.row_count(); ++r) w_[r] += delta_[r];
+  system_.rates(lambda, delta_, w_);
   if (distance_from_laws(lambda, w_, rate_tolerance) <= kNewtonRange) {
     const double tolerance = near_ ? kExact : kHeld;
     held_.assign(lambda.begin(), lambda.end());
@@ -147,29 +154,23 @@ bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepRep
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
   const InteriorOutcome outcome = interior_.solve(laws_, delta_, lambda, w_, {}, report.times);
-  report.contact_iterations += outcome.iterations;
-  if (!outcome.converged)
-    return solve_by_newton(lambda, {.most = kHeld, .rate_tolerance = rate_tolerance}, report);
-  report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
-  return true;
+  book(outcome, report);
+  return outcome.converged ||
+         solve_by_newton(lambda, {.most = kHeld, .rate_tolerance = rate_tolerance}, report);
 }
 
 bool Rattle::solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report) {
   const PieceOutcome outcome = piece_newton_.solve(laws_, delta_, lambda, w_, limits, report.times);
-  report.contact_iterations += outcome.iterations;
-  if (outcome.converged)
-    report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
+  book(outcome, report);
   return outcome.converged;
 }
 
 /// A better guess for Newton's method: Gauss–Seidel, whose sweeps cost little, comes near from anywhere.
 void Rattle::sweep_guess(std::span<double> lambda, double rate_tolerance) {
-  system_.multiply(lambda, w_);
+  system_.rates(lambda, delta_, w_);
   double size = 0;
-  for (int r = 0; r < system_.row_count(); ++r) {
-    w_[r] += delta_[r];
+  for (int r = 0; r < system_.row_count(); ++r)
     size = std::max(size, std::abs(delta_[r]) * std::sqrt(inertia_[r]));
-  }
   const double off = distance_from_laws(lambda, w_, rate_tolerance);
   if (off <= kNear) return;
   held_.assign(lambda.begin(), lambda.end());
@@ -193,10 +194,8 @@ bool Rattle::solve_by_newton(std::span<double> lambda, const NewtonLimits& limit
 NewtonOutcome Rattle::run_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report) {
   const NewtonOutcome outcome = newton_.solve(contacts_, laws_, delta_, lambda, w_, limits, report.times);
   contacts_.take_over(lambda, w_, limits.rate_tolerance);
-  report.contact_iterations += outcome.iterations;
+  book(outcome, report);
   loose_ = 0;
-  if (outcome.converged)
-    report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
   return outcome;
 }
 
@@ -224,8 +223,7 @@ bool Rattle::hold_on(std::span<double> lambda, double rate_tolerance, StepReport
   }
   contacts_.end_sharing(false);
   std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
-  system_.multiply(lambda, w_);
-  for (int r = 0; r < system_.row_count(); ++r) w_[r] += delta_[r];
+  system_.rates(lambda, delta_, w_);
   return false;
 }
 
@@ -240,8 +238,7 @@ bool Rattle::solve_by_sweeps(std::span<double> lambda, double rate_tolerance, St
   if (!(residual < best) || !newton_.holds_joints(laws_, w_, rate_tolerance)) {
     residual = best;
     std::copy(held_.begin(), held_.end(), lambda.begin());
-    system_.multiply(lambda, w_);
-    for (int r = 0; r < system_.row_count(); ++r) w_[r] += delta_[r];
+    system_.rates(lambda, delta_, w_);
   }
   contacts_.take_over(lambda, w_, rate_tolerance);
   if (!(residual <= inexact_) || !std::isfinite(max_abs(lambda))) return false;
