@@ -21,6 +21,19 @@ inline Vec2 into_disc(const Vec2& x, double radius) {
   return size > radius ? Vec2(radius / size * x) : x;
 }
 
+/// Where the point of the cone |x_t| ≤ μ x_n is that is nearest to one with x_n = `normal` and |x_t| =
+/// `size`: it is that one itself, the apex, or on the surface along the same tangent.
+struct NearestOnCone {
+  enum class Region { kWithin, kApex, kSurface } region;
+  double normal = 0;  ///< x_n of a point on the surface
+};
+inline NearestOnCone nearest_on_cone(double normal, double size, double mu) {
+  using Region = NearestOnCone::Region;
+  if (normal >= 0 && size <= mu * normal) return {Region::kWithin};
+  if (mu * size <= -normal) return {Region::kApex};
+  return {Region::kSurface, (normal + mu * size) / (1 + mu * mu)};
+}
+
 /// Contacts as laws of their rows for the two stages of a RATTLE step: Signorini's law and Newton's of impact
 /// along the normal, Coulomb's in the disc |Λ_t| ≤ μ Λ_n of the tangents, likewise rolling and spinning.
 ///
@@ -92,7 +105,7 @@ class ContactForces {
   /// |Λ_t| ≤ sliding Λ_n, |spin| ≤ spinning Λ_n [m] and |roll| ≤ rolling Λ_n [m].
   struct Cone {
     bool works = false, twist = false;
-    bool shares = false;  ///< its slip does not open the cone (share_loads)
+    bool shares = false;  ///< its slip does not open the cone (begin_sharing)
     double sliding = 0, spinning = 0, rolling = 0;
     double softness = 0, most = std::numeric_limits<double>::infinity();  ///< of the normal (NormalLaw)
     double slip_softness = 0;                                             ///< of the tangents (SlipLaw)

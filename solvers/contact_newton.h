@@ -94,6 +94,7 @@ class ContactNewton {
   void project(const Problem& problem, double length = 0);
   void project_row(const RowLaw& law, int row);
   void project_contact(const Problem& problem, int place);
+  void project_cone(int place, const ContactForces::Cone& cone, double normal, const Vec2& tangent);
   void project_disc(int place, int first, const Vec2& given);
   void turn_rows(int place, double mu, int first, const Vec2& direction);
   double law_error(const Problem& problem, double rate_tolerance, int rounds) const;

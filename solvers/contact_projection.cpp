@@ -39,7 +39,6 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
   }
   const double mu = cone.sliding, normal = cone.normal_given + x_[row];
   const Vec2 tangent = cone.sliding_given + Vec2(x_[row + 1], x_[row + 2]);
-  const double size = tangent.norm();
   coupling_[k] = 0;
   if (by_radius(cone)) {
     const double total = std::clamp(normal, 0.0, cone.most);
@@ -47,11 +46,26 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
     slope_[row] = total == normal ? 1 : 0;
     if (mode_ == Mode::kCoupled) {
       bound_[row + 1] = mu * total;
-      if (size > bound_[row + 1]) coupling_[k] = mu * slope_[row];
+      if (tangent.norm() > bound_[row + 1]) coupling_[k] = mu * slope_[row];
     }
     project_disc(k, 1, cone.sliding_given);
-  } else if (size <= mu * normal || mu * size <= -normal) {
-    const bool within = normal >= 0 && size <= mu * normal;
+  } else {
+    project_cone(k, cone, normal, tangent);
+  }
+  if (!cone.twist) return;
+  const double spin = cone.spin_given + x_[row + 3];
+  y_[row + 3] = std::clamp(spin, -bound_[row + 3], bound_[row + 3]) - cone.spin_given;
+  slope_[row + 3] = std::abs(spin) < bound_[row + 3] ? 1 : 0;
+  project_disc(k, 4, cone.rolling_given);
+}
+
+/// The cone itself, in three rows of a contact whose impulses with what was given are these.
+void ContactNewton::project_cone(int k, const ContactForces::Cone& cone, double normal, const Vec2& tangent) {
+  const int row = system_.rows().joints()[system_.rows().contact_joint(k)].first_row;
+  const double mu = cone.sliding, size = tangent.norm();
+  const auto [region, on] = nearest_on_cone(normal, size, mu);
+  if (region != NearestOnCone::Region::kSurface) {
+    const bool within = region == NearestOnCone::Region::kWithin;
     for (int i = 0; i < 3; ++i) slope_[row + i] = within ? 1 : 0;
     if (within) {
       std::copy_n(x_.begin() + row, 3, y_.begin() + row);
@@ -61,22 +75,16 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
       y_[row + 2] = -cone.sliding_given[1];
     }
     turn_rows(k, 0, 1, Vec2::UnitX());
-  } else {
-    const Vec2 direction = size > 0 ? Vec2(tangent / size) : Vec2(Vec2::UnitX());
-    const double on = (normal + mu * size) / (1 + mu * mu);
-    y_[row] = on - cone.normal_given;
-    y_[row + 1] = mu * on * direction[0] - cone.sliding_given[0];
-    y_[row + 2] = mu * on * direction[1] - cone.sliding_given[1];
-    slope_[row] = 1;  // along the generator
-    slope_[row + 1] = 0;
-    slope_[row + 2] = size > 0 ? mu * on / size : 0;  // across it
-    turn_rows(k, mu, 1, direction);
+    return;
   }
-  if (!cone.twist) return;
-  const double spin = cone.spin_given + x_[row + 3];
-  y_[row + 3] = std::clamp(spin, -bound_[row + 3], bound_[row + 3]) - cone.spin_given;
-  slope_[row + 3] = std::abs(spin) < bound_[row + 3] ? 1 : 0;
-  project_disc(k, 4, cone.rolling_given);
+  const Vec2 direction = size > 0 ? Vec2(tangent / size) : Vec2(Vec2::UnitX());
+  y_[row] = on - cone.normal_given;
+  y_[row + 1] = mu * on * direction[0] - cone.sliding_given[0];
+  y_[row + 2] = mu * on * direction[1] - cone.sliding_given[1];
+  slope_[row] = 1;  // along the generator
+  slope_[row + 1] = 0;
+  slope_[row + 2] = size > 0 ? mu * on / size : 0;  // across it
+  turn_rows(k, mu, 1, direction);
 }
 
 /// The disc of radius bound_ in two rows of a contact.

@@ -15,11 +15,11 @@ constexpr double kSlips = 1e-2;
 Vec3 into_cone(const Vec3& x, double mu) {
   const Vec2 tangent = x.tail<2>();
   const double size = tangent.norm();
-  if (x[0] >= 0 && size <= mu * x[0]) return x;
-  if (mu * size <= -x[0]) return Vec3::Zero();
-  const double normal = (x[0] + mu * size) / (1 + mu * mu);
+  const auto [region, on] = nearest_on_cone(x[0], size, mu);
+  if (region == NearestOnCone::Region::kWithin) return x;
+  if (region == NearestOnCone::Region::kApex) return Vec3::Zero();
   Vec3 nearest;
-  nearest << normal, mu * normal / size * tangent;
+  nearest << on, mu * on / size * tangent;
   return nearest;
 }
 
