@@ -32,9 +32,9 @@ void set_works(StepReport& report, const Works& works);
 /// p = (L, P) are the momenta in world axes and S(q₀) is already factored:
 ///
 ///   kick        p  = p₀ + h/2 f(q₀) + J(q₀)ᵀ λ
-///   drift       q₁ = free flow of (q₀, p) over h, with λ such that φ(q₁) = 0       (simplified Newton with
-///   S(q₀)) factor      S(q₁) kick        p₁ = p + h/2 f(q₁) + J(q₁)ᵀ μ, with μ such that J(q₁) M⁻¹ p₁ = 0
-///   (one solve)
+///   drift       q₁ = free flow of (q₀, p) over h, with λ such that φ(q₁) = 0     (simplified Newton, S(q₀))
+///   factor      S(q₁)
+///   kick        p₁ = p + h/2 f(q₁) + J(q₁)ᵀ μ, with μ such that J(q₁) M⁻¹ p₁ = 0               (one solve)
 ///
 /// The next step starts with the factor of S(q₁): one factorisation a step.        (solvers/README, "RATTLE")
 class Rattle {
@@ -275,12 +275,10 @@ class Rattle {
   std::optional<ImpulseIteration> iteration_;  // iterative, or with contacts
   std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
   double inexact_ = 0;                         // residual that may be taken
-  double loose_ = 0,
-         loosest_ = 0;  // taken beyond 1e-8 by the present solve, and by the stages of this advance
+  double loose_ = 0, loosest_ = 0;             // taken beyond 1e-8 by the present solve, and in this advance
   bool few_steps_ = false;
-  bool laws_moved_ =
-      false;              // friction let go, or its load changed, before the laws of this stage were solved
-  int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
+  bool laws_moved_ = false;  // friction let go, or its load changed, before this stage was solved
+  int newtons_left_ = 0;     // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_;
   std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, unshared_, row_scratch_;

@@ -35,7 +35,7 @@ class RowImpulses {
   /// S_rr and Wᵀ λ with the W of now.
   void gather(std::span<const double> lambda) {
     std::fill(bodies_.begin(), bodies_.end(), 0.0);
-    const double* W = this->W();
+    const double* W = weighted();
     for (std::size_t r = 0; r < lambda.size(); ++r) {
       diagonal_[r] = 0;
       for (const Side& side : sides(static_cast<int>(r)))
@@ -54,7 +54,7 @@ class RowImpulses {
   double diagonal(int row) const { return diagonal_[row]; }
   /// b + (S λ)_r.
   double rate(int row, double b) const {
-    const double* W = this->W();
+    const double* W = weighted();
     for (const Side& side : sides(row))
       for (int k = 0; k < 6; ++k) b += W[side.offset + k] * bodies_[6 * side.body + k];
     return b;
@@ -64,12 +64,12 @@ class RowImpulses {
     for (const Side& side : sides(row)) add(side, by);
   }
   void add(const Side& side, double by) {
-    const double* W = this->W() + side.offset;
+    const double* W = weighted() + side.offset;
     for (int k = 0; k < 6; ++k) bodies_[6 * side.body + k] += W[k] * by;
   }
 
  private:
-  const double* W() const { return system_.weighted().data(); }
+  const double* weighted() const { return system_.weighted().data(); }
 
   ConstraintSystem& system_;
   std::vector<int> row_start_;
