@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <span>
 #include <vector>
@@ -21,10 +22,10 @@ class AxisForces {
   AxisForces(const World& world, const Rows& rows);
 
   bool empty() const { return axes_.empty(); }
-  /// A new start: friction of axes at rest holds them where they are.  `theta` and `rates` have one entry a
-  /// row, as in all functions below.
   /// Friction does not pull an axis back that is no further than this from where it holds it; 0 at first.
   void set_slack(double slack) { slack_ = slack; }
+  /// A new start: friction of axes at rest holds them where they are.  `theta` and `rates` have one entry a
+  /// row, as in all functions below.
   void start(std::span<const double> theta, std::span<const double> rates);
   /// A step of h from a time with θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row.
   void begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
@@ -98,6 +99,9 @@ class AxisForces {
   static constexpr double kNever = 1e12;
   /// A limit is touched within this distance [m or rad]; positions are closed to less.
   static constexpr double kTouch = 1e-9;
+  /// Rates this near to a step of the law are on it, relative to 1 + |w|.
+  static constexpr double kOnStep = 1e-9;
+  static bool on_step(double w, double at) { return std::abs(w - at) <= kOnStep * (1 + std::abs(w)); }
 
   /// Memory of an axis; a copy of all of them is a way back.
   struct Axis {
