@@ -12,9 +12,7 @@ namespace {
 using namespace law_problems;
 
 struct Solver {
-  explicit Solver(const World& world) : system(world, FactorChoice::kAuto), active_set(system) {
-    system.linearize(world.state().poses);
-    system.set_mass(world.state().poses);
+  explicit Solver(const World& world) : system(system_of(world)), active_set(system) {
     system.factorize(times);
   }
   ActiveSetOutcome solve(const std::vector<RowLaw>& laws, const VectorXd& b,

@@ -12,10 +12,7 @@ namespace {
 using namespace law_problems;
 
 struct Interior {
-  explicit Interior(const World& world) : system(world, FactorChoice::kAuto), solver(system) {
-    system.linearize(world.state().poses);
-    system.set_mass(world.state().poses);
-  }
+  explicit Interior(const World& world) : system(system_of(world)), solver(system) {}
   InteriorOutcome solve(const std::vector<RowLaw>& laws, const VectorXd& b) {
     if (lambda.size() == 0) lambda = VectorXd::Zero(b.size());
     w.resize(b.size());

@@ -66,6 +66,14 @@ inline World random_world(int bodies, int joints, double repeated, std::mt19937&
   return world;
 }
 
+/// The joints as a linear system at the world's state; not factored.
+inline ConstraintSystem system_of(const World& world) {
+  ConstraintSystem system(world, FactorChoice::kAuto);
+  system.linearize(world.state().poses);
+  system.set_mass(world.state().poses);
+  return system;
+}
+
 /// J M⁻¹ Jᵀ, dense, from the world's own masses.
 inline MatrixXd dense_system(const World& world) {
   const Rows rows(world);
@@ -136,8 +144,7 @@ inline double violation(const RowLaw& law, double lambda, double w, double slack
 struct Solution {
   bool found = false;
   VectorXd lambda, w;
-  double softest =
-      0;  ///< smallest eigenvalue, above round-off, of S of the vertical rows, scaled to S_rr = 1
+  double softest = 0;  ///< least eigenvalue above round-off of S of the vertical rows, scaled to S_rr = 1
 };
 
 inline double softest_direction(const MatrixXd& S, const std::vector<int>& piece) {

@@ -21,9 +21,7 @@ TEST(PieceNewton, FollowsRatesThatChangeALittle) {
   int solved = 0;
   for (int problem = 0; problem < 20; ++problem) {
     const World world = random_world(3, 30, 0, random);
-    ConstraintSystem system(world, FactorChoice::kAuto);
-    system.linearize(world.state().poses);
-    system.set_mass(world.state().poses);
+    ConstraintSystem system = system_of(world);
     const int n = system.row_count();
     const MatrixXd S = dense_system(world);
     VectorXd impulse(n), change(n), lambda = VectorXd::Zero(n), w(n);

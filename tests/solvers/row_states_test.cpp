@@ -58,12 +58,10 @@ TEST_P(RowStates, SolveOnlyOnTheRowsThatAreLeft) {
   int singular = 0;
   for (int problem = 0; problem < 300; ++problem) {
     const World world = random_world(integer(random, 4, 6), integer(random, 3, 10), GetParam(), random);
-    ConstraintSystem system(world, FactorChoice::kAuto);
+    ConstraintSystem system = system_of(world);
     const MatrixXd S = dense_system(world);
     const int n = system.row_count();
     StageTimes times;
-    system.linearize(world.state().poses);
-    system.set_mass(world.state().poses);
     const std::vector<double> states = random_states(n, random);
     system.set_row_states(states);
     system.factorize(times);
@@ -96,12 +94,10 @@ TEST_P(RowStates, UpdatesOfAFactorAreAsGoodAsANewOne) {
   int updated = 0, refused = 0;
   for (int problem = 0; problem < 300; ++problem) {
     const World world = random_world(integer(random, 4, 6), integer(random, 3, 10), GetParam(), random);
-    ConstraintSystem system(world, FactorChoice::kAuto);
+    ConstraintSystem system = system_of(world);
     const MatrixXd S = dense_system(world);
     const int n = system.row_count();
     StageTimes times;
-    system.linearize(world.state().poses);
-    system.set_mass(world.state().poses);
     system.set_row_states(random_states(n, random));
     system.factorize(times);
     RowUpdates updates(system);
@@ -134,10 +130,8 @@ INSTANTIATE_TEST_SUITE_P(Repeated, RowStates, testing::Values(0.4));
 TEST(RowStates, ABudgetOfBackSolvesIsKept) {
   std::mt19937 random(23);
   const World world = random_world(12, 12, 0, random);
-  ConstraintSystem system(world, FactorChoice::kAuto);
+  ConstraintSystem system = system_of(world);
   StageTimes times;
-  system.linearize(world.state().poses);
-  system.set_mass(world.state().poses);
   system.factorize(times);
   RowUpdates updates(system);
   std::vector<double> states(system.row_count(), 0.0);
@@ -158,10 +152,8 @@ TEST(ProjectedGaussSeidel, FindsWhatTheEnumerationFinds) {
   int checked = 0;
   for (int problem = 0; problem < 300; ++problem) {
     const World world = random_world(6, 6, 0, random);
-    ConstraintSystem system(world, FactorChoice::kAuto);
+    ConstraintSystem system = system_of(world);
     StageTimes times;
-    system.linearize(world.state().poses);
-    system.set_mass(world.state().poses);
     system.factorize(times);
     const int n = system.row_count();
     const MatrixXd S = dense_system(world);
