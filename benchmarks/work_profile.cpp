@@ -1,14 +1,21 @@
-// Where the work of a step goes, for one scene: fill and operations of the factor, its rate beside that of
-// DGEMM, time per stage, memory.  Prints one JSON object.  One thread; processor times.
+// Where the work of a step goes, for one scene: fill and operations of the factor, its time beside that of a
+// bare CHOLMOD, its rate beside that of DGEMM, time of a step and of its stages, joints, energy, memory.
+// Prints one JSON object.  One thread; processor times.
+#include <omp.h>
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "benchmarks/block_problem.h"
 #include "benchmarks/timing.h"
+#include "core/diagnostics.h"
 #include "scenes/scene.h"
 #include "solvers/constraint_system.h"
 #include "solvers/multifrontal_factor.h"
@@ -55,34 +62,65 @@ Json factor_json(const World& world) {
   int failed = -1;
   const double seconds = median_time(9, [&] { failed = factor.factorize(system.matrix()); });
   const double rate = dgemm_rate();
+  omp_set_max_active_levels(0);  // the better of CHOLMOD's two faces, see step_benchmark
+  double bare = std::numeric_limits<double>::infinity();
+  for (const bool supernodal : {true, false}) {
+    benchmarks::BareCholmod cholmod(system.matrix(), supernodal);
+    bare = std::min(bare, median_time(5, [&] { cholmod.factorize(); }));
+  }
   return {{"rows", system.row_count()},
           {"matrix_nonzeros", system.matrix().row_index.size()},
           {"factor_nonzeros", factor.nonzeros()},
           {"factor_flops", factor.flops()},
           {"factor_time_s", seconds},
+          {"bare_cholmod_time_s", bare},
           {"factor_usable", failed < 0},
           {"flops_per_s", factor.flops() / seconds},
           {"dgemm_flops_per_s", rate},
           {"share_of_dgemm", factor.flops() / seconds / rate}};
 }
 
-Json stages_json(World& world, int steps) {
-  Simulator simulator(world);
+/// The first `time` seconds of the scene in steps of 1 ms, or what takes no longer than `limit` seconds.
+Json motion_json(Scene& scene, double time, double limit) {
+  constexpr int kWarmUp = 3;
+  Simulator simulator(scene.world);
+  const double start = total_energy(scene.world, scene.world.state());
+  const double scale = scene.energy_scale > 0 ? scene.energy_scale : std::max(1.0, std::abs(start));
+  std::vector<double> steps;
   StageTimes sum;
-  long substeps = 0;
-  for (int i = 0; i < steps + 3; ++i) {
-    const StepReport& r = simulator.step(kStep);
+  long substeps = 0, analyses = 0;
+  double gap = 0, angle = 0, drift = 0, spent = 0;
+  for (int i = 0; i < kWarmUp || (i * kStep < time && spent < limit); ++i) {
+    steps.push_back(benchmarks::cpu_seconds_of([&] { (void)simulator.step(kStep); }));
+    spent += steps.back();
+    const StepReport& r = simulator.report();
     if (!r.ok()) return {{"failed", r.message}};
-    if (i < 3) continue;
+    gap = std::max(gap, r.gap.metres);
+    angle = std::max(angle, r.gap.radians);
+    drift = std::max(drift, std::abs(total_energy(scene.world, scene.world.state()) - start) / scale);
+    analyses += r.analyses;
+    if (i < kWarmUp) continue;
     sum.forces += r.times.forces, sum.positions += r.times.positions, sum.assembly += r.times.assembly;
     sum.factorization += r.times.factorization, sum.velocities += r.times.velocities,
         sum.total += r.times.total;
     substeps += r.substeps;
   }
-  const double per = 1.0 / static_cast<double>(substeps);
-  return {{"forces", sum.forces * per},         {"positions", sum.positions * per},
-          {"assembly", sum.assembly * per},     {"factorization", sum.factorization * per},
-          {"velocities", sum.velocities * per}, {"total", sum.total * per}};
+  const double count = static_cast<double>(steps.size()), per = 1.0 / static_cast<double>(substeps);
+  if (steps.size() > kWarmUp) steps.erase(steps.begin(), steps.begin() + kWarmUp);
+  return {{"simulated_time_s", count * kStep},
+          {"step_time_s", benchmarks::median(steps)},
+          {"substeps_per_step", static_cast<double>(substeps) / static_cast<double>(steps.size())},
+          {"analyses", analyses},
+          {"max_joint_error_m", gap},
+          {"max_joint_angle_error_rad", angle},
+          {"energy_drift_rel", drift},
+          {"stage_times_per_substep_s",
+           {{"forces", sum.forces * per},
+            {"positions", sum.positions * per},
+            {"assembly", sum.assembly * per},
+            {"factorization", sum.factorization * per},
+            {"velocities", sum.velocities * per},
+            {"total", sum.total * per}}}};
 }
 
 }  // namespace
@@ -90,16 +128,22 @@ Json stages_json(World& world, int steps) {
 int main(int argc, char** argv) {
   CLI::App app("fill, operations, stages and memory of one scene; prints JSON");
   std::string name = "net-corners";
-  int n = 10, steps = 10;
+  int n = 10;
+  bool truck = false;
+  double time = 0.5, limit = 5;
   app.add_option("--scene", name, "a scene of the catalogue");
   app.add_option("--n", n, "its size");
-  app.add_option("--steps", steps, "steps of 1 ms to average the stages over");
+  app.add_flag("--truck", truck, "with the truck");
+  app.add_option("--time", time, "time to simulate [s]")->check(CLI::PositiveNumber);
+  app.add_option("--limit", limit, "processor time of the steps [s]")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
   try {
-    Scene scene = build_scene(name, {{"n", n}});
-    Json out{{"scene", name}, {"n", n}, {"bodies", scene.world.moving_body_count()}};
+    std::map<std::string, double> parameters{{"n", n}};
+    if (truck) parameters["truck"] = 1;
+    Scene scene = build_scene(name, parameters);
+    Json out{{"scene", name}, {"n", n}, {"truck", truck}, {"bodies", scene.world.moving_body_count()}};
     out.update(factor_json(scene.world));
-    out["stage_times_per_substep_s"] = stages_json(scene.world, steps);
+    out.update(motion_json(scene, time, limit));
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     out["peak_memory_mb"] = static_cast<double>(usage.ru_maxrss) / 1024;

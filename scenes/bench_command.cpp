@@ -16,6 +16,7 @@
 #include "scenes/gnuplot.h"
 #include "scenes/recorder.h"
 #include "scenes/run_command.h"
+#include "scenes/work_report.h"
 
 namespace taut {
 namespace {
@@ -98,15 +99,13 @@ void show(const BenchRun& run, const Json& json, std::size_t index, std::size_t 
 }
 
 Json profile(const fs::path& program, bool quick) {
+  constexpr double kLongest = 300;  // [s]
   Json profiles = Json::array();
-  const std::vector<std::pair<std::string, int>> scenes =
-      quick ? std::vector<std::pair<std::string, int>>{{"chain", 1000}, {"net-corners", 20}}
-            : std::vector<std::pair<std::string, int>>{
-                  {"chain", 1000},       {"chain", 10000},    {"bridge-hinge", 1000},
-                  {"bridge-balls", 200}, {"net-flag", 40},    {"net-corners", 20},
-                  {"net-corners", 40},   {"net-corners", 80}, {"joint-grid", 40}};
-  for (const auto& [scene, n] : scenes) {
-    const ChildResult child = run_child(program, {"--scene", scene, "--n", std::to_string(n)}, true, 120);
+  for (const WorkRun& run : work_plan(quick)) {
+    std::vector<std::string> arguments{"--scene", run.scene, "--n", std::to_string(run.n)};
+    if (run.truck) arguments.push_back("--truck");
+    if (quick) arguments.insert(arguments.end(), {"--time", "0.05", "--limit", "1"});
+    const ChildResult child = run_child(program, arguments, true, kLongest);
     Json json = Json::parse(child.output, nullptr, false);
     if (child.good() && !json.is_discarded()) profiles.push_back(json);
   }
@@ -119,12 +118,14 @@ void write(const fs::path& file, const std::string& text) {
 }
 
 std::string command_of(const BenchOptions& options) {
-  return std::string("taut bench") + (options.quick ? " --quick" : "") +
+  return std::string("taut bench") + (options.quick ? " --quick" : "") + (options.work ? " --work" : "") +
          (options.only.empty() ? "" : " --only '" + options.only + "'") +
          (options.limit > 0 ? " --limit " + shortest(options.limit) : "");
 }
 
-std::string name_of(const BenchOptions& options) { return options.quick ? "quick" : "engines"; }
+std::string name_of(const BenchOptions& options) {
+  return options.work ? "work" : options.quick ? "quick" : "engines";
+}
 
 void write_results(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
   const std::string name = name_of(options);
@@ -210,6 +211,21 @@ std::optional<BenchResults> earlier_results(const std::string& file) {
   return then;
 }
 
+/// taut alone.  @returns how many scenes failed.
+int run_work(const fs::path& folder, const fs::path& build, const BenchOptions& options) {
+  BenchResults results{
+      {"schema", "taut-bench/1"}, {"machine", machine_description()}, {"quick", options.quick}};
+  results["engines"] = {{"taut", true}};
+  results["planned_runs"] = 0;
+  results["runs"] = Json::array();
+  results["profiles"] = profile(folder / "work_profile", options.quick);
+  write_results(results, options, options.results.empty() ? build / "bench" : fs::path(options.results));
+  int bad = static_cast<int>(work_plan(options.quick).size() - results["profiles"].size());
+  for (const Json& p : results["profiles"]) bad += p.contains("failed");
+  std::cout << work_tables(results);
+  return bad;
+}
+
 /// @returns how many runs of taut failed or became slower.
 int run_engines(const fs::path& folder, const fs::path& build, const BenchOptions& options,
                 const std::optional<BenchResults>& then) {
@@ -247,6 +263,8 @@ int bench_command(const BenchOptions& options) {
   const fs::path build = options.build_dir.empty() ? fs::read_symlink("/proc/self/exe").parent_path()
                                                    : fs::path(options.build_dir);
   const fs::path folder = build / "benchmarks";
+  if (options.work && fs::exists(folder / "work_profile"))
+    return run_work(folder, build, options) == 0 ? kExitSuccess : kExitFailure;
   const bool engines_only = options.quick || !options.compare.empty();
   const std::vector<fs::path> programs =
       engines_only ? std::vector<fs::path>{} : benchmarks_in(folder, options.only);

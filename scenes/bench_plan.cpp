@@ -124,6 +124,23 @@ std::vector<BenchRun> bench_plan(bool quick, const std::vector<std::string>& eng
   return plan;
 }
 
+std::vector<WorkRun> work_plan(bool quick) {
+  if (quick) return {{"chain", 1000}, {"net-corners", 20}};
+  const std::vector<std::pair<const char*, std::vector<int>>> families = {
+      {"chain", {10, 100, 1000, 10000, 100000}}, {"chain-heavy", {10, 100, 1000, 10000}},
+      {"bridge-hinge", {10, 50, 200, 1000}},     {"bridge-balls", {10, 50, 200, 1000}},
+      {"net-flag", {5, 10, 20, 40, 80}},         {"net-corners", {5, 10, 20, 40, 80, 160}},
+      {"joint-grid", {10, 20, 40, 80}}};
+  std::vector<WorkRun> plan;
+  for (const auto& [scene, sizes] : families) {
+    const bool bridge = std::string(scene).starts_with("bridge");
+    for (const bool truck : {false, true})
+      for (const int n : sizes)
+        if (!truck || bridge) plan.push_back({scene, n, truck});
+  }
+  return plan;
+}
+
 double longest_time(const std::vector<BenchRun>& plan) {
   double time = 0;
   for (const BenchRun& run : plan) time += run.limit;

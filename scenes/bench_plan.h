@@ -29,6 +29,16 @@ BenchRun reference_of(const BenchRun& run);
 /// @param engines those that were built
 std::vector<BenchRun> bench_plan(bool quick, const std::vector<std::string>& engines);
 
+/// One run of work_profile: a scene in taut alone.
+struct WorkRun {
+  std::string scene;
+  int n = 0;
+  bool truck = false;
+};
+
+/// Nets, bridges, chains and grids of all sizes; quick: two small ones.
+std::vector<WorkRun> work_plan(bool quick);
+
 /// Longest processor time that a plan can take [s].
 double longest_time(const std::vector<BenchRun>& plan);
 

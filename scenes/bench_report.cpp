@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scenes/format.h"
+#include "scenes/work_report.h"
 
 namespace taut {
 namespace {
@@ -108,18 +109,6 @@ std::string ahead_list(const BenchResults& results) {
   return text.empty() ? "Nowhere in these runs.\n" : text;
 }
 
-/// Exponent of a least-squares line through log(time) over log(rows).
-std::optional<double> exponent(const std::vector<std::pair<double, double>>& points) {
-  if (points.size() < 2) return std::nullopt;
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (const auto& [x, y] : points) {
-    const double u = std::log(x), v = std::log(y);
-    sx += u, sy += v, sxx += u * u, sxy += u * v;
-  }
-  const auto count = static_cast<double>(points.size());
-  return (count * sxy - sx * sy) / (count * sxx - sx * sx);
-}
-
 /// Time per step by family of scenes and method, in order of rows.
 std::map<std::pair<std::string, std::string>, std::vector<std::pair<double, double>>> growth(
     const BenchResults& results) {
@@ -135,7 +124,7 @@ std::map<std::pair<std::string, std::string>, std::vector<std::pair<double, doub
 std::string growth_table(const BenchResults& results) {
   std::string text = "| scenes | method | rows | median time per step | exponent |\n|---|---|---|---|---|\n";
   for (const auto& [key, points] : growth(results)) {
-    const auto power = exponent(points);
+    const auto power = growth_exponent(points);
     if (!power || points.front().first == points.back().first) continue;
     std::string rows, times;
     for (const auto& [x, y] : points) {
@@ -144,29 +133,6 @@ std::string growth_table(const BenchResults& results) {
     }
     text += "| " + key.first + " | " + key.second + " | " + rows + " | " + times + " ms | " +
             format("%.2f", *power) + " |\n";
-  }
-  return text;
-}
-
-std::string profile_table(const BenchResults& results) {
-  std::string text =
-      "| scene | rows | L nonzeros | flops | factorisation | share of DGEMM | forces, positions, assembly, "
-      "factor, velocities [% of a sub-step] | peak memory |\n|---|---|---|---|---|---|---|---|\n";
-  for (const Json& p : results.at("profiles")) {
-    const Json& stages = p.at("stage_times_per_substep_s");
-    std::string shares = "failed";
-    if (stages.contains("total")) {
-      shares.clear();
-      for (const char* stage : {"forces", "positions", "assembly", "factorization", "velocities"})
-        shares += format("%s%.0f", shares.empty() ? "" : ", ",
-                         100 * stages.at(stage).get<double>() / stages.at("total").get<double>());
-    }
-    text +=
-        "| " + p.at("scene").get<std::string>() +
-        format(" %d | %d | %.3g | %.3g | %.3g ms | %.0f %% | ", p.at("n").get<int>(), p.at("rows").get<int>(),
-               p.at("factor_nonzeros").get<double>(), p.at("factor_flops").get<double>(),
-               1e3 * p.at("factor_time_s").get<double>(), 100 * p.at("share_of_dgemm").get<double>()) +
-        shares + format(" | %.0f MB |\n", p.at("peak_memory_mb").get<double>());
   }
   return text;
 }
@@ -204,6 +170,7 @@ std::string bench_page(const BenchResults& results, const std::string& command) 
                  results.at("planned_runs").get<int>());
   for (const auto& [engine, there] : results.at("engines").items())
     text += engine + (there.get<bool>() ? "; " : " (not installed); ");
+  if (results.at("runs").empty()) return text + "\n\n" + work_tables(results);
   text +=
       "\n\nEach run is a process of its own.  s/s is processor time per simulated second, of the calls that "
       "step; on a "
@@ -215,8 +182,8 @@ std::string bench_page(const BenchResults& results, const std::string& command) 
       "0.2 s, or\nwith a drift above 10 %, do not count as best.  \"time limit\": the run was cut there.\n\n"
       "## Best of each\n\n" +
       best_table(results) + "\n## Where a peer is ahead\n\n" + ahead_list(results) +
-      "\n## Growth with size\n\n" + growth_table(results) + "\n## Work of a step\n\n" +
-      profile_table(results) + "\n## All runs\n\n" + run_table(results);
+      "\n## Growth with size\n\n" + growth_table(results) + "\n" + work_tables(results) +
+      "\n## All runs\n\n" + run_table(results);
   return text;
 }
 

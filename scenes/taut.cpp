@@ -135,6 +135,9 @@ void add_bench(CLI::App& app, taut::BenchOptions& options) {
   CLI::App& bench = *app.add_subcommand(
       "bench", "the scenes in all engines that are installed, and the benchmark programs");
   bench.add_flag("--quick", options.quick, "small scenes only, less than three minutes");
+  bench.add_flag(
+      "--work", options.work,
+      "taut alone, nets, bridges, chains and grids of all sizes: stages, fill, operations, memory");
   bench.add_option("--only", options.only, "scenes, or benchmark programs, with this in their name");
   bench
       .add_option("--results", options.results,

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "scenes/bench_report.h"
+#include "scenes/work_report.h"
 #include "tests/run_program.h"
 
 /// When `taut bench --compare` says that something has become worse.
@@ -90,6 +93,52 @@ TEST(BenchComparison, WhatIsNoResultIsRefusedAtOnce) {
     EXPECT_NE(outcome.err.find(file), std::string::npos) << outcome.err;
     EXPECT_EQ(outcome.err.find("minutes at most"), std::string::npos) << outcome.err;
   }
+}
+
+TEST(WorkReport, ExponentsAreThoseOfPowers) {
+  EXPECT_NEAR(growth_exponent({{10, 3}, {100, 3 * std::pow(10, 1.5)}, {1000, 3000}}).value(), 1.5, 1e-12);
+  EXPECT_FALSE(growth_exponent({{10, 3}}));
+  EXPECT_FALSE(growth_exponent({{10, 3}, {10, 4}}));
+}
+
+TEST(WorkReport, ShowsTheNumbersOfEachProfileAndTheGrowthOfEachFamily) {
+  const auto profile = [](int n, double time) {
+    return Json{{"scene", "chain"},
+                {"n", n},
+                {"truck", false},
+                {"rows", 3 * n},
+                {"factor_nonzeros", 24 * n},
+                {"factor_flops", 200 * n},
+                {"factor_time_s", 1e-4},
+                {"bare_cholmod_time_s", 2e-4},
+                {"share_of_dgemm", 0.25},
+                {"step_time_s", time},
+                {"substeps_per_step", 2.0},
+                {"max_joint_error_m", 3e-11},
+                {"max_joint_angle_error_rad", 4e-11},
+                {"energy_drift_rel", 5e-6},
+                {"peak_memory_mb", 40},
+                {"stage_times_per_substep_s",
+                 {{"forces", 1},
+                  {"positions", 2},
+                  {"assembly", 3},
+                  {"factorization", 4},
+                  {"velocities", 5},
+                  {"total", 20}}}};
+  };
+  BenchResults results{{"profiles", {profile(10, 1e-3), profile(1000, 1e-1)}}};
+  const std::string text = work_tables(results);
+  EXPECT_NE(
+      text.find("| chain 10 | 30 | 1 ms | 2 | 0.1 ms | 0.2 ms | 240 | 2e+03 | 25 % | 5, 10, 15, 20, 25 | "
+                "4.0e-11 | 5.0e-06 | 40 MB |"),
+      std::string::npos)
+      << text;
+  EXPECT_NE(text.find("| chain | 1.00 | 1.00 | 1.00 | 0.00 |"), std::string::npos) << text;
+  results["profiles"][1] = {
+      {"scene", "chain"},      {"n", 1000},           {"truck", false},     {"rows", 3000},
+      {"factor_nonzeros", 1},  {"factor_flops", 1},   {"factor_time_s", 1}, {"bare_cholmod_time_s", 1},
+      {"share_of_dgemm", 0.5}, {"peak_memory_mb", 1}, {"failed", "why"}};
+  EXPECT_NE(work_tables(results).find("| chain 1000 | 3000 | failed |"), std::string::npos);
 }
 
 }  // namespace
