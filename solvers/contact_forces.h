@@ -89,6 +89,11 @@ class ContactForces {
   /// Moreau–Jean between begin_single_kick() and velocity_laws(): `rates` J V before the step.  Contacts that
   /// are touched have Newton's law of impact w ≥ −e w⁻ however slow they are.
   void begin_impulses(std::span<const double> rates, std::span<const double> inertia);
+  /// All contacts that press at impulses λ stick, but for those without friction.
+  bool all_stick(std::span<const double> lambda) const;
+  /// In place of the laws of a stage: what presses at impulses λ holds, along its normal and across it, and
+  /// the others give nothing.
+  void held_laws(std::span<const double> lambda, std::span<RowLaw> laws) const;
   /// Zeroes a guess in the rows of contacts that give nothing in this stage.
   void clear_idle(std::span<double> lambda) const;
   /// Compares a solution of a stage with Coulomb's law.  True if radius, slip or stick of a contact is not
@@ -247,6 +252,9 @@ class ContactForces {
   double friction_bound(int place, double normal) const;
   bool sticks(int place) const {
     return works(place) && points_[place].stuck && !points_[place].broken && compliance(place) == 0;
+  }
+  bool presses(int place, std::span<const double> lambda) const {
+    return works(place) && points_[place].back + lambda[first_row_[place]] > 0;
   }
   bool slips_in_vain(int place) const;
   double slip_of(int place, std::span<const double> w) const;

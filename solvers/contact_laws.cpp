@@ -22,16 +22,9 @@ constexpr double kTurn = 0.05;
 /// Smallest component of a direction that counts as half way between the tangents.
 constexpr double kHalfWay = 0.6;
 
-/// λ = level whatever w.
-RowLaw constant(double level) {
-  RowLaw law;
-  law.level[0] = level;
-  return law;
-}
-
 /// A box around `centre`, or just that if it has no width.
 RowLaw box_around(double centre, double half, double w) {
-  if (!(centre - half < centre + half)) return constant(centre);
+  if (!(centre - half < centre + half)) return RowLaw::constant(centre);
   return RowLaw::box(centre - half, centre + half, w);
 }
 

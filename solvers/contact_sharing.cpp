@@ -25,6 +25,25 @@ Vec3 into_cone(const Vec3& x, double mu) {
 
 }  // namespace
 
+bool ContactForces::all_stick(std::span<const double> lambda) const {
+  for (int k = 0; k < std::ssize(points_); ++k)
+    if (presses(k, lambda) && friction_bound(k, 1) > 0 && !sticks(k)) return false;
+  return true;
+}
+
+void ContactForces::held_laws(std::span<const double> lambda, std::span<RowLaw> laws) const {
+  for (int k = 0; k < std::ssize(points_); ++k) {
+    const int row = first_row_[k];
+    if (!works(k)) continue;
+    const Point& point = points_[k];
+    const bool bears = presses(k, lambda), holds = bears && friction_bound(k, 1) > 0;
+    laws[row] = bears ? RowLaw::equality(normal_law(k).target) : RowLaw::constant(-point.back);
+    for (int i : {0, 1})
+      laws[row + 1 + i] =
+          holds ? RowLaw::equality(point.sliding.target[i]) : RowLaw::constant(-point.sliding.given[i]);
+  }
+}
+
 /// It sticks, and its disc was passed.
 bool ContactForces::slips_in_vain(int k) const {
   return sticks(k) && points_[k].sliding.slips && points_[k].sliding.weight > 0;

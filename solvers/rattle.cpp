@@ -247,12 +247,14 @@ void Rattle::roll_back(StepReport& report) {
 /// λ is the μ at the same instant plus an asymmetry of order h², which is extrapolated: the error of the
 /// prediction is of order h⁴.  With dependent rows it is μ alone, which was solved from 0 with this same S
 /// and so has no part in its null space; what is extrapolated over steps would have one, and let it grow.
-/// Where a direction is held so weakly that μ leans on it and still was not exact, λ starts from 0.
+/// Where a direction is held so weakly that μ leans on it and still was not exact, λ starts from 0.  Contacts
+/// that press and the joints between them go on with the division of the load that they have: of many that
+/// their laws allow, another one each step would let some contact slip each time.
 void Rattle::predict_multipliers(double h) {
   const int rows = system_.row_count();
   if (iterative()) {
     for (int r = 0; r < rows; ++r) lambda_[r] = history_ > 0 ? h / last_h_ * start_mu_[r] : 0;
-  } else if (system_.singular()) {
+  } else if (system_.singular() && (contacts_.empty() || struck())) {
     // Those of contacts are held within their cones.  Newton's method and interior points through the bodies
     // leave a null space as they find it.
     const bool good_guess = !bounded() || (contacts_.empty() && factors_on_demand());
@@ -261,7 +263,7 @@ void Rattle::predict_multipliers(double h) {
     const double scale = from_mu ? h / last_h_ : 0;
     const int joint_rows = system_.rows().first_contact_row();
     for (int r = 0; r < joint_rows; ++r) lambda_[r] = scale * start_mu_[r];
-  } else if (history_ == 0) {
+  } else if (system_.singular() || history_ == 0) {
     for (int r = 0; r < rows; ++r) lambda_[r] = 0.5 * h * force_multipliers_[r];
   } else {
     const double scale = h / last_h_, h2 = h * h;

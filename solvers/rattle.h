@@ -180,6 +180,8 @@ class Rattle {
                             double rate_tolerance) const;
   double resting_tolerance(double rate_tolerance, bool rested) const;
   bool holds(std::span<double> lambda, double rate_tolerance, StepReport& report);
+  bool holds_by_factor(std::span<double> lambda, double rate_tolerance, StepReport& report);
+  bool meets_laws(std::span<double> lambda, double off, double rate_tolerance, StepReport& report);
   void take_pieces(std::span<const double> lambda);
   bool solve_through_bodies(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   bool solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report);
@@ -280,7 +282,7 @@ class Rattle {
   bool laws_moved_ = false;  // friction let go, or its load changed, before this stage was solved
   int newtons_left_ = 0;     // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
-  std::vector<RowLaw> laws_;
+  std::vector<RowLaw> laws_, held_laws_;
   std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, unshared_, row_scratch_;
   std::vector<int> pieces_scratch_;
   std::vector<Twist> mean_twists_;

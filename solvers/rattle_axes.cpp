@@ -154,7 +154,9 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
   if (!contacts_.empty() || many) settings.max_descent_rounds = 0;  // the bodies are the fall-back
   const double resting = resting_tolerance(rate_tolerance, std::exchange(rested_, false) || !rubs());
   laws_moved_ = false;
-  if (may_rest() && holds(lambda, resting, report)) return true;
+  if (may_rest() &&
+      (holds(lambda, resting, report) || (!laws_moved_ && holds_by_factor(lambda, resting, report))))
+    return true;
   if (laws_moved_) (this->*renew)();
   if (system_.through_bodies() || contacts_.soft() || (newtons_left_ > 0 && newtons_left_-- > 0))
     return solve_through_bodies(lambda, rate_tolerance, renew, report);

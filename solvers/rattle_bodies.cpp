@@ -92,6 +92,11 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
     if (off > kHeld) return false;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
+  return meets_laws(lambda, off, rate_tolerance, report);
+}
+
+/// Impulses that are off their laws by no more than `off` are taken, unless some friction lets go at them.
+bool Rattle::meets_laws(std::span<double> lambda, double off, double rate_tolerance, StepReport& report) {
   laws_moved_ = axes_.break_away(w_, rate_tolerance);
   laws_moved_ = axes_.update_loads(system_.rows(), system_.jacobian(), lambda) || laws_moved_;
   if (laws_moved_) return false;
@@ -101,6 +106,29 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
   rested_ = true;
   report.complementarity_residual = std::max({report.complementarity_residual, off, contacts_.residual()});
   return true;
+}
+
+/// True if contacts that hold go on holding with the division of the load that they have: one linear solve,
+/// which changes the impulses of before only by what their rates lack.  The active set and Newton's method
+/// would find another division, as off its laws as their tolerance allows, in each stage.
+bool Rattle::holds_by_factor(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+  if (contacts_.empty() || contacts_.soft() || system_.through_bodies()) return false;
+  std::copy(rates_.begin(), rates_.end(), w_.begin());
+  if (!contacts_.all_stick(lambda) || distance_from_laws(lambda, w_, rate_tolerance) > kNear) return false;
+  held_laws_ = laws_;
+  contacts_.held_laws(lambda, held_laws_);
+  held_.assign(lambda.begin(), lambda.end());
+  pieces_scratch_.assign(active_->pieces().begin(), active_->pieces().end());
+  ActiveSetSettings settings{.rate_tolerance = rate_tolerance, .keep_null_space = true};
+  settings.max_rounds = settings.max_descent_rounds = 0;
+  (void)active_->solve(held_laws_, delta_, held_, w_, report.times, settings);
+  const double off = distance_from_laws(held_, w_, rate_tolerance);
+  if (off <= kHeld && meets_laws(held_, off, rate_tolerance, report)) {
+    std::copy(held_.begin(), held_.end(), lambda.begin());
+    return true;
+  }
+  active_->set_pieces(pieces_scratch_, laws_);
+  return false;
 }
 
 /// The pieces of this solution, for the next solve and for law_error().

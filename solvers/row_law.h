@@ -30,6 +30,12 @@ struct RowLaw {
 
   /// λ = 0 whatever w.
   static RowLaw none() { return {}; }
+  /// λ = level whatever w.
+  static RowLaw constant(double level) {
+    RowLaw law;
+    law.level[0] = level;
+    return law;
+  }
   /// w imposed, any λ.
   static RowLaw equality(double w = 0) { return step(w, kInfinity, -kInfinity); }
   /// w ≥ bound, λ ≥ 0, and one of them exact.

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -135,6 +136,59 @@ TEST(Stick, of_one_body_outlasts_the_slip_of_another) {
   EXPECT_LT((world.pose(boxes[0]).p - held).norm(), 1e-9);
   const double acceleration = 9.81 * (1.05 * 0.5 - 0.4);
   EXPECT_NEAR((world.pose(boxes[1]).p - slid).norm(), 0.5 * acceleration * 0.04, 1e-5);
+}
+
+/// Block on a slope at 98 % of the friction angle's tangent: what moves it along the slope is round-off. Gaps
+/// of its corners, and its turn with them, are left alone within the tolerance of positions.
+TEST(Stick, of_a_block_on_a_slope_does_not_creep) {
+  constexpr double kFriction = 0.5;
+  const Material material{.static_friction = kFriction, .dynamic_friction = kFriction};
+  const Quat slope = exp_so3(Vec3(0, std::atan(0.98 * kFriction), 0));
+  World world;
+  world.add_shape(kGround, HalfSpace{}, {slope, Vec3::Zero()}, material);
+  const BodyId block = world.add_body(
+      {.mass = MassProperties::box({0.4, 0.3, 0.2}, 5), .pose = {slope, slope * Vec3(0, 0, 0.1)}});
+  world.add_shape(block, Box{{0.4, 0.3, 0.2}}, {}, material);
+  const Vec3 start = world.pose(block).p;
+  Simulator simulator(world);
+  for (int i = 0; i < 5000; ++i) ASSERT_TRUE(simulator.step(1e-3).ok()) << i;
+  const Vec3 moved = slope.conjugate() * (world.pose(block).p - start);
+  EXPECT_LT(moved.head<2>().norm(), 1e-12);
+  EXPECT_LT(std::abs(moved.z()), Settings().position_tolerance);
+  EXPECT_LT(world.pose(block).q.angularDistance(slope), Settings().position_tolerance);
+}
+
+/// Turn of a cylinder in a groove of two planes at 45° under a torque, as a part of what friction on both
+/// bears: with both normal forces N and μ N across them, Σ N = √2 W/(1 + μ²), so that is μ R √2 W/(1 + μ²).
+/// It cannot roll on one plane without slipping on the other.
+double turn_in_groove(double part, double time) {
+  constexpr double kFriction = 0.4, kRadius = 0.1, kWeight = 9.81 * 10;
+  const Material material{.static_friction = kFriction, .dynamic_friction = kFriction};
+  World world;
+  for (const double side : {-1.0, 1.0})
+    world.add_shape(kGround, HalfSpace{}, {exp_so3(Vec3(0, side * std::numbers::pi / 4, 0)), Vec3::Zero()},
+                    material);
+  const Quat along = exp_so3(Vec3(std::numbers::pi / 2, 0, 0));
+  const BodyId roller = world.add_body({.mass = MassProperties::cylinder(kRadius, 0.3, 10),
+                                        .pose = {along, {0, 0, std::numbers::sqrt2 * kRadius}}});
+  world.add_shape(roller, Cylinder{kRadius, 0.3}, {}, material);
+  const double most = kFriction * kRadius * std::numbers::sqrt2 * kWeight / (1 + kFriction * kFriction);
+  world.add_force(BodyTorque(roller, Vec3(0, part * most, 0)));
+  const Vec3 start = world.pose(roller).p;
+  Simulator simulator(world);
+  while (world.time() < time) {
+    EXPECT_TRUE(simulator.step(1e-3).ok()) << simulator.report().message;
+    if (testing::Test::HasFailure()) break;
+  }
+  EXPECT_LT((world.pose(roller).p - start).norm(), 1e-9);
+  return world.pose(roller).q.angularDistance(along);
+}
+
+TEST(Stick, of_a_cylinder_in_a_groove_holds_its_torque_without_creep) {
+  EXPECT_LT(turn_in_groove(0.98, 3), 1e-9);
+  // Beyond it: 5 % of μ R √2 W/(1 + μ²) on ½ m R².
+  const double torque = 0.05 * 0.4 * 0.1 * std::numbers::sqrt2 * 98.1 / 1.16;
+  EXPECT_NEAR(turn_in_groove(1.05, 0.1), 0.5 * torque / (0.5 * 10 * 0.01) * 0.01, 1e-6);
 }
 
 }  // namespace
