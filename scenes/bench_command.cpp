@@ -98,18 +98,32 @@ void show(const BenchRun& run, const Json& json, std::size_t index, std::size_t 
                run.engine_label().c_str(), json.value("status", "").c_str(), numbers);
 }
 
-Json profile(const fs::path& program, bool quick) {
+/// What work_profile says of one scene, or why it says nothing.
+Json profile(const fs::path& program, const WorkRun& run, const BenchOptions& options) {
   constexpr double kLongest = 300;  // [s]
-  Json profiles = Json::array();
-  for (const WorkRun& run : work_plan(quick)) {
-    std::vector<std::string> arguments{"--scene", run.scene, "--n", std::to_string(run.n)};
-    if (run.truck) arguments.push_back("--truck");
-    if (quick) arguments.insert(arguments.end(), {"--time", "0.05", "--limit", "1"});
-    const ChildResult child = run_child(program, arguments, true, kLongest);
-    Json json = Json::parse(child.output, nullptr, false);
-    if (child.good() && !json.is_discarded()) profiles.push_back(json);
+  std::vector<std::string> arguments{"--scene", run.scene, "--n", std::to_string(run.n)};
+  if (run.truck) arguments.push_back("--truck");
+  if (options.quick) arguments.insert(arguments.end(), {"--time", "0.05", "--limit", "1"});
+  if (options.limit > 0) arguments.insert(arguments.end(), {"--limit", shortest(options.limit)});
+  const ChildResult child = run_child(program, arguments, true, kLongest);
+  Json json = Json::parse(child.output, nullptr, false);
+  if (child.good() && json.is_object()) return json;
+  return {
+      {"scene", run.scene}, {"n", run.n}, {"truck", run.truck}, {"failed", "no result: " + child.message()}};
+}
+
+/// @param keep is called with the results so far
+template <typename Keep>
+void add_profiles(const fs::path& program, const std::vector<WorkRun>& plan, const BenchOptions& options,
+                  BenchResults& results, Keep keep) {
+  results["profiles"] = Json::array();
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    results["profiles"].push_back(profile(program, plan[i], options));
+    const Json& last = results["profiles"].back();
+    std::fprintf(stderr, "[%2zu/%zu] %-24s %s\n", i + 1, plan.size(), plan[i].label().c_str(),
+                 last.contains("failed") ? last.at("failed").get<std::string>().c_str() : "done");
+    keep();
   }
-  return profiles;
 }
 
 void write(const fs::path& file, const std::string& text) {
@@ -124,7 +138,8 @@ std::string command_of(const BenchOptions& options) {
 }
 
 std::string name_of(const BenchOptions& options) {
-  return options.work ? "work" : options.quick ? "quick" : "engines";
+  return std::string(options.quick ? "quick" : "") +
+         (options.work ? (options.quick ? "-work" : "work") : (options.quick ? "" : "engines"));
 }
 
 void write_results(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
@@ -186,8 +201,10 @@ BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const
   std::fprintf(stderr, "\n");
   References references(folder / "peers");
   results["runs"] = Json::array();
-  results["profiles"] =
-      options.only.empty() ? profile(folder / "work_profile", options.quick) : Json::array();
+  results["profiles"] = Json::array();
+  if (options.only.empty())
+    add_profiles(folder / "work_profile", work_plan(options.quick ? WorkSizes::kTwo : WorkSizes::kSome),
+                 options, results, [] {});
   for (std::size_t i = 0; i < plan.size(); ++i) {
     Json json = measure(folder / "peers", plan[i]);
     references.add_distance(plan[i], json);
@@ -213,16 +230,27 @@ std::optional<BenchResults> earlier_results(const std::string& file) {
 
 /// taut alone.  @returns how many scenes failed.
 int run_work(const fs::path& folder, const fs::path& build, const BenchOptions& options) {
+  if (!options.compare.empty()) fail("--compare", "is not for --work", options.compare);
+  if (!options.arguments.empty()) fail("--work", "takes no arguments of programs", options.arguments.front());
+  const fs::path program = folder / "work_profile";
+  if (!fs::exists(program)) {
+    std::cerr << "taut bench: no work_profile in " << folder.string() << "; `./taut bench` builds it\n";
+    return 1;
+  }
+  std::vector<WorkRun> plan = work_plan(options.quick ? WorkSizes::kTwo : WorkSizes::kAll);
+  std::erase_if(plan, [&](const WorkRun& r) { return r.label().find(options.only) == std::string::npos; });
+  if (plan.empty()) fail("--only", "is in the name of no scene", options.only);
   BenchResults results{
       {"schema", "taut-bench/1"}, {"machine", machine_description()}, {"quick", options.quick}};
   results["engines"] = {{"taut", true}};
   results["planned_runs"] = 0;
   results["runs"] = Json::array();
-  results["profiles"] = profile(folder / "work_profile", options.quick);
-  write_results(results, options, options.results.empty() ? build / "bench" : fs::path(options.results));
-  int bad = static_cast<int>(work_plan(options.quick).size() - results["profiles"].size());
-  for (const Json& p : results["profiles"]) bad += p.contains("failed");
+  const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
+  fs::create_directories(out);
+  add_profiles(program, plan, options, results, [&] { write_results(results, options, out); });
   std::cout << work_tables(results);
+  int bad = 0;
+  for (const Json& p : results["profiles"]) bad += p.contains("failed");
   return bad;
 }
 
@@ -263,8 +291,7 @@ int bench_command(const BenchOptions& options) {
   const fs::path build = options.build_dir.empty() ? fs::read_symlink("/proc/self/exe").parent_path()
                                                    : fs::path(options.build_dir);
   const fs::path folder = build / "benchmarks";
-  if (options.work && fs::exists(folder / "work_profile"))
-    return run_work(folder, build, options) == 0 ? kExitSuccess : kExitFailure;
+  if (options.work) return run_work(folder, build, options) == 0 ? kExitSuccess : kExitFailure;
   const bool engines_only = options.quick || !options.compare.empty();
   const std::vector<fs::path> programs =
       engines_only ? std::vector<fs::path>{} : benchmarks_in(folder, options.only);

@@ -96,9 +96,9 @@ constexpr double kFullLimit = 20, kQuickLimit = 1;  ///< [s]
 
 }  // namespace
 
-std::string BenchRun::scene_label() const {
-  return scene + ' ' + std::to_string(n) + (truck ? " truck" : "");
-}
+std::string BenchRun::scene_label() const { return WorkRun{scene, n, truck}.label(); }
+
+std::string WorkRun::label() const { return scene + ' ' + std::to_string(n) + (truck ? " truck" : ""); }
 
 std::string BenchRun::engine_label() const {
   return engine + ' ' + method + ", " + std::to_string(static_cast<int>(rate)) + " Hz";
@@ -124,18 +124,22 @@ std::vector<BenchRun> bench_plan(bool quick, const std::vector<std::string>& eng
   return plan;
 }
 
-std::vector<WorkRun> work_plan(bool quick) {
-  if (quick) return {{"chain", 1000}, {"net-corners", 20}};
+std::vector<WorkRun> work_plan(WorkSizes sizes) {
+  if (sizes == WorkSizes::kTwo) return {{"chain", 1000}, {"net-corners", 20}};
+  if (sizes == WorkSizes::kSome)
+    return {{"chain", 1000},       {"chain", 10000},    {"bridge-hinge", 1000},
+            {"bridge-balls", 200}, {"net-flag", 40},    {"net-corners", 20},
+            {"net-corners", 40},   {"net-corners", 80}, {"joint-grid", 40}};
   const std::vector<std::pair<const char*, std::vector<int>>> families = {
       {"chain", {10, 100, 1000, 10000, 100000}}, {"chain-heavy", {10, 100, 1000, 10000}},
       {"bridge-hinge", {10, 50, 200, 1000}},     {"bridge-balls", {10, 50, 200, 1000}},
       {"net-flag", {5, 10, 20, 40, 80}},         {"net-corners", {5, 10, 20, 40, 80, 160}},
       {"joint-grid", {10, 20, 40, 80}}};
   std::vector<WorkRun> plan;
-  for (const auto& [scene, sizes] : families) {
+  for (const auto& [scene, numbers] : families) {
     const bool bridge = std::string(scene).starts_with("bridge");
     for (const bool truck : {false, true})
-      for (const int n : sizes)
+      for (const int n : numbers)
         if (!truck || bridge) plan.push_back({scene, n, truck});
   }
   return plan;

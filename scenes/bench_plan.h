@@ -34,10 +34,13 @@ struct WorkRun {
   std::string scene;
   int n = 0;
   bool truck = false;
+
+  std::string label() const;  ///< as BenchRun::scene_label()
 };
 
-/// Nets, bridges, chains and grids of all sizes; quick: two small ones.
-std::vector<WorkRun> work_plan(bool quick);
+enum class WorkSizes { kTwo, kSome, kAll };
+/// Nets, bridges, chains and grids of all sizes, of one or two each, or just two small ones.
+std::vector<WorkRun> work_plan(WorkSizes sizes);
 
 /// Longest processor time that a plan can take [s].
 double longest_time(const std::vector<BenchRun>& plan);

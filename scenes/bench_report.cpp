@@ -166,11 +166,11 @@ std::string bench_page(const BenchResults& results, const std::string& command) 
   std::string text = "# Results of `" + command + "`\n\n";
   for (const auto& [key, value] : machine.items())
     text += "- " + key + ": " + (value.is_string() ? value.get<std::string>() : value.dump()) + '\n';
+  if (results.at("runs").empty()) return text + "\n" + work_tables(results);
   text += format("- runs: %zu of %d\n- engines: ", results.at("runs").size(),
                  results.at("planned_runs").get<int>());
   for (const auto& [engine, there] : results.at("engines").items())
     text += engine + (there.get<bool>() ? "; " : " (not installed); ");
-  if (results.at("runs").empty()) return text + "\n\n" + work_tables(results);
   text +=
       "\n\nEach run is a process of its own.  s/s is processor time per simulated second, of the calls that "
       "step; on a "

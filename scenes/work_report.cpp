@@ -14,7 +14,11 @@ using Points = std::vector<std::pair<double, double>>;
 std::string family_of(const Json& profile) {
   return profile.at("scene").get<std::string>() + (profile.value("truck", false) ? " with truck" : "");
 }
-double number(const Json& profile, const char* key) { return profile.at(key).get<double>(); }
+/// Not a number where JSON could not say it.
+double number(const Json& profile, const char* key) {
+  return profile.contains(key) && profile.at(key).is_number() ? profile.at(key).get<double>() : NAN;
+}
+bool is_whole(const Json& profile) { return !profile.contains("failed") && profile.contains("factor_flops"); }
 
 std::string stage_shares(const Json& stages) {
   std::string shares;
@@ -25,21 +29,19 @@ std::string stage_shares(const Json& stages) {
 }
 
 std::string row_of(const Json& p) {
-  std::string text = "| " + p.at("scene").get<std::string>() +
-                     format(" %d%s | %d | ", p.at("n").get<int>(), p.value("truck", false) ? " truck" : "",
-                            p.at("rows").get<int>());
-  const bool moved = !p.contains("failed");
-  text += moved ? format("%.3g ms | %.2g | ", 1e3 * number(p, "step_time_s"), number(p, "substeps_per_step"))
-                : "failed | | ";
-  text += format("%.3g ms | %.3g ms | %.3g | %.3g | %.0f %% | ", 1e3 * number(p, "factor_time_s"),
-                 1e3 * number(p, "bare_cholmod_time_s"), number(p, "factor_nonzeros"),
-                 number(p, "factor_flops"), 100 * number(p, "share_of_dgemm"));
-  text += moved ? stage_shares(p.at("stage_times_per_substep_s")) +
-                      format(" | %.1e | %.1e | ",
-                             std::max(number(p, "max_joint_error_m"), number(p, "max_joint_angle_error_rad")),
-                             number(p, "energy_drift_rel"))
-                : std::string(" | | | ");
-  return text + format("%.0f MB |\n", number(p, "peak_memory_mb"));
+  const std::string name = "| " + p.at("scene").get<std::string>() +
+                           format(" %d%s | ", p.at("n").get<int>(), p.value("truck", false) ? " truck" : "");
+  if (!is_whole(p)) return name + "| " + p.value("failed", "no result") + " | | | | | | | | | | |\n";
+  return name +
+         format("%d | %.3g ms | %.2g | ", p.at("rows").get<int>(), 1e3 * number(p, "step_time_s"),
+                number(p, "substeps_per_step")) +
+         format("%.3g ms | %.3g ms | %.3g | %.3g | %.0f %% | ", 1e3 * number(p, "factor_time_s"),
+                1e3 * number(p, "bare_cholmod_time_s"), number(p, "factor_nonzeros"),
+                number(p, "factor_flops"), 100 * number(p, "share_of_dgemm")) +
+         stage_shares(p.at("stage_times_per_substep_s")) +
+         format(" | %.1e | %.1e | %.0f MB |\n",
+                std::max(number(p, "max_joint_error_m"), number(p, "max_joint_angle_error_rad")),
+                number(p, "energy_drift_rel"), number(p, "peak_memory_mb"));
 }
 
 /// What grows, over the rows, of one family of scenes.
@@ -51,7 +53,7 @@ struct Growth {
 std::vector<Growth> growth_of(const Json& profiles) {
   std::vector<Growth> all;
   for (const Json& p : profiles) {
-    if (p.contains("failed")) continue;
+    if (!is_whole(p)) continue;
     if (all.empty() || all.back().family != family_of(p)) all.push_back({family_of(p), {}, {}, {}, {}});
     Growth& growth = all.back();
     const double rows = number(p, "rows");
@@ -84,8 +86,11 @@ std::optional<double> growth_exponent(const Points& points) {
 
 std::string work_tables(const BenchResults& results) {
   std::string text =
-      "## Work of a step\n\nSteps of 1 ms for 0.5 s, or for 5 s of processor time; times are medians of it.  "
-      "CHOLMOD: the faster of\nits two methods on the same matrix in the same order.\n\n"
+      "## Work of a step\n\nStep: median processor time of a step of 1 ms, from the start of the scene on; "
+      "stages: "
+      "shares of the sum of all.\nCHOLMOD: the faster of its two methods on the same matrix in the same "
+      "order.  DGEMM "
+      "is that of the BLAS as it takes this\nprocessor (see machine), so that a share may be above 100 %.\n\n"
       "| scene | rows | step | sub-steps | factorisation | bare CHOLMOD | L nonzeros | flops | share of "
       "DGEMM | forces, positions, assembly, factor, velocities [% of a sub-step] | joint error [m or rad] | "
       "drift | peak memory |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";

@@ -64,7 +64,7 @@ struct FrontKernels {
 };
 
 /// Leading dimension of W by columns.
-constexpr int side_height(int rows) { return (rows + 3) & ~3; }
+static constexpr int side_height(int rows) { return (rows + 3) & ~3; }
 
 /// Columns that the blocked kernels take at a time.
 constexpr int kPanelWidth = 64;

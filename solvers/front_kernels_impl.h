@@ -1,9 +1,9 @@
 // The kernels of front_kernels.h, written once over a vector of four doubles.  Included by
 // front_kernels_portable.cpp and front_kernels_avx2.cpp, which define Vec, zero(), load(), store(), splat(),
-// compose(), transpose(), multiply(), add(), first_lanes(), keep(), minus_product(a, b, c) = c − ab, plus_product(a, b, c)
-// = c + ab, sum_each() and kStrips, the height in vectors of a register tile.  Everything is in an unnamed
-// namespace and nothing of the standard library is instantiated: the two copies, compiled for different
-// processors, must not be merged by the linker.
+// compose(), transpose(), multiply(), add(), first_lanes(), keep(), minus_product(a, b, c) = c − ab,
+// plus_product(a, b, c) = c + ab, sum_each() and kStrips, the height in vectors of a register tile.
+// Everything is in an unnamed namespace and nothing of the standard library is instantiated: the two copies,
+// compiled for different processors, must not be merged by the linker.
 #pragma once
 
 #include "solvers/front_kernels.h"

@@ -1,15 +1,14 @@
 #include <sys/resource.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "benchmarks/one_blas_thread.h"
 #include "benchmarks/peers/peer.h"
 #include "benchmarks/timing.h"
 #include "core/diagnostics.h"
@@ -45,15 +44,6 @@ double cpu_now() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-/// OpenBLAS starts its threads when it is loaded, and they wait by spinning: an engine that calls LAPACK, or
-/// only links it, would be charged for that, Siconos four times its work on matrices of 171 rows.  So the
-/// program starts itself again with one thread.
-void use_one_blas_thread(char** argv) {
-  constexpr const char* kThreads = "OPENBLAS_NUM_THREADS";
-  if (std::getenv(kThreads) || setenv(kThreads, "1", 0) != 0) return;
-  execv("/proc/self/exe", argv);  // comes back only if it fails
 }
 
 double peak_memory_mb() {
@@ -199,7 +189,7 @@ Json run(const Options& options, const std::string& name, const Factory& factory
 }  // namespace
 
 int peer_main(int argc, char** argv, const std::string& engine, const Factory& factory) {
-  use_one_blas_thread(argv);
+  benchmarks::use_one_blas_thread(argv);
   CLI::App app("one scene in " + engine + ", measured from the poses; prints JSON");
   Options options;
   app.add_option("--scene", options.scene, "a scene of the catalogue");

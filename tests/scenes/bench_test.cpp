@@ -134,11 +134,20 @@ TEST(WorkReport, ShowsTheNumbersOfEachProfileAndTheGrowthOfEachFamily) {
       std::string::npos)
       << text;
   EXPECT_NE(text.find("| chain | 1.00 | 1.00 | 1.00 | 0.00 |"), std::string::npos) << text;
-  results["profiles"][1] = {
-      {"scene", "chain"},      {"n", 1000},           {"truck", false},     {"rows", 3000},
-      {"factor_nonzeros", 1},  {"factor_flops", 1},   {"factor_time_s", 1}, {"bare_cholmod_time_s", 1},
-      {"share_of_dgemm", 0.5}, {"peak_memory_mb", 1}, {"failed", "why"}};
-  EXPECT_NE(work_tables(results).find("| chain 1000 | 3000 | failed |"), std::string::npos);
+  results["profiles"][1] = {{"scene", "chain"}, {"n", 1000}, {"truck", false}, {"failed", "killed"}};
+  EXPECT_NE(work_tables(results).find("| chain 1000 | | killed |"), std::string::npos);
+  results["profiles"][1] = profile(1000, 1e-1);
+  results["profiles"][1]["stage_times_per_substep_s"] = {
+      {"total", nullptr}};  // as JSON says what is no number
+  results["profiles"][1]["step_time_s"] = nullptr;
+  EXPECT_NE(work_tables(results).find("| chain 1000 | 3000 | nan ms |"), std::string::npos);
+}
+
+TEST(WorkReport, OptionsThatMeanNothingForItAreRefused) {
+  const std::string folder = ::testing::TempDir();
+  EXPECT_NE(run_program({"bench", "--work", "--compare", folder + "/none.json"}).exit_status, 0);
+  EXPECT_NE(run_program({"bench", "--work", "--only", "nosuch"}).exit_status, 0);
+  EXPECT_NE(run_program({"bench", "--work", "--build-dir", folder}).exit_status, 0);
 }
 
 }  // namespace
