@@ -345,6 +345,34 @@ TEST_P(Joints, EveryRowHasANameAndAKind) {
   }
 }
 
+/// Every subset of locks, each on a few closed joints.
+TEST(SixDofLocks, AnySubsetCanBeLocked) {
+  Random random(19);
+  for (int mask = 0; mask < 64; ++mask) {
+    const JointCase locked = six_dof(mask);
+    for (int trial = 0; trial < 4; ++trial) {
+      const Pose A = random.pose(), B = random.pose();
+      World world = pair_of_bodies(A, B);
+      const JointCase::Made made = locked.make(world, random);
+      const RowChecker rows(Same(made.joint)), with_axes(Same(made.joint), true);
+      ASSERT_EQ(rows.row_count(), 6 - locked.freedoms) << mask;
+      const Pose there = made.allowed_motion(B, random);
+      const Gap gap = rows.gap(A, there);
+      EXPECT_LT(std::max(gap.metres, gap.radians), 1e-13) << mask;
+      if (rows.row_count() > 0) {
+        testing::check_rows(Same(made.joint), A, there, random);
+        const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows.jacobian(A, there));
+        EXPECT_GT(svd.singularValues().minCoeff(), 0.1) << mask;
+      }
+      // Three free rotations are no coordinates; all other freedoms are axes.
+      const JointId joint = world.add_joint("joint", made.joint);
+      EXPECT_EQ(world.axis_count(joint), locked.freedoms - (mask >> 3 == 0 ? 3 : 0)) << mask;
+      if (with_axes.row_count() == 0) continue;
+      EXPECT_LT(with_axes.jacobian_error(A, there), testing::kDifferenceTolerance) << mask;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(AllTypes, Joints, ::testing::ValuesIn(kCases), [](const auto& test_case) {
   return std::string(test_case.param.type) + "_" + std::to_string(test_case.index);
 });

@@ -45,6 +45,24 @@ struct TypeCase {
 };
 
 const TypeCase kTypes[] = {
+    {"ball", [](Tangle& t) { t.world.add("", Ball::at(t.world, t.a, t.b, t.random.vector())); }},
+    {"hinge",
+     [](Tangle& t) { t.world.add("", Hinge::at(t.world, t.a, t.b, t.random.vector(), t.random.unit())); }},
+    {"slider",
+     [](Tangle& t) { t.world.add("", Slider::at(t.world, t.a, t.b, t.random.vector(), t.random.unit())); }},
+    {"universal",
+     [](Tangle& t) {
+       Vec3 arm, unused;
+       const Vec3 other = t.random.unit();
+       complete_frame(other, arm, unused);
+       t.world.add("", Universal::at(t.world, t.a, t.b, t.random.vector(), other, arm));
+     }},
+    {"fixed", [](Tangle& t) { t.world.add("", Fixed::at(t.world, t.a, t.b, t.random.vector())); }},
+    {"distance",
+     [](Tangle& t) {
+       const Vec3 p = t.random.vector();
+       t.world.add("", Distance::between(t.world, t.a, t.b, p, p + 2 * t.random.unit()));
+     }},
     {"cylindrical",
      [](Tangle& t) {
        t.world.add("", Cylindrical::at(t.world, t.a, t.b, t.random.vector(), t.random.unit()));
