@@ -111,15 +111,15 @@ Scene build_robot(const Parameters& parameters) {
   struct Link {
     const char* name;
     Vec3 from, to, axis;
-    double mass, radius, torque, swing;  // torque of its motor, and how far it swings
+    double mass, radius, torque, swing, limit;  // torque of its motor, how far it swings and may turn
   };
   const Link links[] = {
-      {"base", {0, 0, 0}, {0, 0, 0.4}, Vec3::UnitZ(), 20, 0.1, 200, 1.2},
-      {"upper_arm", {0, 0, 0.4}, {0, 0, 1.0}, Vec3::UnitY(), 15, 0.07, 300, 0.6},
-      {"forearm", {0, 0, 1.0}, {0.3, 0, 1.0}, Vec3::UnitY(), 8, 0.05, 150, 0.7},
-      {"forearm_end", {0.3, 0, 1.0}, {0.6, 0, 1.0}, Vec3::UnitX(), 5, 0.05, 30, 1.5},
-      {"wrist", {0.6, 0, 1.0}, {0.7, 0, 1.0}, Vec3::UnitY(), 2, 0.04, 30, 0.8},
-      {"flange", {0.7, 0, 1.0}, {0.75, 0, 1.0}, Vec3::UnitX(), 1, 0.03, 10, 2.5},
+      {"base", {0, 0, 0}, {0, 0, 0.4}, Vec3::UnitZ(), 20, 0.1, 200, 1.2, 3},
+      {"upper_arm", {0, 0, 0.4}, {0, 0, 1.0}, Vec3::UnitY(), 15, 0.07, 300, 0.6, 3},
+      {"forearm", {0, 0, 1.0}, {0.3, 0, 1.0}, Vec3::UnitY(), 8, 0.05, 150, 0.7, 3},
+      {"forearm_end", {0.3, 0, 1.0}, {0.6, 0, 1.0}, Vec3::UnitX(), 5, 0.05, 30, 1.5, 3},
+      {"wrist", {0.6, 0, 1.0}, {0.7, 0, 1.0}, Vec3::UnitY(), 2, 0.04, 30, 0.8, 3},
+      {"flange", {0.7, 0, 1.0}, {0.75, 0, 1.0}, Vec3::UnitX(), 1, 0.03, 10, 2.5, 6},
   };
   const double torque = parameters.at("torque");
   BodyId last = kGround;
@@ -133,7 +133,7 @@ Scene build_robot(const Parameters& parameters) {
     motor.trajectory =
         harmonic_motion(-link.swing * std::sin(phase), link.swing, 2 * std::numbers::pi / 3, phase);
     world.set_motor(angle, motor);
-    world.set_limits(angle, AxisLimits{.lower = -3, .upper = 3});
+    world.set_limits(angle, AxisLimits{.lower = -link.limit, .upper = link.limit});
     last = here;
   }
   scene.energy_scale = 51 * kGravity * 1.0;
