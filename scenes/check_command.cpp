@@ -10,25 +10,24 @@
 namespace taut {
 namespace {
 
-constexpr std::size_t kMostRows = 20, kMostHolders = 4;
+constexpr std::size_t kMostRows = 20, kMostHolders = 4, kMostReactions = 40;
 
-std::string joint_names(const World& world, const std::vector<JointId>& joints) {
+std::string joint_names(const World& world, const std::vector<JointId>& joints, std::size_t most) {
   std::string text;
-  for (std::size_t i = 0; i < joints.size() && i < kMostHolders; ++i)
+  for (std::size_t i = 0; i < joints.size() && i < most; ++i)
     text += (i > 0 ? ", " : "") + world.name(joints[i]);
-  if (joints.size() > kMostHolders) text += " and " + std::to_string(joints.size() - kMostHolders) + " more";
+  if (joints.size() > most) text += " and " + std::to_string(joints.size() - most) + " more";
   return text;
 }
 
 void print_redundant(const World& world, const std::vector<RedundantRow>& redundant) {
   if (redundant.empty()) return;
-  std::cout << "\nRedundant: these rows hold what others already hold.  The motion is not affected; the "
-               "reactions of the\n"
-               "joints named are not unique.\n";
+  std::cout << "\nRedundant rows, which do not affect the motion:\n";
   for (std::size_t i = 0; i < redundant.size() && i < kMostRows; ++i) {
     const RedundantRow& row = redundant[i];
-    std::cout << "  " << world.name(row.joint) << ", " << row.name;
-    if (!row.held_by.empty()) std::cout << " (held by " << joint_names(world, row.held_by) << ")";
+    std::cout << "  " << world.joint(row.joint).type() << ' ' << world.name(row.joint) << ": " << row.name;
+    if (!row.held_by.empty())
+      std::cout << " is already held by " << joint_names(world, row.held_by, kMostHolders);
     std::cout << '\n';
   }
   if (redundant.size() > kMostRows) std::cout << "  and " << redundant.size() - kMostRows << " more\n";
@@ -80,6 +79,9 @@ int check_command(const std::string& name, const std::map<std::string, double>& 
             << "redundant rows  " << rank.rows - rank.rank << '\n'
             << "solver          " << simulator.solver_description() << '\n';
   print_redundant(world, rank.redundant);
+  if (!rank.not_unique.empty())
+    std::cout << "\nReactions that are not unique, of " << rank.not_unique.size()
+              << " joints: " << joint_names(world, rank.not_unique, kMostReactions) << '\n';
   if (problems.empty())
     std::cout << "\nfine: nothing wrong found\n";
   else

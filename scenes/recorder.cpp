@@ -15,6 +15,7 @@ struct QuantityInfo {
 
 const QuantityInfo& info(Quantity quantity) {
   static const std::vector<std::string> xyz{"x", "y", "z"};
+  static const std::vector<std::string> parts{"motor", "friction", "limit", "spring", "damping"};
   static const std::vector<QuantityInfo> table{
       {"position", "m", xyz},
       {"velocity", "m/s", xyz},
@@ -26,6 +27,10 @@ const QuantityInfo& info(Quantity quantity) {
       {"energy", "J", {"kinetic", "potential"}},
       {"momentum", "N s", xyz},
       {"angular-momentum", "N m s", xyz},
+      {"axis", "rad or m", {"value", "rate"}},
+      {"axis-force", "N m or N", parts},
+      {"axis-power", "W", parts},
+      {"axis-state", "", {"stuck", "saturated", "at_limit"}},
   };
   return table[static_cast<std::size_t>(quantity)];
 }
@@ -81,7 +86,24 @@ void Recorder::append(const Probe& probe, Simulator& simulator) {
       return append(linear_momentum(world, world.state()));
     case Quantity::kAngularMomentum:
       return append(angular_momentum(world, world.state()));
+    case Quantity::kAxis:
+      values_.insert(values_.end(), {world.axis_value(probe.axis), world.axis_rate(probe.axis)});
+      return;
+    case Quantity::kAxisForce:
+      return append(simulator.axis_report(probe.axis).force);
+    case Quantity::kAxisPower:
+      return append(simulator.axis_report(probe.axis).power);
+    case Quantity::kAxisState: {
+      const AxisReport report = simulator.axis_report(probe.axis);
+      for (const bool state : {report.stuck, report.saturated, report.at_limit}) values_.push_back(state);
+      return;
+    }
   }
+}
+
+/// Soft limits with the rigid ones.
+void Recorder::append(const AxisImpulse& x) {
+  values_.insert(values_.end(), {x.motor, x.friction, x.limit + x.elastic_limit, x.spring, x.damping});
 }
 
 std::vector<Gap> Recorder::gaps(const World& world) {

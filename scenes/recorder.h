@@ -15,7 +15,7 @@ namespace taut {
 std::string_view to_string(Probe::Quantity quantity);
 /// "m", "N", ...; for a gap that of its first component.
 std::string_view unit(Probe::Quantity quantity);
-/// Names of the numbers that a quantity consists of: x y z, w x y z, metres radians, kinetic potential.
+/// Names of the numbers that a quantity consists of: x y z, w x y z, metres radians, value rate, ….
 const std::vector<std::string>& components(Probe::Quantity quantity);
 
 /// Reads the probes of a scene from a simulator.
@@ -32,6 +32,7 @@ class Recorder {
  private:
   void append(const Probe& probe, Simulator& simulator);
   void append(const Vec3& v) { values_.insert(values_.end(), {v.x(), v.y(), v.z()}); }
+  void append(const AxisImpulse& x);
   std::vector<Gap> gaps(const World& world);
 
   std::vector<Probe> probes_;

@@ -148,6 +148,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
         simulator.settings().report_energy ? report.energy() : total_energy(world, world.state());
     const Gap gap = meter.largest(world);
     record.add(report, seconds, gap, energy);
+    record.note_breaks(report, world);
     if (!report.advanced()) {
       return note_failure(record, report, world,
                           "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s");
@@ -217,6 +218,7 @@ int run_command(const RunOptions& options) {
     outputs.header(recorder);
     outputs.sample(recorder, simulator);
     if (record.status == "success") run_steps(record, simulator, meter, recorder, outputs, options.quiet);
+    record.redundant_rows = names_of(simulator.report().dependent_rows, scene.world);
     last = recorder.sample(simulator);
   } catch (const std::exception& error) {
     if (record.status == "success") record.status = "error", record.message = error.what();

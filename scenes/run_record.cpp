@@ -63,9 +63,24 @@ void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, do
   max_penetration = std::max(max_penetration, report.penetration);
   final_penetration = report.penetration;
   max_complementarity_residual = std::max(max_complementarity_residual, report.complementarity_residual);
+  max_natural_residual = std::max(max_natural_residual, report.natural_residual);
+  add_ledger(report);
   stiffness_work += report.stiffness_work;
   final_energy = energy;
   max_energy_drift = std::max(max_energy_drift, std::abs(energy - initial_energy));
+}
+
+void RunRecord::add_ledger(const StepReport& report) {
+  if (steps == 1) ledger.start = report.ledger.start;
+  ledger += report.ledger;
+  const double error = report.ledger.start + report.ledger.total() - report.energy();
+  max_ledger_error = std::max(max_ledger_error, std::abs(error));
+}
+
+void RunRecord::note_breaks(const StepReport& report, const World& world) {
+  for (const BreakEvent& event : report.breaks)
+    breaks.push_back({world.name(event.joint), event.with.index >= 0 ? world.name(event.with) : "",
+                      event.time, event.force, event.torque});
 }
 
 std::size_t RunRecord::warm_up_steps() const { return std::min<std::size_t>(10, step_times.size() / 3); }

@@ -38,6 +38,7 @@ struct RunRecord {
   double max_penetration = 0;               ///< largest over all steps [m]
   double final_penetration = 0;             ///< of the last step [m]
   double max_complementarity_residual = 0;  ///< largest over all steps, relative
+  double max_natural_residual = 0;          ///< likewise, with rates that are off within their tolerance
   std::int64_t inexact_steps = 0;           ///< whose laws were not met to 1e-8
   int asleep = 0;                           ///< bodies, at the end
   std::int64_t pivots = 0, contact_iterations = 0;
@@ -45,6 +46,15 @@ struct RunRecord {
   double initial_energy = 0, final_energy = 0, energy_scale = 0;  ///< [J]
   double max_energy_drift = 0;                                    ///< largest |E(t) − E(0)| [J]
   double stiffness_work = 0;                                      ///< [J]
+  EnergyLedger ledger;          ///< sums over all steps, from the start of the first
+  double max_ledger_error = 0;  ///< largest |E_start + ledger − E_end| of a step [J]
+
+  struct Break {
+    std::string joint, with;  ///< that it left with, or empty
+    double time = 0, force = 0, torque = 0;
+  };
+  std::vector<Break> breaks;
+  std::vector<std::string> redundant_rows;  ///< by name, of the last step
 
   std::string status = "success", message;
   std::vector<std::string> contradiction;  ///< what cannot hold together, by name
@@ -57,6 +67,10 @@ struct RunRecord {
   /// @param gap largest joint error, measured from the poses after the step
   /// @param energy total energy after the step [J]
   void add(const StepReport& report, double seconds, const Gap& gap, double energy);
+
+  void add_ledger(const StepReport& report);
+  /// Joints that broke in a step, by name.
+  void note_breaks(const StepReport& report, const World& world);
 
   /// Steps left out of the statistics of time: the first ten, or a third of a very short run.
   std::size_t warm_up_steps() const;

@@ -38,6 +38,40 @@ Json probes_json(const Recorder& recorder, std::span<const double> values) {
   return probes;
 }
 
+Json ledger_json(const EnergyLedger& ledger) {
+  return {{"motors", ledger.motors},
+          {"drivers", ledger.drivers},
+          {"friction", ledger.friction},
+          {"limits", ledger.limits},
+          {"contacts", ledger.contacts},
+          {"damping", ledger.damping},
+          {"forces", ledger.forces},
+          {"breaking", ledger.breaking},
+          {"stabilisation", ledger.stabilisation},
+          {"stiffness", ledger.stiffness},
+          {"integration", ledger.integration}};
+}
+
+Json breaks_json(const std::vector<RunRecord::Break>& breaks) {
+  Json list = Json::array();
+  for (const RunRecord::Break& event : breaks)
+    list.push_back({{"joint", event.joint},
+                    {"time_s", event.time},
+                    {"force_N", event.force},
+                    {"torque_Nm", event.torque},
+                    {"with", event.with.empty() ? Json() : Json(event.with)}});
+  return list;
+}
+
+/// "hanger_3 at 1.2 s, …"
+std::string breaks_text(const std::vector<RunRecord::Break>& breaks) {
+  constexpr std::size_t kShown = 6;
+  std::string text;
+  for (std::size_t i = 0; i < breaks.size() && i < kShown; ++i)
+    text += (i > 0 ? ", " : "") + breaks[i].joint + format(" at %.4g s", breaks[i].time);
+  return breaks.size() <= kShown ? text : text + format(" and %zu more", breaks.size() - kShown);
+}
+
 std::string duration(double seconds) {
   if (seconds < 1e-3) return format("%.1f µs", seconds * 1e6);
   if (seconds < 1) return format("%.3f ms", seconds * 1e3);
@@ -102,6 +136,7 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
   report["max_penetration_m"] = r.max_penetration;
   report["final_penetration_m"] = r.final_penetration;
   report["max_complementarity_residual"] = r.max_complementarity_residual;
+  report["max_natural_residual"] = r.max_natural_residual;
   report["inexact_steps"] = r.inexact_steps;
   report["asleep"] = r.asleep;
   report["pivots"] = r.pivots;
@@ -111,7 +146,11 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
                       {"scale", r.energy_scale},
                       {"max_drift", r.max_energy_drift},
                       {"max_drift_rel", r.relative_energy_drift()},
-                      {"stiffness_work", r.stiffness_work}};
+                      {"stiffness_work", r.stiffness_work},
+                      {"ledger", ledger_json(r.ledger)},
+                      {"max_ledger_error", r.max_ledger_error}};
+  report["breaks"] = breaks_json(r.breaks);
+  report["redundant_rows"] = r.redundant_rows;
   report["probes"] = probes_json(recorder, values);
   report["final_time_s"] = final_state.time;
   report["final_state_fingerprint"] =
@@ -146,6 +185,7 @@ std::string run_table(const RunRecord& r) {
   if (r.max_contacts > 0)
     lines.emplace_back("contacts", format("at most %d, penetration %.2e m, at the end %.2e m", r.max_contacts,
                                           r.max_penetration, r.final_penetration));
+  if (!r.breaks.empty()) lines.emplace_back("broken joints", breaks_text(r.breaks));
   if (r.asleep > 0) lines.emplace_back("asleep", format("%d bodies at the end", r.asleep));
   if (r.max_contacts > 0 || r.pivots > 0 || r.contact_iterations > 0)
     lines.emplace_back("complementarity", format("residual %.2e, ", r.max_complementarity_residual) +

@@ -22,11 +22,16 @@ struct Probe {
     kEnergy,           ///< kinetic, potential [J]
     kMomentum,         ///< linear [N·s]
     kAngularMomentum,  ///< about the world origin [N·m·s]
+    kAxis,             ///< of a free axis: value [rad or m], rate
+    kAxisForce,        ///< mean over the last step, by what gave it: AxisReport::force [N·m or N]
+    kAxisPower,        ///< AxisReport::power [W]
+    kAxisState,        ///< AxisReport: stuck, saturated, at a limit; 0 or 1
   };
   std::string name;
   Quantity quantity = Quantity::kPosition;
   BodyId body{};                ///< for the body quantities
   JointId joint{};              ///< for the joint quantities
+  AxisId axis{};                ///< for those of axes
   Vec3 point_B = Vec3::Zero();  ///< body point, from the centre of mass
 };
 

@@ -13,6 +13,7 @@ void append_scene(Scene& scene, const Scene& block, const std::string& prefix, c
     probe.name = prefix + probe.name;
     probe.body = to(probe.body);
     if (probe.joint.index >= 0) probe.joint = to(probe.joint);
+    if (probe.axis.joint.index >= 0) probe.axis.joint = to(probe.axis.joint);
     scene.probes.push_back(std::move(probe));
   }
   for (const Drawing& drawing : block.drawings) scene.drawings.push_back({to(drawing.body), drawing.shape});

@@ -14,7 +14,7 @@ constexpr const char* kFormat = "taut-scene/1";
 constexpr double kGapTolerance = 1e-6;
 
 /// What a probe's quantity belongs to.
-enum class Subject { kBodyPoint, kBody, kJoint, kWorld };
+enum class Subject { kBodyPoint, kBody, kJoint, kAxis, kWorld };
 struct QuantityInfo {
   Probe::Quantity quantity;
   Subject subject;
@@ -31,6 +31,10 @@ constexpr std::pair<const char*, QuantityInfo> kQuantities[] = {
     {"energy", {Quantity::kEnergy, Subject::kWorld}},
     {"momentum", {Quantity::kMomentum, Subject::kWorld}},
     {"angular-momentum", {Quantity::kAngularMomentum, Subject::kWorld}},
+    {"axis", {Quantity::kAxis, Subject::kAxis}},
+    {"axis-force", {Quantity::kAxisForce, Subject::kAxis}},
+    {"axis-power", {Quantity::kAxisPower, Subject::kAxis}},
+    {"axis-state", {Quantity::kAxisState, Subject::kAxis}},
 };
 
 /// Names of bodies or joints, for suggestions.
@@ -179,6 +183,7 @@ void SceneReader::read_probe(const JsonNode& node) {
     probe.point_B = object.get("point", &JsonNode::vector, body.centre) - body.centre;
   if (info.subject == Subject::kJoint)
     if (const auto joint = object.required("joint")) probe.joint = find_joint(*joint);
+  if (info.subject == Subject::kAxis) probe.axis = required_axis(object, "axis").value_or(AxisId{});
   object.reject_unknown_keys();
   if (!probe.name.empty() && !probe_names_.insert(probe.name).second)
     name->problem("name is already taken by another probe");

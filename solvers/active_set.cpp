@@ -253,10 +253,12 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
 }
 
 void ActiveSet::measure(const Problem& problem, ActiveSetOutcome& outcome) {
-  outcome.residual = std::isfinite(scale_) ? 0 : scale_;
+  outcome.residual = outcome.natural_residual = std::isfinite(scale_) ? 0 : scale_;
   for (std::size_t r = 0; r < states_.size() && std::isfinite(scale_); ++r) {
     const double own = root_[r] * root_[r], lambda = problem.lambda[r];
     const double error = std::abs(lambda - problem.laws[r].answer(own, lambda, problem.w[r]));
+    if (root_[r] * error > outcome.natural_residual * scale_)
+      outcome.natural_residual = root_[r] * error / scale_;
     if (own * error <= problem.settings.rate_tolerance) continue;
     if (root_[r] * error <= outcome.residual * scale_) continue;
     outcome.residual = root_[r] * error / scale_;

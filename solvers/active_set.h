@@ -40,8 +40,10 @@ struct ActiveSetOutcome {
   int factorizations = 0;
   /// max_r √S_rr |λ_r − λ*_r| / scale, where λ*_r is what row r by itself would answer to the others, and
   /// scale the largest of √S_rr |λ_r|, |b_r| / √S_rr and |w_k| / √S_rr [√J]: 0 exactly at a solution.
+  /// Rows whose rate is off by no more than ActiveSetSettings::rate_tolerance do not count.
   double residual = 0;
-  int worst_row = -1;  ///< the row with that residual
+  int worst_row = -1;           ///< the row with that residual
+  double natural_residual = 0;  ///< the same with all rows
 
   bool ok() const { return status == ActiveSetStatus::kSolved; }
 };

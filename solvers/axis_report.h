@@ -21,6 +21,7 @@ struct AxisImpulse {
 struct AxisReport {
   AxisImpulse force;       ///< mean over the step [N·m or N]
   AxisImpulse work;        ///< on the bodies [J]
+  AxisImpulse power;       ///< mean over the step [W]
   bool stuck = false;      ///< friction holds the axis where it is
   bool saturated = false;  ///< the motor gives all it has and does not reach its target
   bool at_limit = false;

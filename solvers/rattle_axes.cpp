@@ -202,6 +202,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
   }
   report.complementarity_residual =
       std::max({report.complementarity_residual, outcome_.residual, contacts_.residual()});
+  report.natural_residual = std::max(report.natural_residual, outcome_.natural_residual);
   return true;
 }
 

@@ -141,7 +141,10 @@ void Simulator::Impl::step(double dt) {
     find_tired_bodies(dt);
   else if (source_.asleep_count() > 0)  // for a simulator that is no more
     source_.wake_all(), world_.wake_all();
+  std::vector<DependentRow> kept = std::move(report_.dependent_rows);  // its memory
   report_ = {};
+  kept.clear();
+  report_.dependent_rows = std::move(kept);
   report_.dt = dt;
   {
     const Stopwatch watch(report_.times.total);
@@ -342,11 +345,23 @@ void Simulator::Impl::finish(double dt) {
     }
   }
   report_.rank_deficiency = system_->rank_deficiency();
+  name_dependent_rows();
+  report_.natural_residual = std::max(report_.natural_residual, report_.complementarity_residual);
   report_.condition_estimate = system_->condition_estimate();
   if (!settings_.report_energy) return;
   report_.constraint_work -= report_.axis_work.total() + report_.contact_work.total();
   sum_motion(state, force_level_ ? force_level_->momenta() : rattle_->momenta(), report_);
   books_.close(world_, report_, rattle_ != nullptr);
+}
+
+void Simulator::Impl::name_dependent_rows() {
+  const Rows& rows = system_->rows();
+  for (int row : system_->dependent_rows()) {
+    if (rows.is_contact(row)) continue;
+    const int joint = rows.row(row).joint;
+    report_.dependent_rows.push_back({{joint}, row - rows.joints()[joint].first_row});
+  }
+  std::sort(report_.dependent_rows.begin(), report_.dependent_rows.end());
 }
 
 /// What broke in the step is out of the world from now on.

@@ -30,6 +30,9 @@ struct RankReport {
   int rank = 0;
   int freedoms = 0;  ///< 6 × moving bodies − rank
   std::vector<RedundantRow> redundant;
+  /// Joints whose reactions are not unique, in ascending order: those that a self-stress of the mechanism
+  /// loads.
+  std::vector<JointId> not_unique;
 };
 
 /// Advances a World in time.

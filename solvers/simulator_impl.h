@@ -128,6 +128,7 @@ class Simulator::Impl {
   void diagnose_stall(double remaining);
   Contradiction contradiction_from(const State& state, double horizon) const;
   void count_work();
+  void name_dependent_rows();
   void set_failure(Status status, std::string message);
 };
 

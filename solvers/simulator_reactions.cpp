@@ -100,8 +100,10 @@ AxisReport Simulator::Impl::axis_report(AxisId axis) const {
   if (found == rows.end()) return {};
   AxisReport report = rattle_->axes().reports()[found - rows.begin()];
   for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
-                    &AxisImpulse::damping, &AxisImpulse::elastic_limit})
+                    &AxisImpulse::damping, &AxisImpulse::elastic_limit}) {
     report.force.*part /= report_.dt;
+    report.power.*part = report.work.*part / report_.dt;
+  }
   return report;
 }
 

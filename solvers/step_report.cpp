@@ -1,5 +1,7 @@
 #include "solvers/step_report.h"
 
+#include "core/rows.h"
+
 namespace taut {
 
 std::string_view to_string(Status status) {
@@ -16,6 +18,28 @@ std::string_view to_string(Status status) {
       return "not finite";
   }
   return "unknown";
+}
+
+EnergyLedger& EnergyLedger::operator+=(const EnergyLedger& next) {
+  for (auto term :
+       {&EnergyLedger::motors, &EnergyLedger::drivers, &EnergyLedger::friction, &EnergyLedger::limits,
+        &EnergyLedger::contacts, &EnergyLedger::damping, &EnergyLedger::forces, &EnergyLedger::breaking,
+        &EnergyLedger::stabilisation, &EnergyLedger::stiffness, &EnergyLedger::integration})
+    this->*term += next.*term;
+  return *this;
+}
+
+std::vector<std::string> names_of(std::span<const DependentRow> rows, const World& world) {
+  std::vector<std::string> names;
+  if (rows.empty()) return names;
+  const Rows all(world);
+  for (const DependentRow& row : rows) {
+    const Rows::JointRows& joint = all.joints()[row.joint.index];
+    if (row.row >= joint.row_count) continue;  // it has left since
+    names.push_back(std::string(world.joint(row.joint).type()) + " " + world.name(row.joint) + ": " +
+                    all.row_name(joint.first_row + row.row));
+  }
+  return names;
 }
 
 }  // namespace taut

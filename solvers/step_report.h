@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -63,6 +64,16 @@ struct Contradiction {
 /// "motor of slider lift displacement", "contact of box and ground".
 std::vector<std::string> names_of(const Contradiction& contradiction, const World& world);
 
+/// A row of a joint that other rows hold already.
+struct DependentRow {
+  JointId joint;
+  int row = 0;  ///< within the joint
+  friend auto operator<=>(const DependentRow&, const DependentRow&) = default;
+};
+/// For messages: "hinge seam_3: translation along world y".  Good while the world's topology is that of the
+/// step.
+std::vector<std::string> names_of(std::span<const DependentRow> rows, const World& world);
+
 /// A joint that broke in a step, or left with one that did.
 struct BreakEvent {
   JointId joint;
@@ -92,6 +103,8 @@ struct EnergyLedger {
   double stiffness = 0;      ///< taken by implicit geometric stiffness
   /// What is left: work of ideal joints and conservative forces that is not undone by their potential.
   double integration = 0;
+  /// Adds all but the start.
+  EnergyLedger& operator+=(const EnergyLedger& next);
   double total() const {
     return motors + drivers + friction + limits + contacts + damping + forces + breaking + stabilisation +
            stiffness + integration;
@@ -118,11 +131,14 @@ struct StepReport {
   double tension_number = 0;            ///< largest ω h of the sub-steps taken
   int pivots = 0;                       ///< rows that changed their place in the active sets of the step
   double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
-  int contact_iterations = 0;           ///< of Newton's method for contacts; 0: the active set did it
-  int sweeps = 0;                       ///< of an iterative solver, both stages
-  int contacts = 0;                     ///< points at the end of the step, touching or near
-  double penetration = 0;               ///< deepest of them, ≥ 0 [m]
-  int asleep = 0;                       ///< bodies that did not move because they sleep (Settings::sleep)
+  /// The same with the rows whose rates are off by less than velocities may be: relative to the largest
+  /// impulse of each solution, that is to nothing where nothing acts.
+  double natural_residual = 0;
+  int contact_iterations = 0;  ///< of Newton's method for contacts; 0: the active set did it
+  int sweeps = 0;              ///< of an iterative solver, both stages
+  int contacts = 0;            ///< points at the end of the step, touching or near
+  double penetration = 0;      ///< deepest of them, ≥ 0 [m]
+  int asleep = 0;              ///< bodies that did not move because they sleep (Settings::sleep)
   StageTimes times;
 
   // With Settings::report_energy:
@@ -138,6 +154,9 @@ struct StepReport {
   double dissipative_work = 0;  ///< of those that are not conservative, a part of force_work [J]
   EnergyLedger ledger;
 
+  /// Rows of joints that others hold already, as many as rank_deficiency but for those of contacts;
+  /// names_of() says which, Simulator::analyze_rank() who holds them and whose reactions are not unique.
+  std::vector<DependentRow> dependent_rows;
   std::vector<BreakEvent> breaks;  ///< in the order in which they happened; the joints are detached now
   Contradiction contradiction;     ///< with Status::kContradiction
 

@@ -84,6 +84,67 @@ TEST(Program, NamesWhatCannotHoldTogether) {
   }
 }
 
+TEST(Program, CheckNamesReactionsThatAreNotUnique) {
+  const Outcome check = run_program({"check", TAUT_SOURCE_DIR "/scenes/bricard.json"});
+  EXPECT_EQ(check.exit_status, 0);
+  EXPECT_NE(check.out.find("is already held by"), std::string::npos) << check.out;
+  EXPECT_NE(check.out.find("not unique, of 6 joints: P0, P1, P2, P3, P4, P5\n"), std::string::npos)
+      << check.out;
+}
+
+/// A wheel whose engine's torque falls linearly to 0 at 20 rad/s, I ω̇ = 1 − ω/20, with what its axis tells.
+TEST(Program, AnEngineFollowsItsTableFromAFile) {
+  const std::string file = temporary("engine.json"), report_file = temporary("engine_report.json");
+  write_text(file, R"({"format": "taut-scene/1", "dt": 0.001, "duration": 0.5, "gravity": [0, 0, 0],
+    "bodies": [{"name": "wheel", "mass": 1, "inertia": [0.06, 0.06, 0.06]}],
+    "joints": [{"name": "axle", "type": "hinge", "a": "ground", "b": "wheel", "anchor": [0, 0, 0], "axis": [0, 0, 1],
+      "axes": {"angle": {"motor": {"velocity": 100, "force_of_speed": [[0, 1], [20, 0]]}}}}],
+    "probes": [{"name": "angle", "quantity": "axis", "axis": {"joint": "axle", "axis": "angle"}},
+      {"name": "torque", "quantity": "axis-force", "axis": {"joint": "axle", "axis": "angle"}},
+      {"name": "power", "quantity": "axis-power", "axis": {"joint": "axle", "axis": "angle"}},
+      {"name": "state", "quantity": "axis-state", "axis": {"joint": "axle", "axis": "angle"}}]})");
+  ASSERT_EQ(run_program({"run", file, "--report", report_file, "--quiet"}).exit_status, 0);
+  const Json report = Json::parse(read_text(report_file)), &probes = report["probes"];
+  const double rate = 20 * (1 - std::exp(-0.5 / (20 * 0.06))), torque = 1 - rate / 20;
+  EXPECT_NEAR(probes[0]["final"]["rate"].get<double>(), rate, 2e-5);
+  EXPECT_NEAR(probes[1]["final"]["motor"].get<double>(), torque, 1e-3);  // the mean of a step
+  EXPECT_NEAR(probes[2]["final"]["motor"].get<double>(), torque * rate, 1e-2);
+  EXPECT_EQ(probes[3]["final"], (Json{{"stuck", 0.0}, {"saturated", 1.0}, {"at_limit", 0.0}}));
+  // All that the wheel has is the motor's work.
+  EXPECT_NEAR(report["energy"]["ledger"]["motors"].get<double>(), 0.5 * 0.06 * rate * rate, 1e-5);
+  EXPECT_LT(report["energy"]["max_ledger_error"].get<double>(), 1e-14);
+}
+
+TEST(Program, ReportsWhatBroke) {
+  const std::string report_file = temporary("bridge.json");
+  const Outcome run = run_program({"run", "suspension-bridge", "--report", report_file});
+  EXPECT_EQ(run.exit_status, 0) << run.err;
+  EXPECT_NE(run.out.find("broken joints"), std::string::npos) << run.out;
+  const Json breaks = Json::parse(read_text(report_file))["breaks"];
+  ASSERT_GE(breaks.size(), 3u);
+  for (const Json& event : breaks) {
+    EXPECT_EQ(event["joint"].get<std::string>().substr(0, 7), "hanger_");
+    EXPECT_GT(event["force_N"].get<double>(), 2.1 * 400 * 9.81);
+    EXPECT_TRUE(event["with"].is_null());
+  }
+}
+
+/// 1e308 rad/s: after two seconds the angle is no number that a computer has.
+TEST(Program, ADriverThatIsNotFiniteAtSomeTimeEndsInAStatus) {
+  const std::string file = temporary("driver.json"), report_file = temporary("driver_report.json");
+  write_text(file, R"({"format": "taut-scene/1", "dt": 0.1, "duration": 1, "gravity": [0, 0, 0],
+    "bodies": [{"name": "wheel", "mass": 1, "inertia": [1, 1, 1]}],
+    "joints": [
+      {"name": "axle", "type": "slider", "a": "ground", "b": "wheel", "anchor": [0, 0, 0], "axis": [0, 0, 1]},
+      {"name": "drive", "type": "driver", "of": {"joint": "axle", "axis": "displacement"},
+       "motion": {"speeds": [[0, 0], [0.3, 0], [0.4, 1e308], [50, 1e308]]}}]})");
+  const Outcome run = run_program({"run", file, "--report", report_file, "--quiet"});
+  EXPECT_EQ(run.exit_status, 1) << run.out << run.err;
+  const Json report = Json::parse(read_text(report_file));
+  EXPECT_NE(report["status"], "success");
+  EXPECT_LE(report["final_time_s"].get<double>(), 0.4);
+}
+
 TEST(Program, RunWritesReportAndCsv) {
   const std::string report_file = temporary("r.json"), csv_file = temporary("r.csv");
   const Outcome run = run_program({"run", "chain", "--set", "n=10", "--dt", "0.001", "--time", "0.02",

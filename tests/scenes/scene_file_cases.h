@@ -155,7 +155,11 @@ inline constexpr const char* kEverything = R"({
     {"name": "p6", "quantity": "gap", "joint": "slider"},
     {"name": "p7", "quantity": "energy"},
     {"name": "p8", "quantity": "momentum"},
-    {"name": "p9", "quantity": "angular-momentum"}
+    {"name": "p9", "quantity": "angular-momentum"},
+    {"name": "p10", "quantity": "axis", "axis": {"joint": "hinge", "axis": "angle"}},
+    {"name": "p11", "quantity": "axis-force", "axis": {"joint": "hinge", "axis": "angle"}},
+    {"name": "p12", "quantity": "axis-power", "axis": {"joint": "slider", "axis": "displacement"}},
+    {"name": "p13", "quantity": "axis-state", "axis": {"joint": "hinge2", "axis": "spin"}}
   ]
 })";
 

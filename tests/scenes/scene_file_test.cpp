@@ -125,12 +125,13 @@ TEST(SceneFile, ReadsEveryKey) {
     EXPECT_EQ(world.joint(world.joint(name)).type(), name);
   EXPECT_EQ(world.force_count(), 4);
 
-  ASSERT_EQ(scene.probes.size(), 11U);
+  ASSERT_EQ(scene.probes.size(), 15U);
   EXPECT_EQ(scene.probes[0].name, "c/probe");  // the builder's own
   EXPECT_EQ(scene.probes[1].point_B, Vec3(0.5, 0, 0));
   EXPECT_EQ(scene.probes[1].body, world.body("rod"));
   EXPECT_EQ(scene.probes[6].joint, world.joint("hinge"));
-  for (int i = 0; i < 10; ++i) {
+  EXPECT_EQ(scene.probes[11].axis, world.axis(world.joint("hinge"), "angle"));
+  for (int i = 0; i < 14; ++i) {
     EXPECT_EQ(scene.probes[1 + i].name, "p" + std::to_string(i));
     EXPECT_EQ(static_cast<int>(scene.probes[1 + i].quantity), i);
   }

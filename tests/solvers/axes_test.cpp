@@ -103,6 +103,22 @@ TEST(AxisMotor, SpinsUpWithItsTorqueAndHoldsItsTarget) {
   EXPECT_NEAR(simulator.axis_report(w.axis).force.motor, 0, 1e-9);
 }
 
+/// A load of 3 N·m turns the wheel back against a motor that has only 2 N·m.
+TEST(AxisMotor, IsDrivenBackWhereItsTorqueIsTooSmall) {
+  Wheel w;
+  w.world.set_motor(w.axis, AxisMotor{.target = 5, .max_force = 2});
+  w.world.add_force(BodyTorque(w.wheel, Vec3(0, 0, -3)));
+  Simulator simulator(w.world);
+  run(simulator, 1e-3, 500);
+  EXPECT_NEAR(w.world.axis_rate(w.axis), -1 / w.inertia * 0.5, 1e-9 / w.inertia);
+  const AxisReport report = simulator.axis_report(w.axis);
+  EXPECT_TRUE(report.saturated);
+  EXPECT_NEAR(report.force.motor, 2, 1e-9);
+  // The mean rate of the last step is half a step behind.
+  EXPECT_NEAR(report.power.motor, 2 * (w.world.axis_rate(w.axis) + 0.5e-3 / w.inertia), 1e-7 / w.inertia);
+  EXPECT_LT(simulator.report().ledger.motors, 0);
+}
+
 TEST(AxisMotor, FollowsItsTorqueSpeedCurve) {
   Wheel w;
   // τ = 1 − ω/20: I ω̇ = 1 − ω/20.
@@ -272,6 +288,82 @@ TEST(AxisSpring, IsStableAtAnyStiffness) {
     run(simulator, 1e-2, 1000);
     EXPECT_NEAR(s.world.axis_value(s.axis), 2 * kG / k, 1e-3 * kG / k + 1e-9) << k;
   }
+}
+
+/// Three blocks one below the other on springs of 10, 1e5 and 1e9 N/m, at a step of many periods of the
+/// stiffest.
+TEST(AxisSpring, IsStableBesideOnesOfAnyOtherStiffness) {
+  World world;
+  BodyId last = kGround;
+  std::vector<AxisId> axes;
+  const double stiffness[] = {10, 1e5, 1e9}, damping[] = {15, 2e4, 2e8};
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 p(0, 0, -1.0 - i);
+    const BodyId block =
+        world.add_body({.mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), 2), .pose = {.p = p}});
+    axes.push_back({world.add("", Slider::at(world, last, block, p, -Vec3::UnitZ())), 0});
+    world.set_spring(axes.back(), AxisSpring{.stiffness = stiffness[i], .damping = damping[i]});
+    last = block;
+  }
+  Simulator simulator(world);
+  run(simulator, 1e-2, 2000);
+  for (int i = 0; i < 3; ++i) {
+    const double stretch = (3 - i) * 2 * kG / stiffness[i];
+    EXPECT_NEAR(world.axis_value(axes[i]), stretch, 1e-6 * stretch + 1e-10) << i;
+  }
+}
+
+/// A four-bar whose friction holds it against a torque, in a loop where the shares of its hinges are not
+/// unique; each may give 1 N·m, and 5 are too many for all of them.
+TEST(Axes, FrictionHoldsAClosedLoop) {
+  for (const double torque : {1.5, 5.0}) {
+    World world;
+    world.set_gravity(Vec3::Zero());
+    const Vec3 y = Vec3::UnitY(), corners[] = {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}};
+    BodyId bodies[5];
+    bodies[0] = bodies[4] = kGround;
+    for (int i = 0; i < 3; ++i)
+      bodies[i + 1] = world.add_body({.mass = MassProperties::box(Vec3(1, 0.1, 1), 1),
+                                      .pose = {.p = 0.5 * (corners[i] + corners[i + 1])}});
+    AxisId crank;
+    for (int i = 0; i < 4; ++i) {
+      const AxisId axis{world.add("", Hinge::at(world, bodies[i], bodies[i + 1], corners[i], y)), 0};
+      world.set_friction(axis, AxisFriction{1, 0.8, 0});
+      if (i == 0) crank = axis;
+    }
+    world.add_force(BodyTorque(bodies[1], torque * y));
+    Simulator simulator(world);
+    run(simulator, 5e-3, 40);
+    if (torque < 4) {
+      EXPECT_LE(std::abs(world.axis_value(crank)), 1e-10);
+      EXPECT_TRUE(simulator.axis_report(crank).stuck);
+    } else {
+      EXPECT_GT(std::abs(world.axis_value(crank)), 1e-3);
+    }
+  }
+}
+
+/// Both hinges of a door have the same stop.
+TEST(Axes, RedundantLimitsShareTheirLoad) {
+  World world;
+  const BodyId door =
+      world.add_body({.mass = MassProperties::box(Vec3(0.8, 0.05, 2), 10), .pose = {.p = {0.4, 0, 0}}});
+  world.set_gravity(Vec3::Zero());
+  std::vector<AxisId> axes;
+  for (const double z : {-0.8, 0.8}) {
+    axes.push_back({world.add("", Hinge::at(world, kGround, door, Vec3(0, 0, z), Vec3::UnitZ())), 0});
+    world.set_limits(axes.back(), AxisLimits{.upper = 0.5, .restitution = 0});
+  }
+  world.set_twist(door, {Vec3(0, 0, 2), Vec3(0, 0.8, 0)});
+  world.add_force(BodyTorque(door, Vec3(0, 0, 3)));
+  Simulator simulator(world);
+  run(simulator, 5e-3, 200);
+  double sum = 0;
+  for (const AxisId axis : axes) {
+    EXPECT_NEAR(world.axis_value(axis), 0.5, 1e-9);
+    sum += simulator.axis_report(axis).force.limit;
+  }
+  EXPECT_NEAR(sum, -3, 1e-6);
 }
 
 TEST(Axes, MotorAgainstALimitStallsThere) {

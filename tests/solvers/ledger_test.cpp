@@ -1,0 +1,100 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "core/joints.h"
+#include "solvers/simulator.h"
+
+// The energy ledger with all of its terms at once.
+namespace taut {
+namespace {
+
+/// One machine for each term, side by side in one world.
+struct Works {
+  World world;
+  JointId weak;
+  BodyId thrown, free;
+
+  BodyId block(double x, double z = 0, double mass = 2) {
+    return world.add_body({.mass = MassProperties::box(Vec3(0.3, 0.1, 0.1), mass), .pose = {.p = {x, 0, z}}});
+  }
+  AxisId hinge(BodyId body, double x) {
+    return {world.add("", Hinge::at(world, kGround, body, Vec3(x, 0, 0), Vec3::UnitY())), 0};
+  }
+
+  Works() {
+    const AxisId driven = hinge(block(0.15), 0), led = hinge(block(2.15), 2);
+    world.set_motor(driven, AxisMotor{.target = 20, .max_force = 8});
+    world.set_friction(driven, AxisFriction{1, 0.6, 0.05});
+    world.set_spring(driven, AxisSpring{.stiffness = 3, .damping = 0.1});
+    world.add("", Driver(world, led, harmonic_motion(0, 0.5, 4)));
+
+    const BodyId falling = block(4);
+    const AxisId drop{world.add("", Slider::at(world, kGround, falling, Vec3(4, 0, 0), Vec3::UnitZ())), 0};
+    world.set_limits(drop, AxisLimits{.lower = -0.2, .restitution = 0.5});
+
+    const BodyId soft = block(6);
+    world.set_compliance(world.add("", Fixed::at(world, kGround, soft, Vec3(6, 0, 0.1))),
+                         JointCompliance{1e-4, 1e-3, 20, 0.5});
+
+    // It breaks under a pull that grows, with a wound spring in it.
+    const BodyId torn = block(8.15);
+    const AxisId wound = hinge(torn, 8);
+    weak = wound.joint;
+    world.set_spring(wound, AxisSpring{.stiffness = 5, .rest = 0.5});
+    world.set_break(weak, BreakLimits{.force = 60});
+    world.add_force(ForceCallback(
+        [torn](const State& s, std::span<Wrench> w) { w[torn.index].force.x() += 200 * s.time; }, false));
+
+    // A chain that swings at a step so large that its tension is taken implicitly.
+    BodyId last = kGround;
+    for (int i = 0; i < 4; ++i) {
+      const BodyId link = world.add_body(
+          {.mass = MassProperties::box(Vec3(0.1, 0.02, 0.02), 0.05), .pose = {.p = {10.05 + 0.1 * i, 0, 0}}});
+      world.add("", Ball::at(world, last, link, Vec3(10 + 0.1 * i, 0, 0)));
+      last = link;
+    }
+    const BodyId bob = block(10.55, 0, 5);
+    world.add("", Ball::at(world, last, bob, Vec3(10.4, 0, 0)));
+
+    thrown = block(12);
+    free = block(12.3);
+    world.set_twist(thrown, {Vec3(1, 2, 3), Vec3(0.5, 0, 2)});
+    world.set_twist(free, {Vec3(-1, 0, 2), Vec3(-0.5, 0.4, 2)});
+  }
+};
+
+TEST(Ledger, ClosesToRoundOffWithAllOfItsTerms) {
+  Works works;
+  Simulator simulator(works.world, {.tension = TensionPolicy::kImplicit});
+  const std::map<std::string, double EnergyLedger::*> terms{
+      {"motors", &EnergyLedger::motors},       {"drivers", &EnergyLedger::drivers},
+      {"friction", &EnergyLedger::friction},   {"limits", &EnergyLedger::limits},
+      {"damping", &EnergyLedger::damping},     {"forces", &EnergyLedger::forces},
+      {"breaking", &EnergyLedger::breaking},   {"stabilisation", &EnergyLedger::stabilisation},
+      {"stiffness", &EnergyLedger::stiffness}, {"integration", &EnergyLedger::integration}};
+  std::map<std::string, double> largest;
+  EnergyLedger sum;
+  double first = 0;
+  for (int i = 0; i < 250; ++i) {
+    if (i == 20) works.world.add("catch", Ball::at(works.world, works.thrown, works.free, Vec3(12.15, 0, 0)));
+    const StepReport& r = simulator.step(4e-3);
+    ASSERT_TRUE(r.ok()) << i << ": " << r.message;
+    if (i == 0) first = r.ledger.start;
+    sum += r.ledger;
+    // Some hundred terms of up to 1000 J.
+    ASSERT_NEAR(r.ledger.start + r.ledger.total(), r.energy(), 1e-11) << i;
+    for (const auto& [name, term] : terms) largest[name] = std::max(largest[name], std::abs(r.ledger.*term));
+  }
+  EXPECT_NEAR(first + sum.total(), simulator.report().energy(), 1e-10);
+  for (const auto& [name, term] : terms) EXPECT_GT(largest[name], 1e-6) << name;
+  EXPECT_LT(sum.friction, 0);
+  EXPECT_LT(sum.limits, 0);
+  EXPECT_LT(sum.damping, 0);
+  EXPECT_LT(sum.breaking, 0);
+  EXPECT_FALSE(works.world.is_attached(works.weak));
+}
+
+}  // namespace
+}  // namespace taut
