@@ -203,7 +203,7 @@ inline std::vector<BadScene> bad_axes() {
        "/joints/1/motion/speeds", "curve point 2: must lie to the right of the point before it",
        "[[1,0],[0,0]]", false},
       {beside_hinge(R"("type": "driver", "of": )" + angle + R"(, "motion": {"spline": []})"),
-       "/joints/1/motion/spline", "spline: must have more points", "[]"},
+       "/joints/1/motion/spline", "must have more points", "[]"},
       {beside_hinge(R"("type": "driver", "of": )" + angle), "/joints/1", R"("motion" is missing)", ""},
       {beside_hinge(R"("type": "driver", "of": )" + angle + R"(, "motion": {"linear": {}})"),
        "/joints/1/motion/linear", R"("rate" is missing)", ""},
