@@ -130,6 +130,7 @@ void Simulator::Impl::refresh() {
       if (old_rattle) rattle_->inherit(*old_rattle);
     }
     retaken_ = false;
+    restarted_ = true;
   }
   state_version_ = world_.state_version();
 }
@@ -177,7 +178,8 @@ bool Simulator::Impl::advance_to_end(double dt) {
   const bool goes_on = state_version_ == world_.state_version() && knows_pattern();
   refresh();
   if (!report_.ok()) return true;
-  if (settings_.report_energy && rattle_ && !goes_on) books_.start(world_, rattle_->state());
+  if (settings_.report_energy && rattle_ && (!goes_on || restarted_)) books_.start(world_, rattle_->state());
+  restarted_ = false;  // else a question before the step has had it started
   if (weld_loads_) merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), start_);
   bool done = true;
   state_version_ = -1;  // until the end, which an exception of a force law may prevent

@@ -92,6 +92,7 @@ class Simulator::Impl {
          most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
   int quiet_ = 0;           // steps in a row that asked for fewer
   int hard_steps_ = 0;      // to come, in which inexact laws are taken at once
+  bool restarted_ = false;  // the integrator has made velocities tangent, which the books do not know yet
   bool retaken_ = false;    // the integrator is at the end of a step that is taken again: its memory holds
   int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1,
       sleep_version_ = -1;

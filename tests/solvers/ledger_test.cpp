@@ -96,5 +96,25 @@ TEST(Ledger, ClosesToRoundOffWithAllOfItsTerms) {
   EXPECT_FALSE(works.world.is_attached(works.weak));
 }
 
+/// A driver that starts with a rate, while the body rests: making it move is stabilisation, whoever asked for
+/// the start.
+TEST(Ledger, KnowsOfAStartThatAQuestionHasMade) {
+  for (const int question : {0, 1, 2}) {
+    World world;
+    const BodyId wheel = world.add_body({.mass = {1, Vec3(0.5, 0.5, 0.5)}});
+    const AxisId angle{world.add("", Hinge::at(world, kGround, wheel, Vec3::Zero(), Vec3::UnitY())), 0};
+    const JointId drive = world.add("", Driver(world, angle, linear_motion(0, 2)));
+    Simulator simulator(world);
+    if (question == 1) (void)simulator.solver_description();
+    if (question == 2) (void)simulator.reaction(drive);
+    ASSERT_TRUE(simulator.step(1e-3).ok());
+    const StepReport& r = simulator.report();
+    EXPECT_NEAR(r.ledger.stabilisation, 0.5 * 0.5 * 4, 1e-12) << question;
+    EXPECT_NEAR(r.ledger.start + r.ledger.total(), r.energy(), 1e-13) << question;
+    ASSERT_TRUE(simulator.step(1e-3).ok());
+    EXPECT_EQ(simulator.report().ledger.stabilisation, 0) << question;
+  }
+}
+
 }  // namespace
 }  // namespace taut
