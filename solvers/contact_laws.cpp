@@ -1,8 +1,8 @@
+#include "solvers/contact_laws.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include "solvers/contact_forces.h"
 
 // What contacts ask of a stage, as laws of rows and as cones, and how far a solution is from it.
 namespace taut {
@@ -47,114 +47,142 @@ double damping_ratio(double restitution) {
 
 }  // namespace
 
-void ContactForces::set_soft_laws() {
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    if (points_[k].active && compliance(static_cast<int>(k)) > 0)
-      points_[k].soft = soft_law(static_cast<int>(k));
+void ContactLaws::choose(std::span<const int> places, std::span<const int> first_rows) {
+  places_.assign(places.begin(), places.end());
+  first_row_.assign(first_rows.begin(), first_rows.end());
+  turns_.clear();
 }
 
-void ContactForces::position_laws(std::span<RowLaw> laws) const {
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Point& point = points_[k];
-    const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
+void ContactLaws::set_inertia(std::span<const double> inertia) {
+  root_.resize(inertia.size());
+  for (std::size_t r = 0; r < inertia.size(); ++r) root_[r] = inertia[r] > 0 ? 1 / std::sqrt(inertia[r]) : 1;
+}
+
+bool ContactLaws::rest() const {
+  for (int k = 0; k < count(); ++k)
+    if (contact(k).live && (impact_of(k).stage != Impact::Stage::kNone ||
+                            (contact(k).approach < -table_.resting_speed && compliance(k) == 0)))
+      return false;
+  return true;
+}
+
+void ContactLaws::turned(ConstraintSystem& system) {
+  for (const Turn& turn : turns_) {
+    system.turn_tangents(turn.place, table_.set.point(places_[turn.place]), turn.cos, turn.sin);
+    for (Disc* disc : {&contact(turn.place).sliding, &contact(turn.place).rolling})
+      for (Vec2* v : {&disc->direction, &disc->given, &disc->target})
+        *v = Vec2(turn.cos * v->x() + turn.sin * v->y(), turn.cos * v->y() - turn.sin * v->x());
+  }
+  turns_.clear();
+}
+
+void ContactLaws::set_soft_laws() {
+  for (int k = 0; k < count(); ++k)
+    if (contact(k).active && compliance(k) > 0) contact(k).soft = soft_law(k);
+}
+
+void ContactLaws::position_laws(std::span<RowLaw> laws) const {
+  for (int k = 0; k < count(); ++k) {
+    const Point& point = contact(k);
+    const int row = first_row_[k], count = has_twist(k) ? 6 : 3;
     std::fill_n(laws.begin() + row, count, RowLaw::none());
-    if (!point.active || impacts_[k].stage == Impact::Stage::kSought) continue;
-    laws[row] = RowLaw::lower_limit(normal_law(static_cast<int>(k)).target);
-    friction_laws(static_cast<int>(k), laws);
+    if (!point.active || impact_of(k).stage == Impact::Stage::kSought) continue;
+    laws[row] = RowLaw::lower_limit(normal_law(k).target);
+    friction_laws(k, laws);
   }
 }
 
-void ContactForces::velocity_laws(std::span<RowLaw> laws) const {
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Point& point = points_[k];
-    const int row = first_row_[k], count = has_twist(static_cast<int>(k)) ? 6 : 3;
+void ContactLaws::velocity_laws(std::span<RowLaw> laws) const {
+  for (int k = 0; k < count(); ++k) {
+    const Point& point = contact(k);
+    const int row = first_row_[k], count = has_twist(k) ? 6 : 3;
     std::fill_n(laws.begin() + row, count, RowLaw::none());
     if (!point.live) continue;
-    const NormalLaw normal = normal_law(static_cast<int>(k));
+    const NormalLaw normal = normal_law(k);
     laws[row] = RowLaw::lower_limit(normal.target);
     laws[row].level[1] -= point.back;  // both kicks together are the impulse that must not pull
     laws[row].level[0] = normal.most - point.back;
-    friction_laws(static_cast<int>(k), laws);
+    friction_laws(k, laws);
   }
 }
 
-void ContactForces::clear_idle(std::span<double> lambda) const {
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    if (!works(static_cast<int>(k)))
-      std::fill_n(lambda.begin() + first_row_[k], has_twist(static_cast<int>(k)) ? 6 : 3, 0.0);
+void ContactLaws::clear_idle(std::span<double> lambda) const {
+  for (int k = 0; k < count(); ++k)
+    if (!works(k)) std::fill_n(lambda.begin() + first_row_[k], has_twist(k) ? 6 : 3, 0.0);
 }
 
-bool ContactForces::soft() const {
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    if (points_[k].live && compliance(static_cast<int>(k)) > 0) return true;
+bool ContactLaws::soft() const {
+  for (int k = 0; k < count(); ++k)
+    if (contact(k).live && compliance(k) > 0) return true;
   return false;
 }
 
-ContactForces::NormalLaw ContactForces::normal_law(int k) const {
-  if (compliance(k) > 0 && impacts_[k].stage != Impact::Stage::kDue) return points_[k].soft;
-  return {.target = in_velocities_ ? bounce(k) : closing_rate(k)};
+ContactLaws::NormalLaw ContactLaws::normal_law(int k) const {
+  if (compliance(k) > 0 && impact_of(k).stage != Impact::Stage::kDue) return contact(k).soft;
+  return {.target = table_.in_velocities ? bounce(k) : closing_rate(k)};
 }
 
 /// N = max(0, −g/C) with the gap g = g₀ + a w, in which a = h is the end of the step and a = h/2 its middle,
 /// where a spring keeps its energy; more than that is a damper.  The second kick gives what the first gave,
 /// unless the bodies then part faster than a spring would throw them.   (solvers/README, "Compliant
 /// contacts")
-ContactForces::NormalLaw ContactForces::soft_law(int k) const {
-  const Point& point = points_[k];
-  const Material& material = set_.places()[k].material;
+ContactLaws::NormalLaw ContactLaws::soft_law(int k) const {
+  const Point& point = contact(k);
+  const Material& material = place_of(k).material;
   const double C = material.compliance, root = root_[first_row_[k]], period = std::sqrt(C) / root;  // 1/ω
-  if (in_velocities_) {
-    const double pressed = std::max(-point.gap, 2 * C * point.back / h_);
+  if (table_.in_velocities) {
+    const double pressed = std::max(-point.gap, 2 * C * point.back / table_.h);
     const double rebound = std::max(-material.restitution * point.approach, point.approach);
     return {.target = std::max(0.0, rebound) + std::max(0.0, pressed) / period, .most = 2 * point.back};
   }
   const double damping = damping_ratio(material.restitution);
-  const double a = point.gap >= 0 ? h_ : 0.5 * h_ + damping * std::max(2 * period, 0.5 * h_);
-  return {.target = std::clamp(-point.gap / a, -kNever, kNever), .softness = 2 * C / (h_ * a)};
+  const double a =
+      point.gap >= 0 ? table_.h : 0.5 * table_.h + damping * std::max(2 * period, 0.5 * table_.h);
+  return {.target = std::clamp(-point.gap / a, -kNever, kNever), .softness = 2 * C / (table_.h * a)};
 }
 
 /// True if a step is short enough to see the impact of a compliant contact: ω h < 1.
-bool ContactForces::impact_is_seen(int k) const {
-  return compliance(k) > 0 && h_ * root_[first_row_[k]] < std::sqrt(compliance(k));
+bool ContactLaws::impact_is_seen(int k) const {
+  return compliance(k) > 0 && table_.h * root_[first_row_[k]] < std::sqrt(compliance(k));
 }
 
 /// The same spring across the normal, which yields where friction does: its stretch is what slipped.  The
 /// second kick gives what the first gave, less a critical damper.
-ContactForces::SlipLaw ContactForces::slip_law(int k, const Disc& disc) const {
-  const Point& point = points_[k];
+ContactLaws::SlipLaw ContactLaws::slip_law(int k, const Disc& disc) const {
+  const Point& point = contact(k);
   const double C = compliance(k);
   if (&disc == &point.sliding && sharing_ && sticks(k)) return {disc.target, 0};
   if (C == 0 || &disc != &point.sliding) return {disc.slips ? Vec2::Zero() : disc.target, 0};
-  if (!in_velocities_) return {disc.target, 2 * C / (h_ * h_)};
-  const double softness = root_[first_row_[k] + 1] * std::sqrt(C) / h_;
+  if (!table_.in_velocities) return {disc.target, 2 * C / (table_.h * table_.h)};
+  const double softness = root_[first_row_[k] + 1] * std::sqrt(C) / table_.h;
   return {softness * disc.given, softness};
 }
 
 /// Newton's law of impact: the least normal rate after it.
-double ContactForces::bounce(int k) const {
-  if (single_kick_) return -set_.places()[k].material.restitution * points_[k].approach;
-  const double approach = impacts_[k].stage == Impact::Stage::kDue ? impacts_[k].rate : points_[k].approach;
-  return approach < -resting_speed_ ? -set_.places()[k].material.restitution * approach : 0;
+double ContactLaws::bounce(int k) const {
+  if (table_.single_kick) return -place_of(k).material.restitution * contact(k).approach;
+  const double approach = impact_of(k).stage == Impact::Stage::kDue ? impact_of(k).rate : contact(k).approach;
+  return approach < -table_.resting_speed ? -place_of(k).material.restitution * approach : 0;
 }
 
 /// Bodies may come together by their gap in a step, and bodies inside each other part slowly.
-double ContactForces::closing_rate(int k) const {
-  return std::clamp(-points_[k].gap / h_, -kNever, std::max(kReturnSpeed, kTouch / h_));
+double ContactLaws::closing_rate(int k) const {
+  return std::clamp(-contact(k).gap / table_.h, -kNever, std::max(kReturnSpeed, kTouch / table_.h));
 }
 
-void ContactForces::targets(std::span<double> target) const {
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Point& point = points_[k];
-    const int row = first_row_[k], place = static_cast<int>(k);
-    target[row] = normal_law(place).target;
-    const SlipLaw law = slip_law(place, point.sliding);
+void ContactLaws::targets(std::span<double> target) const {
+  for (int k = 0; k < count(); ++k) {
+    const Point& point = contact(k);
+    const int row = first_row_[k];
+    target[row] = normal_law(k).target;
+    const SlipLaw law = slip_law(k, point.sliding);
     for (int i : {0, 1}) target[row + 1 + i] = law.target[i];
   }
 }
 
-ContactForces::Cone ContactForces::cone(int k) const {
-  const Point& point = points_[k];
-  const Material& material = set_.places()[k].material;
+ContactLaws::Cone ContactLaws::cone(int k) const {
+  const Point& point = contact(k);
+  const Material& material = place_of(k).material;
   const NormalLaw normal = normal_law(k);
   return {works(k),
           has_twist(k),
@@ -171,17 +199,17 @@ ContactForces::Cone ContactForces::cone(int k) const {
           point.rolling.given};
 }
 
-void ContactForces::answer(int k, std::span<const double> x, std::span<double> y) const {
+void ContactLaws::answer(int k, std::span<const double> x, std::span<double> y) const {
   const auto in_disc = [&](int r, const Vec2& given, double bound) {
     const Vec2 tau = into_disc(given + Vec2(x[r], x[r + 1]), bound);
     y[r] = tau[0] - given[0];
     y[r + 1] = tau[1] - given[1];
   };
-  const Point& point = points_[k];
+  const Point& point = contact(k);
   const int row = first_row_[k], count = has_twist(k) ? 6 : 3;
   std::fill_n(y.begin() + row, count, 0.0);
   if (!works(k)) return;
-  const Material& material = set_.places()[k].material;
+  const Material& material = place_of(k).material;
   y[row] = std::min(std::max(-point.back, x[row]), normal_law(k).most - point.back);
   const double normal = point.back + y[row];
   in_disc(row + 1, point.sliding.given, friction_bound(k, normal));
@@ -191,8 +219,8 @@ void ContactForces::answer(int k, std::span<const double> x, std::span<double> y
   in_disc(row + 4, point.rolling.given, material.rolling_friction * normal);
 }
 
-void ContactForces::friction_laws(int k, std::span<RowLaw> laws) const {
-  const Point& point = points_[k];
+void ContactLaws::friction_laws(int k, std::span<RowLaw> laws) const {
+  const Point& point = contact(k);
   const int row = first_row_[k];
   disc_laws(point.sliding, row + 1, laws);
   if (!has_twist(k)) return;
@@ -203,7 +231,7 @@ void ContactForces::friction_laws(int k, std::span<RowLaw> laws) const {
 /// A disc that holds is a square around it, or, if a corner of that was used, one inside it that has its own
 /// corner there.  A disc that slips along t₁ has the level −bound there, and across it the friction that
 /// turns with the slip: the derivative of −bound w/|w|.
-void ContactForces::disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const {
+void ContactLaws::disc_laws(const Disc& disc, int row, std::span<RowLaw> laws) const {
   const bool holds = !disc.slips || disc.weight == 0 || !(disc.bound > 0);
   for (int i : {0, 1}) {
     const double half = disc.slips ? disc.bound * std::abs(disc.direction[i]) : disc.bound;
@@ -215,8 +243,8 @@ void ContactForces::disc_laws(const Disc& disc, int row, std::span<RowLaw> laws)
 }
 
 /// Distance of a disc's impulse from Coulomb's answer to it and the slip, P(τ − u/S) [√J].
-double ContactForces::disc_error(int k, const Disc& disc, int row, double bound,
-                                 std::span<const double> lambda, std::span<const double> w) const {
+double ContactLaws::disc_error(int k, const Disc& disc, int row, double bound, std::span<const double> lambda,
+                               std::span<const double> w) const {
   const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
   const SlipLaw law = slip_law(k, disc);
   const Vec2 slip = Vec2(w[row], w[row + 1]) + law.softness * Vec2(lambda[row], lambda[row + 1]) - law.target;
@@ -225,37 +253,37 @@ double ContactForces::disc_error(int k, const Disc& disc, int row, double bound,
   return root * (tau - into_disc(slipped, bound)).norm();
 }
 
-double ContactForces::spin_error(int k, double bound, std::span<const double> lambda,
-                                 std::span<const double> w) const {
+double ContactLaws::spin_error(int k, double bound, std::span<const double> lambda,
+                               std::span<const double> w) const {
   const int row = first_row_[k] + 3;
-  const double spin = points_[k].spin_given + lambda[row];
+  const double spin = contact(k).spin_given + lambda[row];
   return root_[row] * std::abs(spin - std::clamp(spin - w[row] / (root_[row] * root_[row]), -bound, bound));
 }
 
 /// The same for the normal impulse.
-double ContactForces::normal_error(int k, std::span<const double> lambda, std::span<const double> w) const {
+double ContactLaws::normal_error(int k, std::span<const double> lambda, std::span<const double> w) const {
   const int row = first_row_[k];
   const NormalLaw law = normal_law(k);
-  const double normal = points_[k].back + lambda[row];
+  const double normal = contact(k).back + lambda[row];
   const double off = w[row] + law.softness * lambda[row] - law.target;
   const double own = root_[row] * root_[row] + law.softness;
   return root_[row] * std::abs(normal - std::clamp(normal - off / own, 0.0, law.most));
 }
 
-double ContactForces::friction_bound(int k, double normal) const {
-  const Material& material = set_.places()[k].material;
-  return (points_[k].stuck && !points_[k].broken ? material.static_friction : material.dynamic_friction) *
+double ContactLaws::friction_bound(int k, double normal) const {
+  const Material& material = place_of(k).material;
+  return (contact(k).stuck && !contact(k).broken ? material.static_friction : material.dynamic_friction) *
          std::max(0.0, normal);
 }
 
-double ContactForces::error(std::span<const double> lambda, std::span<const double> w,
-                            double rate_tolerance) const {
+double ContactLaws::error(std::span<const double> lambda, std::span<const double> w,
+                          double rate_tolerance) const {
   double largest = 0;
-  for (std::size_t p = 0; p < points_.size(); ++p) {
-    const int k = static_cast<int>(p), row = first_row_[p];
+  for (int k = 0; k < count(); ++k) {
+    const int row = first_row_[k];
     if (!works(k)) continue;
-    const Point& point = points_[p];
-    const Material& material = set_.places()[p].material;
+    const Point& point = contact(k);
+    const Material& material = place_of(k).material;
     const double normal = std::max(0.0, point.back + lambda[row]);
     const auto add = [&](double error, int r, double softness = 0) {
       if (!((root_[r] + softness / root_[r]) * error <= rate_tolerance)) largest = std::max(largest, error);
@@ -274,42 +302,40 @@ double ContactForces::error(std::span<const double> lambda, std::span<const doub
   return largest;
 }
 
-bool ContactForces::adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
-  ++solves_;
+bool ContactLaws::adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
   turns_.clear();
   scale_ = 0;
   residual_ = 0;
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    for (int i = 0; i < 3 && points_[k].active; ++i)
+  for (int k = 0; k < count(); ++k)
+    for (int i = 0; i < 3 && contact(k).active; ++i)
       scale_ = std::max(scale_, root_[first_row_[k] + i] * std::abs(lambda[first_row_[k] + i]));
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    Point& point = points_[k];
+  for (int k = 0; k < count(); ++k) {
+    Point& point = contact(k);
     const int row = first_row_[k];
-    if (!works(static_cast<int>(k)) || scale_ == 0) continue;
-    const Material& material = set_.places()[k].material;
+    if (!works(k) || scale_ == 0) continue;
+    const Material& material = place_of(k).material;
     const double normal = std::max(0.0, point.back + lambda[row]);
-    const double bound = friction_bound(static_cast<int>(k), normal);
-    double error = adapt_disc(static_cast<int>(k), point.sliding, row + 1, bound, lambda, w, rate_tolerance);
-    if (has_twist(static_cast<int>(k))) {
+    const double bound = friction_bound(k, normal);
+    double error = adapt_disc(k, point.sliding, row + 1, bound, lambda, w, rate_tolerance);
+    if (has_twist(k)) {
       const double arm = material.spinning_friction * normal;
-      error = std::max(error, spin_error(static_cast<int>(k), arm, lambda, w));
+      error = std::max(error, spin_error(k, arm, lambda, w));
       point.spin_bound = arm;
-      error = std::max(error, adapt_disc(static_cast<int>(k), point.rolling, row + 4,
-                                         material.rolling_friction * normal, lambda, w, rate_tolerance));
+      error = std::max(error, adapt_disc(k, point.rolling, row + 4, material.rolling_friction * normal,
+                                         lambda, w, rate_tolerance));
     }
     residual_ = std::max(residual_, error / scale_);
   }
   if (residual_ > kTolerance) return true;
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    if (compliance(static_cast<int>(k)) > 0 && works(static_cast<int>(k)) && points_[k].sliding.slips &&
-        points_[k].sliding.weight > 0)
-      points_[k].broken = true;
+  for (int k = 0; k < count(); ++k)
+    if (compliance(k) > 0 && works(k) && contact(k).sliding.slips && contact(k).sliding.weight > 0)
+      contact(k).broken = true;
   return false;
 }
 
 /// The disc by the impulse τ and the slip u of a solution.  Returns disc_error() of the disc as it was.
-double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::span<const double> lambda,
-                                 std::span<const double> w, double rate_tolerance) {
+double ContactLaws::adapt_disc(int k, Disc& disc, int row, double bound, std::span<const double> lambda,
+                               std::span<const double> w, double rate_tolerance) {
   const Vec2 tau = disc.given + Vec2(lambda[row], lambda[row + 1]);
   const SlipLaw law = slip_law(k, disc);
   const Vec2 slip = Vec2(w[row], w[row + 1]) + law.softness * Vec2(lambda[row], lambda[row + 1]) - law.target;
@@ -318,7 +344,7 @@ double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::
   if ((root + law.softness / root) * error <= rate_tolerance) error = 0;
   disc.bound = bound;
   const double speed = slip.norm();
-  const bool stuck = &disc == &points_[k].sliding && sticks(k);
+  const bool stuck = &disc == &contact(k).sliding && sticks(k);
   if (speed <= std::max(rate_tolerance, (stuck ? kStill : kTolerance) * scale_ * root)) {  // it rests
     if (tau.norm() <= bound * (1 + kTolerance) + (stuck ? kStill * scale_ / root : 0)) {
       disc.slips = false;
@@ -337,7 +363,7 @@ double ContactForces::adapt_disc(int k, Disc& disc, int row, double bound, std::
 }
 
 /// The slip along t₁; the impulse of a disc that holds half way between t₁ and t₂.
-void ContactForces::ask_for_turn(int place, const Disc& disc) {
+void ContactLaws::ask_for_turn(int place, const Disc& disc) {
   const Vec2& d = disc.direction;
   if (disc.weight > 0 && std::abs(d[1]) > kTurn)
     turns_.push_back({place, d[0], d[1]});

@@ -50,7 +50,7 @@ std::span<double> span_of(Eigen::VectorXd& v) { return {v.data(), static_cast<st
 
 }  // namespace
 
-NewtonOutcome ContactNewton::solve(const ContactForces& contacts, std::span<const RowLaw> laws,
+NewtonOutcome ContactNewton::solve(const ContactLaws& contacts, std::span<const RowLaw> laws,
                                    std::span<const double> b, std::span<double> lambda, std::span<double> w,
                                    const NewtonLimits& limits, StageTimes& times) {
   const Problem problem{contacts, laws, b, lambda, w};
@@ -147,7 +147,7 @@ void ContactNewton::begin(const Problem& problem) {
     last_[r] = y_[r] = problem.lambda[r];
   }
   for (int k = 0; k < contacts; ++k) {
-    const ContactForces::Cone cone = problem.contacts.cone(k);
+    const ContactLaws::Cone cone = problem.contacts.cone(k);
     const int row = problem.contacts.first_row(k);
     if (by_radius(cone)) bound_[row + 1] = cone.sliding * std::max(0.0, cone.normal_given + last_[row]);
   }
@@ -177,7 +177,7 @@ void ContactNewton::read_gradient() {
 }
 
 /// Compliant normals are decoupled from the disc, whose metric is another one.
-bool ContactNewton::by_radius(const ContactForces::Cone& cone) const {
+bool ContactNewton::by_radius(const ContactLaws::Cone& cone) const {
   return !cone.shares && (mode_ != Mode::kSlip || cone.softness > 0 || std::isfinite(cone.most));
 }
 
@@ -192,7 +192,7 @@ void ContactNewton::set_sigma(const Problem& problem, double rho) {
       const double most = *std::max_element(own_.begin() + from, own_.begin() + from + count);
       std::fill_n(sigma_.begin() + from, count, rho * most);
     };
-    const ContactForces::Cone cone = problem.contacts.cone(k);
+    const ContactLaws::Cone cone = problem.contacts.cone(k);
     alike(row, 3);
     for (int i = 0; i < 3; ++i) {
       const double softness = i == 0 ? cone.softness : cone.slip_softness;
@@ -256,7 +256,7 @@ void ContactNewton::read_lagged(const Problem& problem, Eigen::VectorXd& s) cons
 /// The s that belongs to the present impulses and rates [√J].
 void ContactNewton::answer_lagged(const Problem& problem, Eigen::VectorXd& s) const {
   for (int k = 0; k < system_.rows().contact_count(); ++k) {
-    const ContactForces::Cone cone = problem.contacts.cone(k);
+    const ContactLaws::Cone cone = problem.contacts.cone(k);
     const int row = problem.contacts.first_row(k);
     const double root = std::sqrt(own_[row]);
     const auto off = [&](int r) { return problem.w[r] - target_[r]; };

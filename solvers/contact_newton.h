@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "solvers/constraint_system.h"
-#include "solvers/contact_forces.h"
+#include "solvers/contact_laws.h"
 #include "solvers/row_law.h"
 
 namespace taut {
@@ -46,7 +46,7 @@ class ContactNewton {
   explicit ContactNewton(ConstraintSystem& system) : system_(system) {}
 
   /// S = W Wᵀ with the W that the system has.  `lambda`: a guess, then the result; `w`: its rates.
-  NewtonOutcome solve(const ContactForces& contacts, std::span<const RowLaw> laws, std::span<const double> b,
+  NewtonOutcome solve(const ContactLaws& contacts, std::span<const RowLaw> laws, std::span<const double> b,
                       std::span<double> lambda, std::span<double> w, const NewtonLimits& limits,
                       StageTimes& times);
 
@@ -61,7 +61,7 @@ class ContactNewton {
 
   /// What the iteration works on.
   struct Problem {
-    const ContactForces& contacts;
+    const ContactLaws& contacts;
     std::span<const RowLaw> laws;
     std::span<const double> b;
     std::span<double> lambda, w;
@@ -81,7 +81,7 @@ class ContactNewton {
   void read_rates(const Problem& problem) const;
   void read_gradient();
   void start_round(const Problem& problem);
-  bool by_radius(const ContactForces::Cone& cone) const;
+  bool by_radius(const ContactLaws::Cone& cone) const;
   void read_lagged(const Problem& problem, Eigen::VectorXd& s) const;
   void answer_lagged(const Problem& problem, Eigen::VectorXd& s) const;
   void extrapolate();
@@ -94,7 +94,7 @@ class ContactNewton {
   void project(const Problem& problem, double length = 0);
   void project_row(const RowLaw& law, int row);
   void project_contact(const Problem& problem, int place);
-  void project_cone(int place, const ContactForces::Cone& cone, double normal, const Vec2& tangent);
+  void project_cone(int place, const ContactLaws::Cone& cone, double normal, const Vec2& tangent);
   void project_disc(int place, int first, const Vec2& given);
   void turn_rows(int place, double mu, int first, const Vec2& direction);
   double law_error(const Problem& problem, double rate_tolerance, int rounds) const;

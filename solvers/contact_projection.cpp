@@ -29,7 +29,7 @@ void ContactNewton::project_row(const RowLaw& law, int r) {
 
 /// The nearest point of Coulomb's cone |Λ_t| ≤ μ Λ_n, of the spin's interval and of the rolling disc.
 void ContactNewton::project_contact(const Problem& problem, int k) {
-  const ContactForces::Cone cone = problem.contacts.cone(k);
+  const ContactLaws::Cone cone = problem.contacts.cone(k);
   const int row = problem.contacts.first_row(k), count = cone.twist ? 6 : 3;
   if (!cone.works) {
     std::fill_n(y_.begin() + row, count, 0.0);
@@ -60,7 +60,7 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
 }
 
 /// The cone itself, in three rows of a contact whose impulses with what was given are these.
-void ContactNewton::project_cone(int k, const ContactForces::Cone& cone, double normal, const Vec2& tangent) {
+void ContactNewton::project_cone(int k, const ContactLaws::Cone& cone, double normal, const Vec2& tangent) {
   const int row = system_.rows().joints()[system_.rows().contact_joint(k)].first_row;
   const double mu = cone.sliding, size = tangent.norm();
   const auto [region, on] = nearest_on_cone(normal, size, mu);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/contact_forces.h"
+#include "solvers/contact_laws.h"
 
 // Contacts that stick hold as long as any division of the load among them does.  (solvers/README, "Static
 // friction")
@@ -25,17 +25,17 @@ Vec3 into_cone(const Vec3& x, double mu) {
 
 }  // namespace
 
-bool ContactForces::all_stick(std::span<const double> lambda) const {
-  for (int k = 0; k < std::ssize(points_); ++k)
+bool ContactLaws::all_stick(std::span<const double> lambda) const {
+  for (int k = 0; k < count(); ++k)
     if (presses(k, lambda) && friction_bound(k, 1) > 0 && !sticks(k)) return false;
   return true;
 }
 
-void ContactForces::held_laws(std::span<const double> lambda, std::span<RowLaw> laws) const {
-  for (int k = 0; k < std::ssize(points_); ++k) {
+void ContactLaws::held_laws(std::span<const double> lambda, std::span<RowLaw> laws) const {
+  for (int k = 0; k < count(); ++k) {
     const int row = first_row_[k];
     if (!works(k)) continue;
-    const Point& point = points_[k];
+    const Point& point = contact(k);
     const bool bears = presses(k, lambda), holds = bears && friction_bound(k, 1) > 0;
     laws[row] = bears ? RowLaw::equality(normal_law(k).target) : RowLaw::constant(-point.back);
     for (int i : {0, 1})
@@ -45,93 +45,97 @@ void ContactForces::held_laws(std::span<const double> lambda, std::span<RowLaw> 
 }
 
 /// It sticks, and its disc was passed.
-bool ContactForces::slips_in_vain(int k) const {
-  return sticks(k) && points_[k].sliding.slips && points_[k].sliding.weight > 0;
+bool ContactLaws::slips_in_vain(int k) const {
+  return sticks(k) && contact(k).sliding.slips && contact(k).sliding.weight > 0;
 }
 
-bool ContactForces::slips_where_it_held() const {
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    if (slips_in_vain(static_cast<int>(k))) return true;
+bool ContactLaws::slips_where_it_held() const {
+  for (int k = 0; k < count(); ++k)
+    if (slips_in_vain(k)) return true;
   return false;
 }
 
-/// Those that a contact meets faster than the resting speed.
-std::vector<char> ContactForces::struck_bodies() const {
-  std::vector<char> struck(moves_.size(), 0);
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Rows::ContactPlace& at = set_.places()[k].at;
-    if (!works(static_cast<int>(k)) || points_[k].approach >= -resting_speed_) continue;
-    for (int b : {at.a, at.b}) struck[b] = moves_[b];
+/// Those that a contact meets faster than the resting speed, in ascending order.
+std::vector<int> ContactLaws::struck_bodies() const {
+  std::vector<int> struck;
+  for (int k = 0; k < count(); ++k) {
+    if (!works(k) || contact(k).approach >= -table_.resting_speed) continue;
+    for (int b : {place_of(k).at.a, place_of(k).at.b})
+      if (table_.moves[b]) struck.push_back(b);
   }
+  std::sort(struck.begin(), struck.end());
   return struck;
 }
 
-bool ContactForces::begin_sharing() {
-  const std::vector<char> struck = struck_bodies();
+bool ContactLaws::begin_sharing() {
+  const std::vector<int> struck = struck_bodies();
+  const auto is_struck = [&](int b) { return std::binary_search(struck.begin(), struck.end(), b); };
   bool any = false;
   weakened_ = false;
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Rows::ContactPlace& at = set_.places()[k].at;
-    const bool slips = slips_in_vain(static_cast<int>(k));
-    points_[k].wavers = slips && !struck[at.a] && !struck[at.b];
-    any = any || points_[k].wavers;
-    if (slips && !points_[k].wavers) release(static_cast<int>(k));
+  for (int k = 0; k < count(); ++k) {
+    const Rows::ContactPlace& at = place_of(k).at;
+    const bool slips = slips_in_vain(k);
+    contact(k).wavers = slips && !is_struck(at.a) && !is_struck(at.b);
+    any = any || contact(k).wavers;
+    if (slips && !contact(k).wavers) release(k);
   }
   sharing_ = any;
   if (!any) return false;
-  unshared_ = points_;
+  unshared_.clear();
+  for (int k = 0; k < count(); ++k) unshared_.push_back(contact(k));
   unshared_residual_ = residual_;
   return true;
 }
 
-void ContactForces::end_sharing(bool hold) {
+void ContactLaws::end_sharing(bool hold) {
   sharing_ = false;
   if (hold) return;
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    if (unshared_[k].wavers) unshared_[k].broken = points_[k].broken;
-  points_ = unshared_;
+  for (int k = 0; k < count(); ++k) {
+    if (unshared_[k].wavers) unshared_[k].broken = contact(k).broken;
+    contact(k) = unshared_[k];
+  }
   residual_ = unshared_residual_;
   turns_.clear();
 }
 
-double ContactForces::slip_of(int k, std::span<const double> w) const {
-  const Vec2& target = points_[k].sliding.target;
+double ContactLaws::slip_of(int k, std::span<const double> w) const {
+  const Vec2& target = contact(k).sliding.target;
   return std::hypot(w[first_row_[k] + 1] - target[0], w[first_row_[k] + 2] - target[1]);
 }
 
-double ContactForces::shared_slip(std::span<const double> w) const {
+double ContactLaws::shared_slip(std::span<const double> w) const {
   double largest = 0;
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    if (sticks(static_cast<int>(k))) largest = std::max(largest, slip_of(static_cast<int>(k), w));
+  for (int k = 0; k < count(); ++k)
+    if (sticks(k)) largest = std::max(largest, slip_of(k, w));
   return largest;
 }
 
-void ContactForces::release(int k) {
-  const Material& material = set_.places()[k].material;
-  points_[k].broken = true;
-  points_[k].wavers = false;
+void ContactLaws::release(int k) {
+  const Material& material = place_of(k).material;
+  contact(k).broken = true;
+  contact(k).wavers = false;
   weakened_ = weakened_ || material.dynamic_friction < material.static_friction;
 }
 
-bool ContactForces::let_go(std::span<const double> w, bool judged) {
+bool ContactLaws::let_go(std::span<const double> w, bool judged) {
   const double much = judged ? kSlips * shared_slip(w) : 0;
   bool any = false, left = false;
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    if (!points_[k].wavers) continue;
-    const bool holds = slip_of(static_cast<int>(k), w) < much;
+  for (int k = 0; k < count(); ++k) {
+    if (!contact(k).wavers) continue;
+    const bool holds = slip_of(k, w) < much;
     left = left || holds;
     any = any || !holds;
-    if (!holds) release(static_cast<int>(k));
+    if (!holds) release(k);
   }
   if (any || !left) return left;
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    if (sticks(static_cast<int>(k)) && slip_of(static_cast<int>(k), w) >= much) release(static_cast<int>(k));
+  for (int k = 0; k < count(); ++k)
+    if (sticks(k) && slip_of(k, w) >= much) release(k);
   return true;
 }
 
 /// Distance of the three impulses from the normality law of the cone, [√J].
-double ContactForces::cone_error(int k, std::span<const double> lambda, std::span<const double> w) const {
-  const Point& point = points_[k];
+double ContactLaws::cone_error(int k, std::span<const double> lambda, std::span<const double> w) const {
+  const Point& point = contact(k);
   const int row = first_row_[k];
   const Vec2& given = point.sliding.given;
   const Vec2& target = point.sliding.target;

@@ -30,7 +30,7 @@ ImpulseIteration::ImpulseIteration(ConstraintSystem& system) : system_(system), 
   std::iota(order_.begin(), order_.end(), 0);
 }
 
-IterationOutcome ImpulseIteration::solve(const ContactForces& contacts, std::span<const RowLaw> laws,
+IterationOutcome ImpulseIteration::solve(const ContactLaws& contacts, std::span<const RowLaw> laws,
                                          std::span<const double> b, std::span<double> lambda,
                                          std::span<double> w, const IterationLimits& limits,
                                          std::span<Wrench> absorbed) {
@@ -99,7 +99,7 @@ double ImpulseIteration::relax_row(const Problem& problem, int row) {
 /// Normal, sliding, spinning and rolling friction in turn, each with the normal impulse of then.
 double ImpulseIteration::relax_contact(const Problem& problem, int block) {
   const Rows::JointRows& rows = system_.rows().joints()[block];
-  const ContactForces::Cone& cone = cones_[block - system_.rows().contact_joint(0)];
+  const ContactLaws::Cone& cone = cones_[block - system_.rows().contact_joint(0)];
   const int row = rows.first_row;
   double largest = 0;
   const auto give = [&](int r, double s, double to) {

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "solvers/contact_forces.h"
+#include "solvers/contact_laws.h"
 #include "solvers/row_impulses.h"
 #include "solvers/row_law.h"
 #include "solvers/settings.h"
@@ -40,13 +40,13 @@ class ImpulseIteration {
 
   /// `lambda`: a start, then the result; `w`: its rates.  What bodies of levels below did not take is added
   /// to `absorbed`: momenta change by Jᵀλ − absorbed.
-  IterationOutcome solve(const ContactForces& contacts, std::span<const RowLaw> laws,
-                         std::span<const double> b, std::span<double> lambda, std::span<double> w,
-                         const IterationLimits& limits, std::span<Wrench> absorbed);
+  IterationOutcome solve(const ContactLaws& contacts, std::span<const RowLaw> laws, std::span<const double> b,
+                         std::span<double> lambda, std::span<double> w, const IterationLimits& limits,
+                         std::span<Wrench> absorbed);
 
  private:
   struct Problem {
-    const ContactForces& contacts;
+    const ContactLaws& contacts;
     std::span<const RowLaw> laws;
     std::span<const double> b;
     std::span<double> lambda;
@@ -73,7 +73,7 @@ class ImpulseIteration {
   RowImpulses impulses_;
   std::vector<double> own_;  // S_rr of the bodies that are not held fast
   std::vector<double> target_, scratch_, answer_;
-  std::vector<ContactForces::Cone> cones_;
+  std::vector<ContactLaws::Cone> cones_;
   std::vector<char> frozen_;        // bodies
   std::vector<int> level_, order_;  // of bodies; blocks by level
   std::vector<int> stamp_;          // of blocks: older entries of the queue are void
