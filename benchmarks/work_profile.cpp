@@ -103,9 +103,7 @@ Json motion_json(Scene& scene, double time, double limit) {
     drift = std::max(drift, std::abs(total_energy(scene.world, scene.world.state()) - start) / scale);
     analyses += r.analyses;
     if (i < kWarmUp) continue;
-    sum.forces += r.times.forces, sum.positions += r.times.positions, sum.assembly += r.times.assembly;
-    sum.factorization += r.times.factorization, sum.velocities += r.times.velocities,
-        sum.total += r.times.total;
+    sum += r.times;
     substeps += r.substeps;
   }
   const double count = static_cast<double>(steps.size()), per = 1.0 / static_cast<double>(substeps);

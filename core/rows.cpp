@@ -137,6 +137,33 @@ Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace>
   sort_by_body(world.body_count());
 }
 
+Rows Rows::part(std::span<const int> joints, std::span<const int> new_body, int bodies) const {
+  Rows part;
+  const int first_contact = static_cast<int>(joints_.size()) - contact_count();
+  for (int j : joints) {
+    if (j >= first_contact) {
+      if (part.contacts_.empty()) part.first_contact_row_ = part.row_count();
+      part.contacts_.emplace_back();
+    }
+    const JointRows& joint = joints_[j];
+    const int index = static_cast<int>(part.joints_.size()), first_row = part.row_count();
+    part.joints_.push_back({first_row, joint.row_count, static_cast<int>(part.sides_.size()),
+                            joint.side_count, joint.equality_count});
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
+      part.sides_.push_back(
+          {new_body[sides_[s].body], index, first_row, joint.row_count, part.jacobian_size_});
+      part.jacobian_size_ += 6 * joint.row_count;
+    }
+    for (int r = joint.first_row; r < joint.first_row + joint.row_count; ++r) {
+      part.rows_.push_back({index, rows_[r].angular, nullptr, 0, 0, rows_[r].axis});
+      part.unit_.push_back(unit_[r]);
+    }
+  }
+  if (part.contacts_.empty()) part.first_contact_row_ = part.row_count();
+  part.sort_by_body(bodies);
+  return part;
+}
+
 /// Sides of each body, and joints that are due at it.
 void Rows::sort_by_body(int bodies) {
   std::vector<int> body_of;

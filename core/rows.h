@@ -188,6 +188,11 @@ class Rows {
   explicit Rows(const World& world, AxisRows axis_rows = AxisRows::kIncluded,
                 std::span<const ContactPlace> contacts = {}, Joints joints = Joints::kAll);
 
+  /// The rows of some joints, contacts too, in ascending order, by themselves: with bodies and rows counted
+  /// anew, for Jacobians from elsewhere.  They know of no poses: residual(), jacobian() and the like do
+  /// nothing.  `new_body`: of each body, ≥ 0 for those of the joints.
+  Rows part(std::span<const int> joints, std::span<const int> new_body, int bodies) const;
+
   int row_count() const { return static_cast<int>(rows_.size()); }
   int jacobian_size() const { return jacobian_size_; }
   std::span<const JointRows> joints() const { return joints_; }
@@ -272,6 +277,7 @@ class Rows {
  private:
   friend class RowSink;
   friend class AxisSink;
+  Rows() = default;
   template <typename Part>
   void append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index = -1);
   void append_axis_row(AxisId axis, int index);

@@ -116,6 +116,7 @@ Scene prepared_scene(const RunOptions& options) {
   if (options.factor) scene.settings.factor = *options.factor;
   if (options.solver) scene.settings.solver = *options.solver;
   if (options.iterations) scene.settings.iterations = *options.iterations;
+  if (options.threads) scene.settings.threads = *options.threads;
   if (options.relaxation) scene.settings.relaxation = *options.relaxation;
   if (options.theta) scene.settings.theta = *options.theta;
   if (options.sleep) scene.settings.sleep = true;

@@ -25,6 +25,7 @@ struct RunOptions {
   std::optional<FactorChoice> factor;
   std::optional<Solver> solver;
   std::optional<int> iterations;
+  std::optional<int> threads;
   std::optional<double> relaxation;
   std::optional<double> theta;
   bool sleep = false, merge_fixed_joints = false;              ///< also if the scene does not say so

@@ -5,19 +5,6 @@
 #include <cmath>
 
 namespace taut {
-namespace {
-
-void add(StageTimes& sum, const StageTimes& times) {
-  sum.forces += times.forces;
-  sum.positions += times.positions;
-  sum.assembly += times.assembly;
-  sum.factorization += times.factorization;
-  sum.velocities += times.velocities;
-  sum.analysis += times.analysis;
-  sum.total += times.total;
-}
-
-}  // namespace
 
 void RunRecord::start(const Scene& source, int rows, double energy) {
   scene = source.name;
@@ -36,7 +23,7 @@ void RunRecord::start(const Scene& source, int rows, double energy) {
 }
 
 void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, double energy) {
-  taut::add(phases, report.times);
+  phases += report.times;
   analyses += report.analyses;
   factorizations += report.factorizations;
   refactorizations += report.refactorizations;

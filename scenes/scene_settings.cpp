@@ -34,6 +34,7 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   choice("solver", kSolverNames, s.solver);
   integer("iterations", s.iterations);
   number("relaxation", &JsonNode::positive, s.relaxation);
+  integer("threads", s.threads);
   s.contacts = object.get("contacts", &JsonNode::boolean, s.contacts);
   number("contact_margin", &JsonNode::not_negative, s.contact_margin);
   number("resting_speed", &JsonNode::not_negative, s.resting_speed);

@@ -83,6 +83,8 @@ void add_run(CLI::App& app, Arguments& arguments) {
       ->type_name("NUMBER");
   run.add_option("--relaxation", options.relaxation, "over-relaxation of gauss-seidel, between 0 and 2")
       ->type_name("NUMBER");
+  run.add_option("--threads", options.threads, "for contacts, default: as many as the machine has")
+      ->type_name("NUMBER");
   run.add_flag("--sleep", options.sleep, "let islands of bodies at rest sleep until something wakes them");
   run.add_flag("--merge-fixed-joints", options.merge_fixed_joints,
                "let bodies that fixed joints hold together move as one");

@@ -51,6 +51,30 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
   counted_shift_ = tolerance.shift;
 }
 
+namespace {
+
+Rows rows_of(const Rows& whole, const SystemPart& part, std::vector<int>& new_body) {
+  new_body.resize(whole.body_count());
+  for (std::size_t b = 0; b < part.bodies.size(); ++b) new_body[part.bodies[b]] = static_cast<int>(b);
+  return whole.part(part.joints, new_body, static_cast<int>(part.bodies.size()));
+}
+
+}  // namespace
+
+ConstraintSystem::ConstraintSystem(const ConstraintSystem& whole, const SystemPart& part,
+                                   std::vector<int>& new_body)
+    : choice_(whole.choice_),
+      axis_rows_(whole.axis_rows_),
+      rows_(rows_of(whole.rows_, part, new_body)),
+      mass_(whole.mass_, part.bodies),
+      tolerance_(whole.tolerance_) {
+  analyze_bodies();
+  through_bodies_ = rows_.row_count() - rows_.first_contact_row() >= kManyContactRows &&
+                    flops_of_rows() >= body_ordering_->flops;
+  inverse_compliance_.assign(rows_.row_count(), 0.0);
+  make_room();
+}
+
 void ConstraintSystem::set_contact_places(const World& world, std::span<const Rows::ContactPlace> places) {
   rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving);
   states_.clear();
@@ -72,14 +96,14 @@ double ConstraintSystem::flops_of_rows() const {
   return flops;
 }
 
-/// True if the bodies are the smaller system, or the one that many axes with friction ask for; then they are
-/// analysed.
+/// True if the bodies are the smaller system, or the one that many axes with friction ask for.
 bool ConstraintSystem::bodies_pay() {
   const bool rubs = rubbing_axes_ >= kManyRubbingAxes;
   if (!rubs && rows_.row_count() - rows_.first_contact_row() < kManyContactRows) return false;
-  const BlockOrdering ordering = order_blocks(body_graph(rows_, mass_, body_of_node_));
-  if (!rubs && flops_of_rows() < ordering.flops) return false;
-  analyze_bodies(ordering);
+  body_ordering_ = order_blocks(body_graph(rows_, mass_, body_of_node_));
+  if (!rubs && flops_of_rows() < body_ordering_->flops) return false;
+  body_factor_ = make_factor(choice_, *body_ordering_);
+  inverse_compliance_.assign(rows_.row_count(), 0.0);
   system_.reset();
   factor_.reset();
   dependent_rows_.clear();
@@ -87,12 +111,17 @@ bool ConstraintSystem::bodies_pay() {
   return true;
 }
 
-void ConstraintSystem::analyze_bodies(const BlockOrdering& ordering) {
-  body_factor_ = make_factor(choice_, ordering);
-  bodies_ = std::make_unique<BodyMatrix>(rows_, mass_, body_factor_->triangle(), ordering, body_of_node_);
+/// When it is wanted.
+void ConstraintSystem::analyze_bodies() {
+  if (bodies_) return;
+  const Stopwatch watch(analysis_time_);
+  if (!body_ordering_) body_ordering_ = order_blocks(body_graph(rows_, mass_, body_of_node_));
+  body_factor_ = make_factor(choice_, *body_ordering_);
+  bodies_ =
+      std::make_unique<BodyMatrix>(rows_, mass_, body_factor_->triangle(), *body_ordering_, body_of_node_);
   body_factor_->analyze(bodies_->matrix());
-  inverse_compliance_.assign(rows_.row_count(), 0.0);
   ordered_bodies_.assign(bodies_->matrix().size(), 0.0);
+  ++counters_.analyses;
 }
 
 void ConstraintSystem::analyze_rows() {
@@ -111,10 +140,17 @@ void ConstraintSystem::analyze() {
   {
     const Stopwatch watch(analysis_time_);
     bodies_.reset();
+    body_ordering_.reset();
     through_bodies_ = bodies_pay();
-    if (!through_bodies_) analyze_rows();
-    ++counters_.analyses;
+    if (!through_bodies_) {
+      analyze_rows();
+      ++counters_.analyses;
+    }
   }
+  make_room();
+}
+
+void ConstraintSystem::make_room() {
   const int n = rows_.row_count();
   jacobian_.assign(rows_.jacobian_size(), 0.0);
   weighted_.assign(rows_.jacobian_size(), 0.0);
@@ -146,6 +182,33 @@ void ConstraintSystem::weight() {
     SystemMatrix::weight<FullMassRoot>(rows_, jacobian_, full_roots_, weighted_);
   weighted_current_ = true;
   inertias_current_ = false;
+  ++weight_version_;
+}
+
+void ConstraintSystem::take_values(ConstraintSystem& whole, const SystemPart& part) {
+  const std::span<const double> W = whole.weighted();
+  int to = 0;
+  for (int j : part.joints) {
+    const Rows::JointRows& joint = whole.rows_.joints()[j];
+    const int from = whole.rows_.sides()[joint.first_side].offset;
+    const int size = 6 * joint.row_count * joint.side_count;
+    std::copy_n(whole.jacobian_.begin() + from, size, jacobian_.begin() + to);
+    std::copy_n(W.begin() + from, size, weighted_.begin() + to);
+    to += size;
+  }
+  for (std::size_t b = 0; b < part.bodies.size(); ++b) roots_[b] = whole.roots_[part.bodies[b]];
+  weighted_current_ = true;
+  inertias_current_ = false;
+  ++weight_version_;
+}
+
+void ConstraintSystem::take_counters(ConstraintSystem& part) {
+  counters_.analyses += part.counters_.analyses;
+  counters_.factorizations += part.counters_.factorizations;
+  counters_.backsolves += part.counters_.backsolves;
+  analysis_time_ += part.analysis_time_;
+  part.counters_ = {};
+  part.analysis_time_ = 0;
 }
 
 void ConstraintSystem::set_mass(std::span<const Pose> poses) {
@@ -207,11 +270,7 @@ void ConstraintSystem::compliance_of_bodies() {
 
 bool ConstraintSystem::factorize_bodies(std::span<const double> weighted, std::span<const double> D,
                                         StageTimes& times) {
-  if (!bodies_) {
-    const Stopwatch watch(analysis_time_);
-    analyze_bodies(order_blocks(body_graph(rows_, mass_, body_of_node_)));
-    ++counters_.analyses;
-  }
+  analyze_bodies();
   {
     const Stopwatch watch(times.assembly);
     bodies_->assemble(weighted, D);

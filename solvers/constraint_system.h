@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,6 +38,15 @@ inline constexpr RankTolerance kCountingTolerance{1e-11, 1e-8};
 /// State of a row whose multiplier is given from outside; see ConstraintSystem::set_row_states().
 inline constexpr double kMasked = std::numeric_limits<double>::infinity();
 
+/// Some joints and contacts of a system with their bodies, as indices there, ascending; rows follow from the
+/// joints.
+struct SystemPart {
+  std::vector<int> bodies, joints, rows;
+  std::vector<int> places;  ///< of contacts: the last of the joints
+
+  friend bool operator==(const SystemPart&, const SystemPart&) = default;
+};
+
 /// The joints of a world as one linear system: Jacobian, S = J M⁻¹ Jᵀ, its factor, and solves that survive
 /// dependent rows.
 ///
@@ -52,6 +62,11 @@ class ConstraintSystem {
  public:
   ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance,
                    Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded);
+  /// A part of a system by itself, to be solved through its bodies with values from there.  `new_body`:
+  /// scratch.
+  ConstraintSystem(const ConstraintSystem& whole, const SystemPart& part, std::vector<int>& new_body);
+  /// J, W and the roots of that part.
+  void take_values(ConstraintSystem& whole, const SystemPart& part);
 
   /// Other places for contacts from now on: a new pattern, order and analysis.  The world must have the
   /// topology that it had.  Row states are forgotten; J and S must be made anew.
@@ -138,6 +153,8 @@ class ConstraintSystem {
   /// Grows with every factorisation, never falls.
   long factor_version() const { return factor_version_; }
 
+  /// Changes with W.
+  long weight_version() const { return weight_version_; }
   /// 1 / S_rr of each row: the inertia that it feels on its own.
   void row_inertias(std::span<double> out);
 
@@ -156,6 +173,8 @@ class ConstraintSystem {
 
   const WorkCounters& counters() const { return counters_; }
   void reset_counters() { counters_ = {}; }
+  /// Adds what the system of a part has done since this was last asked.
+  void take_counters(ConstraintSystem& part);
   double analysis_time() const { return analysis_time_; }
   /// S, not to be asked for through bodies.
   const SymmetricMatrix& matrix() const { return system_->matrix(); }
@@ -167,7 +186,8 @@ class ConstraintSystem {
   void sum_inertias();
   bool bodies_pay();
   void analyze_rows();
-  void analyze_bodies(const BlockOrdering& ordering);
+  void analyze_bodies();
+  void make_room();
   double flops_of_rows() const;
   void compliance_of_bodies();
   void solve_through_bodies(std::span<double> x);
@@ -187,6 +207,7 @@ class ConstraintSystem {
   std::unique_ptr<Factor> factor_;
   std::unique_ptr<BodyMatrix> bodies_;  // made when it is wanted
   std::unique_ptr<Factor> body_factor_;
+  std::optional<BlockOrdering> body_ordering_;  // not analysed yet
   std::vector<int> body_of_node_;
   bool through_bodies_ = false;
   int rubbing_axes_ = 0;                              // with Coulomb friction
@@ -213,7 +234,7 @@ class ConstraintSystem {
   int full_rank_streak_ = 0;
   double condition_ = 1, compliance_ = 0;
   double analysis_time_ = 0;
-  long factor_version_ = 0, body_factor_version_ = 0;
+  long factor_version_ = 0, body_factor_version_ = 0, weight_version_ = 0;
   WorkCounters counters_;
 };
 

@@ -15,8 +15,7 @@ constexpr int kMostImpacts = 16;
 }  // namespace
 
 ContactForces::ContactForces(const World& world, const Settings& settings)
-    : ContactLaws(table_), wanted_(settings.contacts), table_(world, settings.contact_margin) {
-  table_.resting_speed = settings.resting_speed;
+    : ContactLaws(table_), wanted_(settings.contacts), table_(world, settings) {
   for (int b = 0; b < world.body_count(); ++b) table_.moves.push_back(world.moves({b}));
 }
 

@@ -17,6 +17,8 @@ class ContactForces final : public ContactLaws {
 
   bool empty() const { return !wanted_ || table_.set.empty(); }
   const ContactSet& set() const { return table_.set; }
+  /// For the laws of some of them.
+  ContactTable& table() { return table_; }
 
   /// New start: contacts at this state.  True if the places changed.
   bool start(const World& world, const State& state, double horizon);

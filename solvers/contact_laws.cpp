@@ -111,6 +111,15 @@ void ContactLaws::clear_idle(std::span<double> lambda) const {
     if (!works(k)) std::fill_n(lambda.begin() + first_row_[k], has_twist(k) ? 6 : 3, 0.0);
 }
 
+bool ContactLaws::is_clear(std::span<const double> lambda) const {
+  for (int k = 0; k < count(); ++k) {
+    const auto given = lambda.begin() + first_row_[k];
+    if (!works(k) && std::any_of(given, given + (has_twist(k) ? 6 : 3), [](double l) { return l != 0; }))
+      return false;
+  }
+  return true;
+}
+
 bool ContactLaws::soft() const {
   for (int k = 0; k < count(); ++k)
     if (contact(k).live && compliance(k) > 0) return true;

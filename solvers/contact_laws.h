@@ -8,6 +8,7 @@
 #include "solvers/constraint_system.h"
 #include "solvers/contact_set.h"
 #include "solvers/row_law.h"
+#include "solvers/settings.h"
 
 namespace taut {
 
@@ -71,7 +72,9 @@ struct ContactTable {
     bool spent = false;
   };
 
-  ContactTable(const World& world, double margin) : set(world, margin) {}
+  ContactTable(const World& world, const Settings& settings)
+      : set(world, {.margin = settings.contact_margin, .threads = settings.threads}),
+        resting_speed(settings.resting_speed) {}
 
   ContactSet set;
   std::vector<char> moves;  ///< bodies
@@ -112,6 +115,8 @@ class ContactLaws {
   void held_laws(std::span<const double> lambda, std::span<RowLaw> laws) const;
   /// Zeroes a guess in the rows of contacts that give nothing in this stage.
   void clear_idle(std::span<double> lambda) const;
+  /// The same is 0 there.
+  bool is_clear(std::span<const double> lambda) const;
   /// Compares a solution of a stage with Coulomb's law.  True if radius, slip or stick of a contact is not
   /// what the laws had: then they are renewed, and the stage must be solved again.  `scale`: the size of
   /// impulses [√J], of which `tolerance` is what an error may be.

@@ -63,8 +63,8 @@ row_parts::ContactFrame frame_of(const Vec3& n, const Vec3& slip, const Vec3& la
 
 }  // namespace
 
-ContactSet::ContactSet(const World& world, double margin)
-    : empty_(!can_touch(world)), finder_({.margin = margin}) {}
+ContactSet::ContactSet(const World& world, const ContactSettings& settings)
+    : empty_(!can_touch(world)), finder_(settings) {}
 
 std::vector<Rows::ContactPlace> ContactSet::rows() const {
   std::vector<Rows::ContactPlace> rows;

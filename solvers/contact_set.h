@@ -24,7 +24,7 @@ class ContactSet {
     Vec3 slip = Vec3::Zero();         ///< of B along A at the last find() [m/s]
   };
 
-  ContactSet(const World& world, double margin);
+  ContactSet(const World& world, const ContactSettings& settings);
 
   /// No two shapes of the world can touch.
   bool empty() const { return empty_; }

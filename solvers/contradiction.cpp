@@ -46,7 +46,7 @@ Touch touch_of(const Situation& s, const Contact& contact) {
 Places find_contacts(const Situation& s) {
   Places places;
   if (!s.bounds || s.contact_margin <= 0) return places;
-  ContactSet set(s.world, s.contact_margin);
+  ContactSet set(s.world, {.margin = s.contact_margin});
   if (set.empty()) return places;
   set.find(s.world, s.from, s.horizon);
   std::copy_if(set.places().begin(), set.places().end(), std::back_inserter(places),

@@ -35,4 +35,8 @@ MassMatrix::MassMatrix(const World& world) {
   }
 }
 
+MassMatrix::MassMatrix(const MassMatrix& whole, std::span<const int> bodies) {
+  for (int b : bodies) bodies_.push_back(whole[b]);
+}
+
 }  // namespace taut

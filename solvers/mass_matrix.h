@@ -27,6 +27,8 @@ class MassMatrix {
   };
 
   explicit MassMatrix(const World& world);
+  /// Some bodies of another.
+  MassMatrix(const MassMatrix& whole, std::span<const int> bodies);
 
   int size() const { return static_cast<int>(bodies_.size()); }
   const Body& operator[](int body) const { return bodies_[body]; }

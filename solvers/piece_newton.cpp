@@ -7,8 +7,6 @@
 namespace taut {
 namespace {
 
-/// Σ over S_rr.
-constexpr double kRho = 1e-6;
 /// Iterations go on until they take away less than half of what is left.
 constexpr double kProgress = 0.5;
 /// So many in a row that do not are given up.
@@ -55,7 +53,7 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
     if (done || stuck == kStuck || outcome.iterations == limits.iterations) return outcome;
     const bool serves = error < kServes * last;
     last = error;
-    if (!factorize(laws, serves, times)) return outcome;
+    if (!factorize(laws, limits.softness, serves, times)) return outcome;
     for (std::size_t r = 0; r < n; ++r) {
       const int piece = pieces_[r];
       change_[r] = RowLaw::is_vertical(piece) ? stiffness_[r] * (laws[r].rate(piece) - w[r])
@@ -69,9 +67,9 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
 }
 
 /// P of the present pieces and W, or one of before that is nearly the same and still serves.
-bool PieceNewton::factorize(std::span<const RowLaw> laws, bool serves, StageTimes& times) {
+bool PieceNewton::factorize(std::span<const RowLaw> laws, double softness, bool serves, StageTimes& times) {
   for (std::size_t r = 0; r < laws.size(); ++r)
-    stiffness_[r] = RowLaw::is_vertical(pieces_[r]) ? 1 / (kRho * own_[r]) : laws[r].slope;
+    stiffness_[r] = RowLaw::is_vertical(pieces_[r]) ? 1 / (softness * own_[r]) : laws[r].slope;
   if (serves && is_near(laws)) return true;
   const std::span<const double> weighted = system_.weighted();
   factored_pieces_ = pieces_;

@@ -13,6 +13,7 @@ struct PieceLimits {
   double tolerance = 1e-9;    ///< of the natural map over the size of impulses
   double rate_tolerance = 0;  ///< errors of rates below this do not count [m/s or rad/s]
   int iterations = 8;
+  double softness = 1e-6;  ///< Σ over S_rr
 };
 
 /// How it went.
@@ -28,19 +29,19 @@ struct PieceOutcome {
 ///     P v = Wᵀ g,   δλ = g − D W v,    D = 1/Σ, g = (w_k − w)/Σ   or   D = c, g = l − λ − c w.
 ///
 /// Then the pieces are those that each row by itself would take [HintermullerItoKunisch2003].  Σ is a
-/// millionth of S_rr and acts on δλ only.  The factor is kept as long as W and the pieces are the same: from
+/// small part of S_rr and acts on δλ only.  The factor is kept as long as W and the pieces are the same: from
 /// the velocities of one step to the positions of the next.  (solvers/README, "Many axes with friction")
 class PieceNewton {
  public:
   explicit PieceNewton(ConstraintSystem& system) : system_(system) {}
 
-  /// S = W Wᵀ with the W that the system has; there must be no contacts.  `lambda`: a guess, then the result;
-  /// `w`: its rates.
+  /// S = W Wᵀ with the W that the system has; contacts must have laws of rows.  `lambda`: a guess, then the
+  /// result; `w`: its rates.
   PieceOutcome solve(std::span<const RowLaw> laws, std::span<const double> b, std::span<double> lambda,
                      std::span<double> w, const PieceLimits& limits, StageTimes& times);
 
  private:
-  bool factorize(std::span<const RowLaw> laws, bool serves, StageTimes& times);
+  bool factorize(std::span<const RowLaw> laws, double softness, bool serves, StageTimes& times);
   bool is_near(std::span<const RowLaw> laws) const;
 
   ConstraintSystem& system_;

@@ -46,7 +46,8 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       has_split_flow_(any_split()),
       axes_(world, system.rows()),
       contacts_(world, settings),
-      newton_(system),
+      contact_solver_(system, contacts_),
+      islands_(system, contacts_, contact_solver_, settings.threads),
       interior_(system),
       piece_newton_(system) {
   active_.emplace(system);
@@ -67,7 +68,6 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
   if (rubs()) slack_ = kSlack * settings.position_tolerance;
   axes_.set_slack(slack_);
-  if (iterative() || !contacts_.empty()) iteration_.emplace(system);
   if (iterative()) absorbed_.resize(bodies);
 }
 

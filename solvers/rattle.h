@@ -11,9 +11,8 @@
 #include "solvers/axis_forces.h"
 #include "solvers/breaking.h"
 #include "solvers/constraint_system.h"
-#include "solvers/contact_forces.h"
-#include "solvers/contact_newton.h"
-#include "solvers/impulse_iteration.h"
+#include "solvers/contact_islands.h"
+#include "solvers/contact_solver.h"
 #include "solvers/interior_point.h"
 #include "solvers/piece_newton.h"
 #include "solvers/settings.h"
@@ -176,21 +175,21 @@ class Rattle {
   double law_error(double h) const;
   using Renew = void (Rattle::*)();  // of the laws of a stage
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
-  double distance_from_laws(std::span<const double> lambda, std::span<const double> w,
-                            double rate_tolerance) const;
+  StageProblem stage(std::span<double> lambda) { return {laws_, delta_, inertia_, lambda, w_}; }
   double resting_tolerance(double rate_tolerance, bool rested) const;
   bool holds(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool holds_by_factor(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool meets_laws(std::span<double> lambda, double off, double rate_tolerance, StepReport& report);
   void take_pieces(std::span<const double> lambda);
-  bool solve_through_bodies(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
+  bool solve_through_bodies(std::span<double> lambda, double rate_tolerance, double resting, Renew renew,
+                            StepReport& report);
   bool solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report);
-  void sweep_guess(std::span<double> lambda, double rate_tolerance);
   bool solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
-  NewtonOutcome run_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
+  bool solve_islands(std::span<double> lambda, const NewtonLimits& limits, double resting,
+                     StepReport& report);
+  void book(const StageRecord& record, StepReport& report);
   bool hold_on(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  bool solve_by_sweeps(std::span<double> lambda, double rate_tolerance, StepReport& report);
   void report_inexactness(StepReport& report) const;
   bool stabilize_positions(double h, StepReport& report);
   bool stabilize_velocities(StepReport& report);
@@ -265,7 +264,8 @@ class Rattle {
   ContactForces contacts_;
   double horizon_ = 0;
   std::optional<ActiveSet> active_;
-  ContactNewton newton_;
+  ContactSolver contact_solver_;
+  ContactIslands islands_;
   bool near_ = false;  // this stage was solved at a neighbouring state
   std::vector<char> held_rows_;
   UnionFind stuck_together_;   // bodies
@@ -274,16 +274,15 @@ class Rattle {
   double slack_ = 0;           // of gaps and of places where friction holds, which is left [m or rad]
   InteriorPoint interior_;
   PieceNewton piece_newton_;
-  std::optional<ImpulseIteration> iteration_;  // iterative, or with contacts
-  std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
-  double inexact_ = 0;                         // residual that may be taken
-  double loose_ = 0, loosest_ = 0;             // taken beyond 1e-8 by the present solve, and in this advance
+  std::vector<Wrench> absorbed_;    // momentum that bodies held fast did not take in this stage
+  double inexact_ = 0;              // residual that may be taken
+  double loose_ = 0, loosest_ = 0;  // taken beyond 1e-8 by the present solve, and in this advance
   bool few_steps_ = false;
   bool laws_moved_ = false;  // friction let go, or its load changed, before this stage was solved
   int newtons_left_ = 0;     // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_, held_laws_;
-  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, unshared_, row_scratch_;
+  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, row_scratch_;
   std::vector<int> pieces_scratch_;
   std::vector<Twist> mean_twists_;
   double time_to_impact_ = 0;

@@ -159,7 +159,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
     return true;
   if (laws_moved_) (this->*renew)();
   if (system_.through_bodies() || contacts_.soft() || (newtons_left_ > 0 && newtons_left_-- > 0))
-    return solve_through_bodies(lambda, rate_tolerance, renew, report);
+    return solve_through_bodies(lambda, rate_tolerance, resting, renew, report);
   guess_.assign(lambda.begin(), lambda.end());
   double earlier = std::numeric_limits<double>::infinity();
   for (int solve = 0;; ++solve) {
@@ -170,7 +170,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
       if (!many || outcome_.status != ActiveSetStatus::kNotConverged) return false;
       newtons_left_ = kNewtonsInARow;
       std::copy(guess_.begin(), guess_.end(), lambda.begin());
-      return solve_through_bodies(lambda, rate_tolerance, renew, report);
+      return solve_through_bodies(lambda, rate_tolerance, resting, renew, report);
     }
     const bool broke = axes_.break_away(w_, rate_tolerance);
     const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
@@ -193,7 +193,7 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
           (check && !met && contacts_.residual() > kFrictionProgress * earlier)) {
         newtons_left_ = kNewtonsInARow;
         std::copy(guess_.begin(), guess_.end(), lambda.begin());
-        return solve_through_bodies(lambda, rate_tolerance, renew, report);
+        return solve_through_bodies(lambda, rate_tolerance, resting, renew, report);
       }
       if (check) earlier = contacts_.residual();
       if (!contacts_.turns().empty()) turn_contacts(lambda, report);

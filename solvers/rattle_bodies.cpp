@@ -24,45 +24,19 @@ constexpr int kFewSteps = 8;
 constexpr double kExact = 1e-13;
 /// Newton steps where those of the step before were not enough.
 constexpr int kStepsOfHardStages = 300;
-/// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
-/// more than this part of the largest.
-constexpr int kFirstSweeps = 300;
-constexpr double kSwept = 1e-10;
-/// Sweeps of Gauss–Seidel where that was not enough.
-constexpr int kLastSweeps = 1000;
-/// Newton steps in which contacts that stick are to find a division of the load that holds them.
-constexpr int kStepsToHold = 150;
 /// More solves of a stage, because friction let go or the load that it grows by has changed.
 constexpr int kMaxSolves = 40;
 
 /// What a solver has done.
 template <typename Outcome>
-void book(const Outcome& outcome, StepReport& report) {
-  report.contact_iterations += outcome.iterations;
-  if (outcome.converged)
-    report.complementarity_residual = std::max(report.complementarity_residual, outcome.residual);
+StageRecord record_of(const Outcome& outcome) {
+  StageRecord record;
+  record.iterations = outcome.iterations;
+  if (outcome.converged) record.residual = outcome.residual;
+  return record;
 }
 
 }  // namespace
-
-/// The natural map at impulses whose rates are w, over the largest of them; errors of rates within the
-/// tolerance do not count.
-double Rattle::distance_from_laws(std::span<const double> lambda, std::span<const double> w,
-                                  double rate_tolerance) const {
-  double error = 0, scale = 0, sum = 0;
-  for (int r = 0; r < system_.row_count(); ++r) {
-    scale = std::max(scale, std::abs(lambda[r]) / std::sqrt(inertia_[r]));
-    sum += std::abs(lambda[r]) + std::abs(w[r]);
-  }
-  if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
-    const double own = 1 / inertia_[r];
-    const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r]));
-    if (!(own * off <= rate_tolerance)) error = std::max(error, std::sqrt(own) * off);
-  }
-  error = std::max(error, contacts_.error(lambda, w, rate_tolerance));
-  return error == 0 ? 0 : error / scale;
-}
 
 /// Rates that impulses of before may miss their laws by at rest.  What one stage leaves is mended by the
 /// next, in turns and for ever, unless that one is solved, too.
@@ -81,14 +55,13 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
     if (!places[k].active && std::any_of(given, given + count, [](double l) { return l != 0; })) return false;
   }
   std::copy(rates_.begin(), rates_.end(), w_.begin());
-  double off = distance_from_laws(lambda, w_, rate_tolerance);
+  double off = contact_solver_.distance(stage(lambda), rate_tolerance);
   // Newton is as fast through the bodies.
   if (off > kNear || (system_.through_bodies() && off > (rubs() ? 0 : kHeld))) return false;
-  if (rubs() && !newton_.holds_joints(laws_, w_, rate_tolerance)) return false;
+  if (rubs() && !contact_solver_.newton().holds_joints(laws_, w_, rate_tolerance)) return false;
   if (off > kHeld) {
     held_.assign(lambda.begin(), lambda.end());
-    (void)iteration_->solve(contacts_, laws_, delta_, held_, w_, {.sweeps = kMendingSweeps}, {});
-    off = distance_from_laws(held_, w_, rate_tolerance);
+    off = contact_solver_.sweep(stage(held_), kMendingSweeps, rate_tolerance);
     if (off > kHeld) return false;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
@@ -114,7 +87,8 @@ bool Rattle::meets_laws(std::span<double> lambda, double off, double rate_tolera
 bool Rattle::holds_by_factor(std::span<double> lambda, double rate_tolerance, StepReport& report) {
   if (contacts_.empty() || contacts_.soft() || system_.through_bodies()) return false;
   std::copy(rates_.begin(), rates_.end(), w_.begin());
-  if (!contacts_.all_stick(lambda) || distance_from_laws(lambda, w_, rate_tolerance) > kNear) return false;
+  if (!contacts_.all_stick(lambda) || contact_solver_.distance(stage(lambda), rate_tolerance) > kNear)
+    return false;
   held_laws_ = laws_;
   contacts_.held_laws(lambda, held_laws_);
   held_.assign(lambda.begin(), lambda.end());
@@ -122,7 +96,7 @@ bool Rattle::holds_by_factor(std::span<double> lambda, double rate_tolerance, St
   ActiveSetSettings settings{.rate_tolerance = rate_tolerance, .keep_null_space = true};
   settings.max_rounds = settings.max_descent_rounds = 0;
   (void)active_->solve(held_laws_, delta_, held_, w_, report.times, settings);
-  const double off = distance_from_laws(held_, w_, rate_tolerance);
+  const double off = contact_solver_.distance(stage(held_), rate_tolerance);
   if (off <= kHeld && meets_laws(held_, off, rate_tolerance, report)) {
     std::copy(held_.begin(), held_.end(), lambda.begin());
     return true;
@@ -147,15 +121,15 @@ void Rattle::take_pieces(std::span<const double> lambda) {
   active_->set_pieces(pieces_scratch_, laws_);
 }
 
-/// All that the bodies are the system for: again where static friction lets go or its load changes.
-bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_tolerance, Renew renew,
-                                  StepReport& report) {
+/// All that the bodies are the system for, contacts island by island: again where static friction lets go or
+/// its load changes.
+bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_tolerance, double resting,
+                                  Renew renew, StepReport& report) {
   NewtonLimits limits{.rate_tolerance = rate_tolerance, .near = near_};
   if (few_steps_) limits.iterations = kStepsOfHardStages;
   for (int solve = 0; solve < kMaxSolves; ++solve) {
     const bool solved = contacts_.empty() ? solve_axes(lambda, rate_tolerance, report)
-                                          : solve_by_newton(lambda, limits, report) ||
-                                                solve_by_sweeps(lambda, rate_tolerance, report);
+                                          : solve_islands(lambda, limits, resting, report);
     take_pieces(lambda);
     if (!solved) break;
     const bool broke = axes_.break_away(w_, rate_tolerance);
@@ -171,7 +145,7 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
 /// all else by interior points.
 bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report) {
   system_.rates(lambda, delta_, w_);
-  if (distance_from_laws(lambda, w_, rate_tolerance) <= kNewtonRange) {
+  if (contact_solver_.distance(stage(lambda), rate_tolerance) <= kNewtonRange) {
     const double tolerance = near_ ? kExact : kHeld;
     held_.assign(lambda.begin(), lambda.end());
     if (solve_on_pieces(lambda, {tolerance, rate_tolerance}, report)) return true;
@@ -182,99 +156,44 @@ bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepRep
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
   const InteriorOutcome outcome = interior_.solve(laws_, delta_, lambda, w_, {}, report.times);
-  book(outcome, report);
+  book(record_of(outcome), report);
   return outcome.converged ||
          solve_by_newton(lambda, {.most = kHeld, .rate_tolerance = rate_tolerance}, report);
 }
 
 bool Rattle::solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report) {
   const PieceOutcome outcome = piece_newton_.solve(laws_, delta_, lambda, w_, limits, report.times);
-  book(outcome, report);
+  book(record_of(outcome), report);
   return outcome.converged;
 }
 
-/// A better guess for Newton's method: Gauss–Seidel, whose sweeps cost little, comes near from anywhere.
-void Rattle::sweep_guess(std::span<double> lambda, double rate_tolerance) {
-  system_.rates(lambda, delta_, w_);
-  double size = 0;
-  for (int r = 0; r < system_.row_count(); ++r)
-    size = std::max(size, std::abs(delta_[r]) * std::sqrt(inertia_[r]));
-  const double off = distance_from_laws(lambda, w_, rate_tolerance);
-  if (off <= kNear) return;
-  held_.assign(lambda.begin(), lambda.end());
-  const IterationLimits limits{.sweeps = kFirstSweeps, .tolerance = kSwept * size};
-  (void)iteration_->solve(contacts_, laws_, delta_, held_, w_, limits, {});
-  if (distance_from_laws(held_, w_, rate_tolerance) < off)
-    std::copy(held_.begin(), held_.end(), lambda.begin());
+void Rattle::book(const StageRecord& record, StepReport& report) {
+  report.times += record.times;
+  report.contact_iterations += record.iterations;
+  report.complementarity_residual = std::max(report.complementarity_residual, record.residual);
+  loose_ = record.loose;
 }
 
-/// Contacts, and what is left to others; again where static friction lets go.
 bool Rattle::solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report) {
-  if (newton_.is_heap() && !contacts_.soft()) sweep_guess(lambda, limits.rate_tolerance);
-  guess_.assign(lambda.begin(), lambda.end());
-  for (int solve = 0;; ++solve) {
-    if (!run_newton(lambda, limits, report).converged) return false;
-    if (solve == kMaxSolves || !contacts_.slips_where_it_held()) return true;
-    if (hold_on(lambda, limits.rate_tolerance, report) || !contacts_.weakened()) return true;
-  }
+  StageRecord record;
+  const bool solved = contact_solver_.solve_by_newton(stage(lambda), limits, record);
+  book(record, report);
+  return solved;
 }
 
-NewtonOutcome Rattle::run_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report) {
-  const NewtonOutcome outcome = newton_.solve(contacts_, laws_, delta_, lambda, w_, limits, report.times);
-  contacts_.take_over(lambda, w_, limits.rate_tolerance);
-  book(outcome, report);
-  loose_ = 0;
-  return outcome;
-}
-
-/// A solution in which contacts slip that stuck: true, and another one, if there is one in which they hold.
-/// Else they are let go, and λ and w stay as they are.
 bool Rattle::hold_on(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  NewtonLimits limits{.rate_tolerance = rate_tolerance, .iterations = kStepsToHold, .holding = true};
-  limits.most = limits.tolerance;
-  if (!contacts_.begin_sharing()) return false;
-  unshared_.assign(lambda.begin(), lambda.end());
-  for (bool again = true; again;) {
-    std::copy(guess_.begin(), guess_.end(), lambda.begin());
-    const NewtonOutcome outcome = run_newton(lambda, limits, report);
-    if (outcome.converged && !contacts_.slips_where_it_held()) {
-      // What holds by the normality law holds by Coulomb's where it does not slip at all.
-      contacts_.end_sharing(true);
-      const double off = distance_from_laws(lambda, w_, rate_tolerance);
-      if (off <= NewtonLimits().most) {
-        report.complementarity_residual = std::max(report.complementarity_residual, off);
-        return true;
-      }
-      contacts_.go_on_sharing();
-    }
-    again = contacts_.let_go(w_, outcome.iterations < limits.iterations);
-  }
-  contacts_.end_sharing(false);
-  std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
-  system_.rates(lambda, delta_, w_);
-  return false;
+  StageRecord record;
+  const bool holds = contact_solver_.hold_on(stage(lambda), guess_, rate_tolerance, record);
+  book(record, report);
+  return holds;
 }
 
-/// Where Newton's method has given up: its best round, or what Gauss–Seidel makes of that if it is better, if
-/// it is good enough.  Gauss–Seidel on contacts comes near from anywhere, and no further.
-bool Rattle::solve_by_sweeps(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  if (inexact_ == 0 || contacts_.empty()) return false;
-  const double best = distance_from_laws(lambda, w_, rate_tolerance);
-  held_.assign(lambda.begin(), lambda.end());
-  (void)iteration_->solve(contacts_, laws_, delta_, lambda, w_, {.sweeps = kLastSweeps}, {});
-  double residual = distance_from_laws(lambda, w_, rate_tolerance);
-  if (!(residual < best) || !newton_.holds_joints(laws_, w_, rate_tolerance)) {
-    residual = best;
-    std::copy(held_.begin(), held_.end(), lambda.begin());
-    system_.rates(lambda, delta_, w_);
-  }
-  contacts_.take_over(lambda, w_, rate_tolerance);
-  if (!(residual <= inexact_) || !std::isfinite(max_abs(lambda))) return false;
-  if (residual > NewtonLimits().most)
-    loose_ = residual;
-  else
-    report.complementarity_residual = std::max(report.complementarity_residual, residual);
-  return true;
+bool Rattle::solve_islands(std::span<double> lambda, const NewtonLimits& limits, double resting,
+                           StepReport& report) {
+  StageRecord record;
+  const bool solved = islands_.solve(stage(lambda), {limits, resting, inexact_}, record);
+  book(record, report);
+  return solved;
 }
 
 void Rattle::forget_contact_impulses() {

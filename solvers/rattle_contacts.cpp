@@ -152,7 +152,8 @@ void Rattle::move_rows(std::span<const int> from) {
   }
   laws_ = std::move(laws);
   active_.emplace(system_);
-  iteration_.emplace(system_);
+  contact_solver_.reset();
+  islands_.forget_pattern();
   active_->set_pieces(pieces, laws_);
   start_jacobian_.assign(system_.jacobian().size(), 0.0);
   system_.release_bounded_rows();
@@ -168,7 +169,7 @@ void Rattle::contact_rates() {
 
 /// Turned tangents: in all that has a row, then in J and its factor.
 void Rattle::turn_contacts(std::span<double> lambda, StepReport& report) {
-  for (const ContactForces::Turn& turn : contacts_.turns()) {
+  for (const ContactLaws::Turn& turn : contacts_.turns()) {
     const int first = contacts_.first_row(turn.place);
     const int count = contacts_.set().places()[turn.place].at.twist ? 6 : 3;
     for (std::span<double> values :

@@ -61,7 +61,8 @@ bool Rattle::iterate(std::span<double> lambda, int sweeps, double rate_tolerance
   for (int r = 0; r < system_.row_count(); ++r)
     if (inertia_[r] > 0) least = least > 0 ? std::min(least, std::sqrt(inertia_[r])) : std::sqrt(inertia_[r]);
   const IterationLimits limits{settings_.solver, sweeps, settings_.relaxation, rate_tolerance * least};
-  const IterationOutcome outcome = iteration_->solve(contacts_, laws_, delta_, lambda, w_, limits, absorbed_);
+  const IterationOutcome outcome =
+      contact_solver_.iteration().solve(contacts_, laws_, delta_, lambda, w_, limits, absorbed_);
   report.sweeps += outcome.sweeps;
   if (!std::isfinite(outcome.residual)) return false;
   (void)axes_.break_away(w_, 0);

@@ -20,6 +20,7 @@ void check_settings(const Settings& s) {
   require_not_negative("settings sleep_time", s.sleep_time);
   require_not_negative("settings erp", s.erp);
   require_not_negative("settings cfm", s.cfm);
+  if (s.threads < 0) fail("settings threads", "must not be negative", s.threads);
   if (s.iterations < 1) fail("settings iterations", "must be at least 1", s.iterations);
   if (!(s.relaxation > 0 && s.relaxation < 2))
     fail("settings relaxation", "must be between 0 and 2", s.relaxation);

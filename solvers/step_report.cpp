@@ -20,6 +20,14 @@ std::string_view to_string(Status status) {
   return "unknown";
 }
 
+StageTimes& StageTimes::operator+=(const StageTimes& other) {
+  for (auto stage :
+       {&StageTimes::forces, &StageTimes::positions, &StageTimes::assembly, &StageTimes::factorization,
+        &StageTimes::velocities, &StageTimes::analysis, &StageTimes::total})
+    this->*stage += other.*stage;
+  return *this;
+}
+
 EnergyLedger& EnergyLedger::operator+=(const EnergyLedger& next) {
   for (auto term :
        {&EnergyLedger::motors, &EnergyLedger::drivers, &EnergyLedger::friction, &EnergyLedger::limits,

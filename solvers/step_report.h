@@ -26,7 +26,7 @@ enum class Status {
 };
 std::string_view to_string(Status status);
 
-/// Wall time of the stages of a step [s].
+/// Wall time of the stages of a step [s]; islands that are solved at the same time count one by one.
 struct StageTimes {
   double forces = 0;
   double positions = 0;  ///< drift, residuals and back-solves of the position stage
@@ -35,6 +35,8 @@ struct StageTimes {
   double velocities = 0;  ///< back-solves of the velocity stage
   double analysis = 0;    ///< ordering and symbolic factorisation; 0 unless the topology changed
   double total = 0;
+
+  StageTimes& operator+=(const StageTimes& other);
 };
 
 /// Joints, limits, motors and contacts that cannot hold together, and the gap that is left when they share

@@ -79,6 +79,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(s.theta, 0.75);
   EXPECT_EQ(s.solver, Solver::kPairwise);
   EXPECT_EQ(s.iterations, 9);
+  EXPECT_EQ(s.threads, 3);
   EXPECT_EQ(s.relaxation, 1.5);
   EXPECT_FALSE(s.contacts);
   EXPECT_EQ(s.contact_margin, 0.01);
