@@ -111,6 +111,8 @@ class Rattle {
  protected:  // the stages, which Moreau–Jean has, too (moreau_jean.h)
   /// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.
   static constexpr double kSlow = 0.6;
+  /// Largest natural residual of the laws of axes.
+  static constexpr double kNaturalTolerance = 1e-9;
 
   void linearize(StepReport& report);
   void linearize_and_factorize(StepReport& report);
@@ -174,6 +176,14 @@ class Rattle {
   bool close_bounded_positions(double h, StepReport& report);
   double time_of_impact(double h, StepReport& report);
   double law_error(double h) const;
+  double positions_off(double h) const;
+  double natural_residual(std::span<const double> lambda, std::span<const double> w) const;
+  std::pair<double, double> rate_noise() const;
+  void note_residual(std::span<const double> lambda);
+  /// Without contacts no tolerance of rates makes up for the laws of axes.
+  bool exact(std::span<const double> lambda) const {
+    return !contacts_.empty() || natural_residual(lambda, w_) <= kNaturalTolerance;
+  }
   using Renew = void (Rattle::*)();  // of the laws of a stage
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   double distance_from_laws(std::span<const double> lambda, std::span<const double> w,
@@ -191,7 +201,7 @@ class Rattle {
   NewtonOutcome run_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
   bool hold_on(std::span<double> lambda, double rate_tolerance, StepReport& report);
   bool solve_by_sweeps(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  void report_inexactness(StepReport& report) const;
+  void report_residuals(StepReport& report) const;
   bool stabilize_positions(double h, StepReport& report);
   bool stabilize_velocities(StepReport& report);
   bool iterate(std::span<double> lambda, int sweeps, double rate_tolerance, StepReport& report);
@@ -278,6 +288,8 @@ class Rattle {
   std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
   double inexact_ = 0;                         // residual that may be taken
   double loose_ = 0, loosest_ = 0;             // taken beyond 1e-8 by the present solve, and in this advance
+  double natural_ = 0;                         // natural residual of the stages of this advance
+  double stage_h_ = 0;                         // over which rates of this stage are differences of poses
   bool few_steps_ = false;
   bool laws_moved_ = false;  // friction let go, or its load changed, before this stage was solved
   int newtons_left_ = 0;     // stages that go straight to it, since the active set gave up on one before
