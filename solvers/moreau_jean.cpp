@@ -21,6 +21,7 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   report.tension_number = std::max(report.tension_number, omega_ * h);
   works_before_ = works_of(report);
   loosest_ = natural_ = 0;
+  jammed_.clear();
   predict(h);
   go_to_middle(h, report);
   begin_laws(h, report);

@@ -117,6 +117,7 @@ void Rattle::linearize_and_factorize(StepReport& report) {
 
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   loosest_ = natural_ = 0;
+  jammed_.clear();
   implicit_ =
       settings_.tension == TensionPolicy::kImplicit && omega_ * std::abs(h) > settings_.max_tension_number;
   if (implicit_) {

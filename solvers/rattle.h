@@ -105,6 +105,10 @@ class Rattle {
   }
   /// The next guess has no impulses of contacts.
   void forget_contact_impulses();
+  /// Who jams, if a stage of the last advance failed because friction grows with a load that it makes grow:
+  /// the rows of that friction, and those of motors without bound and of joints that follow the time whose
+  /// impulses are as large.
+  std::span<const int> jammed() const { return jammed_; }
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 
@@ -180,6 +184,7 @@ class Rattle {
   double natural_residual(std::span<const double> lambda, std::span<const double> w) const;
   std::pair<double, double> rate_noise() const;
   void note_residual(std::span<const double> lambda);
+  void note_jam(std::span<const double> lambda);
   /// Without contacts no tolerance of rates makes up for the laws of axes.
   bool exact(std::span<const double> lambda) const {
     return !contacts_.empty() || natural_residual(lambda, w_) <= kNaturalTolerance;
@@ -292,7 +297,8 @@ class Rattle {
   double stage_h_ = 0;                         // over which rates of this stage are differences of poses
   bool few_steps_ = false;
   bool laws_moved_ = false;  // friction let go, or its load changed, before this stage was solved
-  int newtons_left_ = 0;     // stages that go straight to it, since the active set gave up on one before
+  std::vector<int> jammed_;
+  int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_, held_laws_;
   std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, unshared_, row_scratch_;

@@ -25,6 +25,8 @@ constexpr double kFrictionProgress = 0.2;
 constexpr int kContactRounds = 30;
 /// Bounded rows from which on an active set that stalls is not descended from: the bodies are faster.
 constexpr int kManyRows = 60;
+/// Part of the largest impulse that those who jam have.
+constexpr double kJamShare = 1e-3;
 /// Of poses and twists, relative.
 constexpr double kRoundOff = 16 * std::numeric_limits<double>::epsilon();
 
@@ -200,6 +202,24 @@ void Rattle::note_residual(std::span<const double> lambda) {
   natural_ = std::max(natural_, natural_residual(lambda, rates_));
 }
 
+/// Friction and loads that make each other grow: their impulses have outgrown all others by now.
+void Rattle::note_jam(std::span<const double> lambda) {
+  const Rows& rows = system_.rows();
+  const auto size = [&](int r) { return inertia_[r] > 0 ? std::abs(lambda[r]) / std::sqrt(inertia_[r]) : 0; };
+  double largest = 0;
+  for (int r = 0; r < rows.first_contact_row(); ++r) largest = std::max(largest, size(r));
+  jammed_.clear();
+  const std::span<const char> growing = axes_.growing();
+  if (std::find(growing.begin(), growing.end(), 1) == growing.end()) return;  // they only settle slowly
+  for (std::size_t i = 0; i < rows.axis_rows().size(); ++i) {
+    const int r = rows.axis_rows()[i].row;
+    if (size(r) >= kJamShare * largest && (growing[i] || axes_.has_unbounded_motor(i))) jammed_.push_back(r);
+  }
+  for (int r = 0; r < rows.first_contact_row(); ++r)
+    if (rows.is_equality(r) && rows.row(r).store->depends_on_time() && size(r) >= kJamShare * largest)
+      jammed_.push_back(r);
+}
+
 /// Solves w = S λ + b for the laws, with b such that the present λ gives the present rates; again where
 /// static friction lets go, and until the friction of contacts agrees with their slip and normal impulse.
 bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report) {
@@ -249,7 +269,10 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
       break;
     }
     if (contacts_.empty()) {
-      if (solve == kMaxSolves) return false;
+      if (solve == kMaxSolves) {
+        if (loaded) note_jam(lambda);
+        return false;
+      }
     } else {
       const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
       if (!outcome_.ok() || solve >= kMaxSolves ||

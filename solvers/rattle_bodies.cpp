@@ -161,6 +161,7 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
     const bool broke = axes_.break_away(w_, rate_tolerance);
     const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
     if (!broke && !loaded) return true;
+    if (loaded && solve == kMaxSolves - 1) note_jam(lambda);
     (this->*renew)();
   }
   outcome_.status = ActiveSetStatus::kNotConverged;

@@ -38,7 +38,7 @@ struct StageTimes {
 };
 
 /// Joints, limits, motors and contacts that cannot hold together, and the gap that is left when they share
-/// it.
+/// it; or joints that jam by their friction and the drivers and motors that force them, with no gap.
 struct Contradiction {
   /// What else than its joint holds an axis.
   struct Bound {
