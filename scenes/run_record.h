@@ -38,7 +38,7 @@ struct RunRecord {
   double max_penetration = 0;               ///< largest over all steps [m]
   double final_penetration = 0;             ///< of the last step [m]
   double max_complementarity_residual = 0;  ///< largest over all steps, relative
-  double max_natural_residual = 0;          ///< likewise, with rates that are off within their tolerance
+  double max_natural_residual = 0;          ///< likewise, with no tolerance taken off
   std::int64_t inexact_steps = 0;           ///< whose laws were not met to 1e-8
   int asleep = 0;                           ///< bodies, at the end
   std::int64_t pivots = 0, contact_iterations = 0;

@@ -8,8 +8,6 @@ namespace {
 
 /// An axis that starts beyond its limit comes back at no more than this rate [m/s or rad/s].
 constexpr double kReturnRate = 1;
-/// Bounds of friction that grow with the load are right to this part.
-constexpr double kLoadTolerance = 1e-10;
 /// An axis slower than this is at rest at the start [m/s or rad/s].
 constexpr double kRest = 1e-12;
 /// Slower impacts do not move others [m/s or rad/s].
@@ -22,6 +20,7 @@ constexpr int kMostImpacts = 16;
 AxisForces::AxisForces(const World& world, const Rows& rows)
     : world_(world), rows_(rows.axis_rows().begin(), rows.axis_rows().end()) {
   released_.assign(rows_.size(), 0);
+  growing_ = released_;
   for (const Rows::AxisRow& row : rows_) angular_.push_back(rows.row(row.row).angular);
   if (std::any_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.axis.axis < 0; }))
     softened_.resize(rows_.size());
@@ -57,6 +56,7 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
     axis.theta0 = theta[rows_[i].row];
     axis.rate0 = rates[rows_[i].row];
     axis.broken = false;
+    axis.load_change = 0;
     const double damping = (p.friction ? p.friction->viscous : 0) + (p.spring ? p.spring->damping : 0) +
                            (p.limits ? p.limits->damping : 0);
     axis.implicit_damping = 0.5 * h * damping > inertia[rows_[i].row];
@@ -113,26 +113,6 @@ void AxisForces::forget(std::span<const char> moved) {
 void AxisForces::release(JointId joint) {
   for (std::size_t i = 0; i < rows_.size(); ++i)
     if (rows_[i].axis.joint == joint) released_[i] = 1;
-}
-
-bool AxisForces::update_loads(const Rows& rows, std::span<const double> jacobian,
-                              std::span<const double> lambda) {
-  bool changed = false;
-  if (!has_loads_) return false;
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    const AxisProperties& p = properties(i);
-    if (!p.friction || p.friction->per_load == 0 || released_[i]) continue;
-    const Rows::JointRows& joint = rows.joints()[rows_[i].axis.joint.index];
-    const double* J = jacobian.data() + rows.sides()[joint.first_side + 1].offset;
-    Vec3 force = Vec3::Zero();
-    for (int k = 0; k < joint.equality_count; ++k)
-      if (!rows.row(joint.first_row + k).angular)
-        force += lambda[joint.first_row + k] * Eigen::Map<const Vec3>(J + 6 * k + 3);
-    const double load = force.norm(), change = p.friction->per_load * std::abs(load - axes_[i].load);
-    changed = changed || change > kLoadTolerance * (axes_[i].friction_force + p.friction->per_load * load);
-    axes_[i].load = load;
-  }
-  return changed;
 }
 
 void AxisForces::roll_back() {

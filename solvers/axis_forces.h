@@ -44,6 +44,9 @@ class AxisForces {
   /// Loads by which friction grows, from the impulses of a stage; true if a bound has changed by more than
   /// the tolerance of impulses, so that the stage must be solved again.
   bool update_loads(const Rows& rows, std::span<const double> jacobian, std::span<const double> lambda);
+  /// Axes, in the order of Rows::axis_rows(), whose bounds the last of these calls has changed so, and by no
+  /// less than the one before.
+  std::span<const char> growing() const { return growing_; }
 
   /// Laws of the axis rows for the first kick; those of other rows stay.  `mean_rates`: the best estimate, by
   /// which torque–speed curves are read.
@@ -60,6 +63,7 @@ class AxisForces {
   bool break_away(std::span<const double> w, double rate_tolerance);
   /// Friction has let go of an axis in this step.
   bool any_broken() const;
+  bool has_unbounded_motor(std::size_t i) const;
   /// Zeroes the entries of rows that friction does not hold, one a row.
   void clear_loose(std::span<char> rows) const;
 
@@ -114,7 +118,8 @@ class AxisForces {
     bool implicit_damping = false;   // stiff dampers act on θ̇(q₁) instead
     double soft_limit = 0;           // of a limit with compliance, given by the first kick
     double limit_level = 0, limit_slope = 0;
-    double load = 0;  // impulse of the joint's force in this stage
+    double load = 0;         // impulse of the joint's force in this stage
+    double load_change = 0;  // by the last solve, 0: not yet known
     // The steps of the present law.
     double motor_at = 0, motor_force = 0, friction_at = 0, friction_force = 0, lower_at = 0, upper_at = 0;
     double lower_back = 0, upper_back = 0;  // what limits gave in the first kick and may take back
@@ -150,7 +155,7 @@ class AxisForces {
 
   const World& world_;
   std::vector<AxisProperties> softened_;  // springs of softened rows, by row; empty if there are none
-  std::vector<char> released_, angular_;
+  std::vector<char> released_, angular_, growing_;
   int axis_version_ = -1;
   bool has_limits_ = false, has_loads_ = false;  // rigid limits, friction that grows with the load
   std::vector<Rows::AxisRow> rows_;

@@ -20,7 +20,8 @@ MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Setti
 Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   report.tension_number = std::max(report.tension_number, omega_ * h);
   works_before_ = works_of(report);
-  loosest_ = 0;
+  loosest_ = natural_ = 0;
+  jammed_.clear();
   predict(h);
   go_to_middle(h, report);
   begin_laws(h, report);
@@ -38,7 +39,7 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   if (settings_.report_energy) report.ledger.integration += spin_energy(momenta_, state_.poses, Bodies::kAll);
   keep_impulses(h);
   ++report.substeps;
-  report_inexactness(report);
+  report_residuals(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
   return Outcome::kDone;
@@ -58,6 +59,7 @@ void MoreauJean::predict(double h) {
 /// q_M, its contacts, and J there.  poses_ and start_momenta_ stay those of the start.
 void MoreauJean::go_to_middle(double h, StepReport& report) {
   if (bounded()) {
+    stage_h_ = std::numeric_limits<double>::infinity();
     system_.rows().residual(state_, phi_);
     for (const Rows::AxisRow& axis : system_.rows().axis_rows()) start_theta_[axis.row] = phi_[axis.row];
     contacts_.begin_single_kick(h);
@@ -158,10 +160,11 @@ bool MoreauJean::solve_stage(StepReport& report) {
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
   near_ = false;
-  loosest_ = 0;  // of the passes before, which this one replaces
+  loosest_ = natural_ = 0;  // of the passes before, which this one replaces
   const auto renew = static_cast<Renew>(&MoreauJean::renew_laws);
   if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) return false;
   end_velocities(report);
+  note_residual(mu_);
   return report.velocity_residual <= settings_.velocity_tolerance;
 }
 

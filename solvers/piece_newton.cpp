@@ -26,10 +26,7 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
   v_.assign(6 * static_cast<std::size_t>(system_.rows().body_count()), 0.0);
   pieces_.resize(n);
   system_.row_inertias(own_);
-  for (std::size_t r = 0; r < n; ++r) {
-    own_[r] = own_[r] > 0 ? 1 / own_[r] : 1;
-    pieces_[r] = laws[r].piece_at(lambda[r]);
-  }
+  for (double& own : own_) own = own > 0 ? 1 / own : 1;
   PieceOutcome outcome;
   double last = std::numeric_limits<double>::infinity();
   int stuck = 0;
@@ -39,7 +36,8 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
     for (std::size_t r = 0; r < n; ++r) {
       const RowLaw::Point answer = laws[r].resolve(own_[r], w[r] - own_[r] * lambda[r]);
       const double root = std::sqrt(own_[r]), off = root * std::abs(lambda[r] - answer.lambda);
-      if (outcome.iterations > 0) pieces_[r] = answer.piece;
+      // Not where λ is: interior points leave all rows between their bounds, also those that slide.
+      pieces_[r] = answer.piece;
       scale = std::max(scale, root * std::abs(lambda[r]));
       sum += off + root * std::abs(lambda[r]);
       error = std::max(error, off);

@@ -116,7 +116,8 @@ void Rattle::linearize_and_factorize(StepReport& report) {
 }
 
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
-  loosest_ = 0;
+  loosest_ = natural_ = 0;
+  jammed_.clear();
   implicit_ =
       settings_.tension == TensionPolicy::kImplicit && omega_ * std::abs(h) > settings_.max_tension_number;
   if (implicit_) {
@@ -188,7 +189,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     if (!iterative()) system_.factorize(report.times);
   }
   ++report.substeps;
-  report_inexactness(report);
+  report_residuals(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
   return Outcome::kDone;

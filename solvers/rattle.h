@@ -104,12 +104,18 @@ class Rattle {
   }
   /// The next guess has no impulses of contacts.
   void forget_contact_impulses();
+  /// Who jams, if a stage of the last advance failed because friction grows with a load that it makes grow:
+  /// the rows of that friction, and those of motors without bound and of joints that follow the time whose
+  /// impulses are as large.
+  std::span<const int> jammed() const { return jammed_; }
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 
  protected:  // the stages, which Moreau–Jean has, too (moreau_jean.h)
   /// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.
   static constexpr double kSlow = 0.6;
+  /// Largest natural residual of the laws of axes.
+  static constexpr double kNaturalTolerance = 1e-9;
 
   void linearize(StepReport& report);
   void linearize_and_factorize(StepReport& report);
@@ -173,6 +179,15 @@ class Rattle {
   bool close_bounded_positions(double h, StepReport& report);
   double time_of_impact(double h, StepReport& report);
   double law_error(double h) const;
+  double positions_off(double h) const;
+  double natural_residual(std::span<const double> lambda, std::span<const double> w) const;
+  std::pair<double, double> rate_noise() const;
+  void note_residual(std::span<const double> lambda);
+  void note_jam(std::span<const double> lambda);
+  /// Without contacts no tolerance of rates makes up for the laws of axes.
+  bool exact(std::span<const double> lambda) const {
+    return !contacts_.empty() || natural_residual(lambda, w_) <= kNaturalTolerance;
+  }
   using Renew = void (Rattle::*)();  // of the laws of a stage
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   StageProblem stage(std::span<double> lambda) { return {laws_, delta_, inertia_, lambda, w_}; }
@@ -190,7 +205,7 @@ class Rattle {
                      StepReport& report);
   void book(const StageRecord& record, StepReport& report);
   bool hold_on(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  void report_inexactness(StepReport& report) const;
+  void report_residuals(StepReport& report) const;
   bool stabilize_positions(double h, StepReport& report);
   bool stabilize_velocities(StepReport& report);
   bool iterate(std::span<double> lambda, int sweeps, double rate_tolerance, StepReport& report);
@@ -277,9 +292,12 @@ class Rattle {
   std::vector<Wrench> absorbed_;    // momentum that bodies held fast did not take in this stage
   double inexact_ = 0;              // residual that may be taken
   double loose_ = 0, loosest_ = 0;  // taken beyond 1e-8 by the present solve, and in this advance
+  double natural_ = 0;              // natural residual of the stages of this advance
+  double stage_h_ = 0;              // over which rates of this stage are differences of poses
   bool few_steps_ = false;
   bool laws_moved_ = false;  // friction let go, or its load changed, before this stage was solved
-  int newtons_left_ = 0;     // stages that go straight to it, since the active set gave up on one before
+  std::vector<int> jammed_;
+  int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_, held_laws_;
   std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, row_scratch_;

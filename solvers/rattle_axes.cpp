@@ -25,6 +25,10 @@ constexpr double kFrictionProgress = 0.2;
 constexpr int kContactRounds = 30;
 /// Bounded rows from which on an active set that stalls is not descended from: the bodies are faster.
 constexpr int kManyRows = 60;
+/// Part of the largest impulse that those who jam have.
+constexpr double kJamShare = 1e-3;
+/// Of poses and twists, relative.
+constexpr double kRoundOff = 16 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -36,6 +40,7 @@ void Rattle::clear_loose_rows(std::span<double> rows) const {
 
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
+  stage_h_ = std::abs(h);
   system_.rows().residual(state_, phi_);
   if (rubs())
     for (int r = 0; r < system_.row_count(); ++r) start_theta_[r] = std::clamp(phi_[r], -slack_, slack_);
@@ -89,8 +94,8 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       phi_[0] = std::numeric_limits<double>::quiet_NaN();  // for the diagnosis
       return false;
     }
-    const double error = iteration > 0 ? law_error(h) : std::numeric_limits<double>::infinity();
-    if (error <= settings_.position_tolerance - slack_) break;
+    const double error = iteration > 0 ? positions_off(h) : std::numeric_limits<double>::infinity();
+    if (error <= 1) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
     if (iteration > 1 && error > kSlow * last) {
       if (refactored_ || error > 10 * last) return false;
@@ -103,6 +108,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       return false;
     ++report.newton_iterations;
   }
+  note_residual(lambda_);
   axes_.finish_positions(rates_);
   loosest_ = std::max(loosest_, loose_);
   surprised_ = holds_bodies_ && axes_.any_broken();  // who was left out of the step limit may move
@@ -120,6 +126,15 @@ double Rattle::time_of_impact(double h, StepReport& report) {
     forget_impacts(true);
   restore(report);
   return time;
+}
+
+/// What is left of the position stage over its tolerances: gaps and laws as distances, and the natural
+/// residual.
+double Rattle::positions_off(double h) const {
+  const double off = law_error(h) / (settings_.position_tolerance - slack_);
+  if (!contacts_.empty()) return off;
+  const double laws = natural_residual(lambda_, rates_) / kNaturalTolerance;
+  return laws <= off ? off : laws;
 }
 
 /// Distance of the motion from the laws [m or rad]: of verticals from their rate, of levels from their range,
@@ -141,6 +156,68 @@ double Rattle::law_error(double h) const {
     if (!(h * off <= error)) error = h * off;
   }
   return error;
+}
+
+/// The natural map of the rows of axes at impulses of the present stage and their rates w, with no tolerance,
+/// over the largest of √S_rr |λ_r|, |b_r|/√S_rr and of the rates that their laws impose over √S_rr; with
+/// contacts the larger of this and theirs.  b is that of the last solve, in delta_.  Nothing is measured by
+/// nothing: the scale of a row is at least what round-off of poses and twists makes of its rate, over 1e-9.
+double Rattle::natural_residual(std::span<const double> lambda, std::span<const double> w) const {
+  double scale = 0, error = contacts_.empty() ? 0 : contacts_.error(lambda, w, 0);
+  for (int r = 0; r < system_.row_count(); ++r) {
+    const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1;
+    scale = std::max({scale, std::abs(lambda[r]) / root, std::abs(delta_[r]) * root});
+  }
+  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
+    const int r = axis.row;
+    const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1, own = 1 / (root * root);
+    const RowLaw::Point answer = laws_[r].resolve(own, w[r] - own * lambda[r]);
+    if (RowLaw::is_vertical(answer.piece)) scale = std::max(scale, root * std::abs(answer.w));
+  }
+  double largest = error > 0 ? error / scale : 0;
+  const auto [angular, linear] = rate_noise();
+  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
+    const int r = axis.row;
+    const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1, own = 1 / (root * root);
+    const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r])) / root;
+    const double noise = root * (system_.rows().row(r).angular ? angular : linear) / kNaturalTolerance;
+    if (!(off <= largest * std::max(scale, noise))) largest = off / std::max(scale, noise);
+  }
+  return largest;
+}
+
+/// What round-off makes of rates [rad/s], [m/s] in this stage: of poses if they are of positions.
+std::pair<double, double> Rattle::rate_noise() const {
+  double angular = 0, linear = 0;
+  for (const Twist& twist : state_.twists) {
+    angular = std::max(angular, twist.w.squaredNorm());
+    linear = std::max(linear, twist.v.squaredNorm());
+  }
+  return {kRoundOff * (std::sqrt(angular) + 1 / stage_h_),
+          kRoundOff * (std::sqrt(linear) + size_ / stage_h_)};
+}
+
+/// What a stage ended with, for the report if its sub-step is kept.
+void Rattle::note_residual(std::span<const double> lambda) {
+  natural_ = std::max(natural_, natural_residual(lambda, rates_));
+}
+
+/// Friction and loads that make each other grow: their impulses have outgrown all others by now.
+void Rattle::note_jam(std::span<const double> lambda) {
+  const Rows& rows = system_.rows();
+  const auto size = [&](int r) { return inertia_[r] > 0 ? std::abs(lambda[r]) / std::sqrt(inertia_[r]) : 0; };
+  double largest = 0;
+  for (int r = 0; r < rows.first_contact_row(); ++r) largest = std::max(largest, size(r));
+  jammed_.clear();
+  const std::span<const char> growing = axes_.growing();
+  if (std::find(growing.begin(), growing.end(), 1) == growing.end()) return;  // they only settle slowly
+  for (std::size_t i = 0; i < rows.axis_rows().size(); ++i) {
+    const int r = rows.axis_rows()[i].row;
+    if (size(r) >= kJamShare * largest && (growing[i] || axes_.has_unbounded_motor(i))) jammed_.push_back(r);
+  }
+  for (int r = 0; r < rows.first_contact_row(); ++r)
+    if (rows.is_equality(r) && rows.row(r).store->depends_on_time() && size(r) >= kJamShare * largest)
+      jammed_.push_back(r);
 }
 
 /// Solves w = S λ + b for the laws, with b such that the present λ gives the present rates; again where
@@ -167,8 +244,9 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
     outcome_ = active_->solve(laws_, delta_, lambda, w_, report.times, settings);
     report.pivots += outcome_.pivots;
     if (!outcome_.ok() && contacts_.empty()) {
-      if (!many || outcome_.status != ActiveSetStatus::kNotConverged) return false;
-      newtons_left_ = kNewtonsInARow;
+      const bool polishes = settings.rate_tolerance == 0;
+      if (!polishes && (!many || outcome_.status != ActiveSetStatus::kNotConverged)) return false;
+      if (many) newtons_left_ = kNewtonsInARow;
       std::copy(guess_.begin(), guess_.end(), lambda.begin());
       return solve_through_bodies(lambda, rate_tolerance, resting, renew, report);
     }
@@ -176,6 +254,12 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
     const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
     const bool slid = contacts_.adapt(lambda, w_, rate_tolerance);
     const bool met = outcome_.ok() && !broke && !loaded && !slid;
+    if (met && !exact(lambda)) {  // the tolerance of rates has let it pass
+      if (settings.rate_tolerance == 0)
+        return solve_through_bodies(lambda, rate_tolerance, resting, renew, report);
+      settings.rate_tolerance = 0;
+      continue;
+    }
     if (met && !contacts_.slips_where_it_held()) break;
     if (met && hold_on(lambda, rate_tolerance, report)) {
       take_pieces(lambda);
@@ -186,7 +270,10 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
       break;
     }
     if (contacts_.empty()) {
-      if (solve == kMaxSolves) return false;
+      if (solve == kMaxSolves) {
+        if (loaded) note_jam(lambda);
+        return false;
+      }
     } else {
       const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
       if (!outcome_.ok() || solve >= kMaxSolves ||
@@ -202,7 +289,6 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
   }
   report.complementarity_residual =
       std::max({report.complementarity_residual, outcome_.residual, contacts_.residual()});
-  report.natural_residual = std::max(report.natural_residual, outcome_.natural_residual);
   return true;
 }
 
@@ -222,6 +308,7 @@ void Rattle::renew_velocity_laws() {
 
 /// Rates and laws of the second kick.
 void Rattle::begin_velocities() {
+  stage_h_ = std::numeric_limits<double>::infinity();
   // A first guess for its pieces: the impulses of the first kick.
   std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
   system_.rows().residual(end_of_step(0), phi_);
@@ -242,6 +329,7 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, &Rattle::renew_velocity_laws, report))
     return false;
   end_velocities(report);
+  note_residual(mu_);
   return report.velocity_residual <= settings_.velocity_tolerance;
 }
 

@@ -74,7 +74,7 @@ bool Rattle::meets_laws(std::span<double> lambda, double off, double rate_tolera
   laws_moved_ = axes_.update_loads(system_.rows(), system_.jacobian(), lambda) || laws_moved_;
   if (laws_moved_) return false;
   contacts_.take_over(lambda, w_, rate_tolerance);
-  if (!(contacts_.residual() <= kHeld) || contacts_.slips_where_it_held()) return false;
+  if (!(contacts_.residual() <= kHeld) || contacts_.slips_where_it_held() || !exact(lambda)) return false;
   take_pieces(lambda);
   rested_ = true;
   report.complementarity_residual = std::max({report.complementarity_residual, off, contacts_.residual()});
@@ -135,6 +135,7 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
     const bool broke = axes_.break_away(w_, rate_tolerance);
     const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
     if (!broke && !loaded) return true;
+    if (loaded && solve == kMaxSolves - 1) note_jam(lambda);
     (this->*renew)();
   }
   outcome_.status = ActiveSetStatus::kNotConverged;
@@ -148,17 +149,18 @@ bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepRep
   if (contact_solver_.distance(stage(lambda), rate_tolerance) <= kNewtonRange) {
     const double tolerance = near_ ? kExact : kHeld;
     held_.assign(lambda.begin(), lambda.end());
-    if (solve_on_pieces(lambda, {tolerance, rate_tolerance}, report)) return true;
+    if (solve_on_pieces(lambda, {tolerance, rate_tolerance}, report) && exact(lambda)) return true;
     std::copy(held_.begin(), held_.end(), lambda.begin());
     const NewtonLimits few{
         .tolerance = tolerance, .most = kHeld, .rate_tolerance = rate_tolerance, .iterations = kFewSteps};
-    if (solve_by_newton(lambda, few, report)) return true;
+    if (solve_by_newton(lambda, few, report) && exact(lambda)) return true;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
   const InteriorOutcome outcome = interior_.solve(laws_, delta_, lambda, w_, {}, report.times);
   book(record_of(outcome), report);
-  return outcome.converged ||
-         solve_by_newton(lambda, {.most = kHeld, .rate_tolerance = rate_tolerance}, report);
+  return (outcome.converged && exact(lambda)) ||
+         (solve_by_newton(lambda, {.most = kHeld, .rate_tolerance = rate_tolerance}, report) &&
+          exact(lambda));
 }
 
 bool Rattle::solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report) {
@@ -203,7 +205,8 @@ void Rattle::forget_contact_impulses() {
 }
 
 /// Only for stages of sub-steps that are kept.
-void Rattle::report_inexactness(StepReport& report) const {
+void Rattle::report_residuals(StepReport& report) const {
+  report.natural_residual = std::max(report.natural_residual, natural_);
   if (loosest_ == 0) return;
   report.status = Status::kInexact;
   report.complementarity_residual = std::max(report.complementarity_residual, loosest_);

@@ -40,6 +40,7 @@ bool Rattle::stabilize_positions(double h, StepReport& report) {
     if (!iterate(lambda_, std::min(left, kSweepsPerPass), tolerance, report)) return false;
     ++report.newton_iterations;
   }
+  note_residual(lambda_);
   axes_.finish_positions(rates_);
   surprised_ = false;
   return true;
@@ -52,6 +53,7 @@ bool Rattle::stabilize_velocities(StepReport& report) {
   rates_without(mu_);
   if (!iterate(mu_, settings_.iterations, 0.1 * settings_.velocity_tolerance, report)) return false;
   end_velocities(report);
+  note_residual(mu_);
   return std::isfinite(report.velocity_residual);
 }
 

@@ -48,6 +48,10 @@ void Simulator::Impl::diagnose_stall(double remaining) {
   found = contradiction_from(rattle_->state(), remaining);
   for (double steps : kStepsAhead)
     if (found.empty()) found = contradiction_from(rattle_->state(), steps * report_.dt);
+  if (found.empty() && !rattle_->jammed().empty()) {
+    name_jam();
+    return set_failure(Status::kContradiction, "friction grows with a load that it makes grow: they jam");
+  }
   const ActiveSetOutcome& outcome = rattle_->active_set_outcome();
   if (outcome.ok() && found.empty())
     found = find_stuck_joints(world_, *system_, rattle_->trial_poses(), report_);
@@ -66,6 +70,22 @@ void Simulator::Impl::diagnose_stall(double remaining) {
   set_failure(status, "limits, motors, friction and contacts could not be met together with the joints");
 }
 
+/// Joints whose friction locks them and those that force them, with motors as bounds.
+void Simulator::Impl::name_jam() {
+  Contradiction& found = report_.contradiction;
+  const Rows& rows = system_->rows();
+  const std::span<const Rows::AxisRow> axes = rows.axis_rows();
+  for (int r : rattle_->jammed()) {
+    const auto axis = std::find_if(axes.begin(), axes.end(), [r](const auto& a) { return a.row == r; });
+    if (axis != axes.end() && rattle_->axes().has_unbounded_motor(axis - axes.begin()))
+      found.bounds.push_back({axis->axis, Contradiction::Bound::Kind::kMotor});
+    const bool rubs = axis != axes.end() && world_.axis_properties(axis->axis).friction;
+    if (axis == axes.end() || rubs) found.joints.push_back({rows.row(r).joint});
+  }
+  std::sort(found.joints.begin(), found.joints.end());
+  found.joints.erase(std::unique(found.joints.begin(), found.joints.end()), found.joints.end());
+}
+
 void Simulator::Impl::set_failure(Status status, std::string message) {
   report_.status = status;
   if (status == Status::kContradiction) {
@@ -73,7 +93,9 @@ void Simulator::Impl::set_failure(Status status, std::string message) {
     const std::vector<std::string> names = names_of(found, source_);
     std::ostringstream text;
     text << message << (found.joints.size() == names.size() ? "; these joints" : "; these")
-         << " cannot hold together (" << found.residual << " is left):";
+         << " cannot hold together";
+    if (found.residual > 0) text << " (" << found.residual << " is left)";
+    text << ":";
     for (std::size_t i = 0; i < std::min(names.size(), kShownMembers); ++i)
       text << (i ? ", " : " ") << names[i];
     if (names.size() > kShownMembers) text << " and " << names.size() - kShownMembers << " more";

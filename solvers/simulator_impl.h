@@ -127,6 +127,7 @@ class Simulator::Impl {
   void detach_broken();
   void forget_step();
   void diagnose_stall(double remaining);
+  void name_jam();
   Contradiction contradiction_from(const State& state, double horizon) const;
   void count_work();
   void name_dependent_rows();

@@ -40,7 +40,7 @@ struct StageTimes {
 };
 
 /// Joints, limits, motors and contacts that cannot hold together, and the gap that is left when they share
-/// it.
+/// it; or joints that jam by their friction and the drivers and motors that force them, with no gap.
 struct Contradiction {
   /// What else than its joint holds an axis.
   struct Bound {
@@ -133,8 +133,9 @@ struct StepReport {
   double tension_number = 0;            ///< largest ω h of the sub-steps taken
   int pivots = 0;                       ///< rows that changed their place in the active sets of the step
   double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
-  /// The same with the rows whose rates are off by less than velocities may be: relative to the largest
-  /// impulse of each solution, that is to nothing where nothing acts.
+  /// The natural map of the laws of axes and contacts at the impulses and rates that each stage ended with,
+  /// no tolerance taken off, over the size of both (solvers/README, "Proof"): at most 1e-9 on success without
+  /// contacts.  Joints have `gap` and `velocity_residual`.
   double natural_residual = 0;
   int contact_iterations = 0;  ///< of Newton's method for contacts; 0: the active set did it
   int sweeps = 0;              ///< of an iterative solver, both stages

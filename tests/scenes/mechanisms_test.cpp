@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <string>
 
 #include "scenes/scene.h"
 #include "scenes/scene_file.h"
@@ -232,6 +234,33 @@ TEST(Machines, HangersOfTheSuspensionBridgeBreakOneAfterAnother) {
   int apart = 0;
   for (std::size_t i = 1; i < times.size(); ++i) apart += times[i] - times[i - 1] > 2 * scene.dt;
   EXPECT_GE(apart, 2);
+}
+
+/// The laws of limits, motors and friction without any tolerance, in scenes of all kinds.
+TEST(Machines, MeetTheirLawsTo1e9InEveryStep) {
+  const struct {
+    const char* scene;
+    std::map<std::string, double> parameters;
+    int steps;
+  } cases[] = {{"chain-limited", {{"n", 100}}, 600},
+               {"net-friction", {{"n", 12}}, 12},
+               {"net-friction", {{"n", 12}, {"friction", 1}}, 60},
+               {"bridge-hinge", {}, 100},
+               {"bridge-balls", {}, 100},
+               {"crane", {}, 1000},
+               {"robot-arm", {{"torque", 0.3}}, 2000},
+               {"ragdoll", {}, 1000},
+               {"car", {}, 500}};
+  for (const auto& c : cases) {
+    Scene scene = build_scene(c.scene, c.parameters);
+    Simulator simulator(scene.world, scene.settings);
+    for (int i = 0; i < c.steps; ++i) {
+      const StepReport& r = simulator.step(scene.dt);
+      ASSERT_TRUE(r.ok()) << c.scene << " step " << i << ": " << r.message;
+      ASSERT_LE(std::max(r.gap.metres, r.gap.radians), 1e-9) << c.scene << " step " << i;
+      ASSERT_LE(r.natural_residual, 1e-9) << c.scene << " step " << i;
+    }
+  }
 }
 
 /// A chain that falls from the horizontal; no joint bends by more than 30°.
