@@ -9,17 +9,19 @@
 #include "core/joints.h"
 #include "solvers/simulator.h"
 #include "tests/core/random_state.h"
+#include "tests/solvers/minimal_motion.h"
 
 // Reactions of every joint type against minimal coordinates that know neither rows nor multipliers: body A
-// moves freely, B as the joint allows.  With twists V = P ẋ,
-//
-//   Pᵀ (M V̇ + bias − f) = 0,   V̇ = P ẍ + c,
-//
-// where P and c are differences of the poses over x; the reaction is what Newton and Euler miss on B.
+// moves freely, B as the joint allows.  (tests/solvers/minimal_motion.h)
 namespace taut {
 namespace {
 
+using testing::carried_along;
+using testing::MinimalMotion;
 using testing::Random;
+using testing::shifted;
+using testing::SixNumbers;
+using testing::turned;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -34,12 +36,6 @@ struct ReactionCase {
   std::function<Allowed(const World&, BodyId a, BodyId b, Random&)> make;
   friend void PrintTo(const ReactionCase& c, std::ostream* out) { *out << c.type; }
 };
-
-Pose turned(const Pose& pose, const Vec3& turn, const Vec3& p_W) {
-  const Quat R = exp_so3(turn);
-  return {R * pose.q, p_W + R * (pose.p - p_W)};
-}
-Pose shifted(const Pose& pose, const Vec3& d) { return {pose.q, pose.p + d}; }
 
 template <typename AnyJoint>
 std::shared_ptr<const Joint> shared(const AnyJoint& joint) {
@@ -163,90 +159,24 @@ const ReactionCase kCases[] = {
      }},
 };
 
-/// Twist and acceleration of a pose over time, at 0, by differences of fourth order.
-struct Derivatives {
-  Eigen::Matrix<double, 6, 1> first, second;  // ω v, ω̇ v̇
-};
-Derivatives derivatives(const std::function<Pose(double)>& pose) {
-  const Pose now = pose(0);
-  const auto from_now = [&](double t) {
-    const Pose then = pose(t);
-    Eigen::Matrix<double, 6, 1> d;
-    d << log_so3(then.q * now.q.conjugate()), then.p - now.p;
-    return d;
-  };
-  const auto of_step = [&](double h) {
-    const Eigen::Matrix<double, 6, 1> ahead = from_now(h), back = from_now(-h);
-    return Derivatives{(ahead - back) / (2 * h), (ahead + back) / (h * h)};
-  };
-  constexpr double kStep = 4e-3;
-  const Derivatives coarse = of_step(kStep), fine = of_step(kStep / 2);
-  return {(4 * fine.first - coarse.first) / 3, (4 * fine.second - coarse.second) / 3};
-}
-
 /// A and B in random motion under weight and two springs, and B's joint to A.
-struct Pair {
+struct Pair : MinimalMotion {
   Random random;
-  World world;
   BodyId a, b;
   JointId joint;
-  int coordinates;
-  std::function<Pose(const Eigen::VectorXd& x, BodyId body)> pose;
-  Eigen::VectorXd rates;
 
   Pair(const ReactionCase& type, unsigned seed) : random(seed) {
-    a = world.add_body({.mass = {1.5, Vec3(0.2, 0.3, 0.35)}, .pose = random.pose()});
-    b = world.add_body({.mass = {2.5, Vec3(0.5, 0.3, 0.4)}, .pose = random.pose()});
+    a = add_body({.mass = {1.5, Vec3(0.2, 0.3, 0.35)}, .pose = random.pose()});
+    b = add_body({.mass = {2.5, Vec3(0.5, 0.3, 0.4)}, .pose = random.pose()});
     for (BodyId body : {a, b})
       world.add_force(SpringDamper(kGround, body, random.vector(2), random.vector(0.2), 40, 0, 0));
     const Allowed allowed = type.make(world, a, b, random);
     joint = world.add_joint("joint", allowed.joint);
-    coordinates = 6 + allowed.freedoms;
-    pose = [=, A = world.pose(a), on_a = a](const Eigen::VectorXd& x, BodyId body) {
-      const Pose start = body == on_a ? A : allowed.pose_B(x.tail(x.size() - 6));
-      return shifted(turned(start, x.head(3), A.p), x.segment(3, 3));
-    };
-    rates.resize(coordinates);
-    for (double& rate : rates) rate = random.uniform(-1, 1);
-    for (BodyId body : {a, b}) {
-      const auto V = along(rates, body).first;
-      world.set_twist(body, {V.head(3), V.tail(3)});
-    }
-  }
-  Derivatives along(const Eigen::VectorXd& x, BodyId body) const {
-    return derivatives([&](double t) { return pose(t * x, body); });
-  }
-  /// M V̇ + bias − f of a body from its acceleration.
-  Eigen::Matrix<double, 6, 1> missing(BodyId body, const Eigen::Matrix<double, 6, 1>& acceleration) const {
-    std::vector<Wrench> forces(world.body_count());
-    world.forces(world.state(), forces);
-    const Mat3 R = world.pose(body).q.toRotationMatrix();
-    const MassProperties& mass = world.mass_properties(body);
-    const Mat3 inertia = R * mass.inertia_B() * R.transpose();
-    const Vec3 w = world.twist(body).w;
-    Eigen::Matrix<double, 6, 1> out;
-    out << inertia * acceleration.head(3) + w.cross(inertia * w) - forces[body.index].torque,
-        mass.mass() * acceleration.tail(3) - forces[body.index].force;
-    return out;
-  }
-  /// The wrench that the joint gives to B, about B's centre.
-  Eigen::Matrix<double, 6, 1> reaction() const {
-    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(coordinates, coordinates), P_B;
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(coordinates);
-    Eigen::Matrix<double, 6, 1> c_B;
-    for (BodyId body : {a, b}) {
-      Eigen::MatrixXd P(6, coordinates), MP(6, coordinates);
-      const Eigen::Matrix<double, 6, 1> at_rest = missing(body, Eigen::Matrix<double, 6, 1>::Zero());
-      for (int k = 0; k < coordinates; ++k) {
-        P.col(k) = along(Eigen::VectorXd::Unit(coordinates, k), body).first;
-        MP.col(k) = missing(body, P.col(k)) - at_rest;
-      }
-      const Eigen::Matrix<double, 6, 1> c = along(rates, body).second;
-      A += P.transpose() * MP;
-      right -= P.transpose() * missing(body, c);
-      if (body == b) P_B = P, c_B = c;
-    }
-    return missing(b, P_B * A.ldlt().solve(right) + c_B);
+    start_moving(6 + allowed.freedoms, random,
+                 [=, A = world.pose(a), on_a = a](const Eigen::VectorXd& x, double, BodyId body) {
+                   const Pose start = body == on_a ? A : allowed.pose_B(x.tail(x.size() - 6));
+                   return carried_along(start, A.p, x);
+                 });
   }
 };
 
@@ -263,7 +193,7 @@ TEST_P(JointReaction, IsWhatNewtonAndEulerMiss) {
   int checked = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     Pair pair(GetParam(), seed);
-    const Eigen::Matrix<double, 6, 1> expected = pair.reaction();
+    const SixNumbers expected = pair.missing_wrench(pair.b);
     const Joint& joint = pair.world.joint(pair.joint);
     const Vec3 arm = pair.world.pose(pair.b).q * joint.reaction_point_B();
     const Vec3 force = expected.tail(3), torque = expected.head(3) - arm.cross(force);
