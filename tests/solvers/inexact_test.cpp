@@ -11,14 +11,12 @@
 namespace taut {
 namespace {
 
-/// A pendulum of two rods far from all else, which is in the same system.
-void add_pendulum(World& world) {
-  BodyId last = kGround;
+/// A pendulum of two rods that touch nothing, on a body.
+void add_pendulum(World& world, BodyId last, const Vec3& at) {
   for (int i = 0; i < 2; ++i) {
-    const BodyId rod = world.add_body({.name = "rod " + std::to_string(i),
-                                       .mass = MassProperties::rod(1, 0.02, 1),
-                                       .pose = {.p = Vec3(50.5 + i, 0, 10)}});
-    world.add("pivot " + std::to_string(i), Ball::at(world, last, rod, Vec3(50 + i, 0, 10)));
+    const BodyId rod =
+        world.add_body({.mass = MassProperties::rod(1, 0.02, 1), .pose = {.p = at + Vec3(0.5 + i, 0, 0)}});
+    world.add("", Ball::at(world, last, rod, at + Vec3(i, 0, 0)));
     last = rod;
   }
 }
@@ -39,7 +37,7 @@ Scene wedged_bodies() {
   }
   EXPECT_TRUE(file.good());
   scene.world.set_state(state);
-  add_pendulum(scene.world);
+  add_pendulum(scene.world, kGround, Vec3(50, 0, 10));
   return scene;
 }
 
@@ -56,8 +54,8 @@ Scene squeezed_boxes() {
     const BodyId box =
         scene.world.add_body({.mass = MassProperties::box(size, 1), .pose = {.p = Vec3(0, k, 1)}});
     scene.world.add_shape(box, Box{size});
+    add_pendulum(scene.world, box, Vec3(0, k, 1));
   }
-  add_pendulum(scene.world);
   return scene;
 }
 
