@@ -185,7 +185,7 @@ bool ContactIslands::solve(const StageProblem& problem, const Limits& limits, St
   find();
   solved_ = count();
   if (islands_.size() <= 1)
-    return whole_.rests(problem, limits.resting_tolerance, record) ||
+    return (system_.through_bodies() && whole_.rests(problem, limits.resting_tolerance, record)) ||
            whole_.solve(problem, limits.newton, limits.inexact, record);
   (void)system_.weighted();  // made now, and not by each of the threads
   const auto work = [&](int i, int worker) { solve(*islands_[i], problem, limits, scratch_[worker]); };
