@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <thread>
 
 #include "collision/broad_phase.h"
 #include "collision/feature_matching.h"
@@ -43,14 +42,10 @@ struct TaskResult {
   int touching = 0;
 };
 
-int thread_count(int wanted) {
-  return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
-
 }  // namespace
 
 struct ContactFinder::Impl {
-  explicit Impl(ContactSettings s) : settings(s), pool(thread_count(s.threads)), scratch(pool.size()) {}
+  explicit Impl(ContactSettings s) : settings(s), pool(detail::thread_count(s.threads)), scratch(pool.size()) {}
 
   ContactSettings settings;
   detail::ThreadPool pool;

@@ -1,5 +1,6 @@
 #include "collision/thread_pool.h"
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <exception>
@@ -45,6 +46,10 @@ struct ThreadPool::Impl {
     }
   }
 };
+
+int thread_count(int wanted) {
+  return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
 
 ThreadPool::ThreadPool(int threads) : impl_(std::make_unique<Impl>()) {
   for (int worker = 1; worker < threads; ++worker)

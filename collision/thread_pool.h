@@ -5,6 +5,9 @@
 
 namespace taut::detail {
 
+/// As many as are wanted, or, for 0, as the machine has.
+int thread_count(int wanted);
+
 /// Threads that wait for work.  The caller is worker 0 and works, too.
 class ThreadPool {
  public:

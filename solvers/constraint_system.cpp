@@ -19,6 +19,12 @@ constexpr int kManyContactRows = 150;
 /// Axes with Coulomb friction from which on the active set has to give way to solves through the bodies.
 constexpr int kManyRubbingAxes = 150;
 
+Rows rows_of(const Rows& whole, const SystemPart& part, std::vector<int>& new_body) {
+  new_body.resize(whole.body_count());
+  for (std::size_t b = 0; b < part.bodies.size(); ++b) new_body[part.bodies[b]] = static_cast<int>(b);
+  return whole.part(part.joints, new_body, static_cast<int>(part.bodies.size()));
+}
+
 }  // namespace
 
 std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering) {
@@ -50,16 +56,6 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
   analyze();
   counted_shift_ = tolerance.shift;
 }
-
-namespace {
-
-Rows rows_of(const Rows& whole, const SystemPart& part, std::vector<int>& new_body) {
-  new_body.resize(whole.body_count());
-  for (std::size_t b = 0; b < part.bodies.size(); ++b) new_body[part.bodies[b]] = static_cast<int>(b);
-  return whole.part(part.joints, new_body, static_cast<int>(part.bodies.size()));
-}
-
-}  // namespace
 
 ConstraintSystem::ConstraintSystem(const ConstraintSystem& whole, const SystemPart& part,
                                    std::vector<int>& new_body)

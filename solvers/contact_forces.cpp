@@ -114,10 +114,9 @@ void ContactForces::remap() {
 }
 
 void ContactForces::set_rows(const Rows& rows) {
-  std::vector<int> places(rows.contact_count()), first_rows;
+  std::vector<int> places(rows.contact_count());
   std::iota(places.begin(), places.end(), 0);
-  for (int k : places) first_rows.push_back(rows.joints()[rows.contact_joint(k)].first_row);
-  choose(places, first_rows);
+  choose(places, rows);
 }
 
 void ContactForces::give_points(ConstraintSystem& system) const {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <numeric>
-#include <thread>
 #include <utility>
 
 namespace taut {
@@ -29,16 +28,8 @@ ContactIslands::Island::Island(ContactForces& all, SystemPart p)
 
 ContactIslands::ContactIslands(ConstraintSystem& system, ContactForces& contacts, ContactSolver& whole,
                                int threads)
-    : system_(system),
-      contacts_(contacts),
-      whole_(whole),
-      threads_(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
+    : system_(system), contacts_(contacts), whole_(whole), threads_(detail::thread_count(threads)) {
   scratch_.resize(threads_);
-}
-
-int ContactIslands::count() {
-  find();
-  return static_cast<int>(islands_.size());
 }
 
 /// What connects moving bodies, in the order of their first bodies.
@@ -59,7 +50,7 @@ std::vector<SystemPart> ContactIslands::partition() {
       connected_.join(first_body[j], side.body);
     }
   std::vector<SystemPart> parts;
-  std::vector<int> part_of(rows.body_count(), -1), last_seen(rows.body_count(), -1);
+  std::vector<int> part_of(rows.body_count(), -1);
   for (int j = 0; j < joints; ++j) {
     if (first_body[j] < 0) continue;
     int& index = part_of[connected_.find(first_body[j])];
@@ -72,13 +63,8 @@ std::vector<SystemPart> ContactIslands::partition() {
     if (j >= joints - contacts) part.places.push_back(j - (joints - contacts));
     const Rows::JointRows& joint = rows.joints()[j];
     for (int r = 0; r < joint.row_count; ++r) part.rows.push_back(joint.first_row + r);
-    for (const Rows::Side& side : sides_of(j)) {
-      if (moves(side.body) ? last_seen[side.body] >= 0 : last_seen[side.body] == index) continue;
-      last_seen[side.body] = index;
-      part.bodies.push_back(side.body);
-    }
+    for (const Rows::Side& side : sides_of(j)) part.bodies.push_back(side.body);
   }
-  // A fixed body may have been seen by islands in turns.
   for (SystemPart& part : parts) {
     std::sort(part.bodies.begin(), part.bodies.end());
     part.bodies.erase(std::unique(part.bodies.begin(), part.bodies.end()), part.bodies.end());
@@ -115,6 +101,19 @@ void ContactIslands::find() {
     found.push_back(std::move(island));
   }
   islands_ = std::move(found);
+  plan();
+}
+
+/// Large ones first, in parallel if there is enough beside the largest one.
+void ContactIslands::plan() {
+  const auto rows_of = [&](int i) { return islands_[i]->part.rows.size(); };
+  order_.resize(islands_.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) { return rows_of(a) > rows_of(b); });
+  std::size_t others = 0;
+  for (std::size_t i = 1; i < order_.size(); ++i) others += rows_of(order_[i]);
+  parallel_ = threads_ > 1 && others >= kRowsForThreads;
+  if (parallel_ && !pool_) pool_ = std::make_unique<detail::ThreadPool>(threads_);
 }
 
 bool ContactIslands::Island::is_like(const Island& other) const {
@@ -132,13 +131,7 @@ void ContactIslands::gather(Island& island, const StageProblem& whole, std::vect
     island.own = std::make_unique<ConstraintSystem>(system_, part, scratch);
     island.solver.emplace(*island.own, island.contacts);
   }
-  if (island.weight_version < 0) {
-    const Rows& rows = island.own->rows();
-    std::vector<int> first_rows;
-    for (int k = 0; k < rows.contact_count(); ++k)
-      first_rows.push_back(rows.joints()[rows.contact_joint(k)].first_row);
-    island.contacts.choose(part.places, first_rows);
-  }
+  if (island.weight_version < 0) island.contacts.choose(part.places, island.own->rows());
   if (island.weight_version != system_.weight_version()) island.own->take_values(system_, part);
   island.weight_version = system_.weight_version();
   pick(whole.laws, part.rows, island.laws);
@@ -154,42 +147,24 @@ void ContactIslands::solve(Island& island, const StageProblem& whole, const Limi
   gather(island, whole, scratch);
   island.record = {};
   const StageProblem problem{island.laws, island.b, island.inertia, island.lambda, island.w};
-  island.at_rest = island.solver->rests(problem, limits.resting_tolerance, island.record);
-  island.done = island.at_rest || island.solver->solve(problem, limits.newton, limits.inexact, island.record);
-}
-
-/// In parallel if there is enough beside the largest one; large ones first.
-void ContactIslands::for_each(const std::function<void(int, int)>& work) {
-  std::size_t all = 0, most = 0;
-  for (const auto& island : islands_) {
-    all += island->part.rows.size();
-    most = std::max(most, island->part.rows.size());
-  }
-  const int tasks = static_cast<int>(islands_.size());
-  if (threads_ == 1 || all - most < kRowsForThreads) {
-    for (int i = 0; i < tasks; ++i) work(i, 0);
-    return;
-  }
-  if (!pool_) pool_ = std::make_unique<detail::ThreadPool>(threads_);
-  order_.resize(tasks);
-  std::iota(order_.begin(), order_.end(), 0);
-  std::sort(order_.begin(), order_.end(), [&](int a, int b) {
-    const std::size_t rows_a = islands_[a]->part.rows.size(), rows_b = islands_[b]->part.rows.size();
-    return rows_a != rows_b ? rows_a > rows_b : a < b;
-  });
-  const auto ordered = [&](int task, int worker) { work(order_[task], worker); };
-  pool_->run(tasks, std::ref(ordered));  // by reference, which allocates nothing
+  island.done = island.solver->rests(problem, limits.resting_tolerance, island.record) ||
+                island.solver->solve(problem, limits.newton, limits.inexact, island.record);
 }
 
 bool ContactIslands::solve(const StageProblem& problem, const Limits& limits, StageRecord& record) {
   find();
-  solved_ = count();
   if (islands_.size() <= 1)
     return (system_.through_bodies() && whole_.rests(problem, limits.resting_tolerance, record)) ||
            whole_.solve(problem, limits.newton, limits.inexact, record);
   (void)system_.weighted();  // made now, and not by each of the threads
-  const auto work = [&](int i, int worker) { solve(*islands_[i], problem, limits, scratch_[worker]); };
-  for_each(std::ref(work));
+  const auto work = [&](int task, int worker) {
+    solve(*islands_[order_[task]], problem, limits, scratch_[worker]);
+  };
+  const int tasks = static_cast<int>(order_.size());
+  if (parallel_)
+    pool_->run(tasks, std::ref(work));  // by reference, which allocates nothing
+  else
+    for (int task = 0; task < tasks; ++task) work(task, 0);
   bool done = true;
   for (const auto& island : islands_) {
     put(island->lambda, island->part.rows, problem.lambda);
@@ -197,7 +172,6 @@ bool ContactIslands::solve(const StageProblem& problem, const Limits& limits, St
     system_.take_counters(*island->own);
     record.add(island->record);
     done = done && island->done;
-    solved_ -= island->at_rest;
   }
   return done;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -34,9 +33,6 @@ class ContactIslands {
   };
   /// Solves all, each with its part of the problem.  False if one could not be solved.
   bool solve(const StageProblem& problem, const Limits& limits, StageRecord& record);
-  /// How many there are, and how many of them the last solve() did not leave as they were.
-  int count();
-  int solved() const { return solved_; }
 
  private:
   /// One of them, with its own copy of all that it works on.
@@ -55,26 +51,25 @@ class ContactIslands {
     std::vector<RowLaw> laws;
     std::vector<double> b, inertia, lambda, w;
     StageRecord record;
-    bool done = false, at_rest = false;
+    bool done = false;
   };
 
   void find();
+  void plan();
   std::vector<SystemPart> partition();
   void gather(Island& island, const StageProblem& whole, std::vector<int>& scratch);
   void solve(Island& island, const StageProblem& whole, const Limits& limits, std::vector<int>& scratch);
-  void for_each(const std::function<void(int island, int worker)>& work);
 
   ConstraintSystem& system_;
   ContactForces& contacts_;
   ContactSolver& whole_;
   int threads_;
   std::unique_ptr<detail::ThreadPool> pool_;  // made when there is work for it
-  bool known_ = false;
+  bool known_ = false, parallel_ = false;
   UnionFind connected_;  // bodies
   std::vector<std::unique_ptr<Island>> islands_;
   std::vector<int> order_;                 // of tasks
   std::vector<std::vector<int>> scratch_;  // of each worker
-  int solved_ = 0;
 };
 
 }  // namespace taut

@@ -47,9 +47,11 @@ double damping_ratio(double restitution) {
 
 }  // namespace
 
-void ContactLaws::choose(std::span<const int> places, std::span<const int> first_rows) {
+void ContactLaws::choose(std::span<const int> places, const Rows& rows) {
   places_.assign(places.begin(), places.end());
-  first_row_.assign(first_rows.begin(), first_rows.end());
+  first_row_.clear();
+  for (int k = 0; k < rows.contact_count(); ++k)
+    first_row_.push_back(rows.joints()[rows.contact_joint(k)].first_row);
   turns_.clear();
 }
 

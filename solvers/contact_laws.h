@@ -98,8 +98,8 @@ class ContactLaws {
  public:
   explicit ContactLaws(ContactTable& table) : table_(table) {}
 
-  /// The contacts, by their places, and the first row of each.
-  void choose(std::span<const int> places, std::span<const int> first_rows);
+  /// The contacts, by their places; `rows` has them in this order.
+  void choose(std::span<const int> places, const Rows& rows);
   /// 1/S_rr of all rows.
   void set_inertia(std::span<const double> inertia);
   int count() const { return static_cast<int>(first_row_.size()); }

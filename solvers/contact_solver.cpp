@@ -9,11 +9,8 @@
 namespace taut {
 namespace {
 
-/// Impulses of before are taken over if they are off their laws by no more than this part.
-constexpr double kHeld = 1e-9;
-/// Contacts whose guess is further off than this are first swept so often, or until no impulse changes by
+/// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
 /// more than that part of the largest.
-constexpr double kNear = 1e-3;
 constexpr int kFirstSweeps = 300;
 constexpr double kSwept = 1e-10;
 /// Σ over S_rr where contacts are locked: impulses that mend what dependent rows contradict each other by are

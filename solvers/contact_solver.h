@@ -36,6 +36,10 @@ struct StageRecord {
 /// "Many contacts")
 class ContactSolver {
  public:
+  /// Impulses of before are taken over if they are off their laws by no more than this part, and mended where
+  /// they are by no more than that.
+  static constexpr double kHeld = 1e-9, kNear = 1e-3;
+
   ContactSolver(ConstraintSystem& system, ContactLaws& contacts);
 
   /// For other rows of the system.

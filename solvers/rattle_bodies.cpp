@@ -11,10 +11,8 @@
 namespace taut {
 namespace {
 
-/// Impulses of before are taken over if they are off their laws by no more than this part.
-constexpr double kHeld = 1e-9;
-/// Off by no more than this they are mended by so many sweeps, if that is enough.
-constexpr double kNear = 1e-3;
+constexpr double kHeld = ContactSolver::kHeld, kNear = ContactSolver::kNear;
+/// Off by no more than kNear they are mended by so many sweeps, if that is enough.
 constexpr int kMendingSweeps = 50;
 /// Without contacts Newton's method starts where the laws are off by no more than this part, for so many
 /// steps: then it has few rows to put on other pieces.
