@@ -51,7 +51,7 @@ inline constexpr double kMasked = std::numeric_limits<double>::infinity();
 class ConstraintSystem {
  public:
   ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance,
-                   Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded);
+                   Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded, Springs springs = Springs::kLeftOut);
 
   /// Other places for contacts from now on: a new pattern, order and analysis.  The world must have the
   /// topology that it had.  Row states are forgotten; J and S must be made anew.
@@ -180,6 +180,7 @@ class ConstraintSystem {
 
   FactorChoice choice_;
   Rows::AxisRows axis_rows_;
+  Springs springs_;
   Rows rows_;
   MassMatrix mass_;
   RankTolerance tolerance_;

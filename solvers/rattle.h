@@ -175,6 +175,7 @@ class Rattle {
   double time_of_impact(double h, StepReport& report);
   double law_error(double h) const;
   using Renew = void (Rattle::*)();  // of the laws of a stage
+  bool laws_move(std::span<const double> lambda, double rate_tolerance);
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   double distance_from_laws(std::span<const double> lambda, std::span<const double> w,
                             double rate_tolerance) const;
@@ -225,6 +226,10 @@ class Rattle {
   const World& world_;
   ConstraintSystem& system_;
   const Settings& settings_;
+
+  /// The force laws at state_, but for springs that have rows.
+  void find_forces() { world_.forces(state_, forces_, springs_); }
+  Springs springs_;  // among the laws
 
   State state_;                        // at the start of a step; twists are those of momenta_
   std::vector<Wrench> momenta_;        // (L, P) at the start; zero for fixed bodies
