@@ -11,6 +11,9 @@ namespace {
 
 std::string of(const char* what, std::string_view axis) { return what + (" of " + std::string(axis)); }
 
+/// A damping table gives no force at rest but for this part of its largest.
+constexpr double kRoundOff = 1e-14;
+
 /// Not negative; infinity means unlimited.
 void require_bound(const std::string& name, double value) {
   if (!(value >= 0)) fail(name, "must not be negative", value);
@@ -53,20 +56,44 @@ double Curve::slope(double x) const {
   return (points_[i + 1].y - points_[i].y) / (points_[i + 1].x - points_[i].x);
 }
 
-double spring_energy(const AxisSpring& spring, double theta) {
-  const double x = theta - spring.rest;
-  if (!spring.table) return 0.5 * spring.stiffness * x * x;
-  // Trapezoids from 0 to x, exact for a function that is linear between its points.
-  const double low = std::min(0.0, x), high = std::max(0.0, x);
-  double from = low, energy = 0;
-  const auto add = [&](double to) {
-    energy += 0.5 * (to - from) * (spring.table->extended(from) + spring.table->extended(to));
-    from = to;
+/// Trapezoids, exact for a function that is linear between its points.
+double Curve::integral(double from, double to) const {
+  const double low = std::min(from, to), high = std::max(from, to);
+  double at = low, sum = 0;
+  const auto add = [&](double next) {
+    sum += 0.5 * (next - at) * (extended(at) + extended(next));
+    at = next;
   };
-  for (const Curve::Point& p : spring.table->points())
+  for (const Point& p : points_)
     if (p.x > low && p.x < high) add(p.x);
   add(high);
-  return x < 0 ? -energy : energy;
+  return from <= to ? sum : -sum;
+}
+
+/// d/db (1/(b − a) ∫ f) = (f(b) − mean)/(b − a): in one piece half its slope, and never more than the
+/// steepest has, whatever round-off makes of it.
+Curve::Mean Curve::mean(double from, double to) const {
+  if (points_.size() < 3 || piece(from) == piece(to))
+    return {0.5 * (extended(from) + extended(to)), 0.5 * slope(to)};
+  const double value = integral(from, to) / (to - from);
+  double steepest = 0;
+  for (std::size_t i = std::min(piece(from), piece(to)); i <= std::max(piece(from), piece(to)); ++i)
+    steepest = std::max(steepest, std::abs(slope(points_[i].x)));
+  return {value, std::clamp((extended(to) - value) / (to - from), -steepest, steepest)};
+}
+
+double spring_force(const AxisSpring& spring, double theta) {
+  const double x = theta - spring.rest;
+  return spring.table ? -spring.table->extended(x) : -spring.stiffness * x;
+}
+
+double damping_force(const AxisSpring& spring, double rate) {
+  return spring.damping_table ? -spring.damping_table->extended(rate) : -spring.damping * rate;
+}
+
+double spring_energy(const AxisSpring& spring, double theta) {
+  const double x = theta - spring.rest;
+  return spring.table ? spring.table->integral(0, x) : 0.5 * spring.stiffness * x * x;
 }
 
 double limit_energy(const AxisLimits& limits, double theta) {
@@ -123,6 +150,18 @@ void check_axis(std::string_view axis, const AxisSpring& spring) {
   require_finite(of("spring rest", axis), spring.rest);
   if (spring.table && spring.stiffness != 0)
     fail(of("spring stiffness", axis), "must be 0 beside a table", spring.stiffness);
+  if (!spring.damping_table) return;
+  if (spring.damping != 0)
+    fail(of("spring damping", axis), "must be 0 beside a damping table", spring.damping);
+  // So that it takes energy at every rate and has one answer to every load.
+  const double at_rest = spring.damping_table->extended(0);
+  const std::vector<Curve::Point>& points = spring.damping_table->points();
+  const double largest = std::max(std::abs(points.front().y), std::abs(points.back().y));
+  if (!(std::abs(at_rest) <= kRoundOff * largest))
+    fail(of("damping table", axis), "must give no force at rest", at_rest);
+  for (std::size_t i = 1; i < points.size(); ++i)
+    if (points[i].y < points[i - 1].y)
+      fail(of("damping table", axis), "must not fall with the rate", points[i].y);
 }
 
 }  // namespace taut

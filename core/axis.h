@@ -29,6 +29,13 @@ class Curve {
   double extended(double x) const;
   /// dy/dx of the piece that extended() uses at x; the right one at a point.
   double slope(double x) const;
+  /// ∫ extended(x) dx.
+  double integral(double from, double to) const;
+  /// Mean of extended() between both, and its derivative with respect to `to`.
+  struct Mean {
+    double value = 0, slope = 0;
+  };
+  Mean mean(double from, double to) const;
   const std::vector<Point>& points() const { return points_; }
 
  private:
@@ -73,13 +80,16 @@ struct AxisFriction {
   double per_load = 0;
 };
 
-/// Spring and damper: force −k (θ − rest) − c θ̇, or −table(θ − rest) − c θ̇.
+/// Spring and damper: force −k (θ − rest) − c θ̇, each of them by a table if it has one:
+/// −table(θ − rest) − damping_table(θ̇).
 struct AxisSpring {
   double stiffness = 0;  ///< k [N·m/rad or N/m]; 0 with a table
-  double damping = 0;    ///< c [N·m·s/rad or N·s/m]
+  double damping = 0;    ///< c [N·m·s/rad or N·s/m]; 0 with a damping table
   double rest = 0;       ///< [rad or m]
   /// θ − rest → restoring force, extended beyond its ends.
   std::optional<Curve> table{};
+  /// θ̇ → force against it, extended beyond its ends.
+  std::optional<Curve> damping_table{};
 };
 
 /// All that acts along one axis.
@@ -92,6 +102,9 @@ struct AxisProperties {
   bool any() const { return limits || motor || friction || spring; }
 };
 
+/// Force of the spring along the axis, and of the damper [N·m or N].
+double spring_force(const AxisSpring& spring, double theta);
+double damping_force(const AxisSpring& spring, double rate);
 /// Potential energy of the spring at θ [J]: ½ k (θ − rest)², or the integral of its table from rest.
 double spring_energy(const AxisSpring& spring, double theta);
 /// Of limits with compliance, beyond which θ is [J].
@@ -100,7 +113,8 @@ double limit_energy(const AxisLimits& limits, double theta);
 /// @throws std::invalid_argument naming `axis`, what is wrong and the value: limits that are crossed or not
 /// numbers, a restitution outside [0, 1] or beside a compliance, damping without compliance, a target that is
 /// not finite, a trajectory that is missing, a force, speed, stiffness or friction that is negative, dynamic
-/// above static friction, a force curve with negative force or speed, a spring with both stiffness and table.
+/// above static friction, a force curve with negative force or speed, a spring with both stiffness and table,
+/// a damper with both damping and table, or with a table that falls somewhere or does not go through 0.
 void check_axis(std::string_view axis, const AxisLimits& limits);
 void check_axis(std::string_view axis, const AxisMotor& motor);
 void check_axis(std::string_view axis, const AxisFriction& friction);

@@ -40,45 +40,55 @@ std::shared_ptr<const Force> BodyTorque::relocated(const Relocation& to, const P
 
 SpringDamper::SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double stiffness,
                            double rest_length, double damping)
-    : a_(a), b_(b), p_AP_(p_AP), p_BQ_(p_BQ), k_(stiffness), rest_(rest_length), c_(damping) {
+    : SpringDamper(a, b, p_AP, p_BQ,
+                   AxisSpring{.stiffness = stiffness, .damping = damping, .rest = rest_length}) {}
+
+SpringDamper::SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, AxisSpring law)
+    : spring_{a, b, p_AP, p_BQ, std::move(law)} {
   require_all_finite("spring anchor on A", p_AP);
   require_all_finite("spring anchor on B", p_BQ);
-  require_not_negative("spring stiffness", stiffness);
-  require_not_negative("spring rest length", rest_length);
-  require_not_negative("spring damping", damping);
+  require_not_negative("spring stiffness", spring_.law.stiffness);
+  require_not_negative("spring rest length", spring_.law.rest);
+  require_not_negative("spring damping", spring_.law.damping);
+  check_axis("spring-damper", spring_.law);
 }
 
 SpringDamper::Pull SpringDamper::pull(const State& state) const {
-  Pull pull{state.poses[a_.index].q * p_AP_, state.poses[b_.index].q * p_BQ_};
-  const Vec3 d = (state.poses[b_.index].p - state.poses[a_.index].p) + (pull.r_B - pull.r_A);
+  const Pose &A = state.poses[spring_.a.index], &B = state.poses[spring_.b.index];
+  Pull pull{A.q * spring_.p_AP, B.q * spring_.p_BQ};
+  const Vec3 d = (B.p - A.p) + (pull.r_B - pull.r_A);
   const double length = d.norm();
   if (length == 0) return pull;  // no direction to pull along
   pull.n = d / length;
-  const double rate = pull.n.dot(state.twists[b_.index].at(pull.r_B) - state.twists[a_.index].at(pull.r_A));
-  pull.tension = k_ * (length - rest_) + c_ * rate;
+  const double rate =
+      pull.n.dot(state.twists[spring_.b.index].at(pull.r_B) - state.twists[spring_.a.index].at(pull.r_A));
+  pull.tension = -spring_force(spring_.law, length) - damping_force(spring_.law, rate);
   return pull;
 }
 
 void SpringDamper::accumulate(const State& state, std::span<Wrench> wrenches) const {
   const auto [r_A, r_B, n, tension] = pull(state);
   const Vec3 on_B = -tension * n;
-  wrenches[b_.index].force += on_B;
-  wrenches[b_.index].torque += r_B.cross(on_B);
-  wrenches[a_.index].force -= on_B;
-  wrenches[a_.index].torque -= r_A.cross(on_B);
+  Wrench &A = wrenches[spring_.a.index], &B = wrenches[spring_.b.index];
+  B.force += on_B;
+  B.torque += r_B.cross(on_B);
+  A.force -= on_B;
+  A.torque -= r_A.cross(on_B);
 }
 
 std::optional<LineForce> SpringDamper::line_force(const State& state) const {
-  return LineForce{a_, b_, p_AP_, p_BQ_, pull(state).tension, k_ > 0};
+  const bool elastic = spring_.law.stiffness > 0 || spring_.law.table;
+  return LineForce{spring_.a, spring_.b, spring_.p_AP, spring_.p_BQ, pull(state).tension, elastic};
 }
 
 double SpringDamper::potential_energy(const State& state) const {
-  const double length = (state.poses[b_.index].point(p_BQ_) - state.poses[a_.index].point(p_AP_)).norm();
-  return 0.5 * k_ * (length - rest_) * (length - rest_);
+  const Pose &A = state.poses[spring_.a.index], &B = state.poses[spring_.b.index];
+  return spring_energy(spring_.law, (B.point(spring_.p_BQ) - A.point(spring_.p_AP)).norm());
 }
 
 std::shared_ptr<const Force> SpringDamper::relocated(const Relocation& to, const Pose&) const {
-  return std::make_shared<SpringDamper>(to(a_), to(b_), p_AP_, p_BQ_, k_, rest_, c_);
+  return std::make_shared<SpringDamper>(to(spring_.a), to(spring_.b), spring_.p_AP, spring_.p_BQ,
+                                        spring_.law);
 }
 
 void ForceCallback::accumulate(const State& state, std::span<Wrench> wrenches) const {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/axis.h"
 #include "core/check.h"
 #include "core/relocation.h"
 #include "core/state.h"
@@ -20,6 +21,22 @@ struct LineForce {
   double tension = 0;                             ///< [N], negative: it pushes them apart
   bool elastic = true;                            ///< its tension depends on the length; else a mere damper
 };
+
+/// All that a law does, if it is a spring or damper between point P of A and point Q of B: its force acts
+/// along the line between them by their distance L = |p_WQ − p_WP| and dL/dt, as AxisSpring says with L for
+/// θ. Solvers that can take it implicitly do.
+struct LineSpring {
+  BodyId a, b;
+  Vec3 p_AP = Vec3::Zero(), p_BQ = Vec3::Zero();  ///< from the centres of mass, body axes [m]
+  AxisSpring law;
+
+  /// Linear without a length of its own: its force −k d is smooth where P and Q meet.
+  bool is_centred() const { return law.rest == 0 && law.stiffness > 0; }
+  bool is_damped() const { return law.damping > 0 || law.damping_table; }
+};
+
+/// Whether springs between bodies count among the force laws; not where they have rows (core/rows.h).
+enum class Springs { kIncluded, kLeftOut };
 
 /// A force law f(q, V, t).  Gravity is not one of them; the World adds it.
 class Force {
@@ -35,6 +52,8 @@ class Force {
   virtual bool conservative() const { return false; }
   /// The bodies it reads or acts on, so that the World can check them.
   virtual std::vector<BodyId> bodies() const { return {}; }
+  /// All that it does, if that is a spring between two bodies; null for other laws.
+  virtual const LineSpring* spring() const { return nullptr; }
   /// What it does along a line; nothing for laws that do something else too.
   virtual std::optional<LineForce> line_force(const State&) const { return std::nullopt; }
   /// The same law for World::append(): its ids changed, and what it has in world axes moved by X.  Null if
@@ -75,20 +94,23 @@ class BodyTorque final : public Force {
   bool follows_body_;
 };
 
-/// Linear spring and damper between point P of A and point Q of B, L = |p_WQ − p_WP|: tension
-/// k (L − L₀) + c dL/dt [N] along the line, potential ½ k (L − L₀)²; no force where L = 0. (core/README, Eq.
-/// 12)
-/// @throws std::invalid_argument if a point is not finite, or k [N/m], L₀ [m] or c [N·s/m] negative or not
-/// finite.
+/// Spring and damper between point P of A and point Q of B, L = |p_WQ − p_WP|: tension
+/// k (L − L₀) + c dL/dt [N] along the line, potential ½ k (L − L₀)², or both parts by tables; no force where
+/// L = 0.                                                                              (core/README, Eq. 12)
+/// @throws std::invalid_argument if a point is not finite, k [N/m], L₀ [m] or c [N·s/m] negative or not
+/// finite, or the tables are none for an axis (check_axis()).
 class SpringDamper final : public Force {
  public:
   SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double stiffness, double rest_length,
                double damping);
+  /// `law` over the distance; its `rest` is L₀.
+  SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, AxisSpring law);
   void accumulate(const State& state, std::span<Wrench> wrenches) const override;
   double potential_energy(const State& state) const override;
-  bool depends_on_velocity() const override { return c_ > 0; }
-  bool conservative() const override { return c_ == 0; }
-  std::vector<BodyId> bodies() const override { return {a_, b_}; }
+  bool depends_on_velocity() const override { return spring_.is_damped(); }
+  bool conservative() const override { return !spring_.is_damped(); }
+  std::vector<BodyId> bodies() const override { return {spring_.a, spring_.b}; }
+  const LineSpring* spring() const override { return &spring_; }
   std::optional<LineForce> line_force(const State& state) const override;
   std::shared_ptr<const Force> relocated(const Relocation& to, const Pose& X) const override;
 
@@ -101,9 +123,7 @@ class SpringDamper final : public Force {
   };
   Pull pull(const State& state) const;
 
-  BodyId a_, b_;
-  Vec3 p_AP_, p_BQ_;
-  double k_, rest_, c_;
+  LineSpring spring_;
 };
 
 /// Any law the user writes.  The function adds to the wrenches (world axes, about the centres of mass); it

@@ -112,6 +112,12 @@ class MergedForces final : public Force {
   mutable std::vector<Wrench> seen_wrenches_;
 };
 
+std::shared_ptr<const Force> on_carriers(const LineSpring& spring, const Carriers& to) {
+  const int a = spring.a.index, b = spring.b.index;
+  return std::make_shared<SpringDamper>(to.bodies[a], to.bodies[b], to.frames[a].point(spring.p_AP),
+                                        to.frames[b].point(spring.p_BQ), spring.law);
+}
+
 /// The weight of moving bodies that are welded to a fixed one does nothing, but the source counts its
 /// potential.
 class HeldWeight final : public Force {
@@ -325,6 +331,8 @@ void MergedWorld::make_forces(const World& source) {
                                                        [&](BodyId body) { return is_carried(body); });
     if (apart || groups_.empty())
       world_.forces_.push_back(law);
+    else if (const LineSpring* spring = law->spring())
+      world_.forces_.push_back(on_carriers(*spring, *carriers_));
     else
       (law->conservative() ? conservative : others).push_back(law);
   }
@@ -340,8 +348,14 @@ void MergedWorld::make_forces(const World& source) {
                     world_.state_.poses[group.carrier.index].point(carriers_->frames[body.index].p));
   if (held != 0) world_.forces_.push_back(std::make_shared<HeldWeight>(held));
   // What they come to is that of the source: the flags of the copy hold.
-  world_.velocity_forces_ = source.velocity_forces_;
-  world_.dissipative_forces_ = source.dissipative_forces_;
+  world_.velocity_forces_ = source.velocity_forces_, world_.velocity_laws_ = source.velocity_laws_;
+  world_.dissipative_forces_ = source.dissipative_forces_,
+  world_.dissipative_laws_ = source.dissipative_laws_;
+  world_.springs_.clear();
+  for (int f = 0; f < world_.force_count(); ++f) {
+    const LineSpring* spring = world_.forces_[f]->spring();
+    if (spring && spring->a != spring->b) world_.springs_.push_back({f});
+  }
 }
 
 /// What is woken in the source wakes its carrier.
@@ -429,11 +443,18 @@ Twist MergedWorld::common_twist(const MergedGroup& group, const World& source) c
   return {R * all.inertia_B().ldlt().solve(R.transpose() * angular), linear / all.mass()};
 }
 
-void MergedWorld::source_forces(const State& source, std::span<Wrench> wrenches) const {
+bool MergedWorld::is_within_carrier(const LineSpring& spring) const {
+  return carriers_->bodies[spring.a.index] == carriers_->bodies[spring.b.index];
+}
+
+void MergedWorld::source_forces(const State& source, std::span<Wrench> wrenches, Springs springs) const {
   for (std::size_t b = 0; b < source_masses_.size(); ++b)
     wrenches[b] = {Vec3::Zero(),
                    source_fixed_[b] ? Vec3(Vec3::Zero()) : Vec3(source_masses_[b].mass() * world_.gravity_)};
-  for (const auto& law : source_laws_) law->accumulate(source, wrenches);
+  for (const auto& law : source_laws_) {
+    const bool has_rows = springs == Springs::kLeftOut && law->spring() && !is_within_carrier(*law->spring());
+    if (!has_rows) law->accumulate(source, wrenches);
+  }
 }
 
 void MergedWorld::expand(const State& merged, State& source) const {

@@ -67,7 +67,10 @@ class MergedWorld {
   /// State of the source for one of world().
   void expand(const State& merged, State& source) const;
   /// World::forces() of the source at the last update().
-  void source_forces(const State& source, std::span<Wrench> wrenches) const;
+  void source_forces(const State& source, std::span<Wrench> wrenches,
+                     Springs springs = Springs::kIncluded) const;
+  /// Both ends are on one carrier, so that it has no rows.
+  bool is_within_carrier(const LineSpring& spring) const;
   /// Mass properties of a body of the source.
   const MassProperties& source_mass(BodyId body) const { return source_masses_[body.index]; }
 

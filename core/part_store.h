@@ -143,6 +143,11 @@ class PartStore final : public PartStoreBase {
       const double near = at.near(i.at.axis);  // before `out`, which may be the same place
       i.part.residual(at.poses[i.at.body_a], at.poses[i.at.body_b], out);
       *out = unwrapped(*out, near, i.part.period());
+    } else if constexpr (requires { Part::kSigned; }) {
+      const Pose &A = at.poses[i.at.body_a], &B = at.poses[i.at.body_b];
+      i.part.residual(A, B, out);
+      if (!at.from.empty() && i.part.turned_round(at.from[i.at.body_a], at.from[i.at.body_b], A, B))
+        *out = -*out;
     } else {
       i.part.residual(at.poses[i.at.body_a], at.poses[i.at.body_b], out);
     }

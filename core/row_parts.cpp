@@ -177,5 +177,6 @@ template class detail::PartStore<row_parts::PointInPlane>;
 template class detail::PartStore<row_parts::Perpendicular>;
 template class detail::PartStore<row_parts::Orientation>;
 template class detail::PartStore<row_parts::Distance>;
+template class detail::PartStore<row_parts::Stretch>;
 
 }  // namespace taut

@@ -129,6 +129,36 @@ struct Distance {
   static Vec3 direction(const Vec3& d);
 };
 
+/// The length of a spring, φ = ‖d‖; ends that have passed each other within a step are on a straight line
+/// through 0 (`kSigned`).
+struct Stretch {
+  static constexpr int kRows = 1;
+  static constexpr bool kAngular = false;
+  static constexpr bool kSigned = true;
+  Vec3 p_AP, p_BQ;
+
+  Stretch carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.point(p_AP), X_CB.point(p_BQ)}; }
+  void residual(const Pose& A, const Pose& B, double* phi) const { line().residual(A, B, phi); }
+  /// That d has turned round since the ends were at A0 and B0.
+  bool turned_round(const Pose& A0, const Pose& B0, const Pose& A, const Pose& B) const {
+    return (B0.point(p_BQ) - A0.point(p_AP)).dot(B.point(p_BQ) - A.point(p_AP)) < 0;
+  }
+  void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
+    line().jacobian(A, B, J_A, J_B);
+  }
+  void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const {
+    line().bias(A, B, V_A, V_B, gamma);
+  }
+  void stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
+                 StiffnessBlocks& K_B) const {
+    line().stiffness(A, B, lambda, K_A, K_B);
+  }
+  std::string row_name(int) const { return "length of a spring"; }
+
+ private:
+  Distance line() const { return {p_AP, p_BQ, 0}; }
+};
+
 }  // namespace row_parts
 
 extern template class detail::PartStore<row_parts::Point>;

@@ -105,6 +105,29 @@ void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints jo
   if (any_axis) joint.append_axes(axes);
 }
 
+/// Its length; a linear spring without a length of its own has the displacements of Q against P in axes of A
+/// instead, which are smooth where they meet, and its length only for a damper.
+void Rows::append_spring(const World& world, ForceId id, Joints joints) {
+  const LineSpring& spring = *world.force(id).spring();
+  const int j = static_cast<int>(joints_.size());
+  const bool moves = world.moves(spring.a) || world.moves(spring.b);
+  const bool centred = spring.is_centred(), length = !centred || spring.is_damped();
+  const int count = joints == Joints::kMoving && !moves ? 0 : 3 * centred + length;
+  joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), count > 0 ? 2 : 0, 0});
+  if (count == 0) return;
+  for (BodyId body : {spring.a, spring.b}) {
+    sides_.push_back({body.index, j, row_count(), count, jacobian_size_});
+    jacobian_size_ += 6 * count;
+  }
+  const auto add = [&](const auto& part, int row, bool is_centred) {
+    append(part, j, row, {}, kSpring);
+    axis_rows_.push_back({row_count() - 1, {JointId{-1}, kSpring}, kSpring, id, is_centred});
+  };
+  for (int k = 0; k < 3 && centred; ++k)
+    add(row_parts::PointInPlane{spring.p_AP, Vec3::Unit(k), spring.p_BQ}, k, true);
+  if (length) add(row_parts::Stretch{spring.p_AP, spring.p_BQ}, count - 1, false);
+}
+
 void Rows::append_contact(const ContactPlace& place) {
   const int j = static_cast<int>(joints_.size()), count = place.twist ? 6 : 3;
   joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), 2, 0});
@@ -127,11 +150,14 @@ void Rows::set_contact(int k, const row_parts::ContactPoint& point) {
   if (contacts_[k].twist >= 0) contact_twists_->items[contacts_[k].twist].part.frame = point.frame;
 }
 
-Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace> contacts, Joints joints) {
-  const std::size_t count = world.joint_count() + contacts.size();
+Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace> contacts, Joints joints,
+           Springs springs)
+    : spring_count_(springs == Springs::kIncluded ? static_cast<int>(world.springs().size()) : 0) {
+  const std::size_t count = world.joint_count() + spring_count_ + contacts.size();
   joints_.reserve(count);
   sides_.reserve(2 * count);
   for (int j = 0; j < world.joint_count(); ++j) append_joint(world, j, axis_rows, joints);
+  for (int s = 0; s < spring_count_; ++s) append_spring(world, world.springs()[s], joints);
   first_contact_row_ = row_count();
   for (const ContactPlace& place : contacts) append_contact(place);
   sort_by_body(world.body_count());

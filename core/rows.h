@@ -13,6 +13,7 @@
 #include "core/axis.h"
 #include "core/axis_parts.h"
 #include "core/contact_part.h"
+#include "core/force.h"
 #include "core/part_store.h"
 #include "core/row_parts.h"
 #include "core/state.h"
@@ -22,7 +23,8 @@
 ///   joint j  owns rows  first_row … first_row + row_count − 1, in the order of the World's joints: first its
 ///            equality rows, then one axis row for each free axis with properties (limits, motor, …); none if
 ///            it is detached
-///   contact  behind the joints, places for contact points between two bodies, likewise with their rows
+///   spring   behind the joints, if wanted, springs between two bodies, likewise with axis rows
+///   contact  behind those, places for contact points between two bodies, likewise with their rows
 ///   side s   one (joint, body) pair, A, B and further bodies; its Jacobian block has row_count rows by 6
 ///   columns, row-major values   Jacobian values of all sides, one behind the other
 ///
@@ -164,13 +166,16 @@ class Rows {
     int axis = kEquality;  ///< of the joint, or one of the following
   };
   static constexpr int kEquality = -1;
+  static constexpr int kSpring = -3;    ///< of a spring between two bodies
   static constexpr int kSoftened = -2;  ///< an equality row that gives way by its joint's compliance
   /// A row that is no equality: that of a free axis, whose residual is the coordinate θ itself, or a row of a
   /// joint that its compliance softens, whose residual is the gap.
   struct AxisRow {
     int row = 0;
-    AxisId axis;    ///< its `axis` is negative for a softened row
-    int index = 0;  ///< of θ in State::axes; negative for a softened row
+    AxisId axis;           ///< its `axis` is negative for a softened row
+    int index = 0;         ///< of θ in State::axes; negative for a softened row
+    ForceId spring{-1};    ///< whose row it is; then `axis` is none
+    bool centred = false;  ///< … of its three displacements in axes of A, not of its length
   };
   enum class AxisRows { kIncluded, kLeftOut };
   enum class Joints {
@@ -186,7 +191,8 @@ class Rows {
   };
 
   explicit Rows(const World& world, AxisRows axis_rows = AxisRows::kIncluded,
-                std::span<const ContactPlace> contacts = {}, Joints joints = Joints::kAll);
+                std::span<const ContactPlace> contacts = {}, Joints joints = Joints::kAll,
+                Springs springs = Springs::kLeftOut);
 
   /// The rows of some joints, contacts too, in ascending order, by themselves: with bodies and rows counted
   /// anew, for Jacobians from elsewhere.  They know of no poses: residual(), jacobian() and the like do
@@ -215,6 +221,12 @@ class Rows {
   /// Contact rows come last.
   bool is_contact(int i) const { return i >= first_contact_row_; }
   int first_contact_row() const { return first_contact_row_; }
+  /// joints() has these first.
+  int joint_count() const { return contact_joint(0) - spring_count_; }
+  /// joints()[spring_joint(s)] is spring s of World::springs(); without rows if it joins a body to itself, or
+  /// what does not move.
+  int spring_joint(int s) const { return joint_count() + s; }
+  int spring_count() const { return spring_count_; }
   int contact_count() const { return static_cast<int>(contacts_.size()); }
   /// joints()[contact_joint(k)] is contact place k.
   int contact_joint(int k) const { return static_cast<int>(joints_.size()) - contact_count() + k; }
@@ -282,6 +294,7 @@ class Rows {
   void append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index = -1);
   void append_axis_row(AxisId axis, int index);
   void append_joint(const World& world, int j, AxisRows axis_rows, Joints joints);
+  void append_spring(const World& world, ForceId id, Joints joints);
   void append_contact(const ContactPlace& place);
   void clear_blocks(int joint);
   void sort_by_body(int bodies);
@@ -299,7 +312,7 @@ class Rows {
   std::vector<ContactItems> contacts_;
   detail::PartStore<row_parts::ContactPoint>* contact_points_ = nullptr;
   detail::PartStore<row_parts::ContactTwist>* contact_twists_ = nullptr;
-  int first_contact_row_ = 0;
+  int first_contact_row_ = 0, spring_count_ = 0;
   // Joints whose parts do not write all of their Jacobian: first value and count, zeroed each time.
   std::vector<std::pair<int, int>> cleared_;
   std::vector<int> body_start_, body_sides_;

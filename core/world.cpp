@@ -25,6 +25,20 @@ void check_twist(const std::string& name, const Twist& twist, bool fixed) {
     fail("angular velocity of " + name, "a fixed body cannot move", twist.w.transpose());
 }
 
+/// A law that can have rows: one that pulls a body towards itself does nothing.
+bool is_spring(const Force& force) {
+  const LineSpring* spring = force.spring();
+  return spring && spring->a != spring->b;
+}
+
+/// One spring in place of the other changes no more than values of its law.
+bool same_rows(const Force& one, const Force& other) {
+  if (!is_spring(one) || !is_spring(other)) return false;
+  const LineSpring &a = *one.spring(), &b = *other.spring();
+  return a.a == b.a && a.b == b.b && a.p_AP == b.p_AP && a.p_BQ == b.p_BQ &&
+         a.is_centred() == b.is_centred() && a.is_damped() == b.is_damped();
+}
+
 /// Takes the name, or makes up a free one, and registers it.
 std::string register_name(std::unordered_map<std::string, int>& names, std::string name, const char* kind,
                           int index) {
@@ -117,10 +131,10 @@ void World::check_force(const Force* force) const {
 
 ForceId World::add_force(std::shared_ptr<const Force> force) {
   check_force(force.get());
-  velocity_forces_ = velocity_forces_ || force->depends_on_velocity();
-  dissipative_forces_ = dissipative_forces_ || !force->conservative();
   wake_or_all(force->bodies());
+  if (is_spring(*force)) ++topology_version_;
   forces_.push_back(std::move(force));
+  read_force(force_count() - 1);
   ++state_version_;
   return {force_count() - 1};
 }
@@ -130,12 +144,27 @@ void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
   check_force(force.get());
   wake_or_all(forces_[index]->bodies());
   wake_or_all(force->bodies());
+  if (is_spring(*forces_[index]) || is_spring(*force))
+    ++(same_rows(*forces_[index], *force) ? axis_version_ : topology_version_);
   forces_[index] = std::move(force);
-  velocity_forces_ =
-      std::any_of(forces_.begin(), forces_.end(), [](const auto& f) { return f->depends_on_velocity(); });
-  dissipative_forces_ =
-      std::any_of(forces_.begin(), forces_.end(), [](const auto& f) { return !f->conservative(); });
+  read_forces();
   ++state_version_;
+}
+
+void World::read_forces() {
+  springs_.clear();
+  velocity_forces_ = dissipative_forces_ = velocity_laws_ = dissipative_laws_ = false;
+  for (int f = 0; f < force_count(); ++f) read_force(f);
+}
+
+void World::read_force(int index) {
+  const Force& force = *forces_[index];
+  const bool spring = is_spring(force), moves = force.depends_on_velocity(), takes = !force.conservative();
+  if (spring) springs_.push_back({index});
+  velocity_forces_ = velocity_forces_ || moves;
+  dissipative_forces_ = dissipative_forces_ || takes;
+  velocity_laws_ = velocity_laws_ || (moves && !spring);
+  dissipative_laws_ = dissipative_laws_ || (takes && !spring);
 }
 
 void World::set_gravity(const Vec3& gravity) {
@@ -208,14 +237,15 @@ void World::set_time(double time) {
   ++state_version_;
 }
 
-void World::forces(const State& state, std::span<Wrench> wrenches) const {
+void World::forces(const State& state, std::span<Wrench> wrenches, Springs springs) const {
   assert(static_cast<int>(wrenches.size()) == body_count());
   assert(state.poses.size() == state_.poses.size() && state.twists.size() == state_.twists.size());
   for (int b = 0; b < body_count(); ++b) {
     wrenches[b].torque.setZero();
     wrenches[b].force = fixed_[b] ? Vec3(Vec3::Zero()) : Vec3(masses_[b].mass() * gravity_);
   }
-  for (const auto& force : forces_) force->accumulate(state, wrenches);
+  for (const auto& force : forces_)
+    if (springs == Springs::kIncluded || !is_spring(*force)) force->accumulate(state, wrenches);
 }
 
 double World::potential_energy(const State& state) const {
@@ -224,14 +254,23 @@ double World::potential_energy(const State& state) const {
     if (!fixed_[b]) energy -= masses_[b].mass() * gravity_.dot(state.poses[b].p);
   for (const auto& force : forces_) energy += force->potential_energy(state);
   for (int j = 0; j < joint_count(); ++j)
-    if (is_attached({j})) energy += potential_energy_of({j}, state);
+    if (is_attached({j})) energy += spring_energy_of({j}, state);
   return energy;
 }
 
-double World::add_dissipative_forces(const State& state, std::span<Wrench> wrenches) const {
+double World::spring_energy(const State& state) const {
+  double energy = 0;
+  for (const auto& force : forces_)
+    if (force->spring()) energy += force->potential_energy(state);
+  for (int j = 0; j < joint_count(); ++j)
+    if (is_attached({j})) energy += spring_energy_of({j}, state);
+  return energy;
+}
+
+double World::add_dissipative_forces(const State& state, std::span<Wrench> wrenches, Springs springs) const {
   double energy = 0;
   for (const auto& force : forces_) {
-    if (force->conservative()) continue;
+    if (force->conservative() || (springs == Springs::kLeftOut && is_spring(*force))) continue;
     force->accumulate(state, wrenches);
     energy += force->potential_energy(state);
   }

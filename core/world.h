@@ -71,7 +71,7 @@ class World {
   bool is_attached(JointId id) const { return detached_.empty() || !detached_.contains(checked(id)); }
   int detached_count() const { return static_cast<int>(detached_.size()); }
   /// Of the springs, soft limits and the compliance of one joint, detached or not [J].
-  double potential_energy_of(JointId id, const State& state) const;
+  double spring_energy_of(JointId id, const State& state) const;
 
   // Free axes of joints and what acts along them.  nullopt takes a property away; an axis that gets its first
   // property, or loses its last, is a change of topology, a new value is not.
@@ -221,23 +221,33 @@ class World {
 
   /// Sum of gravity and all force laws on each body, about its centre of mass, world axes.  Fixed bodies get
   /// what the laws put on them.  `wrenches` has body_count() entries [N·m, N] and is overwritten.
-  void forces(const State& state, std::span<Wrench> wrenches) const;
+  void forces(const State& state, std::span<Wrench> wrenches, Springs springs = Springs::kIncluded) const;
   /// True if any force law reads velocities.
-  bool forces_depend_on_velocity() const { return velocity_forces_; }
+  bool forces_depend_on_velocity(Springs springs = Springs::kIncluded) const {
+    return springs == Springs::kIncluded ? velocity_forces_ : velocity_laws_;
+  }
+  /// The force laws that are springs between two bodies, in the order of their ids.
+  std::span<const ForceId> springs() const { return springs_; }
   /// Adds the force laws that are not conservative, which `wrenches` need not be zeroed for, and returns the
   /// potential energy that these state (of a spring with a damper, for instance) [J].
-  double add_dissipative_forces(const State& state, std::span<Wrench> wrenches) const;
-  bool has_dissipative_forces() const { return dissipative_forces_; }
+  double add_dissipative_forces(const State& state, std::span<Wrench> wrenches,
+                                Springs springs = Springs::kIncluded) const;
+  bool has_dissipative_forces(Springs springs = Springs::kIncluded) const {
+    return springs == Springs::kIncluded ? dissipative_forces_ : dissipative_laws_;
+  }
   /// −Σ m g·p over the moving bodies, plus what the force laws, springs, soft limits and soft joints state
   /// [J]; detached joints have none.
   double potential_energy(const State& state) const;
+  /// The part of it that is in springs: of axes, soft limits, soft joints, and between bodies [J].
+  double spring_energy(const State& state) const;
 
   /// Everything that a simulation of this world would trip over: joints that are open at the start by more
   /// than `gap_tolerance` [m or rad], with the gap.  Reports, never throws.
   std::vector<Problem> validate(double gap_tolerance = 1e-6) const;
 
-  /// Changes whenever a body or joint is added, a joint is detached or attached, becomes soft or rigid, or an
-  /// axis gets its first property or loses its last; solvers rebuild their pattern then.
+  /// Changes whenever a body, joint or spring between bodies is added, a spring gets other ends, a joint is
+  /// detached or attached, becomes soft or rigid, or an axis gets its first property or loses its last;
+  /// solvers rebuild their pattern then.
   int topology_version() const { return topology_version_; }
   /// Changes whenever state, gravity or a force is set; solvers start afresh then.
   int state_version() const { return state_version_; }
@@ -257,6 +267,8 @@ class World {
   int checked(MaterialId id) const;
   bool no_rule_forbids(BodyId a, BodyId b) const;
   void check_force(const Force* force) const;
+  void read_forces();
+  void read_force(int index);
   void append_joints(const World& other, const std::string& prefix, const Relocation& to);
   void append_shapes(const World& other, const std::string& prefix, const Relocation& to);
   struct SoftJoint {
@@ -296,7 +308,10 @@ class World {
   std::vector<std::pair<JointId, BreakLimits>> breakable_;
   std::map<int, SoftJoint> soft_;  // by joint index
   std::set<int> detached_;
+  std::vector<ForceId> springs_;
+  // Of all force laws, and of those that are no springs.
   bool velocity_forces_ = false, dissipative_forces_ = false;
+  bool velocity_laws_ = false, dissipative_laws_ = false;
   int moving_count_ = 0, asleep_count_ = 0;
   int topology_version_ = 0, state_version_ = 0, axis_version_ = 0, property_version_ = 0, sleep_version_ = 0,
       stir_version_ = 0;

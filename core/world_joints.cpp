@@ -70,7 +70,7 @@ double World::elastic_energy(const SoftJoint& soft, const State& state) {
   return energy;
 }
 
-double World::potential_energy_of(JointId id, const State& state) const {
+double World::spring_energy_of(JointId id, const State& state) const {
   double energy = 0;
   for (int k = axis_start_[checked(id)]; k < axis_start_[id.index + 1]; ++k) {
     const AxisProperties& properties = axis_properties_[k];
@@ -78,7 +78,7 @@ double World::potential_energy_of(JointId id, const State& state) const {
     if (!properties.spring && !soft_limit) continue;
     double theta = 0;
     axes_[k].coordinate->residual(state, &theta);
-    if (properties.spring) energy += spring_energy(*properties.spring, theta);
+    if (properties.spring) energy += taut::spring_energy(*properties.spring, theta);
     if (soft_limit) energy += limit_energy(*properties.limits, theta);
   }
   if (const auto found = soft_.find(id.index); found != soft_.end())

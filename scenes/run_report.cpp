@@ -39,17 +39,13 @@ Json probes_json(const Recorder& recorder, std::span<const double> values) {
 }
 
 Json ledger_json(const EnergyLedger& ledger) {
-  return {{"motors", ledger.motors},
-          {"drivers", ledger.drivers},
-          {"friction", ledger.friction},
-          {"limits", ledger.limits},
-          {"contacts", ledger.contacts},
-          {"damping", ledger.damping},
-          {"forces", ledger.forces},
-          {"breaking", ledger.breaking},
-          {"stabilisation", ledger.stabilisation},
-          {"stiffness", ledger.stiffness},
-          {"integration", ledger.integration}};
+  return {{"kinetic", ledger.kinetic},     {"potential", ledger.potential},
+          {"springs", ledger.springs},     {"motors", ledger.motors},
+          {"drivers", ledger.drivers},     {"friction", ledger.friction},
+          {"limits", ledger.limits},       {"contacts", ledger.contacts},
+          {"damping", ledger.damping},     {"forces", ledger.forces},
+          {"breaking", ledger.breaking},   {"stabilisation", ledger.stabilisation},
+          {"stiffness", ledger.stiffness}, {"integration", ledger.integration}};
 }
 
 Json breaks_json(const std::vector<RunRecord::Break>& breaks) {

@@ -9,16 +9,6 @@ double number_or(JsonObject& object, const char* key, double fallback) {
   return object.get(key, &JsonNode::number, fallback);
 }
 
-std::optional<Curve> read_curve(JsonObject& object, const char* key) {
-  const auto node = object.find(key);
-  if (!node) return {};
-  std::optional<Curve> curve;
-  const std::size_t before = node->problems().size();
-  const std::vector<Curve::Point> points = read_curve_points(*node);
-  node->guard_if_sound(before, [&] { curve = Curve(points); });
-  return curve;
-}
-
 AxisLimits read_limits(const JsonNode& node) {
   JsonObject keys(node);
   AxisLimits limits;
@@ -67,6 +57,7 @@ AxisSpring read_spring(const JsonNode& node) {
   spring.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
   spring.rest = number_or(keys, "rest", 0);
   spring.table = read_curve(keys, "table");
+  spring.damping_table = read_curve(keys, "damping_table");
   keys.reject_unknown_keys();
   return spring;
 }
@@ -144,6 +135,16 @@ std::vector<Curve::Point> read_curve_points(const JsonNode& node) {
     points.push_back({pair[0], pair[1]});
   }
   return points;
+}
+
+std::optional<Curve> read_curve(JsonObject& object, const char* key) {
+  const auto node = object.find(key);
+  if (!node) return {};
+  std::optional<Curve> curve;
+  const std::size_t before = node->problems().size();
+  const std::vector<Curve::Point> points = read_curve_points(*node);
+  node->guard_if_sound(before, [&] { curve = Curve(points); });
+  return curve;
 }
 
 void SceneReader::read_axes(const JsonNode& node, JointId joint) {

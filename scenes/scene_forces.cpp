@@ -23,10 +23,14 @@ std::shared_ptr<const Force> read_torque(const SceneReader& reader, JsonObject& 
 std::shared_ptr<const Force> read_spring_damper(const SceneReader& reader, JsonObject& force) {
   PairKeys keys(reader, force);
   const auto p = keys.points();
-  const double stiffness = force.get_required("stiffness", &JsonNode::not_negative, 0.0);
-  const double rest_length = keys.length("rest_length", p, &JsonNode::not_negative);
-  const double damping = force.get("damping", &JsonNode::not_negative, 0.0);
-  return std::make_shared<SpringDamper>(keys.a.id, keys.b.id, p.a, p.b, stiffness, rest_length, damping);
+  AxisSpring law;
+  law.table = read_curve(force, "table");
+  law.damping_table = read_curve(force, "damping_table");
+  if (!force.find("table") || force.find("stiffness"))
+    law.stiffness = force.get_required("stiffness", &JsonNode::not_negative, 0.0);
+  law.rest = keys.length("rest_length", p, &JsonNode::not_negative);
+  law.damping = force.get("damping", &JsonNode::not_negative, 0.0);
+  return std::make_shared<SpringDamper>(keys.a.id, keys.b.id, p.a, p.b, std::move(law));
 }
 
 constexpr std::pair<const char*, ForceReader> kForceTypes[] = {

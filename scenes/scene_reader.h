@@ -124,6 +124,8 @@ std::shared_ptr<const Joint> read_pose_driver(PairKeys& keys);
 Motion read_motion(const JsonNode& node);
 /// [[x, y], ...], x increasing.
 std::vector<Curve::Point> read_curve_points(const JsonNode& node);
+/// A curve if the object has one by that key.
+std::optional<Curve> read_curve(JsonObject& object, const char* key);
 
 /// The "settings" object.
 Settings read_settings(const JsonNode& node, const Settings& defaults);

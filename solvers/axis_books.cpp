@@ -30,11 +30,16 @@ AxisImpulse AxisForces::share(int i, double lambda, double w) const {
 }
 
 void AxisForces::finish_positions(std::span<const double> w) {
+  second_kick_ = true;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
     const double rate = w[rows_[i].row];
     axis.spring = axis.spring_level - axis.spring_slope * rate;
-    axis.damping = -axis.damping_slope * rate;
+    axis.damping = axis.damping_level - axis.damping_slope * rate;
+    if (has_table(properties(i))) {
+      axis.implicit_damping = axis.implicit_damping || axis.damping_slope > axis.inertia;
+      begin_tangents(axis, rate);
+    }
     axis.soft_limit = axis.limit_level - axis.limit_slope * rate;
   }
 }

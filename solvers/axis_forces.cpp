@@ -23,7 +23,7 @@ AxisForces::AxisForces(const World& world, const Rows& rows)
   growing_ = released_;
   for (const Rows::AxisRow& row : rows_) angular_.push_back(rows.row(row.row).angular);
   if (std::any_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.axis.axis < 0; }))
-    softened_.resize(rows_.size());
+    own_.resize(rows_.size());
   read_properties();
   axes_.resize(rows_.size());
   before_ = axes_;
@@ -47,6 +47,8 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
   h_ = h;
   end_time_ = time + h;
   finite_ = true;
+  weight_ = 0;
+  second_kick_ = false;
   read_properties();
   std::copy(axes_.begin(), axes_.end(), before_.begin());
   reports_before_ = reports_;
@@ -59,26 +61,24 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
     axis.load_change = 0;
     const double damping = (p.friction ? p.friction->viscous : 0) + (p.spring ? p.spring->damping : 0) +
                            (p.limits ? p.limits->damping : 0);
-    axis.implicit_damping = 0.5 * h * damping > inertia[rows_[i].row];
+    axis.inertia = inertia[rows_[i].row];
+    axis.implicit_damping = 0.5 * h * damping > axis.inertia;
+    if (has_table(p)) begin_tangents(axis, axis.rate0);
   }
 }
 
-/// What is asked for often, and that a softened row is an axis with a spring at rest where its gap is closed.
+/// What is asked for often, and that a softened row is an axis with a spring at rest where its gap is closed,
+/// one of a spring between bodies an axis with that spring.
 void AxisForces::read_properties() {
   if (axis_version_ == world_.axis_version()) return;
   axis_version_ = world_.axis_version();
-  has_limits_ = has_loads_ = false;
+  has_limits_ = has_loads_ = has_tables_ = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    if (rows_[i].axis.axis >= 0) {
-      const AxisProperties& p = properties(i);
-      has_limits_ = has_limits_ || (p.limits && p.limits->compliance == 0);
-      has_loads_ = has_loads_ || (p.friction && p.friction->per_load != 0);
-      continue;
-    }
-    const JointCompliance c = world_.compliance(rows_[i].axis.joint).value_or(JointCompliance{});
-    AxisSpring& spring = softened_[i].spring.emplace();
-    spring.stiffness = 1 / (angular_[i] ? c.rotation : c.translation);
-    spring.damping = angular_[i] ? c.rotation_damping : c.translation_damping;
+    if (rows_[i].axis.axis < 0) read_own(i);
+    const AxisProperties& p = properties(i);
+    has_limits_ = has_limits_ || (p.limits && p.limits->compliance == 0);
+    has_loads_ = has_loads_ || (p.friction && p.friction->per_load != 0);
+    has_tables_ = has_tables_ || has_table(p);
   }
 }
 
@@ -106,7 +106,7 @@ void AxisForces::forget(std::span<const char> moved) {
     return std::any_of(bodies.begin(), bodies.end(), [&](BodyId body) { return moved[body.index]; });
   };
   for (std::size_t i = 0; i < rows_.size(); ++i)
-    if (is_moved(rows_[i].axis.joint)) axes_[i].known = false;
+    if (rows_[i].axis.joint.index >= 0 && is_moved(rows_[i].axis.joint)) axes_[i].known = false;
   std::erase_if(resting_, [&](const auto& entry) { return is_moved(entry.first.joint); });
 }
 
@@ -131,24 +131,21 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
-    axis.spring_level = axis.damping_level = axis.spring_slope = axis.damping_slope = 0;
+    axis.spring_level = axis.spring_slope = axis.linear_damping = 0;
     axis.limit_level = axis.limit_slope = 0;
     if (released_[i]) {
       laws[rows_[i].row] = RowLaw::none();
       continue;
     }
     if (p.spring) {
-      // The force in the middle of the step, at θ₀ + h/2 w, for both kicks: the implicit midpoint rule.
-      const AxisSpring& s = *p.spring;
-      const double stretch = axis.theta0 - s.rest;
-      axis.spring_level = -half * (s.table ? s.table->extended(stretch) : s.stiffness * stretch);
-      axis.spring_slope = half * half * std::max(0.0, s.table ? s.table->slope(stretch) : s.stiffness);
-      axis.damping_slope = half * s.damping;
+      const Tangent spring = spring_tangent(axis, *p.spring, axis.tangent_at);
+      axis.spring_level = spring.level, axis.spring_slope = spring.slope;
+      axis.linear_damping = half * p.spring->damping;
     }
     axis.friction_force = axis.motor_force = 0;
     if (p.friction) {
       const bool held = axis.stuck && !axis.broken;
-      axis.damping_slope += half * p.friction->viscous;
+      axis.linear_damping += half * p.friction->viscous;
       axis.friction_force = half * (held ? p.friction->static_friction : p.friction->dynamic_friction) +
                             p.friction->per_load * axis.load;
       const double off = axis.anchor - axis.theta0;
@@ -158,6 +155,7 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
     axis.lower_back = axis.upper_back = 0;
     if (is_rigid_limit(i)) set_limits(axis, *p.limits, impacts_[i]);
     if (p.limits && p.limits->compliance > 0) soften_limit(axis, *p.limits, mean_rates[rows_[i].row]);
+    set_damping(axis, p);
     if (p.motor) {
       const AxisMotor& m = *p.motor;
       axis.motor_force = half * motor_force(m, mean_rates[rows_[i].row]);
@@ -176,16 +174,6 @@ void AxisForces::require_finite_target(Axis& axis) {
   if (std::isfinite(axis.motor_at)) return;
   finite_ = false;
   axis.motor_at = axis.motor_force = 0;
-}
-
-/// Beyond a limit with compliance a spring acts, as those of axes do, wherever the middle of the step is.
-void AxisForces::soften_limit(Axis& axis, const AxisLimits& limits, double mean_rate) const {
-  const double half = 0.5 * h_, middle = axis.theta0 + half * mean_rate;
-  if (middle >= limits.lower && middle <= limits.upper) return;
-  const double at = middle < limits.lower ? limits.lower : limits.upper;
-  axis.limit_level = -half * (axis.theta0 - at) / limits.compliance;
-  axis.limit_slope = half * half / limits.compliance;
-  axis.damping_slope += half * limits.damping;
 }
 
 /// Bounds of the position stage on the mean rate.
@@ -296,8 +284,8 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
     axis.limit_slope = 0;
     axis.spring_level = axis.spring;
     axis.spring_slope = 0;
-    axis.damping_level = axis.implicit_damping ? 0 : axis.damping;
-    if (!axis.implicit_damping) axis.damping_slope = 0;
+    set_damping(axis, p);
+    if (!axis.implicit_damping) axis.damping_level = axis.damping, axis.damping_slope = 0;
     if (p.friction) {
       const bool held = axis.stuck && !axis.broken;
       axis.friction_force = 0.5 * h_ * (held ? p.friction->static_friction : p.friction->dynamic_friction) +

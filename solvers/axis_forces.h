@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <span>
@@ -22,6 +23,13 @@ class AxisForces {
   AxisForces(const World& world, const Rows& rows);
 
   bool empty() const { return axes_.empty(); }
+  /// No row but those of springs between bodies, whose forces follow from the state.
+  bool only_springs() const {
+    return std::all_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.spring.index >= 0; });
+  }
+  /// The present force of each such row, in place of its entry.
+  void spring_forces(std::span<const double> theta, std::span<const double> rates,
+                     std::span<double> lambda) const;
   /// Friction does not pull an axis back that is no further than this from where it holds it; 0 at first.
   void set_slack(double slack) { slack_ = slack; }
   /// A new start: friction of axes at rest holds them where they are.  `theta` and `rates` have one entry a
@@ -58,6 +66,9 @@ class AxisForces {
   /// limits that are passed at `theta`, in the middle of the step, w ≥ −e θ̇₀.      (solvers/README,
   /// "Moreau–Jean")
   void impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws);
+  /// Springs and dampers given by tables, which a law has as tangents: true if the rates of this solution of
+  /// a stage are elsewhere, and it must be solved again with the tangents there.
+  bool bend(std::span<const double> w, double rate_tolerance);
   /// Axes that static friction held and that have broken away at this solution of a stage: their bound is now
   /// that of dynamic friction, and the stage must be solved again.
   bool break_away(std::span<const double> w, double rate_tolerance);
@@ -114,9 +125,13 @@ class AxisForces {
     bool broken = false;  // … but not in this one
     bool known = true;    // no body was moved
     double theta0 = 0, rate0 = 0;
-    double spring = 0, damping = 0;  // given by the first kick: they are given again
-    bool implicit_damping = false;   // stiff dampers act on θ̇(q₁) instead
-    double soft_limit = 0;           // of a limit with compliance, given by the first kick
+    double inertia = 0;
+    double spring = 0, damping = 0;         // given by the first kick: they are given again
+    bool implicit_damping = false;          // stiff dampers act on θ̇(q₁) instead
+    double linear_damping = 0;              // slope of all dampers without a table
+    double tangent_at = 0;                  // rate at which tables are linear in this stage
+    double root_above = 0, root_below = 0;  // known of the rate that they lead to
+    double soft_limit = 0;                  // of a limit with compliance, given by the first kick
     double limit_level = 0, limit_slope = 0;
     double load = 0;         // impulse of the joint's force in this stage
     double load_change = 0;  // by the last solve, 0: not yet known
@@ -134,6 +149,22 @@ class AxisForces {
     bool spent = false;  // no more in this step
   };
 
+  /// Impulse of a kick over its rate, near a rate.
+  struct Tangent {
+    double level = 0, slope = 0;
+    double at(double w) const { return level - slope * w; }
+  };
+  static Tangent tangent(double value, double slope, double w) {
+    const double descent = std::max(0.0, slope);
+    return {-value + descent * w, descent};
+  }
+  Tangent spring_tangent(const Axis& axis, const AxisSpring& spring, double w) const;
+  Tangent damper_tangent(const Axis& axis, const AxisSpring& spring, double w) const;
+  static bool has_table(const AxisProperties& p) {
+    return p.spring && (p.spring->table || p.spring->damping_table);
+  }
+  void begin_tangents(Axis& axis, double w) const;
+  void set_damping(Axis& axis, const AxisProperties& p) const;
   void add_springs(Axis& axis, const AxisProperties& p, double weight, double theta) const;
   void set_impacts(Axis& axis, const AxisLimits& limits, double theta) const;
   void set_limits(Axis& axis, const AxisLimits& limits, const Impact& impact) const;
@@ -144,20 +175,22 @@ class AxisForces {
   RowLaw law_of(Axis& axis, const AxisProperties& properties) const;
   void add(AxisReport& report, int axis, double lambda, double w, double rate) const;
   const AxisProperties& properties(std::size_t i) const {
-    return rows_[i].axis.axis < 0 ? softened_[i] : world_.axis_properties(rows_[i].axis);
+    return rows_[i].axis.axis < 0 ? own_[i] : world_.axis_properties(rows_[i].axis);
   }
   bool is_rigid_limit(std::size_t i) const {
     return !released_[i] && properties(i).limits && properties(i).limits->compliance == 0;
   }
   void soften_limit(Axis& axis, const AxisLimits& limits, double mean_rate) const;
   void read_properties();
+  void read_own(std::size_t i);
   void require_finite_target(Axis& axis);
 
   const World& world_;
-  std::vector<AxisProperties> softened_;  // springs of softened rows, by row; empty if there are none
+  std::vector<AxisProperties> own_;  // springs of rows that are no axes, by row; empty if there are none
   std::vector<char> released_, angular_, growing_;
   int axis_version_ = -1;
   bool has_limits_ = false, has_loads_ = false;  // rigid limits, friction that grows with the load
+  bool has_tables_ = false;
   std::vector<Rows::AxisRow> rows_;
   std::vector<Axis> axes_, before_;
   std::map<AxisId, Axis> resting_;  // of bodies that sleep
@@ -167,6 +200,8 @@ class AxisForces {
   std::vector<AxisReport> reports_, reports_before_, first_kick_;
   double slack_ = 0;
   double h_ = 0, end_time_ = 0;
+  double weight_ = 0;  // ϑ of a step of Moreau–Jean; 0 in RATTLE
+  bool second_kick_ = false;
   bool finite_ = true;
 };
 

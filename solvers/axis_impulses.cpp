@@ -7,6 +7,7 @@
 namespace taut {
 
 void AxisForces::impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws) {
+  weight_ = weight;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
@@ -45,12 +46,12 @@ void AxisForces::add_springs(Axis& axis, const AxisProperties& p, double weight,
   const double ahead = axis.theta0 + weight * (1 - weight) * h_ * axis.rate0, reach = weight * h_;
   axis.spring_level = axis.spring_slope = axis.limit_level = axis.limit_slope = 0;
   double damping = p.friction ? p.friction->viscous : 0;
+  Tangent damper;
   if (p.spring) {
-    const AxisSpring& s = *p.spring;
-    const double stretch = ahead - s.rest;
-    axis.spring_level = -h_ * (s.table ? s.table->extended(stretch) : s.stiffness * stretch);
-    axis.spring_slope = reach * reach * std::max(0.0, s.table ? s.table->slope(stretch) : s.stiffness);
-    damping += s.damping;
+    const Tangent spring = spring_tangent(axis, *p.spring, axis.tangent_at);
+    axis.spring_level = spring.level, axis.spring_slope = spring.slope;
+    damping += p.spring->damping;
+    if (p.spring->damping_table) damper = damper_tangent(axis, *p.spring, axis.tangent_at);
   }
   if (p.limits && p.limits->compliance > 0 && (theta < p.limits->lower || theta > p.limits->upper)) {
     const double at = theta < p.limits->lower ? p.limits->lower : p.limits->upper;
@@ -59,8 +60,8 @@ void AxisForces::add_springs(Axis& axis, const AxisProperties& p, double weight,
     damping += p.limits->damping;
   }
   axis.soft_limit = axis.limit_level;
-  axis.damping_level = -h_ * (1 - weight) * damping * axis.rate0;
-  axis.damping_slope = reach * damping;
+  axis.damping_level = -h_ * (1 - weight) * damping * axis.rate0 + damper.level;
+  axis.damping_slope = reach * damping + damper.slope;
 }
 
 /// Newton's law of impact for a limit that is passed at `theta`.

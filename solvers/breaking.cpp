@@ -103,7 +103,7 @@ void Breaking::release(const State& state) {
   const auto leave = [&](BreakEvent event) {
     const Rows::JointRows& rows = all_rows_.joints()[event.joint.index];
     event.time = state.time;
-    event.energy = world_.potential_energy_of(event.joint, state);
+    event.energy = world_.spring_energy_of(event.joint, state);
     for (int i = 0; i < rows.row_count; ++i) rows_.push_back(rows.first_row + i);
     events_.push_back(event);
   };

@@ -45,10 +45,11 @@ std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& or
 }
 
 ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance,
-                                   Rows::AxisRows axis_rows)
+                                   Rows::AxisRows axis_rows, Springs springs)
     : choice_(choice),
       axis_rows_(axis_rows),
-      rows_(world, axis_rows, {}, Rows::Joints::kMoving),
+      springs_(springs),
+      rows_(world, axis_rows, {}, Rows::Joints::kMoving, springs),
       mass_(world),
       tolerance_(tolerance) {
   for (const Rows::AxisRow& row : rows_.axis_rows())
@@ -61,6 +62,7 @@ ConstraintSystem::ConstraintSystem(const ConstraintSystem& whole, const SystemPa
                                    std::vector<int>& new_body)
     : choice_(whole.choice_),
       axis_rows_(whole.axis_rows_),
+      springs_(whole.springs_),
       rows_(rows_of(whole.rows_, part, new_body)),
       mass_(whole.mass_, part.bodies),
       tolerance_(whole.tolerance_) {
@@ -72,7 +74,7 @@ ConstraintSystem::ConstraintSystem(const ConstraintSystem& whole, const SystemPa
 }
 
 void ConstraintSystem::set_contact_places(const World& world, std::span<const Rows::ContactPlace> places) {
-  rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving);
+  rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving, springs_);
   states_.clear();
   factored_states_.clear();
   ++factor_version_, ++body_factor_version_;

@@ -61,7 +61,7 @@ struct SystemPart {
 class ConstraintSystem {
  public:
   ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance,
-                   Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded);
+                   Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded, Springs springs = Springs::kLeftOut);
   /// A part of a system by itself, to be solved through its bodies with values from there.  `new_body`:
   /// scratch.
   ConstraintSystem(const ConstraintSystem& whole, const SystemPart& part, std::vector<int>& new_body);
@@ -200,6 +200,7 @@ class ConstraintSystem {
 
   FactorChoice choice_;
   Rows::AxisRows axis_rows_;
+  Springs springs_;
   Rows rows_;
   MassMatrix mass_;
   RankTolerance tolerance_;

@@ -5,10 +5,11 @@
 namespace taut {
 
 EnergyBooks::Energies EnergyBooks::measure(const World& world, const State& state, double kinetic) {
-  Energies energies{kinetic, world.potential_energy(state), 0};
-  if (world.has_dissipative_forces()) {
+  Energies energies{kinetic, 0, world.spring_energy(state), 0};
+  energies.potential = world.potential_energy(state) - energies.springs;
+  if (world.has_dissipative_forces(springs_)) {
     scratch_.assign(world.body_count(), Wrench{});
-    energies.dissipative = world.add_dissipative_forces(state, scratch_);
+    energies.dissipative = world.add_dissipative_forces(state, scratch_, springs_);
   }
   return energies;
 }
@@ -16,6 +17,7 @@ EnergyBooks::Energies EnergyBooks::measure(const World& world, const State& stat
 void EnergyBooks::begin(const World& world, const World& seen, StepReport& report) {
   start_ = end_versions_ == versions(world) ? end_
                                             : measure(seen, seen.state(), kinetic_energy(seen, seen.state()));
+  first_ = start_;
   report.ledger.start = start_.total();
   stabilisation_ = 0;
 }
@@ -30,7 +32,11 @@ void EnergyBooks::close(const World& world, StepReport& report, bool by_works) {
   end_ = measure(world, world.state(), report.kinetic_energy);
   end_versions_ = versions(world);
   report.potential_energy = end_.potential;
+  report.spring_energy = end_.springs;
   EnergyLedger& ledger = report.ledger;
+  ledger.kinetic = end_.kinetic - first_.kinetic;
+  ledger.potential = end_.potential - first_.potential;
+  ledger.springs = end_.springs - first_.springs;
   if (!by_works) {  // an integrator that knows no works
     ledger.integration = end_.total() - ledger.start;
     return;
@@ -52,7 +58,7 @@ void EnergyBooks::close(const World& world, StepReport& report, bool by_works) {
   // … to what the free flow has left there.
   ledger.integration += (report.constraint_work - report.driver_work) + axes.spring + axes.elastic_limit +
                         (report.force_work - report.dissipative_work) +
-                        (end_.potential + lost - start_.potential) - dissipative;
+                        (end_.stored() + lost - start_.stored()) - dissipative;
 }
 
 }  // namespace taut

@@ -12,6 +12,8 @@ namespace taut {
 /// "Energy")
 class EnergyBooks {
  public:
+  /// Springs between bodies that have rows are no force laws in the works.
+  explicit EnergyBooks(Springs springs) : springs_(springs) {}
   /// Before a step, with the state as the user left it.  `seen` is the world that has it: `world` itself, or
   /// the one whose bodies it has merged.
   void begin(const World& world, const World& seen, StepReport& report);
@@ -24,8 +26,10 @@ class EnergyBooks {
  private:
   struct Energies {
     double kinetic = 0, potential = 0;
-    double dissipative = 0;  ///< of the potential, that of laws that are not conservative
-    double total() const { return kinetic + potential; }
+    double springs = 0;      ///< not in the potential
+    double dissipative = 0;  ///< that of laws that are not conservative
+    double stored() const { return potential + springs; }
+    double total() const { return kinetic + stored(); }
   };
   struct Versions {
     int topology = -1, state = -1, axes = -1;
@@ -36,7 +40,8 @@ class EnergyBooks {
     return {world.topology_version(), world.state_version(), world.axis_version()};
   }
 
-  Energies start_, end_;
+  Springs springs_;
+  Energies start_, end_, first_;
   Versions end_versions_;
   double stabilisation_ = 0;
   std::vector<Wrench> scratch_;

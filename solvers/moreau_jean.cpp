@@ -130,7 +130,7 @@ void MoreauJean::weigh(double h) {
 Rattle::Outcome MoreauJean::find_impulses(double h, StepReport& report) {
   double last_change = std::numeric_limits<double>::infinity();
   weigh(h);
-  world_.forces(weighted_, forces_);
+  world_.forces(weighted_, forces_, springs_);
   for (int pass = 0;; ++pass) {
     for (int b = 0; b < world_.body_count(); ++b)
       if (system_.inverse_mass(b).moves()) momenta_[b] = start_momenta_[b] + h * forces_[b];
@@ -139,7 +139,7 @@ Rattle::Outcome MoreauJean::find_impulses(double h, StepReport& report) {
     const Stopwatch watch(report.times.forces);
     weigh(h);
     std::swap(forces_, last_forces_);
-    world_.forces(weighted_, forces_);
+    world_.forces(weighted_, forces_, springs_);
     const Fixed fixed = fixed_point(pass, last_change);
     if (fixed == Fixed::kYes) std::swap(forces_, last_forces_);  // those that p₁ has
     if (fixed != Fixed::kNotYet) return fixed == Fixed::kYes ? Outcome::kDone : Outcome::kStalled;

@@ -41,6 +41,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
     : world_(world),
       system_(system),
       settings_(settings),
+      springs_(system.rows().spring_count() > 0 ? Springs::kLeftOut : Springs::kIncluded),
       breaking_(world, system.rows()),
       has_drivers_(system.rows().depends_on_time()),
       has_split_flow_(any_split()),
@@ -86,12 +87,13 @@ void Rattle::start(const State& state, StepReport& report) {
   if (iterative()) return start_iterative();
   const Stopwatch watch(report.times.velocities);
   project_momenta(report, mu_);
-  world_.forces(state_, forces_);
+  find_forces();
 
   // Multipliers of the acceleration equation S λ = −(γ + J M⁻¹ (f − ω × Iω)): the first prediction.
   system_.rows().bias(state_, state_.twists, force_multipliers_);
   accelerations_.resize(world_.body_count());
-  free_accelerations(system_.mass(), state_, forces_, accelerations_);
+  world_.forces(state_, last_forces_);
+  free_accelerations(system_.mass(), state_, last_forces_, accelerations_);
   system_.rows().apply(system_.jacobian(), accelerations_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = -(force_multipliers_[r] + delta_[r]);
   clear_loose_rows(force_multipliers_);
@@ -241,7 +243,7 @@ void Rattle::roll_back(StepReport& report) {
   contacts_.give_points(system_);
   linearize_and_factorize(report);
   twists_from_momenta();
-  world_.forces(state_, forces_);
+  find_forces();
   implicit_ = false;
 }
 
@@ -358,12 +360,12 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   {
     const Stopwatch watch(report.times.forces);
     // Velocity-dependent laws see the velocities at the middle of the step first.
-    if (world_.forces_depend_on_velocity()) {
+    if (world_.forces_depend_on_velocity(springs_)) {
       std::swap(momenta_, kicked_);
       twists_from_momenta();
       std::swap(momenta_, kicked_);
     }
-    world_.forces(state_, forces_);
+    find_forces();
   }
   const Stopwatch watch(report.times.velocities);
   double last_change = std::numeric_limits<double>::infinity();
@@ -374,10 +376,10 @@ bool Rattle::close_velocities(double h, StepReport& report) {
       project_momenta(report, mu_);
     else if (!(iterative() ? stabilize_velocities(report) : project_bounded_momenta(report)))
       return false;
-    if (!world_.forces_depend_on_velocity()) return true;
+    if (!world_.forces_depend_on_velocity(springs_)) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.
     std::swap(forces_, last_forces_);
-    world_.forces(state_, forces_);
+    find_forces();
     const Fixed fixed = fixed_point(pass, last_change);
     if (fixed != Fixed::kNotYet) return fixed == Fixed::kYes;
   }

@@ -189,6 +189,7 @@ class Rattle {
     return !contacts_.empty() || natural_residual(lambda, w_) <= kNaturalTolerance;
   }
   using Renew = void (Rattle::*)();  // of the laws of a stage
+  bool laws_move(std::span<const double> lambda, double rate_tolerance);
   bool solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
   StageProblem stage(std::span<double> lambda) { return {laws_, delta_, inertia_, lambda, w_}; }
   double resting_tolerance(double rate_tolerance, bool rested) const;
@@ -239,6 +240,10 @@ class Rattle {
   const World& world_;
   ConstraintSystem& system_;
   const Settings& settings_;
+
+  /// The force laws at state_, but for springs that have rows.
+  void find_forces() { world_.forces(state_, forces_, springs_); }
+  Springs springs_;  // among the laws
 
   State state_;                        // at the start of a step; twists are those of momenta_
   std::vector<Wrench> momenta_;        // (L, P) at the start; zero for fixed bodies

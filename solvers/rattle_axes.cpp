@@ -220,6 +220,13 @@ void Rattle::note_jam(std::span<const double> lambda) {
       jammed_.push_back(r);
 }
 
+/// What laws depend on beside the rates has changed with this solution: friction lets go, its load or the
+/// tangents of tables are others.
+bool Rattle::laws_move(std::span<const double> lambda, double rate_tolerance) {
+  const bool broke = axes_.break_away(w_, rate_tolerance), bent = axes_.bend(w_, rate_tolerance);
+  return axes_.update_loads(system_.rows(), system_.jacobian(), lambda) || broke || bent;
+}
+
 /// Solves w = S λ + b for the laws, with b such that the present λ gives the present rates; again where
 /// static friction lets go, and until the friction of contacts agrees with their slip and normal impulse.
 bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report) {
@@ -250,10 +257,9 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
       std::copy(guess_.begin(), guess_.end(), lambda.begin());
       return solve_through_bodies(lambda, rate_tolerance, resting, renew, report);
     }
-    const bool broke = axes_.break_away(w_, rate_tolerance);
-    const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
+    const bool moved = laws_move(lambda, rate_tolerance);
     const bool slid = contacts_.adapt(lambda, w_, rate_tolerance);
-    const bool met = outcome_.ok() && !broke && !loaded && !slid;
+    const bool met = outcome_.ok() && !moved && !slid;
     if (met && !exact(lambda)) {  // the tolerance of rates has let it pass
       if (settings.rate_tolerance == 0)
         return solve_through_bodies(lambda, rate_tolerance, resting, renew, report);
@@ -263,15 +269,13 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
     if (met && !contacts_.slips_where_it_held()) break;
     if (met && hold_on(lambda, rate_tolerance, report)) {
       take_pieces(lambda);
-      if (!axes_.break_away(w_, rate_tolerance) &&
-          !axes_.update_loads(system_.rows(), system_.jacobian(), lambda))
-        return true;
+      if (!laws_move(lambda, rate_tolerance)) return true;
     } else if (met && !contacts_.weakened()) {
       break;
     }
     if (contacts_.empty()) {
       if (solve == kMaxSolves) {
-        if (loaded) note_jam(lambda);
+        note_jam(lambda);
         return false;
       }
     } else {

@@ -68,8 +68,7 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
 
 /// Impulses that are off their laws by no more than `off` are taken, unless some friction lets go at them.
 bool Rattle::meets_laws(std::span<double> lambda, double off, double rate_tolerance, StepReport& report) {
-  laws_moved_ = axes_.break_away(w_, rate_tolerance);
-  laws_moved_ = axes_.update_loads(system_.rows(), system_.jacobian(), lambda) || laws_moved_;
+  laws_moved_ = laws_move(lambda, rate_tolerance);
   if (laws_moved_) return false;
   contacts_.take_over(lambda, w_, rate_tolerance);
   if (!(contacts_.residual() <= kHeld) || contacts_.slips_where_it_held() || !exact(lambda)) return false;
@@ -130,10 +129,8 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
                                           : solve_islands(lambda, limits, resting, report);
     take_pieces(lambda);
     if (!solved) break;
-    const bool broke = axes_.break_away(w_, rate_tolerance);
-    const bool loaded = axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
-    if (!broke && !loaded) return true;
-    if (loaded && solve == kMaxSolves - 1) note_jam(lambda);
+    if (!laws_move(lambda, rate_tolerance)) return true;
+    if (solve == kMaxSolves - 1) note_jam(lambda);
     (this->*renew)();
   }
   outcome_.status = ActiveSetStatus::kNotConverged;

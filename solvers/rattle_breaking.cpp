@@ -72,9 +72,9 @@ void Rattle::account(std::span<const Wrench> from, std::span<const Wrench> to,
   });
   report.constraint_work += of_joints;
   report.force_work += of_forces;
-  if (world_.has_dissipative_forces()) {
+  if (world_.has_dissipative_forces(springs_)) {
     dissipative_.assign(world_.body_count(), Wrench{});
-    world_.add_dissipative_forces(state_, dissipative_);
+    world_.add_dissipative_forces(state_, dissipative_, springs_);
     with_mean_twists(from, to, [&](int b, const Twist& V) {
       report.dissipative_work += 0.5 * h * dot(dissipative_[b], V);
     });

@@ -78,7 +78,7 @@ void Rattle::take(const Guess& guess) {
 
 bool Rattle::renew_forces() {
   last_forces_ = forces_;
-  world_.forces(state_, forces_);
+  find_forces();
   double change = 0, size = 0;
   for (int b = 0; b < world_.body_count(); ++b) {
     if (!system_.inverse_mass(b).moves()) continue;

@@ -17,7 +17,7 @@ constexpr int kSweepsPerPass = 10;
 }  // namespace
 
 void Rattle::start_iterative() {
-  world_.forces(state_, forces_);
+  find_forces();
   twists_from_momenta();
   std::fill(mu_.begin(), mu_.end(), 0.0);
   std::fill(force_multipliers_.begin(), force_multipliers_.end(), 0.0);
@@ -67,8 +67,7 @@ bool Rattle::iterate(std::span<double> lambda, int sweeps, double rate_tolerance
       contact_solver_.iteration().solve(contacts_, laws_, delta_, lambda, w_, limits, absorbed_);
   report.sweeps += outcome.sweeps;
   if (!std::isfinite(outcome.residual)) return false;
-  (void)axes_.break_away(w_, 0);
-  (void)axes_.update_loads(system_.rows(), system_.jacobian(), lambda);
+  (void)laws_move(lambda, 0);
   contacts_.take_over(lambda, w_, rate_tolerance);
   return true;
 }

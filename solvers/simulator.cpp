@@ -64,7 +64,8 @@ void Simulator::Impl::refresh() {
   // What it knows after a step that failed may be anything.
   const bool knows = rattle_ && has_started() && (state_version_ >= 0 || retaken_);
   if (is_new) {
-    auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor);
+    auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
+                                                     Rows::AxisRows::kIncluded, springs_);
     check_abilities(*system);
     // What held before holds on, but where bodies were moved.
     if (knows) {

@@ -44,6 +44,7 @@ class Simulator::Impl {
   void assemble();
   Contradiction contradiction(double horizon);
   void refresh();
+  void add_spring_forces();
   Reaction reaction_from(JointId joint, std::span<const double> multipliers, double scale) const;
   void compute_reactions();
 
@@ -99,7 +100,14 @@ class Simulator::Impl {
   std::vector<double> reaction_multipliers_, phi_, rates_;
   mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
   mutable int wrench_jacobian_version_ = -1;
-  EnergyBooks books_;
+  /// Only RATTLE of order 2 and Moreau–Jean take springs between bodies implicitly, as rows.
+  Springs springs_ =  // among the rows
+      settings_.integrator == Integrator::kRattle || settings_.integrator == Integrator::kMoreauJean
+          ? Springs::kIncluded
+          : Springs::kLeftOut;
+  /// … and then they are no force laws.
+  Springs laws_springs_ = springs_ == Springs::kIncluded ? Springs::kLeftOut : Springs::kIncluded;
+  EnergyBooks books_{laws_springs_};
   std::unique_ptr<WeldLoads> weld_loads_;  // null if nothing is merged
   bool moved_ = false;                     // the source, since the last step
   std::optional<Sleep> sleep_;

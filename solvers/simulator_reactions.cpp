@@ -14,7 +14,7 @@ void Simulator::Impl::compute_reactions() {
   refresh();
   give_back();
   if (reaction_version_ == world_.state_version()) return;
-  if (rattle_ && (!rattle_->axes().empty() || !rattle_->contacts().empty())) {
+  if (rattle_ && (!rattle_->axes().only_springs() || !rattle_->contacts().empty())) {
     const std::span<const double> multipliers = rattle_->force_multipliers();
     reaction_multipliers_.assign(multipliers.begin(), multipliers.end());
     reaction_version_ = world_.state_version();
@@ -31,6 +31,7 @@ void Simulator::Impl::compute_reactions() {
   world_.forces(state, forces);
   free_accelerations(system.mass(), state, forces, accelerations);
   std::vector<double> rates(system.row_count());
+  reaction_multipliers_.resize(system.row_count());
   system.rows().bias(state, state.twists, reaction_multipliers_);
   system.rows().apply(system.jacobian(), accelerations, rates);
   for (int r = 0; r < system.row_count(); ++r)
@@ -44,7 +45,20 @@ void Simulator::Impl::compute_reactions() {
     system.solve(correction);
     for (std::size_t r = 0; r < rhs.size(); ++r) reaction_multipliers_[r] += correction[r];
   }
+  add_spring_forces();
   reaction_version_ = world_.state_version();
+}
+
+/// Springs that have rows, behind those of the joints, give what their laws say.
+void Simulator::Impl::add_spring_forces() {
+  reaction_multipliers_.resize(system_->row_count(), 0.0);
+  if (!rattle_ || rattle_->axes().empty()) return;
+  const Rows& rows = system_->rows();
+  std::vector<double> theta(rows.row_count()), rates(rows.row_count()), jacobian(rows.jacobian_size());
+  rows.residual(world_.state(), theta);
+  rows.jacobian(world_.state(), jacobian);
+  rows.apply(jacobian, world_.state().twists, rates);
+  rattle_->axes().spring_forces(theta, rates, reaction_multipliers_);
 }
 
 Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> multipliers,
@@ -82,7 +96,7 @@ Reaction Simulator::Impl::mean_reaction(JointId joint) {
     if (joint.index >= std::ssize(mean_reactions_)) return {};  // it has become one since
     return mean_reactions_[joint.index];
   }
-  if (joint.index >= std::ssize(system_->rows().joints())) return {};  // it is new
+  if (joint.index >= system_->rows().joint_count()) return {};  // it is new
   const std::span<const double> impulses =
       force_level_ ? std::span<const double>(force_level_->impulses()) : rattle_->impulses();
   return reaction_from(joint, impulses, 1 / report_.dt);
@@ -178,7 +192,7 @@ void Simulator::Impl::solve_present_welds() {
   std::vector<Twist> accelerations(world_.body_count());
   rows.jacobian(state, jacobian);
   rows.apply_transpose(jacobian, reaction_multipliers_, of_joints);
-  world_.forces(state, forces);
+  world_.forces(state, forces, laws_springs_);
   for (int b = 0; b < world_.body_count(); ++b) forces[b] = forces[b] + of_joints[b];
   free_accelerations(system_->mass(), state, forces, accelerations);
   weld_loads_->solve_present(

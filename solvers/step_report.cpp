@@ -30,9 +30,10 @@ StageTimes& StageTimes::operator+=(const StageTimes& other) {
 
 EnergyLedger& EnergyLedger::operator+=(const EnergyLedger& next) {
   for (auto term :
-       {&EnergyLedger::motors, &EnergyLedger::drivers, &EnergyLedger::friction, &EnergyLedger::limits,
-        &EnergyLedger::contacts, &EnergyLedger::damping, &EnergyLedger::forces, &EnergyLedger::breaking,
-        &EnergyLedger::stabilisation, &EnergyLedger::stiffness, &EnergyLedger::integration})
+       {&EnergyLedger::kinetic, &EnergyLedger::potential, &EnergyLedger::springs, &EnergyLedger::motors,
+        &EnergyLedger::drivers, &EnergyLedger::friction, &EnergyLedger::limits, &EnergyLedger::contacts,
+        &EnergyLedger::damping, &EnergyLedger::forces, &EnergyLedger::breaking, &EnergyLedger::stabilisation,
+        &EnergyLedger::stiffness, &EnergyLedger::integration})
     this->*term += next.*term;
   return *this;
 }

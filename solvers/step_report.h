@@ -85,14 +85,17 @@ struct BreakEvent {
   JointId with{};  ///< the joint that broke whose axes it coupled; index −1 if it broke itself
 };
 
-/// Where the energy of a step went.  With E the kinetic and potential energy, that of springs and soft joints
-/// included [J]:
+/// Where the energy of a step went [J], E = kinetic + potential + springs:
 ///   E_end − E_start = motors + drivers + friction + limits + damping + forces + breaking + stabilisation
-///                     + stiffness + integration,
+///                     + stiffness + integration = changes of the kinetic, the potential and the springs'
+///                     energy,
 /// which closes to round-off, since every term is the work of impulses against the mean of the rates before
 /// and after them.
 struct EnergyLedger {
   double start = 0;          ///< E before the step
+  double kinetic = 0;        ///< change of the kinetic energy
+  double potential = 0;      ///< … of that of gravity and other force laws
+  double springs = 0;        ///< … of what springs, soft limits and soft joints store
   double motors = 0;         ///< work of motors of axes
   double drivers = 0;        ///< … of joints that follow the time
   double friction = 0;       ///< … of Coulomb friction in axes and contacts, rolling and spinning friction
@@ -107,6 +110,8 @@ struct EnergyLedger {
   double integration = 0;
   /// Adds all but the start.
   EnergyLedger& operator+=(const EnergyLedger& next);
+  /// By what is stored, the same but for round-off.
+  double change() const { return kinetic + potential + springs; }
   double total() const {
     return motors + drivers + friction + limits + contacts + damping + forces + breaking + stabilisation +
            stiffness + integration;
@@ -145,7 +150,8 @@ struct StepReport {
   StageTimes times;
 
   // With Settings::report_energy:
-  double kinetic_energy = 0, potential_energy = 0;  ///< [J]
+  double kinetic_energy = 0, potential_energy = 0;  ///< the latter without that of springs [J]
+  double spring_energy = 0;                         ///< in springs, soft limits and soft joints [J]
   Vec3 linear_momentum = Vec3::Zero();              ///< [N·s]
   Vec3 angular_momentum = Vec3::Zero();             ///< about the world origin [N·m·s]
   double constraint_work = 0;                       ///< of all ideal joints' impulses in this step [J]
@@ -166,7 +172,7 @@ struct StepReport {
   bool ok() const { return status == Status::kSuccess; }
   /// The world has moved on: after success, or inexactly.
   bool advanced() const { return ok() || status == Status::kInexact; }
-  double energy() const { return kinetic_energy + potential_energy; }
+  double energy() const { return kinetic_energy + potential_energy + spring_energy; }
 };
 
 }  // namespace taut

@@ -23,13 +23,18 @@ Wrench wrench_of(const Vector6& v) { return {v.head<3>(), v.tail<3>()}; }
 }  // namespace
 
 WeldLoads::WeldLoads(const World& source, const MergedWorld& merged)
-    : merged_(merged), rows_(source), is_weld_(source.joint_count(), 0), loads_(source.joint_count()) {
+    : merged_(merged),
+      rows_(source, Rows::AxisRows::kIncluded, {}, Rows::Joints::kAll, Springs::kIncluded),
+      is_weld_(source.joint_count(), 0),
+      loads_(source.joint_count()) {
   for (const MergedGroup& group : merged.groups())
     for (const auto* welds : {&group.welds, &group.loops})
       for (JointId weld : *welds)
         if (weld.index >= 0) is_weld_[weld.index] = 1;
   for (int j = 0; j < source.joint_count(); ++j)
     ends_.push_back({source.joint(JointId{j}).a(), source.joint(JointId{j}).b()});
+  for (ForceId id : source.springs())
+    spring_is_within_.push_back(merged.is_within_carrier(*source.force(id).spring()));
   for (int s = 0; s < source.shape_count(); ++s) owner_of_shape_.push_back(source.shape(ShapeId{s}).body);
 }
 
@@ -44,19 +49,26 @@ void WeldLoads::start() {
 
 /// Wrenches of the joints that are not merged away, each on the body of the source that it acts on.
 void WeldLoads::take_joints(const Impulses& joints) {
-  for (std::size_t j = 0; j < ends_.size(); ++j) {
-    const Rows::JointRows& own = rows_.joints()[j];
-    const Rows::JointRows& there = joints.rows.joints()[j];
-    if (there.row_count == 0) continue;
-    for (int s = own.first_side; s < own.first_side + own.side_count; ++s) {
-      const Rows::Side& side = rows_.sides()[s];
-      if (!merged_.is_carried(BodyId{side.body})) continue;
-      Vector6 sum = Vector6::Zero();
-      for (int i = 0; i < own.row_count; ++i)
-        sum += joints.scale * joints.multipliers[there.first_row + i] *
-               Eigen::Map<const Vector6>(jacobian_.data() + side.offset + 6 * i);
-      required_[side.body] = required_[side.body] - wrench_of(sum);
-    }
+  for (std::size_t j = 0; j < ends_.size(); ++j)
+    take_rows(rows_.joints()[j], joints.rows.joints()[j], joints);
+  // Springs between bodies in the order of both worlds; those within a carrier are among the laws.
+  for (int there = 0, s = 0; there < joints.rows.spring_count(); ++s)
+    if (!spring_is_within_[s])
+      take_rows(rows_.joints()[rows_.spring_joint(s)],
+                joints.rows.joints()[joints.rows.spring_joint(there++)], joints);
+}
+
+/// Rows of the source with the multipliers that they have in the merged world.
+void WeldLoads::take_rows(const Rows::JointRows& own, const Rows::JointRows& there, const Impulses& joints) {
+  if (there.row_count == 0) return;
+  for (int s = own.first_side; s < own.first_side + own.side_count; ++s) {
+    const Rows::Side& side = rows_.sides()[s];
+    if (!merged_.is_carried(BodyId{side.body})) continue;
+    Vector6 sum = Vector6::Zero();
+    for (int i = 0; i < own.row_count; ++i)
+      sum += joints.scale * joints.multipliers[there.first_row + i] *
+             Eigen::Map<const Vector6>(jacobian_.data() + side.offset + 6 * i);
+    required_[side.body] = required_[side.body] - wrench_of(sum);
   }
 }
 
@@ -86,7 +98,7 @@ void WeldLoads::take_contact_rows(const Impulses& joints, std::span<const Contac
 void WeldLoads::solve_present(std::span<const Twist> accelerations, const Impulses& joints,
                               std::span<const ContactSet::Place> contacts) {
   start();
-  merged_.source_forces(state_, laws_);
+  merged_.source_forces(state_, laws_, laws_of(joints));
   take_joints(joints);
   take_contact_rows(joints, contacts);
   for (const MergedGroup& group : merged_.groups()) {
@@ -126,7 +138,7 @@ void WeldLoads::solve_mean(const State& from, double dt, const Impulses& joints,
     put(report.contact.b, report.contact.B, report.contact.p_BQ, 1);
   }
   for (const State* state : {&from, static_cast<const State*>(&state_)}) {
-    merged_.source_forces(*state, laws_);
+    merged_.source_forces(*state, laws_, laws_of(joints));
     for (std::size_t b = 0; b < laws_.size(); ++b) required_[b] = required_[b] - 0.5 * laws_[b];
   }
   for (const MergedGroup& group : merged_.groups()) {

@@ -49,6 +49,10 @@ class WeldLoads {
 
  private:
   void start();
+  void take_rows(const Rows::JointRows& own, const Rows::JointRows& there, const Impulses& joints);
+  static Springs laws_of(const Impulses& joints) {
+    return joints.rows.spring_count() > 0 ? Springs::kLeftOut : Springs::kIncluded;
+  }
   void take_joints(const Impulses& joints);
   void take_contact_rows(const Impulses& joints, std::span<const ContactSet::Place> contacts);
   void balance(const MergedGroup& group);
@@ -62,6 +66,7 @@ class WeldLoads {
   Rows rows_;
   std::vector<BodyId> owner_of_shape_;
   std::vector<char> is_weld_;
+  std::vector<char> spring_is_within_;  // one carrier, by World::springs()
   std::vector<JointId> welds_;
   struct Ends {
     BodyId a, b;

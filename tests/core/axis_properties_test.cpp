@@ -111,6 +111,12 @@ TEST(AxisProperties, RefuseWrongValuesAndChangeNothing) {
   refuses(AxisSpring{.rest = kNan}, {"spring rest of elbow angle", "nan"});
   refuses(AxisSpring{.stiffness = 2.5, .table = Curve({{0, 0}, {1, 1}})},
           {"spring stiffness of elbow angle", "beside a table", "2.5"});
+  refuses(AxisSpring{.damping = 1.5, .damping_table = Curve({{0, 0}, {1, 1}})},
+          {"spring damping of elbow angle", "beside a damping table", "1.5"});
+  refuses(AxisSpring{.damping_table = Curve({{0, 0.5}, {1, 1}})},
+          {"damping table of elbow angle", "no force at rest", "0.5"});
+  refuses(AxisSpring{.damping_table = Curve({{-1, -2}, {0, 0}, {1, 3}, {2, 2.5}})},
+          {"damping table of elbow angle", "must not fall", "2.5"});
 }
 
 TEST(HingeReferences, MustBeUnitVectorsAcrossTheAxis) {
@@ -145,6 +151,22 @@ TEST(Curves, RefuseWrongPoints) {
   expect_invalid([] { Curve({{0, 1}, {1, 2}, {0.5, 2}}); }, {"curve point 3", "0.5"});
   expect_invalid([] { Curve({{0, kNan}}); }, {"curve point 1", "nan"});
   expect_invalid([] { Curve({{kUnlimited, 1}}); }, {"curve point 1", "inf"});
+}
+
+TEST(Curves, MeanIsThatOfTheIntegral) {
+  const Curve curve({{-1, -4}, {0.5, 1}, {1, 5}});
+  // Against sums of 1e5 midpoints, and differences of the mean.
+  for (const auto& [from, to] : {std::pair(-2.0, 3.0), {3.0, -2.0}, {0.0, 0.3}, {0.9, 0.4}, {1.5, 2.0}}) {
+    double sum = 0;
+    const int n = 100000;
+    for (int i = 0; i < n; ++i) sum += curve.extended(from + (i + 0.5) / n * (to - from)) / n;
+    EXPECT_NEAR(curve.mean(from, to).value, sum, 1e-8) << from << ' ' << to;
+    EXPECT_NEAR(curve.integral(from, to), sum * (to - from), 1e-7) << from << ' ' << to;
+    const double h = 1e-5, ahead = curve.mean(from, to + h).value, back = curve.mean(from, to - h).value;
+    EXPECT_NEAR(curve.mean(from, to).slope, (ahead - back) / (2 * h), 1e-7) << from << ' ' << to;
+  }
+  EXPECT_EQ(curve.mean(0.25, 0.25).value, curve.extended(0.25));
+  EXPECT_EQ(Curve({{3, 7}}).mean(0, 1).value, 7);
 }
 
 TEST(Springs, EnergyIsTheIntegralOfTheForce) {

@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "core/world.h"
+#include "tests/core/expect_invalid.h"
 #include "tests/core/random_state.h"
 
 namespace taut {
 namespace {
 
 using testing::moved;
+using testing::expect_invalid;
 using testing::Random;
 
 std::vector<Wrench> wrenches_of(const World& world, const State& state) {
@@ -111,6 +113,29 @@ TEST(Forces, SpringDamperObeysTheThirdLawAndDissipates) {
         on_a.torque.dot(V_A.w) + on_a.force.dot(V_A.v) + on_b.torque.dot(V_B.w) + on_b.force.dot(V_B.v);
     EXPECT_NEAR(power, -2.5 * rate * rate, 1e-13 * std::max(1.0, std::abs(power)));
   }
+}
+
+TEST(Forces, ASpringByTablesPullsAsTheySay) {
+  World world;
+  const BodyId body = world.add_body({.pose = {.p = {3, 0, 0}}, .twist = {Vec3::Zero(), Vec3(0.5, 2, 0)}});
+  world.set_gravity(Vec3::Zero());
+  AxisSpring law{.rest = 1};
+  law.table = Curve({{0, 0}, {1, 5}, {3, 25}});
+  law.damping_table = Curve({{0, 0}, {1, 8}});
+  world.add_force(SpringDamper(kGround, body, Vec3::Zero(), Vec3::Zero(), law));
+  EXPECT_TRUE(world.forces_depend_on_velocity());
+  EXPECT_TRUE(wrenches_of(world, world.state())[body.index].force.isApprox(Vec3(-15 - 4, 0, 0), 1e-15));
+  EXPECT_EQ(world.potential_energy(world.state()), 2.5 + 10);
+  EXPECT_EQ(world.spring_energy(world.state()), 2.5 + 10);
+  // Without springs nothing is left.
+  std::vector<Wrench> wrenches(world.body_count());
+  world.forces(world.state(), wrenches, Springs::kLeftOut);
+  EXPECT_EQ(wrenches[body.index].force, Vec3::Zero());
+  EXPECT_FALSE(world.forces_depend_on_velocity(Springs::kLeftOut));
+  EXPECT_FALSE(world.has_dissipative_forces(Springs::kLeftOut));
+  law.stiffness = 2;
+  expect_invalid([&] { SpringDamper(kGround, body, Vec3::Zero(), Vec3::Zero(), law); },
+                 {"spring stiffness of spring-damper", "beside a table", "2"});
 }
 
 TEST(Forces, ASpringSaysItsLineAndTension) {

@@ -70,6 +70,24 @@ TEST(RowParts, DistanceIsConsistent) {
   }
 }
 
+TEST(RowParts, StretchIsConsistentAndCountsEndsThatPassedAsNegative) {
+  Random random(9);
+  for (int i = 0; i < kTrials; ++i) {
+    const Pose A = random.pose();
+    Pose B = random.pose();
+    B.p += Vec3(5, 0, 0);
+    check_rows(joint(Stretch{random.vector(), random.vector()}), A, B, random);
+  }
+  const RowChecker rows(joint(Stretch{Vec3::Zero(), Vec3::Zero()}));
+  const std::vector<Pose> before{{}, {}, {Quat::Identity(), Vec3(0.2, 0.1, 0)}},
+      after{{}, {}, {Quat::Identity(), Vec3(-0.4, 0.3, 0)}};
+  double length = 0;
+  rows.rows().residual({after, 0, {}, before}, {&length, 1});
+  EXPECT_DOUBLE_EQ(length, -0.5);
+  rows.rows().residual({after, 0, {}, after}, {&length, 1});
+  EXPECT_DOUBLE_EQ(length, 0.5);
+}
+
 /// Residual, Jacobian and bias hold at all angles short of the half turn, where the hemisphere changes.
 TEST(RowParts, OrientationIsConsistentAtLargeAngles) {
   Random random(5);

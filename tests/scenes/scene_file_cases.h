@@ -93,7 +93,7 @@ inline constexpr const char* kEverything = R"({
     {"name": "planar", "type": "planar", "a": "rod", "b": "cone", "frame": "body", "anchor_a": [0, 0, 0],
      "anchor_b": [0, 1, 0], "axis_a": [0, 1, 0], "axis_b": [0, 0, 1]},
     {"name": "point_on_line", "type": "point_on_line", "a": "rod", "b": "cone", "anchor": [0, 0, 0],
-     "axis": [0, 1, 0], "axes": {"displacement": {"spring": {"table": [[-1, -2], [0, 0], [1, 3]]}}}},
+     "axis": [0, 1, 0], "axes": {"displacement": {"spring": {"table": [[-1, -2], [0, 0], [1, 3]], "damping_table": [[0, 0], [1, 3]]}}}},
     {"name": "hinge2", "type": "hinge2", "a": "rod", "b": "cone", "frame": "world", "anchor": [0, 0, 0],
      "axis_a": [0, 0, 1], "axis_b": [0, 1, 0], "axes": {
        "travel": {"limits": {"lower": -0.1, "upper": 0.2, "restitution": 0.5},
@@ -143,7 +143,9 @@ inline constexpr const char* kEverything = R"({
     {"type": "torque", "body": "rod", "torque": [0, 0, 3], "follows_body": false},
     {"type": "spring-damper", "a": "rod", "b": "cone", "frame": "body", "anchor_a": [0, 0, 0],
      "anchor_b": [0, 0, 0], "stiffness": 3, "rest_length": 0.5, "damping": 0.1},
-    {"type": "spring-damper", "a": "rod", "b": "cone", "anchor": [0, 0, 0], "stiffness": 3}
+    {"type": "spring-damper", "a": "rod", "b": "cone", "anchor": [0, 0, 0], "stiffness": 3},
+    {"type": "spring-damper", "a": "rod", "b": "cone", "anchor": [0, 0, 0], "rest_length": 0.2,
+     "table": [[-1, -2], [1, 3]], "damping_table": [[-1, -1], [0, 0], [1, 3]]}
   ],
   "probes": [
     {"name": "p0", "quantity": "position", "body": "rod", "point": [0.5, 0, 0]},

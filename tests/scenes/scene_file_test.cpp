@@ -124,7 +124,7 @@ TEST(SceneFile, ReadsEveryKey) {
         "rope",         "pulley", "point_on_curve", "pose_driver",   "gear",      "rack_and_pinion",
         "differential", "driver"})
     EXPECT_EQ(world.joint(world.joint(name)).type(), name);
-  EXPECT_EQ(world.force_count(), 4);
+  EXPECT_EQ(world.force_count(), 5);
 
   ASSERT_EQ(scene.probes.size(), 15U);
   EXPECT_EQ(scene.probes[0].name, "c/probe");  // the builder's own
@@ -165,6 +165,7 @@ TEST(SceneFile, AxisPropertiesAreThoseOfTheFile) {
   EXPECT_EQ(spin.friction->dynamic_friction, 1.5);
   EXPECT_EQ(spin.friction->viscous, 0.1);
   EXPECT_EQ(line.spring->table->held(0.5), 1.5);
+  EXPECT_EQ(line.spring->damping_table->held(0.5), 1.5);
   EXPECT_EQ(rope.limits->upper, 9);
   EXPECT_EQ(rope.limits->restitution, 0.25);
   EXPECT_FALSE(world.has_axis_properties(world.joint("distance")));
@@ -187,14 +188,17 @@ TEST(SceneFile, ForcesAreThoseOfTheFile) {
       {"type": "point-force", "body": "P", "point": [1, 0, 0], "force": [3, 0, 0]},
       {"type": "torque", "body": "P", "torque": [0, 0, 5]},
       {"type": "spring-damper", "a": "ground", "b": "Q", "frame": "world", "anchor_a": [2, 0, 1],
-       "anchor_b": [2, 0, 0], "stiffness": 10, "rest_length": 0.25}])"),
+       "anchor_b": [2, 0, 0], "stiffness": 10, "rest_length": 0.25},
+      {"type": "spring-damper", "a": "ground", "b": "Q", "frame": "world", "anchor_a": [2, 0, 1],
+       "anchor_b": [2, 0, 0], "rest_length": 0.5, "table": [[0, 0], [1, 4]], "damping_table": [[0, 0], [1, 3]]}])"),
                                   "test.json");
   // P is turned by 90°: the force acts at (0, 1, 0) from its centre of mass and gives it the torque −3.
   std::vector<Wrench> wrenches(scene.world.body_count());
   scene.world.forces(scene.world.state(), wrenches);
   EXPECT_EQ(wrenches[1].force, Vec3(3, 0, 0));
   EXPECT_TRUE(wrenches[1].torque.isApprox(Vec3(0, 0, 5 - 3), 1e-15));
-  EXPECT_EQ(wrenches[2].force, Vec3(0, 0, 7.5));
+  EXPECT_EQ(wrenches[2].force, Vec3(0, 0, 7.5 + 2));
+  EXPECT_EQ(scene.world.force(ForceId{3}).spring()->law.damping_table->held(0.5), 1.5);
 }
 
 TEST(SceneFile, BothFramesGiveTheSameJoint) {

@@ -4,26 +4,15 @@
 #include <numbers>
 
 #include "core/joints.h"
-#include "solvers/simulator.h"
+#include "tests/solvers/slide.h"
 
 /// Limits, motors, friction and springs against closed forms and laws.
 namespace taut {
 namespace {
 
-constexpr double kG = 9.81;
-
-/// A block of 2 kg on a slider along `axis` through the origin.
-struct Slide {
-  World world;
-  BodyId block;
-  JointId joint;
-  AxisId axis;
-  explicit Slide(const Vec3& direction, double mass = 2) {
-    block = world.add_body({.name = "block", .mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), mass)});
-    joint = world.add("slide", Slider::at(world, kGround, block, Vec3::Zero(), direction));
-    axis = world.axis(joint, "displacement");
-  }
-};
+using testing::kG;
+using testing::run;
+using testing::Slide;
 
 /// A wheel about z.
 struct Wheel {
@@ -40,15 +29,6 @@ struct Wheel {
     world.set_gravity(Vec3::Zero());
   }
 };
-
-void run(Simulator& simulator, double dt, int steps) {
-  for (int i = 0; i < steps; ++i) {
-    const StepReport& r = simulator.step(dt);
-    ASSERT_TRUE(r.ok()) << "step " << i << ": " << r.message;
-    ASSERT_LE(r.complementarity_residual, 1e-9);
-    ASSERT_LE(std::max(r.gap.metres, r.gap.radians), 1e-9);
-  }
-}
 
 Vec3 down_slope(double degrees) {
   const double a = degrees * std::numbers::pi / 180;

@@ -8,12 +8,14 @@
 #include "core/joints.h"
 #include "solvers/simulator.h"
 #include "tests/core/random_state.h"
+#include "tests/solvers/order.h"
 
 // Every joint type in motion: closed over long runs, order of the integrator kept, and closed forms of the
 // transmissions and drivers.
 namespace taut {
 namespace {
 
+using testing::order_of;
 using testing::Random;
 
 constexpr double kPi = std::numbers::pi;
@@ -178,30 +180,6 @@ TEST_P(JointTypeInMotion, StaysClosed) {
   RecordProperty("energy_error_J", std::to_string(worst));
 }
 
-/// Positions after 0.4 s at h, h/2 and h/4: the order by which the differences shrink.  `check` sees the
-/// world and the simulator after each step.
-double order_of(const std::function<World()>& make,
-                const std::function<void(const World&, Simulator&)>& check = nullptr) {
-  const auto end = [&](int steps) {
-    World world = make();
-    Settings settings;
-    settings.position_tolerance = 1e-13;
-    settings.velocity_tolerance = 1e-12;
-    settings.tension = TensionPolicy::kIgnore;
-    settings.max_rotation = 10;
-    Simulator simulator(world, settings);
-    for (int i = 0; i < steps; ++i) {
-      EXPECT_TRUE(simulator.step(0.4 / steps).ok()) << simulator.report().message;
-      if (check) check(world, simulator);
-    }
-    Eigen::VectorXd p(3 * (world.body_count() - 1));
-    for (int b = 1; b < world.body_count(); ++b) p.segment<3>(3 * (b - 1)) = world.pose(BodyId{b}).p;
-    return p;
-  };
-  const Eigen::VectorXd coarse = end(80), middle = end(160), fine = end(320);
-  return std::log2((coarse - middle).norm() / (middle - fine).norm());
-}
-
 /// Half an order of leeway.
 TEST_P(JointTypeInMotion, KeepsTheSecondOrder) {
   const double order = order_of([] {
@@ -214,50 +192,6 @@ TEST_P(JointTypeInMotion, KeepsTheSecondOrder) {
 
 INSTANTIATE_TEST_SUITE_P(All, JointTypeInMotion, ::testing::ValuesIn(kTypes),
                          [](const auto& c) { return std::string(c.param.type); });
-
-/// A block that swings in space on a rope over a pin, from a corner, fast enough to keep it taut.
-struct RopePendulum {
-  World world;
-  RopePendulum() {
-    const Vec3 pin(0, 0, 0.4), corner(0.1, 0.05, 0.1), p(1, 0, -1), w(0.3, -0.2, 0.5);
-    const Vec3 line = p + corner - pin, n = line.normalized();
-    Vec3 v(0, 1.5, 0);
-    v -= n.dot(v + w.cross(corner)) * n;  // the rope is neither jerked nor slack at first
-    const BodyId block = world.add_body({.mass = kLump, .pose = {Quat::Identity(), p}, .twist = {w, v}});
-    world.add("rope",
-              Rope({{kGround, Vec3(0.5, 0, 0.4)}, {kGround, pin}, {block, corner}}, 0.5 + line.norm()));
-  }
-  static void expect_taut(const World& world, Simulator& simulator) {
-    const AxisId axis{world.joint("rope"), 0};
-    const double limit = world.axis_properties(axis).limits->upper;
-    EXPECT_NEAR(world.axis_value(axis), limit, 1e-9);
-    EXPECT_LT(simulator.axis_report(axis).force.limit, -1);
-  }
-};
-
-TEST(TautRope, KeepsTheSecondOrder) {
-  const double order = order_of([] { return RopePendulum().world; }, RopePendulum::expect_taut);
-  EXPECT_GT(order, 1.5);
-}
-
-/// 10 s: the energy error, 3e-4 J at 5 ms, is of second order, without drift.
-TEST(TautRope, StaysTautAndKeepsItsEnergy) {
-  const auto worst_at = [](double h) {
-    RopePendulum p;
-    Simulator simulator(p.world);
-    double worst = 0, start = 0;
-    for (int i = 0; i < std::lround(10 / h); ++i) {
-      EXPECT_TRUE(simulator.step(h).ok()) << i << ": " << simulator.report().message;
-      RopePendulum::expect_taut(p.world, simulator);
-      if (i == 0) start = simulator.report().energy();
-      worst = std::max(worst, std::abs(simulator.report().energy() - start));
-    }
-    return worst;
-  };
-  const double coarse = worst_at(5e-3), fine = worst_at(2.5e-3);
-  EXPECT_LT(coarse, 1e-3);
-  EXPECT_LT(fine, 0.35 * coarse);
-}
 
 /// Wheels of 0.01 and 0.2 kg m² with radii 0.1 and 0.3 and 2 N·m on the first: α = 2 / (0.01 + 0.2/9).
 TEST(Transmissions, GearPairMovesAsInTheClosedForm) {

@@ -68,12 +68,19 @@ struct Works {
 TEST(Ledger, ClosesToRoundOffWithAllOfItsTerms) {
   Works works;
   Simulator simulator(works.world, {.tension = TensionPolicy::kImplicit});
-  const std::map<std::string, double EnergyLedger::*> terms{
-      {"motors", &EnergyLedger::motors},       {"drivers", &EnergyLedger::drivers},
-      {"friction", &EnergyLedger::friction},   {"limits", &EnergyLedger::limits},
-      {"damping", &EnergyLedger::damping},     {"forces", &EnergyLedger::forces},
-      {"breaking", &EnergyLedger::breaking},   {"stabilisation", &EnergyLedger::stabilisation},
-      {"stiffness", &EnergyLedger::stiffness}, {"integration", &EnergyLedger::integration}};
+  const std::map<std::string, double EnergyLedger::*> terms{{"kinetic", &EnergyLedger::kinetic},
+                                                            {"potential", &EnergyLedger::potential},
+                                                            {"springs", &EnergyLedger::springs},
+                                                            {"motors", &EnergyLedger::motors},
+                                                            {"drivers", &EnergyLedger::drivers},
+                                                            {"friction", &EnergyLedger::friction},
+                                                            {"limits", &EnergyLedger::limits},
+                                                            {"damping", &EnergyLedger::damping},
+                                                            {"forces", &EnergyLedger::forces},
+                                                            {"breaking", &EnergyLedger::breaking},
+                                                            {"stabilisation", &EnergyLedger::stabilisation},
+                                                            {"stiffness", &EnergyLedger::stiffness},
+                                                            {"integration", &EnergyLedger::integration}};
   std::map<std::string, double> largest;
   EnergyLedger sum;
   double first = 0;
@@ -85,6 +92,7 @@ TEST(Ledger, ClosesToRoundOffWithAllOfItsTerms) {
     sum += r.ledger;
     // Some hundred terms of up to 1000 J.
     ASSERT_NEAR(r.ledger.start + r.ledger.total(), r.energy(), 1e-11) << i;
+    ASSERT_NEAR(r.ledger.change(), r.ledger.total(), 1e-11) << i;
     for (const auto& [name, term] : terms) largest[name] = std::max(largest[name], std::abs(r.ledger.*term));
   }
   EXPECT_NEAR(first + sum.total(), simulator.report().energy(), 1e-10);
@@ -94,6 +102,41 @@ TEST(Ledger, ClosesToRoundOffWithAllOfItsTerms) {
   EXPECT_LT(sum.damping, 0);
   EXPECT_LT(sum.breaking, 0);
   EXPECT_FALSE(works.world.is_attached(works.weak));
+}
+
+/// ½ k x² of a spring of an axis, of a spring between bodies, of a soft limit and of a soft joint, while
+/// weight is the potential energy.
+TEST(Ledger, HasTheEnergyOfSpringsByItself) {
+  World world;
+  const auto hang = [&](double x) {
+    const BodyId block =
+        world.add_body({.mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), 2), .pose = {.p = {x, 0, 0}}});
+    return std::pair(
+        block, AxisId{world.add("", Slider::at(world, kGround, block, Vec3(x, 0, 0), Vec3::UnitZ())), 0});
+  };
+  const auto [sprung, axis] = hang(0);
+  world.set_spring(axis, AxisSpring{.stiffness = 30, .rest = 0.1});
+  const auto [pulled, free] = hang(1);
+  world.add_force(SpringDamper(kGround, pulled, Vec3(1, 0, 1), Vec3::Zero(), 50, 0.8, 0.5));
+  const auto [limited, bounded] = hang(2);
+  world.set_limits(bounded, AxisLimits{.lower = 0, .compliance = 1e-2});
+  const BodyId held = world.add_body({.mass = {2, Vec3(1, 1, 1)}, .pose = {.p = {3, 0, 0}}});
+  world.set_compliance(world.add("", Ball::at(world, kGround, held, Vec3(3, 0, 0))), JointCompliance{1e-2});
+  Simulator simulator(world);
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(simulator.step(2e-3).ok());
+    const StepReport& r = simulator.report();
+    const auto z = [&](BodyId body) { return world.pose(body).p.z(); };
+    const double x[] = {z(sprung) - 0.1, 1 - z(pulled) - 0.8, std::min(0.0, z(limited)), z(held)};
+    const double springs = 15 * x[0] * x[0] + 25 * x[1] * x[1] + 50 * (x[2] * x[2] + x[3] * x[3]);
+    ASSERT_NEAR(r.spring_energy, springs, 1e-9 * (1 + springs)) << i;
+    ASSERT_NEAR(r.potential_energy, 2 * 9.81 * (z(sprung) + z(pulled) + z(limited) + z(held)), 1e-9) << i;
+    ASSERT_NEAR(r.ledger.change(), r.ledger.total(), 1e-12) << i;
+    ASSERT_LE(r.ledger.damping, 0) << i;
+    // All is linear but where the limit is touched.
+    ASSERT_LE(std::abs(r.ledger.integration), 1e-3) << i;
+    ASSERT_EQ(r.ledger.forces, 0) << i;
+  }
 }
 
 /// A driver that starts with a rate, while the body rests: making it move is stabilisation, whoever asked for
