@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -70,14 +72,24 @@ Part relocated(const Part& part, const Relocation& to) {
   return part.relocated(to);
 }
 
+/// Items of a store, in its order; all of them if nothing else is said.
+struct ItemRange {
+  std::size_t begin = 0, end = std::numeric_limits<std::size_t>::max();
+
+  template <typename Item>
+  std::span<const Item> of(const std::vector<Item>& items) const {
+    return std::span(items).subspan(begin, std::min(end, items.size()) - begin);
+  }
+};
+
 class PartStoreBase {
  public:
   virtual ~PartStoreBase() = default;
-  virtual void residual(const Configuration& at, double* phi) const = 0;
-  virtual void jacobian(const Configuration& at, double* values) const = 0;
+  virtual void residual(const Configuration& at, double* phi, ItemRange range = {}) const = 0;
+  virtual void jacobian(const Configuration& at, double* values, ItemRange range = {}) const = 0;
   virtual void bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const = 0;
-  virtual void stiffness(const Configuration& at, const double* lambda,
-                         std::span<StiffnessBlocks> bodies) const = 0;
+  virtual void stiffness(const Configuration& at, const double* lambda, std::span<StiffnessBlocks> bodies,
+                         ItemRange range = {}) const = 0;
   /// Adds φ_t, the rate of φ at rest.
   virtual void add_rate(const Configuration&, double*) const {}
   virtual bool depends_on_time() const { return false; }
@@ -97,23 +109,27 @@ class PartStore final : public PartStoreBase {
   };
   std::vector<Item> items;
 
-  void residual(const Configuration& at, double* phi) const override {
-    for (const Item& i : items) residual(i, at, phi + i.at.first_row);
+  void residual(const Configuration& at, double* phi, ItemRange range) const override {
+    for (const Item& i : range.of(items)) residual(i, at, phi + i.at.first_row);
   }
-  void jacobian(const Configuration& at, double* values) const override {
-    for (const Item& i : items)
-      i.part.jacobian(at.poses[i.at.body_a], at.poses[i.at.body_b],
-                      JacobianBlock<Part::kRows>(values + i.at.jacobian_a),
-                      JacobianBlock<Part::kRows>(values + i.at.jacobian_b));
+  void jacobian(const Configuration& at, double* values, ItemRange range) const override {
+    for (const Item& i : range.of(items)) {
+      const Pose &A = at.poses[i.at.body_a], &B = at.poses[i.at.body_b];
+      double *J_A = values + i.at.jacobian_a, *J_B = values + i.at.jacobian_b;
+      if constexpr (requires { i.part.arms(A, B, J_A, J_B); })
+        i.part.arms(A, B, J_A, J_B);
+      else
+        i.part.jacobian(A, B, JacobianBlock<Part::kRows>(J_A), JacobianBlock<Part::kRows>(J_B));
+    }
   }
   void bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const override {
     for (const Item& i : items)
       i.part.bias(at.poses[i.at.body_a], at.poses[i.at.body_b], twists[i.at.body_a], twists[i.at.body_b],
                   gamma + i.at.first_row);
   }
-  void stiffness(const Configuration& at, const double* lambda,
-                 std::span<StiffnessBlocks> bodies) const override {
-    for (const Item& i : items)
+  void stiffness(const Configuration& at, const double* lambda, std::span<StiffnessBlocks> bodies,
+                 ItemRange range) const override {
+    for (const Item& i : range.of(items))
       i.part.stiffness(at.poses[i.at.body_a], at.poses[i.at.body_b], lambda + i.at.first_row,
                        bodies[i.at.body_a], bodies[i.at.body_b]);
   }
@@ -168,18 +184,18 @@ class WideStore final : public PartStoreBase {
   };
   std::vector<Item> items;
 
-  void residual(const Configuration& at, double* phi) const override {
-    for (const Item& i : items) i.part.residual(at, phi + i.first_row);
+  void residual(const Configuration& at, double* phi, ItemRange range) const override {
+    for (const Item& i : range.of(items)) i.part.residual(at, phi + i.first_row);
   }
-  void jacobian(const Configuration& at, double* values) const override {
-    for (const Item& i : items) i.part.jacobian(at, SideBlocks{values, i.jacobian.data()});
+  void jacobian(const Configuration& at, double* values, ItemRange range) const override {
+    for (const Item& i : range.of(items)) i.part.jacobian(at, SideBlocks{values, i.jacobian.data()});
   }
   void bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const override {
     for (const Item& i : items) i.part.bias(at, twists, gamma + i.first_row);
   }
-  void stiffness(const Configuration& at, const double* lambda,
-                 std::span<StiffnessBlocks> bodies) const override {
-    for (const Item& i : items) i.part.stiffness(at, lambda + i.first_row, bodies);
+  void stiffness(const Configuration& at, const double* lambda, std::span<StiffnessBlocks> bodies,
+                 ItemRange range) const override {
+    for (const Item& i : range.of(items)) i.part.stiffness(at, lambda + i.first_row, bodies);
   }
   void add_rate(const Configuration& at, double* out) const override {
     if constexpr (kTimed)

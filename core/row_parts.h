@@ -53,6 +53,16 @@ struct Point {
   std::string row_name(int i) const;
 };
 
+/// The same alone in its joint: of J = ([a]×, −1), (−[b]×, 1) only the arms a and b are kept, from the
+/// centres to P and Q in world axes.
+struct LonePoint : Point {
+  void arms(const Pose& A, const Pose& B, double* a, double* b) const {
+    Eigen::Map<Vec3>{a} = rotate(A.q, p_AP);
+    Eigen::Map<Vec3>{b} = rotate(B.q, p_BQ);
+  }
+  LonePoint carried(const Pose& X_CA, const Pose& X_CB) const { return {Point::carried(X_CA, X_CB)}; }
+};
+
 /// Point Q of B stays in the plane through P of A with normal a fixed in A.   φ = a·(p_WQ − p_WP) [m]
 /// λ a [N] is the force on B at Q; A receives −λ a at the same place, whether the joint is closed or not.
 struct PointInPlane {
@@ -162,6 +172,7 @@ struct Stretch {
 }  // namespace row_parts
 
 extern template class detail::PartStore<row_parts::Point>;
+extern template class detail::PartStore<row_parts::LonePoint>;
 extern template class detail::PartStore<row_parts::PointInPlane>;
 extern template class detail::PartStore<row_parts::Perpendicular>;
 extern template class detail::PartStore<row_parts::Orientation>;

@@ -66,13 +66,20 @@ void Rows::append_axis_row(AxisId axis, int index) {
   axis_rows_.push_back({static_cast<int>(rows_.size()) - 1, axis, index});
 }
 
-void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints joints) {
+void Rows::append_side(int body, int joint, int row_count, int arm) {
+  sides_.push_back({body, joint, this->row_count(), row_count, jacobian_size_, whole_size_, arm});
+  jacobian_size_ += sides_.back().value_count();
+  whole_size_ += 6 * row_count;
+}
+
+void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints joints, Blocks blocks) {
   const Joint& joint = world.joint(JointId{j});
   if (!world.is_attached(JointId{j}) || (joints == Joints::kMoving && !moves(world, joint))) {
     joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0});
     return;
   }
   RowSink counter;
+  if (axis_rows == AxisRows::kIncluded) world.soften(JointId{j}, counter);
   joint.append_rows(counter);
   AxisSink axes;
   axes.joint_index_ = j;
@@ -93,10 +100,8 @@ void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints jo
   }
   const int side_count = static_cast<int>(joint.bodies().size());
   joints_.push_back({row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_});
-  for (BodyId body : joint.bodies()) {
-    sides_.push_back({body.index, j, row_count(), joint_rows, jacobian_size_});
-    jacobian_size_ += 6 * joint_rows;
-  }
+  const bool arms = blocks == Blocks::kArms && counter.any_point_ && joint_rows == 3 && side_count == 2;
+  for (BodyId body : joint.bodies()) append_side(body.index, j, joint_rows, arms);
   RowSink sink;
   sink.rows_ = this;
   sink.joint_ = j;
@@ -115,10 +120,7 @@ void Rows::append_spring(const World& world, ForceId id, Joints joints) {
   const int count = joints == Joints::kMoving && !moves ? 0 : 3 * centred + length;
   joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), count > 0 ? 2 : 0, 0});
   if (count == 0) return;
-  for (BodyId body : {spring.a, spring.b}) {
-    sides_.push_back({body.index, j, row_count(), count, jacobian_size_});
-    jacobian_size_ += 6 * count;
-  }
+  for (BodyId body : {spring.a, spring.b}) append_side(body.index, j, count);
   const auto add = [&](const auto& part, int row, bool is_centred) {
     append(part, j, row, {}, kSpring);
     axis_rows_.push_back({row_count() - 1, {JointId{-1}, kSpring}, kSpring, id, is_centred});
@@ -131,10 +133,7 @@ void Rows::append_spring(const World& world, ForceId id, Joints joints) {
 void Rows::append_contact(const ContactPlace& place) {
   const int j = static_cast<int>(joints_.size()), count = place.twist ? 6 : 3;
   joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), 2, 0});
-  for (int body : {place.a, place.b}) {
-    sides_.push_back({body, j, row_count(), count, jacobian_size_});
-    jacobian_size_ += 6 * count;
-  }
+  for (int body : {place.a, place.b}) append_side(body, j, count);
   using namespace row_parts;
   append(ContactPoint{}, j, 0, {}, kEquality);
   contact_points_ = static_cast<detail::PartStore<ContactPoint>*>(store_of_type_.at(typeid(ContactPoint)));
@@ -151,16 +150,17 @@ void Rows::set_contact(int k, const row_parts::ContactPoint& point) {
 }
 
 Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace> contacts, Joints joints,
-           Springs springs)
+           Springs springs, Blocks blocks)
     : spring_count_(springs == Springs::kIncluded ? static_cast<int>(world.springs().size()) : 0) {
   const std::size_t count = world.joint_count() + spring_count_ + contacts.size();
   joints_.reserve(count);
   sides_.reserve(2 * count);
-  for (int j = 0; j < world.joint_count(); ++j) append_joint(world, j, axis_rows, joints);
+  for (int j = 0; j < world.joint_count(); ++j) append_joint(world, j, axis_rows, joints, blocks);
   for (int s = 0; s < spring_count_; ++s) append_spring(world, world.springs()[s], joints);
   first_contact_row_ = row_count();
   for (const ContactPlace& place : contacts) append_contact(place);
   sort_by_body(world.body_count());
+  cut_into_pieces();
 }
 
 Rows Rows::part(std::span<const int> joints, std::span<const int> new_body, int bodies) const {
@@ -172,14 +172,11 @@ Rows Rows::part(std::span<const int> joints, std::span<const int> new_body, int 
       part.contacts_.emplace_back();
     }
     const JointRows& joint = joints_[j];
-    const int index = static_cast<int>(part.joints_.size()), first_row = part.row_count();
-    part.joints_.push_back({first_row, joint.row_count, static_cast<int>(part.sides_.size()),
+    const int index = static_cast<int>(part.joints_.size());
+    part.joints_.push_back({part.row_count(), joint.row_count, static_cast<int>(part.sides_.size()),
                             joint.side_count, joint.equality_count});
-    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
-      part.sides_.push_back(
-          {new_body[sides_[s].body], index, first_row, joint.row_count, part.jacobian_size_});
-      part.jacobian_size_ += 6 * joint.row_count;
-    }
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
+      part.append_side(new_body[sides_[s].body], index, joint.row_count, sides_[s].arm);
     for (int r = joint.first_row; r < joint.first_row + joint.row_count; ++r) {
       part.rows_.push_back({index, rows_[r].angular, nullptr, 0, 0, rows_[r].axis});
       part.unit_.push_back(unit_[r]);
@@ -200,6 +197,45 @@ void Rows::sort_by_body(int bodies) {
   sort_by(body_of, bodies, due_start_, due_joints_);
 }
 
+/// Items keep their order, so one that waits for a later body keeps those behind it waiting.
+void Rows::cut_into_pieces() {
+  std::vector<int> last(joints_.size(), 0);  // body of each joint
+  for (const Side& side : sides_) last[side.joint] = std::max(last[side.joint], side.body);
+  const int count = (body_count() + kPieceSize - 1) / kPieceSize;
+  const auto stores = static_cast<std::ptrdiff_t>(stores_.size());
+  std::unordered_map<const detail::PartStoreBase*, std::ptrdiff_t> index;
+  for (std::ptrdiff_t s = 0; s < stores; ++s) index[stores_[s].get()] = s;
+  piece_items_.assign((count + 1) * stores, 0);
+  std::vector<int> reached(stores_.size(), 0);  // piece
+  std::vector<int> settled(body_count(), 0);    // piece that has a body's last part
+  for (int b = 0; b < body_count(); ++b) settled[b] = b / kPieceSize;
+  for (const Row& row : rows_) {
+    if (row.row_in_part != 0) continue;
+    const std::ptrdiff_t s = index[row.store];
+    reached[s] = std::max(reached[s], last[row.joint] / kPieceSize);
+    ++piece_items_[(reached[s] + 1) * stores + s];
+    const JointRows& joint = joints_[row.joint];
+    for (int side = joint.first_side; side < joint.first_side + joint.side_count; ++side)
+      settled[sides_[side].body] = std::max(settled[sides_[side].body], reached[s]);
+  }
+  for (std::size_t i = stores; i < piece_items_.size(); ++i) piece_items_[i] += piece_items_[i - stores];
+  for (int k = 0, b = 0; k < count; ++k) {
+    pieces_.push_back({k * kPieceSize, std::min((k + 1) * kPieceSize, body_count()), b, b});
+    while (b < body_count() && settled[b] <= k) ++b;
+    pieces_.back().settled_end = b;
+  }
+}
+
+/// Calls visit(store, range) for the items of a piece.
+template <typename Visit>
+void Rows::for_each_range(const Piece& piece, Visit visit) const {
+  const std::size_t* first = piece_items_.data() + piece.begin / kPieceSize * stores_.size();
+  for (const auto& store : stores_) {
+    visit(*store, detail::ItemRange{*first, first[stores_.size()]});
+    ++first;
+  }
+}
+
 void Rows::residual(const Configuration& at, std::span<double> phi) const {
   for (const auto& store : stores_) store->residual(at, phi.data());
 }
@@ -209,6 +245,16 @@ void Rows::jacobian(const Configuration& at, std::span<double> values) const {
   for (const auto& store : stores_) store->jacobian(at, values.data());
 }
 
+void Rows::residual(const Configuration& at, std::span<double> phi, const Piece& piece) const {
+  for_each_range(piece, [&](const auto& store, auto range) { store.residual(at, phi.data(), range); });
+}
+
+void Rows::jacobian(const Configuration& at, std::span<double> values, const Piece& piece) const {
+  if (piece.begin == 0)
+    for (const auto& [first, count] : cleared_) std::fill_n(values.begin() + first, count, 0.0);
+  for_each_range(piece, [&](const auto& store, auto range) { store.jacobian(at, values.data(), range); });
+}
+
 void Rows::bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const {
   for (const auto& store : stores_) store->bias(at, twists, gamma.data());
 }
@@ -216,6 +262,12 @@ void Rows::bias(const Configuration& at, std::span<const Twist> twists, std::spa
 void Rows::stiffness(const Configuration& at, std::span<const double> lambda,
                      std::span<StiffnessBlocks> bodies) const {
   for (const auto& store : stores_) store->stiffness(at, lambda.data(), bodies);
+}
+
+void Rows::stiffness(const Configuration& at, std::span<const double> lambda,
+                     std::span<StiffnessBlocks> bodies, const Piece& piece) const {
+  for_each_range(piece,
+                 [&](const auto& store, auto range) { store.stiffness(at, lambda.data(), bodies, range); });
 }
 
 void Rows::add_rate(const Configuration& at, std::span<double> out) const {

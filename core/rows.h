@@ -16,6 +16,7 @@
 #include "core/force.h"
 #include "core/part_store.h"
 #include "core/row_parts.h"
+#include "core/row_sinks.h"
 #include "core/state.h"
 
 /// All constraint rows of a World, compiled into contiguous arrays:
@@ -26,16 +27,13 @@
 ///   spring   behind the joints, if wanted, springs between two bodies, likewise with axis rows
 ///   contact  behind those, places for contact points between two bodies, likewise with their rows
 ///   side s   one (joint, body) pair, A, B and further bodies; its Jacobian block has row_count rows by 6
-///   columns, row-major values   Jacobian values of all sides, one behind the other
+///            columns, row-major, or is an arm of three numbers (Blocks)
+///   values   Jacobian values of all sides, one behind the other
 ///
 /// Parts of one kind stand side by side in one array, so that the loops over them are free of virtual calls.
 /// The rows do not refer to the World that they were compiled from; they are good for any state of it until
 /// its topology_version() changes.
 namespace taut {
-
-class World;
-class Joint;
-class Rows;
 
 /// A twist or wrench in pairs, for products with rows of a Jacobian block.
 class SixVector {
@@ -51,100 +49,6 @@ class SixVector {
  private:
   Eigen::Vector2d first_, second_, third_;
 };
-/// Two bodies of a joint by their place in Joint::bodies(): the A and B of a row part.
-struct Between {
-  int a = 0, b = 1;
-};
-
-namespace detail {
-/// A part by itself, with its rows from 0 on.
-struct RowGroup {
-  std::shared_ptr<const PartStoreBase> part;
-  int rows = 0;
-  bool angular = false;
-};
-std::vector<int> body_indices(const Joint* joint);
-/// X_CB of a body of the joint, by its place in Joint::bodies().
-Pose carrier_frame(const Relocation& to, const Joint& joint, int side);
-/// The places of the two bodies in the joint as relocated.
-inline Between relocated(const Between& sides, const Relocation& to) {
-  return {to.side(sides.a), to.side(sides.b)};
-}
-/// A part of `joint` as the relocation changes it.
-template <typename Part>
-Part relocated(const Part& part, const Relocation& to, const Joint& joint, const Between& sides) {
-  if constexpr (kIsWide<Part>)
-    return relocated(part, to);
-  else if (to.carriers)
-    return carried(part, carrier_frame(to, joint, sides.a), carrier_frame(to, joint, sides.b));
-  else
-    return part;
-}
-}  // namespace detail
-
-/// What a joint hands its row parts to: once to count its rows, then once to place them.
-class RowSink {
- public:
-  template <typename Part>
-  void add(const Part& part, Between sides = {});
-  /// All parts of a joint of another world, as World::append() or merging has changed its ids and bodies.
-  void add_rows_of(const Joint& joint, const Relocation& to);
-
- private:
-  friend class Rows;
-  friend class World;
-  template <typename Part>
-  void add_here(const Part& part, Between sides);
-  template <typename Part>
-  void place(const Part& part, Between sides);
-  Rows* rows_ = nullptr;                                   // null while counting
-  std::vector<detail::RowGroup>* groups_ = nullptr;        // … or where to keep the parts by themselves
-  const class Joint* made_for_ = nullptr;                  // with groups_
-  bool soft_translation_ = false, soft_rotation_ = false;  // that a compliance softens
-  const Relocation* relocation_ = nullptr;                 // null: parts stay as they are
-  const class Joint* source_ = nullptr;                    // … that this joint lists
-  int joint_ = 0;
-  int count_ = 0;
-};
-
-/// A free axis as its joint lists it.
-struct AxisInfo {
-  std::string name;
-  bool angular = false;
-  bool accumulates = false;  ///< only its increments are known: no place for limits and springs
-  AxisLimits limits;         ///< that the axis has from the start, as a rope; without effect if infinite
-  /// The coordinate as a single row, with one Jacobian block of six for each of `bodies`.
-  std::shared_ptr<const detail::PartStoreBase> coordinate;
-  std::vector<int> bodies;
-};
-
-/// What a joint lists its free axes in: names for the World, or rows for Rows.
-class AxisSink {
- public:
-  /// An axis with the coordinate of `part`, a row part of one row (core/axis_parts.h).
-  template <typename Part>
-  void add(std::string_view name, const Part& part, Between sides = {});
-  /// All axes of a joint of another world, as World::append() or merging has changed its ids and bodies.
-  void add_axes_of(const Joint& joint, const Relocation& to);
-  /// The axis added last has these limits from the start.
-  void limit(const AxisLimits& limits) {
-    if (infos_) infos_->back().limits = limits;
-  }
-
- private:
-  friend class Rows;
-  friend class World;
-  template <typename Part>
-  void place(std::string_view name, const Part& part, Between sides);
-  const Relocation* relocation_ = nullptr;  // null: parts stay as they are
-  const class Joint* source_ = nullptr;     // … that this joint lists
-  const class Joint* joint_ = nullptr;
-  std::vector<AxisInfo>* infos_ = nullptr;  // where to describe the axes …
-  Rows* rows_ = nullptr;                    // … or to place the next of them that has properties
-  const AxisProperties* properties_ = nullptr;
-  int joint_index_ = 0, first_index_ = 0, row_in_joint_ = 0;
-  int count_ = 0;
-};
 
 class Rows {
  public:
@@ -157,6 +61,10 @@ class Rows {
     int body = 0, joint = 0;
     int first_row = 0, row_count = 0;
     int offset = 0;  ///< of its block in the Jacobian values
+    int whole = 0;   ///< … in values that have row_count × 6 of each side, as J where no arms are kept
+    /// ±1 where the block is an arm r of a LonePoint, on its side B or A: J = ±(−[r]×, 1).
+    int arm = 0;
+    int value_count() const { return arm != 0 ? 3 : 6 * row_count; }  ///< of its block
   };
   struct Row {
     int joint = 0;
@@ -182,6 +90,10 @@ class Rows {
     kAll,     ///< that are attached
     kMoving,  ///< … and have a body that moves (World::moves())
   };
+  enum class Blocks {
+    kWhole,
+    kArms,  ///< joints of two points, as ball joints, keep arms: a sixth of the memory
+  };
   /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more
   /// (spin, two of rolling).
   struct ContactPlace {
@@ -192,7 +104,7 @@ class Rows {
 
   explicit Rows(const World& world, AxisRows axis_rows = AxisRows::kIncluded,
                 std::span<const ContactPlace> contacts = {}, Joints joints = Joints::kAll,
-                Springs springs = Springs::kLeftOut);
+                Springs springs = Springs::kLeftOut, Blocks blocks = Blocks::kWhole);
 
   /// The rows of some joints, contacts too, in ascending order, by themselves: with bodies and rows counted
   /// anew, for Jacobians from elsewhere.  They know of no poses: residual(), jacobian() and the like do
@@ -201,6 +113,8 @@ class Rows {
 
   int row_count() const { return static_cast<int>(rows_.size()); }
   int jacobian_size() const { return jacobian_size_; }
+  /// Of values with row_count × 6 of each side.
+  int whole_size() const { return whole_size_; }
   std::span<const JointRows> joints() const { return joints_; }
   std::span<const Side> sides() const { return sides_; }
   /// Sides of a body in the order of the joints; fixed bodies have theirs too.
@@ -213,6 +127,14 @@ class Rows {
   std::span<const int> joints_due(int body) const {
     return {due_joints_.data() + due_start_[body], due_joints_.data() + due_start_[body + 1]};
   }
+  /// The bodies in pieces of a few hundred, each with those of the parts that wait for no later body: what is
+  /// done with a piece, one thing after the other, is done with data that are still near.
+  struct Piece {
+    int begin = 0, end = 0;                  ///< bodies
+    int settled_begin = 0, settled_end = 0;  ///< bodies whose last parts are in this piece
+  };
+  static constexpr int kPieceSize = 256;  ///< bodies
+  std::span<const Piece> pieces() const { return pieces_; }
   const Row& row(int i) const { return rows_[i]; }
   /// In what the gap of an equality row of a joint is, beside the rows, for loops over all of them.
   enum class Unit : char { kNone, kMetre, kRadian };
@@ -242,8 +164,11 @@ class Rows {
   /// φ(q) [m or rad] of equality rows, and the coordinate θ of axis rows: angles as the value next to the one
   /// in `at.axes`.
   void residual(const Configuration& at, std::span<double> phi) const;
+  /// The same for one of the pieces, which must be taken in their order (all of these).
+  void residual(const Configuration& at, std::span<double> phi, const Piece& piece) const;
   /// J(q), the values of all sides.
   void jacobian(const Configuration& at, std::span<double> values) const;
+  void jacobian(const Configuration& at, std::span<double> values, const Piece& piece) const;
   /// γ = φ̈ − J V̇: J̇ V, and what drivers add to it.
   void bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const;
   /// Adds φ_t, the part of φ̇ = J V + φ_t that drivers make, to `out`.
@@ -253,6 +178,8 @@ class Rows {
   /// Adds each body's block of K = −∂(Jᵀλ)/∂q to `bodies`, which the caller has zeroed.
   void stiffness(const Configuration& at, std::span<const double> lambda,
                  std::span<StiffnessBlocks> bodies) const;
+  void stiffness(const Configuration& at, std::span<const double> lambda, std::span<StiffnessBlocks> bodies,
+                 const Piece& piece) const;
   /// Writes the coordinates of the axis rows to their entries of State::axes, which is how a solver keeps the
   /// turns of angles after a step: update_axes(state, state.axes).
   void update_axes(const Configuration& at, std::span<double> axes) const;
@@ -265,9 +192,14 @@ class Rows {
     double* rates = out.data() + joint.first_row;
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const Twist& twist = twists[sides_[s].body];
-      const SixVector V(twist.w, twist.v);
       const double* J = jacobian.data() + sides_[s].offset;
       const bool first = s == joint.first_side;
+      if (sides_[s].arm != 0) {
+        const Vec3 rate = sides_[s].arm * rate_at(J, twist);
+        for (int i = 0; i < 3; ++i) rates[i] = rate[i] + (first ? 0 : rates[i]);
+        continue;
+      }
+      const SixVector V(twist.w, twist.v);
       for (int i = 0; i < joint.row_count; ++i, J += 6) rates[i] = V.dot(J) + (first ? 0 : rates[i]);
     }
   }
@@ -281,23 +213,51 @@ class Rows {
     for (int s : sides_of(body)) {
       const Side& side = sides_[s];
       const double *J = jacobian.data() + side.offset, *force = lambda.data() + side.first_row;
-      for (int i = 0; i < side.row_count; ++i, J += 6) sum += force[i] * Eigen::Map<const Six>(J);
+      if (side.arm != 0)
+        add_force_at(J, side.arm * Vec3(force[0], force[1], force[2]), sum);
+      else
+        for (int i = 0; i < side.row_count; ++i, J += 6) sum += force[i] * Eigen::Map<const Six>(J);
     }
     return {Vec3(sum[0], sum[1], sum[2]), Vec3(sum[3], sum[4], sum[5])};
   }
+  /// Row i of a side's block.
+  static Eigen::Matrix<double, 6, 1> block_row(const Side& side, std::span<const double> jacobian, int i) {
+    using Six = Eigen::Matrix<double, 6, 1>;
+    const double* J = jacobian.data() + side.offset;
+    if (side.arm == 0) return Eigen::Map<const Six>(J + 6 * i);
+    Six row = Six::Zero();
+    add_force_at(J, side.arm * Vec3::Unit(i), row);
+    return row;
+  }
 
  private:
+  // Of a body at arm r, in the order of the operations that a row of numbers would take.
+  static Vec3 rate_at(const double* r, const Twist& V) {
+    return {(V.w[1] * r[2] + V.v[0]) - V.w[2] * r[1], (V.w[2] * r[0] - V.w[0] * r[2]) + V.v[1],
+            V.w[0] * r[1] + (V.v[2] - V.w[1] * r[0])};
+  }
+  static void add_force_at(const double* r, const Vec3& f, Eigen::Matrix<double, 6, 1>& wrench) {
+    wrench[0] = (wrench[0] - f[1] * r[2]) + f[2] * r[1];
+    wrench[1] = (wrench[1] + f[0] * r[2]) - f[2] * r[0];
+    wrench[2] = (wrench[2] - f[0] * r[1]) + f[1] * r[0];
+    for (int i = 0; i < 3; ++i) wrench[3 + i] += f[i];
+  }
+
   friend class RowSink;
   friend class AxisSink;
   Rows() = default;
   template <typename Part>
   void append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index = -1);
   void append_axis_row(AxisId axis, int index);
-  void append_joint(const World& world, int j, AxisRows axis_rows, Joints joints);
+  void append_joint(const World& world, int j, AxisRows axis_rows, Joints joints, Blocks blocks);
   void append_spring(const World& world, ForceId id, Joints joints);
+  void append_side(int body, int joint, int row_count, int arm = 0);
   void append_contact(const ContactPlace& place);
   void clear_blocks(int joint);
   void sort_by_body(int bodies);
+  void cut_into_pieces();
+  template <typename Visit>
+  void for_each_range(const Piece& piece, Visit visit) const;
   void note_axes(const detail::PartStoreBase* store);
 
   std::vector<JointRows> joints_;
@@ -317,10 +277,12 @@ class Rows {
   std::vector<std::pair<int, int>> cleared_;
   std::vector<int> body_start_, body_sides_;
   std::vector<int> due_start_, due_joints_;
+  std::vector<Piece> pieces_;
+  std::vector<std::size_t> piece_items_;  // of each piece and store, the first
   std::vector<std::unique_ptr<detail::PartStoreBase>> stores_;
   std::unordered_map<std::type_index, detail::PartStoreBase*> store_of_type_;
   std::vector<const detail::PartStoreBase*> stores_with_axes_;  // those that update_axes() must ask
-  int jacobian_size_ = 0;
+  int jacobian_size_ = 0, whole_size_ = 0;
 };
 
 template <typename Part>
@@ -345,6 +307,8 @@ void RowSink::add_here(const Part& part, Between sides) {
 template <typename Part>
 void RowSink::place(const Part& part, Between sides) {
   const bool soft = detail::is_angular(part) ? soft_rotation_ : soft_translation_;
+  constexpr bool point = std::is_same_v<Part, row_parts::Point>;
+  any_point_ = any_point_ || point;
   if (rows_) rows_->append(part, joint_, count_, sides, soft ? Rows::kSoftened : Rows::kEquality);
   if (groups_ && soft)
     groups_->push_back({detail::store_of_one(part, sides.a, sides.b, detail::body_indices(made_for_), -1),
@@ -354,6 +318,13 @@ void RowSink::place(const Part& part, Between sides) {
 
 template <typename Part>
 void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index) {
+  if constexpr (std::is_same_v<Part, row_parts::Point>) {
+    Side* const joint_sides = sides_.data() + joints_[joint].first_side;
+    if (joint_sides[0].arm != 0) {
+      joint_sides[sides.a].arm = -1, joint_sides[sides.b].arm = 1;
+      return append(row_parts::LonePoint{part}, joint, row_in_joint, sides, axis, axis_index);
+    }
+  }
   if (axis == kSoftened)
     for (int i = 0; i < Part::kRows; ++i)
       axis_rows_.push_back({static_cast<int>(rows_.size()) + i, {JointId{joint}, kSoftened}, kSoftened});

@@ -58,11 +58,12 @@ bool contradict(const ConstraintSystem& system, std::span<const double> phi, con
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const Rows::Side& side = rows.sides()[s];
       if (system.mass()[side.body].fixed) continue;
-      const double* J = system.jacobian().data() + side.offset + 6 * (row_of[i] - joint.first_row);
+      const Eigen::Matrix<double, 6, 1> J =
+          Rows::block_row(side, system.jacobian(), row_of[i] - joint.first_row);
       const InverseMassRoot& A = system.mass_roots()[side.body];
       const Eigen::Index column = column_of[side.body];
-      W.block<1, 3>(i, column) = Eigen::Map<const Eigen::RowVector3d>(J) * A.rotation;
-      W.block<1, 3>(i, column + 3) = Eigen::Map<const Eigen::RowVector3d>(J + 3) * A.translation;
+      W.block<1, 3>(i, column) = J.head<3>().transpose() * A.rotation;
+      W.block<1, 3>(i, column + 3) = J.tail<3>().transpose() * A.translation;
     }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(W * W.transpose());

@@ -78,6 +78,20 @@ void weigh_rows(const double* J, int rows, const double* A, const double* T, dou
   }
 }
 
+// The columns of J; the fourth row repeats the third.
+void weigh_arm(const double* arm, double sign, const double* A, const double* T, double t, double* W) {
+  const double x = sign * arm[0], y = sign * arm[1], z = sign * arm[2];
+  const Vec c[kSix] = {compose(0, -z, y, y),   compose(z, 0, -x, -x),  compose(-y, x, 0, 0),
+                       compose(sign, 0, 0, 0), compose(0, sign, 0, 0), compose(0, 0, sign, sign)};
+  weigh_strip(c, A, T, t, W, side_height(3));
+}
+
+void weigh_arm_rows(const double* arm, double sign, const double* A, const double* T, double t, double* W) {
+  const double x = sign * arm[0], y = sign * arm[1], z = sign * arm[2];
+  const double J[3 * kSix] = {0, z, -y, sign, 0, 0, -z, 0, x, 0, sign, 0, y, -x, 0, 0, 0, sign};
+  weigh_rows(J, 3, A, T, t, W);
+}
+
 // N ≤ 4 rows of C, all columns.
 template <int N, bool kOverwrite>
 TAUT_INLINE void product_strip(const double* W_i, Index ld_i, const double* W_j, Index ld_j, int columns,

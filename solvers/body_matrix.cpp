@@ -84,7 +84,7 @@ BodyMatrix::BodyMatrix(const Rows& rows, const MassMatrix& mass, SymmetricMatrix
       const auto at = std::lower_bound(columns[column].begin(), columns[column].end(), row);
       products_.push_back(
           {matrix_.column_start[kSix * column] + kSix * static_cast<int>(at - columns[column].begin()),
-           kSix * static_cast<int>(columns[column].size()), i.offset, j.offset, joint.first_row,
+           kSix * static_cast<int>(columns[column].size()), i.whole, j.whole, joint.first_row,
            joint.row_count});
     });
 }

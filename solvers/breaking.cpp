@@ -31,10 +31,9 @@ Breaking::Load Breaking::load_of(const ConstraintSystem& system, const State& en
                                  const std::pair<JointId, BreakLimits>& joint, double h) const {
   const Rows::JointRows& rows = all_rows_.joints()[joint.first.index];
   const Rows::Side& side = all_rows_.sides()[rows.first_side + 1];
-  const double* J = system.jacobian().data() + side.offset;
   Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
   for (int i = 0; i < rows.row_count; ++i)
-    wrench += impulses[rows.first_row + i] / h * Eigen::Map<const Eigen::Matrix<double, 6, 1>>(J + 6 * i);
+    wrench += impulses[rows.first_row + i] / h * Rows::block_row(side, system.jacobian(), i);
   const Joint& made = world_.joint(joint.first);
   const Vec3 force = wrench.tail<3>(), arm = end.poses[side.body].q * made.reaction_point_B();
   Load load{force.norm(), (wrench.head<3>() - arm.cross(force)).norm(), 0};

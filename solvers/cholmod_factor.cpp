@@ -4,8 +4,10 @@
 #include <dlfcn.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <new>
 #include <stdexcept>
+#include <vector>
 
 namespace taut {
 namespace {
@@ -87,6 +89,7 @@ class CholmodFactor::Impl {
   cholmod_factor* L_ = nullptr;
   cholmod_dense *x_ = nullptr, *y_ = nullptr, *e_ = nullptr;
   double flops_ = 0, nonzeros_ = 0;
+  std::vector<double> pivots_;  // relative
 };
 
 CholmodFactor::CholmodFactor(Method method) : impl_(std::make_unique<Impl>(method)) {}
@@ -104,6 +107,7 @@ void CholmodFactor::analyze(const SymmetricMatrix& A) {
   impl_->L_ = cholmod_analyze(&S, &impl_->common_);
   if (!impl_->L_)
     throw std::runtime_error("CHOLMOD's analysis failed, status " + std::to_string(impl_->common_.status));
+  impl_->pivots_.assign(A.size(), 0.0);
   impl_->flops_ = impl_->common_.fl;
   impl_->nonzeros_ = impl_->common_.lnz;
 }
@@ -115,6 +119,7 @@ int CholmodFactor::factorize(const SymmetricMatrix& A) {
   cholmod_factorize(&S, impl_->L_, &impl_->common_);
   if (impl_->common_.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
   if (impl_->L_->minor < impl_->L_->n) return static_cast<int>(impl_->L_->minor);
+  read_pivots(A);
   return -1;
 }
 
@@ -129,15 +134,24 @@ void CholmodFactor::solve(std::span<double> x) {
   std::copy(solution, solution + x.size(), x.begin());
 }
 
-void CholmodFactor::pivots(std::span<double> d) const {
-  if (d.empty()) return;
+std::span<const double> CholmodFactor::relative_pivots() const { return impl_->pivots_; }
+
+void CholmodFactor::read_pivots(const SymmetricMatrix& A) {
+  std::vector<double>& d = impl_->pivots_;
+  const auto divide_by_diagonal = [&] {
+    for (int c = 0; c < A.size(); ++c) {
+      const auto rows = A.row_index.begin();
+      const auto at = std::lower_bound(rows + A.column_start[c], rows + A.column_start[c + 1], c);
+      d[c] /= A.values[at - rows];
+    }
+  };
   const cholmod_factor& L = *impl_->L_;
   const auto* values = static_cast<const double*>(L.x);
   if (!L.is_super) {
     const auto* column = static_cast<const int*>(L.p);
     for (std::size_t i = 0; i < d.size(); ++i)
       d[i] = L.is_ll ? values[column[i]] * values[column[i]] : values[column[i]];
-    return;
+    return divide_by_diagonal();
   }
   const auto *super = static_cast<const int*>(L.super), *start = static_cast<const int*>(L.pi),
              *panel = static_cast<const int*>(L.px);
@@ -148,6 +162,7 @@ void CholmodFactor::pivots(std::span<double> d) const {
       d[super[s] + c] = diagonal * diagonal;
     }
   }
+  divide_by_diagonal();
 }
 
 std::string CholmodFactor::name() const {

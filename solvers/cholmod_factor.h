@@ -18,7 +18,7 @@ class CholmodFactor final : public Factor {
   void analyze(const SymmetricMatrix& A) override;
   [[nodiscard]] int factorize(const SymmetricMatrix& A) override;
   void solve(std::span<double> x) override;
-  void pivots(std::span<double> d) const override;
+  std::span<const double> relative_pivots() const override;
   std::string name() const override;
   double flops() const override;
   std::int64_t nonzeros() const override;
@@ -27,6 +27,8 @@ class CholmodFactor final : public Factor {
   static bool has_supernodal();
 
  private:
+  void read_pivots(const SymmetricMatrix& A);
+
   class Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -49,7 +49,7 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
     : choice_(choice),
       axis_rows_(axis_rows),
       springs_(springs),
-      rows_(world, axis_rows, {}, Rows::Joints::kMoving, springs),
+      rows_(world, axis_rows, {}, Rows::Joints::kMoving, springs, Rows::Blocks::kArms),
       mass_(world),
       tolerance_(tolerance) {
   for (const Rows::AxisRow& row : rows_.axis_rows())
@@ -74,7 +74,7 @@ ConstraintSystem::ConstraintSystem(const ConstraintSystem& whole, const SystemPa
 }
 
 void ConstraintSystem::set_contact_places(const World& world, std::span<const Rows::ContactPlace> places) {
-  rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving, springs_);
+  rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving, springs_, Rows::Blocks::kArms);
   states_.clear();
   factored_states_.clear();
   ++factor_version_, ++body_factor_version_;
@@ -129,7 +129,6 @@ void ConstraintSystem::analyze_rows() {
   factor_->analyze(system_->matrix());
   const int n = rows_.row_count();
   ordered_.assign(n, 0.0);
-  pivots_.assign(n, 0.0);
   row_at_position_.resize(n);
   for (int r = 0; r < n; ++r) row_at_position_[system_->position_of_row()[r]] = r;
 }
@@ -151,12 +150,11 @@ void ConstraintSystem::analyze() {
 void ConstraintSystem::make_room() {
   const int n = rows_.row_count();
   jacobian_.assign(rows_.jacobian_size(), 0.0);
-  weighted_.assign(rows_.jacobian_size(), 0.0);
+  weighted_.assign(rows_.whole_size(), 0.0);
   inertias_.assign(n, 0.0);
-  weighted_current_ = inertias_current_ = false;
+  weighted_current_ = inertias_current_ = assembled_ = false;
   roots_.resize(rows_.body_count());
   scratch_.assign(n, 0.0);
-  body_scratch_.resize(rows_.body_count());
   body_values_.assign(6 * static_cast<std::size_t>(rows_.body_count()), 0.0);
   dependent_rows_.reserve(n);
   counted_rows_.reserve(n);
@@ -168,7 +166,24 @@ void ConstraintSystem::make_room() {
 
 void ConstraintSystem::linearize(const Configuration& at) {
   rows_.jacobian(at, jacobian_);
+  factored_ = weighted_current_ = assembled_ = false;
+}
+
+/// Rows have no laws of their own, and S no shift so far.
+bool ConstraintSystem::joints_alone() const {
+  return !through_bodies_ && rows_.axis_rows().empty() && rows_.contact_count() == 0 && states_.empty() &&
+         compliance_ == 0 && !shift_next_;
+}
+
+void ConstraintSystem::linearize_and_assemble(const Configuration& at) {
+  full_roots_.clear();
   factored_ = weighted_current_ = false;
+  assembled_ = joints_alone();
+  for (const Rows::Piece& piece : rows_.pieces()) {
+    rows_.jacobian(at, jacobian_, piece);
+    set_mass(at.poses, piece.begin, piece.end);
+    if (assembled_) system_->assemble(rows_, jacobian_, roots_, piece.settled_begin, piece.settled_end);
+  }
 }
 
 /// W of J and the roots.
@@ -185,14 +200,14 @@ void ConstraintSystem::weight() {
 
 void ConstraintSystem::take_values(ConstraintSystem& whole, const SystemPart& part) {
   const std::span<const double> W = whole.weighted();
-  int to = 0;
+  auto to = rows_.sides().begin();
   for (int j : part.joints) {
     const Rows::JointRows& joint = whole.rows_.joints()[j];
-    const int from = whole.rows_.sides()[joint.first_side].offset;
-    const int size = 6 * joint.row_count * joint.side_count;
-    std::copy_n(whole.jacobian_.begin() + from, size, jacobian_.begin() + to);
-    std::copy_n(W.begin() + from, size, weighted_.begin() + to);
-    to += size;
+    for (const Rows::Side& from : whole.rows_.sides().subspan(joint.first_side, joint.side_count)) {
+      std::copy_n(whole.jacobian_.begin() + from.offset, from.value_count(), jacobian_.begin() + to->offset);
+      std::copy_n(W.begin() + from.whole, 6 * from.row_count, weighted_.begin() + to->whole);
+      ++to;
+    }
   }
   for (std::size_t b = 0; b < part.bodies.size(); ++b) roots_[b] = whole.roots_[part.bodies[b]];
   weighted_current_ = true;
@@ -211,17 +226,21 @@ void ConstraintSystem::take_counters(ConstraintSystem& part) {
 
 void ConstraintSystem::set_mass(std::span<const Pose> poses) {
   full_roots_.clear();
-  weighted_current_ = false;
-  for (int b = 0; b < mass_.size(); ++b) {
+  weighted_current_ = assembled_ = false;
+  set_mass(poses, 0, mass_.size());
+}
+
+void ConstraintSystem::set_mass(std::span<const Pose> poses, int begin, int end) {
+  for (int b = begin; b < end; ++b) {
     const MassMatrix::Body& body = mass_[b];
     if (body.fixed) continue;
     roots_[b] = {mass_.principal_axes(b, poses[b]) * body.root_inverse_moments.asDiagonal(),
-                 body.root_inverse_mass};
+                 std::sqrt(body.inverse_mass)};
   }
 }
 
 std::span<FullMassRoot> ConstraintSystem::use_full_roots() {
-  weighted_current_ = false;
+  weighted_current_ = assembled_ = false;
   full_roots_.resize(roots_.size());
   return full_roots_;
 }
@@ -235,8 +254,9 @@ void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
     factored_ = true;
     return;
   }
-  {
+  if (!(assembled_ && joints_alone() && !shifted_)) {
     const Stopwatch watch(times.assembly);
+    assembled_ = false;
     if (!states_.empty()) {
       weight();
       mask_weighted();
@@ -332,7 +352,7 @@ void ConstraintSystem::mask_weighted() {
   for (const Rows::Side& side : rows_.sides())
     for (int i = 0; i < side.row_count; ++i)
       if (states_[side.first_row + i] == kMasked)
-        std::fill_n(masked_weighted_.begin() + side.offset + 6 * i, 6, 0.0);
+        std::fill_n(masked_weighted_.begin() + side.whole + 6 * i, 6, 0.0);
 }
 
 void ConstraintSystem::factorize(StageTimes& times) {
@@ -373,23 +393,22 @@ void ConstraintSystem::factorize_for_counting(StageTimes& times) {
   const double shift = tolerance_.shift;
   shifted_ = shift_next_ = true;
   assemble_and_factorize(times);
-  large_pivots_ = pivots_;
+  large_pivots_.assign(factor_->relative_pivots().begin(), factor_->relative_pivots().end());
   tolerance_.shift = shift / 16;
   assemble_and_factorize(times);
   tolerance_.shift = shift;
   dependent_rows_.clear();
   if (!usable_) return;
-  for (std::size_t i = 0; i < pivots_.size(); ++i)
-    if (pivots_[i] < 0.5 * large_pivots_[i]) dependent_rows_.push_back(row_at_position_[i]);
+  const std::span<const double> pivots = factor_->relative_pivots();
+  for (std::size_t i = 0; i < pivots.size(); ++i)
+    if (pivots[i] < 0.5 * large_pivots_[i]) dependent_rows_.push_back(row_at_position_[i]);
 }
 
 void ConstraintSystem::inspect_pivots() {
-  factor_->pivots(pivots_);
   double smallest = 1, largest = 0;
-  const std::span<const int> diagonal = system_->diagonal();
-  const std::vector<double>& values = system_->matrix().values;
-  for (std::size_t i = 0; i < pivots_.size(); ++i) {
-    const double ratio = pivots_[i] / values[diagonal[i]];
+  const std::span<const double> pivots = factor_->relative_pivots();
+  for (std::size_t i = 0; i < pivots.size(); ++i) {
+    const double ratio = pivots[i];
     if (!(ratio > tolerance_.dependent)) {
       dependent_rows_.push_back(row_at_position_[i]);
       continue;
@@ -443,7 +462,7 @@ void ConstraintSystem::sum_inertias() {
       const double own =
           mass_[side.body].fixed
               ? 0
-              : Eigen::Map<const Eigen::Matrix<double, 6, 1>>(weighted_.data() + side.offset + 6 * i)
+              : Eigen::Map<const Eigen::Matrix<double, 6, 1>>(weighted_.data() + side.whole + 6 * i)
                     .squaredNorm();
       double& sum = inertias_[side.first_row + i];
       sum = first ? own : sum + own;
@@ -454,12 +473,17 @@ void ConstraintSystem::sum_inertias() {
 }
 
 void ConstraintSystem::to_bodies(std::span<const double> lambda, std::span<double> v) {
+  using Six = Eigen::Matrix<double, 6, 1>;
   weight();
-  rows_.apply_transpose(weighted_, lambda, body_scratch_);
   for (int b = 0; b < mass_.size(); ++b) {
-    const Wrench wrench = mass_[b].fixed ? Wrench{} : body_scratch_[b];
-    Vec3::Map(v.data() + 6 * b) = wrench.torque;
-    Vec3::Map(v.data() + 6 * b + 3) = wrench.force;
+    Six sum = Six::Zero();
+    if (!mass_[b].fixed)
+      for (int s : rows_.sides_of(b)) {
+        const Rows::Side& side = rows_.sides()[s];
+        const double *W = weighted_.data() + side.whole, *force = lambda.data() + side.first_row;
+        for (int i = 0; i < side.row_count; ++i, W += 6) sum += force[i] * Six::Map(W);
+      }
+    Six::Map(v.data() + 6 * b) = sum;
   }
 }
 
@@ -470,7 +494,7 @@ void ConstraintSystem::to_rows(std::span<const double> v, std::span<double> out)
       const Rows::Side& side = rows_.sides()[s];
       const double* own = v.data() + 6 * side.body;
       const SixVector f(Vec3::Map(own), Vec3::Map(own + 3));
-      const double* W = weighted_.data() + side.offset;
+      const double* W = weighted_.data() + side.whole;
       for (int i = 0; i < side.row_count; ++i, W += 6) out[joint.first_row + i] += f.dot(W);
     }
   }

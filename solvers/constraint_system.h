@@ -84,12 +84,14 @@ class ConstraintSystem {
   void linearize(const Configuration& at);
   /// J given from outside, for instance a mean of two: to be written to.
   std::span<double> change_jacobian() {
-    weighted_current_ = false;
+    weighted_current_ = assembled_ = false;
     return jacobian_;
   }
   std::span<const double> jacobian() const { return jacobian_; }
   /// The roots of M⁻¹ at these poses …
   void set_mass(std::span<const Pose> poses);
+  /// … or J and the roots at once, and where joints alone make S, that too: for a factorize() right behind.
+  void linearize_and_assemble(const Configuration& at);
   std::span<const InverseMassRoot> mass_roots() const { return roots_; }
   const InverseMassRoot& inverse_mass(int body) const { return roots_[body]; }
   /// … and until the next set_mass(), others for S in their place, one a body, for the caller to fill.
@@ -182,6 +184,8 @@ class ConstraintSystem {
 
  private:
   void analyze();
+  void set_mass(std::span<const Pose> poses, int begin, int end);
+  bool joints_alone() const;
   void weight();
   void sum_inertias();
   bool bodies_pay();
@@ -218,11 +222,11 @@ class ConstraintSystem {
   std::vector<double> inertias_;   // 1/S_rr of that W, if inertias_current_
   bool weighted_current_ = false;  // W is that of J and the roots
   bool inertias_current_ = false;
+  bool assembled_ = false;  // S is that of J and the roots, not shifted
   std::vector<InverseMassRoot> roots_;
   std::vector<FullMassRoot> full_roots_;  // empty: not in use
-  std::vector<double> ordered_, scratch_, pivots_;
+  std::vector<double> ordered_, scratch_;
   std::vector<double> states_, factored_states_, masked_weighted_;
-  std::vector<Wrench> body_scratch_;
   std::vector<int> row_at_position_, dependent_rows_;
   std::vector<int> counted_rows_;  // the dependent rows when small_pivots_ last changed
   std::vector<double> large_pivots_;

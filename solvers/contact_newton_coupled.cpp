@@ -88,7 +88,7 @@ void ContactNewton::add_coupling(double part, const Eigen::VectorXd& u, Eigen::V
     const Rows::JointRows& contact = rows.joints()[rows.contact_joint(k)];
     const auto sides = rows.sides().subspan(contact.first_side, contact.side_count);
     const auto row_of = [&](const auto& side, int row) {
-      return Eigen::Map<const Six>(turned_.data() + side.offset + 6 * row);
+      return Eigen::Map<const Six>(turned_.data() + side.whole + 6 * row);
     };
     double rate = 0;
     for (const auto& side : sides) rate += row_of(side, 0).dot(u.segment<6>(6 * side.body));

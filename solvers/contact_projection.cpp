@@ -108,8 +108,8 @@ void ContactNewton::turn_rows(int place, double mu, int first, const Vec2& direc
   const Rows::JointRows& contact = rows.joints()[rows.contact_joint(place)];
   const double length = 1 / std::sqrt(1 + mu * mu);
   for (int s = contact.first_side; s < contact.first_side + contact.side_count; ++s) {
-    const double* W = system_.weighted().data() + rows.sides()[s].offset;
-    double* turned = turned_.data() + rows.sides()[s].offset;
+    const double* W = system_.weighted().data() + rows.sides()[s].whole;
+    double* turned = turned_.data() + rows.sides()[s].whole;
     for (int k = 0; k < 6; ++k) {
       const double a = W[6 * first + k], b = W[6 * first + 6 + k];
       const double along = direction[0] * a + direction[1] * b;

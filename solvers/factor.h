@@ -40,8 +40,8 @@ class Factor {
   [[nodiscard]] virtual int factorize(const SymmetricMatrix& A) = 0;
   /// x ← A⁻¹ x, in elimination order.
   virtual void solve(std::span<double> x) = 0;
-  /// The pivots D_ii > 0 (L_ii² of an L Lᵀ form), in elimination order.
-  virtual void pivots(std::span<double> d) const = 0;
+  /// The pivots D_ii > 0 (L_ii² of an L Lᵀ form), each as a part of A_ii, in elimination order.
+  virtual std::span<const double> relative_pivots() const = 0;
 
   virtual std::string name() const = 0;
   virtual double flops() const = 0;           ///< of one numeric factorisation

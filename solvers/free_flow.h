@@ -91,12 +91,13 @@ inline void rotate(const MassMatrix::Body& body, const Vec3& L, double h, Quat& 
 
 }  // namespace detail
 
-/// Pose after time h.
-inline Pose free_flow(const MassMatrix::Body& body, const Pose& pose, const Vec3& L, const Vec3& P,
+/// Pose of body b after time h.
+inline Pose free_flow(const MassMatrix& mass, int b, const Pose& pose, const Vec3& L, const Vec3& P,
                       double h) {
-  Quat q = body.principal ? pose.q : Quat(pose.q * body.q_BP);
+  const MassMatrix::Body& body = mass[b];
+  Quat q = body.principal ? pose.q : Quat(pose.q * mass.inertia(b).q_BP);
   detail::rotate(body, L, h, q);
-  if (!body.principal) q = q * body.q_BP.conjugate();
+  if (!body.principal) q = q * mass.inertia(b).q_BP.conjugate();
   // One Newton step towards |q| = 1; its round-off drift over millions of steps would otherwise show.
   const double x = q.x(), y = q.y(), z = q.z(), w = q.w();
   const double scale = 1.5 - 0.5 * ((x * x + y * y) + (z * z + w * w));

@@ -58,6 +58,12 @@ struct FrontKernels {
   void (*weigh_rows)(const double* J, int rows, const double* rotation, const double* translation,
                      double scale, double* W);
 
+  /// Both for J = sign (−[arm]×, 1), which has three rows.
+  void (*weigh_arm)(const double* arm, double sign, const double* rotation, const double* translation,
+                    double scale, double* W);
+  void (*weigh_arm_rows)(const double* arm, double sign, const double* rotation, const double* translation,
+                         double scale, double* W);
+
   /// C ← W_i W_jᵀ, or C + W_i W_jᵀ, of W by columns; the columns of C are `stride` apart.
   void (*multiply_sides)(const double* W_i, int rows, const double* W_j, int columns, double* C, int stride,
                          bool overwrite);

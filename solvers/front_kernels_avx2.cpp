@@ -53,8 +53,9 @@ inline Vec keep(Vec a, Vec mask) { return _mm256_and_pd(a, mask); }
 namespace taut {
 
 const FrontKernels* avx2_front_kernels() {
-  static constexpr FrontKernels kernels{"AVX2",  factor_panel, contribution, extend_add, assemble,
-                                        forward, backward,     weigh,        weigh_rows, multiply_sides};
+  static constexpr FrontKernels kernels{"AVX2",     factor_panel, contribution,   extend_add,
+                                        assemble,   forward,      backward,       weigh,
+                                        weigh_rows, weigh_arm,    weigh_arm_rows, multiply_sides};
   return &kernels;
 }
 

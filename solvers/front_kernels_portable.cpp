@@ -61,8 +61,9 @@ inline Vec keep(const Vec& a, const Vec& mask) { return {keep(a.low, mask.low), 
 namespace taut {
 
 const FrontKernels& portable_front_kernels() {
-  static constexpr FrontKernels kernels{"portable", factor_panel, contribution, extend_add, assemble,
-                                        forward,    backward,     weigh,        weigh_rows, multiply_sides};
+  static constexpr FrontKernels kernels{"portable", factor_panel, contribution,   extend_add,
+                                        assemble,   forward,      backward,       weigh,
+                                        weigh_rows, weigh_arm,    weigh_arm_rows, multiply_sides};
   return kernels;
 }
 

@@ -76,9 +76,11 @@ void ImpulseIteration::change(const Problem& problem, int row, double by) {
       impulses_.add(side, by);
       continue;
     }
-    const double* J = system_.jacobian().data() + side.offset;
-    problem.absorbed[side.body].torque += by * Vec3(J[0], J[1], J[2]);
-    problem.absorbed[side.body].force += by * Vec3(J[3], J[4], J[5]);
+    const Rows::Side& of_joint = system_.rows().sides()[side.side];
+    const Eigen::Matrix<double, 6, 1> J =
+        Rows::block_row(of_joint, system_.jacobian(), row - of_joint.first_row);
+    problem.absorbed[side.body].torque += by * J.head<3>();
+    problem.absorbed[side.body].force += by * J.tail<3>();
   }
 }
 
@@ -150,7 +152,7 @@ double ImpulseIteration::relax_joint(const Problem& problem, int block) {
       off[i] = problem.laws[first + i].rate(1) - rate(problem, first + i);
       for (int j = 0; j <= i; ++j)
         for (std::size_t s = 0; s < impulses_.sides(first + i).size(); ++s) {
-          const auto [body, offset] = impulses_.sides(first + i)[s];
+          const auto [body, offset, side] = impulses_.sides(first + i)[s];
           const int other = impulses_.sides(first + j)[s].offset;
           if (!frozen_[body]) S(i, j) += SixRow(W + offset).dot(SixRow(W + other));
         }

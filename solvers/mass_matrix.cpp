@@ -18,25 +18,27 @@ std::int8_t symmetry_axis(const Vec3& moments) {
 
 MassMatrix::MassMatrix(const World& world) {
   bodies_.resize(world.body_count());
+  inertias_.resize(world.body_count());
   for (int i = 0; i < world.body_count(); ++i) {
     const MassProperties& mass = world.mass_properties(BodyId{i});
     Body& body = bodies_[i];
     body.fixed = !world.moves(BodyId{i});
-    body.mass = mass.mass();
-    body.moments = mass.principal_moments();
-    body.q_BP = mass.q_BP();
+    Inertia& inertia = inertias_[i];
+    inertia = {mass.mass(), mass.principal_moments(), mass.q_BP()};
     body.principal = mass.body_axes_are_principal();
-    body.symmetry_axis = symmetry_axis(body.moments);
+    body.symmetry_axis = symmetry_axis(inertia.moments);
     if (body.fixed) continue;
-    body.inverse_mass = 1 / body.mass;
-    body.inverse_moments = body.moments.cwiseInverse();
-    body.root_inverse_mass = std::sqrt(body.inverse_mass);
+    body.inverse_mass = 1 / inertia.mass;
+    body.inverse_moments = inertia.moments.cwiseInverse();
     body.root_inverse_moments = body.inverse_moments.cwiseSqrt();
   }
 }
 
 MassMatrix::MassMatrix(const MassMatrix& whole, std::span<const int> bodies) {
-  for (int b : bodies) bodies_.push_back(whole[b]);
+  for (int b : bodies) {
+    bodies_.push_back(whole[b]);
+    inertias_.push_back(whole.inertias_[b]);
+  }
 }
 
 }  // namespace taut

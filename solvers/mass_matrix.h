@@ -11,7 +11,7 @@ namespace taut {
 /// M = diag(I_W, m 1₃) per body, kept in principal axes; fixed bodies have M⁻¹ = 0.
 class MassMatrix {
  public:
-  /// What each step reads comes first, in one line of the cache.
+  /// What each step reads of a body, in one line of the cache …
   struct alignas(64) Body {
     Vec3 inverse_moments = Vec3::Zero();  ///< 1 / I_P
     double inverse_mass = 0;
@@ -19,8 +19,9 @@ class MassMatrix {
     bool principal = true;  ///< q_BP is the identity
     bool fixed = true;
     std::int8_t symmetry_axis = -1;  ///< axis i with the other two moments equal; −1: none
-
-    double root_inverse_mass = 0;  ///< √(1/m)
+  };
+  /// … and the rest.
+  struct Inertia {
     double mass = 1;
     Vec3 moments = Vec3::Ones();  ///< I_P [kg m²]
     Quat q_BP = Quat::Identity();
@@ -32,11 +33,12 @@ class MassMatrix {
 
   int size() const { return static_cast<int>(bodies_.size()); }
   const Body& operator[](int body) const { return bodies_[body]; }
+  const Inertia& inertia(int body) const { return inertias_[body]; }
 
   /// R_WP of a body.
   Mat3 principal_axes(int body, const Pose& pose) const {
-    const Body& b = bodies_[body];
-    return b.principal ? pose.q.toRotationMatrix() : (pose.q * b.q_BP).toRotationMatrix();
+    return bodies_[body].principal ? pose.q.toRotationMatrix()
+                                   : (pose.q * inertias_[body].q_BP).toRotationMatrix();
   }
   /// ω = I_W⁻¹ L.
   Vec3 angular_velocity(int body, const Pose& pose, const Vec3& L) const {
@@ -46,16 +48,17 @@ class MassMatrix {
   /// L = I_W ω.
   Vec3 angular_momentum(int body, const Pose& pose, const Vec3& w) const {
     const Mat3 R = principal_axes(body, pose);
-    return R * bodies_[body].moments.cwiseProduct(R.transpose() * w);
+    return R * inertias_[body].moments.cwiseProduct(R.transpose() * w);
   }
   /// (I_W ω, m v); zero for fixed bodies.
   Wrench momentum(int body, const Pose& pose, const Twist& V) const {
-    const Body& b = bodies_[body];
-    return b.fixed ? Wrench{} : Wrench{angular_momentum(body, pose, V.w), b.mass * V.v};
+    if (bodies_[body].fixed) return {};
+    return {angular_momentum(body, pose, V.w), inertias_[body].mass * V.v};
   }
 
  private:
   std::vector<Body> bodies_;
+  std::vector<Inertia> inertias_;
 };
 
 /// A square root of M⁻¹ of a body: M⁻¹ = A Aᵀ with A = diag(rotation, translation 1₃); zero for fixed ones.

@@ -79,7 +79,7 @@ void MoreauJean::go_to_middle(double h, StepReport& report) {
 
 /// A body after h with the momenta of the start.
 Pose MoreauJean::moved(int b, double h) const {
-  return free_flow(system_.mass()[b], poses_[b], start_momenta_[b].torque, start_momenta_[b].force, h);
+  return free_flow(system_.mass(), b, poses_[b], start_momenta_[b].torque, start_momenta_[b].force, h);
 }
 
 /// V₀ and what the laws take from it, and the factor for these laws.
@@ -122,7 +122,7 @@ void MoreauJean::weigh(double h) {
     const Twist &V0 = first_twists_[b], &V1 = state_.twists[b];
     weighted_.twists[b] = {(1 - theta) * V0.w + theta * V1.w, (1 - theta) * V0.v + theta * V1.v};
     weighted_.poses[b] =
-        free_flow(system_.mass()[b], moved(b, theta * h - last), momenta_[b].torque, momenta_[b].force, last);
+        free_flow(system_.mass(), b, moved(b, theta * h - last), momenta_[b].torque, momenta_[b].force, last);
   }
 }
 
@@ -189,7 +189,7 @@ bool MoreauJean::go_to_end(double h, StepReport& report) {
     for (int b = 0; b < world_.body_count(); ++b)
       if (system_.inverse_mass(b).moves())
         state_.poses[b] =
-            free_flow(system_.mass()[b], moved(b, h - last), momenta_[b].torque, momenta_[b].force, last);
+            free_flow(system_.mass(), b, moved(b, h - last), momenta_[b].torque, momenta_[b].force, last);
   }
   state_.time = start_time_ + h;
   first_axes_ = state_.axes;

@@ -26,6 +26,8 @@ int MultifrontalFactor::factorize(const SymmetricMatrix& A) {
 int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatrix& A) {
   double* panel = L_.data() + front.panel;
   assemble(front, A, panel);
+  const auto diagonal = [&](int k) { return panel[k * (std::ptrdiff_t{front.leading} + 1)]; };
+  for (int k = 0; k < front.pivots; ++k) pivots_[rows_[front.row_begin + k]] = diagonal(k);
   for (int k = front.child_begin; k < front.child_end; ++k) {
     const Front& child = fronts_[children_[k]];
     kernels_->extend_add(panel, front.leading, contribution_of(child), contribution_leading(child),
@@ -35,8 +37,8 @@ int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatri
   const int failed = kernels_->factor_panel(panel, front.leading, front.rows, front.pivots, pack_.data());
   if (failed >= 0) return rows_[front.row_begin + failed];
   for (int k = 0; k < front.pivots; ++k) {  // while they are near
-    const double reciprocal = panel[k * (std::ptrdiff_t{front.leading} + 1)];
-    pivots_[rows_[front.row_begin + k]] = 1.0 / (reciprocal * reciprocal);
+    double& pivot = pivots_[rows_[front.row_begin + k]];
+    pivot = 1.0 / (diagonal(k) * diagonal(k)) / pivot;
   }
 
   const int m = front.rows - front.pivots, ldc = contribution_leading(front);
@@ -73,11 +75,6 @@ void MultifrontalFactor::solve(std::span<double> x) {
   for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front)
     kernels_->backward(L_.data() + front->panel, front->leading, front->pivots,
                        rows_.data() + front->row_begin, x.data(), y_.data());
-}
-
-void MultifrontalFactor::pivots(std::span<double> d) const {
-  assert(static_cast<int>(d.size()) == size_);
-  std::copy(pivots_.begin(), pivots_.end(), d.begin());
 }
 
 }  // namespace taut

@@ -35,7 +35,7 @@ class MultifrontalFactor final : public Factor {
   void analyze(const SymmetricMatrix& A) override;
   [[nodiscard]] int factorize(const SymmetricMatrix& A) override;
   void solve(std::span<double> x) override;
-  void pivots(std::span<double> d) const override;
+  std::span<const double> relative_pivots() const override { return pivots_; }
 
   std::string name() const override { return std::string("multifrontal ") + kernels_->name; }
   /// Includes the arithmetic with zeros that merged fronts hold.
@@ -91,7 +91,7 @@ class MultifrontalFactor final : public Factor {
   AlignedVector<double> L_;          // panels, front after front
   AlignedVector<double> contributions_;
   AlignedVector<double> pack_;
-  std::vector<double> pivots_;  // D_ii of the last factorisation
+  std::vector<double> pivots_;  // D_ii / A_ii of the last factorisation
   AlignedVector<double> y_;     // a front's part of x
 };
 

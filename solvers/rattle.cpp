@@ -113,8 +113,12 @@ void Rattle::linearize(StepReport& report) {
 }
 
 void Rattle::linearize_and_factorize(StepReport& report) {
-  linearize(report);
-  if (!iterative()) system_.factorize(report.times);
+  if (iterative()) return linearize(report);
+  {
+    const Stopwatch watch(report.times.assembly);
+    system_.linearize_and_assemble(state_);
+  }
+  system_.factorize(report.times);
 }
 
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
@@ -281,18 +285,22 @@ std::span<const double> Rattle::kick_jacobian() const {
   return refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian();
 }
 
-void Rattle::kick_and_drift(double h) {
+/// Poses after h with the impulses λ, and φ there.
+void Rattle::kick_and_drift(double h, const Configuration& end) {
+  const Rows& rows = system_.rows();
   const std::span<const double> J = kick_jacobian();
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + system_.rows().wrench_on(b, J, lambda_);
-    if (iterative()) kicked_[b] = kicked_[b] - absorbed_[b];
-    if (implicit_) {
-      kicked_[b].torque = filter_rotation_[b] * kicked_[b].torque;
-      kicked_[b].force = filter_translation_[b] * kicked_[b].force;
+  for (const Rows::Piece& piece : rows.pieces()) {
+    for (int b = piece.begin; b < piece.end; ++b) {
+      if (system_.mass()[b].fixed) continue;
+      kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + rows.wrench_on(b, J, lambda_);
+      if (iterative()) kicked_[b] = kicked_[b] - absorbed_[b];
+      if (implicit_) {
+        kicked_[b].torque = filter_rotation_[b] * kicked_[b].torque;
+        kicked_[b].force = filter_translation_[b] * kicked_[b].force;
+      }
+      poses_[b] = free_flow(system_.mass(), b, state_.poses[b], kicked_[b].torque, kicked_[b].force, h);
     }
-    poses_[b] = free_flow(body, state_.poses[b], kicked_[b].torque, kicked_[b].force, h);
+    rows.residual(end, phi_, piece);
   }
 }
 
@@ -303,8 +311,7 @@ bool Rattle::close_positions(double h, StepReport& report) {
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
-      kick_and_drift(h);
-      system_.rows().residual({poses_, state_.time + h, state_.axes}, phi_);
+      kick_and_drift(h, {poses_, state_.time + h, state_.axes});
     }
     clear_broken_rows(phi_);
     const double gap = max_abs(phi_);
@@ -370,12 +377,13 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   const Stopwatch watch(report.times.velocities);
   double last_change = std::numeric_limits<double>::infinity();
   for (int pass = 0;; ++pass) {
-    for (int b = 0; b < world_.body_count(); ++b)
-      if (system_.inverse_mass(b).moves()) momenta_[b] = kicked_[b] + 0.5 * h * forces_[b];
-    if (!bounded())
-      project_momenta(report, mu_);
-    else if (!(iterative() ? stabilize_velocities(report) : project_bounded_momenta(report)))
-      return false;
+    if (!bounded()) {
+      project_momenta(report, mu_, h);
+    } else {
+      for (int b = 0; b < world_.body_count(); ++b)
+        if (system_.inverse_mass(b).moves()) second_kick(b, h);
+      if (!(iterative() ? stabilize_velocities(report) : project_bounded_momenta(report))) return false;
+    }
     if (!world_.forces_depend_on_velocity(springs_)) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.
     std::swap(forces_, last_forces_);
@@ -416,10 +424,12 @@ void Rattle::twists_and_rates(Change change) {
 }
 
 /// μ with J M⁻¹ (p + Jᵀμ) + φ_t = 0, refined until |J V + φ_t| is within its tolerance.  It is in the range
-/// of S, also with dependent rows.
-void Rattle::project_momenta(StepReport& report, std::span<double> mu) {
+/// of S, also with dependent rows.  With h ≠ 0 the momenta are those after the second kick of h without μ.
+void Rattle::project_momenta(StepReport& report, std::span<double> mu, double h) {
   std::fill(mu.begin(), mu.end(), 0.0);
-  twists_and_rates([](int) {});
+  twists_and_rates([this, h](int b) {
+    if (h != 0) second_kick(b, h);
+  });
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
     system_.solve_shifted(delta_);

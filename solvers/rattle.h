@@ -125,7 +125,7 @@ class Rattle {
   double system_size() const;
   double distance_to_closure(StepReport& report);
   bool mend_positions(double h, StepReport& report);
-  void kick_and_drift(double h);
+  void kick_and_drift(double h, const Configuration& end);
   void try_positions(double h);
   void rates_without(std::span<const double> lambda);
   void refactor_at_iterate(double h, StepReport& report);
@@ -136,7 +136,8 @@ class Rattle {
   Fixed fixed_point(int pass, double& last_change) const;
   template <typename Change>
   void twists_and_rates(Change change);
-  void project_momenta(StepReport& report, std::span<double> mu);
+  void second_kick(int b, double h) { momenta_[b] = kicked_[b] + 0.5 * h * forces_[b]; }
+  void project_momenta(StepReport& report, std::span<double> mu, double h = 0);
   bool iterative() const { return settings_.solver != Solver::kDirect; }
   /// Rows have laws of their own, or are to be solved one by one.
   bool bounded() const { return iterative() || !axes_.empty() || !contacts_.empty(); }
@@ -223,7 +224,9 @@ class Rattle {
   void roll_back(StepReport& report);
   bool finite() const;
   void update_step_limit(std::span<const double> force_multipliers);
-  void clear_held_bodies();
+  void find_held_bodies();
+  bool is_held(int body);
+  void clear_held_bodies(int begin, int end);
   void prepare_stiffness(double h);
   void account_for_kick(double h, StepReport& report);
   bool any_split() const;

@@ -66,8 +66,7 @@ void Rattle::forget_impacts(bool for_good) {
 
 /// Where the present λ leads to: q₁, φ(q₁), the mean rates and their laws.
 void Rattle::try_positions(double h) {
-  kick_and_drift(h);
-  system_.rows().residual(end_of_step(h), phi_);
+  kick_and_drift(h, end_of_step(h));
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] = (phi_[r] - start_theta_[r]) / h;
   if (!contacts_.empty()) contact_rates();
   clear_loose_rows(phi_);

@@ -99,7 +99,7 @@ double Rattle::spin_energy(std::span<const Wrench> momenta, std::span<const Pose
   for (int b = 0; b < world_.body_count(); ++b) {
     const MassMatrix::Body& body = system_.mass()[b];
     if (body.fixed || (which == Bodies::kSplit && body.symmetry_axis >= 0)) continue;
-    const Quat q = body.principal ? poses[b].q : Quat(poses[b].q * body.q_BP);
+    const Quat q = body.principal ? poses[b].q : Quat(poses[b].q * system_.mass().inertia(b).q_BP);
     const Vec3 m = q.conjugate() * momenta[b].torque;
     energy += 0.5 * m.cwiseAbs2().dot(body.inverse_moments);
   }

@@ -10,6 +10,8 @@
 namespace taut {
 namespace {
 
+constexpr int kFixed = 0;  ///< the ground, with all bodies that stick to it
+
 /// Whether no eigenvalue of a symmetric K is negative but for round-off: the pivots of K + ε tr(K) 1₃ are
 /// positive.
 bool is_semidefinite(const Mat3& K) {
@@ -28,10 +30,16 @@ void Rattle::update_step_limit(std::span<const double> force_multipliers) {
   step_limit_ = std::numeric_limits<double>::infinity();
   omega_ = 0;
   if (settings_.tension != TensionPolicy::kIgnore && !iterative()) {  // whose multipliers are no measure
-    for (StiffnessBlocks& block : stiffness_) block = {};
-    system_.rows().stiffness(state_, force_multipliers, stiffness_);
-    clear_held_bodies();
-    omega_ = fastest_transverse_frequency(system_.mass_roots(), stiffness_);
+    find_held_bodies();
+    const std::span<StiffnessBlocks> stiffness = stiffness_;
+    for (const Rows::Piece& piece : system_.rows().pieces()) {
+      for (StiffnessBlocks& block : stiffness.subspan(piece.begin, piece.end - piece.begin)) block = {};
+      system_.rows().stiffness(state_, force_multipliers, stiffness, piece);
+      const int settled = piece.settled_begin, count = piece.settled_end - settled;
+      if (holds_bodies_) clear_held_bodies(settled, piece.settled_end);
+      omega_ = std::max(omega_, fastest_transverse_frequency(system_.mass_roots().subspan(settled, count),
+                                                             stiffness.subspan(settled, count)));
+    }
     if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
       step_limit_ = settings_.max_tension_number / omega_;
   }
@@ -42,7 +50,7 @@ void Rattle::update_step_limit(std::span<const double> force_multipliers) {
 
 /// Bodies that friction holds to the ground, directly or through others, do not move whatever their load.
 /// Only where a step in which it lets go is looked at again.
-void Rattle::clear_held_bodies() {
+void Rattle::find_held_bodies() {
   holds_bodies_ = false;
   if (!rubs() || has_drivers_ || settings_.tension != TensionPolicy::kSubstep ||
       settings_.integrator == Integrator::kMoreauJean)
@@ -52,7 +60,7 @@ void Rattle::clear_held_bodies() {
   axes_.clear_loose(held_rows_);
   for (int r : breaking_.rows()) held_rows_[r] = 0;
   // Sets of bodies that stick together; fixed ones are in that of the ground.
-  constexpr int kFixed = 0, kLocked = 6;
+  constexpr int kLocked = 6;
   stuck_together_.reset(world_.body_count());
   for (int b = 0; b < world_.body_count(); ++b)
     if (system_.mass()[b].fixed) stuck_together_.join(kFixed, b);
@@ -62,11 +70,14 @@ void Rattle::clear_held_bodies() {
       continue;
     stuck_together_.join(rows.sides()[joint.first_side].body, rows.sides()[joint.first_side + 1].body);
   }
-  for (int b = 0; b < world_.body_count(); ++b) {
-    if (system_.mass()[b].fixed || stuck_together_.find(b) != kFixed) continue;
-    stiffness_[b] = {};
-    holds_bodies_ = true;
-  }
+  for (int b = 0; b < world_.body_count() && !holds_bodies_; ++b) holds_bodies_ = is_held(b);
+}
+
+bool Rattle::is_held(int body) { return !system_.mass()[body].fixed && stuck_together_.find(body) == kFixed; }
+
+void Rattle::clear_held_bodies(int begin, int end) {
+  for (int b = begin; b < end; ++b)
+    if (is_held(b)) stiffness_[b] = {};
 }
 
 /// M + h²/2 K in place of M for the kick before the drift [Tournier2015]: the positive part of the geometric
@@ -98,8 +109,8 @@ void Rattle::prepare_stiffness(double h) {
   };
   const std::span<FullMassRoot> roots = system_.use_full_roots();
   for (int b = 0; b < world_.body_count(); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
+    if (system_.mass()[b].fixed) continue;
+    const MassMatrix::Inertia& body = system_.mass().inertia(b);
     const Mat3 R = system_.mass().principal_axes(b, state_.poses[b]);
     filter(R * body.moments.asDiagonal() * R.transpose(), stiffness_[b].rotation,
            system_.inverse_mass(b).rotation, filter_rotation_[b], roots[b].rotation);

@@ -12,9 +12,9 @@ namespace taut {
 /// bodies, Wᵀ λ, is kept.
 class RowImpulses {
  public:
-  /// One moving body that a row acts on, and where its six numbers are in W and J.
+  /// One moving body that a row acts on, where its six numbers are in W, and which side of the joint that is.
   struct Side {
-    int body, offset;
+    int body, offset, side;
   };
 
   /// For as long as the system keeps its rows.
@@ -25,7 +25,7 @@ class RowImpulses {
       for (int i = 0; i < joint.row_count; ++i) {
         for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
           if (!system.mass()[rows.sides()[s].body].fixed)
-            sides_.push_back({rows.sides()[s].body, rows.sides()[s].offset + 6 * i});
+            sides_.push_back({rows.sides()[s].body, rows.sides()[s].whole + 6 * i, s});
         row_start_.push_back(static_cast<int>(sides_.size()));
       }
     diagonal_.assign(rows.row_count(), 0.0);

@@ -73,11 +73,9 @@ Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> m
     own_rows.jacobian(source_.state(), wrench_jacobian_);
     wrench_jacobian_version_ = source_.state_version();
   }
-  const std::vector<double>& jacobian = wrench_jacobian_;
   Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
   for (int i = 0; i < rows.row_count; ++i)
-    wrench += scale * multipliers[rows.first_row + i] *
-              Eigen::Map<const Eigen::Matrix<double, 6, 1>>(jacobian.data() + side.offset + 6 * i);
+    wrench += scale * multipliers[rows.first_row + i] * Rows::block_row(side, wrench_jacobian_, i);
   Reaction reaction;
   reaction.force = wrench.tail<3>();
   reaction.torque = wrench.head<3>() - (source_.pose(j.b()).q * j.reaction_point_B()).cross(reaction.force);

@@ -141,8 +141,12 @@ void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian, st
   const FrontKernels& kernels = front_kernels();
   for (const Rows::Side& side : rows.sides()) {
     const RootBlocks A = blocks_of(roots[side.body]);
-    kernels.weigh_rows(jacobian.data() + side.offset, side.row_count, A.rotation, A.translation, A.scale,
-                       weighted.data() + side.offset);
+    const double* J = jacobian.data() + side.offset;
+    double* W = weighted.data() + side.whole;
+    if (side.arm != 0)
+      kernels.weigh_arm_rows(J, side.arm, A.rotation, A.translation, A.scale, W);
+    else
+      kernels.weigh_rows(J, side.row_count, A.rotation, A.translation, A.scale, W);
   }
 }
 
@@ -159,8 +163,8 @@ void SystemMatrix::add_products(const Rows& rows, int body) {
 
 /// S of what `weigh(side, W)` makes of each side of a body.
 template <typename Weigh>
-void SystemMatrix::assemble_bodies(const Rows& rows, Weigh weigh) {
-  for (int b = 0; b < rows.body_count(); ++b) {
+void SystemMatrix::assemble_bodies(const Rows& rows, int begin, int end, Weigh weigh) {
+  for (int b = begin; b < end; ++b) {
     if (first_product_[b] == first_product_[b + 1]) continue;
     double* W = own_weighted_.data();
     for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k) {
@@ -179,13 +183,28 @@ void SystemMatrix::shift_diagonal(double shift) {
 }
 
 template <typename Root>
+void SystemMatrix::assemble_roots(const Rows& rows, std::span<const double> jacobian,
+                                  std::span<const Root> roots, int begin, int end) {
+  assemble_bodies(rows, begin, end, [&](const Rows::Side& side, double* W) {
+    const RootBlocks A = blocks_of(roots[side.body]);
+    const double* J = jacobian.data() + side.offset;
+    if (side.arm != 0)
+      kernels_.weigh_arm(J, side.arm, A.rotation, A.translation, A.scale, W);
+    else
+      kernels_.weigh(J, side.row_count, A.rotation, A.translation, A.scale, W);
+  });
+}
+
+template <typename Root>
 void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
                             double shift) {
-  assemble_bodies(rows, [&](const Rows::Side& side, double* W) {
-    const RootBlocks A = blocks_of(roots[side.body]);
-    kernels_.weigh(jacobian.data() + side.offset, side.row_count, A.rotation, A.translation, A.scale, W);
-  });
+  assemble_roots(rows, jacobian, roots, 0, rows.body_count());
   shift_diagonal(shift);
+}
+
+void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian,
+                            std::span<const InverseMassRoot> roots, int begin, int end) {
+  assemble_roots(rows, jacobian, roots, begin, end);
 }
 
 template void SystemMatrix::weight<InverseMassRoot>(const Rows&, std::span<const double>,
@@ -199,8 +218,8 @@ template void SystemMatrix::assemble<FullMassRoot>(const Rows&, std::span<const 
 
 void SystemMatrix::assemble(const Rows& rows, std::span<const double> weighted, double shift,
                             std::span<const double> row_states) {
-  assemble_bodies(rows, [&](const Rows::Side& side, double* W) {
-    kernels_.weigh(weighted.data() + side.offset, side.row_count, nullptr, nullptr, 1, W);
+  assemble_bodies(rows, 0, rows.body_count(), [&](const Rows::Side& side, double* W) {
+    kernels_.weigh(weighted.data() + side.whole, side.row_count, nullptr, nullptr, 1, W);
   });
   for (std::size_t r = 0; r < row_states.size(); ++r)
     matrix_.values[diagonal_[position_of_row_[r]]] += std::isinf(row_states[r]) ? 1 : row_states[r];

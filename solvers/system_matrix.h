@@ -32,6 +32,10 @@ class SystemMatrix {
   template <typename Root>
   void assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
                 double shift);
+  /// The part of assemble() without a shift that the bodies from `begin` to `end` have, all of whose joints
+  /// must be linearised; bodies in ascending order.
+  void assemble(const Rows& rows, std::span<const double> jacobian, std::span<const InverseMassRoot> roots,
+                int begin, int end);
   /// Values of S from W, then every diagonal entry times (1 + shift).  With `row_states` (one per row of the
   /// joints, see ConstraintSystem::set_row_states) Σ_r is added to S_rr before that, and masked rows, which
   /// the caller has zeroed in W, get the diagonal 1.
@@ -57,7 +61,10 @@ class SystemMatrix {
   void sort_products(const Rows& rows, std::span<const std::pair<int, Product>> products);
   void add_products(const Rows& rows, int body);
   template <typename Weigh>
-  void assemble_bodies(const Rows& rows, Weigh weigh);
+  void assemble_bodies(const Rows& rows, int begin, int end, Weigh weigh);
+  template <typename Root>
+  void assemble_roots(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
+                      int begin, int end);
   void shift_diagonal(double shift);
 
   const FrontKernels& kernels_ = front_kernels();

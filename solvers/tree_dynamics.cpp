@@ -89,8 +89,8 @@ void TreeDynamics::inertias(const State& state, std::vector<Matrix6>& inertia,
     if (mass_[b].fixed) continue;
     const Mat3 R = mass_.principal_axes(b, state.poses[b]);
     const Vec3& w = state.twists[b].w;
-    inertia[b].topLeftCorner<3, 3>() = R * mass_[b].moments.asDiagonal() * R.transpose();
-    inertia[b].bottomRightCorner<3, 3>() = mass_[b].mass * Mat3::Identity();
+    inertia[b].topLeftCorner<3, 3>() = R * mass_.inertia(b).moments.asDiagonal() * R.transpose();
+    inertia[b].bottomRightCorner<3, 3>() = mass_.inertia(b).mass * Mat3::Identity();
     bias[b] << w.cross(mass_.angular_momentum(b, state.poses[b], w)) - forces[b].torque, -forces[b].force;
   }
 }

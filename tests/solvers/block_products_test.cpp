@@ -68,6 +68,27 @@ TEST_P(BlockProductsTest, weigh_is_the_product_with_the_root) {
   }
 }
 
+TEST_P(BlockProductsTest, an_arm_is_weighed_like_its_block) {
+  const Mat3 A = random_block(), T = random_block();
+  const Eigen::Vector3d r = random_block().col(0);
+  const double t = value_(random_);
+  for (const double sign : {1.0, -1.0}) {
+    RowMatrix J(3, 6);
+    J << 0, r[2], -r[1], 1, 0, 0, -r[2], 0, r[0], 0, 1, 0, r[1], -r[0], 0, 0, 0, 1;
+    J *= sign;
+    for (const Mat3* full : {static_cast<const Mat3*>(nullptr), &T}) {
+      std::vector<double> W(6 * side_height(3));
+      const double* translation = full ? full->data() : nullptr;
+      kernels().weigh_arm(r.data(), sign, A.data(), translation, t, W.data());
+      EXPECT_EQ(W, by_columns(J, &A, full, t));
+      RowMatrix rows(3, 6), expected(3, 6);
+      kernels().weigh_arm_rows(r.data(), sign, A.data(), translation, t, rows.data());
+      kernels().weigh_rows(J.data(), 3, A.data(), translation, t, expected.data());
+      EXPECT_EQ(rows, expected);
+    }
+  }
+}
+
 TEST_P(BlockProductsTest, without_a_root_the_columns_are_those_of_j) {
   for (int rows = 1; rows <= kMostRows; ++rows) {
     const RowMatrix J = random_rows(rows);

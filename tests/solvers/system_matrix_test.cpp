@@ -32,8 +32,7 @@ MatrixXd dense_jacobian(const Rows& rows, std::span<const double> J) {
   MatrixXd dense = MatrixXd::Zero(rows.row_count(), 6 * rows.body_count());
   for (const Rows::Side& side : rows.sides())
     for (int i = 0; i < side.row_count; ++i)
-      dense.block<1, 6>(side.first_row + i, 6 * side.body) +=
-          Eigen::Map<const Eigen::Matrix<double, 1, 6>>(J.data() + side.offset + 6 * i);
+      dense.block<1, 6>(side.first_row + i, 6 * side.body) += Rows::block_row(side, J, i).transpose();
   return dense;
 }
 
@@ -110,7 +109,7 @@ TEST_P(SystemMatrixTest, FromWItIsTheSameWithComplianceBeforeTheShiftAndOneWhere
     const Assembled at(random);
     const Rows& rows = at.system.rows();
     SystemMatrix S = at.matrix(GetParam());
-    std::vector<double> W(at.system.jacobian().size()), states(rows.row_count(), 0.0);
+    std::vector<double> W(rows.whole_size()), states(rows.row_count(), 0.0);
     SystemMatrix::weight<InverseMassRoot>(rows, at.system.jacobian(), at.roots, W);
     MatrixXd dense_W = at.J * at.A;
     for (int r = 0; r < rows.row_count(); ++r) {
@@ -120,13 +119,62 @@ TEST_P(SystemMatrixTest, FromWItIsTheSameWithComplianceBeforeTheShiftAndOneWhere
     for (const Rows::Side& side : rows.sides())
       for (int i = 0; i < side.row_count; ++i)
         if (states[side.first_row + i] == kMasked)
-          std::fill_n(W.begin() + side.offset + 6 * i, 6, 0.0), dense_W.row(side.first_row + i).setZero();
+          std::fill_n(W.begin() + side.whole + 6 * i, 6, 0.0), dense_W.row(side.first_row + i).setZero();
     MatrixXd expected = dense_W * dense_W.transpose();
     for (int r = 0; r < rows.row_count(); ++r) expected(r, r) += states[r] == kMasked ? 1 : states[r];
     expected = shifted(expected, 0.25);
     S.assemble(rows, W, 0.25, states);
     EXPECT_LT((dense_of(S) - expected).cwiseAbs().maxCoeff(), kRoundOff * expected.cwiseAbs().maxCoeff());
   }
+}
+
+/// A chain longer than a piece, with some joints that reach far ahead.
+TEST(ConstraintSystemPieces, linearizing_and_assembling_at_once_makes_the_same_bits) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> value(-1, 1);
+  World world;
+  constexpr int kBodies = 3 * Rows::kPieceSize;
+  for (int b = 1; b <= kBodies; ++b) {
+    BodySpec body{.mass = MassProperties::box({0.3, 0.2, 0.1}, 1 + 0.5 * value(random))};
+    body.pose.p = Vec3(b, value(random), value(random));
+    const BodyId next = world.add_body(body);
+    if (b % 3 == 0)
+      world.add("", Hinge::at(world, {b - 1}, next, body.pose.p, Vec3::UnitY()));
+    else
+      world.add("", Ball::at(world, {b - 1}, next, body.pose.p));
+  }
+  world.add("", Ball::at(world, {3}, {kBodies / 2}, Vec3::UnitZ()));
+  world.add("", Ball::at(world, {5}, {kBodies - 2}, Vec3::UnitZ()));
+  ConstraintSystem apart(world, FactorChoice::kAuto), at_once(world, FactorChoice::kAuto);
+  StageTimes times;
+  State state = world.state();
+  for (int k = 0; k < 3; ++k) {
+    for (Pose& pose : std::span(state.poses).subspan(1)) pose.p += 0.01 * Vec3(value(random), 0, 1);
+    apart.linearize(state);
+    apart.set_mass(state.poses);
+    apart.factorize(times);
+    at_once.linearize_and_assemble(state);
+    at_once.factorize(times);
+    EXPECT_EQ(at_once.matrix().values, apart.matrix().values);
+    ASSERT_TRUE(at_once.usable());
+    std::vector<double> x(apart.row_count(), 1.0), y = x;
+    apart.solve(x);
+    at_once.solve(y);
+    EXPECT_EQ(x, y);
+  }
+  // What it made is not taken for S where something else has a part in S.
+  for (ConstraintSystem* system : {&apart, &at_once}) system->set_compliance(0.1);
+  at_once.linearize_and_assemble(state);
+  at_once.factorize(times);
+  apart.factorize(times);
+  EXPECT_EQ(at_once.matrix().values, apart.matrix().values);
+  for (ConstraintSystem* system : {&apart, &at_once}) system->set_compliance(0);
+  at_once.linearize_and_assemble(state);
+  at_once.change_jacobian()[0] *= 2;
+  at_once.factorize(times);
+  apart.change_jacobian()[0] *= 2;
+  apart.factorize(times);
+  EXPECT_EQ(at_once.matrix().values, apart.matrix().values);
 }
 
 INSTANTIATE_TEST_SUITE_P(Triangles, SystemMatrixTest,
