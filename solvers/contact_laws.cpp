@@ -281,6 +281,24 @@ double ContactLaws::normal_error(int k, std::span<const double> lambda, std::spa
   return root_[row] * std::abs(normal - std::clamp(normal - off / own, 0.0, law.most));
 }
 
+double ContactLaws::sliding_error(int k, const Disc& disc, std::span<const double> lambda,
+                                  std::span<const double> w) const {
+  return disc_error(k, disc, first_row_[k] + 1, friction_bound(k, pressure(k, lambda)), lambda, w);
+}
+
+double ContactLaws::spinning_error(int k, std::span<const double> lambda, std::span<const double> w) const {
+  return spin_error(k, place_of(k).material.spinning_friction * pressure(k, lambda), lambda, w);
+}
+
+double ContactLaws::rolling_error(int k, std::span<const double> lambda, std::span<const double> w) const {
+  const double bound = place_of(k).material.rolling_friction * pressure(k, lambda);
+  return disc_error(k, contact(k).rolling, first_row_[k] + 4, bound, lambda, w);
+}
+
+double ContactLaws::pressure(int k, std::span<const double> lambda) const {
+  return std::max(0.0, contact(k).back + lambda[first_row_[k]]);
+}
+
 double ContactLaws::friction_bound(int k, double normal) const {
   const Material& material = place_of(k).material;
   return (contact(k).stuck && !contact(k).broken ? material.static_friction : material.dynamic_friction) *
@@ -293,9 +311,6 @@ double ContactLaws::error(std::span<const double> lambda, std::span<const double
   for (int k = 0; k < count(); ++k) {
     const int row = first_row_[k];
     if (!works(k)) continue;
-    const Point& point = contact(k);
-    const Material& material = place_of(k).material;
-    const double normal = std::max(0.0, point.back + lambda[row]);
     const auto add = [&](double error, int r, double softness = 0) {
       if (!((root_[r] + softness / root_[r]) * error <= rate_tolerance)) largest = std::max(largest, error);
     };
@@ -303,12 +318,30 @@ double ContactLaws::error(std::span<const double> lambda, std::span<const double
       largest = std::max(largest, cone_error(k, lambda, w));
     } else {
       add(normal_error(k, lambda, w), row, softness(k));
-      add(disc_error(k, point.sliding, row + 1, friction_bound(k, normal), lambda, w), row + 1,
-          slip_softness(k));
+      add(sliding_error(k, contact(k).sliding, lambda, w), row + 1, slip_softness(k));
     }
     if (!has_twist(k)) continue;
-    add(spin_error(k, material.spinning_friction * normal, lambda, w), row + 3);
-    add(disc_error(k, point.rolling, row + 4, material.rolling_friction * normal, lambda, w), row + 4);
+    add(spinning_error(k, lambda, w), row + 3);
+    add(rolling_error(k, lambda, w), row + 4);
+  }
+  return largest;
+}
+
+/// A contact that begins or ceases to slip in this stage was asked to return by what it had slipped, or not to
+/// slip: it is by the smaller of both that its law is met.
+double ContactLaws::natural_error(std::span<const double> lambda, std::span<const double> w) const {
+  double largest = 0;
+  for (int k = 0; k < count(); ++k) {
+    if (!works(k)) continue;
+    double sliding = sliding_error(k, contact(k).sliding, lambda, w);
+    if (compliance(k) == 0) {
+      Disc other = contact(k).sliding;
+      other.slips = !other.slips;
+      sliding = std::min(sliding, sliding_error(k, other, lambda, w));
+    }
+    largest = std::max({largest, normal_error(k, lambda, w), sliding});
+    if (has_twist(k))
+      largest = std::max({largest, spinning_error(k, lambda, w), rolling_error(k, lambda, w)});
   }
   return largest;
 }

@@ -146,6 +146,8 @@ class ContactLaws {
   /// Largest distance of impulses from what Signorini's and Coulomb's laws answer to them and the rates, the
   /// natural map [√J]; 0 where rates are met to the tolerance.
   double error(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) const;
+  /// The same at the end of a stage, with nothing taken off.
+  double natural_error(std::span<const double> lambda, std::span<const double> w) const;
   /// Radii and slips as they are at this solution.
   void take_over(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
     (void)adapt(lambda, w, rate_tolerance);
@@ -215,6 +217,11 @@ class ContactLaws {
                     std::span<const double> w) const;
   double spin_error(int place, double bound, std::span<const double> lambda, std::span<const double> w) const;
   double normal_error(int place, std::span<const double> lambda, std::span<const double> w) const;
+  double sliding_error(int place, const Disc& disc, std::span<const double> lambda,
+                       std::span<const double> w) const;
+  double spinning_error(int place, std::span<const double> lambda, std::span<const double> w) const;
+  double rolling_error(int place, std::span<const double> lambda, std::span<const double> w) const;
+  double pressure(int place, std::span<const double> lambda) const;
   double friction_bound(int place, double normal) const;
   bool sticks(int k) const {
     return works(k) && contact(k).stuck && !contact(k).broken && compliance(k) == 0;

@@ -162,7 +162,7 @@ double Rattle::law_error(double h) const {
 /// contacts the larger of this and theirs.  b is that of the last solve, in delta_.  Nothing is measured by
 /// nothing: the scale of a row is at least what round-off of poses and twists makes of its rate, over 1e-9.
 double Rattle::natural_residual(std::span<const double> lambda, std::span<const double> w) const {
-  double scale = 0, error = contacts_.empty() ? 0 : contacts_.error(lambda, w, 0);
+  double scale = 0, error = contacts_.empty() ? 0 : contacts_.natural_error(lambda, w);
   for (int r = 0; r < system_.row_count(); ++r) {
     const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1;
     scale = std::max({scale, std::abs(lambda[r]) / root, std::abs(delta_[r]) * root});

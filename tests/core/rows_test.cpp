@@ -107,9 +107,9 @@ TEST(Rows, ProductsAreThoseOfTheDenseJacobian) {
 TEST(Rows, ArmsStandForTheBlocksOfBallJoints) {
   Linkage s;
   const JointId soft = s.world.add("soft", Ball::at(s.world, s.a, s.c, s.random.vector()));
-  s.world.set_compliance(soft, {.translation = 1e-6});
-  const Rows whole(s.world),
-      arms(s.world, Rows::AxisRows::kIncluded, {}, Rows::Joints::kAll, Rows::Blocks::kArms);
+  s.world.set_compliance(soft, JointCompliance{.translation = 1e-6});
+  const Rows whole(s.world), arms(s.world, Rows::AxisRows::kIncluded, {}, Rows::Joints::kAll,
+                                  Springs::kLeftOut, Rows::Blocks::kArms);
   ASSERT_EQ(arms.whole_size(), whole.jacobian_size());
   EXPECT_EQ(arms.jacobian_size(), whole.jacobian_size() - 2 * 15);  // "fourth" alone
   std::vector<double> J(whole.jacobian_size()), r(arms.jacobian_size());
