@@ -146,8 +146,13 @@ class ContactLaws {
   /// Largest distance of impulses from what Signorini's and Coulomb's laws answer to them and the rates, the
   /// natural map [√J]; 0 where rates are met to the tolerance.
   double error(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) const;
-  /// The same at the end of a stage, with nothing taken off.
-  double natural_error(std::span<const double> lambda, std::span<const double> w) const;
+  /// The same at the end of a stage, with nothing taken off, over `scale` [√J], or what it takes to change a
+  /// rate by this if that is more.
+  struct RateSize {
+    double angular = 0, linear = 0;
+  };
+  double natural_error(std::span<const double> lambda, std::span<const double> w, double scale,
+                       const RateSize& least) const;
   /// Radii and slips as they are at this solution.
   void take_over(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
     (void)adapt(lambda, w, rate_tolerance);

@@ -116,6 +116,7 @@ class Rattle {
   static constexpr double kSlow = 0.6;
   /// Largest natural residual of the laws of axes.
   static constexpr double kNaturalTolerance = 1e-9;
+  static constexpr double kContactTolerance = 1e-8;  // the same with contacts
 
   void linearize(StepReport& report);
   void linearize_and_factorize(StepReport& report);
@@ -297,11 +298,12 @@ class Rattle {
   double slack_ = 0;           // of gaps and of places where friction holds, which is left [m or rad]
   InteriorPoint interior_;
   PieceNewton piece_newton_;
-  std::vector<Wrench> absorbed_;    // momentum that bodies held fast did not take in this stage
-  double inexact_ = 0;              // residual that may be taken
-  double loose_ = 0, loosest_ = 0;  // taken beyond 1e-8 by the present solve, and in this advance
-  double natural_ = 0;              // natural residual of the stages of this advance
-  double stage_h_ = 0;              // over which rates of this stage are differences of poses
+  std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
+  double inexact_ = 0;                         // residual that may be taken
+  double loose_ = 0, loosest_ = 0;             // taken beyond 1e-8 by the present solve, and in this advance
+  double natural_ = 0;                         // natural residual of the stages of this advance
+  std::pair<double, double> contact_noise_{};  // rate_noise() of the position stage
+  double stage_h_ = 0;                         // over which rates of this stage are differences of poses
   bool few_steps_ = false;
   bool laws_moved_ = false;  // friction let go, or its load changed, before this stage was solved
   std::vector<int> jammed_;

@@ -29,6 +29,8 @@ constexpr int kManyRows = 60;
 constexpr double kJamShare = 1e-3;
 /// Of poses and twists, relative.
 constexpr double kRoundOff = 16 * std::numeric_limits<double>::epsilon();
+/// Rates of contacts that are off their laws by so many times what round-off makes of them are let be.
+constexpr double kNoises = 10;
 
 }  // namespace
 
@@ -41,6 +43,7 @@ void Rattle::clear_loose_rows(std::span<double> rows) const {
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
   stage_h_ = std::abs(h);
+  contact_noise_ = rate_noise();
   system_.rows().residual(state_, phi_);
   if (rubs())
     for (int r = 0; r < system_.row_count(); ++r) start_theta_[r] = std::clamp(phi_[r], -slack_, slack_);
@@ -131,8 +134,9 @@ double Rattle::time_of_impact(double h, StepReport& report) {
 /// residual.
 double Rattle::positions_off(double h) const {
   const double off = law_error(h) / (settings_.position_tolerance - slack_);
-  if (!contacts_.empty()) return off;
-  const double laws = natural_residual(lambda_, rates_) / kNaturalTolerance;
+  if (loose_ > 0) return off;  // no better solution is known
+  const double most = contacts_.empty() ? kNaturalTolerance : kContactTolerance;
+  const double laws = natural_residual(lambda_, rates_) / most;
   return laws <= off ? off : laws;
 }
 
@@ -160,9 +164,10 @@ double Rattle::law_error(double h) const {
 /// The natural map of the rows of axes at impulses of the present stage and their rates w, with no tolerance,
 /// over the largest of √S_rr |λ_r|, |b_r|/√S_rr and of the rates that their laws impose over √S_rr; with
 /// contacts the larger of this and theirs.  b is that of the last solve, in delta_.  Nothing is measured by
-/// nothing: the scale of a row is at least what round-off of poses and twists makes of its rate, over 1e-9.
+/// nothing: the scale of a row is at least what round-off of poses and twists makes of its rate, over 1e-9,
+/// for contacts of poses in both stages.
 double Rattle::natural_residual(std::span<const double> lambda, std::span<const double> w) const {
-  double scale = 0, error = contacts_.empty() ? 0 : contacts_.natural_error(lambda, w);
+  double scale = 0;
   for (int r = 0; r < system_.row_count(); ++r) {
     const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1;
     scale = std::max({scale, std::abs(lambda[r]) / root, std::abs(delta_[r]) * root});
@@ -173,7 +178,9 @@ double Rattle::natural_residual(std::span<const double> lambda, std::span<const 
     const RowLaw::Point answer = laws_[r].resolve(own, w[r] - own * lambda[r]);
     if (RowLaw::is_vertical(answer.piece)) scale = std::max(scale, root * std::abs(answer.w));
   }
-  double largest = error > 0 ? error / scale : 0;
+  const auto [spin, slip] = contact_noise_;
+  double largest =
+      contacts_.natural_error(lambda, w, scale, {spin / kNaturalTolerance, slip / kNaturalTolerance});
   const auto [angular, linear] = rate_noise();
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
     const int r = axis.row;
@@ -230,6 +237,7 @@ bool Rattle::laws_move(std::span<const double> lambda, double rate_tolerance) {
 /// static friction lets go, and until the friction of contacts agrees with their slip and normal impulse.
 bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report) {
   loose_ = 0;
+  if (!contacts_.empty()) rate_tolerance = std::min(rate_tolerance, kNoises * contact_noise_.second);
   rates_without(lambda);
   ActiveSetSettings settings{.rate_tolerance = rate_tolerance};
   const bool many = std::ssize(system_.rows().axis_rows()) >= kManyRows;

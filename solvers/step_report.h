@@ -139,8 +139,8 @@ struct StepReport {
   int pivots = 0;                       ///< rows that changed their place in the active sets of the step
   double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
   /// The natural map of the laws of axes and contacts at the impulses and rates that each stage ended with,
-  /// no tolerance taken off, over the size of both (solvers/README, "Proof"): at most 1e-9 on success without
-  /// contacts.  Joints have `gap` and `velocity_residual`.
+  /// no tolerance taken off, over the size of both (solvers/README, "Proof"): at most 1e-9 on success, 1e-8
+  /// with contacts.  Joints have `gap` and `velocity_residual`.
   double natural_residual = 0;
   int contact_iterations = 0;  ///< of Newton's method for contacts; 0: the active set did it
   int sweeps = 0;              ///< of an iterative solver, both stages

@@ -32,7 +32,7 @@ void run(Simulator& simulator, double dt, int steps) {
   for (int i = 0; i < steps; ++i) {
     const StepReport& report = simulator.step(dt);
     ASSERT_TRUE(report.ok()) << "step " << i << ": " << report.message;
-    ASSERT_LE(report.complementarity_residual, 1e-8) << "step " << i;
+    ASSERT_LE(report.natural_residual, 1e-8) << "step " << i;
   }
 }
 
