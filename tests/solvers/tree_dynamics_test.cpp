@@ -74,8 +74,8 @@ std::vector<Twist> by_multipliers(const World& world) {
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n + m);
   for (int b = 1; b < bodies; ++b) {
     const Mat3 R = mass.principal_axes(b, state.poses[b]);
-    K.block<3, 3>(6 * b, 6 * b) = R * mass[b].moments.asDiagonal() * R.transpose();
-    K.block<3, 3>(6 * b + 3, 6 * b + 3) = mass[b].mass * Mat3::Identity();
+    K.block<3, 3>(6 * b, 6 * b) = R * mass.inertia(b).moments.asDiagonal() * R.transpose();
+    K.block<3, 3>(6 * b + 3, 6 * b + 3) = mass.inertia(b).mass * Mat3::Identity();
     const Vec3& w = state.twists[b].w;
     right.segment<3>(6 * b) = forces[b].torque - w.cross(K.block<3, 3>(6 * b, 6 * b) * w);
     right.segment<3>(6 * b + 3) = forces[b].force;
