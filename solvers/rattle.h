@@ -181,7 +181,9 @@ class Rattle {
   bool close_bounded_positions(double h, StepReport& report);
   double time_of_impact(double h, StepReport& report);
   double law_error(double h) const;
-  double positions_off(double h) const;
+  double laws_off(std::span<const double> lambda, std::span<const double> w) const;
+  double exact_tolerance() const;
+  void take_loosely(double off);
   double natural_residual(std::span<const double> lambda, std::span<const double> w) const;
   std::pair<double, double> rate_noise() const;
   void note_residual(std::span<const double> lambda);

@@ -31,6 +31,8 @@ constexpr double kJamShare = 1e-3;
 constexpr double kRoundOff = 16 * std::numeric_limits<double>::epsilon();
 /// Rates of contacts that are off their laws by so many times what round-off makes of them are let be.
 constexpr double kNoises = 10;
+/// Solves more where contacts met their laws within a tolerance of rates only.
+constexpr int kExactSolves = 2;
 
 }  // namespace
 
@@ -87,6 +89,7 @@ void Rattle::rates_without(std::span<const double> lambda) {
 bool Rattle::close_bounded_positions(double h, StepReport& report) {
   double last = std::numeric_limits<double>::infinity();
   const double patience = settings_.max_newton_iterations + 4;
+  int exact = 0;  // solves for the laws alone
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
@@ -96,18 +99,29 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       phi_[0] = std::numeric_limits<double>::quiet_NaN();  // for the diagnosis
       return false;
     }
-    const double error = iteration > 0 ? positions_off(h) : std::numeric_limits<double>::infinity();
+    double error = std::numeric_limits<double>::infinity();
+    bool closed = false;
+    if (iteration > 0) {
+      const double open = law_error(h) / (settings_.position_tolerance - slack_);
+      const double laws = laws_off(lambda_, rates_);
+      error = laws <= open ? open : laws;
+      closed = open <= 1 && !contacts_.empty();
+    }
     if (error <= 1) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
-    if (iteration > 1 && error > kSlow * last) {
+    if (closed && exact++ == kExactSolves) {
+      take_loosely(error);
+      break;
+    }
+    if (iteration > 1 && !closed && error > kSlow * last) {
       if (refactored_ || error > 10 * last) return false;
       refactor_at_iterate(h, report);
     }
     last = error;
     const Stopwatch watch(report.times.positions);
     near_ = iteration > 0;
-    if (!solve_laws(lambda_, 0.1 * settings_.position_tolerance / h, &Rattle::renew_position_laws, report))
-      return false;
+    const double tolerance = closed ? exact_tolerance() : 0.1 * settings_.position_tolerance / h;
+    if (!solve_laws(lambda_, tolerance, &Rattle::renew_position_laws, report)) return false;
     ++report.newton_iterations;
   }
   note_residual(lambda_);
@@ -130,15 +144,17 @@ double Rattle::time_of_impact(double h, StepReport& report) {
   return time;
 }
 
-/// What is left of the position stage over its tolerances: gaps and laws as distances, and the natural
-/// residual.
-double Rattle::positions_off(double h) const {
-  const double off = law_error(h) / (settings_.position_tolerance - slack_);
-  if (loose_ > 0) return off;  // no better solution is known
-  const double most = contacts_.empty() ? kNaturalTolerance : kContactTolerance;
-  const double laws = natural_residual(lambda_, rates_) / most;
-  return laws <= off ? off : laws;
+/// The natural residual over its tolerance; 0 if no better solution is known.
+double Rattle::laws_off(std::span<const double> lambda, std::span<const double> w) const {
+  if (loose_ > 0) return 0;
+  return natural_residual(lambda, w) / (contacts_.empty() ? kNaturalTolerance : kContactTolerance);
 }
+
+/// Rates that laws may be missed by where the tolerances of positions and velocities have let too much pass.
+double Rattle::exact_tolerance() const { return kNoises * contact_noise_.second; }
+
+/// The laws of a stage are not met any better.
+void Rattle::take_loosely(double off) { loose_ = off * kContactTolerance; }
 
 /// Distance of the motion from the laws [m or rad]: of verticals from their rate, of levels from their range,
 /// and of impulses from their level.
@@ -237,7 +253,6 @@ bool Rattle::laws_move(std::span<const double> lambda, double rate_tolerance) {
 /// static friction lets go, and until the friction of contacts agrees with their slip and normal impulse.
 bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report) {
   loose_ = 0;
-  if (!contacts_.empty()) rate_tolerance = std::min(rate_tolerance, kNoises * contact_noise_.second);
   rates_without(lambda);
   ActiveSetSettings settings{.rate_tolerance = rate_tolerance};
   const bool many = std::ssize(system_.rows().axis_rows()) >= kManyRows;
@@ -337,8 +352,18 @@ void Rattle::begin_velocities() {
 bool Rattle::project_bounded_momenta(StepReport& report) {
   begin_velocities();
   near_ = false;
-  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, &Rattle::renew_velocity_laws, report))
-    return false;
+  double tolerance = 0.1 * settings_.velocity_tolerance;
+  for (int exact = 0;; ++exact) {
+    if (!solve_laws(mu_, tolerance, &Rattle::renew_velocity_laws, report)) return false;
+    const double off = contacts_.empty() ? 0 : laws_off(mu_, w_);
+    if (off <= 1) break;
+    if (exact == kExactSolves) {
+      take_loosely(off);
+      break;
+    }
+    tolerance = exact_tolerance();
+    std::copy(w_.begin(), w_.end(), rates_.begin());
+  }
   end_velocities(report);
   note_residual(mu_);
   return report.velocity_residual <= settings_.velocity_tolerance;
