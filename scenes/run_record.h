@@ -54,7 +54,8 @@ struct RunRecord {
     double time = 0, force = 0, torque = 0;
   };
   std::vector<Break> breaks;
-  std::vector<std::string> redundant_rows;  ///< by name, of the last step
+  std::vector<std::string> redundant_rows;        ///< by name, of the last step
+  std::vector<std::string> reactions_not_unique;  ///< of joints, by name, in the last pose
 
   std::string status = "success", message;
   std::vector<std::string> contradiction;  ///< what cannot hold together, by name

@@ -147,6 +147,7 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
                       {"max_ledger_error", r.max_ledger_error}};
   report["breaks"] = breaks_json(r.breaks);
   report["redundant_rows"] = r.redundant_rows;
+  report["reactions_not_unique"] = r.reactions_not_unique;
   report["probes"] = probes_json(recorder, values);
   report["final_time_s"] = final_state.time;
   report["final_state_fingerprint"] =

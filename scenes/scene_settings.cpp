@@ -44,6 +44,7 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   number("sleep_time", &JsonNode::not_negative, s.sleep_time);
   s.merge_fixed_joints = object.get("merge_fixed_joints", &JsonNode::boolean, s.merge_fixed_joints);
   s.report_energy = object.get("report_energy", &JsonNode::boolean, s.report_energy);
+  s.report_rank = object.get("report_rank", &JsonNode::boolean, s.report_rank);
   object.reject_unknown_keys();
   return s;
 }

@@ -97,6 +97,9 @@ struct Settings {
   int threads = 0;
   /// Energies, momenta and the work of the constraint forces in each report.
   bool report_energy = true;
+  /// Redundant rows, who holds them and reactions that are not unique in each report, at the price of some
+  /// factorisations.
+  bool report_rank = false;
 };
 
 }  // namespace taut

@@ -420,6 +420,7 @@ Simulator::Simulator(Simulator&&) noexcept = default;
 
 const StepReport& Simulator::step(double dt) {
   impl_->step(dt);
+  if (impl_->settings_.report_rank && impl_->report_.advanced()) impl_->report_.rank = analyze_rank();
   return impl_->report_;
 }
 const StepReport& Simulator::report() const { return impl_->report_; }

@@ -16,25 +16,6 @@ struct Reaction {
   Vec3 torque = Vec3::Zero();  ///< about the joint's anchor on B [N·m]
 };
 
-/// A row that other rows already hold, and the joints that hold it.
-struct RedundantRow {
-  JointId joint;
-  int row = 0;                   ///< within the joint
-  std::string name;              ///< the motion that it would hold
-  std::vector<JointId> held_by;  ///< those with the largest share first
-};
-
-/// Freedoms and redundancy of a world in its present pose.
-struct RankReport {
-  int rows = 0;
-  int rank = 0;
-  int freedoms = 0;  ///< 6 × moving bodies − rank
-  std::vector<RedundantRow> redundant;
-  /// Joints whose reactions are not unique, in ascending order: those that a self-stress of the mechanism
-  /// loads.
-  std::vector<JointId> not_unique;
-};
-
 /// Advances a World in time.
 ///
 ///     Simulator simulator(world);

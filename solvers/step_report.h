@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -75,6 +76,25 @@ struct DependentRow {
 /// For messages: "hinge seam_3: translation along world y".  Good while the world's topology is that of the
 /// step.
 std::vector<std::string> names_of(std::span<const DependentRow> rows, const World& world);
+
+/// A row that other rows already hold, and the joints that hold it.
+struct RedundantRow {
+  JointId joint;
+  int row = 0;                   ///< within the joint
+  std::string name;              ///< the motion that it would hold
+  std::vector<JointId> held_by;  ///< those with the largest share first
+};
+
+/// Freedoms and redundancy of a world in its present pose.
+struct RankReport {
+  int rows = 0;
+  int rank = 0;
+  int freedoms = 0;  ///< 6 × moving bodies − rank
+  std::vector<RedundantRow> redundant;
+  /// Joints whose reactions are not unique, in ascending order: those that a self-stress of the mechanism
+  /// loads.
+  std::vector<JointId> not_unique;
+};
 
 /// A joint that broke in a step, or left with one that did.
 struct BreakEvent {
@@ -164,8 +184,11 @@ struct StepReport {
   EnergyLedger ledger;
 
   /// Rows of joints that others hold already, as many as rank_deficiency but for those of contacts;
-  /// names_of() says which, Simulator::analyze_rank() who holds them and whose reactions are not unique.
+  /// names_of() says which.
   std::vector<DependentRow> dependent_rows;
+  /// With Settings::report_rank, at the end of the step: who holds those rows, and whose reactions are not
+  /// unique; as Simulator::analyze_rank().
+  std::optional<RankReport> rank;
   std::vector<BreakEvent> breaks;  ///< in the order in which they happened; the joints are detached now
   Contradiction contradiction;     ///< with Status::kContradiction
 

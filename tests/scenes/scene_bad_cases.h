@@ -21,6 +21,7 @@ inline std::vector<BadScene> bad_top_level() {
       R"("integrator", "iterations", "max_newton_iterations", "max_rotation", "max_substeps", )"
       R"("max_tension_number", "merge_fixed_joints", )"
       R"("penalty_damping_ratio", "penalty_frequency", "position_tolerance", "relaxation", "report_energy", )"
+      R"("report_rank", )"
       R"("resting_speed", "sleep", "sleep_speed", "sleep_time", "solver", "tension", "theta", "threads", "velocity_tolerance")";
   return {
       {"[]", "/", "must be an object", "[]"},

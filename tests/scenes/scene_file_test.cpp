@@ -91,6 +91,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(s.sleep_time, 0.75);
   EXPECT_TRUE(s.merge_fixed_joints);
   EXPECT_FALSE(s.report_energy);
+  EXPECT_TRUE(s.report_rank);
 
   const World& world = scene.world;
   const auto inertia = [&](const char* name) { return world.mass_properties(world.body(name)).inertia_B(); };

@@ -98,5 +98,54 @@ TEST(Jam, AWedgeJustBelowItsLimitMovesWithTheFrictionOfItsLoad) {
   }
 }
 
+/// A spindle in a thread of the ground, pushed along its axis by a carriage with a rod, against 0.1 N m.  The
+/// friction of the thread is `part` of what locks it.
+struct Spindle {
+  World world;
+  JointId thread, drive;
+  AxisId angle;
+  double per_load;
+  explicit Spindle(double part, double pitch = 0.02) : per_load(part * pitch / (2 * std::numbers::pi)) {
+    world.set_gravity(Vec3::Zero());
+    const BodyId spindle = world.add_body({.mass = MassProperties::box(Vec3(0.1, 0.1, 0.3), 1)});
+    const BodyId carriage =
+        world.add_body({.mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), 1), .pose = {.p = {0, 0, -0.3}}});
+    thread = world.add("thread", Screw::at(world, kGround, spindle, Vec3::Zero(), Vec3::UnitZ(), pitch));
+    const JointId way =
+        world.add("way", Slider::at(world, kGround, carriage, Vec3(0, 0, -0.3), Vec3::UnitZ()));
+    world.add("rod", Distance(carriage, spindle, Vec3::Zero(), Vec3::Zero(), 0.3));
+    angle = world.axis(thread, "angle");
+    world.set_friction(angle, AxisFriction{.per_load = per_load});
+    world.add_force(BodyTorque(spindle, Vec3(0, 0, -0.1)));
+    drive = world.add("drive", Driver(world, world.axis(way, "displacement"), linear_motion(0, 0.01)));
+  }
+};
+
+TEST(Jam, AThreadThatLocksItselfIsNamedWithItsDriver) {
+  for (const double part : {1.02, 1.5, 4.0}) {
+    Spindle s(part);
+    Simulator simulator(s.world);
+    const StepReport& report = simulator.step(1e-3);
+    ASSERT_EQ(report.status, Status::kContradiction) << part << ": " << report.message;
+    EXPECT_EQ(report.contradiction.joints, (std::vector{s.thread, s.drive}));
+    EXPECT_NE(report.message.find("jam"), std::string::npos) << report.message;
+  }
+}
+
+TEST(Jam, AThreadJustBelowItsLimitTurns) {
+  for (const double part : {0.3, 0.9, 0.999}) {
+    Spindle s(part);
+    Simulator simulator(s.world);
+    for (int i = 0; i < 10; ++i) {
+      ASSERT_TRUE(simulator.step(1e-3).ok()) << part << ": " << simulator.report().message;
+      ASSERT_LE(simulator.report().natural_residual, 1e-9);
+      const double load = simulator.mean_reaction(s.thread).force.norm();
+      EXPECT_NEAR(simulator.axis_report(s.angle).force.friction, -s.per_load * load,
+                  1e-6 * s.per_load * load);
+    }
+    EXPECT_NEAR(s.world.axis_value(s.angle), 0.01 * 0.01 / 0.02 * 2 * std::numbers::pi, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace taut

@@ -247,6 +247,27 @@ TEST(Redundancy, ReactionsAreThoseOfLeastNorm) {
   }
 }
 
+/// A bar on two hinges, which becomes determinate as one of them goes.
+TEST(Redundancy, StepsReportWhoseReactionsAreNotUnique) {
+  World world;
+  const BodyId door = world.add_body({.mass = MassProperties(10, Vec3(1, 1, 1)), .pose = {.p = {0.4, 0, 0}}});
+  const JointId low = world.add("low", Hinge::at(world, kGround, door, Vec3(0, 0, -0.8), Vec3::UnitZ()));
+  const JointId high = world.add("high", Hinge::at(world, kGround, door, Vec3(0, 0, 0.8), Vec3::UnitZ()));
+  Settings settings;
+  EXPECT_FALSE(Simulator(world, settings).step(1e-3).rank);
+  settings.report_rank = true;
+  Simulator simulator(world, settings);
+  const StepReport& report = simulator.step(1e-3);
+  ASSERT_TRUE(report.rank);
+  EXPECT_EQ(report.rank->not_unique, (std::vector{low, high}));
+  ASSERT_EQ(report.rank->redundant.size(), 5u);
+  EXPECT_EQ(report.rank->redundant.front().held_by.front(), low);
+  world.detach(high);
+  (void)simulator.step(1e-3);
+  ASSERT_TRUE(report.rank);
+  EXPECT_TRUE(report.rank->not_unique.empty() && report.rank->redundant.empty());
+}
+
 TEST(Redundancy, ATautRowCarriesItsAxialLoad) {
   World world;
   world.set_gravity(Vec3(9.81, 0, 0));
