@@ -151,7 +151,9 @@ double Rattle::laws_off(std::span<const double> lambda, std::span<const double> 
 }
 
 /// Rates that laws may be missed by where the tolerances of positions and velocities have let too much pass.
-double Rattle::exact_tolerance() const { return kNoises * contact_noise_.second; }
+double Rattle::exact_tolerance() const {
+  return kNoises * std::min(contact_noise_.first, contact_noise_.second);
+}
 
 /// The laws of a stage are not met any better.
 void Rattle::take_loosely(double off) { loose_ = off * kContactTolerance; }
