@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "solvers/max_abs.h"
+#include "solvers/rattle.h"
+
+// How far a stage with laws of its own is from them, and what cannot meet them.  (solvers/README, "Proof")
+namespace taut {
+namespace {
+
+/// Impulses on a level of their law are right to this part of the largest.
+constexpr double kLevelTolerance = 1e-9;
+/// Part of the largest impulse that those who jam have.
+constexpr double kJamShare = 1e-3;
+/// Of poses and twists, relative.
+constexpr double kRoundOff = 16 * std::numeric_limits<double>::epsilon();
+/// Rates of contacts that are off their laws by so many times what round-off makes of them are let be.
+constexpr double kNoises = 10;
+
+}  // namespace
+
+/// The natural residual over its tolerance; 0 if no better solution is known.
+double Rattle::laws_off(std::span<const double> lambda, std::span<const double> w) const {
+  if (loose_ > 0) return 0;
+  return natural_residual(lambda, w) / (contacts_.empty() ? kNaturalTolerance : kContactTolerance);
+}
+
+/// Rates that laws may be missed by where the tolerances of positions and velocities have let too much pass.
+double Rattle::exact_tolerance() const {
+  return kNoises * std::min(contact_noise_.first, contact_noise_.second);
+}
+
+/// The laws of a stage are not met any better.
+void Rattle::take_loosely(double off) { loose_ = off * kContactTolerance; }
+
+/// Distance of the motion from the laws [m or rad]: of verticals from their rate, of levels from their range,
+/// and of impulses from their level.
+double Rattle::law_error(double h) const {
+  double error = 0, largest = max_abs(lambda_);
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {  // those of contacts are linear
+    const RowLaw& law = laws_[r];
+    const int piece = active_->pieces()[r];
+    const double w = rates_[r];
+    double off = 0;
+    if (RowLaw::is_vertical(piece)) {
+      off = std::abs(w - law.rate(piece));
+    } else {
+      off = std::max({0.0, law.first(piece) - w, w - law.last(piece)});
+      const double missing = std::abs(lambda_[r] - (law.force(piece) - law.slope * w));
+      if (missing > kLevelTolerance * largest) off = std::max(off, missing / inertia_[r]);
+    }
+    if (!(h * off <= error)) error = h * off;
+  }
+  return error;
+}
+
+/// The natural map of the rows of axes at impulses of the present stage and their rates w, with no tolerance,
+/// over the largest of √S_rr |λ_r|, |b_r|/√S_rr and of the rates that their laws impose over √S_rr; with
+/// contacts the larger of this and theirs.  b is that of the last solve, in delta_.  Nothing is measured by
+/// nothing: the scale of a row is at least what round-off of poses and twists makes of its rate, over 1e-9,
+/// for contacts of poses in both stages.
+double Rattle::natural_residual(std::span<const double> lambda, std::span<const double> w) const {
+  double scale = 0;
+  for (int r = 0; r < system_.row_count(); ++r) {
+    const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1;
+    scale = std::max({scale, std::abs(lambda[r]) / root, std::abs(delta_[r]) * root});
+  }
+  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
+    const int r = axis.row;
+    const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1, own = 1 / (root * root);
+    const RowLaw::Point answer = laws_[r].resolve(own, w[r] - own * lambda[r]);
+    if (RowLaw::is_vertical(answer.piece)) scale = std::max(scale, root * std::abs(answer.w));
+  }
+  const auto [spin, slip] = contact_noise_;
+  double largest =
+      contacts_.natural_error(lambda, w, scale, {spin / kNaturalTolerance, slip / kNaturalTolerance});
+  const auto [angular, linear] = rate_noise();
+  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
+    const int r = axis.row;
+    const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1, own = 1 / (root * root);
+    const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r])) / root;
+    const double noise = root * (system_.rows().row(r).angular ? angular : linear) / kNaturalTolerance;
+    if (!(off <= largest * std::max(scale, noise))) largest = off / std::max(scale, noise);
+  }
+  return largest;
+}
+
+/// What round-off makes of rates [rad/s], [m/s] in this stage: of poses if they are of positions.
+std::pair<double, double> Rattle::rate_noise() const {
+  double angular = 0, linear = 0;
+  for (const Twist& twist : state_.twists) {
+    angular = std::max(angular, twist.w.squaredNorm());
+    linear = std::max(linear, twist.v.squaredNorm());
+  }
+  return {kRoundOff * (std::sqrt(angular) + 1 / stage_h_),
+          kRoundOff * (std::sqrt(linear) + size_ / stage_h_)};
+}
+
+/// What a stage ended with, for the report if its sub-step is kept.
+void Rattle::note_residual(std::span<const double> lambda) {
+  natural_ = std::max(natural_, natural_residual(lambda, rates_));
+}
+
+/// Friction and loads that make each other grow: their impulses have outgrown all others by now.
+void Rattle::note_jam(std::span<const double> lambda) {
+  const Rows& rows = system_.rows();
+  const auto size = [&](int r) { return inertia_[r] > 0 ? std::abs(lambda[r]) / std::sqrt(inertia_[r]) : 0; };
+  double largest = 0;
+  for (int r = 0; r < rows.first_contact_row(); ++r) largest = std::max(largest, size(r));
+  jammed_.clear();
+  const std::span<const char> growing = axes_.growing();
+  if (std::find(growing.begin(), growing.end(), 1) == growing.end()) return;  // they only settle slowly
+  for (std::size_t i = 0; i < rows.axis_rows().size(); ++i) {
+    const int r = rows.axis_rows()[i].row;
+    if (size(r) >= kJamShare * largest && (growing[i] || axes_.has_unbounded_motor(i))) jammed_.push_back(r);
+  }
+  for (int r = 0; r < rows.first_contact_row(); ++r)
+    if (rows.is_equality(r) && rows.row(r).store->depends_on_time() && size(r) >= kJamShare * largest)
+      jammed_.push_back(r);
+}
+
+}  // namespace taut
