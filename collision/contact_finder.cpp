@@ -45,7 +45,8 @@ struct TaskResult {
 }  // namespace
 
 struct ContactFinder::Impl {
-  explicit Impl(ContactSettings s) : settings(s), pool(detail::thread_count(s.threads)), scratch(pool.size()) {}
+  explicit Impl(ContactSettings s)
+      : settings(s), pool(detail::thread_count(s.threads)), scratch(pool.size()) {}
 
   ContactSettings settings;
   detail::ThreadPool pool;

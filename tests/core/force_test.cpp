@@ -9,8 +9,8 @@
 namespace taut {
 namespace {
 
-using testing::moved;
 using testing::expect_invalid;
+using testing::moved;
 using testing::Random;
 
 std::vector<Wrench> wrenches_of(const World& world, const State& state) {
