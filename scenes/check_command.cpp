@@ -20,17 +20,18 @@ std::string joint_names(const World& world, const std::vector<JointId>& joints, 
   return text;
 }
 
-void print_redundant(const World& world, const std::vector<RedundantRow>& redundant) {
+void print_redundant(const World& world, const std::vector<RedundantRow>& redundant, std::size_t most) {
   if (redundant.empty()) return;
   std::cout << "\nRedundant rows, which do not affect the motion:\n";
-  for (std::size_t i = 0; i < redundant.size() && i < kMostRows; ++i) {
+  for (std::size_t i = 0; i < redundant.size() && i < most; ++i) {
     const RedundantRow& row = redundant[i];
     std::cout << "  " << world.joint(row.joint).type() << ' ' << world.name(row.joint) << ": " << row.name;
     if (!row.held_by.empty())
       std::cout << " is already held by " << joint_names(world, row.held_by, kMostHolders);
     std::cout << '\n';
   }
-  if (redundant.size() > kMostRows) std::cout << "  and " << redundant.size() - kMostRows << " more\n";
+  if (redundant.size() > most)
+    std::cout << "  and " << redundant.size() - most << " more, which --all names\n";
 }
 
 std::string joint_counts(const World& world) {
@@ -56,15 +57,17 @@ void add_contradiction(std::vector<Problem>& problems, const World& world, const
 
 }  // namespace
 
-int check_command(const std::string& name, const std::map<std::string, double>& parameters) {
+int check_command(const std::string& name, const std::map<std::string, double>& parameters, bool all) {
   Scene scene = open_scene(name, parameters);
   World& world = scene.world;
   Simulator simulator(world, scene.settings);
+  std::vector<Problem> problems;
   if (scene.assemble) {
     const StepReport& report = simulator.assemble();
-    if (!report.ok()) std::cout << "problem: the joints cannot be closed: " << report.message << '\n';
+    if (!report.ok()) problems.push_back({"assembly", report.message});
   }
-  std::vector<Problem> problems = world.validate();
+  const std::vector<Problem> invalid = world.validate();
+  problems.insert(problems.end(), invalid.begin(), invalid.end());
   add_contradiction(problems, world, simulator.contradiction(scene.dt));
   for (const Problem& problem : problems)
     std::cout << "problem: " << problem.subject << ": " << problem.message << '\n';
@@ -78,7 +81,7 @@ int check_command(const std::string& name, const std::map<std::string, double>& 
             << "freedoms        " << rank.freedoms << '\n'
             << "redundant rows  " << rank.rows - rank.rank << '\n'
             << "solver          " << simulator.solver_description() << '\n';
-  print_redundant(world, rank.redundant);
+  print_redundant(world, rank.redundant, all ? rank.redundant.size() : kMostRows);
   if (!rank.not_unique.empty())
     std::cout << "\nReactions that are not unique, of " << rank.not_unique.size()
               << " joints: " << joint_names(world, rank.not_unique, kMostReactions) << '\n';

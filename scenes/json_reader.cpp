@@ -99,6 +99,22 @@ double JsonNode::positive() const {
   return 1;
 }
 
+double JsonNode::half_to_one() const {
+  const std::size_t before = problems_->size();
+  const double value = number();
+  if (value >= 0.5 && value <= 1) return value;
+  if (problems_->size() == before) problem("must be between 1/2 and 1");
+  return 1;
+}
+
+double JsonNode::below_two() const {
+  const std::size_t before = problems_->size();
+  const double value = number();
+  if (value > 0 && value < 2) return value;
+  if (problems_->size() == before) problem("must be between 0 and 2");
+  return 1;
+}
+
 double JsonNode::not_negative() const {
   const double value = number();
   if (value >= 0) return value;

@@ -89,6 +89,8 @@ Scene build(const char* name, bool flag, double friction, const Parameters& para
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) add_node(scene.world, surface, rods, i, j, friction);
 
+  // Its free corners whip: with longer sub-steps it keeps its energy to 1e-4 at 1 ms by luck only.
+  if (flag) scene.settings.max_tension_number = 0.5;
   scene.energy_scale = fall_energy(scene.world, 2 * kHalfRod * (n - 1), scene.duration);
   add_probe(scene, rods.x((n - 1) / 2, flag ? n - 1 : n / 2));
   return scene;

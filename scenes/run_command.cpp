@@ -25,6 +25,10 @@
 namespace taut {
 namespace {
 
+constexpr std::int64_t kMostSteps = 1'000'000'000'000;
+/// Gaps beyond this [m or rad] are worth a warning with integrators that allow them.
+constexpr double kWideOpen = 1e-3;
+
 /// The files that a run writes.  All are opened before the run, so that it cannot fail at its end for want of
 /// a folder.
 class Outputs {
@@ -178,6 +182,17 @@ void add_warnings(RunRecord& record, const World& world) {
         "OpenBLAS is not the BLAS in use; factorisations will be slower (install libopenblas-dev)");
 }
 
+/// Force-level integrators promise no closed joints.
+void warn_of_open_joints(RunRecord& record, Integrator integrator) {
+  const bool force_level =
+      integrator == Integrator::kForceEuler || integrator == Integrator::kForceRungeKutta;
+  if (!force_level || std::max(record.max_gap.metres, record.max_gap.radians) <= kWideOpen) return;
+  record.warnings.push_back(format(
+      "joints were open by up to %.2g m and %.2g rad: the integrator solves for forces, and joints drift or "
+      "are torn open",
+      record.max_gap.metres, record.max_gap.radians));
+}
+
 int exit_status(const RunRecord& record) {
   if (record.status == "success") return kExitSuccess;
   if (record.status == "interrupted") return kExitSignal + InterruptGuard::signal();
@@ -189,11 +204,13 @@ int exit_status(const RunRecord& record) {
 std::int64_t step_count(const RunOptions& options, const Scene& scene) {
   if (options.steps && options.time) fail("--steps", "cannot be given together with --time", *options.steps);
   if (options.steps && *options.steps <= 0) fail("--steps", "must be positive", *options.steps);
+  if (options.steps && *options.steps > kMostSteps) fail("--steps", "must be at most 1e12", *options.steps);
   if (options.steps) return *options.steps;
   const double time = options.time.value_or(scene.duration);
   const double steps = std::round(time / scene.dt);
   if (steps < 1) fail(options.time ? "--time" : "duration", "is shorter than half a step", time);
-  if (steps > 1e12) fail(options.time ? "--time" : "duration", "takes more than 1e12 steps", time);
+  if (steps > static_cast<double>(kMostSteps))
+    fail(options.time ? "--time" : "duration", "takes more than 1e12 steps", time);
   return static_cast<std::int64_t>(steps);
 }
 
@@ -229,6 +246,7 @@ int run_command(const RunOptions& options) {
   }
   record.wall_time = seconds_since(start);
 
+  warn_of_open_joints(record, simulator.settings().integrator);
   outputs.finish(options, simulator, record, recorder, last);
   if (!options.quiet) std::cout << run_table(record) << std::flush;
   if (record.status != "success") std::cerr << "taut: " << record.status << ": " << record.message << '\n';

@@ -19,10 +19,12 @@ void RunRecord::start(const Scene& source, int rows, double energy) {
   if (energy_scale <= 0) {
     const State& state = source.world.state();
     energy_scale = kinetic_energy(source.world, state) + std::abs(source.world.potential_energy(state));
+    has_scale = energy_scale > 0;
   }
 }
 
 void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, double energy) {
+  if (!has_scale) energy_scale = std::max(energy_scale, std::abs(report.kinetic_energy));
   phases += report.times;
   analyses += report.analyses;
   factorizations += report.factorizations;

@@ -44,8 +44,9 @@ struct RunRecord {
   std::int64_t pivots = 0, contact_iterations = 0;
 
   double initial_energy = 0, final_energy = 0, energy_scale = 0;  ///< [J]
-  double max_energy_drift = 0;                                    ///< largest |E(t) − E(0)| [J]
-  double stiffness_work = 0;                                      ///< [J]
+  bool has_scale = true;        ///< else the scale is the largest kinetic energy so far
+  double max_energy_drift = 0;  ///< largest |E(t) − E(0)| [J]
+  double stiffness_work = 0;    ///< [J]
   EnergyLedger ledger;          ///< sums over all steps, from the start of the first
   double max_ledger_error = 0;  ///< largest |E_start + ledger − E_end| of a step [J]
 

@@ -29,11 +29,11 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   number("cfm", &JsonNode::not_negative, s.cfm);
   number("penalty_frequency", &JsonNode::positive, s.penalty_frequency);
   number("penalty_damping_ratio", &JsonNode::not_negative, s.penalty_damping_ratio);
-  number("theta", &JsonNode::positive, s.theta);
+  number("theta", &JsonNode::half_to_one, s.theta);
   choice("factor", kFactorNames, s.factor);
   choice("solver", kSolverNames, s.solver);
   integer("iterations", s.iterations);
-  number("relaxation", &JsonNode::positive, s.relaxation);
+  number("relaxation", &JsonNode::below_two, s.relaxation);
   integer("threads", s.threads);
   s.contacts = object.get("contacts", &JsonNode::boolean, s.contacts);
   number("contact_margin", &JsonNode::not_negative, s.contact_margin);

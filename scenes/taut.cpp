@@ -20,6 +20,7 @@ struct Arguments {
   taut::AccuracyOptions accuracy;
   std::string list_name;
   std::string check_scene;
+  bool check_all = false;
   std::string recording;
   taut::ExportFiles replay;
   bool replay_quietly = false;
@@ -165,6 +166,7 @@ void add_others(CLI::App& app, Arguments& arguments) {
   CLI::App& check =
       *app.add_subcommand("check", "look for mistakes in a scene; count freedoms, name redundant rows");
   add_scene(check, arguments.check_scene, arguments.check_assignments);
+  check.add_flag("--all", arguments.check_all, "name all redundant rows, not the first 20 only");
   CLI::App& list = *app.add_subcommand("list", "list the scenes with their parameters");
   list.add_option("scene", arguments.list_name, "only this one");
   add_bench(app, arguments.bench);
@@ -182,7 +184,7 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
     std::map<std::string, double> parameters;
     for (const std::string& assignment : arguments.check_assignments)
       taut::add_parameter(parameters, assignment);
-    return taut::check_command(arguments.check_scene, parameters);
+    return taut::check_command(arguments.check_scene, parameters, arguments.check_all);
   }
   if (app.got_subcommand("list")) {
     std::cout << taut::list_scenes(arguments.list_name);

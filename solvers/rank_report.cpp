@@ -12,7 +12,6 @@ namespace {
 
 /// Joints with less than this part of the largest share are not named among those that hold a row.
 constexpr double kShare = 0.05;
-constexpr std::size_t kMaxHolders = 4;
 /// For worlds with more dependent rows than this only the first ones get their holders named: each costs a
 /// solve.
 constexpr std::size_t kMaxExplained = 200;
@@ -49,11 +48,33 @@ std::vector<JointId> find_self_stressed(const World& world, ConstraintSystem& sy
   return joints;
 }
 
+/// Who holds a dependent row r: with I the rows that are independent, S_II c = S_Ir gives the combination of
+/// them that is row r, and joints with a large part in it, over the sizes of rows, hold it.
+std::vector<JointId> find_holders(const World& world, ConstraintSystem& system,
+                                  std::span<const int> dependent, int row, std::span<const double> inertia) {
+  std::vector<double> unit(system.row_count(), 0.0), c(system.row_count());
+  unit[row] = 1;
+  system.multiply(unit, c);
+  for (int r : dependent) c[r] = 0;
+  system.solve(c);
+  std::vector<double> share(world.joint_count(), 0.0);
+  for (int r = 0; r < system.row_count(); ++r) {
+    double& s = share[system.rows().row(r).joint];
+    s = std::max(s, std::abs(c[r]) / std::sqrt(inertia[r]));
+  }
+  const int own = system.rows().row(row).joint;
+  const double largest = max_abs(share);
+  std::vector<JointId> holders;
+  for (int j = 0; j < world.joint_count(); ++j)
+    if (share[j] > kShare * largest && j != own) holders.push_back({j});
+  if (holders.empty() && share[own] > 0) return {{own}};  // its other rows
+  std::stable_sort(holders.begin(), holders.end(),
+                   [&](JointId a, JointId b) { return share[a.index] > share[b.index]; });
+  return holders;
+}
+
 }  // namespace
 
-/// A dependent row r leaves a pivot of about ε: its part that no earlier row holds has length² ≈ 0.  With y =
-/// S_ε⁻¹ e_r, which is dominated by null vectors of S that contain r, the other rows with large |y| are those
-/// that hold it.
 RankReport analyze_rank(const World& world, const Settings& settings) {
   ConstraintSystem system(world, settings.factor, kCountingTolerance, Rows::AxisRows::kLeftOut);
   StageTimes times;
@@ -65,31 +86,21 @@ RankReport analyze_rank(const World& world, const Settings& settings) {
   report.rows = system.row_count();
   report.rank = report.rows - system.rank_deficiency();
   report.freedoms = 6 * world.moving_body_count() - report.rank;
-  std::vector<double> y(system.row_count()), share(world.joint_count());
   std::vector<int> dependent(system.dependent_rows().begin(), system.dependent_rows().end());
   std::sort(dependent.begin(), dependent.end());
-  if (!dependent.empty()) report.not_unique = find_self_stressed(world, system);
+  if (dependent.empty()) return report;
+  report.not_unique = find_self_stressed(world, system);
+  std::vector<double> inertia(system.row_count()), states(system.row_count(), 0.0);
+  system.row_inertias(inertia);
+  for (int row : dependent) states[row] = kMasked;
+  system.set_row_states(states);
+  system.factorize(times);
   for (int row : dependent) {
     const int joint = system.rows().row(row).joint;
-    RedundantRow redundant{
-        {joint}, row - system.rows().joints()[joint].first_row, system.rows().row_name(row), {}};
-    if (report.redundant.size() < kMaxExplained) {
-      std::fill(y.begin(), y.end(), 0.0);
-      y[row] = 1;
-      system.solve_shifted(y);
-      std::fill(share.begin(), share.end(), 0.0);
-      for (int r = 0; r < system.row_count(); ++r)
-        if (r != row)
-          share[system.rows().row(r).joint] = std::max(share[system.rows().row(r).joint], std::abs(y[r]));
-      std::vector<int> holders;
-      const double largest = *std::max_element(share.begin(), share.end());
-      for (int j = 0; j < world.joint_count(); ++j)
-        if (share[j] > kShare * largest && largest > 0) holders.push_back(j);
-      std::stable_sort(holders.begin(), holders.end(), [&](int a, int b) { return share[a] > share[b]; });
-      if (holders.size() > kMaxHolders) holders.resize(kMaxHolders);
-      for (int j : holders) redundant.held_by.push_back({j});
-    }
-    report.redundant.push_back(std::move(redundant));
+    report.redundant.push_back(
+        {{joint}, row - system.rows().joints()[joint].first_row, system.rows().row_name(row), {}});
+    if (report.redundant.size() <= kMaxExplained)
+      report.redundant.back().held_by = find_holders(world, system, dependent, row, inertia);
   }
   return report;
 }

@@ -15,6 +15,8 @@ constexpr std::size_t kShownMembers = 8;
 /// Steps ahead at which a contradiction is looked for if there is none at the end of this one: where rates
 /// grow without bounds the step fails shortly before.
 constexpr double kStepsAhead[] = {1, 4};
+/// What an active set without a solution leaves at least, relative, where laws contradict each other.
+constexpr double kRoundOffResidual = 1e-6;
 
 }  // namespace
 
@@ -55,17 +57,20 @@ void Simulator::Impl::diagnose_stall(double remaining) {
   const ActiveSetOutcome& outcome = rattle_->active_set_outcome();
   if (outcome.ok() && found.empty())
     found = find_stuck_joints(world_, *system_, rattle_->trial_poses(), report_);
+  if (found.residual <= settings_.position_tolerance && found.bounds.empty() && outcome.ok()) found = {};
   Status status = found.empty() ? Status::kNotConverged : Status::kContradiction;
   if (outcome.ok()) {
     std::ostringstream message;
     message << "positions could not be closed with sub-steps down to dt/" << settings_.max_substeps;
     return set_failure(status, message.str());
   }
-  if (found.empty()) {  // the row that misses its law most is where it shows
+  // The row that misses its law most is where it shows.
+  if (found.empty() && outcome.status == ActiveSetStatus::kContradiction &&
+      outcome.residual > kRoundOffResidual) {
+    status = Status::kContradiction;
+    found.residual = outcome.residual;
     if (outcome.worst_row >= 0 && !system_->rows().is_contact(outcome.worst_row))
       found.joints.push_back({system_->rows().row(outcome.worst_row).joint});
-    found.residual = outcome.residual;
-    if (outcome.status == ActiveSetStatus::kContradiction) status = Status::kContradiction;
   }
   set_failure(status, "limits, motors, friction and contacts could not be met together with the joints");
 }

@@ -53,7 +53,11 @@ TEST(Program, CheckCountsFreedomsAndNamesRedundantRows) {
   const Outcome balls = run_program({"check", "bridge-balls", "--set", "n=50"});
   EXPECT_EQ(balls.exit_status, 0);
   EXPECT_NE(balls.out.find("redundant rows  54\n"), std::string::npos) << balls.out;  // n + 4
-  EXPECT_NE(balls.out.find("and 34 more\n"), std::string::npos) << balls.out;         // twenty are named
+  EXPECT_NE(balls.out.find("and 34 more, which"), std::string::npos) << balls.out;    // twenty are named
+  const Outcome all = run_program({"check", "bridge-balls", "--set", "n=50", "--all"});
+  int named = 0;
+  for (std::size_t at = 0; (at = all.out.find("is already held by", at)) != std::string::npos; ++at) ++named;
+  EXPECT_EQ(named, 54);
 }
 
 /// A driver that turns an arm into a limit, from the start or on the way.

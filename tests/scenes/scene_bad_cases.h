@@ -56,6 +56,8 @@ inline std::vector<BadScene> bad_top_level() {
        "must be a positive whole number", "1.5"},
       {top(R"("settings": {"max_substeps": 0})"), "/settings/max_substeps", "must be a positive whole number",
        "0"},
+      {top(R"("settings": {"theta": 0.3})"), "/settings/theta", "must be between 1/2 and 1", "0.3"},
+      {top(R"("settings": {"relaxation": 2})"), "/settings/relaxation", "must be between 0 and 2", "2"},
       {top(R"("settings": {"position_tolerance": 0})"), "/settings/position_tolerance",
        "must be finite and positive", "0"},
       {top(R"("settings": {"positon_tolerance": 1})"), "/settings/positon_tolerance",
