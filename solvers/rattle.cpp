@@ -64,6 +64,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   mean_twists_.resize(bodies);
   start_jacobian_.resize(system.jacobian().size());
   stiffness_.resize(bodies);
+  unmended_.resize(bodies);
   filter_rotation_.resize(bodies);
   filter_translation_.resize(bodies);
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.

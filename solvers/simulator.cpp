@@ -359,6 +359,7 @@ void Simulator::Impl::finish(double dt) {
 
 void Simulator::Impl::name_dependent_rows() {
   const Rows& rows = system_->rows();
+  if (!system_->dependent_rows().empty()) report_.dependent_rows.reserve(rows.row_count());  // once
   for (int row : system_->dependent_rows()) {
     if (rows.is_contact(row)) continue;
     const int joint = rows.row(row).joint;

@@ -403,6 +403,17 @@ TEST(Allocation, AStepAllocatesNothingAfterTheFirst) {
     EXPECT_TRUE(simulator.report().ok());
   }
 }
+
+/// Redundant rows, whose number changes on the way.
+TEST(Allocation, AStepOfASwingingGridAllocatesNothing) {
+  Scene scene = build_scene("joint-grid", {{"n", 20}, {"swing", 1}});
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(simulator.step(1.0 / 240).ok());
+  const long before = allocation_count();
+  for (int i = 0; i < 240; ++i) (void)simulator.step(1.0 / 240);
+  EXPECT_EQ(allocation_count() - before, 0);
+  EXPECT_TRUE(simulator.report().ok());
+}
 #endif
 
 struct CureCase {
