@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/flush_to_zero.h"
+
 namespace taut::detail {
 
 struct ThreadPool::Impl {
@@ -21,7 +23,9 @@ struct ThreadPool::Impl {
   std::exception_ptr error;
   std::vector<std::jthread> threads;
 
+  /// In the same mode as the caller of a step, so that results have the same bits on all threads.
   void take_tasks(int worker) {
+    const FlushToZero mode;
     for (int task = next++; task < tasks; task = next++) {
       try {
         (*work)(task, worker);

@@ -7,6 +7,7 @@
 
 #include "core/check.h"
 #include "core/diagnostics.h"
+#include "core/flush_to_zero.h"
 #include "core/same_state.h"
 #include "solvers/assembly.h"
 #include "solvers/cholmod_factor.h"
@@ -420,6 +421,7 @@ Simulator::~Simulator() = default;
 Simulator::Simulator(Simulator&&) noexcept = default;
 
 const StepReport& Simulator::step(double dt) {
+  const detail::FlushToZero mode;
   impl_->step(dt);
   if (impl_->settings_.report_rank && impl_->report_.advanced()) impl_->report_.rank = analyze_rank();
   return impl_->report_;
