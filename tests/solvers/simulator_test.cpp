@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -220,6 +221,21 @@ TEST(Rattle, TheLedgerClosesForBodiesWithThreeDifferentMoments) {
     flow = std::max(flow, std::abs(r.ledger.integration));
   }
   EXPECT_GT(flow, 1e-9);  // there was something to book
+}
+
+/// The mode of the caller's numbers comes back, also after a step that throws.
+TEST(Determinism, AStepLeavesDenormalNumbersAsTheyWere) {
+  const auto half_of_the_smallest = [] {
+    volatile double smallest = std::numeric_limits<double>::min();
+    return smallest / 2;
+  };
+  World world;
+  (void)world.add_body({.mass = MassProperties(1, Vec3(1, 1, 1))});
+  Simulator simulator(world);
+  ASSERT_TRUE(simulator.step(1e-3).ok());
+  EXPECT_GT(half_of_the_smallest(), 0);
+  EXPECT_THROW(simulator.step(-1), std::invalid_argument);
+  EXPECT_GT(half_of_the_smallest(), 0);
 }
 
 /// Static loads shared by redundant joints: the least-norm multipliers, against a dense pseudo-inverse.
