@@ -93,7 +93,7 @@ void AxisForces::book(std::span<const double> lambda, std::span<const double> w,
     report.force += first_kick_[i].force;
     report.work += first_kick_[i].work;
     add(report, static_cast<int>(i), lambda[row], w[row], rates[row]);
-    report.saturated = axis.motor_force > 0 && !on_step(w[row], axis.motor_at);
+    report.saturated = properties(i).motor && !released_[i] && !on_step(w[row], axis.motor_at);
     report.at_limit =
         on_step(w[row], axis.lower_at) || on_step(w[row], axis.upper_at) || axis.soft_limit != 0;
   }

@@ -83,6 +83,15 @@ TEST(AxisMotor, SpinsUpWithItsTorqueAndHoldsItsTarget) {
   EXPECT_NEAR(simulator.axis_report(w.axis).force.motor, 0, 1e-9);
 }
 
+TEST(AxisMotor, WithNothingToGiveIsSaturated) {
+  Wheel w;
+  w.world.set_motor(w.axis, AxisMotor{.target = 1, .max_force = 0});
+  Simulator simulator(w.world);
+  run(simulator, 1e-3, 10);
+  EXPECT_TRUE(simulator.axis_report(w.axis).saturated);
+  EXPECT_EQ(simulator.axis_report(w.axis).force.motor, 0);
+}
+
 /// A load of 3 N·m turns the wheel back against a motor that has only 2 N·m.
 TEST(AxisMotor, IsDrivenBackWhereItsTorqueIsTooSmall) {
   Wheel w;
