@@ -187,7 +187,7 @@ bool Simulator::Impl::advance_to_end(double dt) {
   state_version_ = -1;  // until the end, which an exception of a force law may prevent
   if (force_level_) {
     done = force_level_->advance(dt, report_);
-    if (!done) set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
+    if (!done) fail_not_finite();
   } else {
     rattle_->set_horizon(dt);
     rattle_->clear_impulses();
@@ -303,7 +303,7 @@ bool Simulator::Impl::integrate(double dt) {
         }
         break;
       case Rattle::Outcome::kNotFinite:
-        set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
+        fail_not_finite();
         return false;
     }
     if (limit < smallest) {

@@ -40,11 +40,30 @@ Contradiction Simulator::Impl::contradiction(double horizon) {
   return contradiction_from(world_.state(), horizon);
 }
 
+/// Names the joint that follows what is not finite, if that shows at the start of the step or at its end.
+void Simulator::Impl::fail_not_finite() {
+  const State& start = world_.state();
+  const Rows& rows = system_->rows();
+  std::vector<double> gap(rows.row_count()), rate(rows.row_count());
+  for (const double time : {start.time, start.time + report_.dt}) {
+    const Configuration at(start.poses, time, start.axes);
+    rows.residual(at, gap);
+    std::fill(rate.begin(), rate.end(), 0.0);
+    rows.add_rate(at, rate);
+    for (int r = 0; r < rows.row_count(); ++r) {
+      if (std::isfinite(gap[r] + rate[r]) || rows.row(r).joint >= rows.joint_count()) continue;
+      const JointId joint{rows.row(r).joint};
+      return set_failure(Status::kNotFinite, "what " + std::string(source_.joint(joint).type()) + " " +
+                                                 source_.name(joint) + " follows is not finite");
+    }
+  }
+  set_failure(Status::kNotFinite, "a force, a motor or the state is not finite");
+}
+
 void Simulator::Impl::diagnose_stall(double remaining) {
   const std::span<const double> phi = rattle_->residual();
   if (std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); })) {
-    set_failure(Status::kNotFinite, "a force, a driver or the state is not finite");
-    return;
+    return fail_not_finite();
   }
   Contradiction& found = report_.contradiction;
   found = contradiction_from(rattle_->state(), remaining);

@@ -135,6 +135,7 @@ class Simulator::Impl {
   void detach_broken();
   void forget_step();
   void diagnose_stall(double remaining);
+  void fail_not_finite();
   void name_jam();
   Contradiction contradiction_from(const State& state, double horizon) const;
   void count_work();
