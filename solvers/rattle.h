@@ -183,7 +183,7 @@ class Rattle {
   double law_error(double h) const;
   double laws_off(std::span<const double> lambda, std::span<const double> w) const;
   double exact_tolerance() const;
-  void take_loosely(double off);
+  bool take_loosely(double off);
   double natural_residual(std::span<const double> lambda, std::span<const double> w) const;
   std::pair<double, double> rate_noise() const;
   void note_residual(std::span<const double> lambda);

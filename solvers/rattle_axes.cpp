@@ -102,7 +102,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     if (error <= 1) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
     if (closed && exact++ == kExactSolves) {
-      take_loosely(error);
+      if (!take_loosely(error)) return false;
       break;
     }
     if (iteration > 1 && !closed && error > kSlow * last) {
@@ -252,7 +252,7 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
     const double off = contacts_.empty() ? 0 : laws_off(mu_, w_);
     if (off <= 1) break;
     if (exact == kExactSolves) {
-      take_loosely(off);
+      if (!take_loosely(off)) return false;
       break;
     }
     tolerance = exact_tolerance();

@@ -32,8 +32,11 @@ double Rattle::exact_tolerance() const {
   return kNoises * std::min(contact_noise_.first, contact_noise_.second);
 }
 
-/// The laws of a stage are not met any better.
-void Rattle::take_loosely(double off) { loose_ = off * kContactTolerance; }
+/// The laws of a stage are not met any better.  False if that is not enough for an inexact step.
+bool Rattle::take_loosely(double off) {
+  loose_ = off * kContactTolerance;
+  return loose_ <= settings_.inexact_tolerance;
+}
 
 /// Distance of the motion from the laws [m or rad]: of verticals from their rate, of levels from their range,
 /// and of impulses from their level.

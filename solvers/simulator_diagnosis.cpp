@@ -62,9 +62,8 @@ void Simulator::Impl::fail_not_finite() {
 
 void Simulator::Impl::diagnose_stall(double remaining) {
   const std::span<const double> phi = rattle_->residual();
-  if (std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); })) {
+  if (std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); }))
     return fail_not_finite();
-  }
   Contradiction& found = report_.contradiction;
   found = contradiction_from(rattle_->state(), remaining);
   for (double steps : kStepsAhead)
