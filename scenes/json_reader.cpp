@@ -92,26 +92,23 @@ double JsonNode::number() const {
 }
 
 double JsonNode::positive() const {
-  const std::size_t before = problems_->size();
-  const double value = number();
-  if (value > 0) return value;
-  if (problems_->size() == before) problem("must be finite and positive");
-  return 1;
+  return number_that([](double x) { return x > 0; }, "must be finite and positive");
 }
 
 double JsonNode::half_to_one() const {
-  const std::size_t before = problems_->size();
-  const double value = number();
-  if (value >= 0.5 && value <= 1) return value;
-  if (problems_->size() == before) problem("must be between 1/2 and 1");
-  return 1;
+  return number_that([](double x) { return x >= 0.5 && x <= 1; }, "must be between 1/2 and 1");
 }
 
 double JsonNode::below_two() const {
+  return number_that([](double x) { return x > 0 && x < 2; }, "must be between 0 and 2");
+}
+
+/// 1 if it is another, with one problem.
+double JsonNode::number_that(bool (*fits)(double), const char* expected) const {
   const std::size_t before = problems_->size();
   const double value = number();
-  if (value > 0 && value < 2) return value;
-  if (problems_->size() == before) problem("must be between 0 and 2");
+  if (fits(value)) return value;
+  if (problems_->size() == before) problem(expected);
   return 1;
 }
 

@@ -96,6 +96,7 @@ class JsonNode {
   void not_a_choice(const std::vector<std::string>& names) const;
 
  private:
+  double number_that(bool (*fits)(double), const char* expected) const;
   void problem_of_core(std::string_view what) const;
 
   const nlohmann::json* value_;
