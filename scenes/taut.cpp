@@ -1,7 +1,10 @@
 /// The program: taut run | replay | check | list | accuracy | bench.
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
 #include <iostream>
+#include <system_error>
 
 #include "scenes/accuracy_command.h"
 #include "scenes/bench_command.h"
@@ -194,9 +197,7 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
   return taut::bench_command(arguments.bench);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_program(int argc, char** argv) {
   CLI::App app("taut: rigid multibody systems with very many joints, solved directly", "taut");
   app.set_version_flag("--version", "taut " TAUT_VERSION);
   app.require_subcommand(1);
@@ -225,3 +226,17 @@ int main(int argc, char** argv) {
     return taut::kExitFailure;
   }
 }
+
+/// What was printed must have arrived: a full disk is a failure.
+int status_after_output(int status) {
+  errno = 0;
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::cout && !std::ferror(stdout)) return status;
+  const std::string reason = errno == 0 ? "" : ": " + std::generic_category().message(errno);
+  std::cerr << "taut: cannot write to the standard output" << reason << '\n';
+  return status == taut::kExitSuccess ? taut::kExitFailure : status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return status_after_output(run_program(argc, argv)); }

@@ -28,6 +28,12 @@ struct TemporaryFolder {
   }
 };
 
+int exit_status_of(pid_t child) {
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
 pid_t start(const std::vector<std::string>& arguments, const std::string& out, const std::string& err) {
   std::vector<std::string> words{TAUT_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -59,9 +65,14 @@ Outcome run_program(const std::vector<std::string>& arguments, const std::string
     std::this_thread::sleep_for(wait);
     kill(child, signal);
   }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(out), read_text(err)};
+  const int status = exit_status_of(child);
+  return {status, read_text(out), read_text(err)};
+}
+
+Outcome run_program_into(const std::string& file, const std::vector<std::string>& arguments) {
+  const std::string err = temporary("stderr");
+  const int status = exit_status_of(start(arguments, file, err));
+  return {status, "", read_text(err)};
 }
 
 std::string temporary(const std::string& name) {

@@ -278,6 +278,29 @@ TEST(Program, OutputThatCannotBeWrittenToItsEndIsAFailure) {
   EXPECT_NE(run.err.find("/dev/full"), std::string::npos) << run.err;
 }
 
+/// The shell's > on a full disk: nothing of it may look like success.
+TEST(Program, WhatCannotBePrintedIsAFailure) {
+  const std::string recording = temporary("full.taut");
+  ASSERT_EQ(
+      run_program({"run", "pendulum-ball", "--steps", "2", "--record", recording, "--quiet"}).exit_status, 0);
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"list"},
+                                             {"check", "pendulum-ball"},
+                                             {"run", "pendulum-ball", "--steps", "2"},
+                                             {"replay", recording},
+                                             {"--help"},
+                                             {"run", "--help"},
+                                             {"--version"}}) {
+    const Outcome run = run_program_into("/dev/full", arguments);
+    EXPECT_EQ(run.exit_status, 1) << arguments.front();
+    EXPECT_NE(run.err.find("taut: cannot write to the standard output"), std::string::npos)
+        << arguments.front() << run.err;
+    EXPECT_EQ(run_program_into("/dev/null", arguments).exit_status, 0) << arguments.front();
+  }
+  EXPECT_EQ(run_program_into("/dev/full", {"run", "pendulum-ball", "--steps", "2", "--quiet"}).exit_status,
+            0);
+}
+
 /// Every mistake on the command line ends with status 2 and names the option and the value.
 struct Mistake {
   const char* name;
