@@ -229,7 +229,8 @@ std::optional<JsonNode> JsonObject::required(const char* key) {
   return member;
 }
 
-std::optional<JsonNode> JsonObject::one_of(std::initializer_list<const char*> keys) {
+std::optional<JsonNode> JsonObject::one_of(std::initializer_list<const char*> keys,
+                                           std::initializer_list<const char*> or_else) {
   std::optional<JsonNode> first;
   std::vector<std::string> names(keys.begin(), keys.end());
   for (const char* key : keys) {
@@ -240,6 +241,7 @@ std::optional<JsonNode> JsonObject::one_of(std::initializer_list<const char*> ke
     else
       first = member;
   }
+  names.insert(names.end(), or_else.begin(), or_else.end());
   if (!first && is_object_) node_.problem("one of " + quoted_list(names) + " is missing", "");
   return first;
 }

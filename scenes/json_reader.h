@@ -50,10 +50,15 @@ class JsonNode {
   /// The same, but silent if there are problems beyond the first `before`: then the input was stand-ins.
   template <typename Function>
   void guard_if_sound(std::size_t before, Function function) const {
+    guard_if([this, before] { return problems_->size() == before; }, std::move(function));
+  }
+  /// The same, but silent unless `counts()` afterwards.
+  template <typename Predicate, typename Function>
+  void guard_if(Predicate counts, Function function) const {
     try {
       function();
     } catch (const std::invalid_argument& error) {
-      if (problems_->size() == before) problem_of_core(error.what());
+      if (counts()) problem_of_core(error.what());
     }
   }
 
@@ -127,8 +132,10 @@ class JsonObject {
     const auto member = required(key);
     return member ? ((*member).*read)() : harmless;
   }
-  /// Which of the keys is there; none or more than one is a problem.
-  std::optional<JsonNode> one_of(std::initializer_list<const char*> keys);
+  /// Which of the keys is there; none or more than one is a problem.  `or_else`: what could be in their
+  /// place.
+  std::optional<JsonNode> one_of(std::initializer_list<const char*> keys,
+                                 std::initializer_list<const char*> or_else = {});
 
   /// To be called when all known keys have been asked for.
   void reject_unknown_keys() const;

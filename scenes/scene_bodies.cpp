@@ -97,7 +97,7 @@ FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& s
     if (each.density) each.density->problem("has no effect, since the mass does not come from the shapes");
   if (needs_none) return {};
   mass_node = body.one_of({"mass", "density"});
-  inertia = body.one_of({"inertia", "shape"});
+  inertia = body.one_of({"inertia", "shape"}, {"shapes"});
 
   FileMass result;
   const std::size_t before = body.node().problems().size();

@@ -69,8 +69,9 @@ inline std::vector<BadScene> bad_bodies() {
   const std::string quaternion_length = "must be a quaternion of length 1 to 1e-09, its length is ";
   return {
       {body(R"("inertia": [1, 1, 1])"), "/bodies/0", R"(one of "mass", "density" is missing)", ""},
-      {body(R"("mass": 1)"), "/bodies/0", R"(one of "inertia", "shape" is missing)", ""},
-      {body(R"("fixed": true, "mass": 1)"), "/bodies/0", R"(one of "inertia", "shape" is missing)", ""},
+      {body(R"("mass": 1)"), "/bodies/0", R"(one of "inertia", "shape", "shapes" is missing)", ""},
+      {body(R"("fixed": true, "mass": 1)"), "/bodies/0", R"(one of "inertia", "shape", "shapes" is missing)",
+       ""},
       {body(R"("mass": 0, "inertia": [1, 1, 1])"), "/bodies/0/mass", "must be finite and positive", "0"},
       {body(R"("mass": -1, "inertia": [1, 1, 1])"), "/bodies/0/mass", "must be finite and positive", "-1"},
       {body(R"("mass": 1e400, "inertia": [1, 1, 1])"), "/bodies/0/mass", "must be finite", "inf", false},
