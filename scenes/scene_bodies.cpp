@@ -155,8 +155,11 @@ void SceneReader::read_body(const JsonNode& node) {
   const std::vector<FileShape> shapes = shape_list ? read_shapes(*shape_list) : std::vector<FileShape>();
   const FileMass mass = read_mass(body, spec.fixed, shapes);
   spec.mass = mass.properties;
-  spec.pose.p = body.get("position", &JsonNode::vector, Vec3(Vec3::Zero()));
-  if (const auto orientation = body.find("orientation")) spec.pose.q = read_orientation(*orientation);
+  const std::size_t before_pose = problems_.size();
+  const auto position = body.find("position"), orientation = body.find("orientation");
+  if (position) spec.pose.p = position->vector();
+  if (orientation) spec.pose.q = read_orientation(*orientation);
+  bool placed = node.json().is_object() && problems_.size() == before_pose;
   spec.pose.p += spec.pose.q * mass.centre;
   spec.twist.v = body.get("velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
   spec.twist.w = body.get("angular_velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
@@ -164,34 +167,43 @@ void SceneReader::read_body(const JsonNode& node) {
     if (body.find("angular_velocity")) in_body_axes->problem("angular_velocity is given as well");
     spec.twist.w = spec.pose.q * in_body_axes->vector();
   }
+  const std::size_t before_keys = problems_.size();
   body.reject_unknown_keys();
+  if (problems_.size() != before_keys && !(position && orientation)) placed = false;  // one may be misspelt
   if (spec.fixed && !(spec.twist.v.isZero(0) && spec.twist.w.isZero(0)))
     node.problem("a fixed body cannot have a velocity");
 
-  if (!spec.name.empty() && scene_.world.has_body(spec.name)) {
-    const auto owner = path_of_body_.find(spec.name);
-    name->problem("name is already taken by " + (owner != path_of_body_.end() ? owner->second
-                                                 : spec.name == "ground"      ? "the ground"
-                                                                              : "a generated body"));
-    return;
-  }
+  if (!spec.name.empty() && scene_.world.has_body(spec.name)) return refuse_name(*name);
   const bool sound = problems_.size() == before;
-  if (!sound) {  // a stand-in of that name
-    const std::string own_name = spec.name;
-    spec = BodySpec{};
-    spec.name = own_name;
+  if (!sound) {  // a stand-in of that name, where it is
+    spec.mass = FileMass().properties;
+    spec.twist = {};
+    if (!placed) spec.pose = {};
   }
   node.guard([&] {
     const BodyId id = scene_.world.add_body(spec);
     path_of_body_[scene_.world.name(id)] = node.path();
+    if (!placed) unplaced_bodies_.insert(id.index);
+    if (!mass.centre.isZero(0)) centre_of_body_[id.index] = mass.centre;
     if (!sound) {
-      unsound_bodies_.insert(id.index);
+      unshaped_bodies_.insert(id.index);
       return;
     }
-    if (!mass.centre.isZero(0)) centre_of_body_[id.index] = mass.centre;
     if (mass.drawn && shapes.empty()) draw(scene_, id, *mass.drawn);
     add_shapes(id, shapes, mass.centre);
   });
+}
+
+/// For a body whose name another one has.  Which of them is meant elsewhere is not known.
+void SceneReader::refuse_name(const JsonNode& name) {
+  const std::string text = name.string();
+  const auto owner = path_of_body_.find(text);
+  name.problem("name is already taken by " + (owner != path_of_body_.end() ? owner->second
+                                              : text == "ground"           ? "the ground"
+                                                                           : "a generated body"));
+  const int other = scene_.world.body(text).index;
+  if (other != kGround.index) unplaced_bodies_.insert(other), unshaped_bodies_.insert(other);
+  misses_body_ = true;
 }
 
 }  // namespace taut

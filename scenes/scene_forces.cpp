@@ -49,7 +49,8 @@ void SceneReader::read_force(const JsonNode& node) {
   const ForceReader read_type = type->choice(kForceTypes);
   if (problems_.size() != before) return;
   std::shared_ptr<const Force> made;
-  node.guard_if_sound(before, [&] { made = read_type(*this, force); });
+  knows_all_ = true;
+  guard_item(node, before, [&] { made = read_type(*this, force); });
   force.reject_unknown_keys();
   if (made && problems_.size() == before) node.guard([&] { scene_.world.add_force(made); });
 }

@@ -110,54 +110,60 @@ constexpr std::pair<const char*, JointReader> kJointTypes[] = {
 }  // namespace
 
 void SceneReader::read_joint(const JsonNode& node) {
-  const std::size_t before = problems_.size();
+  knows_all_ = true;
   JsonObject joint(node);
   const auto name_node = joint.find("name");
-  const std::string name = name_node ? name_node->string() : "";
+  std::string name = name_node ? name_node->string() : "";
+  // One without a name of its own is unnamed as far as all the rest goes.
+  const auto owner = path_of_joint_.find(name);
+  if (!name.empty() && (owner != path_of_joint_.end() || scene_.world.has_joint(name))) {
+    name_node->problem("name is already taken by " +
+                       (owner != path_of_joint_.end() ? owner->second : "a generated joint"));
+    name.clear();
+  } else if (!name.empty()) {
+    path_of_joint_[name] = node.path();
+  }
+  const std::size_t before = problems_.size();
   const auto type = joint.required("type");
   const std::size_t before_type = problems_.size();
   const JointReader read_type = type ? type->choice(kJointTypes) : JointReader{};
   if (!type || problems_.size() != before_type) {  // its keys are not known
-    if (!name.empty()) path_of_joint_.emplace(name, node.path());
+    misses_joint_ = true;
     return;
   }
   for (const char* key : {"axes", "compliance", "break", "attached"}) joint.find(key);
   std::shared_ptr<const Joint> made;
-  bool bodies_found = true, bodies_sound = true;
+  bool bodies_found = true, bodies_placed = true;
   if (!read_type.pair || (read_type.other && joint.find("points"))) {
-    node.guard_if_sound(before, [&] { made = read_type.other(*this, joint); });
+    guard_item(node, before, [&] { made = read_type.other(*this, joint); });
     joint.reject_unknown_keys();
     if (made)
-      for (BodyId body : made->bodies()) bodies_sound = bodies_sound && !unsound_bodies_.contains(body.index);
+      for (BodyId body : made->bodies())
+        bodies_placed = bodies_placed && !unplaced_bodies_.contains(body.index);
   } else {
     PairKeys keys(*this, joint);
-    node.guard_if_sound(before, [&] { made = read_type.pair(keys); });
+    guard_item(node, before, [&] { made = read_type.pair(keys); });
     joint.reject_unknown_keys();
     bodies_found = keys.a.found && keys.b.found;
-    bodies_sound = keys.a.sound && keys.b.sound;
+    bodies_placed = keys.a.placed && keys.b.placed;
     if (bodies_found) {
       if (keys.a.id == keys.b.id)
         joint.find("b")->problem("joins a body to itself");
-      else if (bodies_sound && scene_.world.is_fixed(keys.a.id) && scene_.world.is_fixed(keys.b.id))
+      else if (bodies_placed && scene_.world.is_fixed(keys.a.id) && scene_.world.is_fixed(keys.b.id))
         node.problem("joins two fixed bodies",
                      scene_.world.name(keys.a.id) + ", " + scene_.world.name(keys.b.id));
     }
   }
 
-  const auto owner = path_of_joint_.find(name);
-  if (!name.empty() && (owner != path_of_joint_.end() || scene_.world.has_joint(name)))
-    name_node->problem("name is already taken by " +
-                       (owner != path_of_joint_.end() ? owner->second : "a generated joint"));
-  else if (!name.empty())
-    path_of_joint_[name] = node.path();
   JointId id;
   if (made && bodies_found && problems_.size() == before)
     node.guard([&] {
       id = scene_.world.add_joint(name, made);
       path_of_joint_[scene_.world.name(id)] = node.path();
       joint_paths_.resize(id.index + 1);
-      if (bodies_sound) joint_paths_[id.index] = node.path();
+      if (bodies_placed) joint_paths_[id.index] = node.path();
     });
+  misses_joint_ = misses_joint_ || id.index < 0;
   if (const auto axes = joint.find("axes")) read_axes(*axes, id);
   read_joint_properties(joint, id);
 }

@@ -11,4 +11,8 @@ namespace taut {
 /// @throws std::invalid_argument for a name that is taken.
 void append_scene(Scene& scene, const Scene& block, const std::string& prefix, const Pose& placement);
 
+/// The first of its names that is there already, as `body "rod_0"`; "" if none is.
+std::string taken_name(const Scene& scene, const Scene& block, const std::string& prefix,
+                       const Pose& placement);
+
 }  // namespace taut

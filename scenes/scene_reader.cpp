@@ -1,5 +1,6 @@
 #include "scenes/scene_reader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -105,7 +106,7 @@ Scene SceneReader::read(const nlohmann::json& document, const std::string& defau
   each("forces", &SceneReader::read_force);
   each("probes", &SceneReader::read_probe);
   top.reject_unknown_keys();
-  if (!scene_.assemble) check_gaps();
+  if (!scene_.assemble && knows_start_) check_gaps();
   return std::move(scene_);
 }
 
@@ -115,11 +116,13 @@ void SceneReader::read_top_level(JsonObject& top) {
   if (!is_one_block) scene_.energy_scale = 0;
   scene_.name = top.get("name", &JsonNode::string, scene_.name);
   if (const auto gravity = top.find("gravity")) scene_.world.set_gravity(gravity->vector());
+  const std::size_t before_start = problems_.size();
   scene_.world.set_time(top.get("time", &JsonNode::number, scene_.world.time()));
+  scene_.assemble = top.get("assemble", &JsonNode::boolean, scene_.assemble);
+  knows_start_ = problems_.size() == before_start;
   scene_.dt = top.get("dt", &JsonNode::positive, scene_.dt);
   scene_.duration = top.get("duration", &JsonNode::positive, scene_.duration);
   scene_.energy_scale = top.get("energy_scale", &JsonNode::not_negative, scene_.energy_scale);
-  scene_.assemble = top.get("assemble", &JsonNode::boolean, scene_.assemble);
   if (const auto settings = top.find("settings")) scene_.settings = read_settings(*settings, scene_.settings);
 }
 
@@ -132,35 +135,49 @@ void SceneReader::read_generate(const JsonNode& node) {
   std::map<std::string, double> values;
   if (parameters && builder) values = read_parameters(*parameters, *builder);
   const std::string prefix = block.get("prefix", &JsonNode::string, std::string());
+  const std::size_t before_placement = problems_.size();
   Pose placement;
   placement.p = block.get("position", &JsonNode::vector, placement.p);
   if (const auto orientation = block.find("orientation")) placement.q = read_orientation(*orientation);
+  const bool placed = problems_.size() == before_placement;
+  const std::size_t before_keys = problems_.size();
   block.reject_unknown_keys();
-  if (problems_.size() != before) {
-    has_unread_block_ = true;
-    return;
-  }
+  // An unknown key may be any of the others, misspelt.
+  if (before_placement != before || problems_.size() != before_keys)
+    return unread_prefixes_.push_back(prefix);
+  if (!placed) placement = prefix.empty() ? Pose{} : Pose{Quat::Identity(), Vec3::UnitX()};  // a stand-in
 
-  node.guard_if_sound(before, [&] {
+  bool added = false;
+  const int first_body = scene_.world.body_count();
+  node.guard([&] {
     Scene built = build_scene(builder->name, values);
-    built.name = scene_.name;
-    const bool is_first = node.path() == "/generate/0";
-    const bool as_it_is = prefix.empty() && placement.p.isZero(0) && placement.q.vec().isZero(0);
-    if (is_first && as_it_is) {
-      scene_ = std::move(built);
-    } else {
-      if (is_first) {
-        scene_.world.set_gravity(built.world.gravity());
-        scene_.settings = built.settings;
-        scene_.dt = built.dt;
-        scene_.duration = built.duration;
-      }
-      append_scene(scene_, built, prefix, placement);
-    }
-    joint_paths_.resize(scene_.world.joint_count(), node.path());
-    for (const Probe& probe : scene_.probes) probe_names_.insert(probe.name);
+    if (const std::string taken = taken_name(scene_, built, prefix, placement); !taken.empty())
+      return node.problem(taken + " is there already; give each block a \"prefix\" of its own");
+    add_block(std::move(built), node, prefix, placement);
+    added = true;
   });
-  if (problems_.size() != before) has_unread_block_ = true;
+  if (!added) unread_prefixes_.push_back(prefix);
+  for (int b = first_body; b < scene_.world.body_count() && !placed; ++b) unplaced_bodies_.insert(b);
+}
+
+void SceneReader::add_block(Scene built, const JsonNode& node, const std::string& prefix,
+                            const Pose& placement) {
+  built.name = scene_.name;
+  const bool is_first = node.path() == "/generate/0";
+  const bool as_it_is = prefix.empty() && placement.p.isZero(0) && placement.q.vec().isZero(0);
+  if (is_first && as_it_is) {
+    scene_ = std::move(built);
+  } else {
+    if (is_first) {
+      scene_.world.set_gravity(built.world.gravity());
+      scene_.settings = built.settings;
+      scene_.dt = built.dt;
+      scene_.duration = built.duration;
+    }
+    append_scene(scene_, built, prefix, placement);
+  }
+  joint_paths_.resize(scene_.world.joint_count(), node.path());
+  for (const Probe& probe : scene_.probes) probe_names_.insert(probe.name);
 }
 
 void SceneReader::read_probe(const JsonNode& node) {
@@ -198,20 +215,35 @@ BodyReference SceneReader::required_body(JsonObject& object, const char* key) co
   if (scene_.world.has_body(name)) {
     const BodyId id = scene_.world.body(name);
     const auto centre = centre_of_body_.find(id.index);
-    return {id, true, !unsound_bodies_.contains(id.index),
+    const bool placed = !unplaced_bodies_.contains(id.index);
+    knows_all_ = knows_all_ && placed;
+    return {id, true, placed, !unshaped_bodies_.contains(id.index),
             centre == centre_of_body_.end() ? Vec3(Vec3::Zero()) : centre->second};
   }
-  // What a block with problems would have generated is not known.
-  if (has_unread_block_) return {};
+  knows_all_ = false;
+  if (may_be_generated(name) || may_be_counted(name, "body_", misses_body_)) return {};
   node->problem("there is no body of this name" +
                 did_you_mean(name, names_of<BodyId>(scene_.world, scene_.world.body_count())));
   return {};
 }
 
+/// Whether a block with problems may have made what has this name.
+bool SceneReader::may_be_generated(const std::string& name) const {
+  return std::any_of(unread_prefixes_.begin(), unread_prefixes_.end(),
+                     [&](const std::string& prefix) { return name.starts_with(prefix); });
+}
+
+/// Whether it may be the name that something without one gets from its index, where others are missing.
+bool SceneReader::may_be_counted(const std::string& name, const char* stem, bool misses_some) const {
+  return (misses_some || !unread_prefixes_.empty()) && name.starts_with(stem);
+}
+
 JointId SceneReader::find_joint(const JsonNode& node) const {
   const std::string name = node.string();
   if (scene_.world.has_joint(name)) return scene_.world.joint(name);
-  if (!name.empty() && !path_of_joint_.contains(name) && !has_unread_block_)
+  knows_all_ = false;
+  if (!name.empty() && !path_of_joint_.contains(name) && !may_be_generated(name) &&
+      !may_be_counted(name, "joint_", misses_joint_))
     node.problem("there is no joint of this name" +
                  did_you_mean(name, names_of<JointId>(scene_.world, scene_.world.joint_count())));
   return {};

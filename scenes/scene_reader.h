@@ -18,7 +18,8 @@ namespace taut {
 struct BodyReference {
   BodyId id{};
   bool found = false;
-  bool sound = false;  ///< false if it is not there or has problems of its own
+  bool placed = false;  ///< its pose is known; false if it is not there
+  bool shaped = false;  ///< its shapes are known; likewise
   /// Its centre of mass in the frame that the file gives the body, which points of the file are in.
   Vec3 centre = Vec3::Zero();
 };
@@ -42,8 +43,8 @@ struct FileMass {
 /// mass or density, with inertia, shape or the collision shapes.  A fixed body needs none of them.
 FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& shapes);
 
-/// Builds a Scene from a document.  A body or joint with problems is still entered under its name, so that
-/// what refers to it is checked as well.
+/// Builds a Scene from a document.  A body or joint with problems is still entered under its name, with what
+/// is known of it, so that what refers to it is checked as well.
 class SceneReader {
  public:
   /// Mesh files are looked for in the folder.
@@ -62,9 +63,11 @@ class SceneReader {
  private:
   void read_top_level(JsonObject& top);
   void read_generate(const JsonNode& node);
+  void add_block(Scene built, const JsonNode& node, const std::string& prefix, const Pose& placement);
   void read_materials(const JsonNode& node);
   void read_ground(const JsonNode& node);
   void read_body(const JsonNode& node);
+  void refuse_name(const JsonNode& name);
   /// "shapes": those without problems.
   std::vector<FileShape> read_shapes(const JsonNode& list) const;
   std::optional<FileShape> read_shape_of_body(const JsonNode& node) const;
@@ -88,6 +91,14 @@ class SceneReader {
 
   /// -1 if there is none of that name (a problem) or it has problems of its own.
   JointId find_joint(const JsonNode& name) const;
+  bool may_be_generated(const std::string& name) const;
+  bool may_be_counted(const std::string& name, const char* stem, bool misses_some) const;
+  /// Runs what reads an item.  What it throws as bad input is a problem of the item, unless there are others
+  /// beyond the first `before` or it refers to what is not known (knows_all_, which is true at its start).
+  template <typename Function>
+  void guard_item(const JsonNode& node, std::size_t before, Function function) const {
+    node.guard_if([&] { return knows_all_ && problems_.size() == before; }, std::move(function));
+  }
 
   Problems& problems_;
   std::filesystem::path folder_;
@@ -95,10 +106,13 @@ class SceneReader {
   std::set<std::pair<MaterialId, MaterialId>> material_pairs_;
   std::unordered_map<int, Vec3> centre_of_body_;                               // where it is not 0
   std::unordered_map<std::string, std::string> path_of_body_, path_of_joint_;  // names of the file
-  std::set<int> unsound_bodies_;
+  std::set<int> unplaced_bodies_, unshaped_bodies_;  // whose pose or shapes are not known
   std::set<std::string> probe_names_;
-  bool has_unread_block_ = false;         // a generate block with problems: its names are not known
-  std::vector<std::string> joint_paths_;  // by joint id; empty: its gap is not checked
+  std::vector<std::string> unread_prefixes_;  // of generate blocks with problems: their names are not known
+  bool misses_body_ = false, misses_joint_ = false;  // of the file; so names by index are not known
+  bool knows_start_ = true;                          // "time" and "assemble"
+  mutable bool knows_all_ = true;                    // that the item refers to which is being read
+  std::vector<std::string> joint_paths_;             // by joint id; empty: its gap is not checked
 };
 
 /// A joint or force by its keys; null if what it refers to has problems.

@@ -49,6 +49,7 @@ MaterialId SceneReader::named_material(const JsonNode& node) const {
     names.push_back(scene_.world.name(MaterialId{m}));
     if (names.back() == name) return {m};
   }
+  if (may_be_generated(name)) return {};
   node.problem("there is no material of this name" + did_you_mean(name, names));
   return {};
 }
@@ -62,7 +63,7 @@ void SceneReader::read_material_pair(const JsonNode& node) {
                    second = b ? named_material(*b) : MaterialId{};
   const Material material = between ? material_of(*between) : Material{};
   pair.reject_unknown_keys();
-  if (problems_.size() != before) return;
+  if (problems_.size() != before || first.index < 0 || second.index < 0) return;
   if (!material_pairs_.insert(std::minmax(first, second)).second)
     return node.problem("these two materials are there already");
   scene_.world.set_contact_material(first, second, material);
@@ -122,7 +123,7 @@ std::vector<ShapeId> SceneReader::shapes_of_pair(JsonObject& pair, const char* b
   const auto index = pair.find(shape_key);
   const auto material = pair.find("material");
   if (index && !material) index->problem("needs a \"material\"");
-  if (!body.sound || !material) return {};
+  if (!body.shaped || !material) return {};
   std::vector<ShapeId> all;
   for (int s = 0; s < scene_.world.shape_count(); ++s)
     if (scene_.world.shape(ShapeId{s}).body == body.id) all.push_back({s});
@@ -147,7 +148,7 @@ void SceneReader::read_pair(const JsonNode& node) {
   pair.reject_unknown_keys();
   if (problems_.size() != before) return;
   const BodyReference a = required_body(pair, "a"), b = required_body(pair, "b");
-  if (!a.sound || !b.sound) return;
+  if (!a.found || !b.found) return;
   if (a.id == b.id) return pair.find("b")->problem("is the same body as \"a\"");
   if (collide) scene_.world.set_collision(a.id, b.id, may_collide);
   for (ShapeId first : on_a)

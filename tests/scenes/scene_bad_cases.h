@@ -356,7 +356,8 @@ inline std::vector<BadScene> bad_blocks() {
       {block(R"("builder": "chain", "prefix": "")"), "/generate/0/prefix",
        "must be a string that is not empty", R"("")"},
       {block(R"("builder": "chain", "parameters": {"n": 2}}, {"builder": "chain", "parameters": {"n": 2})"),
-       "/generate/1", "probe: name is already taken", R"({"builder":"chain","parameters":{"n":2}})", false},
+       "/generate/1", R"(body "rod_0" is there already; give each block a "prefix" of its own)",
+       R"({"builder":"chain","parameters":{"n":2}})", false},
       // Names of a block with problems are not known, so nothing that refers to them is blamed.
       {top(R"("generate": [{"builder": "chain", "size": 3}], "joints": [{"type": "ball", "a": "rod_0",
              "b": "rod_1", "anchor": [0, 0, 0]}])"),
