@@ -4,7 +4,7 @@
 
 #include "scenes/format.h"
 #include "scenes/recorder.h"
-#include "scenes/setting_names.h"
+#include "solvers/setting_names.h"
 
 namespace taut::reference {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "scenes/format.h"
 #include "scenes/run_command.h"
+#include "scenes/run_settings.h"
 #include "scenes/scene_source.h"
 #include "solvers/simulator.h"
 
@@ -60,6 +61,11 @@ void add_contradiction(std::vector<Problem>& problems, const World& world, const
 int check_command(const std::string& name, const std::map<std::string, double>& parameters, bool all) {
   Scene scene = open_scene(name, parameters);
   World& world = scene.world;
+  RunOptions options;
+  options.scene = name;
+  const SettingSources sources(options, scene);
+  require_compatible(scene, sources);
+  std::vector<std::string> warnings = settings_without_effect(scene.settings, sources);
   Simulator simulator(world, scene.settings);
   std::vector<Problem> problems;
   if (scene.assemble) {
@@ -71,6 +77,7 @@ int check_command(const std::string& name, const std::map<std::string, double>& 
   add_contradiction(problems, world, simulator.contradiction(scene.dt));
   for (const Problem& problem : problems)
     std::cout << "problem: " << problem.subject << ": " << problem.message << '\n';
+  for (const std::string& warning : warnings) std::cout << "warning: " << warning << '\n';
   const RankReport rank = simulator.analyze_rank();
   std::cout << "scene           " << scene.name << '\n'
             << "bodies          " << world.moving_body_count() << " moving, "
@@ -86,7 +93,8 @@ int check_command(const std::string& name, const std::map<std::string, double>& 
     std::cout << "\nReactions that are not unique, of " << rank.not_unique.size()
               << " joints: " << joint_names(world, rank.not_unique, kMostReactions) << '\n';
   if (problems.empty())
-    std::cout << "\nfine: nothing wrong found\n";
+    std::cout << (warnings.empty() ? "\nfine: nothing wrong found\n"
+                                   : "\nnothing wrong found but the warnings\n");
   else
     std::cout << '\n' << problems.size() << " problem(s) found\n";
   return problems.empty() ? kExitSuccess : kExitFailure;

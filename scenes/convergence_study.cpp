@@ -5,7 +5,7 @@
 #include <map>
 
 #include "scenes/format.h"
-#include "scenes/setting_names.h"
+#include "solvers/setting_names.h"
 
 namespace taut {
 namespace {

@@ -9,17 +9,13 @@
 #include "core/check.h"
 #include "scenes/gltf_export.h"
 #include "scenes/html_export.h"
+#include "scenes/output_file.h"
 #include "scenes/recorder.h"
 #include "scenes/svg_plot.h"
 #include "scenes/vtk_export.h"
 
 namespace taut {
 namespace {
-
-void check_writable(const char* option, const std::string& file) {
-  if (file.empty()) return;
-  if (!std::ofstream(file, std::ios::binary)) fail(option, "cannot write the file", file);
-}
 
 bool write_csv(RecordingReader& recording, const std::string& file) {
   std::ofstream out(file);
@@ -60,16 +56,12 @@ void make_file(const std::string& file, const std::function<bool()>& write,
 }  // namespace
 
 void check_exports(const ExportFiles& files) {
+  require_writable("--html", files.html);
+  require_writable("--gltf", files.gltf);
+  require_writable("--plot", files.plot);
+  require_writable("--csv", files.csv);
+  require_writable_folder("--vtk", files.vtk_folder);
   if (!files.html.empty()) (void)find_three();
-  check_writable("--html", files.html);
-  check_writable("--gltf", files.gltf);
-  check_writable("--plot", files.plot);
-  check_writable("--csv", files.csv);
-  if (files.vtk_folder.empty()) return;
-  std::error_code error;
-  std::filesystem::create_directories(files.vtk_folder, error);
-  if (error) fail("--vtk", "cannot make the folder: " + error.message(), files.vtk_folder);
-  check_writable("--vtk", files.vtk_folder + "/bodies.pvd");
 }
 
 ExportOutcome export_recording(RecordingReader& recording, const ExportFiles& files) {

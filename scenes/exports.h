@@ -14,7 +14,7 @@ struct ExportFiles {
   bool any() const { return !(html + gltf + vtk_folder + plot + csv).empty(); }
 };
 
-/// Opens what is asked for, so that a long run does not fail at its end.
+/// Asks whether all of it can be written, so that a long run does not fail at its end.  Nothing is touched.
 /// @throws std::invalid_argument for a file or folder that cannot be written, or a page without three.js,
 /// naming the option.
 void check_exports(const ExportFiles& files);

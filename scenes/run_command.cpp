@@ -12,14 +12,16 @@
 #include "scenes/format.h"
 #include "scenes/gap_meter.h"
 #include "scenes/interrupt.h"
+#include "scenes/output_file.h"
 #include "scenes/pose_trace.h"
 #include "scenes/progress_bar.h"
 #include "scenes/recorder.h"
 #include "scenes/run_record.h"
 #include "scenes/run_recording.h"
 #include "scenes/run_report.h"
+#include "scenes/run_settings.h"
 #include "scenes/scene_source.h"
-#include "scenes/setting_names.h"
+#include "solvers/setting_names.h"
 #include "solvers/simulator.h"
 
 namespace taut {
@@ -30,17 +32,27 @@ constexpr std::int64_t kMostSteps = 1'000'000'000'000;
 constexpr double kWideOpen = 1e-3;
 
 /// The files that a run writes.  All are opened before the run, so that it cannot fail at its end for want of
-/// a folder.
+/// a folder, but none before it is known that the run can start.
 class Outputs {
  public:
-  Outputs(const RunOptions& options, const Scene& scene) {
+  /// Asks whether all can be written; what is there stays as it is.
+  /// @throws std::invalid_argument naming the option if not.
+  static void check(const RunOptions& options) {
     check_distinct(options);
+    require_not_negative("--poses-interval", options.poses_interval);
+    require_not_negative("--frames-per-second", options.frames_per_second);
+    require_writable("--report", options.report_file);
+    require_writable("--csv", options.csv_file);
+    require_writable("--poses", options.poses_file);
+    require_writable("--record", options.record_file);
+    check_exports(options.exports);
+  }
+
+  Outputs(const RunOptions& options, const Scene& scene) {
     if (!options.report_file.empty()) open(report_, "--report", options.report_file);
     if (!options.csv_file.empty()) open(csv_, "--csv", options.csv_file);
-    require_not_negative("--poses-interval", options.poses_interval);
     if (!options.poses_file.empty())
       poses_ = std::make_unique<PoseTrace>(options.poses_file, options.poses_interval);
-    require_not_negative("--frames-per-second", options.frames_per_second);
     if (!options.record_file.empty() || options.exports.any())
       recording_ = std::make_unique<RunRecording>(scene, options.record_file, options.exports,
                                                   options.frames_per_second);
@@ -114,17 +126,7 @@ Scene prepared_scene(const RunOptions& options) {
   Scene scene = open_scene(options.scene, options.parameters);
   if (!is_scene_file(options.scene)) scene.name = options.scene;  // `bridge`, not what it is short for
   if (options.dt) scene.dt = *options.dt;
-  if (options.integrator) scene.settings.integrator = *options.integrator;
-  if (options.tension) scene.settings.tension = *options.tension;
-  if (options.drift_cure) scene.settings.drift_cure = *options.drift_cure;
-  if (options.factor) scene.settings.factor = *options.factor;
-  if (options.solver) scene.settings.solver = *options.solver;
-  if (options.iterations) scene.settings.iterations = *options.iterations;
-  if (options.threads) scene.settings.threads = *options.threads;
-  if (options.relaxation) scene.settings.relaxation = *options.relaxation;
-  if (options.theta) scene.settings.theta = *options.theta;
-  if (options.sleep) scene.settings.sleep = true;
-  if (options.merge_fixed_joints) scene.settings.merge_fixed_joints = true;
+  apply_settings(options, scene.settings);
   return scene;
 }
 
@@ -174,10 +176,10 @@ void assemble(Simulator& simulator, RunRecord& record) {
   if (!report.ok()) note_failure(record, report, simulator.world(), "closing the joints at the start");
 }
 
-void add_warnings(RunRecord& record, const World& world) {
+void add_warnings(RunRecord& record, const World& world, const Settings& settings) {
   for (const Problem& problem : world.validate())
     record.warnings.push_back(problem.subject + ": " + problem.message);
-  if (record.solver.find("OpenBLAS") == std::string::npos)
+  if (settings.solver == Solver::kDirect && record.solver.find("OpenBLAS") == std::string::npos)
     record.warnings.push_back(
         "OpenBLAS is not the BLAS in use; factorisations will be slower (install libopenblas-dev)");
 }
@@ -216,19 +218,23 @@ std::int64_t step_count(const RunOptions& options, const Scene& scene) {
 
 int run_command(const RunOptions& options) {
   Scene scene = prepared_scene(options);
+  const SettingSources sources(options, scene);
+  require_compatible(scene, sources);
   RunRecord record;
   record.steps_asked = step_count(options, scene);
   GapMeter meter(scene.world);
   Simulator simulator(scene.world, scene.settings);
   Recorder recorder(scene.probes);
   const InterruptGuard guard;  // from before there is any output file
-  Outputs outputs(options, scene);
+  Outputs::check(options);
 
+  record.warnings = settings_without_effect(scene.settings, sources);
   if (scene.assemble) assemble(simulator, record);
   record.integrator = name_of(scene.settings.integrator, kIntegratorNames);
   record.solver = simulator.solver_description();
   record.start(scene, meter.row_count(), total_energy(scene.world, scene.world.state()));
-  add_warnings(record, scene.world);
+  add_warnings(record, scene.world, scene.settings);
+  Outputs outputs(options, scene);
 
   const auto start = Clock::now();
   std::vector<double> last;

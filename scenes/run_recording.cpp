@@ -24,7 +24,6 @@ RunRecording::RunRecording(const Scene& scene, const std::string& file, const Ex
   require_not_negative("--frames-per-second", frames_per_second);
   interval_ = frames_per_second > 0 ? 1 / frames_per_second : 0;
   next_ = scene.world.time();
-  check_exports(exports);
   if (file_.empty()) {
     temporary_folder_ = make_temporary_folder();
     file_ = temporary_folder_ / "run.taut";

@@ -16,7 +16,7 @@ namespace taut {
 /// in a temporary one.
 class RunRecording {
  public:
-  /// Opens all files.
+  /// Opens the file; what is made from it is written at the end.
   /// @param file of the recording, may be empty
   /// @param frames_per_second 0: every step
   /// @throws std::invalid_argument for a file that cannot be written or a negative rate.

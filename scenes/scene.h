@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,8 +48,9 @@ struct Scene {
   std::map<std::string, double> parameters;  ///< as built; booleans are 0 or 1
   World world;
   Settings settings;
-  double dt = 1.0 / 240;  ///< [s]
-  double duration = 1;    ///< [s]
+  std::set<std::string> given_settings;  ///< by name: what a scene file says, and does not leave to defaults
+  double dt = 1.0 / 240;                 ///< [s]
+  double duration = 1;                   ///< [s]
   double energy_scale =
       0;  ///< E_scale by which energy drift is judged [J]; 0: kinetic + |potential| at the start
   std::vector<Probe> probes;

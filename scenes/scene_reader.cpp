@@ -6,6 +6,7 @@
 
 #include "core/diagnostics.h"
 #include "scenes/scene_merge.h"
+#include "solvers/setting_checks.h"
 
 namespace taut {
 namespace {
@@ -123,7 +124,27 @@ void SceneReader::read_top_level(JsonObject& top) {
   scene_.dt = top.get("dt", &JsonNode::positive, scene_.dt);
   scene_.duration = top.get("duration", &JsonNode::positive, scene_.duration);
   scene_.energy_scale = top.get("energy_scale", &JsonNode::not_negative, scene_.energy_scale);
-  if (const auto settings = top.find("settings")) scene_.settings = read_settings(*settings, scene_.settings);
+  const auto settings = top.find("settings");
+  if (!settings) return;
+  scene_.settings = read_settings(*settings, scene_.settings);
+  for (const auto& [key, value] : settings->json().items())
+    if (settings->json().is_object()) scene_.given_settings.insert(key);
+  check_settings(*settings);
+}
+
+/// Settings that exclude each other.  One with a problem has its default, which excludes nothing.
+void SceneReader::check_settings(const JsonNode& node) {
+  for (SettingConflict& conflict : setting_conflicts(scene_.settings)) {
+    if (!scene_.given_settings.contains(conflict.first.setting)) std::swap(conflict.first, conflict.second);
+    const auto& [first, second, reason] = conflict;
+    if (!scene_.given_settings.contains(first.setting)) continue;  // both are the block's
+    const std::string at = scene_.given_settings.contains(second.setting)
+                               ? child_path(node.path(), second.setting)
+                               : "the first block";
+    JsonNode(node.json()[first.setting], child_path(node.path(), first.setting), problems_)
+        .problem("excludes " + quoted_list({second.setting}) + ": " + quoted_list({second.value}) + " of " +
+                 at + ", since " + reason);
+  }
 }
 
 void SceneReader::read_generate(const JsonNode& node) {

@@ -62,6 +62,7 @@ class SceneReader {
 
  private:
   void read_top_level(JsonObject& top);
+  void check_settings(const JsonNode& node);
   void read_generate(const JsonNode& node);
   void add_block(Scene built, const JsonNode& node, const std::string& prefix, const Pose& placement);
   void read_materials(const JsonNode& node);

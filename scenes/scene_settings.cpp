@@ -1,5 +1,5 @@
 #include "scenes/scene_reader.h"
-#include "scenes/setting_names.h"
+#include "solvers/setting_names.h"
 
 namespace taut {
 

@@ -13,7 +13,7 @@
 #include "scenes/replay_command.h"
 #include "scenes/run_command.h"
 #include "scenes/scene_source.h"
-#include "scenes/setting_names.h"
+#include "solvers/setting_names.h"
 
 namespace {
 

@@ -8,6 +8,7 @@
 #include "core/check.h"
 #include "solvers/assembly.h"
 #include "solvers/free_flow.h"
+#include "solvers/setting_names.h"
 #include "solvers/stopwatch.h"
 
 namespace taut {
@@ -95,8 +96,8 @@ void MoreauJean::begin_laws(double h, StepReport& report) {
     contacts_.begin_impulses(rates_, inertia_);
     if (contacts_.soft()) {
       roll_back(report);
-      fail("settings integrator", "must be RATTLE of order 2 where compliant materials touch",
-           static_cast<int>(settings_.integrator));
+      fail("settings integrator", R"(must be "rattle" where compliant materials touch)",
+           name_of(settings_.integrator, kIntegratorNames));
     }
     contacts_.clear_idle(mu_);
     system_.rows().residual(end_of_step(0), phi_);

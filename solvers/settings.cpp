@@ -1,6 +1,7 @@
 #include "solvers/settings.h"
 
 #include "core/check.h"
+#include "solvers/setting_checks.h"
 #include "solvers/simulator_impl.h"
 
 namespace taut {
@@ -24,21 +25,10 @@ void check_settings(const Settings& s) {
   if (s.iterations < 1) fail("settings iterations", "must be at least 1", s.iterations);
   if (!(s.relaxation > 0 && s.relaxation < 2))
     fail("settings relaxation", "must be between 0 and 2", s.relaxation);
-  if (s.solver != Solver::kDirect && s.integrator != Integrator::kRattle)
-    fail("settings integrator", "must be RATTLE of order 2 with an iterative solver",
-         static_cast<int>(s.integrator));
-  if (s.solver != Solver::kDirect && s.tension == TensionPolicy::kImplicit)
-    fail("settings tension", "must not be implicit with an iterative solver", static_cast<int>(s.tension));
   require_positive("settings penalty_frequency", s.penalty_frequency);
   require_not_negative("settings penalty_damping_ratio", s.penalty_damping_ratio);
   if (!(s.theta >= 0.5 && s.theta <= 1)) fail("settings theta", "must be between 0.5 and 1", s.theta);
-  if (s.integrator != Integrator::kMoreauJean) return;
-  if (s.tension == TensionPolicy::kImplicit)
-    fail("settings tension", "must not be implicit with Moreau-Jean", static_cast<int>(s.tension));
-  if (s.drift_cure != DriftCure::kAuto && s.drift_cure != DriftCure::kNone &&
-      s.drift_cure != DriftCure::kPositionPush)
-    fail("settings drift_cure", "must be none or position push with Moreau-Jean",
-         static_cast<int>(s.drift_cure));
+  require_none(setting_conflicts(s));
 }
 
 }  // namespace taut

@@ -16,6 +16,7 @@
 #include "solvers/moreau_jean.h"
 #include "solvers/motion_sums.h"
 #include "solvers/rank_report.h"
+#include "solvers/setting_checks.h"
 #include "solvers/simulator_impl.h"
 #include "solvers/stopwatch.h"
 
@@ -36,26 +37,6 @@ bool is_force_level(Integrator integrator) {
 
 }  // namespace
 
-void Simulator::Impl::check_abilities(const ConstraintSystem& system) const {
-  if (settings_.integrator == Integrator::kRattle) return;
-  if (settings_.integrator == Integrator::kMoreauJean) {
-    if (!world_.breakable().empty())
-      fail("settings integrator", "must be RATTLE of order 2 where joints break",
-           static_cast<int>(settings_.integrator));
-    for (int i = 0; i < world_.shape_count() && settings_.contacts; ++i)
-      if (const double compliance = world_.shape({i}).material.compliance; compliance > 0)
-        fail("material compliance", "must be 0 with Moreau-Jean", compliance);
-    return;
-  }
-  if (!system.rows().axis_rows().empty() || !world_.breakable().empty())
-    fail("settings integrator",
-         "must be RATTLE of order 2 where free axes have properties or joints break or give way",
-         static_cast<int>(settings_.integrator));
-  if (!settings_.contacts || world_.shape_count() == 0) return;
-  fail("settings integrator", "must be RATTLE of order 2 where bodies have shapes and contacts are wanted",
-       static_cast<int>(settings_.integrator));
-}
-
 /// New topology: new pattern, order and symbolic factor.  New state: new start.  What contacts and friction
 /// know of the steps before is kept, but where bodies were moved.
 void Simulator::Impl::refresh() {
@@ -67,7 +48,7 @@ void Simulator::Impl::refresh() {
   if (is_new) {
     auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
                                                      Rows::AxisRows::kIncluded, springs_);
-    check_abilities(*system);
+    require_none(setting_conflicts(settings_, world_));
     // What held before holds on, but where bodies were moved.
     if (knows) {
       rattle_->forget(moved_bodies());

@@ -131,7 +131,6 @@ class Simulator::Impl {
   double choose_pieces(double dt);
   double step_limit() const;
   void finish(double dt);
-  void check_abilities(const ConstraintSystem& system) const;
   void detach_broken();
   void forget_step();
   void diagnose_stall(double remaining);

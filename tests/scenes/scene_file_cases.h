@@ -20,8 +20,8 @@ inline constexpr const char* kEverything = R"({
   "$schema": "taut-scene.schema.json", "format": "taut-scene/1", "name": "everything",
   "gravity": [0, 0, -1.62], "dt": 0.01, "duration": 3, "time": 0.25, "energy_scale": 12, "assemble": true,
   "settings": {
-    "integrator": "force-runge-kutta", "position_tolerance": 1e-8, "velocity_tolerance": 1e-7,
-    "max_newton_iterations": 7, "max_substeps": 64, "tension": "implicit", "max_tension_number": 0.5,
+    "integrator": "rattle", "position_tolerance": 1e-8, "velocity_tolerance": 1e-7,
+    "max_newton_iterations": 7, "max_substeps": 64, "tension": "ignore", "max_tension_number": 0.5,
     "max_rotation": 0.25, "drift_cure": "position-push", "erp": 0.5, "cfm": 1e-9, "penalty_frequency": 30,
     "penalty_damping_ratio": 0.7, "theta": 0.75, "factor": "multifrontal", "solver": "pairwise",
     "iterations": 9, "relaxation": 1.5, "threads": 3, "contacts": false, "contact_margin": 0.01, "resting_speed": 0.02,

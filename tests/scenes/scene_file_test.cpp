@@ -63,12 +63,12 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_TRUE(scene.assemble);
 
   const Settings& s = scene.settings;
-  EXPECT_EQ(s.integrator, Integrator::kForceRungeKutta);
+  EXPECT_EQ(s.integrator, Integrator::kRattle);
   EXPECT_EQ(s.position_tolerance, 1e-8);
   EXPECT_EQ(s.velocity_tolerance, 1e-7);
   EXPECT_EQ(s.max_newton_iterations, 7);
   EXPECT_EQ(s.max_substeps, 64);
-  EXPECT_EQ(s.tension, TensionPolicy::kImplicit);
+  EXPECT_EQ(s.tension, TensionPolicy::kIgnore);
   EXPECT_EQ(s.max_tension_number, 0.5);
   EXPECT_EQ(s.max_rotation, 0.25);
   EXPECT_EQ(s.drift_cure, DriftCure::kPositionPush);
@@ -137,6 +137,17 @@ TEST(SceneFile, ReadsEveryKey) {
     EXPECT_EQ(scene.probes[1 + i].name, "p" + std::to_string(i));
     EXPECT_EQ(static_cast<int>(scene.probes[1 + i].quantity), i);
   }
+}
+
+/// What the solver "pairwise" excludes.
+TEST(SceneFile, ReadsIntegratorAndTension) {
+  const Settings s =
+      parse_scene(
+          R"({"format": "taut-scene/1", "settings": {"integrator": "rattle4", "tension": "implicit"}})",
+          "test.json")
+          .settings;
+  EXPECT_EQ(s.integrator, Integrator::kRattle4);
+  EXPECT_EQ(s.tension, TensionPolicy::kImplicit);
 }
 
 TEST(SceneFile, AxisPropertiesAreThoseOfTheFile) {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/world.h"
+#include "solvers/settings.h"
+
+/// What can be said of settings before a step is done: which exclude each other, and which have no effect.
+namespace taut {
+
+/// Two settings that exclude each other, or one that something in the world excludes.  Names are those of
+/// scene files (setting_names.h).
+struct SettingConflict {
+  struct Choice {
+    std::string setting, value;
+  };
+  Choice first, second;  ///< `second` has no names if it is the world
+  std::string reason;
+};
+std::vector<SettingConflict> setting_conflicts(const Settings& settings);
+/// Those with what is in the world.
+std::vector<SettingConflict> setting_conflicts(const Settings& settings, const World& world);
+/// @throws std::invalid_argument naming both of the first.
+void require_none(const std::vector<SettingConflict>& conflicts);
+
+/// A setting that the others leave without effect.
+struct UnusedSetting {
+  std::string setting;
+  std::string reason;  ///< `only the integrator "moreau-jean" uses it`
+};
+std::vector<UnusedSetting> unused_settings(const Settings& settings);
+
+}  // namespace taut

@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/run_program.h"
+
+/// What the program says of settings that do not go together, of output files it cannot have, and of a start
+/// that is not what it seems.
+namespace taut::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+void expect_words(const std::string& text, const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    EXPECT_NE(text.find(word), std::string::npos) << word << " in " << text;
+}
+
+/// A file of every output option; those that must stay as they are hold a word.
+struct OutputFiles {
+  std::vector<std::string> options;
+  std::vector<std::string> files;
+  explicit OutputFiles(bool are_there) {
+    for (const char* option : {"report", "csv", "poses", "record", "html", "gltf", "plot"}) {
+      files.push_back(temporary(std::string("kept.") + option));
+      options.insert(options.end(), {std::string("--") + option, files.back()});
+      std::filesystem::remove(files.back());
+      if (are_there) write_text(files.back(), "mine");
+    }
+    options.insert(options.end(), {"--vtk", temporary("kept/vtk")});
+  }
+  void expect_untouched(bool are_there) const {
+    for (const std::string& file : files) {
+      EXPECT_EQ(std::filesystem::exists(file), are_there) << file;
+      EXPECT_EQ(read_text(file), are_there ? "mine" : "") << file;
+    }
+    EXPECT_FALSE(std::filesystem::exists(temporary("kept")));
+  }
+};
+
+struct Exclusion {
+  std::vector<std::string> arguments, named;
+};
+const Exclusion kExclusions[] = {
+    {{"pendulum-ball", "--integrator", "moreau-jean", "--tension", "implicit"},
+     {"--tension", "implicit", "--integrator \"moreau-jean\""}},
+    {{"pendulum-ball", "--solver", "pairwise", "--integrator", "rattle4"},
+     {"--integrator", "rattle4", "--solver \"pairwise\"", "\"rattle\""}},
+    {{"pendulum-ball", "--solver", "propagation", "--tension", "implicit"},
+     {"--tension", "implicit", "--solver \"propagation\""}},
+    {{"pendulum-ball", "--integrator", "moreau-jean", "--drift-cure", "penalty"},
+     {"--drift-cure", "penalty", "--integrator \"moreau-jean\"", "position-push"}},
+    {{"stack", "--integrator", "rattle4"}, {"--integrator", "rattle4", "shapes"}},
+    {{"suspension-bridge", "--integrator", "moreau-jean"},
+     {"--integrator", "moreau-jean", "hanger_1 may break"}},
+    {{"tank", "--integrator", "force-euler"}, {"--integrator", "force-euler", "joint left_"}},
+};
+
+TEST(ProgramSettings, ThatExcludeEachOtherAreNamedAndNoFileIsTouched) {
+  for (const auto& [scene_and_options, named] : kExclusions)
+    for (const bool are_there : {false, true}) {
+      const OutputFiles outputs(are_there);
+      std::vector<std::string> arguments{"run"};
+      arguments.insert(arguments.end(), scene_and_options.begin(), scene_and_options.end());
+      arguments.insert(arguments.end(), outputs.options.begin(), outputs.options.end());
+      const Outcome run = run_program(arguments);
+      EXPECT_EQ(run.exit_status, 2) << run.err;
+      expect_words(run.err, named);
+      outputs.expect_untouched(are_there);
+    }
+}
+
+TEST(ProgramSettings, OneFileThatCannotBeWrittenLeavesTheOthersAlone) {
+  for (const char* bad : {"--report", "--csv", "--poses", "--record", "--html", "--gltf", "--plot", "--vtk"})
+    for (const bool are_there : {false, true}) {
+      OutputFiles outputs(are_there);
+      const auto at = std::find(outputs.options.begin(), outputs.options.end(), bad);
+      ASSERT_NE(at, outputs.options.end());
+      // No file in a file; and files that are there are asked for, not opened.
+      const std::string nowhere = temporary("plain") + "/x";
+      write_text(temporary("plain"), "");
+      *(at + 1) = nowhere;
+      std::vector<std::string> arguments{"run", "pendulum-ball", "--steps", "2"};
+      arguments.insert(arguments.end(), outputs.options.begin(), outputs.options.end());
+      const Outcome run = run_program(arguments);
+      EXPECT_EQ(run.exit_status, 2);
+      expect_words(run.err, {bad, nowhere});
+      outputs.expect_untouched(are_there);
+    }
+}
+
+TEST(ProgramSettings, OfAFileAreNamedByTheirPath) {
+  const std::string file = temporary("settings.json");
+  const auto text = [](const std::string& settings) {
+    return R"({"format": "taut-scene/1", "settings": {)" + settings + R"(},
+      "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
+      "joints": [{"name": "j", "type": "ball", "a": "ground", "b": "b", "anchor": [0, 0, 1]}]})";
+  };
+  write_text(file, text(R"("solver": "pairwise", "tension": "implicit", "integrator": "rattle4")"));
+  const Outcome both = run_program({"check", file});
+  EXPECT_EQ(both.exit_status, 2);
+  expect_words(both.err,
+               {file + ": /settings/integrator: excludes \"solver\": \"pairwise\" of /settings/solver",
+                "(value: \"rattle4\")", "/settings/tension: excludes", "(value: \"implicit\")"});
+  write_text(file, text(R"("tension": "implicit")"));
+  const Outcome mixed = run_program({"run", file, "--integrator", "moreau-jean"});
+  EXPECT_EQ(mixed.exit_status, 2);
+  expect_words(mixed.err, {file + ": /settings/tension: excludes --integrator \"moreau-jean\""});
+}
+
+TEST(ProgramSettings, WithoutEffectAreWarningsInTableAndReport) {
+  const std::string report_file = temporary("unused.json"), file = temporary("unused_settings.json");
+  const auto warnings_of = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "run");
+    arguments.insert(arguments.end(), {"--steps", "2", "--report", report_file});
+    const Outcome run = run_program(arguments);
+    EXPECT_EQ(run.exit_status, 0) << run.err;
+    const Json warnings = Json::parse(read_text(report_file))["warnings"];
+    for (const Json& warning : warnings)
+      EXPECT_NE(run.out.find(warning.get<std::string>()), std::string::npos) << run.out;
+    return warnings.dump();
+  };
+  expect_words(warnings_of({"pendulum-ball", "--theta", "0.7"}), {"--theta has no effect", "moreau-jean"});
+  expect_words(warnings_of({"pendulum-ball", "--drift-cure", "none"}), {"--drift-cure has no effect"});
+  expect_words(warnings_of({"pendulum-ball", "--iterations", "9", "--relaxation", "1.2"}),
+               {"--iterations has no effect", "--relaxation has no effect"});
+  expect_words(
+      warnings_of({"pendulum-ball", "--solver", "pairwise", "--relaxation", "1.2", "--tension", "ignore"}),
+      {"--relaxation has no effect", "--tension has no effect"});
+  EXPECT_EQ(
+      warnings_of({"pendulum-ball", "--integrator", "moreau-jean", "--theta", "0.7", "--drift-cure", "none"}),
+      "[]");
+  EXPECT_EQ(warnings_of({"pendulum-ball", "--integrator", "force-euler", "--drift-cure", "penalty"}), "[]");
+  EXPECT_EQ(
+      warnings_of({"pendulum-ball", "--solver", "gauss-seidel", "--relaxation", "1.2", "--iterations", "9"}),
+      "[]");
+  write_text(file,
+             R"({"format": "taut-scene/1", "settings": {"theta": 0.7, "erp": 0.5, "penalty_frequency": 9}})");
+  expect_words(warnings_of({file}),
+               {file + ": /settings/theta has no effect", file + ": /settings/erp has no effect",
+                file + ": /settings/penalty_frequency has no effect"});
+  expect_words(run_program({"check", file}).out, {"warning: " + file + ": /settings/theta has no effect"});
+}
+
+}  // namespace
+}  // namespace taut::testing
