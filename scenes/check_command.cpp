@@ -6,6 +6,7 @@
 #include "scenes/run_command.h"
 #include "scenes/run_settings.h"
 #include "scenes/scene_source.h"
+#include "scenes/start_warnings.h"
 #include "solvers/simulator.h"
 
 namespace taut {
@@ -66,6 +67,7 @@ int check_command(const std::string& name, const std::map<std::string, double>& 
   const SettingSources sources(options, scene);
   require_compatible(scene, sources);
   std::vector<std::string> warnings = settings_without_effect(scene.settings, sources);
+  for (std::string& warning : start_warnings(world, scene.settings)) warnings.push_back(std::move(warning));
   Simulator simulator(world, scene.settings);
   std::vector<Problem> problems;
   if (scene.assemble) {

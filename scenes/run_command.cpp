@@ -21,6 +21,7 @@
 #include "scenes/run_report.h"
 #include "scenes/run_settings.h"
 #include "scenes/scene_source.h"
+#include "scenes/start_warnings.h"
 #include "solvers/setting_names.h"
 #include "solvers/simulator.h"
 
@@ -229,6 +230,8 @@ int run_command(const RunOptions& options) {
   Outputs::check(options);
 
   record.warnings = settings_without_effect(scene.settings, sources);
+  for (std::string& warning : start_warnings(scene.world, scene.settings))
+    record.warnings.push_back(std::move(warning));
   if (scene.assemble) assemble(simulator, record);
   record.integrator = name_of(scene.settings.integrator, kIntegratorNames);
   record.solver = simulator.solver_description();
@@ -251,6 +254,7 @@ int run_command(const RunOptions& options) {
     if (record.status == "success") record.status = "error", record.message = error.what();
   }
   record.wall_time = seconds_since(start);
+  if (record.steps == 0) record.max_gap = meter.largest(scene.world);  // what it could not start from
 
   warn_of_open_joints(record, simulator.settings().integrator);
   outputs.finish(options, simulator, record, recorder, last);

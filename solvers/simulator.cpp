@@ -98,7 +98,7 @@ void Simulator::Impl::refresh() {
       if (!close_joints(*system_, state, settings_.position_tolerance, report_)) {
         report_.contradiction = find_contradiction({.world = world_, .from = state, .bounds = false});
         set_failure(report_.contradiction.empty() ? Status::kNotConverged : Status::kContradiction,
-                    "the joints cannot be closed at the start");
+                    "the joints cannot be closed at the start" + widest_gap(state));
         return;
       }
       world_.set_state(state);
@@ -390,7 +390,7 @@ void Simulator::Impl::assemble() {
   } else if (report_.ok()) {
     report_.contradiction = find_contradiction({.world = world_, .from = state, .bounds = false});
     set_failure(report_.contradiction.empty() ? Status::kNotConverged : Status::kContradiction,
-                "the joints cannot be closed");
+                "the joints cannot be closed" + widest_gap(state));
   }
   give_back();
   count_work();

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/diagnostics.h"
 #include "solvers/assembly.h"
 #include "solvers/contradiction.h"
 #include "solvers/simulator_impl.h"
@@ -58,6 +59,22 @@ void Simulator::Impl::fail_not_finite() {
     }
   }
   set_failure(Status::kNotFinite, "a force, a motor or the state is not finite");
+}
+
+/// ": ball elbow stays open by 1e-09 m", of the joint that does most; "" if none does.
+std::string Simulator::Impl::widest_gap(const State& state) {
+  phi_.resize(system_->row_count());
+  system_->rows().residual(state, phi_);
+  const std::vector<Gap> gaps = joint_gaps(system_->rows(), phi_);
+  const auto size = [](const Gap& gap) { return std::max(gap.metres, gap.radians); };
+  const auto widest = std::max_element(gaps.begin(), gaps.end(),
+                                       [&](const Gap& a, const Gap& b) { return size(a) < size(b); });
+  if (widest == gaps.end() || !(size(*widest) > 0)) return "";
+  const JointId joint{static_cast<int>(widest - gaps.begin())};
+  std::ostringstream text;
+  text << ": " << source_.joint(joint).type() << " " << source_.name(joint) << " stays open by "
+       << size(*widest) << (widest->metres >= widest->radians ? " m" : " rad");
+  return text.str();
 }
 
 void Simulator::Impl::diagnose_stall(double remaining) {

@@ -135,6 +135,7 @@ class Simulator::Impl {
   void forget_step();
   void diagnose_stall(double remaining);
   void fail_not_finite();
+  std::string widest_gap(const State& state);
   void name_jam();
   Contradiction contradiction_from(const State& state, double horizon) const;
   void count_work();

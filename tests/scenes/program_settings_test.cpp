@@ -143,5 +143,79 @@ TEST(ProgramSettings, WithoutEffectAreWarningsInTableAndReport) {
   expect_words(run_program({"check", file}).out, {"warning: " + file + ": /settings/theta has no effect"});
 }
 
+/// A pendulum of one rod about the origin, 0.5 m to its centre, with that velocity of it.
+std::string thrown_rod(const std::string& more) {
+  return R"({"format": "taut-scene/1", "name": "rod", "duration": 0.01, "dt": 0.001,
+    "bodies": [{"name": "rod", "mass": 2, "inertia": [0.1, 0.5, 0.5], "position": [0.5, 0, 0], )" +
+         more + R"(}],
+    "joints": [{"name": "pivot", "type": "ball", "a": "ground", "b": "rod", "anchor": [0, 0, 0]}]})";
+}
+
+/// v = (0, 3, 0), ω = 0: with an impulse P along y at the pivot v = 3 + P/2 and ω = −0.5 P/0.5, and there 0 =
+/// v − ω/2 = 3 + P. So P = −3 changes v by 1.5 m/s and ω by 3 rad/s.
+TEST(ProgramStart, ForbiddenVelocitiesAreNamed) {
+  const std::string file = temporary("thrown.json"), report_file = temporary("thrown_report.json");
+  write_text(file, thrown_rod(R"("velocity": [0, 3, 0])"));
+  const std::vector<std::string> words{"1.5 m/s", "3 rad/s", "ball pivot"};
+  const Outcome check = run_program({"check", file});
+  EXPECT_EQ(check.exit_status, 0);
+  expect_words(check.out, words);
+  expect_words(check.out, {"warning: joints forbid velocities at the start"});
+  const Outcome run = run_program({"run", file, "--report", report_file});
+  EXPECT_EQ(run.exit_status, 0);
+  expect_words(run.out, words);
+  expect_words(Json::parse(read_text(report_file))["warnings"].dump(), words);
+  // Velocities that fit, to the six digits of a file, and none at all are nothing to speak of.
+  for (const char* fitting :
+       {R"("velocity": [0, 3.0000005, 0], "angular_velocity": [0, 0, 6])", R"("fixed": false)"}) {
+    write_text(file, thrown_rod(fitting));
+    EXPECT_EQ(run_program({"check", file}).out.find("warning"), std::string::npos) << fitting;
+  }
+}
+
+/// A driver that starts at once takes nothing away; one against a velocity does.
+TEST(ProgramStart, OfADriverFromRestIsNoForbiddenVelocity) {
+  const std::string file = temporary("driven.json");
+  for (const bool turns : {false, true}) {
+    write_text(file, R"({"format": "taut-scene/1", "bodies": [{"name": "w", "mass": 1, "inertia": [1, 1, 1],
+        "angular_velocity": [0, 0, )" +
+                         std::string(turns ? "0.25" : "0") +
+                         R"(]}, {"name": "free", "mass": 1, "inertia": [1, 1, 1],
+        "velocity": [0, 0, 1]}],
+      "joints": [{"name": "axle", "type": "hinge", "a": "ground", "b": "w", "anchor": [0, 0, 0], "axis": [0, 0, 1]},
+        {"name": "crank", "type": "driver", "of": {"joint": "axle", "axis": "angle"}, "motion": {"linear": {"rate": 1}}}]})");
+    const std::string out = run_program({"check", file}).out;
+    EXPECT_EQ(out.find("0.75 rad/s") != std::string::npos, turns) << out;
+    EXPECT_EQ(out.find("driver crank\n") != std::string::npos, turns) << out;
+  }
+}
+
+/// 1.7e7 m away numbers are 1.9e-9 m apart: the joints cannot be closed to 1e-10 m, and the gap is not 0.
+TEST(ProgramStart, FarFromTheOriginIsSaidAndItsGapReported) {
+  const std::string file = temporary("far.json"), report_file = temporary("far_report.json");
+  for (const bool far : {false, true}) {
+    const std::string at = far ? "12345678.9" : "1.9";
+    write_text(
+        file,
+        R"({"format": "taut-scene/1", "duration": 0.01, "generate": [{"builder": "chain", "prefix": "c/",
+      "parameters": {"n": 5}, "position": [)" +
+            at + ", " + at + ", " + at + R"(], "orientation": {"rpy_deg": [10, 20, 30]}}]})");
+    expect_words(run_program({"check", file}).out,
+                 {far ? "warning: bodies are so far from the origin" : "fine"});
+    const Outcome run = run_program({"run", file, "--report", report_file});
+    const Json report = Json::parse(read_text(report_file));
+    EXPECT_EQ(report["status"] == "success", !far) << report["message"];
+    EXPECT_EQ(report["warnings"].size(), far ? 1u : 0u);
+    const double gap = report["max_joint_error_m"].get<double>();
+    if (far) {
+      EXPECT_GT(gap, 1e-10);
+      EXPECT_LT(gap, 1e-8);
+      expect_words(report["message"], {"ball c/"});
+    } else {
+      EXPECT_LT(gap, 1.5e-10);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace taut::testing

@@ -1,0 +1,93 @@
+#include "solvers/start_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "solvers/constraint_system.h"
+
+namespace taut {
+namespace {
+
+/// Rates below are left to a step, too; part of a sum that is no round-off of what was typed into a file.
+constexpr double kRateTolerance = 1e-9, kPart = 1e-6;
+constexpr int kPasses = 4;
+
+/// J V + φ_t of the rows of joints that are off by more than round-off, 0 of all others.
+std::vector<double> forbidden_rates(const Rows& rows, std::span<const double> J, const State& state) {
+  std::vector<double> rates(rows.row_count()), driven(rows.row_count());
+  rows.add_rate(state, driven);
+  for (const Rows::JointRows& joint : rows.joints())
+    for (int r = joint.first_row; r < joint.first_row + joint.equality_count; ++r) {
+      if (!rows.is_equality(r)) continue;
+      double sum = 0, parts = 0;
+      for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
+        const Rows::Side& side = rows.sides()[s];
+        const Twist& V = state.twists[side.body];
+        const Eigen::Matrix<double, 6, 1> block = Rows::block_row(side, J, r - joint.first_row);
+        sum += block.head<3>().dot(V.w) + block.tail<3>().dot(V.v);
+        parts +=
+            block.head<3>().cwiseAbs().dot(V.w.cwiseAbs()) + block.tail<3>().cwiseAbs().dot(V.v.cwiseAbs());
+      }
+      const double rate = sum + driven[r];
+      if (parts > 0 && std::abs(rate) > std::max(kRateTolerance, kPart * (parts + std::abs(driven[r]))))
+        rates[r] = rate;
+    }
+  return rates;
+}
+
+}  // namespace
+
+ForbiddenVelocity forbidden_velocity(const World& world) {
+  ForbiddenVelocity found;
+  const State& state = world.state();
+  const bool rests = std::all_of(state.twists.begin(), state.twists.end(),
+                                 [](const Twist& V) { return V.w.isZero(0) && V.v.isZero(0); });
+  if (rests) return found;
+  ConstraintSystem system(world, FactorChoice::kAuto);
+  system.linearize(state);
+  const Rows& rows = system.rows();
+  const std::vector<double> rates = forbidden_rates(rows, system.jacobian(), state);
+  std::vector<std::pair<double, int>> worst;
+  for (int j = 0; j < static_cast<int>(rows.joints().size()); ++j) {
+    const auto first = rates.begin() + rows.joints()[j].first_row;
+    const double rate = std::accumulate(first, first + rows.joints()[j].equality_count, 0.0,
+                                        [](double most, double r) { return std::max(most, std::abs(r)); });
+    if (rate > 0) worst.push_back({-rate, j});
+  }
+  if (worst.empty()) return found;
+  std::sort(worst.begin(), worst.end());
+  for (const auto& [rate, j] : worst) found.joints.push_back({j});
+
+  StageTimes times;
+  system.set_mass(state.poses);
+  system.release_bounded_rows();
+  system.factorize(times);
+  // S λ = −rates, refined: dependent rows make one solve inexact.
+  std::vector<double> impulses(rates.size()), delta(rates.size()), reached(rates.size());
+  for (int pass = 0; pass < kPasses; ++pass) {
+    for (std::size_t r = 0; r < rates.size(); ++r) delta[r] = -rates[r] - reached[r];
+    system.clear_bounded_rows(delta);
+    system.solve(delta);
+    for (std::size_t r = 0; r < rates.size(); ++r) impulses[r] += delta[r];
+    system.multiply(impulses, reached);
+  }
+  std::vector<Wrench> wrenches(system.mass().size());
+  rows.apply_transpose(system.jacobian(), impulses, wrenches);
+  for (int b = 0; b < system.mass().size(); ++b) {
+    if (system.mass()[b].fixed) continue;
+    const Vec3 spin = system.mass().angular_velocity(b, state.poses[b], wrenches[b].torque);
+    found.spin = std::max(found.spin, spin.norm());
+    found.speed = std::max(found.speed, system.mass()[b].inverse_mass * wrenches[b].force.norm());
+  }
+  return found;
+}
+
+double coarsest_position(const World& world) {
+  double farthest = 0;
+  for (const Pose& pose : world.state().poses) farthest = std::max(farthest, pose.p.cwiseAbs().maxCoeff());
+  return std::nextafter(farthest, std::numeric_limits<double>::infinity()) - farthest;
+}
+
+}  // namespace taut
