@@ -7,6 +7,7 @@
 #include "scenes/run_settings.h"
 #include "scenes/scene_source.h"
 #include "scenes/start_warnings.h"
+#include "solvers/contradiction.h"
 #include "solvers/simulator.h"
 
 namespace taut {
@@ -51,10 +52,9 @@ std::string joint_counts(const World& world) {
 /// What the first step would fail by: limits, motors and contacts included.
 void add_contradiction(std::vector<Problem>& problems, const World& world, const Contradiction& found) {
   if (found.empty()) return;
-  std::string text;
-  for (const std::string& name : names_of(found, world)) text += (text.empty() ? "" : ", ") + name;
   problems.push_back({"contradiction", "these cannot hold together at the first step (" +
-                                           format("%.3g", found.residual) + " is left): " + text});
+                                           format("%.3g", found.residual) +
+                                           " is left): " + list_of(names_of(found, world))});
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "scenes/format.h"
+#include "solvers/contradiction.h"
 
 namespace taut {
 namespace {
@@ -190,10 +191,9 @@ std::string run_table(const RunRecord& r) {
                                               ", Newton iterations " +
                                               per_step(r.contact_iterations, r.steps));
   lines.emplace_back("status", r.message.empty() ? r.status : r.status + ": " + r.message);
-  std::string members;
-  for (const std::string& member : r.contradiction) members += (members.empty() ? "" : ", ") + member;
-  if (!members.empty())
-    lines.emplace_back("cannot hold together", members + format(" (%.3g is left)", r.contradiction_residual));
+  if (!r.contradiction.empty())
+    lines.emplace_back("cannot hold together",
+                       list_of(r.contradiction) + format(" (%.3g is left)", r.contradiction_residual));
   std::string table;
   for (const auto& [name, value] : lines) table += format("%-26s", name) + value + "\n";
   for (const std::string& warning : r.warnings) table += format("%-26s", "warning") + warning + "\n";

@@ -154,6 +154,9 @@ Contradiction find_stuck_joints(const World& world, ConstraintSystem& system, co
       rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
       if (!rest.empty() && contradict(system, phi, rest)) joints.swap(rest);
     }
+  } else {
+    std::sort(joints.begin(),
+              joints.end());  // the order of the scene says more than shares that hardly differ
   }
   for (int j : joints) found.joints.push_back({j});
   return found;

@@ -14,7 +14,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
 
 /// The joints that hold the part of φ that no motion can reduce to first order, the null-space part φ − S S⁺
 /// φ at these poses, as those of a taut line do that bears a load across.  Sets of up to 24 joints are made
-/// minimal: without any one of them the rest could hold.
+/// minimal: without any one of them the rest could hold.  Larger ones are in the order of the world.
 Contradiction find_stuck_joints(const World& world, ConstraintSystem& system, const std::vector<Pose>& poses,
                                 StepReport& report);
 

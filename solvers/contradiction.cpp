@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "solvers/contact_set.h"
@@ -189,6 +190,15 @@ void make_minimal(LocalSearch& local, std::vector<Member>& set) {
   }
 }
 
+/// Shares of many members hardly differ; their place in the world says more.
+void sort_as_in_world(std::vector<Member>& members) {
+  const auto key = [](const Member& m) {
+    return std::tuple(m.joint, m.bound.axis.joint, m.bound.axis.axis, m.bound.kind, m.touch.a, m.touch.b);
+  };
+  std::sort(members.begin(), members.end(),
+            [&](const Member& first, const Member& second) { return key(first) < key(second); });
+}
+
 Contradiction made_of(const std::vector<Member>& members, double residual) {
   Contradiction found{.joints = {}, .bounds = {}, .contacts = {}, .residual = residual};
   for (const Member& member : members) {
@@ -224,7 +234,10 @@ Contradiction find_contradiction(const Situation& s) {
     std::vector<Member> set = sharers(all.members, whole.shares(), part);
     LocalSearch local(s, places, set);
     if (local.search(set) != Verdict::kExcluded) continue;
-    if (set.size() > kMinimalSetLimit) return made_of(set, local.largest());
+    if (set.size() > kMinimalSetLimit) {
+      sort_as_in_world(set);
+      return made_of(set, local.largest());
+    }
     make_minimal(local, set);
     (void)local.search(set);
     return made_of(set, local.largest());
@@ -240,6 +253,15 @@ std::vector<std::string> names_of(const Contradiction& contradiction, const Worl
   for (const Touch& touch : contradiction.contacts)
     names.push_back("contact of " + world.name(touch.a) + " and " + world.name(touch.b));
   return names;
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 8;
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < (names.size() > kShown ? kShown - 1 : kShown); ++i)
+    text += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > kShown) text += " … " + names.back() + ", " + std::to_string(names.size()) + " in all";
+  return text;
 }
 
 }  // namespace taut

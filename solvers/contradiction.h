@@ -2,6 +2,8 @@
 
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "core/world.h"
 #include "solvers/step_report.h"
@@ -23,7 +25,10 @@ struct Situation {
 /// A set that cannot hold together from there, irreducible: without any one of its members the others can.
 /// Empty if all holds, or if that could not be decided.  Motors count if their force has no bound, limits
 /// and contacts if they have no compliance.  Of independent contradictions one is given; sets of more than
-/// 200 are given as they were found.                              (solvers/README, "Contradiction")
+/// 200 are given as they were found, in the order of the world.   (solvers/README, "Contradiction")
 Contradiction find_contradiction(const Situation& situation);
+
+/// "a, b, c": all names, or the first seven, the last and how many.
+std::string list_of(const std::vector<std::string>& names);
 
 }  // namespace taut

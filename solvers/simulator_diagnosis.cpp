@@ -11,11 +11,12 @@
 namespace taut {
 namespace {
 
-/// Members of a contradiction shown by name in a message.
-constexpr std::size_t kShownMembers = 8;
 /// Steps ahead at which a contradiction is looked for if there is none at the end of this one: where rates
 /// grow without bounds the step fails shortly before.
 constexpr double kStepsAhead[] = {1, 4};
+/// Part of the tolerance that stuck joints must be open by: the step fails as soon as all of them are open by
+/// the whole of it, to a hair.
+constexpr double kStuckPart = 0.5;
 /// What an active set without a solution leaves at least, relative, where laws contradict each other.
 constexpr double kRoundOffResidual = 1e-6;
 
@@ -92,7 +93,8 @@ void Simulator::Impl::diagnose_stall(double remaining) {
   const ActiveSetOutcome& outcome = rattle_->active_set_outcome();
   if (outcome.ok() && found.empty())
     found = find_stuck_joints(world_, *system_, rattle_->trial_poses(), report_);
-  if (found.residual <= settings_.position_tolerance && found.bounds.empty() && outcome.ok()) found = {};
+  if (found.residual <= kStuckPart * settings_.position_tolerance && found.bounds.empty() && outcome.ok())
+    found = {};
   Status status = found.empty() ? Status::kNotConverged : Status::kContradiction;
   if (outcome.ok()) {
     std::ostringstream message;
@@ -135,10 +137,7 @@ void Simulator::Impl::set_failure(Status status, std::string message) {
     text << message << (found.joints.size() == names.size() ? "; these joints" : "; these")
          << " cannot hold together";
     if (found.residual > 0) text << " (" << found.residual << " is left)";
-    text << ":";
-    for (std::size_t i = 0; i < std::min(names.size(), kShownMembers); ++i)
-      text << (i ? ", " : " ") << names[i];
-    if (names.size() > kShownMembers) text << " and " << names.size() - kShownMembers << " more";
+    text << ": " << list_of(names);
     message = text.str();
   }
   report_.message = std::move(message);
