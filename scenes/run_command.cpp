@@ -28,6 +28,7 @@
 namespace taut {
 namespace {
 
+constexpr double kFramesPerSecond = 60;
 constexpr std::int64_t kMostSteps = 1'000'000'000'000;
 /// Gaps beyond this [m or rad] are worth a warning with integrators that allow them.
 constexpr double kWideOpen = 1e-3;
@@ -40,8 +41,8 @@ class Outputs {
   /// @throws std::invalid_argument naming the option if not.
   static void check(const RunOptions& options) {
     check_distinct(options);
-    require_not_negative("--poses-interval", options.poses_interval);
-    require_not_negative("--frames-per-second", options.frames_per_second);
+    require_not_negative("--poses-interval", options.poses_interval.value_or(0));
+    require_not_negative("--frames-per-second", options.frames_per_second.value_or(0));
     require_writable("--report", options.report_file);
     require_writable("--csv", options.csv_file);
     require_writable("--poses", options.poses_file);
@@ -53,10 +54,10 @@ class Outputs {
     if (!options.report_file.empty()) open(report_, "--report", options.report_file);
     if (!options.csv_file.empty()) open(csv_, "--csv", options.csv_file);
     if (!options.poses_file.empty())
-      poses_ = std::make_unique<PoseTrace>(options.poses_file, options.poses_interval);
+      poses_ = std::make_unique<PoseTrace>(options.poses_file, options.poses_interval.value_or(0));
     if (!options.record_file.empty() || options.exports.any())
       recording_ = std::make_unique<RunRecording>(scene, options.record_file, options.exports,
-                                                  options.frames_per_second);
+                                                  options.frames_per_second.value_or(kFramesPerSecond));
   }
 
   void header(const Recorder& recorder) {
@@ -230,6 +231,11 @@ int run_command(const RunOptions& options) {
   Outputs::check(options);
 
   record.warnings = settings_without_effect(scene.settings, sources);
+  if (options.poses_interval && options.poses_file.empty())
+    record.warnings.push_back("--poses-interval has no effect without --poses");
+  if (options.frames_per_second && options.record_file.empty() && !options.exports.any())
+    record.warnings.push_back(
+        "--frames-per-second has no effect without --record, --html, --gltf, --vtk or --plot");
   for (std::string& warning : start_warnings(scene.world, scene.settings))
     record.warnings.push_back(std::move(warning));
   if (scene.assemble) assemble(simulator, record);

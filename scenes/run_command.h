@@ -30,9 +30,9 @@ struct RunOptions {
   std::optional<double> theta;
   bool sleep = false, merge_fixed_joints = false;              ///< also if the scene does not say so
   std::string report_file, csv_file, poses_file, record_file;  ///< empty: none
-  double poses_interval = 0;                                   ///< [s]; 0: every step
-  ExportFiles exports;            ///< made from the recording; its csv is not used
-  double frames_per_second = 60;  ///< of the recording; 0: every step
+  std::optional<double> poses_interval;                        ///< [s]; 0 or not given: every step
+  ExportFiles exports;                      ///< made from the recording; its csv is not used
+  std::optional<double> frames_per_second;  ///< of the recording, 60 if not given; 0: every step
   bool quiet = false;
 };
 

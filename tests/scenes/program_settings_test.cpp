@@ -128,6 +128,9 @@ TEST(ProgramSettings, WithoutEffectAreWarningsInTableAndReport) {
   expect_words(
       warnings_of({"pendulum-ball", "--solver", "pairwise", "--relaxation", "1.2", "--tension", "ignore"}),
       {"--relaxation has no effect", "--tension has no effect"});
+  expect_words(warnings_of({"pendulum-ball", "--poses-interval", "0.1", "--frames-per-second", "30"}),
+               {"--poses-interval has no effect", "--frames-per-second has no effect"});
+  EXPECT_EQ(warnings_of({"pendulum-ball", "--poses-interval", "0.1", "--poses", temporary("p.csv")}), "[]");
   EXPECT_EQ(
       warnings_of({"pendulum-ball", "--integrator", "moreau-jean", "--theta", "0.7", "--drift-cure", "none"}),
       "[]");
