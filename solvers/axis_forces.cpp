@@ -72,13 +72,14 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
 void AxisForces::read_properties() {
   if (axis_version_ == world_.axis_version()) return;
   axis_version_ = world_.axis_version();
-  has_limits_ = has_loads_ = has_tables_ = false;
+  has_limits_ = has_loads_ = has_tables_ = has_springs_ = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     if (rows_[i].axis.axis < 0) read_own(i);
     const AxisProperties& p = properties(i);
     has_limits_ = has_limits_ || (p.limits && p.limits->compliance == 0);
     has_loads_ = has_loads_ || (p.friction && p.friction->per_load != 0);
     has_tables_ = has_tables_ || has_table(p);
+    has_springs_ = has_springs_ || (p.spring && rows_[i].axis.axis >= 0);
   }
 }
 
@@ -283,7 +284,7 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
     axis.limit_level = axis.soft_limit;
     axis.limit_slope = 0;
     axis.spring_level = axis.spring;
-    axis.spring_slope = 0;
+    axis.spring_slope = axis.excess;
     set_damping(axis, p);
     if (!axis.implicit_damping) axis.damping_level = axis.damping, axis.damping_slope = 0;
     if (p.friction) {

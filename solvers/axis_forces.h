@@ -12,6 +12,8 @@
 
 namespace taut {
 
+class ConstraintSystem;
+
 /// Limits, motors, friction and springs of the free axes as laws of their rows (row_law.h) for the two stages
 /// of a RATTLE step, and the memory that they need: where friction holds, how fast a limit was approached.
 /// (solvers/README, "Axes")
@@ -38,6 +40,8 @@ class AxisForces {
   /// A step of h from a time with θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row.
   void begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
              std::span<const double> inertia);
+  /// After begin(), with the system at the start: springs that the step does not resolve.
+  void find_unresolved(ConstraintSystem& system);
   /// False if a motor's trajectory is not at the end of the step; the motor is left out then.
   bool finite() const { return finite_; }
   /// Back to the start of the step.
@@ -126,6 +130,7 @@ class AxisForces {
     bool known = true;    // no body was moved
     double theta0 = 0, rate0 = 0;
     double inertia = 0;
+    double excess = 0;                      // slope beyond h²k/4 of a spring that is not resolved
     double spring = 0, damping = 0;         // given by the first kick: they are given again
     bool implicit_damping = false;          // stiff dampers act on θ̇(q₁) instead
     double linear_damping = 0;              // slope of all dampers without a table
@@ -159,6 +164,7 @@ class AxisForces {
     return {-value + descent * w, descent};
   }
   Tangent spring_tangent(const Axis& axis, const AxisSpring& spring, double w) const;
+  bool has_constant_inertia(const Rows& rows, std::size_t i) const;
   Tangent damper_tangent(const Axis& axis, const AxisSpring& spring, double w) const;
   static bool has_table(const AxisProperties& p) {
     return p.spring && (p.spring->table || p.spring->damping_table);
@@ -189,8 +195,8 @@ class AxisForces {
   std::vector<AxisProperties> own_;  // springs of rows that are no axes, by row; empty if there are none
   std::vector<char> released_, angular_, growing_;
   int axis_version_ = -1;
-  bool has_limits_ = false, has_loads_ = false;  // rigid limits, friction that grows with the load
-  bool has_tables_ = false;
+  bool has_limits_ = false, has_loads_ = false;    // rigid limits, friction that grows with the load
+  bool has_tables_ = false, has_springs_ = false;  // the latter of axes
   std::vector<Rows::AxisRow> rows_;
   std::vector<Axis> axes_, before_;
   std::map<AxisId, Axis> resting_;  // of bodies that sleep

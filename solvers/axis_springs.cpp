@@ -15,7 +15,8 @@ constexpr double kTableTolerance = 1e-11;
 
 /// Both kicks give the mean of the force between θ₀ and θ₀ + h w: what they do then is what the potential
 /// changes by, whatever the table.  For a linear spring this is the force in the middle of the step, the
-/// implicit midpoint rule.  Moreau–Jean has its own place on the way.
+/// implicit midpoint rule; what is not resolved gives more against the way, as if taken later on it.
+/// Moreau–Jean has its own place there.
 AxisForces::Tangent AxisForces::spring_tangent(const Axis& axis, const AxisSpring& spring, double w) const {
   if (weight_ > 0) {
     const double reach = weight_ * h_;
@@ -25,9 +26,10 @@ AxisForces::Tangent AxisForces::spring_tangent(const Axis& axis, const AxisSprin
     return tangent(h_ * spring.table->extended(there), reach * reach * spring.table->slope(there), w);
   }
   const double half = 0.5 * h_, stretch = axis.theta0 - spring.rest;
-  if (!spring.table) return {-half * spring.stiffness * stretch, half * half * spring.stiffness};
+  if (!spring.table)
+    return {-half * spring.stiffness * stretch, half * half * spring.stiffness + axis.excess};
   const Curve::Mean mean = spring.table->mean(stretch, stretch + h_ * w);
-  return tangent(half * mean.value, half * h_ * mean.slope, w);
+  return tangent(half * mean.value + axis.excess * w, half * h_ * mean.slope + axis.excess, w);
 }
 
 /// Dampers act against the mean rate of the step in its first kick, and against that after the second if they

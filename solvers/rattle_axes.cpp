@@ -37,6 +37,7 @@ void Rattle::clear_loose_rows(std::span<double> rows) const {
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
   stage_h_ = std::abs(h);
+  size_ = system_size();
   contact_noise_ = rate_noise();
   system_.rows().residual(state_, phi_);
   if (rubs())
@@ -46,6 +47,7 @@ void Rattle::begin_bounds(double h) {
   system_.rows().add_rate(state_, rates_);
   system_.row_inertias(inertia_);
   axes_.begin(state_.time, h, start_theta_, rates_, inertia_);
+  axes_.find_unresolved(system_);
   contacts_.begin(h, rates_, inertia_);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
     if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();

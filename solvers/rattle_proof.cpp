@@ -39,7 +39,7 @@ bool Rattle::take_loosely(double off) {
 }
 
 /// Distance of the motion from the laws [m or rad]: of verticals from their rate, of levels from their range,
-/// and of impulses from their level.
+/// and of impulses from their level by how much they would move the row.
 double Rattle::law_error(double h) const {
   double error = 0, largest = max_abs(lambda_);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {  // those of contacts are linear
@@ -52,7 +52,7 @@ double Rattle::law_error(double h) const {
     } else {
       off = std::max({0.0, law.first(piece) - w, w - law.last(piece)});
       const double missing = std::abs(lambda_[r] - (law.force(piece) - law.slope * w));
-      if (missing > kLevelTolerance * largest) off = std::max(off, missing / inertia_[r]);
+      if (missing > kLevelTolerance * largest) off = std::max(off, missing / (inertia_[r] + law.slope));
     }
     if (!(h * off <= error)) error = h * off;
   }
