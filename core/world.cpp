@@ -50,6 +50,23 @@ std::string register_name(std::unordered_map<std::string, int>& names, std::stri
   return name;
 }
 
+/// Rigid limits that axes of a joint are beyond by more than a tolerance: they come back at a bounded rate.
+void add_passed_limits(const World& world, JointId joint, double tolerance, std::vector<Problem>& problems) {
+  for (int k = 0; k < world.axis_count(joint) && world.is_attached(joint); ++k) {
+    const AxisId axis{joint, k};
+    const std::optional<AxisLimits>& limits = world.axis_properties(axis).limits;
+    if (!limits || limits->compliance > 0) continue;
+    const double value = world.axis_value(axis);
+    const bool low = value < limits->lower - tolerance;
+    if (!low && !(value > limits->upper + tolerance)) continue;
+    std::ostringstream message;
+    message << "axis " << world.axis_info(axis).name << " starts at " << value << ", "
+            << (low ? "below its lower limit " : "above its upper limit ")
+            << (low ? limits->lower : limits->upper);
+    problems.push_back({std::string(world.joint(joint).type()) + " " + world.name(joint), message.str()});
+  }
+}
+
 }  // namespace
 
 World::World() {
@@ -291,6 +308,7 @@ std::vector<Problem> World::validate(double gap_tolerance) const {
       message << (message.tellp() > 0 ? " and " : "is open at the start by ") << gaps[j].radians << " rad";
     if (message.tellp() > 0)
       problems.push_back({std::string(joints_[j]->type()) + " " + joint_names_[j], message.str()});
+    add_passed_limits(*this, JointId{j}, gap_tolerance, problems);
   }
   return problems;
 }

@@ -241,8 +241,8 @@ class World {
   /// The part of it that is in springs: of axes, soft limits, soft joints, and between bodies [J].
   double spring_energy(const State& state) const;
 
-  /// Everything that a simulation of this world would trip over: joints that are open at the start by more
-  /// than `gap_tolerance` [m or rad], with the gap.  Reports, never throws.
+  /// Everything that a simulation of this world would trip over by more than `gap_tolerance` [m or rad]:
+  /// joints that are open at the start, and axes beyond limits that are not soft.  Reports, never throws.
   std::vector<Problem> validate(double gap_tolerance = 1e-6) const;
 
   /// Changes whenever a body, joint or spring between bodies is added, a spring gets other ends, a joint is

@@ -257,6 +257,26 @@ TEST(AxisRows, PushBTowardsLargerValues) {
   EXPECT_LT((on[1].force + Vec3(0, 3, 0)).norm(), kRoundOff);
 }
 
+TEST(Axis, ThatStartsBeyondALimitIsReported) {
+  World world = pair_of_bodies();
+  const AxisId angle{world.add("elbow", Hinge::at(world, kA, kB, Vec3(1, 0, 0), Vec3::UnitZ())), 0};
+  world.set_limits(angle, AxisLimits{.lower = 0, .upper = 5e-7});  // it is at one of them
+  EXPECT_TRUE(world.validate().empty());
+  world.set_limits(angle, AxisLimits{.lower = 0.25, .upper = 1});
+  ASSERT_EQ(world.validate().size(), 1u);
+  EXPECT_EQ(world.validate()[0].subject, "hinge elbow");
+  EXPECT_EQ(world.validate()[0].message, "axis angle starts at 0, below its lower limit 0.25");
+  EXPECT_TRUE(world.validate(0.3).empty());
+  world.set_axis_turns(angle, 6);
+  ASSERT_EQ(world.validate().size(), 1u);
+  EXPECT_EQ(world.validate()[0].message, "axis angle starts at 6.28319, above its upper limit 1");
+  world.set_limits(angle, AxisLimits{.lower = 0.25, .upper = 1, .compliance = 1e-3});
+  EXPECT_TRUE(world.validate().empty());  // a spring may be stretched
+  world.set_limits(angle, AxisLimits{.upper = 1});
+  world.detach(angle.joint);
+  EXPECT_TRUE(world.validate().empty());
+}
+
 TEST(AxisRows, DoNotCountAsGaps) {
   World world = pair_of_bodies();
   const JointId hinge = world.add("hinge", Hinge::at(world, kA, kB, Vec3(1, 0, 0), Vec3::UnitZ()));

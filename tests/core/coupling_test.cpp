@@ -126,7 +126,7 @@ TEST(Wires, AreConsistentRows) {
                             {BodyId{2}, random.vector()},
                             {BodyId{2}, random.vector()},
                             {BodyId{3}, random.vector()}},
-                           5));
+                           50));
     const Rows rows(world);
     ASSERT_EQ(rows.row_count(), 3);
     ASSERT_EQ(rows.axis_rows().size(), 1u);  // the rope has its limit from the start
@@ -134,7 +134,7 @@ TEST(Wires, AreConsistentRows) {
     WorldRowsChecker(world).check(random);
     // The length of the rope is that of its path.
     const AxisId length{{2}, 0};
-    EXPECT_EQ(world.axis_properties(length).limits->upper, 5);
+    EXPECT_EQ(world.axis_properties(length).limits->upper, 50);
     EXPECT_GT(world.axis_value(length), 0);
   }
 }

@@ -96,6 +96,22 @@ TEST(Program, CheckNamesReactionsThatAreNotUnique) {
       << check.out;
 }
 
+TEST(Program, NamesAxesThatStartBeyondTheirLimits) {
+  const std::string file = temporary("beyond.json"), report_file = temporary("beyond_report.json");
+  write_text(file, R"({"format": "taut-scene/1", "dt": 0.01, "duration": 0.02,
+    "bodies": [{"name": "arm", "mass": 1, "inertia": [1, 1, 1]}],
+    "joints": [{"name": "elbow", "type": "hinge", "a": "ground", "b": "arm", "anchor": [0, 0, 0],
+      "axis": [0, 0, 1], "axes": {"angle": {"limits": {"lower": 0.25, "upper": 1}}}}]})");
+  const std::string named = "hinge elbow: axis angle starts at 0, below its lower limit 0.25";
+  const Outcome check = run_program({"check", file});
+  EXPECT_EQ(check.exit_status, 1) << check.err;
+  EXPECT_NE(check.out.find("problem: " + named), std::string::npos) << check.out;
+  const Outcome run = run_program({"run", file, "--report", report_file});
+  EXPECT_EQ(run.exit_status, 0) << run.err;
+  EXPECT_NE(run.out.find(named), std::string::npos) << run.out;
+  EXPECT_EQ(Json::parse(read_text(report_file))["warnings"][0], named);
+}
+
 /// A wheel whose engine's torque falls linearly to 0 at 20 rad/s, I ω̇ = 1 − ω/20, with what its axis tells.
 TEST(Program, AnEngineFollowsItsTableFromAFile) {
   const std::string file = temporary("engine.json"), report_file = temporary("engine_report.json");
