@@ -252,9 +252,7 @@ int run_command(const RunOptions& options) {
     outputs.sample(recorder, simulator);
     if (record.status == "success") run_steps(record, simulator, meter, recorder, outputs, options.quiet);
     record.redundant_rows = names_of(simulator.report().dependent_rows, scene.world);
-    if (const std::optional<RankReport>& rank = simulator.report().rank)
-      for (const JointId joint : rank->not_unique)
-        record.reactions_not_unique.push_back(scene.world.name(joint));
+    if (simulator.report().rank) record.note_rank(*simulator.report().rank, scene.world);
     last = recorder.sample(simulator);
   } catch (const std::exception& error) {
     if (record.status == "success") record.status = "error", record.message = error.what();

@@ -72,6 +72,15 @@ void RunRecord::note_breaks(const StepReport& report, const World& world) {
                       event.time, event.force, event.torque});
 }
 
+void RunRecord::note_rank(const RankReport& rank, const World& world) {
+  for (const RedundantRow& row : rank.redundant) {
+    Held& held = rows_already_held.emplace_back();
+    held.row = std::string(world.joint(row.joint).type()) + " " + world.name(row.joint) + ": " + row.name;
+    for (const JointId joint : row.held_by) held.by.push_back(world.name(joint));
+  }
+  for (const JointId joint : rank.not_unique) reactions_not_unique.push_back(world.name(joint));
+}
+
 std::size_t RunRecord::warm_up_steps() const { return std::min<std::size_t>(10, step_times.size() / 3); }
 
 double RunRecord::step_time_quantile(double p) const {

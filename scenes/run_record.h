@@ -55,7 +55,12 @@ struct RunRecord {
     double time = 0, force = 0, torque = 0;
   };
   std::vector<Break> breaks;
-  std::vector<std::string> redundant_rows;        ///< by name, of the last step
+  std::vector<std::string> redundant_rows;  ///< by name, of the last step
+  struct Held {
+    std::string row;
+    std::vector<std::string> by;  ///< joints, those with the largest share first
+  };
+  std::vector<Held> rows_already_held;            ///< redundant rows, in the last pose
   std::vector<std::string> reactions_not_unique;  ///< of joints, by name, in the last pose
 
   std::string status = "success", message;
@@ -73,6 +78,8 @@ struct RunRecord {
   void add_ledger(const StepReport& report);
   /// Joints that broke in a step, by name.
   void note_breaks(const StepReport& report, const World& world);
+  /// Who holds redundant rows, and whose reactions are not unique, by name.
+  void note_rank(const RankReport& rank, const World& world);
 
   /// Steps left out of the statistics of time: the first ten, or a third of a very short run.
   std::size_t warm_up_steps() const;

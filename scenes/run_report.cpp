@@ -60,6 +60,12 @@ Json breaks_json(const std::vector<RunRecord::Break>& breaks) {
   return list;
 }
 
+Json held_json(const std::vector<RunRecord::Held>& rows) {
+  Json list = Json::array();
+  for (const RunRecord::Held& row : rows) list.push_back({{"row", row.row}, {"held_by", row.by}});
+  return list;
+}
+
 /// "hanger_3 at 1.2 s, …"
 std::string breaks_text(const std::vector<RunRecord::Break>& breaks) {
   constexpr std::size_t kShown = 6;
@@ -148,6 +154,7 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
                       {"max_ledger_error", r.max_ledger_error}};
   report["breaks"] = breaks_json(r.breaks);
   report["redundant_rows"] = r.redundant_rows;
+  report["rows_already_held"] = held_json(r.rows_already_held);
   report["reactions_not_unique"] = r.reactions_not_unique;
   report["probes"] = probes_json(recorder, values);
   report["final_time_s"] = final_state.time;

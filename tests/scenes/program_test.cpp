@@ -96,6 +96,25 @@ TEST(Program, CheckNamesReactionsThatAreNotUnique) {
       << check.out;
 }
 
+/// A door on two hinges, of which the second holds what the first one holds.
+TEST(Program, ReportsWhoHoldsRedundantRows) {
+  const std::string file = temporary("door.json"), report_file = temporary("door_report.json");
+  write_text(file,
+             R"({"format": "taut-scene/1", "dt": 0.01, "duration": 0.02, "settings": {"report_rank": true},
+    "bodies": [{"name": "door", "mass": 1, "inertia": [1, 1, 1], "position": [0.4, 0, 0]}],
+    "joints": [
+      {"name": "low", "type": "hinge", "a": "ground", "b": "door", "anchor": [0, 0, -1], "axis": [0, 0, 1]},
+      {"name": "high", "type": "hinge", "a": "ground", "b": "door", "anchor": [0, 0, 1], "axis": [0, 0, 1]}]})");
+  ASSERT_EQ(run_program({"run", file, "--report", report_file, "--quiet"}).exit_status, 0);
+  const Json report = Json::parse(read_text(report_file)), held = report["rows_already_held"];
+  EXPECT_EQ(report["reactions_not_unique"], Json({"low", "high"}));
+  ASSERT_EQ(held.size(), 5u);
+  for (const Json& row : held) {
+    EXPECT_EQ(row["row"].get<std::string>().find("hinge high: "), 0u) << row;
+    EXPECT_EQ(row["held_by"], Json::array({"low"})) << row;
+  }
+}
+
 TEST(Program, NamesAxesThatStartBeyondTheirLimits) {
   const std::string file = temporary("beyond.json"), report_file = temporary("beyond_report.json");
   write_text(file, R"({"format": "taut-scene/1", "dt": 0.01, "duration": 0.02,
