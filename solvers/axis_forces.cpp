@@ -46,7 +46,7 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
                        std::span<const double> inertia) {
   h_ = h;
   end_time_ = time + h;
-  finite_ = true;
+  not_finite_ = -1;
   weight_ = 0;
   second_kick_ = false;
   read_properties();
@@ -173,7 +173,7 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
 /// A law cannot have a breakpoint that is not a number.
 void AxisForces::require_finite_target(Axis& axis) {
   if (std::isfinite(axis.motor_at)) return;
-  finite_ = false;
+  not_finite_ = static_cast<int>(&axis - axes_.data());
   axis.motor_at = axis.motor_force = 0;
 }
 

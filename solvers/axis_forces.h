@@ -43,7 +43,9 @@ class AxisForces {
   /// After begin(), with the system at the start: springs that the step does not resolve.
   void find_unresolved(ConstraintSystem& system);
   /// False if a motor's trajectory is not at the end of the step; the motor is left out then.
-  bool finite() const { return finite_; }
+  bool finite() const { return not_finite_ < 0; }
+  /// The axis of that motor.
+  AxisId not_finite() const { return rows_[not_finite_].axis; }
   /// Back to the start of the step.
   void roll_back();
   /// Friction of axes that an old system had too holds where it held; what is known of axes that have no rows
@@ -208,7 +210,7 @@ class AxisForces {
   double h_ = 0, end_time_ = 0;
   double weight_ = 0;  // ϑ of a step of Moreau–Jean; 0 in RATTLE
   bool second_kick_ = false;
-  bool finite_ = true;
+  int not_finite_ = -1;  // of axes_
 };
 
 }  // namespace taut

@@ -89,10 +89,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       const Stopwatch watch(report.times.positions);
       if (iteration == 0 || !rubs() || !rested_) try_positions(h);  // else λ is the same
     }
-    if (!axes_.finite()) {
-      phi_[0] = std::numeric_limits<double>::quiet_NaN();  // for the diagnosis
-      return false;
-    }
+    if (!axes_.finite()) return false;
     double error = std::numeric_limits<double>::infinity();
     bool closed = false;
     if (iteration > 0) {
@@ -247,6 +244,7 @@ void Rattle::begin_velocities() {
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
 bool Rattle::project_bounded_momenta(StepReport& report) {
   begin_velocities();
+  if (!axes_.finite()) return false;
   near_ = false;
   double tolerance = 0.1 * settings_.velocity_tolerance;
   for (int exact = 0;; ++exact) {

@@ -42,8 +42,15 @@ Contradiction Simulator::Impl::contradiction(double horizon) {
   return contradiction_from(world_.state(), horizon);
 }
 
-/// Names the joint that follows what is not finite, if that shows at the start of the step or at its end.
+/// Names the motor or the joint that follows what is not finite; the latter if that shows at the start of the
+/// step or at its end.
 void Simulator::Impl::fail_not_finite() {
+  if (rattle_ && !rattle_->axes().finite()) {
+    Contradiction motor;
+    motor.bounds.push_back({rattle_->axes().not_finite(), Contradiction::Bound::Kind::kMotor});
+    return set_failure(Status::kNotFinite,
+                       "what the " + names_of(motor, source_).front() + " follows is not finite");
+  }
   const State& start = world_.state();
   const Rows& rows = system_->rows();
   std::vector<double> gap(rows.row_count()), rate(rows.row_count());
@@ -59,7 +66,7 @@ void Simulator::Impl::fail_not_finite() {
                                                  source_.name(joint) + " follows is not finite");
     }
   }
-  set_failure(Status::kNotFinite, "a force, a motor or the state is not finite");
+  set_failure(Status::kNotFinite, "a force or the state is not finite");
 }
 
 /// ": ball elbow stays open by 1e-09 m", of the joint that does most; "" if none does.
@@ -80,7 +87,8 @@ std::string Simulator::Impl::widest_gap(const State& state) {
 
 void Simulator::Impl::diagnose_stall(double remaining) {
   const std::span<const double> phi = rattle_->residual();
-  if (std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); }))
+  if (!rattle_->axes().finite() ||
+      std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); }))
     return fail_not_finite();
   Contradiction& found = report_.contradiction;
   found = contradiction_from(rattle_->state(), remaining);

@@ -127,6 +127,26 @@ TEST(AxisMotor, GoesToAPositionManyTurnsAway) {
   EXPECT_LE(std::abs(w.world.axis_rate(w.axis)), 1e-9);
 }
 
+TEST(AxisMotor, WithATrajectoryThatIsNotFiniteIsNamed) {
+  const double nan = std::nan("");
+  const Motion value = [=](double t) { return MotionPoint{t < 0.105 ? 0 : nan, 0, 0}; };
+  const Motion rate = [=](double t) { return MotionPoint{0, t < 0.105 ? 0 : nan, 0}; };
+  for (const Motion& motion : {value, rate}) {
+    for (Integrator integrator : {Integrator::kRattle, Integrator::kMoreauJean}) {
+      Wheel w;
+      w.world.set_motor(w.axis, AxisMotor{.mode = AxisMotor::Mode::kTrajectory, .trajectory = motion});
+      Settings settings;
+      settings.integrator = integrator;
+      Simulator simulator(w.world, settings);
+      StepReport last;
+      for (int i = 0; i < 30 && last.ok(); ++i) last = simulator.step(0.01);
+      EXPECT_EQ(last.status, Status::kNotFinite) << last.message;
+      EXPECT_EQ(last.message, "what the motor of hinge axle angle follows is not finite");
+      EXPECT_NEAR(w.world.time(), 0.1, 0.0105);  // Moreau–Jean reads it at the start of a step
+    }
+  }
+}
+
 TEST(AxisLimits, StopAtFiveTurns) {
   Wheel w;
   w.world.set_limits(w.axis, AxisLimits{.upper = 10 * std::numbers::pi});
