@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/counting_sort.h"
+#include "core/swing_friction.h"
 #include "core/world.h"
 
 namespace taut {
@@ -87,8 +88,14 @@ void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints jo
   axes.first_index_ = world.first_axis_index(JointId{j});
   const bool any_axis = axis_rows == AxisRows::kIncluded && world.has_axis_properties(JointId{j});
   int joint_rows = counter.count_;
+  std::vector<AxisProperties> with_turns;
   if (any_axis) {
     axes.properties_ = &world.axis_properties({JointId{j}, 0});
+    if (has_swing_friction(world, JointId{j})) {
+      with_turns.assign(axes.properties_, axes.properties_ + kBallAxes);
+      for (int turn : {kTurnX, kTurnY}) with_turns[turn].friction.emplace();
+      axes.properties_ = with_turns.data();
+    }
     AxisSink axis_counter = axes;
     joint.append_axes(axis_counter);
     axes.rows_ = this;

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/check.h"
+#include "core/swing_friction.h"
 #include "core/world.h"
 
 // Free axes of joints, as the World keeps them.
@@ -40,10 +41,10 @@ void World::set_property(AxisId id, std::optional<Property> AxisProperties::*mem
                          std::optional<Property> value) {
   AxisProperties& properties = axis_properties_[axis_index(id)];
   if (value) check_axis(axis_label(id), *value);
-  const bool before = properties.any();
+  const bool before = properties.any(), swung = has_swing_friction(*this, id.joint);
   properties.*member = std::move(value);
   wake_bodies_of(id.joint);
-  if (properties.any() != before) ++topology_version_;
+  if (properties.any() != before || has_swing_friction(*this, id.joint) != swung) ++topology_version_;
   ++axis_version_;
 }
 

@@ -53,10 +53,13 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
   std::copy(axes_.begin(), axes_.end(), before_.begin());
   reports_before_ = reports_;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
+    axes_[i].theta0 = theta[rows_[i].row];
+    axes_[i].rate0 = rates[rows_[i].row];
+  }
+  begin_swings();
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
-    axis.theta0 = theta[rows_[i].row];
-    axis.rate0 = rates[rows_[i].row];
     axis.broken = false;
     axis.load_change = 0;
     const double damping = (p.friction ? p.friction->viscous : 0) + (p.spring ? p.spring->damping : 0) +
@@ -73,6 +76,7 @@ void AxisForces::read_properties() {
   if (axis_version_ == world_.axis_version()) return;
   axis_version_ = world_.axis_version();
   has_limits_ = has_loads_ = has_tables_ = has_springs_ = false;
+  find_swings();
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     if (rows_[i].axis.axis < 0) read_own(i);
     const AxisProperties& p = properties(i);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <span>
@@ -75,6 +76,8 @@ class AxisForces {
   /// Springs and dampers given by tables, which a law has as tangents: true if the rates of this solution of
   /// a stage are elsewhere, and it must be solved again with the tangents there.
   bool bend(std::span<const double> w, double rate_tolerance);
+  /// Friction of ball joints that are straight has another direction than in this solution.
+  bool turn_swings(std::span<const double> lambda, std::span<const double> w);
   /// Axes that static friction held and that have broken away at this solution of a stage: their bound is now
   /// that of dynamic friction, and the stage must be solved again.
   bool break_away(std::span<const double> w, double rate_tolerance);
@@ -183,18 +186,33 @@ class AxisForces {
   RowLaw law_of(Axis& axis, const AxisProperties& properties) const;
   void add(AxisReport& report, int axis, double lambda, double w, double rate) const;
   const AxisProperties& properties(std::size_t i) const {
-    return rows_[i].axis.axis < 0 ? own_[i] : world_.axis_properties(rows_[i].axis);
+    return from_own_[i] ? own_[i] : world_.axis_properties(rows_[i].axis);
   }
   bool is_rigid_limit(std::size_t i) const {
     return !released_[i] && properties(i).limits && properties(i).limits->compliance == 0;
   }
   void soften_limit(Axis& axis, const AxisLimits& limits, double mean_rate) const;
+  /// A ball joint whose swing has friction: its rows, and how the turns share it where the swing is next to
+  /// 0.
+  struct Swing {
+    int axis = 0;
+    std::array<int, 2> turn{-1, -1};
+    std::array<double, 2> share{1, 1};
+    bool straight = false;
+    int solves = 0;
+  };
+  void find_swings();
+  void begin_swings();
+  void share_friction(const Swing& swing);
   void read_properties();
   void read_own(std::size_t i);
   void require_finite_target(Axis& axis);
 
   const World& world_;
-  std::vector<AxisProperties> own_;  // springs of rows that are no axes, by row; empty if there are none
+  std::vector<AxisProperties>
+      own_;  // of rows that are no axes, and of swings; by row, empty if there are none
+  std::vector<char> from_own_;
+  std::vector<Swing> swings_;
   std::vector<char> released_, angular_, growing_;
   int axis_version_ = -1;
   bool has_limits_ = false, has_loads_ = false;    // rigid limits, friction that grows with the load

@@ -139,7 +139,8 @@ double Rattle::time_of_impact(double h, StepReport& report) {
 /// tangents of tables are others.
 bool Rattle::laws_move(std::span<const double> lambda, double rate_tolerance) {
   const bool broke = axes_.break_away(w_, rate_tolerance), bent = axes_.bend(w_, rate_tolerance);
-  return axes_.update_loads(system_.rows(), system_.jacobian(), lambda) || broke || bent;
+  const bool turned = axes_.turn_swings(lambda, w_);
+  return axes_.update_loads(system_.rows(), system_.jacobian(), lambda) || broke || bent || turned;
 }
 
 /// Solves w = S λ + b for the laws, with b such that the present λ gives the present rates; again where

@@ -99,6 +99,63 @@ TEST(BallFriction, HoldsTheArmWithoutCreepBelowItsBound) {
   EXPECT_NEAR(std::sqrt(square), moment, 1e-7);
 }
 
+/// At a swing of 0 that axis has no direction; a torque about any is held, and slips with what is left of it.
+TEST(BallFriction, OfASwingThatIsStraightActsAboutAnyDirection) {
+  const double moment = 2 * kG * 0.5, dynamic = 0.5 * moment;
+  for (int k = 0; k < 8; ++k) {
+    const double angle = 0.1 + k * std::numbers::pi / 4;
+    const Vec3 down(0, std::cos(angle), std::sin(angle));
+    for (const double limit : {1.01 * moment, 0.99 * moment}) {
+      Arm arm;
+      arm.world.set_gravity(kG * down);
+      arm.world.set_friction(arm.axis("swing"), AxisFriction{limit, dynamic, 0});
+      Simulator simulator(arm.world);
+      run(simulator, 1e-3, 50);
+      const double swing = 0.5 * (moment - dynamic) / arm.inertia_y * 0.05 * 0.05;
+      const Vec3 moved = arm.world.pose(arm.rod).p - Vec3(0.5, 0, 0);
+      if (limit > moment) {
+        run(simulator, 1e-2, 500);
+        EXPECT_LE((arm.world.pose(arm.rod).p - Vec3(0.5, 0, 0)).norm(), 1e-9) << k;
+      } else {
+        EXPECT_NEAR(arm.world.axis_value(arm.axis("swing")), swing, 1e-2 * swing) << k;
+        EXPECT_GT(moved.dot(down), 0.9999 * moved.norm()) << k;
+      }
+    }
+  }
+}
+
+/// As above, where the inertia about one direction is a third of that about the other: what slips is against
+/// its friction.
+TEST(BallFriction, OfAStraightSwingIsOpposedToItsRate) {
+  World world;
+  const BodyId body = world.add_body({.mass = MassProperties(1, Vec3(0.3, 0.9, 0.7))});
+  const JointId joint =
+      world.add("", Ball::at(world, kGround, body, Vec3::Zero()).with_axes(world, Vec3::UnitZ()));
+  world.set_friction({joint, 0}, AxisFriction{0.3, 0.3, 0});
+  world.set_gravity(Vec3::Zero());
+  const Vec3 rate(0.4, 0.3, 0);
+  world.set_twist(body, {rate, Vec3::Zero()});
+  Simulator simulator(world);
+  run(simulator, 1e-4, 1);
+  const Vec3 change = (world.twist(body).w - rate) / 1e-4;
+  EXPECT_NEAR(change.x(), -0.3 * 0.8 / 0.3, 1e-3);
+  EXPECT_NEAR(change.y(), -0.3 * 0.6 / 0.9, 1e-3);
+}
+
+TEST(BallFriction, HoldsAStraightSwingWhileAMotorTwists) {
+  for (const double force : {20.0, 2000.0}) {
+    Arm arm;
+    arm.world.set_gravity(Vec3::Zero());
+    arm.world.set_friction(arm.axis("swing"), AxisFriction{12, 4, 0});
+    arm.world.set_motor(arm.axis("twist"),
+                        AxisMotor{.mode = AxisMotor::Mode::kPosition, .target = -1, .max_force = force});
+    Simulator simulator(arm.world);
+    run(simulator, 5e-3, 100);
+    EXPECT_NEAR(arm.world.axis_value(arm.axis("twist")), -1, 1e-8);
+    EXPECT_LE((arm.world.pose(arm.rod).p - Vec3(0.5, 0, 0)).norm(), 1e-9);
+  }
+}
+
 TEST(BallFriction, SlowsASpinByItsTorqueAndStopsIt) {
   Arm arm;
   arm.world.set_gravity(Vec3::Zero());

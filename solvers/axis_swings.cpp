@@ -1,0 +1,114 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/swing_friction.h"
+#include "solvers/axis_forces.h"
+
+// Friction of the swing of ball joints next to 0, where that axis has no direction.  (solvers/README, "Axes")
+namespace taut {
+namespace {
+
+/// Swings that have no direction [rad].
+constexpr double kStraight = 1e-6;
+/// Steps in which a swing may pass 0.
+constexpr double kStepsAhead = 2;
+/// Directions of friction are right to this part, after as many solves.
+constexpr double kTurned = 1e-9;
+constexpr int kMostTurns = 25;
+/// Friction that holds is within its disc to this part.
+constexpr double kDisc = 1e-9;
+
+}  // namespace
+
+/// The rows of a ball joint are neighbours: swing, twist if it has one, turns about x and y.
+void AxisForces::find_swings() {
+  swings_.clear();
+  from_own_.assign(rows_.size(), 0);
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const AxisId axis = rows_[i].axis;
+    from_own_[i] = axis.axis < 0;
+    if (axis.axis != kSwing || axis.joint.index < 0 || !has_swing_friction(world_, axis.joint)) continue;
+    Swing swing{.axis = static_cast<int>(i)};
+    for (std::size_t k = i; k < rows_.size() && rows_[k].axis.joint == axis.joint; ++k)
+      for (int t : {0, 1})
+        if (rows_[k].axis.axis == kTurnX + t) swing.turn[t] = static_cast<int>(k);
+    if (swing.turn[0] >= 0 && swing.turn[1] >= 0) swings_.push_back(swing);
+  }
+  if (!swings_.empty()) own_.resize(rows_.size());
+}
+
+/// Two rows share the friction: all of it for each of them until it is known to be too much together.
+void AxisForces::begin_swings() {
+  for (Swing& swing : swings_) {
+    Axis &axis = axes_[swing.axis], &x = axes_[swing.turn[0]], &y = axes_[swing.turn[1]];
+    swing.straight = axis.theta0 <= kStraight + kStepsAhead * std::abs(h_ * axis.rate0);
+    swing.solves = 0;
+    const double rate = std::hypot(x.rate0, y.rate0);
+    const bool held = x.stuck && y.stuck;
+    for (int t : {0, 1}) swing.share[t] = held || rate == 0 ? 1 : std::abs(axes_[swing.turn[t]].rate0) / rate;
+    if (swing.straight) {
+      axis.stuck = false;
+      x.stuck = y.stuck = held;
+    } else {
+      for (int t : {0, 1})
+        if (!world_.axis_properties(rows_[swing.turn[t]].axis).friction) axes_[swing.turn[t]].stuck = false;
+    }
+    share_friction(swing);
+  }
+}
+
+/// Properties of the three rows at these shares.
+void AxisForces::share_friction(const Swing& swing) {
+  const AxisFriction friction = *world_.axis_properties(rows_[swing.axis].axis).friction;
+  for (int i : {swing.axis, swing.turn[0], swing.turn[1]}) {
+    own_[i] = world_.axis_properties(rows_[i].axis);
+    from_own_[i] = 1;
+  }
+  if (!swing.straight) return;
+  own_[swing.axis].friction.reset();
+  for (int t : {0, 1}) {
+    std::optional<AxisFriction>& own = own_[swing.turn[t]].friction;
+    if (!own) own.emplace();
+    own->static_friction += swing.share[t] * friction.static_friction;
+    own->dynamic_friction += swing.share[t] * friction.dynamic_friction;
+    own->per_load += swing.share[t] * friction.per_load;
+    own->viscous += friction.viscous;
+  }
+}
+
+/// Together they are a disc: what slips is against the rate, by as much as one of them alone.
+bool AxisForces::turn_swings(std::span<const double> lambda, std::span<const double> w) {
+  bool any = false;
+  for (Swing& swing : swings_) {
+    if (!swing.straight || released_[swing.axis] || swing.solves >= kMostTurns) continue;
+    double force[2], rate[2], slip[2], most = 0;
+    for (int t : {0, 1}) {
+      const int i = swing.turn[t], row = rows_[i].row;
+      rate[t] = w[row];
+      force[t] = share(i, lambda[row], rate[t]).friction;
+      slip[t] = on_step(rate[t], axes_[i].friction_at) ? 0 : std::abs(rate[t] - axes_[i].friction_at);
+      if (swing.share[t] > 0) most = std::max(most, axes_[i].friction_force / swing.share[t]);
+    }
+    double u[2] = {std::abs(force[0]), std::abs(force[1])};
+    const bool whole = swing.share[0] == 1 && swing.share[1] == 1;
+    const double size = std::hypot(u[0], u[1]), speed = std::hypot(slip[0], slip[1]);
+    if (whole && size <= (1 + kDisc) * most) continue;  // it holds, or slips along x or y
+    if (!whole && speed == 0) continue;                 // it holds by what it has
+    if (!whole)
+      for (int t : {0, 1}) u[t] = swing.share[t] + slip[t] / speed;
+    const double length = std::hypot(u[0], u[1]);
+    double moved = 0;
+    for (int t : {0, 1}) {
+      moved = std::max(moved, std::abs(u[t] / length - swing.share[t]));
+      swing.share[t] = u[t] / length;
+      axes_[swing.turn[t]].broken = axes_[swing.turn[t]].stuck;
+    }
+    if (moved <= kTurned) continue;
+    ++swing.solves;
+    share_friction(swing);
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace taut
