@@ -83,7 +83,7 @@ void AxisForces::read_properties() {
     has_limits_ = has_limits_ || (p.limits && p.limits->compliance == 0);
     has_loads_ = has_loads_ || (p.friction && p.friction->per_load != 0);
     has_tables_ = has_tables_ || has_table(p);
-    has_springs_ = has_springs_ || (p.spring && rows_[i].axis.axis >= 0);
+    has_springs_ = has_springs_ || (p.spring && (rows_[i].axis.axis >= 0 || rows_[i].spring.index >= 0));
   }
 }
 

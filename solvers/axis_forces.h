@@ -216,7 +216,7 @@ class AxisForces {
   std::vector<char> released_, angular_, growing_;
   int axis_version_ = -1;
   bool has_limits_ = false, has_loads_ = false;    // rigid limits, friction that grows with the load
-  bool has_tables_ = false, has_springs_ = false;  // the latter of axes
+  bool has_tables_ = false, has_springs_ = false;  // of axes and between bodies
   std::vector<Rows::AxisRow> rows_;
   std::vector<Axis> axes_, before_;
   std::map<AxisId, Axis> resting_;  // of bodies that sleep

@@ -69,7 +69,8 @@ void AxisForces::find_unresolved(ConstraintSystem& system) {
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
     axis.excess = 0;
-    if (rows_[i].axis.axis < 0 || !p.spring || released_[i] || axis.inertia == 0) continue;
+    const bool soft = rows_[i].axis.axis < 0 && rows_[i].spring.index < 0;
+    if (soft || !p.spring || released_[i] || axis.inertia == 0) continue;
     const double stretch = axis.theta0 - p.spring->rest;
     const double hhk = h_ * h_ * (p.spring->table ? p.spring->table->slope(stretch) : p.spring->stiffness);
     if (hhk <= axis.inertia || has_constant_inertia(system.rows(), i)) continue;
@@ -80,8 +81,14 @@ void AxisForces::find_unresolved(ConstraintSystem& system) {
   }
 }
 
-/// A body that can move in one way only against one that is fixed has the same inertia everywhere.
+/// A body that can move in one way only against one that is fixed has the same inertia everywhere, and so
+/// have bodies that are pulled at their centres.
 bool AxisForces::has_constant_inertia(const Rows& rows, std::size_t i) const {
+  if (rows_[i].spring.index >= 0) {
+    const LineSpring& spring = *world_.force(rows_[i].spring).spring();
+    const auto is_lever = [&](BodyId b, const Vec3& p) { return !world_.is_fixed(b) && !p.isZero(0); };
+    return !is_lever(spring.a, spring.p_AP) && !is_lever(spring.b, spring.p_BQ);
+  }
   const JointId joint = rows_[i].axis.joint;
   const std::span<const BodyId> bodies = world_.joint(joint).bodies();
   return rows.joints()[joint.index].equality_count == kAllButOne && !world_.compliance(joint) &&
