@@ -22,6 +22,7 @@
 #include "scenes/run_settings.h"
 #include "scenes/scene_source.h"
 #include "scenes/start_warnings.h"
+#include "scenes/state_file.h"
 #include "solvers/setting_names.h"
 #include "solvers/simulator.h"
 
@@ -32,6 +33,8 @@ constexpr double kFramesPerSecond = 60;
 constexpr std::int64_t kMostSteps = 1'000'000'000'000;
 /// Gaps beyond this [m or rad] are worth a warning with integrators that allow them.
 constexpr double kWideOpen = 1e-3;
+/// Between two saves of the state [s] of wall time.
+constexpr double kSavePeriod = 60;
 
 /// The files that a run writes.  All are opened before the run, so that it cannot fail at its end for want of
 /// a folder, but none before it is known that the run can start.
@@ -46,6 +49,7 @@ class Outputs {
     require_writable("--report", options.report_file);
     require_writable("--csv", options.csv_file);
     require_writable("--poses", options.poses_file);
+    require_writable("--save", options.save_file);
     require_writable("--record", options.record_file);
     check_exports(options.exports);
   }
@@ -53,6 +57,7 @@ class Outputs {
   Outputs(const RunOptions& options, const Scene& scene) {
     if (!options.report_file.empty()) open(report_, "--report", options.report_file);
     if (!options.csv_file.empty()) open(csv_, "--csv", options.csv_file);
+    save_file_ = options.save_file;
     if (!options.poses_file.empty())
       poses_ = std::make_unique<PoseTrace>(options.poses_file, options.poses_interval.value_or(0));
     if (!options.record_file.empty() || options.exports.any())
@@ -68,6 +73,7 @@ class Outputs {
   }
   void sample(Recorder& recorder, Simulator& simulator) {
     if (poses_) poses_->record(simulator.world());
+    if (!save_file_.empty() && seconds_since(last_save_) > kSavePeriod) save(simulator.world());
     if (recording_) note_failure(recording_->sample(simulator));
     if (!csv_.is_open()) return;
     csv_ << shortest(simulator.world().time());
@@ -79,6 +85,7 @@ class Outputs {
   void finish(const RunOptions& options, Simulator& simulator, const RunRecord& record,
               const Recorder& recorder, const std::vector<double>& last) {
     if (recording_) finish_recording(simulator, record);
+    if (!save_file_.empty()) save(simulator.world());
     if (report_.is_open()) {
       nlohmann::ordered_json report = run_report(record, recorder, last, simulator.world().state());
       for (const std::string& error : errors_) report["warnings"].push_back(error);
@@ -95,6 +102,10 @@ class Outputs {
     out.open(file);
     if (!out) fail(option, "cannot write the file", file);
   }
+  void save(const World& world) {
+    last_save_ = Clock::now();
+    if (!save_state_file(world, save_file_)) note_failure("could not write " + save_file_);
+  }
   void note_failure(const std::string& error) {
     if (error.empty()) return;
     std::cerr << "taut: " << error << '\n';
@@ -106,13 +117,13 @@ class Outputs {
     for (const std::string& note : outcome.notes) std::cerr << "taut: " << note << '\n';
   }
   static void check_distinct(const RunOptions& options) {
-    const std::string* files[] = {&options.report_file,  &options.csv_file,          &options.poses_file,
-                                  &options.record_file,  &options.exports.html,      &options.exports.gltf,
-                                  &options.exports.plot, &options.exports.vtk_folder};
+    const std::string* files[] = {&options.report_file,  &options.csv_file,     &options.poses_file,
+                                  &options.save_file,    &options.record_file,  &options.exports.html,
+                                  &options.exports.gltf, &options.exports.plot, &options.exports.vtk_folder};
     std::set<std::string> seen;
     for (const std::string* file : files)
       if (!file->empty() && !seen.insert(*file).second)
-        fail("--report, --csv, --poses, --record, --html, --gltf, --vtk and --plot",
+        fail("--report, --csv, --poses, --save, --record, --html, --gltf, --vtk and --plot",
              "must be different files", *file);
   }
 
@@ -120,6 +131,8 @@ class Outputs {
   std::unique_ptr<PoseTrace> poses_;
   std::unique_ptr<RunRecording> recording_;
   std::vector<std::string> errors_;
+  std::string save_file_;
+  Clock::time_point last_save_ = Clock::now();
 };
 
 Scene prepared_scene(const RunOptions& options) {
@@ -127,6 +140,7 @@ Scene prepared_scene(const RunOptions& options) {
   if (options.time) require_positive("--time", *options.time);
   Scene scene = open_scene(options.scene, options.parameters);
   if (!is_scene_file(options.scene)) scene.name = options.scene;  // `bridge`, not what it is short for
+  if (!options.from_file.empty()) load_state_file(scene.world, options.from_file);
   if (options.dt) scene.dt = *options.dt;
   apply_settings(options, scene.settings);
   return scene;

@@ -193,9 +193,8 @@ std::string run_table(const RunRecord& r) {
   if (!r.breaks.empty()) lines.emplace_back("broken joints", breaks_text(r.breaks));
   if (r.asleep > 0) lines.emplace_back("asleep", format("%d bodies at the end", r.asleep));
   if (r.max_contacts > 0 || r.pivots > 0 || r.contact_iterations > 0)
-    lines.emplace_back("complementarity", format("residual %.2e, ", r.max_complementarity_residual) +
-                                              "pivots " + per_step(r.pivots, r.steps) +
-                                              ", Newton iterations " +
+    lines.emplace_back("complementarity", format("residual %.2e, ", r.max_natural_residual) + "pivots " +
+                                              per_step(r.pivots, r.steps) + ", Newton iterations " +
                                               per_step(r.contact_iterations, r.steps));
   lines.emplace_back("status", r.message.empty() ? r.status : r.status + ": " + r.message);
   if (!r.contradiction.empty())

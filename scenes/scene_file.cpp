@@ -19,7 +19,12 @@ std::string lines(const std::string& file_name, const std::vector<SceneFileProbl
   return text;
 }
 
-std::string read_text(const std::filesystem::path& path) {
+}  // namespace
+
+SceneFileError::SceneFileError(const std::string& file_name, std::vector<SceneFileProblem> problems)
+    : std::invalid_argument(lines(file_name, problems)), problems_(std::move(problems)) {}
+
+std::string read_text_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text;
   std::error_code ignored;
@@ -31,13 +36,8 @@ std::string read_text(const std::filesystem::path& path) {
   return text;
 }
 
-}  // namespace
-
-SceneFileError::SceneFileError(const std::string& file_name, std::vector<SceneFileProblem> problems)
-    : std::invalid_argument(lines(file_name, problems)), problems_(std::move(problems)) {}
-
 Scene load_scene_file(const std::filesystem::path& path) {
-  return parse_scene(read_text(path), path.string());
+  return parse_scene(read_text_file(path), path.string());
 }
 
 Scene parse_scene(std::string_view text, const std::string& file_name) {

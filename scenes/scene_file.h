@@ -30,6 +30,9 @@ class SceneFileError : public std::invalid_argument {
   std::vector<SceneFileProblem> problems_;
 };
 
+/// All of a file.  @throws SceneFileError if it cannot be read.
+std::string read_text_file(const std::filesystem::path& path);
+
 /// @throws SceneFileError if the file cannot be read or anything in it is wrong.
 Scene load_scene_file(const std::filesystem::path& path);
 /// The same for a text in memory; `file_name` is for the messages, its stem the default name of the scene,

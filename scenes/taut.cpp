@@ -95,6 +95,9 @@ void add_run(CLI::App& app, Arguments& arguments) {
   run.add_option("--report", options.report_file, "write a JSON report")->type_name("FILE");
   run.add_option("--csv", options.csv_file, "write the probes over time, a line per step")->type_name("FILE");
   run.add_option("--poses", options.poses_file, "write the poses of all bodies over time")->type_name("FILE");
+  run.add_option("--save", options.save_file, "write the state at the end and every minute, to go on from")
+      ->type_name("FILE");
+  run.add_option("--from", options.from_file, "start from a state that --save wrote")->type_name("FILE");
   run.add_option("--poses-interval", options.poses_interval, "time between two sets of poses; 0: every step")
       ->type_name("SECONDS");
   run.add_option("--record", options.record_file, "write a recording, for `taut replay`")->type_name("FILE");
