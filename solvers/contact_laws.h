@@ -163,9 +163,9 @@ class ContactLaws {
   /// From here on contacts that stick are asked, in cone() and error(), for impulses in the cone of static
   /// friction that obey its normality law.  All impulses with which none of them slips do, however they
   /// divide the load, so there are none where one slips all the same.  (solvers/README, "Static friction")
-  /// False if none of those that slip can be told to hold, since they are on bodies that are being struck:
-  /// they are let go.
-  bool begin_sharing();
+  /// False if none of those that slip at the rates w can be told to hold, since they are on bodies that are
+  /// being struck, or slip by much of what friction at impulses λ could change: they are let go.
+  bool begin_sharing(std::span<const double> lambda, std::span<const double> w);
   /// Unless they hold, all is as it was at begin_sharing(), but for those that were let go.
   void end_sharing(bool hold);
   /// Not ended yet.

@@ -10,6 +10,9 @@ namespace {
 
 /// Slip that is less than this part of the largest may end once others have been let go.
 constexpr double kSlips = 1e-2;
+/// Contacts that slip by more than this part of what all friction on one of their bodies could change are far
+/// from holding.
+constexpr double kFar = 0.05;
 
 /// The point of the cone |x_t| ≤ μ x_n that is nearest to x = (x_n, x_t).
 Vec3 into_cone(const Vec3& x, double mu) {
@@ -67,15 +70,25 @@ std::vector<int> ContactLaws::struck_bodies() const {
   return struck;
 }
 
-bool ContactLaws::begin_sharing() {
+bool ContactLaws::begin_sharing(std::span<const double> lambda, std::span<const double> w) {
   const std::vector<int> struck = struck_bodies();
-  const auto is_struck = [&](int b) { return std::binary_search(struck.begin(), struck.end(), b); };
+  const auto is_struck = [&](int body) { return std::binary_search(struck.begin(), struck.end(), body); };
+  std::vector<double> friction(table_.moves.size(), 0.0);
+  for (int k = 0; k < count(); ++k)
+    for (int body : {place_of(k).at.a, place_of(k).at.b})
+      if (works(k)) friction[body] += friction_bound(k, pressure(k, lambda));
+  const auto is_far = [&](int k) {
+    const int a = place_of(k).at.a, b = place_of(k).at.b;
+    const double most = std::max(table_.moves[a] ? friction[a] : 0, table_.moves[b] ? friction[b] : 0);
+    const double root = std::max(root_[first_row_[k] + 1], root_[first_row_[k] + 2]);
+    return slip_of(k, w) > kFar * most * root * root;
+  };
   bool any = false;
   weakened_ = false;
   for (int k = 0; k < count(); ++k) {
     const Rows::ContactPlace& at = place_of(k).at;
     const bool slips = slips_in_vain(k);
-    contact(k).wavers = slips && !is_struck(at.a) && !is_struck(at.b);
+    contact(k).wavers = slips && !is_struck(at.a) && !is_struck(at.b) && !is_far(k);
     any = any || contact(k).wavers;
     if (slips && !contact(k).wavers) release(k);
   }

@@ -123,11 +123,10 @@ void ContactSolver::sweep_guess(const StageProblem& problem, double rate_toleran
 bool ContactSolver::solve_by_newton(const StageProblem& problem, const NewtonLimits& limits,
                                     StageRecord& record) {
   if (newton_.is_heap() && !contacts_.soft()) sweep_guess(problem, limits.rate_tolerance);
-  guess_.assign(problem.lambda.begin(), problem.lambda.end());
   for (int solve = 0;; ++solve) {
     if (!run_newton(problem, limits, record).converged) return false;
     if (solve == kMaxSolves || !contacts_.slips_where_it_held()) return true;
-    if (hold_on(problem, guess_, limits.rate_tolerance, record) || !contacts_.weakened()) return true;
+    if (hold_on(problem, limits.rate_tolerance, record) || !contacts_.weakened()) return true;
   }
 }
 
@@ -142,15 +141,14 @@ NewtonOutcome ContactSolver::run_newton(const StageProblem& problem, const Newto
   return outcome;
 }
 
-bool ContactSolver::hold_on(const StageProblem& problem, std::span<const double> guess, double rate_tolerance,
-                            StageRecord& record) {
+bool ContactSolver::hold_on(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
   const std::span<double> lambda = problem.lambda;
   NewtonLimits limits{.rate_tolerance = rate_tolerance, .iterations = kStepsToHold, .holding = true};
   limits.most = limits.tolerance;
-  if (!contacts_.begin_sharing()) return false;
+  if (!contacts_.begin_sharing(lambda, problem.w)) return false;
   unshared_.assign(lambda.begin(), lambda.end());
   for (bool again = true; again;) {
-    std::copy(guess.begin(), guess.end(), lambda.begin());
+    std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
     const NewtonOutcome outcome = run_newton(problem, limits, record);
     if (outcome.converged && !contacts_.slips_where_it_held()) {
       // What holds by the normality law holds by Coulomb's where it does not slip at all.

@@ -55,10 +55,9 @@ class ContactSolver {
   bool solve(const StageProblem& problem, const NewtonLimits& limits, double inexact, StageRecord& record);
   /// Newton's method, and friction that holds; λ is what it may start from.
   bool solve_by_newton(const StageProblem& problem, const NewtonLimits& limits, StageRecord& record);
-  /// A solution in which contacts slip that stuck: true, and another one, from `guess`, if there is one in
-  /// which they hold.  Else they are let go, and λ and w stay as they are.
-  bool hold_on(const StageProblem& problem, std::span<const double> guess, double rate_tolerance,
-               StageRecord& record);
+  /// From a solution in which contacts slip that stuck: true, and another one, if there is one in which they
+  /// hold.  Else they are let go, and λ and w stay as they are.
+  bool hold_on(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   /// Sweeps of Gauss–Seidel over λ and w; the distance that they leave.
   double sweep(const StageProblem& problem, int sweeps, double rate_tolerance);
   const ContactNewton& newton() const { return newton_; }
@@ -79,7 +78,7 @@ class ContactSolver {
   PieceNewton locked_;
   std::optional<ImpulseIteration> iteration_;
   std::vector<RowLaw> locked_laws_;
-  std::vector<double> guess_, held_, unshared_;
+  std::vector<double> held_, unshared_;
 };
 
 }  // namespace taut

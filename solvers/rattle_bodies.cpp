@@ -180,7 +180,7 @@ bool Rattle::solve_by_newton(std::span<double> lambda, const NewtonLimits& limit
 
 bool Rattle::hold_on(std::span<double> lambda, double rate_tolerance, StepReport& report) {
   StageRecord record;
-  const bool holds = contact_solver_.hold_on(stage(lambda), guess_, rate_tolerance, record);
+  const bool holds = contact_solver_.hold_on(stage(lambda), rate_tolerance, record);
   book(record, report);
   return holds;
 }
