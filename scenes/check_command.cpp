@@ -16,11 +16,7 @@ namespace {
 constexpr std::size_t kMostRows = 20, kMostHolders = 4, kMostReactions = 40;
 
 std::string joint_names(const World& world, const std::vector<JointId>& joints, std::size_t most) {
-  std::string text;
-  for (std::size_t i = 0; i < joints.size() && i < most; ++i)
-    text += (i > 0 ? ", " : "") + world.name(joints[i]);
-  if (joints.size() > most) text += " and " + std::to_string(joints.size() - most) + " more";
-  return text;
+  return first_of(joints, most, [&](JointId joint) { return world.name(joint); });
 }
 
 void print_redundant(const World& world, const std::vector<RedundantRow>& redundant, std::size_t most) {

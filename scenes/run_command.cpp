@@ -23,6 +23,7 @@
 #include "scenes/scene_source.h"
 #include "scenes/start_warnings.h"
 #include "scenes/state_file.h"
+#include "solvers/setting_checks.h"
 #include "solvers/setting_names.h"
 #include "solvers/simulator.h"
 
@@ -202,9 +203,8 @@ void add_warnings(RunRecord& record, const World& world, const Settings& setting
 
 /// Force-level integrators promise no closed joints.
 void warn_of_open_joints(RunRecord& record, Integrator integrator) {
-  const bool force_level =
-      integrator == Integrator::kForceEuler || integrator == Integrator::kForceRungeKutta;
-  if (!force_level || std::max(record.max_gap.metres, record.max_gap.radians) <= kWideOpen) return;
+  if (!is_force_level(integrator) || std::max(record.max_gap.metres, record.max_gap.radians) <= kWideOpen)
+    return;
   record.warnings.push_back(format(
       "joints were open by up to %.2g m and %.2g rad: the integrator solves for forces, and joints drift or "
       "are torn open",

@@ -69,10 +69,8 @@ Json held_json(const std::vector<RunRecord::Held>& rows) {
 /// "hanger_3 at 1.2 s, …"
 std::string breaks_text(const std::vector<RunRecord::Break>& breaks) {
   constexpr std::size_t kShown = 6;
-  std::string text;
-  for (std::size_t i = 0; i < breaks.size() && i < kShown; ++i)
-    text += (i > 0 ? ", " : "") + breaks[i].joint + format(" at %.4g s", breaks[i].time);
-  return breaks.size() <= kShown ? text : text + format(" and %zu more", breaks.size() - kShown);
+  return first_of(breaks, kShown,
+                  [](const RunRecord::Break& b) { return b.joint + format(" at %.4g s", b.time); });
 }
 
 std::string duration(double seconds) {

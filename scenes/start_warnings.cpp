@@ -1,6 +1,7 @@
 #include "scenes/start_warnings.h"
 
 #include "scenes/format.h"
+#include "solvers/setting_checks.h"
 #include "solvers/start_checks.h"
 
 namespace taut {
@@ -10,11 +11,9 @@ constexpr std::size_t kShownJoints = 4;
 
 /// "hinge elbow, ball tip and 3 more"
 std::string names_of(const World& world, const std::vector<JointId>& joints) {
-  std::string text;
-  for (std::size_t i = 0; i < joints.size() && i < kShownJoints; ++i)
-    text += (i > 0 ? ", " : "") + std::string(world.joint(joints[i]).type()) + " " + world.name(joints[i]);
-  if (joints.size() > kShownJoints) text += format(" and %zu more", joints.size() - kShownJoints);
-  return text;
+  return first_of(joints, kShownJoints, [&](JointId joint) {
+    return std::string(world.joint(joint).type()) + " " + world.name(joint);
+  });
 }
 
 }  // namespace
@@ -22,12 +21,11 @@ std::string names_of(const World& world, const std::vector<JointId>& joints) {
 std::vector<std::string> start_warnings(const World& world, const Settings& settings) {
   std::vector<std::string> warnings;
   if (const ForbiddenVelocity forbidden = forbidden_velocity(world); !forbidden.empty()) {
-    const bool kept =
-        settings.integrator == Integrator::kForceEuler || settings.integrator == Integrator::kForceRungeKutta;
-    warnings.push_back(format("joints forbid velocities at the start, of up to %.3g m/s and %.3g rad/s, ",
-                              forbidden.speed, forbidden.spin) +
-                       (kept ? "which open them: " : "which the first step takes away: ") +
-                       names_of(world, forbidden.joints));
+    warnings.push_back(
+        format("joints forbid velocities at the start, of up to %.3g m/s and %.3g rad/s, ", forbidden.speed,
+               forbidden.spin) +
+        (is_force_level(settings.integrator) ? "which open them: " : "which the first step takes away: ") +
+        names_of(world, forbidden.joints));
   }
   if (const double spacing = coarsest_position(world); spacing > settings.position_tolerance)
     warnings.push_back(

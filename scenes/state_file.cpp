@@ -44,7 +44,7 @@ class StateReader {
     Pose pose;
     Twist twist;
     pose.p = keys.get_required("position", &JsonNode::vector, Vec3(Vec3::Zero()));
-    if (const auto orientation = keys.required("orientation")) pose.q = read_exactly(*orientation);
+    if (const auto orientation = keys.required("orientation")) pose.q = read_orientation(*orientation);
     twist.v = keys.get_required("velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
     twist.w = keys.get_required("angular_velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
     keys.reject_unknown_keys();
@@ -56,14 +56,6 @@ class StateReader {
     if (!bodies_.insert(body.index).second) return name->problem("is given twice");
     state_.poses[body.index] = pose;
     state_.twists[body.index] = twist;
-  }
-
-  /// w, x, y, z as they were, which read_orientation() would scale to length 1 anew.
-  static Quat read_exactly(const JsonNode& node) {
-    const Quat checked = read_orientation(node);
-    if (!node.is_array() || node.json().size() != 4) return checked;
-    const std::vector<double> q = node.numbers(4, "a quaternion of 4 numbers w, x, y, z");
-    return Quat(q[0], q[1], q[2], q[3]);
   }
 
   void read_axis(const JsonNode& node) {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 
 #include "solvers/axis_forces.h"
 #include "solvers/constraint_system.h"

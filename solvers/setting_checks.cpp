@@ -7,10 +7,6 @@
 namespace taut {
 namespace {
 
-bool is_force_level(const Settings& s) {
-  return s.integrator == Integrator::kForceEuler || s.integrator == Integrator::kForceRungeKutta;
-}
-
 SettingConflict::Choice integrator_of(const Settings& s) {
   return {"integrator", name_of(s.integrator, kIntegratorNames)};
 }
@@ -23,6 +19,10 @@ ShapeId compliant_shape(const World& world) {
 }
 
 }  // namespace
+
+bool is_force_level(Integrator integrator) {
+  return integrator == Integrator::kForceEuler || integrator == Integrator::kForceRungeKutta;
+}
 
 std::vector<SettingConflict> setting_conflicts(const Settings& s) {
   std::vector<SettingConflict> found;
@@ -79,7 +79,8 @@ std::vector<UnusedSetting> unused_settings(const Settings& s) {
     for (const char* setting : settings)
       if (!used) unused.push_back({setting, reason});
   };
-  const bool force_level = is_force_level(s), moreau_jean = s.integrator == Integrator::kMoreauJean;
+  const bool force_level = is_force_level(s.integrator),
+             moreau_jean = s.integrator == Integrator::kMoreauJean;
   const bool iterative = s.solver != Solver::kDirect;
   const DriftCure cure = s.drift_cure == DriftCure::kAuto ? DriftCure::kBaumgarte : s.drift_cure;
   const bool baumgarte = cure == DriftCure::kBaumgarte;

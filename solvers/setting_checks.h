@@ -9,6 +9,9 @@
 /// What can be said of settings before a step is done: which exclude each other, and which have no effect.
 namespace taut {
 
+/// Joint forces from the acceleration equation: no sub-steps, and equalities only.
+bool is_force_level(Integrator integrator);
+
 /// Two settings that exclude each other, or one that something in the world excludes.  Names are those of
 /// scene files (setting_names.h).
 struct SettingConflict {

@@ -31,10 +31,6 @@ constexpr double kShrink = 0.5, kGrow = 1.5;
 constexpr double kHardPart = 0.6;
 constexpr int kHardSteps = 10;
 
-bool is_force_level(Integrator integrator) {
-  return integrator == Integrator::kForceEuler || integrator == Integrator::kForceRungeKutta;
-}
-
 }  // namespace
 
 /// New topology: new pattern, order and symbolic factor.  New state: new start.  What contacts and friction
