@@ -96,10 +96,14 @@ double spring_energy(const AxisSpring& spring, double theta) {
   return spring.table ? spring.table->integral(0, x) : 0.5 * spring.stiffness * x * x;
 }
 
+double beyond(const AxisLimits& limits, double theta) {
+  return theta > limits.upper ? theta - limits.upper : std::min(0.0, theta - limits.lower);
+}
+
 double limit_energy(const AxisLimits& limits, double theta) {
   if (limits.compliance == 0) return 0;
-  const double beyond = std::max({0.0, limits.lower - theta, theta - limits.upper});
-  return 0.5 * beyond * beyond / limits.compliance;
+  const double stretch = beyond(limits, theta);
+  return 0.5 * stretch * stretch / limits.compliance;
 }
 
 void check_axis(std::string_view axis, const AxisLimits& limits) {
@@ -126,6 +130,9 @@ void check_axis(std::string_view axis, const AxisMotor& motor) {
     fail(of("motor trajectory", axis), "must be given in its mode", "null");
   require_bound(of("motor max_force", axis), motor.max_force);
   if (!(motor.max_speed > 0)) fail(of("motor max_speed", axis), "must be positive", motor.max_speed);
+  if (motor.mode == AxisMotor::Mode::kVelocity && motor.max_speed != kUnlimited)
+    fail(of("motor max_speed", axis), "is for a position or trajectory, not beside a velocity",
+         motor.max_speed);
   if (!motor.force_of_speed) return;
   for (const Curve::Point& p : motor.force_of_speed->points()) {
     require_not_negative(of("speed in the motor curve", axis), p.x);

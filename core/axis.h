@@ -107,14 +107,17 @@ double spring_force(const AxisSpring& spring, double theta);
 double damping_force(const AxisSpring& spring, double rate);
 /// Potential energy of the spring at θ [J]: ½ k (θ − rest)², or the integral of its table from rest.
 double spring_energy(const AxisSpring& spring, double theta);
+/// How far θ is beyond limits: positive above the upper, negative below the lower one.
+double beyond(const AxisLimits& limits, double theta);
 /// Of limits with compliance, beyond which θ is [J].
 double limit_energy(const AxisLimits& limits, double theta);
 
 /// @throws std::invalid_argument naming `axis`, what is wrong and the value: limits that are crossed or not
 /// numbers, a restitution outside [0, 1] or beside a compliance, damping without compliance, a target that is
-/// not finite, a trajectory that is missing, a force, speed, stiffness or friction that is negative, dynamic
-/// above static friction, a force curve with negative force or speed, a spring with both stiffness and table,
-/// a damper with both damping and table, or with a table that falls somewhere or does not go through 0.
+/// not finite, a trajectory that is missing, a largest speed beside a velocity, a force, speed, stiffness or
+/// friction that is negative, dynamic above static friction, a force curve with negative force or speed, a
+/// spring with both stiffness and table, a damper with both damping and table, or with a table that falls
+/// somewhere or does not go through 0.
 void check_axis(std::string_view axis, const AxisLimits& limits);
 void check_axis(std::string_view axis, const AxisMotor& motor);
 void check_axis(std::string_view axis, const AxisFriction& friction);

@@ -43,8 +43,8 @@ void Swing::stiffness(const Pose& A, const Pose& B, const double* lambda, Stiffn
                       StiffnessBlocks& K_B) const {
   const Directions d = directions(A, B);
   if (d.straight) return;
-  const Mat3 across = *lambda / d.sine * (Mat3::Identity() - d.j * d.j.transpose());
-  const Mat3 of_a = across * skew(d.b) * skew(d.a), of_b = across * skew(d.a) * skew(d.b);
+  const Mat3 turned = *lambda / d.sine * (Mat3::Identity() - d.j * d.j.transpose());
+  const Mat3 of_a = turned * skew(d.b) * skew(d.a), of_b = turned * skew(d.a) * skew(d.b);
   K_A.rotation += 0.5 * (of_a + of_a.transpose());
   K_B.rotation += 0.5 * (of_b + of_b.transpose());
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "core/row_parts.h"
@@ -11,13 +12,14 @@ namespace row_parts {
 /// Swing: angle between direction a of A and direction b of B, from 0 to π.         (core/README, Eq. 26)
 ///   θ = atan2(|a × b|, a·b) [rad]
 /// λ [N·m] is the torque on B about j = a × b/|a × b|, away from a; where that vanishes any j across a is
-/// taken.
+/// taken, and friction acts along two other axes of the joint, `across` (AxisInfo).
 struct Swing {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = true;
   Vec3 a_A, b_B;
+  std::array<int, 2> across{-1, -1};
 
-  Swing carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * a_A, X_CB.q * b_B}; }
+  Swing carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * a_A, X_CB.q * b_B, across}; }
   struct Directions {
     Vec3 a, b, j;
     double sine = 0;  ///< |a × b|

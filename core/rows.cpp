@@ -91,9 +91,9 @@ void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints jo
   std::vector<AxisProperties> with_turns;
   if (any_axis) {
     axes.properties_ = &world.axis_properties({JointId{j}, 0});
-    if (has_swing_friction(world, JointId{j})) {
-      with_turns.assign(axes.properties_, axes.properties_ + kBallAxes);
-      for (int turn : {kTurnX, kTurnY}) with_turns[turn].friction.emplace();
+    if (const auto swing = swing_friction(world, JointId{j})) {
+      with_turns.assign(axes.properties_, axes.properties_ + world.axis_count(JointId{j}));
+      for (int turn : swing->turn) with_turns[turn].friction.emplace();
       axes.properties_ = with_turns.data();
     }
     AxisSink axis_counter = axes;

@@ -375,6 +375,7 @@ void AxisSink::place(std::string_view name, const Part& part, Between sides) {
                        {},
                        std::move(coordinate),
                        std::move(all)});
+    if constexpr (requires { part.across; }) infos_->back().across = part.across;
   } else if (properties_ && properties_[axis].any()) {
     if (rows_) {
       rows_->append(part, joint_index_, row_in_joint_, sides, axis, index);

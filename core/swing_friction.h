@@ -1,17 +1,26 @@
 #pragma once
 
+#include <optional>
+
 #include "core/world.h"
 
 namespace taut {
 
-/// Axes of a ball joint, by their place in it.
-enum BallAxis : int { kSwing = 0, kTwist, kTurnX, kTurnY, kTurnZ, kBallAxes };
+/// A swing of a joint that has friction.  Where it is 0 the direction of that axis is none, and friction of
+/// it acts along two others of the joint instead: those have rows, too.                 (solvers/README,
+/// "Axes")
+struct SwingFriction {
+  int swing = 0;              ///< by its place in the joint
+  std::array<int, 2> turn{};  ///< AxisInfo::across
+};
 
-/// Where its swing is 0 the direction of that axis is none, and friction of it acts against turns about x and
-/// y of A instead: those have rows, too.                                             (solvers/README, "Axes")
-inline bool has_swing_friction(const World& world, JointId joint) {
-  return world.joint(joint).type() == "ball" && world.axis_count(joint) == kBallAxes &&
-         world.axis_properties({joint, kSwing}).friction;
+inline std::optional<SwingFriction> swing_friction(const World& world, JointId joint) {
+  for (int k = 0; k < world.axis_count(joint); ++k) {
+    const AxisId axis{joint, k};
+    const std::array<int, 2>& across = world.axis_info(axis).across;
+    if (across[0] >= 0 && world.axis_properties(axis).friction) return SwingFriction{k, across};
+  }
+  return {};
 }
 
 }  // namespace taut

@@ -41,10 +41,10 @@ void World::set_property(AxisId id, std::optional<Property> AxisProperties::*mem
                          std::optional<Property> value) {
   AxisProperties& properties = axis_properties_[axis_index(id)];
   if (value) check_axis(axis_label(id), *value);
-  const bool before = properties.any(), swung = has_swing_friction(*this, id.joint);
+  const bool before = properties.any(), swung = swing_friction(*this, id.joint).has_value();
   properties.*member = std::move(value);
   wake_bodies_of(id.joint);
-  if (properties.any() != before || has_swing_friction(*this, id.joint) != swung) ++topology_version_;
+  if (properties.any() != before || swing_friction(*this, id.joint).has_value() != swung) ++topology_version_;
   ++axis_version_;
 }
 

@@ -36,7 +36,7 @@ void AxisForces::finish_positions(std::span<const double> w) {
     const double rate = w[rows_[i].row];
     axis.spring = axis.spring_level - axis.spring_slope * rate;
     axis.damping = axis.damping_level - axis.damping_slope * rate;
-    if (has_table(properties(i))) {
+    if (is_bent(properties(i))) {
       axis.implicit_damping = axis.implicit_damping || axis.damping_slope > axis.inertia;
       begin_tangents(axis, rate);
     }

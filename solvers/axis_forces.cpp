@@ -66,7 +66,7 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
                            (p.limits ? p.limits->damping : 0);
     axis.inertia = inertia[rows_[i].row];
     axis.implicit_damping = 0.5 * h * damping > axis.inertia;
-    if (has_table(p)) begin_tangents(axis, axis.rate0);
+    if (is_bent(p)) begin_tangents(axis, axis.rate0);
   }
 }
 
@@ -75,15 +75,15 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
 void AxisForces::read_properties() {
   if (axis_version_ == world_.axis_version()) return;
   axis_version_ = world_.axis_version();
-  has_limits_ = has_loads_ = has_tables_ = has_springs_ = false;
+  has_limits_ = has_loads_ = has_bends_ = has_springs_ = false;
   find_swings();
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     if (rows_[i].axis.axis < 0) read_own(i);
     const AxisProperties& p = properties(i);
     has_limits_ = has_limits_ || (p.limits && p.limits->compliance == 0);
     has_loads_ = has_loads_ || (p.friction && p.friction->per_load != 0);
-    has_tables_ = has_tables_ || has_table(p);
-    has_springs_ = has_springs_ || (p.spring && (rows_[i].axis.axis >= 0 || rows_[i].spring.index >= 0));
+    has_bends_ = has_bends_ || is_bent(p);
+    has_springs_ = has_springs_ || p.spring || has_soft_limit(p);
   }
 }
 
@@ -159,7 +159,10 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
     axis.lower_at = -kNever, axis.upper_at = kNever;
     axis.lower_back = axis.upper_back = 0;
     if (is_rigid_limit(i)) set_limits(axis, *p.limits, impacts_[i]);
-    if (p.limits && p.limits->compliance > 0) soften_limit(axis, *p.limits, mean_rates[rows_[i].row]);
+    if (has_soft_limit(p)) {
+      const Tangent limit = limit_tangent(axis, *p.limits, axis.tangent_at);
+      axis.limit_level = limit.level, axis.limit_slope = limit.slope;
+    }
     set_damping(axis, p);
     if (p.motor) {
       const AxisMotor& m = *p.motor;
@@ -286,7 +289,8 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
       continue;
     }
     axis.limit_level = axis.soft_limit;
-    axis.limit_slope = 0;
+    axis.beyond = has_soft_limit(p) && beyond(*p.limits, theta1) != 0;
+    axis.limit_slope = axis.beyond ? axis.limit_excess : 0;
     axis.spring_level = axis.spring;
     axis.spring_slope = axis.excess;
     set_damping(axis, p);
@@ -338,7 +342,7 @@ RowLaw AxisForces::law_of(Axis& axis, const AxisProperties& p) const {
     if (std::isinf(axis.motor_force)) axis.motor_at = std::clamp(axis.motor_at, axis.lower_at, axis.upper_at);
     law = law + RowLaw::box(-axis.motor_force, axis.motor_force, axis.motor_at);
   }
-  if (p.limits && p.limits->compliance > 0) return law;
+  if (has_soft_limit(p)) return law;
   if (p.limits && std::isfinite(p.limits->lower)) {
     law = law + RowLaw::lower_limit(axis.lower_at);
     for (int k = 1; k <= law.steps; ++k) law.level[k] -= axis.lower_back;

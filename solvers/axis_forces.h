@@ -41,8 +41,9 @@ class AxisForces {
   /// A step of h from a time with θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row.
   void begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
              std::span<const double> inertia);
-  /// After begin(), with the system at the start: springs that the step does not resolve.
-  void find_unresolved(ConstraintSystem& system);
+  /// After begin(), with the system where its impulses act: springs that the step does not resolve, and for
+  /// one of Moreau–Jean, `single_kick`, whether there are any that need the end of it (ϑ = 1).
+  bool find_unresolved(ConstraintSystem& system, bool single_kick = false);
   /// False if a motor's trajectory is not at the end of the step; the motor is left out then.
   bool finite() const { return not_finite_ < 0; }
   /// The axis of that motor.
@@ -76,7 +77,7 @@ class AxisForces {
   /// Springs and dampers given by tables, which a law has as tangents: true if the rates of this solution of
   /// a stage are elsewhere, and it must be solved again with the tangents there.
   bool bend(std::span<const double> w, double rate_tolerance);
-  /// Friction of ball joints that are straight has another direction than in this solution.
+  /// Friction of joints whose swing is straight has another direction than in this solution.
   bool turn_swings(std::span<const double> lambda, std::span<const double> w);
   /// Axes that static friction held and that have broken away at this solution of a stage: their bound is now
   /// that of dynamic friction, and the stage must be solved again.
@@ -136,6 +137,8 @@ class AxisForces {
     double theta0 = 0, rate0 = 0;
     double inertia = 0;
     double excess = 0;                      // slope beyond h²k/4 of a spring that is not resolved
+    double limit_excess = 0;                // the same of a limit with compliance
+    bool beyond = false;                    // such a limit, at q₁
     double spring = 0, damping = 0;         // given by the first kick: they are given again
     bool implicit_damping = false;          // stiff dampers act on θ̇(q₁) instead
     double linear_damping = 0;              // slope of all dampers without a table
@@ -168,15 +171,27 @@ class AxisForces {
     const double descent = std::max(0.0, slope);
     return {-value + descent * w, descent};
   }
+  /// Of an axis in a step: forces act for `time`, at the part `weight` of the way.
+  struct Way {
+    double time = 0;
+    double from = 0, to = 0;
+    double per_rate = 0;  ///< ∂to/∂w
+    double weight = 0.5;
+  };
+  Way way(const Axis& axis, double w) const;
   Tangent spring_tangent(const Axis& axis, const AxisSpring& spring, double w) const;
+  Tangent limit_tangent(const Axis& axis, const AxisLimits& limits, double w) const;
+  Tangent limit_damper_tangent(const Axis& axis, const AxisLimits& limits, double w) const;
   bool has_constant_inertia(const Rows& rows, std::size_t i) const;
   Tangent damper_tangent(const Axis& axis, const AxisSpring& spring, double w) const;
-  static bool has_table(const AxisProperties& p) {
-    return p.spring && (p.spring->table || p.spring->damping_table);
+  static bool has_soft_limit(const AxisProperties& p) { return p.limits && p.limits->compliance > 0; }
+  /// Its law is no straight line.
+  static bool is_bent(const AxisProperties& p) {
+    return (p.spring && (p.spring->table || p.spring->damping_table)) || has_soft_limit(p);
   }
   void begin_tangents(Axis& axis, double w) const;
   void set_damping(Axis& axis, const AxisProperties& p) const;
-  void add_springs(Axis& axis, const AxisProperties& p, double weight, double theta) const;
+  void add_springs(Axis& axis, const AxisProperties& p) const;
   void set_impacts(Axis& axis, const AxisLimits& limits, double theta) const;
   void set_limits(Axis& axis, const AxisLimits& limits, const Impact& impact) const;
   bool has_impact(std::span<const double> theta) const;
@@ -191,8 +206,7 @@ class AxisForces {
   bool is_rigid_limit(std::size_t i) const {
     return !released_[i] && properties(i).limits && properties(i).limits->compliance == 0;
   }
-  void soften_limit(Axis& axis, const AxisLimits& limits, double mean_rate) const;
-  /// A ball joint whose swing has friction: its rows, and how the turns share it where the swing is next to
+  /// A joint whose swing has friction: its rows, and how the turns share it where the swing is next to
   /// 0.
   struct Swing {
     int axis = 0;
@@ -215,8 +229,8 @@ class AxisForces {
   std::vector<Swing> swings_;
   std::vector<char> released_, angular_, growing_;
   int axis_version_ = -1;
-  bool has_limits_ = false, has_loads_ = false;    // rigid limits, friction that grows with the load
-  bool has_tables_ = false, has_springs_ = false;  // of axes and between bodies
+  bool has_limits_ = false, has_loads_ = false;   // rigid limits, friction that grows with the load
+  bool has_bends_ = false, has_springs_ = false;  // tables and soft limits; anything that may be stiff
   std::vector<Rows::AxisRow> rows_;
   std::vector<Axis> axes_, before_;
   std::map<AxisId, Axis> resting_;  // of bodies that sleep

@@ -16,7 +16,7 @@ void AxisForces::impulse_laws(double weight, std::span<const double> theta, std:
       laws[rows_[i].row] = RowLaw::none();
       continue;
     }
-    add_springs(axis, p, weight, theta[rows_[i].row]);
+    add_springs(axis, p);
     axis.friction_force = axis.motor_force = axis.friction_at = 0;
     if (p.friction) {
       const bool held = axis.stuck && !axis.broken;
@@ -40,28 +40,26 @@ void AxisForces::impulse_laws(double weight, std::span<const double> theta, std:
   }
 }
 
-/// Springs at θ₀ + ϑ h ((1 − ϑ) θ̇₀ + ϑ w), a limit with compliance as one of them where the middle of the
-/// step, `theta`, is beyond it, and dampers against (1 − ϑ) θ̇₀ + ϑ w.
-void AxisForces::add_springs(Axis& axis, const AxisProperties& p, double weight, double theta) const {
-  const double ahead = axis.theta0 + weight * (1 - weight) * h_ * axis.rate0, reach = weight * h_;
+/// Springs at θ₀ + ϑ h ((1 − ϑ) θ̇₀ + ϑ w), limits with compliance and tables by what they do on the way, and
+/// dampers against (1 − ϑ) θ̇₀ + ϑ w.
+void AxisForces::add_springs(Axis& axis, const AxisProperties& p) const {
   axis.spring_level = axis.spring_slope = axis.limit_level = axis.limit_slope = 0;
   double damping = p.friction ? p.friction->viscous : 0;
-  Tangent damper;
+  Tangent damper, limit_damper;
   if (p.spring) {
     const Tangent spring = spring_tangent(axis, *p.spring, axis.tangent_at);
     axis.spring_level = spring.level, axis.spring_slope = spring.slope;
     damping += p.spring->damping;
     if (p.spring->damping_table) damper = damper_tangent(axis, *p.spring, axis.tangent_at);
   }
-  if (p.limits && p.limits->compliance > 0 && (theta < p.limits->lower || theta > p.limits->upper)) {
-    const double at = theta < p.limits->lower ? p.limits->lower : p.limits->upper;
-    axis.limit_level = -h_ * (ahead - at) / p.limits->compliance;
-    axis.limit_slope = reach * reach / p.limits->compliance;
-    damping += p.limits->damping;
+  if (has_soft_limit(p)) {
+    const Tangent limit = limit_tangent(axis, *p.limits, axis.tangent_at);
+    axis.limit_level = limit.level, axis.limit_slope = limit.slope;
+    limit_damper = limit_damper_tangent(axis, *p.limits, axis.tangent_at);
   }
   axis.soft_limit = axis.limit_level;
-  axis.damping_level = -h_ * (1 - weight) * damping * axis.rate0 + damper.level;
-  axis.damping_slope = reach * damping + damper.slope;
+  axis.damping_level = -h_ * (1 - weight_) * damping * axis.rate0 + damper.level + limit_damper.level;
+  axis.damping_slope = weight_ * h_ * damping + damper.slope + limit_damper.slope;
 }
 
 /// Newton's law of impact for a limit that is passed at `theta`.

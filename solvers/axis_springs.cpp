@@ -11,25 +11,61 @@ namespace {
 /// Impulses of tables are right to this part of themselves.
 constexpr double kTableTolerance = 1e-11;
 
+/// Mean of `beyond` on a way that begins with a and ends with b, and its derivative with respect to the end.
+Curve::Mean mean_beyond(double a, double b, double way) {
+  if (a == 0 && b == 0) return {};
+  if (a * b > 0) return {0.5 * (a + b), 0.5};
+  const double mean = 0.5 * (b - a) * (b + a) / way;
+  return {mean, (b - mean) / way};
+}
+
 }  // namespace
 
-/// Both kicks give the mean of the force between θ₀ and θ₀ + h w: what they do then is what the potential
-/// changes by, whatever the table.  For a linear spring this is the force in the middle of the step, the
-/// implicit midpoint rule; what is not resolved gives more against the way, as if taken later on it.
-/// Moreau–Jean has its own place there.
+/// RATTLE goes h w, with the middle of it as the place of a force in both kicks; Moreau–Jean h V_ϑ.
+AxisForces::Way AxisForces::way(const Axis& axis, double w) const {
+  if (weight_ == 0) return {0.5 * h_, axis.theta0, axis.theta0 + h_ * w, h_, 0.5};
+  return {h_, axis.theta0, axis.theta0 + h_ * ((1 - weight_) * axis.rate0 + weight_ * w), weight_ * h_,
+          weight_};
+}
+
+/// For ϑ = ½ the mean of the force on the way: what it does then is what the potential changes by, whatever
+/// the table, and for a linear spring this is the implicit midpoint rule.  For more a part of it is the force
+/// at the end, which takes energy; what is not resolved gives more against the way, too.
 AxisForces::Tangent AxisForces::spring_tangent(const Axis& axis, const AxisSpring& spring, double w) const {
-  if (weight_ > 0) {
-    const double reach = weight_ * h_;
-    const double stretch = axis.theta0 + weight_ * (1 - weight_) * h_ * axis.rate0 - spring.rest;
-    if (!spring.table) return {-h_ * spring.stiffness * stretch, reach * reach * spring.stiffness};
-    const double there = stretch + weight_ * reach * w;
-    return tangent(h_ * spring.table->extended(there), reach * reach * spring.table->slope(there), w);
+  const Way there = way(axis, spring.table ? w : 0);
+  const double from = there.from - spring.rest, to = there.to - spring.rest;
+  if (!spring.table) {
+    const double impulse = there.time * spring.stiffness;
+    return {-impulse * (from + there.weight * (to - from)),
+            impulse * there.weight * there.per_rate + axis.excess};
   }
-  const double half = 0.5 * h_, stretch = axis.theta0 - spring.rest;
-  if (!spring.table)
-    return {-half * spring.stiffness * stretch, half * half * spring.stiffness + axis.excess};
-  const Curve::Mean mean = spring.table->mean(stretch, stretch + h_ * w);
-  return tangent(half * mean.value + axis.excess * w, half * h_ * mean.slope + axis.excess, w);
+  const Curve::Mean mean = spring.table->mean(from, to);
+  const double last = 2 * there.weight - 1;
+  const double force = (1 - last) * mean.value + last * spring.table->extended(to);
+  const double slope = ((1 - last) * mean.slope + last * spring.table->slope(to)) * there.per_rate;
+  return tangent(there.time * force + axis.excess * w, there.time * slope + axis.excess, w);
+}
+
+/// Beyond a limit with compliance there is a spring, as those of axes.  What is more than that against the
+/// way counts the part of the way that is beyond the limit.
+AxisForces::Tangent AxisForces::limit_tangent(const Axis& axis, const AxisLimits& limits, double w) const {
+  const Way there = way(axis, w);
+  const double from = beyond(limits, there.from), to = beyond(limits, there.to);
+  const Curve::Mean mean = mean_beyond(from, to, there.to - there.from);
+  const double last = 2 * there.weight - 1, impulse = there.time / limits.compliance;
+  const double stretch = (1 - last) * mean.value + last * to;
+  const double slope = (1 - last) * mean.slope + (to != 0 ? last : 0);
+  const double excess = axis.limit_excess / h_;
+  return tangent(impulse * stretch + excess * (to - from),
+                 (impulse * slope + (to != 0 ? excess : 0)) * there.per_rate, w);
+}
+
+/// Its damper acts on the way that is beyond.
+AxisForces::Tangent AxisForces::limit_damper_tangent(const Axis& axis, const AxisLimits& limits,
+                                                     double w) const {
+  const Way there = way(axis, w);
+  const double to = beyond(limits, there.to), damping = there.time / h_ * limits.damping;
+  return tangent(damping * (to - beyond(limits, there.from)), to != 0 ? damping * there.per_rate : 0, w);
 }
 
 /// Dampers act against the mean rate of the step in its first kick, and against that after the second if they
@@ -70,16 +106,6 @@ void AxisForces::read_own(std::size_t i) {
   own.damping = angular_[i] ? c.rotation_damping : c.translation_damping;
 }
 
-/// Beyond a limit with compliance a spring acts, as those of axes do, wherever the middle of the step is.
-void AxisForces::soften_limit(Axis& axis, const AxisLimits& limits, double mean_rate) const {
-  const double half = 0.5 * h_, middle = axis.theta0 + half * mean_rate;
-  if (middle >= limits.lower && middle <= limits.upper) return;
-  const double at = middle < limits.lower ? limits.lower : limits.upper;
-  axis.limit_level = -half * (axis.theta0 - at) / limits.compliance;
-  axis.limit_slope = half * half / limits.compliance;
-  axis.linear_damping += half * limits.damping;
-}
-
 void AxisForces::begin_tangents(Axis& axis, double w) const {
   axis.tangent_at = w;
   axis.root_above = -kNever, axis.root_below = kNever;
@@ -89,21 +115,26 @@ void AxisForces::begin_tangents(Axis& axis, double w) const {
 void AxisForces::set_damping(Axis& axis, const AxisProperties& p) const {
   axis.damping_level = 0;
   axis.damping_slope = axis.linear_damping;
-  if (!p.spring || !p.spring->damping_table) return;
-  const Tangent damper = damper_tangent(axis, *p.spring, axis.tangent_at);
-  axis.damping_level += damper.level;
-  axis.damping_slope += damper.slope;
+  const auto add = [&](const Tangent& damper) {
+    axis.damping_level += damper.level;
+    axis.damping_slope += damper.slope;
+  };
+  if (p.spring && p.spring->damping_table) add(damper_tangent(axis, *p.spring, axis.tangent_at));
+  if (!has_soft_limit(p)) return;
+  if (!second_kick_) add(limit_damper_tangent(axis, *p.limits, axis.tangent_at));
+  if (second_kick_ && axis.beyond) axis.damping_slope += 0.5 * h_ * p.limits->damping;
 }
 
-/// Newton's method for the impulses of tables, which fall with the rate: if a solution with tangents lies to
-/// the right of where they touch, the one sought does, too, as far as the row by itself goes.  Digressive
-/// dampers would have it jump to and fro for ever, so what lies outside of the bounds known is halved.
+/// Newton's method for the impulses of tables and soft limits, which fall with the rate: if a solution with
+/// tangents lies to the right of where they touch, the one sought does, too, as far as the row by itself
+/// goes.  Digressive dampers would have it jump to and fro for ever, so what lies outside of the bounds known
+/// is halved.
 bool AxisForces::bend(std::span<const double> w, double rate_tolerance) {
   bool any = false;
-  if (!has_tables_) return false;
+  if (!has_bends_) return false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const AxisProperties& p = properties(i);
-    if (!has_table(p) || released_[i]) continue;
+    if (!is_bent(p) || released_[i]) continue;
     Axis& axis = axes_[i];
     const double rate = w[rows_[i].row];
     double off = 0, size = 0;
@@ -111,9 +142,14 @@ bool AxisForces::bend(std::span<const double> w, double rate_tolerance) {
       off = std::max(off, std::abs(there.at(rate) - given));
       size = std::max(size, std::abs(given));
     };
-    if (p.spring->table && !second_kick_)
+    if (p.spring && p.spring->table && !second_kick_)
       compare(spring_tangent(axis, *p.spring, rate), axis.spring_level - axis.spring_slope * rate);
-    if (p.spring->damping_table && (!second_kick_ || axis.implicit_damping)) {
+    if (has_soft_limit(p) && !second_kick_) {
+      compare(limit_tangent(axis, *p.limits, rate), axis.limit_level - axis.limit_slope * rate);
+      compare(limit_damper_tangent(axis, *p.limits, rate),
+              limit_damper_tangent(axis, *p.limits, axis.tangent_at).at(rate));
+    }
+    if (p.spring && p.spring->damping_table && (!second_kick_ || axis.implicit_damping)) {
       const Tangent now = damper_tangent(axis, *p.spring, axis.tangent_at);
       compare(damper_tangent(axis, *p.spring, rate), now.at(rate));
     }

@@ -4,7 +4,8 @@
 #include "core/swing_friction.h"
 #include "solvers/axis_forces.h"
 
-// Friction of the swing of ball joints next to 0, where that axis has no direction.  (solvers/README, "Axes")
+// Friction of the swing of ball and universal joints next to 0, where that axis has no direction.
+// (solvers/README, "Axes")
 namespace taut {
 namespace {
 
@@ -20,18 +21,22 @@ constexpr double kDisc = 1e-9;
 
 }  // namespace
 
-/// The rows of a ball joint are neighbours: swing, twist if it has one, turns about x and y.
+/// The rows of a joint are neighbours.
 void AxisForces::find_swings() {
   swings_.clear();
   from_own_.assign(rows_.size(), 0);
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const AxisId axis = rows_[i].axis;
     from_own_[i] = axis.axis < 0;
-    if (axis.axis != kSwing || axis.joint.index < 0 || !has_swing_friction(world_, axis.joint)) continue;
+    if (axis.axis < 0 || axis.joint.index < 0) continue;
+    const std::optional<SwingFriction> friction = swing_friction(world_, axis.joint);
+    if (!friction || friction->swing != axis.axis) continue;
     Swing swing{.axis = static_cast<int>(i)};
-    for (std::size_t k = i; k < rows_.size() && rows_[k].axis.joint == axis.joint; ++k)
+    std::size_t first = i;
+    while (first > 0 && rows_[first - 1].axis.joint == axis.joint) --first;
+    for (std::size_t k = first; k < rows_.size() && rows_[k].axis.joint == axis.joint; ++k)
       for (int t : {0, 1})
-        if (rows_[k].axis.axis == kTurnX + t) swing.turn[t] = static_cast<int>(k);
+        if (rows_[k].axis.axis == friction->turn[t]) swing.turn[t] = static_cast<int>(k);
     if (swing.turn[0] >= 0 && swing.turn[1] >= 0) swings_.push_back(swing);
   }
   if (!swings_.empty()) own_.resize(rows_.size());

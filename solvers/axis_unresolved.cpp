@@ -58,30 +58,45 @@ Pair pair_of(ConstraintSystem& system, int row) {
   return pair;
 }
 
+/// Of a spring at a stretch.
+double stiffness_of(const AxisSpring& spring, double stretch) {
+  return spring.table ? spring.table->slope(stretch) : spring.stiffness;
+}
+
+/// Slope beyond that of the midpoint rule, or of implicit Euler in a single kick: see (3b).
+double excess_of(const Pair& pair, double hhk, double stretch, bool single_kick) {
+  const double turn = std::max(kTurn, pair.turning * std::abs(stretch)) / kTurn;
+  if (single_kick) return std::max(0.0, (turn - 1) * hhk - pair.inertia);
+  return std::max(0.25 * (hhk - pair.inertia), (0.5 * turn - 0.25) * hhk - pair.inertia);
+}
+
 }  // namespace
 
-/// The larger of (h²k − m)/4, beyond ω h = 1, and of what lets the axis go back by a part of its stretch
-/// only.
-void AxisForces::find_unresolved(ConstraintSystem& system) {
-  if (!has_springs_) return;
+bool AxisForces::find_unresolved(ConstraintSystem& system, bool single_kick) {
+  bool any = false;
+  if (!has_springs_) return false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];
     const AxisProperties& p = properties(i);
-    axis.excess = 0;
-    const bool soft = rows_[i].axis.axis < 0 && rows_[i].spring.index < 0;
-    if (soft || !p.spring || released_[i] || axis.inertia == 0) continue;
-    const double stretch = axis.theta0 - p.spring->rest;
-    const double hhk = h_ * h_ * (p.spring->table ? p.spring->table->slope(stretch) : p.spring->stiffness);
-    if (hhk <= axis.inertia || has_constant_inertia(system.rows(), i)) continue;
+    axis.excess = axis.limit_excess = 0;
+    if (released_[i] || axis.inertia == 0) continue;
+    const double stretch = p.spring ? axis.theta0 - p.spring->rest : 0;
+    const double past = has_soft_limit(p) ? beyond(*p.limits, axis.theta0) : 0;
+    const double spring = p.spring ? stiffness_of(*p.spring, stretch) : 0;
+    const double limit = has_soft_limit(p) ? 1 / p.limits->compliance : 0;
+    const double hh = h_ * h_;
+    if (hh * std::max(spring, limit) <= axis.inertia || has_constant_inertia(system.rows(), i)) continue;
     const Pair pair = pair_of(system, rows_[i].row);
-    if (!(hhk > pair.inertia)) continue;
-    const double turn = std::max(kTurn, pair.turning * std::abs(stretch));
-    axis.excess = std::max(0.25 * (hhk - pair.inertia), (0.5 * turn / kTurn - 0.25) * hhk - pair.inertia);
+    if (hh * spring > pair.inertia) axis.excess = excess_of(pair, hh * spring, stretch, single_kick);
+    if (hh * limit > pair.inertia) axis.limit_excess = excess_of(pair, hh * limit, past, single_kick);
+    any = any || hh * spring > pair.inertia ||
+          (hh * limit > pair.inertia && (past != 0 || beyond(*p.limits, axis.theta0 + h_ * axis.rate0) != 0));
   }
+  return any;
 }
 
 /// A body that can move in one way only against one that is fixed has the same inertia everywhere, and so
-/// have bodies that are pulled at their centres.
+/// have bodies that are pulled at their centres, and one that cannot turn against one that is fixed.
 bool AxisForces::has_constant_inertia(const Rows& rows, std::size_t i) const {
   if (rows_[i].spring.index >= 0) {
     const LineSpring& spring = *world_.force(rows_[i].spring).spring();
@@ -90,8 +105,14 @@ bool AxisForces::has_constant_inertia(const Rows& rows, std::size_t i) const {
   }
   const JointId joint = rows_[i].axis.joint;
   const std::span<const BodyId> bodies = world_.joint(joint).bodies();
-  return rows.joints()[joint.index].equality_count == kAllButOne && !world_.compliance(joint) &&
-         std::any_of(bodies.begin(), bodies.end(), [&](BodyId b) { return world_.is_fixed(b); });
+  if (std::none_of(bodies.begin(), bodies.end(), [&](BodyId b) { return world_.is_fixed(b); })) return false;
+  const Rows::JointRows& of = rows.joints()[joint.index];
+  int rigid = 0, rotations = 0;
+  for (int k = 0; k < of.equality_count; ++k) {
+    rigid += rows.is_equality(of.first_row + k);
+    rotations += rows.is_equality(of.first_row + k) && rows.row(of.first_row + k).angular;
+  }
+  return rigid == kAllButOne || rotations == 3;
 }
 
 }  // namespace taut

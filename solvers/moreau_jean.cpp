@@ -88,11 +88,13 @@ void MoreauJean::begin_laws(double h, StepReport& report) {
   twists_from_momenta();
   first_twists_ = state_.twists;
   weighted_ = state_;
+  theta_ = settings_.theta;
   if (bounded()) {
     system_.rows().apply(system_.jacobian(), state_.twists, rates_);
     system_.rows().add_rate(state_, rates_);
     system_.row_inertias(inertia_);
     axes_.begin(start_time_, h, start_theta_, rates_, inertia_);
+    theta_ = axes_.find_unresolved(system_, true) ? 1 : settings_.theta;
     contacts_.begin_impulses(rates_, inertia_);
     if (contacts_.soft()) {
       roll_back(report);
@@ -108,7 +110,7 @@ void MoreauJean::begin_laws(double h, StepReport& report) {
 }
 
 void MoreauJean::renew_laws() {
-  axes_.impulse_laws(settings_.theta, phi_, laws_);
+  axes_.impulse_laws(theta_, phi_, laws_);
   contacts_.velocity_laws(laws_);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
     if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
@@ -116,7 +118,7 @@ void MoreauJean::renew_laws() {
 
 /// (q_ϑ, V_ϑ) of the momenta of now.
 void MoreauJean::weigh(double h) {
-  const double theta = settings_.theta, last = theta * theta * h;
+  const double theta = theta_, last = theta * theta * h;
   weighted_.time = start_time_ + theta * h;
   for (int b = 0; b < world_.body_count(); ++b) {
     if (!system_.inverse_mass(b).moves()) continue;
@@ -186,7 +188,7 @@ void MoreauJean::book(double h, StepReport& report) {
 bool MoreauJean::go_to_end(double h, StepReport& report) {
   {
     const Stopwatch watch(report.times.positions);
-    const double last = settings_.theta * h;
+    const double last = theta_ * h;
     for (int b = 0; b < world_.body_count(); ++b)
       if (system_.inverse_mass(b).moves())
         state_.poses[b] =

@@ -38,6 +38,7 @@ class MoreauJean final : public Rattle {
   bool go_to_end(double h, StepReport& report);
   void keep_impulses(double h);
 
+  double theta_ = 0.5;               // of this step
   State weighted_;                   // q_ϑ, V_ϑ at t₀ + ϑh, where forces are taken
   std::vector<Twist> first_twists_;  // V₀
   std::vector<double> first_axes_;

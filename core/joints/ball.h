@@ -52,7 +52,7 @@ class Ball final : public Joint {
   void append_rows(RowSink& rows) const override { rows.add(row_parts::Point{p_AP_, p_BQ_}); }
   void append_axes(AxisSink& axes) const override {
     if (!frames_) return;
-    axes.add("swing", row_parts::Swing{frames_->q_AF * Vec3::UnitZ(), frames_->q_BG * Vec3::UnitZ()});
+    axes.add("swing", row_parts::Swing{frames_->q_AF * Vec3::UnitZ(), frames_->q_BG * Vec3::UnitZ(), {2, 3}});
     axes.add("twist", row_parts::TwistAngle{frames_->q_AF, frames_->q_BG});
     axes.add("turn_x", row_parts::Turn{frames_->q_AF * Vec3::UnitX()});
     axes.add("turn_y", row_parts::Turn{frames_->q_AF * Vec3::UnitY()});

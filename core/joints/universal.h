@@ -58,7 +58,7 @@ class Universal final : public Joint {
     axes.add("angle_1", row_parts::Angle{axis_A_, reference_A_, axis_B_});
     // Seen from B, the arm of A turns the other way.
     axes.add("angle_2", row_parts::Angle{-axis_B_, reference_B_, axis_A_}, {1, 0});
-    axes.add("swing", row_parts::Swing{axis_A_.cross(reference_A_), reference_B_.cross(axis_B_)});
+    axes.add("swing", row_parts::Swing{axis_A_.cross(reference_A_), reference_B_.cross(axis_B_), {0, 1}});
   }
   Vec3 reaction_point_B() const override { return p_BQ_; }
 

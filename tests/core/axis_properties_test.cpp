@@ -100,6 +100,8 @@ TEST(AxisProperties, RefuseWrongValuesAndChangeNothing) {
   refuses(AxisMotor{.max_force = -2.5}, {"motor max_force of elbow angle", "-2.5"});
   refuses(AxisMotor{.max_force = kNan}, {"motor max_force of elbow angle", "nan"});
   refuses(AxisMotor{.max_speed = 0}, {"motor max_speed of elbow angle", "0"});
+  refuses(AxisMotor{.target = 1, .max_speed = 2},
+          {"motor max_speed of elbow angle", "beside a velocity", "2"});
   refuses(AxisMotor{.force_of_speed = Curve({{-1.5, 2}})}, {"speed in the motor curve of elbow", "-1.5"});
   refuses(AxisMotor{.force_of_speed = Curve({{0, 2}, {1, -2.5}})}, {"force in the motor curve", "-2.5"});
   refuses(AxisFriction{-1.5, 0, 0}, {"static friction of elbow angle", "-1.5"});

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "core/joints.h"
 #include "solvers/simulator.h"
@@ -22,17 +23,18 @@ void run(Simulator& simulator, double dt, int steps) {
   }
 }
 
-/// A rod of 1 m and 2 kg along x, held at the origin by a ball joint whose axis is x.
+/// A rod of 1 m and 2 kg along x, held at the origin by a ball joint whose axis is x, or by a universal one.
 struct Arm {
   World world;
   BodyId rod;
   JointId joint;
   double inertia_x, inertia_y;
-  Arm() {
+  explicit Arm(bool universal = false) {
     const MassProperties m = MassProperties::box(Vec3(1, 0.1, 0.1), 2);
     rod = world.add_body({.mass = m, .pose = {.p = Vec3(0.5, 0, 0)}});
-    joint =
-        world.add("shoulder", Ball::at(world, kGround, rod, Vec3::Zero()).with_axes(world, Vec3::UnitX()));
+    const Vec3 p = Vec3::Zero(), x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+    joint = universal ? world.add("shoulder", Universal::at(world, kGround, rod, p, y, z))
+                      : world.add("shoulder", Ball::at(world, kGround, rod, p).with_axes(world, x));
     inertia_x = m.inertia_B()(0, 0);
     inertia_y = m.inertia_B()(1, 1) + 2 * 0.25;
   }
@@ -85,6 +87,23 @@ TEST(BallTwist, StopsAtItsLimitAfterMoreThanATurn) {
   EXPECT_LE(arm.world.twist(arm.rod).w.norm(), 1e-9);
 }
 
+/// At a swing of π the twist has no value; a motor that turns it there asks for what no torque does.
+TEST(BallTwist, ThatLosesItsMeaningIsNamed) {
+  Arm arm;
+  arm.world.set_gravity(Vec3::Zero());
+  const Quat q = exp_so3(Vec3(0, 3, 0));
+  arm.world.set_pose(arm.rod, {q, q * Vec3(0.5, 0, 0)});
+  const Vec3 w(0, 2, 0.2);
+  arm.world.set_twist(arm.rod, {w, w.cross(q * Vec3(0.5, 0, 0))});
+  arm.world.set_motor(arm.axis("twist"), AxisMotor{.target = 1});
+  Simulator simulator(arm.world);
+  for (int i = 0; i < 100 && simulator.report().ok(); ++i) (void)simulator.step(2e-3);
+  EXPECT_EQ(simulator.report().status, Status::kNotConverged);
+  EXPECT_NE(simulator.report().message.find("ball shoulder twist is next to"), std::string::npos)
+      << simulator.report().message;
+  EXPECT_GT(arm.world.axis_value(arm.axis("swing")), 3.1);
+}
+
 TEST(BallFriction, HoldsTheArmWithoutCreepBelowItsBound) {
   Arm arm;
   const double moment = 2 * kG * 0.5;
@@ -99,14 +118,19 @@ TEST(BallFriction, HoldsTheArmWithoutCreepBelowItsBound) {
   EXPECT_NEAR(std::sqrt(square), moment, 1e-7);
 }
 
+class SwingFriction : public ::testing::TestWithParam<bool> {
+ protected:
+  static bool universal() { return GetParam(); }
+};
+
 /// At a swing of 0 that axis has no direction; a torque about any is held, and slips with what is left of it.
-TEST(BallFriction, OfASwingThatIsStraightActsAboutAnyDirection) {
+TEST_P(SwingFriction, OfAStraightSwingActsAboutAnyDirection) {
   const double moment = 2 * kG * 0.5, dynamic = 0.5 * moment;
   for (int k = 0; k < 8; ++k) {
     const double angle = 0.1 + k * std::numbers::pi / 4;
     const Vec3 down(0, std::cos(angle), std::sin(angle));
     for (const double limit : {1.01 * moment, 0.99 * moment}) {
-      Arm arm;
+      Arm arm(universal());
       arm.world.set_gravity(kG * down);
       arm.world.set_friction(arm.axis("swing"), AxisFriction{limit, dynamic, 0});
       Simulator simulator(arm.world);
@@ -126,12 +150,14 @@ TEST(BallFriction, OfASwingThatIsStraightActsAboutAnyDirection) {
 
 /// As above, where the inertia about one direction is a third of that about the other: what slips is against
 /// its friction.
-TEST(BallFriction, OfAStraightSwingIsOpposedToItsRate) {
+TEST_P(SwingFriction, OfAStraightSwingIsOpposedToItsRate) {
   World world;
   const BodyId body = world.add_body({.mass = MassProperties(1, Vec3(0.3, 0.9, 0.7))});
+  const Vec3 p = Vec3::Zero();
   const JointId joint =
-      world.add("", Ball::at(world, kGround, body, Vec3::Zero()).with_axes(world, Vec3::UnitZ()));
-  world.set_friction({joint, 0}, AxisFriction{0.3, 0.3, 0});
+      universal() ? world.add("", Universal::at(world, kGround, body, p, Vec3::UnitX(), Vec3::UnitY()))
+                  : world.add("", Ball::at(world, kGround, body, p).with_axes(world, Vec3::UnitZ()));
+  world.set_friction(world.axis(joint, "swing"), AxisFriction{0.3, 0.3, 0});
   world.set_gravity(Vec3::Zero());
   const Vec3 rate(0.4, 0.3, 0);
   world.set_twist(body, {rate, Vec3::Zero()});
@@ -141,6 +167,38 @@ TEST(BallFriction, OfAStraightSwingIsOpposedToItsRate) {
   EXPECT_NEAR(change.x(), -0.3 * 0.8 / 0.3, 1e-3);
   EXPECT_NEAR(change.y(), -0.3 * 0.6 / 0.9, 1e-3);
 }
+
+/// Joints of two free bodies, straight at first, some of them with a motor on a turn across the swing.
+TEST_P(SwingFriction, OfRandomJointsLetsThemMove) {
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    std::mt19937 random(seed);
+    const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(random); };
+    const auto within = [&](double a) { return Vec3(uniform(-a, a), uniform(-a, a), uniform(-a, a)); };
+    World world;
+    BodyId body[2];
+    for (int i = 0; i < 2; ++i) {
+      const Vec3 size = Vec3(0.25, 0.25, 0.25) + within(0.15);
+      body[i] = world.add_body({.mass = MassProperties::box(size, uniform(1, 5)),
+                                .pose = {.p = Vec3(0, 0, -0.4 * i) + within(0.2)}});
+      world.set_twist(body[i], {within(0.3), within(0.1)});
+    }
+    const Quat q = Quat(Eigen::Vector4d(within(1).homogeneous())).normalized();
+    const Vec3 p = within(0.1), x = q * Vec3::UnitX(), y = q * Vec3::UnitY();
+    const JointId joint = universal()
+                              ? world.add("", Universal::at(world, body[0], body[1], p, x, y))
+                              : world.add("", Ball::at(world, body[0], body[1], p).with_axes(world, x));
+    const double friction = uniform(0.5, 20);
+    world.set_friction(world.axis(joint, "swing"), AxisFriction{friction * uniform(1, 1.5), friction});
+    if (seed % 3 == 0)
+      world.set_motor(world.axis(joint, universal() ? "angle_1" : "turn_x"),
+                      AxisMotor{.target = uniform(-3, 3), .max_force = uniform(1, 30)});
+    Simulator simulator(world);
+    run(simulator, 2e-3, 150);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SwingFriction, ::testing::Bool(),
+                         [](const auto& universal) { return universal.param ? "universal" : "ball"; });
 
 TEST(BallFriction, HoldsAStraightSwingWhileAMotorTwists) {
   for (const double force : {20.0, 2000.0}) {

@@ -256,6 +256,27 @@ TEST(Transmissions, AtwoodMachineMovesAsInTheClosedForm) {
   EXPECT_NEAR(world.pose(heavy).p.z(), -2 - 9.81 / 3 / 2 * 0.25, 1e-8);
 }
 
+/// The same over two points of a rope: taut it is that wire, with slack both masses fall freely.
+TEST(Transmissions, ARopeOverTwoPointsPullsAsTheAtwoodMachine) {
+  for (const double slack : {0.0, 0.5}) {
+    World world;
+    const BodyId light =
+        world.add_body({.mass = {1, Vec3(1, 1, 1)}, .pose = {Quat::Identity(), Vec3(0, 0, -3)}});
+    const BodyId heavy =
+        world.add_body({.mass = {2, Vec3(1, 1, 1)}, .pose = {Quat::Identity(), Vec3(1, 0, -2)}});
+    const std::vector<WirePoint> way = {
+        {light, Vec3::Zero()}, {kGround, Vec3::Zero()}, {kGround, Vec3(1, 0, 0)}, {heavy, Vec3::Zero()}};
+    const JointId rope = world.add("rope", Rope(way, 6 + slack));
+    Simulator simulator(world, {});
+    for (int i = 0; i < 200; ++i) ASSERT_TRUE(simulator.step(1e-3).ok()) << simulator.report().message;
+    const double a = slack == 0 ? -9.81 / 3 : 9.81;  // of the light one, downwards
+    EXPECT_NEAR(world.twist(light).v.z(), -a * 0.2, 1e-8);
+    EXPECT_NEAR(world.twist(heavy).v.z(), -9.81 * 0.2 / (slack == 0 ? 3 : 1), 1e-8);
+    EXPECT_NEAR(simulator.reaction(rope).force.norm(), slack == 0 ? 2 * 9.81 * 2 / 3 : 0, 1e-7);
+    EXPECT_NEAR(world.axis_value({rope, 0}), slack == 0 ? 6 : 6 + 9.81 * 0.04, 1e-9);
+  }
+}
+
 /// A rod that is turned at a constant rate against gravity: the driver gives m g l cos θ.
 TEST(Drivers, HoldTheirMotionAndReportTheirTorque) {
   World world;
