@@ -46,10 +46,11 @@ void check_value(const std::string& scene, const ParameterInfo& info, double val
   if (std::isfinite(value) && value >= info.minimum && value <= info.maximum &&
       (!info.integer || value == std::floor(value)))
     return;
+  if (info.unit == "bool") fail("parameter " + info.name + " of " + scene, "must be true or false", value);
   std::ostringstream allowed;
   allowed << "must be " << (info.integer ? "a whole number" : "a number") << " from " << info.minimum
           << " to " << info.maximum;
-  if (!info.unit.empty() && info.unit != "bool") allowed << ' ' << info.unit;
+  if (!info.unit.empty()) allowed << ' ' << info.unit;
   fail("parameter " + info.name + " of " + scene, allowed.str(), value);
 }
 

@@ -58,7 +58,7 @@ NewtonOutcome ContactNewton::solve(const ContactLaws& contacts, std::span<const 
   begin(problem);
   double last = 1, rho = kFirstRho, last_slip = 0;
   const auto held = [&] { return holds_joints(problem.laws, problem.w, limits.rate_tolerance); };
-  if (soft_ ? limits.near : is_heap()) {
+  if (soft_ || is_heap()) {
     const double off = law_error(problem, limits.rate_tolerance, 0);
     rho = limits.near ? kNearRho : std::clamp(kRhoOfResidual * off, kNearRho, kFirstRho);
     if (!soft_) last = off;

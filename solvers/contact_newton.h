@@ -38,9 +38,9 @@ struct NewtonOutcome {
 /// Coulomb's law the normality law of the cone [DeSaxce1998], held fixed in a round [Cadoux2009], Newton's
 /// equation is the gradient of a strictly convex function with piecewise smooth gradient: a semismooth Newton
 /// method [QiSun1993] with line search meets it from anywhere.  The rounds are the proximal point iteration
-/// [Rockafellar1976], which takes away what Σ gave.  S may be singular.  Heaps begin with rounds that hold
-/// nothing fast and have the Σ for which they end; all else comes to them where s does not settle.
-/// (solvers/README, "Many contacts")
+/// [Rockafellar1976], which takes away what Σ gave.  S may be singular.  Heaps and compliant contacts begin
+/// with rounds that hold nothing fast and have the Σ for which they end; all else comes to them where s does
+/// not settle.  (solvers/README, "Many contacts")
 class ContactNewton {
  public:
   explicit ContactNewton(ConstraintSystem& system) : system_(system) {}

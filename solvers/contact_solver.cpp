@@ -122,7 +122,8 @@ void ContactSolver::sweep_guess(const StageProblem& problem, double rate_toleran
 
 bool ContactSolver::solve_by_newton(const StageProblem& problem, const NewtonLimits& limits,
                                     StageRecord& record) {
-  if (newton_.is_heap() && !contacts_.soft()) sweep_guess(problem, limits.rate_tolerance);
+  const bool with_joints = system_.rows().first_contact_row() > 0;  // sweeps of them cost more than they save
+  if (newton_.is_heap() && !(contacts_.soft() && with_joints)) sweep_guess(problem, limits.rate_tolerance);
   for (int solve = 0;; ++solve) {
     if (!run_newton(problem, limits, record).converged) return false;
     if (solve == kMaxSolves || !contacts_.slips_where_it_held()) return true;

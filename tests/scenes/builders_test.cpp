@@ -245,7 +245,7 @@ TEST(SceneCatalogue, RefusesBadInputAndSaysWhatIsAllowed) {
   expect(refusal("chain", {{"n", 2.5}}), {"whole number", "2.5"});
   expect(refusal("chain", {{"n", std::nan("")}}), {"nan"});
   expect(refusal("net-flag", {{"n", 2}}), {"from 3"});
-  expect(refusal("bridge", {{"truck", 2}}), {"truck", "from 0 to 1", "(value: 2)"});
+  expect(refusal("bridge", {{"truck", 2}}), {"truck", "true or false", "(value: 2)"});
 }
 
 }  // namespace
