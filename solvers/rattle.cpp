@@ -20,6 +20,10 @@ constexpr double kSurprise = 0.25;
 /// at ω h = 2.
 constexpr double kLeeway = 1.5;
 constexpr int kMaxVelocityPasses = 6;
+/// A part of the rates that each pass leaves is summed up if it is no more than this, and has been the same
+/// to that part of itself in so many sub-steps in a row.
+constexpr double kMostLeftOver = 0.2, kAlike = 0.05;
+constexpr int kSteady = 20;
 /// With dependent rows positions count as closed only if no body is further than this part of the size of the
 /// whole system from where its joints want it: a weakly held direction hides a long way behind a small gap.
 constexpr double kFar = 1e-9;
@@ -55,7 +59,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})
     wrenches->resize(bodies);
-  for (auto* values : {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_,
+  for (auto* values : {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &last_rates_, &impulses_,
                        &force_multipliers_, &asymmetry_, &last_asymmetry_})
     values->assign(rows, 0.0);
   for (auto* values : {&start_theta_, &rates_, &kick_rates_, &inertia_, &w_})
@@ -426,22 +430,42 @@ void Rattle::twists_and_rates(Change change) {
 
 /// μ with J M⁻¹ (p + Jᵀμ) + φ_t = 0, refined until |J V + φ_t| is within its tolerance.  It is in the range
 /// of S, also with dependent rows.  With h ≠ 0 the momenta are those after the second kick of h without μ.
+///
+/// Each pass leaves the part ε/(σ + ε) of a rate along a direction that rows hold weakly, and next to nothing
+/// of all others.  If one smooth direction is left, as that of a long bridge, that part hardly changes from
+/// step to step, and the geometric series is summed up in the second pass.
 void Rattle::project_momenta(StepReport& report, std::span<double> mu, double h) {
   std::fill(mu.begin(), mu.end(), 0.0);
   twists_and_rates([this, h](int b) {
     if (h != 0) second_kick(b, h);
   });
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
-    for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -velocity_rows_[r];
+    const double sum = pass > 0 && left_alike_ >= kSteady ? 1 / (1 - left_over_) : 1;
+    for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -sum * velocity_rows_[r];
+    if (pass == 1) last_rates_ = velocity_rows_;
     system_.solve_shifted(delta_);
     twists_and_rates([this](int b) {
       momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), delta_);
     });
     for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
+    if (pass == 1) watch_left_over(sum);
     report.velocity_residual = max_abs(velocity_rows_);
     if (report.velocity_residual <= settings_.velocity_tolerance) return;
   }
   steps_from_zero_ = kStepsFromZero;
+}
+
+/// What the second pass leaves of its rates, or would have left without `sum`, as a part of them.
+void Rattle::watch_left_over(double sum) {
+  double before = 0, after = 0;
+  for (int r = 0; r < system_.row_count(); ++r) {
+    before += last_rates_[r] * last_rates_[r];
+    after += last_rates_[r] * velocity_rows_[r];
+  }
+  const double left = before > 0 ? 1 - (1 - after / before) / sum : 0;
+  const bool alike = left > 0 && left <= kMostLeftOver && std::abs(left - left_over_) <= kAlike * left;
+  left_alike_ = alike ? left_alike_ + 1 : 0;
+  left_over_ = left;
 }
 
 void Rattle::twists_from_momenta() {

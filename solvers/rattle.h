@@ -222,6 +222,7 @@ class Rattle {
                   std::span<double> out);
   void keep_first_kick();
   void finish_bounds(StepReport& report);
+  void watch_left_over(double sum);
   void twists_from_momenta();
   void restore(StepReport& report);
   void roll_back(StepReport& report);
@@ -271,7 +272,10 @@ class Rattle {
   // λ − μ of the last two steps divided by h², for the prediction.
   std::vector<double> asymmetry_, last_asymmetry_;
   int history_ = 0;
-  int steps_from_zero_ = 0;  // steps to come in which dependent rows start from no impulse
+  std::vector<double> last_rates_;  // of rows, before the second pass of the projection
+  double left_over_ = 0;            // part of them that it leaves
+  int left_alike_ = 0;              // sub-steps in which that was the same
+  int steps_from_zero_ = 0;         // steps to come in which dependent rows start from no impulse
   double last_h_ = 0;
 
   std::vector<StiffnessBlocks> stiffness_;

@@ -15,6 +15,9 @@ namespace {
 constexpr double kMended = 1e-13;
 constexpr double kMendingShift = 1e-12;
 constexpr int kMaxMends = 10;
+/// Passes in a row that may widen the gap: where J itself is about to vanish the first move may be far too
+/// long, and the next ones still close it.
+constexpr int kOvershoots = 1;
 
 }  // namespace
 
@@ -49,8 +52,9 @@ bool Rattle::mend_positions(double h, StepReport& report) {
   refactored_ = true;
   const Configuration end(poses_, state_.time + h, state_.axes);
   system_.set_shift(kMendingShift);
-  double gap = max_abs(phi_), last = std::numeric_limits<double>::infinity();
-  for (int pass = 0; pass < kMaxMends && gap > kMended && gap < 0.9 * last; ++pass) {
+  double gap = max_abs(phi_), best = gap;
+  unmended_ = poses_;
+  for (int pass = 0, in_vain = 0; pass < kMaxMends && gap > kMended && in_vain <= kOvershoots; ++pass) {
     system_.linearize(end);
     system_.set_mass(poses_);
     system_.factorize(report.times);
@@ -60,7 +64,6 @@ bool Rattle::mend_positions(double h, StepReport& report) {
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -phi_[r];
     system_.solve_shifted(delta_);
     system_.rows().apply_transpose(system_.jacobian(), delta_, move_);
-    unmended_ = poses_;
     for (int b = 0; b < world_.body_count(); ++b) {
       const MassMatrix::Body& body = system_.mass()[b];
       if (body.fixed) continue;
@@ -69,18 +72,21 @@ bool Rattle::mend_positions(double h, StepReport& report) {
       poses_[b].q = (exp_so3(turn) * poses_[b].q).normalized();
     }
     system_.rows().residual(end, phi_);
-    last = gap;
+    in_vain = max_abs(phi_) < 0.9 * gap ? 0 : in_vain + 1;
     gap = max_abs(phi_);
+    if (gap < best) {
+      best = gap;
+      unmended_ = poses_;
+    }
   }
   system_.set_shift(kSteppingTolerance.shift);
   system_.set_mass(state_.poses);  // where the kick acts
-  if (!(gap <= last)) {
+  if (!(gap <= best)) {
     std::copy(unmended_.begin(), unmended_.end(), poses_.begin());
     system_.rows().residual(end, phi_);
-    gap = last;
   }
   surprised_ = false;
-  return gap <= settings_.position_tolerance;
+  return best <= settings_.position_tolerance;
 }
 
 }  // namespace taut

@@ -70,7 +70,9 @@ struct Settings {
   double penalty_frequency = 50;  ///< [Hz] of the penalty springs on the bodies' own inertia
   double penalty_damping_ratio = 1;
 
-  double theta = 0.5;  ///< of Moreau–Jean, q₁ = q₀ + h (θ V₁ + (1 − θ) V₀), between ½ and 1
+  /// Of Moreau–Jean, q₁ = q₀ + h (θ V₁ + (1 − θ) V₀), between ½ and 1; 1 in steps that are too long for a
+  /// spring (solvers/README, "Moreau–Jean").
+  double theta = 0.5;
 
   bool contacts = true;           ///< shapes of the world touch; false: they pass through each other
   double contact_margin = 0.005;  ///< [m] contacts exist up to this gap

@@ -19,6 +19,8 @@ constexpr double kStepsAhead[] = {1, 4};
 constexpr double kStuckPart = 0.5;
 /// What an active set without a solution leaves at least, relative, where laws contradict each other.
 constexpr double kRoundOffResidual = 1e-6;
+/// An angle that changes by so much more than its bodies turn is next to where it has no value.
+constexpr double kSingular = 50;
 
 }  // namespace
 
@@ -85,6 +87,22 @@ std::string Simulator::Impl::widest_gap(const State& state) {
   return text.str();
 }
 
+/// "; ball hip twist is next to where it has no value", as at a swing of π; "" if no axis is.
+std::string Simulator::Impl::singular_axis() const {
+  const Rows& rows = system_->rows();
+  for (const Rows::AxisRow& axis : rows.axis_rows()) {
+    if (axis.axis.axis < 0 || !rows.row(axis.row).angular) continue;
+    const Rows::JointRows& joint = rows.joints()[axis.axis.joint.index];
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
+      const auto block = Rows::block_row(rows.sides()[s], system_->jacobian(), axis.row - joint.first_row);
+      if (!(block.head<3>().norm() > kSingular)) continue;
+      return "; " + std::string(source_.joint(axis.axis.joint).type()) + " " + source_.axis_label(axis.axis) +
+             " is next to where it has no value";
+    }
+  }
+  return "";
+}
+
 void Simulator::Impl::diagnose_stall(double remaining) {
   const std::span<const double> phi = rattle_->residual();
   if (!rattle_->axes().finite() ||
@@ -107,6 +125,7 @@ void Simulator::Impl::diagnose_stall(double remaining) {
   if (outcome.ok()) {
     std::ostringstream message;
     message << "positions could not be closed with sub-steps down to dt/" << settings_.max_substeps;
+    if (found.empty()) message << singular_axis();
     return set_failure(status, message.str());
   }
   // The row that misses its law most is where it shows.
@@ -117,7 +136,8 @@ void Simulator::Impl::diagnose_stall(double remaining) {
     if (outcome.worst_row >= 0 && !system_->rows().is_contact(outcome.worst_row))
       found.joints.push_back({system_->rows().row(outcome.worst_row).joint});
   }
-  set_failure(status, "limits, motors, friction and contacts could not be met together with the joints");
+  set_failure(status, "limits, motors, friction and contacts could not be met together with the joints" +
+                          (found.empty() ? singular_axis() : ""));
 }
 
 /// Joints whose friction locks them and those that force them, with motors as bounds.

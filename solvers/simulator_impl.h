@@ -136,6 +136,7 @@ class Simulator::Impl {
   void diagnose_stall(double remaining);
   void fail_not_finite();
   std::string widest_gap(const State& state);
+  std::string singular_axis() const;
   void name_jam();
   Contradiction contradiction_from(const State& state, double horizon) const;
   void count_work();

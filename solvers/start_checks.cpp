@@ -1,5 +1,6 @@
 #include "solvers/start_checks.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +14,8 @@ namespace {
 /// Rates below are left to a step, too; part of a sum that is no round-off of what was typed into a file.
 constexpr double kRateTolerance = 1e-9, kPart = 1e-6;
 constexpr int kPasses = 4;
+/// ω h at which the leapfrog and semi-implicit Euler begin to grow.
+constexpr double kExplicitLimit = 2;
 
 /// J V + φ_t of the rows of joints that are off by more than round-off, 0 of all others.
 std::vector<double> forbidden_rates(const Rows& rows, std::span<const double> J, const State& state) {
@@ -35,6 +38,30 @@ std::vector<double> forbidden_rates(const Rows& rows, std::span<const double> J,
         rates[r] = rate;
     }
   return rates;
+}
+
+/// What a unit force at point p_BP changes of its velocity, world axes [1/kg].
+Mat3 mobility(const World& world, const MassMatrix& mass, BodyId body, const Vec3& p_BP) {
+  if (!world.moves(body)) return Mat3::Zero();
+  const Pose& pose = world.pose(body);
+  const Vec3 r = pose.q * p_BP;
+  Mat3 m = mass[body.index].inverse_mass * Mat3::Identity();
+  for (int k = 0; k < 3; ++k)
+    m.col(k) += mass.angular_velocity(body.index, pose, r.cross(Vec3::Unit(k))).cross(r);
+  return m;
+}
+
+double frequency(const World& world, const MassMatrix& mass, const LineSpring& spring) {
+  const Mat3 m = mobility(world, mass, spring.a, spring.p_AP) + mobility(world, mass, spring.b, spring.p_BQ);
+  const Vec3 line = world.pose(spring.b).point(spring.p_BQ) - world.pose(spring.a).point(spring.p_AP);
+  const double length = line.norm();
+  const AxisSpring& law = spring.law;
+  const double stiffness = law.table ? law.table->slope(length - law.rest) : law.stiffness;
+  const bool may_meet = spring.is_centred() || length == 0;
+  const double along = may_meet
+                           ? Eigen::SelfAdjointEigenSolver<Mat3>(m, Eigen::EigenvaluesOnly).eigenvalues()[2]
+                           : line.dot(m * line) / (length * length);
+  return std::sqrt(std::max(0.0, stiffness * along));
 }
 
 }  // namespace
@@ -81,6 +108,17 @@ ForbiddenVelocity forbidden_velocity(const World& world) {
     found.spin = std::max(found.spin, spin.norm());
     found.speed = std::max(found.speed, system.mass()[b].inverse_mass * wrenches[b].force.norm());
   }
+  return found;
+}
+
+std::vector<SpringFrequency> too_fast_springs(const World& world, double h) {
+  std::vector<SpringFrequency> found;
+  const MassMatrix mass(world);
+  for (const ForceId id : world.springs())
+    if (const double omega = frequency(world, mass, *world.force(id).spring()); omega * h > kExplicitLimit)
+      found.push_back({id, omega});
+  std::stable_sort(found.begin(), found.end(),
+                   [](const SpringFrequency& a, const SpringFrequency& b) { return a.omega > b.omega; });
   return found;
 }
 

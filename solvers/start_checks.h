@@ -18,6 +18,16 @@ struct ForbiddenVelocity {
 /// Rows that only drivers move, from rest, do not count.
 ForbiddenVelocity forbidden_velocity(const World& world);
 
+/// A spring between bodies and the frequency ω [rad/s] with which it and they alone swing, along its line or,
+/// if its ends may meet, in the direction that is fastest.
+struct SpringFrequency {
+  ForceId spring;
+  double omega = 0;
+};
+/// Those of the present state with ω h > 2, fastest first: schemes that take springs as forces gain energy
+/// from them without end.
+std::vector<SpringFrequency> too_fast_springs(const World& world, double h);
+
 /// The distance [m] of neighbouring numbers at the coordinate of a body that is farthest from 0: no joint can
 /// be closed much better.
 double coarsest_position(const World& world);

@@ -8,7 +8,7 @@
 #define TAUT_COUNTS_ALLOCATIONS 1
 
 namespace taut {
-/// Calls of malloc so far.
+/// Calls of malloc, calloc, realloc, aligned_alloc and posix_memalign so far.
 long allocation_count();
 }  // namespace taut
 #endif

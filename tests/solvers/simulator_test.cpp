@@ -12,7 +12,7 @@
 #include "core/diagnostics.h"
 #include "core/joints.h"
 #include "scenes/scene.h"
-#include "tests/allocation_counter.h"
+#include "tests/solvers/spine.h"
 
 namespace taut {
 namespace {
@@ -89,71 +89,9 @@ INSTANTIATE_TEST_SUITE_P(All, IntegratorOrder,
                                                    0.02}),
                          [](const auto& order_case) { return std::string(order_case.param.name); });
 
-struct Promise {
-  const char* scene;
-  double n, truck, dt, duration, energy;  // energy: largest drift relative to E_scale; 0: not promised
-};
-
-class JointPromise : public testing::TestWithParam<Promise> {};
-
-/// At every step: joints closed to 1e-9 m and rad, one analysis for all, energy where it is promised.
-/// Durations are cut to keep the run short; the full ones are in benchmarks/.
-TEST_P(JointPromise, Holds) {
-  const Promise& promise = GetParam();
-  std::map<std::string, double> parameters{{"n", promise.n}};
-  if (promise.truck != 0) parameters["truck"] = 1;
-  if (std::strcmp(promise.scene, "joint-grid") == 0) parameters["swing"] = 1;
-  Scene scene = build_scene(promise.scene, parameters);
-  Simulator simulator(scene.world, scene.settings);
-  const double initial = total_energy(scene.world, scene.world.state());
-  double drift = 0;
-  int analyses = 0;
-  const int steps = static_cast<int>(std::lround(promise.duration / promise.dt));
-  for (int i = 0; i < steps; ++i) {
-    const StepReport& report = simulator.step(promise.dt);
-    ASSERT_TRUE(report.ok()) << "step " << i << ": " << report.message;
-    ASSERT_LE(report.gap.metres, 1e-9) << "step " << i;
-    ASSERT_LE(report.gap.radians, 1e-9) << "step " << i;
-    drift = std::max(drift, std::abs(report.energy() - initial) / scene.energy_scale);
-    analyses += report.analyses;
-  }
-  EXPECT_EQ(analyses, 1);
-  if (promise.energy > 0) {
-    EXPECT_LE(drift, promise.energy);
-  }
-  RecordProperty("energy_drift", std::to_string(drift));
-}
-
-constexpr double kVideo = 1.0 / 240, kMilli = 1e-3;
-INSTANTIATE_TEST_SUITE_P(
-    Scenes, JointPromise,
-    testing::Values(
-        Promise{"pendulum-ball", 1, 0, kVideo, 10, 1e-3}, Promise{"pendulum-ball", 2, 0, kVideo, 10, 0},
-        Promise{"pendulum-hinge", 2, 0, kMilli, 5, 1e-2}, Promise{"chain", 10, 0, kVideo, 5, 0},
-        Promise{"chain", 10, 0, kMilli, 5, 0}, Promise{"chain", 100, 0, kVideo, 2, 0},
-        Promise{"chain-heavy", 10, 0, kVideo, 5, 1e-2}, Promise{"chain-heavy", 100, 0, kVideo, 2, 1e-2},
-        Promise{"chain-heavy", 10, 0, kMilli, 2, 1e-2}, Promise{"bridge-hinge", 10, 0, kVideo, 2, 1e-2},
-        Promise{"bridge-hinge", 50, 1, kVideo, 1, 1e-2}, Promise{"bridge-balls", 10, 1, kMilli, 1, 1e-2},
-        Promise{"bridge-balls", 200, 0, kVideo, 0.5, 1e-2},
-        Promise{"bridge-balls", 200, 1, kVideo, 0.5, 1e-2}, Promise{"net-flag", 5, 0, kVideo, 2, 0},
-        Promise{"net-flag", 10, 0, kMilli, 1, 0}, Promise{"net-corners", 10, 0, kVideo, 1, 0},
-        Promise{"joint-grid", 8, 0, kVideo, 2, 1e-2}, Promise{"joint-grid", 20, 0, kVideo, 2, 1e-2},
-        Promise{"joint-grid", 20, 0, kMilli, 2, 1e-3}),
-    [](const auto& promise) {
-      std::string name = promise.param.scene;
-      std::replace(name.begin(), name.end(), '-', '_');
-      return name + "_" + std::to_string(static_cast<int>(promise.param.n)) +
-             (promise.param.truck != 0 ? "_truck" : "") + (promise.param.dt == kMilli ? "_1ms" : "_240Hz");
-    });
-
 TEST(Rattle, KeepsTheEnergyOfADoublePendulumForAMillionSteps) {
   Scene scene = build_scene("pendulum-hinge", {{"n", 2}});
-  Settings settings;
-  settings.report_energy = false;
-  settings.tension = TensionPolicy::kIgnore;  // one step size throughout
-  settings.max_rotation = 10;
-  settings.position_tolerance = 1e-12;
-  Simulator simulator(scene.world, settings);
+  Simulator simulator(scene.world, scene.settings);  // as anyone runs it
   const double initial = total_energy(scene.world, scene.world.state());
   double early = 0, late = 0;
   for (int i = 0; i < 1'000'000; ++i) {
@@ -167,7 +105,7 @@ TEST(Rattle, KeepsTheEnergyOfADoublePendulumForAMillionSteps) {
   // A secular drift would have grown five times; the envelope of a chaotic motion varies by less than half of
   // that.
   EXPECT_LT(late, 2 * early);
-  EXPECT_LT(late, 1e-3);
+  EXPECT_LT(late, 2e-4);
 }
 
 TEST(Rattle, KeepsMomentumAndAngularMomentumOfAFreeChain) {
@@ -392,10 +330,10 @@ TEST(Tension, ImplicitStiffnessIsStableAtALargeStepAndReportsItsPrice) {
 }
 
 TEST(Determinism, TwoRunsEndInTheSameBits) {
-  for (const char* name : {"chain", "bridge-balls", "net-corners", "joint-grid"}) {
+  for (const auto& [name, parameters] : kSpine) {
     State states[2];
     for (State& state : states) {
-      Scene scene = build_scene(name, {{"n", 10}});
+      Scene scene = build_scene(name, parameters);
       Simulator simulator(scene.world, scene.settings);
       for (int i = 0; i < 100; ++i) ASSERT_TRUE(simulator.step(1.0 / 240).ok()) << name;
       state = scene.world.state();
@@ -406,31 +344,6 @@ TEST(Determinism, TwoRunsEndInTheSameBits) {
     }
   }
 }
-
-#ifdef TAUT_COUNTS_ALLOCATIONS
-TEST(Allocation, AStepAllocatesNothingAfterTheFirst) {
-  for (const char* name : {"chain", "bridge-balls", "net-corners"}) {
-    Scene scene = build_scene(name, {{"n", 20}});
-    Simulator simulator(scene.world, scene.settings);
-    for (int i = 0; i < 5; ++i) ASSERT_TRUE(simulator.step(1e-3).ok());
-    const long before = allocation_count();
-    for (int i = 0; i < 50; ++i) (void)simulator.step(1e-3);
-    EXPECT_EQ(allocation_count() - before, 0) << name;
-    EXPECT_TRUE(simulator.report().ok());
-  }
-}
-
-/// Redundant rows, whose number changes on the way.
-TEST(Allocation, AStepOfASwingingGridAllocatesNothing) {
-  Scene scene = build_scene("joint-grid", {{"n", 20}, {"swing", 1}});
-  Simulator simulator(scene.world, scene.settings);
-  for (int i = 0; i < 5; ++i) ASSERT_TRUE(simulator.step(1.0 / 240).ok());
-  const long before = allocation_count();
-  for (int i = 0; i < 240; ++i) (void)simulator.step(1.0 / 240);
-  EXPECT_EQ(allocation_count() - before, 0);
-  EXPECT_TRUE(simulator.report().ok());
-}
-#endif
 
 struct CureCase {
   const char* name;

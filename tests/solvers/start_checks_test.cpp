@@ -63,5 +63,52 @@ TEST(StartChecks, TheCoarsestPositionIsThatOfTheFarthestCoordinate) {
   EXPECT_EQ(coarsest_position(world), std::ldexp(1, 23 - 52));  // 2²³ ≤ 10⁷ < 2²⁴
 }
 
+/// Two balls on a spring, one on a spring to the ground whose ends may meet, and a rod that is pulled across
+/// at its end: ω² = k (1/m₁ + 1/m₂), k/m and k (1/m + l²/I).
+TEST(StartChecks, SpringsThatAreTooFastAreThoseOfTheirFrequencies) {
+  World world;
+  const BodyId light = world.add_body({.name = "light", .mass = MassProperties::sphere(0.1, 1)});
+  const BodyId heavy = world.add_body({.mass = MassProperties::sphere(0.1, 3), .pose = {.p = Vec3(1, 2, 3)}});
+  const BodyId rod = world.add_body({.mass = {2, Vec3(0.1, 0.4, 0.4)}});
+  const Vec3 o = Vec3::Zero();
+  const ForceId pair = world.add_force(SpringDamper(light, heavy, o, o, 900, 3, 0));
+  const ForceId centred = world.add_force(SpringDamper(kGround, light, o, o, 400, 0, 0));
+  const ForceId lever =
+      world.add_force(SpringDamper(kGround, rod, Vec3(0.5, 0, 1), Vec3(0.5, 0, 0), 1000, 0.9, 0));
+  const double omega[] = {std::sqrt(900 * (1 + 1.0 / 3)), std::sqrt(400),
+                          std::sqrt(1000 * (0.5 + 0.25 / 0.4))};
+  const std::vector<SpringFrequency> all = too_fast_springs(world, 0.11);
+  ASSERT_EQ(all.size(), 3);
+  const ForceId order[] = {pair, lever, centred};
+  const double frequency[] = {omega[0], omega[2], omega[1]};
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(all[i].spring, order[i]);
+    EXPECT_NEAR(all[i].omega, frequency[i], 1e-12 * frequency[i]);
+  }
+  EXPECT_EQ(too_fast_springs(world, 2.001 / omega[0]).size(), 1);
+  EXPECT_TRUE(too_fast_springs(world, 1.999 / omega[0]).empty());
+}
+
+/// Semi-implicit Euler gains energy where it is said to, and not a little below.
+TEST(StartChecks, ASpringIsTooFastWhereAnExplicitSchemeGainsEnergy) {
+  for (const double angle : {1.98, 2.02}) {
+    World world;
+    world.set_gravity(Vec3::Zero());
+    const BodyId ball =
+        world.add_body({.mass = MassProperties::sphere(0.1, 1), .pose = {.p = Vec3(1, 0, 0)}});
+    world.add_force(SpringDamper(kGround, ball, Vec3::Zero(), Vec3::Zero(), 100, 0, 0));
+    const double h = angle / 10;
+    EXPECT_EQ(too_fast_springs(world, h).size(), angle > 2 ? 1 : 0);
+    Settings settings;
+    settings.integrator = Integrator::kForceEuler;
+    Simulator simulator(world, settings);
+    for (int i = 0; i < 200; ++i) ASSERT_TRUE(simulator.step(h).ok());
+    if (angle > 2)
+      EXPECT_GT(world.pose(ball).p.norm(), 100);
+    else
+      EXPECT_LT(world.pose(ball).p.norm(), 20);
+  }
+}
+
 }  // namespace
 }  // namespace taut
