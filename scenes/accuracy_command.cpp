@@ -14,6 +14,7 @@
 #include "scenes/energy_study.h"
 #include "scenes/gnuplot.h"
 #include "scenes/method_study.h"
+#include "scenes/output_file.h"
 #include "scenes/run_command.h"
 
 namespace taut {
@@ -138,11 +139,14 @@ int study_command(const fs::path& references, const fs::path& folder) {
 int accuracy_command(const AccuracyOptions& options) {
   const fs::path folder = options.references.empty() ? default_references() : fs::path(options.references);
   if (!options.study.empty()) return study_command(folder, options.study);
+  if (options.jobs < 0) fail("--jobs", "must not be negative", options.jobs);
   std::vector<fs::path> files = reference::case_files(folder);
+  if (files.empty()) fail("--references", "has no case files", folder.string());
   std::erase_if(files,
                 [&](const fs::path& f) { return f.stem().string().find(options.only) == std::string::npos; });
-  if (files.empty()) fail("--references", "has no case files", folder.string() + " " + options.only);
+  if (files.empty()) fail("--only", "is in the name of no case", options.only);
   if (options.json == "-" && options.csv == "-") fail("--json and --csv", "cannot both go to", "-");
+  require_distinct({{"--json", options.json.value_or("")}, {"--csv", options.csv.value_or("")}}, {});
   const bool print = options.json != "-" && options.csv != "-";
   const std::vector<CaseResult> results = run_all(files, options, print);
   const reference::Totals totals = totals_of(results);

@@ -192,6 +192,7 @@ BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const
   std::vector<BenchRun> plan = bench_plan(options.quick, built);
   std::erase_if(plan,
                 [&](const BenchRun& r) { return r.scene_label().find(options.only) == std::string::npos; });
+  if (plan.empty()) fail("--only", "is in the name of no scene or program", options.only);
   if (options.limit > 0)
     for (BenchRun& run : plan) run.limit = options.limit;
   results["planned_runs"] = plan.size();
@@ -287,6 +288,7 @@ int run_programs(const std::vector<fs::path>& programs, const std::vector<std::s
 
 int bench_command(const BenchOptions& options) {
   if (!(options.factor > 0)) fail("--factor", "must be positive", options.factor);
+  if (!(options.limit >= 0)) fail("--limit", "must not be negative", options.limit);
   const std::optional<BenchResults> then = earlier_results(options.compare);
   const fs::path build = options.build_dir.empty() ? fs::read_symlink("/proc/self/exe").parent_path()
                                                    : fs::path(options.build_dir);
@@ -295,6 +297,8 @@ int bench_command(const BenchOptions& options) {
   const bool engines_only = options.quick || !options.compare.empty();
   const std::vector<fs::path> programs =
       engines_only ? std::vector<fs::path>{} : benchmarks_in(folder, options.only);
+  if (engines_only && !options.arguments.empty())
+    fail("--quick and --compare", "run no programs that take", options.arguments.front());
   // A name of a program asks for no scenes.
   const bool scenes = options.arguments.empty() && (options.only.empty() || programs.empty());
   if (programs.empty() && !fs::exists(folder / "peers" / "peer_taut")) {

@@ -63,7 +63,8 @@ int check_command(const std::string& name, const std::map<std::string, double>& 
   const SettingSources sources(options, scene);
   require_compatible(scene, sources);
   std::vector<std::string> warnings = settings_without_effect(scene.settings, sources);
-  for (std::string& warning : start_warnings(world, scene.settings)) warnings.push_back(std::move(warning));
+  for (std::string& warning : start_warnings(world, scene.settings, scene.dt))
+    warnings.push_back(std::move(warning));
   Simulator simulator(world, scene.settings);
   std::vector<Problem> problems;
   if (scene.assemble) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "core/check.h"
 
@@ -21,6 +22,24 @@ bool can_make(const std::string& file) {
 }
 
 }  // namespace
+
+void require_distinct(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs) {
+  std::map<fs::path, const char*> taken;
+  const auto place_of = [](const std::string& file) {
+    std::error_code ignored;
+    const fs::path place = fs::weakly_canonical(fs::absolute(file, ignored), ignored);
+    return fs::is_character_file(place, ignored) ? fs::path() : place;
+  };
+  for (const NamedFile& input : inputs)
+    if (!input.file.empty()) taken.emplace(place_of(input.file), input.option);
+  taken.erase(fs::path());
+  for (const NamedFile& output : outputs) {
+    const fs::path place = output.file.empty() ? fs::path() : place_of(output.file);
+    if (place.empty()) continue;
+    if (const auto [other, is_new] = taken.emplace(place, output.option); !is_new)
+      fail(output.option, std::string("must not be the file of ") + other->second, output.file);
+  }
+}
 
 void require_writable(const char* option, const std::string& file) {
   if (file.empty()) return;

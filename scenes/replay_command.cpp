@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "core/check.h"
+#include "scenes/output_file.h"
 #include "scenes/recorder.h"
 #include "scenes/run_command.h"
 
@@ -35,6 +36,12 @@ void print_summary(const RecordingReader& recording) {
 }  // namespace
 
 int replay_command(const std::string& file, const ExportFiles& exports, bool quiet) {
+  require_distinct({{"--html", exports.html},
+                    {"--gltf", exports.gltf},
+                    {"--plot", exports.plot},
+                    {"--csv", exports.csv},
+                    {"--vtk", exports.vtk_folder}},
+                   {{"the recording", file}});
   RecordingReader recording(file);
   const std::string& damage = recording.damage();
   if (!damage.empty()) std::cerr << "taut: " << file << ": " << damage << '\n';

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
-#include <set>
 
 #include "core/check.h"
 #include "core/clock.h"
@@ -118,14 +117,19 @@ class Outputs {
     for (const std::string& note : outcome.notes) std::cerr << "taut: " << note << '\n';
   }
   static void check_distinct(const RunOptions& options) {
-    const std::string* files[] = {&options.report_file,  &options.csv_file,     &options.poses_file,
-                                  &options.save_file,    &options.record_file,  &options.exports.html,
-                                  &options.exports.gltf, &options.exports.plot, &options.exports.vtk_folder};
-    std::set<std::string> seen;
-    for (const std::string* file : files)
-      if (!file->empty() && !seen.insert(*file).second)
-        fail("--report, --csv, --poses, --save, --record, --html, --gltf, --vtk and --plot",
-             "must be different files", *file);
+    std::vector<NamedFile> inputs;
+    if (is_scene_file(options.scene)) inputs.push_back({"the scene", options.scene});
+    if (options.from_file != options.save_file) inputs.push_back({"--from", options.from_file});
+    require_distinct({{"--report", options.report_file},
+                      {"--csv", options.csv_file},
+                      {"--poses", options.poses_file},
+                      {"--save", options.save_file},
+                      {"--record", options.record_file},
+                      {"--html", options.exports.html},
+                      {"--gltf", options.exports.gltf},
+                      {"--plot", options.exports.plot},
+                      {"--vtk", options.exports.vtk_folder}},
+                     inputs);
   }
 
   std::ofstream report_, csv_;
@@ -250,7 +254,7 @@ int run_command(const RunOptions& options) {
   if (options.frames_per_second && options.record_file.empty() && !options.exports.any())
     record.warnings.push_back(
         "--frames-per-second has no effect without --record, --html, --gltf, --vtk or --plot");
-  for (std::string& warning : start_warnings(scene.world, scene.settings))
+  for (std::string& warning : start_warnings(scene.world, scene.settings, scene.dt))
     record.warnings.push_back(std::move(warning));
   if (scene.assemble) assemble(simulator, record);
   record.integrator = name_of(scene.settings.integrator, kIntegratorNames);

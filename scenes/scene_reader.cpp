@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "core/diagnostics.h"
+#include "scenes/generated_names.h"
 #include "scenes/scene_merge.h"
 #include "solvers/setting_checks.h"
 
@@ -155,7 +156,9 @@ void SceneReader::read_generate(const JsonNode& node) {
   const auto parameters = block.find("parameters");
   std::map<std::string, double> values;
   if (parameters && builder) values = read_parameters(*parameters, *builder);
-  const std::string prefix = block.get("prefix", &JsonNode::string, std::string());
+  const std::size_t before_prefix = problems_.size();
+  UnreadBlock unread{block.get("prefix", &JsonNode::string, std::string()), {}};
+  const std::string& prefix = unread.prefix;
   const std::size_t before_placement = problems_.size();
   Pose placement;
   placement.p = block.get("position", &JsonNode::vector, placement.p);
@@ -164,8 +167,12 @@ void SceneReader::read_generate(const JsonNode& node) {
   const std::size_t before_keys = problems_.size();
   block.reject_unknown_keys();
   // An unknown key may be any of the others, misspelt.
-  if (before_placement != before || problems_.size() != before_keys)
-    return unread_prefixes_.push_back(prefix);
+  const bool knows_keys = problems_.size() == before_keys;
+  const auto leave_out = [&, names_known = builder && before_placement == before_prefix && knows_keys] {
+    if (names_known) unread.looks = looks_of(*builder);
+    unread_blocks_.push_back(std::move(unread));
+  };
+  if (before_placement != before || !knows_keys) return leave_out();
   if (!placed) placement = prefix.empty() ? Pose{} : Pose{Quat::Identity(), Vec3::UnitX()};  // a stand-in
 
   bool added = false;
@@ -177,8 +184,8 @@ void SceneReader::read_generate(const JsonNode& node) {
     add_block(std::move(built), node, prefix, placement);
     added = true;
   });
-  if (!added) unread_prefixes_.push_back(prefix);
   for (int b = first_body; b < scene_.world.body_count() && !placed; ++b) unplaced_bodies_.insert(b);
+  if (!added) leave_out();
 }
 
 void SceneReader::add_block(Scene built, const JsonNode& node, const std::string& prefix,
@@ -250,13 +257,15 @@ BodyReference SceneReader::required_body(JsonObject& object, const char* key) co
 
 /// Whether a block with problems may have made what has this name.
 bool SceneReader::may_be_generated(const std::string& name) const {
-  return std::any_of(unread_prefixes_.begin(), unread_prefixes_.end(),
-                     [&](const std::string& prefix) { return name.starts_with(prefix); });
+  return std::any_of(unread_blocks_.begin(), unread_blocks_.end(), [&](const UnreadBlock& block) {
+    return name.starts_with(block.prefix) &&
+           (!block.looks || block.looks->contains(look_of(name.substr(block.prefix.size()))));
+  });
 }
 
 /// Whether it may be the name that something without one gets from its index, where others are missing.
 bool SceneReader::may_be_counted(const std::string& name, const char* stem, bool misses_some) const {
-  return (misses_some || !unread_prefixes_.empty()) && name.starts_with(stem);
+  return (misses_some || !unread_blocks_.empty()) && name.starts_with(stem);
 }
 
 JointId SceneReader::find_joint(const JsonNode& node) const {

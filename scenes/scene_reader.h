@@ -109,7 +109,12 @@ class SceneReader {
   std::unordered_map<std::string, std::string> path_of_body_, path_of_joint_;  // names of the file
   std::set<int> unplaced_bodies_, unshaped_bodies_;  // whose pose or shapes are not known
   std::set<std::string> probe_names_;
-  std::vector<std::string> unread_prefixes_;  // of generate blocks with problems: their names are not known
+  /// A generate block with problems: what the names look like that it may have made, if its builder is known.
+  struct UnreadBlock {
+    std::string prefix;
+    std::optional<std::set<std::string>> looks;
+  };
+  std::vector<UnreadBlock> unread_blocks_;
   bool misses_body_ = false, misses_joint_ = false;  // of the file; so names by index are not known
   bool knows_start_ = true;                          // "time" and "assemble"
   mutable bool knows_all_ = true;                    // that the item refers to which is being read

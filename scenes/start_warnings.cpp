@@ -2,6 +2,7 @@
 
 #include "scenes/format.h"
 #include "solvers/setting_checks.h"
+#include "solvers/setting_names.h"
 #include "solvers/start_checks.h"
 
 namespace taut {
@@ -16,9 +17,25 @@ std::string names_of(const World& world, const std::vector<JointId>& joints) {
   });
 }
 
+/// A sentence on springs that the integrator takes explicitly and that the step does not resolve, or none.
+std::string fast_springs(const World& world, const Settings& settings, double dt) {
+  if (settings.integrator == Integrator::kRattle || settings.integrator == Integrator::kMoreauJean) return {};
+  const std::vector<SpringFrequency> springs = too_fast_springs(world, dt);
+  if (springs.empty()) return {};
+  const std::string names = first_of(springs, kShownJoints, [&](const SpringFrequency& fast) {
+    const LineSpring& spring = *world.force(fast.spring).spring();
+    return format("%s to %s (%.3g)", world.name(spring.a).c_str(), world.name(spring.b).c_str(),
+                  fast.omega * dt);
+  });
+  return std::string("springs are too stiff for this step with the integrator \"") +
+         name_of(settings.integrator, kIntegratorNames) +
+         "\", which takes them explicitly, as omega dt exceeds 2, and will gain energy: " + names +
+         "; \"rattle\" and \"moreau-jean\" do not";
+}
+
 }  // namespace
 
-std::vector<std::string> start_warnings(const World& world, const Settings& settings) {
+std::vector<std::string> start_warnings(const World& world, const Settings& settings, double dt) {
   std::vector<std::string> warnings;
   if (const ForbiddenVelocity forbidden = forbidden_velocity(world); !forbidden.empty()) {
     warnings.push_back(
@@ -32,6 +49,8 @@ std::vector<std::string> start_warnings(const World& world, const Settings& sett
         format("bodies are so far from the origin that positions are multiples of %.2g m, which is "
                "more than position_tolerance, %.2g m: joints may not close",
                spacing, settings.position_tolerance));
+  if (const std::string springs = fast_springs(world, settings, dt); !springs.empty())
+    warnings.push_back(springs);
   return warnings;
 }
 

@@ -8,8 +8,9 @@
 
 namespace taut {
 
-/// What a run would not say by itself of the state that it starts from, a sentence each: velocities that
-/// joints forbid, and positions too far from the origin for joints to close.
-std::vector<std::string> start_warnings(const World& world, const Settings& settings);
+/// What a run with steps of dt would not say by itself of the state that it starts from, a sentence each:
+/// velocities that joints forbid, positions too far from the origin for joints to close, and springs that are
+/// too fast for an integrator that takes them as forces.
+std::vector<std::string> start_warnings(const World& world, const Settings& settings, double dt);
 
 }  // namespace taut

@@ -131,13 +131,17 @@ void add_accuracy(CLI::App& app, Arguments& arguments) {
   add_choice(accuracy, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
   accuracy.add_option("--jobs", options.jobs, "cases at the same time; default: one per core");
   accuracy.add_flag("--summary", options.summary, "print a line per case, and what failed");
-  accuracy
-      .add_option("--study", options.study,
-                  "in place of the cases: convergence of all integrators and a comparison of methods, as "
-                  "tables and pictures")
-      ->type_name("DIR");
   add_output(accuracy, "--json", options.json, "write JSON, without FILE in place of the table");
   add_output(accuracy, "--csv", options.csv, "write CSV, without FILE in place of the table");
+  CLI::Option& study =
+      *accuracy
+           .add_option("--study", options.study,
+                       "in place of the cases: convergence of all integrators and a comparison of methods, "
+                       "as tables and pictures")
+           ->type_name("DIR");
+  for (const char* of_cases :
+       {"--only", "--integrator", "--factor", "--jobs", "--summary", "--json", "--csv"})
+    study.excludes(of_cases);
 }
 
 void add_bench(CLI::App& app, taut::BenchOptions& options) {
@@ -156,7 +160,8 @@ void add_bench(CLI::App& app, taut::BenchOptions& options) {
       .add_option("--compare", options.compare, "results of an earlier run; fails if taut has become slower")
       ->type_name("OLD.json");
   bench.add_option("--limit", options.limit, "processor time of each run")->type_name("SECONDS");
-  bench.add_option("--factor", options.factor, "how much slower is too slow; default 1.5");
+  bench.add_option("--factor", options.factor, "how much slower is too slow; default 1.5")
+      ->needs("--compare");
   bench.add_option("--build-dir", options.build_dir, "where they were built; default: beside the program");
   bench.add_option("arguments", options.arguments, "after --: passed to each benchmark program");
 }

@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "scenes/reference_probes.h"
 #include "scenes/reference_run.h"
 #include "tests/run_program.h"
+#include "tests/temporary.h"
 
 /// `taut accuracy` on folders of cases that it has not seen, made up here from closed forms.
 namespace taut::reference {
@@ -105,6 +107,28 @@ TEST(Accuracy, AFileThatIsNoCaseIsSaidAndFails) {
   EXPECT_EQ(outcome.exit_status, 1);
   EXPECT_NE(outcome.out.find("b.json: cannot be read"), std::string::npos) << outcome.out;
   EXPECT_EQ(run_program({"accuracy", "--references", folder + "/nowhere"}).exit_status, 2);
+}
+
+TEST(Accuracy, OptionsWithoutEffectAreRefusedByName) {
+  const std::string folder = folder_with("options", {{"a.json", falling().dump()}}),
+                    study = folder + "/study";
+  const auto refusal = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"accuracy", "--references", folder});
+    const auto outcome = run_program(options);
+    EXPECT_EQ(outcome.exit_status, 2);
+    return outcome.err;
+  };
+  EXPECT_NE(refusal({"--only", "nosuch"}).find("--only"), std::string::npos);
+  EXPECT_NE(refusal({"--jobs", "-3"}).find("--jobs"), std::string::npos);
+  EXPECT_NE(refusal({"--json", study, "--csv", study}).find("--csv: must not be the file of --json"),
+            std::string::npos);
+  for (const std::vector<std::string>& option :
+       {std::vector<std::string>{"--only", "a"}, {"--integrator", "rattle"}, {"--summary"}, {"--json"}}) {
+    std::vector<std::string> words{"--study", study};
+    words.insert(words.end(), option.begin(), option.end());
+    EXPECT_NE(refusal(words).find(option.front()), std::string::npos);
+  }
+  EXPECT_FALSE(std::filesystem::exists(study));
 }
 
 TEST(Accuracy, WhatCannotBeMeasuredIsNamedAndDoesNotFail) {

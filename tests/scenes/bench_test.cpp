@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "scenes/bench_report.h"
 #include "scenes/work_report.h"
 #include "tests/run_program.h"
+#include "tests/temporary.h"
 
 /// When `taut bench --compare` says that something has become worse.
 namespace taut::testing {
@@ -141,6 +143,22 @@ TEST(WorkReport, ShowsTheNumbersOfEachProfileAndTheGrowthOfEachFamily) {
       {"total", nullptr}};  // as JSON says what is no number
   results["profiles"][1]["step_time_s"] = nullptr;
   EXPECT_NE(work_tables(results).find("| chain 1000 | 3000 | nan ms |"), std::string::npos);
+}
+
+/// Before anything runs or an earlier result is written over.
+TEST(Bench, WhatWouldMeasureNothingIsRefused) {
+  const std::string folder = temporary("bench_results");
+  const auto refusal = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"bench", "--results", folder});
+    const Outcome outcome = run_program(options);
+    EXPECT_NE(outcome.exit_status, 0);
+    return outcome.err;
+  };
+  EXPECT_NE(refusal({"--quick", "--only", "nosuch"}).find("nosuch"), std::string::npos);
+  EXPECT_NE(refusal({"--quick", "--factor", "2"}).find("--factor requires --compare"), std::string::npos);
+  EXPECT_NE(refusal({"--limit", "-1"}).find("--limit"), std::string::npos);
+  EXPECT_NE(refusal({"--quick", "--", "--benchmark_filter=Linear"}).find("--quick"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder));
 }
 
 TEST(WorkReport, OptionsThatMeanNothingForItAreRefused) {

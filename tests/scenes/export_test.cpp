@@ -18,8 +18,9 @@
 #include "scenes/page_data.h"
 #include "scenes/svg_plot.h"
 #include "tests/run_program.h"
-#include "tests/scenes/file_size_limit.h"
+#include "tests/scenes/resource_limit.h"
 #include "tests/scenes/sample_recording.h"
+#include "tests/temporary.h"
 
 namespace taut::testing {
 namespace {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/run_program.h"
+#include "tests/temporary.h"
 
 /// What the program says of settings that do not go together, of output files it cannot have, and of a start
 /// that is not what it seems.
@@ -174,6 +175,24 @@ TEST(ProgramStart, ForbiddenVelocitiesAreNamed) {
     write_text(file, thrown_rod(fitting));
     EXPECT_EQ(run_program({"check", file}).out.find("warning"), std::string::npos) << fitting;
   }
+}
+
+/// ω = √(1e6 (1 + ½)) = 1225 /s, at 5 ms: 6.1.
+TEST(ProgramStart, SpringsThatAnIntegratorCannotFollowAreNamed) {
+  const std::string file = temporary("stiff.json");
+  write_text(file, R"({"format": "taut-scene/1", "gravity": [0, 0, 0], "dt": 0.005, "duration": 0.05,
+    "bodies": [{"name": "left", "mass": 1, "inertia": [0.1, 0.1, 0.1]},
+               {"name": "right", "mass": 2, "inertia": [0.1, 0.1, 0.1], "position": [1, 0, 0]}],
+    "forces": [{"type": "spring-damper", "a": "left", "b": "right", "frame": "body", "anchor_a": [0, 0, 0],
+                "anchor_b": [0, 0, 0], "stiffness": 1e6, "rest_length": 0.9}]})");
+  for (const char* integrator : {"rattle4", "force-euler", "force-runge-kutta"})
+    expect_words(run_program({"run", file, "--integrator", integrator}).out,
+                 {"warning", "too stiff", integrator, "left to right (6.12)"});
+  for (const char* integrator : {"rattle", "moreau-jean"})
+    EXPECT_EQ(run_program({"run", file, "--integrator", integrator}).out.find("too stiff"),
+              std::string::npos);
+  EXPECT_EQ(run_program({"run", file, "--integrator", "rattle4", "--dt", "0.001"}).out.find("too stiff"),
+            std::string::npos);
 }
 
 /// A driver that starts at once takes nothing away; one against a velocity does.

@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "tests/run_program.h"
+#include "tests/scenes/resource_limit.h"
+#include "tests/temporary.h"
 
 namespace taut::testing {
 namespace {
@@ -296,6 +298,24 @@ TEST(Program, SameInputSameBits) {
   EXPECT_EQ(reports[0]["final_state_fingerprint"].get<std::string>().size(), 16);
 }
 
+#if !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)  // which take all addresses that there are
+TEST(Program, ANetOfFiftyThousandRodsRunsWithinFourGigabytes) {
+  const std::string report = temporary("net.json");
+  const std::vector<std::string> net{"run", "net-corners", "--set", "n=160", "--dt", "0.001", "--steps", "4"};
+  {
+    const ResourceLimit limit(RLIMIT_AS, 400'000'000);  // that it holds
+    EXPECT_NE(run_program(net).exit_status, 0);
+  }
+  const ResourceLimit limit(RLIMIT_AS, 4'000'000'000);
+  std::vector<std::string> words = net;
+  words.insert(words.end(), {"--report", report});
+  const Outcome run = run_program(words);
+  ASSERT_EQ(run.exit_status, 0) << run.err;
+  EXPECT_EQ(Json::parse(read_text(report))["bodies"], 50880);
+}
+#endif
+
 TEST(Program, InterruptEndsTheRunWithTableAndReport) {
   const std::string report_file = temporary("interrupted.json");
   const Outcome run = run_program(
@@ -305,6 +325,40 @@ TEST(Program, InterruptEndsTheRunWithTableAndReport) {
   const Json report = Json::parse(read_text(report_file));
   EXPECT_EQ(report["status"], "interrupted");
   EXPECT_LT(report["steps"], report["steps_asked"]);
+}
+
+TEST(Program, NoOutputIsWrittenOverAnotherOrOverAnInput) {
+  const std::string csv = temporary("a.csv"), folder = csv.substr(0, csv.rfind('/')),
+                    scene = temporary("s.json"),
+                    text = R"({"format": "taut-scene/1", "generate": [{"builder": "pendulum-ball"}]})",
+                    state = temporary("s.state"), recording = temporary("r.taut");
+  write_text(scene, text);
+  ASSERT_EQ(run_program({"run", scene, "--steps", "2", "--save", state, "--record", recording}).exit_status,
+            0);
+  const auto refusal = [](std::vector<std::string> words) {
+    const Outcome outcome = run_program(words);
+    EXPECT_EQ(outcome.exit_status, 2);
+    return outcome.err;
+  };
+  const auto expect = [](const std::string& message, const std::string& words) {
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  };
+  expect(refusal({"run", "chain", "--steps", "2", "--csv", csv, "--poses", folder + "/./a.csv"}),
+         "--poses: must not be the file of --csv");
+  expect(refusal({"run", scene, "--steps", "2", "--report", scene}),
+         "--report: must not be the file of the scene");
+  expect(refusal({"run", scene, "--steps", "2", "--from", state, "--csv", state}),
+         "--csv: must not be the file of --from");
+  expect(refusal({"replay", recording, "--csv", recording}), "--csv: must not be the file of the recording");
+  EXPECT_EQ(read_text(scene), text);
+  // A state may be gone on from in place, and devices take everything.
+  for (const auto& words : {std::vector<std::string>{"--from", state, "--save", state},
+                            {"--csv", "/dev/null", "--report", "/dev/null"}}) {
+    std::vector<std::string> all{"run", scene, "--steps", "2"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Outcome outcome = run_program(all);
+    EXPECT_EQ(outcome.exit_status, 0) << outcome.err;
+  }
 }
 
 TEST(Program, OutputThatCannotBeWrittenToItsEndIsAFailure) {
@@ -393,8 +447,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{
             "unwritable_poses", {"run", "chain", "--poses", "/no/such/p.csv"}, {"--poses", "/no/such/p.csv"}},
         Mistake{"same_file_twice",
-                {"run", "chain", "--report", "/dev/null", "--csv", "/dev/null"},
-                {"/dev/null"}},
+                {"run", "chain", "--report", "no_such_file", "--csv", "./no_such_file"},
+                {"--report", "--csv", "no_such_file"}},
         Mistake{"missing_file", {"run", "no/such.json"}, {"no/such.json"}},
         Mistake{"parameters_of_a_file", {"run", "no/such.json", "--set", "n=3"}, {"--set", "no/such.json"}}),
     [](const auto& mistake) { return std::string(mistake.param.name); });

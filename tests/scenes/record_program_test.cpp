@@ -8,6 +8,7 @@
 #include "scenes/progress_bar.h"
 #include "scenes/recording_reader.h"
 #include "tests/run_program.h"
+#include "tests/temporary.h"
 
 namespace taut::testing {
 namespace {
@@ -167,7 +168,7 @@ TEST(RecordProgram, OutputsThatCannotBeWrittenAreRefusedBeforeTheRun) {
   const Outcome twice =
       run_program({"run", "chain", "--time", "1e6", "--html", temporary("x"), "--gltf", temporary("x")});
   EXPECT_EQ(twice.exit_status, 2);
-  EXPECT_TRUE(contains(twice.err, "different files")) << twice.err;
+  EXPECT_TRUE(contains(twice.err, "--gltf: must not be the file of --html")) << twice.err;
 }
 
 TEST(RecordProgram, ADamagedRecordingIsSaidAndShownAsFarAsItGoes) {

@@ -9,8 +9,9 @@
 #include "scenes/recording_chunk.h"
 #include "scenes/scene_file.h"
 #include "tests/run_program.h"
-#include "tests/scenes/file_size_limit.h"
+#include "tests/scenes/resource_limit.h"
 #include "tests/scenes/sample_recording.h"
+#include "tests/temporary.h"
 
 namespace taut::testing {
 namespace {

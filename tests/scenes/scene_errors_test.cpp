@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
 
+#include "scenes/generated_names.h"
 #include "scenes/scene_file.h"
 
 /// Files with several mistakes: all that can be known is said at once, and nothing that is not so.
@@ -36,7 +40,7 @@ const std::string kReferences = R"(
   "forces": [{"type": "torque", "body": "c/rod_1", "torque": [0, 0, 1]},
              {"type": "torque", "body": "e/rod_1", "torque": [0, 0, 1]}],
   "pairs": [{"a": "c/rod_0", "b": "c/rod_1", "collide": false}, {"a": "x", "b": "c/rod_1", "collide": false}],
-  "probes": [{"name": "p0", "quantity": "gap", "joint": "c/pin_9"}, {"name": "p1", "quantity": "gap", "joint": "x"},
+  "probes": [{"name": "p0", "quantity": "gap", "joint": "c/joint_9"}, {"name": "p1", "quantity": "gap", "joint": "x"},
              {"name": "p2", "quantity": "orientation", "body": "c/rod_9"},
              {"name": "p3", "quantity": "orientation", "body": "x"}])";
 const Lines kUnknownToAll{"/joints/2/a",     "/forces/1/body", "/pairs/1/a",
@@ -67,6 +71,46 @@ TEST(SceneErrors, OfABlockHideOnlyWhatItMayHaveMade) {
   // Without a prefix that can be read it may have made anything.
   EXPECT_EQ(problems_of(block(R"("builder": "chain", "prefix": 3)")),
             (Lines{"/generate/0/prefix", "/joints/3 open by 0.25 m"}));
+}
+
+/// Names that the builder gives to nothing are wrong whatever its parameters, also without a prefix.
+TEST(SceneErrors, OfABlockWithoutAPrefixHideOnlyWhatItsBuilderMakes) {
+  const std::string references = R"(
+    "bodies": [{"name": "own", "mass": 1, "inertia": [1, 1, 1]}],
+    "joints": [
+      {"type": "ball", "a": "rod_99", "b": "own", "anchor": [0, 0, 0]},
+      {"type": "ball", "a": "rood_0", "b": "own", "anchor": [0, 0, 0]},
+      {"type": "ball", "a": "ground", "b": "onw", "anchor": [0, 0, 0]}])";
+  const auto block = [&](const std::string& keys) {
+    return problems_of(R"("generate": [{)" + keys + "}], " + references);
+  };
+  EXPECT_EQ(block(R"("builder": "chain", "parameters": {"n": 2.5})"),
+            (Lines{"/generate/0/parameters/n", "/joints/1/a", "/joints/2/b"}));
+  // Its builder is not known, or the unknown key may be "prefix".
+  EXPECT_EQ(block(R"("builder": "chian")"), (Lines{"/generate/0/builder"}));
+  EXPECT_EQ(block(R"("builder": "chain", "prefx": "c/")"), (Lines{"/generate/0/prefx"}));
+}
+
+TEST(GeneratedNames, LookAsFewSizesShow) {
+  EXPECT_EQ(look_of("rod_12 of 3"), "rod_0 of 0");
+  for (const SceneInfo& builder : scene_catalogue()) {
+    const Lines looks = looks_of(builder);
+    for (double part : {0.0, 1.0}) {
+      std::map<std::string, double> parameters;
+      for (const ParameterInfo& p : builder.parameters) {
+        const double most = std::min(p.maximum, p.minimum + 8);
+        const double value = p.minimum + part * (most - p.minimum);
+        parameters[p.name] = p.integer ? std::round(value) : value;
+      }
+      const World world = build_scene(builder.name, parameters).world;
+      for (int b = 0; b < world.body_count(); ++b)
+        ASSERT_TRUE(looks.contains(look_of(world.name(BodyId{b})))) << world.name(BodyId{b});
+      for (int j = 0; j < world.joint_count(); ++j)
+        ASSERT_TRUE(looks.contains(look_of(world.name(JointId{j})))) << world.name(JointId{j});
+      for (int m = 0; m < world.material_count(); ++m)
+        ASSERT_TRUE(looks.contains(look_of(world.name(MaterialId{m})))) << world.name(MaterialId{m});
+    }
+  }
 }
 
 TEST(SceneErrors, OfABlockThatIsPlacedNowhereHideItsGapsButNoPart) {
