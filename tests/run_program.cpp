@@ -5,28 +5,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 
+#include "tests/temporary.h"
+
 namespace taut::testing {
 namespace {
-
-struct TemporaryFolder {
-  std::filesystem::path path;
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "taut-test-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw std::runtime_error("cannot make a temporary folder");
-    path = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-};
 
 int exit_status_of(pid_t child) {
   int status = 0;
@@ -73,22 +59,6 @@ Outcome run_program_into(const std::string& file, const std::vector<std::string>
   const std::string err = temporary("stderr");
   const int status = exit_status_of(start(arguments, file, err));
   return {status, "", read_text(err)};
-}
-
-std::string temporary(const std::string& name) {
-  static const TemporaryFolder folder;
-  return (folder.path / name).string();
-}
-
-std::string read_text(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-void write_text(const std::string& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
 }
 
 }  // namespace taut::testing

@@ -21,9 +21,4 @@ Outcome run_program(const std::vector<std::string>& arguments, const std::string
 /// The same with what it prints going to this file, which is not read.
 Outcome run_program_into(const std::string& file, const std::vector<std::string>& arguments);
 
-/// A name in a fresh folder of this test, removed with all in it when the process ends.
-std::string temporary(const std::string& name);
-std::string read_text(const std::string& file);
-void write_text(const std::string& file, const std::string& text);
-
 }  // namespace taut::testing

@@ -4,27 +4,22 @@
 
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "core/solid.h"
 #include "tests/core/expect_invalid.h"
+#include "tests/temporary.h"
 
 namespace taut {
 namespace {
 
 using testing::expect_invalid;
 
-/// A file that is removed again.
-class TemporaryFile {
- public:
-  TemporaryFile(const std::string& name, const std::string& content)
-      : path(std::filesystem::path(::testing::TempDir()) / ("taut_" + name)) {
-    std::ofstream(path, std::ios::binary) << content;
-  }
-  ~TemporaryFile() { std::filesystem::remove(path); }
-  const std::filesystem::path path;
-};
+std::filesystem::path mesh_file(const std::string& name, const std::string& content) {
+  const std::string file = testing::temporary(name);
+  testing::write_text(file, content);
+  return file;
+}
 
 const char* const kCubeObj =
     "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n"
@@ -66,8 +61,8 @@ std::string binary_stl() {
 }
 
 TEST(MeshFile, ObjWithQuadranglesIsAClosedCube) {
-  const TemporaryFile file("cube.obj", kCubeObj);
-  const TriangleMesh mesh = read_mesh(file.path, 0.5);
+  const auto file = mesh_file("cube.obj", kCubeObj);
+  const TriangleMesh mesh = read_mesh(file, 0.5);
   EXPECT_EQ(mesh.vertices.size(), 8u);
   EXPECT_EQ(mesh.triangles.size(), 12u);
   const SolidProperties solid = solid_properties(mesh);
@@ -76,8 +71,7 @@ TEST(MeshFile, ObjWithQuadranglesIsAClosedCube) {
 }
 
 TEST(MeshFile, StlAsTextAndBinaryIsAClosedTetrahedron) {
-  const TemporaryFile text("text.stl", text_stl()), binary("binary.STL", binary_stl());
-  for (const auto& path : {text.path, binary.path}) {
+  for (const auto& path : {mesh_file("text.stl", text_stl()), mesh_file("binary.STL", binary_stl())}) {
     const TriangleMesh mesh = read_mesh(path);
     EXPECT_EQ(mesh.vertices.size(), 4u);
     EXPECT_NEAR(solid_properties(mesh).volume, 1.0 / 6, 1e-8);
@@ -89,8 +83,8 @@ TEST(MeshFile, WhatIsWrongIsSaidWithTheFile) {
   expect_invalid([] { read_mesh("part.dae"); }, {"part.dae", ".obj or .stl"});
   expect_invalid([] { read_mesh(std::filesystem::temp_directory_path() / "x.obj" / ".."); }, {"mesh file"});
   const auto expect_bad = [](const std::string& name, const std::string& content) {
-    const TemporaryFile file(name, content);
-    expect_invalid([&] { read_mesh(file.path); }, {file.path.c_str()});
+    const auto file = mesh_file(name, content);
+    expect_invalid([&] { read_mesh(file); }, {file.c_str()});
   };
   expect_bad("empty.obj", "");
   expect_bad("empty.stl", "");
@@ -101,10 +95,9 @@ TEST(MeshFile, WhatIsWrongIsSaidWithTheFile) {
   expect_bad("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
   expect_bad("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   expect_bad("cut.stl", binary_stl().substr(0, 120));
-  const TemporaryFile cube("cube.obj", kCubeObj);
-  expect_invalid([&] { read_mesh(cube.path, 0); }, {"mesh scale", "0"});
-  expect_invalid([&] { read_mesh(cube.path, std::numeric_limits<double>::infinity()); },
-                 {"mesh scale", "inf"});
+  const auto cube = mesh_file("cube.obj", kCubeObj);
+  expect_invalid([&] { read_mesh(cube, 0); }, {"mesh scale", "0"});
+  expect_invalid([&] { read_mesh(cube, std::numeric_limits<double>::infinity()); }, {"mesh scale", "inf"});
 }
 
 }  // namespace

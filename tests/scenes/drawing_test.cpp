@@ -10,7 +10,7 @@
 #include "scenes/scene_file.h"
 #include "scenes/shape_json.h"
 #include "scenes/shape_mesh.h"
-#include "tests/run_program.h"
+#include "tests/temporary.h"
 
 namespace taut::testing {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tests/run_program.h"
+#include "tests/temporary.h"
 
 namespace taut::testing {
 namespace {

@@ -9,6 +9,7 @@
 #include "scenes/scene_file.h"
 #include "solvers/simulator.h"
 #include "tests/scenes/scene_file_cases.h"
+#include "tests/temporary.h"
 
 /// Contact geometry of scene files, and bodies whose mass comes from it.
 namespace taut {
@@ -148,13 +149,12 @@ TEST(SceneShapes, DriversMoveTheFrameOfTheFile) {
 
 class MeshFiles : public ::testing::Test {
  protected:
-  MeshFiles() : folder_(std::filesystem::path(::testing::TempDir()) / "taut_mesh_files") {
+  MeshFiles() {
     std::filesystem::create_directories(folder_ / "meshes");
     std::ofstream(folder_ / "meshes" / "corner.obj")
         << "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     std::ofstream(folder_ / "meshes" / "broken.stl") << "solid nonsense\n facet normal 1 2\n";
   }
-  ~MeshFiles() override { std::filesystem::remove_all(folder_); }
   Scene scene(const std::string& shape) const {
     std::ofstream(folder_ / "scene.json")
         << R"({"format": "taut-scene/1", "bodies": [{"name": "b", "density": 6,
@@ -170,7 +170,7 @@ class MeshFiles : public ::testing::Test {
     }
     return {};
   }
-  std::filesystem::path folder_;
+  const std::filesystem::path folder_ = testing::temporary("mesh_files");
 };
 
 /// A tetrahedron of legs 1 after scaling: V = 1/6, centre (1, 1, 1)/4.

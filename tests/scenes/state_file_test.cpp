@@ -9,6 +9,7 @@
 #include "scenes/scene_file.h"
 #include "solvers/simulator.h"
 #include "tests/run_program.h"
+#include "tests/temporary.h"
 
 namespace taut::testing {
 namespace {
