@@ -246,6 +246,14 @@ std::optional<JsonNode> JsonObject::one_of(std::initializer_list<const char*> ke
   return first;
 }
 
+void JsonObject::needs_any_of(std::initializer_list<const char*> keys) {
+  if (!is_object_ || std::any_of(keys.begin(), keys.end(), [&](const char* key) { return find(key); }))
+    return;
+  for (const auto& [key, value] : node_.json().items())
+    if (!known_.contains(key)) return;  // a wrong name of one of them
+  node_.problem("at least one of " + quoted_list({keys.begin(), keys.end()}) + " is missing", "");
+}
+
 void JsonObject::reject_unknown_keys() const {
   if (!is_object_ || accepts_all_) return;
   const std::vector<std::string> known(known_.begin(), known_.end());

@@ -137,6 +137,10 @@ class JsonObject {
   std::optional<JsonNode> one_of(std::initializer_list<const char*> keys,
                                  std::initializer_list<const char*> or_else = {});
 
+  /// At least one of these keys must be there, as the object has no effect without them.  To be called when
+  /// all known keys have been asked for; silent if there are unknown ones, which are problems themselves.
+  void needs_any_of(std::initializer_list<const char*> keys);
+
   /// To be called when all known keys have been asked for.
   void reject_unknown_keys() const;
   /// Its keys are not known, for instance because its type is wrong: none will be rejected.

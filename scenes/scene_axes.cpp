@@ -17,6 +17,7 @@ AxisLimits read_limits(const JsonNode& node) {
   limits.restitution = keys.get("restitution", &JsonNode::not_negative, 0.0);
   limits.compliance = keys.get("compliance", &JsonNode::not_negative, 0.0);
   limits.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
+  keys.needs_any_of({"lower", "upper"});
   keys.reject_unknown_keys();
   return limits;
 }
@@ -46,6 +47,7 @@ AxisFriction read_friction(const JsonNode& node) {
   friction.dynamic_friction = keys.get("dynamic", &JsonNode::not_negative, friction.static_friction);
   friction.viscous = keys.get("viscous", &JsonNode::not_negative, 0.0);
   friction.per_load = keys.get("per_load", &JsonNode::not_negative, 0.0);
+  keys.needs_any_of({"static", "dynamic", "viscous", "per_load"});
   keys.reject_unknown_keys();
   return friction;
 }
@@ -58,6 +60,7 @@ AxisSpring read_spring(const JsonNode& node) {
   spring.rest = number_or(keys, "rest", 0);
   spring.table = read_curve(keys, "table");
   spring.damping_table = read_curve(keys, "damping_table");
+  keys.needs_any_of({"stiffness", "damping", "table", "damping_table"});
   keys.reject_unknown_keys();
   return spring;
 }
@@ -76,6 +79,7 @@ JointCompliance read_joint_compliance(const JsonNode& node) {
   compliance.rotation = read_compliance(keys, "rotation");
   compliance.translation_damping = keys.get("translation_damping", &JsonNode::not_negative, 0.0);
   compliance.rotation_damping = keys.get("rotation_damping", &JsonNode::not_negative, 0.0);
+  keys.needs_any_of({"translation", "rotation", "translation_damping", "rotation_damping"});
   keys.reject_unknown_keys();
   return compliance;
 }
@@ -85,6 +89,7 @@ BreakLimits read_break(const JsonNode& node) {
   BreakLimits limits;
   limits.force = keys.get("force", &JsonNode::positive, limits.force);
   limits.torque = keys.get("torque", &JsonNode::positive, limits.torque);
+  keys.needs_any_of({"force", "torque"});
   keys.reject_unknown_keys();
   return limits;
 }

@@ -44,8 +44,19 @@ Contradiction Simulator::Impl::contradiction(double horizon) {
   return contradiction_from(world_.state(), horizon);
 }
 
-/// Names the motor or the joint that follows what is not finite; the latter if that shows at the start of the
-/// step or at its end.
+/// The first joint with a row whose S_rr overflows; none: index −1.
+JointId Simulator::Impl::overflowing_joint(const State& state) {
+  system_->linearize({state.poses, state.time, state.axes});
+  std::vector<double> inertia(system_->row_count());
+  system_->row_inertias(inertia);  // 1 / S_rr
+  const Rows& rows = system_->rows();
+  for (int r = 0; r < rows.row_count(); ++r)
+    if (!(inertia[r] > 0) && rows.row(r).joint < rows.joint_count()) return {rows.row(r).joint};
+  return {};
+}
+
+/// Names the motor or the joint that follows what is not finite, the latter if that shows at the start of the
+/// step or at its end, or the joint whose row of S is not.
 void Simulator::Impl::fail_not_finite() {
   if (rattle_ && !rattle_->axes().finite()) {
     Contradiction motor;
@@ -68,6 +79,10 @@ void Simulator::Impl::fail_not_finite() {
                                                  source_.name(joint) + " follows is not finite");
     }
   }
+  if (const JointId joint = overflowing_joint(start); joint.index >= 0)
+    return set_failure(Status::kNotFinite, "J M⁻¹ Jᵀ of " + std::string(source_.joint(joint).type()) + " " +
+                                               source_.name(joint) +
+                                               " is not finite: its factors are too large for its bodies");
   set_failure(Status::kNotFinite, "a force or the state is not finite");
 }
 

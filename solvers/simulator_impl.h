@@ -135,6 +135,7 @@ class Simulator::Impl {
   void forget_step();
   void diagnose_stall(double remaining);
   void fail_not_finite();
+  JointId overflowing_joint(const State& state);
   std::string widest_gap(const State& state);
   std::string singular_axis() const;
   void name_jam();

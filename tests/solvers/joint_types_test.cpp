@@ -217,6 +217,19 @@ TEST(Transmissions, GearPairMovesAsInTheClosedForm) {
   EXPECT_NEAR(world.axis_value(b), -2 * alpha / 3, 1e-7);
 }
 
+/// The square of the ratio, by which the driving wheel's share of S grows, is beyond the largest number.
+TEST(Transmissions, ARatioThatOverflowsIsNamed) {
+  World world;
+  const BodyId first = world.add_body({}), second = world.add_body({});
+  const AxisId a{world.add("a", Hinge::at(world, kGround, first, Vec3::Zero(), Vec3::UnitZ())), 0};
+  const AxisId b{world.add("b", Hinge::at(world, kGround, second, Vec3::Zero(), Vec3::UnitZ())), 0};
+  world.add("large", Gear(world, a, b, 1e308));
+  Simulator simulator(world);
+  const StepReport& report = simulator.step(0.01);
+  EXPECT_EQ(report.status, Status::kNotFinite);
+  EXPECT_NE(report.message.find("gear large"), std::string::npos) << report.message;
+}
+
 /// The reference case `differential`: angular accelerations from a 3 × 3 system.
 TEST(Transmissions, DifferentialMovesAsInTheClosedForm) {
   World world;
