@@ -101,12 +101,15 @@ void add_walls(Scene& scene, const Vec3& middle, double side, double height) {
 }
 
 /// Balls, boxes, capsules and cylinders that fall on each other, turned at random but always the same.
-/// They are as stiff as stone: many rigid ones, pressed from all sides, have no determinate forces.
+/// They are as stiff as stone: many rigid ones, pressed from all sides, have no determinate forces.  They
+/// resist rolling as real ones do: balls would roll on for ever without.
 Scene build_heap(const char* name, bool walls, const Parameters& parameters) {
   Scene scene = on_a_floor(name, parameters, 4);
   const int n = static_cast<int>(parameters.at("n")), side = std::max(1, static_cast<int>(std::cbrt(n)));
   constexpr double kSpacing = 0.6, kOff = 0.03;
-  const Material stone{.compliance = parameters.at("compliance")};
+  const double arm = parameters.at("rolling");
+  const Material stone{
+      .rolling_friction = arm, .spinning_friction = arm, .compliance = parameters.at("compliance")};
   const Shape shapes[] = {Sphere{0.2}, Box{Vec3(0.4, 0.3, 0.2)}, Capsule{0.1, 0.3}, Cylinder{0.15, 0.3}};
   std::mt19937 generator(1);
   const auto random = [&] { return 2.0 * generator() / std::mt19937::max() - 1; };
@@ -139,18 +142,21 @@ std::vector<SceneInfo> stack_scenes() {
   const ParameterInfo top_heavy{"top_heavy", 0, "bool", "the uppermost cube has 1000 times the density",
                                 0,           1, true};
   const ParameterInfo compliance{"compliance", 5e-10, "m/N", "of the surfaces of bodies; 0: rigid", 0, 1};
-  return {
-      {"stack",
-       "n cubes of 1 m on each other",
-       {size(20, 1, 1000, "number of cubes"), top_heavy},
-       build_stack},
-      {"wall", "n rows of n bricks", {size(5, 1, 100, "number of rows")}, build_wall},
-      {"heap",
-       "n balls, boxes, capsules and cylinders that fall on a heap",
-       {size(8, 1, 10000, "number of bodies"), compliance},
-       build_open_heap},
-      {"pile", "heap between four walls", {size(50, 1, 10000, "number of bodies"), compliance}, build_pile},
-      {"card-house", "n rows of leaning cards", {size(3, 1, 20, "number of rows")}, build_cards}};
+  const ParameterInfo rolling{"rolling", 1e-3, "m", "arm of rolling and spinning friction", 0, 0.1};
+  return {{"stack",
+           "n cubes of 1 m on each other",
+           {size(20, 1, 1000, "number of cubes"), top_heavy},
+           build_stack},
+          {"wall", "n rows of n bricks", {size(5, 1, 100, "number of rows")}, build_wall},
+          {"heap",
+           "n balls, boxes, capsules and cylinders that fall on a heap",
+           {size(8, 1, 10000, "number of bodies"), compliance, rolling},
+           build_open_heap},
+          {"pile",
+           "heap between four walls",
+           {size(50, 1, 10000, "number of bodies"), compliance, rolling},
+           build_pile},
+          {"card-house", "n rows of leaning cards", {size(3, 1, 20, "number of rows")}, build_cards}};
 }
 
 }  // namespace taut

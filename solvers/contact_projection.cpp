@@ -46,6 +46,10 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
     slope_[row] = total == normal ? 1 : 0;
     if (mode_ == Mode::kCoupled) {
       bound_[row + 1] = mu * total;
+      if (cone.twist) {
+        bound_[row + 3] = cone.spinning * total;
+        bound_[row + 4] = cone.rolling * total;
+      }
       if (tangent.norm() > bound_[row + 1]) coupling_[k] = mu * slope_[row];
     }
     project_disc(k, 1, cone.sliding_given);
