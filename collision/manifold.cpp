@@ -78,9 +78,10 @@ class Collector {
   double deepest_ = 1e300;
 };
 
-/// Two segments: where they cross, and the ends of what they share unless those are too far apart.
+/// Two segments: where they cross, and the ends of what they share unless those are too far apart, or where
+/// they cross.
 void meet_segments(const Feature& a, const Feature& b, const Frame& f, bool rounded, double cutoff_excess,
-                   Collector& out) {
+                   double near, Collector& out) {
   const Vec3 &a0 = a.points[0].p, &b0 = b.points[0].p;
   const Vec3 da = a.points[1].p - a0, db = b.points[1].p - b0;
   const double ax = f.x(da), ay = f.y(da), bx = f.x(db), by = f.y(db);
@@ -122,14 +123,14 @@ void meet_segments(const Feature& a, const Feature& b, const Frame& f, bool roun
   // Of lines that cross at more than 0.2 rad the crossing says it all.
   if (std::abs(cross) > 0.2 * std::sqrt(aa * bb)) excess_lo = excess_hi = 1e300;
   const bool beside = std::max(excess_lo, excess_hi) <= 1e-3 * rounding;
-  if (excess_lo <= cutoff_excess) contact(lo, w_lo, lo_id, excess_lo);
-  if (excess_hi <= cutoff_excess) contact(hi, w_hi, hi_id, excess_hi);
-  if (beside) return;
   // Nearest points of two segments in the plane: the crossing, or an end of one of them.
   double t = cross != 0 ? std::clamp((cx * by - cy * bx) / cross, 0.0, 1.0) : 0.5;
   double w = std::clamp(((t * ax - cx) * bx + (t * ay - cy) * by) / bb, 0.0, 1.0);
   t = std::clamp(((cx + w * bx) * ax + (cy + w * by) * ay) / aa, 0.0, 1.0);
-  contact(t, w, contact_id(Meeting::kEdges, edges[0], edges[1]), 0);
+  const auto apart = [&](double end, double other) { return std::abs(end - other) * std::sqrt(aa) >= near; };
+  if (excess_lo <= cutoff_excess && (beside || apart(lo, t))) contact(lo, w_lo, lo_id, excess_lo);
+  if (excess_hi <= cutoff_excess && apart(hi, beside ? lo : t)) contact(hi, w_hi, hi_id, excess_hi);
+  if (!beside) contact(t, w, contact_id(Meeting::kEdges, edges[0], edges[1]), 0);
 }
 
 /// The part of a segment that lies over a polygon, which is `slack` larger all around.
@@ -288,7 +289,8 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
     return collect.add(p, p + core_s * frame.n, deepest);
   }
   if (count_A == 2 && count_B == 2) {
-    meet_segments(a, b, frame, A.radius > 0 && B.radius > 0, std::max(0.0, cutoff - separation.s), collect);
+    meet_segments(a, b, frame, A.radius > 0 && B.radius > 0, std::max(0.0, cutoff - separation.s), near,
+                  collect);
   } else if (count_A == 2) {
     meet_segment_polygon(a, b, true, frame, slack, near, collect);
   } else if (count_B == 2) {

@@ -130,8 +130,8 @@ ContactLaws::NormalLaw ContactLaws::normal_law(int k) const {
 
 /// N = max(0, −g/C) with the gap g = g₀ + a w, in which a = h is the end of the step and a = h/2 its middle,
 /// where a spring keeps its energy; more than that is a damper.  The second kick gives what the first gave,
-/// unless the bodies then part faster than a spring would throw them.   (solvers/README, "Compliant
-/// contacts")
+/// unless the bodies then part faster than a spring would throw them, less a critical damper if the step does
+/// not resolve it.   (solvers/README, "Compliant contacts")
 ContactLaws::NormalLaw ContactLaws::soft_law(int k) const {
   const Point& point = contact(k);
   const Material& material = place_of(k).material;
@@ -139,7 +139,7 @@ ContactLaws::NormalLaw ContactLaws::soft_law(int k) const {
   if (table_.in_velocities) {
     const double pressed = std::max(-point.gap, 2 * C * point.back / table_.h);
     const double rebound = std::max(-material.restitution * point.approach, point.approach);
-    const double softness = kGivingWay * C / (table_.h * period);
+    const double part = impact_is_seen(k) ? kGivingWay : 1, softness = part * C / (table_.h * period);
     return {.target = std::max(0.0, rebound) + std::max(0.0, pressed) / period - softness * point.back,
             .softness = softness,
             .most = 2 * point.back};

@@ -13,8 +13,6 @@ constexpr double kSameForce = 1e-9;
 constexpr double kFaster = 2;
 /// … and then comes this near without touching [m].
 constexpr double kTouch = 1e-9;
-/// What the velocities at the ends of steps may swing by, in sleep speeds.
-constexpr double kSwing = 100;
 
 bool keeps_going(const AxisMotor& motor) {
   return motor.mode == AxisMotor::Mode::kTrajectory ||
@@ -34,8 +32,6 @@ void Sleep::read_bodies(const World& world) {
     const MassProperties& mass = world.mass_properties({b});
     gyration_.push_back(mass.principal_moments().maxCoeff() / mass.mass());
     quiet_.push_back(0);
-    poses_then_.push_back(world.state().poses[b]);
-    twists_then_.push_back(world.state().twists[b]);
     stirs_.push_back(world.stirs({b}));
     island_of_.push_back(-1);
   }
@@ -43,31 +39,15 @@ void Sleep::read_bodies(const World& world) {
   forces_then_.resize(quiet_.size());
 }
 
-/// v² + ω² k² ≥ 2 T / m of the mean velocities of the step.  Those at its end swing to and fro about them
-/// with contacts that are stiffer than the step resolves.
-bool Sleep::is_slow(const World& world, int body, double dt) const {
-  const auto size = [&](const Vec3& v, const Vec3& w) {
-    return std::sqrt(v.squaredNorm() + gyration_[body] * w.squaredNorm());
-  };
-  const Pose &now = world.state().poses[body], &then = poses_then_[body];
+/// v² + ω² k² ≥ 2 T / m.
+bool Sleep::is_slow(const World& world, int body) const {
   const Twist& V = world.state().twists[body];
-  return size(now.p - then.p, log_so3(then.q.conjugate() * now.q)) <= speed_ * dt &&
-         size(V.v, V.w) <= kSwing * speed_;
+  return V.v.squaredNorm() + gyration_[body] * V.w.squaredNorm() <= speed_ * speed_;
 }
 
 void Sleep::watch(const World& world, double dt) {
   read_bodies(world);
-  for (int b = 0; b < world.body_count(); ++b) {
-    quiet_[b] = is_slow(world, b, dt) ? quiet_[b] + dt : 0;
-    poses_then_[b] = world.state().poses[b];
-    twists_then_[b] = world.state().twists[b];
-  }
-}
-
-/// It has been slow for long enough, and nobody has given it another velocity since.
-bool Sleep::may_sleep(const World& world, int body) const {
-  const Twist &V = world.state().twists[body], &then = twists_then_[body];
-  return world.moves({body}) && is_quiet(body) && V.v == then.v && V.w == then.w;
+  for (int b = 0; b < world.body_count(); ++b) quiet_[b] = is_slow(world, b) ? quiet_[b] + dt : 0;
 }
 
 void Sleep::join(const World& world, std::span<const BodyId> bodies) {
@@ -103,19 +83,20 @@ void Sleep::note_restless(const World& world, const Rows& rows) {
     if (properties.motor && keeps_going(*properties.motor)) note(row.axis.joint);
   }
   for (int b = 0; b < world.body_count(); ++b)
-    if (world.moves({b}) && !may_sleep(world, b)) restless_[connected_.find(b)] = true;
+    if (world.moves({b}) && !(is_quiet(b) && is_slow(world, b))) restless_[connected_.find(b)] = true;
 }
 
 std::vector<BodyId> Sleep::tired(const World& world, const Rows& rows,
                                  std::span<const ContactSet::Place> places) {
   std::vector<BodyId> bodies;
+  const auto may_sleep = [&](int b) { return is_quiet(b) && world.moves({b}) && is_slow(world, b); };
   int first = 0;
-  while (first < std::ssize(quiet_) && !may_sleep(world, first)) ++first;
+  while (first < std::ssize(quiet_) && !may_sleep(first)) ++first;
   if (first == std::ssize(quiet_)) return bodies;
   connect(world, places);
   note_restless(world, rows);
   for (int b = first; b < std::ssize(quiet_); ++b)
-    if (may_sleep(world, b) && !restless_[connected_.find(b)]) bodies.push_back({b});
+    if (may_sleep(b) && !restless_[connected_.find(b)]) bodies.push_back({b});
   return bodies;
 }
 

@@ -33,8 +33,7 @@ class Sleep {
 
  private:
   void read_bodies(const World& world);
-  bool is_slow(const World& world, int body, double dt) const;
-  bool may_sleep(const World& world, int body) const;
+  bool is_slow(const World& world, int body) const;
   bool is_quiet(int body) const { return quiet_[body] >= time_; }
   void connect(const World& world, std::span<const ContactSet::Place> places);
   void join(const World& world, std::span<const BodyId> bodies);
@@ -46,8 +45,6 @@ class Sleep {
   double speed_, time_;
   std::vector<double> quiet_;                 // time for which a body has been slow [s]
   std::vector<double> gyration_;              // square of the largest radius of gyration [m²]
-  std::vector<Pose> poses_then_;              // after the last step
-  std::vector<Twist> twists_then_;            // after the last step
   std::vector<int> stirs_;                    // World::stirs() that were seen
   std::vector<int> island_of_;                // of bodies: the island that sleeps, −1 for none
   UnionFind connected_;                       // bodies

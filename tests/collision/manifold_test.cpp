@@ -195,6 +195,29 @@ TEST(Manifold, TheLeastGapIsContinuousWhileABodyTipsOver) {
   }
 }
 
+TEST(Manifold, NoTwoPointsAreAtOnePlace) {
+  // Long bodies on each other, turned by up to 0.3 rad and moved along each other: a point that were there
+  // twice would be a spring of twice the stiffness, now and then.
+  Random random(14);
+  const Quat lying = exp_so3(0.5 * 3.14159265358979323846 * Vec3::UnitY());
+  const Shape shapes[] = {Capsule{0.1, 0.6}, Cylinder{0.1, 0.6}, Box{Vec3(0.2, 0.2, 0.6)}};
+  int points = 0;
+  for (const Shape& a : shapes)
+    for (const Shape& b : shapes)
+      for (int trial = 0; trial < 2000; ++trial) {
+        const Quat turned = exp_so3(random.uniform(-0.3, 0.3) * Vec3::UnitZ() + random.vector(1e-3));
+        const Vec3 at(random.uniform(-0.7, 0.7), random.uniform(-0.05, 0.05), random.uniform(0.19, 0.2));
+        const ShapePair pair(a, {lying, Vec3::Zero()}, b, {turned * lying, at});
+        const auto contacts = pair.contacts();
+        points += static_cast<int>(contacts.size());
+        for (std::size_t i = 0; i < contacts.size(); ++i)
+          for (std::size_t k = 0; k < i; ++k)
+            ASSERT_GT((contacts[i].p_AP - contacts[k].p_AP).norm(), 1e-6)
+                << shape_name(a) << " " << shape_name(b) << " " << trial;
+      }
+  EXPECT_GT(points, 20000);
+}
+
 TEST(Manifold, ReducedManifoldsKeepTheDeepestAndTheSpread) {
   // A hull with a face of forty corners on a half-space.
   ConvexHull drum;

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "core/diagnostics.h"
 #include "core/joints.h"
@@ -67,34 +66,6 @@ TEST(Sleep, a_stack_at_rest_sleeps_and_its_contacts_still_bear_it) {
   const State then = world.state();
   advance(simulator, 1);
   EXPECT_TRUE(same(then, world.state()));
-}
-
-/// A contact that is stiffer than a step resolves (ω h = 26): the velocity at the end of a step, which its
-/// spring turns round in each, says nothing of where the box goes.
-TEST(Sleep, comes_to_bodies_whose_velocity_swings_with_each_step) {
-  World world = with_floor();
-  constexpr double kCompliance = 1e-7, kSwing = 1e-3;
-  Material stiff;
-  stiff.compliance = kCompliance;
-  const BodyId box = add_box(world, {0, 0, 0.1 - kCompliance * kWeight / 4}, stiff);
-  world.set_twist(box, {Vec3::Zero(), Vec3(0, 0, kSwing)});
-  Simulator simulator(world, sleeping());
-  const Pose start = world.pose(box);
-  advance(simulator, 0.4);
-  EXPECT_GT(std::abs(world.twist(box).v.z()), 2 * sleeping().sleep_speed);
-  EXPECT_LE((world.pose(box).p - start.p).norm(), 1e-8);
-  advance(simulator, 0.2);
-  EXPECT_EQ(simulator.report().asleep, 1);
-}
-
-/// Half a turn in each step looks like rest half of the time, a whole one always.
-TEST(Sleep, does_not_come_to_what_turns_once_in_a_step) {
-  World world;
-  world.set_gravity(Vec3::Zero());
-  const BodyId top = world.add_body({.twist = {Vec3(0, 0, 2 * std::numbers::pi / kStep), Vec3::Zero()}});
-  Simulator simulator(world, sleeping());
-  advance(simulator, 1);
-  EXPECT_FALSE(world.is_asleep(top));
 }
 
 #ifdef TAUT_COUNTS_ALLOCATIONS
