@@ -12,9 +12,8 @@ namespace {
 constexpr double kReturnSpeed = 1;
 /// A step of a law that no rate comes to.
 constexpr double kNever = 1e12;
-/// The speed at which a spring throws bodies apart is less by this part of it where it throws them with all
-/// that it gives, so that a face on a face has one division of its impulse for speeds that differ in
-/// round-off.
+/// δ of (8c) where the step resolves the spring: a face on a face then has one division of its second kick
+/// for speeds that differ by round-off.
 constexpr double kGivingWay = 0.1;
 
 /// A box around `centre`, or just that if it has no width.
@@ -129,9 +128,10 @@ ContactLaws::NormalLaw ContactLaws::normal_law(int k) const {
 }
 
 /// N = max(0, −g/C) with the gap g = g₀ + a w, in which a = h is the end of the step and a = h/2 its middle,
-/// where a spring keeps its energy; more than that is a damper.  The second kick gives what the first gave,
-/// unless the bodies then part faster than a spring would throw them, less a critical damper if the step does
-/// not resolve it.   (solvers/README, "Compliant contacts")
+/// where a spring keeps its energy; more than that is a damper (8b).  The second kick μ gives what the first
+/// gave, `back`, unless the bodies then part faster than a spring would throw them, less a critical damper if
+/// the step does not resolve it (8c).  Its law is in μ: δ σ Λ = δ σ (μ + back).   (solvers/README, "Compliant
+/// contacts")
 ContactLaws::NormalLaw ContactLaws::soft_law(int k) const {
   const Point& point = contact(k);
   const Material& material = place_of(k).material;
@@ -139,7 +139,7 @@ ContactLaws::NormalLaw ContactLaws::soft_law(int k) const {
   if (table_.in_velocities) {
     const double pressed = std::max(-point.gap, 2 * C * point.back / table_.h);
     const double rebound = std::max(-material.restitution * point.approach, point.approach);
-    const double part = impact_is_seen(k) ? kGivingWay : 1, softness = part * C / (table_.h * period);
+    const double delta = impact_is_seen(k) ? kGivingWay : 1, softness = delta * C / (table_.h * period);
     return {.target = std::max(0.0, rebound) + std::max(0.0, pressed) / period - softness * point.back,
             .softness = softness,
             .most = 2 * point.back};

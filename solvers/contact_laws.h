@@ -36,8 +36,9 @@ inline NearestOnCone nearest_on_cone(double normal, double size, double mu) {
 /// All contacts of a world, by their places: what they are in the present stage of a step, and what they
 /// remember.
 struct ContactTable {
-  /// Along the normal: w + softness λ ≥ target, 0 ≤ Λ ≤ most; between these bounds of Λ there is equality,
-  /// and at the upper one w + softness λ ≤ target.
+  /// Along the normal, with the impulse λ of this stage and Λ = λ + what was given before: w + softness λ ≥
+  /// target, 0 ≤ Λ ≤ most; between these bounds of Λ there is equality, and at the upper one w + softness λ ≤
+  /// target.
   struct NormalLaw {
     double target = 0, softness = 0, most = std::numeric_limits<double>::infinity();
   };

@@ -46,10 +46,6 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
     slope_[row] = total == normal ? 1 : 0;
     if (mode_ == Mode::kCoupled) {
       bound_[row + 1] = mu * total;
-      if (cone.twist) {
-        bound_[row + 3] = cone.spinning * total;
-        bound_[row + 4] = cone.rolling * total;
-      }
       if (tangent.norm() > bound_[row + 1]) coupling_[k] = mu * slope_[row];
     }
     project_disc(k, 1, cone.sliding_given);
@@ -57,6 +53,11 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
     project_cone(k, cone, normal, tangent);
   }
   if (!cone.twist) return;
+  if (mode_ == Mode::kCoupled) {
+    const double total = std::max(0.0, cone.normal_given + y_[row]);
+    bound_[row + 3] = cone.spinning * total;
+    bound_[row + 4] = cone.rolling * total;
+  }
   const double spin = cone.spin_given + x_[row + 3];
   y_[row + 3] = std::clamp(spin, -bound_[row + 3], bound_[row + 3]) - cone.spin_given;
   slope_[row + 3] = std::abs(spin) < bound_[row + 3] ? 1 : 0;

@@ -47,11 +47,14 @@ Contradiction Simulator::Impl::contradiction(double horizon) {
 /// The first joint with a row whose S_rr overflows; none: index −1.
 JointId Simulator::Impl::overflowing_joint(const State& state) {
   system_->linearize({state.poses, state.time, state.axes});
-  std::vector<double> inertia(system_->row_count());
-  system_->row_inertias(inertia);  // 1 / S_rr
+  system_->set_mass(state.poses);
+  const std::span<const double> W = system_->weighted();
   const Rows& rows = system_->rows();
-  for (int r = 0; r < rows.row_count(); ++r)
-    if (!(inertia[r] > 0) && rows.row(r).joint < rows.joint_count()) return {rows.row(r).joint};
+  for (const Rows::Side& side : rows.sides())
+    for (int i = 0; i < side.row_count && side.joint < rows.joint_count(); ++i)
+      if (std::isinf(
+              Eigen::Map<const Eigen::Matrix<double, 6, 1>>(W.data() + side.whole + 6 * i).squaredNorm()))
+        return {side.joint};
   return {};
 }
 

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <sstream>
 
 #include "core/solid.h"
 #include "tests/core/expect_invalid.h"

@@ -162,7 +162,7 @@ TEST(Bench, WhatWouldMeasureNothingIsRefused) {
 }
 
 TEST(WorkReport, OptionsThatMeanNothingForItAreRefused) {
-  const std::string folder = ::testing::TempDir();
+  const std::string folder = temporary("");
   EXPECT_NE(run_program({"bench", "--work", "--compare", folder + "/none.json"}).exit_status, 0);
   EXPECT_NE(run_program({"bench", "--work", "--only", "nosuch"}).exit_status, 0);
   EXPECT_NE(run_program({"bench", "--work", "--build-dir", folder}).exit_status, 0);

@@ -210,6 +210,7 @@ void bears_its_weight(Scene& scene, double compliance) {
   settings.threads = 1;  // another one allocates when it first gets work
   Simulator simulator(scene.world, settings);
   run(scene, simulator, 0.1);
+  if (::testing::Test::HasFatalFailure()) return;
   for (int i = 0; i < 20; ++i) {
     const long before = allocations();
     const StepReport& report = simulator.step(scene.dt);
@@ -231,7 +232,8 @@ void bears_its_weight(Scene& scene, double compliance) {
 }
 
 // Each contact gives way by its force times the compliance of both, and the ground carries all bodies.
-// Newton's method has a guess that its sweeps brought near: without them it takes 2.5 times the steps.
+// Newton's method has a guess that its sweeps brought near: 37 steps a step until all sleep, without
+// sweeps 77.
 TEST(Pile, of_stiff_bodies_comes_to_rest_and_falls_asleep) {
   constexpr double kCompliance = 5e-10;
   constexpr int kBodies = 40, kMostSteps = 10 * 240;

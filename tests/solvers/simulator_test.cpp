@@ -291,7 +291,27 @@ TEST(Contradiction, IsReportedByNameAndLeavesTheWorldAlone) {
   EXPECT_EQ(world.time(), 0);
 }
 
+/// No joint is blamed for it, whatever the integrator has made of it by then.
 TEST(Status, AForceThatIsNotFiniteIsAStatus) {
+  for (const Integrator integrator :
+       {Integrator::kRattle, Integrator::kForceEuler, Integrator::kForceRungeKutta}) {
+    Scene scene = build_scene("pendulum-ball", {{"n", 2}});
+    scene.world.add_force(ForceCallback(
+        [](const State& state, std::span<Wrench> wrenches) {
+          if (state.time >= 1e-3) wrenches[1].force.x() = std::nan("");
+        },
+        false));
+    Settings settings;
+    settings.integrator = integrator;
+    Simulator simulator(scene.world, settings);
+    StepReport last;
+    for (int i = 0; i < 4 && last.ok(); ++i) last = simulator.step(1e-3);
+    EXPECT_EQ(last.status, Status::kNotFinite);
+    EXPECT_EQ(last.message, "a force or the state is not finite");
+  }
+}
+
+TEST(Status, AStepGoesOnAfterAForceThatWasNotFinite) {
   Scene scene = build_scene("pendulum-ball", {{"n", 2}});
   bool poison = false;
   scene.world.add_force(ForceCallback(
