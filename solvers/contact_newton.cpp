@@ -202,9 +202,6 @@ void ContactNewton::set_sigma(const Problem& problem, double rho) {
     if (!cone.twist) continue;
     alike(row + 3, 1);
     alike(row + 4, 2);
-    const double normal = std::max(0.0, cone.normal_given + last_[row]);
-    bound_[row + 3] = cone.spinning * normal;
-    bound_[row + 4] = cone.rolling * normal;
   }
 }
 

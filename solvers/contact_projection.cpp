@@ -53,11 +53,10 @@ void ContactNewton::project_contact(const Problem& problem, int k) {
     project_cone(k, cone, normal, tangent);
   }
   if (!cone.twist) return;
-  if (mode_ == Mode::kCoupled) {
-    const double total = std::max(0.0, cone.normal_given + y_[row]);
-    bound_[row + 3] = cone.spinning * total;
-    bound_[row + 4] = cone.rolling * total;
-  }
+  // Arms follow the normal impulse of this round where nothing is lagged, else that of the round before.
+  const double pressing = std::max(0.0, cone.normal_given + (mode_ == Mode::kCoupled ? y_ : last_)[row]);
+  bound_[row + 3] = cone.spinning * pressing;
+  bound_[row + 4] = cone.rolling * pressing;
   const double spin = cone.spin_given + x_[row + 3];
   y_[row + 3] = std::clamp(spin, -bound_[row + 3], bound_[row + 3]) - cone.spin_given;
   slope_[row + 3] = std::abs(spin) < bound_[row + 3] ? 1 : 0;
