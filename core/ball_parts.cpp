@@ -1,6 +1,8 @@
 #include "core/ball_parts.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace taut {
 namespace row_parts {
@@ -50,6 +52,66 @@ void Swing::stiffness(const Pose& A, const Pose& B, const double* lambda, Stiffn
 }
 
 std::string Swing::row_name(int) const { return "swing"; }
+
+Vec3 SwingComponent::Directions::g() const { return f * (C * x - x.dot(b) * a) + h * n.dot(x) * n; }
+
+Vec3 SwingComponent::Directions::turning(const Vec3& w) const {
+  const Vec3 b1 = w.cross(b), n1 = a.cross(b1);
+  const double along = n.dot(w);
+  return along * (h * (C * x - x.dot(b) * a) + k * n.dot(x) * n) + f * (a.dot(b1) * x - x.dot(b1) * a) +
+         h * (n1.dot(x) * n + n.dot(x) * n1);
+}
+
+SwingComponent::Directions SwingComponent::directions(const Pose& A, const Pose& B) const {
+  constexpr double kSeries = 0.02;  // below, where differences of nearly equal numbers would cancel
+  Directions d;
+  d.a = A.q * a_A, d.b = B.q * b_B, d.x = A.q * x_A;
+  d.n = d.a.cross(d.b);
+  d.C = d.a.dot(d.b);
+  const double S = d.n.norm(), theta = std::atan2(S, d.C), t = theta * theta;
+  if (theta < kSeries) {
+    d.f = 1 + t / 6 + 7 * t * t / 360;
+    d.h = 1.0 / 3 + 2 * t / 15 + 2 * t * t / 63;
+    d.k = 4.0 / 15 + 6 * t / 35;
+  } else {
+    const double S2 = std::max(S * S, std::numeric_limits<double>::min());
+    d.f = theta / std::sqrt(S2);
+    d.h = (1 - d.f * d.C) / S2;
+    d.k = (d.f - 3 * d.C * d.h) / S2;
+  }
+  return d;
+}
+
+void SwingComponent::residual(const Pose& A, const Pose& B, double* s) const {
+  const Directions d = directions(A, B);
+  *s = d.f * d.n.dot(d.x);
+}
+
+void SwingComponent::jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A,
+                              JacobianBlock<1> J_B) const {
+  const Vec3 g = directions(A, B).g();
+  J_A << -g.transpose(), 0, 0, 0;
+  J_B << g.transpose(), 0, 0, 0;
+}
+
+void SwingComponent::bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B,
+                          double* gamma) const {
+  const Directions d = directions(A, B);
+  const Vec3 w = V_B.w - V_A.w;
+  *gamma = (V_A.w.cross(d.g()) + d.turning(w)).dot(w);
+}
+
+void SwingComponent::stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
+                               StiffnessBlocks& K_B) const {
+  const Directions d = directions(A, B);
+  Mat3 turning;
+  for (int k = 0; k < 3; ++k) turning.col(k) = d.turning(Vec3::Unit(k));
+  const Mat3 K = -0.5 * *lambda * (turning + turning.transpose());
+  K_A.rotation += K;
+  K_B.rotation += K;
+}
+
+std::string SwingComponent::row_name(int) const { return "swing about " + direction_name(x_A); }
 
 Vec3 TwistAngle::Directions::j() const { return {(s * y + z * x) / D, (z * y - s * x) / D, 1}; }
 
@@ -120,6 +182,7 @@ std::string Turn::row_name(int) const { return "turn about " + direction_name(a_
 }  // namespace row_parts
 
 template class detail::PartStore<row_parts::Swing>;
+template class detail::PartStore<row_parts::SwingComponent>;
 template class detail::PartStore<row_parts::TwistAngle>;
 template class detail::PartStore<row_parts::Turn>;
 

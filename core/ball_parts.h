@@ -1,9 +1,9 @@
 #pragma once
 
-#include <array>
 #include <string>
 
 #include "core/row_parts.h"
+#include "core/swing_axes.h"
 
 /// Coordinates of joints that leave rotations free which are no single angle.
 namespace taut {
@@ -12,12 +12,12 @@ namespace row_parts {
 /// Swing: angle between direction a of A and direction b of B, from 0 to π.         (core/README, Eq. 26)
 ///   θ = atan2(|a × b|, a·b) [rad]
 /// λ [N·m] is the torque on B about j = a × b/|a × b|, away from a; where that vanishes any j across a is
-/// taken, and friction acts along two other axes of the joint, `across` (AxisInfo).
+/// taken, and friction and springs act along other axes of the joint, `across` (AxisInfo).
 struct Swing {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = true;
   Vec3 a_A, b_B;
-  std::array<int, 2> across{-1, -1};
+  SwingAxes across{};
 
   Swing carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * a_A, X_CB.q * b_B, across}; }
   struct Directions {
@@ -30,6 +30,39 @@ struct Swing {
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   /// j̇ = (1 − j jᵀ) d(a × b)/dt / |a × b|.
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
+  void stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
+                 StiffnessBlocks& K_B) const;
+  std::string row_name(int) const;
+};
+
+/// Component of the swing along direction x of A across a, of the rotation vector that takes a to b:
+///   s = (θ/sin θ) (a × b)·x [rad]                                                       (core/README, Eq.
+///   30)
+/// With a second one along a × x, s₁² + s₂² = θ²; smooth at a swing of 0, without meaning at π.
+/// λ [N·m] is the torque on B about g = f (C x − (x·b) a) + h (n·x) n, n = a × b, C = a·b, f = θ/sin θ,
+/// h = (sin θ − θ C)/sin³θ.
+struct SwingComponent {
+  static constexpr int kRows = 1;
+  static constexpr bool kAngular = true;
+  Vec3 a_A, b_B, x_A;
+
+  SwingComponent carried(const Pose& X_CA, const Pose& X_CB) const {
+    return {X_CA.q * a_A, X_CB.q * b_B, X_CA.q * x_A};
+  }
+  /// World axes; k is dh/dt over n·w, which is sin θ dθ/dt.
+  struct Directions {
+    Vec3 a, b, x, n;
+    double C, f, h, k;
+    Vec3 g() const;
+    /// ġ in A when B turns against A with w.
+    Vec3 turning(const Vec3& w) const;
+  };
+  Directions directions(const Pose& A, const Pose& B) const;
+  void residual(const Pose& A, const Pose& B, double* s) const;
+  void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
+  /// ṡ = g·w with w = ω_B − ω_A, so γ = ġ·w, ġ = ω_A × g + ġ in A.
+  void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
+  /// g turns with both bodies together, hence equal symmetric parts on A and B.
   void stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
                  StiffnessBlocks& K_B) const;
   std::string row_name(int) const;
@@ -87,6 +120,7 @@ struct Turn {
 }  // namespace row_parts
 
 extern template class detail::PartStore<row_parts::Swing>;
+extern template class detail::PartStore<row_parts::SwingComponent>;
 extern template class detail::PartStore<row_parts::TwistAngle>;
 extern template class detail::PartStore<row_parts::Turn>;
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -9,6 +8,7 @@
 #include "core/axis.h"
 #include "core/part_store.h"
 #include "core/relocation.h"
+#include "core/swing_axes.h"
 
 /// What joints hand their row parts and free axes to (rows.h).
 namespace taut {
@@ -83,9 +83,7 @@ struct AxisInfo {
   /// The coordinate as a single row, with one Jacobian block of six for each of `bodies`.
   std::shared_ptr<const detail::PartStoreBase> coordinate;
   std::vector<int> bodies;
-  /// Of a swing: the axes of the joint, by their place in it, that turn about two directions across it where
-  /// it is 0; none: −1.
-  std::array<int, 2> across{-1, -1};
+  SwingAxes across{};  ///< of a swing
 };
 
 /// What a joint lists its free axes in: names for the World, or rows for Rows.

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/counting_sort.h"
-#include "core/swing_friction.h"
+#include "core/swing_properties.h"
 #include "core/world.h"
 
 namespace taut {
@@ -88,13 +88,16 @@ void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints jo
   axes.first_index_ = world.first_axis_index(JointId{j});
   const bool any_axis = axis_rows == AxisRows::kIncluded && world.has_axis_properties(JointId{j});
   int joint_rows = counter.count_;
-  std::vector<AxisProperties> with_turns;
+  std::vector<AxisProperties> with_others;
   if (any_axis) {
     axes.properties_ = &world.axis_properties({JointId{j}, 0});
-    if (const auto swing = swing_friction(world, JointId{j})) {
-      with_turns.assign(axes.properties_, axes.properties_ + world.axis_count(JointId{j}));
-      for (int turn : swing->turn) with_turns[turn].friction.emplace();
-      axes.properties_ = with_turns.data();
+    if (const auto swing = swing_properties(world, JointId{j})) {
+      with_others.assign(axes.properties_, axes.properties_ + world.axis_count(JointId{j}));
+      for (int t : {0, 1}) {
+        if (swing->rubs) with_others[swing->across.turns[t]].friction.emplace();
+        if (swing->bends) with_others[swing->across.components[t]].spring.emplace();
+      }
+      axes.properties_ = with_others.data();
     }
     AxisSink axis_counter = axes;
     joint.append_axes(axis_counter);

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/check.h"
-#include "core/swing_friction.h"
+#include "core/swing_properties.h"
 #include "core/world.h"
 
 // Free axes of joints, as the World keeps them.
@@ -41,10 +41,11 @@ void World::set_property(AxisId id, std::optional<Property> AxisProperties::*mem
                          std::optional<Property> value) {
   AxisProperties& properties = axis_properties_[axis_index(id)];
   if (value) check_axis(axis_label(id), *value);
-  const bool before = properties.any(), swung = swing_friction(*this, id.joint).has_value();
+  const bool before = properties.any();
+  const auto swing = swing_properties(*this, id.joint);
   properties.*member = std::move(value);
   wake_bodies_of(id.joint);
-  if (properties.any() != before || swing_friction(*this, id.joint).has_value() != swung) ++topology_version_;
+  if (properties.any() != before || swing_properties(*this, id.joint) != swing) ++topology_version_;
   ++axis_version_;
 }
 

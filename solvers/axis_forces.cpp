@@ -20,7 +20,7 @@ constexpr int kMostImpacts = 16;
 AxisForces::AxisForces(const World& world, const Rows& rows)
     : world_(world), rows_(rows.axis_rows().begin(), rows.axis_rows().end()) {
   released_.assign(rows_.size(), 0);
-  growing_ = released_;
+  growing_ = from_own_ = released_;
   for (const Rows::AxisRow& row : rows_) angular_.push_back(rows.row(row.row).angular);
   if (std::any_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.axis.axis < 0; }))
     own_.resize(rows_.size());

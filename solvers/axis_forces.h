@@ -210,12 +210,14 @@ class AxisForces {
   /// 0.
   struct Swing {
     int axis = 0;
+    bool bends = false;  // its spring acts along its components
     std::array<int, 2> turn{-1, -1};
     std::array<double, 2> share{1, 1};
     bool straight = false;
     int solves = 0;
   };
   void find_swings();
+  void move_spring(std::size_t swing, std::size_t component);
   void begin_swings();
   void share_friction(const Swing& swing);
   void read_properties();

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/swing_friction.h"
+#include "core/swing_properties.h"
 #include "solvers/axis_forces.h"
 
-// Friction of the swing of ball and universal joints next to 0, where that axis has no direction.
+// Friction and springs of the swing of ball and universal joints, which has no direction at 0.
 // (solvers/README, "Axes")
 namespace taut {
 namespace {
@@ -24,22 +24,33 @@ constexpr double kDisc = 1e-9;
 /// The rows of a joint are neighbours.
 void AxisForces::find_swings() {
   swings_.clear();
-  from_own_.assign(rows_.size(), 0);
+  for (std::size_t i = 0; i < rows_.size(); ++i) from_own_[i] = rows_[i].axis.axis < 0;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const AxisId axis = rows_[i].axis;
-    from_own_[i] = axis.axis < 0;
     if (axis.axis < 0 || axis.joint.index < 0) continue;
-    const std::optional<SwingFriction> friction = swing_friction(world_, axis.joint);
-    if (!friction || friction->swing != axis.axis) continue;
-    Swing swing{.axis = static_cast<int>(i)};
+    const std::optional<SwingProperties> properties = swing_properties(world_, axis.joint);
+    if (!properties || properties->swing != axis.axis) continue;
+    own_.resize(rows_.size());
+    Swing swing{.axis = static_cast<int>(i), .bends = properties->bends};
     std::size_t first = i;
     while (first > 0 && rows_[first - 1].axis.joint == axis.joint) --first;
     for (std::size_t k = first; k < rows_.size() && rows_[k].axis.joint == axis.joint; ++k)
-      for (int t : {0, 1})
-        if (rows_[k].axis.axis == friction->turn[t]) swing.turn[t] = static_cast<int>(k);
-    if (swing.turn[0] >= 0 && swing.turn[1] >= 0) swings_.push_back(swing);
+      for (int t : {0, 1}) {
+        if (rows_[k].axis.axis == properties->across.turns[t]) swing.turn[t] = static_cast<int>(k);
+        if (properties->bends && rows_[k].axis.axis == properties->across.components[t]) move_spring(i, k);
+      }
+    if (properties->rubs) swings_.push_back(swing);
   }
-  if (!swings_.empty()) own_.resize(rows_.size());
+}
+
+/// The spring of a swing acts along a component of it in place of itself.
+void AxisForces::move_spring(std::size_t swing, std::size_t component) {
+  const AxisProperties& given = world_.axis_properties(rows_[swing].axis);
+  own_[swing] = given;
+  own_[swing].spring.reset();
+  own_[component] = world_.axis_properties(rows_[component].axis);
+  own_[component].spring = with_spring_of_swing(own_[component].spring, *given.spring);
+  from_own_[swing] = from_own_[component] = 1;
 }
 
 /// Two rows share the friction: all of it for each of them until it is known to be too much together.
@@ -69,6 +80,7 @@ void AxisForces::share_friction(const Swing& swing) {
     own_[i] = world_.axis_properties(rows_[i].axis);
     from_own_[i] = 1;
   }
+  if (swing.bends) own_[swing.axis].spring.reset();
   if (!swing.straight) return;
   own_[swing.axis].friction.reset();
   for (int t : {0, 1}) {

@@ -11,8 +11,9 @@ namespace taut {
 /// Ball joint: point P of A stays on point Q of B.  φ = p_WQ − p_WP ∈ ℝ³ [m]. (core/README, Eq. 5) λ is the
 /// force on B at Q in world axes; A receives −λ at P.
 /// Free axes only after with_axes(): `swing` [rad], the angle between a direction of A and one of B, from 0;
-/// `twist` [rad] about them; and `turn_x`, `turn_y`, `turn_z` [rad], turns of B against A about three axes of
-/// A, for friction and motors of given velocity.  A limit of swing is a cone.
+/// `twist` [rad] about them; `turn_x`, `turn_y`, `turn_z` [rad], turns of B against A about three axes of A,
+/// for friction and motors of given velocity; and `swing_x`, `swing_y` [rad], the swing as a rotation vector
+/// in axes of A, along which a spring of `swing` with rest 0 acts.  A limit of swing is a cone.
 class Ball final : public Joint {
  public:
   /// Points from the centres of mass, in body axes; for the ground, in world axes.
@@ -52,11 +53,15 @@ class Ball final : public Joint {
   void append_rows(RowSink& rows) const override { rows.add(row_parts::Point{p_AP_, p_BQ_}); }
   void append_axes(AxisSink& axes) const override {
     if (!frames_) return;
-    axes.add("swing", row_parts::Swing{frames_->q_AF * Vec3::UnitZ(), frames_->q_BG * Vec3::UnitZ(), {2, 3}});
+    const Vec3 x_A = frames_->q_AF * Vec3::UnitX(), y_A = frames_->q_AF * Vec3::UnitY(),
+               z_A = frames_->q_AF * Vec3::UnitZ(), z_B = frames_->q_BG * Vec3::UnitZ();
+    axes.add("swing", row_parts::Swing{z_A, z_B, {.turns = {2, 3}, .components = {5, 6}}});
     axes.add("twist", row_parts::TwistAngle{frames_->q_AF, frames_->q_BG});
-    axes.add("turn_x", row_parts::Turn{frames_->q_AF * Vec3::UnitX()});
-    axes.add("turn_y", row_parts::Turn{frames_->q_AF * Vec3::UnitY()});
-    axes.add("turn_z", row_parts::Turn{frames_->q_AF * Vec3::UnitZ()});
+    axes.add("turn_x", row_parts::Turn{x_A});
+    axes.add("turn_y", row_parts::Turn{y_A});
+    axes.add("turn_z", row_parts::Turn{z_A});
+    axes.add("swing_x", row_parts::SwingComponent{z_A, z_B, x_A});
+    axes.add("swing_y", row_parts::SwingComponent{z_A, z_B, y_A});
   }
   Vec3 reaction_point_B() const override { return p_BQ_; }
 

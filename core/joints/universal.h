@@ -14,7 +14,9 @@ namespace taut {
 /// about b.  Both are 0 in the pose where at() made the joint; otherwise angle_1 where b points along the
 /// first vector that complete_frame() gives to a, and angle_2 where a does so for b.  (core/README, Eq. 15)
 /// `swing` [rad] is the angle by which the joint bends, between the directions of A and B that are a × b
-/// where both angles are 0: cos swing = cos angle_1 cos angle_2.  A limit of it is a cone.
+/// where both angles are 0: cos swing = cos angle_1 cos angle_2.  A limit of it is a cone.  `swing_1`,
+/// `swing_2` [rad] are the same as a rotation vector, along the arm of A and that of B where both angles are
+/// 0: swing² = swing_1² + swing_2².  A spring of `swing` with rest 0 acts along these.
 class Universal final : public Joint {
  public:
   /// Points from the centres of mass and unit axes of the cross, in body axes.
@@ -58,7 +60,10 @@ class Universal final : public Joint {
     axes.add("angle_1", row_parts::Angle{axis_A_, reference_A_, axis_B_});
     // Seen from B, the arm of A turns the other way.
     axes.add("angle_2", row_parts::Angle{-axis_B_, reference_B_, axis_A_}, {1, 0});
-    axes.add("swing", row_parts::Swing{axis_A_.cross(reference_A_), reference_B_.cross(axis_B_), {0, 1}});
+    const Vec3 a_A = axis_A_.cross(reference_A_), b_B = reference_B_.cross(axis_B_);
+    axes.add("swing", row_parts::Swing{a_A, b_B, {.turns = {0, 1}, .components = {3, 4}}});
+    axes.add("swing_1", row_parts::SwingComponent{a_A, b_B, axis_A_});
+    axes.add("swing_2", row_parts::SwingComponent{a_A, b_B, reference_A_});
   }
   Vec3 reaction_point_B() const override { return p_BQ_; }
 

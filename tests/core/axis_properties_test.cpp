@@ -67,7 +67,7 @@ TEST(AxisProperties, RefuseWrongAxes) {
   expect_invalid([&] { s.world.set_axis_turns(s.angle, kNan); }, {"elbow angle", "nan"});
   State state = s.world.state();
   state.axes.pop_back();
-  expect_invalid([&] { s.world.set_state(state); }, {"state", "one value per axis", "3"});
+  expect_invalid([&] { s.world.set_state(state); }, {"state", "one value per axis", "5"});
   state = s.world.state();
   state.axes[0] = kNan;
   expect_invalid([&] { s.world.set_state(state); }, {"axis value angle", "nan"});

@@ -33,6 +33,26 @@ TEST(BallParts, AreConsistentAtRandomPoses) {
   }
 }
 
+/// Away from π, at 0 and on both sides of where series take over.
+TEST(BallParts, SwingComponentsAreConsistentAtAnySwing) {
+  Random random(214);
+  for (double bend : {0.0, 1e-9, 1e-4, 0.0199, 0.0201, 0.3, 1.2, 2.4})
+    for (int i = 0; i < 10; ++i) {
+      const Pose A = random.pose();
+      const Vec3 a = random.unit(), x = across(random.unit(), a), j = across(random.unit(), a);
+      Pose B = random.pose();
+      // b is a, bent about a direction across it.
+      const Vec3 b_W = A.q * (exp_so3(bend * j) * a);
+      const row_parts::SwingComponent part{a, B.q.conjugate() * b_W, x};
+      double s, theta;
+      part.residual(A, B, &s);
+      row_parts::Swing{part.a_A, part.b_B, {}}.residual(A, B, &theta);
+      EXPECT_NEAR(s, bend * j.dot(x), 1e-14 + kRoundOff * bend);
+      EXPECT_NEAR(theta, bend, kRoundOff);
+      testing::check_rows(testing::SinglePart(kA, kB, part), A, B, random);
+    }
+}
+
 /// The rates of three turns are ω_B − ω_A in axes of A, what they add up over a motion is its rotation
 /// vector, and their bias is the rate of change of their rates.
 TEST(BallParts, TurnsFollowTheMotion) {
@@ -111,6 +131,30 @@ TEST(BallAxes, RefuseWhatNeedsAPosition) {
   world.set_motor(turn, AxisMotor{.target = 1});
   expect_invalid([&] { (void)Ball::at(world, kA, kB, Vec3::Zero()).with_axes(world, Vec3(1, 1, 0)); },
                  {"ball axis", "length 1"});
+}
+
+/// The swing as a vector: along the arms alone it is the angle about them, and its length is the swing.
+TEST(SwingComponents, AreTheSwingAsAVector) {
+  World world = pair_of_bodies();
+  const JointId cross =
+      world.add("cross", Universal::at(world, kA, kB, Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY()));
+  const JointId ball =
+      world.add("ball", Ball::at(world, kA, kB, Vec3::Zero()).with_axes(world, Vec3::UnitZ()));
+  const auto value = [&](JointId joint, const char* axis) {
+    return world.axis_value(world.axis(joint, axis));
+  };
+  for (const auto& [first, second] : {std::pair{0.4, 0.0}, {0.0, -0.9}, {0.4, -0.7}}) {
+    world.set_pose(kB, {exp_so3(first * Vec3::UnitX()) * exp_so3(second * Vec3::UnitY()), Vec3::Zero()});
+    for (const JointId joint : {cross, ball}) {
+      const bool universal = joint == cross;
+      EXPECT_NEAR(std::hypot(value(joint, universal ? "swing_1" : "swing_x"),
+                             value(joint, universal ? "swing_2" : "swing_y")),
+                  value(joint, "swing"), kRoundOff);
+    }
+    if (first != 0 && second != 0) continue;
+    EXPECT_NEAR(value(cross, "swing_1"), first, kRoundOff);
+    EXPECT_NEAR(value(cross, "swing_2"), second, kRoundOff);
+  }
 }
 
 TEST(UniversalSwing, IsTheBendOfTheShaft) {

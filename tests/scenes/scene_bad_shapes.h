@@ -291,7 +291,8 @@ inline std::vector<BadScene> bad_joint_properties() {
        R"("x")"},
       // Names may hold any character.
       {ball(swing + R"({"\u0000": {}})"), std::string("/joints/0/axes/\0", 16),
-       "axis of j: there is none of this name, only swing, twist, turn_x, turn_y, turn_z", "{}", false},
+       "axis of j: there is none of this name, only swing, twist, turn_x, turn_y, turn_z, swing_x, swing_y",
+       "{}", false},
       {R"({"format": "taut-scene/1", "materials": {"\u0000": 1}})", std::string("/materials/\0", 12),
        "must be an object", "1"},
       {R"({"format": "taut-scene/1", "time": "now"})", "/time", "must be a number", R"("now")"},
