@@ -150,8 +150,10 @@ void whole_step(benchmark::State& state, const std::string& scene, int n, Factor
   run.count_stages(state);
 }
 
-/// The longest chain needs so many steps: at first Newton's method takes one more, and after 11 ms the
-/// tension at its pin, which grows with the mass that it pulls, asks for two sub-steps.
+/// Time per body and sub-step.  Long chains need so many steps: at first Newton's method takes one more, and
+/// after 11 ms the tension at the pin of 100,000 links, which grows with the mass that it pulls, asks for two
+/// sub-steps.  300,000 tell whether what grows from 10,000 to 100,000, which no longer fit the caches, grows
+/// on.
 void linear(benchmark::State& state) {
   Run run("chain", static_cast<int>(state.range(0)), FactorChoice::kAuto);
   for (auto _ : state) {
@@ -283,6 +285,12 @@ BENCHMARK(linear)
     ->Name("Linear/chain")
     ->Arg(100000)
     ->Iterations(24)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(linear)
+    ->Name("Linear/chain")
+    ->Arg(300000)
+    ->Iterations(12)
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(openmp_trap)
