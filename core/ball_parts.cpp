@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace taut {
 namespace row_parts {
@@ -64,6 +63,7 @@ Vec3 SwingComponent::Directions::turning(const Vec3& w) const {
 
 SwingComponent::Directions SwingComponent::directions(const Pose& A, const Pose& B) const {
   constexpr double kSeries = 0.02;  // below, where differences of nearly equal numbers would cancel
+  constexpr double kFolded = 1e-6;  // sine next to π, where there is no direction
   Directions d;
   d.a = A.q * a_A, d.b = B.q * b_B, d.x = A.q * x_A;
   d.n = d.a.cross(d.b);
@@ -74,7 +74,7 @@ SwingComponent::Directions SwingComponent::directions(const Pose& A, const Pose&
     d.h = 1.0 / 3 + 2 * t / 15 + 2 * t * t / 63;
     d.k = 4.0 / 15 + 6 * t / 35;
   } else {
-    const double S2 = std::max(S * S, std::numeric_limits<double>::min());
+    const double S2 = std::max(S * S, kFolded * kFolded);
     d.f = theta / std::sqrt(S2);
     d.h = (1 - d.f * d.C) / S2;
     d.k = (d.f - 3 * d.C * d.h) / S2;

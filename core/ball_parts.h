@@ -36,9 +36,9 @@ struct Swing {
 };
 
 /// Component of the swing along direction x of A across a, of the rotation vector that takes a to b:
-///   s = (θ/sin θ) (a × b)·x [rad]                                                       (core/README, Eq.
-///   30)
-/// With a second one along a × x, s₁² + s₂² = θ²; smooth at a swing of 0, without meaning at π.
+///   s = (θ/sin θ) (a × b)·x [rad]                                                    (core/README, Eq. 30)
+/// With a second one along a × x, s₁² + s₂² = θ².
+/// Smooth at a swing of 0, without meaning at π, where both change their sign.
 /// λ [N·m] is the torque on B about g = f (C x − (x·b) a) + h (n·x) n, n = a × b, C = a·b, f = θ/sin θ,
 /// h = (sin θ − θ C)/sin³θ.
 struct SwingComponent {

@@ -29,7 +29,7 @@ inline bool is_linear(const std::optional<AxisSpring>& spring) {
 inline std::optional<SwingProperties> swing_properties(const World& world, JointId joint) {
   for (int k = 0; k < world.axis_count(joint); ++k) {
     const SwingAxes& across = world.axis_info({joint, k}).across;
-    if (across.turns[0] < 0) continue;
+    if (across.turns[0] < 0 || across.components[0] < 0) continue;
     const auto spring_of = [&](int axis) -> const auto& {
       return world.axis_properties({joint, axis}).spring;
     };

@@ -56,6 +56,7 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
     axes_[i].theta0 = theta[rows_[i].row];
     axes_[i].rate0 = rates[rows_[i].row];
   }
+  begin_bends();
   begin_swings();
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Axis& axis = axes_[i];

@@ -210,14 +210,18 @@ class AxisForces {
   /// 0.
   struct Swing {
     int axis = 0;
-    bool bends = false;  // its spring acts along its components
     std::array<int, 2> turn{-1, -1};
     std::array<double, 2> share{1, 1};
     bool straight = false;
     int solves = 0;
   };
+  /// Rows of a joint with a spring that acts along components of its swing.
+  struct Bend {
+    int axis = 0;
+    std::array<int, 2> component{-1, -1};
+  };
   void find_swings();
-  void move_spring(std::size_t swing, std::size_t component);
+  void begin_bends();
   void begin_swings();
   void share_friction(const Swing& swing);
   void read_properties();
@@ -229,6 +233,7 @@ class AxisForces {
       own_;  // of rows that are no axes, and of swings; by row, empty if there are none
   std::vector<char> from_own_;
   std::vector<Swing> swings_;
+  std::vector<Bend> bends_;
   std::vector<char> released_, angular_, growing_;
   int axis_version_ = -1;
   bool has_limits_ = false, has_loads_ = false;   // rigid limits, friction that grows with the load

@@ -11,7 +11,9 @@ namespace {
 
 /// Swings that have no direction [rad].
 constexpr double kStraight = 1e-6;
-/// Steps in which a swing may pass 0.
+/// Swings that may come to π, where they have no components [rad].
+constexpr double kFolded = 2.5;
+/// Steps in which a swing may pass 0 or π.
 constexpr double kStepsAhead = 2;
 /// Directions of friction are right to this part, after as many solves.
 constexpr double kTurned = 1e-9;
@@ -24,6 +26,7 @@ constexpr double kDisc = 1e-9;
 /// The rows of a joint are neighbours.
 void AxisForces::find_swings() {
   swings_.clear();
+  bends_.clear();
   for (std::size_t i = 0; i < rows_.size(); ++i) from_own_[i] = rows_[i].axis.axis < 0;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const AxisId axis = rows_[i].axis;
@@ -31,26 +34,36 @@ void AxisForces::find_swings() {
     const std::optional<SwingProperties> properties = swing_properties(world_, axis.joint);
     if (!properties || properties->swing != axis.axis) continue;
     own_.resize(rows_.size());
-    Swing swing{.axis = static_cast<int>(i), .bends = properties->bends};
+    Swing swing{.axis = static_cast<int>(i)};
+    Bend bend{.axis = static_cast<int>(i)};
     std::size_t first = i;
     while (first > 0 && rows_[first - 1].axis.joint == axis.joint) --first;
     for (std::size_t k = first; k < rows_.size() && rows_[k].axis.joint == axis.joint; ++k)
       for (int t : {0, 1}) {
         if (rows_[k].axis.axis == properties->across.turns[t]) swing.turn[t] = static_cast<int>(k);
-        if (properties->bends && rows_[k].axis.axis == properties->across.components[t]) move_spring(i, k);
+        if (rows_[k].axis.axis == properties->across.components[t]) bend.component[t] = static_cast<int>(k);
       }
     if (properties->rubs) swings_.push_back(swing);
+    if (!properties->bends) continue;
+    bends_.push_back(bend);
+    for (int r : {bend.axis, bend.component[0], bend.component[1]}) {
+      own_[r] = world_.axis_properties(rows_[r].axis);
+      from_own_[r] = 1;
+    }
   }
 }
 
-/// The spring of a swing acts along a component of it in place of itself.
-void AxisForces::move_spring(std::size_t swing, std::size_t component) {
-  const AxisProperties& given = world_.axis_properties(rows_[swing].axis);
-  own_[swing] = given;
-  own_[swing].spring.reset();
-  own_[component] = world_.axis_properties(rows_[component].axis);
-  own_[component].spring = with_spring_of_swing(own_[component].spring, *given.spring);
-  from_own_[swing] = from_own_[component] = 1;
+/// The spring of a swing acts along its components; where the joint is nearly folded, since these jump at π,
+/// along itself.
+void AxisForces::begin_bends() {
+  for (const Bend& bend : bends_) {
+    const auto given = [&](int row) -> const auto& { return world_.axis_properties(rows_[row].axis).spring; };
+    const Axis& swing = axes_[bend.axis];
+    const bool folded = swing.theta0 + kStepsAhead * std::abs(h_ * swing.rate0) > kFolded;
+    own_[bend.axis].spring = folded ? given(bend.axis) : std::nullopt;
+    for (int c : bend.component)
+      own_[c].spring = folded ? given(c) : with_spring_of_swing(given(c), *given(bend.axis));
+  }
 }
 
 /// Two rows share the friction: all of it for each of them until it is known to be too much together.
@@ -76,11 +89,12 @@ void AxisForces::begin_swings() {
 /// Properties of the three rows at these shares.
 void AxisForces::share_friction(const Swing& swing) {
   const AxisFriction friction = *world_.axis_properties(rows_[swing.axis].axis).friction;
+  const std::optional<AxisSpring> spring = properties(swing.axis).spring;  // if it acts there
   for (int i : {swing.axis, swing.turn[0], swing.turn[1]}) {
     own_[i] = world_.axis_properties(rows_[i].axis);
     from_own_[i] = 1;
   }
-  if (swing.bends) own_[swing.axis].spring.reset();
+  own_[swing.axis].spring = spring;
   if (!swing.straight) return;
   own_[swing.axis].friction.reset();
   for (int t : {0, 1}) {

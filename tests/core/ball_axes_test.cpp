@@ -143,6 +143,9 @@ TEST(SwingComponents, AreTheSwingAsAVector) {
   const auto value = [&](JointId joint, const char* axis) {
     return world.axis_value(world.axis(joint, axis));
   };
+  // Frames as the world's at the start: x and y of the swing are those of the world.
+  const JointId framed = world.add(
+      "framed", Ball(kA, kB, Vec3::Zero(), Vec3::Zero()).with_axes(Quat::Identity(), Quat::Identity()));
   for (const auto& [first, second] : {std::pair{0.4, 0.0}, {0.0, -0.9}, {0.4, -0.7}}) {
     world.set_pose(kB, {exp_so3(first * Vec3::UnitX()) * exp_so3(second * Vec3::UnitY()), Vec3::Zero()});
     for (const JointId joint : {cross, ball}) {
@@ -154,7 +157,21 @@ TEST(SwingComponents, AreTheSwingAsAVector) {
     if (first != 0 && second != 0) continue;
     EXPECT_NEAR(value(cross, "swing_1"), first, kRoundOff);
     EXPECT_NEAR(value(cross, "swing_2"), second, kRoundOff);
+    EXPECT_NEAR(value(framed, "swing_x"), first, kRoundOff);
+    EXPECT_NEAR(value(framed, "swing_y"), second, kRoundOff);
   }
+}
+
+TEST(SwingComponents, AreFiniteWhereTheJointIsFolded) {
+  World world = pair_of_bodies({}, {Quat(0, 1, 0, 0), Vec3::Zero()});
+  const row_parts::SwingComponent part{Vec3::UnitZ(), Vec3::UnitZ(), Vec3::UnitX()};
+  double s, gamma, of_a[6], of_b[6];
+  JacobianBlock<1> J_A(of_a), J_B(of_b);
+  const Pose &A = world.pose(kA), &B = world.pose(kB);
+  part.residual(A, B, &s);
+  part.jacobian(A, B, J_A, J_B);
+  part.bias(A, B, {Vec3(1, 2, 3), Vec3::Zero()}, {Vec3(3, 1, 2), Vec3::Zero()}, &gamma);
+  EXPECT_TRUE(std::isfinite(s) && J_A.allFinite() && J_B.allFinite() && std::isfinite(gamma));
 }
 
 TEST(UniversalSwing, IsTheBendOfTheShaft) {

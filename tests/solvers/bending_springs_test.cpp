@@ -69,6 +69,52 @@ TEST_P(BendingSpring, SwingsThroughStraightAsAnOscillator) {
   EXPECT_NEAR(error[0] / error[1], 4, 0.1);
 }
 
+/// Over the top, where both components change their sign, nothing is thrown: the spring pushes to either
+/// side.
+TEST_P(BendingSpring, GoesThroughTheFold) {
+  for (double damping : {0.0, 0.2}) {
+    constexpr double k = 1, speed = 4;  // ½ k π² = 4.9 J of 8 J
+    Bent bent(GetParam());
+    bent.world.set_spring(bent.axis("swing", "swing"), AxisSpring{.stiffness = k, .damping = damping});
+    bent.world.set_twist(bent.body, {speed * Vec3::UnitY(), Vec3::Zero()});
+    Simulator simulator(bent.world);
+    double most = 0, last = 0.5 * speed * speed;
+    for (int i = 0; i < 2000; ++i) {
+      const StepReport& report = simulator.step(1e-3);
+      ASSERT_TRUE(report.ok()) << report.message;
+      const double theta = bent.world.axis_value(bent.axis("swing", "swing"));
+      most = std::max(most, theta);
+      ASSERT_NEAR(report.spring_energy, 0.5 * k * theta * theta, 1e-12);
+      // The kink at π costs or gives what h ω misses of it.
+      ASSERT_LE(report.energy(), last + 2e-2) << i;
+      if (damping == 0) {
+        ASSERT_NEAR(report.energy(), 0.5 * speed * speed, 2e-2) << i;
+      }
+      last = report.energy();
+    }
+    EXPECT_GT(most, std::numbers::pi - 0.01);
+  }
+}
+
+/// Friction of the same swing holds the bend that the spring would undo, and slides where it is too weak.
+TEST_P(BendingSpring, StandsBesideFriction) {
+  for (double friction : {3.0, 1.0}) {
+    constexpr double k = 4, angle = 0.5;
+    Bent bent(GetParam());
+    const AxisId swing = bent.axis("swing", "swing");
+    bent.world.set_pose(bent.body, {.q = exp_so3(angle * Vec3::UnitY())});
+    bent.world.set_spring(swing, AxisSpring{.stiffness = k});
+    bent.world.set_friction(swing, AxisFriction{friction, friction});
+    Simulator simulator(bent.world);
+    for (int i = 0; i < 2000; ++i) ASSERT_TRUE(simulator.step(2e-3).ok()) << i;
+    const double rest = bent.world.axis_value(swing);
+    if (friction > k * angle)
+      EXPECT_NEAR(rest, angle, 1e-9);
+    else  // half a swing about the place where the spring is as strong, if not beyond straight
+      EXPECT_NEAR(rest, std::abs(2 * friction / k - angle), 1e-4);
+  }
+}
+
 /// Both springs of a component act.
 TEST_P(BendingSpring, IsAddedToThoseOfItsComponents) {
   Bent bent(GetParam());
