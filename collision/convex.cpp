@@ -98,6 +98,7 @@ void cylinder_feature(const Vec3& half, const Vec3& d, Feature& out) {
     rim_points(half.x(), top ? half.z() : -half.z(), d, top ? kTopRim : kBottomRim, out.points);
     if (!top) std::reverse(out.points.begin(), out.points.end());
     out.normal = {0, 0, top ? 1.0 : -1.0};
+    out.disc = half.x(), out.centre = {0, 0, top ? half.z() : -half.z()};
   } else {
     out.points.push_back({rim_point(half.x(), half.z(), d), kTopEnd});
     out.points.push_back({rim_point(half.x(), -half.z(), d), kBottomEnd});
@@ -115,6 +116,7 @@ void cone_feature(const Vec3& half, const Vec3& d, Feature& out) {
     rim_points(half.x(), -0.25 * half.z(), d, kBottomRim, out.points);
     std::reverse(out.points.begin(), out.points.end());
     out.normal = {0, 0, -1};
+    out.disc = half.x(), out.centre = {0, 0, -0.25 * half.z()};
     return;
   }
   out.points.push_back({apex(half), kTopEnd});
@@ -169,7 +171,7 @@ Mat3 Convex::support_derivative(const Vec3& d) const {
 
 void Convex::feature(const Vec3& d, Feature& out) const {
   out.points.clear();
-  out.rounding = 0;
+  out.rounding = out.disc = 0;
   switch (kind) {
     case Kind::kPoint:
       out.points.push_back({Vec3::Zero(), 0});

@@ -23,6 +23,9 @@ struct Feature {
   std::vector<FeaturePoint> points;
   Vec3 normal;      ///< of a polygon
   double rounding;  ///< radius of curvature across a segment [m]
+  /// Of a disc, whose rim the points are on: its radius [m], else 0, and its centre.
+  double disc = 0;
+  Vec3 centre = Vec3::Zero();
 };
 
 /// A convex body, the sum of a core and a ball: sphere = point ⊕ ball, capsule = segment ⊕ ball, all others

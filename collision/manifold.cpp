@@ -133,7 +133,23 @@ void meet_segments(const Feature& a, const Feature& b, const Frame& f, bool roun
   if (!beside) contact(t, w, contact_id(Meeting::kEdges, edges[0], edges[1]), 0);
 }
 
-/// The part of a segment that lies over a polygon, which is `slack` larger all around.
+/// Narrows [lo, hi], places on the segment s0 + t d, to what lies over a disc; false if nothing does.
+bool within_disc(const Vec3& s0, const Vec3& d, const Feature& disc, const Frame& f, double slack, double& lo,
+                 double& hi) {
+  const auto on_plane = [&](const Vec3& p) {
+    const double x = f.x(p), y = f.y(p);
+    return f.lift(x, y, plane_height(f, disc.centre, disc.normal, x, y));
+  };
+  const Vec3 from = on_plane(s0) - disc.centre, way = on_plane(s0 + d) - disc.centre - from;
+  const double a = way.squaredNorm(), b = from.dot(way), r = disc.disc + slack;
+  const double root2 = b * b - a * (from.squaredNorm() - r * r);
+  if (!(a > 0 && root2 >= 0)) return false;
+  lo = std::max(lo, (-b - std::sqrt(root2)) / a);
+  hi = std::min(hi, (-b + std::sqrt(root2)) / a);
+  return true;
+}
+
+/// The part of a segment that lies over a polygon or a disc, which is `slack` larger all around.
 void meet_segment_polygon(const Feature& segment, const Feature& polygon, bool segment_is_A, const Frame& f,
                           double slack, double near, Collector& out) {
   const Vec3 &s0 = segment.points[0].p, d = segment.points[1].p - s0;
@@ -147,7 +163,12 @@ void meet_segment_polygon(const Feature& segment, const Feature& polygon, bool s
   std::uint64_t lo_id = id(Meeting::kVertexA, segment.points[0].id, 0);
   std::uint64_t hi_id = id(Meeting::kVertexA, segment.points[1].id, 0);
   const double sense = polygon.normal.dot(f.n) > 0 ? 1 : -1;
-  const std::size_t count = polygon.points.size();
+  const std::size_t count = polygon.disc > 0 ? 0 : polygon.points.size();
+  if (polygon.disc > 0) {  // its polygon would turn with the least tilt
+    if (!within_disc(s0, d, polygon, f, slack, lo, hi)) return;
+    if (lo > 0) lo_id = id(Meeting::kEdges, edge, 0);
+    if (hi < 1) hi_id = id(Meeting::kEdges, edge, 1);
+  }
   for (std::size_t i = 0; i < count; ++i) {
     const FeaturePoint &c = polygon.points[i], &e = polygon.points[(i + 1) % count];
     const double ex = sense * f.x(e.p - c.p), ey = sense * f.y(e.p - c.p);
@@ -250,6 +271,7 @@ bool over_polygon(const Feature& polygon, const Vec3& point, const Frame& f, dou
 
 void to_frame_of_A(Feature& feature, const Relative& X) {
   for (FeaturePoint& point : feature.points) point.p = X.p + X.R * point.p;
+  feature.centre = X.p + X.R * feature.centre;
   feature.normal = X.R * feature.normal;
 }
 

@@ -195,6 +195,32 @@ TEST(Manifold, TheLeastGapIsContinuousWhileABodyTipsOver) {
   }
 }
 
+TEST(Manifold, EndsOnACapDoNotTurnWithTheTilt) {
+  // A long body across a cap, beside its middle, that lies on the chord of the circle.  What tilts the cap by
+  // 3e-6 rad, as compliant bodies do, turns its deepest place all around, but no contact.
+  const double r = 0.15, beside = 0.1, chord = std::sqrt(r * r - beside * beside);
+  const Quat lying(Eigen::AngleAxisd(3.14159265358979323846 / 2, Vec3::UnitY()));
+  for (const Shape& across : {Shape{Cylinder{0.1, 1}}, Shape{Capsule{0.1, 1}}})
+    for (const Shape& standing : {Shape{Cylinder{r, 0.3}}, Shape{Cone{r, 0.3}}}) {
+      const bool cone = std::holds_alternative<Cone>(standing);
+      const double top = cone ? 0.25 * 0.3 : 0.15;
+      const Quat up = cone ? Quat(0, 1, 0, 0) : Quat(1, 0, 0, 0);  // the base of a cone is below
+      for (int k = 0; k < 64; ++k) {
+        const double angle = 2 * 3.14159265358979 * k / 64;
+        const Quat tilt = exp_so3(3e-6 * Vec3(std::cos(angle), std::sin(angle), 0));
+        const ShapePair pair(standing, {tilt * up, Vec3::Zero()}, across,
+                             {lying, Vec3(0, beside, top + 0.1 - 1e-6)});
+        const auto contacts = pair.contacts(1e-3);
+        ASSERT_GE(contacts.size(), 2U);
+        const auto at = places(pair, contacts);
+        for (double x : {-chord, chord})
+          EXPECT_TRUE(std::any_of(at.begin(), at.end(),
+                                  [&](const Vec3& p) { return (p - Vec3(x, beside, top)).norm() < 1e-5; }))
+              << shape_name(standing) << " " << shape_name(across) << " " << k;
+      }
+    }
+}
+
 TEST(Manifold, NoTwoPointsAreAtOnePlace) {
   // Long bodies on each other, turned by up to 0.3 rad and moved along each other: a point that were there
   // twice would be a spring of twice the stiffness, now and then.
