@@ -56,10 +56,12 @@ class Collector {
     out_.push_back({p + r_A_ * n, q - r_B_ * n, n, gap, id});
   }
 
+  /// By so much less than s the deepest point may be deep.
+  double depth_slack() const { return 2e-7 * size_; }
   /// True if the deepest place is among the points from `first` on.  Its gap is then s itself, free of the
   /// round-off of steep faces.
   bool settle_depth(std::size_t first) {
-    if (!(deepest_ <= s_ + 2e-7 * size_)) return false;
+    if (!(deepest_ <= s_ + depth_slack())) return false;
     for (std::size_t i = first; i < out_.size(); ++i) {
       ManifoldPoint& point = out_[i];
       if (point.gap != deepest_) continue;
@@ -122,7 +124,8 @@ void meet_segments(const Feature& a, const Feature& b, const Frame& f, bool roun
   if (sharp_parallel) at_end(lo, w_lo), at_end(hi, w_hi), excess_lo = excess_hi = 0;
   // Of lines that cross at more than 0.2 rad the crossing says it all.
   if (std::abs(cross) > 0.2 * std::sqrt(aa * bb)) excess_lo = excess_hi = 1e300;
-  const bool beside = std::max(excess_lo, excess_hi) <= 1e-3 * rounding;
+  // Where the ends are as deep as the crossing, that is not needed.
+  const bool beside = std::max(excess_lo, excess_hi) <= out.depth_slack();
   // Nearest points of two segments in the plane: the crossing, or an end of one of them.
   double t = cross != 0 ? std::clamp((cx * by - cy * bx) / cross, 0.0, 1.0) : 0.5;
   double w = std::clamp(((t * ax - cx) * bx + (t * ay - cy) * by) / bb, 0.0, 1.0);

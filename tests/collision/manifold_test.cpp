@@ -221,6 +221,71 @@ TEST(Manifold, EndsOnACapDoNotTurnWithTheTilt) {
     }
 }
 
+TEST(Manifold, NearlyAlignedLinesAreDeepestWhereTheyCross) {
+  // The deepest point lies between the ends, on both bodies, and not at one end or the other as round-off
+  // says.
+  Random random(23);
+  const double half = 0.15, depth = 5e-6;
+  for (const Shape& shape : {Shape{Cylinder{0.15, 2 * half}}, Shape{Capsule{0.15, 2 * half}}})
+    for (double turn : {1e-4, 1e-3, 5e-3, 0.018, 0.05, 0.15})
+      for (int i = 0; i < 20; ++i) {
+        const double z = random.uniform(-0.1, 0.1);  // of B's middle, where it crosses A's line
+        const Quat q = exp_so3(turn * Vec3::UnitX()) * exp_so3(i * Vec3::UnitZ());
+        const ShapePair pair(shape, {}, shape, {q, Vec3(0.3 - depth, 0, z)});
+        const auto contacts = pair.contacts(1e-3);
+        const auto deepest = std::min_element(contacts.begin(), contacts.end(),
+                                              [](const auto& x, const auto& y) { return x.gap < y.gap; });
+        ASSERT_NE(deepest, contacts.end());
+        EXPECT_NEAR(deepest->gap, -depth, 1e-9) << turn;
+        for (const Contact& c : contacts) {
+          EXPECT_LE(std::abs(c.p_AP.z()), half + 1e-9) << turn;
+          EXPECT_LE(std::abs(c.p_BQ.z()), half + 1e-9) << turn;
+        }
+        // Where the ends are less deep than that by 1e-7 m, it is the crossing.
+        if (turn > 2e-3) {
+          EXPECT_NEAR(deepest->p_AP.z(), z, 1e-6) << turn;
+        }
+      }
+}
+
+TEST(Manifold, NoDirectionNearbySeparatesMore) {
+  // Round bodies side by side, turned by little or nothing and moved along each other, so that their lines
+  // cross on them, beyond an end, or nowhere.
+  Random random(19);
+  const Shape shapes[] = {Cylinder{0.15, 0.3}, Cylinder{0.1, 0.5}, Cone{0.2, 0.5}};
+  for (int i = 0; i < 1200; ++i) {
+    const Shape &a = shapes[i % 3], &b = shapes[i / 3 % 2];
+    const double turn = i % 7 == 0 ? 0 : std::pow(10, random.uniform(-6, -0.5));
+    const double distance = (i % 3 == 2 ? 0.1 : i % 3 == 1 ? 0.1 : 0.15) + (i / 3 % 2 == 1 ? 0.1 : 0.15);
+    const Pose X_A{random.rotation(), Vec3::Zero()};
+    const double aside = i % 2 == 0 ? 0 : std::pow(10, random.uniform(-6, -2));
+    const Vec3 off(std::sqrt(distance * distance - aside * aside) - std::pow(10, random.uniform(-7, -3)),
+                   aside, random.uniform(-0.3, 0.3));
+    const Quat q = exp_so3(turn * Vec3(1, random.uniform(-1e-3, 1e-3), 0)) * exp_so3(i * Vec3::UnitZ());
+    const ShapePair pair(a, X_A, b, {X_A.q * q, X_A.q * off});
+    const auto contacts = pair.contacts(1e-3);
+    if (contacts.empty()) continue;
+    const Pose &A = pair.world.pose(pair.A), &B = pair.world.pose(pair.B);
+    const auto s = [&](const Vec3& n) {
+      return n.dot(B.p + B.q * testing::support_point(b, B.q.conjugate() * -n) - A.p -
+                   A.q * testing::support_point(a, A.q.conjugate() * n));
+    };
+    const Vec3 n = contacts[0].normal;
+    const double gap = testing::least_gap(contacts);
+    if (gap < 0) {
+      EXPECT_NEAR(gap, s(n), 1e-12) << i;
+    }
+    Vec3 u, v;
+    complete_frame(n, u, v);
+    for (double angle : {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2})
+      for (int k = 0; k < 32; ++k) {
+        const double phi = 2 * 3.14159265358979 * k / 32;
+        ASSERT_LE(s((n + angle * (std::cos(phi) * u + std::sin(phi) * v)).normalized()), s(n) + 1e-11)
+            << i << " turned by " << turn << ", " << angle << " in direction " << k;
+      }
+  }
+}
+
 TEST(Manifold, NoTwoPointsAreAtOnePlace) {
   // Long bodies on each other, turned by up to 0.3 rad and moved along each other: a point that were there
   // twice would be a spring of twice the stiffness, now and then.
