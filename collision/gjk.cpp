@@ -72,52 +72,26 @@ bool ask_fcl(const Convex& A, const Convex& B, const Relative& X, const Vec3& sh
   return true;
 }
 
-/// A shape as libccd sees it: an object and its support function.
-struct CcdObject {
-  template <typename Geometry>
-  bool try_as(const fcl::ShapeBased& geometry, fcl::NODE_TYPE type, const fcl::Transform3d& X) {
-    if (geometry.getNodeType() != type) return false;
-    using Initializer = fcl::detail::GJKInitializer<double, Geometry>;
-    object = Initializer::createGJKObject(static_cast<const Geometry&>(geometry), X);
-    support = Initializer::getSupportFunction();
-    centre = Initializer::getCenterFunction();
-    destroy = &Initializer::deleteGJKObject;
-    return true;
-  }
-  CcdObject(const GjkCore& core, const fcl::Transform3d& X) {
-    const fcl::ShapeBased& g = *core.geometry;
-    if (core.triangle) {
-      const auto& t = *core.triangle;
-      object = fcl::detail::triCreateGJKObject<double>(t.a, t.b, t.c, X);
-      support = fcl::detail::triGetSupportFunction();
-      centre = fcl::detail::triGetCenterFunction();
-      destroy = &fcl::detail::triDeleteGJKObject;
-      return;
-    }
-    try_as<fcl::Sphered>(g, fcl::GEOM_SPHERE, X) || try_as<fcl::Capsuled>(g, fcl::GEOM_CAPSULE, X) ||
-        try_as<fcl::Boxd>(g, fcl::GEOM_BOX, X) || try_as<fcl::Cylinderd>(g, fcl::GEOM_CYLINDER, X) ||
-        try_as<fcl::Coned>(g, fcl::GEOM_CONE, X) || try_as<fcl::Ellipsoidd>(g, fcl::GEOM_ELLIPSOID, X) ||
-        try_as<fcl::Convexd>(g, fcl::GEOM_CONVEX, X);
-  }
-  ~CcdObject() {
-    if (destroy) destroy(object);
-  }
-  CcdObject(const CcdObject&) = delete;
-  CcdObject& operator=(const CcdObject&) = delete;
+/// A shape as libccd sees it: its support function, in the frame of A.  (FCL's own objects are allocated anew
+/// for each question.)
+struct CcdShape {
+  const Convex& body;
+  Mat3 R;
+  Vec3 p;
 
-  void* object = nullptr;
-  fcl::detail::GJKSupportFunction support = nullptr;
-  fcl::detail::GJKCenterFunction centre = nullptr;
-  void (*destroy)(void*) = nullptr;
+  static void support(const void* shape, const ccd_vec3_t* direction, ccd_vec3_t* point) {
+    const auto& [body, R, p] = *static_cast<const CcdShape*>(shape);
+    const double* d = direction->v;
+    const Vec3 farthest = p + R * body.support(R.transpose() * Vec3(d[0], d[1], d[2]));
+    ccdVec3Set(point, farthest.x(), farthest.y(), farthest.z());
+  }
 };
 
 bool ask_libccd(const Convex& A, const Convex& B, const Relative& X, const Vec3& shift, Answer& answer) {
-  const CcdObject a(*A.gjk, transform(Mat3::Identity(), A.gjk->offset));
-  const CcdObject b(*B.gjk, transform(X.R, X.p + shift + X.R * B.gjk->offset));
-  if (!a.object || !b.object) return false;
+  CcdShape a{A, Mat3::Identity(), Vec3::Zero()}, b{B, X.R, X.p + shift};
   double distance = -1;
   fcl::Vector3d p, q;
-  if (!fcl::detail::GJKDistance<double>(a.object, a.support, b.object, b.support, kIterations, 1e-12,
+  if (!fcl::detail::GJKDistance<double>(&a, &CcdShape::support, &b, &CcdShape::support, kIterations, 1e-12,
                                         &distance, &p, &q))
     return false;
   const double length = (q - p).norm();
