@@ -56,7 +56,7 @@ class Collector {
     out_.push_back({p + r_A_ * n, q - r_B_ * n, n, gap, id});
   }
 
-  /// By so much less than s the deepest point may be deep.
+  /// What the deepest point may lack of the depth s.
   double depth_slack() const { return 2e-7 * size_; }
   /// True if the deepest place is among the points from `first` on.  Its gap is then s itself, free of the
   /// round-off of steep faces.
