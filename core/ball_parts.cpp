@@ -5,6 +5,23 @@
 
 namespace taut {
 namespace row_parts {
+namespace {
+
+/// How a direction turns per turn of B against A, in the axes of its Directions.
+template <typename Directions>
+Mat3 turning_of(const Directions& d) {
+  Mat3 turning;
+  for (int k = 0; k < 3; ++k) turning.col(k) = d.turning(Vec3::Unit(k));
+  return turning;
+}
+
+/// The symmetric part of K on both bodies, with which the direction of a torque turns together.
+void add_to_both(const Mat3& K, StiffnessBlocks& K_A, StiffnessBlocks& K_B) {
+  K_A.rotation += 0.5 * (K + K.transpose());
+  K_B.rotation += 0.5 * (K + K.transpose());
+}
+
+}  // namespace
 
 Swing::Directions Swing::directions(const Pose& A, const Pose& B) const {
   Directions d;
@@ -103,12 +120,7 @@ void SwingComponent::bias(const Pose& A, const Pose& B, const Twist& V_A, const 
 
 void SwingComponent::stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
                                StiffnessBlocks& K_B) const {
-  const Directions d = directions(A, B);
-  Mat3 turning;
-  for (int k = 0; k < 3; ++k) turning.col(k) = d.turning(Vec3::Unit(k));
-  const Mat3 K = -0.5 * *lambda * (turning + turning.transpose());
-  K_A.rotation += K;
-  K_B.rotation += K;
+  add_to_both(-*lambda * turning_of(directions(A, B)), K_A, K_B);
 }
 
 std::string SwingComponent::row_name(int) const { return "swing about " + direction_name(x_A); }
@@ -153,11 +165,7 @@ void TwistAngle::bias(const Pose& A, const Pose& B, const Twist& V_A, const Twis
 void TwistAngle::stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
                            StiffnessBlocks& K_B) const {
   const Directions d = directions(A, B);
-  Mat3 turning;
-  for (int k = 0; k < 3; ++k) turning.col(k) = d.turning(Vec3::Unit(k));
-  const Mat3 K = -*lambda * d.R_WF * turning * d.R_WF.transpose();
-  K_A.rotation += 0.5 * (K + K.transpose());
-  K_B.rotation += 0.5 * (K + K.transpose());
+  add_to_both(-*lambda * d.R_WF * turning_of(d) * d.R_WF.transpose(), K_A, K_B);
 }
 
 std::string TwistAngle::row_name(int) const { return "twist"; }

@@ -20,6 +20,7 @@ struct SwingProperties {
 };
 
 namespace detail {
+/// Without a table, or none at all.
 inline bool is_linear(const std::optional<AxisSpring>& spring) {
   return !spring || (!spring->table && !spring->damping_table);
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/swing_properties.h"
 #include "core/world.h"
 #include "solvers/axis_report.h"
 #include "solvers/row_law.h"
@@ -186,9 +187,7 @@ class AxisForces {
   Tangent damper_tangent(const Axis& axis, const AxisSpring& spring, double w) const;
   static bool has_soft_limit(const AxisProperties& p) { return p.limits && p.limits->compliance > 0; }
   /// Its law is no straight line.
-  static bool is_bent(const AxisProperties& p) {
-    return (p.spring && (p.spring->table || p.spring->damping_table)) || has_soft_limit(p);
-  }
+  static bool is_bent(const AxisProperties& p) { return !detail::is_linear(p.spring) || has_soft_limit(p); }
   void begin_tangents(Axis& axis, double w) const;
   void set_damping(Axis& axis, const AxisProperties& p) const;
   void add_springs(Axis& axis, const AxisProperties& p) const;
