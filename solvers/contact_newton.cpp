@@ -125,6 +125,7 @@ void ContactNewton::begin(const Problem& problem) {
                        &slope_, &base_, &change_})
     values->assign(n, 0.0);
   carry_.assign(n, 1.0);
+  for (auto* values : {&best_, &best_w_, &kept_}) values->reserve(n);
   for (auto* values : {&v_, &gradient_, &step_}) values->setZero(6 * system_.rows().body_count());
   const int contacts = system_.rows().contact_count();
   for (auto* values : {&s_, &f_, &last_s_, &last_f_, &next_}) values->setZero(contacts);

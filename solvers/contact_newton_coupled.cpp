@@ -71,8 +71,14 @@ bool ContactNewton::adapt(const Problem& problem, bool met, double residual, dou
   return true;
 }
 
-/// What there is to go back to.
+/// What there is to go back to; and room for the most vectors at once, so that a step that needs more of them
+/// than those before allocates nothing.
 void ContactNewton::begin_coupled(double residual) {
+  basis_.resize(kMostVectors + 1);
+  for (Eigen::VectorXd& direction : basis_) direction.resize(gradient_.size());
+  krylov_.resize(kMostVectors + 1, kMostVectors);
+  krylov_turns_.resize(kMostVectors);
+  krylov_residual_.resize(kMostVectors + 1);
   mode_ = Mode::kCoupled;
   mode_rounds_ = hold_ = 0;
   kept_ = y_;
@@ -111,10 +117,6 @@ void ContactNewton::coupled_step() {
 /// the right: (1 + part N H⁻¹) z = −gradient, step = H⁻¹ z.
 void ContactNewton::solve_coupled(double part) {
   const double size = gradient_.norm();
-  basis_.resize(kMostVectors + 1);
-  krylov_.resize(kMostVectors + 1, kMostVectors);
-  krylov_turns_.resize(kMostVectors);
-  krylov_residual_.resize(kMostVectors + 1);
   auto& R = krylov_;
   auto& g = krylov_residual_;
   auto& turns = krylov_turns_;
