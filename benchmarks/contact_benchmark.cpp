@@ -87,7 +87,8 @@ constexpr Case kCases[] = {{"wall", 4, 0.5, 100},
                            {"pile", 1000, 0.1, 20, false, "pile-1000.json"},
                            {"net-drag", 8, 0.5, 60},
                            {"net-drag", 20, 0.25, 20},
-                           {"net-drag", 40, 0.1, 5}};
+                           {"net-drag", 40, 0.1, 5},
+                           {"net-drag", 100, 0.05, 5}};
 
 const bool registered = [] {
   for (const Case& c : kCases)
