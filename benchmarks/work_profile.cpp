@@ -131,19 +131,19 @@ int main(int argc, char** argv) {
   CLI::App app("fill, operations, stages and memory of one scene; prints JSON");
   std::string name = "net-corners";
   int n = 10;
-  bool truck = false;
+  std::string with;
   double time = 0.5, limit = 5;
   app.add_option("--scene", name, "a scene of the catalogue");
   app.add_option("--n", n, "its size");
-  app.add_flag("--truck", truck, "with the truck");
+  app.add_option("--with", with, "a parameter of the scene to be 1");
   app.add_option("--time", time, "time to simulate [s]")->check(CLI::PositiveNumber);
   app.add_option("--limit", limit, "processor time of the steps [s]")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
   try {
     std::map<std::string, double> parameters{{"n", n}};
-    if (truck) parameters["truck"] = 1;
+    if (!with.empty()) parameters[with] = 1;
     Scene scene = build_scene(name, parameters);
-    Json out{{"scene", name}, {"n", n}, {"truck", truck}, {"bodies", scene.world.moving_body_count()}};
+    Json out{{"scene", name}, {"n", n}, {"with", with}, {"bodies", scene.world.moving_body_count()}};
     out.update(motion_json(scene, time, limit));
     rusage usage{};  // before what is measured besides
     getrusage(RUSAGE_SELF, &usage);

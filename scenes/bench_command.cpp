@@ -45,7 +45,7 @@ Json measure(const fs::path& folder, const BenchRun& run) {
   std::vector<std::string> arguments = {"--scene",  run.scene,           "--n",    std::to_string(run.n),
                                         "--method", run.method,          "--rate", shortest(run.rate),
                                         "--limit",  shortest(run.limit), "--time", shortest(run.time)};
-  if (run.truck) arguments.emplace_back("--truck");
+  if (!run.with.empty()) arguments.insert(arguments.end(), {"--with", run.with});
   const ChildResult child =
       run_child(folder / ("peer_" + run.engine), arguments, true, kStartUp + kPatience * run.limit);
   // Some engines print while they build.
@@ -54,11 +54,12 @@ Json measure(const fs::path& folder, const BenchRun& run) {
       Json::parse(line == std::string::npos ? child.output : child.output.substr(line), nullptr, false);
   if (!child.good() || json.is_discarded()) {
     json = {{"engine", run.engine}, {"method", run.method},      {"scene", run.scene},
-            {"n", run.n},           {"truck", run.truck},        {"rate_hz", run.rate},
+            {"n", run.n},           {"with", run.with},          {"rate_hz", run.rate},
             {"status", "died"},     {"message", child.message()}};
     if (child.good()) json["message"] = "wrote nothing that can be read";
   }
   json["engine"] = run.engine;
+  json["quality"] = name_of(run.quality);
   return json;
 }
 
@@ -74,7 +75,7 @@ class References {
   explicit References(fs::path folder) : folder_(std::move(folder)) {}
   void add_distance(const BenchRun& run, Json& json) {
     const std::optional<Vec3> probe = probe_of(json);
-    if (!probe) return;
+    if (!probe || run.quality != BenchQuality::kJoints) return;
     const auto [found, fresh] = probes_.try_emplace(run.scene_label());
     if (fresh) {
       const Json reference = measure(folder_, reference_of(run));
@@ -102,14 +103,14 @@ void show(const BenchRun& run, const Json& json, std::size_t index, std::size_t 
 Json profile(const fs::path& program, const WorkRun& run, const BenchOptions& options) {
   constexpr double kLongest = 300;  // [s]
   std::vector<std::string> arguments{"--scene", run.scene, "--n", std::to_string(run.n)};
-  if (run.truck) arguments.push_back("--truck");
+  if (!run.with.empty()) arguments.insert(arguments.end(), {"--with", run.with});
   if (options.quick) arguments.insert(arguments.end(), {"--time", "0.05", "--limit", "1"});
   if (options.limit > 0) arguments.insert(arguments.end(), {"--limit", shortest(options.limit)});
   const ChildResult child = run_child(program, arguments, true, kLongest);
   Json json = Json::parse(child.output, nullptr, false);
   if (child.good() && json.is_object()) return json;
   return {
-      {"scene", run.scene}, {"n", run.n}, {"truck", run.truck}, {"failed", "no result: " + child.message()}};
+      {"scene", run.scene}, {"n", run.n}, {"with", run.with}, {"failed", "no result: " + child.message()}};
 }
 
 /// @param keep is called with the results so far
@@ -133,13 +134,15 @@ void write(const fs::path& file, const std::string& text) {
 
 std::string command_of(const BenchOptions& options) {
   return std::string("taut bench") + (options.quick ? " --quick" : "") + (options.work ? " --work" : "") +
+         (options.contact ? " --contact" : "") +
          (options.only.empty() ? "" : " --only '" + options.only + "'") +
          (options.limit > 0 ? " --limit " + shortest(options.limit) : "");
 }
 
 std::string name_of(const BenchOptions& options) {
-  return std::string(options.quick ? "quick" : "") +
-         (options.work ? (options.quick ? "-work" : "work") : (options.quick ? "" : "engines"));
+  const std::string what = options.work ? "work" : options.contact ? "contact" : "";
+  if (what.empty()) return options.quick ? "quick" : "engines";
+  return (options.quick ? "quick-" : "") + what;
 }
 
 void write_results(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
@@ -182,7 +185,7 @@ bool repeat_worse(const fs::path& peers, const std::vector<BenchRun>& plan, cons
 BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const fs::path& out,
                       const std::optional<BenchResults>& then) {
   BenchResults results{
-      {"schema", "taut-bench/1"}, {"machine", machine_description()}, {"quick", options.quick}};
+      {"schema", kBenchSchema}, {"machine", machine_description()}, {"quick", options.quick}};
   std::vector<std::string> built;
   for (const std::string& engine : kEngines) {
     const bool there = fs::exists(folder / "peers" / ("peer_" + engine));
@@ -190,8 +193,10 @@ BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const
     if (there) built.push_back(engine);
   }
   std::vector<BenchRun> plan = bench_plan(options.quick, built);
-  std::erase_if(plan,
-                [&](const BenchRun& r) { return r.scene_label().find(options.only) == std::string::npos; });
+  std::erase_if(plan, [&](const BenchRun& r) {
+    return r.scene_label().find(options.only) == std::string::npos ||
+           (options.contact && r.quality == BenchQuality::kJoints);
+  });
   if (plan.empty()) fail("--only", "is in the name of no scene or program", options.only);
   if (options.limit > 0)
     for (BenchRun& run : plan) run.limit = options.limit;
@@ -203,7 +208,7 @@ BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const
   References references(folder / "peers");
   results["runs"] = Json::array();
   results["profiles"] = Json::array();
-  if (options.only.empty())
+  if (options.only.empty() && !options.contact)
     add_profiles(folder / "work_profile", work_plan(options.quick ? WorkSizes::kTwo : WorkSizes::kSome),
                  options, results, [] {});
   for (std::size_t i = 0; i < plan.size(); ++i) {
@@ -224,8 +229,9 @@ std::optional<BenchResults> earlier_results(const std::string& file) {
   if (file.empty()) return std::nullopt;
   std::ifstream in(file);
   BenchResults then = BenchResults::parse(in, nullptr, false);
-  if (then.is_discarded() || !then.contains("runs") || !then.at("runs").is_array())
-    fail("--compare", "is no result of taut bench", file);
+  if (!then.is_object() || then.value("schema", "") != kBenchSchema || !then.contains("runs") ||
+      !then.at("runs").is_array())
+    fail("--compare", std::string("is no result of taut bench, ") + kBenchSchema, file);
   return then;
 }
 
@@ -242,7 +248,7 @@ int run_work(const fs::path& folder, const fs::path& build, const BenchOptions& 
   std::erase_if(plan, [&](const WorkRun& r) { return r.label().find(options.only) == std::string::npos; });
   if (plan.empty()) fail("--only", "is in the name of no scene", options.only);
   BenchResults results{
-      {"schema", "taut-bench/1"}, {"machine", machine_description()}, {"quick", options.quick}};
+      {"schema", kBenchSchema}, {"machine", machine_description()}, {"quick", options.quick}};
   results["engines"] = {{"taut", true}};
   results["planned_runs"] = 0;
   results["runs"] = Json::array();
@@ -293,12 +299,13 @@ int bench_command(const BenchOptions& options) {
   const fs::path build = options.build_dir.empty() ? fs::read_symlink("/proc/self/exe").parent_path()
                                                    : fs::path(options.build_dir);
   const fs::path folder = build / "benchmarks";
+  if (options.work && options.contact) fail("--work", "is of joints alone, so not for", "--contact");
   if (options.work) return run_work(folder, build, options) == 0 ? kExitSuccess : kExitFailure;
-  const bool engines_only = options.quick || !options.compare.empty();
+  const bool engines_only = options.quick || options.contact || !options.compare.empty();
   const std::vector<fs::path> programs =
       engines_only ? std::vector<fs::path>{} : benchmarks_in(folder, options.only);
   if (engines_only && !options.arguments.empty())
-    fail("--quick and --compare", "run no programs that take", options.arguments.front());
+    fail("--quick, --contact and --compare", "run no programs that take", options.arguments.front());
   // A name of a program asks for no scenes.
   const bool scenes = options.arguments.empty() && (options.only.empty() || programs.empty());
   if (programs.empty() && !fs::exists(folder / "peers" / "peer_taut")) {

@@ -8,8 +8,9 @@ namespace {
 struct SceneSize {
   const char* scene;
   int n;
-  bool truck;
-  double time;  ///< simulated [s]; 0: the scene's own
+  const char* with;  ///< BenchRun::with
+  double time;       ///< simulated [s]; 0: the scene's own
+  BenchQuality quality = BenchQuality::kJoints;
 };
 
 struct EngineMethod {
@@ -20,40 +21,57 @@ struct EngineMethod {
 
 // Sizes of the full run.  Times of large scenes are cut: what counts is the time per simulated second.
 const std::vector<SceneSize> kFull = {
-    {"pendulum-ball", 1, false, 0},
-    {"pendulum-ball", 2, false, 0},
-    {"pendulum-hinge", 2, false, 0},
-    {"chain", 10, false, 0},
-    {"chain", 100, false, 2},
-    {"chain", 1000, false, 0.5},
-    {"chain-heavy", 10, false, 0},
-    {"chain-heavy", 100, false, 2},
-    {"chain-heavy", 1000, false, 0.5},
-    {"bridge-hinge", 10, false, 0},
-    {"bridge-hinge", 50, false, 2},
-    {"bridge-hinge", 200, false, 0.5},
-    {"bridge-hinge", 1000, false, 0.25},
-    {"bridge-hinge", 50, true, 2},
-    {"bridge-hinge", 200, true, 0.5},
-    {"bridge-balls", 10, false, 0},
-    {"bridge-balls", 50, false, 2},
-    {"bridge-balls", 200, false, 0.5},
-    {"bridge-balls", 50, true, 2},
-    {"bridge-balls", 200, true, 0.5},
-    {"net-flag", 5, false, 0},
-    {"net-flag", 10, false, 2},
-    {"net-flag", 20, false, 0.5},
-    {"net-flag", 40, false, 0.25},
-    {"net-corners", 5, false, 0},
-    {"net-corners", 10, false, 2},
-    {"net-corners", 20, false, 0.5},
-    {"net-corners", 40, false, 0.25},
+    {"pendulum-ball", 1, "", 0},
+    {"pendulum-ball", 2, "", 0},
+    {"pendulum-hinge", 2, "", 0},
+    {"chain", 10, "", 0},
+    {"chain", 100, "", 2},
+    {"chain", 1000, "", 0.5},
+    {"chain-heavy", 10, "", 0},
+    {"chain-heavy", 100, "", 2},
+    {"chain-heavy", 1000, "", 0.5},
+    {"bridge-hinge", 10, "", 0},
+    {"bridge-hinge", 50, "", 2},
+    {"bridge-hinge", 200, "", 0.5},
+    {"bridge-hinge", 1000, "", 0.25},
+    {"bridge-hinge", 50, "truck", 2},
+    {"bridge-hinge", 200, "truck", 0.5},
+    {"bridge-balls", 10, "", 0},
+    {"bridge-balls", 50, "", 2},
+    {"bridge-balls", 200, "", 0.5},
+    {"bridge-balls", 50, "truck", 2},
+    {"bridge-balls", 200, "truck", 0.5},
+    {"net-flag", 5, "", 0},
+    {"net-flag", 10, "", 2},
+    {"net-flag", 20, "", 0.5},
+    {"net-flag", 40, "", 0.25},
+    {"net-corners", 5, "", 0},
+    {"net-corners", 10, "", 2},
+    {"net-corners", 20, "", 0.5},
+    {"net-corners", 40, "", 0.25},
 };
 const std::vector<SceneSize> kQuick = {
-    {"pendulum-ball", 2, false, 2},  {"chain", 10, false, 1},        {"chain", 100, false, 0.5},
-    {"bridge-hinge", 10, false, 1},  {"bridge-balls", 10, false, 1}, {"net-flag", 5, false, 1},
-    {"net-corners", 10, false, 0.5},
+    {"pendulum-ball", 2, "", 2},  {"chain", 10, "", 1},        {"chain", 100, "", 0.5},
+    {"bridge-hinge", 10, "", 1},  {"bridge-balls", 10, "", 1}, {"net-flag", 5, "", 1},
+    {"net-corners", 10, "", 0.5},
 };
+
+const std::vector<SceneSize> kContact = {
+    {"stack", 20, "", 5, BenchQuality::kStands},
+    {"stack", 20, "top_heavy", 5, BenchQuality::kStands},
+    {"card-house", 3, "", 5, BenchQuality::kStands},
+    {"wall", 5, "", 5, BenchQuality::kStands},
+    {"wall", 10, "", 5, BenchQuality::kStands},
+    {"chain-over-cylinder", 24, "", 5, BenchQuality::kStands},
+    {"pile", 30, "", 4, BenchQuality::kRests},
+    {"pile", 100, "", 4, BenchQuality::kRests},
+    {"net-catch", 10, "", 1, BenchQuality::kCarries},
+    {"net-catch", 20, "", 0.8, BenchQuality::kCarries},
+};
+const std::vector<SceneSize> kQuickContact = {{"stack", 10, "", 1, BenchQuality::kStands},
+                                              {"stack", 10, "top_heavy", 1, BenchQuality::kStands},
+                                              {"pile", 10, "", 2, BenchQuality::kRests},
+                                              {"net-catch", 5, "", 0.5, BenchQuality::kCarries}};
 
 // The settings that served each engine best on these scenes, and its plain ones.  60 Hz is the step of most
 // games; what it costs in joint error and energy stands beside the time.
@@ -92,16 +110,59 @@ const std::vector<EngineMethod> kQuickMethods = {
     {"siconos", "moreau", {240}},
 };
 
+// Not all engines are given shapes here; these are.
+const std::vector<EngineMethod> kContactMethods = {
+    {"taut", "rattle", {60, 240, 1000}},
+    {"taut", "implicit", {60}},
+    {"ode", "step:cfm=1e-7", {240, 1000}},
+    {"ode", "step:cfm=1e-7,erp=0.8", {240}},
+    {"ode", "quick:iters=20", {240}},
+    {"ode", "quick:iters=100", {240, 1000}},
+    {"ode", "quick:iters=100,erp=0.8", {1000}},
+    {"bullet", "si:iters=10", {60, 240, 1000}},
+    {"bullet", "si:iters=100", {240, 1000}},
+    {"bullet", "mlcp", {240}},
+    {"bullet", "mlcp:erp=0.8", {240}},
+    {"mujoco", "newton", {240, 1000}},
+    {"mujoco", "newton:stiff=1", {240, 1000}},
+    {"mujoco", "newton:free=1,stiff=1", {240, 1000}},
+    {"mujoco", "newton:stiff=1,elliptic=1", {1000}},
+    {"mujoco", "newton:stiff=1,noslip=10", {1000}},
+    {"mujoco", "cg:stiff=1", {240}},
+};
+const std::vector<EngineMethod> kQuickContactMethods = {
+    {"taut", "rattle", {240}},
+    {"ode", "quick:iters=100", {240}},
+    {"bullet", "si:iters=10", {240}},
+    {"mujoco", "newton:stiff=1", {240}},
+};
+
 constexpr double kFullLimit = 20, kQuickLimit = 1;  ///< [s]
 
 }  // namespace
 
-std::string BenchRun::scene_label() const { return WorkRun{scene, n, truck}.label(); }
+std::string BenchRun::scene_label() const { return WorkRun{scene, n, with}.label(); }
 
-std::string WorkRun::label() const { return scene + ' ' + std::to_string(n) + (truck ? " truck" : ""); }
+std::string WorkRun::label() const {
+  return scene + ' ' + std::to_string(n) + (with.empty() ? "" : ' ' + with);
+}
 
 std::string BenchRun::engine_label() const {
   return engine + ' ' + method + ", " + std::to_string(static_cast<int>(rate)) + " Hz";
+}
+
+std::string name_of(BenchQuality quality) {
+  switch (quality) {
+    case BenchQuality::kJoints:
+      return "joints";
+    case BenchQuality::kCarries:
+      return "carries";
+    case BenchQuality::kRests:
+      return "rests";
+    case BenchQuality::kStands:
+      return "stands";
+  }
+  return "";
 }
 
 BenchRun reference_of(const BenchRun& run) {
@@ -115,12 +176,16 @@ BenchRun reference_of(const BenchRun& run) {
 
 std::vector<BenchRun> bench_plan(bool quick, const std::vector<std::string>& engines) {
   std::vector<BenchRun> plan;
-  for (const SceneSize& s : quick ? kQuick : kFull)
-    for (const EngineMethod& m : quick ? kQuickMethods : kMethods)
-      for (double rate : m.rates)
-        if (std::find(engines.begin(), engines.end(), m.engine) != engines.end())
-          plan.push_back(
-              {s.scene, s.n, s.truck, m.engine, m.method, rate, s.time, quick ? kQuickLimit : kFullLimit});
+  const auto add = [&](const std::vector<SceneSize>& scenes, const std::vector<EngineMethod>& methods) {
+    for (const SceneSize& s : scenes)
+      for (const EngineMethod& m : methods)
+        for (double rate : m.rates)
+          if (std::find(engines.begin(), engines.end(), m.engine) != engines.end())
+            plan.push_back({s.scene, s.n, s.with, m.engine, m.method, rate, s.time,
+                            quick ? kQuickLimit : kFullLimit, s.quality});
+  };
+  add(quick ? kQuick : kFull, quick ? kQuickMethods : kMethods);
+  add(quick ? kQuickContact : kContact, quick ? kQuickContactMethods : kContactMethods);
   return plan;
 }
 
@@ -138,9 +203,9 @@ std::vector<WorkRun> work_plan(WorkSizes sizes) {
   std::vector<WorkRun> plan;
   for (const auto& [scene, numbers] : families) {
     const bool bridge = std::string(scene).starts_with("bridge");
-    for (const bool truck : {false, true})
+    for (const char* with : {"", "truck"})
       for (const int n : numbers)
-        if (!truck || bridge) plan.push_back({scene, n, truck});
+        if (!*with || bridge) plan.push_back({scene, n, with});
   }
   return plan;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "scenes/bench_plan.h"
 #include "scenes/format.h"
 #include "scenes/work_report.h"
 
@@ -16,10 +17,12 @@ using Json = nlohmann::ordered_json;
 
 // What counts as a simulation in the comparison: energy within a tenth, for at least this long.
 constexpr double kMaxDrift = 0.1, kMinTime = 0.2;
+// With contact: half of the time that is asked for; what stands has fallen where a body has gone so far [m],
+// and bodies have passed through each other where they were in each other by so much [m].
+constexpr double kMinShare = 0.5, kFallen = 0.05, kPassed = 0.1;
 
 std::string label_of(const Json& run) {
-  return run.at("scene").get<std::string>() + ' ' + std::to_string(run.at("n").get<int>()) +
-         (run.value("truck", false) ? " truck" : "");
+  return WorkRun{run.at("scene"), run.at("n"), run.value("with", "")}.label();
 }
 std::string method_of(const Json& run) {
   return run.at("engine").get<std::string>() + ' ' + run.at("method").get<std::string>() +
@@ -36,11 +39,34 @@ bool moved(const Json& run) {
   return run.contains("cpu_per_simulated_s") && run.contains("max_joint_error_m");
 }
 
-/// Whether it is a simulation with joints within `error`.
+std::string quality_of(const Json& run) { return run.value("quality", name_of(BenchQuality::kJoints)); }
+bool is(const Json& run, BenchQuality quality) { return quality_of(run) == name_of(quality); }
+bool has_contact(const Json& run) { return !is(run, BenchQuality::kJoints); }
+double number(const Json& run, const char* key) { return run.at(key).get<double>(); }
+
+/// The largest of what must not be (BenchQuality).
+double error_of(const Json& run) {
+  double error = joint_error(run);
+  if (is(run, BenchQuality::kRests) || is(run, BenchQuality::kStands))
+    error = std::max(error, number(run, "final_penetration_m"));
+  return is(run, BenchQuality::kStands) ? std::max(error, number(run, "creep_m")) : error;
+}
+
+/// Whether nothing fell that stands, or passed through anything, and enough was seen of it; contact takes
+/// energy, but must not give any.
+bool is_sound_contact(const Json& run) {
+  return !(is(run, BenchQuality::kStands) && number(run, "max_motion_m") > kFallen) &&
+         number(run, "max_penetration_m") <= kPassed && number(run, "max_energy_gain_rel") <= kMaxDrift &&
+         number(run, "simulated_time_s") >= kMinShare * number(run, "duration_s");
+}
+
+/// Whether it is a simulation with that error at most.
 bool holds(const Json& run, double error) {
   const std::string status = status_of(run);
-  return moved(run) && (status == "success" || status == "time limit") && joint_error(run) <= error &&
-         run.at("energy_drift_rel") <= kMaxDrift &&
+  if (!moved(run) || (status != "success" && status != "time limit") || !(error_of(run) <= error))
+    return false;
+  if (has_contact(run)) return is_sound_contact(run);
+  return run.at("energy_drift_rel") <= kMaxDrift &&
          run.at("simulated_time_s") >= std::min(kMinTime, 0.99 * run.at("duration_s").get<double>());
 }
 
@@ -54,55 +80,76 @@ const Json* fastest(const std::vector<const Json*>& runs, Accept&& accept) {
 
 std::string cell(const Json* run) {
   if (!run) return "none";
-  std::string text = method_of(*run) + format(": %.3g s/s, joint %.0e, drift %.0e", cost(*run),
-                                              joint_error(*run), run->at("energy_drift_rel").get<double>());
+  std::string text = method_of(*run) + format(": %.3g s/s, ", cost(*run));
+  if (!has_contact(*run))
+    text += format("joint %.0e, drift %.0e", joint_error(*run), number(*run, "energy_drift_rel"));
+  else
+    text += format("error %.0e", error_of(*run));
   if (status_of(*run) == "time limit")
     text += format(" (first %.2g s)", run->at("simulated_time_s").get<double>());
   return text;
 }
 
+/// What runs are compared by: of scenes with contact, or of those without.
+struct Kind {
+  bool contact;
+  const char* error;          ///< its name
+  double taut, fine, coarse;  ///< bounds of error_of()
+};
+constexpr Kind kJoints{false, "joints", 1e-9, 1e-6, 1e-3}, kContacts{true, "error", 1e-5, 1e-5, 1e-3};
+
+using Runs = std::vector<const Json*>;
+
 /// Runs by scene, in the order of the results.
-std::vector<std::pair<std::string, std::vector<const Json*>>> by_scene(const BenchResults& results) {
-  std::vector<std::pair<std::string, std::vector<const Json*>>> scenes;
+std::vector<std::pair<std::string, Runs>> by_scene(const BenchResults& results) {
+  std::vector<std::pair<std::string, Runs>> scenes;
   for (const Json& run : results.at("runs")) {
     if (scenes.empty() || scenes.back().first != label_of(run)) scenes.push_back({label_of(run), {}});
     scenes.back().second.push_back(&run);
   }
   return scenes;
 }
-
-struct Best {
-  const Json *taut, *peer_micro, *peer_milli;
-};
-Best best_of(const std::vector<const Json*>& runs) {
-  return {fastest(runs, [](const Json& r) { return is_taut(r) && holds(r, 1e-9); }),
-          fastest(runs, [](const Json& r) { return !is_taut(r) && holds(r, 1e-6); }),
-          fastest(runs, [](const Json& r) { return !is_taut(r) && holds(r, 1e-3); })};
+std::vector<std::pair<std::string, Runs>> by_scene(const BenchResults& results, const Kind& kind) {
+  auto scenes = by_scene(results);
+  std::erase_if(scenes,
+                [&](const auto& scene) { return has_contact(*scene.second.front()) != kind.contact; });
+  return scenes;
 }
 
-std::string best_table(const BenchResults& results) {
+struct Best {
+  const Json *taut, *peer_fine, *peer_coarse;
+};
+Best best_of(const Runs& runs, const Kind& kind) {
+  return {fastest(runs,
+                  [&](const Json& r) { return is_taut(r) && holds(r, kind.taut) && joint_error(r) <= 1e-9; }),
+          fastest(runs, [&](const Json& r) { return !is_taut(r) && holds(r, kind.fine); }),
+          fastest(runs, [&](const Json& r) { return !is_taut(r) && holds(r, kind.coarse); })};
+}
+
+std::string best_table(const BenchResults& results, const Kind& kind) {
   std::string text =
-      "| scene | taut, joints ≤ 1e-9 | best peer, joints ≤ 1e-6 | best peer, joints ≤ 1e-3 "
-      "|\n|---|---|---|---|\n";
-  for (const auto& [scene, runs] : by_scene(results)) {
-    const Best best = best_of(runs);
-    text += "| " + scene + " | " + cell(best.taut) + " | " + cell(best.peer_micro) + " | " +
-            cell(best.peer_milli) + " |\n";
+      format("| scene | taut, %s ≤ %.0e | best peer, %s ≤ %.0e | best peer, %s ≤ %.0e |\n|---|---|---|---|\n",
+             kind.error, kind.taut, kind.error, kind.fine, kind.error, kind.coarse);
+  for (const auto& [scene, runs] : by_scene(results, kind)) {
+    const Best best = best_of(runs, kind);
+    text += "| " + scene + " | " + cell(best.taut) + " | " + cell(best.peer_fine) + " | " +
+            cell(best.peer_coarse) + " |\n";
   }
   return text;
 }
 
-std::string ahead_list(const BenchResults& results) {
+std::string ahead_list(const BenchResults& results, const Kind& kind) {
   std::string text;
-  for (const auto& [scene, runs] : by_scene(results)) {
-    const Best best = best_of(runs);
+  for (const auto& [scene, runs] : by_scene(results, kind)) {
+    const Best best = best_of(runs, kind);
     if (!best.taut) {
       text += "- " + scene + ": taut has no run that counts.\n";
       continue;
     }
-    for (const auto& [peer, error] : {std::pair(best.peer_micro, "1e-6"), std::pair(best.peer_milli, "1e-3")})
+    for (const auto& [peer, error] :
+         {std::pair(best.peer_fine, kind.fine), std::pair(best.peer_coarse, kind.coarse)})
       if (peer && cost(*peer) < cost(*best.taut))
-        text += "- " + scene + ", joints ≤ " + error + ": " + method_of(*peer) +
+        text += "- " + scene + format(", %s ≤ %.0e: ", kind.error, error) + method_of(*peer) +
                 format(" takes %.2g of taut's time (%.3g against %.3g s/s).\n",
                        cost(*peer) / cost(*best.taut), cost(*peer), cost(*best.taut));
   }
@@ -114,7 +161,8 @@ std::map<std::pair<std::string, std::string>, std::vector<std::pair<double, doub
     const BenchResults& results) {
   std::map<std::pair<std::string, std::string>, std::vector<std::pair<double, double>>> curves;
   for (const Json& run : results.at("runs")) {
-    if (!moved(run) || run.value("truck", false) || run.at("cpu_per_step_s") <= 0) continue;
+    if (!moved(run) || has_contact(run) || !run.value("with", "").empty() || run.at("cpu_per_step_s") <= 0)
+      continue;
     curves[{run.at("scene"), method_of(run)}].emplace_back(run.at("rows"), run.at("cpu_per_step_s"));
   }
   for (auto& [key, points] : curves) std::sort(points.begin(), points.end());
@@ -143,6 +191,7 @@ std::string run_table(const BenchResults& results) {
       "memory "
       "[MB] |\n|---|---|---|---|---|---|---|---|---|---|\n";
   for (const Json& run : results.at("runs")) {
+    if (has_contact(run)) continue;
     text += "| " + label_of(run) + " | " + method_of(run) + " | " + status_of(run);
     if (run.contains("message")) text += ": " + run.at("message").get<std::string>().substr(0, 60);
     if (!moved(run)) {
@@ -157,6 +206,49 @@ std::string run_table(const BenchResults& results) {
             format(" | %.0f |\n", run.value("peak_memory_mb", 0.0));
   }
   return text;
+}
+
+std::string contact_run_table(const BenchResults& results) {
+  std::string text =
+      "| scene | method | status | simulated [s] | CPU s/s | joint error | moved by [m] | creep [m] | "
+      "penetration, most [m] | at the end | energy won |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const Json& run : results.at("runs")) {
+    if (!has_contact(run)) continue;
+    text += "| " + label_of(run) + " | " + method_of(run) + " | " + status_of(run);
+    if (run.contains("message")) text += ": " + run.at("message").get<std::string>().substr(0, 60);
+    text += !moved(run) ? " | | | | | | | | |\n"
+                        : format(" | %.3g | %.3g | %.1e | %.1e | %.1e | %.1e | %.1e | %.1e |\n",
+                                 number(run, "simulated_time_s"), cost(run), joint_error(run),
+                                 number(run, "max_motion_m"), number(run, "creep_m"),
+                                 number(run, "max_penetration_m"), number(run, "final_penetration_m"),
+                                 number(run, "max_energy_gain_rel"));
+  }
+  return text;
+}
+
+/// What the tables of scenes with contact say.
+std::string contact_section(const BenchResults& results) {
+  if (by_scene(results, kContacts).empty()) return "";
+  return R"(## Contact
+
+Error: of joints; where bodies come to rest (pile) or stand (stack, wall, card-house, chain-over-cylinder) also how deep
+they are in each other at the end, and of what stands how far the centre of one went in the second half of the run
+(creep).  Runs do not count that cover less than half of the time, win a tenth of the energy that the scene can turn
+over, let what stands move by more than 0.05 m from its start, or bodies be in each other by more than 0.1 m.  All
+lengths are measured from the poses, in one way for all engines.  Only taut is given the compliance of materials; Bullet
+is given no friction of rolling and spinning.  In a wall one end brick of every row but the lowest balances on an edge, so
+that the least error throws it off.
+
+)" + best_table(results, kContacts) +
+         "\n### Where a peer is ahead\n\n" + ahead_list(results, kContacts) +
+         "\n### All runs with contact\n\n" + contact_run_table(results) + '\n';
+}
+
+/// What the tables of scenes of joints say.
+std::string joint_section(const BenchResults& results) {
+  if (by_scene(results, kJoints).empty()) return "";
+  return "## Best of each\n\n" + best_table(results, kJoints) + "\n## Where a peer is ahead\n\n" +
+         ahead_list(results, kJoints) + "\n## Growth with size\n\n" + growth_table(results) + '\n';
 }
 
 }  // namespace
@@ -179,11 +271,11 @@ std::string bench_page(const BenchResults& results, const std::string& command) 
       "poses, in m or rad.  Drift: relative to the\nenergy that the scene can turn over.  Probe: distance of "
       "one "
       "body at 0.5 s from a converged run.  Runs that cover less than "
-      "0.2 s, or\nwith a drift above 10 %, do not count as best.  \"time limit\": the run was cut there.\n\n"
-      "## Best of each\n\n" +
-      best_table(results) + "\n## Where a peer is ahead\n\n" + ahead_list(results) +
-      "\n## Growth with size\n\n" + growth_table(results) + "\n" + work_tables(results) +
-      "\n## All runs\n\n" + run_table(results);
+      "0.2 s, or\nwith a drift above 10 %, do not count as best.  \"time limit\": the run was cut "
+      "there.\n\n" +
+      joint_section(results) + contact_section(results);
+  if (!results.at("profiles").empty()) text += work_tables(results);
+  if (!by_scene(results, kJoints).empty()) text += "\n## All runs\n\n" + run_table(results);
   return text;
 }
 
@@ -196,7 +288,7 @@ std::string bench_plots(const BenchResults& results, const std::string& folder) 
     std::map<std::string, std::string> series;
     for (const Json* run : runs)
       if (moved(*run) && status_of(*run) != "diverged")
-        series[run->at("engine")] += format("%.9g %.9g\n", cost(*run), std::max(joint_error(*run), 1e-16));
+        series[run->at("engine")] += format("%.9g %.9g\n", cost(*run), std::max(error_of(*run), 1e-16));
     if (series.empty()) continue;
     std::string file = scene, blocks, plot;
     std::replace(file.begin(), file.end(), ' ', '-');
@@ -207,10 +299,10 @@ std::string bench_plots(const BenchResults& results, const std::string& folder) 
           (plot.empty() ? "plot " : ", ") + format("$D%d with points pt 7 title '%s'", index, engine.c_str());
       ++index;
     }
-    script += blocks + "set output '" + folder + "/pareto-" + file + ".svg'\nset title '" + scene +
-              "'\nset xlabel 'processor time per simulated second [s]'\nset ylabel 'largest joint error [m "
-              "or rad]'\n" +
-              plot + '\n';
+    script +=
+        blocks + "set output '" + folder + "/pareto-" + file + ".svg'\nset title '" + scene +
+        "'\nset xlabel 'processor time per simulated second [s]'\nset ylabel 'largest error [m or rad]'\n" +
+        plot + '\n';
   }
   std::map<std::string, std::string> plots;
   int index = 0;
@@ -243,7 +335,8 @@ BenchComparison compare_bench(const BenchResults& now, const BenchResults& then,
     const double ratio = moved(run) ? cost(run) / cost(*old->second) : INFINITY;
     // A run that loses the promise of closed joints is worth no time at all.
     const bool opened = moved(run) && joint_error(*old->second) <= 1e-9 && joint_error(run) > 1e-9;
-    const bool worse = ratio > factor || opened || (holds(*old->second, 1e-9) && !holds(run, 1e-9));
+    const double bound = has_contact(run) ? kContacts.taut : kJoints.taut;
+    const bool worse = ratio > factor || opened || (holds(*old->second, bound) && !holds(run, bound));
     if (worse) result.worse.push_back(i);
     result.text += format("%-60s %8.3g -> %8.3g s/s  x %.2f%s\n", key.c_str(), cost(*old->second),
                           moved(run) ? cost(run) : NAN, ratio, worse ? "  WORSE" : "");

@@ -6,16 +6,18 @@
 
 namespace taut {
 
-/// Results of `taut bench` (schema taut-bench/1): "machine", "quick", "engines", "runs", "profiles".
+/// Results of `taut bench`: "schema", "machine", "quick", "engines", "runs", "profiles".
 using BenchResults = nlohmann::ordered_json;
+constexpr const char* kBenchSchema = "taut-bench/2";
 
 /// Processor, cores, memory, compiler, BLAS, load.
 nlohmann::ordered_json machine_description();
 
-/// The page for reading: best peer per scene, where a peer is ahead, growth with size, shares, all runs.
+/// The page for reading: best peer per scene with and without contact, where a peer is ahead, growth with
+/// size, shares, all runs.
 std::string bench_page(const BenchResults& results, const std::string& command);
 
-/// A gnuplot script that draws joint error against time, one picture per scene, and time against size.
+/// A gnuplot script that draws errors against time, one picture per scene, and time against size.
 /// @param folder for the pictures
 std::string bench_plots(const BenchResults& results, const std::string& folder);
 

@@ -8,11 +8,11 @@
 namespace taut {
 namespace {
 
-constexpr std::size_t kShownJoints = 4;
+constexpr std::size_t kShown = 4;
 
 /// "hinge elbow, ball tip and 3 more"
 std::string names_of(const World& world, const std::vector<JointId>& joints) {
-  return first_of(joints, kShownJoints, [&](JointId joint) {
+  return first_of(joints, kShown, [&](JointId joint) {
     return std::string(world.joint(joint).type()) + " " + world.name(joint);
   });
 }
@@ -22,7 +22,7 @@ std::string fast_springs(const World& world, const Settings& settings, double dt
   if (settings.integrator == Integrator::kRattle || settings.integrator == Integrator::kMoreauJean) return {};
   const std::vector<SpringFrequency> springs = too_fast_springs(world, dt);
   if (springs.empty()) return {};
-  const std::string names = first_of(springs, kShownJoints, [&](const SpringFrequency& fast) {
+  const std::string names = first_of(springs, kShown, [&](const SpringFrequency& fast) {
     const LineSpring& spring = *world.force(fast.spring).spring();
     return format("%s to %s (%.3g)", world.name(spring.a).c_str(), world.name(spring.b).c_str(),
                   fast.omega * dt);
@@ -31,6 +31,16 @@ std::string fast_springs(const World& world, const Settings& settings, double dt
          name_of(settings.integrator, kIntegratorNames) +
          "\", which takes them explicitly, as omega dt exceeds 2, and will gain energy: " + names +
          "; \"rattle\" and \"moreau-jean\" do not";
+}
+
+/// A sentence on bodies that start in each other, or none.
+std::string overlaps(const World& world) {
+  const std::vector<StartOverlap> found = start_overlaps(world);
+  if (found.empty()) return {};
+  return format("bodies are in each other at the start, by up to %.3g m: ", found.front().depth) +
+         first_of(found, kShown, [&](const StartOverlap& overlap) {
+           return world.name(overlap.a) + " and " + world.name(overlap.b) + format(" (%.3g)", overlap.depth);
+         });
 }
 
 }  // namespace
@@ -49,6 +59,7 @@ std::vector<std::string> start_warnings(const World& world, const Settings& sett
         format("bodies are so far from the origin that positions are multiples of %.2g m, which is "
                "more than position_tolerance, %.2g m: joints may not close",
                spacing, settings.position_tolerance));
+  if (const std::string deep = overlaps(world); !deep.empty()) warnings.push_back(deep);
   if (const std::string springs = fast_springs(world, settings, dt); !springs.empty())
     warnings.push_back(springs);
   return warnings;

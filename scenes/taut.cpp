@@ -151,6 +151,7 @@ void add_bench(CLI::App& app, taut::BenchOptions& options) {
   bench.add_flag(
       "--work", options.work,
       "taut alone, nets, bridges, chains and grids of all sizes: stages, fill, operations, memory");
+  bench.add_flag("--contact", options.contact, "only the scenes with contact, in all engines");
   bench.add_option("--only", options.only, "scenes, or benchmark programs, with this in their name");
   bench
       .add_option("--results", options.results,

@@ -11,8 +11,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Points = std::vector<std::pair<double, double>>;
 
+std::string with_of(const Json& profile, const char* before) {
+  const std::string with = profile.value("with", "");
+  return with.empty() ? with : before + with;
+}
 std::string family_of(const Json& profile) {
-  return profile.at("scene").get<std::string>() + (profile.value("truck", false) ? " with truck" : "");
+  return profile.at("scene").get<std::string>() + with_of(profile, " with ");
 }
 /// Not a number where JSON could not say it.
 double number(const Json& profile, const char* key) {
@@ -30,7 +34,7 @@ std::string stage_shares(const Json& stages) {
 
 std::string row_of(const Json& p) {
   const std::string name = "| " + p.at("scene").get<std::string>() +
-                           format(" %d%s | ", p.at("n").get<int>(), p.value("truck", false) ? " truck" : "");
+                           format(" %d%s | ", p.at("n").get<int>(), with_of(p, " ").c_str());
   if (!is_whole(p)) return name + "| " + p.value("failed", "no result") + " | | | | | | | | | | |\n";
   return name +
          format("%d | %.3g ms | %.2g | ", p.at("rows").get<int>(), 1e3 * number(p, "step_time_s"),

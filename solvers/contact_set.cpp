@@ -1,6 +1,7 @@
 #include "solvers/contact_set.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -9,10 +10,12 @@
 namespace taut {
 namespace {
 
-/// Finds after which an unused place may be given up.
 /// A contact is where one was before if in either body it is no further from it than this [m].
 constexpr double kSamePoint = 1e-4;
+/// Finds after which an unused place may be given up.
 constexpr int kKept = 200;
+/// Shapes that are parted are out of each other at this depth [m].
+constexpr double kOut = 1e-6;
 /// Tangents follow the slip above this speed [m/s].
 constexpr double kSlipSpeed = 1e-6;
 
@@ -61,7 +64,28 @@ row_parts::ContactFrame frame_of(const Vec3& n, const Vec3& slip, const Vec3& la
   return frame;
 }
 
+/// What a spring may be pressed at the start: a hundred times the smaller body's weight.
+double overlap_bound(const World& world, const Contact& contact) {
+  constexpr double kWeights = 100;
+  double mass = std::numeric_limits<double>::infinity();
+  for (const BodyId body : {contact.A, contact.B})
+    if (world.moves(body)) mass = std::min(mass, world.mass_properties(body).mass());
+  const double compliance = world.contact_material(contact.a, contact.b).compliance;
+  return overlap_depth(world, contact) + kWeights * compliance * mass * world.gravity().norm();
+}
+
 }  // namespace
+
+double overlap_depth(const World& world, const Contact& contact) {
+  constexpr double kPart = 0.01;
+  double size = std::numeric_limits<double>::infinity();
+  for (const BodyId body : {contact.A, contact.B}) {
+    if (!world.moves(body)) continue;
+    const MassProperties& mass = world.mass_properties(body);
+    size = std::min(size, std::sqrt(mass.principal_moments().maxCoeff() / mass.mass()));
+  }
+  return kPart * size;
+}
 
 ContactSet::ContactSet(const World& world, const ContactSettings& settings)
     : empty_(!can_touch(world)), finder_(settings) {}
@@ -72,7 +96,10 @@ std::vector<Rows::ContactPlace> ContactSet::rows() const {
   return rows;
 }
 
-void ContactSet::undo() { std::copy(before_.begin(), before_.end(), places_.begin()); }
+void ContactSet::undo() {
+  std::copy(before_.begin(), before_.end(), places_.begin());
+  parts_ = true;
+}
 
 bool ContactSet::find(const World& world, const State& state, double horizon) {
   const std::vector<Contact>& contacts = finder_.find(world, state, horizon);
@@ -80,6 +107,7 @@ bool ContactSet::find(const World& world, const State& state, double horizon) {
   contacts_before_.clear();
   for (const Place& place : places_) contacts_before_.push_back(place.contact);
   match(world, contacts);
+  part_overlaps(world, contacts);
   const bool missing =
       std::any_of(place_of_contact_.begin(), place_of_contact_.end(), [](int place) { return place < 0; });
   if (missing) {
@@ -96,7 +124,8 @@ bool ContactSet::find(const World& world, const State& state, double horizon) {
       moved_.push_back(-1);
     }
   }
-  for (std::size_t c = 0; c < contacts.size(); ++c) fill(place_of_contact_[c], contacts[c], world, state);
+  for (std::size_t c = 0; c < contacts.size(); ++c)
+    fill(place_of_contact_[c], contacts[c], parted_[c], world, state);
   if (missing) rebuild();
   return missing;
 }
@@ -154,6 +183,34 @@ void ContactSet::match(const World& world, const std::vector<Contact>& contacts)
   }
 }
 
+/// Shapes that are found in each other without having touched before, as at the start, are parted as rigid
+/// ones, slowly, until they are out: a spring would throw them by 2/h of that depth, and so would those of
+/// others that they are pressed into meanwhile.  The impulse that took them out is none of a spring's, so
+/// that they are rigid at the find after it, too.
+void ContactSet::part_overlaps(const World& world, const std::vector<Contact>& contacts) {
+  parted_.assign(contacts.size(), 0);
+  parting_.assign(world.body_count(), 0);
+  const auto same_pair = [](const auto& x, const auto& y) { return x.a == y.a && x.b == y.b; };
+  for (auto first = contacts.begin(), last = first; first != contacts.end(); first = last) {
+    last = std::find_if(first, contacts.end(), [&](const Contact& c) { return !same_pair(c, *first); });
+    const double depth =
+        -std::min_element(first, last, [](const Contact& x, const Contact& y) { return x.gap < y.gap; })->gap;
+    if (!(depth > kOut) && !parts_) continue;
+    auto key = std::lower_bound(keys_.begin(), keys_.end(), *first, [](const Key& x, const Contact& y) {
+      return std::tie(x.a, x.b) < std::tie(y.a, y.b);
+    });
+    bool parted = (key == keys_.end() || !same_pair(*key, *first)) && depth > overlap_bound(world, *first);
+    for (; key != keys_.end() && same_pair(*key, *first); ++key) {
+      const Place& before = places_[key->place];
+      parted |= before.parted && std::max(depth, -before.contact.gap) > kOut;
+    }
+    if (!parted) continue;
+    std::fill(parted_.begin() + (first - contacts.begin()), parted_.begin() + (last - contacts.begin()), 1);
+    for (const BodyId body : {first->A, first->B}) parting_[body.index] = world.moves(body);
+  }
+  parts_ = std::find(parted_.begin(), parted_.end(), 1) != parted_.end();
+}
+
 int ContactSet::free_place(const Rows::ContactPlace& at) const {
   auto it = std::lower_bound(by_pair_.begin(), by_pair_.end(), at, [](const auto& entry, const auto& wanted) {
     return order_of(entry.first) < order_of(wanted);
@@ -174,6 +231,7 @@ ContactSet::Heritage ContactSet::inherit(ContactSet& old, const World& world) {
     (moves ? places_ : resting_).push_back(place);
     (moves ? from.places : from.resting).push_back(k);
   }
+  parts_ = true;
   before_ = places_;
   origin_.resize(places_.size());
   std::iota(origin_.begin(), origin_.end(), 0);
@@ -204,7 +262,8 @@ void ContactSet::rebuild() {
   });
 }
 
-void ContactSet::fill(int index, const Contact& contact, const World& world, const State& state) {
+void ContactSet::fill(int index, const Contact& contact, bool parted, const World& world,
+                      const State& state) {
   Place& place = places_[index];
   const Pose &A = state.poses[place.at.a], &B = state.poses[place.at.b];
   const Twist &V_A = state.twists[place.at.a], &V_B = state.twists[place.at.b];
@@ -214,6 +273,8 @@ void ContactSet::fill(int index, const Contact& contact, const World& world, con
   place.contact = contact;
   place.unused = 0;
   place.material = world.contact_material(contact.a, contact.b);
+  place.parted = parted;
+  if (parting_[place.at.a] || parting_[place.at.b]) place.material.compliance = 0;
   place.point.p_AP = contact.p_AP;
   place.point.p_BQ = contact.p_BQ;
   place.point.frame = frame_of(contact.normal, place.slip, place.point.frame.t1);

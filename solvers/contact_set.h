@@ -9,6 +9,10 @@
 
 namespace taut {
 
+/// A hundredth of the radius of gyration of the smaller of its bodies [m]: what is deeper when bodies meet is
+/// an overlap, and no round-off of where they were put.
+double overlap_depth(const World& world, const Contact& contact);
+
 /// The contacts of a world as places of the constraint system.  A place belongs to a pair of bodies and is
 /// kept for a while after its contact has gone, so that a scene that has settled keeps its pattern: contacts
 /// of the same two bodies take over each other's places.  (solvers/README, "Contacts")
@@ -19,7 +23,8 @@ class ContactSet {
     bool active = false;
     int unused = 0;                   ///< finds since it was last active
     Contact contact;                  ///< the present one, or the last
-    Material material;                ///< of the pair
+    Material material;                ///< of the pair; rigid while one of its bodies is parted from any
+    bool parted = false;              ///< its bodies were in each other when they met
     row_parts::ContactPoint point{};  ///< its rows
     Vec3 slip = Vec3::Zero();         ///< of B along A at the last find() [m/s]
   };
@@ -63,9 +68,10 @@ class ContactSet {
     int place;
   };
   void match(const World& world, const std::vector<Contact>& contacts);
+  void part_overlaps(const World& world, const std::vector<Contact>& contacts);
   int free_place(const Rows::ContactPlace& at) const;
   void rebuild();
-  void fill(int place, const Contact& contact, const World& world, const State& state);
+  void fill(int place, const Contact& contact, bool parted, const World& world, const State& state);
 
   bool empty_ = true;
   ContactFinder finder_;
@@ -75,6 +81,9 @@ class ContactSet {
   std::vector<Key> keys_;
   std::vector<std::pair<Rows::ContactPlace, int>> by_pair_;  // sorted
   std::vector<int> place_of_contact_;
+  std::vector<char> parted_;   // by contact
+  std::vector<char> parting_;  // bodies that have such a contact
+  bool parts_ = false;         // one of them has, or may have, as of the last find
 };
 
 }  // namespace taut

@@ -56,6 +56,9 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
   double off = contact_solver_.distance(stage(lambda), rate_tolerance);
   // Newton is as fast through the bodies.
   if (off > kNear || (system_.through_bodies() && off > (rubs() ? 0 : kHeld))) return false;
+  // Sweeps bring impulses through contacts, but hardly along chains of joints.
+  const int joint_rows = system_.rows().first_contact_row();
+  if (off > kHeld && 2 * joint_rows > system_.row_count()) return false;
   if (rubs() && !contact_solver_.newton().holds_joints(laws_, w_, rate_tolerance)) return false;
   if (off > kHeld) {
     held_.assign(lambda.begin(), lambda.end());

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
+#include "collision/contact_finder.h"
 #include "solvers/constraint_system.h"
+#include "solvers/contact_set.h"
 
 namespace taut {
 namespace {
@@ -119,6 +122,21 @@ std::vector<SpringFrequency> too_fast_springs(const World& world, double h) {
       found.push_back({id, omega});
   std::stable_sort(found.begin(), found.end(),
                    [](const SpringFrequency& a, const SpringFrequency& b) { return a.omega > b.omega; });
+  return found;
+}
+
+std::vector<StartOverlap> start_overlaps(const World& world) {
+  std::map<std::pair<int, int>, double> depths;
+  ContactFinder finder({.margin = 0, .threads = 1});
+  for (const Contact& contact : finder.find(world)) {
+    if (!(-contact.gap > overlap_depth(world, contact))) continue;
+    double& depth = depths[{contact.A.index, contact.B.index}];
+    depth = std::max(depth, -contact.gap);
+  }
+  std::vector<StartOverlap> found;
+  for (const auto& [pair, depth] : depths) found.push_back({{pair.first}, {pair.second}, depth});
+  std::stable_sort(found.begin(), found.end(),
+                   [](const StartOverlap& a, const StartOverlap& b) { return a.depth > b.depth; });
   return found;
 }
 

@@ -28,6 +28,15 @@ struct SpringFrequency {
 /// from them without end.
 std::vector<SpringFrequency> too_fast_springs(const World& world, double h);
 
+/// Two bodies that are in each other by `depth` [m], the deepest of their contacts.
+struct StartOverlap {
+  BodyId a, b;
+  double depth = 0;
+};
+/// Those of the present state by more than a hundredth of the radius of gyration of the smaller one, deepest
+/// first.  Steps take them apart at no more than 1 m/s.
+std::vector<StartOverlap> start_overlaps(const World& world);
+
 /// The distance [m] of neighbouring numbers at the coordinate of a body that is farthest from 0: no joint can
 /// be closed much better.
 double coarsest_position(const World& world);

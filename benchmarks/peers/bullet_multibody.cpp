@@ -17,6 +17,7 @@ class BulletMultibody final : public Engine {
       : dt_(dt),
         world_(&dispatcher_, &broad_phase_, &solver_, &configuration_),
         link_of_(system.body_count(), -1) {
+    refuse_contact(system);
     if (!system.loops.empty()) throw Unsupported("a mechanism with loops in reduced coordinates");
     world_.setGravity(vector(system.world->gravity()));
     const int links = static_cast<int>(system.tree.size());

@@ -2,6 +2,8 @@
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 #include <btBulletDynamicsCommon.h>
 
+#include <cmath>
+
 #include "benchmarks/peers/bullet_multibody.h"
 #include "benchmarks/peers/peer.h"
 
@@ -13,6 +15,37 @@ using namespace taut;
 using namespace taut::peers;
 
 btVector3 vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Sizes of shapes with an axis are those of z, as in taut.
+std::unique_ptr<btCollisionShape> shape_of(const Shape& shape) {
+  if (std::holds_alternative<HalfSpace>(shape))
+    return std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0);
+  if (const auto* sphere = std::get_if<Sphere>(&shape))
+    return std::make_unique<btSphereShape>(sphere->radius);
+  if (const auto* box = std::get_if<Box>(&shape))
+    return std::make_unique<btBoxShape>(vector(0.5 * box->size));
+  if (const auto* capsule = std::get_if<Capsule>(&shape))
+    return std::make_unique<btCapsuleShapeZ>(capsule->radius, capsule->length);
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape))
+    return std::make_unique<btCylinderShapeZ>(
+        btVector3(cylinder->radius, cylinder->radius, 0.5 * cylinder->length));
+  throw Unsupported(shape_name(shape));
+}
+
+btTransform transform(const Pose& pose) {
+  return btTransform(btQuaternion(pose.q.x(), pose.q.y(), pose.q.z(), pose.q.w()), vector(pose.p));
+}
+
+/// Asks the World who may touch whom; objects carry the number of their shape.
+struct WorldFilter final : btOverlapFilterCallback {
+  const World* world = nullptr;
+  bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
+    const auto id = [](btBroadphaseProxy* proxy) {
+      return ShapeId{static_cast<const btCollisionObject*>(proxy->m_clientObject)->getUserIndex()};
+    };
+    return id(a).index >= 0 && id(b).index >= 0 && world->may_collide(id(a), id(b));
+  }
+};
 
 class BulletEngine final : public Engine {
  public:
@@ -27,13 +60,20 @@ class BulletEngine final : public Engine {
                                                        &configuration_);
     world_->setGravity(vector(system.world->gravity()));
     world_->getSolverInfo().m_numIterations = static_cast<int>(method.get("iters", 10));
-    world_->getSolverInfo().m_erp = method.get("erp", 0.2);
+    world_->getSolverInfo().m_erp = world_->getSolverInfo().m_erp2 = method.get("erp", 0.2);
+    configuration_.setPlaneConvexMultipointIterations();
+    require_plain_contact(system);
+    filter_.world = system.world;
+    broad_phase_.getOverlappingPairCache()->setOverlapFilterCallback(&filter_);
+    shape_on_.resize(system.body_count());
+    for (int s = 0; s < system.world->shape_count(); ++s) add_shape(*system.world, ShapeId{s});
     for (int b = 0; b < system.body_count(); ++b) add_body(system, b);
     for (const PeerJoint& joint : system.joints) add_joint(system, joint);
   }
   ~BulletEngine() override {
     for (const auto& joint : joints_) world_->removeConstraint(joint.get());
     for (const auto& body : bodies_) world_->removeRigidBody(body.get());
+    for (const auto& body : ground_) world_->removeRigidBody(body.get());
   }
   BulletEngine(const BulletEngine&) = delete;
   BulletEngine& operator=(const BulletEngine&) = delete;
@@ -51,17 +91,48 @@ class BulletEngine final : public Engine {
   }
 
  private:
+  /// Shapes of the ground are objects of their own, since planes fit in no compound.
+  void add_shape(const World& world, ShapeId id) {
+    const ShapeRecord& record = world.shape(id);
+    shapes_.push_back(shape_of(*record.shape));
+    if (record.body != kGround) {
+      if (shape_on_[record.body.index]) throw Unsupported("compound bodies");
+      if (!record.pose.p.isZero()) throw Unsupported("shapes off the centre of mass");
+      if (!record.pose.q.isApprox(Quat::Identity())) {
+        auto turned = std::make_unique<btCompoundShape>();
+        turned->addChildShape(transform(record.pose), shapes_.back().get());
+        shapes_.push_back(std::move(turned));
+      }
+      shape_on_[record.body.index] = {shapes_.back().get(), id};
+      return;
+    }
+    const btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, shapes_.back().get());
+    ground_.push_back(std::make_unique<btRigidBody>(info));
+    ground_.back()->setWorldTransform(transform(record.pose));
+    set_material(*ground_.back(), world, id);
+    world_->addRigidBody(ground_.back().get());
+  }
+  /// Bullet multiplies the coefficients of two bodies.
+  static void set_material(btRigidBody& body, const World& world, ShapeId id) {
+    body.setUserIndex(id.index);
+    body.setFriction(std::sqrt(world.shape(id).material.dynamic_friction));
+  }
   void add_body(const System& system, int b) {
-    const Pose& pose = system.pose(b);
-    const btTransform X(btQuaternion(pose.q.x(), pose.q.y(), pose.q.z(), pose.q.w()), vector(pose.p));
+    const btTransform X = transform(system.pose(b));
+    const ShapeOn& on = shape_on_[b];
     const double mass = b == 0 ? 0 : system.mass(b);
-    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &shape_,
+    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, on ? on.shape : &no_shape_,
                                                   b == 0 ? btVector3(0, 0, 0) : vector(system.moments(b)));
     info.m_startWorldTransform = X;
     info.m_linearDamping = info.m_angularDamping = 0;
     auto body = std::make_unique<btRigidBody>(info);
     body->setActivationState(DISABLE_DEACTIVATION);
-    world_->addRigidBody(body.get(), 0, 0);
+    if (on) {
+      set_material(*body, *system.world, on.id);
+      world_->addRigidBody(body.get());
+    } else {
+      world_->addRigidBody(body.get(), 0, 0);
+    }
     bodies_.push_back(std::move(body));
   }
   void add_joint(const System& system, const PeerJoint& joint) {
@@ -80,16 +151,25 @@ class BulletEngine final : public Engine {
     world_->addConstraint(joints_.back().get(), true);
   }
 
+  struct ShapeOn {
+    btCollisionShape* shape = nullptr;
+    ShapeId id{};
+    explicit operator bool() const { return shape != nullptr; }
+  };
+
   double dt_;
-  btEmptyShape shape_;
+  btEmptyShape no_shape_;
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  std::vector<ShapeOn> shape_on_;  ///< by body
+  WorldFilter filter_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broad_phase_;
   btDantzigSolver dantzig_;
   std::unique_ptr<btConstraintSolver> solver_;
-  std::unique_ptr<btDiscreteDynamicsWorld> world_;
-  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+  std::vector<std::unique_ptr<btRigidBody>> bodies_, ground_;
   std::vector<std::unique_ptr<btTypedConstraint>> joints_;
+  std::unique_ptr<btDiscreteDynamicsWorld> world_;  // looks at them as it goes
 };
 
 }  // namespace

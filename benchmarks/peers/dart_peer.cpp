@@ -32,6 +32,7 @@ class DartEngine final : public Engine {
  public:
   DartEngine(const System& system, const Method& method, double dt)
       : world_(dart::simulation::World::create()), bodies_(system.body_count(), nullptr) {
+    refuse_contact(system);
     const bool free = method.name == "free";
     if (!free && method.name != "tree") throw Unsupported("method " + method.name);
     world_->setTimeStep(dt);

@@ -8,7 +8,7 @@
 #include "benchmarks/peers/mujoco_model.h"
 
 /// MuJoCo.  Methods: newton, cg (iters, tol), stiff=1 (constraints as hard as the step allows), free=1 (all
-/// bodies free), rk4=1.
+/// bodies free), rk4=1; of contact elliptic=1 (cones), noslip (iterations).
 namespace {
 
 using namespace taut;
@@ -50,7 +50,10 @@ class MujocoEngine final : public Engine {
   MujocoEngine& operator=(const MujocoEngine&) = delete;
 
   void step() override { mj_step(model_, data_); }
-  std::string trouble() const override { return g_error.empty() ? "" : "diverged: " + g_error; }
+  std::string trouble() const override {
+    if (g_error.empty()) return "";
+    return (g_error.find("full") != std::string::npos ? "no room: " : "diverged: ") + g_error;
+  }
   void read(State& state) override {
     mj_kinematics(model_, data_);
     mj_comPos(model_, data_);

@@ -1,8 +1,13 @@
 #include <ode/ode.h>
 
+#include <array>
+#include <cstdarg>
+#include <map>
+
 #include "benchmarks/peers/peer.h"
 
-/// ODE.  Methods: step (dense direct), quick (projected Gauss–Seidel: iters, default 20); erp, default 0.2.
+/// ODE.  Methods: step (dense direct), quick (projected Gauss–Seidel: iters, default 20); erp, default 0.2;
+/// cfm; layer [m], how deep contacts may be before they are pushed apart.
 namespace {
 
 using namespace taut;
@@ -13,6 +18,8 @@ class OdeEngine final : public Engine {
   OdeEngine(const System& system, const Method& method, double dt) : dt_(dt), quick_(method.name == "quick") {
     if (!quick_ && method.name != "step") throw Unsupported("method " + method.name);
     dInitODE2(0);
+    // It writes about every step whose LCP it could not solve; what that did is measured.
+    dSetMessageHandler([](int, const char*, va_list) {});
     dAllocateODEDataForThread(dAllocateMaskAll);
     world_ = dWorldCreate();
     const Vec3& g = system.world->gravity();
@@ -23,15 +30,33 @@ class OdeEngine final : public Engine {
     dWorldSetAutoDisableFlag(world_, 0);
     for (int b = 1; b < system.body_count(); ++b) add_body(system, b);
     for (const PeerJoint& joint : system.joints) add_joint(joint);
+    if (!system.has_contact()) return;
+    require_plain_contact(system);
+    shapes_of_ = system.world;
+    space_ = dHashSpaceCreate(nullptr);
+    contacts_ = dJointGroupCreate(0);
+    dWorldSetContactSurfaceLayer(world_, method.get("layer", 0));
+    for (int s = 0; s < shapes_of_->shape_count(); ++s) add_shape(s);
   }
   ~OdeEngine() override {
+    if (space_) {
+      dJointGroupDestroy(contacts_);
+      dSpaceDestroy(space_);
+    }
     dWorldDestroy(world_);
     dCloseODE();
   }
   OdeEngine(const OdeEngine&) = delete;
   OdeEngine& operator=(const OdeEngine&) = delete;
 
-  void step() override { ok_ = quick_ ? dWorldQuickStep(world_, dt_) : dWorldStep(world_, dt_); }
+  void step() override {
+    if (space_) {
+      dJointGroupEmpty(contacts_);
+      dSpaceCollide(space_, this,
+                    [](void* engine, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(engine)->touch(a, b); });
+    }
+    ok_ = quick_ ? dWorldQuickStep(world_, dt_) : dWorldStep(world_, dt_);
+  }
   std::string trouble() const override { return ok_ ? "" : "ODE could not allocate memory"; }
   void read(State& state) override {
     for (std::size_t b = 1; b < bodies_.size(); ++b) {
@@ -55,6 +80,52 @@ class OdeEngine final : public Engine {
     dBodySetQuaternion(body, q);
     bodies_.push_back(body);
   }
+  void add_shape(int index) {
+    const ShapeRecord& record = shapes_of_->shape(ShapeId{index});
+    const Vec3& p = record.pose.p;
+    const dQuaternion q = {record.pose.q.w(), record.pose.q.x(), record.pose.q.y(), record.pose.q.z()};
+    const bool ground = std::holds_alternative<HalfSpace>(*record.shape);
+    dGeomID geom = nullptr;
+    if (ground) {
+      const Vec3 n = record.pose.q * Vec3::UnitZ();
+      geom = dCreatePlane(space_, n.x(), n.y(), n.z(), n.dot(p));
+    } else if (const auto* sphere = std::get_if<Sphere>(&*record.shape)) {
+      geom = dCreateSphere(space_, sphere->radius);
+    } else if (const auto* box = std::get_if<Box>(&*record.shape)) {
+      geom = dCreateBox(space_, box->size.x(), box->size.y(), box->size.z());
+    } else if (const auto* capsule = std::get_if<Capsule>(&*record.shape)) {
+      geom = dCreateCapsule(space_, capsule->radius, capsule->length);
+    } else if (const auto* cylinder = std::get_if<Cylinder>(&*record.shape)) {
+      geom = dCreateCylinder(space_, cylinder->radius, cylinder->length);
+    } else {
+      throw Unsupported(shape_name(*record.shape));
+    }
+    shape_of_[geom] = ShapeId{index};
+    if (record.body != kGround) {
+      dGeomSetBody(geom, bodies_[record.body.index]);
+      dGeomSetOffsetPosition(geom, p.x(), p.y(), p.z());
+      dGeomSetOffsetQuaternion(geom, q);
+    } else if (!ground) {
+      dGeomSetPosition(geom, p.x(), p.y(), p.z());
+      dGeomSetQuaternion(geom, q);
+    }
+  }
+  /// Joints of the present step where two shapes touch.
+  void touch(dGeomID a, dGeomID b) {
+    constexpr int kPoints = 8;
+    const ShapeId A = shape_of_.at(a), B = shape_of_.at(b);
+    if (!shapes_of_->may_collide(A, B)) return;
+    const Material material = shapes_of_->contact_material(A, B);
+    std::array<dContact, kPoints> points{};
+    const int count = dCollide(a, b, kPoints, &points[0].geom, sizeof(dContact));
+    for (int i = 0; i < count; ++i) {
+      dSurfaceParameters& surface = points[i].surface;
+      surface.mode = dContactApprox1 | (material.rolling_friction > 0 ? dContactRolling : 0);
+      surface.mu = material.dynamic_friction;
+      surface.rho = material.rolling_friction;  // also about the normal
+      dJointAttach(dJointCreateContact(world_, contacts_, &points[i]), dGeomGetBody(a), dGeomGetBody(b));
+    }
+  }
   void add_joint(const PeerJoint& joint) {
     dJointID id = nullptr;
     if (joint.kind == JointKind::kBall) id = dJointCreateBall(world_, nullptr);
@@ -74,6 +145,10 @@ class OdeEngine final : public Engine {
   bool quick_;
   int ok_ = 1;
   dWorldID world_ = nullptr;
+  const World* shapes_of_ = nullptr;
+  dSpaceID space_ = nullptr;  ///< none without shapes
+  dJointGroupID contacts_ = nullptr;
+  std::map<dGeomID, ShapeId> shape_of_;
   std::vector<dBodyID> bodies_{nullptr};  // 0 is the world
 };
 

@@ -23,8 +23,10 @@ struct PeerJoint {
   Vec3 axis_W{0, 0, 0};  ///< of a hinge, at the start
 };
 
-/// An edge of a spanning tree that starts at the ground: `child` hangs on `parent` by `joint`.
+/// An edge of a spanning tree that starts at the ground: `child` hangs on `parent` by `joint`, or is free if
+/// that is kFree.
 struct TreeEdge {
+  static constexpr int kFree = -1;
   int joint = 0, parent = 0, child = 0;
 };
 
@@ -40,10 +42,12 @@ struct System {
   /// Principal moments about the body axes [kg m²].
   Vec3 moments(int body) const { return world->mass_properties(BodyId{body}).principal_moments(); }
   const Pose& pose(int body) const { return world->pose(BodyId{body}); }
+  bool has_contact() const { return world->shape_count() > 0; }
+  bool has_free_bodies() const;
 };
 
 /// @throws std::invalid_argument for another joint than ball, hinge or fixed, a body whose axes are not
-/// principal, or one that nothing connects to the ground.
+/// principal.
 System describe(const World& world);
 
 /// A way to use an engine, "method:key=value,key=value".
@@ -61,6 +65,14 @@ class Unsupported : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What an engine without contact, as it is used here, says to scenes that have it.
+/// @throws Unsupported if there are shapes, or free bodies, which only such scenes have.
+void refuse_contact(const System& system);
+
+/// What none of the other engines with contact has.
+/// @throws Unsupported if a material has restitution, or more static than dynamic friction.
+void require_plain_contact(const System& system);
+
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -74,7 +86,7 @@ class Engine {
 /// @param dt length of the steps [s]
 using Factory = std::function<std::unique_ptr<Engine>(const System& system, const Method& method, double dt)>;
 
-/// main() of an engine's program: options --scene, --n, --truck, --method, --rate, --time, --limit.  Runs the
+/// main() of an engine's program: options --scene, --n, --with, --method, --rate, --time, --limit.  Runs the
 /// scene, measures every step from the poses alone, and prints one JSON object, also if the run diverged, hit
 /// the limit of processor time, or is not supported.  @returns 0 unless the options are wrong.
 int peer_main(int argc, char** argv, const std::string& engine, const Factory& factory);

@@ -11,6 +11,7 @@
 #include "benchmarks/one_blas_thread.h"
 #include "benchmarks/peers/peer.h"
 #include "benchmarks/timing.h"
+#include "collision/contact_finder.h"
 #include "core/diagnostics.h"
 #include "scenes/scene.h"
 
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string scene = "pendulum-ball", method = "default";
   int n = 2;
-  bool truck = false;
+  std::string with;
   double rate = 240;  ///< steps per second
   double time = 0;    ///< [s]; 0: the scene's own
   double limit = 60;  ///< processor time of all steps together [s]
@@ -55,8 +56,12 @@ double peak_memory_mb() {
 /// Everything measured from the poses and twists that the engine gives.
 class Measurer {
  public:
-  explicit Measurer(const Scene& scene)
-      : scene_(scene), rows_(scene.world), phi_(rows_.row_count()), start_(energy(scene.world.state())) {
+  Measurer(const Scene& scene, double duration)
+      : scene_(scene),
+        rows_(scene.world),
+        phi_(rows_.row_count()),
+        duration_(duration),
+        start_(energy(scene.world.state())) {
     scale_ = scene.energy_scale > 0 ? scene.energy_scale : std::max(1.0, std::abs(start_));
   }
 
@@ -74,6 +79,8 @@ class Measurer {
     worst_.metres = std::max(worst_.metres, gap.metres);
     worst_.radians = std::max(worst_.radians, gap.radians);
     max_drift_ = std::max(max_drift_, std::abs(drift_));
+    max_gain_ = std::max(max_gain_, drift_);
+    if (has_contact()) measure_contact(state);
     return true;
   }
 
@@ -83,27 +90,62 @@ class Measurer {
     out["max_joint_angle_error_rad"] = worst_.radians;
     out["energy_drift_rel"] = max_drift_;
     out["final_energy_drift_rel"] = drift_;
+    if (!has_contact()) return;
+    out["max_energy_gain_rel"] = max_gain_;
+    out["max_penetration_m"] = worst_penetration_;
+    out["final_penetration_m"] = penetration_;
+    out["max_motion_m"] = motion_;
+    out["creep_m"] = half_.poses.empty() ? motion_ : creep_;
   }
-  int row_count() const { return rows_.row_count(); }
 
  private:
+  bool has_contact() const { return scene_.world.shape_count() > 0; }
+  void measure_contact(const State& state) {
+    penetration_ = 0;
+    for (const Contact& contact : finder_.find(scene_.world, state))
+      penetration_ = std::max(penetration_, -contact.gap);
+    worst_penetration_ = std::max(worst_penetration_, penetration_);
+    motion_ = std::max(motion_, distance(state, scene_.world.state()));
+    if (state.time < 0.5 * duration_) return;
+    if (half_.poses.empty()) half_ = state;
+    creep_ = std::max(creep_, distance(state, half_));
+  }
+
+  /// The farthest that a body's centre is from where it was [m].
+  static double distance(const State& now, const State& then) {
+    double farthest = 0;
+    for (std::size_t b = 1; b < now.poses.size(); ++b)
+      farthest = std::max(farthest, (now.poses[b].p - then.poses[b].p).norm());
+    return farthest;
+  }
+
   const Scene& scene_;
   Rows rows_;
   std::vector<double> phi_;
-  double start_, scale_ = 1, drift_ = 0, max_drift_ = 0;
+  ContactFinder finder_{{.margin = 0, .threads = 1}};
+  double duration_;   ///< [s]
+  State half_;        ///< at half of that time
+  double creep_ = 0;  ///< the farthest that a body's centre has been from there since
+  double start_, scale_ = 1, drift_ = 0, max_drift_ = 0, max_gain_ = 0;
+  double penetration_ = 0, worst_penetration_ = 0;
+  double motion_ = 0;  ///< the farthest that a body's centre has been from its start
   Gap worst_, last_;
 };
 
 Scene scene_of(const Options& options) {
   std::map<std::string, double> parameters{{"n", options.n}};
-  if (options.truck) parameters["truck"] = 1;
+  if (!options.with.empty()) parameters[options.with] = 1;
   return build_scene(options.scene, parameters);
+}
+
+double duration_of(const Options& options, const Scene& scene) {
+  return options.time > 0 ? options.time : scene.duration;
 }
 
 /// The steps of a run.  @returns what became of it.
 std::string simulate(Engine& engine, const Scene& scene, const Options& options, Measurer& measurer,
                      Json& out) {
-  const double duration = options.time > 0 ? options.time : scene.duration, dt = 1 / options.rate;
+  const double duration = duration_of(options, scene), dt = 1 / options.rate;
   const int steps = static_cast<int>(std::lround(duration / dt));
   const int probe_step = static_cast<int>(std::lround(kProbeTime / dt));
   State state = scene.world.state();
@@ -154,10 +196,10 @@ Json run(const Options& options, const std::string& name, const Factory& factory
            {"method", options.method},
            {"scene", options.scene},
            {"n", options.n},
-           {"truck", options.truck},
+           {"with", options.with},
            {"rate_hz", options.rate},
            {"bodies", scene.world.moving_body_count()}};
-  out["rows"] = Measurer(scene).row_count();
+  out["rows"] = Rows(scene.world).row_count();
   out["probe"] = nullptr;
   try {
     const System system = describe(scene.world);
@@ -165,7 +207,7 @@ Json run(const Options& options, const std::string& name, const Factory& factory
     double total = 0;
     for (int turn = 0; turn == 0 || (turn < kMaxTurns && total < kShort); ++turn) {
       Json made;
-      Measurer measurer(scene);
+      Measurer measurer(scene, duration_of(options, scene));
       const double start = now();
       const auto engine = factory(system, Method(options.method), 1 / options.rate);
       made["build_time_s"] = now() - start;
@@ -194,7 +236,7 @@ int peer_main(int argc, char** argv, const std::string& engine, const Factory& f
   Options options;
   app.add_option("--scene", options.scene, "a scene of the catalogue");
   app.add_option("--n", options.n, "its size");
-  app.add_flag("--truck", options.truck, "with the truck");
+  app.add_option("--with", options.with, "a parameter of the scene to be 1");
   app.add_option("--method", options.method, "name:key=value,…");
   app.add_option("--rate", options.rate, "steps per second")->check(CLI::PositiveNumber);
   app.add_option("--time", options.time, "time to simulate [s]; default: the scene's");

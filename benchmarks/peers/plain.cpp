@@ -24,6 +24,7 @@ PlainJoint joint_of(const System& system, const PeerJoint& joint, int a, int b) 
 }  // namespace
 
 PlainSystem plain(const System& system) {
+  refuse_contact(system);
   PlainSystem out;
   out.gravity = plain(system.world->gravity());
   out.bodies.resize(1);

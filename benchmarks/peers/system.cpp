@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <deque>
 
 #include "benchmarks/peers/peer.h"
@@ -40,26 +41,47 @@ void span(System& system) {
     at[system.joints[j].b].push_back(static_cast<int>(j));
   }
   std::vector<char> reached(system.body_count()), used(system.joints.size());
-  std::deque<int> open{0};
-  reached[0] = 1;
-  while (!open.empty()) {
-    const int body = open.front();
-    open.pop_front();
-    for (int j : at[body]) {
-      const int other = system.joints[j].a == body ? system.joints[j].b : system.joints[j].a;
-      if (reached[other]) continue;
-      reached[other] = used[j] = 1;
-      system.tree.push_back({j, body, other});
-      open.push_back(other);
+  std::deque<int> open;
+  for (int root = 0; root < system.body_count(); ++root) {
+    if (reached[root]) continue;
+    if (root > 0) system.tree.push_back({TreeEdge::kFree, 0, root});
+    reached[root] = 1;
+    open.push_back(root);
+    while (!open.empty()) {
+      const int body = open.front();
+      open.pop_front();
+      for (int j : at[body]) {
+        const int other = system.joints[j].a == body ? system.joints[j].b : system.joints[j].a;
+        if (reached[other]) continue;
+        reached[other] = used[j] = 1;
+        system.tree.push_back({j, body, other});
+        open.push_back(other);
+      }
     }
   }
   for (std::size_t j = 0; j < system.joints.size(); ++j)
     if (!used[j]) system.loops.push_back(static_cast<int>(j));
-  for (int b = 0; b < system.body_count(); ++b)
-    if (!reached[b]) fail("body " + system.world->name(BodyId{b}), "must be connected to the ground", b);
 }
 
 }  // namespace
+
+bool System::has_free_bodies() const {
+  return std::any_of(tree.begin(), tree.end(),
+                     [](const TreeEdge& edge) { return edge.joint == TreeEdge::kFree; });
+}
+
+void refuse_contact(const System& system) {
+  if (system.has_contact()) throw Unsupported("contact");
+  if (system.has_free_bodies()) throw Unsupported("free bodies");
+}
+
+void require_plain_contact(const System& system) {
+  for (int s = 0; s < system.world->shape_count(); ++s) {
+    const Material& material = system.world->shape(ShapeId{s}).material;
+    if (material.restitution > 0) throw Unsupported("restitution");
+    if (material.static_friction > material.dynamic_friction) throw Unsupported("static friction");
+  }
+}
 
 System describe(const World& world) {
   System system;

@@ -19,6 +19,7 @@ Settings settings_of(const Method& method) {
     settings.tension = TensionPolicy::kIgnore;
   else if (method.name != "rattle")
     throw Unsupported("method " + method.name);
+  settings.threads = 1;
   settings.report_energy = method.get("ledger", 0) != 0;
   settings.position_tolerance = method.get("tol", settings.position_tolerance);
   return settings;

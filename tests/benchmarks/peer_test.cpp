@@ -18,6 +18,7 @@ struct PeerCase {
   const char *engine, *method;
   double steps;        ///< bound of the error in time, in steps
   bool loops = false;  ///< can be given a net
+  bool contact = false;
 };
 
 void PrintTo(const PeerCase& c, std::ostream* out) { *out << c.engine << ' ' << c.method; }
@@ -26,11 +27,12 @@ void PrintTo(const PeerCase& c, std::ostream* out) { *out << c.engine << ' ' << 
 // their tolerances within 1000 steps a second.
 constexpr double kFirstOrder = 0.7, kHighOrder = 0.02;
 const PeerCase kCases[] = {
-    {"taut", "rattle", kHighOrder, true},
+    {"taut", "rattle", kHighOrder, true, true},
     {"ode", "step:erp=0.8", kFirstOrder, true},
-    {"bullet", "si:iters=10", kFirstOrder, true},
+    {"ode", "quick:iters=100", kFirstOrder, true, true},
+    {"bullet", "si:iters=10", kFirstOrder, true, true},
     {"bullet", "featherstone:rk4=1", kHighOrder},
-    {"mujoco", "newton:stiff=1", kFirstOrder, true},
+    {"mujoco", "newton:stiff=1", kFirstOrder, true, true},
     {"mujoco", "newton:free=1,stiff=1", kFirstOrder, true},
     {"simbody", "rkm:acc=1e-3", kHighOrder, true},
     {"dart", "tree", kFirstOrder, true},
@@ -47,18 +49,24 @@ class Peers : public ::testing::TestWithParam<PeerCase> {
   static std::filesystem::path program() {
     return std::filesystem::path(TAUT_PEERS) / (std::string("peer_") + GetParam().engine);
   }
-  /// Position of the probe after 0.5 s; empty, with a failure, if there is none.
-  static std::vector<double> probe(const std::string& scene, int n, double rate) {
+  /// What the engine's program writes; null if it is not to be read.
+  static Json run(const std::string& scene, int n, double rate, const char* time) {
     const ChildResult child = run_child(program(),
                                         {"--scene", scene, "--n", std::to_string(n), "--method",
-                                         GetParam().method, "--rate", std::to_string(rate), "--time", "0.5"},
+                                         GetParam().method, "--rate", std::to_string(rate), "--time", time},
                                         true, 60);
     // Some engines print while they build.
     const std::size_t line = child.output.rfind("\n{");
     const Json json =
         Json::parse(line == std::string::npos ? child.output : child.output.substr(line), nullptr, false);
-    if (json.is_discarded() || json.value("status", "") != "success" || !json.at("probe").is_array()) {
-      ADD_FAILURE() << child.message() << child.output;
+    if (!json.is_object()) ADD_FAILURE() << child.message() << child.output;
+    return json.is_object() ? json : Json();
+  }
+  /// Position of the probe after 0.5 s; empty, with a failure, if there is none.
+  static std::vector<double> probe(const std::string& scene, int n, double rate) {
+    const Json json = run(scene, n, rate, "0.5");
+    if (json.is_null() || json.at("status") != "success" || !json.at("probe").is_array()) {
+      ADD_FAILURE() << json.dump();
       return {};
     }
     return json.at("probe").get<std::vector<double>>();
@@ -66,11 +74,13 @@ class Peers : public ::testing::TestWithParam<PeerCase> {
 };
 
 class PeersWithLoops : public Peers {};
+class PeersWithContact : public Peers {};
+class PeersWithoutContact : public Peers {};
 
-std::vector<PeerCase> with_loops() {
+template <typename Accept>
+std::vector<PeerCase> cases_with(Accept accept) {
   std::vector<PeerCase> cases;
-  std::copy_if(std::begin(kCases), std::end(kCases), std::back_inserter(cases),
-               [](const PeerCase& c) { return c.loops; });
+  std::copy_if(std::begin(kCases), std::end(kCases), std::back_inserter(cases), accept);
   return cases;
 }
 
@@ -106,8 +116,45 @@ TEST_P(PeersWithLoops, DropTheFlagAsTautDoes) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(p[i], converged[i], 0.012) << i;
 }
 
+// Three cubes of 1 m: what is too large or too small, light or slippery, falls by more than contacts give
+// way.
+TEST_P(PeersWithContact, CarryAStack) {
+  const Json stack = run("stack", 3, 240, "1");
+  ASSERT_EQ(stack.value("status", ""), "success") << stack.dump();
+  EXPECT_LT(stack.at("max_motion_m"), 0.01);
+  EXPECT_LT(stack.at("creep_m"), 1e-3);
+  EXPECT_LT(stack.at("final_penetration_m"), 2e-3);
+}
+
+// Balls, boxes, capsules and cylinders fall into a box of walls, and are there at the end.
+TEST_P(PeersWithContact, HoldAPile) {
+  const Json pile = run("pile", 8, 1000, "1.5");
+  ASSERT_EQ(pile.value("status", ""), "success") << pile.dump();
+  EXPECT_GT(pile.at("max_motion_m"), 0.2);
+  EXPECT_LT(pile.at("max_motion_m"), 2);
+  EXPECT_LT(pile.at("max_penetration_m"), 0.15);  // of bodies of 0.4 m; some miss contacts for some steps
+}
+
+TEST_P(PeersWithContact, CatchABallWithANet) {
+  const Json net = run("net-catch", 4, 1000, "0.5");
+  ASSERT_EQ(net.value("status", ""), "success") << net.dump();
+  const std::vector<double> ball = net.at("probe").get<std::vector<double>>();
+  EXPECT_GT(ball[2], -1) << "a ball that nothing catches is at −1.2 m";
+}
+
+TEST_P(PeersWithoutContact, SayThatTheyHaveNone) {
+  EXPECT_EQ(run("stack", 3, 240, "1").value("message", ""), "contact");
+}
+
 INSTANTIATE_TEST_SUITE_P(Engines, Peers, ::testing::ValuesIn(kCases));
-INSTANTIATE_TEST_SUITE_P(Engines, PeersWithLoops, ::testing::ValuesIn(with_loops()));
+INSTANTIATE_TEST_SUITE_P(Engines, PeersWithLoops,
+                         ::testing::ValuesIn(cases_with([](const PeerCase& c) { return c.loops; })));
+INSTANTIATE_TEST_SUITE_P(Engines, PeersWithContact,
+                         ::testing::ValuesIn(cases_with([](const PeerCase& c) { return c.contact; })));
+INSTANTIATE_TEST_SUITE_P(Engines, PeersWithoutContact,
+                         ::testing::Values(PeerCase{"simbody", "rkm", 0}, PeerCase{"dart", "tree", 0},
+                                           PeerCase{"siconos", "moreau", 0},
+                                           PeerCase{"bullet", "featherstone", 0}));
 
 }  // namespace
 }  // namespace taut::testing

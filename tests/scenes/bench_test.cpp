@@ -20,7 +20,7 @@ Json run_of(const char* engine, int n, double cost, double joint_error) {
           {"method", "rattle"},
           {"scene", "chain"},
           {"n", n},
-          {"truck", false},
+          {"with", ""},
           {"rate_hz", 240.0},
           {"status", "success"},
           {"cpu_per_simulated_s", cost},
@@ -97,6 +97,51 @@ TEST(BenchComparison, WhatIsNoResultIsRefusedAtOnce) {
   }
 }
 
+Json contact_run(const char* engine, const char* scene, const char* quality, double cost, double joint_error,
+                 double creep, double penetration) {
+  Json run = run_of(engine, 10, cost, joint_error);
+  run.update({{"scene", scene},
+              {"quality", quality},
+              {"max_motion_m", scene == std::string("stack") ? 0.04 : 0.5},
+              {"creep_m", creep},
+              {"max_penetration_m", 0.09},
+              {"final_penetration_m", penetration},
+              {"max_energy_gain_rel", 0.0}});
+  run["energy_drift_rel"] = 0.9;  // lost in impacts
+  return run;
+}
+
+// Joints where there are some, else penetration, and of what stands creep.
+TEST(BenchPage, ContactIsComparedByWhatMustNotBe) {
+  Json thief = contact_run("ode", "pile", "rests", 0.001, 0, 0, 1e-7);
+  thief["max_energy_gain_rel"] = 0.2;
+  Json fallen = contact_run("ode", "stack", "stands", 0.01, 0, 1e-12, 1e-12);
+  fallen["max_motion_m"] = 0.06;
+  const Json runs = {contact_run("taut", "stack", "stands", 0.2, 0, 1e-9, 1e-11),
+                     fallen,
+                     contact_run("ode", "stack", "stands", 0.1, 0, 1e-2, 1e-5),
+                     contact_run("mujoco", "stack", "stands", 0.3, 0, 1e-6, 1e-4),
+                     contact_run("taut", "pile", "rests", 0.2, 0, 0.3, 1e-6),
+                     contact_run("bullet", "pile", "rests", 0.05, 0, 0.3, 1e-4),
+                     thief,
+                     contact_run("taut", "net-catch", "carries", 0.2, 1e-10, 0.3, 1e-2),
+                     contact_run("bullet", "net-catch", "carries", 0.01, 1e-2, 0.3, 1e-6)};
+  const BenchResults all{{"machine", Json::object()},
+                         {"planned_runs", 9},
+                         {"engines", Json::object()},
+                         {"profiles", Json::array()},
+                         {"runs", runs}};
+  const std::string page = bench_page(all, "taut bench --contact");
+  for (const char* line :
+       {"| stack 10 | taut rattle, 240 Hz: 0.2 s/s, error 1e-09 | none | mujoco rattle, "
+        "240 Hz",
+        "| pile 10 | taut rattle, 240 Hz: 0.2 s/s, error 1e-06 | none | bullet rattle, 240 Hz",
+        "| net-catch 10 | taut rattle, 240 Hz: 0.2 s/s, error 1e-10 | none | none |",
+        "- pile 10, error ≤ 1e-03: bullet rattle, 240 Hz takes 0.25 of taut's time"})
+    EXPECT_NE(page.find(line), std::string::npos) << line << '\n' << page;
+  EXPECT_EQ(page.find("## Best of each"), std::string::npos);  // of joints alone
+}
+
 TEST(WorkReport, ExponentsAreThoseOfPowers) {
   EXPECT_NEAR(growth_exponent({{10, 3}, {100, 3 * std::pow(10, 1.5)}, {1000, 3000}}).value(), 1.5, 1e-12);
   EXPECT_FALSE(growth_exponent({{10, 3}}));
@@ -107,7 +152,7 @@ TEST(WorkReport, ShowsTheNumbersOfEachProfileAndTheGrowthOfEachFamily) {
   const auto profile = [](int n, double time) {
     return Json{{"scene", "chain"},
                 {"n", n},
-                {"truck", false},
+                {"with", ""},
                 {"rows", 3 * n},
                 {"factor_nonzeros", 24 * n},
                 {"factor_flops", 200 * n},
@@ -136,7 +181,7 @@ TEST(WorkReport, ShowsTheNumbersOfEachProfileAndTheGrowthOfEachFamily) {
       std::string::npos)
       << text;
   EXPECT_NE(text.find("| chain | 1.00 | 1.00 | 1.00 | 0.00 |"), std::string::npos) << text;
-  results["profiles"][1] = {{"scene", "chain"}, {"n", 1000}, {"truck", false}, {"failed", "killed"}};
+  results["profiles"][1] = {{"scene", "chain"}, {"n", 1000}, {"with", ""}, {"failed", "killed"}};
   EXPECT_NE(work_tables(results).find("| chain 1000 | | killed |"), std::string::npos);
   results["profiles"][1] = profile(1000, 1e-1);
   results["profiles"][1]["stage_times_per_substep_s"] = {

@@ -155,6 +155,19 @@ std::string thrown_rod(const std::string& more) {
     "joints": [{"name": "pivot", "type": "ball", "a": "ground", "b": "rod", "anchor": [0, 0, 0]}]})";
 }
 
+TEST(ProgramStart, BodiesInEachOtherAreNamed) {
+  const std::string file = temporary("overlap.json");
+  write_text(file, R"({"format": "taut-scene/1", "ground": {"shapes": [{"type": "half_space"}]}, "bodies": [
+    {"name": "low", "density": 1000, "position": [0, 0, 0.5], "shapes": [{"type": "box", "size": [1, 1, 1]}]},
+    {"name": "high", "density": 1000, "position": [0, 0, 1.25], "shapes": [{"type": "box", "size": [1, 1, 1]}]}]})");
+  const Outcome check = run_program({"check", file});
+  EXPECT_EQ(check.exit_status, 0);
+  expect_words(check.out, {"warning: bodies are in each other at the start, by up to 0.25 m: low and high"});
+  const Outcome run = run_program({"run", file, "--time", "1"});
+  EXPECT_EQ(run.exit_status, 0) << run.err;
+  expect_words(run.out + run.err, {"low and high (0.25)", "penetration 2.4"});
+}
+
 /// v = (0, 3, 0), ω = 0: with an impulse P along y at the pivot v = 3 + P/2 and ω = −0.5 P/0.5, and there 0 =
 /// v − ω/2 = 3 + P. So P = −3 changes v by 1.5 m/s and ω by 3 rad/s.
 TEST(ProgramStart, ForbiddenVelocitiesAreNamed) {

@@ -23,7 +23,8 @@ const Pose kPlacement{exp_so3(Vec3(0.4, -0.9, 1.3)), Vec3(30, -20, 10)};
 
 /// Taut rows of light bodies pressed on round ones, wheels on planks: contacts are found by iteration, to
 /// some 1e-9 of the coordinates, and each such error turns a shoe or link at once (by 5e-6 where the
-/// coordinates are tens of metres).  They stay near, and are compared less sharply.
+/// coordinates are tens of metres); a chain that begins to slide settles its tension within the tolerance of
+/// its laws, 2e-6 m of 2e-4 m here.  They stay near, and are compared less sharply.
 bool is_sensitive(const std::string& scene) {
   return scene == "tank" || scene == "chain-over-cylinder" || scene == "vehicle-bridge";
 }
@@ -84,7 +85,7 @@ TEST_P(MovedBlock, MovesAsTheBuildersScene) {
     ASSERT_TRUE(moved.step(built.dt / 4).ok()) << moved.report().message;
   }
 
-  EXPECT_LT(worst_distance(own.world(), moved.world(), placement), sensitive ? 1e-6 : 1e-7);
+  EXPECT_LT(worst_distance(own.world(), moved.world(), placement), sensitive ? 5e-6 : 1e-7);
 }
 
 std::vector<std::string> builder_names() {

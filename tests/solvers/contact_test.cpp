@@ -335,6 +335,35 @@ TEST(Contact, integrators_and_materials_that_cannot_do_it_are_refused) {
 }
 
 /// Its contacts give nothing any more, though at rest the impulses of before would balance.
+// Rigid or as stiff as stone: no faster than 1 m/s, and without a speed that they would keep.
+TEST(Contact, bodies_that_start_in_each_other_part_slowly) {
+  constexpr double kStep = 1.0 / 240, kRadius = 0.1;
+  for (const double compliance : {0.0, 1e-9}) {
+    World world;
+    world.set_gravity(Vec3::Zero());
+    Material material;
+    material.compliance = compliance;
+    for (int i = 0; i < 20; ++i) add_ball(world, "", kRadius, Vec3(0, 0, 0), material);
+    add_box(world, "", Vec3(1, 1, 1), Vec3(50, 0, 0), material);
+    add_box(world, "", Vec3(1, 1, 1), Vec3(50.2, 0.1, 0.3), material);
+    Simulator simulator(world);
+    double penetration = 0;
+    for (int i = 0; i < 240; ++i) {
+      const State before = world.state();
+      run(simulator, kStep, 1);
+      penetration = std::max(penetration, simulator.report().penetration);
+      for (int b = 1; b < world.body_count(); ++b)
+        ASSERT_LE(world.twist(BodyId{b}).v.norm(), 0.01) << compliance << " step " << i;
+      const auto gap = [&](const State& state) {
+        return (state.poses[world.body_count() - 1].p - state.poses[world.body_count() - 2].p).norm();
+      };
+      ASSERT_LE(gap(world.state()) - gap(before), kStep * 1.001);
+    }
+    EXPECT_GT(penetration, 0.19);
+    EXPECT_LT(simulator.report().penetration, 1e-9);
+  }
+}
+
 TEST(Contact, bodies_that_may_no_longer_collide_fall) {
   World world;
   const BodyId table = world.add_body({.pose = {Quat::Identity(), {0, 0, -0.5}}, .fixed = true});

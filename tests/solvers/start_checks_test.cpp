@@ -63,6 +63,28 @@ TEST(StartChecks, TheCoarsestPositionIsThatOfTheFarthestCoordinate) {
   EXPECT_EQ(coarsest_position(world), std::ldexp(1, 23 - 52));  // 2²³ ≤ 10⁷ < 2²⁴
 }
 
+TEST(StartChecks, OverlapsAreThoseOfPairsThatMayTouchWithTheirDepth) {
+  World world;
+  world.add_shape(kGround, HalfSpace{});
+  const auto ball = [&](double x, double z) {
+    const BodyId body =
+        world.add_body({.mass = MassProperties::sphere(0.5, 1), .pose = {.p = Vec3(x, 0, z)}});
+    world.add_shape(body, Sphere{0.5});
+    return body;
+  };
+  const BodyId low = ball(0, 0.4), a = ball(5, 3), b = ball(5.3, 3), c = ball(-5, 3), d = ball(-5, 3);
+  ball(20, 0.5 - 1e-6);
+  world.set_collision(c, d, false);
+  const std::vector<StartOverlap> found = start_overlaps(world);
+  ASSERT_EQ(found.size(), 2);
+  EXPECT_EQ(found[0].a, a);
+  EXPECT_EQ(found[0].b, b);
+  EXPECT_NEAR(found[0].depth, 0.7, 1e-12);
+  EXPECT_EQ(found[1].a, kGround);
+  EXPECT_EQ(found[1].b, low);
+  EXPECT_NEAR(found[1].depth, 0.1, 1e-12);
+}
+
 /// Two balls on a spring, one on a spring to the ground whose ends may meet, and a rod that is pulled across
 /// at its end: ω² = k (1/m₁ + 1/m₂), k/m and k (1/m + l²/I).
 TEST(StartChecks, SpringsThatAreTooFastAreThoseOfTheirFrequencies) {
