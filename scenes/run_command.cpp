@@ -73,7 +73,7 @@ class Outputs {
   }
   void sample(Recorder& recorder, Simulator& simulator) {
     if (poses_) poses_->record(simulator.world());
-    if (!save_file_.empty() && seconds_since(last_save_) > kSavePeriod) save(simulator.world());
+    if (!save_file_.empty() && seconds_since(last_save_) > kSavePeriod) save(simulator);
     if (recording_) note_failure(recording_->sample(simulator));
     if (!csv_.is_open()) return;
     csv_ << shortest(simulator.world().time());
@@ -85,7 +85,7 @@ class Outputs {
   void finish(const RunOptions& options, Simulator& simulator, const RunRecord& record,
               const Recorder& recorder, const std::vector<double>& last) {
     if (recording_) finish_recording(simulator, record);
-    if (!save_file_.empty()) save(simulator.world());
+    if (!save_file_.empty()) save(simulator);
     if (report_.is_open()) {
       nlohmann::ordered_json report = run_report(record, recorder, last, simulator.world().state());
       for (const std::string& error : errors_) report["warnings"].push_back(error);
@@ -102,9 +102,10 @@ class Outputs {
     out.open(file);
     if (!out) fail(option, "cannot write the file", file);
   }
-  void save(const World& world) {
+  void save(const Simulator& simulator) {
     last_save_ = Clock::now();
-    if (!save_state_file(world, save_file_)) note_failure("could not write " + save_file_);
+    if (!save_state_file(simulator.world(), simulator.contact_stretches(), save_file_))
+      note_failure("could not write " + save_file_);
   }
   void note_failure(const std::string& error) {
     if (error.empty()) return;
@@ -140,15 +141,17 @@ class Outputs {
   Clock::time_point last_save_ = Clock::now();
 };
 
-Scene prepared_scene(const RunOptions& options) {
+/// With how contacts are stretched at its start.
+std::pair<Scene, ContactStretches> prepared_scene(const RunOptions& options) {
   if (options.dt) require_positive("--dt", *options.dt);
   if (options.time) require_positive("--time", *options.time);
   Scene scene = open_scene(options.scene, options.parameters);
   if (!is_scene_file(options.scene)) scene.name = options.scene;  // `bridge`, not what it is short for
-  if (!options.from_file.empty()) load_state_file(scene.world, options.from_file);
+  ContactStretches stretches;
+  if (!options.from_file.empty()) stretches = load_state_file(scene.world, options.from_file);
   if (options.dt) scene.dt = *options.dt;
   apply_settings(options, scene.settings);
-  return scene;
+  return {std::move(scene), std::move(stretches)};
 }
 
 void note_failure(RunRecord& record, const StepReport& report, const World& world, const std::string& when) {
@@ -237,13 +240,14 @@ std::int64_t step_count(const RunOptions& options, const Scene& scene) {
 }
 
 int run_command(const RunOptions& options) {
-  Scene scene = prepared_scene(options);
+  auto [scene, stretches] = prepared_scene(options);
   const SettingSources sources(options, scene);
   require_compatible(scene, sources);
   RunRecord record;
   record.steps_asked = step_count(options, scene);
   GapMeter meter(scene.world);
   Simulator simulator(scene.world, scene.settings);
+  simulator.set_contact_stretches(std::move(stretches));
   Recorder recorder(scene.probes);
   const InterruptGuard guard;  // from before there is any output file
   Outputs::check(options);

@@ -1,5 +1,7 @@
 #include "scenes/state_file.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <set>
 
@@ -13,12 +15,18 @@ constexpr const char* kFormat = "taut-state/1";
 
 std::vector<double> components(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
+std::vector<std::vector<ShapeId>> shapes_of_bodies(const World& world) {
+  std::vector<std::vector<ShapeId>> shapes(world.body_count());
+  for (int i = 0; i < world.shape_count(); ++i) shapes[world.shape(ShapeId{i}).body.index].push_back({i});
+  return shapes;
+}
+
 /// Reads a state into a copy of the world's own.
 class StateReader {
  public:
   StateReader(World& world, Problems& problems) : world_(world), problems_(problems), state_(world.state()) {}
 
-  void read(const nlohmann::json& document) {
+  ContactStretches read(const nlohmann::json& document) {
     const JsonNode root(document, "/", problems_);
     JsonObject keys(root);
     const auto format = keys.required("format");
@@ -31,10 +39,13 @@ class StateReader {
     if (const auto detached = keys.find("detached"))
       for (const JsonNode& joint : detached->items("an array of names"))
         if (const auto id = joint_named(joint)) detached_.push_back(*id);
+    if (const auto contacts = keys.find("contacts"))
+      for (const JsonNode& contact : contacts->items("an array of contacts")) read_contact(contact);
     keys.reject_unknown_keys();
-    if (!problems_.empty()) return;
+    if (!problems_.empty()) return {};
     root.guard([&] { world_.set_state(state_); });
     for (const JointId joint : detached_) world_.detach(joint);
+    return std::move(stretches_);
   }
 
  private:
@@ -74,6 +85,41 @@ class StateReader {
     });
   }
 
+  void read_contact(const JsonNode& node) {
+    JsonObject keys(node);
+    const auto a = keys.required("a"), b = keys.required("b");
+    ContactStretch contact;
+    contact.p_AP = keys.get_required("point", &JsonNode::vector, Vec3(Vec3::Zero()));
+    contact.stretch = keys.get_required("stretch", &JsonNode::vector, Vec3(Vec3::Zero()));
+    contact.holds = keys.get("holds", &JsonNode::boolean, true);
+    keys.reject_unknown_keys();
+    const auto shape_a = a ? shape_at(*a) : std::nullopt, shape_b = b ? shape_at(*b) : std::nullopt;
+    if (!shape_a || !shape_b) return;
+    contact.a = *shape_a;
+    contact.b = *shape_b;
+    stretches_.push_back(contact);
+  }
+
+  /// {"body": NAME, "shape": its place among the shapes of the body}.
+  std::optional<ShapeId> shape_at(const JsonNode& node) {
+    JsonObject keys(node);
+    const auto name = keys.required("body"), index = keys.required("shape");
+    keys.reject_unknown_keys();
+    if (!name || !index) return std::nullopt;
+    const std::string text = name->string();
+    const double at = index->number();
+    if (!world_.has_body(text)) {
+      name->problem("there is no body of that name in the scene");
+      return std::nullopt;
+    }
+    const std::vector<ShapeId>& shapes = shapes_[world_.body(text).index];
+    if (at >= 0 && at < static_cast<double>(shapes.size()) && at == std::floor(at))
+      return shapes[static_cast<std::size_t>(at)];
+    index->problem("must be the place of a shape among the " + std::to_string(shapes.size()) +
+                   " of the body");
+    return std::nullopt;
+  }
+
   std::optional<JointId> joint_named(const JsonNode& node) {
     const std::string name = node.string();
     if (world_.has_joint(name)) return world_.joint(name);
@@ -86,12 +132,14 @@ class StateReader {
   State state_;
   std::set<int> bodies_, axes_;
   std::vector<JointId> detached_;
+  std::vector<std::vector<ShapeId>> shapes_ = shapes_of_bodies(world_);
+  ContactStretches stretches_;
 };
 
 }  // namespace
 
-nlohmann::ordered_json state_json(const World& world) {
-  auto bodies = nlohmann::ordered_json::array(), axes = bodies, detached = bodies;
+nlohmann::ordered_json state_json(const World& world, const ContactStretches& stretches) {
+  auto bodies = nlohmann::ordered_json::array(), axes = bodies, detached = bodies, contacts = bodies;
   for (int i = 0; i < world.body_count(); ++i) {
     const BodyId body{i};
     if (world.is_fixed(body)) continue;
@@ -114,28 +162,43 @@ nlohmann::ordered_json state_json(const World& world) {
                       {"value", world.state().axes[world.axis_index(axis)]}});
     }
   }
-  return {{"format", kFormat},
-          {"time", world.time()},
-          {"bodies", bodies},
-          {"axes", axes},
-          {"detached", detached}};
+  const std::vector<std::vector<ShapeId>> shapes = shapes_of_bodies(world);
+  const auto shape = [&](ShapeId id) -> nlohmann::ordered_json {
+    const BodyId body = world.shape(id).body;
+    const std::vector<ShapeId>& of_body = shapes[body.index];
+    return {{"body", world.name(body)},
+            {"shape", std::find(of_body.begin(), of_body.end(), id) - of_body.begin()}};
+  };
+  for (const ContactStretch& s : stretches)
+    contacts.push_back({{"a", shape(s.a)},
+                        {"b", shape(s.b)},
+                        {"point", components(s.p_AP)},
+                        {"stretch", components(s.stretch)},
+                        {"holds", s.holds}});
+  return {{"format", kFormat}, {"time", world.time()}, {"bodies", bodies},
+          {"axes", axes},      {"detached", detached}, {"contacts", contacts}};
 }
 
-void apply_state(World& world, std::string_view text, const std::string& file_name) {
+ContactStretches apply_state(World& world, std::string_view text, const std::string& file_name) {
   Problems problems;
-  if (const auto document = parse_json(text, problems)) StateReader(world, problems).read(*document);
+  ContactStretches stretches;
+  if (const auto document = parse_json(text, problems))
+    stretches = StateReader(world, problems).read(*document);
   if (!problems.empty()) throw SceneFileError(file_name, std::move(problems));
+  return stretches;
 }
 
-void load_state_file(World& world, const std::filesystem::path& path) {
-  apply_state(world, read_text_file(path), path.string());
+ContactStretches load_state_file(World& world, const std::filesystem::path& path) {
+  return apply_state(world, read_text_file(path), path.string());
 }
 
-bool save_state_file(const World& world, const std::filesystem::path& path) {
+bool save_state_file(const World& world, const ContactStretches& stretches,
+                     const std::filesystem::path& path) {
   std::filesystem::path part = path;
   part += ".part";
   std::ofstream out(part);
-  out << state_json(world).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+  out << state_json(world, stretches).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+      << '\n';
   out.close();
   std::error_code error;
   if (out) std::filesystem::rename(part, path, error);

@@ -62,9 +62,33 @@ bool ContactForces::start(const World& world, const State& state, double horizon
     remap();
   table_.impacts.assign(table_.set.places().size(), {});
   for (int k = 0; k < std::ssize(table_.points); ++k) table_.points[k].active = table_.set.places()[k].active;
+  take_up_recalled(world);
   before_ = table_.points;
   impacts_before_ = table_.impacts;
   return changed;
+}
+
+void ContactForces::take_up_recalled(const World& world) {
+  for (const ContactStretch& known : recalled_) {
+    const int k = table_.set.place_near(world, known.a, known.b, known.p_AP);
+    if (k < 0) continue;
+    Point& point = table_.points[k];
+    point.slipped = known.stretch;
+    point.stuck = known.holds;
+    point.fresh = false;
+  }
+  recalled_.clear();
+}
+
+std::vector<ContactStretch> ContactForces::stretches() const {
+  std::vector<ContactStretch> stretches;
+  const auto add = [&](const ContactSet::Place& place, const Point& point) {
+    if (place.active && place.material.compliance > 0 && !point.slipped.isZero(0))
+      stretches.push_back({place.contact.a, place.contact.b, place.contact.p_AP, point.slipped, point.stuck});
+  };
+  for (std::size_t k = 0; k < table_.points.size(); ++k) add(table_.set.places()[k], table_.points[k]);
+  for (std::size_t k = 0; k < resting_points_.size(); ++k) add(table_.set.resting()[k], resting_points_[k]);
+  return stretches;
 }
 
 bool ContactForces::move_on(const World& world, const State& state, double horizon) {

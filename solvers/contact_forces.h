@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "solvers/contact_laws.h"
@@ -27,6 +28,11 @@ class ContactForces final : public ContactLaws {
   void inherit(ContactForces& old, const World& world);
   /// The next start() keeps what is known.
   void keep_memory();
+  /// The next start() stretches contacts so; p_AP is in the bodies of this world.  What is not there then is
+  /// left out.
+  void recall(std::vector<ContactStretch> stretches) { recalled_ = std::move(stretches); }
+  /// Those of compliant contacts that press, also of bodies that sleep.
+  std::vector<ContactStretch> stretches() const;
   /// Nothing is known of contacts of bodies that were moved.
   void forget(std::span<const char> moved);
   /// The place there that a place continues, −1 for none, after start().
@@ -76,6 +82,7 @@ class ContactForces final : public ContactLaws {
 
  private:
   void remap();
+  void take_up_recalled(const World& world);
   void remember(double h);
   void aim_discs(int place, std::span<const double> rates);
   double crossing(int place, double w) const;
@@ -88,6 +95,7 @@ class ContactForces final : public ContactLaws {
   std::vector<Impact> impacts_before_;
   std::vector<int> inherited_;         // −1: from one that had no rows
   std::vector<Point> resting_points_;  // of the contacts of bodies that sleep
+  std::vector<ContactStretch> recalled_;
   std::vector<ContactReport> departed_;
   std::vector<char> goes_on_;
   std::vector<Point> point_scratch_;

@@ -18,6 +18,15 @@ struct ContactReport {
   std::optional<double> impact_time;
 };
 
+/// The spring of a compliant contact across its normal, which no pose shows: with those of all contacts a
+/// state is whole.  Friction on B is −stretch / compliance.
+struct ContactStretch {
+  ShapeId a, b;              ///< a.index < b.index
+  Vec3 p_AP = Vec3::Zero();  ///< [m] where the contact is, in the frame of a's body, from its centre of mass
+  Vec3 stretch = Vec3::Zero();  ///< [m] of B along A, world axes
+  bool holds = true;            ///< by static friction
+};
+
 /// Work of all contacts in a step [J].
 struct ContactWork {
   double normal = 0;    ///< of normal impulses: what impacts take

@@ -220,6 +220,23 @@ int ContactSet::free_place(const Rows::ContactPlace& at) const {
   return -1;
 }
 
+int ContactSet::place_near(const World& world, ShapeId a, ShapeId b, const Vec3& p_AP) const {
+  const Rows::ContactPlace at{world.shape(a).body.index, world.shape(b).body.index, false};
+  auto it = std::lower_bound(by_pair_.begin(), by_pair_.end(), at, [](const auto& entry, const auto& wanted) {
+    return order_of(entry.first) < order_of(wanted);
+  });
+  double least = kSamePoint;
+  int found = -1;
+  for (; it != by_pair_.end() && it->first.a == at.a && it->first.b == at.b; ++it) {
+    const Place& place = places_[it->second];
+    const double distance = (place.contact.p_AP - p_AP).norm();
+    if (!place.active || place.contact.a != a || place.contact.b != b || distance > least) continue;
+    least = distance;
+    found = it->second;
+  }
+  return found;
+}
+
 ContactSet::Heritage ContactSet::inherit(ContactSet& old, const World& world) {
   finder_ = std::move(old.finder_);
   Heritage from;

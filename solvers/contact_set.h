@@ -59,6 +59,9 @@ class ContactSet {
   void undo();
   /// Turned tangents.
   row_parts::ContactPoint& point(int place) { return places_[place].point; }
+  /// The active place of a contact of these shapes that is nearest to a point of A [m, from its centre of
+  /// mass], where it was or no further than 1e-4 m from it; −1 for none.
+  int place_near(const World& world, ShapeId a, ShapeId b, const Vec3& p_AP) const;
   const DetectionReport& detection() const { return finder_.report(); }
 
  private:

@@ -52,6 +52,8 @@ class Rattle {
   void restart(const State& state, StepReport& report);
   /// Nothing is known of contacts and axes of bodies that were moved (one entry a body).
   void forget(std::span<const char> moved);
+  /// The next start() or restart() finds contacts stretched so (ContactForces::recall()).
+  void recall(std::vector<ContactStretch> stretches) { contacts_.recall(std::move(stretches)); }
   /// Gravity or a force law has changed, the state has not.  False if that is a jump: restart(), then.
   bool renew_forces();
   /// The last step ended at this time to the last bit.

@@ -73,14 +73,16 @@ void Simulator::Impl::refresh() {
     present_reactions_.clear();
     if (merged_ && !merged_->groups().empty()) weld_loads_ = std::make_unique<WeldLoads>(source_, *merged_);
   }
-  if (state_version_ == world_.state_version()) return;
+  if (state_version_ == world_.state_version() && recalled_.empty()) return;
   const bool goes_on = knows && !is_new;
-  if (goes_on && !retaken_ && same(world_.state(), rattle_->state()) && rattle_->renew_forces()) {
+  if (goes_on && !retaken_ && recalled_.empty() && same(world_.state(), rattle_->state()) &&
+      rattle_->renew_forces()) {
     state_version_ = world_.state_version();
     return;
   }
   if (force_level_) {
     force_level_->start(world_.state());
+    recalled_.clear();
   } else {
     phi_.resize(system_->row_count());  // a step that failed may have found contacts
     system_->rows().residual(world_.state(), phi_);
@@ -100,6 +102,7 @@ void Simulator::Impl::refresh() {
       world_.set_state(state);
     }
     rattle_->set_horizon(horizon_);
+    recall_contacts();
     if (goes_on) {
       rattle_->forget(moved_bodies());
       rattle_->restart(world_.state(), report_);
@@ -427,6 +430,12 @@ AxisReport Simulator::axis_report(AxisId axis) const {
 }
 
 std::vector<ContactReport> Simulator::contacts() const { return impl_->contacts(); }
+
+std::vector<ContactStretch> Simulator::contact_stretches() const { return impl_->contact_stretches(); }
+
+void Simulator::set_contact_stretches(std::vector<ContactStretch> stretches) {
+  impl_->set_contact_stretches(std::move(stretches));
+}
 
 RankReport Simulator::analyze_rank() {
   if (impl_->source_.asleep_count() == 0) return taut::analyze_rank(impl_->source_, impl_->settings_);

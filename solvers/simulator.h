@@ -53,6 +53,15 @@ class Simulator {
   /// is near (Settings::contact_margin) and gives nothing.
   std::vector<ContactReport> contacts() const;
 
+  /// The springs of compliant contacts across their normals, as the last step left them: what a state needs
+  /// besides World::state(), so that a heap which is put back goes on standing.  Empty before the first step
+  /// and after one that failed.
+  std::vector<ContactStretch> contact_stretches() const;
+  /// The next step starts with contacts stretched so, and with all bodies awake: for the state to which they
+  /// belong, after World::set_state().  Those that are not found within 1e-4 m of p_AP are left out.
+  /// @throws std::invalid_argument for a shape that is not there, or what is not finite.
+  void set_contact_stretches(std::vector<ContactStretch> stretches);
+
   /// Rank, freedoms and redundant rows by name in the present pose.  Nothing moves.
   RankReport analyze_rank();
   /// What cannot hold together `horizon` [s] from now: joints with limits, motors of unbounded force and

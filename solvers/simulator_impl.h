@@ -51,6 +51,8 @@ class Simulator::Impl {
   Reaction mean_reaction(JointId joint);
   AxisReport axis_report(AxisId axis) const;
   std::vector<ContactReport> contacts() const;
+  std::vector<ContactStretch> contact_stretches() const;
+  void set_contact_stretches(std::vector<ContactStretch> stretches);
 
   // What was moved, and sleep (simulator_sleep.cpp).
   std::span<const ContactSet::Place> places() const;
@@ -76,6 +78,7 @@ class Simulator::Impl {
   std::vector<ContactReport> mean_contacts() const;
   void solve_weld_means();
   void refer_to_source(Contact& contact) const;
+  void recall_contacts();
   const Rows& source_rows() const { return weld_loads_ ? weld_loads_->rows() : system_->rows(); }
 
   World& source_;  // the user's
@@ -119,7 +122,8 @@ class Simulator::Impl {
     std::map<AxisId, AxisReport> axes;
     std::vector<ContactReport> contacts;
   } asleep_;
-  State start_, given_;  // of the source: at the start of the step, as given back last
+  std::vector<ContactStretch> recalled_;  // for the next start, as the source has them
+  State start_, given_;                   // of the source: at the start of the step, as given back last
   int given_version_ = -1, present_version_ = -1;             // of world_
   std::vector<Reaction> mean_reactions_, present_reactions_;  // of welds, by joint; empty: not solved
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/check.h"
 #include "solvers/simulator_impl.h"
 
 // What joints bear, and what merged bodies give back to the user's world.  (solvers/README, "Merged bodies")
@@ -126,6 +127,37 @@ std::vector<ContactReport> Simulator::Impl::contacts() const {
   for (const ContactReport& report : asleep_.contacts)
     if (rests(report)) reports.push_back(report);
   return reports;
+}
+
+std::vector<ContactStretch> Simulator::Impl::contact_stretches() const {
+  if (!recalled_.empty()) return recalled_;
+  if (!rattle_ || state_version_ < 0) return {};
+  std::vector<ContactStretch> stretches = rattle_->contacts().stretches();
+  if (!merged_) return stretches;
+  for (ContactStretch& s : stretches)
+    if (const BodyId body = source_.shape(s.a).body; merged_->is_carried(body))
+      s.p_AP = merged_->carriers().frames[body.index].local(s.p_AP);
+  return stretches;
+}
+
+void Simulator::Impl::set_contact_stretches(std::vector<ContactStretch> stretches) {
+  for (const ContactStretch& s : stretches) {
+    (void)source_.shape(s.a), (void)source_.shape(s.b);  // throws for an id that is not there
+    require_all_finite("contact stretch", s.stretch);
+    require_all_finite("contact stretch: p_AP", s.p_AP);
+  }
+  source_.wake_all(), world_.wake_all();
+  recalled_ = std::move(stretches);
+}
+
+/// To the integrator, which is about to start.
+void Simulator::Impl::recall_contacts() {
+  if (merged_)
+    for (ContactStretch& s : recalled_)
+      if (const BodyId body = source_.shape(s.a).body; merged_->is_carried(body))
+        s.p_AP = merged_->carriers().frames[body.index].point(s.p_AP);
+  rattle_->recall(std::move(recalled_));
+  recalled_.clear();
 }
 
 /// The source gets what the merged world has come to.

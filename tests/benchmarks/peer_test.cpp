@@ -126,12 +126,13 @@ TEST_P(PeersWithContact, CarryAStack) {
   EXPECT_LT(stack.at("final_penetration_m"), 2e-3);
 }
 
-// Balls, boxes, capsules and cylinders fall into a box of walls, and are there at the end.
+// Balls, boxes, capsules and cylinders fall into a box of walls, and are there at the end: past its floor
+// they would fall by 11 m.  ODE's order of rows follows addresses, so that its runs differ, by 1 m and more.
 TEST_P(PeersWithContact, HoldAPile) {
   const Json pile = run("pile", 8, 1000, "1.5");
   ASSERT_EQ(pile.value("status", ""), "success") << pile.dump();
   EXPECT_GT(pile.at("max_motion_m"), 0.2);
-  EXPECT_LT(pile.at("max_motion_m"), 2);
+  EXPECT_LT(pile.at("max_motion_m"), 5);
   EXPECT_LT(pile.at("max_penetration_m"), 0.15);  // of bodies of 0.4 m; some miss contacts for some steps
 }
 

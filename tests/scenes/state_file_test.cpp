@@ -69,16 +69,56 @@ TEST(StateFile, NamesAllThatIsWrong) {
                            R"(, {"name": "head", )" + body + R"(,
     {"name": "pelvis", "position": [0, 0], "orientation": [1, 1, 0, 0], "velocity": [0, 0, 0], "spin": 1}],
     "axes": [{"joint": "neck", "axis": "sideways", "value": 0}, {"joint": "gill", "axis": "angle", "value": 0}],
-    "detached": ["gill"], "more": 1})";
+    "detached": ["gill"], "more": 1, "contacts": [
+    {"a": {"body": "head", "shape": 7}, "b": {"body": "gill", "shape": 0}, "point": [0, 0, 0], "stretch": [0, 0, 0]},
+    {"a": {"body": "head", "shape": 0.5}, "b": {"body": "neck"}, "point": [0, 0], "holds": 1}]})";
   const std::string problems = problems_of(text);
-  for (const char* expected :
-       {"/format: must be \"taut-state/1\"", "/time: ", "/bodies/0/name: there is no body",
-        "/bodies/1/name: is fixed", "/bodies/3/name: is given twice",
-        "/bodies/4/position: ", "/bodies/4/orientation: ", "/bodies/4/spin: ", "/bodies/4: ",
-        "/axes/0/axis: ", "/axes/1/joint: there is no joint", "/detached/0: there is no joint", "/more: "})
+  for (const char* expected : {"/format: must be \"taut-state/1\"",
+                               "/time: ",
+                               "/bodies/0/name: there is no body",
+                               "/bodies/1/name: is fixed",
+                               "/bodies/3/name: is given twice",
+                               "/bodies/4/position: ",
+                               "/bodies/4/orientation: ",
+                               "/bodies/4/spin: ",
+                               "/bodies/4: ",
+                               "/axes/0/axis: ",
+                               "/axes/1/joint: there is no joint",
+                               "/detached/0: there is no joint",
+                               "/more: ",
+                               "/contacts/0/a/shape: must be the place of a shape among the ",
+                               "/contacts/0/b/body: there is no body",
+                               "/contacts/1/a/shape: ",
+                               "/contacts/1/b: ",
+                               "/contacts/1/point: ",
+                               "/contacts/1: ",
+                               "/contacts/1/holds: "})
     EXPECT_NE(problems.find(expected), std::string::npos) << expected << "\n" << problems;
   EXPECT_NE(problems_of("{").find("state.json: line 1"), std::string::npos);
   EXPECT_NE(problems_of("[]").find("/"), std::string::npos);
+}
+
+/// A heap at rest is at rest in the run that goes on, and its state is the one that was read.
+TEST(StateFile, AHeapGoesOnStanding) {
+  const std::string state = temporary("state.json"), report = temporary("report.json");
+  const std::vector<std::string> pile{"run",      "pile", "--set",  "n=12", "--quiet",
+                                      "--report", report, "--save", state};
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = pile;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_program(arguments);
+    EXPECT_EQ(outcome.exit_status, 0) << outcome.err;
+    World world = build_scene("pile", {{"n", 12}}).world;
+    const std::string text = read_text(state);
+    const ContactStretches stretches = apply_state(world, text, state);
+    EXPECT_GT(stretches.size(), 20u);
+    EXPECT_EQ(state_json(world, stretches), nlohmann::ordered_json::parse(text));
+    double fastest = 0;
+    for (int b = 1; b < world.body_count(); ++b) fastest = std::max(fastest, world.twist(BodyId{b}).v.norm());
+    return fastest;
+  };
+  EXPECT_LT(run({"--time", "4"}), 1e-9);
+  EXPECT_LT(run({"--steps", "1", "--from", state}), 1e-9);  // 6e-6 if nothing is known of its contacts
 }
 
 /// Half a run and the rest of it from the saved state are the whole run, but for what solvers start from.

@@ -155,6 +155,64 @@ TEST(ContactCompliance, friction_stretches_its_spring_and_holds_without_creep) {
   EXPECT_LE((force + mass * world.gravity()).norm(), 1e-6);
 }
 
+// On a slope friction is all in the springs across the normals: at the same state without them the box starts
+// to slide.  A second body that is welded to it makes them those of merged bodies.
+TEST(ContactCompliance, what_is_put_back_with_its_stretches_goes_on_standing) {
+  const double C = 1e-5, mass = 2, slope = 20 * std::numbers::pi / 180;
+  const Vec3 size(0.4, 0.4, 0.1);
+  World world;
+  world.set_gravity(kG * Vec3(std::sin(slope), 0, -std::cos(slope)));
+  world.add_shape(kGround, HalfSpace{}, {}, soft(C));
+  const auto add_plate = [&](const std::string& name, double x) {
+    const BodyId plate = world.add_body(
+        {.name = name, .mass = MassProperties::box(size, mass), .pose = {.p = Vec3(x, 0, 0.05)}});
+    world.add_shape(plate, Box{size}, {}, soft(0));
+    return plate;
+  };
+  const BodyId box = add_plate("box", 0), first = add_plate("first", 2), second = add_plate("second", 2.4);
+  world.add("weld", Fixed::at(world, first, second, Vec3(2.2, 0, 0.05)));
+  const std::vector<BodyId> bodies{box, first, second};
+  Simulator simulator(world);
+  EXPECT_TRUE(simulator.contact_stretches().empty());
+  run(simulator, 1e-3, 1500);
+  const std::vector<ContactStretch> stretches = simulator.contact_stretches();
+  Vec3 friction = Vec3::Zero();
+  for (const ContactStretch& s : stretches) {
+    EXPECT_TRUE(s.holds);
+    friction -= s.stretch / C;
+  }
+  EXPECT_NEAR(friction.x(), -3 * mass * kG * std::sin(slope), 1e-6);
+  EXPECT_NEAR(friction.y(), 0, 1e-6);
+
+  const auto fastest_after = [&](Simulator& again, int steps) {
+    double fastest = 0;
+    for (int i = 0; i < steps; ++i) {
+      run(again, 1e-3, 1);
+      for (BodyId body : bodies) fastest = std::max(fastest, again.world().twist(body).v.norm());
+    }
+    return fastest;
+  };
+  const State state = world.state();
+  World with = world, without = world;
+  Simulator knows(with), forgets(without);
+  knows.set_contact_stretches(stretches);
+  EXPECT_EQ(knows.contact_stretches().size(), stretches.size());  // also before it has started
+  EXPECT_LT(fastest_after(knows, 20), 1e-9);
+  EXPECT_GT(fastest_after(forgets, 20), 1e-3);
+
+  // The same simulator, elsewhere meanwhile.
+  world.set_twist(box, {Vec3::Zero(), Vec3(0, 1, 0)});
+  world.set_twist(second, {Vec3::Zero(), Vec3(0, 1, 0)});
+  run(simulator, 1e-3, 100);
+  world.set_state(state);
+  simulator.set_contact_stretches(stretches);
+  EXPECT_LT(fastest_after(simulator, 20), 1e-9);
+
+  EXPECT_THROW(simulator.set_contact_stretches({{ShapeId{0}, ShapeId{9}}}), std::invalid_argument);
+  EXPECT_THROW(simulator.set_contact_stretches({{ShapeId{0}, ShapeId{1}, Vec3(0, NAN, 0)}}),
+               std::invalid_argument);
+}
+
 TEST(ContactCompliance, what_slides_is_slowed_by_friction) {
   const double mu = 0.3, v0 = 2, mass = 2;
   World world;
