@@ -71,7 +71,7 @@ bool ContactForces::start(const World& world, const State& state, double horizon
 void ContactForces::take_up_recalled(const World& world) {
   for (const ContactStretch& known : recalled_) {
     const int k = table_.set.place_near(world, known.a, known.b, known.p_AP);
-    if (k < 0) continue;
+    if (k < 0 || table_.set.places()[k].material.compliance == 0) continue;
     Point& point = table_.points[k];
     point.slipped = known.stretch;
     point.stuck = known.holds;

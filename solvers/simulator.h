@@ -58,7 +58,8 @@ class Simulator {
   /// and after one that failed.
   std::vector<ContactStretch> contact_stretches() const;
   /// The next step starts with contacts stretched so, and with all bodies awake: for the state to which they
-  /// belong, after World::set_state().  Those that are not found within 1e-4 m of p_AP are left out.
+  /// belong, after World::set_state().  Those that are not found within 1e-4 m of p_AP, or are rigid, are
+  /// left out.
   /// @throws std::invalid_argument for a shape that is not there, or what is not finite.
   void set_contact_stretches(std::vector<ContactStretch> stretches);
 

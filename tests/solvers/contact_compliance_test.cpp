@@ -200,6 +200,14 @@ TEST(ContactCompliance, what_is_put_back_with_its_stretches_goes_on_standing) {
   EXPECT_LT(fastest_after(knows, 20), 1e-9);
   EXPECT_GT(fastest_after(forgets, 20), 1e-3);
 
+  // Rigid ones have no spring that could pull.
+  World rigid = world;
+  for (int i = 0; i < rigid.shape_count(); ++i) rigid.set_material(ShapeId{i}, soft(0));
+  World pulled = rigid;
+  Simulator rests(rigid), pulls(pulled);
+  pulls.set_contact_stretches(stretches);
+  EXPECT_EQ(fastest_after(pulls, 3), fastest_after(rests, 3));
+
   // The same simulator, elsewhere meanwhile.
   world.set_twist(box, {Vec3::Zero(), Vec3(0, 1, 0)});
   world.set_twist(second, {Vec3::Zero(), Vec3(0, 1, 0)});
