@@ -10,6 +10,7 @@
 #include "scenes/state_file.h"
 #include "solvers/simulator.h"
 #include "tests/allocation_counter.h"
+#include "tests/source_dir.h"
 
 /// The builders with contact: what each of them is to show, and joints that stay closed meanwhile.
 namespace taut {
@@ -291,7 +292,7 @@ TEST(Pile, of_stiff_bodies_comes_to_rest_and_falls_asleep) {
 // The state is that at the end of `taut run pile --set n=1000 --time 9 --sleep`, when all sleep.
 TEST(Pile, of_1000_at_rest_needs_no_analysis_and_no_allocation) {
   Scene scene = build_scene("pile", {{"n", 1000}});
-  load_state_file(scene.world, TAUT_SOURCE_DIR "/benchmarks/states/pile-1000.json");
+  load_state_file(scene.world, testing::source_dir() + "/benchmarks/states/pile-1000.json");
   bears_its_weight(scene, 5e-10, 12, 8);
   double fastest = 0;
   for (int b = 1; b < scene.world.body_count(); ++b)

@@ -11,6 +11,7 @@
 #include "scenes/scene.h"
 #include "scenes/scene_file.h"
 #include "solvers/simulator.h"
+#include "tests/source_dir.h"
 
 // Mechanisms and machines, as files and from the catalogue, and what they show.
 namespace taut {
@@ -32,7 +33,7 @@ void run(Simulator& simulator, double dt, int steps) {
 /// A scene file against the case of tests/references that is the same system: positions of points at all
 /// times of the case, to its tolerances for the step of the file.
 void compare_with_reference(const char* scene_file, const char* reference_file) {
-  const std::string source = TAUT_SOURCE_DIR;
+  const std::string source = testing::source_dir();
   Scene scene = load_scene_file(source + "/scenes/" + scene_file);
   std::ifstream in(source + "/tests/references/" + reference_file);
   const Json reference = Json::parse(in);
@@ -52,7 +53,7 @@ void compare_with_reference(const char* scene_file, const char* reference_file) 
   for (const Json& quantity : quantities) {
     const double time = quantity.at("time");
     run(simulator, scene.dt, static_cast<int>(std::lround((time - world.time()) / scene.dt)));
-    if (testing::Test::HasFatalFailure()) return;
+    if (::testing::Test::HasFatalFailure()) return;
     const Json& probe = quantity.at("probe");
     const BodyId body = world.body(probe.at("body").get<std::string>());
     const auto vector = [](const Json& v) { return Vec3(v.at(0), v.at(1), v.at(2)); };
@@ -72,7 +73,7 @@ TEST(SceneFiles, GovernorMovesAsInTheReference) {
 }
 /// The points of the reference come as one list of x and y.
 TEST(SceneFiles, AndrewsMechanismMovesAsInTheReference) {
-  const std::string source = TAUT_SOURCE_DIR;
+  const std::string source = testing::source_dir();
   Scene scene = load_scene_file(source + "/scenes/andrews.json");
   std::ifstream in(source + "/tests/references/andrews_torque2.json");
   const Json reference = Json::parse(in);

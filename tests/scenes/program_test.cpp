@@ -7,6 +7,7 @@
 
 #include "tests/run_program.h"
 #include "tests/scenes/resource_limit.h"
+#include "tests/source_dir.h"
 #include "tests/temporary.h"
 
 namespace taut::testing {
@@ -91,7 +92,7 @@ TEST(Program, NamesWhatCannotHoldTogether) {
 }
 
 TEST(Program, CheckNamesReactionsThatAreNotUnique) {
-  const Outcome check = run_program({"check", TAUT_SOURCE_DIR "/scenes/bricard.json"});
+  const Outcome check = run_program({"check", testing::source_dir() + "/scenes/bricard.json"});
   EXPECT_EQ(check.exit_status, 0);
   EXPECT_NE(check.out.find("is already held by"), std::string::npos) << check.out;
   EXPECT_NE(check.out.find("not unique, of 6 joints: P0, P1, P2, P3, P4, P5\n"), std::string::npos)

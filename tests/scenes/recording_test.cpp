@@ -11,6 +11,7 @@
 #include "tests/run_program.h"
 #include "tests/scenes/resource_limit.h"
 #include "tests/scenes/sample_recording.h"
+#include "tests/source_dir.h"
 #include "tests/temporary.h"
 
 namespace taut::testing {
@@ -187,11 +188,11 @@ TEST(Recording, SoundChunksWithWrongContentsDoNotCrash) {
 
 // A file that a version without springs wrote: the double pendulum, let fall for 0.05 s, four frames.
 TEST(Recording, FilesOfTheFirstFormatAreRead) {
-  RecordingReader reader(TAUT_SOURCE_DIR "/tests/scenes/first_format.taut");
+  RecordingReader reader(testing::source_dir() + "/tests/scenes/first_format.taut");
   EXPECT_EQ(reader.damage(), "");
   EXPECT_TRUE(reader.header().springs.empty());
   ASSERT_EQ(reader.frame_count(), 4);
-  const Scene scene = load_scene_file(TAUT_SOURCE_DIR "/scenes/double_pendulum.json");
+  const Scene scene = load_scene_file(testing::source_dir() + "/scenes/double_pendulum.json");
   const Frame& frame = reader.frame(0);
   ASSERT_EQ(frame.poses.size(), scene.world.state().poses.size());
   for (std::size_t b = 0; b < frame.poses.size(); ++b)

@@ -7,6 +7,7 @@
 
 #include "scenes/scene_file.h"
 #include "tests/scenes/scene_file_cases.h"
+#include "tests/source_dir.h"
 
 /// Damaged scene files must be read or refused with SceneFileError: anything else escapes and fails the test.
 namespace taut {
@@ -20,7 +21,7 @@ int below(Random& random, std::size_t count) { return static_cast<int>(random() 
 std::vector<std::string> originals() {
   std::vector<std::string> texts{scene_file_cases::kEverything};
   for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes")) {
+       std::filesystem::directory_iterator(std::filesystem::path(testing::source_dir()) / "scenes")) {
     const std::string name = entry.path().filename().string();
     if (!name.ends_with(".json") || name.ends_with(".schema.json")) continue;
     std::ifstream file(entry.path());
@@ -33,7 +34,7 @@ std::vector<std::string> originals() {
 /// True if the text was read, false if it was refused properly.
 bool is_read(const std::string& text) {
   try {
-    parse_scene(text, TAUT_SOURCE_DIR "/scenes/fuzz.json");  // where the mesh files are
+    parse_scene(text, testing::source_dir() + "/scenes/fuzz.json");  // where the mesh files are
     return true;
   } catch (const SceneFileError& error) {
     EXPECT_FALSE(error.problems().empty());

@@ -10,6 +10,7 @@
 #include "core/diagnostics.h"
 #include "solvers/simulator.h"
 #include "tests/scenes/scene_bad_cases.h"
+#include "tests/source_dir.h"
 
 namespace taut {
 namespace {
@@ -371,7 +372,7 @@ TEST(SceneFile, DeepAndHugeTextsAreRejectedQuietly) {
 
 TEST(SceneFile, FilesThatCannotBeReadAreErrors) {
   EXPECT_THROW(load_scene_file("no such file.json"), SceneFileError);
-  EXPECT_THROW(load_scene_file(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes"), SceneFileError);
+  EXPECT_THROW(load_scene_file(std::filesystem::path(testing::source_dir()) / "scenes"), SceneFileError);
 }
 
 TEST(SceneFile, OneBlockIsTheBuildersOwnScene) {
@@ -419,7 +420,7 @@ TEST(SceneFile, BlocksArePrefixedAndPlaced) {
 std::vector<std::filesystem::path> shipped_scenes() {
   std::vector<std::filesystem::path> paths;
   for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes"))
+       std::filesystem::directory_iterator(std::filesystem::path(testing::source_dir()) / "scenes"))
     if (entry.path().extension() == ".json" && !entry.path().filename().string().ends_with(".schema.json"))
       paths.push_back(entry.path());
   std::sort(paths.begin(), paths.end());
@@ -456,7 +457,7 @@ TEST(ShippedScenes, Run) {
 
 /// The README's complete example is read as it stands.
 TEST(ShippedScenes, ExampleOfTheReadme) {
-  std::ifstream file(std::filesystem::path(TAUT_SOURCE_DIR) / "scenes" / "README.md");
+  std::ifstream file(std::filesystem::path(testing::source_dir()) / "scenes" / "README.md");
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const std::size_t begin = text.find("```json\n") + 8, end = text.find("```", begin);
   ASSERT_NE(end, text.npos);

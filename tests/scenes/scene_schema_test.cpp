@@ -10,6 +10,7 @@
 #include <valijson/validator.hpp>
 
 #include "tests/scenes/scene_bad_cases.h"
+#include "tests/source_dir.h"
 
 /// The schema says the same as the reader, as far as a schema can.
 namespace taut {
@@ -17,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 using Adapter = valijson::adapters::NlohmannJsonAdapter;
-const std::filesystem::path kScenes = std::filesystem::path(TAUT_SOURCE_DIR) / "scenes";
+const std::filesystem::path kScenes = std::filesystem::path(testing::source_dir()) / "scenes";
 
 Json parse(const std::string& text) { return Json::parse(text, nullptr, true, true); }
 

@@ -9,6 +9,7 @@
 #include "scenes/scene_file.h"
 #include "solvers/simulator.h"
 #include "tests/scenes/scene_file_cases.h"
+#include "tests/source_dir.h"
 #include "tests/temporary.h"
 
 /// Contact geometry of scene files, and bodies whose mass comes from it.
@@ -268,7 +269,7 @@ TEST(SceneShapes, FrictionOfPairsOfMaterialsActs) {
 /// The shipped scene with contact, up to where the steel marble has left the funnel, a mesh from a file, and
 /// lies on the ramp, a compound: it touches the floor between the walls, and energy is only lost.
 TEST(ShippedScenes, MarblesFallThroughTheFunnelOntoTheRamp) {
-  Scene scene = load_scene_file(TAUT_SOURCE_DIR "/scenes/marble_run.json");
+  Scene scene = load_scene_file(testing::source_dir() + "/scenes/marble_run.json");
   const BodyId marble = scene.world.body("steel marble");
   Simulator simulator(scene.world, scene.settings);
   double energy = 1e9;

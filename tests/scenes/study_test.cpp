@@ -6,6 +6,7 @@
 #include "scenes/convergence_study.h"
 #include "scenes/energy_study.h"
 #include "scenes/method_study.h"
+#include "tests/source_dir.h"
 
 /// What `taut accuracy --study` says, against what is known of the methods.
 namespace taut {
@@ -54,7 +55,7 @@ TEST(Study, EnergyOfTheDoublePendulumComesBack) {
 }
 
 TEST(Study, IntegratorsAndSolversHaveTheirOrders) {
-  const std::filesystem::path folder = std::filesystem::path(TAUT_SOURCE_DIR) / "tests" / "references";
+  const std::filesystem::path folder = std::filesystem::path(testing::source_dir()) / "tests" / "references";
   const std::map<std::string, double> nominal = {
       {"rattle", 2},      {"rattle4", 4},           {"rattle6", 6},     {"rattle8", 8},
       {"force-euler", 1}, {"force-runge-kutta", 4}, {"moreau-jean", 1}, {"gauss-seidel", 2},

@@ -7,6 +7,7 @@
 #include "core/joints.h"
 #include "scenes/scene.h"
 #include "solvers/simulator.h"
+#include "tests/source_dir.h"
 
 namespace taut {
 namespace {
@@ -24,7 +25,7 @@ void add_pendulum(World& world, BodyId last, const Vec3& at) {
 /// 80 bodies that have fallen between four walls and wedge each other.
 Scene wedged_bodies() {
   Scene scene = build_scene("pile", {{"n", 80}, {"compliance", 0}, {"rolling", 0}});
-  std::ifstream file(TAUT_SOURCE_DIR "/tests/solvers/hard_pile.txt");
+  std::ifstream file(testing::source_dir() + "/tests/solvers/hard_pile.txt");
   std::string head;
   std::getline(file, head);
   State state = scene.world.state();

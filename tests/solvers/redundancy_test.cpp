@@ -7,13 +7,14 @@
 #include "scenes/scene_file.h"
 #include "solvers/simulator.h"
 #include "tests/solvers/law_problems.h"
+#include "tests/source_dir.h"
 
 // Which rows are redundant and whose reactions are not unique, against the null space of the dense matrix.
 namespace taut {
 namespace {
 
 Scene scene_of(const std::string& name, double n) {
-  return name.ends_with(".json") ? load_scene_file(TAUT_SOURCE_DIR "/scenes/" + name)
+  return name.ends_with(".json") ? load_scene_file(testing::source_dir() + "/scenes/" + name)
                                  : build_scene(name, {{"n", n}});
 }
 

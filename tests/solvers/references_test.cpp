@@ -6,6 +6,7 @@
 
 #include "scenes/reference_contacts.h"
 #include "scenes/reference_run.h"
+#include "tests/source_dir.h"
 
 /// Every file of tests/references is one test.
 namespace taut::reference {
@@ -43,8 +44,8 @@ const std::map<std::string, double> kStepFraction = {
     {"flyball_a05", 0.1},
 };
 
-fs::path folder() { return fs::path(TAUT_SOURCE_DIR) / "tests" / "references"; }
-std::string test_name(const testing::TestParamInfo<fs::path>& info) { return info.param.stem().string(); }
+fs::path folder() { return fs::path(testing::source_dir()) / "tests" / "references"; }
+std::string test_name(const ::testing::TestParamInfo<fs::path>& info) { return info.param.stem().string(); }
 
 RunPlan plan_for(const fs::path& file) {
   RunPlan plan;
@@ -73,7 +74,7 @@ void expect_met(const CaseRun& run, const std::map<std::string, double>& beyond 
             << " not, worst " << worst << " of what is allowed\n";
 }
 
-class ReferenceCase : public testing::TestWithParam<fs::path> {};
+class ReferenceCase : public ::testing::TestWithParam<fs::path> {};
 
 TEST_P(ReferenceCase, IsMetAtTheStepOfItsTolerances) {
   const Case built = load_case(GetParam());
@@ -90,10 +91,10 @@ TEST_P(ReferenceCase, IsMetAtTheStepOfItsTolerances) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(References, ReferenceCase, testing::ValuesIn(case_files(folder())), test_name);
+INSTANTIATE_TEST_SUITE_P(References, ReferenceCase, ::testing::ValuesIn(case_files(folder())), test_name);
 
 /// RATTLE itself, which has order 2, at the step of the tolerances.
-class ReferenceCaseAtOrder2 : public testing::TestWithParam<fs::path> {};
+class ReferenceCaseAtOrder2 : public ::testing::TestWithParam<fs::path> {};
 
 TEST_P(ReferenceCaseAtOrder2, IsMetButForWhatTruncationExceeds) {
   RunPlan plan = plan_for(GetParam());
@@ -114,11 +115,11 @@ std::vector<fs::path> smooth_files() {
   return files;
 }
 
-INSTANTIATE_TEST_SUITE_P(References, ReferenceCaseAtOrder2, testing::ValuesIn(smooth_files()), test_name);
+INSTANTIATE_TEST_SUITE_P(References, ReferenceCaseAtOrder2, ::testing::ValuesIn(smooth_files()), test_name);
 
 /// Cases that are short and regular enough to be met to their limit tolerance, near 1e-9, by the integrator
 /// of order 8 at the same step.
-class ReferenceCaseAtHighOrder : public testing::TestWithParam<fs::path> {};
+class ReferenceCaseAtHighOrder : public ::testing::TestWithParam<fs::path> {};
 
 TEST_P(ReferenceCaseAtHighOrder, IsMetToItsLimit) {
   RunPlan plan{.settings = {.integrator = Integrator::kRattle8,
@@ -139,15 +140,15 @@ std::vector<fs::path> files_of(std::initializer_list<const char*> ids) {
 
 INSTANTIATE_TEST_SUITE_P(
     References, ReferenceCaseAtHighOrder,
-    testing::ValuesIn(files_of({"bennett_b", "cart_pendulum_b", "double_pendulum_regular", "euler_top",
-                                "floating_two_rods", "four_bar_free", "governor_rigid",
-                                "pendulum_compound_box", "pendulum_products_of_inertia", "pendulum_simple_90",
-                                "pendulum_spherical", "rigid_pendulum_3d", "slider_crank_free_b",
-                                "thrown_cylinder", "top_steady_slow"})),
+    ::testing::ValuesIn(files_of({"bennett_b", "cart_pendulum_b", "double_pendulum_regular", "euler_top",
+                                  "floating_two_rods", "four_bar_free", "governor_rigid",
+                                  "pendulum_compound_box", "pendulum_products_of_inertia",
+                                  "pendulum_simple_90", "pendulum_spherical", "rigid_pendulum_3d",
+                                  "slider_crank_free_b", "thrown_cylinder", "top_steady_slow"})),
     test_name);
 
 /// A loop, a redundant loop, a net and a chain with every factor.
-class ReferenceCaseByFactor : public testing::TestWithParam<std::tuple<fs::path, FactorChoice>> {};
+class ReferenceCaseByFactor : public ::testing::TestWithParam<std::tuple<fs::path, FactorChoice>> {};
 
 TEST_P(ReferenceCaseByFactor, IsMet) {
   RunPlan plan = plan_for(std::get<0>(GetParam()));
@@ -155,12 +156,12 @@ TEST_P(ReferenceCaseByFactor, IsMet) {
   expect_met(run_case(std::get<0>(GetParam()), plan));
 }
 
-INSTANTIATE_TEST_SUITE_P(References, ReferenceCaseByFactor,
-                         testing::Combine(testing::ValuesIn(files_of({"four_bar_free", "bricard_a04",
-                                                                      "net_points_9", "bridge_release_8"})),
-                                          testing::Values(FactorChoice::kSimplicial,
-                                                          FactorChoice::kSupernodal,
-                                                          FactorChoice::kMultifrontal)));
+INSTANTIATE_TEST_SUITE_P(
+    References, ReferenceCaseByFactor,
+    ::testing::Combine(::testing::ValuesIn(files_of({"four_bar_free", "bricard_a04", "net_points_9",
+                                                     "bridge_release_8"})),
+                       ::testing::Values(FactorChoice::kSimplicial, FactorChoice::kSupernodal,
+                                         FactorChoice::kMultifrontal)));
 
 /// A ball that rolls on a turning disc: the place where it sticks changes with its way.
 TEST(ReferenceOrder, of_rolling_without_slip_is_two) {
