@@ -76,7 +76,7 @@ void Rows::append_side(int body, int joint, int row_count, int arm) {
 void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints joints, Blocks blocks) {
   const Joint& joint = world.joint(JointId{j});
   if (!world.is_attached(JointId{j}) || (joints == Joints::kMoving && !moves(world, joint))) {
-    joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0});
+    joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0, JointId{j}});
     return;
   }
   RowSink counter;
@@ -105,11 +105,12 @@ void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints jo
     joint_rows = axis_counter.row_in_joint_;
   }
   if (joint_rows == 0) {  // no sides either
-    joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0});
+    joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0, JointId{j}});
     return;
   }
   const int side_count = static_cast<int>(joint.bodies().size());
-  joints_.push_back({row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_});
+  joints_.push_back(
+      {row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_, JointId{j}});
   const bool arms = blocks == Blocks::kArms && counter.any_point_ && joint_rows == 3 && side_count == 2;
   for (BodyId body : joint.bodies()) append_side(body.index, j, joint_rows, arms);
   RowSink sink;
@@ -128,7 +129,7 @@ void Rows::append_spring(const World& world, ForceId id, Joints joints) {
   const bool moves = world.moves(spring.a) || world.moves(spring.b);
   const bool centred = spring.is_centred(), length = !centred || spring.is_damped();
   const int count = joints == Joints::kMoving && !moves ? 0 : 3 * centred + length;
-  joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), count > 0 ? 2 : 0, 0});
+  joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), count > 0 ? 2 : 0, 0, id});
   if (count == 0) return;
   for (BodyId body : {spring.a, spring.b}) append_side(body.index, j, count);
   const auto add = [&](const auto& part, int row, bool is_centred) {
@@ -142,7 +143,8 @@ void Rows::append_spring(const World& world, ForceId id, Joints joints) {
 
 void Rows::append_contact(const ContactPlace& place) {
   const int j = static_cast<int>(joints_.size()), count = place.twist ? 6 : 3;
-  joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), 2, 0});
+  joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), 2, 0,
+                     ContactIndex{static_cast<int>(contacts_.size())}});
   for (int body : {place.a, place.b}) append_side(body, j, count);
   using namespace row_parts;
   append(ContactPoint{}, j, 0, {}, kEquality);
@@ -184,7 +186,7 @@ Rows Rows::part(std::span<const int> joints, std::span<const int> new_body, int 
     const JointRows& joint = joints_[j];
     const int index = static_cast<int>(part.joints_.size());
     part.joints_.push_back({part.row_count(), joint.row_count, static_cast<int>(part.sides_.size()),
-                            joint.side_count, joint.equality_count});
+                            joint.side_count, joint.equality_count, joint.owner});
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
       part.append_side(new_body[sides_[s].body], index, joint.row_count, sides_[s].arm);
     for (int r = joint.first_row; r < joint.first_row + joint.row_count; ++r) {
@@ -203,14 +205,14 @@ void Rows::sort_by_body(int bodies) {
   for (const Side& side : sides_) body_of.push_back(side.body);
   sort_by(body_of, bodies, body_start_, body_sides_);
   body_of.assign(joints_.size(), -1);
-  for (const Side& side : sides_) body_of[side.joint] = std::max(body_of[side.joint], side.body);
+  for (const Side& side : sides_) body_of[side.block] = std::max(body_of[side.block], side.body);
   sort_by(body_of, bodies, due_start_, due_joints_);
 }
 
 /// Items keep their order, so one that waits for a later body keeps those behind it waiting.
 void Rows::cut_into_pieces() {
   std::vector<int> last(joints_.size(), 0);  // body of each joint
-  for (const Side& side : sides_) last[side.joint] = std::max(last[side.joint], side.body);
+  for (const Side& side : sides_) last[side.block] = std::max(last[side.block], side.body);
   const int count = (body_count() + kPieceSize - 1) / kPieceSize;
   const auto stores = static_cast<std::ptrdiff_t>(stores_.size());
   std::unordered_map<const detail::PartStoreBase*, std::ptrdiff_t> index;
@@ -222,9 +224,9 @@ void Rows::cut_into_pieces() {
   for (const Row& row : rows_) {
     if (row.row_in_part != 0) continue;
     const std::ptrdiff_t s = index[row.store];
-    reached[s] = std::max(reached[s], last[row.joint] / kPieceSize);
+    reached[s] = std::max(reached[s], last[row.block] / kPieceSize);
     ++piece_items_[(reached[s] + 1) * stores + s];
-    const JointRows& joint = joints_[row.joint];
+    const JointRows& joint = joints_[row.block];
     for (int side = joint.first_side; side < joint.first_side + joint.side_count; ++side)
       settled[sides_[side].body] = std::max(settled[sides_[side].body], reached[s]);
   }

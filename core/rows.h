@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -8,6 +9,7 @@
 #include <typeinfo>
 #include <unordered_map>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/axis.h"
@@ -52,13 +54,23 @@ class SixVector {
 
 class Rows {
  public:
+  /// A contact place, by its index.
+  struct ContactIndex {
+    int index = -1;
+    friend auto operator<=>(ContactIndex, ContactIndex) = default;
+  };
+  /// What rows belong to: a joint, a spring between two bodies or a contact.
+  using Owner = std::variant<JointId, ForceId, ContactIndex>;
+  /// The rows of one of them, a block.
   struct JointRows {
     int first_row = 0, row_count = 0;
     int first_side = 0, side_count = 0;
     int equality_count = 0;  ///< of the rows, in front, softened ones too; the others are axis rows
+    Owner owner;
   };
   struct Side {
-    int body = 0, joint = 0;
+    int body = 0;
+    int block = 0;  ///< index in joints(), which springs and contacts have, too: no JointId
     int first_row = 0, row_count = 0;
     int offset = 0;  ///< of its block in the Jacobian values
     int whole = 0;   ///< … in values that have row_count × 6 of each side, as J where no arms are kept
@@ -67,7 +79,7 @@ class Rows {
     int value_count() const { return arm != 0 ? 3 : 6 * row_count; }  ///< of its block
   };
   struct Row {
-    int joint = 0;
+    int block = 0;  ///< index in joints(), as of a Side
     bool angular = false;
     const detail::PartStoreBase* store = nullptr;
     int item = 0, row_in_part = 0;
@@ -136,6 +148,13 @@ class Rows {
   static constexpr int kPieceSize = 256;  ///< bodies
   std::span<const Piece> pieces() const { return pieces_; }
   const Row& row(int i) const { return rows_[i]; }
+  /// What row i belongs to.
+  const Owner& owner(int i) const { return joints_[rows_[i].block].owner; }
+  /// The joint that row i belongs to, if it is one of a joint.
+  std::optional<JointId> joint_of(int i) const {
+    const auto* joint = std::get_if<JointId>(&owner(i));
+    return joint ? std::optional(*joint) : std::nullopt;
+  }
   /// In what the gap of an equality row of a joint is, beside the rows, for loops over all of them.
   enum class Unit : char { kNone, kMetre, kRadian };
   Unit gap_unit(int i) const { return unit_[i]; }

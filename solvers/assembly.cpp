@@ -134,8 +134,9 @@ Contradiction find_stuck_joints(const World& world, ConstraintSystem& system, co
   double largest = 0, size = 0;
   for (int r = 0; r < n; ++r) {
     const double stuck = phi[r] - reachable[r];
-    if (system.rows().is_contact(r)) continue;
-    double& s = share[system.rows().row(r).joint];
+    const std::optional<JointId> joint = system.rows().joint_of(r);
+    if (!joint) continue;
+    double& s = share[joint->index];
     s = std::hypot(s, stuck);
     largest = std::max(largest, s);
     size = std::max(size, std::abs(phi[r]));

@@ -24,7 +24,7 @@ struct Pair {
 Pair pair_of(ConstraintSystem& system, int row) {
   using Row = Eigen::Matrix<double, 12, 1>;
   const Rows& rows = system.rows();
-  const Rows::JointRows& joint = rows.joints()[rows.row(row).joint];
+  const Rows::JointRows& joint = rows.joints()[rows.row(row).block];
   const std::span<const double> weighted = system.weighted();
   const auto row_of_W = [&](int k) {
     Row W = Row::Zero();

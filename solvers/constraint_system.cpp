@@ -321,7 +321,7 @@ void ConstraintSystem::row_inertias(std::span<double> out) {
 
 void ConstraintSystem::sum_inertias() {
   for (const Rows::Side& side : rows_.sides()) {
-    const bool first = &side == &rows_.sides()[rows_.joints()[side.joint].first_side];
+    const bool first = &side == &rows_.sides()[rows_.joints()[side.block].first_side];
     for (int i = 0; i < side.row_count; ++i) {
       const double own =
           mass_[side.body].fixed

@@ -245,7 +245,7 @@ void ImpulseIteration::work_off_queue(const Problem& problem, const IterationLim
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const int body = rows.sides()[s].body;
       if (system_.mass()[body].fixed) continue;
-      for (int side : rows.sides_of(body)) enter(rows.sides()[side].joint);
+      for (int side : rows.sides_of(body)) enter(rows.sides()[side].block);
     }
   }
   outcome.sweeps = static_cast<int>((impulses + order_.size() - 1) / std::max<std::size_t>(order_.size(), 1));
@@ -265,7 +265,7 @@ void ImpulseIteration::find_levels() {
     }
   for (std::size_t next = 0; next < front.size(); ++next)
     for (int s : rows.sides_of(front[next])) {
-      const Rows::JointRows& joint = rows.joints()[rows.sides()[s].joint];
+      const Rows::JointRows& joint = rows.joints()[rows.sides()[s].block];
       for (int t = joint.first_side; t < joint.first_side + joint.side_count; ++t) {
         const int body = rows.sides()[t].body;
         if (level_[body] != kNone) continue;

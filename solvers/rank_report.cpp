@@ -18,6 +18,11 @@ constexpr std::size_t kMaxExplained = 200;
 /// Impulses below this part of the largest are no part of a self-stress.
 constexpr double kNoShare = 1e-6;
 
+/// The system has joints only: neither springs nor contacts.
+JointId joint_of(const ConstraintSystem& system, int row) {
+  return std::get<JointId>(system.rows().owner(row));
+}
+
 /// Joints with a part in null vectors of S.  S_ε⁻¹ D, with the D of the shift, multiplies a null vector by
 /// 1/ε and the rest by at most 1/σ: twice applied to numbers at random, nothing but a mixture of all null
 /// vectors is left.
@@ -40,7 +45,7 @@ std::vector<JointId> find_self_stressed(const World& world, ConstraintSystem& sy
     for (int r = 0; r < n; ++r) largest = std::max(largest, std::abs(y[r]) / std::sqrt(inertia[r]));
     for (int r = 0; r < n; ++r)
       if (std::abs(y[r]) / std::sqrt(inertia[r]) > kNoShare * largest)
-        stressed[system.rows().row(r).joint] = 1;
+        stressed[joint_of(system, r).index] = 1;
   }
   std::vector<JointId> joints;
   for (int j = 0; j < world.joint_count(); ++j)
@@ -59,10 +64,10 @@ std::vector<JointId> find_holders(const World& world, ConstraintSystem& system,
   system.solve(c);
   std::vector<double> share(world.joint_count(), 0.0);
   for (int r = 0; r < system.row_count(); ++r) {
-    double& s = share[system.rows().row(r).joint];
+    double& s = share[joint_of(system, r).index];
     s = std::max(s, std::abs(c[r]) / std::sqrt(inertia[r]));
   }
-  const int own = system.rows().row(row).joint;
+  const int own = joint_of(system, row).index;
   const double largest = max_abs(share);
   std::vector<JointId> holders;
   for (int j = 0; j < world.joint_count(); ++j)
@@ -96,9 +101,9 @@ RankReport analyze_rank(const World& world, const Settings& settings) {
   system.set_row_states(states);
   system.factorize(times);
   for (int row : dependent) {
-    const int joint = system.rows().row(row).joint;
+    const JointId joint = joint_of(system, row);
     report.redundant.push_back(
-        {{joint}, row - system.rows().joints()[joint].first_row, system.rows().row_name(row), {}});
+        {joint, row - system.rows().joints()[joint.index].first_row, system.rows().row_name(row), {}});
     if (report.redundant.size() <= kMaxExplained)
       report.redundant.back().held_by = find_holders(world, system, dependent, row, inertia);
   }

@@ -342,9 +342,8 @@ void Simulator::Impl::name_dependent_rows() {
   const Rows& rows = system_->rows();
   if (!system_->dependent_rows().empty()) report_.dependent_rows.reserve(rows.row_count());  // once
   for (int row : system_->dependent_rows()) {
-    if (rows.is_contact(row)) continue;
-    const int joint = rows.row(row).joint;
-    report_.dependent_rows.push_back({{joint}, row - rows.joints()[joint].first_row});
+    if (const std::optional<JointId> joint = rows.joint_of(row))
+      report_.dependent_rows.push_back({*joint, row - rows.joints()[rows.row(row).block].first_row});
   }
   std::sort(report_.dependent_rows.begin(), report_.dependent_rows.end());
 }

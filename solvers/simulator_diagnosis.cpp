@@ -28,8 +28,8 @@ Contradiction Simulator::Impl::contradiction_from(const State& state, double hor
   std::vector<JointId> gone;
   if (rattle_)
     for (int row : rattle_->breaking().rows())
-      if (const JointId joint{system_->rows().row(row).joint}; gone.empty() || gone.back() != joint)
-        gone.push_back(joint);
+      if (const auto joint = system_->rows().joint_of(row); joint && (gone.empty() || gone.back() != *joint))
+        gone.push_back(*joint);
   return find_contradiction({.world = world_,
                              .from = state,
                              .horizon = horizon,
@@ -50,11 +50,13 @@ JointId Simulator::Impl::overflowing_joint(const State& state) {
   system_->set_mass(state.poses);
   const std::span<const double> W = system_->weighted();
   const Rows& rows = system_->rows();
-  for (const Rows::Side& side : rows.sides())
-    for (int i = 0; i < side.row_count && side.joint < rows.joint_count(); ++i)
+  for (const Rows::Side& side : rows.sides()) {
+    const auto* joint = std::get_if<JointId>(&rows.joints()[side.block].owner);
+    for (int i = 0; joint && i < side.row_count; ++i)
       if (std::isinf(
               Eigen::Map<const Eigen::Matrix<double, 6, 1>>(W.data() + side.whole + 6 * i).squaredNorm()))
-        return {side.joint};
+        return *joint;
+  }
   return {};
 }
 
@@ -76,10 +78,10 @@ void Simulator::Impl::fail_not_finite() {
     std::fill(rate.begin(), rate.end(), 0.0);
     rows.add_rate(at, rate);
     for (int r = 0; r < rows.row_count(); ++r) {
-      if (std::isfinite(gap[r] + rate[r]) || rows.row(r).joint >= rows.joint_count()) continue;
-      const JointId joint{rows.row(r).joint};
-      return set_failure(Status::kNotFinite, "what " + std::string(source_.joint(joint).type()) + " " +
-                                                 source_.name(joint) + " follows is not finite");
+      const std::optional<JointId> joint = rows.joint_of(r);
+      if (std::isfinite(gap[r] + rate[r]) || !joint) continue;
+      return set_failure(Status::kNotFinite, "what " + std::string(source_.joint(*joint).type()) + " " +
+                                                 source_.name(*joint) + " follows is not finite");
     }
   }
   if (const JointId joint = overflowing_joint(start); joint.index >= 0)
@@ -93,7 +95,8 @@ void Simulator::Impl::fail_not_finite() {
 std::string Simulator::Impl::widest_gap(const State& state) {
   phi_.resize(system_->row_count());
   system_->rows().residual(state, phi_);
-  const std::vector<Gap> gaps = joint_gaps(system_->rows(), phi_);
+  std::vector<Gap> gaps = joint_gaps(system_->rows(), phi_);
+  gaps.resize(system_->rows().joint_count());  // springs and contacts have none
   const auto size = [](const Gap& gap) { return std::max(gap.metres, gap.radians); };
   const auto widest = std::max_element(gaps.begin(), gaps.end(),
                                        [&](const Gap& a, const Gap& b) { return size(a) < size(b); });
@@ -110,7 +113,7 @@ std::string Simulator::Impl::singular_axis() const {
   const Rows& rows = system_->rows();
   for (const Rows::AxisRow& axis : rows.axis_rows()) {
     if (axis.axis.axis < 0 || !rows.row(axis.row).angular) continue;
-    const Rows::JointRows& joint = rows.joints()[axis.axis.joint.index];
+    const Rows::JointRows& joint = rows.joints()[rows.row(axis.row).block];
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const auto block = Rows::block_row(rows.sides()[s], system_->jacobian(), axis.row - joint.first_row);
       if (!(block.head<3>().norm() > kSingular)) continue;
@@ -151,8 +154,8 @@ void Simulator::Impl::diagnose_stall(double remaining) {
       outcome.residual > kRoundOffResidual) {
     status = Status::kContradiction;
     found.residual = outcome.residual;
-    if (outcome.worst_row >= 0 && !system_->rows().is_contact(outcome.worst_row))
-      found.joints.push_back({system_->rows().row(outcome.worst_row).joint});
+    if (outcome.worst_row >= 0)
+      if (const auto joint = system_->rows().joint_of(outcome.worst_row)) found.joints.push_back(*joint);
   }
   set_failure(status, "limits, motors, friction and contacts could not be met together with the joints" +
                           (found.empty() ? singular_axis() : ""));
@@ -167,8 +170,10 @@ void Simulator::Impl::name_jam() {
     const auto axis = std::find_if(axes.begin(), axes.end(), [r](const auto& a) { return a.row == r; });
     if (axis != axes.end() && rattle_->axes().has_unbounded_motor(axis - axes.begin()))
       found.bounds.push_back({axis->axis, Contradiction::Bound::Kind::kMotor});
-    const bool rubs = axis != axes.end() && world_.axis_properties(axis->axis).friction;
-    if (axis == axes.end() || rubs) found.joints.push_back({rows.row(r).joint});
+    const bool rubs =
+        axis != axes.end() && axis->axis.axis >= 0 && world_.axis_properties(axis->axis).friction;
+    if (const auto joint = rows.joint_of(r); joint && (axis == axes.end() || rubs))
+      found.joints.push_back(*joint);
   }
   std::sort(found.joints.begin(), found.joints.end());
   found.joints.erase(std::unique(found.joints.begin(), found.joints.end()), found.joints.end());

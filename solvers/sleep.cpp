@@ -76,7 +76,8 @@ void Sleep::note_restless(const World& world, const Rows& rows) {
       if (world.moves(body)) restless_[connected_.find(body.index)] = true;
   };
   for (int r = 0; r < rows.first_contact_row(); ++r)
-    if (rows.row(r).store->depends_on_time()) note({rows.row(r).joint});
+    if (rows.row(r).store->depends_on_time())
+      if (const std::optional<JointId> joint = rows.joint_of(r)) note(*joint);
   for (const Rows::AxisRow& row : rows.axis_rows()) {
     if (row.axis.axis < 0) continue;
     const AxisProperties& properties = world.axis_properties(row.axis);

@@ -34,7 +34,7 @@ BlockGraph joint_graph(const Rows& rows, const MassMatrix& mass) {
     const auto begin = graph.neighbour.size();
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
       for_each_meeting(rows, mass, s, [&](int other) {
-        if (rows.sides()[other].joint != j) graph.neighbour.push_back(rows.sides()[other].joint);
+        if (rows.sides()[other].block != j) graph.neighbour.push_back(rows.sides()[other].block);
       });
     std::sort(graph.neighbour.begin() + begin, graph.neighbour.end());
     graph.neighbour.erase(std::unique(graph.neighbour.begin() + begin, graph.neighbour.end()),
@@ -81,7 +81,7 @@ void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const
     meetings.clear();
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
       for_each_meeting(rows, mass, s, [&](int other) {
-        const int block_row = position[rows.sides()[other].joint];
+        const int block_row = position[rows.sides()[other].block];
         if (lower ? block_row >= k : block_row <= k)
           meetings.push_back({block_row, rows.sides()[s].body, place[other], place[s]});
       });

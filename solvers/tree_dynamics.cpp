@@ -37,12 +37,12 @@ void TreeDynamics::grow(int root, std::vector<char>& reached, std::vector<char>&
   for (std::size_t at = 0; at < bodies.size(); ++at)
     for (int s : rows_.sides_of(bodies[at])) {
       const Rows::Side& side = rows_.sides()[s];
-      const Rows::JointRows& joint = rows_.joints()[side.joint];
-      if (used[side.joint] || joint.row_count == 0) continue;
+      const Rows::JointRows& joint = rows_.joints()[side.block];
+      if (used[side.block] || joint.row_count == 0) continue;
       const Rows::Side& other = rows_.sides()[s == joint.first_side ? s + 1 : joint.first_side];
-      used[side.joint] = 1;
+      used[side.block] = 1;
       if (reached[other.body])
-        fail("joint", "closes a loop, which a tree has not", world_.name(JointId{side.joint}));
+        fail("joint", "closes a loop, which a tree has not", world_.name(std::get<JointId>(joint.owner)));
       reached[other.body] = 1;
       bodies.push_back(other.body);
       branches_.push_back(

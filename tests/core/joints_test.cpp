@@ -339,7 +339,7 @@ TEST_P(Joints, EveryRowHasANameAndAKind) {
   Random random(17);
   const RowChecker rows(Same(GetParam().make(pair_of_bodies(), random).joint));
   for (int r = 0; r < rows.row_count(); ++r) {
-    EXPECT_EQ(rows.rows().row(r).joint, 0);
+    EXPECT_EQ(rows.rows().joint_of(r), JointId{0});
     const std::string name = rows.rows().row_name(r);
     EXPECT_EQ(name.find("rotation") != std::string::npos, rows.rows().row(r).angular) << name;
   }

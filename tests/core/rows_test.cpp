@@ -52,7 +52,7 @@ TEST(Rows, JointsAndSidesTileTheArrays) {
       EXPECT_EQ(side.offset, next_value);
       next_value += 6 * side.row_count;
     }
-    for (int r = joint.first_row; r < next_row; ++r) EXPECT_EQ(rows.row(r).joint, j);
+    for (int r = joint.first_row; r < next_row; ++r) EXPECT_EQ(rows.joint_of(r), JointId{j});
   }
   EXPECT_EQ(next_row, rows.row_count());
   EXPECT_EQ(next_value, rows.jacobian_size());
