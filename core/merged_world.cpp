@@ -201,8 +201,9 @@ bool MergedWorld::is_behind(const World& source) const {
 /// Versions go on from what they were, whatever those of the source are: a state that was not set there is no
 /// new one here.
 void MergedWorld::rebuild(const World& source) {
-  const int topology = world_.topology_version_, geometry = world_.geometry_version_,
-            state = world_.state_version_, axes = world_.axis_version_, sleep = world_.sleep_version_;
+  const std::int64_t topology = world_.topology_version_, geometry = world_.geometry_version_,
+                     state = world_.state_version_, axes = world_.axis_version_,
+                     sleep = world_.sleep_version_;
   const bool moved = state_seen_ != source.state_version_;
   world_ = source;
   source_masses_ = source.masses_;
@@ -303,7 +304,7 @@ void MergedWorld::make_joints(const World& source) {
       for (int& body : axis.bodies) body = to.body(body);
     }
     if (const auto compliance = source.compliance(JointId{j})) {
-      const int topology = world_.topology_version_;
+      const std::int64_t topology = world_.topology_version_;
       world_.set_compliance(JointId{j}, compliance);  // makes its rows anew
       world_.topology_version_ = topology;
     }

@@ -97,8 +97,8 @@ class MergedWorld {
   std::vector<int> stirs_seen_;
   State known_;  // of the source, as the merged world left it
   std::vector<std::shared_ptr<const Force>> source_laws_;
-  int topology_seen_ = -1, geometry_seen_ = -1, state_seen_ = -1, axes_seen_ = -1, properties_seen_ = -1,
-      stir_version_seen_ = -1;
+  std::int64_t topology_seen_ = -1, geometry_seen_ = -1, state_seen_ = -1, axes_seen_ = -1,
+               properties_seen_ = -1, stir_version_seen_ = -1;
 };
 
 }  // namespace taut

@@ -77,6 +77,7 @@ World::World() {
 }
 
 BodyId World::add_body(BodySpec spec) {
+  identity_.require_free();
   const int index = body_count();
   const std::string shown = spec.name.empty() ? "body_" + std::to_string(index) : spec.name;
   check_pose(shown, spec.pose);
@@ -95,6 +96,7 @@ BodyId World::add_body(BodySpec spec) {
 }
 
 JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
+  identity_.require_free();
   if (!joint) fail("joint " + name, "must not be null", "null");
   const int index = joint_count();
   const std::string shown = name.empty() ? "joint_" + std::to_string(index) : name;
@@ -147,6 +149,7 @@ void World::check_force(const Force* force) const {
 }
 
 ForceId World::add_force(std::shared_ptr<const Force> force) {
+  identity_.require_free();
   check_force(force.get());
   wake_or_all(force->bodies());
   if (is_spring(*force)) ++topology_version_;
@@ -157,6 +160,7 @@ ForceId World::add_force(std::shared_ptr<const Force> force) {
 }
 
 void World::set_force(ForceId id, std::shared_ptr<const Force> force) {
+  identity_.require_free();
   const int index = checked(id);
   check_force(force.get());
   wake_or_all(forces_[index]->bodies());
@@ -185,6 +189,7 @@ void World::read_force(int index) {
 }
 
 void World::set_gravity(const Vec3& gravity) {
+  identity_.require_free();
   require_all_finite("gravity", gravity);
   gravity_ = gravity;
   wake_all();
@@ -204,6 +209,7 @@ JointId World::joint(std::string_view name) const {
 }
 
 void World::set_pose(BodyId id, const Pose& pose) {
+  identity_.require_free();
   check_pose(name(id), pose);
   if (id == kGround) fail("pose of ground", "cannot be changed", pose.p.transpose());
   state_.poses[id.index] = pose;
@@ -213,13 +219,14 @@ void World::set_pose(BodyId id, const Pose& pose) {
 }
 
 void World::set_twist(BodyId id, const Twist& twist) {
+  identity_.require_free();
   check_twist(name(id), twist, is_fixed(id));
   state_.twists[id.index] = twist;
   wake(id);
   ++state_version_;
 }
 
-void World::set_state(const State& state) {
+void World::check_state(const State& state) const {
   if (state.poses.size() != state_.poses.size())
     fail("state", "must have one pose per body", state.poses.size());
   if (state.twists.size() != state_.twists.size())
@@ -243,12 +250,26 @@ void World::set_state(const State& state) {
     check_pose(body_names_[b], X);
     check_twist(body_names_[b], V, fixed_[b]);
   }
+}
+
+void World::set_state(const State& state) {
+  identity_.require_free();
+  check_state(state);
   if (asleep_count_ > 0) wake_moved(state);
   state_ = state;
   ++state_version_;
 }
 
+void World::exchange_state(State& state) {
+  identity_.require_free();
+  check_state(state);
+  if (asleep_count_ > 0) wake_moved(state);
+  std::swap(state_, state);
+  ++state_version_;
+}
+
 void World::set_time(double time) {
+  identity_.require_free();
   require_finite("time", time);
   state_.time = time;
   ++state_version_;
@@ -257,6 +278,7 @@ void World::set_time(double time) {
 void World::forces(const State& state, std::span<Wrench> wrenches, Springs springs) const {
   assert(static_cast<int>(wrenches.size()) == body_count());
   assert(state.poses.size() == state_.poses.size() && state.twists.size() == state_.twists.size());
+  const Hold held = hold();
   for (int b = 0; b < body_count(); ++b) {
     wrenches[b].torque.setZero();
     wrenches[b].force = fixed_[b] ? Vec3(Vec3::Zero()) : Vec3(masses_[b].mass() * gravity_);
@@ -266,6 +288,7 @@ void World::forces(const State& state, std::span<Wrench> wrenches, Springs sprin
 }
 
 double World::potential_energy(const State& state) const {
+  const Hold held = hold();
   double energy = 0;
   for (int b = 0; b < body_count(); ++b)
     if (!fixed_[b]) energy -= masses_[b].mass() * gravity_.dot(state.poses[b].p);
@@ -276,6 +299,7 @@ double World::potential_energy(const State& state) const {
 }
 
 double World::spring_energy(const State& state) const {
+  const Hold held = hold();
   double energy = 0;
   for (const auto& force : forces_)
     if (force->spring()) energy += force->potential_energy(state);
@@ -285,6 +309,7 @@ double World::spring_energy(const State& state) const {
 }
 
 double World::add_dissipative_forces(const State& state, std::span<Wrench> wrenches, Springs springs) const {
+  const Hold held = hold();
   double energy = 0;
   for (const auto& force : forces_) {
     if (force->conservative() || (springs == Springs::kLeftOut && is_spring(*force))) continue;

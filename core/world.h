@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <set>
@@ -16,6 +17,7 @@
 #include "core/rigid_body.h"
 #include "core/shape.h"
 #include "core/state.h"
+#include "core/world_identity.h"
 
 namespace taut {
 
@@ -30,7 +32,8 @@ struct Problem {
 /// unique among bodies and among joints; an empty name is replaced by a free one (body_3, joint_7).  A copy
 /// is an independent world that shares the immutable joints and force laws.
 ///
-/// Whatever throws leaves the world as it was.
+/// Whatever throws leaves the world as it was.  A force law that changes the world while it is being asked
+/// gets std::logic_error.
 class World {
  public:
   World();
@@ -164,7 +167,7 @@ class World {
   bool may_collide(ShapeId a, ShapeId b) const;
   /// Changes whenever a shape is added; collision detection starts afresh then.  Who may collide is asked
   /// each time, so that joints and set_collision() need not count here.
-  int geometry_version() const { return geometry_version_; }
+  std::int64_t geometry_version() const { return geometry_version_; }
 
   /// Gravitational acceleration [m/s²], (0, 0, −9.81) at first.
   void set_gravity(const Vec3& gravity);
@@ -201,6 +204,8 @@ class World {
   /// not finite, a quaternion that is not of unit length (to 1e-9), a moved ground or a fixed body with a
   /// velocity.
   void set_state(const State& state);
+  /// The same, and `state` becomes what the state was before.
+  void exchange_state(State& state);
 
   void set_time(double time);
 
@@ -245,21 +250,29 @@ class World {
   /// joints that are open at the start, and axes beyond limits that are not soft.  Reports, never throws.
   std::vector<Problem> validate(double gap_tolerance = 1e-6) const;
 
+  /// No two worlds have the same, not even copies, and one that is assigned to gets a new one: what was known
+  /// of it, versions too, is then that of another world.
+  std::uint64_t identity() const { return identity_.value(); }
+  /// While one lives, every function that changes the world throws std::logic_error.
+  using Hold = detail::WorldIdentity::Hold;
+  [[nodiscard]] Hold hold() const { return Hold(identity_); }
   /// Changes whenever a body, joint or spring between bodies is added, a spring gets other ends, a joint is
   /// detached or attached, becomes soft or rigid, or an axis gets its first property or loses its last;
   /// solvers rebuild their pattern then.
-  int topology_version() const { return topology_version_; }
+  std::int64_t topology_version() const { return topology_version_; }
   /// Changes whenever state, gravity or a force is set; solvers start afresh then.
-  int state_version() const { return state_version_; }
+  std::int64_t state_version() const { return state_version_; }
   /// Changes whenever a property of an axis is set; solvers read the new values and go on.
-  int axis_version() const { return axis_version_; }
+  std::int64_t axis_version() const { return axis_version_; }
   /// Changes whenever the strength of a joint, a material or who may collide is set, which solvers ask for
   /// each time; only what works on a changed copy of the world needs it.
-  int property_version() const { return property_version_; }
+  std::int64_t property_version() const { return property_version_; }
   /// Changes whenever a body falls asleep or wakes; solvers rebuild their pattern then.
-  int sleep_version() const { return sleep_version_; }
+  std::int64_t sleep_version() const { return sleep_version_; }
 
  private:
+  detail::WorldIdentity identity_;  // first, so that an assignment that it refuses changes nothing
+
   int checked(BodyId id) const;
   int checked(JointId id) const;
   int checked(ForceId id) const;
@@ -285,6 +298,7 @@ class World {
   void set_property(AxisId id, std::optional<Property> AxisProperties::*member,
                     std::optional<Property> value);
 
+  void check_state(const State& state) const;
   void put_to_sleep(BodyId id);
   void wake_or_all(const std::vector<BodyId>& bodies);
   void wake_bodies_of(JointId joint);
@@ -313,8 +327,8 @@ class World {
   bool velocity_forces_ = false, dissipative_forces_ = false;
   bool velocity_laws_ = false, dissipative_laws_ = false;
   int moving_count_ = 0, asleep_count_ = 0;
-  int topology_version_ = 0, state_version_ = 0, axis_version_ = 0, property_version_ = 0, sleep_version_ = 0,
-      stir_version_ = 0;
+  std::int64_t topology_version_ = 0, state_version_ = 0, axis_version_ = 0, property_version_ = 0,
+               sleep_version_ = 0, stir_version_ = 0;
 
   // Shapes (world_shapes.cpp).  Pairs are stored smaller index first.
   std::vector<ShapeRecord> shapes_;
@@ -323,7 +337,7 @@ class World {
   std::map<std::pair<MaterialId, MaterialId>, Material> material_pairs_;
   std::map<std::pair<BodyId, BodyId>, bool> collisions_;
   std::set<std::pair<BodyId, BodyId>> jointed_;
-  int geometry_version_ = 0;
+  std::int64_t geometry_version_ = 0;
 };
 
 }  // namespace taut

@@ -98,6 +98,7 @@ bool is_identity(const Pose& pose) { return pose.p.isZero(0) && pose.q.vec().isZ
 }  // namespace
 
 Relocation World::append(const World& other, const std::string& prefix, const Pose& placement) {
+  identity_.require_free();
   if (&other == this) return append(World(other), prefix, placement);
   require_all_finite("position of " + prefix + "ground", placement.p);
   require_unit("orientation of " + prefix + "ground", placement.q.coeffs());

@@ -39,6 +39,7 @@ std::string World::axis_label(AxisId id) const { return name(id.joint) + " " + a
 template <typename Property>
 void World::set_property(AxisId id, std::optional<Property> AxisProperties::*member,
                          std::optional<Property> value) {
+  identity_.require_free();
   AxisProperties& properties = axis_properties_[axis_index(id)];
   if (value) check_axis(axis_label(id), *value);
   const bool before = properties.any();
@@ -72,6 +73,7 @@ void World::set_spring(AxisId id, std::optional<AxisSpring> spring) {
 }
 
 void World::set_motor_target(AxisId id, double target) {
+  identity_.require_free();
   AxisProperties& properties = axis_properties_[axis_index(id)];
   if (!properties.motor) fail("motor target of " + axis_label(id), "the axis has no motor", target);
   if (properties.motor->mode == AxisMotor::Mode::kTrajectory)
@@ -103,6 +105,7 @@ double World::axis_rate(AxisId id) const {
 }
 
 void World::set_axis_turns(AxisId id, double value) {
+  identity_.require_free();
   const int index = axis_index(id);
   if (!std::isfinite(value)) fail("value of " + axis_label(id), "must be finite", value);
   state_.axes[index] = value;

@@ -7,6 +7,7 @@
 namespace taut {
 
 void World::set_break(JointId id, std::optional<BreakLimits> limits) {
+  identity_.require_free();
   checked(id);
   if (limits) check_joint(name(id), *limits);
   const auto place = std::lower_bound(breakable_.begin(), breakable_.end(), id,
@@ -23,6 +24,7 @@ void World::set_break(JointId id, std::optional<BreakLimits> limits) {
 }
 
 void World::set_compliance(JointId id, std::optional<JointCompliance> compliance) {
+  identity_.require_free();
   const Joint& made = joint(id);
   if (compliance) check_joint(name(id), *compliance);
   const auto old = soft_.find(id.index);
@@ -87,6 +89,7 @@ double World::spring_energy_of(JointId id, const State& state) const {
 }
 
 void World::detach(JointId id) {
+  identity_.require_free();
   if (!is_attached(id)) return;
   detached_.insert(id.index);
   wake_bodies_of(id);
@@ -99,6 +102,7 @@ void World::detach(JointId id) {
 }
 
 void World::detach_all_but(std::span<const JointId> joints) {
+  identity_.require_free();
   std::vector<JointId> open(joints.begin(), joints.end());
   std::set<int> stay;
   while (!open.empty()) {
@@ -115,6 +119,7 @@ void World::detach_all_but(std::span<const JointId> joints) {
 }
 
 void World::attach(JointId id) {
+  identity_.require_free();
   if (is_attached(id)) return;
   for (JointId other : joint(id).couples())
     if (!is_attached(other)) fail("joint " + name(id), "couples an axis of a detached joint", name(other));

@@ -31,6 +31,7 @@ ShapeId World::add_shape(BodyId body, Shape shape, const Pose& pose, const Mater
 
 ShapeId World::add_shape(BodyId body, std::shared_ptr<const Shape> shape, const Pose& pose,
                          const Material& material, CollisionFilter filter) {
+  identity_.require_free();
   const std::string owner = "shape of " + name(body);
   if (!shape) fail(owner, "must not be null", "null");
   check_shape(*shape);
@@ -46,6 +47,7 @@ ShapeId World::add_shape(BodyId body, std::shared_ptr<const Shape> shape, const 
 }
 
 void World::set_material(ShapeId id, const Material& material) {
+  identity_.require_free();
   check_material(material);
   shapes_[checked(id)].material = material;
   shapes_[checked(id)].named = {};
@@ -54,6 +56,7 @@ void World::set_material(ShapeId id, const Material& material) {
 }
 
 void World::set_material(ShapeId id, MaterialId material) {
+  identity_.require_free();
   shapes_[checked(id)].material = this->material(material);
   shapes_[checked(id)].named = material;
   wake_all();
@@ -61,6 +64,7 @@ void World::set_material(ShapeId id, MaterialId material) {
 }
 
 MaterialId World::add_material(std::string name, const Material& material) {
+  identity_.require_free();
   if (name.empty()) fail("material", "must have a name", "\"\"");
   for (const auto& [taken, other] : materials_)
     if (taken == name) fail("material", "name is already taken", name);
@@ -78,6 +82,7 @@ MaterialId World::material(std::string_view name) const {
 }
 
 void World::set_contact_material(MaterialId a, MaterialId b, const Material& material) {
+  identity_.require_free();
   checked(a), checked(b);
   check_material(material);
   material_pairs_[ordered(a, b)] = material;
@@ -86,6 +91,7 @@ void World::set_contact_material(MaterialId a, MaterialId b, const Material& mat
 }
 
 void World::set_contact_material(ShapeId a, ShapeId b, const Material& material) {
+  identity_.require_free();
   checked(a), checked(b);
   check_material(material);
   contact_materials_[ordered(a, b)] = material;
@@ -104,6 +110,7 @@ Material World::contact_material(ShapeId a, ShapeId b) const {
 }
 
 void World::set_collision(BodyId a, BodyId b, bool may_collide) {
+  identity_.require_free();
   checked(a), checked(b);
   if (a == b) fail("collision of " + name(a), "a body cannot collide with itself", name(b));
   collisions_[ordered(a, b)] = may_collide;

@@ -5,6 +5,7 @@
 namespace taut {
 
 void World::put_to_sleep(BodyId id) {
+  identity_.require_free();
   if (!moves(id)) return;
   asleep_[id.index] = true;
   ++asleep_count_;
@@ -13,6 +14,7 @@ void World::put_to_sleep(BodyId id) {
 }
 
 void World::wake(BodyId id) {
+  identity_.require_free();
   ++stirs_[checked(id)];
   ++stir_version_;
   if (!asleep_[id.index]) return;

@@ -14,6 +14,8 @@
 
 namespace taut {
 
+class Archive;
+
 class ConstraintSystem;
 
 /// Limits, motors, friction and springs of the free axes as laws of their rows (row_law.h) for the two stages
@@ -119,6 +121,9 @@ class AxisForces {
   /// Rows::axis_rows().
   std::span<const AxisReport> reports() const { return reports_; }
   void clear_reports();
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
 
  private:
   /// A step of a law that no rate comes to.
@@ -234,7 +239,7 @@ class AxisForces {
   std::vector<Swing> swings_;
   std::vector<Bend> bends_;
   std::vector<char> released_, angular_, growing_;
-  int axis_version_ = -1;
+  std::int64_t axis_version_ = -1;
   bool has_limits_ = false, has_loads_ = false;   // rigid limits, friction that grows with the load
   bool has_bends_ = false, has_springs_ = false;  // tables and soft limits; anything that may be stiff
   std::vector<Rows::AxisRow> rows_;

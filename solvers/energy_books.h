@@ -7,6 +7,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// Fills StepReport::ledger: energies before and after a step, and what the works of the step explain of
 /// their difference.                                                                   (solvers/README,
 /// "Energy")
@@ -23,6 +25,9 @@ class EnergyBooks {
   /// energy.  `by_works`: it has works, too.
   void close(const World& world, StepReport& report, bool by_works);
 
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive, const World& world);
+
  private:
   struct Energies {
     double kinetic = 0, potential = 0;
@@ -32,7 +37,7 @@ class EnergyBooks {
     double total() const { return kinetic + stored(); }
   };
   struct Versions {
-    int topology = -1, state = -1, axes = -1;
+    std::int64_t topology = -1, state = -1, axes = -1;
     friend bool operator==(const Versions&, const Versions&) = default;
   };
   Energies measure(const World& world, const State& state, double kinetic);

@@ -98,11 +98,11 @@ class Simulator::Impl {
   int hard_steps_ = 0;      // to come, in which inexact laws are taken at once
   bool restarted_ = false;  // the integrator has made velocities tangent, which the books do not know yet
   bool retaken_ = false;    // the integrator is at the end of a step that is taken again: its memory holds
-  int topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1,
-      sleep_version_ = -1;
+  std::int64_t topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1,
+               sleep_version_ = -1;
   std::vector<double> reaction_multipliers_, phi_, rates_;
   mutable std::vector<double> wrench_jacobian_;  // J of the present state, made when the first joint asks
-  mutable int wrench_jacobian_version_ = -1;
+  mutable std::int64_t wrench_jacobian_version_ = -1;
   /// Only RATTLE of order 2 and Moreau–Jean take springs between bodies implicitly, as rows.
   Springs springs_ =  // among the rows
       settings_.integrator == Integrator::kRattle || settings_.integrator == Integrator::kMoreauJean
@@ -124,7 +124,7 @@ class Simulator::Impl {
   } asleep_;
   std::vector<ContactStretch> recalled_;  // for the next start, as the source has them
   State start_, given_;                   // of the source: at the start of the step, as given back last
-  int given_version_ = -1, present_version_ = -1;             // of world_
+  std::int64_t given_version_ = -1, present_version_ = -1;    // of world_
   std::vector<Reaction> mean_reactions_, present_reactions_;  // of welds, by joint; empty: not solved
 
  private:
