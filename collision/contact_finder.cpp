@@ -224,6 +224,7 @@ const std::vector<Contact>& ContactFinder::contacts() const { return impl_->cont
 const DetectionReport& ContactFinder::report() const { return impl_->report; }
 const ContactSettings& ContactFinder::settings() const { return impl_->settings; }
 void ContactFinder::forget() { impl_->contacts.clear(); }
+void ContactFinder::recall(std::vector<Contact> contacts) { impl_->contacts = std::move(contacts); }
 
 const std::vector<Contact>& ContactFinder::find(const World& world, const State& state, double horizon) {
   require_not_negative("contact horizon", horizon);

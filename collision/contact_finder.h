@@ -56,6 +56,8 @@ class ContactFinder {
   const ContactSettings& settings() const;
   /// Forgets the ids of the last call.
   void forget();
+  /// Goes on with the ids of these, as if they were the contacts of the last call.
+  void recall(std::vector<Contact> contacts);
 
  private:
   struct Impl;

@@ -12,6 +12,8 @@
 
 namespace taut {
 
+class Archive;
+
 enum class ActiveSetStatus {
   kSolved,
   kContradiction,  ///< some rows cannot take their rates together, whatever their impulses
@@ -78,6 +80,9 @@ class ActiveSet {
   void set_pieces(std::span<const int> pieces, std::span<const RowLaw> laws);
   /// Forget all pieces: the next solve starts from its guess.
   void reset();
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
 
  private:
   struct Problem {

@@ -9,6 +9,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// Joints that leave within a step because their load exceeds what they bear: which, when, and the rows that
 /// are out of the system from then on.                                       (solvers/README, "Breaking")
 class Breaking {
@@ -34,6 +36,9 @@ class Breaking {
   std::span<const BreakEvent> events() const { return events_; }
   /// Loads jump: no interpolation between sub-steps across this.
   void forget_loads() { has_loads_ = false; }
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
 
  private:
   struct Load {

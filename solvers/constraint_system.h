@@ -18,6 +18,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// How often the expensive things were done.
 struct WorkCounters {
   int analyses = 0, factorizations = 0, backsolves = 0;
@@ -181,6 +183,10 @@ class ConstraintSystem {
   /// S, not to be asked for through bodies.
   const SymmetricMatrix& matrix() const { return system_->matrix(); }
   const Factor& factor() const { return through_bodies_ ? *body_factor_ : *factor_; }
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  /// The state of the bodies is that of the last linearize(); J and the factor are made again.
+  void transfer(Archive& archive, const Configuration& at);
 
  private:
   void analyze();

@@ -10,6 +10,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// All contacts of a world as laws (contact_laws.h), with what they remember from step to step, their impacts
 /// and their books.
 class ContactForces final : public ContactLaws {
@@ -79,6 +81,9 @@ class ContactForces final : public ContactLaws {
   std::vector<ContactReport> reports() const;
   const ContactWork& work() const { return work_; }
   void clear_reports();
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
 
  private:
   void remap();

@@ -97,6 +97,7 @@ void ContactIslands::find() {
       islands_[i]->part = std::move(island->part);
       island = std::move(islands_[i]);
       island->weight_version = -1;
+      island->solver->forget_factor();  // so that what it comes to follows from the present pattern
     }
     found.push_back(std::move(island));
   }
@@ -124,13 +125,15 @@ bool ContactIslands::Island::is_like(const Island& other) const {
          std::ranges::equal(joints_of(part), joints_of(other.part));
 }
 
+void ContactIslands::make(Island& island, std::vector<int>& scratch) {
+  island.own = std::make_unique<ConstraintSystem>(system_, island.part, scratch);
+  island.solver.emplace(*island.own, island.contacts);
+}
+
 /// Rows of the island from those of the whole.
 void ContactIslands::gather(Island& island, const StageProblem& whole, std::vector<int>& scratch) {
   const SystemPart& part = island.part;
-  if (!island.own) {
-    island.own = std::make_unique<ConstraintSystem>(system_, part, scratch);
-    island.solver.emplace(*island.own, island.contacts);
-  }
+  if (!island.own) make(island, scratch);
   if (island.weight_version < 0) island.contacts.choose(part.places, island.own->rows());
   if (island.weight_version != system_.weight_version()) island.own->take_values(system_, part);
   island.weight_version = system_.weight_version();

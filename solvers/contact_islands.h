@@ -12,6 +12,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// The islands of a system with contacts: bodies that joints and places of contacts connect, not by way of
 /// fixed ones, have nothing to do with others in a stage.  Each is a system of its own with its own order,
 /// factor, Newton's method and end; they are solved in parallel.  (solvers/README, "Islands")
@@ -33,6 +35,9 @@ class ContactIslands {
   };
   /// Solves all, each with its part of the problem.  False if one could not be solved.
   bool solve(const StageProblem& problem, const Limits& limits, StageRecord& record);
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
 
  private:
   /// One of them, with its own copy of all that it works on.
@@ -57,6 +62,7 @@ class ContactIslands {
   void find();
   void plan();
   std::vector<SystemPart> partition();
+  void make(Island& island, std::vector<int>& scratch);
   void gather(Island& island, const StageProblem& whole, std::vector<int>& scratch);
   void solve(Island& island, const StageProblem& whole, const Limits& limits, std::vector<int>& scratch);
 

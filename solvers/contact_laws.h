@@ -12,6 +12,8 @@
 
 namespace taut {
 
+class Archive;
+
 using Vec2 = Eigen::Vector2d;
 
 /// The point of the disc |x| ≤ radius that is nearest to x.
@@ -188,6 +190,8 @@ class ContactLaws {
   std::span<const Turn> turns() const { return turns_; }
   /// The turns have been made in J and everything that has a row.
   void turned(ConstraintSystem& system);
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer_residuals(Archive& archive);
   int first_row(int k) const { return first_row_[k]; }
   std::span<const int> first_rows() const { return first_row_; }
 

@@ -272,6 +272,10 @@ void ContactSet::rebuild() {
   before_ = std::move(kept_before);
   origin_ = std::move(origin);
   moved_ = std::move(moved);
+  sort_pairs();
+}
+
+void ContactSet::sort_pairs() {
   by_pair_.clear();
   for (std::size_t k = 0; k < places_.size(); ++k) by_pair_.push_back({places_[k].at, int(k)});
   std::sort(by_pair_.begin(), by_pair_.end(), [](const auto& x, const auto& y) {

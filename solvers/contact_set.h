@@ -9,6 +9,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// A hundredth of the radius of gyration of the smaller of its bodies [m]: what is deeper when bodies meet is
 /// an overlap, and no round-off of where they were put.
 double overlap_depth(const World& world, const Contact& contact);
@@ -64,6 +66,9 @@ class ContactSet {
   int place_near(const World& world, ShapeId a, ShapeId b, const Vec3& p_AP) const;
   const DetectionReport& detection() const { return finder_.report(); }
 
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive, const World& world);
+
  private:
   struct Key {
     ShapeId a, b;
@@ -74,6 +79,7 @@ class ContactSet {
   void part_overlaps(const World& world, const std::vector<Contact>& contacts);
   int free_place(const Rows::ContactPlace& at) const;
   void rebuild();
+  void sort_pairs();
   void fill(int place, const Contact& contact, bool parted, const World& world, const State& state);
 
   bool empty_ = true;

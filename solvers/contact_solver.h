@@ -12,6 +12,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// One stage of a step: w = S λ + b with a law for each row.
 struct StageProblem {
   std::span<const RowLaw> laws;
@@ -63,6 +65,11 @@ class ContactSolver {
   const ContactNewton& newton() const { return newton_; }
   /// To be used by others, too.
   ImpulseIteration& iteration();
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive) { locked_.transfer(archive); }
+  /// The next solve makes a factor of its own.
+  void forget_factor() { locked_.forget_factor(); }
 
  private:
   bool meets_laws(const StageProblem& problem, double tolerance, double rate_tolerance, StageRecord& record);

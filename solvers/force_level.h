@@ -9,6 +9,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// The force-level scheme: joint forces from the acceleration equation,
 ///
 ///     (S + Σ) λ = −(γ + J M⁻¹ (f − ω × Iω) + feedback),      V̇ = M⁻¹ (f − ω × Iω + Jᵀ λ),
@@ -29,6 +31,9 @@ class ForceLevel {
   std::span<const Wrench> momenta();
   /// Joint forces at the start of the last step, times h.
   const std::vector<double>& impulses() const { return impulses_; }
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
 
  private:
   /// V̇ at a state, with multipliers λ.

@@ -8,6 +8,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// When it ends.
 struct PieceLimits {
   double tolerance = 1e-9;    ///< of the natural map over the size of impulses
@@ -39,6 +41,11 @@ class PieceNewton {
   /// result; `w`: its rates.
   PieceOutcome solve(std::span<const RowLaw> laws, std::span<const double> b, std::span<double> lambda,
                      std::span<double> w, const PieceLimits& limits, StageTimes& times);
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  /// A factor that still serves is made again.
+  void transfer(Archive& archive);
+  void forget_factor() { version_ = -1; }
 
  private:
   bool factorize(std::span<const RowLaw> laws, double softness, bool serves, StageTimes& times);

@@ -20,6 +20,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// The sums of a report that a sub-step adds to, so that one that is taken back leaves nothing behind.
 struct Works {
   double constraint = 0, stiffness = 0, driver = 0, force = 0, dissipative = 0, flow = 0;
@@ -112,6 +114,10 @@ class Rattle {
   std::span<const int> jammed() const { return jammed_; }
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  /// Reading, in place of start().
+  void transfer(Archive& archive);
 
  protected:  // the stages, which Moreau–Jean has, too (moreau_jean.h)
   /// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.

@@ -8,6 +8,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// The factor of a ConstraintSystem, made good for row states that differ in a few rows from those that it
 /// was made for, by a dense Schur complement of those rows (solvers/README, "Changed rows").  The system must
 /// outlive it; a new factorisation is noticed, and what was gathered for the old one is dropped.
@@ -30,6 +32,9 @@ class RowUpdates {
   void solve_shifted(std::span<double> x);
   /// Rows whose states differ from the factored ones.
   int changed_rows() const { return count_; }
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
 
  private:
   struct Column {

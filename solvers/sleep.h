@@ -11,6 +11,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// Lets islands at rest fall asleep, and wakes them.  An island is what joints, force laws that name their
 /// bodies, and contacts connect, not by way of fixed bodies; it sleeps and wakes as a whole.
 /// (solvers/README, "Sleep")
@@ -30,6 +32,10 @@ class Sleep {
   void wake(World& world, std::span<const ContactSet::Place> places, double h);
   /// Wakes the islands that were touched in a step, which must then be taken again; false if there are none.
   bool wake_touched(World& world, std::span<const ContactReport> contacts);
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  /// Reading, bodies that slept are put to sleep in the world.
+  void transfer(Archive& archive, World& world);
 
  private:
   void read_bodies(const World& world);
