@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/flush_to_zero.h"
+#include "core/interruption.h"
 
 namespace taut::detail {
 
@@ -16,6 +17,7 @@ struct ThreadPool::Impl {
   std::mutex mutex;
   std::condition_variable wake, done;
   const std::function<void(int, int)>* work = nullptr;
+  const InterruptScope::Question* question = nullptr;  // of the caller
   std::atomic<int> next{0};
   int tasks = 0, busy = 0;
   long round = 0;
@@ -26,8 +28,10 @@ struct ThreadPool::Impl {
   /// In the same mode as the caller of a step, so that results have the same bits on all threads.
   void take_tasks(int worker) {
     const FlushToZero mode;
+    const InterruptScope scope(question);
     for (int task = next++; task < tasks; task = next++) {
       try {
+        poll_interrupt();
         (*work)(task, worker);
       } catch (...) {
         const std::scoped_lock lock(mutex);
@@ -73,12 +77,13 @@ int ThreadPool::size() const { return static_cast<int>(impl_->threads.size()) + 
 
 void ThreadPool::run(int tasks, const std::function<void(int, int)>& work) {
   if (tasks <= 1 || impl_->threads.empty()) {
-    for (int task = 0; task < tasks; ++task) work(task, 0);
+    for (int task = 0; task < tasks; ++task) poll_interrupt(), work(task, 0);
     return;
   }
   {
     const std::scoped_lock lock(impl_->mutex);
     impl_->work = &work;
+    impl_->question = InterruptScope::current();
     impl_->tasks = tasks;
     impl_->next = 0;
     impl_->busy = static_cast<int>(impl_->threads.size());

@@ -20,7 +20,7 @@ class ThreadPool {
   int size() const;
   /// Calls work(task, worker) once for each task in [0, tasks), in any order and on any worker, and returns
   /// when all are done.  What the tasks compute must not depend on either.  The first exception is thrown
-  /// again here.
+  /// again here.  Between tasks, each worker asks what the caller's thread would (core/interruption.h).
   void run(int tasks, const std::function<void(int task, int worker)>& work);
 
  private:

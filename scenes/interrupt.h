@@ -2,7 +2,7 @@
 
 namespace taut {
 
-/// While one of these lives, Ctrl-C (SIGINT) and SIGTERM are only noted, so that a run ends at the next step
+/// While one of these lives, Ctrl-C (SIGINT) and SIGTERM are only noted, so that a run ends within the step,
 /// with its table and report.  A second signal of the same kind ends the program at once.
 class InterruptGuard {
  public:

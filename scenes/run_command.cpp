@@ -161,17 +161,18 @@ void note_failure(RunRecord& record, const StepReport& report, const World& worl
   record.contradiction_residual = report.contradiction.residual;
 }
 
+void note_interruption(RunRecord& record, std::int64_t steps) {
+  record.status = to_string(Status::kInterrupted);
+  record.message = "stopped by a signal after step " + std::to_string(steps);
+}
+
 /// Steps until the end, a failure or a signal.
 void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder, Outputs& outputs,
                bool quiet) {
   const World& world = simulator.world();
   ProgressBar bar(record.steps_asked, record.dt, !quiet);
   for (std::int64_t i = 0; i < record.steps_asked; ++i) {
-    if (InterruptGuard::signal() != 0) {
-      record.status = "interrupted";
-      record.message = "stopped by a signal after step " + std::to_string(i);
-      return;
-    }
+    if (InterruptGuard::signal() != 0) return note_interruption(record, i);
     const auto start = Clock::now();
     const StepReport& report = simulator.step(record.dt);
     const double seconds = seconds_since(start);
@@ -180,6 +181,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     const Gap gap = meter.largest(world);
     record.add(report, seconds, gap, energy);
     record.note_breaks(report, world);
+    if (report.status == Status::kInterrupted) return note_interruption(record, i);
     if (!report.advanced()) {
       return note_failure(record, report, world,
                           "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s");
@@ -250,6 +252,7 @@ int run_command(const RunOptions& options) {
   simulator.set_contact_stretches(std::move(stretches));
   Recorder recorder(scene.probes);
   const InterruptGuard guard;  // from before there is any output file
+  simulator.set_interrupt([] { return InterruptGuard::signal() != 0; });
   Outputs::check(options);
 
   record.warnings = settings_without_effect(scene.settings, sources);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/interruption.h"
+
 namespace taut {
 namespace {
 
@@ -128,6 +130,7 @@ ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, A
       return Search::kNotFinite;
     const int wrong = find_wrong_rows(problem);
     if (wrong == 0) return Search::kFound;
+    detail::poll_interrupt();
     keep_best(problem);
     if (rounds == 0) return Search::kStalled;
     if (wrong < fewest) {

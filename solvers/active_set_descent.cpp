@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/interruption.h"
 #include "solvers/active_set.h"
 
 /// The fall-back of the active set: a descent on the convex function whose minimum is the solution,
@@ -22,6 +23,7 @@ constexpr int kHalvings = 60;
 ActiveSet::Search ActiveSet::descend(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome) {
   bool at_minimum = true;  // of E on the present pieces
   while (outcome.descent_rounds++ < problem.settings.max_descent_rounds) {
+    detail::poll_interrupt();
     if (at_minimum) {
       (void)gauss_seidel_.solve(problem.laws, problem.b, problem.lambda, kSweeps, 0);
       for (std::size_t r = 0; r < pieces_.size(); ++r)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/interruption.h"
 #include "solvers/cholmod_factor.h"
 #include "solvers/multifrontal_factor.h"
 #include "solvers/stopwatch.h"
@@ -154,6 +155,7 @@ std::span<FullMassRoot> ConstraintSystem::use_full_roots() {
 }
 
 void ConstraintSystem::assemble_and_factorize(StageTimes& times) {
+  detail::poll_interrupt();
   factored_states_ = states_;
   ++factor_version_;
   if (through_bodies_) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/interruption.h"
 #include "solvers/constraint_system.h"
 #include "solvers/stopwatch.h"
 
@@ -117,6 +118,7 @@ void ConstraintSystem::compliance_of_bodies() {
 
 bool ConstraintSystem::factorize_bodies(std::span<const double> weighted, std::span<const double> D,
                                         StageTimes& times) {
+  detail::poll_interrupt();
   analyze_bodies();
   {
     const Stopwatch watch(times.assembly);

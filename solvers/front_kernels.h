@@ -22,12 +22,14 @@ struct FrontKernels {
   const char* name;
 
   /// Panel ← its Cholesky factor, with the reciprocals 1/L_jj on the diagonal.  Returns −1, or the first
-  /// column whose pivot is not a positive number.  `pack` holds packed_size(n) numbers.
-  int (*factor_panel)(double* panel, int ld, int n, int p, double* pack);
+  /// column whose pivot is not a positive number.  `pack` holds packed_size(n) numbers.  `stop`, if not null,
+  /// is asked now and then whether to give up, which leaves anything in the panel and returns kStopped.
+  int (*factor_panel)(double* panel, int ld, int n, int p, double* pack, bool (*stop)());
 
   /// C ← −L₂₁L₂₁ᵀ.  Reads up to three numbers behind the last column of L₂₁, and writes up to three rows of
-  /// padding.
-  void (*contribution)(double* C, int ldc, const double* L21, int ld, int m, int p, double* pack);
+  /// padding.  False if `stop` had it given up.
+  bool (*contribution)(double* C, int ldc, const double* L21, int ld, int m, int p, double* pack,
+                       bool (*stop)());
 
   /// Adds the columns of runs [first, last) of a child's contribution, rows from the diagonal down, to the
   /// parent's matrix: target(t_i, t_j) += source(s_i, s_j).  Reads
@@ -71,6 +73,9 @@ struct FrontKernels {
 
 /// Leading dimension of W by columns.
 static constexpr int side_height(int rows) { return (rows + 3) & ~3; }
+
+/// What factor_panel() returns when it was told to give up.
+constexpr int kStopped = -2;
 
 /// Columns that the blocked kernels take at a time.
 constexpr int kPanelWidth = 64;

@@ -86,11 +86,13 @@ TAUT_INLINE void update_tile_n(double* C, Index ldc, const Strips& X, Index row_
 
 // Lower trapezoid of C (rows × columns, columns ≤ rows) ← −X Xᵀ or C − X Xᵀ.  The outer loop takes as many
 // strips of rows as fit into registers, the inner one runs along the rows' columns up to the diagonal; so the
-// strips stay in the first-level cache while the rest of X streams by, once per tile row.
+// strips stay in the first-level cache while the rest of X streams by, once per tile row.  False if `stop`
+// had it given up.
 template <bool kOverwrite>
-void update_trapezoid(double* C, Index ldc, int rows, int columns, const Strips& X, int K) {
+bool update_trapezoid(double* C, Index ldc, int rows, int columns, const Strips& X, int K, bool (*stop)()) {
   const int strips = (rows + 3) / 4, column_strips = (columns + 3) / 4;
   for (int s = 0; s < strips; s += kStrips) {
+    if (stop && stop()) return false;
     const int height = strips - s < kStrips ? strips - s : kStrips;
     const int last = column_strips < s + height ? column_strips : s + height;
     for (int j = 0; j < last; ++j) {
@@ -110,6 +112,7 @@ void update_trapezoid(double* C, Index ldc, int rows, int columns, const Strips&
       }
     }
   }
+  return true;
 }
 
 // Packs `rows` rows (up to three more are read) of K columns into strips.
@@ -213,7 +216,7 @@ int factor_columns_n(double* D, Index ld, int rows, int j, int N) {
 }
 
 // Right-looking over blocks of kPanelWidth columns, left-looking over four columns within a block.
-int factor_panel(double* panel, int ld, int n, int p, double* pack) {
+int factor_panel(double* panel, int ld, int n, int p, double* pack, bool (*stop)()) {
   (void)n;  // the padding is computed with the rows, and stays zero
   for (int begin = 0; begin < p; begin += kPanelWidth) {
     const int end = p - begin < kPanelWidth ? p : begin + kPanelWidth;
@@ -224,20 +227,21 @@ int factor_panel(double* panel, int ld, int n, int p, double* pack) {
     }
     if (end == p) break;
     const Strips X = strips_of(panel + end + Index{begin} * ld, ld, ld - end, end - begin, pack);
-    update_trapezoid<false>(panel + end + Index{end} * ld, ld, ld - end, p - end, X, end - begin);
+    if (!update_trapezoid<false>(panel + end + Index{end} * ld, ld, ld - end, p - end, X, end - begin, stop))
+      return kStopped;
   }
   return -1;
 }
 
-void contribution(double* C, int ldc, const double* L21, int ld, int m, int p, double* pack) {
+bool contribution(double* C, int ldc, const double* L21, int ld, int m, int p, double* pack, bool (*stop)()) {
   for (int begin = 0; begin < p; begin += kContributionDepth) {
     const int K = p - begin < kContributionDepth ? p - begin : kContributionDepth;
     const Strips X = strips_of(L21 + Index{begin} * ld, ld, m, K, pack);
-    if (begin == 0)
-      update_trapezoid<true>(C, ldc, m, m, X, K);
-    else
-      update_trapezoid<false>(C, ldc, m, m, X, K);
+    const bool done = begin == 0 ? update_trapezoid<true>(C, ldc, m, m, X, K, stop)
+                                 : update_trapezoid<false>(C, ldc, m, m, X, K, stop);
+    if (!done) return false;
   }
+  return true;
 }
 
 // Adds up to four rows as one vector, whose last lanes add zero: `mask` keeps the first lanes.

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <queue>
 
+#include "core/interruption.h"
+
 namespace taut {
 namespace {
 
@@ -49,6 +51,7 @@ IterationOutcome ImpulseIteration::solve(const ContactLaws& contacts, std::span<
     work_off_queue(problem, limits, outcome);
   } else {
     while (outcome.sweeps < limits.sweeps && !outcome.converged) {
+      detail::poll_interrupt();
       outcome.residual = sweep(problem, by_rows);
       ++outcome.sweeps;
       outcome.converged = outcome.residual <= limits.tolerance;
@@ -235,6 +238,7 @@ void ImpulseIteration::work_off_queue(const Problem& problem, const IterationLim
   const long most = static_cast<long>(limits.sweeps) * static_cast<long>(order_.size());
   long impulses = 0;
   while (!queue.empty() && impulses < most) {
+    detail::poll_interrupt();
     const Entry worst = queue.top();
     queue.pop();
     if (worst.stamp != stamp_[worst.block]) continue;

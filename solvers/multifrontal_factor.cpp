@@ -3,7 +3,15 @@
 #include <algorithm>
 #include <cassert>
 
+#include "core/interruption.h"
+
 namespace taut {
+namespace {
+
+/// Fronts with fewer rows are done within some milliseconds, and ask nobody whether to give up.
+constexpr int kLongFront = 512;
+
+}  // namespace
 
 MultifrontalFactor::MultifrontalFactor() : MultifrontalFactor(front_kernels()) {}
 
@@ -34,7 +42,10 @@ int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatri
                          map_runs_.data() + child.map_begin, 0, child.map_pivot_end - child.map_begin,
                          child.map_end - child.map_begin);
   }
-  const int failed = kernels_->factor_panel(panel, front.leading, front.rows, front.pivots, pack_.data());
+  const auto stop = front.rows >= kLongFront ? &detail::interrupted : nullptr;
+  const int failed =
+      kernels_->factor_panel(panel, front.leading, front.rows, front.pivots, pack_.data(), stop);
+  if (failed == kStopped) throw detail::Interrupted{};
   if (failed >= 0) return rows_[front.row_begin + failed];
   for (int k = 0; k < front.pivots; ++k) {  // while they are near
     double& pivot = pivots_[rows_[front.row_begin + k]];
@@ -44,7 +55,9 @@ int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatri
   const int m = front.rows - front.pivots, ldc = contribution_leading(front);
   if (m == 0) return -1;
   double* C = contribution_of(front);
-  kernels_->contribution(C, ldc, panel + front.pivots, front.leading, m, front.pivots, pack_.data());
+  if (!kernels_->contribution(C, ldc, panel + front.pivots, front.leading, m, front.pivots, pack_.data(),
+                              stop))
+    throw detail::Interrupted{};
   // The maps count front rows; C begins at the front's row and column p.
   double* origin = C - front.pivots - std::ptrdiff_t{front.pivots} * ldc;
   for (int k = front.child_begin; k < front.child_end; ++k) {

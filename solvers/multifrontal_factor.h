@@ -23,8 +23,8 @@ namespace taut {
 ///
 /// analyze() finds the fronts and fixes every place: where L, the contributions and A's entries go, and how a
 /// contribution's rows map to its parent's.  factorize() and solve() then run through lists of contiguous
-/// runs; they do not search, allocate, throw, call BLAS or start threads, and give the same bits run to run
-/// on one machine.
+/// runs; they do not search, allocate, call BLAS or start threads, and give the same bits run to run on one
+/// machine.  They throw only where a long factorisation is interrupted (core/interruption.h).
 class MultifrontalFactor final : public Factor {
  public:
   MultifrontalFactor();

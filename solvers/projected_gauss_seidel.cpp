@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/interruption.h"
+
 namespace taut {
 
 GaussSeidelOutcome ProjectedGaussSeidel::solve(std::span<const RowLaw> laws, std::span<const double> b,
@@ -10,6 +12,7 @@ GaussSeidelOutcome ProjectedGaussSeidel::solve(std::span<const RowLaw> laws, std
   impulses_.gather(lambda);
   GaussSeidelOutcome outcome;
   while (outcome.sweeps < max_sweeps && !outcome.converged) {
+    detail::poll_interrupt();
     outcome.residual = 0;
     for (std::size_t r = 0; r < lambda.size(); ++r) {
       const int row = static_cast<int>(r);

@@ -8,6 +8,7 @@
 #include "core/check.h"
 #include "core/diagnostics.h"
 #include "core/flush_to_zero.h"
+#include "core/interruption.h"
 #include "core/same_state.h"
 #include "solvers/assembly.h"
 #include "solvers/cholmod_factor.h"
@@ -117,6 +118,27 @@ void Simulator::Impl::refresh() {
   state_version_ = world_.state_version();
 }
 
+/// Work that ends early if the user asks for it, and then leaves the world as it was.  A new start follows,
+/// as what the integrator knows may be anything.
+template <typename Work>
+void Simulator::Impl::interruptible(Work work) {
+  State before;
+  std::vector<ContactStretch> stretches;
+  if (interrupt_) before = world_.state(), stretches = contact_stretches();
+  try {
+    const detail::InterruptScope scope(&interrupt_);
+    work();
+  } catch (const detail::Interrupted&) {
+    if (!same(world_.state(), before)) world_.set_state(before);
+    recalled_ = std::move(stretches);
+    state_version_ = topology_version_ = -1;
+    retaken_ = false;
+    start_.poses.clear();
+    report_.contradiction = {};
+    set_failure(Status::kInterrupted, "interrupted");
+  }
+}
+
 void Simulator::Impl::step(double dt) {
   require_positive("step dt", dt);
   follow_source();
@@ -135,9 +157,11 @@ void Simulator::Impl::step(double dt) {
     mean_reactions_.clear(), start_.poses.clear();
     if (settings_.report_energy) books_.begin(world_, moved_ ? source_ : world_, report_);
     moved_ = false;
-    if (sleep_) sleep_->put_to_sleep(world_, tired_);
-    while (!advance_to_end(dt))
-      ;
+    interruptible([&] {
+      if (sleep_) sleep_->put_to_sleep(world_, tired_);
+      while (!advance_to_end(dt))
+        ;
+    });
     if (report_.advanced()) {
       give_back();
     } else {
@@ -249,6 +273,7 @@ bool Simulator::Impl::integrate(double dt) {
   double remaining = dt, limit = std::numeric_limits<double>::infinity(), impact = 0;
   bool forgot = false;
   while (remaining > 0) {
+    detail::poll_interrupt();
     const double left = std::max(
         1.0, std::ceil(remaining / std::max(std::min({piece, step_limit(), limit}), smallest) - 1e-9));
     // An impact ends a sub-step, which may then be as short as it likes.
@@ -371,6 +396,12 @@ void Simulator::Impl::assemble() {
   report_ = {};
   follow_source();
   source_.wake_all(), world_.wake_all();
+  interruptible([this] { close_all_joints(); });
+  give_back();
+  count_work();
+}
+
+void Simulator::Impl::close_all_joints() {
   if (!knows_pattern()) refresh();
   State state = world_.state();
   phi_.resize(system_->row_count());
@@ -390,8 +421,6 @@ void Simulator::Impl::assemble() {
     set_failure(report_.contradiction.empty() ? Status::kNotConverged : Status::kContradiction,
                 "the joints cannot be closed" + widest_gap(state));
   }
-  give_back();
-  count_work();
 }
 
 Simulator::Simulator(World& world, const Settings& settings)
@@ -402,10 +431,16 @@ Simulator::Simulator(Simulator&&) noexcept = default;
 const StepReport& Simulator::step(double dt) {
   const detail::FlushToZero mode;
   impl_->step(dt);
-  if (impl_->settings_.report_rank && impl_->report_.advanced()) impl_->report_.rank = analyze_rank();
+  if (impl_->settings_.report_rank && impl_->report_.advanced()) try {
+      const detail::InterruptScope scope(&impl_->interrupt_);
+      impl_->report_.rank = analyze_rank();
+    } catch (const detail::Interrupted&) {  // the step is done
+    }
   return impl_->report_;
 }
 const StepReport& Simulator::report() const { return impl_->report_; }
+
+void Simulator::set_interrupt(std::function<bool()> asked) { impl_->interrupt_ = std::move(asked); }
 
 Reaction Simulator::mean_reaction(JointId joint) const {
   (void)impl_->source_.joint(joint);  // throws for an id that is not there

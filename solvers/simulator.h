@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,6 +36,13 @@ class Simulator {
   /// compliant contacts only.
   const StepReport& step(double dt);
   const StepReport& report() const;
+
+  /// Asked now and then inside step() and assemble(), between sub-steps, iterations and parts of a long
+  /// factorisation, whether to end early; with CHOLMOD a factorisation is one part.  If it says yes, the
+  /// world stays as it was before the call and the report has Status::kInterrupted; what is known of contacts
+  /// is kept as contact_stretches() had it.  It must be cheap, and safe to call from several threads at once;
+  /// empty: nothing is asked.
+  void set_interrupt(std::function<bool()> asked);
 
   /// Mean reaction of a joint over the last step: the impulse that it gave, divided by dt.
   Reaction mean_reaction(JointId joint) const;

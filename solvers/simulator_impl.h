@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -40,8 +41,11 @@ class Simulator::Impl {
         settings.integrator == Integrator::kMoreauJean ? DriftCure::kPositionPush : DriftCure::kBaumgarte;
   }
 
+  template <typename Work>
+  void interruptible(Work work);
   void step(double dt);
   void assemble();
+  void close_all_joints();
   Contradiction contradiction(double horizon);
   void refresh();
   void add_spring_forces();
@@ -85,6 +89,7 @@ class Simulator::Impl {
   std::unique_ptr<MergedWorld> merged_;
   World& world_;  // that is stepped: source_ itself, or the merged one
   Settings settings_;
+  std::function<bool()> interrupt_;
   StepReport report_;
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<Rattle> rattle_;

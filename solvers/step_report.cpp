@@ -16,6 +16,8 @@ std::string_view to_string(Status status) {
       return "contradiction";
     case Status::kNotFinite:
       return "not finite";
+    case Status::kInterrupted:
+      return "interrupted";
   }
   return "unknown";
 }

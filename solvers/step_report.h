@@ -24,6 +24,7 @@ enum class Status {
   kContradiction,  ///< some joints, limits, motors or contacts cannot hold together: see
                    ///< StepReport::contradiction; state as before the step
   kNotFinite,      ///< a force or a state is not finite; state as before the step
+  kInterrupted,    ///< Simulator::set_interrupt() asked for the end; state as before the step
 };
 std::string_view to_string(Status status);
 
