@@ -18,13 +18,14 @@
 
 namespace taut {
 
-/// Writes values to bytes, or reads them back, in one and the same order: a class lists what it remembers once,
+/// Writes values to bytes, or reads them back, in one and the same order: a class lists what it remembers
+/// once,
 ///
 ///     void transfer(Archive& archive) { archive(count_, impulses_); }
 ///
-/// and is saved and restored by that.  Numbers keep their bits; bytes are little-endian, without padding.  What is
-/// read is not trusted: a count is believed only if as many bytes are there, and indices are for the reader to
-/// check, with require().
+/// and is saved and restored by that.  Numbers keep their bits; bytes are little-endian, without padding.
+/// What is read is not trusted: a count is believed only if as many bytes are there, and indices are for the
+/// reader to check, with require().
 class Archive {
  public:
   /// To write to.
@@ -80,8 +81,7 @@ class Archive {
     left_.remove_prefix(size);
   }
   template <typename Value>
-    requires(std::is_arithmetic_v<Value> || std::is_enum_v<Value>)
-  void transfer(Value& value) {
+  requires(std::is_arithmetic_v<Value> || std::is_enum_v<Value>) void transfer(Value& value) {
     if constexpr (std::same_as<Value, bool>) {
       unsigned char byte = value;
       raw(&byte, 1);
@@ -91,16 +91,12 @@ class Archive {
     }
   }
   template <typename Value>
-    requires requires(Value& value, Archive& archive) { value.transfer(archive); }
-  void transfer(Value& value) {
-    value.transfer(*this);
-  }
+  requires requires(Value& value, Archive& archive) { value.transfer(archive); }
+  void transfer(Value& value) { value.transfer(*this); }
   /// For plain data: a function beside its type, found by its arguments.
   template <typename Value>
-    requires requires(Value& value, Archive& archive) { transfer_fields(archive, value); }
-  void transfer(Value& value) {
-    transfer_fields(*this, value);
-  }
+  requires requires(Value& value, Archive& archive) { transfer_fields(archive, value); }
+  void transfer(Value& value) { transfer_fields(*this, value); }
   template <int Rows, int Columns>
   void transfer(Eigen::Matrix<double, Rows, Columns>& value) {
     static_assert(Rows > 0 && Columns > 0);

@@ -3,8 +3,8 @@
 #include <istream>
 #include <ostream>
 
-#include "core/archive.h"
 #include "core/check.h"
+#include "solvers/checkpoint_memory.h"
 #include "solvers/setting_names.h"
 #include "solvers/simulator_impl.h"
 
@@ -69,7 +69,8 @@ struct Method {
 };
 
 void require_same(const char* setting, bool same) {
-  if (!same) throw std::invalid_argument(std::string("checkpoint: was made with another setting: ") + setting);
+  if (!same)
+    throw std::invalid_argument(std::string("checkpoint: was made with another setting: ") + setting);
 }
 
 }  // namespace
@@ -105,7 +106,8 @@ std::istream& operator>>(std::istream& in, Checkpoint& checkpoint) {
   if (!(in >> left) || in.get() != '\n') fail("checkpoint", "has no size in front", left);
   std::string bytes;
   while (left > 0 && in) {
-    const std::size_t block = static_cast<std::size_t>(std::min<std::uint64_t>(left, kBlock)), before = bytes.size();
+    const std::size_t block = static_cast<std::size_t>(std::min<std::uint64_t>(left, kBlock)),
+                      before = bytes.size();
     bytes.resize(before + block);
     in.read(bytes.data() + before, static_cast<std::streamsize>(block));
     bytes.resize(before + static_cast<std::size_t>(in.gcount()));
@@ -183,17 +185,18 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   }
 }
 
-/// Brings what the integrator knows to the present world, as the next step would.  False if it knows nothing that
-/// is worth keeping: before the first step, and after one that failed.
+/// Brings what the integrator knows to the present world, as the next step would.  False if it knows nothing
+/// that is worth keeping: before the first step, and after one that failed.
 bool Simulator::Impl::settle() {
   keep_means();
-  if (!system_ || !has_started() || state_version_ < 0 || !report_.advanced() || report_.dt == 0) return false;
+  if (!system_ || !has_started() || state_version_ < 0 || !report_.advanced() || report_.dt == 0)
+    return false;
   const bool unchanged = recalled_.empty() && end_versions_ == versions();
   if (unchanged) return true;
   StepReport kept = report_;
   follow_source();
   if (sleep_) wake_islands(horizon_);
-  refresh();
+  restart_if_needed();
   give_back();
   const bool good = report_.advanced();
   report_ = std::move(kept);
@@ -203,7 +206,7 @@ bool Simulator::Impl::settle() {
 
 /// `gone`, when reading: joints that left with the last step, by joint.
 void Simulator::Impl::transfer(Archive& archive, std::span<const char> gone) {
-  archive(pieces_, most_pieces_, quiet_, hard_steps_, horizon_, report_.dt, report_.time);
+  archive(pace_.pieces, pace_.most_pieces, pace_.quiet, pace_.hard_steps, horizon_, report_.dt, report_.time);
   State state = world_.state();
   archive(state);
   if (archive.reads()) world_.set_state(state);
@@ -229,8 +232,8 @@ void Simulator::Impl::transfer(Archive& archive, std::span<const char> gone) {
 }
 
 Simulator::Impl::Versions Simulator::Impl::versions() const {
-  return {source_.topology_version(), source_.state_version(), source_.geometry_version(), source_.sleep_version(),
-          world_.topology_version(),  world_.state_version()};
+  return {source_.topology_version(), source_.state_version(),   source_.geometry_version(),
+          source_.sleep_version(),    world_.topology_version(), world_.state_version()};
 }
 
 }  // namespace taut

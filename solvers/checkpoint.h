@@ -7,17 +7,18 @@
 namespace taut {
 
 /// All that a simulation needs to go on as if it had never stopped: the state of its world, which joints are
-/// detached, which bodies sleep, and what integrator, contacts, friction, active sets and sleep remember of the steps
-/// before.  Simulator::checkpoint() makes one, Simulator::restore() takes it up.  A value of bytes that can be kept
-/// in a file and read on any machine; the bits of the steps that follow are the same where the program and its
-/// libraries are.
+/// detached, which bodies sleep, and what integrator, contacts, friction, active sets and sleep remember of
+/// the steps before.  Simulator::checkpoint() makes one, Simulator::restore() takes it up.  A value of bytes
+/// that can be kept in a file and read on any machine; the bits of the steps that follow are the same where
+/// the program and its libraries are.
 class Checkpoint {
  public:
   Checkpoint() = default;
 
   bool empty() const { return bytes_.empty(); }
   const std::string& bytes() const { return bytes_; }
-  /// @throws std::invalid_argument if they are not those of a checkpoint of this version, whole and unchanged.
+  /// @throws std::invalid_argument if they are not those of a checkpoint of this version, whole and
+  /// unchanged.
   static Checkpoint from_bytes(std::string bytes);
   friend bool operator==(const Checkpoint&, const Checkpoint&) = default;
 

@@ -1,14 +1,15 @@
+#include "solvers/checkpoint_memory.h"
+
 #include <numeric>
 
-#include "core/archive.h"
 #include "solvers/energy_books.h"
 #include "solvers/force_level.h"
 #include "solvers/rattle.h"
 #include "solvers/sleep.h"
 
-// What each part of a simulation remembers from one step to the next, as Archive writes and reads it.  Whatever a
-// step makes anew before it reads it is left out, and so are factors, which have the same bits when they are made
-// again.                                                                            (solvers/README, "Checkpoints")
+// What each part of a simulation remembers from one step to the next, as Archive writes and reads it.
+// Whatever a step makes anew before it reads it is left out, and so are factors, which have the same bits
+// when they are made again. (solvers/README, "Checkpoints")
 namespace taut {
 
 void transfer_fields(Archive& archive, ShapeId& id) { archive(id.index); }
@@ -56,11 +57,11 @@ void require_bodies(const World& world, const Rows::ContactPlace& at) {
 
 void AxisForces::transfer(Archive& archive) {
   const auto axis = [&](Axis& a) {
-    archive(a.anchor, a.stuck, a.broken, a.known, a.theta0, a.rate0, a.inertia, a.excess, a.limit_excess, a.beyond,
-            a.spring, a.damping, a.implicit_damping, a.linear_damping, a.tangent_at, a.root_above, a.root_below,
-            a.soft_limit, a.limit_level, a.limit_slope, a.load, a.load_change, a.motor_at, a.motor_force,
-            a.friction_at, a.friction_force, a.lower_at, a.upper_at, a.lower_back, a.upper_back, a.spring_level,
-            a.damping_level, a.spring_slope, a.damping_slope);
+    archive(a.anchor, a.stuck, a.broken, a.known, a.theta0, a.rate0, a.inertia, a.excess, a.limit_excess,
+            a.beyond, a.spring, a.damping, a.implicit_damping, a.linear_damping, a.tangent_at, a.root_above,
+            a.root_below, a.soft_limit, a.limit_level, a.limit_slope, a.load, a.load_change, a.motor_at,
+            a.motor_force, a.friction_at, a.friction_force, a.lower_at, a.upper_at, a.lower_back,
+            a.upper_back, a.spring_level, a.damping_level, a.spring_slope, a.damping_slope);
   };
   const std::size_t count = axes_.size();
   archive.each(axes_, axis);
@@ -108,13 +109,11 @@ void ContactSet::transfer(Archive& archive, const World& world) {
 void ContactLaws::transfer_residuals(Archive& archive) { archive(residual_, scale_, weakened_); }
 
 void ContactForces::transfer(Archive& archive) {
-  const auto disc = [&](Disc& d) {
-    archive(d.bound, d.slips, d.direction, d.weight, d.given, d.target);
-  };
+  const auto disc = [&](Disc& d) { archive(d.bound, d.slips, d.direction, d.weight, d.given, d.target); };
   const auto point = [&](Point& p) {
-    archive(p.soft.target, p.soft.softness, p.soft.most, p.active, p.live, p.touching, p.pressed, p.gap, p.approach,
-            p.fresh, p.back, p.stuck, p.broken, p.wavers, p.slipped, p.slip, p.first, p.first_torque, p.spin_bound,
-            p.spin_given, p.impulse, p.torque, p.impact_time, p.slid);
+    archive(p.soft.target, p.soft.softness, p.soft.most, p.active, p.live, p.touching, p.pressed, p.gap,
+            p.approach, p.fresh, p.back, p.stuck, p.broken, p.wavers, p.slipped, p.slip, p.first,
+            p.first_torque, p.spin_bound, p.spin_given, p.impulse, p.torque, p.impact_time, p.slid);
     disc(p.sliding), disc(p.rolling);
   };
   archive.each(table_.points, point);
@@ -242,10 +241,10 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
   for (const auto* states : {&states_, &factored_states_})
     Archive::require(states->empty() || std::ssize(*states) == rows, "it has other rows");
   // Rows of contacts were turned with their tangents; those of joints follow from the poses.
-  const std::size_t contacts = rows_.contact_count() == 0
-                                   ? jacobian_.size()
-                                   : static_cast<std::size_t>(
-                                         rows_.sides()[rows_.joints()[rows_.contact_joint(0)].first_side].offset);
+  const std::size_t contacts =
+      rows_.contact_count() == 0
+          ? jacobian_.size()
+          : static_cast<std::size_t>(rows_.sides()[rows_.joints()[rows_.contact_joint(0)].first_side].offset);
   std::vector<double> turned(jacobian_.begin() + static_cast<std::ptrdiff_t>(contacts), jacobian_.end());
   archive.sized(turned);
   if (!archive.reads()) return;
@@ -292,7 +291,8 @@ void Rattle::transfer(Archive& archive) {
   axes_.transfer(archive);
   breaking_.transfer(archive);
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_}) archive.sized(*wrenches);
-  for (auto* rows : {&lambda_, &mu_, &start_mu_, &impulses_, &force_multipliers_, &asymmetry_, &last_asymmetry_})
+  for (auto* rows :
+       {&lambda_, &mu_, &start_mu_, &impulses_, &force_multipliers_, &asymmetry_, &last_asymmetry_})
     archive.sized(*rows);
   for (auto* rows : {&start_theta_, &rates_, &inertia_, &w_}) archive.sized(*rows);
   archive.sized(laws_);

@@ -43,8 +43,6 @@ void Simulator::Impl::refresh() {
   // What it knows after a step that failed may be anything.
   const bool knows = rattle_ && has_started() && (state_version_ >= 0 || retaken_);
   if (is_new) {
-    auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
-                                                     Rows::AxisRows::kIncluded, springs_);
     require_none(setting_conflicts(settings_, world_));
     // What held before holds on, but where bodies were moved.
     if (knows) {
@@ -52,27 +50,9 @@ void Simulator::Impl::refresh() {
       old_system = std::move(system_);
       old_rattle = std::move(rattle_);
     }
-    system_ = std::move(system);
-    rattle_.reset();
-    force_level_.reset();
-    if (is_force_level(settings_.integrator))
-      force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
-    else if (settings_.integrator == Integrator::kMoreauJean)
-      rattle_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
-    else
-      rattle_ = std::make_unique<Rattle>(world_, *system_, settings_);
-    phi_.assign(system_->row_count(), 0.0);
-    rates_.assign(system_->row_count(), 0.0);
-    reaction_multipliers_.assign(system_->row_count(), 0.0);
-    topology_version_ = world_.topology_version();
-    geometry_version_ = world_.geometry_version();
-    sleep_version_ = world_.sleep_version();
-    state_version_ = reaction_version_ = wrench_jacobian_version_ = -1;
-    hard_steps_ = 0;
+    make_system();
+    pace_.hard_steps = 0;
     report_.times.analysis = system_->analysis_time();
-    weld_loads_.reset();
-    present_reactions_.clear();
-    if (merged_ && !merged_->groups().empty()) weld_loads_ = std::make_unique<WeldLoads>(source_, *merged_);
   }
   if (state_version_ == world_.state_version() && recalled_.empty()) return;
   const bool goes_on = knows && !is_new;
@@ -100,7 +80,7 @@ void Simulator::Impl::refresh() {
                     "the joints cannot be closed at the start" + widest_gap(state));
         return;
       }
-      world_.set_state(state);
+      move_world(state);
     }
     rattle_->set_horizon(horizon_);
     recall_contacts();
@@ -118,25 +98,105 @@ void Simulator::Impl::refresh() {
   state_version_ = world_.state_version();
 }
 
-/// Work that ends early if the user asks for it, and then leaves the world as it was.  A new start follows,
-/// as what the integrator knows may be anything.
-template <typename Work>
-void Simulator::Impl::interruptible(Work work) {
-  State before;
-  std::vector<ContactStretch> stretches;
-  if (interrupt_) before = world_.state(), stretches = contact_stretches();
-  try {
-    const detail::InterruptScope scope(&interrupt_);
-    work();
-  } catch (const detail::Interrupted&) {
-    if (!same(world_.state(), before)) world_.set_state(before);
-    recalled_ = std::move(stretches);
-    state_version_ = topology_version_ = -1;
-    retaken_ = false;
-    start_.poses.clear();
-    report_.contradiction = {};
-    set_failure(Status::kInterrupted, "interrupted");
+/// Pattern, order and integrator of the present topology, which know no state yet.
+void Simulator::Impl::make_system() {
+  auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
+                                                   Rows::AxisRows::kIncluded, springs_);
+  rattle_.reset();
+  force_level_.reset();
+  system_ = std::move(system);
+  if (is_force_level(settings_.integrator))
+    force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
+  else if (settings_.integrator == Integrator::kMoreauJean)
+    rattle_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
+  else
+    rattle_ = std::make_unique<Rattle>(world_, *system_, settings_);
+  phi_.assign(system_->row_count(), 0.0);
+  rates_.assign(system_->row_count(), 0.0);
+  reaction_multipliers_.assign(system_->row_count(), 0.0);
+  topology_version_ = world_.topology_version();
+  geometry_version_ = world_.geometry_version();
+  sleep_version_ = world_.sleep_version();
+  state_version_ = reaction_version_ = wrench_jacobian_version_ = -1;
+  weld_loads_.reset();
+  present_reactions_.clear();
+  if (merged_ && !merged_->groups().empty()) weld_loads_ = std::make_unique<WeldLoads>(source_, *merged_);
+}
+
+/// A new state of the world, of which take_back() knows the one before.
+void Simulator::Impl::move_world(const State& state) {
+  if (has_moved_) return world_.set_state(state);
+  undo_ = state;
+  world_.exchange_state(undo_);
+  has_moved_ = true;
+}
+
+/// The world as it was before the present step or question, and a new start: what the integrator knows may be
+/// anything.
+void Simulator::Impl::take_back(const Pace& pace, std::vector<ContactStretch> stretches) {
+  for (JointId joint : broken_) {
+    world_.attach(joint);
+    if (merged_) source_.attach(joint);
   }
+  if (has_moved_) world_.set_state(undo_);
+  has_moved_ = false;
+  stay_awake();
+  pace_ = pace;
+  recalled_ = std::move(stretches);
+  state_version_ = topology_version_ = -1;
+  retaken_ = false;
+  start_.poses.clear();
+  given_version_ = world_.state_version();
+}
+
+/// Whatever work throws, force laws or what asks whether to go on, leaves the world as it was.
+template <typename Work>
+void Simulator::Impl::undoable(Work work) {
+  const Pace pace = pace_;
+  const bool any = interrupt_ || !recalled_.empty();
+  std::vector<ContactStretch> stretches = any ? contact_stretches() : std::vector<ContactStretch>();
+  has_moved_ = false;
+  broken_.clear();
+  try {
+    work();
+  } catch (...) {
+    take_back(pace, std::move(stretches));
+    throw;
+  }
+}
+
+/// For questions between steps.
+void Simulator::Impl::restart_if_needed() {
+  undoable([this] { refresh(); });
+}
+
+/// The same for work that makes a report: that is the one of before again, too, or says that the user has
+/// asked to end early.
+template <typename Work>
+void Simulator::Impl::reported(Work work) {
+  try {
+    undoable([&] {
+      const Stopwatch watch(report_.times.total);
+      const detail::InterruptScope scope(&interrupt_);
+      work();
+    });
+  } catch (const detail::Interrupted&) {
+    report_.contradiction = {};
+    report_.breaks.clear();
+    set_failure(Status::kInterrupted, "interrupted");
+  } catch (...) {
+    std::swap(report_, last_report_);
+    throw;
+  }
+}
+
+/// An empty report, which keeps its memory; the last one is put aside.
+void Simulator::Impl::begin_report() {
+  std::swap(report_, last_report_);
+  std::vector<DependentRow> kept = std::move(report_.dependent_rows);
+  report_ = {};
+  kept.clear();
+  report_.dependent_rows = std::move(kept);
 }
 
 void Simulator::Impl::step(double dt) {
@@ -146,31 +206,25 @@ void Simulator::Impl::step(double dt) {
     find_tired_bodies(dt);
   else if (source_.asleep_count() > 0)  // for a simulator that is no more
     source_.wake_all(), world_.wake_all();
-  std::vector<DependentRow> kept = std::move(report_.dependent_rows);  // its memory
-  report_ = {};
-  kept.clear();
-  report_.dependent_rows = std::move(kept);
+  begin_report();
   report_.dt = dt;
-  {
-    const Stopwatch watch(report_.times.total);
-    horizon_ = dt;
+  horizon_ = dt;
+  reported([&] {
     mean_reactions_.clear(), start_.poses.clear();
     if (settings_.report_energy) books_.begin(world_, moved_ ? source_ : world_, report_);
+    if (sleep_) sleep_->put_to_sleep(world_, tired_);
+    while (!advance_to_end(dt))
+      ;
     moved_ = false;
-    interruptible([&] {
-      if (sleep_) sleep_->put_to_sleep(world_, tired_);
-      while (!advance_to_end(dt))
-        ;
-    });
-    if (report_.advanced()) {
-      give_back();
-    } else {
-      stay_awake();
-      given_version_ = world_.state_version();  // the user's world stays as it was
-    }
-    report_.asleep = source_.asleep_count();
-    count_work();
+    if (report_.advanced()) give_back();
+  });
+  if (!report_.advanced()) {
+    stay_awake();
+    given_version_ = world_.state_version();  // the user's world stays as it was
   }
+  end_versions_ = versions();
+  report_.asleep = source_.asleep_count();
+  count_work();
 }
 
 bool Simulator::Impl::knows_pattern() const {
@@ -188,15 +242,17 @@ bool Simulator::Impl::advance_to_end(double dt) {
   restarted_ = false;  // else a question before the step has had it started
   if (weld_loads_) merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), start_);
   bool done = true;
-  state_version_ = -1;  // until the end, which an exception of a force law may prevent
+  state_version_ = -1;  // until the end
   if (force_level_) {
+    const World::Hold held = source_.hold();
     done = force_level_->advance(dt, report_);
-    if (!done) fail_not_finite();
   } else {
     rattle_->set_horizon(dt);
     rattle_->clear_impulses();
+    const World::Hold held = source_.hold();
     done = integrate(dt);
   }
+  if (force_level_ && !done) fail_not_finite();
   if (sleep_ && rattle_ && wakes(done)) {
     retaken_ = done;
     forget_step();
@@ -244,17 +300,17 @@ Rattle::Outcome Simulator::Impl::advance(double h) {
 /// so the count goes up at once and comes down only after a long quiet time.
 double Simulator::Impl::choose_pieces(double dt) {
   const double needed = std::clamp(std::ceil(dt / step_limit() - 1e-9), 1.0, double(settings_.max_substeps));
-  if (needed >= pieces_) {
-    pieces_ = needed;
-    quiet_ = 0;
+  if (needed >= pace_.pieces) {
+    pace_.pieces = needed;
+    pace_.quiet = 0;
   } else {
-    most_pieces_ = quiet_ == 0 ? needed : std::max(most_pieces_, needed);
-    if (++quiet_ >= kQuietSteps) {
-      pieces_ = most_pieces_;
-      quiet_ = 0;
+    pace_.most_pieces = pace_.quiet == 0 ? needed : std::max(pace_.most_pieces, needed);
+    if (++pace_.quiet >= kQuietSteps) {
+      pace_.pieces = pace_.most_pieces;
+      pace_.quiet = 0;
     }
   }
-  return pieces_;
+  return pace_.pieces;
 }
 
 /// Largest h whose longest stage respects tension and rotation.
@@ -268,7 +324,7 @@ double Simulator::Impl::step_limit() const {
 /// Covers dt in as many equal sub-steps as tension, rotation and convergence ask for.
 bool Simulator::Impl::integrate(double dt) {
   const double smallest = dt / settings_.max_substeps, piece = dt / choose_pieces(dt);
-  const bool hard = hard_steps_ > 0;
+  const bool hard = pace_.hard_steps > 0;
   rattle_->take_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   double remaining = dt, limit = std::numeric_limits<double>::infinity(), impact = 0;
   bool forgot = false;
@@ -316,7 +372,7 @@ bool Simulator::Impl::integrate(double dt) {
       return false;
     }
   }
-  hard_steps_ = report_.status == Status::kInexact ? kHardSteps : std::max(hard_steps_ - 1, 0);
+  pace_.hard_steps = report_.status == Status::kInexact ? kHardSteps : std::max(pace_.hard_steps - 1, 0);
   return true;
 }
 
@@ -324,11 +380,10 @@ bool Simulator::Impl::integrate(double dt) {
 void Simulator::Impl::finish(double dt) {
   const State& state = force_level_ ? force_level_->state() : rattle_->state();
   const double time = world_.time() + dt;
-  world_.set_state(state);
+  move_world(state);
   world_.set_time(time);
   if (rattle_) rattle_->set_time(time);
   if (rattle_) detach_broken();
-  if (sleep_) sleep_->watch(world_, dt);
   state_version_ = world_.state_version();
   report_.time = time;
   for (auto* values : {&phi_, &rates_, &reaction_multipliers_}) values->resize(system_->row_count());
@@ -357,10 +412,13 @@ void Simulator::Impl::finish(double dt) {
   name_dependent_rows();
   report_.natural_residual = std::max(report_.natural_residual, report_.complementarity_residual);
   report_.condition_estimate = system_->condition_estimate();
-  if (!settings_.report_energy) return;
-  report_.constraint_work -= report_.axis_work.total() + report_.contact_work.total();
-  sum_motion(state, force_level_ ? force_level_->momenta() : rattle_->momenta(), report_);
-  books_.close(world_, report_, rattle_ != nullptr);
+  if (settings_.report_energy) {
+    report_.constraint_work -= report_.axis_work.total() + report_.contact_work.total();
+    sum_motion(state, force_level_ ? force_level_->momenta() : rattle_->momenta(), report_);
+    const World::Hold held = source_.hold();
+    books_.close(world_, report_, rattle_ != nullptr);
+  }
+  if (sleep_) sleep_->watch(world_, dt);
 }
 
 void Simulator::Impl::name_dependent_rows() {
@@ -379,6 +437,7 @@ void Simulator::Impl::detach_broken() {
   if (events.empty()) return;
   report_.breaks.assign(events.begin(), events.end());
   for (const BreakEvent& event : events) {
+    broken_.push_back(event.joint);
     world_.detach(event.joint);
     if (merged_) source_.detach(event.joint);
   }
@@ -393,11 +452,13 @@ void Simulator::Impl::count_work() {
 
 void Simulator::Impl::assemble() {
   keep_means();
-  report_ = {};
   follow_source();
   source_.wake_all(), world_.wake_all();
-  interruptible([this] { close_all_joints(); });
-  give_back();
+  begin_report();
+  reported([this] {
+    close_all_joints();
+    give_back();
+  });
   count_work();
 }
 
@@ -406,9 +467,9 @@ void Simulator::Impl::close_all_joints() {
   State state = world_.state();
   phi_.resize(system_->row_count());
   if (close_joints(*system_, state, settings_.position_tolerance, report_)) {
-    world_.set_state(state);
+    move_world(state);
     refresh();
-    if (rattle_) world_.set_state(rattle_->state());
+    if (rattle_) move_world(rattle_->state());
     state_version_ = world_.state_version();
     report_.time = world_.time();
     system_->rows().residual(world_.state(), phi_);
@@ -426,73 +487,83 @@ void Simulator::Impl::close_all_joints() {
 Simulator::Simulator(World& world, const Settings& settings)
     : impl_(std::make_unique<Impl>(world, settings)) {}
 Simulator::~Simulator() = default;
+
+/// A world that was assigned to since is another one, of which nothing is known.
+Simulator::Impl& Simulator::impl() const {
+  if (impl_->identity_ == impl_->source_.identity()) return *impl_;
+  auto fresh = std::make_unique<Impl>(impl_->source_, impl_->settings_);
+  fresh->interrupt_ = impl_->interrupt_;
+  impl_ = std::move(fresh);
+  return *impl_;
+}
+
 Simulator::Simulator(Simulator&&) noexcept = default;
 
 const StepReport& Simulator::step(double dt) {
   const detail::FlushToZero mode;
-  impl_->step(dt);
-  if (impl_->settings_.report_rank && impl_->report_.advanced()) try {
-      const detail::InterruptScope scope(&impl_->interrupt_);
-      impl_->report_.rank = analyze_rank();
+  impl().step(dt);
+  if (impl().settings_.report_rank && impl().report_.advanced()) try {
+      const detail::InterruptScope scope(&impl().interrupt_);
+      impl().report_.rank = analyze_rank();
     } catch (const detail::Interrupted&) {  // the step is done
     }
-  return impl_->report_;
+  return impl().report_;
 }
 const StepReport& Simulator::report() const { return impl_->report_; }
 
-void Simulator::set_interrupt(std::function<bool()> asked) { impl_->interrupt_ = std::move(asked); }
+void Simulator::set_interrupt(std::function<bool()> asked) { impl().interrupt_ = std::move(asked); }
 
 Reaction Simulator::mean_reaction(JointId joint) const {
-  (void)impl_->source_.joint(joint);  // throws for an id that is not there
-  return impl_->mean_reaction(joint);
+  (void)impl().source_.joint(joint);  // throws for an id that is not there
+  return impl().mean_reaction(joint);
 }
 
 Reaction Simulator::reaction(JointId joint) {
-  (void)impl_->source_.joint(joint);
-  if (impl_->rests(joint)) return impl_->mean_reaction(joint);
-  impl_->compute_reactions();
-  if (impl_->merges(joint)) {
-    impl_->solve_present_welds();
-    return impl_->present_reactions_[joint.index];
+  (void)impl().source_.joint(joint);
+  if (impl().rests(joint)) return impl().mean_reaction(joint);
+  impl().compute_reactions();
+  if (impl().merges(joint)) {
+    impl().solve_present_welds();
+    return impl().present_reactions_[joint.index];
   }
-  return impl_->reaction_from(joint, impl_->reaction_multipliers_, 1);
+  return impl().reaction_from(joint, impl().reaction_multipliers_, 1);
 }
 
 AxisReport Simulator::axis_report(AxisId axis) const {
-  (void)impl_->source_.axis_index(axis);  // throws for an id that is not there
-  return impl_->axis_report(axis);
+  (void)impl().source_.axis_index(axis);  // throws for an id that is not there
+  return impl().axis_report(axis);
 }
 
-std::vector<ContactReport> Simulator::contacts() const { return impl_->contacts(); }
+std::vector<ContactReport> Simulator::contacts() const { return impl().contacts(); }
 
-std::vector<ContactStretch> Simulator::contact_stretches() const { return impl_->contact_stretches(); }
+std::vector<ContactStretch> Simulator::contact_stretches() const { return impl().contact_stretches(); }
 
 void Simulator::set_contact_stretches(std::vector<ContactStretch> stretches) {
-  impl_->set_contact_stretches(std::move(stretches));
+  impl().set_contact_stretches(std::move(stretches));
 }
 
 RankReport Simulator::analyze_rank() {
-  if (impl_->source_.asleep_count() == 0) return taut::analyze_rank(impl_->source_, impl_->settings_);
-  World awake = impl_->source_;
+  if (impl().source_.asleep_count() == 0) return taut::analyze_rank(impl().source_, impl().settings_);
+  World awake = impl().source_;
   awake.wake_all();
-  return taut::analyze_rank(awake, impl_->settings_);
+  return taut::analyze_rank(awake, impl().settings_);
 }
 
 Contradiction Simulator::contradiction(double horizon) {
   require_not_negative("contradiction horizon", horizon);
-  return impl_->contradiction(horizon);
+  return impl().contradiction(horizon);
 }
 
 const StepReport& Simulator::assemble() {
-  impl_->assemble();
-  return impl_->report_;
+  impl().assemble();
+  return impl().report_;
 }
 
 std::vector<JointId> Simulator::merged_joints() const {
   std::vector<JointId> joints;
-  if (!impl_->merged_) return joints;
+  if (!impl().merged_) return joints;
   // Those that the next step will have, which is not taken in advance.
-  for (const MergedGroup& group : merged_groups(impl_->source_, impl_->settings_.position_tolerance))
+  for (const MergedGroup& group : merged_groups(impl().source_, impl().settings_.position_tolerance))
     for (const auto* welds : {&group.welds, &group.loops})
       for (JointId weld : *welds)
         if (weld.index >= 0) joints.push_back(weld);
@@ -504,14 +575,14 @@ const World& Simulator::world() const { return impl_->source_; }
 const Settings& Simulator::settings() const { return impl_->settings_; }
 
 std::string Simulator::solver_description() const {
-  if (!impl_->system_) {
-    impl_->follow_source();
-    if (impl_->sleep_) impl_->wake_islands(0);
-    impl_->refresh();
+  if (!impl().system_) {
+    impl().follow_source();
+    if (impl().sleep_) impl().wake_islands(0);
+    impl().restart_if_needed();
   }
-  if (impl_->settings_.solver != Solver::kDirect)
-    return "iterative impulses, " + std::to_string(impl_->settings_.iterations) + " sweeps a stage";
-  return impl_->system_->factor().name() + ", " + blas_name() +
+  if (impl().settings_.solver != Solver::kDirect)
+    return "iterative impulses, " + std::to_string(impl().settings_.iterations) + " sweeps a stage";
+  return impl().system_->factor().name() + ", " + blas_name() +
          (CholmodFactor::has_supernodal() ? "" : ", CHOLMOD without its GPL modules");
 }
 

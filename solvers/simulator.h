@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/world.h"
+#include "solvers/checkpoint.h"
 #include "solvers/settings.h"
 #include "solvers/step_report.h"
 
@@ -29,7 +30,9 @@ class Simulator {
   ~Simulator();
   Simulator(Simulator&&) noexcept;
 
-  /// One step of dt [s].  The world's state moves to the end of the step if StepReport::advanced(), or stays
+  /// One step of dt [s].  A world that was assigned to (world = other) is another one, and the simulator
+  /// starts anew.  What a force law throws comes through; world, report and what comes next are then as
+  /// before the call. The world's state moves to the end of the step if StepReport::advanced(), or stays
   /// where it was.  The report lives until the next call.
   /// @throws std::invalid_argument if dt is not finite and positive, or for axes with properties, contacts or
   /// joints that break and an integrator other than kRattle; kMoreauJean lacks joints that break and
@@ -71,6 +74,18 @@ class Simulator {
   /// @throws std::invalid_argument for a shape that is not there, or what is not finite.
   void set_contact_stretches(std::vector<ContactStretch> stretches);
 
+  /// All that goes on from here depends on: a simulator of an equal world with equal settings that restores
+  /// it takes the same steps as this one, to the last bit, whatever contacts, friction, sleep, merged bodies
+  /// and breaking joints remember.  What was changed in the world since the last step is taken up as the next
+  /// step would.
+  Checkpoint checkpoint();
+  /// Sets the world to the state of a checkpoint, with what is detached and asleep, and goes on from there.
+  /// What is no part of a state stays the world's: axis properties, materials, forces, gravity.
+  /// @throws std::invalid_argument if it is empty, or made with another world (bodies, joints, shapes and
+  /// forces by number, name and kind) or with another integrator, solver, or choice of contacts, sleep or
+  /// merging; world and simulator are then as before.
+  void restore(const Checkpoint& checkpoint);
+
   /// Rank, freedoms and redundant rows by name in the present pose.  Nothing moves.
   RankReport analyze_rank();
   /// What cannot hold together `horizon` [s] from now: joints with limits, motors of unbounded force and
@@ -91,7 +106,8 @@ class Simulator {
 
  private:
   class Impl;
-  std::unique_ptr<Impl> impl_;
+  Impl& impl() const;
+  mutable std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace taut

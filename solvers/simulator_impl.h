@@ -19,6 +19,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// @throws std::invalid_argument naming a setting that is out of range.
 void check_settings(const Settings& settings);
 
@@ -42,12 +44,20 @@ class Simulator::Impl {
   }
 
   template <typename Work>
-  void interruptible(Work work);
+  void undoable(Work work);
+  template <typename Work>
+  void reported(Work work);
+  void begin_report();
+  void make_system();
+  void move_world(const State& state);
+  bool settle();
+  void transfer(Archive& archive, std::span<const char> gone);
   void step(double dt);
   void assemble();
   void close_all_joints();
   Contradiction contradiction(double horizon);
   void refresh();
+  void restart_if_needed();
   void add_spring_forces();
   Reaction reaction_from(JointId joint, std::span<const double> multipliers, double scale) const;
   void compute_reactions();
@@ -85,7 +95,22 @@ class Simulator::Impl {
   void recall_contacts();
   const Rows& source_rows() const { return weld_loads_ ? weld_loads_->rows() : system_->rows(); }
 
+  /// How a simulation divides its steps.
+  struct Pace {
+    double pieces = 1, most_pieces = 1;  ///< sub-steps at present, and the most asked for in the quiet time
+    int quiet = 0;                       ///< steps in a row that asked for fewer
+    int hard_steps = 0;                  ///< to come, in which inexact laws are taken at once
+  };
+  struct Versions {
+    std::int64_t source_topology = -1, source_state = -1, geometry = -1, sleep = -1, topology = -1,
+                 state = -1;
+    friend bool operator==(const Versions&, const Versions&) = default;
+  };
+  Versions versions() const;
+  void take_back(const Pace& pace, std::vector<ContactStretch> stretches);
+
   World& source_;  // the user's
+  std::uint64_t identity_ = source_.identity();
   std::unique_ptr<MergedWorld> merged_;
   World& world_;  // that is stepped: source_ itself, or the merged one
   Settings settings_;
@@ -97,10 +122,12 @@ class Simulator::Impl {
   State before_;
   double horizon_ = 0;  // the step to come
   std::vector<double> impulses_before_;
-  double pieces_ = 1,
-         most_pieces_ = 1;  // sub-steps of a step at present, and the most asked for in the quiet time
-  int quiet_ = 0;           // steps in a row that asked for fewer
-  int hard_steps_ = 0;      // to come, in which inexact laws are taken at once
+  Pace pace_;
+  StepReport last_report_;  // while a step makes a new one
+  State undo_;              // of world_, before the present step moved it
+  bool has_moved_ = false;
+  std::vector<JointId> broken_;  // … and what has broken in it
+  Versions end_versions_;        // at the end of the last step
   bool restarted_ = false;  // the integrator has made velocities tangent, which the books do not know yet
   bool retaken_ = false;    // the integrator is at the end of a step that is taken again: its memory holds
   std::int64_t topology_version_ = -1, geometry_version_ = -1, state_version_ = -1, reaction_version_ = -1,

@@ -12,7 +12,7 @@ void Simulator::Impl::compute_reactions() {
   keep_means();
   follow_source();
   if (sleep_) wake_islands(0);
-  refresh();
+  restart_if_needed();
   give_back();
   if (reaction_version_ == world_.state_version()) return;
   if (rattle_ && (!rattle_->axes().only_springs() || !rattle_->contacts().empty())) {
