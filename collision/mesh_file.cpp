@@ -14,6 +14,9 @@
 namespace taut {
 namespace {
 
+/// No file is read that is longer [bytes]: some ten million triangles.
+constexpr std::uintmax_t kMostMeshBytes = std::uintmax_t{1} << 30;
+
 std::string lower_extension(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -45,6 +48,8 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double scale) {
   if (extension != ".obj" && extension != ".stl") fail(name, "must be .obj or .stl", extension);
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) fail(name, "there is no such file", file.string());
+  if (const auto size = std::filesystem::file_size(file, error); size > kMostMeshBytes)
+    fail(name, "is too long: at most " + std::to_string(kMostMeshBytes) + " bytes are read", size);
 
   Assimp::Importer importer;
   const aiScene* scene =

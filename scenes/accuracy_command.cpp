@@ -92,10 +92,9 @@ std::vector<CaseResult> run_all(const std::vector<fs::path>& files, const Accura
 bool write(const std::optional<std::string>& file, const std::string& text) {
   if (!file) return true;
   if (*file == "-") return static_cast<bool>(std::cout << text << std::flush);
-  std::ofstream out(*file);
-  if (out << text << std::flush) return true;
-  std::cerr << "taut accuracy: could not write " << *file << '\n';
-  return false;
+  const std::string error = write_output(*file, text);
+  if (!error.empty()) std::cerr << "taut accuracy: could not write " << error << '\n';
+  return error.empty();
 }
 
 /// Mechanisms of the convergence study.
@@ -107,6 +106,7 @@ constexpr long kEnergySteps = 1'000'000;
 
 /// What --study asks for.
 int study_command(const fs::path& references, const fs::path& folder) {
+  require_writable_folder("--study", folder.string());
   fs::create_directories(folder);
   const std::vector<ConvergenceRun> convergence = run_convergence(references, kStudied);
   const std::vector<MethodRun> methods = run_methods(kStudyStep, kStudyTime);
@@ -130,7 +130,7 @@ int study_command(const fs::path& references, const fs::path& folder) {
   if (!good) return kExitFailure;
   draw(convergence_plots(convergence, folder.string()) + methods_plots(methods, folder.string()) +
            energy_plots(energy, folder.string()),
-       folder, "taut accuracy");
+       "taut accuracy");
   return kExitSuccess;
 }
 
@@ -147,6 +147,8 @@ int accuracy_command(const AccuracyOptions& options) {
   if (files.empty()) fail("--only", "is in the name of no case", options.only);
   if (options.json == "-" && options.csv == "-") fail("--json and --csv", "cannot both go to", "-");
   require_distinct({{"--json", options.json.value_or("")}, {"--csv", options.csv.value_or("")}}, {});
+  if (options.json && *options.json != "-") require_writable("--json", *options.json);
+  if (options.csv && *options.csv != "-") require_writable("--csv", *options.csv);
   const bool print = options.json != "-" && options.csv != "-";
   const std::vector<CaseResult> results = run_all(files, options, print);
   const reference::Totals totals = totals_of(results);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <optional>
@@ -14,8 +13,10 @@
 #include "scenes/bench_report.h"
 #include "scenes/child_process.h"
 #include "scenes/gnuplot.h"
+#include "scenes/output_file.h"
 #include "scenes/recorder.h"
 #include "scenes/run_command.h"
+#include "scenes/scene_file.h"
 #include "scenes/work_report.h"
 
 namespace taut {
@@ -128,8 +129,8 @@ void add_profiles(const fs::path& program, const std::vector<WorkRun>& plan, con
 }
 
 void write(const fs::path& file, const std::string& text) {
-  std::ofstream out(file);
-  if (!(out << text << std::flush)) fail("--results", "cannot write the file", file.string());
+  if (const std::string error = write_output(file.string(), text); !error.empty())
+    fail("--results", "cannot write the file", error);
 }
 
 std::string command_of(const BenchOptions& options) {
@@ -156,7 +157,7 @@ void write_results(const BenchResults& results, const BenchOptions& options, con
 void draw_results(const BenchResults& results, const BenchOptions& options, const fs::path& folder) {
   const std::string name = name_of(options);
   fs::create_directories(folder / name);
-  draw(bench_plots(results, (folder / name).string()), folder / name, "taut bench");
+  draw(bench_plots(results, (folder / name).string()), "taut bench");
   std::cerr << "taut bench: " << (folder / (name + ".md")).string() << '\n';
 }
 
@@ -227,8 +228,7 @@ BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const
 /// An earlier result to compare with; nothing if none is asked for.
 std::optional<BenchResults> earlier_results(const std::string& file) {
   if (file.empty()) return std::nullopt;
-  std::ifstream in(file);
-  BenchResults then = BenchResults::parse(in, nullptr, false);
+  BenchResults then = BenchResults::parse(read_text_file(file), nullptr, false);
   if (!then.is_object() || then.value("schema", "") != kBenchSchema || !then.contains("runs") ||
       !then.at("runs").is_array())
     fail("--compare", std::string("is no result of taut bench, ") + kBenchSchema, file);
@@ -295,6 +295,7 @@ int run_programs(const std::vector<fs::path>& programs, const std::vector<std::s
 int bench_command(const BenchOptions& options) {
   if (!(options.factor > 0)) fail("--factor", "must be positive", options.factor);
   if (!(options.limit >= 0)) fail("--limit", "must not be negative", options.limit);
+  require_writable_folder("--results", options.results);
   const std::optional<BenchResults> then = earlier_results(options.compare);
   const fs::path build = options.build_dir.empty() ? fs::read_symlink("/proc/self/exe").parent_path()
                                                    : fs::path(options.build_dir);

@@ -8,6 +8,7 @@
 
 #include "scenes/bench_plan.h"
 #include "scenes/format.h"
+#include "scenes/printable.h"
 #include "scenes/work_report.h"
 
 namespace taut {
@@ -300,8 +301,9 @@ std::string bench_plots(const BenchResults& results, const std::string& folder) 
       ++index;
     }
     script +=
-        blocks + "set output '" + folder + "/pareto-" + file + ".svg'\nset title '" + scene +
-        "'\nset xlabel 'processor time per simulated second [s]'\nset ylabel 'largest error [m or rad]'\n" +
+        blocks + "set output " + gnuplot_quoted(folder + "/pareto-" + file + ".svg") + "\nset title " +
+        gnuplot_quoted(scene) +
+        "\nset xlabel 'processor time per simulated second [s]'\nset ylabel 'largest error [m or rad]'\n" +
         plot + '\n';
   }
   std::map<std::string, std::string> plots;
@@ -316,8 +318,9 @@ std::string bench_plots(const BenchResults& results, const std::string& folder) 
             format("$G%d with linespoints title '%s'", index++, key.second.c_str());
   }
   for (const auto& [scene, plot] : plots)
-    script += "set output '" + folder + "/size-" + scene + ".svg'\nset title '" + scene +
-              "'\nset xlabel 'constraint rows'\nset ylabel 'time per step [s]'\n" + plot + '\n';
+    script += "set output " + gnuplot_quoted(folder + "/size-" + scene + ".svg") + "\nset title " +
+              gnuplot_quoted(scene) + "\nset xlabel 'constraint rows'\nset ylabel 'time per step [s]'\n" +
+              plot + '\n';
   return script;
 }
 

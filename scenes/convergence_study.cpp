@@ -5,6 +5,7 @@
 #include <map>
 
 #include "scenes/format.h"
+#include "scenes/printable.h"
 #include "solvers/setting_names.h"
 
 namespace taut {
@@ -134,9 +135,10 @@ std::string convergence_plots(const std::vector<ConvergenceRun>& runs, const std
     ++index;
   }
   for (const auto& [id, plot] : errors)
-    script += "set output '" + folder + "/convergence-" + id + ".svg'\nset multiplot layout 1,2 title '" +
-              id + "' noenhanced\nset key off\nset xlabel 'dt [s]'\nset ylabel 'position error [m]'\n" +
-              plot + "\nset key outside right top\nset xlabel 'time of the run [s]'\n" + works[id] +
+    script += "set output " + gnuplot_quoted(folder + "/convergence-" + id + ".svg") +
+              "\nset multiplot layout 1,2 title " + gnuplot_quoted(id) +
+              " noenhanced\nset key off\nset xlabel 'dt [s]'\nset ylabel 'position error [m]'\n" + plot +
+              "\nset key outside right top\nset xlabel 'time of the run [s]'\n" + works[id] +
               "\nunset multiplot\n";
   return script;
 }

@@ -7,6 +7,7 @@
 #include "scenes/format.h"
 #include "scenes/gap_meter.h"
 #include "scenes/method_study.h"
+#include "scenes/printable.h"
 #include "scenes/scene.h"
 #include "solvers/simulator.h"
 #include "solvers/stopwatch.h"
@@ -103,7 +104,7 @@ std::string energy_plots(const std::vector<EnergyRun>& runs, const std::string& 
       script += format("%.9g %.6g %.6g %.6g\n", w.time, w.least, w.mean, w.most);
     script += "EOD\n";
   }
-  script += "set output '" + folder + "/energy-double-pendulum.svg'\n" +
+  script += "set output " + gnuplot_quoted(folder + "/energy-double-pendulum.svg") + "\n" +
             format("set multiplot layout %zu,1 title 'double pendulum: range and mean of %ld parts'\n",
                    runs.size(), kWindows);
   for (std::size_t i = 0; i < runs.size(); ++i)

@@ -1,8 +1,6 @@
 #include "scenes/exports.h"
 
 #include <cerrno>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <system_error>
 
@@ -17,8 +15,7 @@
 namespace taut {
 namespace {
 
-bool write_csv(RecordingReader& recording, const std::string& file) {
-  std::ofstream out(file);
+bool write_csv(RecordingReader& recording, std::ostream& out) {
   out << "time";
   for (const RecordedScalar& scalar : recording.header().scalars) out << ',' << csv_field(scalar.name);
   out << '\n';
@@ -28,29 +25,27 @@ bool write_csv(RecordingReader& recording, const std::string& file) {
     for (const double value : frame.scalars) out << ',' << shortest(value);
     out << '\n';
   }
-  return static_cast<bool>(out.flush());
+  return out.good();
 }
 
-bool write_text(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  return static_cast<bool>(out.flush());
-}
-
-/// A file that could not be written to its end is taken away: half a page looks like a page.
-void make_file(const std::string& file, const std::function<bool()>& write,
-               std::vector<std::string>& errors) {
-  std::string reason;
+/// What keeps something from being made, if anything.
+void attempt(const std::string& what, const std::function<std::string()>& make,
+             std::vector<std::string>& errors) {
+  std::string error;
   try {
-    errno = 0;
-    if (write()) return;
-    if (errno != 0) reason = ": " + std::generic_category().message(errno);
-  } catch (const std::exception& error) {
-    reason = std::string(": ") + error.what();
+    error = make();
+  } catch (const std::exception& thrown) {
+    error = what + ": " + thrown.what();
   }
-  errors.push_back("could not write " + file + reason);
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
+  if (!error.empty()) errors.push_back("could not write " + error);
+}
+
+/// A file that could not be written to its end is none: half a page looks like a page.
+std::string make_file(const std::string& file, const std::function<bool(std::ostream&)>& write) {
+  OutputFile output(file);
+  const bool good = output.error().empty() && write(output.out());
+  if (good || !output.flush()) return output.finish() ? "" : output.error();
+  return file + ": it cannot be made";
 }
 
 }  // namespace
@@ -68,18 +63,25 @@ ExportOutcome export_recording(RecordingReader& recording, const ExportFiles& fi
   if (recording.frame_count() == 0)
     fail("recording", "has no frames, so there is nothing to show", recording.file().string());
   ExportOutcome outcome;
-  const auto make = [&](const std::string& file, const std::function<bool()>& write) {
-    if (!file.empty()) make_file(file, write, outcome.errors);
+  const auto make = [&](const std::string& file, const std::function<bool(std::ostream&)>& write) {
+    if (!file.empty())
+      attempt(
+          file, [&] { return make_file(file, write); }, outcome.errors);
   };
-  make(files.html, [&] {
+  make(files.html, [&](std::ostream& out) {
     const HtmlPage page = html_page(recording);
     if (!page.note.empty()) outcome.notes.push_back(files.html + ": " + page.note);
-    return write_text(files.html, page.text);
+    return (out << page.text).good();
   });
-  make(files.gltf, [&] { return write_gltf(recording, files.gltf); });
-  make(files.vtk_folder, [&] { return write_vtk(recording, files.vtk_folder); });
-  make(files.plot, [&] { return write_text(files.plot, svg_plot(recording)); });
-  make(files.csv, [&] { return write_csv(recording, files.csv); });
+  make(files.gltf, [&](std::ostream& out) { return write_gltf(recording, out); });
+  const auto vtk = [&]() -> std::string {
+    errno = 0;
+    if (write_vtk(recording, files.vtk_folder)) return "";
+    return files.vtk_folder + (errno != 0 ? ": " + std::generic_category().message(errno) : "");
+  };
+  if (!files.vtk_folder.empty()) attempt(files.vtk_folder, vtk, outcome.errors);
+  make(files.plot, [&](std::ostream& out) { return (out << svg_plot(recording)).good(); });
+  make(files.csv, [&](std::ostream& out) { return write_csv(recording, out); });
   return outcome;
 }
 

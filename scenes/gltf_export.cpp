@@ -2,7 +2,7 @@
 
 #include <tiny_gltf.h>
 
-#include <fstream>
+#include <ostream>
 
 #include "scenes/coil.h"
 #include "scenes/shape_mesh.h"
@@ -260,7 +260,7 @@ void add_animation(Model& model, BufferBuilder& buffer, RecordingReader& recordi
 
 }  // namespace
 
-bool write_gltf(RecordingReader& recording, const std::filesystem::path& file) {
+bool write_gltf(RecordingReader& recording, std::ostream& out) {
   Model model;
   model.asset.version = "2.0";
   model.asset.generator = "taut " TAUT_VERSION;
@@ -273,8 +273,7 @@ bool write_gltf(RecordingReader& recording, const std::filesystem::path& file) {
   const std::vector<Stretched> springs = add_springs(model, buffer, recording.header(), recording.frame(0));
   stretched.insert(stretched.end(), springs.begin(), springs.end());
   add_animation(model, buffer, recording, nodes, stretched);
-  std::ofstream out(file, std::ios::binary);
-  return tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true) && out.flush();
+  return tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
 }
 
 }  // namespace taut

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <filesystem>
+#include <iosfwd>
 
 #include "scenes/recording_reader.h"
 
@@ -8,7 +8,7 @@ namespace taut {
 
 /// Writes a binary glTF 2.0 file with one node per body, whose translation and rotation are animated.  Up
 /// (against gravity; z without gravity) becomes +y as glTF has it; time starts at 0.
-/// @returns false if the file could not be written.
-bool write_gltf(RecordingReader& recording, const std::filesystem::path& file);
+/// @returns false if it could not be written.
+bool write_gltf(RecordingReader& recording, std::ostream& out);
 
 }  // namespace taut

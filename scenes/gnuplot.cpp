@@ -1,20 +1,21 @@
 #include "scenes/gnuplot.h"
 
-#include <fstream>
 #include <iostream>
 
 #include "core/check.h"
 #include "scenes/child_process.h"
+#include "scenes/output_file.h"
+#include "scenes/temporary_folder.h"
 
 namespace taut {
 
-void draw(const std::string& script, const std::filesystem::path& folder, const std::string& command) {
-  const std::filesystem::path file = folder / "plots.gp";
-  std::ofstream out(file);
-  if (!(out << script << std::flush)) fail("plots", "cannot write the file", file.string());
-  const ChildResult plots = run_child("/usr/bin/env", {"gnuplot", file.string()}, false, 60);
+void draw(const std::string& script, const std::string& command) {
+  const TemporaryFolder folder("plots");
+  const std::string file = (folder.path() / "plots.gp").string();
+  if (const std::string error = write_output(file, script); !error.empty())
+    fail("plots", "cannot write the file", error);
+  const ChildResult plots = run_child("/usr/bin/env", {"gnuplot", file}, false, 60);
   if (!plots.good()) std::cerr << command << ": no pictures: gnuplot " << plots.message() << '\n';
-  std::filesystem::remove(file);
 }
 
 }  // namespace taut

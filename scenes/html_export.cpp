@@ -8,6 +8,7 @@
 #include "scenes/base64.h"
 #include "scenes/byte_order.h"
 #include "scenes/page_data.h"
+#include "scenes/printable.h"
 #include "scenes/recording_chunk.h"
 #include "scenes/viewer_sources.h"
 
@@ -127,7 +128,7 @@ HtmlPage html_page(RecordingReader& recording) {
   HtmlPage page;
   if (data.stride > 1)
     page.note = "every " + std::to_string(data.stride) + "th frame only, to keep the page loadable";
-  page.text = filled(viewer_source("page.html"), {{"title", escaped(recording.header().scene)},
+  page.text = filled(viewer_source("page.html"), {{"title", escaped(printable(recording.header().scene))},
                                                   {"version", TAUT_VERSION},
                                                   {"style", std::string(viewer_source("style.css"))},
                                                   {"modules", modules(three)},

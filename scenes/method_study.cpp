@@ -7,6 +7,7 @@
 #include "core/diagnostics.h"
 #include "scenes/format.h"
 #include "scenes/gap_meter.h"
+#include "scenes/printable.h"
 #include "scenes/scene.h"
 #include "solvers/simulator.h"
 #include "solvers/stopwatch.h"
@@ -151,8 +152,9 @@ std::string methods_plots(const std::vector<MethodRun>& runs, const std::string&
   for (const auto& [mechanism, plot] : gaps) {
     std::string file = mechanism;
     std::replace(file.begin(), file.end(), ' ', '-');
-    script += "set output '" + folder + "/methods-" + file + ".svg'\nset multiplot layout 2,1 title '" +
-              mechanism + "'\nset xlabel 'time [s]'\nset ylabel 'joint error [m or rad]'\n" + plot +
+    script += "set output " + gnuplot_quoted(folder + "/methods-" + file + ".svg") +
+              "\nset multiplot layout 2,1 title " + gnuplot_quoted(mechanism) +
+              "\nset xlabel 'time [s]'\nset ylabel 'joint error [m or rad]'\n" + plot +
               "\nset ylabel '|energy error|, relative'\n" + energies[mechanism] + "\nunset multiplot\n";
   }
   return script;

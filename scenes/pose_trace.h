@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
-#include <fstream>
+#include <string>
 
 #include "core/world.h"
+#include "scenes/output_file.h"
 
 namespace taut {
 
@@ -12,15 +12,15 @@ class PoseTrace {
  public:
   /// Opens the file and writes the header.
   /// @throws std::invalid_argument if the file cannot be written or the interval is negative.
-  PoseTrace(const std::filesystem::path& file, double interval);
+  PoseTrace(const std::string& file, double interval);
 
   /// Writes the present poses if the next instant k · interval has come (within half a microsecond).
   void record(const World& world);
-  /// @returns false if something could not be written.
-  bool flush() { return static_cast<bool>(out_.flush()); }
+  /// @returns what could not be written; "" as a rule.
+  std::string finish() { return out_.finish() ? "" : out_.error(); }
 
  private:
-  std::ofstream out_;
+  OutputFile out_;
   double interval_;
   double next_ = 0;
 };

@@ -18,8 +18,16 @@ std::uint32_t checksum(std::string_view bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-/// Deflate shrinks by 1032 at most; anything larger is not a size but a trap.
-bool is_plausible(std::uint64_t stored, std::uint64_t raw) { return raw / 1040 <= stored; }
+/// Deflate shrinks by 1032 at most; anything larger is not a size but a trap.  Frames that do not move come
+/// near to that.  The other chunks are JSON, which shrinks by some 20.
+constexpr std::uint64_t kMostShrinking = 1040, kMostShrinkingOfText = 256;
+/// Writers begin a new chunk after a megabyte, and a frame of ten million bodies is not met.
+constexpr std::uint64_t kMostRawBytes = std::uint64_t{1} << 30;
+
+bool is_plausible(const ChunkHead& head) {
+  const std::uint64_t shrinking = head.type == kFramesChunk ? kMostShrinking : kMostShrinkingOfText;
+  return head.raw_size <= kMostRawBytes && head.raw_size / shrinking <= head.stored_size;
+}
 
 }  // namespace
 
@@ -54,7 +62,7 @@ std::optional<ChunkHead> read_chunk_head(std::string_view bytes) {
   head.stored_size = read_little<std::uint64_t>(bytes.data() + 8);
   head.raw_size = read_little<std::uint64_t>(bytes.data() + 16);
   head.stored_crc = read_little<std::uint32_t>(bytes.data() + 24);
-  if (!is_plausible(head.stored_size, head.raw_size)) return std::nullopt;
+  if (!is_plausible(head)) return std::nullopt;
   return head;
 }
 
@@ -64,13 +72,16 @@ bool payload_is_sound(const ChunkHead& head, std::string_view stored) {
 
 std::optional<std::string> inflate_payload(std::string_view stored, std::size_t size) {
   constexpr std::size_t kMost = 1u << 30;  // zlib counts input and output in 32 bits
+  constexpr std::size_t kBlock =
+      1u << 20;  // room is made as it is needed: the size is only what the file says
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) return std::nullopt;
-  std::string raw(size, '\0');
+  std::string raw;
   std::size_t taken = 0, made = 0;
   int status = Z_OK;
   while (status == Z_OK && made < size) {
-    const std::size_t in = std::min(kMost, stored.size() - taken), out = std::min(kMost, size - made);
+    if (made == raw.size()) raw.resize(std::min(size, made + std::max(made, kBlock)));
+    const std::size_t in = std::min(kMost, stored.size() - taken), out = std::min(kMost, raw.size() - made);
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(stored.data() + taken));
     stream.avail_in = static_cast<uInt>(in);
     stream.next_out = reinterpret_cast<Bytef*>(raw.data() + made);

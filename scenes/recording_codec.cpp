@@ -60,7 +60,10 @@ class ByteReader {
   }
   /// The inverse of append_column().
   std::vector<std::uint32_t> column(std::size_t frames, std::size_t per_frame) {
-    const std::size_t count = frames * per_frame;
+    // Both are counts of 32 bits times a few words, and their product may not fit.
+    const std::size_t left = (bytes_.size() - place_) / 4;
+    if (per_frame > 0 && frames > left / per_frame) sound_ = false;
+    const std::size_t count = sound_ ? frames * per_frame : 0;
     const std::string_view planes = take(4 * count);
     if (!sound_) return {};
     std::vector<std::uint32_t> words(count, 0);
@@ -113,22 +116,24 @@ void append_contacts(std::string& raw, std::span<const Frame> frames) {
 
 bool read_contacts(ByteReader& bytes, std::vector<Frame>& frames, int body_count) {
   std::size_t total = 0;
-  for (Frame& frame : frames) {
-    const auto count = bytes.number<std::uint32_t>();
-    frame.contacts.resize(bytes.sound() && count < 1u << 28 ? count : 0);
-    total += count;
+  std::vector<std::uint32_t> counts;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    counts.push_back(bytes.number<std::uint32_t>());
+    total += counts.back();
   }
   const std::vector<std::uint32_t> words = bytes.column(total, kContactWords);
-  if (!bytes.sound()) return false;
+  if (!bytes.sound()) return false;  // no count is believed before what it counts is there
   WordReader reader(words, 0);
-  for (Frame& frame : frames)
-    for (ContactSample& contact : frame.contacts) {
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    frames[f].contacts.resize(counts[f]);
+    for (ContactSample& contact : frames[f].contacts) {
       contact.a.index = static_cast<int>(reader.word());
       contact.b.index = static_cast<int>(reader.word());
       for (BodyId body : {contact.a, contact.b})
         if (body.index < 0 || body.index >= body_count) return false;
       for (Vec3* v : {&contact.position, &contact.normal, &contact.force}) *v = reader.vector();
     }
+  }
   return true;
 }
 
@@ -206,6 +211,7 @@ std::optional<std::vector<Frame>> decode_frames(std::string_view raw, const Reco
   if (counts.bodies + 1 != header.bodies.size() || counts.joints != header.joints.size() ||
       counts.scalars != header.scalars.size())
     return std::nullopt;
+  if (counts.frames > raw.size() / frame_size(header)) return std::nullopt;
   std::vector<Frame> frames(counts.frames);
   ByteReader bytes(raw);
   bytes.take(kFramesHeadSize);

@@ -9,11 +9,11 @@
 
 namespace taut {
 
-RecordingReader::RecordingReader(const std::filesystem::path& file)
-    : file_(file), in_(file, std::ios::binary) {
+RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file) {
   std::error_code error;
+  if (std::filesystem::is_regular_file(file, error)) in_.open(file, std::ios::binary);
   size_ = std::filesystem::file_size(file, error);
-  if (!in_ || error) fail("recording", "cannot read the file", file.string());
+  if (!in_.is_open() || error) fail("recording", "cannot read the file", file.string());
   check_mark();
   scan();
   if (!has_header_)
@@ -85,6 +85,7 @@ bool RecordingReader::take_chunk(const ChunkHead& head, std::uint64_t place) {
   const auto times = inflate_payload(stored, frame_times_size(*begin));
   if (!times) return false;
   const std::vector<double> found = decode_frame_times(*times);
+  if (has_header_ && found.size() > head.raw_size / frame_size(header_)) return false;
   chunks_.push_back({place, head.stored_size, head.raw_size, frame_count(), static_cast<int>(found.size())});
   times_.insert(times_.end(), found.begin(), found.end());
   return true;

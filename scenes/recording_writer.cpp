@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/check.h"
+#include "scenes/output_file.h"
 #include "scenes/recording_chunk.h"
 #include "scenes/recording_codec.h"
 
@@ -15,11 +16,16 @@ namespace {
 constexpr std::size_t kChunkBytes = 1 << 20;
 constexpr std::chrono::seconds kLongestWait{1};
 
+std::FILE* open_file(const std::filesystem::path& file) {
+  const int fd = open_through(file.string());
+  return fd < 0 ? nullptr : fdopen(fd, "wb");
+}
+
 }  // namespace
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header)
     : path_(file),
-      file_(std::fopen(file.c_str(), "wb")),
+      file_(open_file(file)),
       frame_size_(frame_size(header)),
       flushed_(std::chrono::steady_clock::now()) {
   if (!file_) fail("--record", std::string("cannot write the file: ") + std::strerror(errno), file.string());

@@ -1,10 +1,10 @@
 #include "scenes/reference_case.h"
 
 #include <algorithm>
-#include <fstream>
 
 #include "core/joints.h"
 #include "scenes/reference_builder.h"
+#include "scenes/scene_file.h"
 
 namespace taut::reference {
 namespace {
@@ -138,9 +138,7 @@ BodyId add_carrier(Case& out, const std::string& name, const PoseMotion& motion)
 }
 
 Case load_case(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) fail("reference case", "cannot be read", file.string());
-  const Json json = Json::parse(stream);
+  const Json json = Json::parse(read_text_file(file));
   Case out;
   out.id = json.at("id");
   out.family = json.value("family", "");

@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "core/check.h"
 #include "core/clock.h"
@@ -36,8 +36,8 @@ constexpr double kWideOpen = 1e-3;
 /// Between two saves of the state [s] of wall time.
 constexpr double kSavePeriod = 60;
 
-/// The files that a run writes.  All are opened before the run, so that it cannot fail at its end for want of
-/// a folder, but none before it is known that the run can start.
+/// The files that a run writes.  All are asked for before the run, so that it cannot fail at its end for want
+/// of a folder; none is touched before it is known that the run can start.
 class Outputs {
  public:
   /// Asks whether all can be written; what is there stays as it is.
@@ -55,8 +55,10 @@ class Outputs {
   }
 
   Outputs(const RunOptions& options, const Scene& scene) {
-    if (!options.report_file.empty()) open(report_, "--report", options.report_file);
-    if (!options.csv_file.empty()) open(csv_, "--csv", options.csv_file);
+    if (!options.csv_file.empty()) {
+      csv_.emplace(options.csv_file, OutputFile::Way::kStreamed);
+      if (!csv_->error().empty()) fail("--csv", "cannot write the file", csv_->error());
+    }
     save_file_ = options.save_file;
     if (!options.poses_file.empty())
       poses_ = std::make_unique<PoseTrace>(options.poses_file, options.poses_interval.value_or(0));
@@ -66,46 +68,60 @@ class Outputs {
   }
 
   void header(const Recorder& recorder) {
-    if (!csv_.is_open()) return;
-    csv_ << "time";
-    for (const std::string& column : recorder.columns()) csv_ << ',' << csv_field(column);
-    csv_ << '\n';
+    if (!csv_) return;
+    csv_->out() << "time";
+    for (const std::string& column : recorder.columns()) csv_->out() << ',' << csv_field(column);
+    csv_->out() << '\n';
   }
   void sample(Recorder& recorder, Simulator& simulator) {
     if (poses_) poses_->record(simulator.world());
-    if (!save_file_.empty() && seconds_since(last_save_) > kSavePeriod) save(simulator);
+    if (!save_file_.empty() && seconds_since(last_save_) > kSavePeriod) (void)save(simulator);
     if (recording_) note_failure(recording_->sample(simulator));
-    if (!csv_.is_open()) return;
-    csv_ << shortest(simulator.world().time());
-    for (double value : recorder.sample(simulator)) csv_ << ',' << shortest(value);
-    csv_ << '\n';
+    if (!csv_) return;
+    csv_->out() << shortest(simulator.world().time());
+    for (double value : recorder.sample(simulator)) csv_->out() << ',' << shortest(value);
+    csv_->out() << '\n';
   }
   /// Ends the recording, writes the report and closes all files.  What could not be written is among
   /// errors() then.
   void finish(const RunOptions& options, Simulator& simulator, const RunRecord& record,
               const Recorder& recorder, const std::vector<double>& last) {
     if (recording_) finish_recording(simulator, record);
-    if (!save_file_.empty()) save(simulator);
-    if (report_.is_open()) {
+    if (!save_file_.empty() && !save(simulator)) save_elsewhere(simulator);
+    if (csv_ && !csv_->finish()) note_unwritten(csv_->error());
+    if (poses_) note_unwritten(poses_->finish());
+    if (!options.report_file.empty()) {
       nlohmann::ordered_json report = run_report(record, recorder, last, simulator.world().state());
       for (const std::string& error : errors_) report["warnings"].push_back(error);
-      report_ << report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
-      if (!report_.flush()) note_failure("could not write " + options.report_file);
+      note_unwritten(
+          write_output(options.report_file,
+                       report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n'));
     }
-    if (csv_.is_open() && !csv_.flush()) note_failure("could not write " + options.csv_file);
-    if (poses_ && !poses_->flush()) note_failure("could not write " + options.poses_file);
   }
   const std::vector<std::string>& errors() const { return errors_; }
 
  private:
-  void open(std::ofstream& out, const char* option, const std::string& file) {
-    out.open(file);
-    if (!out) fail(option, "cannot write the file", file);
-  }
-  void save(const Simulator& simulator) {
+  bool save(const Simulator& simulator) {
     last_save_ = Clock::now();
-    if (!save_state_file(simulator.world(), simulator.contact_stretches(), save_file_))
-      note_failure("could not write " + save_file_);
+    const std::string error = save_state_file(simulator.world(), simulator.contact_stretches(), save_file_);
+    note_unwritten(error);
+    return error.empty();
+  }
+  /// The last state is not to be lost because a disk is full.
+  void save_elsewhere(const Simulator& simulator) {
+    std::string place;
+    try {
+      place = free_temporary_name("taut-save", ".json");
+    } catch (const std::exception& error) {
+      return note_failure(std::string("nor could the state be saved elsewhere: ") + error.what());
+    }
+    const std::string error = save_state_file(simulator.world(), simulator.contact_stretches(), place);
+    if (!error.empty()) std::remove(place.c_str());
+    note_failure(error.empty() ? "the state is saved in " + place + " instead"
+                               : "nor could the state be saved in " + error);
+  }
+  void note_unwritten(const std::string& error) {
+    if (!error.empty()) note_failure("could not write " + error);
   }
   void note_failure(const std::string& error) {
     if (error.empty()) return;
@@ -133,7 +149,7 @@ class Outputs {
                      inputs);
   }
 
-  std::ofstream report_, csv_;
+  std::optional<OutputFile> csv_;
   std::unique_ptr<PoseTrace> poses_;
   std::unique_ptr<RunRecording> recording_;
   std::vector<std::string> errors_;

@@ -1,23 +1,11 @@
 #include "scenes/run_recording.h"
 
-#include <stdlib.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/check.h"
 
 namespace taut {
-namespace {
-
-std::filesystem::path make_temporary_folder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "taut-XXXXXX").string();
-  if (!mkdtemp(pattern.data())) fail("--html and others", "cannot make a temporary folder", pattern);
-  return pattern;
-}
-
-}  // namespace
-
 RunRecording::RunRecording(const Scene& scene, const std::string& file, const ExportFiles& exports,
                            double frames_per_second)
     : sampler_(scene), exports_(exports), file_(file) {
@@ -25,15 +13,10 @@ RunRecording::RunRecording(const Scene& scene, const std::string& file, const Ex
   interval_ = frames_per_second > 0 ? 1 / frames_per_second : 0;
   next_ = scene.world.time();
   if (file_.empty()) {
-    temporary_folder_ = make_temporary_folder();
-    file_ = temporary_folder_ / "run.taut";
+    temporary_folder_.emplace("--html and others");
+    file_ = temporary_folder_->path() / "run.taut";
   }
   writer_.emplace(file_, sampler_.header(frames_per_second));
-}
-
-RunRecording::~RunRecording() {
-  std::error_code ignored;
-  if (!temporary_folder_.empty()) std::filesystem::remove_all(temporary_folder_, ignored);
 }
 
 void RunRecording::take(Simulator& simulator) {

@@ -9,6 +9,7 @@
 #include "scenes/exports.h"
 #include "scenes/frame_sampler.h"
 #include "scenes/recording_writer.h"
+#include "scenes/temporary_folder.h"
 
 namespace taut {
 
@@ -22,9 +23,6 @@ class RunRecording {
   /// @throws std::invalid_argument for a file that cannot be written or a negative rate.
   RunRecording(const Scene& scene, const std::string& file, const ExportFiles& exports,
                double frames_per_second);
-  ~RunRecording();
-  RunRecording(const RunRecording&) = delete;
-  RunRecording& operator=(const RunRecording&) = delete;
 
   FrameSampler& sampler() { return sampler_; }
   /// Takes a frame if the next instant k / frames_per_second has come (within half a microsecond).
@@ -39,7 +37,8 @@ class RunRecording {
   FrameSampler sampler_;
   ExportFiles exports_;
   double interval_, next_ = 0, last_ = -1;
-  std::filesystem::path temporary_folder_, file_;
+  std::optional<TemporaryFolder> temporary_folder_;
+  std::filesystem::path file_;
   std::optional<RecordingWriter> writer_;
   bool failed_ = false;
 };

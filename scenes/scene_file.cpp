@@ -1,7 +1,7 @@
 #include "scenes/scene_file.h"
 
 #include <fstream>
-#include <iterator>
+#include <vector>
 
 #include "scenes/json_document.h"
 #include "scenes/scene_reader.h"
@@ -25,14 +25,26 @@ SceneFileError::SceneFileError(const std::string& file_name, std::vector<SceneFi
     : std::invalid_argument(lines(file_name, problems)), problems_(std::move(problems)) {}
 
 std::string read_text_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  const auto refuse = [&](const std::string& why) { throw SceneFileError(path.string(), {{"/", why, ""}}); };
+  const std::string too_long =
+      "the file is too long: at most " + std::to_string(kMostTextBytes) + " bytes are read";
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  std::ifstream file;
+  if (!std::filesystem::is_directory(status)) file.open(path, std::ios::binary);
+  if (!file.is_open()) refuse("the file cannot be read");
+  if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, error) > kMostTextBytes &&
+      !error)
+    refuse(too_long);
+  // Devices and pipes do not tell how long they are.
   std::string text;
-  std::error_code ignored;
-  if (file && !std::filesystem::is_directory(path, ignored))
-    text.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-  else
-    file.setstate(std::ios::failbit);
-  if (!file) throw SceneFileError(path.string(), {{"/", "the file cannot be read", ""}});
+  std::vector<char> block(std::size_t{1} << 16);
+  while (file) {
+    file.read(block.data(), static_cast<std::streamsize>(block.size()));
+    text.append(block.data(), static_cast<std::size_t>(file.gcount()));
+    if (text.size() > kMostTextBytes) refuse(too_long);
+  }
+  if (file.bad()) refuse("the file cannot be read");
   return text;
 }
 

@@ -30,7 +30,10 @@ class SceneFileError : public std::invalid_argument {
   std::vector<SceneFileProblem> problems_;
 };
 
-/// All of a file.  @throws SceneFileError if it cannot be read.
+/// No text that is read is longer [bytes]: some million bodies.
+constexpr std::size_t kMostTextBytes = std::size_t{1} << 30;
+/// All of a file, which may be a pipe.  @throws SceneFileError if it cannot be read or is longer than
+/// kMostTextBytes.
 std::string read_text_file(const std::filesystem::path& path);
 
 /// @throws SceneFileError if the file cannot be read or anything in it is wrong.

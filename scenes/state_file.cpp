@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <set>
 
+#include "scenes/output_file.h"
 #include "scenes/scene_file.h"
 #include "scenes/scene_reader.h"
 
@@ -192,18 +192,12 @@ ContactStretches load_state_file(World& world, const std::filesystem::path& path
   return apply_state(world, read_text_file(path), path.string());
 }
 
-bool save_state_file(const World& world, const ContactStretches& stretches,
-                     const std::filesystem::path& path) {
-  std::filesystem::path part = path;
-  part += ".part";
-  std::ofstream out(part);
-  out << state_json(world, stretches).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
-      << '\n';
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(part, path, error);
-  if (!out || error) std::filesystem::remove(part, error);
-  return out && !error;
+std::string save_state_file(const World& world, const ContactStretches& stretches,
+                            const std::filesystem::path& path) {
+  return write_output(
+      path.string(),
+      state_json(world, stretches).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+          '\n');
 }
 
 }  // namespace taut

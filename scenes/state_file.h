@@ -27,8 +27,8 @@ ContactStretches apply_state(World& world, std::string_view text, const std::str
 ContactStretches load_state_file(World& world, const std::filesystem::path& path);
 
 /// Writes the file anew as a whole: a run that is killed meanwhile leaves the old one.
-/// @returns false if it could not be written.
-bool save_state_file(const World& world, const ContactStretches& stretches,
-                     const std::filesystem::path& path);
+/// @returns why it could not be written: "a.json: No space left on device"; "" if it is.
+std::string save_state_file(const World& world, const ContactStretches& stretches,
+                            const std::filesystem::path& path);
 
 }  // namespace taut

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "scenes/format.h"
+#include "scenes/printable.h"
 
 namespace taut {
 namespace {
@@ -32,7 +33,7 @@ xml_node element(xml_node parent, const char* name,
                  const std::string& text = {}) {
   xml_node node = parent.append_child(name);
   for (const auto& [key, value] : attributes) node.append_attribute(key).set_value(value.c_str());
-  if (!text.empty()) node.text().set(text.c_str());
+  if (!text.empty()) node.text().set(printable(text).c_str());
   return node;
 }
 

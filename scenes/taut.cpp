@@ -10,6 +10,7 @@
 #include "scenes/bench_command.h"
 #include "scenes/check_command.h"
 #include "scenes/list_command.h"
+#include "scenes/output_file.h"
 #include "scenes/replay_command.h"
 #include "scenes/run_command.h"
 #include "scenes/scene_source.h"
@@ -248,4 +249,7 @@ int status_after_output(int status) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return status_after_output(run_program(argc, argv)); }
+int main(int argc, char** argv) {
+  taut::reserve_standard_streams();
+  return status_after_output(run_program(argc, argv));
+}

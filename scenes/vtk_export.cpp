@@ -1,12 +1,12 @@
 #include "scenes/vtk_export.h"
 
 #include <cstdio>
-#include <fstream>
 #include <pugixml.hpp>
 #include <span>
 
 #include "scenes/base64.h"
 #include "scenes/byte_order.h"
+#include "scenes/output_file.h"
 #include "scenes/recorder.h"
 #include "scenes/recording_chunk.h"
 #include "scenes/shape_mesh.h"
@@ -86,6 +86,13 @@ pugi::xml_node add_root(pugi::xml_document& document, const char* type) {
   return root;
 }
 
+bool save(const pugi::xml_document& document, const std::filesystem::path& file, const char* indent,
+          unsigned format) {
+  OutputFile output(file.string());
+  document.save(output.out(), indent, format);
+  return output.finish();
+}
+
 bool write_poly_data(const PolyData& data, const std::filesystem::path& file) {
   pugi::xml_document document;
   pugi::xml_node piece = add_root(document, "PolyData").append_child("PolyData").append_child("Piece");
@@ -103,7 +110,7 @@ bool write_poly_data(const PolyData& data, const std::filesystem::path& file) {
   for (const Field& field : data.fields) add_array<float>(fields, field.name, field.components, field.values);
   add_array<float>(piece.append_child("Points"), "Points", 3, data.points);
   add_cells(piece, kind, corners, data.cells);
-  return document.save_file(file.c_str(), "", pugi::format_raw);
+  return save(document, file, "", pugi::format_raw);
 }
 
 /// Surfaces of all bodies.
@@ -232,7 +239,7 @@ class Series {
     entry.append_attribute("file").set_value(file.c_str());
     return write_poly_data(data, folder_ / file);
   }
-  bool finish() const { return document_.save_file((folder_ / (name_ + ".pvd")).c_str(), " "); }
+  bool finish() const { return save(document_, folder_ / (name_ + ".pvd"), " ", pugi::format_default); }
 
  private:
   std::filesystem::path folder_;
@@ -243,7 +250,8 @@ class Series {
 };
 
 bool write_names(const RecordingHeader& header, const std::filesystem::path& file) {
-  std::ofstream out(file);
+  OutputFile output(file.string());
+  std::ostream& out = output.out();
   out << "kind,index,name\n";
   for (std::size_t b = 0; b < header.bodies.size(); ++b)
     out << "body," << b << ',' << csv_field(header.bodies[b].name) << '\n';
@@ -251,7 +259,7 @@ bool write_names(const RecordingHeader& header, const std::filesystem::path& fil
     out << "joint," << j << ',' << csv_field(header.joints[j].name) << '\n';
   for (std::size_t s = 0; s < header.springs.size(); ++s)
     out << "spring," << s << ',' << csv_field(header.springs[s].name) << '\n';
-  return static_cast<bool>(out.flush());
+  return output.finish();
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ int exit_status_of(pid_t child) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-pid_t start(const std::vector<std::string>& arguments, const std::string& out, const std::string& err) {
+pid_t start(const std::vector<std::string>& arguments, const std::string& out, const std::string& err,
+            int closed = -1) {
   std::vector<std::string> words{TAUT_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -31,6 +32,7 @@ pid_t start(const std::vector<std::string>& arguments, const std::string& out, c
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   posix_spawn_file_actions_addopen(&files, STDERR_FILENO, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  if (closed >= 0) posix_spawn_file_actions_addclose(&files, closed);
   pid_t child = 0;
   const int error = posix_spawn(&child, TAUT_PROGRAM, &files, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&files);
@@ -59,6 +61,12 @@ Outcome run_program_into(const std::string& file, const std::vector<std::string>
   const std::string err = temporary("stderr");
   const int status = exit_status_of(start(arguments, file, err));
   return {status, "", read_text(err)};
+}
+
+Outcome run_program_without(int stream, const std::vector<std::string>& arguments) {
+  const std::string out = temporary("stdout"), err = temporary("stderr");
+  const int status = exit_status_of(start(arguments, out, err, stream));
+  return {status, read_text(out), read_text(err)};
 }
 
 }  // namespace taut::testing

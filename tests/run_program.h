@@ -21,4 +21,7 @@ Outcome run_program(const std::vector<std::string>& arguments, const std::string
 /// The same with what it prints going to this file, which is not read.
 Outcome run_program_into(const std::string& file, const std::vector<std::string>& arguments);
 
+/// The same started without this standard stream, as by `>&-`.
+Outcome run_program_without(int stream, const std::vector<std::string>& arguments);
+
 }  // namespace taut::testing
