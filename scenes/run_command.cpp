@@ -101,21 +101,21 @@ class Outputs {
   const std::vector<std::string>& errors() const { return errors_; }
 
  private:
-  bool save(const Simulator& simulator) {
+  bool save(Simulator& simulator) {
     last_save_ = Clock::now();
-    const std::string error = save_state_file(simulator.world(), simulator.contact_stretches(), save_file_);
+    const std::string error = save_state_file(simulator, save_file_);
     note_unwritten(error);
     return error.empty();
   }
   /// The last state is not to be lost because a disk is full.
-  void save_elsewhere(const Simulator& simulator) {
+  void save_elsewhere(Simulator& simulator) {
     std::string place;
     try {
       place = free_temporary_name("taut-save", ".json");
     } catch (const std::exception& error) {
       return note_failure(std::string("nor could the state be saved elsewhere: ") + error.what());
     }
-    const std::string error = save_state_file(simulator.world(), simulator.contact_stretches(), place);
+    const std::string error = save_state_file(simulator, place);
     if (!error.empty()) std::remove(place.c_str());
     note_failure(error.empty() ? "the state is saved in " + place + " instead"
                                : "nor could the state be saved in " + error);
@@ -157,17 +157,17 @@ class Outputs {
   Clock::time_point last_save_ = Clock::now();
 };
 
-/// With how contacts are stretched at its start.
-std::pair<Scene, ContactStretches> prepared_scene(const RunOptions& options) {
+/// With what a state file remembers of the steps before.
+std::pair<Scene, SavedMemory> prepared_scene(const RunOptions& options) {
   if (options.dt) require_positive("--dt", *options.dt);
   if (options.time) require_positive("--time", *options.time);
   Scene scene = open_scene(options.scene, options.parameters);
   if (!is_scene_file(options.scene)) scene.name = options.scene;  // `bridge`, not what it is short for
-  ContactStretches stretches;
-  if (!options.from_file.empty()) stretches = load_state_file(scene.world, options.from_file);
+  SavedMemory memory;
+  if (!options.from_file.empty()) memory = load_state_file(scene.world, options.from_file);
   if (options.dt) scene.dt = *options.dt;
   apply_settings(options, scene.settings);
-  return {std::move(scene), std::move(stretches)};
+  return {std::move(scene), std::move(memory)};
 }
 
 void note_failure(RunRecord& record, const StepReport& report, const World& world, const std::string& when) {
@@ -258,14 +258,15 @@ std::int64_t step_count(const RunOptions& options, const Scene& scene) {
 }
 
 int run_command(const RunOptions& options) {
-  auto [scene, stretches] = prepared_scene(options);
+  auto [scene, memory] = prepared_scene(options);
   const SettingSources sources(options, scene);
   require_compatible(scene, sources);
   RunRecord record;
   record.steps_asked = step_count(options, scene);
   GapMeter meter(scene.world);
   Simulator simulator(scene.world, scene.settings);
-  simulator.set_contact_stretches(std::move(stretches));
+  const std::string forgets = go_on_from(simulator, scene.world, memory);
+  const bool goes_on = !memory.checkpoint.empty() && forgets.empty();
   Recorder recorder(scene.probes);
   const InterruptGuard guard;  // from before there is any output file
   simulator.set_interrupt([] { return InterruptGuard::signal() != 0; });
@@ -279,7 +280,8 @@ int run_command(const RunOptions& options) {
         "--frames-per-second has no effect without --record, --html, --gltf, --vtk or --plot");
   for (std::string& warning : start_warnings(scene.world, scene.settings, scene.dt))
     record.warnings.push_back(std::move(warning));
-  if (scene.assemble) assemble(simulator, record);
+  if (!forgets.empty()) record.warnings.push_back("--from goes on from the state alone: " + forgets);
+  if (scene.assemble && !goes_on) assemble(simulator, record);
   record.integrator = name_of(scene.settings.integrator, kIntegratorNames);
   record.solver = simulator.solver_description();
   record.start(scene, meter.row_count(), total_energy(scene.world, scene.world.state()));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "core/same_state.h"
+#include "scenes/base64.h"
 #include "scenes/output_file.h"
 #include "scenes/scene_file.h"
 #include "scenes/scene_reader.h"
@@ -26,7 +28,7 @@ class StateReader {
  public:
   StateReader(World& world, Problems& problems) : world_(world), problems_(problems), state_(world.state()) {}
 
-  ContactStretches read(const nlohmann::json& document) {
+  SavedMemory read(const nlohmann::json& document) {
     const JsonNode root(document, "/", problems_);
     JsonObject keys(root);
     const auto format = keys.required("format");
@@ -41,11 +43,12 @@ class StateReader {
         if (const auto id = joint_named(joint)) detached_.push_back(*id);
     if (const auto contacts = keys.find("contacts"))
       for (const JsonNode& contact : contacts->items("an array of contacts")) read_contact(contact);
+    if (const auto memory = keys.find("memory")) read_memory(*memory);
     keys.reject_unknown_keys();
     if (!problems_.empty()) return {};
     root.guard([&] { world_.set_state(state_); });
     for (const JointId joint : detached_) world_.detach(joint);
-    return std::move(stretches_);
+    return std::move(memory_);
   }
 
  private:
@@ -85,6 +88,12 @@ class StateReader {
     });
   }
 
+  void read_memory(const JsonNode& node) {
+    const auto bytes = from_base64(node.string());
+    if (!bytes) return node.problem("must be base64");
+    node.guard([&] { memory_.checkpoint = Checkpoint::from_bytes(*bytes); });
+  }
+
   void read_contact(const JsonNode& node) {
     JsonObject keys(node);
     const auto a = keys.required("a"), b = keys.required("b");
@@ -97,7 +106,7 @@ class StateReader {
     if (!shape_a || !shape_b) return;
     contact.a = *shape_a;
     contact.b = *shape_b;
-    stretches_.push_back(contact);
+    memory_.stretches.push_back(contact);
   }
 
   /// {"body": NAME, "shape": its place among the shapes of the body}.
@@ -133,12 +142,12 @@ class StateReader {
   std::set<int> bodies_, axes_;
   std::vector<JointId> detached_;
   std::vector<std::vector<ShapeId>> shapes_ = shapes_of_bodies(world_);
-  ContactStretches stretches_;
+  SavedMemory memory_;
 };
 
 }  // namespace
 
-nlohmann::ordered_json state_json(const World& world, const ContactStretches& stretches) {
+nlohmann::ordered_json state_json(const World& world, const SavedMemory& memory) {
   auto bodies = nlohmann::ordered_json::array(), axes = bodies, detached = bodies, contacts = bodies;
   for (int i = 0; i < world.body_count(); ++i) {
     const BodyId body{i};
@@ -169,35 +178,52 @@ nlohmann::ordered_json state_json(const World& world, const ContactStretches& st
     return {{"body", world.name(body)},
             {"shape", std::find(of_body.begin(), of_body.end(), id) - of_body.begin()}};
   };
-  for (const ContactStretch& s : stretches)
+  for (const ContactStretch& s : memory.stretches)
     contacts.push_back({{"a", shape(s.a)},
                         {"b", shape(s.b)},
                         {"point", components(s.p_AP)},
                         {"stretch", components(s.stretch)},
                         {"holds", s.holds}});
-  return {{"format", kFormat}, {"time", world.time()}, {"bodies", bodies},
-          {"axes", axes},      {"detached", detached}, {"contacts", contacts}};
+  nlohmann::ordered_json state = {{"format", kFormat}, {"time", world.time()}, {"bodies", bodies},
+                                  {"axes", axes},      {"detached", detached}, {"contacts", contacts}};
+  if (!memory.checkpoint.empty()) state["memory"] = base64(memory.checkpoint.bytes());
+  return state;
 }
 
-ContactStretches apply_state(World& world, std::string_view text, const std::string& file_name) {
+SavedMemory apply_state(World& world, std::string_view text, const std::string& file_name) {
   Problems problems;
-  ContactStretches stretches;
-  if (const auto document = parse_json(text, problems))
-    stretches = StateReader(world, problems).read(*document);
+  SavedMemory memory;
+  if (const auto document = parse_json(text, problems)) memory = StateReader(world, problems).read(*document);
   if (!problems.empty()) throw SceneFileError(file_name, std::move(problems));
-  return stretches;
+  return memory;
 }
 
-ContactStretches load_state_file(World& world, const std::filesystem::path& path) {
+SavedMemory load_state_file(World& world, const std::filesystem::path& path) {
   return apply_state(world, read_text_file(path), path.string());
 }
 
-std::string save_state_file(const World& world, const ContactStretches& stretches,
-                            const std::filesystem::path& path) {
-  return write_output(
-      path.string(),
-      state_json(world, stretches).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
-          '\n');
+std::string save_state_file(Simulator& simulator, const std::filesystem::path& path) {
+  const SavedMemory memory{simulator.contact_stretches(), simulator.checkpoint()};
+  constexpr auto replace = nlohmann::ordered_json::error_handler_t::replace;
+  return write_output(path.string(),
+                      state_json(simulator.world(), memory).dump(1, ' ', false, replace) + '\n');
+}
+
+std::string go_on_from(Simulator& simulator, World& world, const SavedMemory& memory) {
+  std::string reason;
+  if (!memory.checkpoint.empty()) {
+    const State stated = world.state();
+    try {
+      simulator.restore(memory.checkpoint);
+      if (same(world.state(), stated)) return "";
+      reason = "the state in the file is not that of its memory";
+      world.set_state(stated);
+    } catch (const std::invalid_argument& error) {
+      reason = error.what();
+    }
+  }
+  simulator.set_contact_stretches(memory.stretches);
+  return reason;
 }
 
 }  // namespace taut
