@@ -163,12 +163,11 @@ nlohmann::ordered_json state_json(const World& world, const SavedMemory& memory)
   for (int i = 0; i < world.joint_count(); ++i) {
     const JointId joint{i};
     if (!world.is_attached(joint)) detached.push_back(world.name(joint));
-    if (!world.has_axis_properties(joint)) continue;
     for (int a = 0; a < world.axis_count(joint); ++a) {
       const AxisId axis{joint, a};
-      axes.push_back({{"joint", world.name(joint)},
-                      {"axis", world.axis_info(axis).name},
-                      {"value", world.state().axes[world.axis_index(axis)]}});
+      const double value = world.state().axes[world.axis_index(axis)];
+      if (value == 0 && !world.has_axis_properties(joint)) continue;  // else couplings may count its turns
+      axes.push_back({{"joint", world.name(joint)}, {"axis", world.axis_info(axis).name}, {"value", value}});
     }
   }
   const std::vector<std::vector<ShapeId>> shapes = shapes_of_bodies(world);

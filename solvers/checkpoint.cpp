@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "core/check.h"
+#include "core/flush_to_zero.h"
 #include "solvers/checkpoint_memory.h"
 #include "solvers/setting_names.h"
 #include "solvers/simulator_impl.h"
@@ -118,6 +119,7 @@ std::istream& operator>>(std::istream& in, Checkpoint& checkpoint) {
 }
 
 Checkpoint Simulator::checkpoint() {
+  const detail::FlushToZero mode;
   Impl& own = impl();
   const World& world = own.source_;
   Archive archive;
@@ -136,6 +138,7 @@ Checkpoint Simulator::checkpoint() {
 }
 
 void Simulator::restore(const Checkpoint& checkpoint) {
+  const detail::FlushToZero mode;
   const std::string payload = checkpoint.payload();
   Archive archive(payload);
   World& world = impl().source_;
