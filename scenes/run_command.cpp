@@ -182,6 +182,9 @@ void note_interruption(RunRecord& record, std::int64_t steps) {
   record.message = "stopped by a signal after step " + std::to_string(steps);
 }
 
+/// What should be known before the table at the end says it.
+void warn(const std::string& warning) { std::cerr << "taut: warning: " << warning << std::endl; }
+
 /// Steps until the end, a failure or a signal.
 void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder, Outputs& outputs,
                bool quiet) {
@@ -197,6 +200,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     const Gap gap = meter.largest(world);
     record.add(report, seconds, gap, energy);
     record.note_breaks(report, world);
+    for (const std::string& warning : record.note_detection(report, world)) warn(warning);
     if (report.status == Status::kInterrupted) return note_interruption(record, i);
     if (!report.advanced()) {
       return note_failure(record, report, world,
@@ -279,6 +283,8 @@ int run_command(const RunOptions& options) {
         "--frames-per-second has no effect without --record, --html, --gltf, --vtk or --plot");
   for (std::string& warning : start_warnings(scene.world, scene.settings, scene.dt))
     record.warnings.push_back(std::move(warning));
+  if (const std::string warning = passing_warning(scene.world, scene.settings); !warning.empty())
+    warn(warning);
   if (scene.assemble) assemble(simulator, record);
   record.integrator = name_of(scene.settings.integrator, kIntegratorNames);
   record.solver = simulator.solver_description();
