@@ -9,8 +9,6 @@
 namespace taut::detail {
 namespace {
 
-constexpr std::size_t kFreePairs = 10000, kFreePairsPerShape = 50;
-constexpr int kPartners = 64;
 /// Boxes in the tree are larger by this part of their diagonal on each side.
 constexpr double kFat = 0.05;
 
@@ -39,25 +37,18 @@ struct Query {
   const World& world;
   std::span<const Bounds> bounds;
   std::vector<std::pair<int, int>>& pairs;
-  std::vector<int>& partners;
-  std::size_t free_pairs;
-  std::int64_t left_out = 0;
+  std::size_t most;
 };
 
+/// True: enough.
 bool collect(fcl::CollisionObjectd* first, fcl::CollisionObjectd* second, void* data) {
   Query& query = *static_cast<Query*>(data);
   int a = static_cast<const Proxy*>(first)->index, b = static_cast<const Proxy*>(second)->index;
   if (a > b) std::swap(a, b);
   if (!query.bounds[a].overlaps(query.bounds[b]) || !query.world.may_collide(ShapeId{a}, ShapeId{b}))
     return false;
-  if (query.pairs.size() > query.free_pairs && query.partners[a] >= kPartners &&
-      query.partners[b] >= kPartners) {
-    ++query.left_out;
-    return false;
-  }
-  ++query.partners[a], ++query.partners[b];
   query.pairs.emplace_back(a, b);
-  return false;  // go on
+  return query.pairs.size() > query.most;
 }
 
 }  // namespace
@@ -65,7 +56,6 @@ bool collect(fcl::CollisionObjectd* first, fcl::CollisionObjectd* second, void* 
 struct BroadPhase::Impl {
   std::deque<Proxy> proxies;
   std::vector<Role> roles;
-  std::vector<int> partners;
   std::vector<fcl::CollisionObjectd*> left_moving, left_fixed;
   using Tree = fcl::DynamicAABBTreeCollisionManagerd;
   std::unique_ptr<Tree> moving = std::make_unique<Tree>(), fixed = std::make_unique<Tree>();
@@ -106,15 +96,14 @@ void BroadPhase::update(std::span<const Bounds> bounds) {
   if (!own.left_fixed.empty()) own.fixed->update(own.left_fixed);
 }
 
-std::int64_t BroadPhase::find_pairs(const World& world, std::span<const Bounds> bounds,
-                                    std::vector<std::pair<int, int>>& pairs) {
+bool BroadPhase::find_pairs(const World& world, std::span<const Bounds> bounds, std::size_t most,
+                            std::vector<std::pair<int, int>>& pairs) {
   Impl& own = *impl_;
-  own.partners.assign(own.roles.size(), 0);
-  Query query{world, bounds, pairs, own.partners, kFreePairs + kFreePairsPerShape * own.roles.size()};
-  if (own.moving->empty()) return 0;
+  Query query{world, bounds, pairs, most};
+  if (own.moving->empty()) return true;
   own.moving->collide(&query, collect);
-  if (!own.fixed->empty()) own.moving->collide(own.fixed.get(), &query, collect);
-  return query.left_out;
+  if (pairs.size() <= most && !own.fixed->empty()) own.moving->collide(own.fixed.get(), &query, collect);
+  return pairs.size() <= most;
 }
 
 }  // namespace taut::detail

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <utility>
@@ -33,10 +33,9 @@ class BroadPhase {
 
   /// All pairs (smaller index first) with overlapping bounds of which at least one moves and
   /// world.may_collide(), in no particular order.  Appended to `pairs`.  Among shapes that all lie in one
-  /// heap the number of pairs is quadratic: once there are more than 10,000 + 50 per shape, further ones are
-  /// left out between two shapes that have 64 partners each.  Returns how many were left out.
-  std::int64_t find_pairs(const World& world, std::span<const Bounds> bounds,
-                          std::vector<std::pair<int, int>>& pairs);
+  /// place their number is quadratic: the search ends, with false, as soon as there are more than `most`.
+  bool find_pairs(const World& world, std::span<const Bounds> bounds, std::size_t most,
+                  std::vector<std::pair<int, int>>& pairs);
 
  private:
   struct Impl;

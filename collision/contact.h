@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "core/shape.h"
 
@@ -16,6 +17,14 @@ struct Contact {
   Vec3 normal = Vec3::UnitZ();                    ///< unit, world axes
   double gap = 0;                                 ///< [m]; negative: penetration
   std::uint64_t feature = 0;  ///< unique within the pair; the same for the same contact in the next call
+};
+
+/// So many pairs of shapes near each other, or contacts, that what they would cost has no bound: they lie in
+/// one place, or move past many others in one step.
+struct Crowd {
+  std::int64_t most = 0;        ///< so many are taken on; there are more
+  std::vector<ShapeId> shapes;  ///< those with most of them, at most four, most first; none: no crowd
+  bool empty() const { return shapes.empty(); }
 };
 
 }  // namespace taut

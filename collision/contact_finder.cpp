@@ -1,6 +1,7 @@
 #include "collision/contact_finder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -11,6 +12,7 @@
 #include "collision/thread_pool.h"
 #include "core/check.h"
 #include "core/clock.h"
+#include "core/reach.h"
 
 namespace taut {
 namespace {
@@ -24,6 +26,11 @@ constexpr int kPairsPerTask = 32;
 constexpr int kShapesPerTask = 256;
 /// Contacts this near, in parts of the smaller shape, are the same one in a new guise.
 constexpr double kSameContact = 0.02;
+/// ContactSettings::max_contacts by default.  Convex bodies that are not in each other have no more than some
+/// ten neighbours each, unless they are long and lie crosswise.
+constexpr std::size_t kFreeContacts = 10000, kFreeContactsPerShape = 50;
+/// Shapes that a crowd is named by.
+constexpr std::size_t kNamed = 4;
 
 /// A shape as the finder keeps it.
 struct Item {
@@ -60,12 +67,19 @@ struct ContactFinder::Impl {
   std::vector<std::pair<int, int>> pairs;
   std::vector<TaskResult> results;
   std::vector<Contact> contacts, before;
+  bool in_tree = false;  // all that items has
   DetectionReport report;
 
   bool knows(const World& world) const;
   void learn(const World& world);
   void place(const State& state, double horizon);
-  void find_pairs(const World& world, const State& state, double horizon);
+  ShapeId out_of_reach() const;
+  std::size_t most() const;
+  template <typename Pairs, typename Shapes>
+  Crowd crowd_of(const Pairs& pairs, Shapes shapes_of) const;
+  bool find_pairs(const World& world, const State& state, double horizon);
+  void look_at_pairs(const State& state, double horizon);
+  void begin_report();
   void find_in_task(int task, int worker, const State& state, double horizon);
   void find_pair(int a, int b, const State& state, double horizon, detail::NarrowScratch& work,
                  TaskResult& result) const;
@@ -131,9 +145,38 @@ void ContactFinder::Impl::place(const State& state, double horizon) {
   pool.run((count + kShapesPerTask - 1) / kShapesPerTask, std::cref(place_some));
 }
 
-void ContactFinder::Impl::find_pairs(const World& world, const State& state, double horizon) {
-  pairs.clear();
-  report.pairs_left_out = broad.find_pairs(world, bounds, pairs);
+/// Squares and volumes of boxes are what FCL's tree is built by.
+ShapeId ContactFinder::Impl::out_of_reach() const {
+  for (std::size_t i = 0; i < items.size(); ++i)
+    if (!within(poses[i].p, kFarthestBox) || !poses[i].q.coeffs().allFinite() ||
+        (roles[i] != Role::kNone &&
+         !(within(bounds[i].low, kFarthestBox) && within(bounds[i].high, kFarthestBox))))
+      return {static_cast<int>(i)};
+  return {};
+}
+
+std::size_t ContactFinder::Impl::most() const {
+  return settings.max_contacts > 0 ? static_cast<std::size_t>(settings.max_contacts)
+                                   : kFreeContacts + kFreeContactsPerShape * items.size();
+}
+
+/// Those that most pairs name.
+template <typename Pairs, typename Shapes>
+Crowd ContactFinder::Impl::crowd_of(const Pairs& all, Shapes shapes_of) const {
+  std::vector<std::pair<int, int>> shapes;  // −pairs, shape
+  for (int i = 0; i < std::ssize(items); ++i) shapes.emplace_back(0, i);
+  for (const auto& pair : all)
+    for (const int shape : shapes_of(pair)) --shapes[shape].first;
+  Crowd crowd{.most = static_cast<std::int64_t>(most()), .shapes = {}};
+  const std::size_t named = std::min(kNamed, shapes.size());
+  std::partial_sort(shapes.begin(), shapes.begin() + static_cast<std::ptrdiff_t>(named), shapes.end());
+  for (std::size_t k = 0; k < named; ++k) crowd.shapes.push_back({shapes[k].second});
+  return crowd;
+}
+
+/// False if there are too many.
+bool ContactFinder::Impl::find_pairs(const World& world, const State& state, double horizon) {
+  if (!broad.find_pairs(world, bounds, most(), pairs)) return false;
   const int count = static_cast<int>(items.size());
   for (int h = 0; h < count; ++h) {
     if (roles[h] != Role::kNone) continue;
@@ -150,7 +193,7 @@ void ContactFinder::Impl::find_pairs(const World& world, const State& state, dou
     }
   }
   std::sort(pairs.begin(), pairs.end());
-  report.candidate_pairs = static_cast<int>(pairs.size());
+  return true;
 }
 
 void ContactFinder::Impl::find_in_task(int task, int worker, const State& state, double horizon) {
@@ -165,7 +208,7 @@ void ContactFinder::Impl::find_in_task(int task, int worker, const State& state,
 void ContactFinder::Impl::find_pair(int a, int b, const State& state, double horizon,
                                     detail::NarrowScratch& work, TaskResult& result) const {
   const Item &item_a = items[a], &item_b = items[b];
-  if (detail::is_unsupported(*item_a.geometry, *item_b.geometry)) {
+  if (!have_contacts(*item_a.shape, *item_b.shape)) {
     result.unsupported.push_back({ShapeId{a}, ShapeId{b}});
     return;
   }
@@ -209,9 +252,44 @@ void ContactFinder::Impl::find_pair(int a, int b, const State& state, double hor
   result.touching += result.contacts.size() > first;
 }
 
+void ContactFinder::Impl::look_at_pairs(const State& state, double horizon) {
+  const int tasks = static_cast<int>((pairs.size() + kPairsPerTask - 1) / kPairsPerTask);
+  if (results.size() < static_cast<std::size_t>(tasks)) results.resize(tasks);
+  const auto find_some = [&](int task, int worker) { find_in_task(task, worker, state, horizon); };
+  pool.run(tasks, std::cref(find_some));  // by reference: a function object of this size would be allocated
+  for (int task = 0; task < tasks; ++task) {
+    const TaskResult& result = results[task];
+    contacts.insert(contacts.end(), result.contacts.begin(), result.contacts.end());
+    report.unsupported.insert(report.unsupported.end(), result.unsupported.begin(), result.unsupported.end());
+    report.touching_pairs += result.touching;
+  }
+}
+
+/// Its lists keep their memory.
+void ContactFinder::Impl::begin_report() {
+  report.shapes = static_cast<int>(items.size());
+  report.candidate_pairs = report.touching_pairs = 0;
+  report.unsupported.clear();
+  report.crowd.shapes.clear();
+  report.out_of_reach = {};
+  report.broad_seconds = report.narrow_seconds = 0;
+  report.missing_threads = pool.missing();
+}
+
+bool have_contacts(const Shape& a, const Shape& b) {
+  const auto is_surface = [](const Shape& s) {
+    return std::holds_alternative<TriangleMesh>(s) || std::holds_alternative<HeightField>(s);
+  };
+  const auto is_ground = [](const Shape& s) {
+    return std::holds_alternative<HalfSpace>(s) || std::holds_alternative<HeightField>(s);
+  };
+  return !(is_surface(a) && is_surface(b)) && !(is_ground(a) && is_ground(b));
+}
+
 ContactFinder::ContactFinder(ContactSettings settings) {
   require_not_negative("contact margin", settings.margin);
-  if (settings.threads < 0) fail("contact threads", "must not be negative", settings.threads);
+  detail::check_threads("contact threads", settings.threads);
+  if (settings.max_contacts < 0) fail("contact max_contacts", "must not be negative", settings.max_contacts);
   if (settings.max_points < 4 || settings.max_points > 64)
     fail("contact max_points", "must be from 4 to 64", settings.max_points);
   impl_ = std::make_unique<Impl>(settings);
@@ -233,33 +311,37 @@ const std::vector<Contact>& ContactFinder::find(const World& world, const State&
   if (state.twists.size() != bodies) fail("state", "must have one twist per body", state.twists.size());
   Impl& own = *impl_;
   auto start = Clock::now();
-  const bool known = own.knows(world);
-  if (!known) own.learn(world);
+  if (!own.knows(world)) {
+    own.in_tree = false;
+    own.learn(world);
+  }
   own.place(state, horizon);
-  if (known)
+  own.begin_report();
+  own.before.swap(own.contacts);
+  own.contacts.clear();
+  if (own.report.out_of_reach = own.out_of_reach(); own.report.blind()) return own.contacts;
+  if (own.in_tree)
     own.broad.update(own.bounds);
   else
     own.broad.reset(own.roles, own.bounds);
-  own.find_pairs(world, state, horizon);
+  own.in_tree = true;
+  own.pairs.clear();
+  const bool few = own.find_pairs(world, state, horizon);
+  own.report.candidate_pairs = static_cast<int>(own.pairs.size());
   own.report.broad_seconds = seconds_since(start);
+  if (!few) {
+    own.report.crowd = own.crowd_of(own.pairs, [](const auto& p) { return std::array{p.first, p.second}; });
+    return own.contacts;
+  }
 
   start = Clock::now();
-  const int tasks = static_cast<int>((own.pairs.size() + kPairsPerTask - 1) / kPairsPerTask);
-  if (own.results.size() < static_cast<std::size_t>(tasks)) own.results.resize(tasks);
-  const auto find_some = [&](int task, int worker) { own.find_in_task(task, worker, state, horizon); };
-  own.pool.run(tasks,
-               std::cref(find_some));  // by reference: a function object of this size would be allocated
-  own.before.swap(own.contacts);
-  own.contacts.clear();
-  own.report.shapes = world.shape_count();
-  own.report.touching_pairs = 0;
-  own.report.unsupported.clear();
-  for (int task = 0; task < tasks; ++task) {
-    const TaskResult& result = own.results[task];
-    own.contacts.insert(own.contacts.end(), result.contacts.begin(), result.contacts.end());
-    own.report.unsupported.insert(own.report.unsupported.end(), result.unsupported.begin(),
-                                  result.unsupported.end());
-    own.report.touching_pairs += result.touching;
+  own.look_at_pairs(state, horizon);
+  if (own.contacts.size() > own.most()) {
+    own.report.crowd = own.crowd_of(own.contacts, [](const Contact& c) {
+      return std::array{c.a.index, c.b.index};
+    });
+    own.contacts.clear();
+    return own.contacts;
   }
   detail::match_features(own.before, own.contacts, [&](const Contact& contact) {
     return kSameContact *

@@ -14,6 +14,8 @@ struct ContactSettings {
   double margin = 0.005;  ///< [m] contacts with a gap up to this are given
   int threads = 0;        ///< 0: as many as the machine has.  The result has the same bits with any number
   int max_points = 8;     ///< [4, 64] of one pair (of each direction of the normal on a surface of triangles)
+  /// Pairs of boxes that overlap, and contacts, that are taken on; 0: 10,000 + 50 per shape.
+  int max_contacts = 0;
 };
 
 /// What the last find() met with.
@@ -21,12 +23,18 @@ struct DetectionReport {
   int shapes = 0;
   int candidate_pairs = 0;  ///< boxes overlap
   int touching_pairs = 0;   ///< with at least one contact
-  /// Pairs that were not looked at because thousands of shapes lie in one place.
-  std::int64_t pairs_left_out = 0;
-  /// Pairs near each other for which there is no contact: two surfaces of triangles, or two grounds.
+  /// Pairs near each other for which there is no contact (have_contacts()).
   std::vector<std::pair<ShapeId, ShapeId>> unsupported;
+  // Two reasons for which no contacts at all are given.
+  Crowd crowd;           ///< more pairs or contacts than ContactSettings::max_contacts
+  ShapeId out_of_reach;  ///< a shape that is not in a finite place, or reaches beyond 1e70 m in the horizon
+  bool blind() const { return !crowd.empty() || out_of_reach.index >= 0; }
+  int missing_threads = 0;  ///< of those wanted, which could not be started; the others do their work
   double broad_seconds = 0, narrow_seconds = 0;
 };
+
+/// False for two surfaces of triangles and for two grounds: they pass through each other.
+bool have_contacts(const Shape& a, const Shape& b);
 
 /// Finds the contacts of a World: broad phase by FCL's dynamic tree, narrow phase by FCL's distances and by
 /// manifolds of its own (collision/README).  It changes nothing in the World.  Feature ids are carried on
@@ -34,13 +42,15 @@ struct DetectionReport {
 /// alone.
 class ContactFinder {
  public:
-  /// @throws std::invalid_argument for a negative margin or number of threads, or max_points out of range.
+  /// @throws std::invalid_argument for a negative margin, a number of threads that is negative or more than
+  /// 1024, max_points out of range or a negative max_contacts.
   explicit ContactFinder(ContactSettings settings = {});
   ~ContactFinder();
   ContactFinder(ContactFinder&&) noexcept;
   ContactFinder& operator=(ContactFinder&&) noexcept;
 
-  /// All contacts at this state, sorted by shape a, shape b and feature; valid until the next call.
+  /// All contacts at this state, sorted by shape a, shape b and feature; valid until the next call.  None if
+  /// report().blind().
   ///
   /// With a horizon h [s] > 0 contacts farther away are given, too, if their points would come together
   /// within h at the velocities of the state: gap ≤ margin − h n·(v_Q − v_P).  A solver that keeps gap + h

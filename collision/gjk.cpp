@@ -9,9 +9,20 @@
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/geometry/shape/triangle_p.h>
 #include <fcl/narrowphase/detail/convexity_based_algorithm/gjk.h>
-#include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd.h>
 
 #include <cmath>
+#include <exception>
+
+// FCL's version of libccd, compiled here without its assertions: those in the library end the process where
+// round-off, or lengths of very different sizes, break what they state.  The certificate judges the answer.
+#ifdef NDEBUG
+#include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd-inl.h>
+#else
+#define NDEBUG
+#include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd-inl.h>
+#undef NDEBUG
+#include <cassert>
+#endif
 
 namespace taut::detail {
 
@@ -89,14 +100,23 @@ struct CcdShape {
 
 bool ask_libccd(const Convex& A, const Convex& B, const Relative& X, const Vec3& shift, Answer& answer) {
   CcdShape a{A, Mat3::Identity(), Vec3::Zero()}, b{B, X.R, X.p + shift};
-  double distance = -1;
-  fcl::Vector3d p, q;
-  if (!fcl::detail::GJKDistance<double>(&a, &CcdShape::support, &b, &CcdShape::support, kIterations, 1e-12,
-                                        &distance, &p, &q))
+  ccd_t ccd;
+  CCD_INIT(&ccd);
+  ccd.support1 = ccd.support2 = &CcdShape::support;
+  ccd.max_iterations = kIterations;
+  ccd.dist_tolerance = ccd.epa_tolerance = 1e-12;
+  ccd_vec3_t p, q;
+  ccdVec3Set(&p, 0, 0, 0);
+  ccdVec3Set(&q, 0, 0, 0);
+  try {
+    if (fcl::detail::libccd_extension::ccdGJKDist2(&a, &b, &ccd, &p, &q) < 0) return false;
+  } catch (const std::exception&) {  // FailedAtThisConfiguration
     return false;
-  const double length = (q - p).norm();
+  }
+  const Vec3 way = Vec3(q.v[0], q.v[1], q.v[2]) - Vec3(p.v[0], p.v[1], p.v[2]);
+  const double length = way.norm();
   if (!(length > 0)) return false;
-  answer = {(q - p) / length, length};
+  answer = {way / length, length};
   return true;
 }
 

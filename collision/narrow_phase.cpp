@@ -102,18 +102,10 @@ std::unique_ptr<const Geometry> make_geometry(const Shape& shape) {
   return geometry;
 }
 
-bool is_unsupported(const Geometry& a, const Geometry& b) {
-  using Kind = Geometry::Kind;
-  const auto ground = [](const Geometry& g) { return g.kind == Kind::kHalfSpace || g.surface->solid_below; };
-  if (a.kind == Kind::kConvex || b.kind == Kind::kConvex) return false;
-  return (a.kind == Kind::kSurface && b.kind == Kind::kSurface) || (ground(a) && ground(b));
-}
-
 void find_contacts(const Geometry& a, const Geometry& b, const Relative& X_ab, double cutoff,
                    std::size_t most, NarrowScratch& scratch, std::vector<ManifoldPoint>& out) {
   using Kind = Geometry::Kind;
   const std::size_t first = out.size();
-  if (is_unsupported(a, b)) return;
   if (a.kind == Kind::kHalfSpace || (a.kind == Kind::kSurface && b.kind == Kind::kConvex)) {
     const Relative X_ba = inverse(X_ab);
     if (a.kind == Kind::kSurface)

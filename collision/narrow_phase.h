@@ -33,11 +33,8 @@ struct NarrowScratch {
   std::vector<FeaturePoint> points;
 };
 
-/// True if the pair has no contact law: two surfaces, two half-spaces, or a height field and a half-space.
-bool is_unsupported(const Geometry& a, const Geometry& b);
-
 /// Contact points of two shapes with gaps up to `cutoff`, in the frame of a; at most `most` for each
-/// direction of the normal.  Appended to `out`.
+/// direction of the normal.  Appended to `out`.  @pre have_contacts().
 void find_contacts(const Geometry& a, const Geometry& b, const Relative& X_ab, double cutoff,
                    std::size_t most, NarrowScratch& scratch, std::vector<ManifoldPoint>& out);
 

@@ -5,9 +5,12 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "core/check.h"
 #include "core/flush_to_zero.h"
 #include "core/interruption.h"
 
@@ -23,7 +26,18 @@ struct ThreadPool::Impl {
   long round = 0;
   bool stop = false;
   std::exception_ptr error;
+  int missing = 0;
   std::vector<std::jthread> threads;
+
+  /// Also of a pool that was not made to its end: threads that wait must be told before they are joined.
+  ~Impl() {
+    {
+      const std::scoped_lock lock(mutex);
+      stop = true;
+    }
+    wake.notify_all();
+    threads.clear();
+  }
 
   /// In the same mode as the caller of a step, so that results have the same bits on all threads.
   void take_tasks(int worker) {
@@ -55,25 +69,33 @@ struct ThreadPool::Impl {
   }
 };
 
+void check_threads(std::string_view name, int wanted) {
+  if (wanted < 0) fail(name, "must not be negative", wanted);
+  if (wanted > kMostThreads) fail(name, "must be at most 1024", wanted);
+}
+
 int thread_count(int wanted) {
-  return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (wanted > 0) return wanted;
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
 }
 
-ThreadPool::ThreadPool(int threads) : impl_(std::make_unique<Impl>()) {
-  for (int worker = 1; worker < threads; ++worker)
-    impl_->threads.emplace_back([impl = impl_.get(), worker] { impl->loop(worker); });
-}
+std::jthread start_thread(std::function<void()> work) { return std::jthread(std::move(work)); }
 
-ThreadPool::~ThreadPool() {
-  {
-    const std::scoped_lock lock(impl_->mutex);
-    impl_->stop = true;
+ThreadPool::ThreadPool(int threads, const ThreadStarter& start) : impl_(std::make_unique<Impl>()) {
+  for (int worker = 1; worker < threads; ++worker) {
+    try {
+      impl_->threads.push_back(start([impl = impl_.get(), worker] { impl->loop(worker); }));
+    } catch (const std::system_error&) {  // a limit of the user or of memory
+      impl_->missing = threads - worker;
+      return;
+    }
   }
-  impl_->wake.notify_all();
-  impl_->threads.clear();
 }
+
+ThreadPool::~ThreadPool() = default;
 
 int ThreadPool::size() const { return static_cast<int>(impl_->threads.size()) + 1; }
+int ThreadPool::missing() const { return impl_->missing; }
 
 void ThreadPool::run(int tasks, const std::function<void(int, int)>& work) {
   if (tasks <= 1 || impl_->threads.empty()) {

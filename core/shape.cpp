@@ -4,6 +4,7 @@
 
 #include "core/check.h"
 #include "core/convex_hull.h"
+#include "core/reach.h"
 
 namespace taut {
 namespace {
@@ -11,31 +12,38 @@ namespace {
 void require_all_positive(const char* name, const Vec3& sizes) {
   if (!sizes.allFinite() || sizes.minCoeff() <= 0)
     fail(name, "must be finite and positive", sizes.transpose());
+  require_within_reach(name, sizes);
+  if (sizes.minCoeff() < kSmallest) fail(name, "must not be below 1e-30", sizes.transpose());
 }
 
-void check(const Sphere& s) { require_positive("sphere radius", s.radius); }
+void check(const Sphere& s) { require_size("sphere radius", s.radius); }
 void check(const Box& s) { require_all_positive("box size", s.size); }
 void check(const Ellipsoid& s) { require_all_positive("ellipsoid radii", s.radii); }
 void check(const HalfSpace&) {}
-void check(const ConvexHull& s) { convex_hull(s.points); }
+void check(const ConvexHull& s) {
+  for (std::size_t i = 0; i < s.points.size(); ++i)
+    require_within_reach("convex hull point " + std::to_string(i), s.points[i]);
+  convex_hull(s.points);
+}
 void check(const Capsule& s) {
-  require_positive("capsule radius", s.radius);
+  require_size("capsule radius", s.radius);
   require_not_negative("capsule length", s.length);
+  if (s.length > 0) require_size("capsule length", s.length);
 }
 void check(const Cylinder& s) {
-  require_positive("cylinder radius", s.radius);
-  require_positive("cylinder length", s.length);
+  require_size("cylinder radius", s.radius);
+  require_size("cylinder length", s.length);
 }
 void check(const Cone& s) {
-  require_positive("cone radius", s.radius);
-  require_positive("cone height", s.height);
+  require_size("cone radius", s.radius);
+  require_size("cone height", s.height);
 }
 
 void check(const TriangleMesh& s) {
   if (s.triangles.empty()) fail("triangle mesh", "has no triangles", 0);
   for (std::size_t i = 0; i < s.vertices.size(); ++i)
-    if (!s.vertices[i].allFinite())
-      fail("triangle mesh vertex " + std::to_string(i), "must be finite", s.vertices[i].transpose());
+    if (!within(s.vertices[i]))
+      require_within_reach("triangle mesh vertex " + std::to_string(i), s.vertices[i]);
   const int count = static_cast<int>(s.vertices.size());
   for (std::size_t t = 0; t < s.triangles.size(); ++t) {
     const auto& [a, b, c] = s.triangles[t];
@@ -53,13 +61,16 @@ void check(const TriangleMesh& s) {
 void check(const HeightField& s) {
   if (s.nx < 2) fail("height field nx", "needs at least two heights", s.nx);
   if (s.ny < 2) fail("height field ny", "needs at least two heights", s.ny);
-  require_positive("height field dx", s.dx);
-  require_positive("height field dy", s.dy);
+  require_size("height field dx", s.dx);
+  require_size("height field dy", s.dy);
   if (s.heights.size() != static_cast<std::size_t>(s.nx) * static_cast<std::size_t>(s.ny))
     fail("height field", "must have nx·ny heights", s.heights.size());
   for (std::size_t i = 0; i < s.heights.size(); ++i)
-    if (!std::isfinite(s.heights[i]))
-      fail("height field height " + std::to_string(i), "must be finite", s.heights[i]);
+    if (!(std::abs(s.heights[i]) <= kFarthest)) {
+      const std::string name = "height field height " + std::to_string(i);
+      require_finite(name, s.heights[i]);
+      fail(name, "must not be beyond 1e30", s.heights[i]);
+    }
 }
 
 }  // namespace

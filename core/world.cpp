@@ -7,18 +7,19 @@
 
 #include "core/check.h"
 #include "core/diagnostics.h"
+#include "core/reach.h"
 
 namespace taut {
 namespace {
 
 void check_pose(const std::string& name, const Pose& pose) {
-  require_all_finite("position of " + name, pose.p);
+  require_within_reach("position of " + name, pose.p);
   require_unit("orientation of " + name, pose.q.coeffs());
 }
 
 void check_twist(const std::string& name, const Twist& twist, bool fixed) {
-  require_all_finite("angular velocity of " + name, twist.w);
-  require_all_finite("velocity of " + name, twist.v);
+  require_within_reach("angular velocity of " + name, twist.w);
+  require_within_reach("velocity of " + name, twist.v);
   if (!fixed) return;
   if (!twist.v.isZero(0)) fail("velocity of " + name, "a fixed body cannot move", twist.v.transpose());
   if (!twist.w.isZero(0))
@@ -244,8 +245,8 @@ void World::check_state(const State& state) const {
     // allocating.
     const Pose& X = state.poses[b];
     const Twist& V = state.twists[b];
-    const bool good = X.p.allFinite() && std::abs(X.q.norm() - 1) <= kUnitTolerance && V.w.allFinite() &&
-                      V.v.allFinite() && !(fixed_[b] && !(V.w.isZero(0) && V.v.isZero(0)));
+    const bool good = within_reach(X, V) && std::abs(X.q.norm() - 1) <= kUnitTolerance &&
+                      !(fixed_[b] && !(V.w.isZero(0) && V.v.isZero(0)));
     if (good) continue;
     check_pose(body_names_[b], X);
     check_twist(body_names_[b], V, fixed_[b]);

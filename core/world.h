@@ -71,7 +71,7 @@ class World {
   /// before its next step.  A joint at the present poses is a new one, Ball::at() and its like.
   /// @throws std::invalid_argument for a joint that couples an axis of a detached one.
   void attach(JointId id);
-  bool is_attached(JointId id) const { return detached_.empty() || !detached_.contains(checked(id)); }
+  bool is_attached(JointId id) const { return !detached_.contains(checked(id)); }
   int detached_count() const { return static_cast<int>(detached_.size()); }
   /// Of the springs, soft limits and the compliance of one joint, detached or not [J].
   double spring_energy_of(JointId id, const State& state) const;

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "core/reach.h"
 #include "core/world.h"
 
 namespace taut {
@@ -36,7 +37,7 @@ ShapeId World::add_shape(BodyId body, std::shared_ptr<const Shape> shape, const 
   if (!shape) fail(owner, "must not be null", "null");
   check_shape(*shape);
   check_material(material);
-  require_all_finite("position of " + owner, pose.p);
+  require_within_reach("position of " + owner, pose.p);
   require_unit("orientation of " + owner, pose.q.coeffs());
   Pose X_BS = pose;
   X_BS.q.normalize();
@@ -119,6 +120,7 @@ void World::set_collision(BodyId a, BodyId b, bool may_collide) {
 }
 
 bool World::may_collide(BodyId a, BodyId b) const {
+  checked(a), checked(b);
   return a != b && !(is_fixed(a) && is_fixed(b)) && no_rule_forbids(a, b);
 }
 

@@ -182,6 +182,9 @@ void note_interruption(RunRecord& record, std::int64_t steps) {
   record.message = "stopped by a signal after step " + std::to_string(steps);
 }
 
+/// What should be known before the table at the end says it.
+void warn(const std::string& warning) { std::cerr << "taut: warning: " << warning << std::endl; }
+
 /// Steps until the end, a failure or a signal.
 void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder, Outputs& outputs,
                bool quiet) {
@@ -197,6 +200,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     const Gap gap = meter.largest(world);
     record.add(report, seconds, gap, energy);
     record.note_breaks(report, world);
+    for (const std::string& warning : record.note_detection(report, world)) warn(warning);
     if (report.status == Status::kInterrupted) return note_interruption(record, i);
     if (!report.advanced()) {
       return note_failure(record, report, world,
@@ -281,6 +285,8 @@ int run_command(const RunOptions& options) {
   for (std::string& warning : start_warnings(scene.world, scene.settings, scene.dt))
     record.warnings.push_back(std::move(warning));
   if (!forgets.empty()) record.warnings.push_back("--from goes on from the state alone: " + forgets);
+  if (const std::string warning = passing_warning(scene.world, scene.settings); !warning.empty())
+    warn(warning);
   if (scene.assemble && !goes_on) assemble(simulator, record);
   record.integrator = name_of(scene.settings.integrator, kIntegratorNames);
   record.solver = simulator.solver_description();

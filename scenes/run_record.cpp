@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "scenes/format.h"
+
 namespace taut {
 
 void RunRecord::start(const Scene& source, int rows, double energy) {
@@ -57,6 +59,26 @@ void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, do
   stiffness_work += report.stiffness_work;
   final_energy = energy;
   max_energy_drift = std::max(max_energy_drift, std::abs(energy - initial_energy));
+}
+
+std::vector<std::string> RunRecord::note_detection(const StepReport& report, const World& world) {
+  constexpr std::size_t kMost = 8;
+  std::vector<std::string> found;
+  if (report.missing_threads > 0 && missing_threads == 0)
+    found.push_back(
+        format("%d of the threads could not be started, for a limit of processes or memory: the "
+               "others do their work",
+               report.missing_threads));
+  missing_threads = std::max(missing_threads, report.missing_threads);
+  max_unsupported_pairs = std::max(max_unsupported_pairs, report.unsupported_pairs);
+  for (const auto& pair : report.unsupported) {
+    if (named_pairs.size() >= kMost || !named_pairs.insert(pair).second) continue;
+    found.push_back(name_of(pair, world) + format(" meet at t = %.6g s and have no contact: ", world.time()) +
+                    "they pass through each other" +
+                    (named_pairs.size() == kMost ? "; further pairs are not named" : ""));
+  }
+  warnings.insert(warnings.end(), found.begin(), found.end());
+  return found;
 }
 
 void RunRecord::add_ledger(const StepReport& report) {

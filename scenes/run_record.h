@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scenes/scene.h"
@@ -42,6 +44,9 @@ struct RunRecord {
   std::int64_t inexact_steps = 0;           ///< whose laws were not met to 1e-8
   int asleep = 0;                           ///< bodies, at the end
   std::int64_t pivots = 0, contact_iterations = 0;
+  int missing_threads = 0;        ///< that could not be started
+  int max_unsupported_pairs = 0;  ///< of shapes near each other that pass through each other, of one step
+  std::set<std::pair<ShapeId, ShapeId>> named_pairs;  ///< those that warnings name
 
   double initial_energy = 0, final_energy = 0, energy_scale = 0;  ///< [J]
   bool has_scale = true;        ///< else the scale is the largest kinetic energy so far
@@ -74,6 +79,11 @@ struct RunRecord {
   /// @param gap largest joint error, measured from the poses after the step
   /// @param energy total energy after the step [J]
   void add(const StepReport& report, double seconds, const Gap& gap, double energy);
+
+  /// Adds a warning where a step met, for the first time, with what no status tells: shapes that pass through
+  /// each other, and threads that could not be started.
+  /// @return the new warnings
+  std::vector<std::string> note_detection(const StepReport& report, const World& world);
 
   void add_ledger(const StepReport& report);
   /// Joints that broke in a step, by name.

@@ -140,6 +140,8 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
   report["max_natural_residual"] = r.max_natural_residual;
   report["inexact_steps"] = r.inexact_steps;
   report["asleep"] = r.asleep;
+  report["missing_threads"] = r.missing_threads;
+  report["max_unsupported_pairs"] = r.max_unsupported_pairs;
   report["pivots"] = r.pivots;
   report["contact_iterations"] = r.contact_iterations;
   report["energy"] = {{"initial", r.initial_energy},

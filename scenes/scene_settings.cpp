@@ -1,3 +1,4 @@
+#include "collision/thread_pool.h"
 #include "scenes/scene_reader.h"
 #include "solvers/setting_names.h"
 
@@ -34,9 +35,11 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   choice("solver", kSolverNames, s.solver);
   integer("iterations", s.iterations);
   number("relaxation", &JsonNode::below_two, s.relaxation);
-  integer("threads", s.threads);
+  if (const auto threads = object.find("threads"))
+    threads->guard([&] { detail::check_threads("threads", s.threads = threads->positive_integer()); });
   s.contacts = object.get("contacts", &JsonNode::boolean, s.contacts);
   number("contact_margin", &JsonNode::not_negative, s.contact_margin);
+  integer("max_contacts", s.max_contacts);
   number("resting_speed", &JsonNode::not_negative, s.resting_speed);
   number("inexact_tolerance", &JsonNode::not_negative, s.inexact_tolerance);
   s.sleep = object.get("sleep", &JsonNode::boolean, s.sleep);

@@ -1,9 +1,13 @@
 #include "scenes/start_warnings.h"
 
+#include <algorithm>
+
 #include "scenes/format.h"
+#include "solvers/contradiction.h"
 #include "solvers/setting_checks.h"
 #include "solvers/setting_names.h"
 #include "solvers/start_checks.h"
+#include "solvers/step_report.h"
 
 namespace taut {
 namespace {
@@ -45,6 +49,20 @@ std::string overlaps(const World& world) {
 
 }  // namespace
 
+std::string passing_warning(const World& world, const Settings& settings) {
+  if (!settings.contacts || is_force_level(settings.integrator)) return {};
+  const UnsupportedPairs pairs = unsupported_pairs(world);
+  if (pairs.count == 0) return {};
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(kShown, pairs.first.size()); ++i)
+    names.push_back(name_of(pairs.first[i], world));
+  const std::int64_t more = pairs.count - static_cast<std::int64_t>(names.size());
+  return "there is no contact between two surfaces of triangles or two grounds: these pass through each "
+         "other: " +
+         list_of(names) + (more > 0 ? format(" and %lld more pairs", static_cast<long long>(more)) : "") +
+         "; a body of convex hulls touches both";
+}
+
 std::vector<std::string> start_warnings(const World& world, const Settings& settings, double dt) {
   std::vector<std::string> warnings;
   if (const ForbiddenVelocity forbidden = forbidden_velocity(world); !forbidden.empty()) {
@@ -59,6 +77,10 @@ std::vector<std::string> start_warnings(const World& world, const Settings& sett
         format("bodies are so far from the origin that positions are multiples of %.2g m, which is "
                "more than position_tolerance, %.2g m: joints may not close",
                spacing, settings.position_tolerance));
+  if (const std::string pairs = passing_warning(world, settings); !pairs.empty()) warnings.push_back(pairs);
+  if (!is_force_level(settings.integrator))
+    if (const Crowd crowd = start_crowd(world, settings, dt); !crowd.empty())
+      warnings.push_back("the first step cannot be done: " + text_of(crowd, world));
   if (const std::string deep = overlaps(world); !deep.empty()) warnings.push_back(deep);
   if (const std::string springs = fast_springs(world, settings, dt); !springs.empty())
     warnings.push_back(springs);

@@ -26,6 +26,8 @@ class ContactIslands {
   /// @param threads 0: as many as the machine has.
   ContactIslands(ConstraintSystem& system, ContactForces& contacts, ContactSolver& whole, int threads);
 
+  /// Threads that could not be started.
+  int missing_threads() const { return pool_ ? pool_->missing() : 0; }
   /// The system has other rows.
   void forget_pattern() { known_ = false; }
   struct Limits {

@@ -76,7 +76,9 @@ struct ContactTable {
   };
 
   ContactTable(const World& world, const Settings& settings)
-      : set(world, {.margin = settings.contact_margin, .threads = settings.threads}),
+      : set(world, {.margin = settings.contact_margin,
+                    .threads = settings.threads,
+                    .max_contacts = settings.max_contacts}),
         resting_speed(settings.resting_speed) {}
 
   ContactSet set;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/reach.h"
 #include "solvers/stopwatch.h"
 
 namespace taut {
@@ -61,9 +62,7 @@ bool ForceLevel::advance(double h, StepReport& report) {
   ++report.substeps;
   system_.rows().update_axes(state_, state_.axes);
   for (int b = 0; b < world_.body_count(); ++b) {
-    const Pose& X = state_.poses[b];
-    const Twist& V = state_.twists[b];
-    if (X.p.allFinite() && X.q.coeffs().allFinite() && V.w.allFinite() && V.v.allFinite()) continue;
+    if (within_reach(state_.poses[b], state_.twists[b]) && state_.poses[b].q.coeffs().allFinite()) continue;
     state_ = backup_;
     return false;
   }

@@ -25,6 +25,10 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   jammed_.clear();
   predict(h);
   go_to_middle(h, report);
+  if (blind()) {
+    roll_back(report);
+    return Outcome::kBlind;
+  }
   begin_laws(h, report);
   if (const Outcome outcome = find_impulses(h, report); outcome != Outcome::kDone) {
     if (outcome == Outcome::kStalled) roll_back(report);
@@ -37,6 +41,7 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
     roll_back(report);
     return Outcome::kStalled;
   }
+  if (!finite()) return Outcome::kNotFinite;
   if (settings_.report_energy) report.ledger.integration += spin_energy(momenta_, state_.poses, Bodies::kAll);
   keep_impulses(h);
   ++report.substeps;

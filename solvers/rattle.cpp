@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/reach.h"
 #include "solvers/force_level.h"
 #include "solvers/free_flow.h"
 #include "solvers/max_abs.h"
@@ -175,6 +176,11 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   start_time_ = state_.time;
   state_.time += h;
   if (!contacts_.empty()) find_contacts();
+  if (blind()) {
+    roll_back(report);
+    forget_impacts(false);
+    return Outcome::kBlind;
+  }
   if (bounded() && !iterative()) active_->prepare(laws_, delta_, lambda_);
   if (factors_on_demand())
     linearize(report);
@@ -220,13 +226,17 @@ void Rattle::keep_multipliers(double h) {
   last_h_ = h;
 }
 
-/// A sum is finite if and, short of overflow, only if all its terms are.
+/// Momenta, and a state that a World takes.  A sum is finite if and, short of overflow, only if all its terms
+/// are.
 bool Rattle::finite() const {
   double sum = 0;
-  for (int b = 0; b < world_.body_count(); ++b)
+  bool near = true;
+  for (int b = 0; b < world_.body_count(); ++b) {
     sum += std::abs(momenta_[b].torque.sum()) + std::abs(momenta_[b].force.sum()) +
-           std::abs(state_.poses[b].p.sum()) + std::abs(state_.poses[b].q.coeffs().sum());
-  return std::isfinite(sum);
+           std::abs(state_.poses[b].q.coeffs().sum());
+    near = near && within_reach(state_.poses[b], state_.twists[b]);
+  }
+  return near && std::isfinite(sum);
 }
 
 void Rattle::restore(StepReport& report) {

@@ -40,7 +40,7 @@ void set_works(StepReport& report, const Works& works);
 /// The next step starts with the factor of S(q₁): one factorisation a step.        (solvers/README, "RATTLE")
 class Rattle {
  public:
-  enum class Outcome { kDone, kStalled, kUnstable, kImpact, kOverload, kNotFinite };
+  enum class Outcome { kDone, kStalled, kUnstable, kImpact, kOverload, kNotFinite, kBlind };
 
   Rattle(const World& world, ConstraintSystem& system, const Settings& settings);
   virtual ~Rattle() = default;
@@ -63,8 +63,8 @@ class Rattle {
   /// One step of h ≠ 0 (negative in compositions).  kStalled: Newton did not close the positions; kUnstable:
   /// the multipliers turned out to demand a smaller step; kImpact: an axis bounces at time_to_impact(), where
   /// the next advance must end; kOverload: a joint does not bear its load, and either is out now, or breaks
-  /// at time_to_break() > 0, where the next advance must end.  The state is then the old one and the factor
-  /// is that of S(q₀) again.
+  /// at time_to_break() > 0, where the next advance must end; kBlind: contacts could not be looked for, for
+  /// the reason that blind() gives.  The state is then the old one and the factor is that of S(q₀) again.
   [[nodiscard]] virtual Outcome advance(double h, StepReport& report);
 
   const State& state() const { return state_; }
@@ -112,6 +112,12 @@ class Rattle {
   /// the rows of that friction, and those of motors without bound and of joints that follow the time whose
   /// impulses are as large.
   std::span<const int> jammed() const { return jammed_; }
+  /// Contacts could not be looked for the last time, also in start(): see contacts().set().detection().
+  bool blind() const { return !contacts_.empty() && contacts_.set().detection().blind(); }
+  /// Threads that could not be started.
+  int missing_threads() const {
+    return std::max(contacts_.set().detection().missing_threads, islands_.missing_threads());
+  }
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 

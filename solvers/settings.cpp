@@ -1,5 +1,6 @@
 #include "solvers/settings.h"
 
+#include "collision/thread_pool.h"
 #include "core/check.h"
 #include "solvers/setting_checks.h"
 #include "solvers/simulator_impl.h"
@@ -21,7 +22,8 @@ void check_settings(const Settings& s) {
   require_not_negative("settings sleep_time", s.sleep_time);
   require_not_negative("settings erp", s.erp);
   require_not_negative("settings cfm", s.cfm);
-  if (s.threads < 0) fail("settings threads", "must not be negative", s.threads);
+  detail::check_threads("settings threads", s.threads);
+  if (s.max_contacts < 0) fail("settings max_contacts", "must not be negative", s.max_contacts);
   if (s.iterations < 1) fail("settings iterations", "must be at least 1", s.iterations);
   if (!(s.relaxation > 0 && s.relaxation < 2))
     fail("settings relaxation", "must be between 0 and 2", s.relaxation);

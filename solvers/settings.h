@@ -77,6 +77,9 @@ struct Settings {
   bool contacts = true;           ///< shapes of the world touch; false: they pass through each other
   double contact_margin = 0.005;  ///< [m] contacts exist up to this gap
   double resting_speed = 1e-3;    ///< [m/s] slower impacts have no restitution
+  /// Pairs of shapes near each other, and contacts, that a step takes on; 0: 10,000 + 50 per shape.  With
+  /// more it is not done (Status::kCrowded).
+  int max_contacts = 0;
   /// Where, in a world with contacts, the laws of contacts, friction and limits cannot be met to 1e-8 of the
   /// largest impulse, a residual up to this is taken, with Status::kInexact; 0: such a step fails.
   double inexact_tolerance = 1e-4;
@@ -94,8 +97,8 @@ struct Settings {
   Solver solver = Solver::kDirect;
   int iterations = 50;    ///< sweeps of an iterative solver over all joints and contacts, per stage
   double relaxation = 1;  ///< ω of kGaussSeidel, between 0 and 2
-  /// For finding contacts and solving islands, 0: as many as the machine has.  The results have the same bits
-  /// with any number.
+  /// For finding contacts and solving islands, at most 1024; 0: as many as the machine has.  The results have
+  /// the same bits with any number.
   int threads = 0;
   /// Energies, momenta and the work of the constraint forces in each report.
   bool report_energy = true;

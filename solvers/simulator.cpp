@@ -92,6 +92,7 @@ void Simulator::Impl::refresh() {
       rattle_->start(world_.state(), report_);
       if (old_rattle) rattle_->inherit(*old_rattle);
     }
+    if (rattle_->blind()) return fail_blind();
     retaken_ = false;
     restarted_ = true;
   }
@@ -223,6 +224,7 @@ void Simulator::Impl::step(double dt) {
     given_version_ = world_.state_version();  // the user's world stays as it was
   }
   end_versions_ = versions();
+  note_detection();
   report_.asleep = source_.asleep_count();
   count_work();
 }
@@ -260,6 +262,7 @@ bool Simulator::Impl::advance_to_end(double dt) {
     report_.status = Status::kSuccess;
     report_.message.clear();
     report_.contradiction = {};
+    report_.crowd = {};
     return false;
   }
   if (done)
@@ -286,7 +289,7 @@ Rattle::Outcome Simulator::Impl::advance(double h) {
   for (double fraction : fractions) {
     const Rattle::Outcome outcome = rattle_->advance(fraction * h, report_);
     if (outcome == Rattle::Outcome::kDone) continue;
-    if (outcome != Rattle::Outcome::kNotFinite) {
+    if (outcome != Rattle::Outcome::kNotFinite && outcome != Rattle::Outcome::kBlind) {
       rattle_->start(before_, report_);
       rattle_->set_impulses(impulses_before_);
       set_works(report_, works);
@@ -365,6 +368,9 @@ bool Simulator::Impl::integrate(double dt) {
         break;
       case Rattle::Outcome::kNotFinite:
         fail_not_finite();
+        return false;
+      case Rattle::Outcome::kBlind:
+        fail_blind();
         return false;
     }
     if (limit < smallest) {

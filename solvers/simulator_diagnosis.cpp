@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "core/diagnostics.h"
+#include "core/reach.h"
 #include "solvers/assembly.h"
 #include "solvers/contradiction.h"
 #include "solvers/simulator_impl.h"
@@ -88,6 +89,11 @@ void Simulator::Impl::fail_not_finite() {
     return set_failure(Status::kNotFinite, "J M⁻¹ Jᵀ of " + std::string(source_.joint(joint).type()) + " " +
                                                source_.name(joint) +
                                                " is not finite: its factors are too large for its bodies");
+  if (rattle_)
+    for (int b = 0; b < world_.body_count(); ++b)
+      if (const State& end = rattle_->state(); !within_reach(end.poses[b], end.twists[b]))
+        return set_failure(Status::kNotFinite,
+                           "body " + world_.name(BodyId{b}) + " comes beyond 1e30 m, m/s or rad/s");
   set_failure(Status::kNotFinite, "a force or the state is not finite");
 }
 

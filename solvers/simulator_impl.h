@@ -171,6 +171,8 @@ class Simulator::Impl {
   void forget_step();
   void diagnose_stall(double remaining);
   void fail_not_finite();
+  void fail_blind();
+  void note_detection();
   JointId overflowing_joint(const State& state);
   std::string widest_gap(const State& state);
   std::string singular_axis() const;

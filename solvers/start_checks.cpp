@@ -140,6 +140,35 @@ std::vector<StartOverlap> start_overlaps(const World& world) {
   return found;
 }
 
+UnsupportedPairs unsupported_pairs(const World& world) {
+  constexpr std::size_t kFirst = 100;
+  // Convex shapes have contacts with everything.
+  std::vector<ShapeId> others;
+  const Shape ground = HalfSpace{}, surface = TriangleMesh{};
+  for (int i = 0; i < world.shape_count(); ++i) {
+    const Shape& shape = *world.shape({i}).shape;
+    if (!have_contacts(shape, ground) || !have_contacts(shape, surface)) others.push_back({i});
+  }
+  UnsupportedPairs found;
+  for (std::size_t i = 0; i < others.size(); ++i)
+    for (std::size_t k = i + 1; k < others.size(); ++k) {
+      const ShapeId a = others[i], b = others[k];
+      if (have_contacts(*world.shape(a).shape, *world.shape(b).shape) || !world.may_collide(a, b)) continue;
+      ++found.count;
+      if (found.first.size() < kFirst) found.first.emplace_back(a, b);
+    }
+  return found;
+}
+
+Crowd start_crowd(const World& world, const Settings& settings, double dt) {
+  if (!settings.contacts) return {};
+  ContactFinder finder({.margin = settings.contact_margin,
+                        .threads = settings.threads,
+                        .max_contacts = settings.max_contacts});
+  finder.find(world, dt);
+  return finder.report().crowd;
+}
+
 double coarsest_position(const World& world) {
   double farthest = 0;
   for (const Pose& pose : world.state().poses) farthest = std::max(farthest, pose.p.cwiseAbs().maxCoeff());

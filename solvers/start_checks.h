@@ -1,9 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "collision/contact.h"
 #include "core/world.h"
+#include "solvers/settings.h"
 
 /// What can be said of a world before its first step.
 namespace taut {
@@ -36,6 +40,17 @@ struct StartOverlap {
 /// Those of the present state by more than a hundredth of the radius of gyration of the smaller one, deepest
 /// first.  Steps take them apart at no more than 1 m/s.
 std::vector<StartOverlap> start_overlaps(const World& world);
+
+/// Pairs of shapes that may touch and have no law for it: they pass through each other.
+struct UnsupportedPairs {
+  std::vector<std::pair<ShapeId, ShapeId>> first;  ///< the first 100
+  std::int64_t count = 0;
+};
+/// Wherever they are.
+UnsupportedPairs unsupported_pairs(const World& world);
+
+/// More contacts, or pairs near each other, than the first step of dt takes on; empty: it does.
+Crowd start_crowd(const World& world, const Settings& settings, double dt);
 
 /// The distance [m] of neighbouring numbers at the coordinate of a body that is farthest from 0: no joint can
 /// be closed much better.

@@ -1,6 +1,9 @@
 #include "solvers/step_report.h"
 
+#include <algorithm>
+
 #include "core/rows.h"
+#include "solvers/contradiction.h"
 
 namespace taut {
 
@@ -18,6 +21,8 @@ std::string_view to_string(Status status) {
       return "not finite";
     case Status::kInterrupted:
       return "interrupted";
+    case Status::kCrowded:
+      return "crowded";
   }
   return "unknown";
 }
@@ -51,6 +56,27 @@ std::vector<std::string> names_of(std::span<const DependentRow> rows, const Worl
                     all.row_name(joint.first_row + row.row));
   }
   return names;
+}
+
+std::string name_of(const std::pair<ShapeId, ShapeId>& pair, const World& world) {
+  const auto one = [&](ShapeId id) {
+    const ShapeRecord& record = world.shape(id);
+    return shape_name(*record.shape) + (" of " + world.name(record.body));
+  };
+  return one(pair.first) + " and " + one(pair.second);
+}
+
+std::string text_of(const Crowd& crowd, const World& world) {
+  std::vector<std::string> names;  // a body may have several of the shapes
+  for (const ShapeId shape : crowd.shapes) {
+    const std::string& name = world.name(world.shape(shape).body);
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  std::string text =
+      "more than " + std::to_string(crowd.most) +
+      " pairs of shapes near each other, or contacts, which is what max_contacts allows; bodies " +
+      list_of(names) + " have most of them";
+  return text + ": they lie in one place, or a step takes them past many others";
 }
 
 }  // namespace taut

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/diagnostics.h"
@@ -23,8 +24,9 @@ enum class Status {
                    ///< the step
   kContradiction,  ///< some joints, limits, motors or contacts cannot hold together: see
                    ///< StepReport::contradiction; state as before the step
-  kNotFinite,      ///< a force or a state is not finite; state as before the step
+  kNotFinite,      ///< a force or a state is not finite, or beyond 1e30; state as before the step
   kInterrupted,    ///< Simulator::set_interrupt() asked for the end; state as before the step
+  kCrowded,  ///< more contacts than Settings::max_contacts: see StepReport::crowd; state as before the step
 };
 std::string_view to_string(Status status);
 
@@ -96,6 +98,11 @@ struct RankReport {
   /// loads.
   std::vector<JointId> not_unique;
 };
+
+/// For messages: "triangle_mesh of rock and height_field of ground".
+std::string name_of(const std::pair<ShapeId, ShapeId>& pair, const World& world);
+/// For messages: "more than 25000 pairs of shapes near each other, or contacts, most of them of b1, b2 …".
+std::string text_of(const Crowd& crowd, const World& world);
 
 /// A joint that broke in a step, or left with one that did.
 struct BreakEvent {
@@ -192,6 +199,14 @@ struct StepReport {
   std::optional<RankReport> rank;
   std::vector<BreakEvent> breaks;  ///< in the order in which they happened; the joints are detached now
   Contradiction contradiction;     ///< with Status::kContradiction
+  Crowd crowd;                     ///< with Status::kCrowded
+
+  /// Pairs of shapes near each other at the end of the step that pass through each other, since there is no
+  /// law for their contact (have_contacts()): the first eight, and how many there are.
+  std::vector<std::pair<ShapeId, ShapeId>> unsupported;
+  int unsupported_pairs = 0;
+  /// Threads that Settings::threads asks for and that could not be started: the others did their work.
+  int missing_threads = 0;
 
   bool ok() const { return status == Status::kSuccess; }
   /// The world has moved on: after success, or inexactly.

@@ -18,7 +18,7 @@ inline std::string probe(const std::string& keys) { return two_bodies(R"("probes
 inline std::vector<BadScene> bad_top_level() {
   const std::string known_settings =
       R"("cfm", "contact_margin", "contacts", "drift_cure", "erp", "factor", "inexact_tolerance", )"
-      R"("integrator", "iterations", "max_newton_iterations", "max_rotation", "max_substeps", )"
+      R"("integrator", "iterations", "max_contacts", "max_newton_iterations", "max_rotation", "max_substeps", )"
       R"("max_tension_number", "merge_fixed_joints", )"
       R"("penalty_damping_ratio", "penalty_frequency", "position_tolerance", "relaxation", "report_energy", )"
       R"("report_rank", )"

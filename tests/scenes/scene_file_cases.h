@@ -24,7 +24,7 @@ inline constexpr const char* kEverything = R"({
     "max_newton_iterations": 7, "max_substeps": 64, "tension": "ignore", "max_tension_number": 0.5,
     "max_rotation": 0.25, "drift_cure": "position-push", "erp": 0.5, "cfm": 1e-9, "penalty_frequency": 30,
     "penalty_damping_ratio": 0.7, "theta": 0.75, "factor": "multifrontal", "solver": "pairwise",
-    "iterations": 9, "relaxation": 1.5, "threads": 3, "contacts": false, "contact_margin": 0.01, "resting_speed": 0.02,
+    "iterations": 9, "relaxation": 1.5, "threads": 3, "contacts": false, "contact_margin": 0.01, "resting_speed": 0.02, "max_contacts": 5000,
     "inexact_tolerance": 1e-6, "sleep": true, "sleep_speed": 1e-3, "sleep_time": 0.75, "merge_fixed_joints": true, "report_energy": false, "report_rank": true},
   "generate": [{"builder": "chain", "parameters": {"n": 2}, "prefix": "c/", "position": [0, 9, 0],
                 "orientation": [0, 0, 0, 1]}],

@@ -85,6 +85,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_FALSE(s.contacts);
   EXPECT_EQ(s.contact_margin, 0.01);
   EXPECT_EQ(s.resting_speed, 0.02);
+  EXPECT_EQ(s.max_contacts, 5000);
   EXPECT_EQ(s.inexact_tolerance, 1e-6);
   EXPECT_EQ(s.factor, FactorChoice::kMultifrontal);
   EXPECT_TRUE(s.sleep);
