@@ -220,6 +220,7 @@ void Simulator::Impl::step(double dt) {
     if (report_.advanced()) give_back();
   });
   if (!report_.advanced()) {
+    if (has_moved_) world_.set_state(undo_);  // joints that were closed before the step
     stay_awake();
     given_version_ = world_.state_version();  // the user's world stays as it was
   }

@@ -130,6 +130,27 @@ TEST(RobustWorldAssigned, WithMergedBodies) {
   step(simulator, 20);
 }
 
+TEST(RobustFailure, OfAStepThatBeganByClosingJointsLeavesTheStateAsItWas) {
+  World world = pendulum(2);
+  bool bad = false;
+  world.add_force(ForceCallback(
+      [&](const State&, std::span<Wrench> wrenches) {
+        if (bad) wrenches[1].force.x() = std::numeric_limits<double>::quiet_NaN();
+      },
+      false));
+  Simulator simulator(world);
+  step(simulator, 2);
+  Pose open = world.pose(BodyId{2});
+  open.p += Vec3(1e-3, 0, 0);
+  world.set_pose(BodyId{2}, open);
+  const State before = world.state();
+  bad = true;
+  EXPECT_FALSE(simulator.step(1e-3).advanced());
+  EXPECT_TRUE(same(world.state(), before));
+  bad = false;
+  step(simulator, 2);
+}
+
 /// Throws at its n-th call, counting from now.
 struct Trap {
   int calls_left = -1;
