@@ -71,6 +71,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   unmended_.resize(bodies);
   filter_rotation_.resize(bodies);
   filter_translation_.resize(bodies);
+  stiffened_.resize(bodies);
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
   if (rubs()) slack_ = kSlack * settings.position_tolerance;
   axes_.set_slack(slack_);
@@ -294,15 +295,16 @@ std::span<const double> Rattle::kick_jacobian() const {
 void Rattle::kick_and_drift(double h, const Configuration& end) {
   const Rows& rows = system_.rows();
   const std::span<const double> J = kick_jacobian();
+  const bool keeps_sums = implicit_ && !free_parts_.empty();
+  if (keeps_sums) kick_free_parts(h);
   for (const Rows::Piece& piece : rows.pieces()) {
     for (int b = piece.begin; b < piece.end; ++b) {
       if (system_.mass()[b].fixed) continue;
-      kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + rows.wrench_on(b, J, lambda_);
-      if (iterative()) kicked_[b] = kicked_[b] - absorbed_[b];
-      if (implicit_) {
-        kicked_[b].torque = filter_rotation_[b] * kicked_[b].torque;
-        kicked_[b].force = filter_translation_[b] * kicked_[b].force;
+      if (!keeps_sums) {
+        kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + rows.wrench_on(b, J, lambda_);
+        if (implicit_) kicked_[b] = filtered(b, kicked_[b]);
       }
+      if (iterative()) kicked_[b] = kicked_[b] - absorbed_[b];
       poses_[b] = free_flow(system_.mass(), b, state_.poses[b], kicked_[b].torque, kicked_[b].force, h);
     }
     rows.residual(end, phi_, piece);

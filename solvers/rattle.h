@@ -13,6 +13,7 @@
 #include "solvers/constraint_system.h"
 #include "solvers/contact_islands.h"
 #include "solvers/contact_solver.h"
+#include "solvers/free_parts.h"
 #include "solvers/interior_point.h"
 #include "solvers/piece_newton.h"
 #include "solvers/settings.h"
@@ -240,6 +241,11 @@ class Rattle {
   bool is_held(int body);
   void clear_held_bodies(int begin, int end);
   void prepare_stiffness(double h);
+  void find_free_parts();
+  void kick_free_parts(double h);
+  Wrench filtered(int b, const Wrench& p) const {
+    return {filter_rotation_[b] * p.torque, filter_translation_[b] * p.force};
+  }
   void account_for_kick(double h, StepReport& report);
   bool any_split() const;
   enum class Bodies { kAll, kSplit };
@@ -290,6 +296,8 @@ class Rattle {
   double omega_ = 0, step_limit_ = 0;
   bool implicit_ = false;  // this step uses geometric stiffness
   std::vector<Mat3> filter_rotation_, filter_translation_;
+  std::vector<char> stiffened_;  // bodies
+  FreeParts free_parts_;         // whose momenta that filter keeps
 
   Breaking breaking_;
   std::vector<double> broken_states_;  // of rows, for the system without laws
