@@ -197,14 +197,25 @@ bool MoreauJean::go_to_end(double h, StepReport& report) {
   state_.time = start_time_ + h;
   first_axes_ = state_.axes;
   system_.rows().update_axes(end_of_step(0), state_.axes);
-  if (settings_.drift_cure == DriftCure::kPositionPush &&
-      !close_joints(system_, state_, settings_.position_tolerance, report)) {
+  if (settings_.drift_cure == DriftCure::kPositionPush && !push_positions(report)) {
     system_.rows().residual(state_, phi_);  // for the diagnosis
     return false;
   }
   system_.set_mass(state_.poses);
   twists_from_momenta();
   return true;
+}
+
+/// Joints and limits closed, or where they are too much for each other the joints alone.
+bool MoreauJean::push_positions(StepReport& report) {
+  axes_.rigid_limits(limits_);
+  if (!limits_.empty()) {
+    const std::vector<Pose> unpushed = state_.poses;
+    if (close_joints(system_, state_, settings_.position_tolerance, report, limits_)) return true;
+    state_.poses = unpushed;
+    system_.rows().update_axes(end_of_step(0), state_.axes);
+  }
+  return close_joints(system_, state_, settings_.position_tolerance, report);
 }
 
 /// For reactions and the next guess.  The impulse of an impact is no force.

@@ -125,7 +125,7 @@ class Rattle {
   static constexpr double kSlow = 0.6;
   /// Largest natural residual of the laws of axes.
   static constexpr double kNaturalTolerance = 1e-9;
-  static constexpr double kContactTolerance = 1e-8;  // the same with contacts
+  static constexpr double kContactTolerance = 1e-8;  // the same where there are contacts
 
   void linearize(StepReport& report);
   void linearize_and_factorize(StepReport& report);
@@ -197,9 +197,10 @@ class Rattle {
   std::pair<double, double> rate_noise() const;
   void note_residual(std::span<const double> lambda);
   void note_jam(std::span<const double> lambda);
+  double natural_tolerance() const { return contacts_.any() ? kContactTolerance : kNaturalTolerance; }
   /// Without contacts no tolerance of rates makes up for the laws of axes.
   bool exact(std::span<const double> lambda) const {
-    return !contacts_.empty() || natural_residual(lambda, w_) <= kNaturalTolerance;
+    return contacts_.any() || natural_residual(lambda, w_) <= kNaturalTolerance;
   }
   using Renew = void (Rattle::*)();  // of the laws of a stage
   bool laws_move(std::span<const double> lambda, double rate_tolerance);

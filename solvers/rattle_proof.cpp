@@ -24,7 +24,7 @@ constexpr double kNoises = 10;
 /// The natural residual over its tolerance; 0 if no better solution is known.
 double Rattle::laws_off(std::span<const double> lambda, std::span<const double> w) const {
   if (loose_ > 0) return 0;
-  return natural_residual(lambda, w) / (contacts_.empty() ? kNaturalTolerance : kContactTolerance);
+  return natural_residual(lambda, w) / natural_tolerance();
 }
 
 /// Rates that laws may be missed by where the tolerances of positions and velocities have let too much pass.
@@ -34,7 +34,7 @@ double Rattle::exact_tolerance() const {
 
 /// The laws of a stage are not met any better.  False if that is not enough for an inexact step.
 bool Rattle::take_loosely(double off) {
-  loose_ = off * kContactTolerance;
+  loose_ = off * natural_tolerance();
   return loose_ <= settings_.inexact_tolerance;
 }
 

@@ -32,6 +32,12 @@ constexpr double kShrink = 0.5, kGrow = 1.5;
 constexpr double kHardPart = 0.6;
 constexpr int kHardSteps = 10;
 
+Gap wider(const Gap& a, const Gap& b) {
+  // Written so that a NaN in either stays.
+  const auto worse = [](double x, double y) { return x >= y || std::isnan(x) ? x : y; };
+  return {worse(a.metres, b.metres), worse(a.radians, b.radians)};
+}
+
 }  // namespace
 
 /// New topology: new pattern, order and symbolic factor.  New state: new start.  What contacts and friction
@@ -262,7 +268,7 @@ bool Simulator::Impl::advance_to_end(double dt) {
     report_.contradiction = {};
     return false;
   }
-  if (done)
+  if (done && welds_hold())
     finish(dt);
   else
     forget_step(), start_.poses.clear();
@@ -376,6 +382,28 @@ bool Simulator::Impl::integrate(double dt) {
   return true;
 }
 
+/// Of joints, and of axes beyond rigid limits.
+Gap Simulator::Impl::gap_of(std::span<const double> phi) const {
+  const Gap joints = max_gap(system_->rows(), phi);
+  return rattle_ ? wider(joints, rattle_->axes().beyond_limits(phi)) : joints;
+}
+
+/// False, and said so, if the members of merged bodies cannot be placed to the tolerance.
+bool Simulator::Impl::welds_hold() {
+  if (!weld_loads_) return true;
+  merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), given_);
+  const MergedWorld::OpenWeld widest = merged_->widest_weld(source_, given_);
+  if (std::max(widest.gap.metres, widest.gap.radians) <= settings_.position_tolerance) return true;
+  std::ostringstream text;
+  const bool angular = widest.gap.radians > widest.gap.metres;
+  text << source_.joint(widest.joint).type() << " " << source_.name(widest.joint)
+       << ", which is merged away, is open by " << (angular ? widest.gap.radians : widest.gap.metres)
+       << (angular ? " rad" : " m")
+       << ", the round-off of its bodies' coordinates: move the scene nearer to the origin";
+  set_failure(Status::kNotConverged, text.str());
+  return false;
+}
+
 /// The proof of quality, from the state that the user gets.
 void Simulator::Impl::finish(double dt) {
   const State& state = force_level_ ? force_level_->state() : rattle_->state();
@@ -392,8 +420,9 @@ void Simulator::Impl::finish(double dt) {
   } else {
     system_->rows().residual(state, phi_);
     if (rattle_) rattle_->clear_broken_rows(phi_);
-    report_.gap = max_gap(system_->rows(), phi_);
+    report_.gap = gap_of(phi_);
   }
+  if (weld_loads_) report_.gap = wider(report_.gap, merged_->widest_weld(source_, given_).gap);
   if (force_level_) {
     system_->linearize(state);
     system_->rows().apply(system_->jacobian(), state.twists, rates_);
@@ -473,7 +502,7 @@ void Simulator::Impl::close_all_joints() {
     state_version_ = world_.state_version();
     report_.time = world_.time();
     system_->rows().residual(world_.state(), phi_);
-    report_.gap = max_gap(system_->rows(), phi_);
+    report_.gap = gap_of(phi_);
   } else if (system_->rows().residual(state, phi_);
              !std::isfinite(max_gap(system_->rows(), phi_).metres + max_gap(system_->rows(), phi_).radians)) {
     set_failure(Status::kNotFinite, "a joint's gap is not finite");

@@ -167,6 +167,8 @@ class Simulator::Impl {
   double choose_pieces(double dt);
   double step_limit() const;
   void finish(double dt);
+  bool welds_hold();
+  Gap gap_of(std::span<const double> phi) const;
   void detach_broken();
   void forget_step();
   void diagnose_stall(double remaining);
