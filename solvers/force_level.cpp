@@ -64,6 +64,7 @@ bool ForceLevel::advance(double h, StepReport& report) {
     const Pose& X = state_.poses[b];
     const Twist& V = state_.twists[b];
     if (X.p.allFinite() && X.q.coeffs().allFinite() && V.w.allFinite() && V.v.allFinite()) continue;
+    not_finite_ = b;
     state_ = backup_;
     return false;
   }

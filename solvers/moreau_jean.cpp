@@ -23,6 +23,8 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   works_before_ = works_of(report);
   loosest_ = natural_ = 0;
   jammed_.clear();
+  culprits_.clear();
+  unsettled_ = 0;
   predict(h);
   go_to_middle(h, report);
   begin_laws(h, report);
@@ -165,7 +167,10 @@ bool MoreauJean::solve_stage(StepReport& report) {
   near_ = false;
   loosest_ = natural_ = 0;  // of the passes before, which this one replaces
   const auto renew = static_cast<Renew>(&MoreauJean::renew_laws);
-  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) return false;
+  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) {
+    note_culprits(mu_, w_);
+    return false;
+  }
   end_velocities(report);
   note_residual(mu_);
   return report.velocity_residual <= settings_.velocity_tolerance;

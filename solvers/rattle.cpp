@@ -43,6 +43,7 @@ constexpr double kSlack = 0.25;
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
     : world_(world),
+      named_(&world),
       system_(system),
       settings_(settings),
       springs_(system.rows().spring_count() > 0 ? Springs::kLeftOut : Springs::kIncluded),
@@ -130,6 +131,8 @@ void Rattle::linearize_and_factorize(StepReport& report) {
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   loosest_ = natural_ = 0;
   jammed_.clear();
+  culprits_.clear();
+  unsettled_ = 0;
   implicit_ =
       settings_.tension == TensionPolicy::kImplicit && omega_ * std::abs(h) > settings_.max_tension_number;
   if (implicit_) {
@@ -400,15 +403,20 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   }
 }
 
-Rattle::Fixed Rattle::fixed_point(int pass, double& last_change) const {
+Rattle::Fixed Rattle::fixed_point(int pass, double& last_change) {
   double change = 0, size = 0;
+  int most = 0;
   for (int b = 0; b < world_.body_count(); ++b) {
-    change = std::max({change, (forces_[b].force - last_forces_[b].force).cwiseAbs().maxCoeff(),
-                       (forces_[b].torque - last_forces_[b].torque).cwiseAbs().maxCoeff()});
+    const double of_body = std::max((forces_[b].force - last_forces_[b].force).cwiseAbs().maxCoeff(),
+                                    (forces_[b].torque - last_forces_[b].torque).cwiseAbs().maxCoeff());
+    if (of_body > change) change = of_body, most = b;
     size = std::max({size, forces_[b].force.cwiseAbs().maxCoeff(), forces_[b].torque.cwiseAbs().maxCoeff()});
   }
   if (!(change > kForceTolerance * size)) return Fixed::kYes;
-  if (pass >= kMaxForcePasses || (pass > 0 && change > 0.5 * last_change)) return Fixed::kStalled;
+  if (pass >= kMaxForcePasses || (pass > 0 && change > 0.5 * last_change)) {
+    unsettled_ = most;
+    return Fixed::kStalled;
+  }
   last_change = change;
   return Fixed::kNotYet;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/union_find.h"
@@ -113,6 +114,13 @@ class Rattle {
   /// the rows of that friction, and those of motors without bound and of joints that follow the time whose
   /// impulses are as large.
   std::span<const int> jammed() const { return jammed_; }
+  /// Who was furthest from the laws of a stage that could not be solved, or was solved inexactly, in the last
+  /// advance.
+  std::span<const Culprit> culprits() const { return culprits_; }
+  /// The body on which forces changed most when they did not settle in the last advance; else the ground.
+  BodyId unsettled() const { return {unsettled_}; }
+  /// Shapes of contacts in culprits() belong to the bodies of this world.
+  void name_by(const World& world) { named_ = &world; }
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 
@@ -143,7 +151,7 @@ class Rattle {
   /// Between passes of the fixed point for forces that depend on what they lead to: whether forces_, new
   /// since last_forces_, are the same, still come closer, or do not.
   enum class Fixed { kYes, kNotYet, kStalled };
-  Fixed fixed_point(int pass, double& last_change) const;
+  Fixed fixed_point(int pass, double& last_change);
   template <typename Change>
   void twists_and_rates(Change change);
   void second_kick(int b, double h) { momenta_[b] = kicked_[b] + 0.5 * h * forces_[b]; }
@@ -194,6 +202,12 @@ class Rattle {
   double exact_tolerance() const;
   bool take_loosely(double off);
   double natural_residual(std::span<const double> lambda, std::span<const double> w) const;
+  double natural_scale(std::span<const double> lambda, std::span<const double> w) const;
+  double natural_error(int r, std::span<const double> lambda, std::span<const double> w, double scale,
+                       const std::pair<double, double>& rate_noise) const;
+  ContactLaws::RateSize contact_rate_size() const;
+  void note_culprits(std::span<const double> lambda, std::span<const double> w);
+  void note_loose(std::span<const double> lambda);
   std::pair<double, double> rate_noise() const;
   void note_residual(std::span<const double> lambda);
   void note_jam(std::span<const double> lambda);
@@ -260,6 +274,7 @@ class Rattle {
   void with_mean_twists(std::span<const Wrench> from, std::span<const Wrench> to, Visit&& visit) const;
 
   const World& world_;
+  const World* named_;
   ConstraintSystem& system_;
   const Settings& settings_;
 
@@ -330,6 +345,8 @@ class Rattle {
   bool few_steps_ = false;
   bool laws_moved_ = false;  // friction let go, or its load changed, before this stage was solved
   std::vector<int> jammed_;
+  std::vector<Culprit> culprits_;
+  int unsettled_ = 0;
   int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_, held_laws_;

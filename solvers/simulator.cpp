@@ -75,7 +75,8 @@ void Simulator::Impl::refresh() {
     system_->rows().residual(world_.state(), phi_);
     const Gap gap = max_gap(system_->rows(), phi_);
     if (!std::isfinite(gap.metres + gap.radians)) {
-      set_failure(Status::kNotFinite, "a joint's gap is not finite at the start");
+      set_failure(Status::kNotFinite,
+                  "a joint's gap is not finite at the start" + widest_gap(world_.state(), phi_, 0));
       return;
     }
     if (std::max(gap.metres, gap.radians) > settings_.position_tolerance) {
@@ -117,6 +118,7 @@ void Simulator::Impl::make_system() {
     rattle_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
   else
     rattle_ = std::make_unique<Rattle>(world_, *system_, settings_);
+  if (rattle_) rattle_->name_by(source_);
   phi_.assign(system_->row_count(), 0.0);
   rates_.assign(system_->row_count(), 0.0);
   reaction_multipliers_.assign(system_->row_count(), 0.0);
@@ -396,6 +398,9 @@ bool Simulator::Impl::welds_hold() {
   if (std::max(widest.gap.metres, widest.gap.radians) <= settings_.position_tolerance) return true;
   std::ostringstream text;
   const bool angular = widest.gap.radians > widest.gap.metres;
+  report_.culprits = {{.kind = Culprit::Kind::kJoint,
+                       .axis = {widest.joint},
+                       .share = std::max(widest.gap.metres, widest.gap.radians)}};
   text << source_.joint(widest.joint).type() << " " << source_.name(widest.joint)
        << ", which is merged away, is open by " << (angular ? widest.gap.radians : widest.gap.metres)
        << (angular ? " rad" : " m")
@@ -414,6 +419,7 @@ void Simulator::Impl::finish(double dt) {
   if (rattle_) detach_broken();
   state_version_ = world_.state_version();
   report_.time = time;
+  if (report_.status == Status::kInexact) report_.message += list_culprits();
   for (auto* values : {&phi_, &rates_, &reaction_multipliers_}) values->resize(system_->row_count());
   if (rattle_ && rattle_->knows_residual()) {
     report_.gap = max_gap(system_->rows(), rattle_->residual());
@@ -505,7 +511,7 @@ void Simulator::Impl::close_all_joints() {
     report_.gap = gap_of(phi_);
   } else if (system_->rows().residual(state, phi_);
              !std::isfinite(max_gap(system_->rows(), phi_).metres + max_gap(system_->rows(), phi_).radians)) {
-    set_failure(Status::kNotFinite, "a joint's gap is not finite");
+    set_failure(Status::kNotFinite, "a joint's gap is not finite" + widest_gap(state, phi_, 0));
   } else if (report_.ok()) {
     report_.contradiction = find_contradiction({.world = world_, .from = state, .bounds = false});
     set_failure(report_.contradiction.empty() ? Status::kNotConverged : Status::kContradiction,

@@ -175,6 +175,11 @@ class Simulator::Impl {
   void fail_not_finite();
   JointId overflowing_joint(const State& state);
   std::string widest_gap(const State& state);
+  std::string widest_gap(const State& state, std::span<const double> phi, double least);
+  std::string advice(const Culprit& culprit, const State& state) const;
+  std::string list_culprits() const;
+  ForceId force_not_finite() const;
+  BodyId body_not_finite() const;
   std::string singular_axis() const;
   void name_jam();
   Contradiction contradiction_from(const State& state, double horizon) const;
