@@ -39,6 +39,7 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
     roll_back(report);
     return Outcome::kStalled;
   }
+  if (!finite()) return Outcome::kNotFinite;
   if (settings_.report_energy) report.ledger.integration += spin_energy(momenta_, state_.poses, Bodies::kAll);
   keep_impulses(h);
   ++report.substeps;

@@ -229,7 +229,8 @@ bool Rattle::finite() const {
   double sum = 0;
   for (int b = 0; b < world_.body_count(); ++b)
     sum += std::abs(momenta_[b].torque.sum()) + std::abs(momenta_[b].force.sum()) +
-           std::abs(state_.poses[b].p.sum()) + std::abs(state_.poses[b].q.coeffs().sum());
+           std::abs(state_.poses[b].p.sum()) + std::abs(state_.poses[b].q.coeffs().sum()) +
+           std::abs(state_.twists[b].w.sum()) + std::abs(state_.twists[b].v.sum());
   return std::isfinite(sum);
 }
 

@@ -102,7 +102,7 @@ double Rattle::natural_error(int r, std::span<const double> lambda, std::span<co
   const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1, own = 1 / (root * root);
   const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r])) / root;
   const double noise = root * (system_.rows().row(r).angular ? angular : linear) / kNaturalTolerance;
-  return off / std::max(scale, noise);
+  return off == 0 ? 0 : off / std::max(scale, noise);  // of a world at rest without loads all three are
 }
 
 /// A stage is done, inexactly perhaps.

@@ -134,7 +134,9 @@ BodyId Simulator::Impl::body_not_finite() const {
   for (int b = 0; b < world_.body_count(); ++b) {
     const Pose& X = rattle_->state().poses[b];
     const Wrench& p = rattle_->momenta()[b];
-    if (!(X.p.allFinite() && X.q.coeffs().allFinite() && p.torque.allFinite() && p.force.allFinite()))
+    const Twist& V = rattle_->state().twists[b];
+    if (!(X.p.allFinite() && X.q.coeffs().allFinite() && p.torque.allFinite() && p.force.allFinite() &&
+          V.w.allFinite() && V.v.allFinite()))
       return {b};
   }
   return kGround;

@@ -79,9 +79,9 @@ struct Culprit {
     kBody,     ///< the state of body a, or the force on it, is not finite
   };
   Kind kind = Kind::kBody;
-  AxisId axis;
-  ForceId force;
-  BodyId a, b;
+  AxisId axis{};
+  ForceId force{};
+  BodyId a{}, b{};
   /// Of a joint how far it is open [m or rad]; of a law that is not met its natural residual, relative as in
   /// StepReport::natural_residual; infinite for what is not finite.
   double share = 0;

@@ -181,7 +181,7 @@ TEST(RobustResidual, IsAtMost1e9WhereShapesDoNotTouch) {
   for (int mechanism = 0; mechanism < 150; ++mechanism) {
     World world = random_mechanism(integer(random, 1, 8), integer(random, 0, 3), random);
     world.add_shape(BodyId{1}, Sphere{0.01});
-    world.add_shape(kGround, Sphere{0.01}, {.pose = {.p = {0, 0, 1000}}});
+    world.add_shape(kGround, Sphere{0.01}, {.p = {0, 0, 1000}});
     Simulator simulator(world);
     for (int i = 0; i < 60; ++i) {
       const StepReport& report = simulator.step(5e-3);

@@ -37,16 +37,6 @@ TEST(RobustMessages, AJointWhoseGapIsNotFiniteIsNamed) {
   EXPECT_EQ(report.culprits[0].axis.joint, JointId{1});
 }
 
-TEST(RobustMessages, AJointThatCannotBeClosedForRoundOffIsToldSo) {
-  World world;
-  const BodyId a = add_box(world, "a", Vec3(3e9, 1, 0.3)), b = add_box(world, "b", Vec3(3e9, 2.7, 0));
-  world.set_pose(b, {.q = exp_so3(Vec3(0.3, 0.2, 0.1)), .p = {3e9, 2.7, 0}});
-  world.add("far", Ball(a, b, Vec3(0.1, 0.7, 0.2), Vec3(0, -1, 0.3)));
-  Simulator simulator(world);
-  expect_blame(simulator.step(0.01), Status::kNotConverged, Culprit::Kind::kJoint,
-               {"cannot be closed at the start: ball far stays open by", "; round-off at"});
-}
-
 TEST(RobustMessages, AForceLawThatGivesNoNumberIsNamed) {
   for (const Integrator integrator :
        {Integrator::kRattle, Integrator::kForceRungeKutta, Integrator::kMoreauJean}) {
@@ -55,7 +45,7 @@ TEST(RobustMessages, AForceLawThatGivesNoNumberIsNamed) {
     world.add_force(PointForce(a, Vec3::Zero(), Vec3(1, 0, 0)));
     world.add_force(ForceCallback(
         [](const State& state, std::span<Wrench> wrenches) {
-          if (state.time > 0.015) wrenches[1].force.x() = std::nan("");
+          if (state.time > 0.011) wrenches[1].force.x() = std::nan("");
         },
         false));
     Simulator simulator(world, {.integrator = integrator});
@@ -101,7 +91,7 @@ TEST(RobustMessages, PositionsThatAreNotClosedNameTheJoint) {
   World world;
   BodyId last = kGround;
   for (int i = 0; i < 4; ++i) {
-    const BodyId rod = add_box(world, "rod", Vec3(0.1 + 0.2 * i, 0, 0));
+    const BodyId rod = add_box(world, "rod_" + std::to_string(i), Vec3(0.1 + 0.2 * i, 0, 0));
     world.add("j" + std::to_string(i), Ball::at(world, last, rod, Vec3(0.2 * i, 0, 0)));
     world.set_twist(rod, {Vec3(0, 0, i % 2 ? 40 : -40), Vec3::Zero()});
     last = rod;
