@@ -105,7 +105,6 @@ void Simulator::Impl::refresh() {
   state_version_ = world_.state_version();
 }
 
-<<<<<<< HEAD
 /// Pattern, order and integrator of the present topology, which know no state yet.
 void Simulator::Impl::make_system() {
   auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
@@ -146,27 +145,6 @@ void Simulator::Impl::take_back(const Pace& pace, std::vector<ContactStretch> st
   for (JointId joint : broken_) {
     world_.attach(joint);
     if (merged_) source_.attach(joint);
-=======
-/// Work that ends early if the user asks for it, and then leaves the world as it was.  A new start follows,
-/// as what the integrator knows may be anything.
-template <typename Work>
-void Simulator::Impl::interruptible(Work work) {
-  State before;
-  std::vector<ContactStretch> stretches;
-  if (interrupt_) before = world_.state(), stretches = contact_stretches();
-  try {
-    const detail::InterruptScope scope(&interrupt_);
-    work();
-  } catch (const detail::Interrupted&) {
-    if (!same(world_.state(), before)) world_.set_state(before);
-    recalled_ = std::move(stretches);
-    state_version_ = topology_version_ = -1;
-    retaken_ = false;
-    start_.poses.clear();
-    report_.contradiction = {};
-    report_.culprits.clear();
-    set_failure(Status::kInterrupted, "interrupted");
->>>>>>> bce289b (wip fixes)
   }
   if (has_moved_) world_.set_state(undo_);
   has_moved_ = false;
@@ -212,6 +190,7 @@ void Simulator::Impl::reported(Work work) {
     });
   } catch (const detail::Interrupted&) {
     report_.contradiction = {};
+    report_.culprits.clear();
     report_.breaks.clear();
     set_failure(Status::kInterrupted, "interrupted");
   } catch (...) {
