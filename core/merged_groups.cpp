@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -30,9 +31,17 @@ class Grouping {
 
  private:
   bool is_weld(JointId id) const {
-    if (!world_.is_attached(id) || can_break(id) || !world_.joint(id).rigid_pose()) return false;
+    if (!world_.is_attached(id) || can_break(id) || !closes(world_.joint(id))) return false;
     const auto compliance = world_.compliance(id);
     return !compliance || (compliance->translation == 0 && compliance->rotation == 0);
+  }
+  /// Rigid, and with arms that leave less than the tolerance to round-off.
+  bool closes(const Joint& joint) const {
+    constexpr double kRoundOff = 8 * std::numeric_limits<double>::epsilon();
+    const std::optional<Pose> X_AB = joint.rigid_pose();
+    if (!X_AB) return false;
+    const Vec3 p_BQ = joint.reaction_point_B();
+    return kRoundOff * (p_BQ.norm() + X_AB->point(p_BQ).norm()) <= tolerance_;
   }
   bool can_break(JointId id) const {
     return std::binary_search(breakable_.begin(), breakable_.end(), id.index);

@@ -131,6 +131,14 @@ class HeldWeight final : public Force {
   double potential_;
 };
 
+Gap weld_gap(const Joint& weld, const State& state) {
+  const Pose X_AB = *weld.rigid_pose();
+  const Pose &A = state.poses[weld.a().index], &B = state.poses[weld.b().index];
+  const Vec3 p_BQ = weld.reaction_point_B(), p_AP = X_AB.point(p_BQ);
+  return {((B.p - A.p) + (B.q * p_BQ - A.q * p_AP)).norm(),
+          2 * ((A.q * X_AB.q).conjugate() * B.q).vec().norm()};
+}
+
 int count_of(const std::vector<char>& flags, bool value) {
   return static_cast<int>(std::count(flags.begin(), flags.end(), char(value)));
 }
@@ -461,6 +469,20 @@ void MergedWorld::source_forces(const State& source, std::span<Wrench> wrenches,
 void MergedWorld::expand(const State& merged, State& source) const {
   source = merged;
   place_carried(*carriers_, carried_, merged, source);
+}
+
+MergedWorld::OpenWeld MergedWorld::widest_weld(const World& source, const State& state) const {
+  OpenWeld widest;
+  for (const MergedGroup& group : groups_)
+    for (const auto* welds : {&group.welds, &group.loops})
+      for (JointId weld : *welds) {
+        if (weld.index < 0) continue;
+        const Gap gap = weld_gap(source.joint(weld), state);
+        // Written so that a NaN shows.
+        const double worst = std::max(widest.gap.metres, widest.gap.radians);
+        if (widest.joint.index < 0 || !(std::max(gap.metres, gap.radians) <= worst)) widest = {weld, gap};
+      }
+  return widest;
 }
 
 }  // namespace taut

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/diagnostics.h"
 #include "core/world.h"
 
 /// Bodies that fixed joints hold together, as one body each.                (solvers/README, "Merged bodies")
@@ -22,6 +23,7 @@ struct MergedGroup {
 
 /// The groups of a world.  A joint is merged away if Joint::rigid_pose() says that it is rigid and it is
 /// attached, cannot break and has no compliance.  A group stays as it is, with its joints, where
+///   - a weld has arms so long that round-off alone opens it by `tolerance`; the others may still be merged,
 ///   - its welds do not fit each other to `tolerance` [m, rad], so that the contradiction shows,
 ///   - it is welded to two fixed bodies or more,
 ///   - another joint has nothing else to join: all of its bodies are in the group, or are held fast, or
@@ -66,6 +68,12 @@ class MergedWorld {
   }
   /// State of the source for one of world().
   void expand(const State& merged, State& source) const;
+  /// The weld that is open furthest in a state of the source, and by how much; index −1 without welds.
+  struct OpenWeld {
+    JointId joint;
+    Gap gap;
+  };
+  OpenWeld widest_weld(const World& source, const State& state) const;
   /// World::forces() of the source at the last update().
   void source_forces(const State& source, std::span<Wrench> wrenches,
                      Springs springs = Springs::kIncluded) const;

@@ -18,7 +18,6 @@ constexpr double kMaxTurn = 0.5;
 constexpr double kShare = 1e-3;
 constexpr std::size_t kMinimalSetLimit = 24;
 
-/// Limits and motors are no part of closing joints.
 void move(const MassMatrix& mass, const std::vector<Wrench>& impulse, double scale,
           std::vector<Pose>& poses) {
   for (int b = 0; b < mass.size(); ++b) {
@@ -74,20 +73,57 @@ bool contradict(const ConstraintSystem& system, std::span<const double> phi, con
   return std::sqrt(stuck) > 0.05 * r.norm();
 }
 
+/// Which limits hold while joints are closed: those that an axis was beyond, until they would pull.  Motors
+/// are no part of that.
+class PassedLimits {
+ public:
+  PassedLimits(const ConstraintSystem& system, std::span<const AxisForces::Bound> limits)
+      : limits_(limits), side_(limits.size(), 0), states_(system.row_count(), 0.0) {
+    for (const Rows::AxisRow& axis : system.rows().axis_rows()) states_[axis.row] = kMasked;
+    std::fill(states_.begin() + system.rows().first_contact_row(), states_.end(), kMasked);
+    theta_.resize(limits.size());
+  }
+  /// Of φ with the coordinates of axes, the gaps that are to be closed.
+  void read(const ConstraintSystem& system, std::span<double> phi) {
+    for (std::size_t i = 0; i < limits_.size(); ++i) theta_[i] = phi[limits_[i].row];
+    system.clear_bounded_rows(phi);
+    for (std::size_t i = 0; i < limits_.size(); ++i) {
+      const double excess = limits_[i].excess(theta_[i]);
+      if (excess != 0) side_[i] = excess > 0 ? 1 : -1;
+      states_[limits_[i].row] = side_[i] == 0 ? kMasked : 0;
+      if (side_[i] != 0)
+        phi[limits_[i].row] = theta_[i] - (side_[i] > 0 ? limits_[i].upper : limits_[i].lower);
+    }
+  }
+  std::span<const double> row_states() const { return states_; }
+  /// Lets go of those that these impulses would have pull.
+  void drop(std::span<const double> impulses) {
+    for (std::size_t i = 0; i < limits_.size(); ++i)
+      if (side_[i] * impulses[limits_[i].row] > 0) side_[i] = 0;
+  }
+
+ private:
+  std::span<const AxisForces::Bound> limits_;
+  std::vector<int> side_;
+  std::vector<double> states_, theta_;
+};
+
 }  // namespace
 
-bool close_joints(ConstraintSystem& system, State& state, double tolerance, StepReport& report) {
+bool close_joints(ConstraintSystem& system, State& state, double tolerance, StepReport& report,
+                  std::span<const AxisForces::Bound> limits) {
   const int n = system.row_count();
   std::vector<double> phi(n), delta(n);
   std::vector<Wrench> impulse(system.mass().size());
   std::vector<Pose>& poses = state.poses;
   std::vector<Pose> best = poses;
+  PassedLimits passed(system, limits);
   double best_gap = INFINITY;
   int since_best = 0;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     system.rows().update_axes(state, state.axes);
     system.rows().residual(state, phi);
-    system.clear_bounded_rows(phi);
+    passed.read(system, phi);
     const double gap = max_abs(phi);
     if (gap <= tolerance) return true;
     if (gap < 0.9 * best_gap) {
@@ -99,10 +135,11 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
     }
     system.linearize(state);
     system.set_mass(poses);
-    system.release_bounded_rows();
+    system.set_row_states(passed.row_states());
     system.factorize(report.times);
     for (int r = 0; r < n; ++r) delta[r] = -phi[r];
     system.solve(delta);
+    passed.drop(delta);
     system.rows().apply_transpose(system.jacobian(), delta, impulse);
     const double turn = largest_turn(system.mass(), impulse, poses);
     if (!std::isfinite(turn)) break;

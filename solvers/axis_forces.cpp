@@ -195,6 +195,24 @@ void AxisForces::set_limits(Axis& axis, const AxisLimits& limits, const Impact& 
     axis.upper_at = std::clamp((limits.upper - axis.theta0) / h_, -fastest, kNever);
 }
 
+void AxisForces::rigid_limits(std::vector<Bound>& bounds) const {
+  bounds.clear();
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (is_rigid_limit(i))
+      bounds.push_back({rows_[i].row, properties(i).limits->lower, properties(i).limits->upper});
+}
+
+Gap AxisForces::beyond_limits(std::span<const double> theta) const {
+  Gap gap;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (!is_rigid_limit(i)) continue;
+    const AxisLimits& limits = *properties(i).limits;
+    double& worst = angular_[i] ? gap.radians : gap.metres;
+    worst = std::max(worst, std::abs(Bound{0, limits.lower, limits.upper}.excess(theta[rows_[i].row])));
+  }
+  return gap;
+}
+
 /// The step began away from the limit.
 bool AxisForces::in_flight(std::size_t i, bool at_lower) const {
   const AxisLimits& limits = *properties(i).limits;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/diagnostics.h"
 #include "core/swing_properties.h"
 #include "core/world.h"
 #include "solvers/axis_report.h"
@@ -104,6 +105,20 @@ class AxisForces {
   void forget_impacts(bool for_good);
   /// An impact ended the last sub-step.
   bool struck() const { return struck_; }
+
+  /// A rigid limit of a row: lower ≤ θ ≤ upper.
+  struct Bound {
+    int row = 0;
+    double lower = 0, upper = 0;
+    /// How far θ is beyond, > 0 above and < 0 below.
+    double excess(double theta) const {
+      return theta > upper ? theta - upper : theta < lower ? theta - lower : 0;
+    }
+  };
+  /// All of them, of axes that are not broken off.
+  void rigid_limits(std::vector<Bound>& bounds) const;
+  /// How far axes are beyond their rigid limits.
+  Gap beyond_limits(std::span<const double> theta) const;
 
   /// How an impulse of a stage is made up.
   AxisImpulse share(int axis, double lambda, double w) const;

@@ -94,29 +94,34 @@ double ContactLaws::error(std::span<const double> lambda, std::span<const double
   return largest;
 }
 
-/// A contact that begins or ceases to slip in this stage was asked to return by what it had slipped, or not
-/// to slip: it is by the smaller of both that its law is met.
 double ContactLaws::natural_error(std::span<const double> lambda, std::span<const double> w, double scale,
                                   const RateSize& least) const {
   double largest = 0;
-  for (int k = 0; k < count(); ++k) {
-    const int row = first_row_[k];
-    if (!works(k)) continue;
-    const auto add = [&](double error, int r, double rate) {
-      if (error > 0) largest = std::max(largest, error / std::max(scale, rate / root_[r]));
-    };
-    double sliding = sliding_error(k, contact(k).sliding, lambda, w);
-    if (compliance(k) == 0) {
-      Disc other = contact(k).sliding;
-      other.slips = !other.slips;
-      sliding = std::min(sliding, sliding_error(k, other, lambda, w));
-    }
-    add(normal_error(k, lambda, w), row, least.linear);
-    add(sliding, row + 1, least.linear);
-    if (!has_twist(k)) continue;
-    add(spinning_error(k, lambda, w), row + 3, least.angular);
-    add(rolling_error(k, lambda, w), row + 4, least.angular);
+  for (int k = 0; k < count(); ++k) largest = std::max(largest, natural_error(k, lambda, w, scale, least));
+  return largest;
+}
+
+/// A contact that begins or ceases to slip in this stage was asked to return by what it had slipped, or not
+/// to slip: it is by the smaller of both that its law is met.
+double ContactLaws::natural_error(int k, std::span<const double> lambda, std::span<const double> w,
+                                  double scale, const RateSize& least) const {
+  if (!works(k)) return 0;
+  const int row = first_row_[k];
+  double largest = 0;
+  const auto add = [&](double error, int r, double rate) {
+    if (error > 0) largest = std::max(largest, error / std::max(scale, rate / root_[r]));
+  };
+  double sliding = sliding_error(k, contact(k).sliding, lambda, w);
+  if (compliance(k) == 0) {
+    Disc other = contact(k).sliding;
+    other.slips = !other.slips;
+    sliding = std::min(sliding, sliding_error(k, other, lambda, w));
   }
+  add(normal_error(k, lambda, w), row, least.linear);
+  add(sliding, row + 1, least.linear);
+  if (!has_twist(k)) return largest;
+  add(spinning_error(k, lambda, w), row + 3, least.angular);
+  add(rolling_error(k, lambda, w), row + 4, least.angular);
   return largest;
 }
 

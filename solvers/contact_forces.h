@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,6 +20,12 @@ class ContactForces final : public ContactLaws {
   ContactForces(const World& world, const Settings& settings);
 
   bool empty() const { return !wanted_ || table_.set.empty(); }
+  /// Some are there: touching or near.
+  bool any() const {
+    const auto places = table_.set.places();
+    return wanted_ &&
+           std::any_of(places.begin(), places.end(), [](const auto& place) { return place.active; });
+  }
   const ContactSet& set() const { return table_.set; }
   /// For the laws of some of them.
   ContactTable& table() { return table_; }

@@ -158,6 +158,9 @@ class ContactLaws {
   };
   double natural_error(std::span<const double> lambda, std::span<const double> w, double scale,
                        const RateSize& least) const;
+  /// The same of contact k alone.
+  double natural_error(int k, std::span<const double> lambda, std::span<const double> w, double scale,
+                       const RateSize& least) const;
   /// Radii and slips as they are at this solution.
   void take_over(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
     (void)adapt(lambda, w, rate_tolerance);

@@ -255,6 +255,32 @@ std::vector<std::string> names_of(const Contradiction& contradiction, const Worl
   return names;
 }
 
+std::string name_of(const Culprit& culprit, const World& world) {
+  const auto law = [&] {
+    std::vector<BodyId> bodies = world.force(culprit.force).bodies();
+    std::string text;
+    for (std::size_t i = 0; i < bodies.size(); ++i) text += (i > 0 ? " and " : "") + world.name(bodies[i]);
+    return text;
+  };
+  switch (culprit.kind) {
+    case Culprit::Kind::kJoint:
+      return std::string(world.joint(culprit.axis.joint).type()) + " " + world.name(culprit.axis.joint);
+    case Culprit::Kind::kAxis:
+      return std::string(world.joint(culprit.axis.joint).type()) + " " + world.axis_label(culprit.axis);
+    case Culprit::Kind::kSpring:
+      return "spring between " + law();
+    case Culprit::Kind::kContact:
+      return "contact of " + world.name(culprit.a) + " and " + world.name(culprit.b);
+    case Culprit::Kind::kForce: {
+      const std::string bodies = law();
+      return "force law " + std::to_string(culprit.force.index) + (bodies.empty() ? "" : " on " + bodies);
+    }
+    case Culprit::Kind::kBody:
+      return "body " + world.name(culprit.a);
+  }
+  return "";
+}
+
 std::string list_of(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 8;
   std::string text;

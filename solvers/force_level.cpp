@@ -63,6 +63,7 @@ bool ForceLevel::advance(double h, StepReport& report) {
   system_.rows().update_axes(state_, state_.axes);
   for (int b = 0; b < world_.body_count(); ++b) {
     if (within_reach(state_.poses[b], state_.twists[b]) && state_.poses[b].q.coeffs().allFinite()) continue;
+    not_finite_ = b;
     state_ = backup_;
     return false;
   }

@@ -27,6 +27,8 @@ class ForceLevel {
   [[nodiscard]] bool advance(double h, StepReport& report);
 
   const State& state() const { return state_; }
+  /// The body that made advance() fail last; else the ground.
+  BodyId not_finite() const { return {not_finite_}; }
   /// (L, P) of the bodies in world axes.
   std::span<const Wrench> momenta();
   /// Joint forces at the start of the last step, times h.
@@ -49,6 +51,7 @@ class ForceLevel {
   ConstraintSystem& system_;
   const Settings& settings_;
   State state_, stage_, backup_;
+  int not_finite_ = 0;
   std::vector<Wrench> forces_, joint_wrenches_, momenta_;
   std::vector<Twist> acceleration_, slope_, sum_, mean_velocity_;
   std::vector<double> lambda_, impulses_, phi_, rates_, delta_, penalty_inertia_;

@@ -23,6 +23,8 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   works_before_ = works_of(report);
   loosest_ = natural_ = 0;
   jammed_.clear();
+  culprits_.clear();
+  unsettled_ = 0;
   predict(h);
   go_to_middle(h, report);
   if (blind()) {
@@ -170,7 +172,10 @@ bool MoreauJean::solve_stage(StepReport& report) {
   near_ = false;
   loosest_ = natural_ = 0;  // of the passes before, which this one replaces
   const auto renew = static_cast<Renew>(&MoreauJean::renew_laws);
-  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) return false;
+  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) {
+    note_culprits(mu_, w_);
+    return false;
+  }
   end_velocities(report);
   note_residual(mu_);
   return report.velocity_residual <= settings_.velocity_tolerance;
@@ -202,14 +207,25 @@ bool MoreauJean::go_to_end(double h, StepReport& report) {
   state_.time = start_time_ + h;
   first_axes_ = state_.axes;
   system_.rows().update_axes(end_of_step(0), state_.axes);
-  if (settings_.drift_cure == DriftCure::kPositionPush &&
-      !close_joints(system_, state_, settings_.position_tolerance, report)) {
+  if (settings_.drift_cure == DriftCure::kPositionPush && !push_positions(report)) {
     system_.rows().residual(state_, phi_);  // for the diagnosis
     return false;
   }
   system_.set_mass(state_.poses);
   twists_from_momenta();
   return true;
+}
+
+/// Joints and limits closed, or where they are too much for each other the joints alone.
+bool MoreauJean::push_positions(StepReport& report) {
+  axes_.rigid_limits(limits_);
+  if (!limits_.empty()) {
+    const std::vector<Pose> unpushed = state_.poses;
+    if (close_joints(system_, state_, settings_.position_tolerance, report, limits_)) return true;
+    state_.poses = unpushed;
+    system_.rows().update_axes(end_of_step(0), state_.axes);
+  }
+  return close_joints(system_, state_, settings_.position_tolerance, report);
 }
 
 /// For reactions and the next guess.  The impulse of an impact is no force.

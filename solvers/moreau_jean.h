@@ -15,7 +15,8 @@ namespace taut {
 ///
 /// joints: J V₁ + φ_t = 0;  contacts with gap(q_M) ≤ 0: 0 ≤ Λ_n ⊥ w_n + e w_n⁻ ≥ 0, |Λ_t| ≤ μ Λ_n against
 /// w_t; axes: their laws for the whole step (AxisForces::impulse_laws).  Nothing in it closes positions;
-/// DriftCure::kPositionPush does so for the joints after the step.           (solvers/README, "Moreau–Jean")
+/// DriftCure::kPositionPush does so for joints and limits after the step.           (solvers/README,
+/// "Moreau–Jean")
 class MoreauJean final : public Rattle {
  public:
   MoreauJean(const World& world, ConstraintSystem& system, const Settings& settings);
@@ -36,12 +37,14 @@ class MoreauJean final : public Rattle {
   Pose moved(int b, double h) const;
   void book(double h, StepReport& report);
   bool go_to_end(double h, StepReport& report);
+  bool push_positions(StepReport& report);
   void keep_impulses(double h);
 
   double theta_ = 0.5;               // of this step
   State weighted_;                   // q_ϑ, V_ϑ at t₀ + ϑh, where forces are taken
   std::vector<Twist> first_twists_;  // V₀
   std::vector<double> first_axes_;
+  std::vector<AxisForces::Bound> limits_;
 };
 
 }  // namespace taut

@@ -44,6 +44,7 @@ constexpr double kSlack = 0.25;
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
     : world_(world),
+      named_(&world),
       system_(system),
       settings_(settings),
       springs_(system.rows().spring_count() > 0 ? Springs::kLeftOut : Springs::kIncluded),
@@ -72,6 +73,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   unmended_.resize(bodies);
   filter_rotation_.resize(bodies);
   filter_translation_.resize(bodies);
+  stiffened_.resize(bodies);
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
   if (rubs()) slack_ = kSlack * settings.position_tolerance;
   axes_.set_slack(slack_);
@@ -130,6 +132,8 @@ void Rattle::linearize_and_factorize(StepReport& report) {
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   loosest_ = natural_ = 0;
   jammed_.clear();
+  culprits_.clear();
+  unsettled_ = 0;
   implicit_ =
       settings_.tension == TensionPolicy::kImplicit && omega_ * std::abs(h) > settings_.max_tension_number;
   if (implicit_) {
@@ -304,15 +308,16 @@ std::span<const double> Rattle::kick_jacobian() const {
 void Rattle::kick_and_drift(double h, const Configuration& end) {
   const Rows& rows = system_.rows();
   const std::span<const double> J = kick_jacobian();
+  const bool keeps_sums = implicit_ && !free_parts_.empty();
+  if (keeps_sums) kick_free_parts(h);
   for (const Rows::Piece& piece : rows.pieces()) {
     for (int b = piece.begin; b < piece.end; ++b) {
       if (system_.mass()[b].fixed) continue;
-      kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + rows.wrench_on(b, J, lambda_);
-      if (iterative()) kicked_[b] = kicked_[b] - absorbed_[b];
-      if (implicit_) {
-        kicked_[b].torque = filter_rotation_[b] * kicked_[b].torque;
-        kicked_[b].force = filter_translation_[b] * kicked_[b].force;
+      if (!keeps_sums) {
+        kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + rows.wrench_on(b, J, lambda_);
+        if (implicit_) kicked_[b] = filtered(b, kicked_[b]);
       }
+      if (iterative()) kicked_[b] = kicked_[b] - absorbed_[b];
       poses_[b] = free_flow(system_.mass(), b, state_.poses[b], kicked_[b].torque, kicked_[b].force, h);
     }
     rows.residual(end, phi_, piece);
@@ -408,15 +413,20 @@ bool Rattle::close_velocities(double h, StepReport& report) {
   }
 }
 
-Rattle::Fixed Rattle::fixed_point(int pass, double& last_change) const {
+Rattle::Fixed Rattle::fixed_point(int pass, double& last_change) {
   double change = 0, size = 0;
+  int most = 0;
   for (int b = 0; b < world_.body_count(); ++b) {
-    change = std::max({change, (forces_[b].force - last_forces_[b].force).cwiseAbs().maxCoeff(),
-                       (forces_[b].torque - last_forces_[b].torque).cwiseAbs().maxCoeff()});
+    const double of_body = std::max((forces_[b].force - last_forces_[b].force).cwiseAbs().maxCoeff(),
+                                    (forces_[b].torque - last_forces_[b].torque).cwiseAbs().maxCoeff());
+    if (of_body > change) change = of_body, most = b;
     size = std::max({size, forces_[b].force.cwiseAbs().maxCoeff(), forces_[b].torque.cwiseAbs().maxCoeff()});
   }
   if (!(change > kForceTolerance * size)) return Fixed::kYes;
-  if (pass >= kMaxForcePasses || (pass > 0 && change > 0.5 * last_change)) return Fixed::kStalled;
+  if (pass >= kMaxForcePasses || (pass > 0 && change > 0.5 * last_change)) {
+    unsettled_ = most;
+    return Fixed::kStalled;
+  }
   last_change = change;
   return Fixed::kNotYet;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/union_find.h"
@@ -13,6 +14,7 @@
 #include "solvers/constraint_system.h"
 #include "solvers/contact_islands.h"
 #include "solvers/contact_solver.h"
+#include "solvers/free_parts.h"
 #include "solvers/interior_point.h"
 #include "solvers/piece_newton.h"
 #include "solvers/settings.h"
@@ -118,6 +120,13 @@ class Rattle {
   int missing_threads() const {
     return std::max(contacts_.set().detection().missing_threads, islands_.missing_threads());
   }
+  /// Who was furthest from the laws of a stage that could not be solved, or was solved inexactly, in the last
+  /// advance.
+  std::span<const Culprit> culprits() const { return culprits_; }
+  /// The body on which forces changed most when they did not settle in the last advance; else the ground.
+  BodyId unsettled() const { return {unsettled_}; }
+  /// Shapes of contacts in culprits() belong to the bodies of this world.
+  void name_by(const World& world) { named_ = &world; }
   /// How the last active set of a stage went.
   const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
 
@@ -130,7 +139,7 @@ class Rattle {
   static constexpr double kSlow = 0.6;
   /// Largest natural residual of the laws of axes.
   static constexpr double kNaturalTolerance = 1e-9;
-  static constexpr double kContactTolerance = 1e-8;  // the same with contacts
+  static constexpr double kContactTolerance = 1e-8;  // the same where there are contacts
 
   void linearize(StepReport& report);
   void linearize_and_factorize(StepReport& report);
@@ -148,7 +157,7 @@ class Rattle {
   /// Between passes of the fixed point for forces that depend on what they lead to: whether forces_, new
   /// since last_forces_, are the same, still come closer, or do not.
   enum class Fixed { kYes, kNotYet, kStalled };
-  Fixed fixed_point(int pass, double& last_change) const;
+  Fixed fixed_point(int pass, double& last_change);
   template <typename Change>
   void twists_and_rates(Change change);
   void second_kick(int b, double h) { momenta_[b] = kicked_[b] + 0.5 * h * forces_[b]; }
@@ -199,12 +208,19 @@ class Rattle {
   double exact_tolerance() const;
   bool take_loosely(double off);
   double natural_residual(std::span<const double> lambda, std::span<const double> w) const;
+  double natural_scale(std::span<const double> lambda, std::span<const double> w) const;
+  double natural_error(int r, std::span<const double> lambda, std::span<const double> w, double scale,
+                       const std::pair<double, double>& rate_noise) const;
+  ContactLaws::RateSize contact_rate_size() const;
+  void note_culprits(std::span<const double> lambda, std::span<const double> w);
+  void note_loose(std::span<const double> lambda);
   std::pair<double, double> rate_noise() const;
   void note_residual(std::span<const double> lambda);
   void note_jam(std::span<const double> lambda);
+  double natural_tolerance() const { return contacts_.any() ? kContactTolerance : kNaturalTolerance; }
   /// Without contacts no tolerance of rates makes up for the laws of axes.
   bool exact(std::span<const double> lambda) const {
-    return !contacts_.empty() || natural_residual(lambda, w_) <= kNaturalTolerance;
+    return contacts_.any() || natural_residual(lambda, w_) <= kNaturalTolerance;
   }
   using Renew = void (Rattle::*)();  // of the laws of a stage
   bool laws_move(std::span<const double> lambda, double rate_tolerance);
@@ -246,6 +262,11 @@ class Rattle {
   bool is_held(int body);
   void clear_held_bodies(int begin, int end);
   void prepare_stiffness(double h);
+  void find_free_parts();
+  void kick_free_parts(double h);
+  Wrench filtered(int b, const Wrench& p) const {
+    return {filter_rotation_[b] * p.torque, filter_translation_[b] * p.force};
+  }
   void account_for_kick(double h, StepReport& report);
   bool any_split() const;
   enum class Bodies { kAll, kSplit };
@@ -259,6 +280,7 @@ class Rattle {
   void with_mean_twists(std::span<const Wrench> from, std::span<const Wrench> to, Visit&& visit) const;
 
   const World& world_;
+  const World* named_;
   ConstraintSystem& system_;
   const Settings& settings_;
 
@@ -296,6 +318,8 @@ class Rattle {
   double omega_ = 0, step_limit_ = 0;
   bool implicit_ = false;  // this step uses geometric stiffness
   std::vector<Mat3> filter_rotation_, filter_translation_;
+  std::vector<char> stiffened_;  // bodies
+  FreeParts free_parts_;         // whose momenta that filter keeps
 
   Breaking breaking_;
   std::vector<double> broken_states_;  // of rows, for the system without laws
@@ -327,6 +351,8 @@ class Rattle {
   bool few_steps_ = false;
   bool laws_moved_ = false;  // friction let go, or its load changed, before this stage was solved
   std::vector<int> jammed_;
+  std::vector<Culprit> culprits_;
+  int unsettled_ = 0;
   int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> laws_, held_laws_;

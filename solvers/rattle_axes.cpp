@@ -101,7 +101,10 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     if (error <= 1) break;
     if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
     if (closed && exact++ == kExactSolves) {
-      if (!take_loosely(error)) return false;
+      if (!take_loosely(error)) {
+        note_culprits(lambda_, rates_);
+        return false;
+      }
       break;
     }
     if (iteration > 1 && !closed && error > kSlow * last) {
@@ -112,12 +115,15 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
     const Stopwatch watch(report.times.positions);
     near_ = iteration > 0;
     const double tolerance = closed ? exact_tolerance() : 0.1 * settings_.position_tolerance / h;
-    if (!solve_laws(lambda_, tolerance, &Rattle::renew_position_laws, report)) return false;
+    if (!solve_laws(lambda_, tolerance, &Rattle::renew_position_laws, report)) {
+      note_culprits(lambda_, w_);
+      return false;
+    }
     ++report.newton_iterations;
   }
   note_residual(lambda_);
   axes_.finish_positions(rates_);
-  loosest_ = std::max(loosest_, loose_);
+  note_loose(lambda_);
   surprised_ = holds_bodies_ && axes_.any_broken();  // who was left out of the step limit may move
   return true;
 }
@@ -249,11 +255,17 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   near_ = false;
   double tolerance = 0.1 * settings_.velocity_tolerance;
   for (int exact = 0;; ++exact) {
-    if (!solve_laws(mu_, tolerance, &Rattle::renew_velocity_laws, report)) return false;
+    if (!solve_laws(mu_, tolerance, &Rattle::renew_velocity_laws, report)) {
+      note_culprits(mu_, w_);
+      return false;
+    }
     const double off = contacts_.empty() ? 0 : laws_off(mu_, w_);
     if (off <= 1) break;
     if (exact == kExactSolves) {
-      if (!take_loosely(off)) return false;
+      if (!take_loosely(off)) {
+        note_culprits(mu_, w_);
+        return false;
+      }
       break;
     }
     tolerance = exact_tolerance();
@@ -266,7 +278,6 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
 
 /// The momenta that μ leads to, and what is left of their rates.
 void Rattle::end_velocities(StepReport& report) {
-  loosest_ = std::max(loosest_, loose_);
   for (int b = 0; b < world_.body_count(); ++b) {
     if (!system_.inverse_mass(b).moves()) continue;
     momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), mu_);
@@ -276,6 +287,7 @@ void Rattle::end_velocities(StepReport& report) {
   system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
   system_.rows().add_rate(state_, velocity_rows_);
   std::copy(velocity_rows_.begin(), velocity_rows_.end(), rates_.begin());
+  note_loose(mu_);
   clear_loose_rows(velocity_rows_);
   report.velocity_residual = max_abs(velocity_rows_);
 }

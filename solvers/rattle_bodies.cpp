@@ -208,6 +208,8 @@ void Rattle::report_residuals(StepReport& report) const {
   if (loosest_ == 0) return;
   report.status = Status::kInexact;
   report.complementarity_residual = std::max(report.complementarity_residual, loosest_);
+  const auto share = [](std::span<const Culprit> all) { return all.empty() ? -1 : all.front().share; };
+  if (share(culprits_) > share(report.culprits)) report.culprits = culprits_;
   report.message = "the laws of contacts, friction and limits are not met to 1e-8";
 }
 

@@ -24,7 +24,7 @@ constexpr double kNoises = 10;
 /// The natural residual over its tolerance; 0 if no better solution is known.
 double Rattle::laws_off(std::span<const double> lambda, std::span<const double> w) const {
   if (loose_ > 0) return 0;
-  return natural_residual(lambda, w) / (contacts_.empty() ? kNaturalTolerance : kContactTolerance);
+  return natural_residual(lambda, w) / natural_tolerance();
 }
 
 /// Rates that laws may be missed by where the tolerances of positions and velocities have let too much pass.
@@ -34,7 +34,7 @@ double Rattle::exact_tolerance() const {
 
 /// The laws of a stage are not met any better.  False if that is not enough for an inexact step.
 bool Rattle::take_loosely(double off) {
-  loose_ = off * kContactTolerance;
+  loose_ = off * natural_tolerance();
   return loose_ <= settings_.inexact_tolerance;
 }
 
@@ -65,6 +65,18 @@ double Rattle::law_error(double h) const {
 /// nothing: the scale of a row is at least what round-off of poses and twists makes of its rate, over 1e-9,
 /// for contacts of poses in both stages.
 double Rattle::natural_residual(std::span<const double> lambda, std::span<const double> w) const {
+  const double scale = natural_scale(lambda, w);
+  const auto noise = rate_noise();
+  double largest = contacts_.natural_error(lambda, w, scale, contact_rate_size());
+  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
+    const double off = natural_error(axis.row, lambda, w, scale, noise);
+    if (!(off <= largest)) largest = off;
+  }
+  return largest;
+}
+
+/// Size of impulses and rates in a stage [√J].
+double Rattle::natural_scale(std::span<const double> lambda, std::span<const double> w) const {
   double scale = 0;
   for (int r = 0; r < system_.row_count(); ++r) {
     const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1;
@@ -76,18 +88,82 @@ double Rattle::natural_residual(std::span<const double> lambda, std::span<const 
     const RowLaw::Point answer = laws_[r].resolve(own, w[r] - own * lambda[r]);
     if (RowLaw::is_vertical(answer.piece)) scale = std::max(scale, root * std::abs(answer.w));
   }
-  const auto [spin, slip] = contact_noise_;
-  double largest =
-      contacts_.natural_error(lambda, w, scale, {spin / kNaturalTolerance, slip / kNaturalTolerance});
-  const auto [angular, linear] = rate_noise();
-  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
-    const int r = axis.row;
-    const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1, own = 1 / (root * root);
-    const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r])) / root;
-    const double noise = root * (system_.rows().row(r).angular ? angular : linear) / kNaturalTolerance;
-    if (!(off <= largest * std::max(scale, noise))) largest = off / std::max(scale, noise);
+  return scale;
+}
+
+ContactLaws::RateSize Rattle::contact_rate_size() const {
+  return {contact_noise_.first / kNaturalTolerance, contact_noise_.second / kNaturalTolerance};
+}
+
+/// Of one row of a joint or a spring.
+double Rattle::natural_error(int r, std::span<const double> lambda, std::span<const double> w, double scale,
+                             const std::pair<double, double>& rate_noise) const {
+  const auto [angular, linear] = rate_noise;
+  const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1, own = 1 / (root * root);
+  const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r])) / root;
+  const double noise = root * (system_.rows().row(r).angular ? angular : linear) / kNaturalTolerance;
+  return off == 0 ? 0 : off / std::max(scale, noise);  // of a world at rest without loads all three are
+}
+
+/// A stage is done, inexactly perhaps.
+void Rattle::note_loose(std::span<const double> lambda) {
+  if (loose_ > loosest_) note_culprits(lambda, rates_);
+  loosest_ = std::max(loosest_, loose_);
+}
+
+/// Who is furthest from the laws of the present stage, for messages.
+void Rattle::note_culprits(std::span<const double> lambda, std::span<const double> w) {
+  constexpr std::size_t kMost = 4;
+  constexpr double kShare = 0.01;  // of the first
+  culprits_.clear();
+  const Rows& rows = system_.rows();
+  const double scale = natural_scale(lambda, w);
+  const auto noise = rate_noise();
+  const auto add = [this](Culprit culprit) {
+    if (!(culprit.share <= std::numeric_limits<double>::max()))
+      culprit.share = std::numeric_limits<double>::infinity();
+    const auto same = std::find_if(culprits_.begin(), culprits_.end(), [&](const Culprit& other) {
+      return other.kind == culprit.kind && other.axis == culprit.axis && other.force == culprit.force &&
+             other.a == culprit.a && other.b == culprit.b;
+    });
+    if (same == culprits_.end())
+      culprits_.push_back(culprit);
+    else
+      same->share = std::max(same->share, culprit.share);
+    std::stable_sort(culprits_.begin(), culprits_.end(),
+                     [](const Culprit& a, const Culprit& b) { return a.share > b.share; });
+    if (culprits_.size() > kMost) culprits_.pop_back();
+  };
+  const auto counts = [&](double off) {
+    return !(off <= (culprits_.size() < kMost ? 0 : culprits_.back().share));
+  };
+  auto axis = rows.axis_rows().begin();
+  for (int r = 0; r < rows.first_contact_row(); ++r) {
+    while (axis != rows.axis_rows().end() && axis->row < r) ++axis;
+    const double off = natural_error(r, lambda, w, scale, noise);
+    if (!counts(off)) continue;
+    Culprit culprit{.share = off};
+    if (const auto* spring = std::get_if<ForceId>(&rows.owner(r))) {
+      culprit.kind = Culprit::Kind::kSpring;
+      culprit.force = *spring;
+    } else {
+      const bool is_axis = axis != rows.axis_rows().end() && axis->row == r && axis->axis.axis >= 0;
+      culprit.kind = is_axis ? Culprit::Kind::kAxis : Culprit::Kind::kJoint;
+      culprit.axis = is_axis ? axis->axis : AxisId{std::get<JointId>(rows.owner(r)), -1};
+    }
+    add(culprit);
   }
-  return largest;
+  const std::span<const ContactSet::Place> places = contacts_.set().places();
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (!places[k].active) continue;
+    const double off = contacts_.natural_error(static_cast<int>(k), lambda, w, scale, contact_rate_size());
+    if (!counts(off)) continue;
+    const auto [a, b] =
+        std::minmax(named_->shape(places[k].contact.a).body, named_->shape(places[k].contact.b).body);
+    add({.kind = Culprit::Kind::kContact, .a = a, .b = b, .share = off});
+  }
+  while (!culprits_.empty() && culprits_.back().share < kShare * culprits_.front().share)
+    culprits_.pop_back();
 }
 
 /// What round-off makes of rates [rad/s], [m/s] in this stage: of poses if they are of positions.

@@ -117,7 +117,41 @@ void Rattle::prepare_stiffness(double h) {
     filter(body.mass * Mat3::Identity(), stiffness_[b].translation,
            system_.inverse_mass(b).translation * Mat3::Identity(), filter_translation_[b],
            roots[b].translation);
+    stiffened_[b] = !(stiffness_[b].rotation.isZero(0) && stiffness_[b].translation.isZero(0));
   }
+  find_free_parts();
+}
+
+/// What joints and contacts that hold tie together.
+void Rattle::find_free_parts() {
+  const Rows& rows = system_.rows();
+  held_rows_.assign(rows.row_count(), 1);
+  for (int r : breaking_.rows()) held_rows_[r] = 0;
+  const std::span<const ContactSet::Place> places = contacts_.set().places();
+  const int first_contact = rows.contact_joint(0);
+  free_parts_.begin(system_.mass());
+  for (int j = 0; j < static_cast<int>(rows.joints().size()); ++j) {
+    const Rows::JointRows& joint = rows.joints()[j];
+    const auto first = held_rows_.begin() + joint.first_row;
+    if (j >= first_contact ? !places[j - first_contact].active
+                           : std::count(first, first + joint.row_count, 1) == 0)
+      continue;
+    for (int s = joint.first_side + 1; s < joint.first_side + joint.side_count; ++s)
+      free_parts_.join(rows.sides()[joint.first_side].body, rows.sides()[s].body);
+  }
+  free_parts_.find(system_.mass(), state_.poses, stiffened_);
+}
+
+/// The kick before the drift, with a filter that keeps the momenta of what nothing holds.
+void Rattle::kick_free_parts(double h) {
+  const std::span<const double> J = kick_jacobian();
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (!system_.mass()[b].fixed)
+      kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + system_.rows().wrench_on(b, J, lambda_);
+  free_parts_.take_out(system_.mass(), state_.poses, kicked_);
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (!system_.mass()[b].fixed) kicked_[b] = filtered(b, kicked_[b]);
+  free_parts_.put_back(system_.mass(), state_.poses, kicked_);
 }
 
 }  // namespace taut

@@ -32,6 +32,12 @@ constexpr double kShrink = 0.5, kGrow = 1.5;
 constexpr double kHardPart = 0.6;
 constexpr int kHardSteps = 10;
 
+Gap wider(const Gap& a, const Gap& b) {
+  // Written so that a NaN in either stays.
+  const auto worse = [](double x, double y) { return x >= y || std::isnan(x) ? x : y; };
+  return {worse(a.metres, b.metres), worse(a.radians, b.radians)};
+}
+
 }  // namespace
 
 /// New topology: new pattern, order and symbolic factor.  New state: new start.  What contacts and friction
@@ -69,7 +75,8 @@ void Simulator::Impl::refresh() {
     system_->rows().residual(world_.state(), phi_);
     const Gap gap = max_gap(system_->rows(), phi_);
     if (!std::isfinite(gap.metres + gap.radians)) {
-      set_failure(Status::kNotFinite, "a joint's gap is not finite at the start");
+      set_failure(Status::kNotFinite,
+                  "a joint's gap is not finite at the start" + widest_gap(world_.state(), phi_, 0));
       return;
     }
     if (std::max(gap.metres, gap.radians) > settings_.position_tolerance) {
@@ -112,6 +119,7 @@ void Simulator::Impl::make_system() {
     rattle_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
   else
     rattle_ = std::make_unique<Rattle>(world_, *system_, settings_);
+  if (rattle_) rattle_->name_by(source_);
   phi_.assign(system_->row_count(), 0.0);
   rates_.assign(system_->row_count(), 0.0);
   reaction_multipliers_.assign(system_->row_count(), 0.0);
@@ -183,6 +191,7 @@ void Simulator::Impl::reported(Work work) {
     });
   } catch (const detail::Interrupted&) {
     report_.contradiction = {};
+    report_.culprits.clear();
     report_.breaks.clear();
     set_failure(Status::kInterrupted, "interrupted");
   } catch (...) {
@@ -264,9 +273,10 @@ bool Simulator::Impl::advance_to_end(double dt) {
     report_.message.clear();
     report_.contradiction = {};
     report_.crowd = {};
+    report_.culprits.clear();
     return false;
   }
-  if (done)
+  if (done && welds_hold())
     finish(dt);
   else
     forget_step(), start_.poses.clear();
@@ -383,6 +393,31 @@ bool Simulator::Impl::integrate(double dt) {
   return true;
 }
 
+/// Of joints, and of axes beyond rigid limits.
+Gap Simulator::Impl::gap_of(std::span<const double> phi) const {
+  const Gap joints = max_gap(system_->rows(), phi);
+  return rattle_ ? wider(joints, rattle_->axes().beyond_limits(phi)) : joints;
+}
+
+/// False, and said so, if the members of merged bodies cannot be placed to the tolerance.
+bool Simulator::Impl::welds_hold() {
+  if (!weld_loads_) return true;
+  merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), given_);
+  const MergedWorld::OpenWeld widest = merged_->widest_weld(source_, given_);
+  if (std::max(widest.gap.metres, widest.gap.radians) <= settings_.position_tolerance) return true;
+  std::ostringstream text;
+  const bool angular = widest.gap.radians > widest.gap.metres;
+  report_.culprits = {{.kind = Culprit::Kind::kJoint,
+                       .axis = {widest.joint},
+                       .share = std::max(widest.gap.metres, widest.gap.radians)}};
+  text << source_.joint(widest.joint).type() << " " << source_.name(widest.joint)
+       << ", which is merged away, is open by " << (angular ? widest.gap.radians : widest.gap.metres)
+       << (angular ? " rad" : " m")
+       << ", the round-off of its bodies' coordinates: move the scene nearer to the origin";
+  set_failure(Status::kNotConverged, text.str());
+  return false;
+}
+
 /// The proof of quality, from the state that the user gets.
 void Simulator::Impl::finish(double dt) {
   const State& state = force_level_ ? force_level_->state() : rattle_->state();
@@ -393,14 +428,16 @@ void Simulator::Impl::finish(double dt) {
   if (rattle_) detach_broken();
   state_version_ = world_.state_version();
   report_.time = time;
+  if (report_.status == Status::kInexact) report_.message += list_culprits();
   for (auto* values : {&phi_, &rates_, &reaction_multipliers_}) values->resize(system_->row_count());
   if (rattle_ && rattle_->knows_residual()) {
     report_.gap = max_gap(system_->rows(), rattle_->residual());
   } else {
     system_->rows().residual(state, phi_);
     if (rattle_) rattle_->clear_broken_rows(phi_);
-    report_.gap = max_gap(system_->rows(), phi_);
+    report_.gap = gap_of(phi_);
   }
+  if (weld_loads_) report_.gap = wider(report_.gap, merged_->widest_weld(source_, given_).gap);
   if (force_level_) {
     system_->linearize(state);
     system_->rows().apply(system_->jacobian(), state.twists, rates_);
@@ -480,10 +517,10 @@ void Simulator::Impl::close_all_joints() {
     state_version_ = world_.state_version();
     report_.time = world_.time();
     system_->rows().residual(world_.state(), phi_);
-    report_.gap = max_gap(system_->rows(), phi_);
+    report_.gap = gap_of(phi_);
   } else if (system_->rows().residual(state, phi_);
              !std::isfinite(max_gap(system_->rows(), phi_).metres + max_gap(system_->rows(), phi_).radians)) {
-    set_failure(Status::kNotFinite, "a joint's gap is not finite");
+    set_failure(Status::kNotFinite, "a joint's gap is not finite" + widest_gap(state, phi_, 0));
   } else if (report_.ok()) {
     report_.contradiction = find_contradiction({.world = world_, .from = state, .bounds = false});
     set_failure(report_.contradiction.empty() ? Status::kNotConverged : Status::kContradiction,

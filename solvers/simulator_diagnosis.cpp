@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "core/diagnostics.h"
@@ -22,6 +23,8 @@ constexpr double kStuckPart = 0.5;
 constexpr double kRoundOffResidual = 1e-6;
 /// An angle that changes by so much more than its bodies turn is next to where it has no value.
 constexpr double kSingular = 50;
+/// Masses that differ by more are worth a word.
+constexpr double kManyTimes = 1e4;
 
 }  // namespace
 
@@ -61,14 +64,17 @@ JointId Simulator::Impl::overflowing_joint(const State& state) {
   return {};
 }
 
-/// Names the motor or the joint that follows what is not finite, the latter if that shows at the start of the
-/// step or at its end, or the joint whose row of S is not.
+/// Names what follows something that is not finite, the motor, or the joint if that shows at the start of the
+/// step or at its end; or the joint whose row of S is not, or the force law or the body.
 void Simulator::Impl::fail_not_finite() {
+  const auto fail = [this](const std::string& what, Culprit culprit, const std::string& why) {
+    culprit.share = std::numeric_limits<double>::infinity();
+    report_.culprits = {culprit};
+    set_failure(Status::kNotFinite, what + name_of(culprit, source_) + why);
+  };
   if (rattle_ && !rattle_->axes().finite()) {
-    Contradiction motor;
-    motor.bounds.push_back({rattle_->axes().not_finite(), Contradiction::Bound::Kind::kMotor});
-    return set_failure(Status::kNotFinite,
-                       "what the " + names_of(motor, source_).front() + " follows is not finite");
+    const AxisId axis = rattle_->axes().not_finite();
+    return fail("what the motor of ", {.kind = Culprit::Kind::kAxis, .axis = axis}, " follows is not finite");
   }
   const State& start = world_.state();
   const Rows& rows = system_->rows();
@@ -81,36 +87,147 @@ void Simulator::Impl::fail_not_finite() {
     for (int r = 0; r < rows.row_count(); ++r) {
       const std::optional<JointId> joint = rows.joint_of(r);
       if (std::isfinite(gap[r] + rate[r]) || !joint) continue;
-      return set_failure(Status::kNotFinite, "what " + std::string(source_.joint(*joint).type()) + " " +
-                                                 source_.name(*joint) + " follows is not finite");
+      return fail("what ", {.kind = Culprit::Kind::kJoint, .axis = {*joint}}, " follows is not finite");
     }
   }
   if (const JointId joint = overflowing_joint(start); joint.index >= 0)
-    return set_failure(Status::kNotFinite, "J M⁻¹ Jᵀ of " + std::string(source_.joint(joint).type()) + " " +
-                                               source_.name(joint) +
-                                               " is not finite: its factors are too large for its bodies");
-  if (rattle_)
-    for (int b = 0; b < world_.body_count(); ++b)
-      if (const State& end = rattle_->state(); !within_reach(end.poses[b], end.twists[b]))
-        return set_failure(Status::kNotFinite,
-                           "body " + world_.name(BodyId{b}) + " comes beyond 1e30 m, m/s or rad/s");
+    return fail("J M⁻¹ Jᵀ of ", {.kind = Culprit::Kind::kJoint, .axis = {joint}},
+                " is not finite: its factors are too large for its bodies");
+  if (const ForceId force = force_not_finite(); force.index >= 0) {
+    const bool spring = source_.force(force).spring() != nullptr;
+    return fail("what ", {.kind = spring ? Culprit::Kind::kSpring : Culprit::Kind::kForce, .force = force},
+                spring ? " pulls with is not finite" : " gives is not finite");
+  }
+  if (const BodyId body = body_not_finite(); body.index > 0) {
+    const Twist& V = start.twists[body.index];
+    std::ostringstream text;
+    text << " does not stay finite (within 1e30 m, m/s and rad/s), from " << V.v.norm() << " m/s and " << V.w.norm()
+         << " rad/s before the step: a shorter step may help, or forces, speeds and masses of usual sizes";
+    return fail("", {.kind = Culprit::Kind::kBody, .a = body}, text.str());
+  }
   set_failure(Status::kNotFinite, "a force or the state is not finite");
 }
 
-/// ": ball elbow stays open by 1e-09 m", of the joint that does most; "" if none does.
+/// The first force law that gives what is not finite at the start of the step, at its end, or where the
+/// integrator is; none: index −1.
+ForceId Simulator::Impl::force_not_finite() const {
+  std::vector<State> states{source_.state(), source_.state()};
+  states[1].time += report_.dt;
+  if (rattle_ && !weld_loads_) states.push_back(rattle_->state());
+  std::vector<Wrench> wrenches;
+  for (const State& state : states) {
+    const auto finite = [&](const Pose& X) { return X.p.allFinite() && X.q.coeffs().allFinite(); };
+    if (!std::all_of(state.poses.begin(), state.poses.end(), finite)) continue;
+    for (int i = 0; i < source_.force_count(); ++i) {
+      wrenches.assign(source_.body_count(), Wrench{});
+      source_.force(ForceId{i}).accumulate(state, wrenches);
+      for (const Wrench& F : wrenches)
+        if (!(F.force.allFinite() && F.torque.allFinite())) return {i};
+    }
+  }
+  return {};
+}
+
+/// The first body whose state is not finite; none: the ground.
+BodyId Simulator::Impl::body_not_finite() const {
+  if (force_level_) return force_level_->not_finite();
+  if (!rattle_) return kGround;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const Pose& X = rattle_->state().poses[b];
+    const Wrench& p = rattle_->momenta()[b];
+    const Twist& V = rattle_->state().twists[b];
+    if (!(within_reach(X, V) && X.q.coeffs().allFinite() && p.torque.allFinite() && p.force.allFinite()))
+      return {b};
+  }
+  return kGround;
+}
+
+/// ": ball elbow stays open by 1e-09 m; a shorter step …" of the joint that does most, which is noted; "" if
+/// none does, or no more than `least`.
+std::string Simulator::Impl::widest_gap(const State& state, std::span<const double> phi, double least) {
+  std::vector<Gap> gaps = joint_gaps(system_->rows(), phi);
+  gaps.resize(system_->rows().joint_count());  // springs and contacts have none
+  const auto size = [](const Gap& gap) {
+    const double larger = std::max(gap.metres, gap.radians);
+    return std::isfinite(gap.metres + gap.radians) ? larger : std::numeric_limits<double>::infinity();
+  };
+  const auto widest = std::max_element(gaps.begin(), gaps.end(),
+                                       [&](const Gap& a, const Gap& b) { return size(a) < size(b); });
+  if (widest == gaps.end() || !(size(*widest) > least)) return "";
+  const Culprit joint{.kind = Culprit::Kind::kJoint,
+                      .axis = {JointId{static_cast<int>(widest - gaps.begin())}},
+                      .share = size(*widest)};
+  report_.culprits = {joint};
+  if (!std::isfinite(joint.share)) return ": " + name_of(joint, source_);
+  std::ostringstream text;
+  text << ": " << name_of(joint, source_) << " stays open by " << joint.share
+       << (widest->metres >= widest->radians ? " m" : " rad") << advice(joint, state);
+  return text.str();
+}
 std::string Simulator::Impl::widest_gap(const State& state) {
   phi_.resize(system_->row_count());
   system_->rows().residual(state, phi_);
-  std::vector<Gap> gaps = joint_gaps(system_->rows(), phi_);
-  gaps.resize(system_->rows().joint_count());  // springs and contacts have none
-  const auto size = [](const Gap& gap) { return std::max(gap.metres, gap.radians); };
-  const auto widest = std::max_element(gaps.begin(), gaps.end(),
-                                       [&](const Gap& a, const Gap& b) { return size(a) < size(b); });
-  if (widest == gaps.end() || !(size(*widest) > 0)) return "";
-  const JointId joint{static_cast<int>(widest - gaps.begin())};
+  return widest_gap(state, phi_, 0);
+}
+
+/// "; its bodies' masses differ by a factor of 1e+09: …", one thing that fits.
+std::string Simulator::Impl::advice(const Culprit& culprit, const State& state) const {
   std::ostringstream text;
-  text << ": " << source_.joint(joint).type() << " " << source_.name(joint) << " stays open by "
-       << size(*widest) << (widest->metres >= widest->radians ? " m" : " rad");
+  text << "; ";
+  std::vector<BodyId> bodies{culprit.a, culprit.b};
+  if (culprit.kind == Culprit::Kind::kJoint || culprit.kind == Culprit::Kind::kAxis) {
+    const std::span<const BodyId> all = source_.joint(culprit.axis.joint).bodies();
+    bodies.assign(all.begin(), all.end());
+  } else if (culprit.kind == Culprit::Kind::kSpring) {
+    bodies = source_.force(culprit.force).bodies();
+  }
+  if (culprit.kind == Culprit::Kind::kJoint) {
+    // What round-off makes of its points.
+    double reach = 0;
+    for (BodyId body : bodies) reach = std::max(reach, state.poses[body.index].p.norm());
+    const Rows& rows = system_->rows();
+    std::vector<double> jacobian(rows.jacobian_size());
+    rows.jacobian({state.poses, state.time, state.axes}, jacobian);
+    const Rows::JointRows& joint = rows.joints()[culprit.axis.joint.index];
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
+      for (int i = 0; i < joint.row_count; ++i)
+        if (!rows.row(joint.first_row + i).angular)
+          reach = std::max(reach, Rows::block_row(rows.sides()[s], jacobian, i).head<3>().norm());
+    const double round_off = 4 * std::numeric_limits<double>::epsilon() * reach;
+    if (round_off > settings_.position_tolerance) {
+      text << "round-off at " << reach << " m from the origin or the centres of its bodies is " << round_off
+           << " m: nearer ones, or a larger position_tolerance, help";
+      return text.str();
+    }
+  }
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (BodyId body : bodies) {
+    if (source_.is_fixed(body)) continue;
+    least = std::min(least, source_.mass_properties(body).mass());
+    most = std::max(most, source_.mass_properties(body).mass());
+  }
+  const bool contact = culprit.kind == Culprit::Kind::kContact;
+  if (most > kManyTimes * least)
+    text << "its bodies' masses differ by a factor of " << most / least << ": nearer ones, or ";
+  else
+    text << "a shorter step, or ";
+  text << (contact                                  ? "a compliance of their material"
+           : culprit.kind == Culprit::Kind::kSpring ? "a softer spring"
+           : culprit.kind == Culprit::Kind::kAxis   ? "a compliance of its limits or of the joint"
+                                                    : "a compliance of the joint")
+       << ", may help";
+  return text.str();
+}
+
+/// ": contact of box and ground (3e-07), … ; a shorter step …" of those that miss their laws most.
+std::string Simulator::Impl::list_culprits() const {
+  if (report_.culprits.empty()) return "";
+  std::ostringstream text;
+  text.precision(2);
+  for (std::size_t i = 0; i < report_.culprits.size(); ++i)
+    text << (i == 0 ? ": " : ", ") << name_of(report_.culprits[i], source_) << " ("
+         << report_.culprits[i].share << ")";
+  text << advice(report_.culprits.front(), world_.state());
   return text.str();
 }
 
@@ -151,9 +268,22 @@ void Simulator::Impl::diagnose_stall(double remaining) {
   Status status = found.empty() ? Status::kNotConverged : Status::kContradiction;
   if (outcome.ok()) {
     std::ostringstream message;
+    if (const BodyId body = rattle_->unsettled(); found.empty() && body.index > 0) {
+      const Culprit culprit{.kind = Culprit::Kind::kBody, .a = body};
+      report_.culprits = {culprit};
+      message << "forces that depend on velocities do not settle with sub-steps down to dt/"
+              << settings_.max_substeps << ": most on " << name_of(culprit, source_)
+              << "; less damping for its mass, or a shorter step, may help";
+      return set_failure(status, message.str());
+    }
     message << "positions could not be closed with sub-steps down to dt/" << settings_.max_substeps;
-    if (found.empty()) message << singular_axis();
-    return set_failure(status, message.str());
+    if (!found.empty()) return set_failure(status, message.str());
+    std::string widest = widest_gap(rattle_->state(), phi, settings_.position_tolerance);
+    if (widest.empty()) {
+      report_.culprits.assign(rattle_->culprits().begin(), rattle_->culprits().end());
+      widest = list_culprits();
+    }
+    return set_failure(status, message.str() + widest + singular_axis());
   }
   // The row that misses its law most is where it shows.
   if (found.empty() && outcome.status == ActiveSetStatus::kContradiction &&
@@ -163,8 +293,9 @@ void Simulator::Impl::diagnose_stall(double remaining) {
     if (outcome.worst_row >= 0)
       if (const auto joint = system_->rows().joint_of(outcome.worst_row)) found.joints.push_back(*joint);
   }
+  report_.culprits.assign(rattle_->culprits().begin(), rattle_->culprits().end());
   set_failure(status, "limits, motors, friction and contacts could not be met together with the joints" +
-                          (found.empty() ? singular_axis() : ""));
+                          (found.empty() ? list_culprits() + singular_axis() : ""));
 }
 
 /// Joints whose friction locks them and those that force them, with motors as bounds.

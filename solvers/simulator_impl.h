@@ -167,6 +167,8 @@ class Simulator::Impl {
   double choose_pieces(double dt);
   double step_limit() const;
   void finish(double dt);
+  bool welds_hold();
+  Gap gap_of(std::span<const double> phi) const;
   void detach_broken();
   void forget_step();
   void diagnose_stall(double remaining);
@@ -175,6 +177,11 @@ class Simulator::Impl {
   void note_detection();
   JointId overflowing_joint(const State& state);
   std::string widest_gap(const State& state);
+  std::string widest_gap(const State& state, std::span<const double> phi, double least);
+  std::string advice(const Culprit& culprit, const State& state) const;
+  std::string list_culprits() const;
+  ForceId force_not_finite() const;
+  BodyId body_not_finite() const;
   std::string singular_axis() const;
   void name_jam();
   Contradiction contradiction_from(const State& state, double horizon) const;

@@ -70,6 +70,28 @@ struct Contradiction {
 /// "motor of slider lift displacement", "contact of box and ground".
 std::vector<std::string> names_of(const Contradiction& contradiction, const World& world);
 
+/// Who has a large share in what a step could not do, or did inexactly.
+struct Culprit {
+  enum class Kind {
+    kJoint,    ///< axis.joint is open, or what it follows is not finite
+    kAxis,     ///< the law of a free axis is not met, or what its motor follows is not finite
+    kSpring,   ///< … of a spring between two bodies, `force`
+    kContact,  ///< … of the contacts of bodies a and b
+    kForce,    ///< what the law `force` gives is not finite
+    kBody,     ///< the state of body a, or the force on it, is not finite
+  };
+  Kind kind = Kind::kBody;
+  AxisId axis{};
+  ForceId force{};
+  BodyId a{}, b{};
+  /// Of a joint how far it is open [m or rad]; of a law that is not met its natural residual, relative as in
+  /// StepReport::natural_residual; infinite for what is not finite.
+  double share = 0;
+};
+/// For messages: "hinge elbow", "hinge elbow angle", "spring between a and b", "contact of box and ground",
+/// "force law 2 on bob", "body bob".
+std::string name_of(const Culprit& culprit, const World& world);
+
 /// A row of a joint that other rows hold already.
 struct DependentRow {
   JointId joint;
@@ -153,7 +175,11 @@ struct StepReport {
   double time = 0;      ///< at the end of the step [s]
   double dt = 0;
 
-  Gap gap;                       ///< largest joint error at the end, of bodies that are awake
+  /// Largest error at the end of all that should hold, of bodies that are awake: of joints, merged ones too,
+  /// and of axes, as the length of a rope, beyond their rigid limits.  On success joints are within
+  /// Settings::position_tolerance, but for iterative solvers, force level and DriftCure::kNone, and so are
+  /// limits, but for those that a step began beyond: an axis comes back by no more than 1 m/s or 1 rad/s.
+  Gap gap;
   double velocity_residual = 0;  ///< largest |J V| [m/s or rad/s]
   int newton_iterations = 0;     ///< position stage, all sub-steps
   int substeps = 0;
@@ -168,7 +194,7 @@ struct StepReport {
   double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
   /// The natural map of the laws of axes and contacts at the impulses and rates that each stage ended with,
   /// no tolerance taken off, over the size of both (solvers/README, "Proof"): at most 1e-9 on success, 1e-8
-  /// with contacts.  Joints have `gap` and `velocity_residual`.
+  /// in steps with contacts.  Joints have `gap` and `velocity_residual`.
   double natural_residual = 0;
   int contact_iterations = 0;  ///< of Newton's method for contacts; 0: the active set did it
   int sweeps = 0;              ///< of an iterative solver, both stages
@@ -207,6 +233,9 @@ struct StepReport {
   int unsupported_pairs = 0;
   /// Threads that Settings::threads asks for and that could not be started: the others did their work.
   int missing_threads = 0;
+  /// With all other statuses but kSuccess: who has the largest shares in it, the largest first; empty if
+  /// nobody stands out.
+  std::vector<Culprit> culprits;
 
   bool ok() const { return status == Status::kSuccess; }
   /// The world has moved on: after success, or inexactly.

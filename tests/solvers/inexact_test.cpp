@@ -102,6 +102,28 @@ TEST(Inexact, AStepGoesOnAndSaysHowFarOffItIs) {
   EXPECT_GT(inexact, 0);
 }
 
+/// Inexact or failed, it names contacts with the largest shares.
+TEST(RobustMessages, ContactsThatMissTheirLawsMostAreNamed) {
+  for (const bool fails : {false, true}) {
+    Scene scene = squeezed_boxes();
+    if (fails) scene.settings.inexact_tolerance = 0, scene.settings.max_substeps = 2;
+    Simulator simulator(scene.world, scene.settings);
+    StepReport report;
+    for (int i = 0; i < 4 && report.ok(); ++i) report = simulator.step(scene.dt);
+    ASSERT_EQ(report.advanced(), !fails) << report.message;
+    ASSERT_FALSE(report.culprits.empty());
+    for (std::size_t i = 0; i < report.culprits.size(); ++i) {
+      const Culprit& culprit = report.culprits[i];
+      EXPECT_EQ(culprit.kind, Culprit::Kind::kContact);
+      EXPECT_EQ(culprit.a, kGround);  // the wall
+      EXPECT_GT(culprit.share, 1e-8);
+      EXPECT_NE(report.message.find(name_of(culprit, scene.world)), std::string::npos) << report.message;
+      if (i > 0) EXPECT_LE(culprit.share, report.culprits[i - 1].share);
+    }
+    EXPECT_NE(report.message.find("a compliance of their material"), std::string::npos) << report.message;
+  }
+}
+
 /// With no such tolerance the step fails, and the world stays.
 TEST(Inexact, NothingInexactIsTakenIfItIsNotWanted) {
   Scene scene = squeezed_boxes();

@@ -175,5 +175,22 @@ TEST(NaturalResidual, IsAtMost1e9InEveryStepOfRandomMechanisms) {
   }
 }
 
+/// Shapes that touch nothing change no tolerance.
+TEST(RobustResidual, IsAtMost1e9WhereShapesDoNotTouch) {
+  std::mt19937 random(5);
+  for (int mechanism = 0; mechanism < 150; ++mechanism) {
+    World world = random_mechanism(integer(random, 1, 8), integer(random, 0, 3), random);
+    world.add_shape(BodyId{1}, Sphere{0.01});
+    world.add_shape(kGround, Sphere{0.01}, {.p = {0, 0, 1000}});
+    Simulator simulator(world);
+    for (int i = 0; i < 60; ++i) {
+      const StepReport& report = simulator.step(5e-3);
+      ASSERT_TRUE(report.ok()) << mechanism << " step " << i << ": " << report.message;
+      ASSERT_EQ(report.contacts, 0);
+      ASSERT_LE(report.natural_residual, 1e-9) << mechanism << " step " << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace taut

@@ -307,7 +307,9 @@ TEST(Status, AForceThatIsNotFiniteIsAStatus) {
     StepReport last;
     for (int i = 0; i < 4 && last.ok(); ++i) last = simulator.step(1e-3);
     EXPECT_EQ(last.status, Status::kNotFinite);
-    EXPECT_EQ(last.message, "a force or the state is not finite");
+    EXPECT_EQ(last.message, "what force law 0 gives is not finite");
+    ASSERT_EQ(last.culprits.size(), 1u);
+    EXPECT_EQ(last.culprits[0].kind, Culprit::Kind::kForce);
   }
 }
 
