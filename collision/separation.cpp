@@ -81,7 +81,8 @@ bool candidates_are_complete(const Convex& A, const Convex& B) {
 ///     (Uᵀ (H_A + H_B) U + s 1) y = Uᵀ w,   n ← n + U y                               (collision/README, Eq.
 ///     4)
 Vec3 polish_smooth(const Pair& pair, Vec3 n) {
-  const auto& [A, B, X] = pair;
+  const Convex &A = pair.A, &B = pair.B;
+  const Relative& X = pair.X;
   for (int i = 0; i < 8; ++i) {
     Eigen::Matrix<double, 3, 2> U;
     Vec3 u, v;
@@ -105,7 +106,8 @@ Vec3 polish_smooth(const Pair& pair, Vec3 n) {
 /// The same along a ridge, where a whole edge of one body is farthest: n moves on the curve of directions
 /// across that edge; secant method for its angle.
 Vec3 polish_ridge(const Pair& pair, Vec3 n, bool of_A) {
-  const auto& [A, B, X] = pair;
+  const Convex &A = pair.A, &B = pair.B;
+  const Relative& X = pair.X;
   const auto on_ridge = [&](const Vec3& d, Vec3& edge) {
     Vec3 r = d;
     if (of_A) return A.ridge(d, r, edge) ? r : d;
@@ -137,7 +139,8 @@ Vec3 polish_ridge(const Pair& pair, Vec3 n, bool of_A) {
 
 /// GJK finds the direction between curved bodies to about 1e-6 rad; this makes it exact.
 void polish(Best& best) {
-  const auto& [A, B, X] = best.pair;
+  const Convex &A = best.pair.A, &B = best.pair.B;
+  const Relative& X = best.pair.X;
   const double slack = 1e-13 * best.pair.size();
   const auto accept = [&](const Vec3& n) {
     const double value = best.pair.s(n);

@@ -15,7 +15,7 @@ using namespace scene_parts;
 
 constexpr double kRod = 2 * NetRods::kHalf, kRodMass = 0.1;
 constexpr double kKnotRadius = 0.02;                    ///< [m]
-constexpr double kArc = 0.8;                            ///< θ: half the angle of the front edge [rad]
+constexpr double kBumpArc = 0.8;                        ///< θ: half the angle of the front edge [rad]
 constexpr double kRopeAngle = 1.0;                      ///< of the ropes to the front edge [rad]
 constexpr double kWay = 3;                              ///< that the net is dragged [m]
 constexpr double kStart = 0.5;                          ///< time to full speed [s]
@@ -32,12 +32,13 @@ constexpr std::uint32_t kGroundGroup = 1, kKnots = 2, kLoads = 4;
 /// ahead would have to carry the front edge by endless tension.
 struct Layout {
   Layout(int nodes, double height)
-      : n(nodes), radius(NetRods::kHalf / std::sin(kArc / (nodes - 1))), z(height) {}
+      : n(nodes), radius(NetRods::kHalf / std::sin(kBumpArc / (nodes - 1))), z(height) {}
   Vec3 node(int i, int j) const {
-    const double angle = kArc * (2.0 * j / (n - 1) - 1);
-    return {kRod * (i - n + 1) - radius * (std::cos(angle) - std::cos(kArc)), radius * std::sin(angle), z};
+    const double angle = kBumpArc * (2.0 * j / (n - 1) - 1);
+    return {kRod * (i - n + 1) - radius * (std::cos(angle) - std::cos(kBumpArc)), radius * std::sin(angle),
+            z};
   }
-  double half_width() const { return radius * std::sin(kArc); }
+  double half_width() const { return radius * std::sin(kBumpArc); }
   int n;
   double radius;
   double z;  ///< of the nodes [m]
@@ -145,7 +146,7 @@ void add_bar(Scene& scene, const Layout& net, const NetRods& rods, double bump, 
               Rope::between(world, bar, rods.ends(last, j)[0].rod, hook(j), net.node(last, j)));
 }
 
-Scene build(const Parameters& parameters) {
+Scene build_net_drag(const Parameters& parameters) {
   const double speed = parameters.at("speed"), bump = parameters.at("bump");
   const double load = parameters.at("load"), friction = parameters.at("friction");
   Scene scene = new_scene("net-drag", parameters, kWay / speed + kStart / 2, 1.0 / 500);
@@ -176,7 +177,7 @@ std::vector<SceneInfo> net_drag_scenes() {
             {"speed", 0.5, "m/s", "at which it is dragged", 0.01, 10, false},
             {"friction", 0.5, "", "Coulomb coefficient of net, load and ground", 0.1, 10, false},
             {"bump", 0.05, "m", "height of the bumps; 0 is a flat ground", 0, 0.1, false}},
-           build}};
+           build_net_drag}};
 }
 
 }  // namespace taut

@@ -107,7 +107,7 @@ Json shape_description(const Shape& shape) {
 }
 
 /// [[body, x, y, z], ...]
-Json course_to_json(const std::vector<WirePoint>& course) {
+Json course_rows(const std::vector<WirePoint>& course) {
   Json json = Json::array();
   for (const WirePoint& point : course)
     json.push_back({point.body.index, static_cast<float>(point.p_BP.x()), static_cast<float>(point.p_BP.y()),
@@ -131,7 +131,7 @@ Json describe(const RecordingHeader& header) {
             {"b", Json::array()},    {"anchor", Json::array()}, {"course", Json::array()}};
   for (std::size_t j = 0; j < header.joints.size(); ++j) {
     const RecordedJoint& joint = header.joints[j];
-    if (!joint.course.empty()) joints["course"].push_back({j, course_to_json(joint.course)});
+    if (!joint.course.empty()) joints["course"].push_back({j, course_rows(joint.course)});
     joints["name"].push_back(joint.name);
     joints["type"].push_back(joint.type);
     joints["a"].push_back(joint.a.index);

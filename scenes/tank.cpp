@@ -13,7 +13,7 @@ namespace {
 using namespace scene_parts;
 
 // Lengths [m], masses [kg], forces [N], torques [N·m].
-constexpr double kGravity = 9.81;
+constexpr double kGravityOfTank = 9.81;
 constexpr double kGauge = 1.5;  ///< between the middles of the tracks
 constexpr double kWheelWidth = 0.16;
 constexpr TrackWheel kIdler{1.45, 0.55, 0.22}, kSprocket{-1.45, 0.55, 0.22};
@@ -87,7 +87,7 @@ struct Side {
     const JointId torsion =
         world.add(name + numbered("torsion", k), Hinge::at(world, hull, arm, pivot, Vec3::UnitY()));
     const AxisId angle = world.axis(torsion, "angle");
-    const double load = -kArm.x() * kHullMass * kGravity / (2 * kRoadWheels);
+    const double load = -kArm.x() * kHullMass * kGravityOfTank / (2 * kRoadWheels);
     world.set_spring(angle,
                      AxisSpring{.stiffness = kTorsion, .damping = kTorsionDamping, .rest = -load / kTorsion});
     world.set_limits(angle, AxisLimits{.lower = -0.5, .upper = 0.5, .compliance = 1e-5, .damping = 1000});
@@ -158,7 +158,7 @@ void add_ground(Scene& scene, double ramp, int bumps) {
                     {kAcross, {kStart + k * kBumpSpacing, 0, kBumpHeight - kBumpRadius}}, rubbing(kRubber));
 }
 
-Scene build(const Parameters& parameters) {
+Scene build_tank(const Parameters& parameters) {
   Scene scene;
   scene.name = "tank";
   scene.parameters = parameters;
@@ -198,7 +198,7 @@ std::vector<SceneInfo> tank_scenes() {
         {"right", 1.5, "m/s", "speed of the right track", -5, 5, false},
         {"ramp", 0, "deg", "of a ramp of 12 m ahead; 0: none", 0, 35, false},
         {"bumps", 0, "", "half-round bumps of 0.1 m across the way", 0, 100, true}},
-       build}};
+       build_tank}};
 }
 
 }  // namespace taut

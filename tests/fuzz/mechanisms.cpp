@@ -1,0 +1,271 @@
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "scenes/scene_file.h"
+#include "solvers/setting_checks.h"
+#include "solvers/simulator.h"
+#include "tests/fuzz/mechanism.h"
+
+// Random mechanisms by seed, judged from outside:
+//   mechanisms --from 0 --count 1000 [--threads 2] [--limit 10] [--seconds S] [--keep FOLDER]
+//   mechanisms --write SEED            its scene file
+//   mechanisms --check FILE...         scene files that were written so
+// Each is run twice, on one thread and on --threads, which must give the same bits.  Seeds run in a process
+// of their own, a hundred each, so that one that crashes or hangs (a step of more than --limit seconds) is a
+// line of the output and not its end.  The exit status is 1 if anything was found.
+
+namespace taut::fuzz {
+namespace {
+
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::uint64_t from = 0, count = 1000;
+  int threads = 2, limit = 10;
+  double seconds = 0;  ///< 0: until all seeds are done
+  std::string keep;
+};
+
+/// Shared with the process that runs the seeds.
+struct Shared {
+  std::uint64_t seed = 0;
+  long runs = 0, steps = 0, refused = 0, found = 0;
+  std::array<std::array<long, 5>, 8> status{};  ///< how the last step ended, by what was asked for
+  double longest = 0;                           ///< step [s]
+};
+Shared* shared = nullptr;
+
+constexpr const char* kAsked[] = {"rattle",    "rattle4, 6, 8",    "force level",      "moreau-jean",
+                                  "iterative", "implicit tension", "merged or asleep", "contacts"};
+
+int asked(const Scene& scene) {
+  const Settings& s = scene.settings;
+  if (s.integrator == Integrator::kMoreauJean) return 3;
+  if (is_force_level(s.integrator)) return 2;
+  if (s.integrator != Integrator::kRattle) return 1;
+  if (s.solver != Solver::kDirect) return 4;
+  if (s.tension == TensionPolicy::kImplicit) return 5;
+  if (s.merge_fixed_joints || s.sleep) return 6;
+  return scene.world.shape_count() > 0 ? 7 : 0;
+}
+
+bool same_bits(const State& a, const State& b) {
+  if (std::memcmp(&a.time, &b.time, sizeof a.time) != 0 || a.poses.size() != b.poses.size()) return false;
+  const auto same = [](const auto& x, const auto& y) {
+    return std::memcmp(x.data(), y.data(), sizeof(double) * static_cast<std::size_t>(x.size())) == 0;
+  };
+  for (std::size_t i = 0; i < a.poses.size(); ++i)
+    if (!same(a.poses[i].p, b.poses[i].p) || !same(a.poses[i].q.coeffs(), b.poses[i].q.coeffs()) ||
+        !same(a.twists[i].v, b.twists[i].v) || !same(a.twists[i].w, b.twists[i].w))
+      return false;
+  return true;
+}
+
+/// How a run went.
+struct Run {
+  State end;
+  Status status = Status::kSuccess;
+  int steps = 0;
+  std::optional<Violation> violation;
+};
+
+Run run(Scene scene, int threads, Judge* judge, int limit) {
+  Run run;
+  scene.settings.threads = threads;
+  const int steps = static_cast<int>(std::lround(scene.duration / scene.dt));
+  try {
+    Simulator simulator(scene.world, scene.settings);
+    if (judge) judge->start(scene.world);
+    for (int i = 0; i < steps && !run.violation; ++i) {
+      const State before = scene.world.state();
+      alarm(static_cast<unsigned>(limit));
+      const auto start = Clock::now();
+      const StepReport& report = simulator.step(scene.dt);
+      shared->longest =
+          std::max(shared->longest, std::chrono::duration<double>(Clock::now() - start).count());
+      alarm(0);
+      run.status = report.status;
+      ++run.steps;
+      if (!report.advanced()) {
+        if (!same_bits(before, scene.world.state()))
+          run.violation = {"state", "a step that failed has moved the world"};
+        if (report.message.empty()) run.violation = {"message", "a step failed without a word"};
+        break;
+      }
+      if (judge) run.violation = judge->judge(scene.world, report, scene.dt);
+    }
+  } catch (const std::exception& error) {  // its settings fit the scene: nothing is there to refuse
+    alarm(0);
+    run.violation = {"exception", error.what()};
+  }
+  run.end = scene.world.state();
+  return run;
+}
+
+std::optional<Violation> examine(const Json& json, const std::string& name, const Options& options) {
+  std::optional<Scene> scene;
+  try {
+    scene = parse_scene(json.dump(), name);
+  } catch (const SceneFileError& error) {  // a joint that cannot be made where it was drawn
+    ++shared->refused;
+    if (std::getenv("MECHANISMS_VERBOSE")) std::printf("%s\n", error.what());
+    return {};
+  }
+  Judge judge(json);
+  const Run first = run(*scene, 1, &judge, options.limit);
+  ++shared->runs, shared->steps += first.steps;
+  ++shared->status[asked(*scene)][static_cast<int>(first.status)];
+  if (first.violation) return first.violation;
+  const Run second = run(*scene, options.threads, nullptr, options.limit);
+  if (second.status != first.status || second.steps != first.steps || !same_bits(first.end, second.end))
+    return Violation{"bits", "another run on " + std::to_string(options.threads) + " threads ends elsewhere"};
+  return {};
+}
+
+void keep(const Json& json, const std::string& name, const Options& options) {
+  if (options.keep.empty()) return;
+  std::filesystem::create_directories(options.keep);
+  std::ofstream(options.keep + "/" + name + ".json") << json.dump(1) << '\n';
+}
+
+void run_seeds(std::uint64_t from, std::uint64_t to, const Options& options) {
+  for (std::uint64_t seed = from; seed < to; ++seed) {
+    shared->seed = seed;
+    const Json json = make_mechanism(seed);
+    std::optional<Violation> bad;
+    try {
+      bad = examine(json, "seed " + std::to_string(seed), options);
+    } catch (const std::exception& error) {
+      bad = Violation{"exception", error.what()};
+    }
+    if (!bad) continue;
+    ++shared->found;
+    std::printf("FOUND seed %llu: %s: %s\n", static_cast<unsigned long long>(seed), bad->oracle.c_str(),
+                bad->figures.c_str());
+    std::fflush(stdout);
+    keep(json, "seed_" + std::to_string(seed), options);
+  }
+}
+
+/// Seeds from `from` up to `to` in other processes; after a crash with the next seed.
+long run_guarded(Options& options) {
+  long crashes = 0;
+  const auto start = Clock::now();
+  const std::uint64_t end = options.from + options.count;
+  std::uint64_t next = options.from;
+  while (next < end) {
+    if (options.seconds > 0 && std::chrono::duration<double>(Clock::now() - start).count() > options.seconds)
+      break;
+    const std::uint64_t to = std::min(end, next + 100);
+    std::fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+      run_seeds(next, to, options);
+      std::fflush(stdout);
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    next = to;
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) continue;
+    const std::uint64_t seed = shared->seed;
+    const bool hung = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
+    ++crashes;
+    std::printf(
+        "FOUND seed %llu: %s\n", static_cast<unsigned long long>(seed),
+        hung
+            ? "hang: a step takes too long"
+            : (WIFSIGNALED(status) ? std::string("crash: ") + strsignal(WTERMSIG(status)) : "crash").c_str());
+    keep(make_mechanism(seed), "seed_" + std::to_string(seed), options);
+    next = seed + 1;
+  }
+  options.count = next - options.from;
+  return crashes;
+}
+
+void print_table(const Options& options, double seconds, long crashes) {
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  std::printf("\n%-18s %9s %9s %9s %9s %9s\n", "asked for", "success", "inexact", "not conv.", "contrad.",
+              "not fin.");
+  for (std::size_t i = 0; i < std::size(kAsked); ++i)
+    std::printf("%-18s %9ld %9ld %9ld %9ld %9ld\n", kAsked[i], shared->status[i][0], shared->status[i][1],
+                shared->status[i][2], shared->status[i][3], shared->status[i][4]);
+  std::printf(
+      "seeds %llu to %llu: %ld mechanisms run, %ld refused, %ld steps, longest %.2g s, %.1f ms a mechanism, "
+      "peak memory %ld MB\nfound: %ld violations, %ld crashes and hangs\n",
+      static_cast<unsigned long long>(options.from),
+      static_cast<unsigned long long>(options.from + options.count - 1), shared->runs, shared->refused,
+      shared->steps, shared->longest, 1e3 * seconds / static_cast<double>(options.count),
+      usage.ru_maxrss / 1024, shared->found, crashes);
+}
+
+int check_files(const std::vector<std::string>& files, const Options& options) {
+  int found = 0;
+  for (const std::string& file : files) {
+    std::ifstream in(file);
+    const Json json = Json::parse(in);
+    const auto bad = examine(json, file, options);
+    std::printf("%s: %s\n", file.c_str(),
+                bad ? (bad->oracle + ": " + bad->figures).c_str() : "nothing found");
+    if (bad) ++found;
+  }
+  return found > 0;
+}
+
+}  // namespace
+}  // namespace taut::fuzz
+
+int main(int argc, char** argv) {
+  using namespace taut::fuzz;
+  Options options;
+  std::vector<std::string> files;
+  bool check = false;
+  for (int i = 1; i < argc; ++i) {
+    const std::string key = argv[i];
+    const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
+    if (key == "--from")
+      options.from = std::strtoull(value().c_str(), nullptr, 10);
+    else if (key == "--count")
+      options.count = std::strtoull(value().c_str(), nullptr, 10);
+    else if (key == "--threads")
+      options.threads = std::atoi(value().c_str());
+    else if (key == "--limit")
+      options.limit = std::atoi(value().c_str());
+    else if (key == "--seconds")
+      options.seconds = std::atof(value().c_str());
+    else if (key == "--keep")
+      options.keep = value();
+    else if (key == "--write")
+      return std::printf("%s\n", make_mechanism(std::strtoull(value().c_str(), nullptr, 10)).dump(1).c_str()),
+             0;
+    else if (key == "--check")
+      check = true;
+    else if (check)
+      files.push_back(key);
+    else
+      return std::fprintf(stderr, "unknown option %s\n", argv[i]), 2;
+  }
+  shared = static_cast<Shared*>(
+      mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+  new (shared) Shared;
+  if (check) return check_files(files, options);
+  const auto start = Clock::now();
+  const long crashes = run_guarded(options);
+  print_table(options, std::chrono::duration<double>(Clock::now() - start).count(), crashes);
+  return shared->found > 0 || crashes > 0;
+}
