@@ -180,7 +180,7 @@ TEST(AxisRows, StandBehindTheEqualityRowsOfTheirJoint) {
   EXPECT_EQ(rows.axis_rows()[1].axis, (AxisId{universal, 1}));
   EXPECT_EQ(rows.axis_rows()[1].index, world.axis_index({universal, 1}));
   for (int r = 0; r < rows.row_count(); ++r) EXPECT_EQ(rows.is_equality(r), r != 5 && r != 10);
-  EXPECT_EQ(rows.row(10).joint, 1);
+  EXPECT_EQ(rows.joint_of(10), universal);
   EXPECT_TRUE(rows.row(10).angular);
   const Rows without(world, Rows::AxisRows::kLeftOut);
   EXPECT_EQ(without.row_count(), 9);

@@ -95,7 +95,7 @@ TEST(Detach, LeavesIdsNamesAndPropertiesButNoRows) {
   EXPECT_FALSE(world.is_attached(gear));  // couples its axis
   EXPECT_TRUE(world.is_attached(other));
   EXPECT_EQ(Rows(world).row_count(), 5);
-  EXPECT_EQ(Rows(world).row(0).joint, other.index);
+  EXPECT_EQ(Rows(world).joint_of(0), other);
   EXPECT_NEAR(energy - world.potential_energy(world.state()), 0.5 * 100 * 0.25, 1e-12);
   EXPECT_TRUE(world.may_collide(kGround, kA));
   EXPECT_EQ(world.joint("hinge"), hinge);

@@ -45,7 +45,7 @@ TEST(Rows, JointsAndSidesTileTheArrays) {
     ASSERT_EQ(joint.side_count, 2);
     for (int i : {0, 1}) {
       const Rows::Side& side = rows.sides()[joint.first_side + i];
-      EXPECT_EQ(side.joint, j);
+      EXPECT_EQ(side.block, j);
       EXPECT_EQ(side.body, expected_body[i]);
       EXPECT_EQ(side.first_row, joint.first_row);
       EXPECT_EQ(side.row_count, joint.row_count);
@@ -67,8 +67,8 @@ TEST(Rows, EachBodyKnowsItsSidesInTheOrderOfTheJoints) {
     int last_joint = -1;
     for (int side : rows.sides_of(body)) {
       EXPECT_EQ(rows.sides()[side].body, body);
-      EXPECT_GT(rows.sides()[side].joint, last_joint);
-      last_joint = rows.sides()[side].joint;
+      EXPECT_GT(rows.sides()[side].block, last_joint);
+      last_joint = rows.sides()[side].block;
       ++sides;
     }
   }

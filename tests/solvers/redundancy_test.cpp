@@ -27,7 +27,7 @@ std::set<int> self_stressed(const World& world) {
   std::set<int> joints;
   for (int k = 0; k < S.rows() && eigen.eigenvalues()[k] < 1e-9; ++k)
     for (int r = 0; r < S.rows(); ++r)
-      if (std::abs(eigen.eigenvectors()(r, k)) > 1e-7) joints.insert(rows.row(r).joint);
+      if (std::abs(eigen.eigenvectors()(r, k)) > 1e-7) joints.insert(rows.joint_of(r)->index);
   return joints;
 }
 
