@@ -149,10 +149,19 @@ void RowUpdates::transfer(Archive& archive) {
   std::vector<double> solved(solved_.begin(), solved_.begin() + static_cast<std::ptrdiff_t>(count) * rows);
   archive.sized(solved);
   std::copy(solved.begin(), solved.end(), solved_.begin());
-  archive.sized(gram_), archive.sized(diagonal_), archive.sized(states_);
-  archive(count_, changed_, complement_);
+  // Entries beyond those in use are of factors that are gone.
+  for (std::size_t i = 0; i < count; ++i) {
+    archive(diagonal_[i]);
+    for (std::size_t k = 0; k < count; ++k) archive(gram_[i * kMaxRows + k]);
+  }
+  archive.sized(states_);
+  archive(count_);
   Archive::index(count_, 0, static_cast<int>(count) + 1);
-  for (int i = 0; i < count_; ++i) Archive::index(changed_[i], 0, static_cast<int>(count));
+  for (int i = 0; i < count_; ++i) {
+    archive(changed_[i]);
+    Archive::index(changed_[i], 0, static_cast<int>(count));
+    for (int k = 0; k <= i; ++k) archive(complement_[i * kMaxRows + k]);
+  }
 }
 
 void ActiveSet::transfer(Archive& archive) {
