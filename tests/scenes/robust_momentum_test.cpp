@@ -38,6 +38,7 @@ Scales scales(const World& world) {
 struct Kept {
   double linear = 0, angular = 0, energy = 0;  ///< largest relative changes; of energy a gain
   double tension = 0, gap = 0;
+  int contacts = 0;
 };
 
 Kept run(World& world, double dt, int steps) {
@@ -64,6 +65,7 @@ Kept run(World& world, double dt, int steps) {
     kept.linear = std::max(kept.linear, (report.linear_momentum - P).norm() / scale.linear);
     kept.angular = std::max(kept.angular, (report.angular_momentum - L).norm() / scale.angular);
     kept.energy = std::max(kept.energy, (report.energy() - energy) / highest);
+    kept.contacts += report.contacts;
     kept.tension = std::max(kept.tension, report.tension_number);
     kept.gap = std::max({kept.gap, report.gap.metres, report.gap.radians});
   }
@@ -156,6 +158,35 @@ TEST(RobustMomentum, OfFreeMechanismsIsKeptAtLargeSteps) {
     EXPECT_LE(kept.gap, 1e-9);
   }
   EXPECT_GE(stiff, 5);
+}
+
+/// A heavy and a light ball on a chain of light links, whirling, and a ball that hits it.
+TEST(RobustMomentum, IsSharedByWhatTouches) {
+  World world;
+  world.set_gravity(Vec3::Zero());
+  BodyId last = kGround;
+  const double length = 0.2;
+  for (int i = 0; i < 6; ++i) {
+    const double mass = i == 0 ? 100 : i == 5 ? 10 : 0.01;
+    const Vec3 p(length * i, 0, 0);
+    const BodyId link = world.add_body({.mass = MassProperties::sphere(0.08, mass),
+                                        .pose = {.p = p},
+                                        .twist = {Vec3(0, 0, 8), Vec3(0, 8, 0) * p.x()}});
+    world.add_shape(link, Sphere{0.08}, {},
+                    {.restitution = 0.5, .static_friction = 0.5, .dynamic_friction = 0.5});
+    if (i > 0) world.add("", Ball::at(world, last, link, p - Vec3(0.5 * length, 0, 0)));
+    last = link;
+  }
+  const BodyId ball = world.add_body({.mass = MassProperties::sphere(0.1, 5),
+                                      .pose = {.p = {1.05, 0.5, 0.03}},
+                                      .twist = {Vec3(0, 3, 0), Vec3(-1, -2, 0)}});
+  world.add_shape(ball, Sphere{0.1}, {}, {.static_friction = 0.5, .dynamic_friction = 0.5});
+  const Kept kept = run(world, 1.0 / 100, 100);
+  EXPECT_GT(kept.tension, 2);
+  EXPECT_GT(kept.contacts, 0);
+  EXPECT_LE(kept.linear, 1e-12);
+  EXPECT_LE(kept.angular, 1e-11);  // contacts act at two points, a gap apart
+  EXPECT_LE(kept.energy, 1e-3);
 }
 
 }  // namespace
