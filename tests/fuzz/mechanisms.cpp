@@ -12,7 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <memory>
 
 #include "scenes/scene_file.h"
 #include "solvers/setting_checks.h"
@@ -23,9 +23,10 @@
 //   mechanisms --from 0 --count 1000 [--threads 2] [--limit 10] [--seconds S] [--keep FOLDER]
 //   mechanisms --write SEED            its scene file
 //   mechanisms --check FILE...         scene files that were written so
-// Each is run twice, on one thread and on --threads, which must give the same bits.  Seeds run in a process
-// of their own, a hundred each, so that one that crashes or hangs (a step of more than --limit seconds) is a
-// line of the output and not its end.  The exit status is 1 if anything was found.
+// Each is run twice, on one thread, and on --threads and from a checkpoint on halfway, which must give the
+// same bits.  Seeds run in a process of their own, a hundred each, so that one that crashes or hangs (a step
+// of more than --limit seconds) is a line of the output and not its end.  The exit status is 1 if anything
+// was found.
 
 namespace taut::fuzz {
 namespace {
@@ -83,37 +84,56 @@ struct Run {
   std::optional<Violation> violation;
 };
 
-Run run(Scene scene, int threads, Judge* judge, int limit) {
+/// One step under the eyes of all.  False if it was the last.
+bool step(Run& run, Simulator& simulator, const World& world, double dt, Judge* judge, int limit) {
+  const State before = world.state();
+  alarm(static_cast<unsigned>(limit));
+  const auto start = Clock::now();
+  const StepReport& report = simulator.step(dt);
+  shared->longest = std::max(shared->longest, std::chrono::duration<double>(Clock::now() - start).count());
+  alarm(0);
+  run.status = report.status;
+  ++run.steps;
+  if (report.advanced()) {
+    if (judge) run.violation = judge->judge(world, report, dt);
+    return !run.violation;
+  }
+  if (!same_bits(before, world.state())) run.violation = {"state", "a step that failed has moved the world"};
+  if (report.message.empty()) run.violation = {"message", "a step failed without a word"};
+  return false;
+}
+
+/// All steps of the scene; before step `resume_at` another world and another simulator go on from a
+/// checkpoint's bytes.
+Run run(const Scene& original, int threads, Judge* judge, int limit, int resume_at) {
   Run run;
-  scene.settings.threads = threads;
-  const int steps = static_cast<int>(std::lround(scene.duration / scene.dt));
+  auto scene = std::make_unique<Scene>(original);
+  scene->settings.threads = threads;
+  const int steps = static_cast<int>(std::lround(scene->duration / scene->dt));
   try {
-    Simulator simulator(scene.world, scene.settings);
-    if (judge) judge->start(scene.world);
-    for (int i = 0; i < steps && !run.violation; ++i) {
-      const State before = scene.world.state();
-      alarm(static_cast<unsigned>(limit));
-      const auto start = Clock::now();
-      const StepReport& report = simulator.step(scene.dt);
-      shared->longest =
-          std::max(shared->longest, std::chrono::duration<double>(Clock::now() - start).count());
-      alarm(0);
-      run.status = report.status;
-      ++run.steps;
-      if (!report.advanced()) {
-        if (!same_bits(before, scene.world.state()))
-          run.violation = {"state", "a step that failed has moved the world"};
-        if (report.message.empty()) run.violation = {"message", "a step failed without a word"};
-        break;
+    auto simulator = std::make_unique<Simulator>(scene->world, scene->settings);
+    if (judge) judge->start(scene->world);
+    for (int i = 0; i < steps; ++i) {
+      if (i == resume_at) {
+        const std::string bytes = simulator->checkpoint().bytes();
+        simulator.reset();
+        scene = std::make_unique<Scene>(original);
+        scene->settings.threads = threads;
+        simulator = std::make_unique<Simulator>(scene->world, scene->settings);
+        simulator->restore(Checkpoint::from_bytes(bytes));
       }
-      if (judge) run.violation = judge->judge(scene.world, report, scene.dt);
+      if (!step(run, *simulator, scene->world, scene->dt, judge, limit)) break;
     }
   } catch (const std::exception& error) {  // its settings fit the scene: nothing is there to refuse
     alarm(0);
     run.violation = {"exception", error.what()};
   }
-  run.end = scene.world.state();
+  run.end = scene->world.state();
   return run;
+}
+
+bool same(const Run& a, const Run& b) {
+  return a.status == b.status && a.steps == b.steps && same_bits(a.end, b.end);
 }
 
 std::optional<Violation> examine(const Json& json, const std::string& name, const Options& options) {
@@ -126,14 +146,20 @@ std::optional<Violation> examine(const Json& json, const std::string& name, cons
     return {};
   }
   Judge judge(json);
-  const Run first = run(*scene, 1, &judge, options.limit);
+  constexpr int kNever = -1;
+  const Run first = run(*scene, 1, &judge, options.limit, kNever);
   ++shared->runs, shared->steps += first.steps;
   ++shared->status[asked(*scene)][static_cast<int>(first.status)];
   if (first.violation) return first.violation;
-  const Run second = run(*scene, options.threads, nullptr, options.limit);
-  if (second.status != first.status || second.steps != first.steps || !same_bits(first.end, second.end))
+  const Run second = run(*scene, options.threads, nullptr, options.limit, first.steps / 2);
+  if (second.violation)
+    return Violation{second.violation->oracle, "gone on from a checkpoint: " + second.violation->figures};
+  if (same(first, second)) return {};
+  const Run straight = run(*scene, options.threads, nullptr, options.limit, kNever);
+  if (!same(first, straight))
     return Violation{"bits", "another run on " + std::to_string(options.threads) + " threads ends elsewhere"};
-  return {};
+  return Violation{"checkpoint", "gone on from it before step " + std::to_string(first.steps / 2 + 1) +
+                                     " of " + std::to_string(first.steps) + ", the run ends elsewhere"};
 }
 
 void keep(const Json& json, const std::string& name, const Options& options) {
