@@ -2,8 +2,8 @@
 
 namespace taut {
 
-/// While one of these lives, Ctrl-C (SIGINT) and SIGTERM are only noted, so that a run ends within the step,
-/// with its table and report.  A second signal of the same kind ends the program at once.
+/// While one of these lives, Ctrl-C (SIGINT) and SIGTERM are only noted, so that a run ends soon, with its
+/// table and report.  A second signal of the same kind ends the program at once.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -13,6 +13,8 @@ class InterruptGuard {
 
   /// The signal that came, or 0.
   static int signal();
+  /// How long ago that was [s]; 0 without one.  From any thread.
+  static double age();
 };
 
 }  // namespace taut

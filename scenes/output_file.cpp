@@ -79,6 +79,15 @@ bool can_make_temporary(const fs::path& folder) {
   return true;
 }
 
+/// Gives it the owner, group and mode of the other.
+bool make_alike(int fd, const struct stat& other) {
+  struct stat own {};
+  if (fstat(fd, &own) != 0) return false;
+  const bool same_owner = own.st_uid == other.st_uid && own.st_gid == other.st_gid;
+  return (same_owner || fchown(fd, other.st_uid, other.st_gid) == 0) &&
+         fchmod(fd, other.st_mode & kAnyMode) == 0;
+}
+
 /// How a file is going to be written.
 struct Target {
   int error = 0;  // errno if it cannot be
@@ -199,21 +208,19 @@ class OutputFile::Buffer : public std::streambuf {
 OutputFile::OutputFile(const std::string& file, Way way) : file_(file) {
   const Target target = target_of(file, way);
   int fd = -1, error = target.error;
-  if (error == 0 && target.through) {
-    fd = open_through(file);
-  } else if (error == 0) {
+  if (error == 0 && !target.through) {
     target_ = target.place.string();
     // What nobody but its owner may read is not to be seen while it is made, either.
     fd = make_temporary(folder_of(target.place), target.exists ? 0600 : 0666, temporary_);
-    if (fd < 0) temporary_.clear();
-    if (fd >= 0 && target.exists) {
-      const struct stat& now = target.now;
-      if (now.st_uid != geteuid() || now.st_gid != getegid())
-        if (fchown(fd, now.st_uid, now.st_gid) != 0 && fchown(fd, uid_t(-1), now.st_gid) != 0) errno = 0;
-      if (fchmod(fd, now.st_mode & kAnyMode) != 0) errno = 0;
+    if (fd >= 0 && target.exists && !make_alike(fd, target.now)) {
+      close(fd);
+      unlink(temporary_.c_str());
+      fd = -1;
     }
+    if (fd < 0) temporary_.clear();
   }
-  if (fd < 0 && error == 0) error = errno;
+  if (error == 0 && fd < 0) fd = open_through(file);
+  if (error == 0 && fd < 0) error = errno;
   if (fd >= 0) buffer_ = std::make_unique<Buffer>(fd);
   out_ = std::make_unique<std::ostream>(buffer_.get());  // without a buffer it is bad from the start
   note_error(error);

@@ -24,17 +24,16 @@ void require_writable(const char* option, const std::string& file);
 /// The same for a folder that files are written to, which need not be there.
 void require_writable_folder(const char* option, const std::string& folder);
 
-/// Everything that a command writes.  What a file is stays as it is:
-///   - a regular file, or a name that is free, gets its contents when they are whole: they are written under
-///   a
-///     name of their own in the same folder, which then takes the place of the file.  Until then, and if that
-///     fails or the program is killed, the old file is what it was.  Its mode and, where that is allowed, its
-///     owner are those of the new one;
-///   - behind a symbolic link it is the file that the link leads to, and the link stays;
-///   - a device, FIFO or socket, and what the standard output or error already goes to, is written through;
-///   - so is a regular file with several names (hard links), which would else part, one that the folder
-///   allows
-///     no other file next to, and what is streamed while a run goes on.
+/// Everything that a command writes.  What a file is stays as it is.
+///
+/// A regular file, or a name that is free, gets its contents when they are whole: they are written under a
+/// name of their own in the same folder, which then takes the place of the file.  Until then, and if that
+/// fails or the program is killed, the old file is what it was.  Mode and owner are those of the old one.
+/// Behind a symbolic link it is the file that the link leads to, and the link stays.
+///
+/// Written through is a device, FIFO or socket, and what the standard output or error already goes to; so is
+/// a regular file with several names (hard links), which would else part, one next to which none can be made
+/// or given to its owner, and what is streamed while a run goes on.
 class OutputFile {
  public:
   enum class Way { kWhole, kStreamed };

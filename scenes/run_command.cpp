@@ -35,6 +35,8 @@ constexpr std::int64_t kMostSteps = 1'000'000'000'000;
 constexpr double kWideOpen = 1e-3;
 /// Between two saves of the state [s] of wall time.
 constexpr double kSavePeriod = 60;
+/// A step is finished after a signal if that takes no longer [s]; a checkpoint is made before steps that do.
+constexpr double kLongStep = 0.5;
 
 /// The files that a run writes.  All are asked for before the run, so that it cannot fail at its end for want
 /// of a folder; none is touched before it is known that the run can start.
@@ -190,24 +192,30 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
                bool quiet) {
   const World& world = simulator.world();
   ProgressBar bar(record.steps_asked, record.dt, !quiet);
+  Checkpoint before;  // a step that is given up takes the memory of those before it along
   for (std::int64_t i = 0; i < record.steps_asked; ++i) {
     if (InterruptGuard::signal() != 0) return note_interruption(record, i);
     const auto start = Clock::now();
     const StepReport& report = simulator.step(record.dt);
     const double seconds = seconds_since(start);
+    if (report.status == Status::kInterrupted) {
+      record.add(report, seconds, {}, 0);
+      if (!before.empty()) simulator.restore(before);
+      return note_interruption(record, i);
+    }
     const double energy =
         simulator.settings().report_energy ? report.energy() : total_energy(world, world.state());
     const Gap gap = meter.largest(world);
     record.add(report, seconds, gap, energy);
     record.note_breaks(report, world);
     for (const std::string& warning : record.note_detection(report, world)) warn(warning);
-    if (report.status == Status::kInterrupted) return note_interruption(record, i);
     if (!report.advanced()) {
       return note_failure(record, report, world,
                           "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s");
     }
     outputs.sample(recorder, simulator);
     bar.update(i + 1, gap);
+    before = seconds > kLongStep ? simulator.checkpoint() : Checkpoint();
   }
   if (record.inexact_steps == 0) return;
   record.status = to_string(Status::kInexact);
@@ -273,7 +281,7 @@ int run_command(const RunOptions& options) {
   const bool goes_on = !memory.checkpoint.empty() && forgets.empty();
   Recorder recorder(scene.probes);
   const InterruptGuard guard;  // from before there is any output file
-  simulator.set_interrupt([] { return InterruptGuard::signal() != 0; });
+  simulator.set_interrupt([] { return InterruptGuard::age() > kLongStep; });
   Outputs::check(options);
 
   record.warnings = settings_without_effect(scene.settings, sources);

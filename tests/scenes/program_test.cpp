@@ -319,8 +319,9 @@ TEST(Program, ANetOfFiftyThousandRodsRunsWithinFourGigabytes) {
 
 TEST(Program, InterruptEndsTheRunWithTableAndReport) {
   const std::string report_file = temporary("interrupted.json");
+  const std::string csv = temporary("interrupted.csv");  // there from the start
   const Outcome run = run_program(
-      {"run", "chain", "--set", "n=50", "--time", "1000000", "--report", report_file}, report_file);
+      {"run", "chain", "--set", "n=50", "--time", "1000000", "--report", report_file, "--csv", csv}, csv);
   EXPECT_EQ(run.exit_status, 130);
   EXPECT_NE(run.out.find("interrupted"), std::string::npos);
   const Json report = Json::parse(read_text(report_file));

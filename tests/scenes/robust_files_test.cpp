@@ -6,6 +6,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -304,6 +308,35 @@ TEST(RobustFiles, ASignalEndsALongStep) {
   EXPECT_EQ(json["steps"], 0);
   EXPECT_EQ(json["final_time_s"], 0);
   EXPECT_EQ(Json::parse(read_text(state))["time"], 0);
+}
+
+/// Interrupts a run, goes on from what it has saved, and compares with one that was not interrupted.
+void expect_goes_on_to_the_same_bits(const Words& run, std::chrono::milliseconds wait, long more) {
+  const std::string state = temporary("stopped.json"), csv = temporary("stopped.csv"),
+                    report = temporary("report.json");
+  fs::remove(csv);
+  const Outcome stopped =
+      run_program(joined(run, {"--steps", "1000000000", "--csv", csv, "--save", state, "--report", report}),
+                  csv, SIGINT, wait);
+  ASSERT_EQ(stopped.exit_status, 130) << stopped.err;
+  const long steps = Json::parse(read_text(report))["steps"];
+  const auto last = [&](const Words& words) {
+    EXPECT_EQ(run_program(joined(run, joined(words, {"--report", report}))).exit_status, 0);
+    return Json::parse(read_text(report))["final_state_fingerprint"].get<std::string>();
+  };
+  EXPECT_EQ(last({"--from", state, "--steps", std::to_string(more)}),
+            last({"--steps", std::to_string(steps + more)}))
+      << "after " << steps << " steps";
+}
+
+TEST(RobustFiles, ARunThatWasStoppedGoesOnToTheSameBits) {
+  using std::chrono::milliseconds;
+  const Words pile{"run", "pile", "--set", "n=20", "--quiet"};
+  expect_goes_on_to_the_same_bits(pile, milliseconds(500), 20);
+  // Steps of about a second, which are given up.
+  const std::string scene = temporary("wheel.json");
+  write_text(scene, hub_scene(400));
+  expect_goes_on_to_the_same_bits({"run", scene, "--quiet"}, milliseconds(3000), 1);
 }
 
 }  // namespace
