@@ -279,12 +279,12 @@ std::string hub_scene(int spokes) {
   Json joints{{{"name", "hang"}, {"type", "ball"}, {"a", "ground"}, {"b", "hub"}, {"anchor", {0, 0, 0.1}}}};
   for (int i = 0; i < spokes; ++i) {
     const double angle = 2 * M_PI * i / spokes, x = 5 * std::cos(angle), y = 5 * std::sin(angle);
-    const std::string ball = "r" + std::to_string(i);
+    const std::string ball = std::string("r").append(std::to_string(i));
     bodies.push_back({{"name", ball},
                       {"mass", 1},
                       {"shape", {{"type", "sphere"}, {"radius", 2e-5}}},
                       {"position", {x, y, -0.35}}});
-    joints.push_back({{"name", "b" + std::to_string(i)},
+    joints.push_back({{"name", std::string("b").append(std::to_string(i))},
                       {"type", "ball"},
                       {"a", "hub"},
                       {"b", ball},

@@ -110,9 +110,9 @@ TEST(StateFile, AHeapGoesOnStanding) {
     EXPECT_EQ(outcome.exit_status, 0) << outcome.err;
     World world = build_scene("pile", {{"n", 12}}).world;
     const std::string text = read_text(state);
-    const ContactStretches stretches = apply_state(world, text, state);
-    EXPECT_GT(stretches.size(), 20u);
-    EXPECT_EQ(state_json(world, stretches), nlohmann::ordered_json::parse(text));
+    const SavedMemory memory = apply_state(world, text, state);
+    EXPECT_GT(memory.stretches.size(), 20u);
+    EXPECT_EQ(state_json(world, memory), nlohmann::ordered_json::parse(text));
     double fastest = 0;
     for (int b = 1; b < world.body_count(); ++b) fastest = std::max(fastest, world.twist(BodyId{b}).v.norm());
     return fastest;

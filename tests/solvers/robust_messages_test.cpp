@@ -91,8 +91,9 @@ TEST(RobustMessages, PositionsThatAreNotClosedNameTheJoint) {
   World world;
   BodyId last = kGround;
   for (int i = 0; i < 4; ++i) {
-    const BodyId rod = add_box(world, "rod_" + std::to_string(i), Vec3(0.1 + 0.2 * i, 0, 0));
-    world.add("j" + std::to_string(i), Ball::at(world, last, rod, Vec3(0.2 * i, 0, 0)));
+    const BodyId rod =
+        add_box(world, std::string("rod_").append(std::to_string(i)), Vec3(0.1 + 0.2 * i, 0, 0));
+    world.add(std::string("j").append(std::to_string(i)), Ball::at(world, last, rod, Vec3(0.2 * i, 0, 0)));
     world.set_twist(rod, {Vec3(0, 0, i % 2 ? 40 : -40), Vec3::Zero()});
     last = rod;
   }
