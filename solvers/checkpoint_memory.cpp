@@ -151,7 +151,7 @@ void RowUpdates::transfer(Archive& archive) {
   std::copy(solved.begin(), solved.end(), solved_.begin());
   // Entries beyond those in use are of factors that are gone.
   for (std::size_t i = 0; i < count; ++i) {
-    archive(diagonal_[i]);
+    if (columns_[i].masked) archive(diagonal_[i]);
     for (std::size_t k = 0; k < count; ++k) archive(gram_[i * kMaxRows + k]);
   }
   archive.sized(states_);
@@ -200,6 +200,7 @@ void ContactIslands::transfer(Archive& archive) {
     if (!island.own) make(island, scratch_.front());
     island.solver->transfer(archive);
     island.contacts.transfer_residuals(archive);
+    island.own->reset_counters();
   }
 }
 
@@ -279,7 +280,6 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
   dependent_rows_ = dependent;
   usable_ = usable;
   condition_ = condition;
-  reset_counters();
 }
 
 void Rattle::transfer(Archive& archive) {
@@ -318,6 +318,7 @@ void Rattle::transfer(Archive& archive) {
   if (!archive.reads()) return;
   update_step_limit(force_multipliers_);  // for the stiffness of the next step
   omega_ = omega, step_limit_ = limit, holds_bodies_ = holds;
+  system_.reset_counters();
 }
 
 }  // namespace taut
