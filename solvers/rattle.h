@@ -83,6 +83,8 @@ class Rattle {
   void clear_broken_rows(std::span<double> rows) const {
     for (int r : breaking_.rows()) rows[r] = 0;
   }
+  /// The body whose tension asks for the shortest step.
+  BodyId stiffest() const;
   /// Largest step that tension and rotation allow from here.
   double step_limit() const { return step_limit_; }
   /// φ at the last Newton iterate, for a diagnosis after kStalled.

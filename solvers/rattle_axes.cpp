@@ -99,7 +99,10 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       closed = open <= 1 && !contacts_.empty();
     }
     if (error <= 1) break;
-    if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) return false;
+    if (std::isnan(error) || (iteration > 0 && !std::isfinite(error)) || iteration >= patience) {
+      note_culprits(lambda_, rates_);
+      return false;
+    }
     if (closed && exact++ == kExactSolves) {
       if (!take_loosely(error)) {
         note_culprits(lambda_, rates_);
@@ -108,7 +111,10 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       break;
     }
     if (iteration > 1 && !closed && error > kSlow * last) {
-      if (refactored_ || error > 10 * last) return false;
+      if (refactored_ || error > 10 * last) {
+        note_culprits(lambda_, rates_);
+        return false;
+      }
       refactor_at_iterate(h, report);
     }
     last = error;
@@ -273,7 +279,9 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   }
   end_velocities(report);
   note_residual(mu_);
-  return report.velocity_residual <= settings_.velocity_tolerance;
+  if (report.velocity_residual <= settings_.velocity_tolerance) return true;
+  note_culprits(mu_, rates_);
+  return false;
 }
 
 /// The momenta that μ leads to, and what is left of their rates.

@@ -48,6 +48,17 @@ void Rattle::update_step_limit(std::span<const double> force_multipliers) {
   if (spin2 > 0) step_limit_ = std::min(step_limit_, settings_.max_rotation / std::sqrt(spin2));
 }
 
+BodyId Rattle::stiffest() const {
+  BodyId stiffest;
+  double largest = 0;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const double omega =
+        fastest_transverse_frequency(system_.mass_roots().subspan(b, 1), std::span(stiffness_).subspan(b, 1));
+    if (omega > largest) largest = omega, stiffest = {b};
+  }
+  return stiffest;
+}
+
 /// Bodies that friction holds to the ground, directly or through others, do not move whatever their load.
 /// Only where a step in which it lets go is looked at again.
 void Rattle::find_held_bodies() {

@@ -341,7 +341,7 @@ bool Simulator::Impl::integrate(double dt) {
   const bool hard = pace_.hard_steps > 0;
   rattle_->take_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   double remaining = dt, limit = std::numeric_limits<double>::infinity(), impact = 0;
-  bool forgot = false;
+  bool forgot = false, unstable = false;
   while (remaining > 0) {
     detail::poll_interrupt();
     const double left = std::max(
@@ -349,7 +349,9 @@ bool Simulator::Impl::integrate(double dt) {
     // An impact ends a sub-step, which may then be as short as it likes.
     const double even = remaining / left, h = impact > 0 ? impact : even;
     impact = 0;
-    switch (advance(h)) {
+    const Rattle::Outcome outcome = advance(h);
+    unstable = outcome == Rattle::Outcome::kUnstable;
+    switch (outcome) {
       case Rattle::Outcome::kDone:
         remaining = left > 1 || h < even ? remaining - h : 0;
         limit *= kGrow;
@@ -385,7 +387,7 @@ bool Simulator::Impl::integrate(double dt) {
         return false;
     }
     if (limit < smallest) {
-      diagnose_stall(remaining);
+      diagnose_stall(remaining, unstable);
       return false;
     }
   }

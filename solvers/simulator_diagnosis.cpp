@@ -23,6 +23,8 @@ constexpr double kStuckPart = 0.5;
 constexpr double kRoundOffResidual = 1e-6;
 /// An angle that changes by so much more than its bodies turn is next to where it has no value.
 constexpr double kSingular = 50;
+/// Rates that miss their tolerance by less than this part of what acts do so by round-off.
+constexpr double kRoundOffShare = 1e-9;
 /// Masses that differ by more are worth a word.
 constexpr double kManyTimes = 1e4;
 
@@ -101,7 +103,8 @@ void Simulator::Impl::fail_not_finite() {
   if (const BodyId body = body_not_finite(); body.index > 0) {
     const Twist& V = start.twists[body.index];
     std::ostringstream text;
-    text << " does not stay finite (within 1e30 m, m/s and rad/s), from " << V.v.norm() << " m/s and " << V.w.norm()
+    text << " does not stay finite (within 1e30 m, m/s and rad/s), from " << V.v.norm() << " m/s and "
+         << V.w.norm()
          << " rad/s before the step: a shorter step may help, or forces, speeds and masses of usual sizes";
     return fail("", {.kind = Culprit::Kind::kBody, .a = body}, text.str());
   }
@@ -227,7 +230,11 @@ std::string Simulator::Impl::list_culprits() const {
   for (std::size_t i = 0; i < report_.culprits.size(); ++i)
     text << (i == 0 ? ": " : ", ") << name_of(report_.culprits[i], source_) << " ("
          << report_.culprits[i].share << ")";
-  text << advice(report_.culprits.front(), world_.state());
+  if (report_.culprits.front().share < kRoundOffShare)
+    text << "; that is round-off of large impulses: masses nearer to each other, lower speeds or a larger "
+            "velocity_tolerance help";
+  else
+    text << advice(report_.culprits.front(), world_.state());
   return text.str();
 }
 
@@ -247,7 +254,8 @@ std::string Simulator::Impl::singular_axis() const {
   return "";
 }
 
-void Simulator::Impl::diagnose_stall(double remaining) {
+/// `unstable`: the last sub-step was too long for tension.
+void Simulator::Impl::diagnose_stall(double remaining, bool unstable) {
   const std::span<const double> phi = rattle_->residual();
   if (!rattle_->axes().finite() ||
       std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); }))
@@ -276,14 +284,20 @@ void Simulator::Impl::diagnose_stall(double remaining) {
               << "; less damping for its mass, or a shorter step, may help";
       return set_failure(status, message.str());
     }
-    message << "positions could not be closed with sub-steps down to dt/" << settings_.max_substeps;
-    if (!found.empty()) return set_failure(status, message.str());
-    std::string widest = widest_gap(rattle_->state(), phi, settings_.position_tolerance);
-    if (widest.empty()) {
-      report_.culprits.assign(rattle_->culprits().begin(), rattle_->culprits().end());
-      widest = list_culprits();
+    const std::string down = " with sub-steps down to dt/" + std::to_string(settings_.max_substeps);
+    if (!found.empty()) return set_failure(status, "positions could not be closed" + down);
+    if (unstable) {
+      const Culprit culprit{.kind = Culprit::Kind::kBody, .a = rattle_->stiffest()};
+      report_.culprits = {culprit};
+      return set_failure(status, "tension on " + name_of(culprit, source_) + " is too stiff" + down +
+                                     ": \"tension\": \"implicit\", a shorter step, or a larger mass helps");
     }
-    return set_failure(status, message.str() + widest + singular_axis());
+    if (const std::string widest = widest_gap(rattle_->state(), phi, settings_.position_tolerance);
+        !widest.empty())
+      return set_failure(status, "positions could not be closed" + down + widest + singular_axis());
+    report_.culprits.assign(rattle_->culprits().begin(), rattle_->culprits().end());
+    return set_failure(
+        status, "joints and laws could not be met together" + down + list_culprits() + singular_axis());
   }
   // The row that misses its law most is where it shows.
   if (found.empty() && outcome.status == ActiveSetStatus::kContradiction &&

@@ -171,7 +171,7 @@ class Simulator::Impl {
   Gap gap_of(std::span<const double> phi) const;
   void detach_broken();
   void forget_step();
-  void diagnose_stall(double remaining);
+  void diagnose_stall(double remaining, bool unstable);
   void fail_not_finite();
   void fail_blind();
   void note_detection();

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/joints.h"
 #include "scenes/scene_file.h"
@@ -103,6 +104,18 @@ TEST(RobustMessages, PositionsThatAreNotClosedNameTheJoint) {
   const StepReport& report = simulator.step(0.3);
   expect_blame(report, Status::kNotConverged, Culprit::Kind::kJoint,
                {"positions could not be closed", ": ball j", "stays open by", "a shorter step"});
+}
+
+/// Rates that large impulses leave beyond their tolerance, in positions that are closed.
+TEST(RobustMessages, WhatIsLeftOfRatesNamesTheJoint) {
+  for (const auto& [name, joint] : {std::pair("m624", "planar j3"), std::pair("m626", "slider j1")}) {
+    Scene scene = load_scene_file(testing::source_dir() + "/tests/adversary/" + name + ".json");
+    Simulator simulator(scene.world, scene.settings);
+    StepReport report;
+    for (int i = 0; i < 20 && report.ok(); ++i) report = simulator.step(scene.dt);
+    expect_blame(report, Status::kNotConverged, Culprit::Kind::kJoint,
+                 {"joints and laws could not be met together", joint, "round-off of large impulses"});
+  }
 }
 
 }  // namespace
