@@ -9,6 +9,7 @@
 #include "scenes/start_warnings.h"
 #include "solvers/contradiction.h"
 #include "solvers/simulator.h"
+#include "solvers/start_checks.h"
 
 namespace taut {
 namespace {
@@ -73,6 +74,8 @@ int check_command(const std::string& name, const std::map<std::string, double>& 
   }
   const std::vector<Problem> invalid = world.validate();
   problems.insert(problems.end(), invalid.begin(), invalid.end());
+  if (const Crowd crowd = start_crowd(world, scene.settings, scene.dt); !crowd.empty())
+    problems.push_back({"contacts", "the first step cannot be done: " + text_of(crowd, world)});
   add_contradiction(problems, world, simulator.contradiction(scene.dt));
   for (const Problem& problem : problems)
     std::cout << "problem: " << problem.subject << ": " << problem.message << '\n';

@@ -78,9 +78,6 @@ std::vector<std::string> start_warnings(const World& world, const Settings& sett
                "more than position_tolerance, %.2g m: joints may not close",
                spacing, settings.position_tolerance));
   if (const std::string pairs = passing_warning(world, settings); !pairs.empty()) warnings.push_back(pairs);
-  if (!is_force_level(settings.integrator))
-    if (const Crowd crowd = start_crowd(world, settings, dt); !crowd.empty())
-      warnings.push_back("the first step cannot be done: " + text_of(crowd, world));
   if (const std::string deep = overlaps(world); !deep.empty()) warnings.push_back(deep);
   if (const std::string springs = fast_springs(world, settings, dt); !springs.empty())
     warnings.push_back(springs);

@@ -10,6 +10,7 @@
 #include "collision/contact_finder.h"
 #include "solvers/constraint_system.h"
 #include "solvers/contact_set.h"
+#include "solvers/setting_checks.h"
 
 namespace taut {
 namespace {
@@ -161,7 +162,7 @@ UnsupportedPairs unsupported_pairs(const World& world) {
 }
 
 Crowd start_crowd(const World& world, const Settings& settings, double dt) {
-  if (!settings.contacts) return {};
+  if (!settings.contacts || is_force_level(settings.integrator)) return {};
   ContactFinder finder({.margin = settings.contact_margin,
                         .threads = settings.threads,
                         .max_contacts = settings.max_contacts});

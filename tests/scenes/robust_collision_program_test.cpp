@@ -102,7 +102,8 @@ TEST(RobustCrowdProgram, BodiesInOnePlaceAreToldAtOnce) {
   const std::string file = heap_file(300);
   const auto start = std::chrono::steady_clock::now();
   const Outcome check = run_program({"check", file});
-  EXPECT_TRUE(has(check.out, "the first step cannot be done") && has(check.out, "25000") &&
+  EXPECT_EQ(check.exit_status, 1);
+  EXPECT_TRUE(has(check.out, "problem: contacts: the first step cannot be done") && has(check.out, "25000") &&
               has(check.out, "max_contacts"))
       << check.out;
   const std::string report_file = temporary("report.json");
