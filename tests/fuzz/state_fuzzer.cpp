@@ -27,18 +27,18 @@ const char* const kContacts = R"({"format": "taut-scene/1", "ground": {"shapes":
 
 void check(const World& original, std::string_view text) {
   World world = original;
-  ContactStretches stretches;
+  SavedMemory memory;
   try {
-    stretches = apply_state(world, text, "fuzz.json");
+    memory = apply_state(world, text, "fuzz.json");
   } catch (const SceneFileError& error) {
     if (error.problems().empty()) found("a state was refused without a problem");
     if (!same(world.state(), original.state())) found("a state that was refused has changed the world");
     return;
   }
-  const std::string written = state_json(world, stretches).dump();
+  const std::string written = state_json(world, memory).dump();
   World again = original;
   try {
-    const ContactStretches read = apply_state(again, written, "fuzz.json");
+    const SavedMemory read = apply_state(again, written, "fuzz.json");
     if (state_json(again, read).dump() != written) found("a state that is written and read is another");
   } catch (const SceneFileError& error) {
     found(std::string("what was written is refused: ") + error.what());
