@@ -333,10 +333,10 @@ TEST(RobustFiles, ARunThatWasStoppedGoesOnToTheSameBits) {
   using std::chrono::milliseconds;
   const Words pile{"run", "pile", "--set", "n=20", "--quiet"};
   expect_goes_on_to_the_same_bits(pile, milliseconds(500), 20);
-  // Steps of about a second, which are given up.
+  // Steps of about a second, which are given up, and not from before the first.
   const std::string scene = temporary("wheel.json");
-  write_text(scene, hub_scene(400));
-  expect_goes_on_to_the_same_bits({"run", scene, "--quiet"}, milliseconds(3000), 1);
+  write_text(scene, hub_scene(150));
+  expect_goes_on_to_the_same_bits({"run", scene, "--quiet"}, milliseconds(2500), 1);
 }
 
 }  // namespace
