@@ -111,14 +111,14 @@ void Rattle::note_loose(std::span<const double> lambda) {
   loosest_ = std::max(loosest_, loose_);
 }
 
-/// Who is furthest from the laws of the present stage, for messages.
+/// Who is furthest from the laws of the present stage, for messages: by the natural map over the scale, with
+/// no allowance for round-off.
 void Rattle::note_culprits(std::span<const double> lambda, std::span<const double> w) {
   constexpr std::size_t kMost = 4;
   constexpr double kShare = 0.01;  // of the first
   culprits_.clear();
   const Rows& rows = system_.rows();
   const double scale = natural_scale(lambda, w);
-  const auto noise = rate_noise();
   const auto add = [this](Culprit culprit) {
     if (!(culprit.share <= std::numeric_limits<double>::max()))
       culprit.share = std::numeric_limits<double>::infinity();
@@ -140,7 +140,7 @@ void Rattle::note_culprits(std::span<const double> lambda, std::span<const doubl
   auto axis = rows.axis_rows().begin();
   for (int r = 0; r < rows.first_contact_row(); ++r) {
     while (axis != rows.axis_rows().end() && axis->row < r) ++axis;
-    const double off = natural_error(r, lambda, w, scale, noise);
+    const double off = natural_error(r, lambda, w, scale, {0, 0});
     if (!counts(off)) continue;
     Culprit culprit{.share = off};
     if (const auto* spring = std::get_if<ForceId>(&rows.owner(r))) {
@@ -156,7 +156,7 @@ void Rattle::note_culprits(std::span<const double> lambda, std::span<const doubl
   const std::span<const ContactSet::Place> places = contacts_.set().places();
   for (std::size_t k = 0; k < places.size(); ++k) {
     if (!places[k].active) continue;
-    const double off = contacts_.natural_error(static_cast<int>(k), lambda, w, scale, contact_rate_size());
+    const double off = contacts_.natural_error(static_cast<int>(k), lambda, w, scale, {});
     if (!counts(off)) continue;
     const auto [a, b] =
         std::minmax(named_->shape(places[k].contact.a).body, named_->shape(places[k].contact.b).body);

@@ -230,11 +230,12 @@ std::string Simulator::Impl::list_culprits() const {
   for (std::size_t i = 0; i < report_.culprits.size(); ++i)
     text << (i == 0 ? ": " : ", ") << name_of(report_.culprits[i], source_) << " ("
          << report_.culprits[i].share << ")";
-  if (report_.culprits.front().share < kRoundOffShare)
+  const Culprit& first = report_.culprits.front();
+  if (first.kind != Culprit::Kind::kContact && first.share < kRoundOffShare)
     text << "; that is round-off of large impulses: masses nearer to each other, lower speeds or a larger "
             "velocity_tolerance help";
   else
-    text << advice(report_.culprits.front(), world_.state());
+    text << advice(first, world_.state());
   return text.str();
 }
 
