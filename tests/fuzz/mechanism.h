@@ -86,7 +86,7 @@ class Judge {
   bool meets_laws_ = true, keeps_linear_ = false, keeps_angular_ = false, keeps_energy_ = false;
   Momentum before_;
   double momentum_scale_ = 0, angular_scale_ = 0;
-  bool has_energy_ = false;
+  std::vector<Twist> twists_before_;
   double least_energy_ = 0, first_potential_ = 0, energy_scale_ = 0, angle_scale_ = 0;
   double size_ = 0, total_mass_ = 0;
   int steps_ = 0;
