@@ -99,7 +99,7 @@ Judge::Judge(const Json& scene) {
   meets_laws_ = direct;
   is_free = is_free && !settings.value("sleep", false);
   keeps_linear_ = is_free;
-  keeps_angular_ = is_free && direct && rattle;
+  keeps_angular_ = is_free && direct && rattle;  // of contacts, see below
   bool touches = false;
   for (const Json& b : scene["bodies"]) touches = touches || b.contains("shapes");
   keeps_energy_ = conserves && direct && rattle && !touches &&
