@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/reach.h"
 #include "solvers/max_abs.h"
 
 namespace taut {
@@ -17,6 +18,9 @@ constexpr double kMaxTurn = 0.5;
 /// Joints with less than this part of the largest share do not belong to the contradiction.
 constexpr double kShare = 1e-3;
 constexpr std::size_t kMinimalSetLimit = 24;
+
+/// A body whose inverse mass overflows is nowhere even if nothing pushes it.
+bool is_somewhere(const Pose& pose) { return within(pose.p) && pose.q.coeffs().allFinite(); }
 
 void move(const MassMatrix& mass, const std::vector<Wrench>& impulse, double scale,
           std::vector<Pose>& poses) {
@@ -125,7 +129,10 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
     system.rows().residual(state, phi);
     passed.read(system, phi);
     const double gap = max_abs(phi);
-    if (gap <= tolerance) return true;
+    if (gap <= tolerance) {
+      if (std::all_of(poses.begin(), poses.end(), is_somewhere)) return true;
+      break;
+    }
     if (gap < 0.9 * best_gap) {
       best_gap = gap;
       best = poses;

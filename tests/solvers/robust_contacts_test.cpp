@@ -128,6 +128,17 @@ TEST(RobustReach, ALightBodyUnderAGreatForceEndsTheStep) {
   EXPECT_EQ(world.pose(dust).p, Vec3(Vec3::Zero()));
 }
 
+TEST(RobustReach, AMassWithoutAnInverseEndsTheStep) {
+  World world;
+  const BodyId a = world.add_body({.name = "a"});
+  world.add_body({.name = "dust", .mass = {1e-310, Vec3(1, 1, 1)}});
+  world.add("joint", Ball(kGround, a, Vec3(1, 0, 0), Vec3::Zero()));  // open: it is closed at the start
+  Simulator simulator(world);
+  EXPECT_FALSE(simulator.step(0.01).ok());
+  EXPECT_FALSE(simulator.report().message.empty());
+  EXPECT_EQ(world.pose(a).p, Vec3(Vec3::Zero()));
+}
+
 Shape cube() {
   TriangleMesh mesh;
   for (int i = 0; i < 8; ++i)
