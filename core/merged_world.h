@@ -66,6 +66,11 @@ class MergedWorld {
     state_seen_ = source.state_version();
     known_ = source.state();
   }
+  /// Who has been woken in the source so far sleeps as the bodies of world() do.
+  void note_stirs(const World& source) {
+    stirs_seen_ = source.stirs_;
+    stir_version_seen_ = source.stir_version_;
+  }
   /// State of the source for one of world().
   void expand(const State& merged, State& source) const;
   /// The weld that is open furthest in a state of the source, and by how much; index −1 without welds.

@@ -1,5 +1,6 @@
 #include "solvers/checkpoint.h"
 
+#include <cmath>
 #include <istream>
 #include <ostream>
 
@@ -210,6 +211,10 @@ bool Simulator::Impl::settle() {
 /// `gone`, when reading: joints that left with the last step, by joint.
 void Simulator::Impl::transfer(Archive& archive, std::span<const char> gone) {
   archive(pace_.pieces, pace_.most_pieces, pace_.quiet, pace_.hard_steps, horizon_, report_.dt, report_.time);
+  const auto is_count = [&](double n) { return n >= 1 && n <= settings_.max_substeps; };
+  Archive::require(is_count(pace_.pieces) && is_count(pace_.most_pieces) && pace_.quiet >= 0 &&
+                   horizon_ >= 0 && std::isfinite(horizon_) && report_.dt > 0 &&
+                   std::isfinite(report_.dt + report_.time));
   State state = world_.state();
   archive(state);
   if (archive.reads()) world_.set_state(state);
@@ -225,7 +230,7 @@ void Simulator::Impl::transfer(Archive& archive, std::span<const char> gone) {
     force_level_->transfer(archive);
   if (weld_loads_) archive(start_);
   if (archive.reads()) {
-    if (merged_) merged_->note_state(source_);
+    if (merged_) merged_->note_state(source_), merged_->note_stirs(source_);
     for (int j = 0; j < std::ssize(gone); ++j)
       if (gone[j]) world_.detach({j}), source_.detach({j});
     state_version_ = given_version_ = world_.state_version();

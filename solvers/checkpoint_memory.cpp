@@ -1,7 +1,9 @@
 #include "solvers/checkpoint_memory.h"
 
+#include <cmath>
 #include <numeric>
 
+#include "core/same_state.h"
 #include "solvers/energy_books.h"
 #include "solvers/force_level.h"
 #include "solvers/rattle.h"
@@ -283,11 +285,8 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
 }
 
 void Rattle::transfer(Archive& archive) {
-  archive(state_);
-  Archive::require(std::ssize(state_.poses) == world_.body_count() &&
-                       std::ssize(state_.twists) == world_.body_count() &&
-                       state_.axes.size() == world_.state().axes.size(),
-                   "it has other bodies");
+  archive(state_, linearized_time_);
+  Archive::require(std::isfinite(linearized_time_) && same(state_, world_.state()), "its states disagree");
   if (!contacts_.empty()) {
     contacts_.table().set.transfer(archive, world_);
     if (archive.reads()) {
@@ -309,7 +308,7 @@ void Rattle::transfer(Archive& archive) {
           holds_bodies_, rested_, surprised_, newtons_left_, outcome_.status, horizon_);
   const double omega = omega_, limit = step_limit_;
   const bool holds = holds_bodies_;
-  if (archive.reads()) poses_ = state_.poses;
+  if (archive.reads()) poses_ = state_.poses, std::swap(state_.time, linearized_time_);
   system_.transfer(archive, state_);
   active_->transfer(archive);
   piece_newton_.transfer(archive);
@@ -318,6 +317,7 @@ void Rattle::transfer(Archive& archive) {
   if (!archive.reads()) return;
   update_step_limit(force_multipliers_);  // for the stiffness of the next step
   omega_ = omega, step_limit_ = limit, holds_bodies_ = holds;
+  std::swap(state_.time, linearized_time_);
   system_.reset_counters();
 }
 

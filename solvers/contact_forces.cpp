@@ -143,9 +143,9 @@ void ContactForces::set_rows(const Rows& rows) {
   choose(places, rows);
 }
 
+/// Also of places that are not in use, whose rows are left out but have rates all the same.
 void ContactForces::give_points(ConstraintSystem& system) const {
-  for (int k = 0; k < std::ssize(table_.points); ++k)
-    if (table_.points[k].active) system.set_contact(k, table_.set.places()[k].point);
+  for (int k = 0; k < std::ssize(table_.points); ++k) system.set_contact(k, table_.set.places()[k].point);
 }
 
 /// What roll_back() needs.

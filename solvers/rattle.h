@@ -61,7 +61,10 @@ class Rattle {
   /// Gravity or a force law has changed, the state has not.  False if that is a jump: restart(), then.
   bool renew_forces();
   /// The last step ended at this time to the last bit.
-  void set_time(double time) { state_.time = time; }
+  void set_time(double time) {
+    linearized_time_ = state_.time;
+    state_.time = time;
+  }
   /// One step of h ≠ 0 (negative in compositions).  kStalled: Newton did not close the positions; kUnstable:
   /// the multipliers turned out to demand a smaller step; kImpact: an axis bounces at time_to_impact(), where
   /// the next advance must end; kOverload: a joint does not bear its load, and either is out now, or breaks
@@ -294,6 +297,7 @@ class Rattle {
   std::vector<Wrench> momenta_;        // (L, P) at the start; zero for fixed bodies
   std::vector<Wrench> start_momenta_;  // the same, while momenta_ already hold the end
   double start_time_ = 0;
+  double linearized_time_ = 0;       // of J at the end of the last step, which set_time() has rounded anew
   std::vector<Wrench> forces_;       // at the start
   std::vector<Pose> poses_;          // trial, end of the step
   std::vector<Wrench> kicked_;       // p
