@@ -240,7 +240,10 @@ void EnergyBooks::transfer(Archive& archive, const World& world) {
 
 void ForceLevel::transfer(Archive& archive) {
   archive(state_);
+  Archive::require(same(state_, world_.state()), "its states disagree");
   archive.sized(impulses_);
+  system_.transfer(archive, state_);  // whether rows have been dependent lately
+  system_.reset_counters();
 }
 
 void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
