@@ -169,13 +169,9 @@ bool MoreauJean::solve_stage(StepReport& report) {
   renew_laws();
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
-  near_ = false;
   loosest_ = natural_ = 0;  // of the passes before, which this one replaces
-  const auto renew = static_cast<Renew>(&MoreauJean::renew_laws);
-  if (!solve_laws(mu_, 0.1 * settings_.velocity_tolerance, renew, report)) {
-    note_culprits(mu_, w_);
-    return false;
-  }
+  contact_noise_ = rate_noise();
+  if (!solve_velocity_laws(static_cast<Renew>(&MoreauJean::renew_laws), report)) return false;
   end_velocities(report);
   note_residual(mu_);
   return report.velocity_residual <= settings_.velocity_tolerance;

@@ -251,6 +251,7 @@ class Rattle {
   bool iterate(std::span<double> lambda, int sweeps, double rate_tolerance, StepReport& report);
   void start_iterative();
   bool project_bounded_momenta(StepReport& report);
+  bool solve_velocity_laws(Renew renew, StepReport& report);
   void begin_velocities();
   void end_velocities(StepReport& report);
   void mean_rates(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const double> jacobian,

@@ -254,29 +254,27 @@ void Rattle::begin_velocities() {
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
 }
 
-/// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
-bool Rattle::project_bounded_momenta(StepReport& report) {
-  begin_velocities();
-  if (!axes_.finite()) return false;
+/// μ of the laws of a velocity stage from the present one, to what round-off allows where the tolerance of rates lets
+/// too much pass; inexactly where that may be.
+bool Rattle::solve_velocity_laws(Renew renew, StepReport& report) {
   near_ = false;
   double tolerance = 0.1 * settings_.velocity_tolerance;
   for (int exact = 0;; ++exact) {
-    if (!solve_laws(mu_, tolerance, &Rattle::renew_velocity_laws, report)) {
-      note_culprits(mu_, w_);
-      return false;
-    }
+    if (!solve_laws(mu_, tolerance, renew, report)) break;
     const double off = contacts_.empty() ? 0 : laws_off(mu_, w_);
-    if (off <= 1) break;
-    if (exact == kExactSolves) {
-      if (!take_loosely(off)) {
-        note_culprits(mu_, w_);
-        return false;
-      }
-      break;
-    }
+    if (off <= 1 || (exact == kExactSolves && take_loosely(off))) return true;
+    if (exact == kExactSolves) break;
     tolerance = exact_tolerance();
     std::copy(w_.begin(), w_.end(), rates_.begin());
   }
+  note_culprits(mu_, w_);
+  return false;
+}
+
+/// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
+bool Rattle::project_bounded_momenta(StepReport& report) {
+  begin_velocities();
+  if (!axes_.finite() || !solve_velocity_laws(&Rattle::renew_velocity_laws, report)) return false;
   end_velocities(report);
   note_residual(mu_);
   if (report.velocity_residual <= settings_.velocity_tolerance) return true;
