@@ -1,7 +1,7 @@
 #include "collision/contact_finder.h"
 
 #include <algorithm>
-#include <array>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -29,6 +29,8 @@ constexpr double kSameContact = 0.02;
 /// ContactSettings::max_contacts by default.  Convex bodies that are not in each other have no more than some
 /// ten neighbours each, unless they are long and lie crosswise.
 constexpr std::size_t kFreeContacts = 10000, kFreeContactsPerShape = 50;
+/// So many more pairs of boxes: those on their way overlap with more than they meet.
+constexpr std::size_t kPairsPerContact = 4;
 /// Shapes that a crowd is named by.
 constexpr std::size_t kNamed = 4;
 
@@ -67,7 +69,8 @@ struct ContactFinder::Impl {
   std::vector<std::pair<int, int>> pairs;
   std::vector<TaskResult> results;
   std::vector<Contact> contacts, before;
-  bool in_tree = false;  // all that items has
+  std::atomic<std::size_t> found = 0;  // contacts, by tasks that are done
+  bool in_tree = false;                // all that items has
   DetectionReport report;
 
   bool knows(const World& world) const;
@@ -75,10 +78,9 @@ struct ContactFinder::Impl {
   void place(const State& state, double horizon);
   ShapeId out_of_reach() const;
   std::size_t most() const;
-  template <typename Pairs, typename Shapes>
-  Crowd crowd_of(const Pairs& pairs, Shapes shapes_of) const;
+  Crowd crowd(std::size_t bound) const;
   bool find_pairs(const World& world, const State& state, double horizon);
-  void look_at_pairs(const State& state, double horizon);
+  bool look_at_pairs(const State& state, double horizon);
   void begin_report();
   void find_in_task(int task, int worker, const State& state, double horizon);
   void find_pair(int a, int b, const State& state, double horizon, detail::NarrowScratch& work,
@@ -160,14 +162,12 @@ std::size_t ContactFinder::Impl::most() const {
                                    : kFreeContacts + kFreeContactsPerShape * items.size();
 }
 
-/// Those that most pairs name.
-template <typename Pairs, typename Shapes>
-Crowd ContactFinder::Impl::crowd_of(const Pairs& all, Shapes shapes_of) const {
+/// The shapes that most pairs have.
+Crowd ContactFinder::Impl::crowd(std::size_t bound) const {
   std::vector<std::pair<int, int>> shapes;  // −pairs, shape
   for (int i = 0; i < std::ssize(items); ++i) shapes.emplace_back(0, i);
-  for (const auto& pair : all)
-    for (const int shape : shapes_of(pair)) --shapes[shape].first;
-  Crowd crowd{.most = static_cast<std::int64_t>(most()), .shapes = {}};
+  for (const auto& [a, b] : pairs) --shapes[a].first, --shapes[b].first;
+  Crowd crowd{.most = static_cast<std::int64_t>(bound), .shapes = {}};
   const std::size_t named = std::min(kNamed, shapes.size());
   std::partial_sort(shapes.begin(), shapes.begin() + static_cast<std::ptrdiff_t>(named), shapes.end());
   for (std::size_t k = 0; k < named; ++k) crowd.shapes.push_back({shapes[k].second});
@@ -176,7 +176,7 @@ Crowd ContactFinder::Impl::crowd_of(const Pairs& all, Shapes shapes_of) const {
 
 /// False if there are too many.
 bool ContactFinder::Impl::find_pairs(const World& world, const State& state, double horizon) {
-  if (!broad.find_pairs(world, bounds, most(), pairs)) return false;
+  if (!broad.find_pairs(world, bounds, kPairsPerContact * most(), pairs)) return false;
   const int count = static_cast<int>(items.size());
   for (int h = 0; h < count; ++h) {
     if (roles[h] != Role::kNone) continue;
@@ -200,9 +200,11 @@ void ContactFinder::Impl::find_in_task(int task, int worker, const State& state,
   TaskResult& result = results[task];
   result.contacts.clear(), result.unsupported.clear();
   result.touching = 0;
+  if (found > most()) return;
   const std::size_t end = std::min(pairs.size(), static_cast<std::size_t>(task + 1) * kPairsPerTask);
   for (std::size_t i = static_cast<std::size_t>(task) * kPairsPerTask; i < end; ++i)
     find_pair(pairs[i].first, pairs[i].second, state, horizon, scratch[worker], result);
+  found += result.contacts.size();
 }
 
 void ContactFinder::Impl::find_pair(int a, int b, const State& state, double horizon,
@@ -252,17 +254,21 @@ void ContactFinder::Impl::find_pair(int a, int b, const State& state, double hor
   result.touching += result.contacts.size() > first;
 }
 
-void ContactFinder::Impl::look_at_pairs(const State& state, double horizon) {
+/// False, with no contacts, if there are too many; the tasks that have not begun then have nothing to do.
+bool ContactFinder::Impl::look_at_pairs(const State& state, double horizon) {
   const int tasks = static_cast<int>((pairs.size() + kPairsPerTask - 1) / kPairsPerTask);
   if (results.size() < static_cast<std::size_t>(tasks)) results.resize(tasks);
   const auto find_some = [&](int task, int worker) { find_in_task(task, worker, state, horizon); };
+  found = 0;
   pool.run(tasks, std::cref(find_some));  // by reference: a function object of this size would be allocated
+  if (found > most()) return false;
   for (int task = 0; task < tasks; ++task) {
     const TaskResult& result = results[task];
     contacts.insert(contacts.end(), result.contacts.begin(), result.contacts.end());
     report.unsupported.insert(report.unsupported.end(), result.unsupported.begin(), result.unsupported.end());
     report.touching_pairs += result.touching;
   }
+  return true;
 }
 
 /// Its lists keep their memory.
@@ -330,17 +336,13 @@ const std::vector<Contact>& ContactFinder::find(const World& world, const State&
   own.report.candidate_pairs = static_cast<int>(own.pairs.size());
   own.report.broad_seconds = seconds_since(start);
   if (!few) {
-    own.report.crowd = own.crowd_of(own.pairs, [](const auto& p) { return std::array{p.first, p.second}; });
+    own.report.crowd = own.crowd(kPairsPerContact * own.most());
     return own.contacts;
   }
 
   start = Clock::now();
-  own.look_at_pairs(state, horizon);
-  if (own.contacts.size() > own.most()) {
-    own.report.crowd = own.crowd_of(own.contacts, [](const Contact& c) {
-      return std::array{c.a.index, c.b.index};
-    });
-    own.contacts.clear();
+  if (!own.look_at_pairs(state, horizon)) {
+    own.report.crowd = own.crowd(own.most());
     return own.contacts;
   }
   detail::match_features(own.before, own.contacts, [&](const Contact& contact) {

@@ -14,7 +14,7 @@ struct ContactSettings {
   double margin = 0.005;  ///< [m] contacts with a gap up to this are given
   int threads = 0;        ///< 0: as many as the machine has.  The result has the same bits with any number
   int max_points = 8;     ///< [4, 64] of one pair (of each direction of the normal on a surface of triangles)
-  /// Pairs of boxes that overlap, and contacts, that are taken on; 0: 10,000 + 50 per shape.
+  /// Contacts, and a quarter of the pairs of boxes, that are taken on; 0: 10,000 + 50 per shape.
   int max_contacts = 0;
 };
 

@@ -77,8 +77,8 @@ struct Settings {
   bool contacts = true;           ///< shapes of the world touch; false: they pass through each other
   double contact_margin = 0.005;  ///< [m] contacts exist up to this gap
   double resting_speed = 1e-3;    ///< [m/s] slower impacts have no restitution
-  /// Pairs of shapes near each other, and contacts, that a step takes on; 0: 10,000 + 50 per shape.  With
-  /// more it is not done (Status::kCrowded).
+  /// Contacts, and a quarter of the pairs of near shapes, that a step takes on; 0: 10,000 + 50 per shape.
+  /// With more it is not done (Status::kCrowded).
   int max_contacts = 0;
   /// Where, in a world with contacts, the laws of contacts, friction and limits cannot be met to 1e-8 of the
   /// largest impulse, a residual up to this is taken, with Status::kInexact; 0: such a step fails.

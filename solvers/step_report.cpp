@@ -72,11 +72,9 @@ std::string text_of(const Crowd& crowd, const World& world) {
     const std::string& name = world.name(world.shape(shape).body);
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
-  std::string text =
-      "more than " + std::to_string(crowd.most) +
-      " pairs of shapes near each other, or contacts, which is what max_contacts allows; bodies " +
-      list_of(names) + " have most of them";
-  return text + ": they lie in one place, or a step takes them past many others";
+  return "more than " + std::to_string(crowd.most) +
+         " contacts or pairs of shapes near each other, which is beyond max_contacts; bodies " +
+         list_of(names) + " have most of them: they lie in one place, or a step takes them past many others";
 }
 
 }  // namespace taut
