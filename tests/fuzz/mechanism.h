@@ -84,6 +84,7 @@ class Judge {
   Vec3 gravity_ = Vec3::Zero();
   bool holds_joints_ = true;  ///< the integrator promises closed joints
   bool meets_laws_ = true, keeps_linear_ = false, keeps_angular_ = false, keeps_energy_ = false;
+  double angular_bound_ = 1e-7;
   Momentum before_;
   double momentum_scale_ = 0, angular_scale_ = 0;
   std::vector<Twist> twists_before_;
