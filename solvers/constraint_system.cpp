@@ -53,6 +53,8 @@ void ConstraintSystem::set_contact_places(const World& world, std::span<const Ro
   rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving, springs_, Rows::Blocks::kArms);
   states_.clear();
   factored_states_.clear();
+  for (auto* rows : {&dependent_rows_, &counted_rows_})  // those of joints are the same rows still
+    std::erase_if(*rows, [this](int row) { return row >= rows_.first_contact_row(); });
   ++factor_version_, ++body_factor_version_;
   analyze();
 }

@@ -46,6 +46,14 @@ TEST(RobustSpringsInput, FarBeyondReachAreRefused) {
   EXPECT_THROW((void)adversary("spring_row_named_as_joint.json"), std::invalid_argument);
 }
 
+/// Dependent rows of contacts that are gone belong to nothing, and were read beyond the end of all rows.
+TEST(RobustContactsGone, LeaveNoDependentRows) {
+  Scene scene = adversary("dependent_contacts_gone.json");
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 200 && simulator.step(scene.dt).advanced(); ++i)
+    expect_joints_are_there(simulator.report(), scene.world);
+}
+
 World pendulum(int rods, double length = 1) {
   World world;
   BodyId last = kGround;
