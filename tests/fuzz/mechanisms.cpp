@@ -47,7 +47,7 @@ struct Options {
 struct Shared {
   std::uint64_t seed = 0;
   long runs = 0, steps = 0, refused = 0, found = 0, open = 0;
-  std::array<std::array<long, 5>, 8> status{};  ///< how the last step ended, by what was asked for
+  std::array<std::array<long, 7>, 8> status{};  ///< how the last step ended, by what was asked for
   double longest = 0;                           ///< step [s]
 };
 Shared* shared = nullptr;
@@ -229,11 +229,12 @@ long run_guarded(Options& options) {
 void print_table(const Options& options, double seconds, long crashes) {
   rusage usage{};
   getrusage(RUSAGE_CHILDREN, &usage);
-  std::printf("\n%-18s %9s %9s %9s %9s %9s\n", "asked for", "success", "inexact", "not conv.", "contrad.",
-              "not fin.");
+  std::printf("\n%-18s %9s %9s %9s %9s %9s %9s\n", "asked for", "success", "inexact", "not conv.", "contrad.",
+              "not fin.", "crowded");
   for (std::size_t i = 0; i < std::size(kAsked); ++i)
-    std::printf("%-18s %9ld %9ld %9ld %9ld %9ld\n", kAsked[i], shared->status[i][0], shared->status[i][1],
-                shared->status[i][2], shared->status[i][3], shared->status[i][4]);
+    std::printf("%-18s %9ld %9ld %9ld %9ld %9ld %9ld\n", kAsked[i], shared->status[i][0],
+                shared->status[i][1], shared->status[i][2], shared->status[i][3], shared->status[i][4],
+                shared->status[i][6]);
   std::printf(
       "seeds %llu to %llu: %ld mechanisms run, %ld refused, %ld steps, longest %.2g s, %.1f ms a mechanism, "
       "peak memory %ld MB\nfound: %ld violations, %ld crashes and hangs; %ld of what is open\n",
