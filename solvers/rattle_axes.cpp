@@ -254,8 +254,8 @@ void Rattle::begin_velocities() {
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
 }
 
-/// μ of the laws of a velocity stage from the present one, to what round-off allows where the tolerance of rates lets
-/// too much pass; inexactly where that may be.
+/// μ of the laws of a velocity stage from the present one, to what round-off allows where the tolerance of
+/// rates lets too much pass; inexactly where that may be.
 bool Rattle::solve_velocity_laws(Renew renew, StepReport& report) {
   near_ = false;
   double tolerance = 0.1 * settings_.velocity_tolerance;

@@ -195,14 +195,13 @@ TEST_F(RobustCheckpoint, OfAnotherWorldOrMethodIsRefusedAndChangesNothing) {
 }
 
 /// By the program, as a user goes on from a file, with probes, reactions and reports asked for.
-class RobustProgramResume : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
+class RobustProgramResume : public ::testing::TestWithParam<std::pair<std::string, std::string>> {};
 
 TEST_P(RobustProgramResume, SavesTheSameFile) {
   const auto [scene, options] = GetParam();
   const auto run = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments = {"run", std::string(scene).ends_with(".json")
-                                                     ? testing::source_dir() + "/" + scene
-                                                     : std::string(scene)};
+    std::vector<std::string> arguments = {
+        "run", scene.ends_with(".json") ? testing::source_dir() + "/" + scene : scene};
     std::istringstream words(options);
     for (std::string word; words >> word;) arguments.push_back(word);
     arguments.insert(arguments.end(), more.begin(), more.end());
