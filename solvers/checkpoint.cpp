@@ -7,7 +7,6 @@
 #include "core/check.h"
 #include "core/flush_to_zero.h"
 #include "solvers/checkpoint_memory.h"
-#include "solvers/setting_names.h"
 #include "solvers/simulator_impl.h"
 
 namespace taut {

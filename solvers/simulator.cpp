@@ -174,11 +174,6 @@ void Simulator::Impl::undoable(Work work) {
   }
 }
 
-/// For questions between steps.
-void Simulator::Impl::restart_if_needed() {
-  undoable([this] { refresh(); });
-}
-
 /// The same for work that makes a report: that is the one of before again, too, or says that the user has
 /// asked to end early.
 template <typename Work>
@@ -198,6 +193,11 @@ void Simulator::Impl::reported(Work work) {
     std::swap(report_, last_report_);
     throw;
   }
+}
+
+/// For questions between steps.
+void Simulator::Impl::restart_if_needed() {
+  undoable([this] { refresh(); });
 }
 
 /// An empty report, which keeps its memory; the last one is put aside.
