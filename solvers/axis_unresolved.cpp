@@ -14,29 +14,33 @@ constexpr double kDependent = 1e-6;
 /// A spring that is not resolved turns no body by more than this in a step [rad].
 constexpr double kTurn = 0.2;
 
-/// Two bodies of a joint that nothing else holds, along one of its axes.
+/// The bodies of a joint that nothing else holds, along one of its axes.
 struct Pair {
   double inertia = 0;
   double turning = 0;  ///< of the body that turns more, over the way along the axis [rad per m or rad]
 };
 
 /// What the rows of the joint that are equalities leave of W_r is A⁻¹ times the twists by a unit impulse.
+/// `kSize` is 6 times the bodies of the joint, or dynamic.
+template <int kSize>
 Pair pair_of(ConstraintSystem& system, int row) {
-  using Row = Eigen::Matrix<double, 12, 1>;
+  using Row = Eigen::Matrix<double, kSize, 1>;
   const Rows& rows = system.rows();
   const Rows::JointRows& joint = rows.joints()[rows.row(row).block];
   const std::span<const double> weighted = system.weighted();
   const auto row_of_W = [&](int k) {
-    Row W = Row::Zero();
+    Row W = Row::Zero(6 * joint.side_count);
     for (int s = 0; s < joint.side_count; ++s) {
       const Rows::Side& side = rows.sides()[joint.first_side + s];
       if (system.inverse_mass(side.body).moves())
-        W.segment<6>(6 * s) =
+        W.template segment<6>(6 * s) =
             Eigen::Map<const Eigen::Matrix<double, 6, 1>>(weighted.data() + side.whole + 6 * k);
     }
     return W;
   };
-  Eigen::Matrix<double, 12, kAll> held;  // orthonormal
+  // Orthonormal.
+  Eigen::Matrix<double, kSize, kSize == Eigen::Dynamic ? Eigen::Dynamic : kAll> held(
+      6 * joint.side_count, std::max<Eigen::Index>(kAll, joint.equality_count));
   int count = 0;
   const auto across = [&](Row W) {
     for (int pass = 0; pass < 2; ++pass)  // the second takes off what round-off has left
@@ -52,10 +56,18 @@ Pair pair_of(ConstraintSystem& system, int row) {
   Pair pair{.inertia = 1 / left.squaredNorm()};
   for (int s = 0; s < joint.side_count; ++s) {
     const int body = rows.sides()[joint.first_side + s].body;
-    const Vec3 w = system.inverse_mass(body).rotation * left.segment<3>(6 * s);
+    const Vec3 w = system.inverse_mass(body).rotation * left.template segment<3>(6 * s);
     pair.turning = std::max(pair.turning, pair.inertia * w.norm());
   }
   return pair;
+}
+
+/// Of joints of two bodies, and of pulleys, gears and the like, which have more.
+Pair pair_of(ConstraintSystem& system, int row) {
+  const Rows& rows = system.rows();
+  const Rows::JointRows& joint = rows.joints()[rows.row(row).block];
+  return joint.side_count == 2 && joint.equality_count <= kAll ? pair_of<12>(system, row)
+                                                               : pair_of<Eigen::Dynamic>(system, row);
 }
 
 /// Of a spring at a stretch.

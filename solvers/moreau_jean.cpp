@@ -203,25 +203,36 @@ bool MoreauJean::go_to_end(double h, StepReport& report) {
   state_.time = start_time_ + h;
   first_axes_ = state_.axes;
   system_.rows().update_axes(end_of_step(0), state_.axes);
-  if (settings_.drift_cure == DriftCure::kPositionPush && !push_positions(report)) {
-    system_.rows().residual(state_, phi_);  // for the diagnosis
-    return false;
-  }
+  if (settings_.drift_cure == DriftCure::kPositionPush && !push_positions(report)) return false;
   system_.set_mass(state_.poses);
   twists_from_momenta();
   return true;
 }
 
-/// Joints and limits closed, or where they are too much for each other the joints alone.
+/// Joints and rigid limits closed.
 bool MoreauJean::push_positions(StepReport& report) {
   axes_.rigid_limits(limits_);
-  if (!limits_.empty()) {
-    const std::vector<Pose> unpushed = state_.poses;
-    if (close_joints(system_, state_, settings_.position_tolerance, report, limits_)) return true;
-    state_.poses = unpushed;
-    system_.rows().update_axes(end_of_step(0), state_.axes);
+  if (close_joints(system_, state_, settings_.position_tolerance, report, limits_)) return true;
+  system_.rows().residual(state_, phi_);  // for the diagnosis
+  note_passed_limit();
+  return false;
+}
+
+/// The limit that is passed furthest, for the diagnosis.
+void MoreauJean::note_passed_limit() {
+  culprits_.clear();
+  double furthest = settings_.position_tolerance;
+  for (const AxisForces::Bound& limit : limits_) {
+    const double excess = std::abs(limit.excess(phi_[limit.row]));
+    if (!(excess > furthest)) continue;
+    furthest = excess;
+    const std::span<const Rows::AxisRow> axes = system_.rows().axis_rows();
+    const auto axis =
+        std::find_if(axes.begin(), axes.end(), [&](const auto& a) { return a.row == limit.row; });
+    culprits_ = {{.kind = axis->axis.axis >= 0 ? Culprit::Kind::kAxis : Culprit::Kind::kJoint,
+                  .axis = axis->axis,
+                  .share = excess}};
   }
-  return close_joints(system_, state_, settings_.position_tolerance, report);
 }
 
 /// For reactions and the next guess.  The impulse of an impact is no force.

@@ -38,6 +38,7 @@ class MoreauJean final : public Rattle {
   void book(double h, StepReport& report);
   bool go_to_end(double h, StepReport& report);
   bool push_positions(StepReport& report);
+  void note_passed_limit();
   void keep_impulses(double h);
 
   double theta_ = 0.5;               // of this step

@@ -69,10 +69,10 @@ class Judge {
   double coupling_gap(const Tie& tie, const State& state) const;
   Momentum momentum(const State& state) const;
   double kinetic(const State& state) const;
-  double potential(const State& state) const;
+  double potential(const State& state, double& push) const;
   double fastest_angle(const State& state, double dt) const;
   std::optional<Violation> judge_gaps(const World& world, const StepReport& report) const;
-  std::optional<Violation> judge_momentum(const World& world, double dt);
+  std::optional<Violation> judge_momentum(const World& world, const StepReport& report, double dt);
   std::optional<Violation> judge_energy(const World& world, double dt);
   int body(const std::string& name) const;
   const Tie& tie(const std::string& name) const;

@@ -328,16 +328,19 @@ Judge::Momentum Judge::momentum(const State& state) const {
   return m;
 }
 
-std::optional<Violation> Judge::judge_momentum(const World& world, double dt) {
+std::optional<Violation> Judge::judge_momentum(const World& world, const StepReport& report, double dt) {
   const Momentum now = momentum(world.state());
   // Round-off of positions is a motion, too.
   const double noise = 1e-14 * total_mass_ * size_ / dt;
-  // So is what happens within joints, which are closed to 1e-10 m, in mechanisms that cannot move.
-  const double jammed = 1e-10 * total_mass_ * size_ / dt;
+  // So is what happens within joints, which are closed to 1e-10 m in each sub-step, in mechanisms that cannot
+  // move.
+  const double jammed = 1e-10 * total_mass_ * size_ / dt * std::max(1, report.substeps);
   momentum_scale_ = std::max(momentum_scale_, now.linear_scale);
   angular_scale_ = std::max(angular_scale_, now.angular_scale);
   const double linear = (now.linear - before_.linear).norm(),
                angular = (now.angular - before_.angular).norm();
+  // A force level that has torn its joints apart makes impulses far beyond all momenta.
+  if (report.gap.metres > size_) keeps_linear_ = false;
   if (keeps_linear_ && !(linear <= 1e-12 * momentum_scale_ + noise))
     return Violation{"momentum", text("changed by %.3g of %.3g kg m/s", linear, momentum_scale_)};
   if (keeps_angular_ && !(angular <= angular_bound_ * angular_scale_ + jammed))
@@ -355,13 +358,15 @@ double Judge::kinetic(const State& state) const {
   return twice / 2;
 }
 
-/// Of gravity, springs between bodies and forces in world axes.
-double Judge::potential(const State& state) const {
+/// Of gravity, springs between bodies and forces in world axes; `push` [N]: what all of them push with.
+double Judge::potential(const State& state, double& push) const {
   double energy = 0;
+  push = total_mass_ * gravity_.norm();
   for (std::size_t i = 1; i < bodies_.size(); ++i) energy -= bodies_[i].mass * gravity_.dot(state.poses[i].p);
   for (const Json& force : forces_) {
     if (force["type"] == "point-force") {
       const int at = body(force["body"]);
+      push += vec(force["force"]).norm();
       energy -= vec(force["force"]).dot(state.poses[at].point(vec_or_zero(force, "point")));
     }
     if (force["type"] != "spring-damper") continue;
@@ -371,7 +376,9 @@ double Judge::potential(const State& state) const {
     const double start = (vec(force["anchor_b"]) - vec(force["anchor_a"])).norm();
     const double stretch =
         (state.poses[b].point(q) - state.poses[a].point(p)).norm() - force.value("rest_length", start);
-    energy += force.value("stiffness", 0.0) / 2 * stretch * stretch;
+    const double stiffness = force.value("stiffness", 0.0);
+    energy += stiffness / 2 * stretch * stretch;
+    push += stiffness * std::abs(stretch);
   }
   return energy;
 }
@@ -415,7 +422,8 @@ double Judge::fastest_angle(const State& state, double dt) const {
 /// E may swing by (ω h)² of the energies that go to and fro, and not grow beyond: the order of the
 /// integrators.  Joints are closed to 1e-10 m, over which weights and forces do work.
 std::optional<Violation> Judge::judge_energy(const World& world, double dt) {
-  const double T = kinetic(world.state()), U = potential(world.state()), E = T + U;
+  double push = 0;
+  const double T = kinetic(world.state()), U = potential(world.state(), push), E = T + U;
   angle_scale_ = std::max(angle_scale_, fastest_angle(world.state(), dt));
   // What turns from rest, or along a bend, shows by how its turning changes.
   for (std::size_t i = 0; i < twists_before_.size(); ++i) {
@@ -429,7 +437,7 @@ std::optional<Violation> Judge::judge_energy(const World& world, double dt) {
   }
   energy_scale_ = std::max({energy_scale_, T, std::abs(U - first_potential_)});
   least_energy_ = std::min(least_energy_, E);
-  const double push = total_mass_ * gravity_.norm() + energy_scale_ / size_ + total_mass_ * 1e-10 / (dt * dt);
+  push += energy_scale_ / size_ + total_mass_ * 1e-10 / (dt * dt);
   const double allowed =
       energy_scale_ * (1e-9 + 4 * angle_scale_ * angle_scale_) + 1e-12 * std::abs(E) + 1e-9 * push;
   if (angle_scale_ < 0.3 && !(E - least_energy_ <= allowed))
@@ -453,7 +461,7 @@ std::optional<Violation> Judge::judge(const World& world, const StepReport& repo
   if (meets_laws_ && report.ok() && !(report.natural_residual <= 1e-8))
     return Violation{"natural residual", text("%.3g with success", report.natural_residual)};
   if (auto bad = judge_gaps(world, report)) return bad;
-  if (auto bad = judge_momentum(world, dt)) return bad;
+  if (auto bad = judge_momentum(world, report, dt)) return bad;
   if (keeps_energy_)
     if (auto bad = judge_energy(world, dt)) return bad;
   return {};

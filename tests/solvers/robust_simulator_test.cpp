@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "core/diagnostics.h"
 #include "core/joints.h"
 #include "core/same_state.h"
 #include "scenes/scene.h"
@@ -26,9 +27,9 @@ void expect_joints_are_there(const StepReport& report, const World& world) {
                                                               report.contradiction.contacts.size());
 }
 
-class RobustSprings : public ::testing::TestWithParam<const char*> {};
+class RobustSpringWorlds : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(RobustSprings, ThatStallAreTakenForNoJoints) {
+TEST_P(RobustSpringWorlds, ThatStallAreTakenForNoJoints) {
   Scene scene = adversary(GetParam());
   Simulator simulator(scene.world, scene.settings);
   for (int i = 0; i < 200; ++i) {
@@ -38,12 +39,40 @@ TEST_P(RobustSprings, ThatStallAreTakenForNoJoints) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, RobustSprings,
+INSTANTIATE_TEST_SUITE_P(Worlds, RobustSpringWorlds,
                          ::testing::Values("spring_stall_heap_overflow.json", "m624.json", "m626.json"));
 
 /// Its spring hangs on a body 1e77 m away.
 TEST(RobustSpringsInput, FarBeyondReachAreRefused) {
   EXPECT_THROW((void)adversary("spring_row_named_as_joint.json"), std::invalid_argument);
+}
+
+/// A joint of three bodies whose compliance is too stiff for the step wrote past the places of two.
+TEST(RobustSprings, OfJointsOfThreeBodiesStayWithinTheirPlaces) {
+  World world;
+  world.set_gravity(Vec3::Zero());
+  const auto ball = [&](const Vec3& p, const Vec3& v) {
+    return world.add_body(
+        {.mass = MassProperties::sphere(0.1, 1), .pose = {Quat::Identity(), p}, .twist = {Vec3::Zero(), v}});
+  };
+  const BodyId a = ball({-1, 0, -1}, {0.1, 0, -0.5}), sheaves = ball({0, 0.2, 0}, {0, 0.1, 0.2}),
+               b = ball({1, 0, -1}, {0, 0.1, -0.5});
+  const JointId pulley =
+      world.add("", Pulley::at(world, a, {-1, 0, -0.9}, sheaves, {-1, 0, 0}, {1, 0, 0}, b, {1, 0, -0.9}));
+  world.set_compliance(pulley, JointCompliance{.translation = 1e-6});
+  const auto momentum = [&] {
+    Vec3 p = Vec3::Zero();
+    for (BodyId body : {a, sheaves, b}) p += world.mass_properties(body).mass() * world.twist(body).v;
+    return p;
+  };
+  const Vec3 before = momentum();
+  const double energy = kinetic_energy(world, world.state());
+  Simulator simulator(world);
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_TRUE(simulator.step(0.01).ok()) << simulator.report().message;
+    EXPECT_LE((momentum() - before).norm(), 1e-13);
+    EXPECT_LE(kinetic_energy(world, world.state()), energy * (1 + 1e-3));
+  }
 }
 
 /// Dependent rows of contacts that are gone belong to nothing, and were read beyond the end of all rows.
