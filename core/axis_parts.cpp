@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/rows.h"
+
 namespace taut {
 namespace row_parts {
 
@@ -97,6 +99,14 @@ std::string Screw::row_name(int) const { return "displacement by the thread"; }
 template class detail::PartStore<row_parts::Angle>;
 template class detail::PartStore<row_parts::Displacement>;
 template class detail::PartStore<row_parts::Length>;
+template void RowSink::add(const row_parts::Angle&, Between);
+template void AxisSink::add(std::string_view, const row_parts::Angle&, Between);
+template void RowSink::add(const row_parts::Displacement&, Between);
+template void AxisSink::add(std::string_view, const row_parts::Displacement&, Between);
+template void RowSink::add(const row_parts::Length&, Between);
+template void AxisSink::add(std::string_view, const row_parts::Length&, Between);
+template void RowSink::add(const row_parts::Screw&, Between);
+template void AxisSink::add(std::string_view, const row_parts::Screw&, Between);
 template class detail::PartStore<row_parts::Screw>;
 
 }  // namespace taut

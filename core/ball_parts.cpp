@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/rows.h"
+
 namespace taut {
 namespace row_parts {
 namespace {
@@ -192,6 +194,14 @@ std::string Turn::row_name(int) const { return "turn about " + direction_name(a_
 template class detail::PartStore<row_parts::Swing>;
 template class detail::PartStore<row_parts::SwingComponent>;
 template class detail::PartStore<row_parts::TwistAngle>;
+template void RowSink::add(const row_parts::Swing&, Between);
+template void AxisSink::add(std::string_view, const row_parts::Swing&, Between);
+template void RowSink::add(const row_parts::SwingComponent&, Between);
+template void AxisSink::add(std::string_view, const row_parts::SwingComponent&, Between);
+template void RowSink::add(const row_parts::TwistAngle&, Between);
+template void AxisSink::add(std::string_view, const row_parts::TwistAngle&, Between);
+template void RowSink::add(const row_parts::Turn&, Between);
+template void AxisSink::add(std::string_view, const row_parts::Turn&, Between);
 template class detail::PartStore<row_parts::Turn>;
 
 }  // namespace taut

@@ -123,5 +123,13 @@ extern template class detail::PartStore<row_parts::Swing>;
 extern template class detail::PartStore<row_parts::SwingComponent>;
 extern template class detail::PartStore<row_parts::TwistAngle>;
 extern template class detail::PartStore<row_parts::Turn>;
+extern template void RowSink::add(const row_parts::Swing&, Between);
+extern template void AxisSink::add(std::string_view, const row_parts::Swing&, Between);
+extern template void RowSink::add(const row_parts::SwingComponent&, Between);
+extern template void AxisSink::add(std::string_view, const row_parts::SwingComponent&, Between);
+extern template void RowSink::add(const row_parts::TwistAngle&, Between);
+extern template void AxisSink::add(std::string_view, const row_parts::TwistAngle&, Between);
+extern template void RowSink::add(const row_parts::Turn&, Between);
+extern template void AxisSink::add(std::string_view, const row_parts::Turn&, Between);
 
 }  // namespace taut

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace taut {
 
@@ -16,6 +17,22 @@ template <typename Value>
   message.precision(17);
   message << name << ": " << problem << " (value: " << value << ")";
   throw std::invalid_argument(message.str());
+}
+
+namespace detail {
+/// As fail(); `values` row by row.
+[[noreturn]] void fail_matrix(std::string_view name, std::string_view problem, const double* values, int rows,
+                              int columns);
+}  // namespace detail
+
+/// With a vector as a row, and a matrix as its transpose.
+template <typename Matrix>
+[[noreturn]] void fail_with(std::string_view name, std::string_view problem, const Matrix& matrix) {
+  std::vector<double> values;
+  for (int c = 0; c < matrix.cols(); ++c)
+    for (int r = 0; r < matrix.rows(); ++r) values.push_back(matrix(r, c));
+  detail::fail_matrix(name, problem, values.data(), static_cast<int>(matrix.cols()),
+                      static_cast<int>(matrix.rows()));
 }
 
 inline void require_finite(std::string_view name, double value) {
@@ -33,7 +50,7 @@ inline void require_not_negative(std::string_view name, double value) {
 /// Any Eigen vector or matrix.
 template <typename Matrix>
 void require_all_finite(std::string_view name, const Matrix& matrix) {
-  if (!matrix.allFinite()) fail(name, "must be finite", matrix.transpose());
+  if (!matrix.allFinite()) fail_with(name, "must be finite", matrix);
 }
 
 /// A direction must have length one to `kUnitTolerance`; it is never normalised behind the user's back.
@@ -41,8 +58,7 @@ inline constexpr double kUnitTolerance = 1e-9;
 template <typename Vector>
 void require_unit(std::string_view name, const Vector& direction) {
   require_all_finite(name, direction);
-  if (std::abs(direction.norm() - 1) > kUnitTolerance)
-    fail(name, "must have length 1", direction.transpose());
+  if (std::abs(direction.norm() - 1) > kUnitTolerance) fail_with(name, "must have length 1", direction);
 }
 
 /// A unit vector perpendicular to `axis`, to the same tolerance.
@@ -50,7 +66,7 @@ template <typename Vector>
 void require_across(std::string_view name, const Vector& direction, const Vector& axis) {
   require_unit(name, direction);
   if (std::abs(direction.dot(axis)) > kUnitTolerance)
-    fail(name, "must be perpendicular to its axis", direction.transpose());
+    fail_with(name, "must be perpendicular to its axis", direction);
 }
 
 }  // namespace taut

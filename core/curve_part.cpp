@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/rows.h"
+
 namespace taut {
 
 BodyCurve::BodyCurve(CubicSpline<3> spline) : spline_(std::move(spline)) {
@@ -185,6 +187,9 @@ Mat3 CurveParameter::hessian(const BodyCurve::Near& at) {
 }  // namespace row_parts
 
 template class detail::PartStore<row_parts::PointOnCurve>;
+template void RowSink::add(const row_parts::PointOnCurve&, Between);
+template void RowSink::add(const row_parts::CurveParameter&, Between);
+template void AxisSink::add(std::string_view, const row_parts::CurveParameter&, Between);
 template class detail::PartStore<row_parts::CurveParameter>;
 
 }  // namespace taut

@@ -119,5 +119,8 @@ struct CurveParameter {
 
 extern template class detail::PartStore<row_parts::PointOnCurve>;
 extern template class detail::PartStore<row_parts::CurveParameter>;
+extern template void RowSink::add(const row_parts::PointOnCurve&, Between);
+extern template void RowSink::add(const row_parts::CurveParameter&, Between);
+extern template void AxisSink::add(std::string_view, const row_parts::CurveParameter&, Between);
 
 }  // namespace taut

@@ -25,7 +25,7 @@ bool within(const Vector& v, double bound = kFarthest) {
 template <typename Vector>
 void require_within_reach(std::string_view name, const Vector& v) {
   require_all_finite(name, v);
-  if (!within(v)) fail(name, "must not be beyond 1e30", v.transpose());
+  if (!within(v)) fail_with(name, "must not be beyond 1e30", v);
 }
 
 /// Of a state that a World takes.

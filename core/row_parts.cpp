@@ -3,6 +3,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/rows.h"
+
 namespace taut {
 namespace row_parts {
 
@@ -179,5 +181,13 @@ template class detail::PartStore<row_parts::Perpendicular>;
 template class detail::PartStore<row_parts::Orientation>;
 template class detail::PartStore<row_parts::Distance>;
 template class detail::PartStore<row_parts::Stretch>;
+template void RowSink::add(const row_parts::Point&, Between);
+template void RowSink::add(const row_parts::PointInPlane&, Between);
+template void AxisSink::add(std::string_view, const row_parts::PointInPlane&, Between);
+template void RowSink::add(const row_parts::Perpendicular&, Between);
+template void AxisSink::add(std::string_view, const row_parts::Perpendicular&, Between);
+template void RowSink::add(const row_parts::Orientation&, Between);
+template void RowSink::add(const row_parts::Distance&, Between);
+template void AxisSink::add(std::string_view, const row_parts::Distance&, Between);
 
 }  // namespace taut

@@ -42,7 +42,7 @@ class CubicSpline {
         fail("spline parameter " + std::to_string(i + 1), "must exceed the one before it", t_[i]);
     }
     if (closed && p_.front() != p_.back())
-      fail("spline", "must end where it starts to be closed", p_.back().transpose());
+      fail_with("spline", "must end where it starts to be closed", p_.back());
     Eigen::MatrixXd points(p_.size(), Dimension);
     for (std::size_t i = 0; i < p_.size(); ++i) points.row(i) = p_[i].transpose();
     const Eigen::MatrixXd m = detail::spline_second_derivatives(t_, points, closed);

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "core/rows.h"
+
 namespace taut {
 namespace row_parts {
 
@@ -160,6 +162,12 @@ Mat3 DrivenOrientation::rate_matrix(const Configuration& at, const PosePoint& ta
 template class detail::WideStore<row_parts::Coupling>;
 template class detail::WideStore<row_parts::DrivenCoupling>;
 template class detail::WideStore<row_parts::DrivenPosition>;
+template void RowSink::add(const row_parts::Coupling&, Between);
+template void AxisSink::add(std::string_view, const row_parts::Coupling&, Between);
+template void RowSink::add(const row_parts::DrivenCoupling&, Between);
+template void AxisSink::add(std::string_view, const row_parts::DrivenCoupling&, Between);
+template void RowSink::add(const row_parts::DrivenPosition&, Between);
+template void RowSink::add(const row_parts::DrivenOrientation&, Between);
 template class detail::WideStore<row_parts::DrivenOrientation>;
 
 }  // namespace taut

@@ -111,5 +111,11 @@ extern template class detail::WideStore<row_parts::Coupling>;
 extern template class detail::WideStore<row_parts::DrivenCoupling>;
 extern template class detail::WideStore<row_parts::DrivenPosition>;
 extern template class detail::WideStore<row_parts::DrivenOrientation>;
+extern template void RowSink::add(const row_parts::Coupling&, Between);
+extern template void AxisSink::add(std::string_view, const row_parts::Coupling&, Between);
+extern template void RowSink::add(const row_parts::DrivenCoupling&, Between);
+extern template void AxisSink::add(std::string_view, const row_parts::DrivenCoupling&, Between);
+extern template void RowSink::add(const row_parts::DrivenPosition&, Between);
+extern template void RowSink::add(const row_parts::DrivenOrientation&, Between);
 
 }  // namespace taut

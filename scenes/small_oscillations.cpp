@@ -82,7 +82,7 @@ std::vector<Mode> natural_modes(const World& world) {
   const int n = 6 * static_cast<int>(body_of.size());
 
   const Matrix J = dense_jacobian(rows, state, column, n);
-  const Eigen::BDCSVD<Matrix> svd(J, Eigen::ComputeThinU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeThinU | Eigen::ComputeFullV);
   const Eigen::Index rank = (svd.singularValues().array() > 1e-9 * svd.singularValues()[0]).count();
   const Matrix Z = svd.matrixV().rightCols(n - rank);
   const Vector f = dense_forces(world, state, column, n);
