@@ -12,7 +12,7 @@ namespace {
 std::string of(const char* what, std::string_view axis) { return what + (" of " + std::string(axis)); }
 
 /// A damping table gives no force at rest but for this part of its largest.
-constexpr double kRoundOff = 1e-14;
+constexpr double kTableRoundOff = 1e-14;
 
 /// Not negative; infinity means unlimited.
 void require_bound(const std::string& name, double value) {
@@ -164,7 +164,7 @@ void check_axis(std::string_view axis, const AxisSpring& spring) {
   const double at_rest = spring.damping_table->extended(0);
   const std::vector<Curve::Point>& points = spring.damping_table->points();
   const double largest = std::max(std::abs(points.front().y), std::abs(points.back().y));
-  if (!(std::abs(at_rest) <= kRoundOff * largest))
+  if (!(std::abs(at_rest) <= kTableRoundOff * largest))
     fail(of("damping table", axis), "must give no force at rest", at_rest);
   for (std::size_t i = 1; i < points.size(); ++i)
     if (points[i].y < points[i - 1].y)

@@ -37,11 +37,11 @@ class Grouping {
   }
   /// Rigid, and with arms that leave less than the tolerance to round-off.
   bool closes(const Joint& joint) const {
-    constexpr double kRoundOff = 8 * std::numeric_limits<double>::epsilon();
+    constexpr double kWeldRoundOff = 8 * std::numeric_limits<double>::epsilon();
     const std::optional<Pose> X_AB = joint.rigid_pose();
     if (!X_AB) return false;
     const Vec3 p_BQ = joint.reaction_point_B();
-    return kRoundOff * (p_BQ.norm() + X_AB->point(p_BQ).norm()) <= tolerance_;
+    return kWeldRoundOff * (p_BQ.norm() + X_AB->point(p_BQ).norm()) <= tolerance_;
   }
   bool can_break(JointId id) const {
     return std::binary_search(breakable_.begin(), breakable_.end(), id.index);

@@ -10,8 +10,8 @@ namespace taut {
 namespace {
 
 /// Products of inertia below this part of the largest moment are round-off.
-constexpr double kRoundOff = 1e-14;
-constexpr int kMaxIterations = 20;
+constexpr double kPlaceRoundOff = 1e-14;
+constexpr int kMaxPlacings = 20;
 
 /// A joint of the source between the bodies that carry its own.
 class MergedJoint final : public Joint {
@@ -148,7 +148,7 @@ Mat3 inertia_about(const Mat3& inertia, double mass, const Vec3& arm) {
 }
 
 MassProperties without_round_off(double mass, Mat3 inertia) {
-  const double least = kRoundOff * inertia.diagonal().maxCoeff();
+  const double least = kPlaceRoundOff * inertia.diagonal().maxCoeff();
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k)
       if (i != k && std::abs(inertia(i, k)) <= least) inertia(i, k) = 0;
@@ -419,7 +419,7 @@ Pose MergedWorld::nearest_pose(const MergedGroup& group, const World& source) co
          Vec3::Zero()};
   for (BodyId body : group.members)
     X.p += source.mass_properties(body).mass() / all.mass() * source.pose(body).p;
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxPlacings; ++iteration) {
     Vec3 off = Vec3::Zero();
     for (BodyId body : group.members) {
       const MassProperties& own = source.mass_properties(body);

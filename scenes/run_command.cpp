@@ -311,6 +311,7 @@ int run_command(const RunOptions& options) {
     record.redundant_rows = names_of(simulator.report().dependent_rows, scene.world);
     if (simulator.report().rank) record.note_rank(*simulator.report().rank, scene.world);
     last = recorder.sample(simulator);
+    record.reactions = reactions_fingerprint(simulator);
   } catch (const std::exception& error) {
     if (record.status == "success") record.status = "error", record.message = error.what();
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scenes/format.h"
+#include "solvers/simulator.h"
 
 namespace taut {
 
@@ -116,20 +117,46 @@ double RunRecord::step_time_quantile(double p) const {
   return std::lerp(times[below], times[above], place - static_cast<double>(below));
 }
 
-std::uint64_t fingerprint(const State& state) {
-  std::uint64_t hash = 14695981039346656037u;
-  const auto mix = [&hash](double value) {
+namespace {
+
+/// FNV-1a.
+class Hash {
+ public:
+  void mix(double value) {
     const auto bits = std::bit_cast<std::uint64_t>(value);
-    for (int shift = 0; shift < 64; shift += 8) hash = (hash ^ (bits >> shift & 255)) * 1099511628211u;
-  };
-  mix(state.time);
+    for (int shift = 0; shift < 64; shift += 8) hash_ = (hash_ ^ (bits >> shift & 255)) * 1099511628211u;
+  }
+  void mix(const Vec3& v) {
+    for (int i = 0; i < 3; ++i) mix(v[i]);
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 14695981039346656037u;
+};
+
+}  // namespace
+
+std::uint64_t fingerprint(const State& state) {
+  Hash hash;
+  hash.mix(state.time);
   for (const Pose& pose : state.poses) {
-    for (int i = 0; i < 3; ++i) mix(pose.p[i]);
-    for (int i = 0; i < 4; ++i) mix(pose.q.coeffs()[i]);
+    hash.mix(pose.p);
+    for (int i = 0; i < 4; ++i) hash.mix(pose.q.coeffs()[i]);
   }
   for (const Twist& twist : state.twists)
-    for (int i = 0; i < 3; ++i) mix(twist.w[i]), mix(twist.v[i]);
-  return hash;
+    for (int i = 0; i < 3; ++i) hash.mix(twist.w[i]), hash.mix(twist.v[i]);
+  return hash.value();
+}
+
+std::uint64_t reactions_fingerprint(const Simulator& simulator) {
+  Hash hash;
+  for (int j = 0; j < simulator.world().joint_count(); ++j) {
+    const Reaction reaction = simulator.mean_reaction(JointId{j});
+    hash.mix(reaction.force), hash.mix(reaction.torque);
+  }
+  for (const ContactReport& contact : simulator.contacts()) hash.mix(contact.force), hash.mix(contact.torque);
+  return hash.value();
 }
 
 }  // namespace taut

@@ -11,6 +11,8 @@
 
 namespace taut {
 
+class Simulator;
+
 /// Everything that a run is judged by, gathered step by step.
 struct RunRecord {
   // What was asked for.
@@ -47,6 +49,8 @@ struct RunRecord {
   int missing_threads = 0;        ///< that could not be started
   int max_unsupported_pairs = 0;  ///< of shapes near each other that pass through each other, of one step
   std::set<std::pair<ShapeId, ShapeId>> named_pairs;  ///< those that warnings name
+
+  std::uint64_t reactions = 0;  ///< reactions_fingerprint() at the end
 
   double initial_energy = 0, final_energy = 0, energy_scale = 0;  ///< [J]
   bool has_scale = true;        ///< else the scale is the largest kinetic energy so far
@@ -101,5 +105,7 @@ struct RunRecord {
 
 /// FNV-1a over the bits of time, poses and twists: equal for equal states and nothing else that matters.
 std::uint64_t fingerprint(const State& state);
+/// Likewise of the mean reactions of all joints and the forces of all contacts over the last step.
+std::uint64_t reactions_fingerprint(const Simulator& simulator);
 
 }  // namespace taut

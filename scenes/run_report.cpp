@@ -160,6 +160,7 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
   report["final_time_s"] = final_state.time;
   report["final_state_fingerprint"] =
       format("%016llx", static_cast<unsigned long long>(fingerprint(final_state)));
+  report["reactions_fingerprint"] = format("%016llx", static_cast<unsigned long long>(r.reactions));
   return report;
 }
 

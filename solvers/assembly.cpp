@@ -11,13 +11,13 @@
 namespace taut {
 namespace {
 
-constexpr int kMaxIterations = 60;
+constexpr int kMaxClosings = 60;
 /// Longest rotation of a body in one iteration [rad]; a Newton step beyond that means nothing.
-constexpr double kMaxTurn = 0.5;
+constexpr double kMaxClosingTurn = 0.5;
 
 /// Joints with less than this part of the largest share do not belong to the contradiction.
-constexpr double kShare = 1e-3;
-constexpr std::size_t kMinimalSetLimit = 24;
+constexpr double kStuckShare = 1e-3;
+constexpr std::size_t kDenseSetLimit = 24;
 
 /// A body whose inverse mass overflows is nowhere even if nothing pushes it.
 bool is_somewhere(const Pose& pose) { return within(pose.p) && pose.q.coeffs().allFinite(); }
@@ -124,7 +124,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
   PassedLimits passed(system, limits);
   double best_gap = INFINITY;
   int since_best = 0;
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxClosings; ++iteration) {
     system.rows().update_axes(state, state.axes);
     system.rows().residual(state, phi);
     passed.read(system, phi);
@@ -150,7 +150,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
     system.rows().apply_transpose(system.jacobian(), delta, impulse);
     const double turn = largest_turn(system.mass(), impulse, poses);
     if (!std::isfinite(turn)) break;
-    move(system.mass(), impulse, std::min(1.0, kMaxTurn / std::max(turn, 1e-300)), poses);
+    move(system.mass(), impulse, std::min(1.0, kMaxClosingTurn / std::max(turn, 1e-300)), poses);
     ++report.newton_iterations;
   }
   poses = best;
@@ -190,9 +190,9 @@ Contradiction find_stuck_joints(const World& world, ConstraintSystem& system, co
 
   std::vector<int> joints;
   for (int j = 0; j < world.joint_count(); ++j)
-    if (share[j] > kShare * largest) joints.push_back(j);
+    if (share[j] > kStuckShare * largest) joints.push_back(j);
   std::stable_sort(joints.begin(), joints.end(), [&](int a, int b) { return share[a] > share[b]; });
-  if (joints.size() <= kMinimalSetLimit) {
+  if (joints.size() <= kDenseSetLimit) {
     // Deletion filter, the least involved first: whoever is not needed for the contradiction goes.
     for (std::size_t k = joints.size(); k-- > 0;) {
       std::vector<int> rest = joints;

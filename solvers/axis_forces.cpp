@@ -13,7 +13,7 @@ constexpr double kRest = 1e-12;
 /// Slower impacts do not move others [m/s or rad/s].
 constexpr double kJolt = 1e-6;
 /// Times of impact looked for in one step; more impacts end with their sub-step.
-constexpr int kMostImpacts = 16;
+constexpr int kMostAxisImpacts = 16;
 
 }  // namespace
 
@@ -220,7 +220,7 @@ bool AxisForces::in_flight(std::size_t i, bool at_lower) const {
 }
 
 bool AxisForces::seek_impacts(std::span<const double> w) {
-  if (!has_limits_ || impact_count_ >= kMostImpacts) return false;
+  if (!has_limits_ || impact_count_ >= kMostAxisImpacts) return false;
   bool any = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const AxisProperties& p = properties(i);

@@ -14,7 +14,7 @@ constexpr double kStraight = 1e-6;
 /// Swings that may come to π, where they have no components [rad].
 constexpr double kFolded = 2.5;
 /// Steps in which a swing may pass 0 or π.
-constexpr double kStepsAhead = 2;
+constexpr double kSwingStepsAhead = 2;
 /// Directions of friction are right to this part, after as many solves.
 constexpr double kTurned = 1e-9;
 constexpr int kMostTurns = 25;
@@ -59,7 +59,7 @@ void AxisForces::begin_bends() {
   for (const Bend& bend : bends_) {
     const auto given = [&](int row) -> const auto& { return world_.axis_properties(rows_[row].axis).spring; };
     const Axis& swing = axes_[bend.axis];
-    const bool folded = swing.theta0 + kStepsAhead * std::abs(h_ * swing.rate0) > kFolded;
+    const bool folded = swing.theta0 + kSwingStepsAhead * std::abs(h_ * swing.rate0) > kFolded;
     own_[bend.axis].spring = folded ? given(bend.axis) : std::nullopt;
     for (int c : bend.component)
       own_[c].spring = folded ? given(c) : with_spring_of_swing(given(c), *given(bend.axis));
@@ -70,7 +70,7 @@ void AxisForces::begin_bends() {
 void AxisForces::begin_swings() {
   for (Swing& swing : swings_) {
     Axis &axis = axes_[swing.axis], &x = axes_[swing.turn[0]], &y = axes_[swing.turn[1]];
-    swing.straight = axis.theta0 <= kStraight + kStepsAhead * std::abs(h_ * axis.rate0);
+    swing.straight = axis.theta0 <= kStraight + kSwingStepsAhead * std::abs(h_ * axis.rate0);
     swing.solves = 0;
     const double rate = std::hypot(x.rate0, y.rate0);
     const bool held = x.stuck && y.stuck;

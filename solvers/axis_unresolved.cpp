@@ -12,7 +12,7 @@ constexpr int kAllButOne = 5, kAll = 6;
 /// Rows of a joint of which no more than this part is left across the others depend on them.
 constexpr double kDependent = 1e-6;
 /// A spring that is not resolved turns no body by more than this in a step [rad].
-constexpr double kTurn = 0.2;
+constexpr double kUnresolvedTurn = 0.2;
 
 /// The bodies of a joint that nothing else holds, along one of its axes.
 struct Pair {
@@ -77,7 +77,7 @@ double stiffness_of(const AxisSpring& spring, double stretch) {
 
 /// Slope beyond that of the midpoint rule, or of implicit Euler in a single kick: see (3b).
 double excess_of(const Pair& pair, double hhk, double stretch, bool single_kick) {
-  const double turn = std::max(kTurn, pair.turning * std::abs(stretch)) / kTurn;
+  const double turn = std::max(kUnresolvedTurn, pair.turning * std::abs(stretch)) / kUnresolvedTurn;
   if (single_kick) return std::max(0.0, (turn - 1) * hhk - pair.inertia);
   return std::max(0.25 * (hhk - pair.inertia), (0.5 * turn - 0.25) * hhk - pair.inertia);
 }

@@ -7,11 +7,11 @@ namespace taut {
 namespace {
 
 /// Overloads that differ by less than this part break together, so that symmetric structures stay so.
-constexpr double kAlike = 1e-6;
+constexpr double kSameOverload = 1e-6;
 /// A load above its limit by no more than this part still holds.
-constexpr double kLeeway = 1e-9;
+constexpr double kBreakLeeway = 1e-9;
 /// Parts of a sub-step next to its ends in which a break is at that end.
-constexpr double kTogether = 1e-3;
+constexpr double kBreakTogether = 1e-3;
 constexpr int kMostShortened = 4;
 /// A load that grows by more than this part from one sub-step to the next is no straight line.
 constexpr double kSmooth = 0.25;
@@ -49,34 +49,35 @@ bool Breaking::check(const ConstraintSystem& system, const State& end, std::span
   time_to_break_ = 0;
   const bool interpolate =
       has_loads_ && last_loads_.size() == loads_.size() && due_.empty() && shortened_ < kMostShortened;
-  double worst = 1 + kLeeway, first = (1 - kTogether) * h;
+  double worst = 1 + kBreakLeeway, first = (1 - kBreakTogether) * h;
   for (std::size_t i = 0; i < breakable.size(); ++i) {
     if (is_out(breakable[i].first)) continue;
     loads_[i] = load_of(system, end, impulses, breakable[i], h);
     worst = std::max(worst, loads_[i].ratio);
     if (interpolate) first = std::min(first, time_to_limit(i, h));
   }
-  if (worst <= 1 + kLeeway && first >= (1 - kTogether) * h) {
+  if (worst <= 1 + kBreakLeeway && first >= (1 - kBreakTogether) * h) {
     last_loads_ = loads_;
     last_h_ = h;
     has_loads_ = true;
     return false;
   }
   due_.clear();
-  if (first > kTogether * h && first < (1 - kTogether) * h) {
+  if (first > kBreakTogether * h && first < (1 - kBreakTogether) * h) {
     time_to_break_ = first;
     due_time_ = end.time - h + first;
     for (std::size_t i = 0; i < breakable.size(); ++i)
-      if (!is_out(breakable[i].first) && time_to_limit(i, h) <= first + kTogether * h)
+      if (!is_out(breakable[i].first) && time_to_limit(i, h) <= first + kBreakTogether * h)
         due_.push_back(breakable[i].first);
     ++shortened_;
     return true;
   }
   for (std::size_t i = 0; i < breakable.size(); ++i)
-    if (loads_[i].ratio >= (1 - kAlike) * std::max(1.0, worst)) overloaded_.push_back(breakable[i].first);
-  if (worst <= 1 + kLeeway)  // reached at the very start
+    if (loads_[i].ratio >= (1 - kSameOverload) * std::max(1.0, worst))
+      overloaded_.push_back(breakable[i].first);
+  if (worst <= 1 + kBreakLeeway)  // reached at the very start
     for (std::size_t i = 0; i < breakable.size(); ++i)
-      if (!is_out(breakable[i].first) && time_to_limit(i, h) <= kTogether * h)
+      if (!is_out(breakable[i].first) && time_to_limit(i, h) <= kBreakTogether * h)
         overloaded_.push_back(breakable[i].first);
   return true;
 }

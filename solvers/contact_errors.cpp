@@ -14,7 +14,7 @@ constexpr double kTolerance = 1e-9;
 /// laws where they are met.
 constexpr double kStill = 1e-6;
 /// Slip that turned by more than this (sine) gets its own tangents.
-constexpr double kTurn = 0.05;
+constexpr double kArmTurn = 0.05;
 /// Smallest component of a direction that counts as half way between the tangents.
 constexpr double kHalfWay = 0.6;
 
@@ -188,7 +188,7 @@ double ContactLaws::adapt_disc(int k, Disc& disc, int row, double bound, std::sp
 /// The slip along t₁; the impulse of a disc that holds half way between t₁ and t₂.
 void ContactLaws::ask_for_turn(int place, const Disc& disc) {
   const Vec2& d = disc.direction;
-  if (disc.weight > 0 && std::abs(d[1]) > kTurn)
+  if (disc.weight > 0 && std::abs(d[1]) > kArmTurn)
     turns_.push_back({place, d[0], d[1]});
   else if (disc.weight == 0 && std::min(std::abs(d[0]), std::abs(d[1])) < kHalfWay)
     turns_.push_back(

@@ -10,7 +10,7 @@ namespace {
 /// Tangents slower than this at the start of a step are first tried as sticking [m/s].
 constexpr double kRestingSlip = 1e-9;
 /// Times of impact looked for in one step; more impacts end with their sub-step.
-constexpr int kMostImpacts = 16;
+constexpr int kMostContactImpacts = 16;
 
 }  // namespace
 
@@ -237,7 +237,7 @@ void ContactForces::roll_back(bool moved_on) {
 }
 
 bool ContactForces::seek_impacts(std::span<const double> w) {
-  if (impact_count_ >= kMostImpacts) return false;
+  if (impact_count_ >= kMostContactImpacts) return false;
   bool any = false;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     const Point& point = table_.points[k];

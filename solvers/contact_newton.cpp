@@ -20,7 +20,7 @@ constexpr int kEqualityRounds = 3;
 /// Before `most` is enough in any case, equalities are to be met to so many times the tolerance of rates.
 constexpr double kClosed = 9;
 /// Gradients below this may be round-off, and are if so many steps do not halve them.
-constexpr double kRoundOff = 1e-8;
+constexpr double kDescentRoundOff = 1e-8;
 constexpr int kStuck = 2;
 /// Rounds that leave more than this of the residual are slow, after so many.
 constexpr double kSlowRound = 0.3;
@@ -45,8 +45,6 @@ constexpr int kRoundsOfAStep = 10;
 constexpr double kSlowSlip = 0.97;
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMemory, kMemory>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMemory, 1>;
-
-std::span<double> span_of(Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
 }  // namespace
 
@@ -304,7 +302,7 @@ bool ContactNewton::minimize(const Problem& problem, double tolerance, const New
     read_gradient();
     const double size = gradient_.lpNorm<Eigen::Infinity>();
     if (!std::isfinite(size)) return false;
-    stuck = size > 0.5 * least && least <= kRoundOff * scale_ ? stuck + 1 : 0;
+    stuck = size > 0.5 * least && least <= kDescentRoundOff * scale_ ? stuck + 1 : 0;
     least = std::min(least, size);
     if (step == 0) first = size;
     if (size <= tolerance || stuck == kStuck) return true;

@@ -10,6 +10,10 @@
 
 namespace taut {
 
+inline std::span<double> span_of(Eigen::VectorXd& v) {
+  return {v.data(), static_cast<std::size_t>(v.size())};
+}
+
 /// When the iteration ends: the residual that is sought, and what is enough if that takes long; errors of
 /// rates below `rate_tolerance` [m/s or rad/s] do not count.
 struct NewtonLimits {

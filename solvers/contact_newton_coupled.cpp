@@ -18,12 +18,10 @@ constexpr int kSoftTurns = 3, kTurns = 25;
 /// fell to this part anyway.
 constexpr double kWorse = 3, kProgress = 0.5;
 /// Σ over S_rr: how it falls and grows, its bounds, and the rounds that must go well before it falls again.
-constexpr double kDown = 0.3, kUp = 3, kLeastRho = 1e-8, kMostRho = 1e-2, kWell = 0.7, kFast = 0.1;
+constexpr double kDown = 0.3, kUp = 3, kLeastCoupledRho = 1e-8, kMostRho = 1e-2, kWell = 0.7, kFast = 0.1;
 constexpr int kHold = 3;
 /// After so many rounds the residual must have fallen to kProgress.
 constexpr int kLook = 12;
-
-std::span<double> span_of(Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
 }  // namespace
 
@@ -60,7 +58,7 @@ bool ContactNewton::adapt(const Problem& problem, bool met, double residual, dou
     else if (hold_ > 0 && well)
       --hold_;
     else
-      rho = std::max((fast ? kFast : kDown) * rho, kLeastRho);
+      rho = std::max((fast ? kFast : kDown) * rho, kLeastCoupledRho);
     return true;
   }
   y_ = kept_;

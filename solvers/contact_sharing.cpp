@@ -12,7 +12,7 @@ namespace {
 constexpr double kSlips = 1e-2;
 /// Contacts that slip by more than this part of what all friction on one of their bodies could change are far
 /// from holding.
-constexpr double kFar = 0.05;
+constexpr double kFarSlip = 0.05;
 
 /// The point of the cone |x_t| ≤ μ x_n that is nearest to x = (x_n, x_t).
 Vec3 into_cone(const Vec3& x, double mu) {
@@ -81,7 +81,7 @@ bool ContactLaws::begin_sharing(std::span<const double> lambda, std::span<const 
     const int a = place_of(k).at.a, b = place_of(k).at.b;
     const double most = std::max(table_.moves[a] ? friction[a] : 0, table_.moves[b] ? friction[b] : 0);
     const double root = std::max(root_[first_row_[k] + 1], root_[first_row_[k] + 2]);
-    return slip_of(k, w) > kFar * most * root * root;
+    return slip_of(k, w) > kFarSlip * most * root * root;
   };
   bool any = false;
   weakened_ = false;

@@ -21,7 +21,7 @@ constexpr int kLastSweeps = 1000;
 /// Newton steps in which contacts that stick are to find a division of the load that holds them.
 constexpr int kStepsToHold = 150;
 /// More solves because static friction let go.
-constexpr int kMaxSolves = 40;
+constexpr int kMaxContactSolves = 40;
 
 }  // namespace
 
@@ -126,7 +126,7 @@ bool ContactSolver::solve_by_newton(const StageProblem& problem, const NewtonLim
   if (newton_.is_heap() && !(contacts_.soft() && with_joints)) sweep_guess(problem, limits.rate_tolerance);
   for (int solve = 0;; ++solve) {
     if (!run_newton(problem, limits, record).converged) return false;
-    if (solve == kMaxSolves || !contacts_.slips_where_it_held()) return true;
+    if (solve == kMaxContactSolves || !contacts_.slips_where_it_held()) return true;
     if (hold_on(problem, limits.rate_tolerance, record) || !contacts_.weakened()) return true;
   }
 }

@@ -19,7 +19,7 @@ using Verdict = ViolationSearch::Verdict;
 
 /// Members with less than this part of the largest share do not belong to the contradiction; and the same
 /// where that has left out too many.
-constexpr double kShare = 1e-4, kSmallShare = 1e-9;
+constexpr double kBlameShare = 1e-4, kSmallShare = 1e-9;
 constexpr std::size_t kMinimalSetLimit = 200;
 
 /// Whoever can be left out: one of the three.
@@ -149,7 +149,7 @@ class LocalSearch {
       mask_[m] = std::find(wanted.begin(), wanted.end(), members_[m]) != wanted.end();
     return search_->search(mask_);
   }
-  std::vector<Member> sharers_left() { return sharers(members_, search_->shares(), kShare); }
+  std::vector<Member> sharers_left() { return sharers(members_, search_->shares(), kBlameShare); }
   double largest() const { return search_->largest(); }
 
  private:
@@ -230,7 +230,7 @@ Contradiction find_contradiction(const Situation& s) {
   if (count == 0) return {};
   whole.begin(std::move(all.demands), static_cast<int>(count), s.from, s.from.time + s.horizon);
   if (whole.search(std::vector<char>(count, 1)) != Verdict::kExcluded) return {};
-  for (double part : {kShare, kSmallShare}) {
+  for (double part : {kBlameShare, kSmallShare}) {
     std::vector<Member> set = sharers(all.members, whole.shares(), part);
     LocalSearch local(s, places, set);
     if (local.search(set) != Verdict::kExcluded) continue;

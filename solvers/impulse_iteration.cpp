@@ -259,11 +259,11 @@ void ImpulseIteration::work_off_queue(const Problem& problem, const IterationLim
 /// Least number of joints and contacts between each body and what does not move.
 void ImpulseIteration::find_levels() {
   const Rows& rows = system_.rows();
-  constexpr int kNone = std::numeric_limits<int>::max();
-  level_.assign(rows.body_count(), kNone);
+  constexpr int kNoLevel = std::numeric_limits<int>::max();
+  level_.assign(rows.body_count(), kNoLevel);
   std::vector<int> front;
   for (const Rows::Side& side : rows.sides())
-    if (system_.mass()[side.body].fixed && level_[side.body] == kNone) {
+    if (system_.mass()[side.body].fixed && level_[side.body] == kNoLevel) {
       level_[side.body] = 0;
       front.push_back(side.body);
     }
@@ -272,7 +272,7 @@ void ImpulseIteration::find_levels() {
       const Rows::JointRows& joint = rows.joints()[rows.sides()[s].block];
       for (int t = joint.first_side; t < joint.first_side + joint.side_count; ++t) {
         const int body = rows.sides()[t].body;
-        if (level_[body] != kNone) continue;
+        if (level_[body] != kNoLevel) continue;
         level_[body] = level_[front[next]] + 1;
         front.push_back(body);
       }

@@ -7,7 +7,7 @@ namespace taut {
 namespace {
 
 /// Compliance of equalities over S_rr: it acts on the change of an iteration only.
-constexpr double kEqualityRho = 1e-7;
+constexpr double kBarrierEqualityRho = 1e-7;
 /// μ at the start over the mean power of the elements, and the least over the largest energy of one.
 constexpr double kFirstMu = 0.1, kLeastMu = 1e-6;
 /// Part of the way to the boundary that is gone.
@@ -112,7 +112,7 @@ void InteriorPoint::update_impulses(const Problem& problem) {
 void InteriorPoint::set_stiffness(const Problem& problem, double mu, bool correct) {
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const RowLaw& law = problem.laws[r];
-    stiffness_[r] = law.bounded() ? law.slope : 1 / (kEqualityRho * own_[r]);
+    stiffness_[r] = law.bounded() ? law.slope : 1 / (kBarrierEqualityRho * own_[r]);
     off_[r] = law.bounded() ? 0 : stiffness_[r] * (rates_[r] - law.rate(1));
   }
   for (Element& element : elements_) {

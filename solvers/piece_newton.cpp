@@ -8,9 +8,9 @@ namespace taut {
 namespace {
 
 /// Iterations go on until they take away less than half of what is left.
-constexpr double kProgress = 0.5;
+constexpr double kPieceProgress = 0.5;
 /// So many in a row that do not are given up.
-constexpr int kStuck = 2;
+constexpr int kPieceStuck = 2;
 /// A factor of before serves as long as it leaves less than this part, and W has changed by less than that.
 constexpr double kServes = 0.3, kNearby = 1e-6;
 /// Better than this is round-off.
@@ -46,9 +46,9 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
     if (!std::isfinite(sum)) return outcome;  // a maximum passes over what is not a number
     outcome.residual = counted > 0 ? counted / scale : 0;
     outcome.converged = outcome.residual <= limits.tolerance;
-    const bool done = outcome.converged && (error > kProgress * last || error <= kExact * scale);
-    stuck = error > kProgress * last ? stuck + 1 : 0;
-    if (done || stuck == kStuck || outcome.iterations == limits.iterations) return outcome;
+    const bool done = outcome.converged && (error > kPieceProgress * last || error <= kExact * scale);
+    stuck = error > kPieceProgress * last ? stuck + 1 : 0;
+    if (done || stuck == kPieceStuck || outcome.iterations == limits.iterations) return outcome;
     const bool serves = error < kServes * last;
     last = error;
     if (!factorize(laws, limits.softness, serves, times)) return outcome;

@@ -11,7 +11,7 @@ namespace taut {
 namespace {
 
 /// Joints with less than this part of the largest share are not named among those that hold a row.
-constexpr double kShare = 0.05;
+constexpr double kRowShare = 0.05;
 /// For worlds with more dependent rows than this only the first ones get their holders named: each costs a
 /// solve.
 constexpr std::size_t kMaxExplained = 200;
@@ -71,7 +71,7 @@ std::vector<JointId> find_holders(const World& world, ConstraintSystem& system,
   const double largest = max_abs(share);
   std::vector<JointId> holders;
   for (int j = 0; j < world.joint_count(); ++j)
-    if (share[j] > kShare * largest && j != own) holders.push_back({j});
+    if (share[j] > kRowShare * largest && j != own) holders.push_back({j});
   if (holders.empty() && share[own] > 0) return {{own}};  // its other rows
   std::stable_sort(holders.begin(), holders.end(),
                    [&](JointId a, JointId b) { return share[a.index] > share[b.index]; });

@@ -27,7 +27,7 @@ constexpr double kMostLeftOver = 0.2, kAlike = 0.05;
 constexpr int kSteady = 20;
 /// With dependent rows positions count as closed only if no body is further than this part of the size of the
 /// whole system from where its joints want it: a weakly held direction hides a long way behind a small gap.
-constexpr double kFar = 1e-9;
+constexpr double kFarOpen = 1e-9;
 /// Gaps below this may be mended by moving the bodies, without an impulse.
 constexpr double kMendable = 1e-6;
 /// Passes of the fixed point for velocity-dependent forces; a pass that takes away less than half of the
@@ -338,7 +338,7 @@ bool Rattle::close_positions(double h, StepReport& report) {
     bool half_solved = false;  // by the distance to closure
     if (!std::isfinite(gap)) return false;
     if (gap <= settings_.position_tolerance) {
-      if (!system_.singular() || distance_to_closure(report) <= kFar * size_) break;
+      if (!system_.singular() || distance_to_closure(report) <= kFarOpen * size_) break;
       if (polished) return mend_positions(h, report);
       polished = half_solved = true;
     } else {

@@ -14,7 +14,7 @@ namespace taut {
 namespace {
 
 /// More solves of a stage, because friction let go or velocities were not yet exact.
-constexpr int kMaxSolves = 40;
+constexpr int kMaxAxisSolves = 40;
 /// With contacts, their friction is looked at every so many solves: if it has not come nearer to Coulomb's
 /// law by this factor, Newton's method takes over, for as many stages.
 constexpr int kFrictionPatience = 4, kNewtonsInARow = 60;
@@ -202,13 +202,13 @@ bool Rattle::solve_laws(std::span<double> lambda, double rate_tolerance, Renew r
       break;
     }
     if (contacts_.empty()) {
-      if (solve == kMaxSolves) {
+      if (solve == kMaxAxisSolves) {
         note_jam(lambda);
         return false;
       }
     } else {
       const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
-      if (!outcome_.ok() || solve >= kMaxSolves ||
+      if (!outcome_.ok() || solve >= kMaxAxisSolves ||
           (check && !met && contacts_.residual() > kFrictionProgress * earlier)) {
         newtons_left_ = kNewtonsInARow;
         std::copy(guess_.begin(), guess_.end(), lambda.begin());

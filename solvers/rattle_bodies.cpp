@@ -19,11 +19,11 @@ constexpr int kMendingSweeps = 50;
 constexpr double kNewtonRange = 1e-5;
 constexpr int kFewSteps = 8;
 /// What that leaves where positions were looked at again.
-constexpr double kExact = 1e-13;
+constexpr double kMendedExactly = 1e-13;
 /// Newton steps where those of the step before were not enough.
 constexpr int kStepsOfHardStages = 300;
 /// More solves of a stage, because friction let go or the load that it grows by has changed.
-constexpr int kMaxSolves = 40;
+constexpr int kMaxMendings = 40;
 
 /// What a solver has done.
 template <typename Outcome>
@@ -127,13 +127,13 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
                                   Renew renew, StepReport& report) {
   NewtonLimits limits{.rate_tolerance = rate_tolerance, .near = near_};
   if (few_steps_) limits.iterations = kStepsOfHardStages;
-  for (int solve = 0; solve < kMaxSolves; ++solve) {
+  for (int solve = 0; solve < kMaxMendings; ++solve) {
     const bool solved = contacts_.empty() ? solve_axes(lambda, rate_tolerance, report)
                                           : solve_islands(lambda, limits, resting, report);
     take_pieces(lambda);
     if (!solved) break;
     if (!laws_move(lambda, rate_tolerance)) return true;
-    if (solve == kMaxSolves - 1) note_jam(lambda);
+    if (solve == kMaxMendings - 1) note_jam(lambda);
     (this->*renew)();
   }
   outcome_.status = ActiveSetStatus::kNotConverged;
@@ -145,7 +145,7 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
 bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report) {
   system_.rates(lambda, delta_, w_);
   if (contact_solver_.distance(stage(lambda), rate_tolerance) <= kNewtonRange) {
-    const double tolerance = near_ ? kExact : kHeld;
+    const double tolerance = near_ ? kMendedExactly : kHeld;
     held_.assign(lambda.begin(), lambda.end());
     if (solve_on_pieces(lambda, {tolerance, rate_tolerance}, report) && exact(lambda)) return true;
     std::copy(held_.begin(), held_.end(), lambda.begin());

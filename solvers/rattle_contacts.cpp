@@ -12,7 +12,7 @@ namespace taut {
 namespace {
 
 /// Impacts closer together than this part of a step are one.
-constexpr double kTogether = 1e-3;
+constexpr double kStrikeTogether = 1e-3;
 /// Forces that change by more than this part between steps ask for a new start.
 constexpr double kJump = 0.25;
 
@@ -197,10 +197,10 @@ std::size_t Rattle::contact_offset() const {
 /// The first of the impacts that were sought; those at that time are due.
 double Rattle::first_impact(double h) {
   const double first =
-      std::max(std::min(axes_.first_impact(rates_), contacts_.first_impact(rates_)), kTogether * h);
-  axes_.take_impacts(first + kTogether * h, rates_);
-  contacts_.take_impacts(first + kTogether * h, rates_);
-  return first > (1 - kTogether) * h ? h : first;
+      std::max(std::min(axes_.first_impact(rates_), contacts_.first_impact(rates_)), kStrikeTogether * h);
+  axes_.take_impacts(first + kStrikeTogether * h, rates_);
+  contacts_.take_impacts(first + kStrikeTogether * h, rates_);
+  return first > (1 - kStrikeTogether) * h ? h : first;
 }
 
 }  // namespace taut

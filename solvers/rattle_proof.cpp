@@ -15,7 +15,7 @@ constexpr double kLevelTolerance = 1e-9;
 /// Part of the largest impulse that those who jam have.
 constexpr double kJamShare = 1e-3;
 /// Of poses and twists, relative.
-constexpr double kRoundOff = 16 * std::numeric_limits<double>::epsilon();
+constexpr double kRateRoundOff = 16 * std::numeric_limits<double>::epsilon();
 /// Rates of contacts that are off their laws by so many times what round-off makes of them are let be.
 constexpr double kNoises = 10;
 
@@ -115,7 +115,7 @@ void Rattle::note_loose(std::span<const double> lambda) {
 /// no allowance for round-off.
 void Rattle::note_culprits(std::span<const double> lambda, std::span<const double> w) {
   constexpr std::size_t kMost = 4;
-  constexpr double kShare = 0.01;  // of the first
+  constexpr double kCulpritShare = 0.01;  // of the first
   culprits_.clear();
   const Rows& rows = system_.rows();
   const double scale = natural_scale(lambda, w);
@@ -162,7 +162,7 @@ void Rattle::note_culprits(std::span<const double> lambda, std::span<const doubl
         std::minmax(named_->shape(places[k].contact.a).body, named_->shape(places[k].contact.b).body);
     add({.kind = Culprit::Kind::kContact, .a = a, .b = b, .share = off});
   }
-  while (!culprits_.empty() && culprits_.back().share < kShare * culprits_.front().share)
+  while (!culprits_.empty() && culprits_.back().share < kCulpritShare * culprits_.front().share)
     culprits_.pop_back();
 }
 
@@ -173,8 +173,8 @@ std::pair<double, double> Rattle::rate_noise() const {
     angular = std::max(angular, twist.w.squaredNorm());
     linear = std::max(linear, twist.v.squaredNorm());
   }
-  return {kRoundOff * (std::sqrt(angular) + 1 / stage_h_),
-          kRoundOff * (std::sqrt(linear) + size_ / stage_h_)};
+  return {kRateRoundOff * (std::sqrt(angular) + 1 / stage_h_),
+          kRateRoundOff * (std::sqrt(linear) + size_ / stage_h_)};
 }
 
 /// What a stage ended with, for the report if its sub-step is kept.

@@ -10,7 +10,7 @@ namespace {
 
 /// A row that joins a regular factor and leaves less than this part of its own S_rr is left to a new
 /// factorisation, which will shift.
-constexpr double kDependent = 1e-6;
+constexpr double kDependentPivot = 1e-6;
 
 double dot(std::span<const double> a, std::span<const double> b) {
   double sum = 0;
@@ -108,11 +108,11 @@ bool RowUpdates::factor_complement() {
       // gram already holds −S_rr
       const double own = stretch * (diagonal_[changed_[i]] + states_[row]);
       entry(i, i) += own - diagonal_[changed_[i]];
-      smallest = system_.singular() ? 0 : kDependent * own;
+      smallest = system_.singular() ? 0 : kDependentPivot * own;
     } else if (states_[row] != kMasked) {
       const double inverse = 1 / (stretch * (states_[row] - factored_state(row)));
       entry(i, i) -= inverse;
-      smallest = -kDependent * inverse;
+      smallest = -kDependentPivot * inverse;
     }
     for (int k = 0; k < i; ++k) {
       double l = entry(i, k);

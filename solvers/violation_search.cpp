@@ -13,7 +13,7 @@ constexpr int kMostSteps = 80;
 /// δ, relative to rows of unit length.
 constexpr double kFirstDamping = 1e-6, kLeastDamping = 1e-9, kMostDamping = 1e6;
 /// Longest rotation of a body in one step [rad]; a step beyond that means nothing.
-constexpr double kMaxTurn = 0.5;
+constexpr double kMaxSearchTurn = 0.5;
 /// |Wᵀ D c| / √2f at which demands balance, and at which they do if the search comes no further.
 constexpr double kBalance = 1e-6, kNearBalance = 1e-3;
 
@@ -122,7 +122,7 @@ bool ViolationSearch::try_step() {
         Vec3::Map(gradient_.data() + 6 * b).dot(spin) + Vec3::Map(gradient_.data() + 6 * b + 3).dot(shift);
     length += spin.squaredNorm() + shift.squaredNorm();
   }
-  if (!(turn <= kMaxTurn)) return false;
+  if (!(turn <= kMaxSearchTurn)) return false;
   const double f = evaluate(trial_, wanted_), gain = (f_ - f) / (0.5 * (descent + damping_ * length));
   if (!(gain > 1e-4)) return false;
   f_ = f;

@@ -247,7 +247,7 @@ TEST(RobustReach, ShapesBeyondAllReasonAreRefusedByName) {
   expect_invalid([] { check_shape(Sphere{1e-300}); }, {"sphere radius", "1e-30", "e-300"});
   expect_invalid([] { check_shape(Ellipsoid{Vec3(1, 1, 1e-160)}); }, {"ellipsoid radii", "1e-30", "e-161"});
   for (const auto& [shape, name] : shapes)
-    expect_invalid([&] { check_shape(shape); }, {name, "1e30", "e+30"});
+    expect_invalid([&shape = shape] { check_shape(shape); }, {name, "1e30", "e+30"});
 }
 
 }  // namespace

@@ -199,7 +199,7 @@ class RobustProgramResume : public ::testing::TestWithParam<std::pair<std::strin
 
 TEST_P(RobustProgramResume, SavesTheSameFile) {
   const auto [scene, options] = GetParam();
-  const auto run = [&](std::vector<std::string> more) {
+  const auto run = [&, scene = scene, options = options](std::vector<std::string> more) {
     std::vector<std::string> arguments = {
         "run", scene.ends_with(".json") ? testing::source_dir() + "/" + scene : scene};
     std::istringstream words(options);
