@@ -52,12 +52,13 @@ TEST_P(Golden, HasTheBitsOfBefore) {
   EXPECT_EQ(run["reactions_fingerprint"].get<std::string>(), reactions);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, Golden, ::testing::ValuesIn(lines_of("fingerprints.txt")),
-                         [](const auto& info) {
-                           std::string name = info.param.first;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+std::string case_name(const ::testing::TestParamInfo<std::pair<const std::string, std::string>>& of) {
+  std::string name = of.param.first;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, Golden, ::testing::ValuesIn(lines_of("fingerprints.txt")), case_name);
 
 }  // namespace
 }  // namespace taut
