@@ -66,7 +66,7 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double scale) {
       for (unsigned i = 0; i < 3; ++i) {
         const aiVector3D& p = part.mVertices[face.mIndices[i]];
         const Vec3 vertex = scale * Vec3(p.x, p.y, p.z);
-        if (!vertex.allFinite()) fail(name, "has a vertex that is not finite", vertex.transpose());
+        if (!vertex.allFinite()) fail_with(name, "has a vertex that is not finite", vertex);
         triangle[i] = builder.vertex(vertex);
       }
       builder.mesh.triangles.push_back(triangle);

@@ -14,9 +14,9 @@ constexpr double kTriangleTolerance = 1e-9;
 
 void check_moments(const Vec3& moments) {
   if (!moments.allFinite() || moments.minCoeff() <= 0)
-    fail("inertia", "principal moments must be finite and positive", moments.transpose());
+    fail_with("inertia", "principal moments must be finite and positive", moments);
   if (2 * moments.maxCoeff() > moments.sum() * (1 + kTriangleTolerance))
-    fail("inertia", "principal moments must obey the triangle inequality", moments.transpose());
+    fail_with("inertia", "principal moments must obey the triangle inequality", moments);
 }
 
 /// The axis of a solid of revolution turned from body z to body x.
@@ -58,8 +58,7 @@ MassProperties::MassProperties(double mass, const Mat3& inertia_B)
 }
 
 MassProperties MassProperties::box(const Vec3& size, double mass) {
-  if (!size.allFinite() || size.minCoeff() <= 0)
-    fail("box size", "must be finite and positive", size.transpose());
+  if (!size.allFinite() || size.minCoeff() <= 0) fail_with("box size", "must be finite and positive", size);
   const Vec3 s = size.cwiseAbs2();
   return {mass, Vec3(mass / 12 * Vec3(s.y() + s.z(), s.x() + s.z(), s.x() + s.y()))};
 }
@@ -71,7 +70,7 @@ MassProperties MassProperties::sphere(double radius, double mass) {
 
 MassProperties MassProperties::ellipsoid(const Vec3& radii, double mass) {
   if (!radii.allFinite() || radii.minCoeff() <= 0)
-    fail("ellipsoid radii", "must be finite and positive", radii.transpose());
+    fail_with("ellipsoid radii", "must be finite and positive", radii);
   const Vec3 s = radii.cwiseAbs2();
   return {mass, Vec3(mass / 5 * Vec3(s.y() + s.z(), s.x() + s.z(), s.x() + s.y()))};
 }

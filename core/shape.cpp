@@ -10,10 +10,9 @@ namespace taut {
 namespace {
 
 void require_all_positive(const char* name, const Vec3& sizes) {
-  if (!sizes.allFinite() || sizes.minCoeff() <= 0)
-    fail(name, "must be finite and positive", sizes.transpose());
+  if (!sizes.allFinite() || sizes.minCoeff() <= 0) fail_with(name, "must be finite and positive", sizes);
   require_within_reach(name, sizes);
-  if (sizes.minCoeff() < kSmallest) fail(name, "must not be below 1e-30", sizes.transpose());
+  if (sizes.minCoeff() < kSmallest) fail_with(name, "must not be below 1e-30", sizes);
 }
 
 void check(const Sphere& s) { require_size("sphere radius", s.radius); }

@@ -21,9 +21,8 @@ void check_twist(const std::string& name, const Twist& twist, bool fixed) {
   require_within_reach("angular velocity of " + name, twist.w);
   require_within_reach("velocity of " + name, twist.v);
   if (!fixed) return;
-  if (!twist.v.isZero(0)) fail("velocity of " + name, "a fixed body cannot move", twist.v.transpose());
-  if (!twist.w.isZero(0))
-    fail("angular velocity of " + name, "a fixed body cannot move", twist.w.transpose());
+  if (!twist.v.isZero(0)) fail_with("velocity of " + name, "a fixed body cannot move", twist.v);
+  if (!twist.w.isZero(0)) fail_with("angular velocity of " + name, "a fixed body cannot move", twist.w);
 }
 
 /// A law that can have rows: one that pulls a body towards itself does nothing.
@@ -212,7 +211,7 @@ JointId World::joint(std::string_view name) const {
 void World::set_pose(BodyId id, const Pose& pose) {
   identity_.require_free();
   check_pose(name(id), pose);
-  if (id == kGround) fail("pose of ground", "cannot be changed", pose.p.transpose());
+  if (id == kGround) fail_with("pose of ground", "cannot be changed", pose.p);
   state_.poses[id.index] = pose;
   state_.poses[id.index].q.normalize();
   is_fixed(id) ? wake_all() : wake(id);
@@ -239,7 +238,7 @@ void World::check_state(const State& state) const {
     if (!std::isfinite(state.axes[i])) fail("axis value " + axes_[i].name, "must be finite", state.axes[i]);
   const Pose& ground = state.poses[0];
   if (!ground.p.isZero(0) || ground.q.coeffs() != Quat::Identity().coeffs())
-    fail("pose of ground", "cannot be changed", ground.p.transpose());
+    fail_with("pose of ground", "cannot be changed", ground.p);
   for (int b = 0; b < body_count(); ++b) {
     // Solvers come here every step: a good state is passed without making messages, that is without
     // allocating.

@@ -30,7 +30,7 @@ Sensed hinge_about(const Case& c, BodyId a, BodyId b, const Vec3& axis_W) {
     found.axis_A = c.world.pose(a).q.conjugate() * axis_W;
     return {found, -along};
   }
-  fail("axis of " + c.world.name(b), "there is no hinge about it", axis_W.transpose());
+  fail_with("axis of " + c.world.name(b), "there is no hinge about it", axis_W);
 }
 
 /// Σ coef θ = const over any number of wheels.

@@ -1,9 +1,9 @@
 #include "scenes/run_record.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
+#include "core/fnv1a.h"
 #include "scenes/format.h"
 #include "solvers/simulator.h"
 
@@ -119,43 +119,32 @@ double RunRecord::step_time_quantile(double p) const {
 
 namespace {
 
-/// FNV-1a.
-class Hash {
- public:
-  void mix(double value) {
-    const auto bits = std::bit_cast<std::uint64_t>(value);
-    for (int shift = 0; shift < 64; shift += 8) hash_ = (hash_ ^ (bits >> shift & 255)) * 1099511628211u;
-  }
-  void mix(const Vec3& v) {
-    for (int i = 0; i < 3; ++i) mix(v[i]);
-  }
-  std::uint64_t value() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 14695981039346656037u;
-};
+void add(Fnv1a& hash, const Vec3& v) {
+  for (int i = 0; i < 3; ++i) hash.add(v[i]);
+}
 
 }  // namespace
 
 std::uint64_t fingerprint(const State& state) {
-  Hash hash;
-  hash.mix(state.time);
+  Fnv1a hash;
+  hash.add(state.time);
   for (const Pose& pose : state.poses) {
-    hash.mix(pose.p);
-    for (int i = 0; i < 4; ++i) hash.mix(pose.q.coeffs()[i]);
+    add(hash, pose.p);
+    for (int i = 0; i < 4; ++i) hash.add(pose.q.coeffs()[i]);
   }
   for (const Twist& twist : state.twists)
-    for (int i = 0; i < 3; ++i) hash.mix(twist.w[i]), hash.mix(twist.v[i]);
+    for (int i = 0; i < 3; ++i) hash.add(twist.w[i]), hash.add(twist.v[i]);
   return hash.value();
 }
 
 std::uint64_t reactions_fingerprint(const Simulator& simulator) {
-  Hash hash;
+  Fnv1a hash;
   for (int j = 0; j < simulator.world().joint_count(); ++j) {
     const Reaction reaction = simulator.mean_reaction(JointId{j});
-    hash.mix(reaction.force), hash.mix(reaction.torque);
+    add(hash, reaction.force), add(hash, reaction.torque);
   }
-  for (const ContactReport& contact : simulator.contacts()) hash.mix(contact.force), hash.mix(contact.torque);
+  for (const ContactReport& contact : simulator.contacts())
+    add(hash, contact.force), add(hash, contact.torque);
   return hash.value();
 }
 

@@ -158,9 +158,11 @@ Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<
   report["reactions_not_unique"] = r.reactions_not_unique;
   report["probes"] = probes_json(recorder, values);
   report["final_time_s"] = final_state.time;
-  report["final_state_fingerprint"] =
-      format("%016llx", static_cast<unsigned long long>(fingerprint(final_state)));
-  report["reactions_fingerprint"] = format("%016llx", static_cast<unsigned long long>(r.reactions));
+  const auto hexadecimal = [](std::uint64_t hash) {
+    return format("%016llx", static_cast<unsigned long long>(hash));
+  };
+  report["final_state_fingerprint"] = hexadecimal(fingerprint(final_state));
+  report["reactions_fingerprint"] = hexadecimal(r.reactions);
   return report;
 }
 

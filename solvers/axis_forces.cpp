@@ -199,7 +199,8 @@ void AxisForces::rigid_limits(std::vector<Bound>& bounds) const {
   bounds.clear();
   for (std::size_t i = 0; i < rows_.size(); ++i)
     if (is_rigid_limit(i))
-      bounds.push_back({rows_[i].row, properties(i).limits->lower, properties(i).limits->upper});
+      bounds.push_back(
+          {rows_[i].row, properties(i).limits->lower, properties(i).limits->upper, rows_[i].axis});
 }
 
 Gap AxisForces::beyond_limits(std::span<const double> theta) const {
@@ -208,7 +209,8 @@ Gap AxisForces::beyond_limits(std::span<const double> theta) const {
     if (!is_rigid_limit(i)) continue;
     const AxisLimits& limits = *properties(i).limits;
     double& worst = angular_[i] ? gap.radians : gap.metres;
-    worst = std::max(worst, std::abs(Bound{0, limits.lower, limits.upper}.excess(theta[rows_[i].row])));
+    worst = std::max(
+        worst, std::abs(Bound{0, limits.lower, limits.upper, rows_[i].axis}.excess(theta[rows_[i].row])));
   }
   return gap;
 }

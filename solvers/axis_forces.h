@@ -110,6 +110,7 @@ class AxisForces {
   struct Bound {
     int row = 0;
     double lower = 0, upper = 0;
+    AxisId axis{};
     /// How far θ is beyond, > 0 above and < 0 below.
     double excess(double theta) const {
       return theta > upper ? theta - upper : theta < lower ? theta - lower : 0;

@@ -6,6 +6,7 @@
 
 #include "core/check.h"
 #include "core/flush_to_zero.h"
+#include "core/fnv1a.h"
 #include "solvers/checkpoint_memory.h"
 #include "solvers/simulator_impl.h"
 
@@ -15,11 +16,10 @@ namespace {
 constexpr std::string_view kMark = "taut-checkpoint/1\n";
 constexpr std::size_t kSumBytes = 8;
 
-/// FNV-1a: no protection from malice, but from everything that happens to a file.
 std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t sum = 14695981039346656037u;
-  for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 1099511628211u;
-  return sum;
+  Fnv1a sum;
+  sum.add(bytes);
+  return sum.value();
 }
 
 std::string number(std::uint64_t value) {

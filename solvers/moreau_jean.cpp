@@ -226,12 +226,7 @@ void MoreauJean::note_passed_limit() {
     const double excess = std::abs(limit.excess(phi_[limit.row]));
     if (!(excess > furthest)) continue;
     furthest = excess;
-    const std::span<const Rows::AxisRow> axes = system_.rows().axis_rows();
-    const auto axis =
-        std::find_if(axes.begin(), axes.end(), [&](const auto& a) { return a.row == limit.row; });
-    culprits_ = {{.kind = axis->axis.axis >= 0 ? Culprit::Kind::kAxis : Culprit::Kind::kJoint,
-                  .axis = axis->axis,
-                  .share = excess}};
+    culprits_ = {{.kind = Culprit::Kind::kAxis, .axis = limit.axis, .share = excess}};
   }
 }
 

@@ -1,3 +1,4 @@
+#include "core/fnv1a.h"
 #include "core/same_state.h"
 #include "scenes/scene_file.h"
 #include "solvers/simulator.h"
@@ -31,10 +32,10 @@ const char* const kContacts =
 
 /// A checkpoint with this payload.
 std::string sealed(std::string_view payload) {
-  std::uint64_t sum = 14695981039346656037u;
-  for (const char c : payload) sum = (sum ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  Fnv1a sum;
+  sum.add(payload);
   std::string bytes = "taut-checkpoint/1\n" + std::string(payload);
-  for (int i = 0; i < 8; ++i) bytes += static_cast<char>(sum >> (8 * i));
+  for (int i = 0; i < 8; ++i) bytes += static_cast<char>(sum.value() >> (8 * i));
   return bytes;
 }
 

@@ -22,12 +22,8 @@
 // and the memory of the process must not grow.  Prints a table; the exit status is 1 if anything of that does
 // not hold.
 //   --seconds S  each run ends after that time, the second after as many steps as the first
-//   --keep DIR   each run leaves a checkpoint there each minute, and goes on from it when it is started
-//   again:
-//                the many hours can be spent in pieces
-//   --run N      the first or the second run only, for two processes side by side; the second is compared
-//   with
-//                what the first has left in DIR
+//   --keep DIR   each run leaves a checkpoint there each minute; started again it goes on from that
+//   --run N      one of the two only, for two processes; the second is compared with what is in DIR
 
 namespace taut {
 namespace {

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tests/run_program.h"
+#include "tests/sanitized.h"
 #include "tests/scenes/resource_limit.h"
 #include "tests/source_dir.h"
 #include "tests/temporary.h"
@@ -299,8 +300,7 @@ TEST(Program, SameInputSameBits) {
   EXPECT_EQ(reports[0]["final_state_fingerprint"].get<std::string>().size(), 16);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)  // which take all addresses that there are
+#ifndef TAUT_SANITIZED  // checks take all addresses that there are
 TEST(Program, ANetOfFiftyThousandRodsRunsWithinFourGigabytes) {
   const std::string report = temporary("net.json");
   const std::vector<std::string> net{"run", "net-corners", "--set", "n=160", "--dt", "0.001", "--steps", "4"};

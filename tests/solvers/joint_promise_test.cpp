@@ -11,12 +11,13 @@
 #include "core/rows.h"
 #include "scenes/scene.h"
 #include "solvers/simulator.h"
+#include "tests/sanitized.h"
 
 namespace taut {
 namespace {
 
 constexpr double kVideo = 1.0 / 240, kMilli = 1e-3;
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TAUT_SANITIZED
 constexpr int kMostSteps = 120;  // the same code in a fraction of the time
 #else
 constexpr int kMostSteps = 1'000'000;
@@ -123,7 +124,7 @@ TEST(WeakDirections, OfALongBridgeTakeTwoPasses) {
   EXPECT_LE(backsolves, 3.2 * substeps);  // one for positions, two for velocities
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef TAUT_SANITIZED
 /// At this step the moves that mend a gap first widen it, after 1.9 s; it jammed there with gaps of 1.02e-10.
 TEST(WeakDirections, AGridSwingsOnWhereMendingOvershoots) {
   Scene scene = build_scene("joint-grid", {{"n", 20}, {"swing", 1}});
