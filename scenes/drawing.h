@@ -1,6 +1,5 @@
 #pragma once
 
-#include "scenes/recording.h"
 #include "scenes/scene.h"
 
 namespace taut {
@@ -11,10 +10,5 @@ PlacedShape rod_shape(double length, double radius);
 /// Has a body of the scene drawn as this shape; nothing collides and no mass changes.
 /// @throws std::invalid_argument for a body that is not there or what check_shape() refuses.
 void draw(Scene& scene, BodyId body, const PlacedShape& shape);
-
-/// Fills shapes and drawn of a header.  A body is drawn by what the scene says for it, or else by its
-/// collision shapes, or else, if it moves, as the uniform ellipsoid of its mass and inertia,
-/// rᵢ = √(5 (Iⱼ + Iₖ − Iᵢ) / 2m), not thinner than a fiftieth of its length.  Equal shapes are listed once.
-void collect_shapes(const Scene& scene, RecordingHeader& header);
 
 }  // namespace taut

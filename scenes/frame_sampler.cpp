@@ -1,6 +1,6 @@
 #include "scenes/frame_sampler.h"
 
-#include "scenes/drawing.h"
+#include "scenes/drawn_shapes.h"
 
 namespace taut {
 

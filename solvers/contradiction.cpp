@@ -212,14 +212,6 @@ Contradiction made_of(const std::vector<Member>& members, double residual) {
   return found;
 }
 
-std::string label(const World& world, const Bound& bound) {
-  const char* kinds[] = {"lower limit of ", "upper limit of ", "motor of "};
-  return std::string(kinds[static_cast<int>(bound.kind)])
-      .append(world.joint(bound.axis.joint).type())
-      .append(" ")
-      .append(world.axis_label(bound.axis));
-}
-
 }  // namespace
 
 Contradiction find_contradiction(const Situation& s) {
@@ -243,51 +235,6 @@ Contradiction find_contradiction(const Situation& s) {
     return made_of(set, local.largest());
   }
   return {};
-}
-
-std::vector<std::string> names_of(const Contradiction& contradiction, const World& world) {
-  std::vector<std::string> names;
-  for (JointId joint : contradiction.joints)
-    names.push_back(std::string(world.joint(joint).type()) + " " + world.name(joint));
-  for (const Bound& bound : contradiction.bounds) names.push_back(label(world, bound));
-  for (const Touch& touch : contradiction.contacts)
-    names.push_back("contact of " + world.name(touch.a) + " and " + world.name(touch.b));
-  return names;
-}
-
-std::string name_of(const Culprit& culprit, const World& world) {
-  const auto law = [&] {
-    std::vector<BodyId> bodies = world.force(culprit.force).bodies();
-    std::string text;
-    for (std::size_t i = 0; i < bodies.size(); ++i) text += (i > 0 ? " and " : "") + world.name(bodies[i]);
-    return text;
-  };
-  switch (culprit.kind) {
-    case Culprit::Kind::kJoint:
-      return std::string(world.joint(culprit.axis.joint).type()) + " " + world.name(culprit.axis.joint);
-    case Culprit::Kind::kAxis:
-      return std::string(world.joint(culprit.axis.joint).type()) + " " + world.axis_label(culprit.axis);
-    case Culprit::Kind::kSpring:
-      return "spring between " + law();
-    case Culprit::Kind::kContact:
-      return "contact of " + world.name(culprit.a) + " and " + world.name(culprit.b);
-    case Culprit::Kind::kForce: {
-      const std::string bodies = law();
-      return "force law " + std::to_string(culprit.force.index) + (bodies.empty() ? "" : " on " + bodies);
-    }
-    case Culprit::Kind::kBody:
-      return "body " + world.name(culprit.a);
-  }
-  return "";
-}
-
-std::string list_of(const std::vector<std::string>& names) {
-  constexpr std::size_t kShown = 8;
-  std::string text;
-  for (std::size_t i = 0; i < names.size() && i < (names.size() > kShown ? kShown - 1 : kShown); ++i)
-    text += (i > 0 ? ", " : "") + names[i];
-  if (names.size() > kShown) text += " … " + names.back() + ", " + std::to_string(names.size()) + " in all";
-  return text;
 }
 
 }  // namespace taut

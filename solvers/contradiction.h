@@ -2,8 +2,6 @@
 
 #include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "core/world.h"
 #include "solvers/step_report.h"
@@ -27,8 +25,5 @@ struct Situation {
 /// and contacts if they have no compliance.  Of independent contradictions one is given; sets of more than
 /// 200 are given as they were found, in the order of the world.   (solvers/README, "Contradiction")
 Contradiction find_contradiction(const Situation& situation);
-
-/// "a, b, c": all names, or the first seven, the last and how many.
-std::string list_of(const std::vector<std::string>& names);
 
 }  // namespace taut

@@ -2,7 +2,7 @@
 
 #include "core/world.h"
 #include "solvers/settings.h"
-#include "solvers/simulator.h"
+#include "solvers/step_report.h"
 
 namespace taut {
 

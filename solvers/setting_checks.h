@@ -9,6 +9,9 @@
 /// What can be said of settings before a step is done: which exclude each other, and which have no effect.
 namespace taut {
 
+/// @throws std::invalid_argument naming a setting that is out of range.
+void check_settings(const Settings& settings);
+
 /// Joint forces from the acceleration equation: no sub-steps, and equalities only.
 bool is_force_level(Integrator integrator);
 

@@ -3,7 +3,6 @@
 #include "collision/thread_pool.h"
 #include "core/check.h"
 #include "solvers/setting_checks.h"
-#include "solvers/simulator_impl.h"
 
 namespace taut {
 

@@ -7,6 +7,7 @@
 #include "core/reach.h"
 #include "solvers/assembly.h"
 #include "solvers/contradiction.h"
+#include "solvers/report_names.h"
 #include "solvers/simulator_impl.h"
 
 // Why a step failed.  (solvers/README, "Contradiction")

@@ -13,6 +13,7 @@
 #include "solvers/energy_books.h"
 #include "solvers/force_level.h"
 #include "solvers/rattle.h"
+#include "solvers/setting_checks.h"
 #include "solvers/simulator.h"
 #include "solvers/sleep.h"
 #include "solvers/weld_loads.h"
@@ -20,9 +21,6 @@
 namespace taut {
 
 class Archive;
-
-/// @throws std::invalid_argument naming a setting that is out of range.
-void check_settings(const Settings& settings);
 
 /// What the methods of Simulator work with; simulator.cpp steps, simulator_reactions.cpp answers what joints
 /// bear, simulator_diagnosis.cpp says why a step failed.

@@ -1,4 +1,5 @@
 #include "scenes/drawing.h"
+#include "scenes/drawn_shapes.h"
 
 #include <gtest/gtest.h>
 

@@ -6,6 +6,7 @@
 
 #include "core/solid.h"
 #include "scenes/drawing.h"
+#include "scenes/drawn_shapes.h"
 #include "scenes/scene_file.h"
 #include "solvers/simulator.h"
 #include "tests/scenes/scene_file_cases.h"
