@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/factor.h"
+#include "solvers/linear/factor.h"
 
 namespace taut::benchmarks {
 

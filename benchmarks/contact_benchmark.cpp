@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "benchmarks/timing.h"
-#include "scenes/scene.h"
-#include "scenes/state_file.h"
-#include "solvers/simulator.h"
+#include "scenes/builders/scene.h"
+#include "scenes/files/state_file.h"
+#include "solvers/simulator/simulator.h"
 
 namespace {
 

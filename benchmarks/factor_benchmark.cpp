@@ -14,7 +14,7 @@
 
 #include "benchmarks/block_problem.h"
 #include "benchmarks/timing.h"
-#include "solvers/multifrontal_factor.h"
+#include "solvers/linear/multifrontal_factor.h"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "benchmarks/timing.h"
-#include "scenes/scene.h"
-#include "solvers/simulator.h"
+#include "scenes/builders/scene.h"
+#include "solvers/simulator/simulator.h"
 
 namespace {
 

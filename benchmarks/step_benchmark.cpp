@@ -18,9 +18,9 @@
 
 #include "benchmarks/block_problem.h"
 #include "benchmarks/timing.h"
-#include "scenes/scene.h"
-#include "solvers/constraint_system.h"
-#include "solvers/simulator.h"
+#include "scenes/builders/scene.h"
+#include "solvers/simulator/simulator.h"
+#include "solvers/system/constraint_system.h"
 
 namespace {
 

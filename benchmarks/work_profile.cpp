@@ -17,11 +17,11 @@
 #include "benchmarks/block_problem.h"
 #include "benchmarks/one_blas_thread.h"
 #include "benchmarks/timing.h"
-#include "core/diagnostics.h"
-#include "scenes/scene.h"
-#include "solvers/constraint_system.h"
-#include "solvers/multifrontal_factor.h"
-#include "solvers/simulator.h"
+#include "core/world/diagnostics.h"
+#include "scenes/builders/scene.h"
+#include "solvers/linear/multifrontal_factor.h"
+#include "solvers/simulator/simulator.h"
+#include "solvers/system/constraint_system.h"
 
 extern "C" void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
                        const double*, const int*, const double*, const int*, const double*, double*,

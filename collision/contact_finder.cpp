@@ -6,13 +6,13 @@
 #include <functional>
 #include <map>
 
-#include "collision/broad_phase.h"
-#include "collision/feature_matching.h"
-#include "collision/narrow_phase.h"
-#include "collision/thread_pool.h"
-#include "core/check.h"
-#include "core/clock.h"
-#include "core/reach.h"
+#include "collision/broad/broad_phase.h"
+#include "collision/narrow/feature_matching.h"
+#include "collision/narrow/narrow_phase.h"
+#include "core/base/check.h"
+#include "core/base/clock.h"
+#include "core/base/thread_pool.h"
+#include "core/state/reach.h"
 
 namespace taut {
 namespace {

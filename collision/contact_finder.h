@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "collision/contact.h"
-#include "core/world.h"
+#include "collision/narrow/contact.h"
+#include "core/world/world.h"
 
 namespace taut {
 

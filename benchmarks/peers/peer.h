@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/world.h"
+#include "core/world/world.h"
 
 /// One scene in one engine, measured in one way.  Each engine is a program of its own, so that one that
 /// crashes or hangs harms no other.

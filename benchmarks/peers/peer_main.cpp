@@ -12,8 +12,8 @@
 #include "benchmarks/peers/peer.h"
 #include "benchmarks/timing.h"
 #include "collision/contact_finder.h"
-#include "core/diagnostics.h"
-#include "scenes/scene.h"
+#include "core/world/diagnostics.h"
+#include "scenes/builders/scene.h"
 
 namespace taut::peers {
 namespace {

@@ -2,7 +2,7 @@
 #include <deque>
 
 #include "benchmarks/peers/peer.h"
-#include "core/check.h"
+#include "core/base/check.h"
 
 namespace taut::peers {
 namespace {

@@ -1,5 +1,5 @@
 #include "benchmarks/peers/peer.h"
-#include "solvers/simulator.h"
+#include "solvers/simulator/simulator.h"
 
 /// taut itself, through the same door.  Methods: rattle, rattle4, implicit (geometric stiffness), fixed
 /// (rattle whose step no tension cuts, as that of most others).  No other engine keeps a ledger of energy in

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/check.h"
-#include "core/wide_parts.h"
-#include "core/world.h"
+#include "core/base/check.h"
+#include "core/constraints/wide_parts.h"
+#include "core/world/world.h"
 
 namespace taut {
 

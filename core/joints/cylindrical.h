@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/check.h"
-#include "core/world.h"
+#include "core/base/check.h"
+#include "core/world/world.h"
 
 namespace taut {
 

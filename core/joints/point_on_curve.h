@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/check.h"
-#include "core/curve_part.h"
-#include "core/world.h"
+#include "core/base/check.h"
+#include "core/constraints/curve_part.h"
+#include "core/world/world.h"
 
 namespace taut {
 

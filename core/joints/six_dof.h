@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "core/check.h"
-#include "core/world.h"
+#include "core/base/check.h"
+#include "core/world/world.h"
 
 namespace taut {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/ball_parts.h"
-#include "core/check.h"
-#include "core/world.h"
+#include "core/base/check.h"
+#include "core/constraints/ball_parts.h"
+#include "core/world/world.h"
 
 namespace taut {
 

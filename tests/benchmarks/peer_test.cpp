@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "scenes/child_process.h"
-#include "scenes/scene.h"
+#include "scenes/builders/scene.h"
+#include "scenes/support/child_process.h"
 
 /// Whether each engine that is installed has been given the scene that it is said to run.
 namespace taut::testing {

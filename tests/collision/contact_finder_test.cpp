@@ -4,9 +4,9 @@
 #include <map>
 #include <numbers>
 
-#include "core/joints.h"
+#include "core/joints/joints.h"
 #include "tests/allocation_counter.h"
-#include "tests/collision/pair_of_shapes.h"
+#include "tests/collision/narrow/pair_of_shapes.h"
 #include "tests/core/expect_invalid.h"
 
 namespace taut {

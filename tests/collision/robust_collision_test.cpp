@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "collision/contact_finder.h"
-#include "collision/thread_pool.h"
+#include "core/base/thread_pool.h"
 #include "tests/core/expect_invalid.h"
 
 namespace taut {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/rigid_body.h"
+#include "core/world/rigid_body.h"
 #include "tests/core/random_state.h"
 
 namespace taut::testing {

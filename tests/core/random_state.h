@@ -3,7 +3,7 @@
 #include <random>
 #include <vector>
 
-#include "core/state.h"
+#include "core/state/state.h"
 
 namespace taut::testing {
 

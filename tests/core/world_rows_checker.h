@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/rows.h"
-#include "core/world.h"
+#include "core/constraints/rows.h"
+#include "core/world/world.h"
+#include "tests/core/constraints/row_checker.h"
 #include "tests/core/random_state.h"
-#include "tests/core/row_checker.h"
 
 /// Holds all rows of a world, of any number of bodies and with drivers, against what they must be:
 ///

@@ -1,7 +1,7 @@
-#include "core/fnv1a.h"
-#include "core/same_state.h"
-#include "scenes/scene_file.h"
-#include "solvers/simulator.h"
+#include "core/base/fnv1a.h"
+#include "core/state/same_state.h"
+#include "scenes/files/scene_file.h"
+#include "solvers/simulator/simulator.h"
 #include "tests/fuzz/input_file.h"
 
 // Checkpoints: 'm' for a mechanism or 'c' for bodies in contact, then the payload, which gets mark and

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/world.h"
-#include "solvers/settings.h"
-#include "solvers/step_report.h"
+#include "core/world/world.h"
+#include "solvers/common/settings.h"
+#include "solvers/common/step_report.h"
 
 /// Random mechanisms, and what must hold of every one of them, by formulas that are not the library's.
 namespace taut::fuzz {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/so3.h"
+#include "core/math/so3.h"
 
 namespace taut::fuzz {
 

@@ -15,9 +15,9 @@
 #include <memory>
 #include <set>
 
-#include "scenes/scene_file.h"
-#include "solvers/setting_checks.h"
-#include "solvers/simulator.h"
+#include "scenes/files/scene_file.h"
+#include "solvers/common/setting_checks.h"
+#include "solvers/simulator/simulator.h"
 #include "tests/fuzz/mechanism.h"
 
 // Random mechanisms by seed, judged from outside:

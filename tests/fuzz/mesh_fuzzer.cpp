@@ -1,7 +1,7 @@
 #include <stdexcept>
 
-#include "collision/mesh_file.h"
-#include "core/shape.h"
+#include "collision/mesh/mesh_file.h"
+#include "core/world/shape.h"
 #include "tests/fuzz/input_file.h"
 
 // Mesh files: OBJ if the first byte is 'o', else STL, then the file.

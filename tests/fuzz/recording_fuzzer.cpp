@@ -2,8 +2,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "scenes/recording_chunk.h"
-#include "scenes/recording_reader.h"
+#include "scenes/recording/recording_chunk.h"
+#include "scenes/recording/recording_reader.h"
 #include "tests/fuzz/input_file.h"
 
 // Recordings.  An input that begins with the mark of a recording is a file as it is, which seldom passes the

@@ -1,6 +1,6 @@
 #include <exception>
 
-#include "scenes/reference_case.h"
+#include "scenes/accuracy/reference_case.h"
 #include "tests/fuzz/input_file.h"
 
 // Reference cases, as `taut accuracy` reads them.

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "scenes/scene_file.h"
-#include "scenes/start_warnings.h"
-#include "solvers/simulator.h"
+#include "scenes/files/scene_file.h"
+#include "scenes/program/start_warnings.h"
+#include "solvers/simulator/simulator.h"
 #include "tests/fuzz/input_file.h"
 
 // Texts of scene files.  What is no scene is refused with SceneFileError that names paths and messages; what
@@ -83,7 +83,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace taut::fuzz;
   const std::string_view text = text_of(data, size);
   if (builds_much(text)) return 0;
-  static const std::string file = source_dir() + "/scenes/fuzz.json";
+  static const std::string file = source_dir() + "/scenes/examples/fuzz.json";
   try {
     Scene scene = parse_scene(text, file);
     if (scene.world.body_count() > 40 || scene.world.joint_count() > 60 || corners_of(scene.world) > 200)

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "scenes/run_record.h"
-#include "scenes/scene.h"
-#include "solvers/simulator.h"
+#include "scenes/builders/scene.h"
+#include "scenes/program/run_record.h"
+#include "solvers/simulator/simulator.h"
 
 // Very many steps of scenes that are meant to run for ever:
 //   soak [--steps 1000000] [--seconds S] [--once] [--only NAME]... [--keep DIR] [--run 1|2]

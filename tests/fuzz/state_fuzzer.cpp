@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
-#include "core/same_state.h"
-#include "scenes/scene_file.h"
-#include "scenes/state_file.h"
+#include "core/state/same_state.h"
+#include "scenes/files/scene_file.h"
+#include "scenes/files/state_file.h"
 #include "tests/fuzz/input_file.h"
 
 // Texts of state files, for a mechanism with axes and for bodies in contact.  What is refused leaves the

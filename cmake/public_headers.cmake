@@ -1,0 +1,22 @@
+# public_headers(RESULT FIRST): FIRST and every header of this tree that it includes, directly or not; paths relative to
+# the tree.  These are what is installed, so that the interface is what taut.h names and what that needs.
+function(public_headers result first)
+  set(todo ${first})
+  set(found "")
+  while(todo)
+    list(POP_FRONT todo header)
+    if(header IN_LIST found)
+      continue()
+    endif()
+    list(APPEND found ${header})
+    # A change of it may change the list.
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${header})
+    file(STRINGS ${header} lines REGEX "^#include \"")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" header "${line}")
+      list(APPEND todo ${header})
+    endforeach()
+  endwhile()
+  list(SORT found)
+  set(${result} ${found} PARENT_SCOPE)
+endfunction()

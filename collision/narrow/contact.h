@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/world/shape.h"
+
+namespace taut {
+
+/// Point P of body A faces point Q of body B:  p_WQ − p_WP = gap · normal.
+/// The normal points from A to B, so a contact impulse λ ≥ 0 puts +λ·normal on B at Q and −λ·normal on A at
+/// P.
+struct Contact {
+  ShapeId a, b;                                   ///< a.index < b.index
+  BodyId A, B;                                    ///< their bodies
+  Vec3 p_AP = Vec3::Zero(), p_BQ = Vec3::Zero();  ///< [m] in the body frames, from the centres of mass
+  Vec3 normal = Vec3::UnitZ();                    ///< unit, world axes
+  double gap = 0;                                 ///< [m]; negative: penetration
+  std::uint64_t feature = 0;  ///< unique within the pair; the same for the same contact in the next call
+};
+
+/// So many pairs of shapes near each other, or contacts, that what they would cost has no bound: they lie in
+/// one place, or move past many others in one step.
+struct Crowd {
+  std::int64_t most = 0;        ///< so many are taken on; there are more
+  std::vector<ShapeId> shapes;  ///< those with most of them, at most four, most first; none: no crowd
+  bool empty() const { return shapes.empty(); }
+};
+
+}  // namespace taut

@@ -1,0 +1,378 @@
+#include "collision/narrow/manifold.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut::detail {
+namespace {
+
+using Corner = ManifoldScratch::Corner;
+
+/// The common frame: contact plane (u, v), height along n, all in the frame of A.
+struct Frame {
+  Vec3 u, v, n;
+  double x(const Vec3& p) const { return u.dot(p); }
+  double y(const Vec3& p) const { return v.dot(p); }
+  Vec3 lift(double x, double y, double height) const { return x * u + y * v + height * n; }
+};
+
+/// Height along n of the plane through `point` with the normal m, over (x, y).
+double plane_height(const Frame& frame, const Vec3& point, const Vec3& m, double x, double y) {
+  const Vec3 foot = frame.lift(x, y, 0);
+  return m.dot(point - foot) / m.dot(frame.n);
+}
+
+/// Collects contact points.  Cores are rounded off here.
+class Collector {
+ public:
+  Collector(const Convex& A, const Convex& B, const Frame& frame, double s, double cutoff,
+            std::vector<ManifoldPoint>& out)
+      : r_A_(A.radius),
+        r_B_(B.radius),
+        frame_(frame),
+        s_(s),
+        cutoff_(cutoff),
+        size_(A.extent + B.extent),
+        out_(out) {}
+
+  /// Points p and q of the cores at one place of the contact plane; `extra` is added to the gap.
+  void add(const Vec3& p, const Vec3& q, std::uint64_t id, double extra = 0) {
+    // No two points are nearer along n than s: what seems so lies in the slack of a polygon.
+    const double gap = std::max(s_, frame_.n.dot(q - p) - r_A_ - r_B_ + extra);
+    if (gap > cutoff_) return;
+    deepest_ = std::min(deepest_, gap);
+    const Vec3 P = p + r_A_ * frame_.n;
+    out_.push_back({P, P + gap * frame_.n, frame_.n, gap, id});
+  }
+  /// Points with a normal of their own: two rounded cores beside each other.
+  void add_free(const Vec3& p, const Vec3& q, std::uint64_t id) {
+    const Vec3 d = q - p;
+    const double length = d.norm();
+    if (!(length > 1e-9 * size_) || d.dot(frame_.n) < 0.5 * length) return add(p, q, id);
+    const double gap = length - r_A_ - r_B_;
+    if (gap > cutoff_) return;
+    deepest_ = std::min(deepest_, gap);
+    const Vec3 n = d / length;
+    out_.push_back({p + r_A_ * n, q - r_B_ * n, n, gap, id});
+  }
+
+  /// What the deepest point may lack of the depth s.
+  double depth_slack() const { return 2e-7 * size_; }
+  /// True if the deepest place is among the points from `first` on.  Its gap is then s itself, free of the
+  /// round-off of steep faces.
+  bool settle_depth(std::size_t first) {
+    if (!(deepest_ <= s_ + depth_slack())) return false;
+    for (std::size_t i = first; i < out_.size(); ++i) {
+      ManifoldPoint& point = out_[i];
+      if (point.gap != deepest_) continue;
+      point.gap = s_;
+      point.q = point.p + s_ * point.n;
+      break;
+    }
+    return true;
+  }
+
+ private:
+  double r_A_, r_B_;
+  const Frame& frame_;
+  double s_, cutoff_, size_;
+  std::vector<ManifoldPoint>& out_;
+  double deepest_ = 1e300;
+};
+
+/// Two segments: where they cross, and the ends of what they share unless those are too far apart, or where
+/// they cross.
+void meet_segments(const Feature& a, const Feature& b, const Frame& f, bool rounded, double cutoff_excess,
+                   double near, Collector& out) {
+  const Vec3 &a0 = a.points[0].p, &b0 = b.points[0].p;
+  const Vec3 da = a.points[1].p - a0, db = b.points[1].p - b0;
+  const double ax = f.x(da), ay = f.y(da), bx = f.x(db), by = f.y(db);
+  const double cx = f.x(b0 - a0), cy = f.y(b0 - a0);
+  const double aa = ax * ax + ay * ay, bb = bx * bx + by * by, ab = ax * bx + ay * by;
+  const double cross = ax * by - ay * bx;
+  const auto contact = [&](double t, double w, std::uint64_t id, double extra) {
+    const Vec3 p = a0 + t * da, q = b0 + w * db;
+    if (rounded)
+      out.add_free(p, q, id);
+    else
+      out.add(p, q, id, extra);
+  };
+  const std::uint64_t edges[2] = {edge_id(a.points[0].id, a.points[1].id),
+                                  edge_id(b.points[0].id, b.points[1].id)};
+  if (aa == 0 || bb == 0) return;
+  // The stretch of A, as t ∈ [0, 1], that B lies beside.
+  double lo = (cx * ax + cy * ay) / aa, hi = lo + ab / aa;
+  int id_lo = 0, id_hi = 1;
+  if (lo > hi) std::swap(lo, hi), std::swap(id_lo, id_hi);
+  std::uint64_t lo_id = contact_id(Meeting::kVertexB, edges[0], b.points[id_lo].id);
+  std::uint64_t hi_id = contact_id(Meeting::kVertexB, edges[0], b.points[id_hi].id);
+  if (lo < 0) lo = 0, lo_id = contact_id(Meeting::kVertexA, a.points[0].id, edges[1]);
+  if (hi > 1) hi = 1, hi_id = contact_id(Meeting::kVertexA, a.points[1].id, edges[1]);
+  // How far off B's line is at the ends, and what the curvature makes of it: d²/2ρ.
+  const double rounding = a.rounding + b.rounding;
+  const auto at_end = [&](double t, double& w) {
+    w = std::clamp(((t * ax - cx) * bx + (t * ay - cy) * by) / bb, 0.0, 1.0);
+    const double dx = cx + w * bx - t * ax, dy = cy + w * by - t * ay;
+    return dx * dx + dy * dy;
+  };
+  double w_lo = 0, w_hi = 0, excess_lo = 1e300, excess_hi = 1e300;
+  if (lo < hi && rounding > 0) {
+    excess_lo = at_end(lo, w_lo) / (2 * rounding);
+    excess_hi = at_end(hi, w_hi) / (2 * rounding);
+  }
+  const bool sharp_parallel = rounding == 0 && lo < hi && std::abs(cross) < 1e-6 * std::sqrt(aa * bb);
+  if (sharp_parallel) at_end(lo, w_lo), at_end(hi, w_hi), excess_lo = excess_hi = 0;
+  // Of lines that cross at more than 0.2 rad the crossing says it all.
+  if (std::abs(cross) > 0.2 * std::sqrt(aa * bb)) excess_lo = excess_hi = 1e300;
+  // Where the ends are as deep as the crossing, that is not needed.
+  const bool beside = std::max(excess_lo, excess_hi) <= out.depth_slack();
+  // Nearest points of two segments in the plane: the crossing, or an end of one of them.
+  double t = cross != 0 ? std::clamp((cx * by - cy * bx) / cross, 0.0, 1.0) : 0.5;
+  double w = std::clamp(((t * ax - cx) * bx + (t * ay - cy) * by) / bb, 0.0, 1.0);
+  t = std::clamp(((cx + w * bx) * ax + (cy + w * by) * ay) / aa, 0.0, 1.0);
+  const auto apart = [&](double end, double other) { return std::abs(end - other) * std::sqrt(aa) >= near; };
+  if (excess_lo <= cutoff_excess && (beside || apart(lo, t))) contact(lo, w_lo, lo_id, excess_lo);
+  if (excess_hi <= cutoff_excess && apart(hi, beside ? lo : t)) contact(hi, w_hi, hi_id, excess_hi);
+  if (!beside) contact(t, w, contact_id(Meeting::kEdges, edges[0], edges[1]), 0);
+}
+
+/// Narrows [lo, hi], places on the segment s0 + t d, to what lies over a disc; false if nothing does.
+bool within_disc(const Vec3& s0, const Vec3& d, const Feature& disc, const Frame& f, double slack, double& lo,
+                 double& hi) {
+  const auto on_plane = [&](const Vec3& p) {
+    const double x = f.x(p), y = f.y(p);
+    return f.lift(x, y, plane_height(f, disc.centre, disc.normal, x, y));
+  };
+  const Vec3 from = on_plane(s0) - disc.centre, way = on_plane(s0 + d) - disc.centre - from;
+  const double a = way.squaredNorm(), b = from.dot(way), r = disc.disc + slack;
+  const double root2 = b * b - a * (from.squaredNorm() - r * r);
+  if (!(a > 0 && root2 >= 0)) return false;
+  lo = std::max(lo, (-b - std::sqrt(root2)) / a);
+  hi = std::min(hi, (-b + std::sqrt(root2)) / a);
+  return true;
+}
+
+/// The part of a segment that lies over a polygon or a disc, which is `slack` larger all around.
+void meet_segment_polygon(const Feature& segment, const Feature& polygon, bool segment_is_A, const Frame& f,
+                          double slack, double near, Collector& out) {
+  const Vec3 &s0 = segment.points[0].p, d = segment.points[1].p - s0;
+  double lo = 0, hi = 1;
+  const auto id = [&](Meeting meeting, std::uint64_t of_segment, std::uint64_t of_polygon) {
+    if (segment_is_A) return contact_id(meeting, of_segment, of_polygon);
+    if (meeting == Meeting::kVertexA) meeting = Meeting::kVertexB;
+    return contact_id(meeting, of_polygon, of_segment);
+  };
+  const std::uint64_t edge = edge_id(segment.points[0].id, segment.points[1].id);
+  std::uint64_t lo_id = id(Meeting::kVertexA, segment.points[0].id, 0);
+  std::uint64_t hi_id = id(Meeting::kVertexA, segment.points[1].id, 0);
+  const double sense = polygon.normal.dot(f.n) > 0 ? 1 : -1;
+  const std::size_t count = polygon.disc > 0 ? 0 : polygon.points.size();
+  if (polygon.disc > 0) {  // its polygon would turn with the least tilt
+    if (!within_disc(s0, d, polygon, f, slack, lo, hi)) return;
+    if (lo > 0) lo_id = id(Meeting::kEdges, edge, 0);
+    if (hi < 1) hi_id = id(Meeting::kEdges, edge, 1);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const FeaturePoint &c = polygon.points[i], &e = polygon.points[(i + 1) % count];
+    const double ex = sense * f.x(e.p - c.p), ey = sense * f.y(e.p - c.p);
+    // Inside is left of the edge.
+    const double h0 = ex * f.y(s0 - c.p) - ey * f.x(s0 - c.p) + slack * std::hypot(ex, ey);
+    const double dh = ex * f.y(d) - ey * f.x(d);
+    const double h1 = h0 + dh;
+    if (h0 < 0 && h1 < 0) return;
+    if (h0 >= 0 && h1 >= 0) continue;
+    const double t = h0 / (h0 - h1);
+    const std::uint64_t cut = id(Meeting::kEdges, edge, edge_id(c.id, e.id));
+    if (h0 < 0 && t > lo) lo = t, lo_id = cut;
+    if (h1 < 0 && t < hi) hi = t, hi_id = cut;
+  }
+  if (lo > hi) return;
+  for (int end = 0; end < 2; ++end) {
+    const Vec3 p = s0 + (end == 0 ? lo : hi) * d;
+    const double x = f.x(p), y = f.y(p);
+    const Vec3 q = f.lift(x, y, plane_height(f, polygon.points[0].p, polygon.normal, x, y));
+    if (segment_is_A)
+      out.add(p, q, end == 0 ? lo_id : hi_id);
+    else
+      out.add(q, p, end == 0 ? lo_id : hi_id);
+    if ((hi - lo) * d.norm() < near) break;
+  }
+}
+
+/// Sutherland–Hodgman: cuts polygon A, in the contact plane, by the edges of B.  Each corner remembers the
+/// edge of A that starts at it and the edge of B it lies on, which name it. Polygon B is `slack` larger all
+/// around, so that a corner on its boundary is in.
+void clip(const Feature& A, const Feature& B, const Frame& f, double slack, ManifoldScratch& work) {
+  std::vector<Corner>&poly = work.polygon, &next = work.clipped;
+  poly.clear();
+  const int count_A = static_cast<int>(A.points.size()), count_B = static_cast<int>(B.points.size());
+  for (int i = 0; i < count_A; ++i)
+    poly.push_back(
+        {f.x(A.points[i].p), f.y(A.points[i].p), contact_id(Meeting::kVertexA, A.points[i].id, 0), i, -1});
+  const double sense = B.normal.dot(f.n) > 0 ? 1 : -1;
+  for (int k = 0; k < count_B; ++k) {
+    const int k1 = (k + 1) % count_B;
+    const Vec3 &c = B.points[k].p, &e = B.points[k1].p;
+    const double cx = f.x(c), cy = f.y(c), ex = sense * (f.x(e) - cx), ey = sense * (f.y(e) - cy);
+    const double allowance = slack * std::hypot(ex, ey);
+    const auto inside = [&](const Corner& p) { return ex * (p.y - cy) - ey * (p.x - cx) + allowance; };
+    next.clear();
+    for (std::size_t i = 0; i < poly.size(); ++i) {
+      const Corner &from = poly[i], &to = poly[(i + 1) % poly.size()];
+      const double h0 = inside(from), h1 = inside(to);
+      if (h0 >= 0) next.push_back(from);
+      if ((h0 >= 0) == (h1 >= 0)) continue;
+      const double t = h0 / (h0 - h1);
+      Corner cut{from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), 0, from.edge_A, from.edge_B};
+      if (from.edge_A >= 0) {  // an edge of A crosses the edge k of B
+        const int i1 = (from.edge_A + 1) % count_A;
+        cut.id = contact_id(Meeting::kEdges, edge_id(A.points[from.edge_A].id, A.points[i1].id),
+                            edge_id(B.points[k].id, B.points[k1].id));
+      } else {  // two edges of B meet: a corner of B inside A
+        const int shared = (from.edge_B + 1) % count_B == k ? k : k1;
+        cut.id = contact_id(Meeting::kVertexB, 0, B.points[shared].id);
+      }
+      if (h0 >= 0)
+        cut.edge_A = -1, cut.edge_B = k;  // leaving: from here on the boundary runs along the edge k
+      next.push_back(cut);
+    }
+    poly.swap(next);
+  }
+}
+
+/// Takes out corners that coincide with the one before or lie on the line between their neighbours.
+void simplify(std::vector<Corner>& polygon, double near) {
+  for (std::size_t i = 0; i < polygon.size() && polygon.size() > 1;) {
+    const Corner &a = polygon[(i + polygon.size() - 1) % polygon.size()], &b = polygon[i],
+                 &c = polygon[(i + 1) % polygon.size()];
+    const double ux = c.x - a.x, uy = c.y - a.y, chord = std::hypot(ux, uy);
+    const bool twin = std::hypot(b.x - a.x, b.y - a.y) < near;
+    const bool flat = polygon.size() > 2 && chord > near &&
+                      std::abs(ux * (b.y - a.y) - uy * (b.x - a.x)) < near * chord &&
+                      (b.x - a.x) * ux + (b.y - a.y) * uy > 0 && (c.x - b.x) * ux + (c.y - b.y) * uy > 0;
+    if (twin || flat) {
+      // Of twins the one with the smaller id stays: corners of A before corners of B before crossings.
+      if (twin) polygon[(i + polygon.size() - 1) % polygon.size()].id = std::min(a.id, b.id);
+      polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      ++i;
+    }
+  }
+}
+
+bool over_polygon(const Feature& polygon, const Vec3& point, const Frame& f, double slack) {
+  const std::size_t count = polygon.points.size();
+  if (count < 3) return false;
+  const double sense = polygon.normal.dot(f.n) > 0 ? 1 : -1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 &c = polygon.points[i].p, &e = polygon.points[(i + 1) % count].p;
+    const double ex = sense * f.x(e - c), ey = sense * f.y(e - c);
+    if (ex * f.y(point - c) - ey * f.x(point - c) < -slack * std::hypot(ex, ey)) return false;
+  }
+  return true;
+}
+
+void to_frame_of_A(Feature& feature, const Relative& X) {
+  for (FeaturePoint& point : feature.points) point.p = X.p + X.R * point.p;
+  feature.centre = X.p + X.R * feature.centre;
+  feature.normal = X.R * feature.normal;
+}
+
+}  // namespace
+
+std::uint64_t contact_id(Meeting meeting, std::uint64_t of_A, std::uint64_t of_B) {
+  constexpr std::uint64_t kSide = (std::uint64_t{1} << 30) - 1;
+  return static_cast<std::uint64_t>(meeting) << 60 | (of_A & kSide) << 30 | (of_B & kSide);
+}
+
+std::uint64_t edge_id(int corner, int other) {
+  const auto [low, high] = std::minmax(corner, other);
+  return static_cast<std::uint64_t>(low) << 15 | static_cast<std::uint64_t>(high);
+}
+
+void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Separation& separation,
+                   double cutoff, Overhang overhang, ManifoldScratch& work, std::vector<ManifoldPoint>& out) {
+  Frame frame;
+  frame.n = separation.n;
+  complete_frame(frame.n, frame.u, frame.v);
+  Feature &a = work.feature_A, &b = work.feature_B;
+  const Vec3 n_B = -(X.R.transpose() * frame.n);
+  A.feature(frame.n, a);
+  B.feature(n_B, b);
+  to_frame_of_A(b, X);
+  const double core_s = separation.s + A.radius + B.radius;
+  const double smaller = std::min(A.extent, B.extent), slack = 1e-9 * smaller, near = 1e-5 * smaller;
+  Collector collect(A, B, frame, separation.s, cutoff, out);
+  const std::size_t first = out.size();
+  const std::size_t count_A = a.points.size(), count_B = b.points.size();
+  const std::uint64_t deepest = contact_id(Meeting::kDeepest, 0, 0);
+  if (count_A == 1 || count_B == 1) {
+    const Vec3& at = count_A == 1 ? a.points[0].p : b.points[0].p;
+    const Feature& other = count_A == 1 ? b : a;
+    if (overhang == Overhang::kNone && !over_polygon(other, at, frame, slack)) return;
+    const Vec3 p = count_A == 1 ? at : Vec3(at - core_s * frame.n);
+    return collect.add(p, p + core_s * frame.n, deepest);
+  }
+  if (count_A == 2 && count_B == 2) {
+    meet_segments(a, b, frame, A.radius > 0 && B.radius > 0, std::max(0.0, cutoff - separation.s), near,
+                  collect);
+  } else if (count_A == 2) {
+    meet_segment_polygon(a, b, true, frame, slack, near, collect);
+  } else if (count_B == 2) {
+    meet_segment_polygon(b, a, false, frame, slack, near, collect);
+  } else {
+    clip(a, b, frame, slack, work);
+    simplify(work.polygon, near);
+    // Two polygons that share a corner only: the deepest place below is exact.
+    if (work.polygon.size() == 1 && overhang == Overhang::kDeepest) work.polygon.clear();
+    for (const Corner& c : work.polygon) {
+      const Vec3 p = frame.lift(c.x, c.y, plane_height(frame, a.points[0].p, a.normal, c.x, c.y));
+      const Vec3 q = frame.lift(c.x, c.y, plane_height(frame, b.points[0].p, b.normal, c.x, c.y));
+      collect.add(p, q, c.id);
+    }
+  }
+  if (collect.settle_depth(first) || overhang == Overhang::kNone) return;
+  // The features miss the deepest place, as when a round side overhangs an edge: it is the support point of
+  // the body that has only one there.
+  Vec3 on_ridge, edge;
+  Vec3 p = A.support(frame.n);
+  if (A.ridge(frame.n, on_ridge, edge)) p = X.p + X.R * B.support(n_B) - core_s * frame.n;
+  const auto beside = [&](const ManifoldPoint& other) {
+    return (other.p - p - A.radius * frame.n).norm() < 10 * near;
+  };
+  out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), beside), out.end());
+  collect.add(p, p + core_s * frame.n, deepest);
+}
+
+void reduce(std::vector<ManifoldPoint>& points, std::size_t first, std::size_t most, ManifoldScratch& work) {
+  const std::size_t count = points.size() - first;
+  if (count <= most) return;
+  const auto begin = points.begin() + static_cast<std::ptrdiff_t>(first);
+  std::vector<ManifoldPoint>& kept = work.kept;
+  kept.clear();
+  // A bit mask would do for few points; meshes can bring hundreds, so each point carries its distance.
+  std::vector<double>& distance = work.plane_A;
+  distance.assign(count, 1e300);
+  std::size_t chosen = 0;
+  for (std::size_t i = 1; i < count; ++i)
+    if (begin[static_cast<std::ptrdiff_t>(i)].gap < begin[static_cast<std::ptrdiff_t>(chosen)].gap)
+      chosen = i;
+  std::vector<double>& order = work.plane_B;
+  order.clear();
+  while (order.size() < most) {
+    order.push_back(static_cast<double>(chosen));
+    const Vec3 at = begin[static_cast<std::ptrdiff_t>(chosen)].p;
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      distance[i] = std::min(distance[i], (begin[static_cast<std::ptrdiff_t>(i)].p - at).squaredNorm());
+      if (distance[i] > distance[next]) next = i;
+    }
+    chosen = next;
+  }
+  std::sort(order.begin(), order.end());
+  for (double i : order) kept.push_back(begin[static_cast<std::ptrdiff_t>(i)]);
+  points.resize(first);
+  points.insert(points.end(), kept.begin(), kept.end());
+}
+
+}  // namespace taut::detail

@@ -1,0 +1,122 @@
+#include "core/base/thread_pool.h"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/base/check.h"
+#include "core/base/flush_to_zero.h"
+#include "core/base/interruption.h"
+
+namespace taut::detail {
+
+struct ThreadPool::Impl {
+  std::mutex mutex;
+  std::condition_variable wake, done;
+  const std::function<void(int, int)>* work = nullptr;
+  const InterruptScope::Question* question = nullptr;  // of the caller
+  std::atomic<int> next{0};
+  int tasks = 0, busy = 0;
+  long round = 0;
+  bool stop = false;
+  std::exception_ptr error;
+  int missing = 0;
+  std::vector<std::jthread> threads;
+
+  /// Also of a pool that was not made to its end: threads that wait must be told before they are joined.
+  ~Impl() {
+    {
+      const std::scoped_lock lock(mutex);
+      stop = true;
+    }
+    wake.notify_all();
+    threads.clear();
+  }
+
+  /// In the same mode as the caller of a step, so that results have the same bits on all threads.
+  void take_tasks(int worker) {
+    const FlushToZero mode;
+    const InterruptScope scope(question);
+    for (int task = next++; task < tasks; task = next++) {
+      try {
+        poll_interrupt();
+        (*work)(task, worker);
+      } catch (...) {
+        const std::scoped_lock lock(mutex);
+        if (!error) error = std::current_exception();
+      }
+    }
+  }
+
+  void loop(int worker) {
+    long seen = 0;
+    while (true) {
+      std::unique_lock lock(mutex);
+      wake.wait(lock, [&] { return stop || round != seen; });
+      if (stop) return;
+      seen = round;
+      lock.unlock();
+      take_tasks(worker);
+      lock.lock();
+      if (--busy == 0) done.notify_one();
+    }
+  }
+};
+
+void check_threads(std::string_view name, int wanted) {
+  if (wanted < 0) fail(name, "must not be negative", wanted);
+  if (wanted > kMostThreads) fail(name, "must be at most 1024", wanted);
+}
+
+int thread_count(int wanted) {
+  if (wanted > 0) return wanted;
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
+}
+
+std::jthread start_thread(std::function<void()> work) { return std::jthread(std::move(work)); }
+
+ThreadPool::ThreadPool(int threads, const ThreadStarter& start) : impl_(std::make_unique<Impl>()) {
+  for (int worker = 1; worker < threads; ++worker) {
+    try {
+      impl_->threads.push_back(start([impl = impl_.get(), worker] { impl->loop(worker); }));
+    } catch (const std::system_error&) {  // a limit of the user or of memory
+      impl_->missing = threads - worker;
+      return;
+    }
+  }
+}
+
+ThreadPool::~ThreadPool() = default;
+
+int ThreadPool::size() const { return static_cast<int>(impl_->threads.size()) + 1; }
+int ThreadPool::missing() const { return impl_->missing; }
+
+void ThreadPool::run(int tasks, const std::function<void(int, int)>& work) {
+  if (tasks <= 1 || impl_->threads.empty()) {
+    for (int task = 0; task < tasks; ++task) poll_interrupt(), work(task, 0);
+    return;
+  }
+  {
+    const std::scoped_lock lock(impl_->mutex);
+    impl_->work = &work;
+    impl_->question = InterruptScope::current();
+    impl_->tasks = tasks;
+    impl_->next = 0;
+    impl_->busy = static_cast<int>(impl_->threads.size());
+    impl_->error = nullptr;
+    ++impl_->round;
+  }
+  impl_->wake.notify_all();
+  impl_->take_tasks(0);
+  std::unique_lock lock(impl_->mutex);
+  impl_->done.wait(lock, [&] { return impl_->busy == 0; });
+  if (impl_->error) std::rethrow_exception(impl_->error);
+}
+
+}  // namespace taut::detail

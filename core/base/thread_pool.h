@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <thread>
+
+namespace taut::detail {
+
+/// More are refused.
+inline constexpr int kMostThreads = 1024;
+/// @throws std::invalid_argument for a negative number, or more than kMostThreads.
+void check_threads(std::string_view name, int wanted);
+/// As many as are wanted, or, for 0, as the machine has.
+int thread_count(int wanted);
+
+/// Starts a thread that does the work. @throws std::system_error if it cannot be started.
+using ThreadStarter = std::function<std::jthread(std::function<void()> work)>;
+std::jthread start_thread(std::function<void()> work);
+
+/// Threads that wait for work.  The caller is worker 0 and works, too.
+class ThreadPool {
+ public:
+  /// Where one cannot be started, the pool goes on with those before it.
+  /// @param threads with the caller; 1: none are started.
+  explicit ThreadPool(int threads, const ThreadStarter& start = start_thread);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  int size() const;
+  /// Those that could not be started.
+  int missing() const;
+  /// Calls work(task, worker) once for each task in [0, tasks), in any order and on any worker, and returns
+  /// when all are done.  What the tasks compute must not depend on either.  The first exception is thrown
+  /// again here.  Between tasks, each worker asks what the caller's thread would (core/base/interruption.h).
+  void run(int tasks, const std::function<void(int task, int worker)>& work);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace taut::detail

@@ -1,0 +1,22 @@
+#include "core/math/so3.h"
+
+namespace taut {
+
+void complete_frame(const Vec3& z, Vec3& x, Vec3& y) {
+  Eigen::Index smallest;
+  z.cwiseAbs().minCoeff(&smallest);
+  x = z.cross(Vec3::Unit(smallest)).normalized();
+  y = z.cross(x);
+}
+
+Quat rotation_between(const Vec3& from, const Vec3& to) { return Quat::FromTwoVectors(from, to); }
+
+Vec3 across(const Vec3& v, const Vec3& axis) {
+  const Vec3 part = v - v.dot(axis) * axis;
+  if (part.norm() > 1e-6) return part.normalized();
+  Vec3 x, y;
+  complete_frame(axis, x, y);
+  return x;
+}
+
+}  // namespace taut

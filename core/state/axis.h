@@ -1,0 +1,126 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/state/motion_point.h"
+
+/// What can act along a free axis of a joint.  An axis is a scalar coordinate θ(q) [rad or m] with rate θ̇;
+/// forces along it are torques [N·m] about an angle and forces [N] along a displacement.  A positive one acts
+/// on body B towards larger θ, and the opposite on A.
+namespace taut {
+
+inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
+/// A function given by points, linear between them.
+class Curve {
+ public:
+  struct Point {
+    double x = 0, y = 0;
+  };
+  /// @throws std::invalid_argument if there is no point, one is not finite, or x does not increase strictly.
+  explicit Curve(std::vector<Point> points);
+
+  /// y held constant beyond the ends.
+  double held(double x) const;
+  /// The first and last piece go on beyond the ends; a single point is a constant.
+  double extended(double x) const;
+  /// dy/dx of the piece that extended() uses at x; the right one at a point.
+  double slope(double x) const;
+  /// ∫ extended(x) dx.
+  double integral(double from, double to) const;
+  /// Mean of extended() between both, and its derivative with respect to `to`.
+  struct Mean {
+    double value = 0, slope = 0;
+  };
+  Mean mean(double from, double to) const;
+  const std::vector<Point>& points() const { return points_; }
+
+ private:
+  std::size_t piece(double x) const;
+  std::vector<Point> points_;
+};
+
+/// lower ≤ θ ≤ upper, angles with their turns: an upper limit of 10π is five turns.  An impact at a limit
+/// reverses the rate by the factor of restitution, θ̇⁺ = −e θ̇⁻.
+/// With a compliance the limit is a spring of stiffness 1/compliance and a damper that act beyond it.
+struct AxisLimits {
+  double lower = -kUnlimited, upper = kUnlimited;
+  double restitution = 0;
+  double compliance = 0;  ///< [rad/(N·m) or m/N]; then the restitution must be 0
+  double damping = 0;     ///< [N·m·s/rad or N·s/m], with a compliance
+};
+
+/// Drives the axis with at most the available force.
+struct AxisMotor {
+  enum class Mode {
+    kVelocity,    ///< θ̇ = target
+    kPosition,    ///< θ = target
+    kTrajectory,  ///< θ = trajectory(t)
+  };
+  Mode mode = Mode::kVelocity;
+  double target = 0;              ///< θ̇ [rad/s or m/s], or θ [rad or m] with its turns
+  double max_force = kUnlimited;  ///< [N·m or N]
+  double max_speed = kUnlimited;  ///< position and trajectory: how fast it goes to its target [rad/s or m/s]
+  /// |θ̇| → available force, held beyond its ends; the smaller of it and max_force counts.
+  std::optional<Curve> force_of_speed{};
+  Motion trajectory{};  ///< θ over time, in that mode
+};
+
+/// Coulomb and viscous friction: sticks up to `static_friction`, then slides with `dynamic_friction`;
+/// −`viscous` θ̇ besides.
+struct AxisFriction {
+  double static_friction = 0;   ///< [N·m or N]
+  double dynamic_friction = 0;  ///< [N·m or N], at most static_friction
+  double viscous = 0;           ///< [N·m·s/rad or N·s/m]
+  /// Static and dynamic friction also grow by this times the force [N] that the joint's translation rows
+  /// carry: μ r [m] for a pin of radius r, μ for a slider.
+  double per_load = 0;
+};
+
+/// Spring and damper: force −k (θ − rest) − c θ̇, each of them by a table if it has one:
+/// −table(θ − rest) − damping_table(θ̇).
+struct AxisSpring {
+  double stiffness = 0;  ///< k [N·m/rad or N/m]; 0 with a table
+  double damping = 0;    ///< c [N·m·s/rad or N·s/m]; 0 with a damping table
+  double rest = 0;       ///< [rad or m]
+  /// θ − rest → restoring force, extended beyond its ends.
+  std::optional<Curve> table{};
+  /// θ̇ → force against it, extended beyond its ends.
+  std::optional<Curve> damping_table{};
+};
+
+/// All that acts along one axis.
+struct AxisProperties {
+  std::optional<AxisLimits> limits;
+  std::optional<AxisMotor> motor;
+  std::optional<AxisFriction> friction;
+  std::optional<AxisSpring> spring;
+
+  bool any() const { return limits || motor || friction || spring; }
+};
+
+/// Force of the spring along the axis, and of the damper [N·m or N].
+double spring_force(const AxisSpring& spring, double theta);
+double damping_force(const AxisSpring& spring, double rate);
+/// Potential energy of the spring at θ [J]: ½ k (θ − rest)², or the integral of its table from rest.
+double spring_energy(const AxisSpring& spring, double theta);
+/// How far θ is beyond limits: positive above the upper, negative below the lower one.
+double beyond(const AxisLimits& limits, double theta);
+/// Of limits with compliance, beyond which θ is [J].
+double limit_energy(const AxisLimits& limits, double theta);
+
+/// @throws std::invalid_argument naming `axis`, what is wrong and the value: limits that are crossed or not
+/// numbers, a restitution outside [0, 1] or beside a compliance, damping without compliance, a target that is
+/// not finite, a trajectory that is missing, a largest speed beside a velocity, a force, speed, stiffness or
+/// friction that is negative, dynamic above static friction, a force curve with negative force or speed, a
+/// spring with both stiffness and table, a damper with both damping and table, or with a table that falls
+/// somewhere or does not go through 0.
+void check_axis(std::string_view axis, const AxisLimits& limits);
+void check_axis(std::string_view axis, const AxisMotor& motor);
+void check_axis(std::string_view axis, const AxisFriction& friction);
+void check_axis(std::string_view axis, const AxisSpring& spring);
+
+}  // namespace taut

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cassert>
+#include <memory>
+#include <vector>
+
+#include "core/state/state.h"
+
+namespace taut {
+
+/// Index of a shape in its World.
+struct ShapeId {
+  int index = -1;
+  friend auto operator<=>(ShapeId, ShapeId) = default;
+};
+
+/// Bodies of another world that carry the bodies of one, several perhaps on the same.
+struct Carriers {
+  std::vector<BodyId> bodies;  ///< of each body the one that carries it
+  std::vector<Pose> frames;    ///< X_CB: where it is on that
+};
+
+/// What the ids of one World are in another that World::append() has added it to, or in that of its merged
+/// bodies (core/merging/merged_world.h), where parts are in axes of the bodies that carry theirs.
+struct Relocation {
+  BodyId ground = kGround;                                       ///< what its ground has become
+  int bodies = 0, joints = 0, axes = 0, shapes = 0, forces = 0;  ///< added to indices of the other things
+  std::shared_ptr<const Carriers> carriers{};  ///< of the bodies that have these ids; null: themselves
+  /// Of a joint: the place that each of its bodies has in Joint::bodies() there; empty: the same.
+  std::vector<int> sides{};
+
+  BodyId operator()(BodyId id) const { return carriers ? carriers->bodies[shifted(id).index] : shifted(id); }
+  /// X_CB of a body in what it has become.
+  Pose frame(BodyId id) const { return carriers ? carriers->frames[shifted(id).index] : Pose{}; }
+  int side(int place) const { return sides.empty() ? place : sides[place]; }
+  JointId operator()(JointId id) const { return {id.index + joints}; }
+  AxisId operator()(const AxisId& id) const { return {(*this)(id.joint), id.axis}; }
+  ShapeId operator()(ShapeId id) const { return {id.index + shapes}; }
+  ForceId operator()(ForceId id) const { return {id.index + forces}; }
+  int body(int index) const { return (*this)(BodyId{index}).index; }
+  /// Of an entry of State::axes; a negative one is none and stays.
+  int axis(int index) const { return index < 0 ? index : index + axes; }
+
+  /// First that one, then this one.  @pre that one has no carriers.
+  Relocation after(const Relocation& first) const {
+    assert(!first.carriers);
+    return {shifted(first.ground),
+            bodies + first.bodies,
+            joints + first.joints,
+            axes + first.axes,
+            shapes + first.shapes,
+            forces + first.forces,
+            carriers,
+            sides};
+  }
+
+ private:
+  BodyId shifted(BodyId id) const { return id == kGround ? ground : BodyId{id.index + bodies}; }
+};
+
+}  // namespace taut

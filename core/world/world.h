@@ -1,0 +1,343 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "core/state/axis.h"
+#include "core/state/force.h"
+#include "core/state/state.h"
+#include "core/world/joint.h"
+#include "core/world/joint_properties.h"
+#include "core/world/rigid_body.h"
+#include "core/world/shape.h"
+#include "core/world/world_identity.h"
+
+namespace taut {
+
+/// Something wrong with a World as a whole, found by validate().
+struct Problem {
+  std::string subject;  ///< name of the body or joint
+  std::string message;  ///< what is wrong, with the value
+};
+
+/// What exists: bodies, joints, forces, gravity, and their present state.  It owns everything and never
+/// steps. Ids are stable small integers: nothing is ever removed, but joints can be detached.  Names are
+/// unique among bodies and among joints; an empty name is replaced by a free one (body_3, joint_7).  A copy
+/// is an independent world that shares the immutable joints and force laws.
+///
+/// Whatever throws leaves the world as it was.  A force law that changes the world while it is being asked
+/// gets std::logic_error.
+class World {
+ public:
+  World();
+
+  /// @throws std::invalid_argument for a duplicate name, a pose or twist that is not finite, a quaternion
+  /// that is not of unit length, or a fixed body with a velocity.
+  BodyId add_body(BodySpec spec);
+
+  /// Adds a joint of any type:  world.add("elbow", Ball::at(world, upper, lower, p_W)).
+  /// @throws std::invalid_argument for a duplicate name, a missing body, a body jointed to itself, or two
+  /// fixed bodies.
+  template <typename AnyJoint>
+  JointId add(std::string name, AnyJoint joint) {
+    return add_joint(std::move(name), std::make_shared<const AnyJoint>(std::move(joint)));
+  }
+  JointId add_joint(std::string name, std::shared_ptr<const Joint> joint);
+
+  // Joints as a whole (world_joints.cpp).
+
+  /// Strength of a joint; nullopt: it never breaks.  A joint that breaks is detached by the simulator.
+  /// @throws std::invalid_argument for a missing joint or what check_joint() refuses.
+  void set_break(JointId id, std::optional<BreakLimits> limits);
+  /// The joints that can break, in ascending order.
+  std::span<const std::pair<JointId, BreakLimits>> breakable() const { return breakable_; }
+  /// Elasticity of a joint; nullopt: rigid.  Rows that become soft or rigid are a change of topology.
+  /// @throws std::invalid_argument for a missing joint or what check_joint() refuses.
+  void set_compliance(JointId id, std::optional<JointCompliance> compliance);
+  std::optional<JointCompliance> compliance(JointId id) const;
+  /// Takes a joint out; it keeps id, name, axes and properties, and holds nothing.  Joints that couple its
+  /// axes (gears, drivers) go with it.  Nothing happens if it is out already.
+  void detach(JointId id);
+  /// Takes out all joints but these and those whose axes they couple.
+  void detach_all_but(std::span<const JointId> joints);
+  /// Puts it back.  It is closed where it was made to be: one that is open then is closed by the simulator
+  /// before its next step.  A joint at the present poses is a new one, Ball::at() and its like.
+  /// @throws std::invalid_argument for a joint that couples an axis of a detached one.
+  void attach(JointId id);
+  bool is_attached(JointId id) const { return !detached_.contains(checked(id)); }
+  int detached_count() const { return static_cast<int>(detached_.size()); }
+  /// Of the springs, soft limits and the compliance of one joint, detached or not [J].
+  double spring_energy_of(JointId id, const State& state) const;
+
+  // Free axes of joints and what acts along them.  nullopt takes a property away; an axis that gets its first
+  // property, or loses its last, is a change of topology, a new value is not.
+
+  /// @throws std::invalid_argument if the joint has no axis of that name; the message lists those it has.
+  AxisId axis(JointId joint, std::string_view name) const;
+  int axis_count(JointId joint) const;
+  const AxisInfo& axis_info(AxisId id) const { return axes_[axis_index(id)]; }
+  /// Index of the axis in State::axes.  @throws std::invalid_argument for an axis that is not there.
+  int axis_index(AxisId id) const;
+  const AxisProperties& axis_properties(AxisId id) const { return axis_properties_[axis_index(id)]; }
+  bool has_axis_properties(JointId joint) const;
+  /// "elbow angle": joint and axis for messages.
+  std::string axis_label(AxisId id) const;
+
+  /// @throws std::invalid_argument for a missing axis, values that check_axis() refuses, or limits, a spring
+  /// or a position motor of an axis without positions (turn_x of a ball joint).
+  void set_limits(AxisId id, std::optional<AxisLimits> limits);
+  void set_motor(AxisId id, std::optional<AxisMotor> motor);
+  void set_friction(AxisId id, std::optional<AxisFriction> friction);
+  void set_spring(AxisId id, std::optional<AxisSpring> spring);
+  /// A new target for a motor that is there.  @throws std::invalid_argument if it is not, or not finite.
+  void set_motor_target(AxisId id, double target);
+
+  /// θ [rad or m] in the present state, with the turns that the state counts, and θ̇.
+  double axis_value(AxisId id) const;
+  double axis_rate(AxisId id) const;
+  /// Says how many turns an angle has made: the value next to `value` that fits the poses is kept.
+  /// @throws std::invalid_argument if it is not finite.
+  void set_axis_turns(AxisId id, double value);
+
+  /// Adds a force law:  world.add_force(SpringDamper(...)).
+  template <typename AnyForce>
+  ForceId add_force(AnyForce force) {
+    return add_force(
+        std::static_pointer_cast<const Force>(std::make_shared<const AnyForce>(std::move(force))));
+  }
+  /// @throws std::invalid_argument for null or a missing body.
+  ForceId add_force(std::shared_ptr<const Force> force);
+  /// Replaces a force law, for instance to change its value between steps.
+  /// @throws std::invalid_argument for null, a missing body or a missing force.
+  void set_force(ForceId id, std::shared_ptr<const Force> force);
+
+  /// Adds all that another world has: bodies, joints with all that acts on and along them, forces, shapes
+  /// with materials and filters, and the present state.  Every name gets `prefix` in front, and all is moved
+  /// as a whole by X_WF, where F is the other's world frame.  What is fixed to its ground is then fixed to
+  /// the ground of this world, or with a placement to a new fixed body `prefix`ground that has this pose.
+  /// Forces in world axes turn with it; gravity and time stay those of this world.
+  /// @return what its ids are here
+  /// @throws std::invalid_argument for a name that is taken, or a placement that is not finite or not of unit
+  /// length.
+  Relocation append(const World& other, const std::string& prefix = "", const Pose& placement = {});
+
+  /// Gives a body a shape at the pose X_BS in its frame; several shapes on one body are a compound.  Mass is
+  /// the body's own affair: solid_of() gives it.
+  /// @throws std::invalid_argument for a missing body, what check_shape() and check_material() refuse, or a
+  /// pose that is not finite or not of unit length.
+  ShapeId add_shape(BodyId body, Shape shape, const Pose& pose = {}, const Material& material = {},
+                    CollisionFilter filter = {});
+  /// The same with a shape that others share; it is checked again.
+  ShapeId add_shape(BodyId body, std::shared_ptr<const Shape> shape, const Pose& pose = {},
+                    const Material& material = {}, CollisionFilter filter = {});
+  int shape_count() const { return static_cast<int>(shapes_.size()); }
+  const ShapeRecord& shape(ShapeId id) const { return shapes_[checked(id)]; }
+  /// @throws std::invalid_argument for what check_material() refuses.
+  void set_material(ShapeId id, const Material& material);
+  /// A material with a name, which shapes can share and pairs can refer to.
+  /// @throws std::invalid_argument for an empty name or one that is taken, and for what check_material()
+  /// refuses.
+  MaterialId add_material(std::string name, const Material& material);
+  /// The shape is of that material; @throws std::invalid_argument if there is no such one.
+  void set_material(ShapeId id, MaterialId material);
+  int material_count() const { return static_cast<int>(materials_.size()); }
+  const Material& material(MaterialId id) const { return materials_[checked(id)].second; }
+  const std::string& name(MaterialId id) const { return materials_[checked(id)].first; }
+  /// @throws std::invalid_argument if there is none of that name.
+  MaterialId material(std::string_view name) const;
+  /// The material of a contact between two shapes, in place of combined(): order does not matter.
+  void set_contact_material(ShapeId a, ShapeId b, const Material& material);
+  /// The same for all shapes of two materials, which may be one and the same.
+  void set_contact_material(MaterialId a, MaterialId b, const Material& material);
+  /// What was set for the shapes, or else for their materials, or else combined().
+  Material contact_material(ShapeId a, ShapeId b) const;
+  /// Says whether two bodies may touch, in place of the rule that bodies with a common joint do not.
+  /// @throws std::invalid_argument for a missing body or twice the same.
+  void set_collision(BodyId a, BodyId b, bool may_collide);
+  /// What was set, or else false if a joint is between them, or both are fixed, or they are the same.
+  bool may_collide(BodyId a, BodyId b) const;
+  /// may_collide() of their bodies, and their filters agree.
+  bool may_collide(ShapeId a, ShapeId b) const;
+  /// Changes whenever a shape is added; collision detection starts afresh then.  Who may collide is asked
+  /// each time, so that joints and set_collision() need not count here.
+  std::int64_t geometry_version() const { return geometry_version_; }
+
+  /// Gravitational acceleration [m/s²], (0, 0, −9.81) at first.
+  void set_gravity(const Vec3& gravity);
+  const Vec3& gravity() const { return gravity_; }
+
+  int body_count() const { return static_cast<int>(masses_.size()); }  ///< with the ground
+  int moving_body_count() const { return moving_count_; }
+  int joint_count() const { return static_cast<int>(joints_.size()); }
+  int force_count() const { return static_cast<int>(forces_.size()); }
+
+  const MassProperties& mass_properties(BodyId id) const { return masses_[checked(id)]; }
+  bool is_fixed(BodyId id) const { return fixed_[checked(id)]; }
+  const std::string& name(BodyId id) const { return body_names_[checked(id)]; }
+  const std::string& name(JointId id) const { return joint_names_[checked(id)]; }
+  const Joint& joint(JointId id) const { return *joints_[checked(id)]; }
+  const Force& force(ForceId id) const { return *forces_[checked(id)]; }
+  /// @throws std::invalid_argument if there is none of that name.
+  BodyId body(std::string_view name) const;
+  JointId joint(std::string_view name) const;
+  bool has_body(std::string_view name) const { return body_of_name_.contains(std::string(name)); }
+  bool has_joint(std::string_view name) const { return joint_of_name_.contains(std::string(name)); }
+
+  const State& state() const { return state_; }
+  const Pose& pose(BodyId id) const { return state_.poses[checked(id)]; }
+  const Twist& twist(BodyId id) const { return state_.twists[checked(id)]; }
+  double time() const { return state_.time; }
+  /// @throws std::invalid_argument for the ground (another fixed body may be moved so, between steps), or a
+  /// pose that add_body() would refuse.
+  void set_pose(BodyId id, const Pose& pose);
+  /// @throws std::invalid_argument if it is not finite, or not zero for a fixed body.
+  void set_twist(BodyId id, const Twist& twist);
+  /// The whole state at once, bit for bit, as a solver or a restored recording leaves it.
+  /// @throws std::invalid_argument if its sizes are not this world's, or for a time, pose or twist that is
+  /// not finite, a quaternion that is not of unit length (to 1e-9), a moved ground or a fixed body with a
+  /// velocity.
+  void set_state(const State& state);
+  /// The same, and `state` becomes what the state was before.
+  void exchange_state(State& state);
+
+  void set_time(double time);
+
+  // Sleep (world_sleep.cpp): a simulator that is asked to (Settings::sleep) lets groups of bodies that have
+  // come to rest stay where they are, at no cost, until something wakes them.
+
+  bool is_asleep(BodyId id) const { return asleep_[checked(id)]; }
+  int asleep_count() const { return asleep_count_; }
+  /// Counts how often a body was woken, asleep or not: its rest, if any, begins anew.
+  int stirs(BodyId id) const { return stirs_[checked(id)]; }
+  /// Neither fixed nor asleep.
+  bool moves(BodyId id) const { return !fixed_[checked(id)] && !asleep_[id.index]; }
+  /// The body moves again, and with the next step all that fell asleep together with it.  What is set on a
+  /// body, a joint of it or an axis of these wakes it without being asked; gravity, a force law that does not
+  /// say on which bodies it acts, and what is set on a fixed body wake all.
+  void wake(BodyId id);
+  void wake_all();
+
+  /// Sum of gravity and all force laws on each body, about its centre of mass, world axes.  Fixed bodies get
+  /// what the laws put on them.  `wrenches` has body_count() entries [N·m, N] and is overwritten.
+  void forces(const State& state, std::span<Wrench> wrenches, Springs springs = Springs::kIncluded) const;
+  /// True if any force law reads velocities.
+  bool forces_depend_on_velocity(Springs springs = Springs::kIncluded) const {
+    return springs == Springs::kIncluded ? velocity_forces_ : velocity_laws_;
+  }
+  /// The force laws that are springs between two bodies, in the order of their ids.
+  std::span<const ForceId> springs() const { return springs_; }
+  /// Adds the force laws that are not conservative, which `wrenches` need not be zeroed for, and returns the
+  /// potential energy that these state (of a spring with a damper, for instance) [J].
+  double add_dissipative_forces(const State& state, std::span<Wrench> wrenches,
+                                Springs springs = Springs::kIncluded) const;
+  bool has_dissipative_forces(Springs springs = Springs::kIncluded) const {
+    return springs == Springs::kIncluded ? dissipative_forces_ : dissipative_laws_;
+  }
+  /// −Σ m g·p over the moving bodies, plus what the force laws, springs, soft limits and soft joints state
+  /// [J]; detached joints have none.
+  double potential_energy(const State& state) const;
+  /// The part of it that is in springs: of axes, soft limits, soft joints, and between bodies [J].
+  double spring_energy(const State& state) const;
+
+  /// Everything that a simulation of this world would trip over by more than `gap_tolerance` [m or rad]:
+  /// joints that are open at the start, and axes beyond limits that are not soft.  Reports, never throws.
+  std::vector<Problem> validate(double gap_tolerance = 1e-6) const;
+
+  /// No two worlds have the same, not even copies, and one that is assigned to gets a new one: what was known
+  /// of it, versions too, is then that of another world.
+  std::uint64_t identity() const { return identity_.value(); }
+  /// While one lives, every function that changes the world throws std::logic_error.
+  using Hold = detail::WorldIdentity::Hold;
+  [[nodiscard]] Hold hold() const { return Hold(identity_); }
+  /// Changes whenever a body, joint or spring between bodies is added, a spring gets other ends, a joint is
+  /// detached or attached, becomes soft or rigid, or an axis gets its first property or loses its last;
+  /// solvers rebuild their pattern then.
+  std::int64_t topology_version() const { return topology_version_; }
+  /// Changes whenever state, gravity or a force is set; solvers start afresh then.
+  std::int64_t state_version() const { return state_version_; }
+  /// Changes whenever a property of an axis is set; solvers read the new values and go on.
+  std::int64_t axis_version() const { return axis_version_; }
+  /// Changes whenever the strength of a joint, a material or who may collide is set, which solvers ask for
+  /// each time; only what works on a changed copy of the world needs it.
+  std::int64_t property_version() const { return property_version_; }
+  /// Changes whenever a body falls asleep or wakes; solvers rebuild their pattern then.
+  std::int64_t sleep_version() const { return sleep_version_; }
+
+ private:
+  detail::WorldIdentity identity_;  // first, so that an assignment that it refuses changes nothing
+
+  int checked(BodyId id) const;
+  int checked(JointId id) const;
+  int checked(ForceId id) const;
+  int checked(ShapeId id) const;
+  int checked(MaterialId id) const;
+  bool no_rule_forbids(BodyId a, BodyId b) const;
+  void check_force(const Force* force) const;
+  void read_forces();
+  void read_force(int index);
+  void append_joints(const World& other, const std::string& prefix, const Relocation& to);
+  void append_shapes(const World& other, const std::string& prefix, const Relocation& to);
+  struct SoftJoint {
+    JointCompliance compliance;
+    std::vector<detail::RowGroup> rows;  // that it softens
+  };
+  static double elastic_energy(const SoftJoint& soft, const State& state);
+  void soften(JointId id, RowSink& sink) const;
+  void find_jointed_bodies();
+  void note_jointed_bodies(const Joint& joint);
+  int first_axis_index(JointId joint) const { return axis_start_[joint.index]; }
+  void require_position(AxisId id, const char* what) const;
+  template <typename Property>
+  void set_property(AxisId id, std::optional<Property> AxisProperties::*member,
+                    std::optional<Property> value);
+
+  void check_state(const State& state) const;
+  void put_to_sleep(BodyId id);
+  void wake_or_all(const std::vector<BodyId>& bodies);
+  void wake_bodies_of(JointId joint);
+  void wake_moved(const State& state);
+
+  friend class Rows;
+  friend class MergedWorld;
+  friend class Sleep;
+  std::vector<MassProperties> masses_;
+  std::vector<char> fixed_, asleep_;
+  std::vector<int> stirs_;
+  std::vector<std::string> body_names_, joint_names_;
+  std::unordered_map<std::string, int> body_of_name_, joint_of_name_;
+  std::vector<std::shared_ptr<const Joint>> joints_;
+  std::vector<std::shared_ptr<const Force>> forces_;
+  std::vector<int> axis_start_{0};  // first axis of each joint, then the number of axes
+  std::vector<AxisInfo> axes_;
+  std::vector<AxisProperties> axis_properties_;
+  State state_;
+  Vec3 gravity_{0, 0, -9.81};
+  std::vector<std::pair<JointId, BreakLimits>> breakable_;
+  std::map<int, SoftJoint> soft_;  // by joint index
+  std::set<int> detached_;
+  std::vector<ForceId> springs_;
+  // Of all force laws, and of those that are no springs.
+  bool velocity_forces_ = false, dissipative_forces_ = false;
+  bool velocity_laws_ = false, dissipative_laws_ = false;
+  int moving_count_ = 0, asleep_count_ = 0;
+  std::int64_t topology_version_ = 0, state_version_ = 0, axis_version_ = 0, property_version_ = 0,
+               sleep_version_ = 0, stir_version_ = 0;
+
+  // Shapes (world_shapes.cpp).  Pairs are stored smaller index first.
+  std::vector<ShapeRecord> shapes_;
+  std::map<std::pair<ShapeId, ShapeId>, Material> contact_materials_;
+  std::vector<std::pair<std::string, Material>> materials_;
+  std::map<std::pair<MaterialId, MaterialId>, Material> material_pairs_;
+  std::map<std::pair<BodyId, BodyId>, bool> collisions_;
+  std::set<std::pair<BodyId, BodyId>> jointed_;
+  std::int64_t geometry_version_ = 0;
+};
+
+}  // namespace taut

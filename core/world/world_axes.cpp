@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/check.h"
+#include "core/world/swing_properties.h"
+#include "core/world/world.h"
+
+// Free axes of joints, as the World keeps them.
+namespace taut {
+
+AxisId World::axis(JointId joint, std::string_view name) const {
+  std::string known;
+  for (int k = 0; k < axis_count(joint); ++k) {
+    const std::string& here = axes_[axis_start_[joint.index] + k].name;
+    if (here == name) return {joint, k};
+    known += (k > 0 ? ", " : "") + here;
+  }
+  fail("axis of " + this->name(joint),
+       known.empty() ? "the joint has no free axis" : "there is none of this name, only " + known, name);
+}
+
+int World::axis_count(JointId joint) const {
+  const int j = checked(joint);
+  return axis_start_[j + 1] - axis_start_[j];
+}
+
+int World::axis_index(AxisId id) const {
+  if (id.axis < 0 || id.axis >= axis_count(id.joint)) fail("axis id", "no such axis", id.axis);
+  return axis_start_[id.joint.index] + id.axis;
+}
+
+bool World::has_axis_properties(JointId joint) const {
+  const auto first = axis_properties_.begin() + axis_start_[checked(joint)];
+  return std::any_of(first, first + axis_count(joint), [](const AxisProperties& p) { return p.any(); });
+}
+
+std::string World::axis_label(AxisId id) const { return name(id.joint) + " " + axis_info(id).name; }
+
+template <typename Property>
+void World::set_property(AxisId id, std::optional<Property> AxisProperties::*member,
+                         std::optional<Property> value) {
+  identity_.require_free();
+  AxisProperties& properties = axis_properties_[axis_index(id)];
+  if (value) check_axis(axis_label(id), *value);
+  const bool before = properties.any();
+  const auto swing = swing_properties(*this, id.joint);
+  properties.*member = std::move(value);
+  wake_bodies_of(id.joint);
+  if (properties.any() != before || swing_properties(*this, id.joint) != swing) ++topology_version_;
+  ++axis_version_;
+}
+
+void World::require_position(AxisId id, const char* what) const {
+  if (axis_info(id).accumulates)
+    fail(std::string(what) + " of " + axis_label(id), "needs an axis with a position, not a turn about",
+         axis_info(id).name);
+}
+
+void World::set_limits(AxisId id, std::optional<AxisLimits> limits) {
+  if (limits) require_position(id, "limits");
+  set_property(id, &AxisProperties::limits, std::move(limits));
+}
+void World::set_motor(AxisId id, std::optional<AxisMotor> motor) {
+  if (motor && motor->mode != AxisMotor::Mode::kVelocity) require_position(id, "position motor");
+  set_property(id, &AxisProperties::motor, std::move(motor));
+}
+void World::set_friction(AxisId id, std::optional<AxisFriction> friction) {
+  set_property(id, &AxisProperties::friction, std::move(friction));
+}
+void World::set_spring(AxisId id, std::optional<AxisSpring> spring) {
+  if (spring) require_position(id, "spring");
+  set_property(id, &AxisProperties::spring, std::move(spring));
+}
+
+void World::set_motor_target(AxisId id, double target) {
+  identity_.require_free();
+  AxisProperties& properties = axis_properties_[axis_index(id)];
+  if (!properties.motor) fail("motor target of " + axis_label(id), "the axis has no motor", target);
+  if (properties.motor->mode == AxisMotor::Mode::kTrajectory)
+    fail("motor target of " + axis_label(id), "the motor follows a trajectory", target);
+  if (!std::isfinite(target)) fail("motor target of " + axis_label(id), "must be finite", target);
+  if (properties.motor->target != target) wake_bodies_of(id.joint);
+  properties.motor->target = target;
+  ++axis_version_;
+}
+
+double World::axis_value(AxisId id) const {
+  double value = 0;
+  axis_info(id).coordinate->residual(state_, &value);
+  return value;
+}
+
+double World::axis_rate(AxisId id) const {
+  const AxisInfo& info = axis_info(id);
+  std::vector<double> values(6 * info.bodies.size(), 0.0);
+  info.coordinate->jacobian(state_, values.data());
+  double rate = 0;
+  const double* J = values.data();
+  for (int body : info.bodies) {
+    const Twist& V = state_.twists[body];
+    for (int k = 0; k < 3; ++k) rate += J[k] * V.w[k] + J[3 + k] * V.v[k];
+    J += 6;
+  }
+  return rate;
+}
+
+void World::set_axis_turns(AxisId id, double value) {
+  identity_.require_free();
+  const int index = axis_index(id);
+  if (!std::isfinite(value)) fail("value of " + axis_label(id), "must be finite", value);
+  state_.axes[index] = value;
+  state_.axes[index] = axis_value(id);
+  wake_bodies_of(id.joint);
+  ++state_version_;
+}
+
+}  // namespace taut

@@ -1,0 +1,141 @@
+#include "scenes/export/html_export.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "core/base/check.h"
+#include "scenes/export/page_data.h"
+#include "scenes/export/viewer_sources.h"
+#include "scenes/recording/recording_chunk.h"
+#include "scenes/support/base64.h"
+#include "scenes/support/byte_order.h"
+#include "scenes/support/printable.h"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kBest = 9, kQuick = 6;  // effort of deflate
+
+/// Modules in the order in which they need each other; a name that starts with three is of that package.
+struct Module {
+  const char* names;  ///< under which others import it
+  const char* file;
+};
+constexpr Module kModules[] = {
+    {"three.core.js", "build/three.core.js"},
+    {"three three.module.js", "build/three.module.js"},
+    {"three/addons/controls/OrbitControls.js", "examples/jsm/controls/OrbitControls.js"},
+    {"colors.js", nullptr},
+    {"data.js", nullptr},
+    {"geometry.js", nullptr},
+    {"instances.js", nullptr},
+    {"plots.js", nullptr},
+    {"view.js", nullptr},
+    {"panel.js", nullptr},
+    {"keys.js", nullptr},
+    {"main.js", nullptr},
+};
+
+std::string read_file(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in || text.str().empty()) fail("--html", "cannot read a file of three.js", file.string());
+  return text.str();
+}
+
+std::string modules(const fs::path& three) {
+  std::string html;
+  for (const auto& [names, file] : kModules) {
+    const std::string source = file ? read_file(three / file) : std::string(viewer_source(names));
+    html += "<script type=\"application/octet-stream\" data-module=\"" + std::string(names) + "\">" +
+            base64(deflate(source, kBest)) + "</script>\n";
+  }
+  return html;
+}
+
+std::string escaped(std::string_view text) {
+  std::string html;
+  for (const char c : text) switch (c) {
+      case '<':
+        html += "&lt;";
+        break;
+      case '>':
+        html += "&gt;";
+        break;
+      case '&':
+        html += "&amp;";
+        break;
+      case '"':
+        html += "&quot;";
+        break;
+      default:
+        html += c;
+    }
+  return html;
+}
+
+/// Length of the description, the description, then the columns at a multiple of 8 bytes.
+std::string packed(const PageData& data) {
+  const std::string description =
+      data.description.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::string bytes;
+  append_little<std::uint64_t>(bytes, description.size());
+  bytes += description;
+  bytes.resize((bytes.size() + 7) / 8 * 8, ' ');
+  return base64(deflate(bytes + data.bytes, kQuick));
+}
+
+/// The template with every {{name}} replaced.
+std::string filled(std::string_view page, const std::vector<std::pair<std::string, std::string>>& values) {
+  std::string html;
+  while (true) {
+    const std::size_t open = page.find("{{"), close = page.find("}}");
+    html += page.substr(0, open);
+    if (open == std::string_view::npos) return html;
+    const std::string_view name = page.substr(open + 2, close - open - 2);
+    for (const auto& [key, value] : values)
+      if (name == key) html += value;
+    page.remove_prefix(close + 2);
+  }
+}
+
+}  // namespace
+
+std::filesystem::path find_three() {
+  std::vector<fs::path> places;
+  if (const char* chosen = std::getenv("TAUT_THREE")) {
+    places = {chosen};
+  } else {
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error);
+    places = {program.parent_path().parent_path() / "share/taut/three", TAUT_THREE_DIR};
+  }
+  for (const fs::path& place : places)
+    if (fs::exists(place / kModules[1].file) && fs::exists(place / kModules[0].file)) return place;
+  fail("--html",
+       "needs three.js, which is not there; `npm install --prefix scenes/export/viewer` in the sources of "
+       "taut gets "
+       "it, or set TAUT_THREE to the folder of the npm package",
+       places.front().string());
+}
+
+HtmlPage html_page(RecordingReader& recording) {
+  const fs::path three = find_three();
+  const PageData data = page_data(recording);
+  HtmlPage page;
+  if (data.stride > 1)
+    page.note = "every " + std::to_string(data.stride) + "th frame only, to keep the page loadable";
+  page.text = filled(viewer_source("page.html"), {{"title", escaped(printable(recording.header().scene))},
+                                                  {"version", TAUT_VERSION},
+                                                  {"style", std::string(viewer_source("style.css"))},
+                                                  {"modules", modules(three)},
+                                                  {"data", packed(data)},
+                                                  {"loader", std::string(viewer_source("loader.js"))}});
+  return page;
+}
+
+}  // namespace taut

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "scenes/recording/recording_reader.h"
+
+namespace taut {
+
+/// The folder of the package three.js: $TAUT_THREE, or where the build or the installation has put it.
+/// @throws std::invalid_argument if it is nowhere, saying how to get it.
+std::filesystem::path find_three();
+
+struct HtmlPage {
+  std::string text;
+  std::string note;  ///< what was left out, or ""
+};
+
+/// One self-contained page that shows the recording: viewer, three.js and data inlined and compressed.
+/// @throws std::invalid_argument if three.js is missing.
+HtmlPage html_page(RecordingReader& recording);
+
+}  // namespace taut

@@ -1,0 +1,241 @@
+#include "core/joints/joints.h"
+#include "scenes/files/scene_reader.h"
+
+// Free axes of joints in a scene file: what acts along them, and joints that couple them.
+namespace taut {
+namespace {
+
+double number_or(JsonObject& object, const char* key, double fallback) {
+  return object.get(key, &JsonNode::number, fallback);
+}
+
+AxisLimits read_limits(const JsonNode& node) {
+  JsonObject keys(node);
+  AxisLimits limits;
+  limits.lower = number_or(keys, "lower", limits.lower);
+  limits.upper = number_or(keys, "upper", limits.upper);
+  limits.restitution = keys.get("restitution", &JsonNode::not_negative, 0.0);
+  limits.compliance = keys.get("compliance", &JsonNode::not_negative, 0.0);
+  limits.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
+  keys.needs_any_of({"lower", "upper"});
+  keys.reject_unknown_keys();
+  return limits;
+}
+
+AxisMotor read_motor(const JsonNode& node) {
+  JsonObject keys(node);
+  AxisMotor motor;
+  const auto target = keys.one_of({"velocity", "position", "trajectory"});
+  if (target && target->path().ends_with("trajectory")) {
+    motor.mode = AxisMotor::Mode::kTrajectory;
+    motor.trajectory = read_motion(*target);
+  } else if (target) {
+    if (target->path().ends_with("position")) motor.mode = AxisMotor::Mode::kPosition;
+    motor.target = target->number();
+  }
+  motor.max_force = keys.get("max_force", &JsonNode::not_negative, motor.max_force);
+  motor.max_speed = keys.get("max_speed", &JsonNode::positive, motor.max_speed);
+  motor.force_of_speed = read_curve(keys, "force_of_speed");
+  keys.reject_unknown_keys();
+  return motor;
+}
+
+AxisFriction read_friction(const JsonNode& node) {
+  JsonObject keys(node);
+  AxisFriction friction;
+  friction.static_friction = keys.get("static", &JsonNode::not_negative, 0.0);
+  friction.dynamic_friction = keys.get("dynamic", &JsonNode::not_negative, friction.static_friction);
+  friction.viscous = keys.get("viscous", &JsonNode::not_negative, 0.0);
+  friction.per_load = keys.get("per_load", &JsonNode::not_negative, 0.0);
+  keys.needs_any_of({"static", "dynamic", "viscous", "per_load"});
+  keys.reject_unknown_keys();
+  return friction;
+}
+
+AxisSpring read_spring(const JsonNode& node) {
+  JsonObject keys(node);
+  AxisSpring spring;
+  spring.stiffness = keys.get("stiffness", &JsonNode::not_negative, 0.0);
+  spring.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
+  spring.rest = number_or(keys, "rest", 0);
+  spring.table = read_curve(keys, "table");
+  spring.damping_table = read_curve(keys, "damping_table");
+  keys.needs_any_of({"stiffness", "damping", "table", "damping_table"});
+  keys.reject_unknown_keys();
+  return spring;
+}
+
+/// Not negative, or "infinite".
+double read_compliance(JsonObject& keys, const char* key) {
+  const auto node = keys.find(key);
+  if (!node) return 0;
+  return node->json() == "infinite" ? kUnlimited : node->not_negative();
+}
+
+JointCompliance read_joint_compliance(const JsonNode& node) {
+  JsonObject keys(node);
+  JointCompliance compliance;
+  compliance.translation = read_compliance(keys, "translation");
+  compliance.rotation = read_compliance(keys, "rotation");
+  compliance.translation_damping = keys.get("translation_damping", &JsonNode::not_negative, 0.0);
+  compliance.rotation_damping = keys.get("rotation_damping", &JsonNode::not_negative, 0.0);
+  keys.needs_any_of({"translation", "rotation", "translation_damping", "rotation_damping"});
+  keys.reject_unknown_keys();
+  return compliance;
+}
+
+BreakLimits read_break(const JsonNode& node) {
+  JsonObject keys(node);
+  BreakLimits limits;
+  limits.force = keys.get("force", &JsonNode::positive, limits.force);
+  limits.torque = keys.get("torque", &JsonNode::positive, limits.torque);
+  keys.needs_any_of({"force", "torque"});
+  keys.reject_unknown_keys();
+  return limits;
+}
+
+}  // namespace
+
+Motion read_motion(const JsonNode& node) {
+  JsonObject keys(node);
+  const auto kind = keys.one_of({"linear", "harmonic", "spline", "speeds"});
+  Motion motion;
+  if (!kind) return motion;
+  const std::size_t before = node.problems().size();
+  if (kind->path().ends_with("linear")) {
+    JsonObject of(*kind);
+    const double value = number_or(of, "value", 0), start = number_or(of, "start", 0);
+    const double rate = of.get_required("rate", &JsonNode::number, 0.0);
+    of.reject_unknown_keys();
+    motion = linear_motion(value, rate, start);
+  } else if (kind->path().ends_with("harmonic")) {
+    JsonObject of(*kind);
+    const double mean = number_or(of, "mean", 0), phase = number_or(of, "phase", 0);
+    const double amplitude = of.get_required("amplitude", &JsonNode::number, 0.0);
+    const double omega = of.get_required("omega", &JsonNode::number, 0.0);
+    of.reject_unknown_keys();
+    motion = harmonic_motion(mean, amplitude, omega, phase);
+  } else {
+    const std::vector<Curve::Point> points = read_curve_points(*kind);
+    const bool speeds = kind->path().ends_with("speeds");
+    const double value = speeds ? number_or(keys, "value", 0) : 0;
+    kind->guard_if_sound(before, [&] {
+      if (speeds) {
+        motion = speed_motion(Curve(points), value);
+        return;
+      }
+      std::vector<double> times, values;
+      for (const Curve::Point& p : points) times.push_back(p.x), values.push_back(p.y);
+      motion = spline_motion(times, values);
+    });
+  }
+  keys.reject_unknown_keys();
+  return motion;
+}
+
+std::vector<Curve::Point> read_curve_points(const JsonNode& node) {
+  std::vector<Curve::Point> points;
+  for (const JsonNode& item : node.items("an array of pairs [x, y]")) {
+    const std::vector<double> pair = item.numbers(2, "a pair of numbers [x, y]");
+    points.push_back({pair[0], pair[1]});
+  }
+  return points;
+}
+
+std::optional<Curve> read_curve(JsonObject& object, const char* key) {
+  const auto node = object.find(key);
+  if (!node) return {};
+  std::optional<Curve> curve;
+  const std::size_t before = node->problems().size();
+  const std::vector<Curve::Point> points = read_curve_points(*node);
+  node->guard_if_sound(before, [&] { curve = Curve(points); });
+  return curve;
+}
+
+void SceneReader::read_axes(const JsonNode& node, JointId joint) {
+  for (const auto& [name, axis_node] : node.members()) {
+    JsonObject keys(axis_node);
+    const auto limits = keys.find("limits"), motor = keys.find("motor"), friction = keys.find("friction"),
+               spring = keys.find("spring"), start = keys.find("value");
+    const std::size_t before_values = problems_.size();
+    const auto values = [&](const auto& child, auto reader) {
+      std::optional<decltype(reader(*child))> value;
+      if (child) value = reader(*child);
+      return value;
+    };
+    const auto limit_values = values(limits, read_limits);
+    const auto motor_values = values(motor, read_motor);
+    const auto friction_values = values(friction, read_friction);
+    const auto spring_values = values(spring, read_spring);
+    const double start_value = start ? start->number() : 0;
+    keys.reject_unknown_keys();
+    if (joint.index < 0) continue;
+    std::optional<AxisId> id;
+    axis_node.guard([&, &name = name] { id = scene_.world.axis(joint, name); });
+    if (!id || problems_.size() != before_values) continue;
+    if (limits) limits->guard([&] { scene_.world.set_limits(*id, limit_values); });
+    if (motor) motor->guard([&] { scene_.world.set_motor(*id, motor_values); });
+    if (friction) friction->guard([&] { scene_.world.set_friction(*id, friction_values); });
+    if (spring) spring->guard([&] { scene_.world.set_spring(*id, spring_values); });
+    if (start) start->guard([&] { scene_.world.set_axis_turns(*id, start_value); });
+  }
+}
+
+void SceneReader::read_joint_properties(JsonObject& joint, JointId id) {
+  if (const auto node = joint.find("compliance")) {
+    const std::size_t before = problems_.size();
+    const JointCompliance compliance = read_joint_compliance(*node);
+    if (id.index >= 0 && problems_.size() == before)
+      node->guard([&] { scene_.world.set_compliance(id, compliance); });
+  }
+  if (const auto node = joint.find("break")) {
+    const std::size_t before = problems_.size();
+    const BreakLimits limits = read_break(*node);
+    if (id.index >= 0 && problems_.size() == before) node->guard([&] { scene_.world.set_break(id, limits); });
+  }
+  if (!joint.get("attached", &JsonNode::boolean, true) && id.index >= 0) scene_.world.detach(id);
+}
+
+std::optional<AxisId> SceneReader::required_axis(JsonObject& object, const char* key) const {
+  const auto node = object.required(key);
+  if (!node) return {};
+  JsonObject keys(*node);
+  const auto joint_node = keys.required("joint"), axis_node = keys.required("axis");
+  keys.reject_unknown_keys();
+  const JointId joint = joint_node ? find_joint(*joint_node) : JointId{};
+  const std::string name = axis_node ? axis_node->string() : "";
+  std::optional<AxisId> id;
+  if (joint.index >= 0 && !name.empty()) axis_node->guard([&] { id = scene_.world.axis(joint, name); });
+  return id;
+}
+
+std::shared_ptr<const Joint> read_gear(const SceneReader& reader, JsonObject& joint) {
+  const auto driving = reader.required_axis(joint, "driving"), driven = reader.required_axis(joint, "driven");
+  const double ratio = joint.get_required("ratio", &JsonNode::number, 1.0);
+  if (!driving || !driven) return nullptr;
+  return std::make_shared<Gear>(reader.world(), *driving, *driven, ratio);
+}
+
+std::shared_ptr<const Joint> read_rack_and_pinion(const SceneReader& reader, JsonObject& joint) {
+  const auto pinion = reader.required_axis(joint, "pinion"), rack = reader.required_axis(joint, "rack");
+  const double radius = joint.get_required("radius", &JsonNode::number, 1.0);
+  if (!pinion || !rack) return nullptr;
+  return std::make_shared<RackAndPinion>(reader.world(), *pinion, *rack, radius);
+}
+
+std::shared_ptr<const Joint> read_differential(const SceneReader& reader, JsonObject& joint) {
+  const auto input = reader.required_axis(joint, "input"), left = reader.required_axis(joint, "left"),
+             right = reader.required_axis(joint, "right");
+  if (!input || !left || !right) return nullptr;
+  return std::make_shared<Differential>(reader.world(), *input, *left, *right);
+}
+
+std::shared_ptr<const Joint> read_driver(const SceneReader& reader, JsonObject& joint) {
+  const auto axis = reader.required_axis(joint, "of");
+  const auto motion_node = joint.required("motion");
+  const Motion motion = motion_node ? read_motion(*motion_node) : Motion();
+  if (!axis || !motion) return nullptr;
+  return std::make_shared<Driver>(reader.world(), *axis, motion);
+}
+
+}  // namespace taut

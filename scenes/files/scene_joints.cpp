@@ -1,0 +1,171 @@
+#include "core/joints/joints.h"
+#include "scenes/files/pair_keys.h"
+
+namespace taut {
+namespace {
+
+std::shared_ptr<const Joint> read_screw(PairKeys& k) {
+  const auto p = k.points(), axis = k.axes();
+  const double pitch = k.object().get_required("pitch", &JsonNode::number, 1.0);
+  Vec3 u, v;
+  complete_frame(axis.a, u, v);
+  const Vec3 u_B = across(k.pose_b().q.conjugate() * (k.pose_a().q * u), axis.b);
+  return k.joint<Screw>(p.a, axis.a, u, p.b, axis.b, u_B, pitch);
+}
+
+/// The x direction is across the normal; its angle is 0 at the start.
+std::shared_ptr<const Joint> read_planar(PairKeys& k) {
+  const auto p = k.points(), axis = k.axes();
+  Vec3 u, v;
+  complete_frame(axis.a, u, v);
+  const Vec3 u_B = across(k.pose_b().q.conjugate() * (k.pose_a().q * u), axis.b);
+  return k.joint<Planar>(p.a, axis.a, u, p.b, axis.b, u_B);
+}
+
+/// With frames it has free axes.
+std::shared_ptr<const Joint> read_ball(PairKeys& k) {
+  const auto p = k.points();
+  const Ball ball(k.a.id, k.b.id, p.a, p.b);
+  const auto frames = k.frames();
+  return std::make_shared<const Ball>(frames ? ball.with_axes(frames->q_AF, frames->q_BG) : ball);
+}
+
+/// "locked" lists "x", "y", "z", "angle_x", ... of the frames.
+std::shared_ptr<const Joint> read_six_dof(PairKeys& k) {
+  static constexpr std::pair<const char*, int> kNames[] = {{"x", 0},       {"y", 1},       {"z", 2},
+                                                           {"angle_x", 3}, {"angle_y", 4}, {"angle_z", 5}};
+  const auto p = k.points();
+  SixDof::Locks locks;
+  if (const auto node = k.object().required("locked"))
+    for (const JsonNode& item : node->items()) {
+      const int i = item.choice(kNames);
+      bool& lock = i < 3 ? locks.translation[i] : locks.rotation[i - 3];
+      if (lock) item.problem("is given twice");
+      lock = true;
+    }
+  const PairKeys::Frames world_axes{k.pose_a().q.conjugate(), k.pose_b().q.conjugate()};
+  const PairKeys::Frames f = k.frames().value_or(world_axes);
+  return k.joint<SixDof>(p.a, f.q_AF, p.b, f.q_BG, locks);
+}
+
+std::shared_ptr<const Joint> read_rope(PairKeys& k) {
+  const auto p = k.points();
+  const double restitution = k.object().get("restitution", &JsonNode::not_negative, 0.0);
+  return k.joint<Rope>(p.a, p.b, k.length("length", p, &JsonNode::positive), restitution);
+}
+
+/// Joint types: a new one adds its entry here (and to the schema and scenes/README.md).
+struct JointReader {
+  std::shared_ptr<const Joint> (*pair)(PairKeys& k);  ///< a joint of two bodies; null: …
+  JointFromKeys other = nullptr;                      ///< … one of axes, or of "points"
+};
+constexpr std::pair<const char*, JointReader> kJointTypes[] = {
+    {"ball", {read_ball}},
+    {"hinge", {[](PairKeys& k) {
+       const auto p = k.points(), axis = k.axes();
+       return k.zeroed(Hinge(k.a.id, k.b.id, p.a, axis.a, p.b, axis.b));
+     }}},
+    {"slider", {[](PairKeys& k) {
+       const auto p = k.points();
+       const Vec3 axis_A = k.axis_of_a();
+       return k.joint<Slider>(p.a, axis_A, p.b, k.orientation_of_b_in_a());
+     }}},
+    {"fixed", {[](PairKeys& k) {
+       const auto p = k.points();
+       return k.joint<Fixed>(p.a, p.b, k.orientation_of_b_in_a());
+     }}},
+    {"universal", {[](PairKeys& k) {
+       const auto p = k.points(), axis = k.two_axes();
+       return k.zeroed(Universal(k.a.id, k.b.id, p.a, axis.a, p.b, axis.b));
+     }}},
+    {"distance", {[](PairKeys& k) {
+       const auto p = k.points();
+       return k.joint<Distance>(p.a, p.b, k.length("length", p, &JsonNode::positive));
+     }}},
+    {"cylindrical", {[](PairKeys& k) {
+       const auto p = k.points(), axis = k.axes();
+       return k.zeroed(Cylindrical(k.a.id, k.b.id, p.a, axis.a, p.b, axis.b));
+     }}},
+    {"screw", {read_screw}},
+    {"planar", {read_planar}},
+    {"point_on_line", {[](PairKeys& k) {
+       const auto p = k.points();
+       return k.joint<PointOnLine>(p.a, k.axis_of_a(), p.b);
+     }}},
+    {"hinge2", {[](PairKeys& k) {
+       const auto p = k.points(), axis = k.two_axes();
+       return k.zeroed(Hinge2(k.a.id, k.b.id, p.a, axis.a, p.b, axis.b));
+     }}},
+    {"six_dof", {read_six_dof}},
+    {"rope", {read_rope, read_rope_over_points}},
+    {"pulley", {nullptr, read_pulley}},
+    {"point_on_curve", {read_point_on_curve}},
+    {"pose_driver", {read_pose_driver}},
+    {"gear", {nullptr, read_gear}},
+    {"rack_and_pinion", {nullptr, read_rack_and_pinion}},
+    {"differential", {nullptr, read_differential}},
+    {"driver", {nullptr, read_driver}},
+};
+
+}  // namespace
+
+void SceneReader::read_joint(const JsonNode& node) {
+  knows_all_ = true;
+  JsonObject joint(node);
+  const auto name_node = joint.find("name");
+  std::string name = name_node ? name_node->string() : "";
+  // One without a name of its own is unnamed as far as all the rest goes.
+  const auto owner = path_of_joint_.find(name);
+  if (!name.empty() && (owner != path_of_joint_.end() || scene_.world.has_joint(name))) {
+    name_node->problem("name is already taken by " +
+                       (owner != path_of_joint_.end() ? owner->second : "a generated joint"));
+    name.clear();
+  } else if (!name.empty()) {
+    path_of_joint_[name] = node.path();
+  }
+  const std::size_t before = problems_.size();
+  const auto type = joint.required("type");
+  const std::size_t before_type = problems_.size();
+  const JointReader read_type = type ? type->choice(kJointTypes) : JointReader{};
+  if (!type || problems_.size() != before_type) {  // its keys are not known
+    misses_joint_ = true;
+    return;
+  }
+  for (const char* key : {"axes", "compliance", "break", "attached"}) joint.find(key);
+  std::shared_ptr<const Joint> made;
+  bool bodies_found = true, bodies_placed = true;
+  if (!read_type.pair || (read_type.other && joint.find("points"))) {
+    guard_item(node, before, [&] { made = read_type.other(*this, joint); });
+    joint.reject_unknown_keys();
+    if (made)
+      for (BodyId body : made->bodies())
+        bodies_placed = bodies_placed && !unplaced_bodies_.contains(body.index);
+  } else {
+    PairKeys keys(*this, joint);
+    guard_item(node, before, [&] { made = read_type.pair(keys); });
+    joint.reject_unknown_keys();
+    bodies_found = keys.a.found && keys.b.found;
+    bodies_placed = keys.a.placed && keys.b.placed;
+    if (bodies_found) {
+      if (keys.a.id == keys.b.id)
+        joint.find("b")->problem("joins a body to itself");
+      else if (bodies_placed && scene_.world.is_fixed(keys.a.id) && scene_.world.is_fixed(keys.b.id))
+        node.problem("joins two fixed bodies",
+                     scene_.world.name(keys.a.id) + ", " + scene_.world.name(keys.b.id));
+    }
+  }
+
+  JointId id;
+  if (made && bodies_found && problems_.size() == before)
+    node.guard([&] {
+      id = scene_.world.add_joint(name, made);
+      path_of_joint_[scene_.world.name(id)] = node.path();
+      joint_paths_.resize(id.index + 1);
+      if (bodies_placed) joint_paths_[id.index] = node.path();
+    });
+  misses_joint_ = misses_joint_ || id.index < 0;
+  if (const auto axes = joint.find("axes")) read_axes(*axes, id);
+  read_joint_properties(joint, id);
+}
+
+}  // namespace taut

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "scenes/export/exports.h"
+
+namespace taut {
+
+/// Turns a recording into the files asked for; without any, prints what it holds.
+/// @returns kExitSuccess, or kExitFailure if the recording is damaged or cut short (what is readable is
+/// written all the same) or an output could not be written.
+/// @throws std::invalid_argument for a file that is no recording, or without frames.
+int replay_command(const std::string& file, const ExportFiles& exports, bool quiet);
+
+}  // namespace taut

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "scenes/program/run_record.h"
+#include "scenes/recording/recorder.h"
+
+namespace taut {
+
+/// The report of a run as one JSON object; scenes/README.md lists its keys.
+/// @param values last sample of the recorder, empty if there was none
+nlohmann::ordered_json run_report(const RunRecord& record, const Recorder& recorder,
+                                  const std::vector<double>& values, const State& final_state);
+
+/// The same for reading, as a table of two columns.
+std::string run_table(const RunRecord& record);
+
+}  // namespace taut

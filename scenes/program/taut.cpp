@@ -1,0 +1,255 @@
+/// The program: taut run | replay | check | list | accuracy | bench.
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <iostream>
+#include <system_error>
+
+#include "scenes/files/scene_source.h"
+#include "scenes/program/accuracy_command.h"
+#include "scenes/program/bench_command.h"
+#include "scenes/program/check_command.h"
+#include "scenes/program/list_command.h"
+#include "scenes/program/replay_command.h"
+#include "scenes/program/run_command.h"
+#include "scenes/support/output_file.h"
+#include "solvers/common/setting_names.h"
+
+namespace {
+
+/// Everything that can be asked for on the command line.
+struct Arguments {
+  taut::RunOptions run;
+  taut::AccuracyOptions accuracy;
+  std::string list_name;
+  std::string check_scene;
+  bool check_all = false;
+  std::string recording;
+  taut::ExportFiles replay;
+  bool replay_quietly = false;
+  taut::BenchOptions bench;
+  std::vector<std::string> run_assignments, check_assignments;
+};
+
+void add_scene(CLI::App& command, std::string& scene, std::vector<std::string>& assignments) {
+  command.add_option("scene", scene, "name of a scene (see `taut list`), or a scene file")->required();
+  command.add_option("--set", assignments, "a parameter of the scene, key=value; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+}
+
+template <typename Choice, std::size_t count>
+void add_choice(CLI::App& command, const std::string& option, std::optional<Choice>& value,
+                const std::pair<const char*, Choice> (&names)[count], const std::string& description) {
+  std::string all;
+  for (const auto& [name, choice] : names) all += std::string(all.empty() ? "" : "|") + name;
+  command
+      .add_option_function<std::string>(
+          option,
+          [&value, &names, option, all](const std::string& text) {
+            for (const auto& [name, choice] : names)
+              if (name == text) value = choice;
+            if (!value)
+              throw CLI::ValidationError(option, "must be one of " + all + " (value: " + text + ")");
+          },
+          description)
+      ->type_name(all);
+}
+
+void add_exports(CLI::App& command, taut::ExportFiles& files) {
+  command.add_option("--html", files.html, "write a page that shows the simulation in any browser")
+      ->type_name("FILE");
+  command.add_option("--gltf", files.gltf, "write an animation for Blender and others, glTF 2.0")
+      ->type_name("FILE.glb");
+  command.add_option("--vtk", files.vtk_folder, "write series of surfaces and joints for ParaView")
+      ->type_name("DIR");
+  command.add_option("--plot", files.plot, "write energy, gap and probes over time as an image")
+      ->type_name("FILE.svg");
+}
+
+void add_run(CLI::App& app, Arguments& arguments) {
+  CLI::App& run = *app.add_subcommand("run", "run a scene");
+  taut::RunOptions& options = arguments.run;
+  add_scene(run, options.scene, arguments.run_assignments);
+  run.add_option("--dt", options.dt, "length of a step [s]")->type_name("SECONDS");
+  run.add_option("--time", options.time, "time to simulate [s]; rounded to whole steps")
+      ->type_name("SECONDS");
+  run.add_option("--steps", options.steps, "number of steps, in place of --time")->type_name("NUMBER");
+  add_choice(run, "--integrator", options.integrator, taut::kIntegratorNames, "how a step is done");
+  add_choice(run, "--tension", options.tension, taut::kTensionNames, "what is done where tension is stiff");
+  add_choice(run, "--drift-cure", options.drift_cure, taut::kDriftCureNames,
+             "what keeps the joints of a force-level integrator or of moreau-jean closed");
+  run.add_option("--theta", options.theta, "of moreau-jean, 1/2 to 1, default 1/2")->type_name("NUMBER");
+  add_choice(run, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
+  add_choice(run, "--solver", options.solver, taut::kSolverNames,
+             "how impulses are found: with the factor, or one after the other, to compare with");
+  run.add_option("--iterations", options.iterations, "sweeps of an iterative solver per stage, default 50")
+      ->type_name("NUMBER");
+  run.add_option("--relaxation", options.relaxation, "over-relaxation of gauss-seidel, between 0 and 2")
+      ->type_name("NUMBER");
+  run.add_option("--threads", options.threads, "for contacts, default: as many as the machine has")
+      ->type_name("NUMBER");
+  run.add_flag("--sleep", options.sleep, "let islands of bodies at rest sleep until something wakes them");
+  run.add_flag("--merge-fixed-joints", options.merge_fixed_joints,
+               "let bodies that fixed joints hold together move as one");
+  run.add_option("--report", options.report_file, "write a JSON report")->type_name("FILE");
+  run.add_option("--csv", options.csv_file, "write the probes over time, a line per step")->type_name("FILE");
+  run.add_option("--poses", options.poses_file, "write the poses of all bodies over time")->type_name("FILE");
+  run.add_option("--save", options.save_file, "write the state at the end and every minute, to go on from")
+      ->type_name("FILE");
+  run.add_option("--from", options.from_file, "start from a state that --save wrote")->type_name("FILE");
+  run.add_option("--poses-interval", options.poses_interval, "time between two sets of poses; 0: every step")
+      ->type_name("SECONDS");
+  run.add_option("--record", options.record_file, "write a recording, for `taut replay`")->type_name("FILE");
+  run.add_option("--frames-per-second", options.frames_per_second,
+                 "of the recording and what is made from it, default 60; 0: every step")
+      ->type_name("NUMBER");
+  add_exports(run, options.exports);
+  run.add_flag("--quiet", options.quiet, "print nothing but errors");
+}
+
+/// A file, or nothing for the standard output.
+void add_output(CLI::App& command, const std::string& option, std::optional<std::string>& file,
+                const std::string& description) {
+  command
+      .add_option_function<std::string>(
+          option, [&file](const std::string& text) { file = text; }, description)
+      ->expected(0, 1)
+      ->default_str("-")
+      ->type_name("[FILE]");
+}
+
+void add_accuracy(CLI::App& app, Arguments& arguments) {
+  CLI::App& accuracy = *app.add_subcommand(
+      "accuracy", "compare with reference values: errors and tolerances of every quantity");
+  taut::AccuracyOptions& options = arguments.accuracy;
+  accuracy.add_option("--references", options.references, "folder of cases; default: tests/references")
+      ->type_name("DIR");
+  accuracy.add_option("--only", options.only, "cases with this in their name");
+  add_choice(accuracy, "--integrator", options.integrator, taut::kIntegratorNames,
+             "how steps are done; default: rattle4, or rattle with limits, motors, friction and contacts");
+  add_choice(accuracy, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
+  accuracy.add_option("--jobs", options.jobs, "cases at the same time; default: one per core");
+  accuracy.add_flag("--summary", options.summary, "print a line per case, and what failed");
+  add_output(accuracy, "--json", options.json, "write JSON, without FILE in place of the table");
+  add_output(accuracy, "--csv", options.csv, "write CSV, without FILE in place of the table");
+  CLI::Option& study =
+      *accuracy
+           .add_option("--study", options.study,
+                       "in place of the cases: convergence of all integrators and a comparison of methods, "
+                       "as tables and pictures")
+           ->type_name("DIR");
+  for (const char* of_cases :
+       {"--only", "--integrator", "--factor", "--jobs", "--summary", "--json", "--csv"})
+    study.excludes(of_cases);
+}
+
+void add_bench(CLI::App& app, taut::BenchOptions& options) {
+  CLI::App& bench = *app.add_subcommand(
+      "bench", "the scenes in all engines that are installed, and the benchmark programs");
+  bench.add_flag("--quick", options.quick, "small scenes only, less than three minutes");
+  bench.add_flag(
+      "--work", options.work,
+      "taut alone, nets, bridges, chains and grids of all sizes: stages, fill, operations, memory");
+  bench.add_flag("--contact", options.contact, "only the scenes with contact, in all engines");
+  bench.add_option("--only", options.only, "scenes, or benchmark programs, with this in their name");
+  bench
+      .add_option("--results", options.results,
+                  "folder for JSON, page and pictures; default: bench in the build")
+      ->type_name("DIR");
+  bench
+      .add_option("--compare", options.compare, "results of an earlier run; fails if taut has become slower")
+      ->type_name("OLD.json");
+  bench.add_option("--limit", options.limit, "processor time of each run")->type_name("SECONDS");
+  bench.add_option("--factor", options.factor, "how much slower is too slow; default 1.5")
+      ->needs("--compare");
+  bench.add_option("--build-dir", options.build_dir, "where they were built; default: beside the program");
+  bench.add_option("arguments", options.arguments, "after --: passed to each benchmark program");
+}
+
+void add_others(CLI::App& app, Arguments& arguments) {
+  CLI::App& replay = *app.add_subcommand("replay", "turn a recording into something to look at");
+  replay.add_option("recording", arguments.recording, "file that `taut run --record` has written")
+      ->required();
+  add_exports(replay, arguments.replay);
+  replay.add_option("--csv", arguments.replay.csv, "write energies, gap and probes over time")
+      ->type_name("FILE");
+  replay.add_flag("--quiet", arguments.replay_quietly, "print nothing but errors");
+  CLI::App& check =
+      *app.add_subcommand("check", "look for mistakes in a scene; count freedoms, name redundant rows");
+  add_scene(check, arguments.check_scene, arguments.check_assignments);
+  check.add_flag("--all", arguments.check_all, "name all redundant rows, not the first 20 only");
+  CLI::App& list = *app.add_subcommand("list", "list the scenes with their parameters");
+  list.add_option("scene", arguments.list_name, "only this one");
+  add_bench(app, arguments.bench);
+}
+
+int dispatch(const CLI::App& app, Arguments& arguments) {
+  if (app.got_subcommand("run")) {
+    for (const std::string& assignment : arguments.run_assignments)
+      taut::add_parameter(arguments.run.parameters, assignment);
+    return taut::run_command(arguments.run);
+  }
+  if (app.got_subcommand("replay"))
+    return taut::replay_command(arguments.recording, arguments.replay, arguments.replay_quietly);
+  if (app.got_subcommand("check")) {
+    std::map<std::string, double> parameters;
+    for (const std::string& assignment : arguments.check_assignments)
+      taut::add_parameter(parameters, assignment);
+    return taut::check_command(arguments.check_scene, parameters, arguments.check_all);
+  }
+  if (app.got_subcommand("list")) {
+    std::cout << taut::list_scenes(arguments.list_name);
+    return taut::kExitSuccess;
+  }
+  if (app.got_subcommand("accuracy")) return taut::accuracy_command(arguments.accuracy);
+  return taut::bench_command(arguments.bench);
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App app("taut: rigid multibody systems with very many joints, solved directly", "taut");
+  app.set_version_flag("--version", "taut " TAUT_VERSION);
+  app.require_subcommand(1);
+  Arguments arguments;
+  add_run(app, arguments);
+  add_accuracy(app, arguments);
+  add_others(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    // CLI11 asks for a command even where one was given that it does not know.
+    const bool unknown = app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-';
+    if (unknown) std::cerr << "taut: unknown command '" << argv[1] << "'\n";
+    app.exit(error);
+    return taut::kExitUsage;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? taut::kExitSuccess : taut::kExitUsage;
+  }
+  try {
+    return dispatch(app, arguments);
+  } catch (const std::invalid_argument& error) {
+    std::cerr << "taut: " << error.what() << '\n';
+    return taut::kExitUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "taut: " << error.what() << '\n';
+    return taut::kExitFailure;
+  }
+}
+
+/// What was printed must have arrived: a full disk is a failure.
+int status_after_output(int status) {
+  errno = 0;
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::cout && !std::ferror(stdout)) return status;
+  const std::string reason = errno == 0 ? "" : ": " + std::generic_category().message(errno);
+  std::cerr << "taut: cannot write to the standard output" << reason << '\n';
+  return status == taut::kExitSuccess ? taut::kExitFailure : status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  taut::reserve_standard_streams();
+  return status_after_output(run_program(argc, argv));
+}

@@ -1,0 +1,287 @@
+#include "solvers/complementarity/active_set.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "core/base/interruption.h"
+
+namespace taut {
+namespace {
+
+/// Block rounds without fewer wrong rows before one row at a time is moved [JudicePires1994].
+constexpr int kBlockTrials = 10;
+/// Rounds of one search: this many, and one more for every fourth bounded row.
+constexpr int kMaxRounds = 60;
+/// A multiplier or rate outside its piece by less than this part of the scale stays: a tenth of the default
+/// tolerance of the residual.
+constexpr double kDecision = 1e-10;
+/// Free rows are refined until they are this near to their targets, or stay where they are.
+constexpr double kRefined = 1e-12;
+constexpr int kMaxPasses = 10;
+
+}  // namespace
+
+std::string_view to_string(ActiveSetStatus status) {
+  switch (status) {
+    case ActiveSetStatus::kSolved:
+      return "solved";
+    case ActiveSetStatus::kContradiction:
+      return "contradiction";
+    case ActiveSetStatus::kNotConverged:
+      return "not converged";
+    case ActiveSetStatus::kNotFinite:
+      return "not finite";
+  }
+  return "?";
+}
+
+ActiveSet::ActiveSet(ConstraintSystem& system) : system_(system), updates_(system), gauss_seidel_(system) {
+  const std::size_t n = system.row_count();
+  pieces_.assign(n, -1);
+  steps_.assign(n, 0);
+  moves_.assign(n, 0);
+  for (auto* values : {&states_, &inertia_, &root_, &residual_, &decision_, &best_lambda_, &start_lambda_,
+                       &start_w_, &slope_})
+    values->assign(n, 0.0);
+}
+
+void ActiveSet::reset() { std::fill(pieces_.begin(), pieces_.end(), -1); }
+
+void ActiveSet::set_pieces(std::span<const int> pieces, std::span<const RowLaw> laws) {
+  std::copy(pieces.begin(), pieces.end(), pieces_.begin());
+  for (std::size_t r = 0; r < laws.size(); ++r) steps_[r] = laws[r].steps;
+}
+
+void ActiveSet::prepare(std::span<const RowLaw> laws, std::span<const double> b,
+                        std::span<const double> lambda) {
+  choose_pieces(laws, b, lambda);
+  states_from_pieces(laws);
+  system_.set_row_states(states_);
+}
+
+/// Rows without history take the piece that they would take by themselves against the present impulses of the
+/// others.
+void ActiveSet::choose_pieces(std::span<const RowLaw> laws, std::span<const double> b,
+                              std::span<const double> lambda) {
+  bool any = false;
+  for (std::size_t r = 0; r < laws.size(); ++r) {
+    // Laws may have been renewed between the last solve and set_pieces(), too.
+    const bool known = pieces_[r] >= 0 && pieces_[r] < laws[r].pieces();
+    if (steps_[r] != laws[r].steps || !known || !laws[r].exists(pieces_[r])) pieces_[r] = -1;
+    steps_[r] = laws[r].steps;
+    any = any || pieces_[r] < 0;
+  }
+  if (!any) return;
+  system_.row_inertias(inertia_);
+  system_.multiply(lambda, residual_);
+  for (std::size_t r = 0; r < laws.size(); ++r)
+    if (pieces_[r] < 0)
+      pieces_[r] = laws[r].resolve(1 / inertia_[r], b[r] + residual_[r] - lambda[r] / inertia_[r]).piece;
+}
+
+void ActiveSet::states_from_pieces(std::span<const RowLaw> laws) {
+  for (std::size_t r = 0; r < laws.size(); ++r)
+    states_[r] = RowLaw::is_vertical(pieces_[r]) ? 0 : laws[r].slope > 0 ? 1 / laws[r].slope : kMasked;
+}
+
+ActiveSetOutcome ActiveSet::solve(std::span<const RowLaw> laws, std::span<const double> b,
+                                  std::span<double> lambda, std::span<double> w, StageTimes& times,
+                                  const ActiveSetSettings& settings) {
+  assert(laws.size() == pieces_.size() && b.size() == laws.size());
+  assert(lambda.size() == laws.size() && w.size() == laws.size());
+  const Problem problem{laws, b, lambda, w, settings};
+  ActiveSetOutcome outcome;
+  choose_pieces(laws, b, lambda);
+  system_.row_inertias(inertia_);
+  for (std::size_t r = 0; r < laws.size(); ++r) root_[r] = 1 / std::sqrt(inertia_[r]);
+  best_residual_ = std::numeric_limits<double>::infinity();
+
+  Search result = search(problem, times, outcome);
+  if (result == Search::kStalled) result = descend(problem, times, outcome);
+  if (result == Search::kStalled) {
+    std::copy(best_lambda_.begin(), best_lambda_.end(), lambda.begin());
+    collect_residual(problem);
+  }
+  measure(problem, outcome);
+  if (result == Search::kNotFinite || !std::isfinite(outcome.residual)) {
+    outcome.status = ActiveSetStatus::kNotFinite;
+    std::fill(lambda.begin(), lambda.end(), 0.0);  // it may be the next guess
+  } else if (outcome.residual > settings.tolerance) {
+    outcome.status = result == Search::kFound && system_.singular() ? ActiveSetStatus::kContradiction
+                                                                    : ActiveSetStatus::kNotConverged;
+  }
+  if (!outcome.ok()) reset();
+  return outcome;
+}
+
+ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome) {
+  int fewest = std::numeric_limits<int>::max(), trials = kBlockTrials;
+  const auto bounded = std::count_if(problem.laws.begin(), problem.laws.end(),
+                                     [](const RowLaw& law) { return law.bounded(); });
+  const int most = problem.settings.max_rounds;
+  for (int rounds = most >= 0 ? most : kMaxRounds + static_cast<int>(bounded) / 4;; --rounds) {
+    // A singular factor and its updates leave noise that pivoting can trip over: no updates when it
+    // struggles.
+    const bool update = problem.settings.update_factor && (trials > 0 || !system_.singular());
+    const Start start = problem.settings.keep_null_space ? Start::kKeep : Start::kLeastNorm;
+    if (!solve_pieces(problem, start, update ? update_budget() : -1, times, outcome))
+      return Search::kNotFinite;
+    const int wrong = find_wrong_rows(problem);
+    if (wrong == 0) return Search::kFound;
+    detail::poll_interrupt();
+    keep_best(problem);
+    if (rounds == 0) return Search::kStalled;
+    if (wrong < fewest) {
+      fewest = wrong;
+      trials = kBlockTrials;
+    } else if (trials > 0) {
+      --trials;
+    }
+    ++outcome.rounds;
+    if (trials == 0) ++outcome.least_index_rounds;
+    for (std::size_t r = 0; r < moves_.size(); ++r) {
+      if (moves_[r] == 0) continue;
+      pieces_[r] += moves_[r];
+      ++outcome.pivots;
+      if (trials == 0) break;
+    }
+  }
+}
+
+/// λ and w of the present pieces: w_r = w_k on verticals, λ_r = l_k − c w_r on levels.
+bool ActiveSet::solve_pieces(const Problem& problem, Start start, int budget, StageTimes& times,
+                             ActiveSetOutcome& outcome) {
+  states_from_pieces(problem.laws);
+  if (!updates_.set_states(states_, budget)) {
+    system_.set_row_states(states_);
+    system_.factorize(times);
+    ++outcome.factorizations;
+    if (!updates_.set_states(states_, -1)) return false;
+  }
+  const bool from_zero = start == Start::kLeastNorm && system_.singular();
+  for (std::size_t r = 0; r < states_.size(); ++r) {
+    if (states_[r] == kMasked)
+      problem.lambda[r] = problem.laws[r].force(pieces_[r]);
+    else if (from_zero)  // nothing from other pieces may stay in the null space
+      problem.lambda[r] = 0;
+  }
+  off_target_ = collect_residual(problem);
+  for (int pass = 0; pass < kMaxPasses && off_target_ > kRefined * scale_; ++pass) {
+    std::copy(residual_.begin(), residual_.end(), decision_.begin());
+    updates_.solve(decision_);
+    for (std::size_t r = 0; r < states_.size(); ++r) problem.lambda[r] += decision_[r];
+    const double before = off_target_;
+    off_target_ = collect_residual(problem);
+    if (!(off_target_ < before) && pass > 0) {
+      for (std::size_t r = 0; r < states_.size(); ++r) problem.lambda[r] -= decision_[r];
+      off_target_ = collect_residual(problem);
+    }
+    if (!(off_target_ < 0.5 * before) && pass > 0) break;
+  }
+  return std::isfinite(off_target_);
+}
+
+/// w = S λ + b and what each equation lacks; the largest, over √S_rr.
+double ActiveSet::collect_residual(const Problem& problem) {
+  system_.rates(problem.lambda, problem.b, problem.w);
+  double largest = 0;
+  scale_ = 0;
+  for (std::size_t r = 0; r < states_.size(); ++r) {
+    const double w = problem.w[r];
+    scale_ = std::max({scale_, root_[r] * std::abs(problem.lambda[r]), std::abs(problem.b[r]) / root_[r]});
+    residual_[r] = 0;
+    if (states_[r] == kMasked) continue;
+    double stiffness = root_[r];
+    if (states_[r] == 0) {
+      residual_[r] = problem.laws[r].rate(pieces_[r]) - w;
+      scale_ = std::max(scale_, std::abs(problem.laws[r].rate(pieces_[r])) / root_[r]);
+    } else {
+      residual_[r] = states_[r] * (problem.laws[r].force(pieces_[r]) - problem.lambda[r]) - w;
+      stiffness = std::sqrt(root_[r] * root_[r] + states_[r]);
+    }
+    const double size = std::abs(residual_[r]) / stiffness;
+    if (!(size <= largest) && !std::isnan(largest)) largest = size;  // takes NaN and keeps it
+  }
+  return largest;
+}
+
+/// Where dependent rows ask for rates that exclude each other, the limit of vanishing compliance decides:
+/// their impulses grow along what is off target, until one of them reaches its bound.  Returns whether that
+/// is so; decision_ gets the impulses to decide by.
+bool ActiveSet::impulses_to_decide_by(const Problem& problem) {
+  bool missed = false;
+  for (std::size_t r = 0; r < states_.size() && !missed; ++r)
+    missed =
+        std::abs(residual_[r]) > std::max(kDecision * scale_ * root_[r], problem.settings.rate_tolerance) &&
+        states_[r] == 0;
+  if (!missed) {
+    std::copy(problem.lambda.begin(), problem.lambda.end(), decision_.begin());
+    return false;
+  }
+  std::copy(residual_.begin(), residual_.end(), decision_.begin());
+  updates_.solve_shifted(decision_);
+  for (std::size_t r = 0; r < states_.size(); ++r) decision_[r] += problem.lambda[r];
+  return true;
+}
+
+/// Which rows have left their pieces, and to which side.
+int ActiveSet::find_wrong_rows(const Problem& problem) {
+  double rate_slack = kDecision * scale_, impulse_slack = rate_slack;
+  if (impulses_to_decide_by(problem) && system_.singular()) {
+    // Round-off in the null space is magnified by 1 / ε.
+    const double noise = 16 * std::numeric_limits<double>::epsilon() / system_.factored_shift();
+    double largest = 0;
+    for (std::size_t r = 0; r < states_.size(); ++r)
+      largest = std::max(largest, root_[r] * std::abs(decision_[r]));
+    impulse_slack = std::max(impulse_slack, noise * largest);
+    rate_slack = std::max(rate_slack, noise * off_target_);
+  }
+  int wrong = 0;
+  for (std::size_t r = 0; r < states_.size(); ++r) {
+    const RowLaw& law = problem.laws[r];
+    const int piece = pieces_[r];
+    if (RowLaw::is_vertical(piece)) {
+      const double value = decision_[r] + law.slope * law.rate(piece), slack = impulse_slack / root_[r];
+      moves_[r] =
+          static_cast<signed char>((value < law.low(piece) - slack) - (value > law.high(piece) + slack));
+    } else {
+      const double w = problem.w[r], slack = std::max(rate_slack * root_[r], problem.settings.rate_tolerance);
+      moves_[r] = static_cast<signed char>((w > law.last(piece) + slack) - (w < law.first(piece) - slack));
+    }
+    wrong += moves_[r] != 0;
+  }
+  return wrong;
+}
+
+void ActiveSet::measure(const Problem& problem, ActiveSetOutcome& outcome) {
+  outcome.residual = outcome.natural_residual = std::isfinite(scale_) ? 0 : scale_;
+  for (std::size_t r = 0; r < states_.size() && std::isfinite(scale_); ++r) {
+    const double own = root_[r] * root_[r], lambda = problem.lambda[r];
+    const double error = std::abs(lambda - problem.laws[r].answer(own, lambda, problem.w[r]));
+    if (root_[r] * error > outcome.natural_residual * scale_)
+      outcome.natural_residual = root_[r] * error / scale_;
+    if (own * error <= problem.settings.rate_tolerance) continue;
+    if (root_[r] * error <= outcome.residual * scale_) continue;
+    outcome.residual = root_[r] * error / scale_;
+    outcome.worst_row = static_cast<int>(r);
+  }
+}
+
+void ActiveSet::keep_best(const Problem& problem) {
+  ActiveSetOutcome measured;
+  measure(problem, measured);
+  if (!(measured.residual < best_residual_)) return;
+  best_residual_ = measured.residual;
+  std::copy(problem.lambda.begin(), problem.lambda.end(), best_lambda_.begin());
+}
+
+/// Back-solves that cost less than a factorisation: measured 6 for chains (9 flops per entry of L), 8 to 10
+/// for nets (30 to 80).  A column of an update costs a little more than its back-solve.
+int ActiveSet::update_budget() const {
+  const double per_entry = system_.factor().flops() / static_cast<double>(system_.factor().nonzeros());
+  return std::clamp(4 + static_cast<int>(per_entry / 16), 4, RowUpdates::kMaxRows);
+}
+
+}  // namespace taut

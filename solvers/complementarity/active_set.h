@@ -1,0 +1,124 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "solvers/complementarity/projected_gauss_seidel.h"
+#include "solvers/laws/row_law.h"
+#include "solvers/system/constraint_system.h"
+#include "solvers/system/row_updates.h"
+
+namespace taut {
+
+class Archive;
+
+enum class ActiveSetStatus {
+  kSolved,
+  kContradiction,  ///< some rows cannot take their rates together, whatever their impulses
+  kNotConverged,   ///< neither pivoting nor its fall-back came to the tolerance
+  kNotFinite,      ///< the matrix, b or the guess is not finite; λ is set to 0
+};
+std::string_view to_string(ActiveSetStatus status);
+
+struct ActiveSetSettings {
+  double tolerance = 1e-9;    ///< of the natural residual, see ActiveSetOutcome
+  double rate_tolerance = 0;  ///< rates that are off by less than this [m/s or rad/s] count as right
+  bool update_factor = true;  ///< a few changed rows go through RowUpdates instead of a new factor
+  /// Impulses in the null space of dependent rows stay as in the guess, instead of those of least norm.
+  bool keep_null_space = false;
+  int max_rounds = -1;            ///< of pivoting; −1: 60, and one more for every fourth bounded row
+  int max_descent_rounds = 1000;  ///< of the fall-back
+};
+
+/// How one solve went.
+struct ActiveSetOutcome {
+  ActiveSetStatus status = ActiveSetStatus::kSolved;
+  int rounds = 0;              ///< sets that were tried after the first
+  int pivots = 0;              ///< rows that changed their piece, summed over the rounds
+  int least_index_rounds = 0;  ///< of the rounds, those that moved one row only (Murty)
+  int descent_rounds = 0;      ///< of the fall-back, 0 if pivoting found the solution
+  int factorizations = 0;
+  /// max_r √S_rr |λ_r − λ*_r| / scale, where λ*_r is what row r by itself would answer to the others, and
+  /// scale the largest of √S_rr |λ_r|, |b_r| / √S_rr and |w_k| / √S_rr [√J]: 0 exactly at a solution.
+  /// Rows whose rate is off by no more than ActiveSetSettings::rate_tolerance do not count.
+  double residual = 0;
+  int worst_row = -1;           ///< the row with that residual
+  double natural_residual = 0;  ///< the same with all rows
+
+  bool ok() const { return status == ActiveSetStatus::kSolved; }
+};
+
+/// Finds λ and w = S λ + b with λ_r ∈ L_r(w_r) − c_r w_r for every row, by block principal pivoting on the
+/// pieces of the laws, starting from the pieces that the last solve ended with.  (solvers/README, "The active
+/// set")
+///
+/// w is unique; so are the impulses on the bodies Jᵀλ.  Where rows are dependent, λ is the one of least norm
+/// among those with the same free rows.
+class ActiveSet {
+ public:
+  /// The system must outlive it.
+  explicit ActiveSet(ConstraintSystem& system);
+
+  /// Tells the system which rows it will have to factor if the pieces stay what they are: call it before
+  /// ConstraintSystem::factorize().  `lambda` and `b` choose the pieces of rows that have no history.
+  void prepare(std::span<const RowLaw> laws, std::span<const double> b, std::span<const double> lambda);
+  /// The system must have been factored for its present Jacobian.
+  /// `lambda`: a first guess, then the result; `w`: result.  All spans have one entry a row.
+  [[nodiscard]] ActiveSetOutcome solve(std::span<const RowLaw> laws, std::span<const double> b,
+                                       std::span<double> lambda, std::span<double> w, StageTimes& times,
+                                       const ActiveSetSettings& settings = {});
+
+  /// x ← (S + Σ)⁺ x for the pieces that solve() ended with: 0 for rows on a level without slope.  Only until
+  /// the next ConstraintSystem::factorize().
+  void solve_linear(std::span<double> x) { updates_.solve(x); }
+
+  /// Piece of each row, as RowLaw counts them.
+  std::span<const int> pieces() const { return pieces_; }
+  /// The pieces that a set for other rows ended with, for these laws; −1: no history.
+  void set_pieces(std::span<const int> pieces, std::span<const RowLaw> laws);
+  /// Forget all pieces: the next solve starts from its guess.
+  void reset();
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
+
+ private:
+  struct Problem {
+    std::span<const RowLaw> laws;
+    std::span<const double> b;
+    std::span<double> lambda, w;
+    const ActiveSetSettings& settings;
+  };
+  enum class Search { kFound, kStalled, kNotFinite };
+
+  void choose_pieces(std::span<const RowLaw> laws, std::span<const double> b, std::span<const double> lambda);
+  void states_from_pieces(std::span<const RowLaw> laws);
+  Search search(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
+  enum class Start { kLeastNorm, kKeep };
+  bool solve_pieces(const Problem& problem, Start start, int budget, StageTimes& times,
+                    ActiveSetOutcome& outcome);
+  Search descend(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
+  bool step_towards_decision(const Problem& problem);
+  std::pair<double, double> line_search(const Problem& problem) const;
+  double collect_residual(const Problem& problem);
+  bool impulses_to_decide_by(const Problem& problem);
+  int find_wrong_rows(const Problem& problem);
+  void measure(const Problem& problem, ActiveSetOutcome& outcome);
+  void keep_best(const Problem& problem);
+  int update_budget() const;
+
+  ConstraintSystem& system_;
+  RowUpdates updates_;
+  ProjectedGaussSeidel gauss_seidel_;
+  std::vector<int> pieces_, steps_;  ///< −1 pieces: no history; K of the law that a piece belongs to
+  std::vector<signed char> moves_;
+  std::vector<double> states_, inertia_, root_, residual_, decision_, best_lambda_;
+  std::vector<double> start_lambda_, start_w_, slope_;  ///< of a descent
+  double best_residual_ = 0;
+  double scale_ = 0;
+  double off_target_ = 0;  ///< largest residual of a row that is not masked [√J]
+};
+
+}  // namespace taut

@@ -1,0 +1,194 @@
+#include "solvers/complementarity/contact_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/common/max_abs.h"
+
+namespace taut {
+namespace {
+
+/// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
+/// more than that part of the largest.
+constexpr int kFirstSweeps = 300;
+constexpr double kSwept = 1e-10;
+/// Σ over S_rr where contacts are locked: impulses that mend what dependent rows contradict each other by are
+/// at most so many times larger.
+constexpr double kSoft = 1e-2;
+/// Sweeps where Newton's method was not enough.
+constexpr int kLastSweeps = 1000;
+/// Newton steps in which contacts that stick are to find a division of the load that holds them.
+constexpr int kStepsToHold = 150;
+/// More solves because static friction let go.
+constexpr int kMaxContactSolves = 40;
+
+}  // namespace
+
+ContactSolver::ContactSolver(ConstraintSystem& system, ContactLaws& contacts)
+    : system_(system), contacts_(contacts), newton_(system), locked_(system) {}
+
+ImpulseIteration& ContactSolver::iteration() {
+  if (!iteration_) iteration_.emplace(system_);
+  return *iteration_;
+}
+
+void StageRecord::add(const StageRecord& other) {
+  times += other.times;
+  iterations += other.iterations;
+  residual = std::max(residual, other.residual);
+  loose = std::max(loose, other.loose);
+}
+
+double ContactSolver::distance(const StageProblem& problem, double rate_tolerance) const {
+  const auto& [laws, b, inertia, lambda, w] = problem;
+  double error = 0, scale = 0, sum = 0;
+  for (std::size_t r = 0; r < lambda.size(); ++r) {
+    scale = std::max(scale, std::abs(lambda[r]) / std::sqrt(inertia[r]));
+    sum += std::abs(lambda[r]) + std::abs(w[r]);
+  }
+  if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
+    const double own = 1 / inertia[r];
+    const double off = std::abs(lambda[r] - laws[r].answer(own, lambda[r], w[r]));
+    if (!(own * off <= rate_tolerance)) error = std::max(error, std::sqrt(own) * off);
+  }
+  error = std::max(error, contacts_.error(lambda, w, rate_tolerance));
+  return error == 0 ? 0 : error / scale;
+}
+
+bool ContactSolver::rests(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
+  if (!contacts_.rest() || !contacts_.is_clear(problem.lambda)) return false;
+  system_.rates(problem.lambda, problem.b, problem.w);
+  return meets_laws(problem, kHeld, rate_tolerance, record) || rests_locked(problem, rate_tolerance, record);
+}
+
+bool ContactSolver::meets_laws(const StageProblem& problem, double tolerance, double rate_tolerance,
+                               StageRecord& record) {
+  const double off = distance(problem, rate_tolerance);
+  if (off > tolerance || !newton_.holds_joints(problem.laws, problem.w, rate_tolerance)) return false;
+  contacts_.take_over(problem.lambda, problem.w, rate_tolerance);
+  if (!(contacts_.residual() <= tolerance) || contacts_.slips_where_it_held()) return false;
+  record.residual = std::max({record.residual, off, contacts_.residual()});
+  return true;
+}
+
+/// What presses at the impulses of before goes on with the division of the load that it has: all of it as
+/// equalities, of which the solve changes those impulses only by what their rates lack.
+bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
+  if (contacts_.soft() || !contacts_.all_stick(problem.lambda) || distance(problem, rate_tolerance) > kNear)
+    return false;
+  locked_laws_.assign(problem.laws.begin(), problem.laws.end());
+  contacts_.held_laws(problem.lambda, locked_laws_);
+  held_.assign(problem.lambda.begin(), problem.lambda.end());
+  StageProblem locked = problem;
+  locked.lambda = held_;
+  const PieceOutcome outcome =
+      locked_.solve(locked_laws_, problem.b, held_, problem.w,
+                    {.rate_tolerance = rate_tolerance, .softness = kSoft}, record.times);
+  record.iterations += outcome.iterations;
+  if (!meets_laws(locked, NewtonLimits().most, rate_tolerance, record)) return false;
+  std::copy(held_.begin(), held_.end(), problem.lambda.begin());
+  return true;
+}
+
+bool ContactSolver::solve(const StageProblem& problem, const NewtonLimits& limits, double inexact,
+                          StageRecord& record) {
+  return solve_by_newton(problem, limits, record) ||
+         solve_by_sweeps(problem, limits.rate_tolerance, inexact, record);
+}
+
+double ContactSolver::sweep(const StageProblem& problem, int sweeps, double rate_tolerance) {
+  (void)iteration().solve(contacts_, problem.laws, problem.b, problem.lambda, problem.w, {.sweeps = sweeps},
+                          {});
+  return distance(problem, rate_tolerance);
+}
+
+/// A better guess for Newton's method: Gauss–Seidel, whose sweeps cost little, comes near from anywhere.
+void ContactSolver::sweep_guess(const StageProblem& problem, double rate_tolerance) {
+  system_.rates(problem.lambda, problem.b, problem.w);
+  double size = 0;
+  for (std::size_t r = 0; r < problem.b.size(); ++r)
+    size = std::max(size, std::abs(problem.b[r]) * std::sqrt(problem.inertia[r]));
+  const double off = distance(problem, rate_tolerance);
+  if (off <= kNear) return;
+  held_.assign(problem.lambda.begin(), problem.lambda.end());
+  StageProblem swept = problem;
+  swept.lambda = held_;
+  const IterationLimits limits{.sweeps = kFirstSweeps, .tolerance = kSwept * size};
+  (void)iteration().solve(contacts_, problem.laws, problem.b, held_, problem.w, limits, {});
+  if (distance(swept, rate_tolerance) < off) std::copy(held_.begin(), held_.end(), problem.lambda.begin());
+}
+
+bool ContactSolver::solve_by_newton(const StageProblem& problem, const NewtonLimits& limits,
+                                    StageRecord& record) {
+  const bool with_joints = system_.rows().first_contact_row() > 0;  // sweeps of them cost more than they save
+  if (newton_.is_heap() && !(contacts_.soft() && with_joints)) sweep_guess(problem, limits.rate_tolerance);
+  for (int solve = 0;; ++solve) {
+    if (!run_newton(problem, limits, record).converged) return false;
+    if (solve == kMaxContactSolves || !contacts_.slips_where_it_held()) return true;
+    if (hold_on(problem, limits.rate_tolerance, record) || !contacts_.weakened()) return true;
+  }
+}
+
+NewtonOutcome ContactSolver::run_newton(const StageProblem& problem, const NewtonLimits& limits,
+                                        StageRecord& record) {
+  const NewtonOutcome outcome =
+      newton_.solve(contacts_, problem.laws, problem.b, problem.lambda, problem.w, limits, record.times);
+  contacts_.take_over(problem.lambda, problem.w, limits.rate_tolerance);
+  record.iterations += outcome.iterations;
+  if (outcome.converged) record.residual = std::max(record.residual, outcome.residual);
+  record.loose = 0;
+  return outcome;
+}
+
+bool ContactSolver::hold_on(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
+  const std::span<double> lambda = problem.lambda;
+  NewtonLimits limits{.rate_tolerance = rate_tolerance, .iterations = kStepsToHold, .holding = true};
+  limits.most = limits.tolerance;
+  if (!contacts_.begin_sharing(lambda, problem.w)) return false;
+  unshared_.assign(lambda.begin(), lambda.end());
+  for (bool again = true; again;) {
+    std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
+    const NewtonOutcome outcome = run_newton(problem, limits, record);
+    if (outcome.converged && !contacts_.slips_where_it_held()) {
+      // What holds by the normality law holds by Coulomb's where it does not slip at all.
+      contacts_.end_sharing(true);
+      const double off = distance(problem, rate_tolerance);
+      if (off <= NewtonLimits().most) {
+        record.residual = std::max(record.residual, off);
+        return true;
+      }
+      contacts_.go_on_sharing();
+    }
+    again = contacts_.let_go(problem.w, outcome.iterations < limits.iterations);
+  }
+  contacts_.end_sharing(false);
+  std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
+  system_.rates(lambda, problem.b, problem.w);
+  return false;
+}
+
+/// Where Newton's method has given up: its best round, or what Gauss–Seidel makes of that if it is better, if
+/// it is good enough.  Gauss–Seidel on contacts comes near from anywhere, and no further.
+bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tolerance, double inexact,
+                                    StageRecord& record) {
+  if (inexact == 0 || contacts_.count() == 0) return false;
+  const double best = distance(problem, rate_tolerance);
+  held_.assign(problem.lambda.begin(), problem.lambda.end());
+  double residual = sweep(problem, kLastSweeps, rate_tolerance);
+  if (!(residual < best) || !newton_.holds_joints(problem.laws, problem.w, rate_tolerance)) {
+    residual = best;
+    std::copy(held_.begin(), held_.end(), problem.lambda.begin());
+    system_.rates(problem.lambda, problem.b, problem.w);
+  }
+  contacts_.take_over(problem.lambda, problem.w, rate_tolerance);
+  if (!(residual <= inexact) || !std::isfinite(max_abs(problem.lambda))) return false;
+  if (residual > NewtonLimits().most)
+    record.loose = residual;
+  else
+    record.residual = std::max(record.residual, residual);
+  return true;
+}
+
+}  // namespace taut

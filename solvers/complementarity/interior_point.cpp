@@ -1,0 +1,201 @@
+#include "solvers/complementarity/interior_point.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+/// Compliance of equalities over S_rr: it acts on the change of an iteration only.
+constexpr double kBarrierEqualityRho = 1e-7;
+/// μ at the start over the mean power of the elements, and the least over the largest energy of one.
+constexpr double kFirstMu = 0.1, kLeastMu = 1e-6;
+/// Part of the way to the boundary that is gone.
+constexpr double kInside = 0.995;
+
+}  // namespace
+
+InteriorOutcome InteriorPoint::solve(std::span<const RowLaw> laws, std::span<const double> b,
+                                     std::span<double> lambda, std::span<double> w,
+                                     const InteriorLimits& limits, StageTimes& times) {
+  const Problem problem{laws, b, lambda, w};
+  InteriorOutcome outcome;
+  begin(problem);
+  for (;; ++outcome.iterations) {
+    outcome.residual = law_error(problem);
+    outcome.converged = outcome.residual <= limits.tolerance;
+    if (outcome.converged || !std::isfinite(outcome.residual) || outcome.iterations >= limits.iterations)
+      return outcome;
+    const double mu = mean_product(0);
+    set_stiffness(problem, 0, false);
+    if (!system_.factorize_bodies(system_.weighted(), stiffness_, times)) return outcome;
+    direction(problem);
+    const double left = mu > 0 ? mean_product(longest(1)) / mu : 0;
+    set_stiffness(problem, left * left * left * mu, true);
+    direction(problem);
+    move(problem, longest(kInside));
+  }
+}
+
+/// The elements, centred about the rates of the guess.
+void InteriorPoint::begin(const Problem& problem) {
+  const std::size_t n = problem.laws.size();
+  for (auto* values : {&own_, &base_, &stiffness_, &off_, &change_, &rates_}) values->assign(n, 0.0);
+  for (auto* values : {&v_, &step_}) values->assign(6 * system_.rows().body_count(), 0.0);
+  elements_.clear();
+  system_.row_inertias(own_);
+  scale_ = 0;
+  for (std::size_t r = 0; r < n; ++r) {
+    own_[r] = own_[r] > 0 ? 1 / own_[r] : 1;
+    const double root = std::sqrt(own_[r]);
+    scale_ = std::max({scale_, root * std::abs(problem.lambda[r]), std::abs(problem.b[r]) / root});
+    if (problem.laws[r].bounded()) add_elements(problem.laws[r], static_cast<int>(r));
+  }
+  system_.to_bodies(problem.lambda, v_);
+  system_.to_rows(v_, rates_);
+  for (std::size_t r = 0; r < n; ++r) rates_[r] += problem.b[r];
+  double power = 0, energy = 0;
+  for (const Element& element : elements_) {
+    const double rate = std::abs(rates_[element.row] - element.at), s = own_[element.row];
+    const double whole = element.hi - element.lo;
+    const double range = std::isfinite(whole) ? whole : rate / s;  // one-sided: what would stop it
+    power += range * rate;
+    energy = std::max(energy, range * range * s);
+  }
+  const double mu = std::max({kFirstMu * power / std::max<double>(1, elements_.size()), kLeastMu * energy,
+                              kLeastMu * kLeastMu * scale_ * scale_});
+  for (Element& element : elements_) center(element, rates_[element.row], mu);
+  update_impulses(problem);
+}
+
+/// The steps of a law; base_ is where it is with all e = 0.
+void InteriorPoint::add_elements(const RowLaw& law, int row) {
+  base_[row] = std::isinf(law.level[0]) ? law.level[1] : law.level[0];
+  for (int k = 1; k <= law.steps; ++k) {
+    const bool first = std::isinf(law.level[k - 1]);
+    elements_.push_back({.row = row,
+                         .at = law.at[k - 1],
+                         .lo = first ? 0 : law.level[k] - law.level[k - 1],
+                         .hi = first ? RowLaw::kInfinity : 0});
+  }
+}
+
+/// p, q, z and y on the central path at w; of one-sided steps that w is beyond, at a point of that μ.
+void InteriorPoint::center(Element& element, double w, double mu) const {
+  const double rate = w - element.at, range = element.hi - element.lo;
+  const double least = std::sqrt(mu * own_[element.row]);
+  element.p = element.q = RowLaw::kInfinity;
+  if (std::isfinite(range)) {
+    const double turn = std::hypot(rate * range, 2 * mu), forward = std::abs(rate) * range;
+    const double near = 2 * mu * range / (forward + 2 * mu + turn);
+    element.p = rate > 0 ? near : range - near;
+    element.q = rate > 0 ? range - near : near;
+  } else if (std::isinf(element.hi)) {
+    element.p = mu / std::max(rate, least);
+  } else {
+    element.q = mu / std::max(-rate, least);
+  }
+  element.z = mu / element.p;
+  element.y = mu / element.q;
+}
+
+/// λ of bounded rows from their elements.
+void InteriorPoint::update_impulses(const Problem& problem) {
+  for (std::size_t r = 0; r < problem.laws.size(); ++r)
+    if (problem.laws[r].bounded()) problem.lambda[r] = base_[r] - problem.laws[r].slope * rates_[r];
+  for (const Element& element : elements_)
+    problem.lambda[element.row] += element.p < element.q ? element.lo + element.p : element.hi - element.q;
+}
+
+/// δλ = −D (δw + …) of each row, for products that are to become μ; with the second order of the last
+/// direction.
+void InteriorPoint::set_stiffness(const Problem& problem, double mu, bool correct) {
+  for (std::size_t r = 0; r < problem.laws.size(); ++r) {
+    const RowLaw& law = problem.laws[r];
+    stiffness_[r] = law.bounded() ? law.slope : 1 / (kBarrierEqualityRho * own_[r]);
+    off_[r] = law.bounded() ? 0 : stiffness_[r] * (rates_[r] - law.rate(1));
+  }
+  for (Element& element : elements_) {
+    const double p = element.p, q = element.q;
+    element.target_z = mu - (correct ? element.de * element.dz : 0);
+    element.target_y = mu + (correct ? element.de * element.dy : 0);
+    element.stiffness = 1 / (element.z / p + element.y / q);
+    element.off = rates_[element.row] - element.at - element.target_z / p + element.target_y / q;
+    stiffness_[element.row] += element.stiffness;
+    off_[element.row] += element.stiffness * element.off;
+  }
+}
+
+/// P δv = Wᵀ (λ − D off) − v, and what follows for the elements.
+void InteriorPoint::direction(const Problem& problem) {
+  for (std::size_t r = 0; r < change_.size(); ++r) change_[r] = problem.lambda[r] - off_[r];
+  system_.to_bodies(change_, step_);
+  for (std::size_t i = 0; i < v_.size(); ++i) step_[i] -= v_[i];
+  system_.solve_bodies(step_);
+  system_.to_rows(step_, change_);
+  for (Element& element : elements_) {
+    const double p = element.p, q = element.q;
+    element.de = -element.stiffness * (change_[element.row] + element.off);
+    element.dz = std::isinf(p) ? 0 : (element.target_z - element.z * (p + element.de)) / p;
+    element.dy = std::isinf(q) ? 0 : (element.target_y - element.y * (q - element.de)) / q;
+  }
+}
+
+/// The longest step up to 1 that stays inside, and goes only this part of the way to the boundary.
+double InteriorPoint::longest(double part) const {
+  double length = 1 / part;
+  for (const Element& element : elements_) {
+    const auto stop = [&](double value, double change) {
+      if (change < 0 && length * change < -value) length = -value / change;
+    };
+    stop(element.p, element.de);
+    stop(element.q, -element.de);
+    stop(element.z, element.dz);
+    stop(element.y, element.dy);
+  }
+  return std::min(1.0, part * length);
+}
+
+/// Mean of the products after a step of this length.
+double InteriorPoint::mean_product(double length) const {
+  double sum = 0;
+  int count = 0;
+  for (const Element& element : elements_) {
+    const double change = length * element.de;
+    if (std::isfinite(element.lo)) sum += (element.p + change) * (element.z + length * element.dz), ++count;
+    if (std::isfinite(element.hi)) sum += (element.q - change) * (element.y + length * element.dy), ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+void InteriorPoint::move(const Problem& problem, double length) {
+  for (std::size_t i = 0; i < v_.size(); ++i) v_[i] += length * step_[i];
+  for (std::size_t r = 0; r < change_.size(); ++r)
+    if (!problem.laws[r].bounded()) problem.lambda[r] -= length * (stiffness_[r] * change_[r] + off_[r]);
+  for (Element& element : elements_) {
+    element.p += length * element.de;
+    element.q -= length * element.de;
+    element.z += length * element.dz;
+    element.y += length * element.dy;
+    element.de = element.dz = element.dy = 0;
+  }
+  system_.to_rows(v_, rates_);
+  for (std::size_t r = 0; r < change_.size(); ++r) rates_[r] += problem.b[r];
+  update_impulses(problem);
+}
+
+/// w of the impulses themselves, which v is only on the way to, and the natural map over the size of both.
+double InteriorPoint::law_error(const Problem& problem) {
+  system_.rates(problem.lambda, problem.b, problem.w);
+  double error = 0, scale = 0;
+  for (std::size_t r = 0; r < problem.laws.size(); ++r) {
+    const double s = own_[r], lambda = problem.lambda[r];
+    scale = std::max({scale, std::sqrt(s) * std::abs(lambda), std::abs(problem.b[r]) / std::sqrt(s)});
+    const double off = std::sqrt(s) * std::abs(lambda - problem.laws[r].answer(s, lambda, problem.w[r]));
+    if (std::isnan(off)) return off;
+    error = std::max(error, off);
+  }
+  return scale > 0 ? error / scale : 0;
+}
+
+}  // namespace taut

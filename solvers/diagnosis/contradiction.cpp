@@ -1,0 +1,240 @@
+#include "solvers/diagnosis/contradiction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "solvers/diagnosis/violation_search.h"
+#include "solvers/laws/contact_set.h"
+
+namespace taut {
+namespace {
+
+using Bound = Contradiction::Bound;
+using Touch = Contradiction::Touch;
+using Verdict = ViolationSearch::Verdict;
+
+/// Members with less than this part of the largest share do not belong to the contradiction; and the same
+/// where that has left out too many.
+constexpr double kBlameShare = 1e-4, kSmallShare = 1e-9;
+constexpr std::size_t kMinimalSetLimit = 200;
+
+/// Whoever can be left out: one of the three.
+struct Member {
+  JointId joint{};  // its equalities
+  Bound bound{};
+  Touch touch{};
+  friend bool operator==(const Member&, const Member&) = default;
+};
+Member equalities_of(JointId joint) { return {.joint = joint}; }
+Member bound_of(AxisId axis, Bound::Kind kind) { return {.bound = {axis, kind}}; }
+bool is_touch(const Member& member) { return member.touch.b != member.touch.a; }
+JointId joint_of(const Member& member) {
+  return member.joint.index >= 0 ? member.joint : member.bound.axis.joint;
+}
+
+using Places = std::vector<ContactSet::Place>;
+
+Touch touch_of(const Situation& s, const Contact& contact) {
+  const World& world = s.named ? *s.named : s.world;
+  const BodyId a = world.shape(contact.a).body, b = world.shape(contact.b).body;
+  return {std::min(a, b), std::max(a, b)};
+}
+
+Places find_contacts(const Situation& s) {
+  Places places;
+  if (!s.bounds || s.contact_margin <= 0) return places;
+  ContactSet set(s.world, {.margin = s.contact_margin});
+  if (set.empty()) return places;
+  set.find(s.world, s.from, s.horizon);
+  std::copy_if(set.places().begin(), set.places().end(), std::back_inserter(places),
+               [](const auto& place) { return place.active && place.material.compliance == 0; });
+  return places;
+}
+
+/// Demands with their members, as a ViolationSearch takes them.
+class Demands {
+ public:
+  Demands(const Situation& situation, const ViolationSearch& search, const Places& places)
+      : situation_(situation), x_(search.rows().row_count()) {
+    search.values(situation.from, x_);
+    for (int j = 0; j < situation.world.joint_count(); ++j) add_joint(search.rows(), {j});
+    if (!situation.bounds) return;
+    for (const Rows::AxisRow& row : search.rows().axis_rows())
+      if (row.axis.axis >= 0 && !is_gone(row.axis.joint)) add_axis(row);
+    for (std::size_t k = 0; k < places.size(); ++k)
+      add_contact(touch_of(situation, places[k].contact), search.contact_row(static_cast<int>(k)));
+  }
+  std::vector<Demand> demands;
+  std::vector<Member> members;
+
+ private:
+  bool is_gone(JointId joint) const {
+    return std::find(situation_.gone.begin(), situation_.gone.end(), joint) != situation_.gone.end();
+  }
+  void add_joint(const Rows& rows, JointId joint) {
+    if (is_gone(joint)) return;
+    const Rows::JointRows& place = rows.joints()[joint.index];
+    for (int r = place.first_row; r < place.first_row + place.equality_count; ++r)
+      if (rows.is_equality(r)) add(equalities_of(joint), r, 0, 0);
+  }
+  void add_axis(const Rows::AxisRow& row) {
+    const AxisProperties& p = situation_.world.axis_properties(row.axis);
+    double lower = -kUnlimited, upper = kUnlimited;
+    if (p.limits && p.limits->compliance == 0) {
+      lower = p.limits->lower, upper = p.limits->upper;
+      if (lower > -kUnlimited) add(bound_of(row.axis, Bound::Kind::kLowerLimit), row.row, lower, kUnlimited);
+      if (upper < kUnlimited) add(bound_of(row.axis, Bound::Kind::kUpperLimit), row.row, -kUnlimited, upper);
+    }
+    if (!p.motor || p.motor->force_of_speed || std::isfinite(p.motor->max_force)) return;
+    // A motor of any force stops at a limit.
+    const double aim = std::clamp(target(*p.motor, x_[row.row]), lower, upper);
+    if (std::isfinite(aim)) add(bound_of(row.axis, Bound::Kind::kMotor), row.row, aim, aim);
+  }
+  /// Where a motor wants its axis to be, coming from θ.
+  double target(const AxisMotor& motor, double theta) const {
+    const double h = situation_.horizon;
+    if (motor.mode == AxisMotor::Mode::kVelocity) return theta + h * motor.target;
+    const bool follows = motor.mode == AxisMotor::Mode::kTrajectory;
+    const double aim = follows ? motor.trajectory(situation_.from.time + h).value : motor.target;
+    const double reach = std::isinf(motor.max_speed) ? kUnlimited : h * motor.max_speed;
+    return theta + std::clamp(aim - theta, -reach, reach);
+  }
+  void add(const Member& member, int row, double lower, double upper) {
+    if (members.empty() || !(members.back() == member)) members.push_back(member);
+    demands.push_back({row, static_cast<int>(members.size()) - 1, lower, upper});
+  }
+  void add_contact(const Touch& touch, int row) {
+    const auto [entry, fresh] = member_of_pair_.try_emplace({touch.a, touch.b}, members.size());
+    if (fresh) members.push_back({.touch = touch});
+    // What has sunk in must not sink deeper.
+    demands.push_back({row, static_cast<int>(entry->second), std::min(0.0, x_[row]), kUnlimited});
+  }
+
+  const Situation& situation_;
+  std::vector<double> x_;
+  std::map<std::pair<BodyId, BodyId>, std::size_t> member_of_pair_;
+};
+
+/// The members with a share, the largest first.
+std::vector<Member> sharers(const std::vector<Member>& members, std::span<const double> shares, double part) {
+  const double largest = *std::max_element(shares.begin(), shares.end());
+  std::vector<std::size_t> order;
+  for (std::size_t m = 0; m < members.size(); ++m)
+    if (shares[m] > part * largest) order.push_back(m);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return shares[a] > shares[b]; });
+  std::vector<Member> found;
+  for (std::size_t m : order) found.push_back(members[m]);
+  return found;
+}
+
+/// A world that has but some members' joints, and a search in it with any of these members.
+class LocalSearch {
+ public:
+  LocalSearch(const Situation& s, const Places& places, std::span<const Member> members)
+      : world_(s.world), places_(places) {
+    reduce(s, members);
+    search_.emplace(world_, places_);
+    Demands local(s, *search_, places_);
+    members_ = std::move(local.members);
+    search_->begin(std::move(local.demands), static_cast<int>(members_.size()), s.from,
+                   s.from.time + s.horizon);
+  }
+  Verdict search(std::span<const Member> wanted) {
+    mask_.assign(members_.size(), 0);
+    for (std::size_t m = 0; m < members_.size(); ++m)
+      mask_[m] = std::find(wanted.begin(), wanted.end(), members_[m]) != wanted.end();
+    return search_->search(mask_);
+  }
+  std::vector<Member> sharers_left() { return sharers(members_, search_->shares(), kBlameShare); }
+  double largest() const { return search_->largest(); }
+
+ private:
+  void reduce(const Situation& s, std::span<const Member> members) {
+    std::vector<JointId> joints;
+    for (const Member& member : members)
+      if (!is_touch(member)) joints.push_back(joint_of(member));
+    world_.detach_all_but(joints);
+    std::erase_if(places_, [&](const ContactSet::Place& place) {
+      const Member touch{.touch = touch_of(s, place.contact)};
+      return std::find(members.begin(), members.end(), touch) == members.end();
+    });
+  }
+
+  World world_;
+  Places places_;
+  std::optional<ViolationSearch> search_;
+  std::vector<Member> members_;
+  std::vector<char> mask_;
+};
+
+/// Deletion filter [Chinneck2008]: whoever is not needed for the contradiction goes, the least involved
+/// first. What the certificate of the others does without goes with it.
+void make_minimal(LocalSearch& local, std::vector<Member>& set) {
+  for (std::size_t k = set.size(); k-- > 0;) {
+    std::vector<Member> rest = set;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
+    if (rest.empty() || local.search(rest) != Verdict::kExcluded) continue;
+    const std::vector<Member> involved = local.sharers_left();
+    set.swap(rest);
+    std::vector<Member> smaller;
+    for (std::size_t i = 0; i < set.size(); ++i)  // those behind k are known to be needed
+      if (i >= k || std::find(involved.begin(), involved.end(), set[i]) != involved.end())
+        smaller.push_back(set[i]);
+    if (smaller.size() == set.size() || local.search(smaller) != Verdict::kExcluded) continue;
+    k -= set.size() - smaller.size();
+    set.swap(smaller);
+  }
+}
+
+/// Shares of many members hardly differ; their place in the world says more.
+void sort_as_in_world(std::vector<Member>& members) {
+  const auto key = [](const Member& m) {
+    return std::tuple(m.joint, m.bound.axis.joint, m.bound.axis.axis, m.bound.kind, m.touch.a, m.touch.b);
+  };
+  std::sort(members.begin(), members.end(),
+            [&](const Member& first, const Member& second) { return key(first) < key(second); });
+}
+
+Contradiction made_of(const std::vector<Member>& members, double residual) {
+  Contradiction found{.joints = {}, .bounds = {}, .contacts = {}, .residual = residual};
+  for (const Member& member : members) {
+    if (is_touch(member))
+      found.contacts.push_back(member.touch);
+    else if (member.joint.index >= 0)
+      found.joints.push_back(member.joint);
+    else
+      found.bounds.push_back(member.bound);
+  }
+  return found;
+}
+
+}  // namespace
+
+Contradiction find_contradiction(const Situation& s) {
+  const Places places = find_contacts(s);
+  ViolationSearch whole(s.world, places);
+  Demands all(s, whole, places);
+  const std::size_t count = all.members.size();
+  if (count == 0) return {};
+  whole.begin(std::move(all.demands), static_cast<int>(count), s.from, s.from.time + s.horizon);
+  if (whole.search(std::vector<char>(count, 1)) != Verdict::kExcluded) return {};
+  for (double part : {kBlameShare, kSmallShare}) {
+    std::vector<Member> set = sharers(all.members, whole.shares(), part);
+    LocalSearch local(s, places, set);
+    if (local.search(set) != Verdict::kExcluded) continue;
+    if (set.size() > kMinimalSetLimit) {
+      sort_as_in_world(set);
+      return made_of(set, local.largest());
+    }
+    make_minimal(local, set);
+    (void)local.search(set);
+    return made_of(set, local.largest());
+  }
+  return {};
+}
+
+}  // namespace taut

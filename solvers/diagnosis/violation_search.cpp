@@ -1,0 +1,145 @@
+#include "solvers/diagnosis/violation_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "solvers/common/max_abs.h"
+
+namespace taut {
+namespace {
+
+constexpr int kMostSteps = 80;
+/// δ, relative to rows of unit length.
+constexpr double kFirstDamping = 1e-6, kLeastDamping = 1e-9, kMostDamping = 1e6;
+/// Longest rotation of a body in one step [rad]; a step beyond that means nothing.
+constexpr double kMaxSearchTurn = 0.5;
+/// |Wᵀ D c| / √2f at which demands balance, and at which they do if the search comes no further.
+constexpr double kBalance = 1e-6, kNearBalance = 1e-3;
+
+}  // namespace
+
+ViolationSearch::ViolationSearch(const World& world, std::span<const ContactSet::Place> contacts)
+    : system_(world, FactorChoice::kAuto) {
+  if (!contacts.empty()) {
+    std::vector<Rows::ContactPlace> places;
+    for (const ContactSet::Place& place : contacts) places.push_back(place.at);
+    system_.set_contact_places(world, places);
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      system_.set_contact(static_cast<int>(k), contacts[k].point);
+  }
+  for (auto* values : {&inertia_, &x_, &stiffness_, &scaled_, &force_})
+    values->assign(system_.row_count(), 0.0);
+  for (auto* values : {&gradient_, &v_}) values->assign(6 * system_.rows().body_count(), 0.0);
+}
+
+void ViolationSearch::begin(std::vector<Demand> demands, int members, const State& from, double time) {
+  demands_ = std::move(demands);
+  start_ = from;
+  time_ = time;
+  for (auto* values : {&excess_, &trial_excess_}) values->assign(demands_.size(), 0.0);
+  share_.assign(members, 0.0);
+  system_.set_mass(from.poses);
+  system_.linearize(configuration(start_.poses));
+  system_.row_inertias(inertia_);
+  for (double& inertia : inertia_)
+    if (inertia == 0) inertia = 1;  // nothing moves it
+}
+
+ViolationSearch::Verdict ViolationSearch::search(std::span<const char> wanted) {
+  wanted_ = wanted;
+  poses_ = start_.poses;
+  damping_ = kFirstDamping;
+  f_ = evaluate(poses_, wanted);
+  excess_.swap(trial_excess_);
+  largest_ = trial_largest_;
+  for (int k = 0; k < kMostSteps; ++k) {
+    if (!std::isfinite(f_)) return Verdict::kUnknown;
+    if (largest_ <= kClosed) return Verdict::kHolds;
+    gather();
+    if (steepness_ <= kBalance) return Verdict::kExcluded;
+    if (!step()) break;
+  }
+  if (largest_ <= kClosed) return Verdict::kHolds;
+  return steepness_ <= kNearBalance ? Verdict::kExcluded : Verdict::kUnknown;
+}
+
+/// f, trial_excess_ and trial_largest_ at these poses.
+double ViolationSearch::evaluate(std::span<const Pose> poses, std::span<const char> wanted) {
+  rows().residual(configuration(poses), x_);
+  double f = 0;
+  trial_largest_ = 0;
+  for (std::size_t i = 0; i < demands_.size(); ++i) {
+    const Demand& demand = demands_[i];
+    const double c = wanted[demand.member] ? demand.excess(x_[demand.row]) : 0;
+    trial_excess_[i] = c;
+    trial_largest_ = std::max(trial_largest_, std::abs(c));
+    f += 0.5 * inertia_[demand.row] * c * c;
+  }
+  return f;
+}
+
+/// D, Wᵀ D c and how steep f is, at poses_.
+void ViolationSearch::gather() {
+  system_.linearize(configuration(poses_));
+  std::fill(stiffness_.begin(), stiffness_.end(), 0.0);
+  std::fill(force_.begin(), force_.end(), 0.0);
+  for (std::size_t i = 0; i < demands_.size(); ++i) {
+    if (excess_[i] == 0 && !(wanted_[demands_[i].member] && demands_[i].lower == demands_[i].upper)) continue;
+    const int r = demands_[i].row;
+    stiffness_[r] += inertia_[r];
+    force_[r] += inertia_[r] * excess_[i];
+  }
+  system_.to_bodies(force_, gradient_);
+  const double slope = std::inner_product(gradient_.begin(), gradient_.end(), gradient_.begin(), 0.0);
+  steepness_ = std::sqrt(slope / (2 * f_));
+}
+
+/// False if no damping makes f smaller.
+bool ViolationSearch::step() {
+  for (; damping_ <= kMostDamping; damping_ *= 8)
+    if (try_step()) return true;
+  return false;
+}
+
+bool ViolationSearch::try_step() {
+  StageTimes times;
+  for (std::size_t r = 0; r < scaled_.size(); ++r) scaled_[r] = stiffness_[r] / damping_;
+  if (!system_.factorize_bodies(system_.weighted(), scaled_, times)) return false;
+  for (std::size_t i = 0; i < v_.size(); ++i) v_[i] = -gradient_[i] / damping_;
+  system_.solve_bodies(v_);
+  trial_ = poses_;
+  double turn = 0, descent = 0, length = 0;
+  for (int b = 0; b < system_.mass().size(); ++b) {
+    if (system_.mass()[b].fixed) continue;
+    const InverseMassRoot& root = system_.mass_roots()[b];
+    const Eigen::Map<const Vec3> spin(v_.data() + 6 * b), shift(v_.data() + 6 * b + 3);
+    const Vec3 angle = root.rotation * spin;
+    turn = std::max(turn, angle.norm());
+    trial_[b].p += root.translation * shift;
+    trial_[b].q = (exp_so3(angle) * trial_[b].q).normalized();
+    descent -=
+        Vec3::Map(gradient_.data() + 6 * b).dot(spin) + Vec3::Map(gradient_.data() + 6 * b + 3).dot(shift);
+    length += spin.squaredNorm() + shift.squaredNorm();
+  }
+  if (!(turn <= kMaxSearchTurn)) return false;
+  const double f = evaluate(trial_, wanted_), gain = (f_ - f) / (0.5 * (descent + damping_ * length));
+  if (!(gain > 1e-4)) return false;
+  f_ = f;
+  largest_ = trial_largest_;
+  poses_.swap(trial_);
+  excess_.swap(trial_excess_);
+  if (gain > 0.75) damping_ = std::max(kLeastDamping, damping_ / 8);
+  if (gain < 0.25) damping_ *= 4;
+  return true;
+}
+
+std::span<const double> ViolationSearch::shares() {
+  std::fill(share_.begin(), share_.end(), 0.0);
+  for (std::size_t i = 0; i < demands_.size(); ++i)
+    share_[demands_[i].member] += inertia_[demands_[i].row] * excess_[i] * excess_[i];
+  for (double& share : share_) share = std::sqrt(share);
+  return share_;
+}
+
+}  // namespace taut

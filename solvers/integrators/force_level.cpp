@@ -1,0 +1,219 @@
+#include "solvers/integrators/force_level.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/state/reach.h"
+#include "solvers/common/stopwatch.h"
+
+namespace taut {
+namespace {
+
+void move_poses(const MassMatrix& mass, std::span<const Pose> from, std::span<const Twist> velocity, double h,
+                std::span<Pose> to) {
+  for (int b = 0; b < mass.size(); ++b) {
+    if (mass[b].fixed) continue;
+    to[b].p = from[b].p + h * velocity[b].v;
+    to[b].q = (exp_so3(h * velocity[b].w) * from[b].q).normalized();
+  }
+}
+
+void add_twists(std::span<const Twist> from, double h, std::span<const Twist> rate, std::span<Twist> to) {
+  for (std::size_t b = 0; b < to.size(); ++b) to[b] = {from[b].w + h * rate[b].w, from[b].v + h * rate[b].v};
+}
+
+/// Left-trivialised derivative of the rotation vector θ with exp(θ) q₀ = q when q turns with ω:
+/// dexp⁻¹_θ ω = ω − ½ θ × ω + 1/12 θ × (θ × ω) + O(θ⁴) [Hairer2006, III.4].
+Vec3 rotation_rate(const Vec3& theta, const Vec3& w) {
+  return w - 0.5 * theta.cross(w) + theta.cross(theta.cross(w)) / 12;
+}
+
+}  // namespace
+
+void free_accelerations(const MassMatrix& mass, const State& state, std::span<const Wrench> forces,
+                        std::span<Twist> accelerations) {
+  for (int b = 0; b < mass.size(); ++b) {
+    if (mass[b].fixed) continue;
+    const Vec3& w = state.twists[b].w;
+    const Vec3 torque = forces[b].torque - w.cross(mass.angular_momentum(b, state.poses[b], w));
+    accelerations[b] = {mass.angular_velocity(b, state.poses[b], torque),
+                        mass[b].inverse_mass * forces[b].force};
+  }
+}
+
+ForceLevel::ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings)
+    : world_(world), system_(system), settings_(settings) {
+  for (auto* wrenches : {&forces_, &joint_wrenches_, &momenta_}) wrenches->resize(world.body_count());
+  for (auto* twists : {&acceleration_, &slope_, &sum_, &mean_velocity_}) twists->resize(world.body_count());
+  for (auto* values : {&lambda_, &impulses_, &phi_, &rates_, &delta_, &penalty_inertia_})
+    values->assign(system.row_count(), 0.0);
+}
+
+bool ForceLevel::advance(double h, StepReport& report) {
+  backup_ = state_;
+  if (settings_.integrator == Integrator::kForceEuler)
+    euler(h, report);
+  else
+    runge_kutta(h, report);
+  state_.time += h;
+  if (settings_.drift_cure == DriftCure::kPositionPush) cure_positions(report);
+  if (settings_.drift_cure == DriftCure::kVelocityImpulse || settings_.drift_cure == DriftCure::kPositionPush)
+    cure_velocities(h, report);
+  ++report.substeps;
+  system_.rows().update_axes(state_, state_.axes);
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (within_reach(state_.poses[b], state_.twists[b]) && state_.poses[b].q.coeffs().allFinite()) continue;
+    not_finite_ = b;
+    state_ = backup_;
+    return false;
+  }
+  return true;
+}
+
+void ForceLevel::accelerate(const State& state, double h, StepReport& report,
+                            std::vector<Twist>& acceleration) {
+  {
+    const Stopwatch watch(report.times.forces);
+    world_.forces(state, forces_);
+  }
+  {
+    const Stopwatch watch(report.times.assembly);
+    system_.linearize(state);
+    system_.set_mass(state.poses);
+  }
+  if (settings_.drift_cure == DriftCure::kPenalty) {
+    add_penalty_forces(state, forces_);
+    free_accelerations(system_.mass(), state, forces_, acceleration);
+    return;
+  }
+  const bool baumgarte = settings_.drift_cure == DriftCure::kBaumgarte;
+  system_.set_compliance(baumgarte ? settings_.cfm : 0);
+  system_.factorize(report.times);
+
+  const Stopwatch watch(report.times.velocities);
+  free_accelerations(system_.mass(), state, forces_, acceleration);
+  system_.rows().bias(state, state.twists, lambda_);
+  system_.rows().apply(system_.jacobian(), acceleration, rates_);
+  for (int r = 0; r < system_.row_count(); ++r) lambda_[r] += rates_[r];
+  if (baumgarte) {
+    // φ̈ = −φ̇/h − erp φ/h²: takes the joint velocity to −erp φ/h within the step [Baumgarte1972].
+    system_.rows().residual(state, phi_);
+    system_.rows().apply(system_.jacobian(), state.twists, rates_);
+    system_.rows().add_rate(state, rates_);
+    for (int r = 0; r < system_.row_count(); ++r)
+      lambda_[r] += rates_[r] / h + settings_.erp / (h * h) * phi_[r];
+  }
+  for (double& l : lambda_) l = -l;
+  system_.solve(lambda_);
+  system_.rows().apply_transpose(system_.jacobian(), lambda_, joint_wrenches_);
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (system_.mass()[b].fixed) continue;
+    acceleration[b].w += system_.mass().angular_velocity(b, state.poses[b], joint_wrenches_[b].torque);
+    acceleration[b].v += system_.mass()[b].inverse_mass * joint_wrenches_[b].force;
+  }
+}
+
+std::span<const Wrench> ForceLevel::momenta() {
+  for (int b = 0; b < world_.body_count(); ++b)
+    momenta_[b] = system_.mass().momentum(b, state_.poses[b], state_.twists[b]);
+  return momenta_;
+}
+
+/// V₁ = V₀ + h V̇(q₀, V₀), then q₁ = q₀ ⊕ h V₁.
+void ForceLevel::euler(double h, StepReport& report) {
+  accelerate(state_, h, report, acceleration_);
+  for (int r = 0; r < system_.row_count(); ++r) impulses_[r] = h * lambda_[r];
+  add_twists(state_.twists, h, acceleration_, state_.twists);
+  move_poses(system_.mass(), state_.poses, state_.twists, h, state_.poses);
+}
+
+/// Classical Runge–Kutta; rotations as rotation vectors from the start of the step (Munthe-Kaas), so that
+/// order 4 is kept.
+void ForceLevel::runge_kutta(double h, StepReport& report) {
+  constexpr double kNode[] = {0, 0.5, 0.5, 1}, kWeight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  stage_ = state_;
+  for (int b = 0; b < world_.body_count(); ++b) sum_[b] = mean_velocity_[b] = slope_[b] = {};
+  for (int i = 0; i < 4; ++i) {
+    if (i > 0) {
+      move_poses(system_.mass(), state_.poses, slope_, kNode[i] * h, stage_.poses);
+      add_twists(state_.twists, kNode[i] * h, acceleration_, stage_.twists);
+    }
+    stage_.time = state_.time + kNode[i] * h;
+    // slope_ still holds this stage's displacement per time: its rotation vector turns ω into a rate of
+    // rotation vectors.
+    for (int b = 0; b < world_.body_count(); ++b) {
+      const Vec3 theta = kNode[i] * h * slope_[b].w;
+      slope_[b] = {rotation_rate(theta, stage_.twists[b].w), stage_.twists[b].v};
+    }
+    accelerate(stage_, h, report, acceleration_);
+    if (i == 0)
+      for (int r = 0; r < system_.row_count(); ++r) impulses_[r] = h * lambda_[r];
+    add_twists(sum_, kWeight[i], acceleration_, sum_);
+    add_twists(mean_velocity_, kWeight[i], slope_, mean_velocity_);
+  }
+  move_poses(system_.mass(), state_.poses, mean_velocity_, h, state_.poses);
+  add_twists(state_.twists, h, sum_, state_.twists);
+}
+
+/// V += M⁻¹ Jᵀ S⁺ (target − J V − φ_t).
+void ForceLevel::project_velocities(std::span<const double> target, StepReport& report) {
+  system_.set_compliance(0);
+  system_.factorize(report.times);
+  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
+  system_.rows().add_rate(state_, rates_);
+  for (int r = 0; r < system_.row_count(); ++r) delta_[r] = target[r] - rates_[r];
+  system_.solve(delta_);
+  system_.rows().apply_transpose(system_.jacobian(), delta_, joint_wrenches_);
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (system_.mass()[b].fixed) continue;
+    state_.twists[b].w += system_.mass().angular_velocity(b, state_.poses[b], joint_wrenches_[b].torque);
+    state_.twists[b].v += system_.mass()[b].inverse_mass * joint_wrenches_[b].force;
+  }
+}
+
+/// Velocity impulse: J V = −erp φ/h, so that the next step takes out that part of the gap.  After a position
+/// push: J V = 0.
+void ForceLevel::cure_velocities(double h, StepReport& report) {
+  system_.linearize(state_);
+  system_.set_mass(state_.poses);
+  system_.rows().residual(state_, phi_);
+  const double rate = settings_.drift_cure == DriftCure::kVelocityImpulse ? -settings_.erp / h : 0;
+  for (double& p : phi_) p *= rate;
+  project_velocities(phi_, report);
+}
+
+/// Position push: q ← q ⊕ M⁻¹ Jᵀ S⁺ (−erp φ), one step of Gauss–Newton.
+void ForceLevel::cure_positions(StepReport& report) {
+  system_.linearize(state_);
+  system_.set_mass(state_.poses);
+  system_.set_compliance(0);
+  system_.factorize(report.times);
+  system_.rows().residual(state_, phi_);
+  for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -settings_.erp * phi_[r];
+  system_.solve(delta_);
+  system_.rows().apply_transpose(system_.jacobian(), delta_, joint_wrenches_);
+  for (int b = 0; b < world_.body_count(); ++b)
+    mean_velocity_[b] = {system_.mass().angular_velocity(b, state_.poses[b], joint_wrenches_[b].torque),
+                         system_.mass()[b].inverse_mass * joint_wrenches_[b].force};
+  move_poses(system_.mass(), state_.poses, mean_velocity_, 1, state_.poses);
+}
+
+/// Penalty: each row a spring and damper of the set frequency on the row's own inertia 1 / S_rr.  λ = −(k φ +
+/// c φ̇).
+void ForceLevel::add_penalty_forces(const State& state, std::vector<Wrench>& wrenches) {
+  system_.rows().residual(state, phi_);
+  system_.rows().apply(system_.jacobian(), state.twists, rates_);
+  system_.rows().add_rate(state, rates_);
+  system_.row_inertias(penalty_inertia_);
+  const double omega = 2 * std::numbers::pi * settings_.penalty_frequency;
+  for (int r = 0; r < system_.row_count(); ++r)
+    lambda_[r] = -penalty_inertia_[r] *
+                 (omega * omega * phi_[r] + 2 * settings_.penalty_damping_ratio * omega * rates_[r]);
+  system_.rows().apply_transpose(system_.jacobian(), lambda_, joint_wrenches_);
+  for (int b = 0; b < world_.body_count(); ++b) {
+    wrenches[b].torque += joint_wrenches_[b].torque;
+    wrenches[b].force += joint_wrenches_[b].force;
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <vector>
+
+#include "core/world/world.h"
+#include "solvers/common/settings.h"
+#include "solvers/common/step_report.h"
+#include "solvers/system/constraint_system.h"
+
+namespace taut {
+
+class Archive;
+
+/// The force-level scheme: joint forces from the acceleration equation,
+///
+///     (S + Σ) λ = −(γ + J M⁻¹ (f − ω × Iω) + feedback),      V̇ = M⁻¹ (f − ω × Iω + Jᵀ λ),
+///
+/// integrated by semi-implicit Euler or the classical Runge–Kutta method of order 4.  Nothing in it closes
+/// the joints, so that they drift; the cures that the literature compares are settings (DriftCure).
+/// (solvers/README, "Force level")
+class ForceLevel {
+ public:
+  ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings);
+
+  void start(const State& state) { state_ = state; }
+  /// One step of h > 0.  False if the result is not finite; the state is then the old one.
+  [[nodiscard]] bool advance(double h, StepReport& report);
+
+  const State& state() const { return state_; }
+  /// The body that made advance() fail last; else the ground.
+  BodyId not_finite() const { return {not_finite_}; }
+  /// (L, P) of the bodies in world axes.
+  std::span<const Wrench> momenta();
+  /// Joint forces at the start of the last step, times h.
+  const std::vector<double>& impulses() const { return impulses_; }
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
+
+ private:
+  /// V̇ at a state, with multipliers λ.
+  void accelerate(const State& state, double h, StepReport& report, std::vector<Twist>& acceleration);
+  void euler(double h, StepReport& report);
+  void runge_kutta(double h, StepReport& report);
+  void cure_velocities(double h, StepReport& report);
+  void cure_positions(StepReport& report);
+  void add_penalty_forces(const State& state, std::vector<Wrench>& wrenches);
+  void project_velocities(std::span<const double> target, StepReport& report);
+
+  const World& world_;
+  ConstraintSystem& system_;
+  const Settings& settings_;
+  State state_, stage_, backup_;
+  int not_finite_ = 0;
+  std::vector<Wrench> forces_, joint_wrenches_, momenta_;
+  std::vector<Twist> acceleration_, slope_, sum_, mean_velocity_;
+  std::vector<double> lambda_, impulses_, phi_, rates_, delta_, penalty_inertia_;
+};
+
+/// V̇ of the free bodies: M⁻¹ (f − ω × Iω).
+void free_accelerations(const MassMatrix& mass, const State& state, std::span<const Wrench> forces,
+                        std::span<Twist> accelerations);
+
+}  // namespace taut

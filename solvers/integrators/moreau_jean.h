@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include "solvers/integrators/rattle.h"
+
+namespace taut {
+
+/// Moreau–Jean time stepping [Moreau1999], [Jean1999]: the non-smooth scheme of order 1.  One step of length
+/// h from (q₀, p₀), with q_M = q₀ ⊕ h/2 V₀ its predicted middle, V = M(q_M)⁻¹ p and the impulses Λ of the
+/// whole step:
+///
+///   p₁ = p₀ + h f(q_ϑ, V_ϑ, t₀ + ϑh) + J(q_M)ᵀ Λ,     V_ϑ = (1 − ϑ) V₀ + ϑ V₁,   q_ϑ = q₀ ⊕ ϑh V_ϑ
+///   q₁ = q₀ ⊕ h V_ϑ
+///
+/// joints: J V₁ + φ_t = 0;  contacts with gap(q_M) ≤ 0: 0 ≤ Λ_n ⊥ w_n + e w_n⁻ ≥ 0, |Λ_t| ≤ μ Λ_n against
+/// w_t; axes: their laws for the whole step (AxisForces::impulse_laws).  Nothing in it closes positions;
+/// DriftCure::kPositionPush does so for joints and limits after the step.           (solvers/README,
+/// "Moreau–Jean")
+class MoreauJean final : public Rattle {
+ public:
+  MoreauJean(const World& world, ConstraintSystem& system, const Settings& settings);
+
+  /// One step of h > 0; kDone, kStalled or kNotFinite, as Rattle::advance().
+  /// @throws std::invalid_argument if a contact is of materials with compliance; the state is then the old
+  /// one.
+  [[nodiscard]] Outcome advance(double h, StepReport& report) override;
+
+ private:
+  void predict(double h);
+  void go_to_middle(double h, StepReport& report);
+  void begin_laws(double h, StepReport& report);
+  void renew_laws();
+  Outcome find_impulses(double h, StepReport& report);
+  bool solve_stage(StepReport& report);
+  void weigh(double h);
+  Pose moved(int b, double h) const;
+  void book(double h, StepReport& report);
+  bool go_to_end(double h, StepReport& report);
+  bool push_positions(StepReport& report);
+  void note_passed_limit();
+  void keep_impulses(double h);
+
+  double theta_ = 0.5;               // of this step
+  State weighted_;                   // q_ϑ, V_ϑ at t₀ + ϑh, where forces are taken
+  std::vector<Twist> first_twists_;  // V₀
+  std::vector<double> first_axes_;
+  std::vector<AxisForces::Bound> limits_;
+};
+
+}  // namespace taut

@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "solvers/common/stopwatch.h"
+#include "solvers/integrators/rattle.h"
+
+// Contacts in a RATTLE step: found at the end of the drift, they join the rows of the system for the velocity
+// stage of this step and the position stage of the next.  (solvers/README, "Contacts")
+namespace taut {
+namespace {
+
+/// Impacts closer together than this part of a step are one.
+constexpr double kStrikeTogether = 1e-3;
+/// Forces that change by more than this part between steps ask for a new start.
+constexpr double kJump = 0.25;
+
+}  // namespace
+
+void Rattle::inherit_contacts(Rattle& old) {
+  if (contacts_.empty() || old.contacts_.empty()) return;
+  contacts_.inherit(old.contacts_, world_);
+  std::vector<int> from(system_.row_count());
+  std::iota(from.begin(), from.end(), 0);
+  set_places();
+  from.resize(system_.row_count(), -1);
+  move_rows(from);
+}
+
+void Rattle::inherit(const Rattle& old) {
+  axes_.inherit(old.axes_);
+  if (bounded()) take(old.guess());
+}
+
+void Rattle::restart(const State& state, StepReport& report) {
+  if (!bounded()) return start(state, report);
+  const AxisForces axes = axes_;
+  const Guess before = guess();
+  contacts_.keep_memory();
+  start(state, report);
+  axes_.inherit(axes);
+  take(before);
+}
+
+void Rattle::forget(std::span<const char> moved) {
+  axes_.forget(moved);
+  contacts_.forget(moved);
+}
+
+Rattle::Guess Rattle::guess() const {
+  const Rows& rows = system_.rows();
+  return {{rows.joints().begin(), rows.joints().end()}, rows.contact_count(), force_multipliers_, lambda_};
+}
+
+/// Multipliers of the steps before as a guess.  Those of start() know of no contacts, but of loads that are
+/// new: the step limit is that of both.
+void Rattle::take(const Guess& guess) {
+  const Rows& rows = system_.rows();
+  const auto take_rows = [&](const Rows::JointRows& joint, const Rows::JointRows& before) {
+    if (joint.row_count != before.row_count) return;
+    std::copy_n(guess.forces.begin() + before.first_row, before.row_count,
+                force_multipliers_.begin() + joint.first_row);
+    std::copy_n(guess.lambda.begin() + before.first_row, before.row_count, lambda_.begin() + joint.first_row);
+  };
+  const std::size_t joints_before = guess.joints.size() - guess.contacts;
+  const std::size_t joints = std::min(rows.joints().size() - rows.contact_count(), joints_before);
+  for (std::size_t j = 0; j < joints; ++j) take_rows(rows.joints()[j], guess.joints[j]);
+  for (int k = 0; k < rows.contact_count(); ++k)
+    if (const int before = contacts_.inherited(k); before >= 0)
+      take_rows(rows.joints()[rows.contact_joint(k)], guess.joints[joints_before + before]);
+  contacts_.end_inheritance();
+  const double limit = step_limit_, omega = omega_;
+  update_step_limit(force_multipliers_);
+  step_limit_ = std::min(step_limit_, limit);
+  omega_ = std::max(omega_, omega);
+}
+
+bool Rattle::renew_forces() {
+  last_forces_ = forces_;
+  find_forces();
+  double change = 0, size = 0;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (!system_.inverse_mass(b).moves()) continue;
+    change = std::max({change, (forces_[b].force - last_forces_[b].force).norm(),
+                       (forces_[b].torque - last_forces_[b].torque).norm()});
+    size = std::max({size, last_forces_[b].force.norm(), last_forces_[b].torque.norm()});
+  }
+  return change <= kJump * size;
+}
+
+void Rattle::start_contacts() {
+  if (contacts_.start(world_, state_, horizon_))
+    take_over_places();
+  else
+    contacts_.give_points(system_);
+}
+
+/// Contacts at q₁, with the velocities of the drift.
+void Rattle::find_contacts() {
+  std::swap(momenta_, kicked_);
+  twists_from_momenta();
+  std::swap(momenta_, kicked_);
+  if (contacts_.move_on(world_, state_, horizon_))
+    take_over_places();
+  else
+    contacts_.give_points(system_);
+}
+
+/// New places: a new pattern.  What belongs to rows of joints stays, also that of contacts which go on.
+void Rattle::take_over_places() {
+  const int joint_rows = system_.rows().first_contact_row();
+  const std::vector<int> old_first(contacts_.first_rows().begin(), contacts_.first_rows().end());
+  set_places();
+  const int rows = system_.row_count();
+  std::vector<int> from(rows, -1);
+  for (int r = 0; r < joint_rows; ++r) from[r] = r;
+  const std::span<const int> origin = contacts_.set().origin();
+  for (std::size_t k = 0; k < origin.size(); ++k) {
+    if (origin[k] < 0) continue;
+    const int count = contacts_.set().places()[k].at.twist ? 6 : 3;
+    for (int i = 0; i < count; ++i)
+      from[contacts_.first_row(static_cast<int>(k)) + i] = old_first[origin[k]] + i;
+  }
+  move_rows(from);
+  contacts_.give_points(system_);
+}
+
+void Rattle::set_places() {
+  pieces_scratch_.assign(active_->pieces().begin(), active_->pieces().end());
+  system_.set_contact_places(world_, contacts_.set().rows());
+  contacts_.set_rows(system_.rows());
+}
+
+/// All that has rows, to those of the new places: `from` says for each row which one it was, −1 for none.
+void Rattle::move_rows(std::span<const int> from) {
+  const int rows = system_.row_count();
+  for (auto* values :
+       {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_, &force_multipliers_,
+        &asymmetry_, &last_asymmetry_, &start_theta_, &rates_, &kick_rates_, &inertia_, &w_}) {
+    row_scratch_.assign(rows, 0.0);
+    for (int r = 0; r < rows; ++r)
+      if (from[r] >= 0) row_scratch_[r] = (*values)[from[r]];
+    values->swap(row_scratch_);
+  }
+  std::vector<RowLaw> laws(rows, RowLaw::none());
+  std::vector<int> pieces(rows, -1);
+  for (int r = 0; r < rows; ++r) {
+    if (from[r] < 0) continue;
+    laws[r] = laws_[from[r]];
+    pieces[r] = pieces_scratch_[from[r]];
+  }
+  laws_ = std::move(laws);
+  active_.emplace(system_);
+  contact_solver_.reset();
+  islands_.forget_pattern();
+  active_->set_pieces(pieces, laws_);
+  start_jacobian_.assign(system_.jacobian().size(), 0.0);
+  system_.release_bounded_rows();
+}
+
+/// Rates of the contact rows in the drift: J(q₀) M⁻¹ p.  The momenta stay, so that is what counts, and not
+/// how far points have come that were in contact at the start.
+void Rattle::contact_rates() {
+  mean_rates(kicked_, kicked_, kick_jacobian(), w_);
+  std::copy(w_.begin() + system_.rows().first_contact_row(), w_.end(),
+            rates_.begin() + system_.rows().first_contact_row());
+}
+
+/// Turned tangents: in all that has a row, then in J and its factor.
+void Rattle::turn_contacts(std::span<double> lambda, StepReport& report) {
+  for (const ContactLaws::Turn& turn : contacts_.turns()) {
+    const int first = contacts_.first_row(turn.place);
+    const int count = contacts_.set().places()[turn.place].at.twist ? 6 : 3;
+    for (std::span<double> values :
+         {lambda, std::span<double>(rates_), std::span<double>(delta_), std::span<double>(guess_)})
+      for (int r = first + 1; r < first + count; r += 3) {
+        const double a = values[r], b = values[r + 1];
+        values[r] = turn.cos * a + turn.sin * b;
+        values[r + 1] = turn.cos * b - turn.sin * a;
+      }
+  }
+  contacts_.turned(system_);
+  if (refactored_)
+    std::copy_n(system_.jacobian().begin() + contact_offset(), start_jacobian_.size() - contact_offset(),
+                start_jacobian_.begin() + contact_offset());
+  system_.factorize(report.times);
+}
+
+/// Where the Jacobian of contact rows begins, which are the last.
+std::size_t Rattle::contact_offset() const {
+  const Rows& rows = system_.rows();
+  if (rows.contact_count() == 0) return rows.jacobian_size();
+  return rows.sides()[rows.joints()[rows.contact_joint(0)].first_side].offset;
+}
+
+/// The first of the impacts that were sought; those at that time are due.
+double Rattle::first_impact(double h) {
+  const double first =
+      std::max(std::min(axes_.first_impact(rates_), contacts_.first_impact(rates_)), kStrikeTogether * h);
+  axes_.take_impacts(first + kStrikeTogether * h, rates_);
+  contacts_.take_impacts(first + kStrikeTogether * h, rates_);
+  return first > (1 - kStrikeTogether) * h ? h : first;
+}
+
+}  // namespace taut

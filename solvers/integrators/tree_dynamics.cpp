@@ -1,0 +1,163 @@
+#include "solvers/integrators/tree_dynamics.h"
+
+#include <algorithm>
+
+#include "core/base/check.h"
+
+namespace taut {
+
+TreeDynamics::TreeDynamics(const World& world)
+    : world_(world), rows_(world, Rows::AxisRows::kLeftOut), mass_(world) {
+  std::vector<char> reached(world.body_count(), 0), used(rows_.joints().size(), 0);
+  for (std::size_t j = 0; j < used.size(); ++j) check_joint(static_cast<int>(j));
+  for (int b = 0; b < world.body_count(); ++b) reached[b] = mass_[b].fixed;
+  for (int b = 0; b < world.body_count(); ++b)
+    if (mass_[b].fixed) grow(b, reached, used);
+  for (int b = 0; b < world.body_count(); ++b) {
+    if (reached[b]) continue;
+    reached[b] = 1;
+    branches_.push_back({.body = b});
+    grow(b, reached, used);
+  }
+}
+
+void TreeDynamics::check_joint(int j) const {
+  const JointId id{j};
+  const Rows::JointRows& joint = rows_.joints()[j];
+  if (joint.row_count == 0 && !world_.is_attached(id)) return;
+  if (joint.side_count > 2) fail("joint", "must have two bodies in a tree", world_.name(id));
+  if (world_.compliance(id)) fail("joint", "must not be soft in a tree", world_.name(id));
+  if (world_.has_axis_properties(id))
+    fail("joint", "must have no limits, motor, friction or spring in a tree", world_.name(id));
+}
+
+/// All that hangs on a body, breadth first.
+void TreeDynamics::grow(int root, std::vector<char>& reached, std::vector<char>& used) {
+  std::vector<int> bodies{root};
+  for (std::size_t at = 0; at < bodies.size(); ++at)
+    for (int s : rows_.sides_of(bodies[at])) {
+      const Rows::Side& side = rows_.sides()[s];
+      const Rows::JointRows& joint = rows_.joints()[side.block];
+      if (used[side.block] || joint.row_count == 0) continue;
+      const Rows::Side& other = rows_.sides()[s == joint.first_side ? s + 1 : joint.first_side];
+      used[side.block] = 1;
+      if (reached[other.body])
+        fail("joint", "closes a loop, which a tree has not", world_.name(std::get<JointId>(joint.owner)));
+      reached[other.body] = 1;
+      bodies.push_back(other.body);
+      branches_.push_back(
+          {other.body, side.body, joint.first_row, joint.row_count, other.offset, side.offset});
+    }
+}
+
+std::vector<TreeDynamics::Motion> TreeDynamics::motions(const State& state) const {
+  using Block = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>>;
+  const Configuration at(state);
+  std::vector<double> jacobian(rows_.jacobian_size()), gamma(rows_.row_count());
+  rows_.jacobian(at, jacobian);
+  rows_.bias(at, state.twists, gamma);
+  std::vector<Motion> motions(branches_.size());
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    const Branch& branch = branches_[k];
+    if (branch.row_count == 0) continue;
+    const Block J_b(jacobian.data() + branch.offset, branch.row_count, 6);
+    const Block J_p(jacobian.data() + branch.parent_offset, branch.row_count, 6);
+    const Eigen::Map<const Eigen::VectorXd> bias(gamma.data() + branch.first_row, branch.row_count);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J_b, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    motions[k].X = -svd.solve(J_p);
+    motions[k].c = -svd.solve(bias);
+    motions[k].S = svd.matrixV().rightCols(6 - svd.rank());
+  }
+  return motions;
+}
+
+int TreeDynamics::freedoms(const State& state) const {
+  int sum = 0;
+  for (const Motion& motion : motions(state)) sum += static_cast<int>(motion.S.cols());
+  return sum;
+}
+
+/// M and ω × Iω − f, by body.
+void TreeDynamics::inertias(const State& state, std::vector<Matrix6>& inertia,
+                            std::vector<Vector6>& bias) const {
+  const int bodies = world_.body_count();
+  std::vector<Wrench> forces(bodies);
+  world_.forces(state, forces);
+  inertia.assign(bodies, Matrix6::Zero());
+  bias.assign(bodies, Vector6::Zero());
+  for (int b = 0; b < bodies; ++b) {
+    if (mass_[b].fixed) continue;
+    const Mat3 R = mass_.principal_axes(b, state.poses[b]);
+    const Vec3& w = state.twists[b].w;
+    inertia[b].topLeftCorner<3, 3>() = R * mass_.inertia(b).moments.asDiagonal() * R.transpose();
+    inertia[b].bottomRightCorner<3, 3>() = mass_.inertia(b).mass * Mat3::Identity();
+    bias[b] << w.cross(mass_.angular_momentum(b, state.poses[b], w)) - forces[b].torque, -forces[b].force;
+  }
+}
+
+std::vector<Twist> TreeDynamics::recursive(const State& state) const {
+  const std::vector<Motion> motion = motions(state);
+  std::vector<Matrix6> inertia;
+  std::vector<Vector6> bias, a(world_.body_count(), Vector6::Zero());
+  inertias(state, inertia, bias);
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> own(branches_.size());  // Sᵀ I S of the articulated bodies
+  for (std::size_t k = branches_.size(); k-- > 0;) {
+    const Branch& branch = branches_[k];
+    const auto& [X, c, S] = motion[k];
+    const Matrix6& I = inertia[branch.body];
+    const Vector6 p = bias[branch.body] + I * c;
+    const Eigen::MatrixXd U = I * S;
+    own[k].compute(S.transpose() * U);
+    if (branch.row_count == 0) continue;
+    // What the parent feels of it, whatever its own speeds do.
+    const Matrix6 felt = I - U * own[k].solve(U.transpose());
+    inertia[branch.parent] += X.transpose() * felt * X;
+    bias[branch.parent] += X.transpose() * (p - U * own[k].solve(S.transpose() * p));
+  }
+  std::vector<Twist> result(world_.body_count());
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    const Branch& branch = branches_[k];
+    const auto& [X, c, S] = motion[k];
+    const Vector6 carried = X * (branch.row_count > 0 ? a[branch.parent] : Vector6(Vector6::Zero())) + c;
+    const Vector6 p = bias[branch.body] + inertia[branch.body] * carried;
+    a[branch.body] = carried - S * own[k].solve(S.transpose() * p);
+    result[branch.body] = {a[branch.body].head<3>(), a[branch.body].tail<3>()};
+  }
+  return result;
+}
+
+std::vector<Twist> TreeDynamics::lagrangian(const State& state) const {
+  const std::vector<Motion> motion = motions(state);
+  std::vector<Matrix6> inertia;
+  std::vector<Vector6> bias;
+  inertias(state, inertia, bias);
+  const int bodies = world_.body_count();
+  Eigen::Index freedoms = 0;
+  for (const Motion& m : motion) freedoms += m.S.cols();
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(6 * bodies, freedoms);
+  Eigen::VectorXd a0 = Eigen::VectorXd::Zero(6 * bodies);
+  Eigen::Index first = 0;
+  for (std::size_t k = 0; k < branches_.size(); ++k) {
+    const Branch& branch = branches_[k];
+    const auto& [X, c, S] = motion[k];
+    const int row = 6 * branch.body, parent = 6 * branch.parent;
+    if (branch.row_count > 0) {
+      G.middleRows<6>(row) = X * G.middleRows<6>(parent);
+      a0.segment<6>(row) = X * a0.segment<6>(parent) + c;
+    }
+    G.block(row, first, 6, S.cols()) += S;
+    first += S.cols();
+  }
+  Eigen::MatrixXd MG = Eigen::MatrixXd::Zero(6 * bodies, freedoms);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(6 * bodies);
+  for (int b = 0; b < bodies; ++b) {
+    MG.middleRows<6>(6 * b) = inertia[b] * G.middleRows<6>(6 * b);
+    force.segment<6>(6 * b) = -bias[b] - inertia[b] * a0.segment<6>(6 * b);
+  }
+  const Eigen::VectorXd a = a0 + G * (G.transpose() * MG).llt().solve(G.transpose() * force);
+  std::vector<Twist> result(bodies);
+  for (int b = 0; b < bodies; ++b) result[b] = {a.segment<3>(6 * b), a.segment<3>(6 * b + 3)};
+  return result;
+}
+
+}  // namespace taut

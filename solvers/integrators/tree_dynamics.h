@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "core/constraints/rows.h"
+#include "core/world/world.h"
+#include "solvers/system/mass_matrix.h"
+
+namespace taut {
+
+/// Accelerations of a world whose joints form trees, in reduced coordinates: references for the multipliers,
+/// with no S and no λ in them.
+///
+/// Joint k of body b and its parent p, with the rows J_p a_p + J_b a_b + γ = 0, leaves
+///
+///     a_b = X a_p + c + S u̇,    X = −J_b⁺ J_p,   c = −J_b⁺ γ,   S = null space of J_b (1)
+///
+/// where a = (ω̇, v̇) in world axes about the centre of mass and u are the joint's own speeds.
+/// (solvers/README, "Reduced coordinates")
+class TreeDynamics {
+ public:
+  /// The world must live on, with the topology that it has.
+  /// @throws std::invalid_argument for a joint that closes a loop or has more than two bodies, is soft, or
+  /// has limits, a motor, friction or a spring on an axis.
+  explicit TreeDynamics(const World& world);
+
+  /// Number of speeds u.
+  int freedoms(const State& state) const;
+  /// V̇ of all bodies, 0 for fixed ones, by recursion from the leaves to the roots and back: articulated
+  /// bodies in O(n) [Featherstone2008].
+  std::vector<Twist> recursive(const State& state) const;
+  /// The same by Lagrange's equations H u̇ = Gᵀ (f − M a₀), H = Gᵀ M G dense, with a = G u̇ + a₀: O(n³).
+  std::vector<Twist> lagrangian(const State& state) const;
+
+ private:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Subspace = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+
+  /// A moving body and the joint to its parent; row_count 0: none, it is free.
+  struct Branch {
+    int body = 0, parent = 0;
+    int first_row = 0, row_count = 0;
+    int offset = 0, parent_offset = 0;  ///< of the two sides in the Jacobian values
+  };
+  /// (1) in one state.
+  struct Motion {
+    Matrix6 X = Matrix6::Zero();
+    Vector6 c = Vector6::Zero();
+    Subspace S = Matrix6::Identity();
+  };
+  void check_joint(int joint) const;
+  void grow(int root, std::vector<char>& reached, std::vector<char>& used);
+  std::vector<Motion> motions(const State& state) const;
+  void inertias(const State& state, std::vector<Matrix6>& inertia, std::vector<Vector6>& bias) const;
+
+  const World& world_;
+  Rows rows_;
+  MassMatrix mass_;
+  std::vector<Branch> branches_;  // parents before their children
+};
+
+}  // namespace taut

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/world/world.h"
+#include "solvers/common/step_report.h"
+#include "solvers/system/constraint_system.h"
+
+namespace taut {
+
+class Archive;
+
+/// Joints that leave within a step because their load exceeds what they bear: which, when, and the rows that
+/// are out of the system from then on.                                       (solvers/README, "Breaking")
+class Breaking {
+ public:
+  Breaking(const World& world, const Rows& rows);
+
+  bool possible() const { return !world_.breakable().empty(); }
+  /// Mean loads over a sub-step of h with these impulses of the rows, at its end.  True if a
+  /// joint bears less; the sub-step is then to be taken back, and again: of length time_to_break() if that is
+  /// positive, or at once without the joints in overloaded().
+  bool check(const ConstraintSystem& system, const State& end, std::span<const double> impulses, double h);
+  double time_to_break() const { return time_to_break_; }
+  std::span<const JointId> overloaded() const { return overloaded_; }
+  /// Joints whose time has come with the end of an accepted sub-step; moves them to overloaded().
+  bool due(double time);
+  bool any_due() const { return !due_.empty(); }
+  /// The overloaded joints, and those that couple their axes, are out from the state on.
+  void release(const State& state);
+
+  /// Rows of all joints that are out, and whether one is.
+  std::span<const int> rows() const { return rows_; }
+  bool any() const { return !rows_.empty() || !events_.empty(); }
+  std::span<const BreakEvent> events() const { return events_; }
+  /// Loads jump: no interpolation between sub-steps across this.
+  void forget_loads() { has_loads_ = false; }
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
+
+ private:
+  struct Load {
+    double force = 0, torque = 0, ratio = 0;
+  };
+  Load load_of(const ConstraintSystem& system, const State& end, std::span<const double> impulses,
+               const std::pair<JointId, BreakLimits>& joint, double h) const;
+  bool is_out(JointId joint) const;
+  double time_to_limit(std::size_t i, double h) const;
+
+  const World& world_;
+  const Rows& all_rows_;
+  std::vector<Load> loads_, last_loads_;  // in the order of World::breakable()
+  bool has_loads_ = false;                // last_loads_ are those of the sub-step just before
+  double last_h_ = 0, time_to_break_ = 0, due_time_ = 0;
+  int shortened_ = 0;  // sub-steps that were shortened to a break since the last release
+  std::vector<JointId> overloaded_, due_;
+  std::vector<int> rows_;
+  std::vector<BreakEvent> events_;
+};
+
+}  // namespace taut

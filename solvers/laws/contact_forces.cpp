@@ -1,0 +1,431 @@
+#include "solvers/laws/contact_forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace taut {
+namespace {
+
+/// Tangents slower than this at the start of a step are first tried as sticking [m/s].
+constexpr double kRestingSlip = 1e-9;
+/// Times of impact looked for in one step; more impacts end with their sub-step.
+constexpr int kMostContactImpacts = 16;
+
+}  // namespace
+
+ContactForces::ContactForces(const World& world, const Settings& settings)
+    : ContactLaws(table_), wanted_(settings.contacts), table_(world, settings) {
+  for (int b = 0; b < world.body_count(); ++b) table_.moves.push_back(world.moves({b}));
+}
+
+void ContactForces::inherit(ContactForces& old, const World& world) {
+  const ContactSet::Heritage from = table_.set.inherit(old.table_.set, world);
+  const int places = static_cast<int>(old.table_.points.size());
+  const auto point = [&](int k) {
+    return k < places ? old.table_.points[k] : old.resting_points_[k - places];
+  };
+  for (int k : from.places) {
+    inherited_.push_back(k < places ? k : -1);
+    table_.points.push_back(point(k));
+  }
+  for (int k : from.resting) resting_points_.push_back(point(k));
+  table_.impacts.resize(table_.points.size());
+  before_ = table_.points;
+  impacts_before_ = table_.impacts;
+}
+
+void ContactForces::keep_memory() {
+  inherited_.resize(table_.points.size());
+  std::iota(inherited_.begin(), inherited_.end(), 0);
+}
+
+void ContactForces::forget(std::span<const char> moved) {
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    const Rows::ContactPlace& at = table_.set.places()[k].at;
+    if (!moved[at.a] && !moved[at.b]) continue;
+    const bool active = table_.points[k].active;
+    table_.points[k] = {};
+    table_.points[k].active = active;
+  }
+  for (std::size_t k = 0; k < resting_points_.size(); ++k) {
+    const Rows::ContactPlace& at = table_.set.resting()[k].at;
+    if (moved[at.a] || moved[at.b]) resting_points_[k] = {};
+  }
+}
+
+bool ContactForces::start(const World& world, const State& state, double horizon) {
+  const bool changed = table_.set.find(world, state, horizon);
+  if (inherited_.empty())
+    table_.points.assign(table_.set.places().size(), {});
+  else
+    remap();
+  table_.impacts.assign(table_.set.places().size(), {});
+  for (int k = 0; k < std::ssize(table_.points); ++k) table_.points[k].active = table_.set.places()[k].active;
+  take_up_recalled(world);
+  before_ = table_.points;
+  impacts_before_ = table_.impacts;
+  return changed;
+}
+
+void ContactForces::take_up_recalled(const World& world) {
+  for (const ContactStretch& known : recalled_) {
+    const int k = table_.set.place_near(world, known.a, known.b, known.p_AP);
+    if (k < 0 || table_.set.places()[k].material.compliance == 0) continue;
+    Point& point = table_.points[k];
+    point.slipped = known.stretch;
+    point.stuck = known.holds;
+    point.fresh = false;
+  }
+  recalled_.clear();
+}
+
+std::vector<ContactStretch> ContactForces::stretches() const {
+  std::vector<ContactStretch> stretches;
+  const auto add = [&](const ContactSet::Place& place, const Point& point) {
+    if (place.active && place.material.compliance > 0 && !point.slipped.isZero(0))
+      stretches.push_back({place.contact.a, place.contact.b, place.contact.p_AP, point.slipped, point.stuck});
+  };
+  for (std::size_t k = 0; k < table_.points.size(); ++k) add(table_.set.places()[k], table_.points[k]);
+  for (std::size_t k = 0; k < resting_points_.size(); ++k) add(table_.set.resting()[k], resting_points_[k]);
+  return stretches;
+}
+
+bool ContactForces::move_on(const World& world, const State& state, double horizon) {
+  const bool changed = table_.set.find(world, state, horizon);
+  remap();
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    const ContactSet::Place& place = table_.set.places()[k];
+    Point& point = table_.points[k];
+    point.active = place.active;
+    point.gap = place.contact.gap;
+    // Where it ends the drift it slips at another rate than where it began it: the mean is what it slipped.
+    if (point.slip && (place.slip - *point.slip).norm() > kRestingSlip)
+      point.slipped += 0.5 * table_.h * (place.slip - *point.slip);
+    point.slip.reset();
+    point.touching = place.active &&
+                     (point.gap <= kTouch || point.pressed || table_.impacts[k].stage == Impact::Stage::kDue);
+    // A first guess: both kicks alike, and the slip along t₁.
+    for (Disc* disc : {&point.sliding, &point.rolling}) {
+      disc->bound *= 2;
+      disc->weight *= 2;
+      disc->direction = Vec2::UnitX();
+    }
+    point.spin_bound *= 2;
+  }
+  return changed;
+}
+
+/// Memory follows the contacts to their places.
+void ContactForces::remap() {
+  const std::span<const int> origin = table_.set.origin(), moved = table_.set.moved();
+  std::vector<char>& goes_on = goes_on_;
+  goes_on.assign(table_.points.size(), 0);
+  for (int from : origin)
+    if (from >= 0) goes_on[from] = 1;
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (!goes_on[k]) keep_report(k);
+  const auto map = [](auto& values, std::span<const int> from, auto& scratch) {
+    scratch.clear();
+    for (int k : from)
+      scratch.push_back(k >= 0 ? values[k] : typename std::decay_t<decltype(values)>::value_type{});
+    values.swap(scratch);
+  };
+  map(table_.points, origin, point_scratch_);
+  map(table_.impacts, origin, impact_scratch_);
+  map(before_, moved, point_scratch_);
+  map(impacts_before_, moved, impact_scratch_);
+}
+
+void ContactForces::set_rows(const Rows& rows) {
+  std::vector<int> places(rows.contact_count());
+  std::iota(places.begin(), places.end(), 0);
+  choose(places, rows);
+}
+
+/// Also of places that are not in use, whose rows are left out but have rates all the same.
+void ContactForces::give_points(ConstraintSystem& system) const {
+  for (int k = 0; k < std::ssize(table_.points); ++k) system.set_contact(k, table_.set.places()[k].point);
+}
+
+/// What roll_back() needs.
+void ContactForces::remember(double h) {
+  table_.h = h;
+  table_.in_velocities = false;
+  before_ = table_.points;
+  impacts_before_ = table_.impacts;
+  work_before_ = work_;
+  departed_before_ = departed_.size();
+}
+
+void ContactForces::begin(double h, std::span<const double> rates, std::span<const double> inertia) {
+  remember(h);
+  set_inertia(inertia);
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    Point& point = table_.points[k];
+    const ContactSet::Place& place = table_.set.places()[k];
+    point.live = point.active;
+    if (!point.active) continue;
+    point.gap = place.contact.gap;
+    point.approach = rates[first_row_[k]];
+    const int row = first_row_[k];
+    // What starts at rest holds with static friction.
+    const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
+    point.stuck = point.stuck || (point.fresh && point.gap <= kTouch && rests);
+    point.fresh = point.broken = point.pressed = false;
+    point.back = point.spin_given = 0;
+    point.sliding.given = point.rolling.given = Vec2::Zero();
+    // What it has slipped since it sticks is taken back.
+    const row_parts::ContactFrame& frame = place.point.frame;
+    point.sliding.target = -Vec2(frame.t1.dot(point.slipped), frame.t2.dot(point.slipped)) / h;
+    point.rolling.target = Vec2::Zero();
+    aim_discs(k, rates);
+  }
+  set_soft_laws();
+}
+
+/// A first guess: what slips goes on slipping.
+void ContactForces::aim_discs(int k, std::span<const double> rates) {
+  Point& point = table_.points[k];
+  const auto aim = [&](Disc& disc, int first) {
+    const Vec2 slip(rates[first], rates[first + 1]);
+    disc.slips = !point.stuck && slip.norm() > kRestingSlip && std::isfinite(disc.bound);
+    if (disc.slips) {
+      disc.direction = slip.normalized();
+      disc.weight = disc.bound / slip.norm();
+    }
+  };
+  aim(point.sliding, first_row_[k] + 1);
+  if (has_twist(k)) aim(point.rolling, first_row_[k] + 4);
+}
+
+void ContactForces::begin_single_kick(double h) {
+  remember(h);
+  table_.single_kick = true;
+  for (Point& point : table_.points) {
+    point.broken = point.pressed = false;
+    point.back = point.spin_given = 0;
+    point.first = point.first_torque = point.slipped = Vec3::Zero();
+    for (Disc* disc : {&point.sliding, &point.rolling}) disc->given = disc->target = Vec2::Zero();
+  }
+}
+
+void ContactForces::begin_impulses(std::span<const double> rates, std::span<const double> inertia) {
+  set_inertia(inertia);
+  table_.in_velocities = true;
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    Point& point = table_.points[k];
+    point.live = point.active && point.touching;
+    if (!point.active) continue;
+    const int row = first_row_[k];
+    point.approach = rates[row];
+    const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
+    point.stuck = point.stuck || (point.fresh && rests);
+    point.fresh = false;
+    aim_discs(k, rates);
+  }
+}
+
+void ContactForces::roll_back(bool moved_on) {
+  if (moved_on) {
+    table_.set.undo();
+    table_.impacts = impacts_before_;
+  }
+  table_.points = before_;
+  work_ = work_before_;
+  departed_.resize(departed_before_);
+}
+
+bool ContactForces::seek_impacts(std::span<const double> w) {
+  if (impact_count_ >= kMostContactImpacts) return false;
+  bool any = false;
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    const Point& point = table_.points[k];
+    Impact& impact = table_.impacts[k];
+    if (!point.active || table_.set.places()[k].material.restitution == 0 || impact.spent ||
+        impact.stage != Impact::Stage::kNone || point.gap <= kTouch ||
+        point.approach > -table_.resting_speed || impact_is_seen(k))
+      continue;
+    const double stop = -point.gap / table_.h;
+    if (w[first_row_[k]] > stop + 1e-9 * (1 + std::abs(stop))) continue;
+    impact.stage = Impact::Stage::kSought;
+    any = true;
+  }
+  if (any) ++impact_count_;
+  return any;
+}
+
+/// Root of  gap + w₀ s + (w − w₀) s²/h = 0  in (0, h]; h if the points do not meet.
+double ContactForces::crossing(int k, double w) const {
+  const Point& point = table_.points[k];
+  const auto gap_at = [&](double s) {
+    return point.gap + point.approach * s + (w - point.approach) * s * s / table_.h;
+  };
+  double low = 0, high = table_.h;
+  if (gap_at(high) >= 0) return table_.h;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (gap_at(middle) > 0 ? low : high) = middle;
+  }
+  return high;
+}
+
+double ContactForces::first_impact(std::span<const double> w) const {
+  double first = table_.h;
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (table_.impacts[k].stage == Impact::Stage::kSought)
+      first = std::min(first, crossing(k, w[first_row_[k]]));
+  return first;
+}
+
+void ContactForces::take_impacts(double until, std::span<const double> w) {
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    Impact& impact = table_.impacts[k];
+    if (impact.stage != Impact::Stage::kSought) {
+      impact.stage = Impact::Stage::kNone;
+      continue;
+    }
+    const double mean = w[first_row_[k]], s = crossing(k, mean);
+    impact.stage = s <= until ? Impact::Stage::kDue : Impact::Stage::kNone;
+    impact.rate = table_.points[k].approach + 2 * (mean - table_.points[k].approach) * s / table_.h;
+  }
+}
+
+void ContactForces::forget_impacts(bool for_good) {
+  for (Impact& impact : table_.impacts) {
+    if (for_good && impact.stage != Impact::Stage::kNone) impact.spent = true;
+    impact.stage = Impact::Stage::kNone;
+  }
+}
+
+/// Impulses of rows as world vectors, and their work.
+void ContactForces::book(int k, std::span<const double> lambda, std::span<const double> rates) {
+  Point& point = table_.points[k];
+  const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
+  const int row = first_row_[k];
+  Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    impulse += lambda[row + i] * frame.direction(i);
+    (i == 0 ? work_.normal : work_.friction) += lambda[row + i] * rates[row + i];
+    if (!has_twist(k)) continue;
+    torque += lambda[row + 3 + i] * frame.direction(i);
+    work_.friction += lambda[row + 3 + i] * rates[row + 3 + i];
+  }
+  point.first = impulse;
+  point.first_torque = torque;
+  point.impulse += impulse;
+  point.torque += torque;
+}
+
+void ContactForces::keep(std::span<const double> lambda, std::span<const double> w,
+                         std::span<const double> rates) {
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    Point& point = table_.points[k];
+    if (!point.active) continue;
+    const int row = first_row_[k];
+    book(k, lambda, rates);
+    point.pressed = lambda[row] > 0;
+    point.slip.reset();
+    // The slip of this step while it holds: what is left of the target.
+    if (!point.sliding.slips && point.pressed) {
+      const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
+      const Vec3 slip = w[row + 1] * frame.t1 + w[row + 2] * frame.t2;
+      point.slipped += table_.h * slip;
+      if (compliance(k) == 0) point.slip = slip;
+    } else if (const double C = compliance(k); C > 0 && point.pressed) {
+      const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
+      point.slipped = -2 * C / table_.h * (lambda[row + 1] * frame.t1 + lambda[row + 2] * frame.t2);
+    } else {
+      point.slipped = Vec3::Zero();
+    }
+  }
+}
+
+void ContactForces::begin_velocities(std::span<const double> rates, std::span<const double> inertia) {
+  set_inertia(inertia);
+  table_.in_velocities = true;
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    Point& point = table_.points[k];
+    point.live = point.active && point.touching;
+    if (!point.active) continue;
+    if (point.fresh) point.approach = rates[first_row_[k]];
+    const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
+    point.back = std::max(0.0, frame.n.dot(point.first));
+    point.sliding.given = Vec2(frame.t1.dot(point.first), frame.t2.dot(point.first));
+    point.rolling.given = Vec2(frame.t1.dot(point.first_torque), frame.t2.dot(point.first_torque));
+    point.spin_given = frame.n.dot(point.first_torque);
+    point.sliding.target = point.rolling.target = Vec2::Zero();
+  }
+  set_soft_laws();
+}
+
+void ContactForces::finish(std::span<const double> mu, std::span<const double> rates, double time) {
+  struck_ = false;
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    Point& point = table_.points[k];
+    Impact& impact = table_.impacts[k];
+    if (impact.stage == Impact::Stage::kDue) {
+      struck_ = impact.spent = true;
+      point.impact_time = time;
+    }
+    impact.stage = Impact::Stage::kNone;
+    if (!point.active) continue;
+    if (point.touching && point.approach < -table_.resting_speed && compliance(k) == 0) {
+      struck_ = true;
+      point.impact_time = time;
+    }
+    book(k, mu, rates);
+    const int row = first_row_[k];
+    const bool pressed = point.touching && point.back + mu[row] > 0;
+    const bool held = pressed && !point.sliding.slips;
+    const bool stretched = compliance(k) > 0 ? pressed : held && point.stuck;
+    if (!stretched) point.slipped = Vec3::Zero();
+    point.stuck = held;
+    point.slid = pressed && !held;
+    // The next first kick gives half of it.
+    for (Disc* disc : {&point.sliding, &point.rolling}) {
+      disc->bound *= 0.5;
+      disc->given = Vec2::Zero();
+    }
+    point.spin_bound *= 0.5;
+    point.spin_given = 0;
+  }
+}
+
+void ContactForces::keep_report(int k) {
+  const Point& point = table_.points[k];
+  if (point.impulse.isZero(0) && point.torque.isZero(0)) return;
+  // table_.set has moved on; the contact of before is still known under its old place.
+  ContactReport report;
+  report.contact = table_.set.contact_before(k);
+  report.force = point.impulse;
+  report.torque = point.torque;
+  report.normal_force = report.contact.normal.dot(point.impulse);
+  report.impact_time = point.impact_time;
+  departed_.push_back(report);
+}
+
+std::vector<ContactReport> ContactForces::reports() const {
+  std::vector<ContactReport> reports = departed_;
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    const Point& point = table_.points[k];
+    if (!point.active) continue;
+    const Contact& contact = table_.set.places()[k].contact;
+    reports.push_back({contact, point.impulse, point.torque, contact.normal.dot(point.impulse), point.slid,
+                       point.impact_time});
+  }
+  return reports;
+}
+
+void ContactForces::clear_reports() {
+  departed_.clear();
+  work_ = {};
+  impact_count_ = 0;
+  for (Point& point : table_.points) {
+    point.impulse = point.torque = Vec3::Zero();
+    point.impact_time.reset();
+  }
+  for (Impact& impact : table_.impacts) impact = {};
+}
+
+}  // namespace taut

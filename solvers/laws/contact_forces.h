@@ -1,0 +1,121 @@
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "solvers/common/contact_report.h"
+#include "solvers/common/settings.h"
+#include "solvers/laws/contact_laws.h"
+
+namespace taut {
+
+class Archive;
+
+/// All contacts of a world as laws (contact_laws.h), with what they remember from step to step, their impacts
+/// and their books.
+class ContactForces final : public ContactLaws {
+ public:
+  ContactForces(const World& world, const Settings& settings);
+
+  bool empty() const { return !wanted_ || table_.set.empty(); }
+  /// Some are there: touching or near.
+  bool any() const {
+    const auto places = table_.set.places();
+    return wanted_ &&
+           std::any_of(places.begin(), places.end(), [](const auto& place) { return place.active; });
+  }
+  const ContactSet& set() const { return table_.set; }
+  /// For the laws of some of them.
+  ContactTable& table() { return table_; }
+
+  /// New start: contacts at this state.  True if the places changed.
+  bool start(const World& world, const State& state, double horizon);
+  /// What is known of contacts by the forces of the same world before its pattern changed; to be called
+  /// before start().
+  void inherit(ContactForces& old, const World& world);
+  /// The next start() keeps what is known.
+  void keep_memory();
+  /// The next start() stretches contacts so; p_AP is in the bodies of this world.  What is not there then is
+  /// left out.
+  void recall(std::vector<ContactStretch> stretches) { recalled_ = std::move(stretches); }
+  /// Those of compliant contacts that press, also of bodies that sleep.
+  std::vector<ContactStretch> stretches() const;
+  /// Nothing is known of contacts of bodies that were moved.
+  void forget(std::span<const char> moved);
+  /// The place there that a place continues, −1 for none, after start().
+  int inherited(int place) const {
+    const int origin = place < std::ssize(table_.set.origin()) ? table_.set.origin()[place] : -1;
+    return origin < 0 || origin >= std::ssize(inherited_) ? -1 : inherited_[origin];
+  }
+  void end_inheritance() { inherited_.clear(); }
+  /// Contacts at the end of the drift; what is known of those that go on is kept.  True if the places
+  /// changed.
+  bool move_on(const World& world, const State& state, double horizon);
+  /// The rows of places, in the system: after the system was told of changed places, or a new start.
+  void set_rows(const Rows& rows);
+  /// Places and directions to the system.
+  void give_points(ConstraintSystem& system) const;
+
+  /// A step of h begins; `rates`: J V before it.
+  void begin(double h, std::span<const double> rates, std::span<const double> inertia);
+  /// The same for a step of Moreau–Jean, whose impulses act at once, after move_on().
+  void begin_single_kick(double h);
+  /// Back to begin(), over a move_on() if there was one.
+  void roll_back(bool moved_on);
+
+  /// Between them: what the first kick gave, in the directions of now.  `rates`: J V without the impulses of
+  /// the second.
+  void begin_velocities(std::span<const double> rates, std::span<const double> inertia);
+  /// Moreau–Jean between begin_single_kick() and velocity_laws(): `rates` J V before the step.  Contacts that
+  /// are touched have Newton's law of impact w ≥ −e w⁻ however slow they are.
+  void begin_impulses(std::span<const double> rates, std::span<const double> inertia);
+  /// Impacts with restitution, as those of axes (axis_forces.h).
+  bool seek_impacts(std::span<const double> w);
+  double first_impact(std::span<const double> w) const;
+  void take_impacts(double until, std::span<const double> w);
+  void forget_impacts(bool for_good);
+  bool struck() const { return struck_; }
+
+  /// Books the first kick, during which the rows moved with `rates` on the mean; to be called before
+  /// move_on().
+  void keep(std::span<const double> lambda, std::span<const double> w, std::span<const double> rates);
+  /// Books the second, and takes over the state of friction.
+  void finish(std::span<const double> mu, std::span<const double> rates, double time);
+
+  /// Sums since clear_reports(), with impulses in place of forces.
+  std::vector<ContactReport> reports() const;
+  const ContactWork& work() const { return work_; }
+  void clear_reports();
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
+
+ private:
+  void remap();
+  void take_up_recalled(const World& world);
+  void remember(double h);
+  void aim_discs(int place, std::span<const double> rates);
+  double crossing(int place, double w) const;
+  void book(int place, std::span<const double> lambda, std::span<const double> rates);
+  void keep_report(int place);
+
+  bool wanted_;
+  ContactTable table_;
+  std::vector<Point> before_;
+  std::vector<Impact> impacts_before_;
+  std::vector<int> inherited_;         // −1: from one that had no rows
+  std::vector<Point> resting_points_;  // of the contacts of bodies that sleep
+  std::vector<ContactStretch> recalled_;
+  std::vector<ContactReport> departed_;
+  std::vector<char> goes_on_;
+  std::vector<Point> point_scratch_;
+  std::vector<Impact> impact_scratch_;
+  ContactWork work_, work_before_;
+  std::size_t departed_before_ = 0;
+  int impact_count_ = 0;
+  bool struck_ = false;
+};
+
+}  // namespace taut

@@ -1,0 +1,304 @@
+#include "solvers/laws/contact_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <tuple>
+
+namespace taut {
+namespace {
+
+/// A contact is where one was before if in either body it is no further from it than this [m].
+constexpr double kSamePoint = 1e-4;
+/// Finds after which an unused place may be given up.
+constexpr int kKept = 200;
+/// Shapes that are parted are out of each other at this depth [m].
+constexpr double kOut = 1e-6;
+/// Tangents follow the slip above this speed [m/s].
+constexpr double kSlipSpeed = 1e-6;
+
+auto order_of(const Rows::ContactPlace& place) { return std::tuple(place.a, place.b, place.twist); }
+
+/// Worlds of more shapes than this are judged by the filters alone.
+constexpr int kFewShapes = 200;
+
+bool agree(const CollisionFilter& a, const CollisionFilter& b) {
+  return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
+}
+
+bool can_touch(const World& world) {
+  const int count = world.shape_count();
+  if (count > kFewShapes) {
+    std::set<std::pair<std::uint32_t, std::uint32_t>> filters;
+    for (int a = 0; a < count; ++a) {
+      const CollisionFilter& filter = world.shape(ShapeId{a}).filter;
+      filters.insert({filter.groups, filter.mask});
+    }
+    for (const auto& [groups, mask] : filters)
+      for (const auto& [other_groups, other_mask] : filters)
+        if (agree({groups, mask}, {other_groups, other_mask})) return true;
+    return false;
+  }
+  for (int a = 0; a < count; ++a)
+    for (int b = a + 1; b < count; ++b)
+      if (world.may_collide(ShapeId{a}, ShapeId{b})) return true;
+  return false;
+}
+
+Rows::ContactPlace place_for(const Contact& contact, const Material& material) {
+  return {contact.A.index, contact.B.index, material.rolling_friction > 0 || material.spinning_friction > 0};
+}
+
+/// t₁ along the slip if there is one, else where it was.
+row_parts::ContactFrame frame_of(const Vec3& n, const Vec3& slip, const Vec3& last) {
+  row_parts::ContactFrame frame;
+  frame.n = n;
+  Vec3 along = slip.norm() > kSlipSpeed ? slip : last;
+  along -= n.dot(along) * n;
+  // Written so that what is not a number, left by a step that failed, does not stay.
+  if (!(along.norm() >= 1e-3 * (slip.norm() > kSlipSpeed ? slip.norm() : 1))) along = n.unitOrthogonal();
+  frame.t1 = along.normalized();
+  frame.t2 = n.cross(frame.t1);
+  return frame;
+}
+
+/// What a spring may be pressed at the start: a hundred times the smaller body's weight.
+double overlap_bound(const World& world, const Contact& contact) {
+  constexpr double kWeights = 100;
+  double mass = std::numeric_limits<double>::infinity();
+  for (const BodyId body : {contact.A, contact.B})
+    if (world.moves(body)) mass = std::min(mass, world.mass_properties(body).mass());
+  const double compliance = world.contact_material(contact.a, contact.b).compliance;
+  return overlap_depth(world, contact) + kWeights * compliance * mass * world.gravity().norm();
+}
+
+}  // namespace
+
+double overlap_depth(const World& world, const Contact& contact) {
+  constexpr double kPart = 0.01;
+  double size = std::numeric_limits<double>::infinity();
+  for (const BodyId body : {contact.A, contact.B}) {
+    if (!world.moves(body)) continue;
+    const MassProperties& mass = world.mass_properties(body);
+    size = std::min(size, std::sqrt(mass.principal_moments().maxCoeff() / mass.mass()));
+  }
+  return kPart * size;
+}
+
+ContactSet::ContactSet(const World& world, const ContactSettings& settings)
+    : empty_(!can_touch(world)), finder_(settings) {}
+
+std::vector<Rows::ContactPlace> ContactSet::rows() const {
+  std::vector<Rows::ContactPlace> rows;
+  for (const Place& place : places_) rows.push_back(place.at);
+  return rows;
+}
+
+void ContactSet::undo() {
+  std::copy(before_.begin(), before_.end(), places_.begin());
+  parts_ = true;
+}
+
+bool ContactSet::find(const World& world, const State& state, double horizon) {
+  const std::vector<Contact>& contacts = finder_.find(world, state, horizon);
+  before_ = places_;
+  contacts_before_.clear();
+  for (const Place& place : places_) contacts_before_.push_back(place.contact);
+  match(world, contacts);
+  part_overlaps(world, contacts);
+  const bool missing =
+      std::any_of(place_of_contact_.begin(), place_of_contact_.end(), [](int place) { return place < 0; });
+  if (missing) {
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      if (place_of_contact_[c] >= 0) continue;
+      place_of_contact_[c] = static_cast<int>(places_.size());
+      Place place;
+      place.at = place_for(contacts[c], world.contact_material(contacts[c].a, contacts[c].b));
+      place.active = true;
+      places_.push_back(place);
+      before_.push_back(place);
+      before_.back().active = false;
+      origin_.push_back(-1);
+      moved_.push_back(-1);
+    }
+  }
+  for (std::size_t c = 0; c < contacts.size(); ++c)
+    fill(place_of_contact_[c], contacts[c], parted_[c], world, state);
+  if (missing) rebuild();
+  return missing;
+}
+
+/// Contacts of before get their places again: those that are the same feature at the same point first, then
+/// those nearest to where one was, since features of flat faces are numbered anew by round-off, then the same
+/// feature wherever it is now.  Others get free places of the same pair; −1 where there is none.
+void ContactSet::match(const World& world, const std::vector<Contact>& contacts) {
+  keys_.clear();
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    Place& place = places_[k];
+    if (place.active) keys_.push_back({place.contact.a, place.contact.b, place.contact.feature, int(k)});
+    ++place.unused;
+    place.active = false;
+  }
+  std::sort(keys_.begin(), keys_.end(), [](const Key& x, const Key& y) {
+    return std::tie(x.a, x.b, x.feature) < std::tie(y.a, y.b, y.feature);
+  });
+  origin_.assign(places_.size(), -1);
+  moved_.resize(places_.size());
+  std::iota(moved_.begin(), moved_.end(), 0);
+  place_of_contact_.assign(contacts.size(), -1);
+  enum Likeness { kSameFeatureAndPoint, kNearest, kSameFeature };
+  for (const Likeness likeness : {kSameFeatureAndPoint, kNearest, kSameFeature})
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      if (place_of_contact_[c] >= 0) continue;
+      const Contact& contact = contacts[c];
+      const auto at = place_for(contact, world.contact_material(contact.a, contact.b));
+      const auto first = std::lower_bound(
+          keys_.begin(), keys_.end(), contact,
+          [](const Key& x, const Contact& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
+      double least = likeness == kSameFeature ? std::numeric_limits<double>::infinity() : kSamePoint;
+      int found = -1;
+      for (auto key = first; key != keys_.end() && key->a == contact.a && key->b == contact.b; ++key) {
+        const Place& place = places_[key->place];
+        if (place.active || place.at != at) continue;
+        if (likeness != kNearest && key->feature != contact.feature) continue;
+        const double distance =
+            std::min((place.contact.p_AP - contact.p_AP).norm(), (place.contact.p_BQ - contact.p_BQ).norm());
+        if (distance > least) continue;
+        least = distance;
+        found = key->place;
+      }
+      if (found < 0) continue;
+      place_of_contact_[c] = origin_[found] = found;
+      places_[found].active = true;
+    }
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    if (place_of_contact_[c] >= 0) continue;
+    const int place =
+        free_place(place_for(contacts[c], world.contact_material(contacts[c].a, contacts[c].b)));
+    if (place < 0) continue;
+    place_of_contact_[c] = place;
+    places_[place].active = true;
+  }
+}
+
+/// Shapes that are found in each other without having touched before, as at the start, are parted as rigid
+/// ones, slowly, until they are out: a spring would throw them by 2/h of that depth, and so would those of
+/// others that they are pressed into meanwhile.  The impulse that took them out is none of a spring's, so
+/// that they are rigid at the find after it, too.
+void ContactSet::part_overlaps(const World& world, const std::vector<Contact>& contacts) {
+  parted_.assign(contacts.size(), 0);
+  parting_.assign(world.body_count(), 0);
+  const auto same_pair = [](const auto& x, const auto& y) { return x.a == y.a && x.b == y.b; };
+  for (auto first = contacts.begin(), last = first; first != contacts.end(); first = last) {
+    last = std::find_if(first, contacts.end(), [&](const Contact& c) { return !same_pair(c, *first); });
+    const double depth =
+        -std::min_element(first, last, [](const Contact& x, const Contact& y) { return x.gap < y.gap; })->gap;
+    if (!(depth > kOut) && !parts_) continue;
+    auto key = std::lower_bound(keys_.begin(), keys_.end(), *first, [](const Key& x, const Contact& y) {
+      return std::tie(x.a, x.b) < std::tie(y.a, y.b);
+    });
+    bool parted = (key == keys_.end() || !same_pair(*key, *first)) && depth > overlap_bound(world, *first);
+    for (; key != keys_.end() && same_pair(*key, *first); ++key) {
+      const Place& before = places_[key->place];
+      parted |= before.parted && std::max(depth, -before.contact.gap) > kOut;
+    }
+    if (!parted) continue;
+    std::fill(parted_.begin() + (first - contacts.begin()), parted_.begin() + (last - contacts.begin()), 1);
+    for (const BodyId body : {first->A, first->B}) parting_[body.index] = world.moves(body);
+  }
+  parts_ = std::find(parted_.begin(), parted_.end(), 1) != parted_.end();
+}
+
+int ContactSet::free_place(const Rows::ContactPlace& at) const {
+  auto it = std::lower_bound(by_pair_.begin(), by_pair_.end(), at, [](const auto& entry, const auto& wanted) {
+    return order_of(entry.first) < order_of(wanted);
+  });
+  for (; it != by_pair_.end() && it->first == at; ++it)
+    if (!places_[it->second].active) return it->second;
+  return -1;
+}
+
+int ContactSet::place_near(const World& world, ShapeId a, ShapeId b, const Vec3& p_AP) const {
+  const Rows::ContactPlace at{world.shape(a).body.index, world.shape(b).body.index, false};
+  auto it = std::lower_bound(by_pair_.begin(), by_pair_.end(), at, [](const auto& entry, const auto& wanted) {
+    return order_of(entry.first) < order_of(wanted);
+  });
+  double least = kSamePoint;
+  int found = -1;
+  for (; it != by_pair_.end() && it->first.a == at.a && it->first.b == at.b; ++it) {
+    const Place& place = places_[it->second];
+    const double distance = (place.contact.p_AP - p_AP).norm();
+    if (!place.active || place.contact.a != a || place.contact.b != b || distance > least) continue;
+    least = distance;
+    found = it->second;
+  }
+  return found;
+}
+
+ContactSet::Heritage ContactSet::inherit(ContactSet& old, const World& world) {
+  finder_ = std::move(old.finder_);
+  Heritage from;
+  const int places = static_cast<int>(old.places_.size());
+  for (int k = 0; k < places + std::ssize(old.resting_); ++k) {
+    const Place& place = k < places ? old.places_[k] : old.resting_[k - places];
+    if (!place.active) continue;
+    const bool moves = world.moves({place.at.a}) || world.moves({place.at.b});
+    (moves ? places_ : resting_).push_back(place);
+    (moves ? from.places : from.resting).push_back(k);
+  }
+  parts_ = true;
+  before_ = places_;
+  origin_.resize(places_.size());
+  std::iota(origin_.begin(), origin_.end(), 0);
+  moved_ = origin_;
+  rebuild();
+  return from;
+}
+
+/// Drops places that nothing has used for long.
+void ContactSet::rebuild() {
+  std::vector<Place> kept, kept_before;
+  std::vector<int> origin, moved;
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    if (!places_[k].active && places_[k].unused > kKept && !before_[k].active) continue;
+    kept.push_back(places_[k]);
+    kept_before.push_back(before_[k]);
+    origin.push_back(places_[k].active ? origin_[k] : -1);
+    moved.push_back(moved_[k]);
+  }
+  places_ = std::move(kept);
+  before_ = std::move(kept_before);
+  origin_ = std::move(origin);
+  moved_ = std::move(moved);
+  sort_pairs();
+}
+
+void ContactSet::sort_pairs() {
+  by_pair_.clear();
+  for (std::size_t k = 0; k < places_.size(); ++k) by_pair_.push_back({places_[k].at, int(k)});
+  std::sort(by_pair_.begin(), by_pair_.end(), [](const auto& x, const auto& y) {
+    return std::pair(order_of(x.first), x.second) < std::pair(order_of(y.first), y.second);
+  });
+}
+
+void ContactSet::fill(int index, const Contact& contact, bool parted, const World& world,
+                      const State& state) {
+  Place& place = places_[index];
+  const Pose &A = state.poses[place.at.a], &B = state.poses[place.at.b];
+  const Twist &V_A = state.twists[place.at.a], &V_B = state.twists[place.at.b];
+  const Vec3 r_A = A.q * contact.p_AP, r_B = B.q * contact.p_BQ;
+  const Vec3 rate = V_B.at(r_B) - V_A.at(r_A);
+  place.slip = rate - contact.normal.dot(rate) * contact.normal;
+  place.contact = contact;
+  place.unused = 0;
+  place.material = world.contact_material(contact.a, contact.b);
+  place.parted = parted;
+  if (parting_[place.at.a] || parting_[place.at.b]) place.material.compliance = 0;
+  place.point.p_AP = contact.p_AP;
+  place.point.p_BQ = contact.p_BQ;
+  place.point.frame = frame_of(contact.normal, place.slip, place.point.frame.t1);
+}
+
+}  // namespace taut

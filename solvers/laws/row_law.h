@@ -1,0 +1,157 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/base/check.h"
+
+namespace taut {
+
+/// The monotone relation between the rate w of a row [m/s or rad/s] and its impulse λ [N·s or N·m·s]: a
+/// descending staircase of K steps with a slope c ≥ 0,
+///
+///     λ ∈ L(w) − c w,    L(w) = l_k for w_k < w < w_{k+1},    L(w_k) = [l_k, l_{k−1}],
+///
+/// with breakpoints w_1 < … < w_K and levels l_0 > … > l_K, where l_0 = +∞ forbids w < w_1 and l_K = −∞
+/// forbids w > w_K.  (solvers/README, "The active set")
+///
+/// Its pieces are numbered from left to right, 0 … 2K: piece 2k is level k, piece 2k − 1 is the vertical at
+/// w_k.
+struct RowLaw {
+  static constexpr int kMaxSteps = 4;
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+  int steps = 0;                              ///< K
+  double slope = 0;                           ///< c [impulse per rate]
+  std::array<double, kMaxSteps> at{};         ///< at[k − 1] = w_k
+  std::array<double, kMaxSteps + 1> level{};  ///< level[k] = l_k
+
+  /// λ = 0 whatever w.
+  static RowLaw none() { return {}; }
+  /// λ = level whatever w.
+  static RowLaw constant(double level) {
+    RowLaw law;
+    law.level[0] = level;
+    return law;
+  }
+  /// w imposed, any λ.
+  static RowLaw equality(double w = 0) { return step(w, kInfinity, -kInfinity); }
+  /// w ≥ bound, λ ≥ 0, and one of them exact.
+  static RowLaw lower_limit(double bound) { return step(bound, kInfinity, 0); }
+  /// w ≤ bound, λ ≤ 0, and one of them exact.
+  static RowLaw upper_limit(double bound) { return step(bound, 0, -kInfinity); }
+  /// lo ≤ λ ≤ hi: λ = hi below the rate `w`, lo above it.  Coulomb friction, or a motor with that target.
+  /// @throws std::invalid_argument if not lo < hi.
+  static RowLaw box(double lo, double hi, double w = 0) {
+    if (!(lo < hi)) fail("row law box", "must have lo < hi", hi - lo);
+    return step(w, hi, lo);
+  }
+  /// λ = −c w.  @throws std::invalid_argument if c is negative or not finite.
+  static RowLaw viscous(double c) {
+    require_not_negative("row law slope", c);
+    RowLaw law;
+    law.slope = c;
+    return law;
+  }
+
+  /// Both laws act on one axis: the sum of the graphs.
+  /// @throws std::invalid_argument if no w is allowed by both, or for more than kMaxSteps steps.
+  friend RowLaw operator+(const RowLaw& a, const RowLaw& b);
+
+  int pieces() const { return 2 * steps + 1; }
+  static bool is_vertical(int piece) { return piece % 2 == 1; }
+  /// Rate of a vertical piece.
+  double rate(int piece) const { return at[piece / 2]; }
+  /// Level of a piece that is one.
+  double force(int piece) const { return level[piece / 2]; }
+  /// False for l_0 = +∞ and l_K = −∞, whose pieces are no places to be.
+  bool exists(int piece) const { return is_vertical(piece) || std::isfinite(force(piece)); }
+  /// The values [low, high] of λ + c w on a vertical piece.
+  double low(int piece) const { return level[piece / 2 + 1]; }
+  double high(int piece) const { return level[piece / 2]; }
+  /// The range [first, last] of w on a level.
+  double first(int piece) const { return piece == 0 ? -kInfinity : at[piece / 2 - 1]; }
+  double last(int piece) const { return piece == 2 * steps ? kInfinity : at[piece / 2]; }
+  /// True if some λ + c w is out of bounds: not an equality.
+  bool bounded() const { return !(steps == 1 && std::isinf(level[0]) && std::isinf(level[1])); }
+
+  /// The one point of the graph that a row by itself would take: λ and w with w = s λ + β, s > 0.
+  struct Point {
+    int piece;
+    double lambda, w;
+  };
+  Point resolve(double s, double beta) const {
+    for (int k = 1; k <= steps; ++k) {
+      const double lambda = (at[k - 1] - beta) / s, value = lambda + slope * at[k - 1];
+      if (value > level[k - 1]) return on_level(k - 1, s, beta);
+      if (value >= level[k]) return {2 * k - 1, lambda, at[k - 1]};
+    }
+    return on_level(steps, s, beta);
+  }
+  /// λ* that the row by itself answers to λ and w = s λ + β, of which λ − λ* is the natural map.
+  double answer(double s, double lambda, double w) const { return resolve(s, w - s * lambda).lambda; }
+
+  /// The piece on which λ = `lambda` lies; corners count as levels.
+  int piece_at(double lambda) const {
+    for (int k = 1; k <= steps; ++k) {
+      const double value = lambda + slope * at[k - 1];
+      if (value >= level[k - 1]) return 2 * (k - 1);
+      if (value > level[k]) return 2 * k - 1;
+    }
+    return 2 * steps;
+  }
+  /// A rate at which λ = `lambda`; −∞ above and +∞ below all of the graph.
+  double rate_at(double lambda) const {
+    for (int k = 1; k <= steps; ++k) {
+      const double value = lambda + slope * at[k - 1];
+      if (value > level[k - 1]) return rate_on_level(k - 1, lambda);
+      if (value >= level[k]) return at[k - 1];
+    }
+    return rate_on_level(steps, lambda);
+  }
+
+ private:
+  double rate_on_level(int k, double lambda) const {
+    if (slope > 0) return (level[k] - lambda) / slope;
+    return lambda > level[k] ? -kInfinity : kInfinity;
+  }
+  static RowLaw step(double w, double above, double below) {
+    RowLaw law;
+    law.steps = 1;
+    law.at[0] = w;
+    law.level[0] = above;
+    law.level[1] = below;
+    return law;
+  }
+  Point on_level(int k, double s, double beta) const {
+    const double w = (beta + s * level[k]) / (1 + s * slope);
+    return {2 * k, level[k] - slope * w, w};
+  }
+};
+
+inline RowLaw operator+(const RowLaw& a, const RowLaw& b) {
+  RowLaw sum;
+  sum.slope = a.slope + b.slope;
+  int i = 0, j = 0;
+  double above = a.level[0] + b.level[0];
+  sum.level[0] = above;
+  while (i < a.steps || j < b.steps) {
+    const double w =
+        std::min(i < a.steps ? a.at[i] : RowLaw::kInfinity, j < b.steps ? b.at[j] : RowLaw::kInfinity);
+    if (i < a.steps && a.at[i] == w) ++i;
+    if (j < b.steps && b.at[j] == w) ++j;
+    // +∞ − ∞: left of one lower limit and right of the other upper limit at once.
+    const double below = a.level[i] + b.level[j];
+    if (std::isnan(below)) fail("row law sum", "limits exclude each other at rate", w);
+    if (below == above) continue;  // still left of the lower limit, or already right of the upper one
+    if (sum.steps == RowLaw::kMaxSteps)
+      fail("row law sum", "must not have more steps than", RowLaw::kMaxSteps);
+    sum.at[sum.steps++] = w;
+    sum.level[sum.steps] = above = below;
+  }
+  return sum;
+}
+
+}  // namespace taut

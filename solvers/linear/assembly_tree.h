@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "solvers/linear/factor.h"
+
+namespace taut {
+
+/// The tree of fronts of a Cholesky factorisation, in blocks of the matrix.  Front f eliminates the blocks
+/// pivots[pivot_start[f] .. pivot_start[f+1]) and updates the blocks rows[row_start[f] .. row_start[f+1]),
+/// all of which belong to ancestors of f.  Both lists have the order in which the blocks are eliminated.
+///
+/// Fronts are in postorder: children come before their parent, and a subtree is a range of fronts.  Where the
+/// matrix is not postordered, or where brothers were merged, the order of elimination differs from the
+/// matrix's by exchanges of independent blocks only; the factor is then the same up to that permutation.
+struct AssemblyTree {
+  std::vector<int> pivot_start{0};
+  std::vector<int> pivots;
+  std::vector<int> row_start{0};
+  std::vector<int> rows;
+  std::vector<int> parent;  ///< −1 for a root
+
+  int size() const { return static_cast<int>(parent.size()); }
+};
+
+/// Modelled time of one front [ns]: merging a child with its parent costs arithmetic with zeros, and saves
+/// the child's overhead and the passing on of its contribution.  Fitted to measurements; only ratios matter.
+struct FrontCost {
+  double per_front = 60.0;
+  double per_tile = 50.0;               ///< four pivots, which wait for each other
+  double per_panel_entry = 1.5;         ///< zeroing and assembly, and reading in the solves that follow
+  double per_contribution_entry = 0.5;  ///< writing, and extend-add into the parent
+  double per_multiplication = 0.1;
+
+  /// Of a front with p pivots and m more rows.
+  double operator()(double p, double m) const;
+};
+
+/// @pre A holds its lower triangle, with every diagonal block.
+AssemblyTree build_assembly_tree(const SymmetricMatrix& A, const FrontCost& cost = {});
+
+}  // namespace taut

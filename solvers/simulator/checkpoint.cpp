@@ -1,0 +1,246 @@
+#include "solvers/simulator/checkpoint.h"
+
+#include <cmath>
+#include <istream>
+#include <ostream>
+
+#include "core/base/check.h"
+#include "core/base/flush_to_zero.h"
+#include "core/base/fnv1a.h"
+#include "solvers/simulator/checkpoint_memory.h"
+#include "solvers/simulator/simulator_impl.h"
+
+namespace taut {
+namespace {
+
+constexpr std::string_view kMark = "taut-checkpoint/1\n";
+constexpr std::size_t kSumBytes = 8;
+
+std::uint64_t checksum(std::string_view bytes) {
+  Fnv1a sum;
+  sum.add(bytes);
+  return sum.value();
+}
+
+std::string number(std::uint64_t value) {
+  std::string bytes(kSumBytes, '\0');
+  for (std::size_t i = 0; i < kSumBytes; ++i) bytes[i] = static_cast<char>(value >> (8 * i));
+  return bytes;
+}
+
+/// What a world consists of, but for values that may be changed while it is simulated.
+std::uint64_t model_of(const World& world) {
+  Archive archive;
+  const auto text = [&](std::string_view part) {
+    std::string copy(part);
+    archive(copy);
+  };
+  for (int b = 0; b < world.body_count(); ++b) {
+    text(world.name(BodyId{b}));
+    bool fixed = world.is_fixed({b});
+    archive(fixed);
+  }
+  for (int j = 0; j < world.joint_count(); ++j) {
+    text(world.name(JointId{j})), text(world.joint({j}).type());
+    for (BodyId body : world.joint({j}).bodies()) archive(body);
+  }
+  for (int s = 0; s < world.shape_count(); ++s) {
+    BodyId body = world.shape({s}).body;
+    std::size_t kind = world.shape({s}).shape->index();
+    archive(body, kind);
+  }
+  int forces = world.force_count();
+  archive(forces);
+  return checksum(archive.bytes());
+}
+
+/// Settings that decide what is remembered.
+struct Method {
+  Integrator integrator;
+  Solver solver;
+  bool contacts, sleep, merge;
+
+  explicit Method(const Settings& s)
+      : integrator(s.integrator),
+        solver(s.solver),
+        contacts(s.contacts),
+        sleep(s.sleep),
+        merge(s.merge_fixed_joints) {}
+  void transfer(Archive& archive) { archive(integrator, solver, contacts, sleep, merge); }
+};
+
+void require_same(const char* setting, bool same) {
+  if (!same)
+    throw std::invalid_argument(std::string("checkpoint: was made with another setting: ") + setting);
+}
+
+}  // namespace
+
+Checkpoint Checkpoint::of_payload(const std::string& payload) {
+  Checkpoint checkpoint;
+  checkpoint.bytes_ = std::string(kMark) + payload + number(checksum(payload));
+  return checkpoint;
+}
+
+std::string Checkpoint::payload() const {
+  if (empty()) fail("checkpoint", "is empty", 0);
+  return bytes_.substr(kMark.size(), bytes_.size() - kMark.size() - kSumBytes);
+}
+
+Checkpoint Checkpoint::from_bytes(std::string bytes) {
+  if (!bytes.starts_with(kMark)) fail("checkpoint", "does not begin as one of this version", bytes.size());
+  Checkpoint checkpoint;
+  checkpoint.bytes_ = std::move(bytes);
+  const bool whole = checkpoint.bytes_.size() >= kMark.size() + kSumBytes &&
+                     checkpoint.bytes_.ends_with(number(checksum(checkpoint.payload())));
+  if (!whole) fail("checkpoint", "is damaged or cut short, after bytes", checkpoint.bytes_.size());
+  return checkpoint;
+}
+
+std::ostream& operator<<(std::ostream& out, const Checkpoint& checkpoint) {
+  return out << checkpoint.bytes().size() << '\n' << checkpoint.bytes();
+}
+
+std::istream& operator>>(std::istream& in, Checkpoint& checkpoint) {
+  constexpr std::size_t kBlock = 1 << 16;  // no count is believed before the bytes are there
+  std::uint64_t left = 0;
+  if (!(in >> left) || in.get() != '\n') fail("checkpoint", "has no size in front", left);
+  std::string bytes;
+  while (left > 0 && in) {
+    const std::size_t block = static_cast<std::size_t>(std::min<std::uint64_t>(left, kBlock)),
+                      before = bytes.size();
+    bytes.resize(before + block);
+    in.read(bytes.data() + before, static_cast<std::streamsize>(block));
+    bytes.resize(before + static_cast<std::size_t>(in.gcount()));
+    left -= static_cast<std::uint64_t>(in.gcount());
+  }
+  checkpoint = Checkpoint::from_bytes(std::move(bytes));
+  return in;
+}
+
+Checkpoint Simulator::checkpoint() {
+  const detail::FlushToZero mode;
+  Impl& own = impl();
+  const World& world = own.source_;
+  Archive archive;
+  std::uint64_t model = model_of(world);
+  Method method(own.settings_);
+  bool remembers = own.settle();
+  State state = world.state();
+  std::vector<char> attached, gone;  // gone with the last step, which the integrator has not seen yet
+  for (int j = 0; j < world.joint_count(); ++j) attached.push_back(world.is_attached({j}));
+  gone.assign(attached.size(), 0);
+  if (remembers && own.rattle_)
+    for (const BreakEvent& event : own.rattle_->breaking().events()) gone[event.joint.index] = 1;
+  archive(model, method, state, attached, gone, remembers);
+  if (remembers) own.transfer(archive, {});
+  return Checkpoint::of_payload(archive.bytes());
+}
+
+void Simulator::restore(const Checkpoint& checkpoint) {
+  const detail::FlushToZero mode;
+  const std::string payload = checkpoint.payload();
+  Archive archive(payload);
+  World& world = impl().source_;
+  const Settings settings = impl_->settings_;
+  std::uint64_t model = 0;
+  Method method(settings);
+  State state;
+  std::vector<char> attached, gone;
+  bool remembers = false;
+  archive(model, method, state, attached, gone, remembers);
+  const Method own(settings);
+  require_same("integrator", method.integrator == own.integrator);
+  require_same("solver", method.solver == own.solver);
+  require_same("contacts", method.contacts == own.contacts);
+  require_same("sleep", method.sleep == own.sleep);
+  require_same("merge_fixed_joints", method.merge == own.merge);
+  Archive::require(model == model_of(world), "it is of another world");
+  Archive::require(std::ssize(attached) == world.joint_count() && gone.size() == attached.size(),
+                   "it has other joints");
+
+  const State before = world.state();
+  std::vector<char> attached_before;
+  for (int j = 0; j < world.joint_count(); ++j) attached_before.push_back(world.is_attached({j}));
+  const auto attach = [&](std::span<const char> wanted) {
+    for (int j = world.joint_count() - 1; j >= 0; --j)
+      if (!wanted[j]) world.detach({j});
+    for (int j = 0; j < world.joint_count(); ++j)
+      if (wanted[j]) world.attach({j});
+  };
+  std::vector<char> with_gone = attached;
+  for (std::size_t j = 0; j < gone.size(); ++j) with_gone[j] = attached[j] || gone[j];
+  try {
+    world.set_state(state);
+    attach(with_gone);
+    auto fresh = std::make_unique<Impl>(world, settings);
+    fresh->interrupt_ = impl_->interrupt_;
+    if (remembers) {
+      fresh->transfer(archive, gone);
+      Archive::require(archive.at_end());
+    }
+    impl_ = std::move(fresh);
+  } catch (...) {
+    attach(attached_before);
+    world.set_state(before);
+    world.wake_all();
+    throw;
+  }
+}
+
+/// Brings what the integrator knows to the present world, as the next step would.  False if it knows nothing
+/// that is worth keeping: before the first step, and after one that failed.
+bool Simulator::Impl::settle() {
+  keep_means();
+  if (!system_ || !has_started() || state_version_ < 0 || !report_.advanced() || report_.dt == 0)
+    return false;
+  const bool unchanged = recalled_.empty() && end_versions_ == versions();
+  if (unchanged) return true;
+  StepReport kept = report_;
+  follow_source();
+  if (sleep_) wake_islands(horizon_);
+  restart_if_needed();
+  give_back();
+  const bool good = report_.advanced();
+  report_ = std::move(kept);
+  end_versions_ = versions();
+  return good;
+}
+
+/// `gone`, when reading: joints that left with the last step, by joint.
+void Simulator::Impl::transfer(Archive& archive, std::span<const char> gone) {
+  archive(pace_.pieces, pace_.most_pieces, pace_.quiet, pace_.hard_steps, horizon_, report_.dt, report_.time);
+  const auto is_count = [&](double n) { return n >= 1 && n <= settings_.max_substeps; };
+  Archive::require(is_count(pace_.pieces) && is_count(pace_.most_pieces) && pace_.quiet >= 0 &&
+                   horizon_ >= 0 && std::isfinite(horizon_) && report_.dt > 0 &&
+                   std::isfinite(report_.dt + report_.time));
+  State state = world_.state();
+  archive(state);
+  if (archive.reads()) world_.set_state(state);
+  if (sleep_) sleep_->transfer(archive, world_);
+  archive(asleep_.reactions, asleep_.axes, asleep_.contacts);
+  if (archive.reads()) {
+    if (merged_) merged_->give_sleep(source_);
+    make_system();
+  }
+  if (rattle_)
+    rattle_->transfer(archive);
+  else
+    force_level_->transfer(archive);
+  if (weld_loads_) archive(start_);
+  if (archive.reads()) {
+    if (merged_) merged_->note_state(source_), merged_->note_stirs(source_);
+    for (int j = 0; j < std::ssize(gone); ++j)
+      if (gone[j]) world_.detach({j}), source_.detach({j});
+    state_version_ = given_version_ = world_.state_version();
+    end_versions_ = versions();
+  }
+  books_.transfer(archive, world_);
+}
+
+Simulator::Impl::Versions Simulator::Impl::versions() const {
+  return {source_.topology_version(), source_.state_version(),   source_.geometry_version(),
+          source_.sleep_version(),    world_.topology_version(), world_.state_version()};
+}
+
+}  // namespace taut

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/world/world.h"
+#include "solvers/common/settings.h"
+#include "solvers/common/step_report.h"
+#include "solvers/simulator/checkpoint.h"
+
+namespace taut {
+
+/// Force and torque of a joint on its body B, world axes; A receives the opposite.
+struct Reaction {
+  Vec3 force = Vec3::Zero();   ///< [N]
+  Vec3 torque = Vec3::Zero();  ///< about the joint's anchor on B [N·m]
+};
+
+/// Advances a World in time.
+///
+///     Simulator simulator(world);
+///     for (...) if (const StepReport& r = simulator.step(1e-3); !r.advanced()) throw
+///     std::runtime_error(r.message);
+class Simulator {
+ public:
+  /// @throws std::invalid_argument if a setting is out of range.
+  explicit Simulator(World& world, const Settings& settings = {});
+  ~Simulator();
+  Simulator(Simulator&&) noexcept;
+
+  /// One step of dt [s].  A world that was assigned to (world = other) is another one, and the simulator
+  /// starts anew.  What a force law throws comes through; world, report and what comes next are then as
+  /// before the call. The world's state moves to the end of the step if StepReport::advanced(), or stays
+  /// where it was.  The report lives until the next call.
+  /// @throws std::invalid_argument if dt is not finite and positive, or for axes with properties, contacts or
+  /// joints that break and an integrator other than kRattle; kMoreauJean lacks joints that break and
+  /// compliant contacts only.
+  const StepReport& step(double dt);
+  const StepReport& report() const;
+
+  /// Asked now and then inside step() and assemble(), between sub-steps, iterations and parts of a long
+  /// factorisation, whether to end early; with CHOLMOD a factorisation is one part.  If it says yes, the
+  /// world stays as it was before the call and the report has Status::kInterrupted; what is known of contacts
+  /// is kept as contact_stretches() had it.  It must be cheap, and safe to call from several threads at once;
+  /// empty: nothing is asked.
+  void set_interrupt(std::function<bool()> asked);
+
+  /// Mean reaction of a joint over the last step: the impulse that it gave, divided by dt.
+  Reaction mean_reaction(JointId joint) const;
+  /// Reaction at the present instant from the acceleration equation  S λ = −(γ + J M⁻¹ f).
+  /// One assembly, factorisation and solve for all joints on the first call after a step.  Where free axes
+  /// have limits, motors, friction or springs: the multipliers at the end of the last step.
+  Reaction reaction(JointId joint);
+
+  /// What acted along a free axis over the last step: mean forces and works of its motor, friction, limits
+  /// and spring.  All zero for an axis without properties.
+  /// @throws std::invalid_argument for an axis that is not there.
+  AxisReport axis_report(AxisId axis) const;
+
+  /// The contacts of the last step with the mean forces that they gave: those that are there at its end, and
+  /// those that were given up in between.  Without restitution or friction a contact is still listed when it
+  /// is near (Settings::contact_margin) and gives nothing.
+  std::vector<ContactReport> contacts() const;
+
+  /// The springs of compliant contacts across their normals, as the last step left them: what a state needs
+  /// besides World::state(), so that a heap which is put back goes on standing.  Empty before the first step
+  /// and after one that failed.
+  std::vector<ContactStretch> contact_stretches() const;
+  /// The next step starts with contacts stretched so, and with all bodies awake: for the state to which they
+  /// belong, after World::set_state().  Those that are not found within 1e-4 m of p_AP, or are rigid, are
+  /// left out.
+  /// @throws std::invalid_argument for a shape that is not there, or what is not finite.
+  void set_contact_stretches(std::vector<ContactStretch> stretches);
+
+  /// All that goes on from here depends on: a simulator of an equal world with equal settings that restores
+  /// it takes the same steps as this one, to the last bit, whatever contacts, friction, sleep, merged bodies
+  /// and breaking joints remember.  What was changed in the world since the last step is taken up as the next
+  /// step would.
+  Checkpoint checkpoint();
+  /// Sets the world to the state of a checkpoint, with what is detached and asleep, and goes on from there.
+  /// What is no part of a state stays the world's: axis properties, materials, forces, gravity.
+  /// @throws std::invalid_argument if it is empty, or made with another world (bodies, joints, shapes and
+  /// forces by number, name and kind) or with another integrator, solver, or choice of contacts, sleep or
+  /// merging; world and simulator are then as before.
+  void restore(const Checkpoint& checkpoint);
+
+  /// Rank, freedoms and redundant rows by name in the present pose.  Nothing moves.
+  RankReport analyze_rank();
+  /// What cannot hold together `horizon` [s] from now: joints with limits, motors of unbounded force and
+  /// contacts, by an irreducible set of them.  Empty if all of it can, as far as is known.  Nothing moves.
+  /// @throws std::invalid_argument if the horizon is negative or not finite.
+  Contradiction contradiction(double horizon = 0);
+  /// Closes all joints from the present pose by the smallest mass-weighted move; velocities are made tangent.
+  const StepReport& assemble();
+
+  /// The fixed joints that are not solved, because their bodies move as one (Settings::merge_fixed_joints),
+  /// in ascending order.  Their reactions follow from the motion.       (solvers/README, "Merged bodies")
+  std::vector<JointId> merged_joints() const;
+
+  const World& world() const;
+  const Settings& settings() const;
+  /// "CHOLMOD 3.0.14 supernodal, OpenBLAS 0.3.21 …": which factor and BLAS do the work.
+  std::string solver_description() const;
+
+ private:
+  class Impl;
+  Impl& impl() const;
+  mutable std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace taut

@@ -1,0 +1,190 @@
+#include "solvers/simulator/sleep.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+/// Forces are the same if they differ by less than this part.
+constexpr double kSameForce = 1e-9;
+/// A body may be this much faster by the end of a step than it was before …
+constexpr double kFaster = 2;
+/// … and then comes this near without touching [m].
+constexpr double kTouch = 1e-9;
+
+bool keeps_going(const AxisMotor& motor) {
+  return motor.mode == AxisMotor::Mode::kTrajectory ||
+         (motor.mode == AxisMotor::Mode::kVelocity && motor.target != 0);
+}
+
+}  // namespace
+
+Sleep::Sleep(const World& world, const Settings& settings)
+    : speed_(settings.sleep_speed), time_(settings.sleep_time) {
+  read_bodies(world);
+}
+
+/// Bodies that have been added.
+void Sleep::read_bodies(const World& world) {
+  for (int b = static_cast<int>(quiet_.size()); b < world.body_count(); ++b) {
+    const MassProperties& mass = world.mass_properties({b});
+    gyration_.push_back(mass.principal_moments().maxCoeff() / mass.mass());
+    quiet_.push_back(0);
+    stirs_.push_back(world.stirs({b}));
+    island_of_.push_back(-1);
+  }
+  forces_.resize(quiet_.size());
+  forces_then_.resize(quiet_.size());
+}
+
+/// v² + ω² k² ≥ 2 T / m.
+bool Sleep::is_slow(const World& world, int body) const {
+  const Twist& V = world.state().twists[body];
+  return V.v.squaredNorm() + gyration_[body] * V.w.squaredNorm() <= speed_ * speed_;
+}
+
+void Sleep::watch(const World& world, double dt) {
+  read_bodies(world);
+  for (int b = 0; b < world.body_count(); ++b) quiet_[b] = is_slow(world, b) ? quiet_[b] + dt : 0;
+}
+
+void Sleep::join(const World& world, std::span<const BodyId> bodies) {
+  int first = -1;
+  for (BodyId body : bodies) {
+    if (!world.moves(body)) continue;
+    if (first < 0) first = body.index;
+    connected_.join(first, body.index);
+  }
+}
+
+void Sleep::connect(const World& world, std::span<const ContactSet::Place> places) {
+  connected_.reset(static_cast<int>(quiet_.size()));
+  for (int j = 0; j < world.joint_count(); ++j)
+    if (world.is_attached(JointId{j})) join(world, world.joint(JointId{j}).bodies());
+  for (int f = 0; f < world.force_count(); ++f) join(world, world.force(ForceId{f}).bodies());
+  for (const ContactSet::Place& place : places)
+    if (place.active) join(world, std::array{BodyId{place.at.a}, BodyId{place.at.b}});
+}
+
+/// Islands with a joint that follows the time, or a motor that would turn if it could.
+void Sleep::note_restless(const World& world, const Rows& rows) {
+  restless_.assign(quiet_.size(), false);
+  const auto note = [&](JointId joint) {
+    for (BodyId body : world.joint(joint).bodies())
+      if (world.moves(body)) restless_[connected_.find(body.index)] = true;
+  };
+  for (int r = 0; r < rows.first_contact_row(); ++r)
+    if (rows.row(r).store->depends_on_time())
+      if (const std::optional<JointId> joint = rows.joint_of(r)) note(*joint);
+  for (const Rows::AxisRow& row : rows.axis_rows()) {
+    if (row.axis.axis < 0) continue;
+    const AxisProperties& properties = world.axis_properties(row.axis);
+    if (properties.motor && keeps_going(*properties.motor)) note(row.axis.joint);
+  }
+  for (int b = 0; b < world.body_count(); ++b)
+    if (world.moves({b}) && !(is_quiet(b) && is_slow(world, b))) restless_[connected_.find(b)] = true;
+}
+
+std::vector<BodyId> Sleep::tired(const World& world, const Rows& rows,
+                                 std::span<const ContactSet::Place> places) {
+  std::vector<BodyId> bodies;
+  const auto may_sleep = [&](int b) { return is_quiet(b) && world.moves({b}) && is_slow(world, b); };
+  int first = 0;
+  while (first < std::ssize(quiet_) && !may_sleep(first)) ++first;
+  if (first == std::ssize(quiet_)) return bodies;
+  connect(world, places);
+  note_restless(world, rows);
+  for (int b = first; b < std::ssize(quiet_); ++b)
+    if (may_sleep(b) && !restless_[connected_.find(b)]) bodies.push_back({b});
+  return bodies;
+}
+
+/// Bodies of tired(), by whose islands they are still sorted.
+void Sleep::put_to_sleep(World& world, std::span<const BodyId> bodies) {
+  if (bodies.empty()) return;
+  std::vector<int> island_of_first(quiet_.size(), -1);
+  for (BodyId body : bodies) {
+    int& island = island_of_first[connected_.find(body.index)];
+    if (island < 0) {
+      const auto place =
+          std::find_if(islands_.begin(), islands_.end(), [](const auto& i) { return i.empty(); });
+      island = static_cast<int>(place - islands_.begin());
+      if (place == islands_.end()) islands_.emplace_back();
+    }
+    islands_[island].push_back(body);
+    island_of_[body.index] = island;
+    world.put_to_sleep(body);
+  }
+  world.forces(world.state(), forces_);
+  for (BodyId body : bodies) forces_then_[body.index] = forces_[body.index];
+}
+
+void Sleep::wake_island(World& world, int island) {
+  for (BodyId body : islands_[island]) {
+    world.wake(body);
+    stirs_[body.index] = world.stirs(body);
+    island_of_[body.index] = -1;
+    quiet_[body.index] = 0;
+  }
+  islands_[island].clear();
+}
+
+bool Sleep::forces_changed(const World& world, int body) const {
+  const Wrench &now = forces_[body], &then = forces_then_[body];
+  const double weight = world.mass_properties({body}).mass() * world.gravity().norm();
+  const double size = then.force.norm() + weight,
+               turn = then.torque.norm() + size * std::sqrt(gyration_[body]);
+  return !((now.force - then.force).norm() <= kSameForce * size &&
+           (now.torque - then.torque).norm() <= kSameForce * turn);
+}
+
+bool Sleep::any_asleep() const {
+  return std::any_of(islands_.begin(), islands_.end(), [](const auto& island) { return !island.empty(); });
+}
+
+void Sleep::wake(World& world, std::span<const ContactSet::Place> places, double h) {
+  read_bodies(world);
+  for (int b = 0; b < world.body_count(); ++b) {
+    if (island_of_[b] < 0 && world.is_asleep({b})) world.wake({b});  // it sleeps for another simulator
+    const bool slept = island_of_[b] >= 0 && !world.is_asleep({b});
+    if (stirs_[b] == world.stirs({b}) && !slept) continue;
+    quiet_[b] = 0;
+    if (island_of_[b] >= 0) wake_island(world, island_of_[b]);
+    stirs_[b] = world.stirs({b});
+  }
+  if (!any_asleep()) return;
+  if (world.force_count() > 0) {
+    world.forces(world.state(), forces_);
+    for (int b = 0; b < world.body_count(); ++b)
+      if (island_of_[b] >= 0 && forces_changed(world, b)) wake_island(world, island_of_[b]);
+  }
+  const State& state = world.state();
+  for (const ContactSet::Place& place : places) {
+    if (!place.active || world.moves({place.at.a}) == world.moves({place.at.b})) continue;
+    const int asleep = island_of_[world.moves({place.at.a}) ? place.at.b : place.at.a];
+    if (asleep < 0) continue;  // a fixed body
+    const Contact& contact = place.contact;
+    const Vec3 v = state.twists[place.at.b].at(state.poses[place.at.b].q * contact.p_BQ) -
+                   state.twists[place.at.a].at(state.poses[place.at.a].q * contact.p_AP);
+    const double approach = std::max(0.0, -contact.normal.dot(v)) + world.gravity().norm() * h;
+    if (contact.gap <= kTouch + kFaster * h * approach) wake_island(world, asleep);
+  }
+}
+
+bool Sleep::wake_touched(World& world, std::span<const ContactReport> contacts) {
+  bool any = false;
+  for (const ContactReport& report : contacts) {
+    if (report.force.isZero(0)) continue;
+    for (BodyId body : {report.contact.A, report.contact.B}) {
+      const int island = body.index < std::ssize(island_of_) ? island_of_[body.index] : -1;
+      if (island < 0) continue;
+      wake_island(world, island);
+      any = true;
+    }
+  }
+  return any;
+}
+
+}  // namespace taut

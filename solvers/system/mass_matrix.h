@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/world/world.h"
+
+namespace taut {
+
+/// M = diag(I_W, m 1₃) per body, kept in principal axes; fixed bodies have M⁻¹ = 0.
+class MassMatrix {
+ public:
+  /// What each step reads of a body, in one line of the cache …
+  struct alignas(64) Body {
+    Vec3 inverse_moments = Vec3::Zero();  ///< 1 / I_P
+    double inverse_mass = 0;
+    Vec3 root_inverse_moments = Vec3::Zero();
+    bool principal = true;  ///< q_BP is the identity
+    bool fixed = true;
+    std::int8_t symmetry_axis = -1;  ///< axis i with the other two moments equal; −1: none
+  };
+  /// … and the rest.
+  struct Inertia {
+    double mass = 1;
+    Vec3 moments = Vec3::Ones();  ///< I_P [kg m²]
+    Quat q_BP = Quat::Identity();
+  };
+
+  explicit MassMatrix(const World& world);
+  /// Some bodies of another.
+  MassMatrix(const MassMatrix& whole, std::span<const int> bodies);
+
+  int size() const { return static_cast<int>(bodies_.size()); }
+  const Body& operator[](int body) const { return bodies_[body]; }
+  const Inertia& inertia(int body) const { return inertias_[body]; }
+
+  /// R_WP of a body.
+  Mat3 principal_axes(int body, const Pose& pose) const {
+    return bodies_[body].principal ? pose.q.toRotationMatrix()
+                                   : (pose.q * inertias_[body].q_BP).toRotationMatrix();
+  }
+  /// ω = I_W⁻¹ L.
+  Vec3 angular_velocity(int body, const Pose& pose, const Vec3& L) const {
+    const Mat3 R = principal_axes(body, pose);
+    return R * bodies_[body].inverse_moments.cwiseProduct(R.transpose() * L);
+  }
+  /// L = I_W ω.
+  Vec3 angular_momentum(int body, const Pose& pose, const Vec3& w) const {
+    const Mat3 R = principal_axes(body, pose);
+    return R * inertias_[body].moments.cwiseProduct(R.transpose() * w);
+  }
+  /// (I_W ω, m v); zero for fixed bodies.
+  Wrench momentum(int body, const Pose& pose, const Twist& V) const {
+    if (bodies_[body].fixed) return {};
+    return {angular_momentum(body, pose, V.w), inertias_[body].mass * V.v};
+  }
+
+ private:
+  std::vector<Body> bodies_;
+  std::vector<Inertia> inertias_;
+};
+
+/// A square root of M⁻¹ of a body: M⁻¹ = A Aᵀ with A = diag(rotation, translation 1₃); zero for fixed ones.
+struct InverseMassRoot {
+  Mat3 rotation = Mat3::Zero();
+  double translation = 0;
+
+  bool moves() const { return translation > 0; }
+  /// V = M⁻¹ p.  The root is not multiplied out: of a thin rod, round-off then is a rotation about its axis
+  /// only, which moves no point on it, be it held by a joint or a stiff damper.
+  Twist twist(const Wrench& p) const {
+    return {rotation * Vec3(rotation.transpose() * p.torque), translation * translation * p.force};
+  }
+};
+
+/// A root of what takes the place of M⁻¹ where that has two full blocks.
+struct FullMassRoot {
+  Mat3 rotation = Mat3::Zero(), translation = Mat3::Zero();
+};
+
+}  // namespace taut

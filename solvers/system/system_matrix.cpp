@@ -1,0 +1,229 @@
+#include "solvers/system/system_matrix.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/counting_sort.h"
+
+namespace taut {
+namespace {
+
+/// Calls visit(side_i, side_j) for every ordered pair of sides that meet at a moving body, a side with itself
+/// included.
+template <typename Visit>
+void for_each_meeting(const Rows& rows, const MassMatrix& mass, int side, Visit visit) {
+  const int body = rows.sides()[side].body;
+  if (mass[body].fixed) return;
+  for (int other : rows.sides_of(body)) visit(other);
+}
+
+/// How the kernels take a root of M⁻¹.
+struct RootBlocks {
+  const double *rotation, *translation;
+  double scale;
+};
+inline RootBlocks blocks_of(const InverseMassRoot& A) { return {A.rotation.data(), nullptr, A.translation}; }
+inline RootBlocks blocks_of(const FullMassRoot& A) { return {A.rotation.data(), A.translation.data(), 0}; }
+
+}  // namespace
+
+BlockGraph joint_graph(const Rows& rows, const MassMatrix& mass) {
+  BlockGraph graph;
+  for (const Rows::JointRows& joint : rows.joints()) {
+    const int j = graph.size();
+    const auto begin = graph.neighbour.size();
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
+      for_each_meeting(rows, mass, s, [&](int other) {
+        if (rows.sides()[other].block != j) graph.neighbour.push_back(rows.sides()[other].block);
+      });
+    std::sort(graph.neighbour.begin() + begin, graph.neighbour.end());
+    graph.neighbour.erase(std::unique(graph.neighbour.begin() + begin, graph.neighbour.end()),
+                          graph.neighbour.end());
+    graph.block_size.push_back(joint.row_count);
+    graph.start.push_back(static_cast<int>(graph.neighbour.size()));
+  }
+  return graph;
+}
+
+SystemMatrix::SystemMatrix(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering,
+                           SymmetricMatrix::Triangle triangle) {
+  matrix_.triangle = triangle;
+  build_pattern(rows, mass, ordering);
+}
+
+void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering) {
+  std::vector<int> node_at;  // joints without rows, as detached ones, have no block
+  for (int j : ordering.node_at)
+    if (rows.joints()[j].row_count > 0) node_at.push_back(j);
+  const int joints = static_cast<int>(node_at.size());
+  std::vector<int> position(rows.joints().size(), -1);
+  for (int k = 0; k < joints; ++k) position[node_at[k]] = k;
+  const auto height = [&](int block) { return rows.joints()[node_at[block]].row_count; };
+  for (int k = 0; k < joints; ++k) matrix_.block_start.push_back(matrix_.block_start.back() + height(k));
+  position_of_row_.resize(rows.row_count());
+  for (int k = 0; k < joints; ++k)
+    for (int i = 0; i < height(k); ++i)
+      position_of_row_[rows.joints()[node_at[k]].first_row + i] = matrix_.block_start[k] + i;
+  std::vector<int> place(rows.sides().size());  // of a side among those of its body
+  for (int b = 0; b < rows.body_count(); ++b)
+    for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k)
+      place[rows.sides_of(b)[k]] = static_cast<int>(k);
+
+  const bool lower = matrix_.triangle == SymmetricMatrix::Triangle::kLower;
+  struct Meeting {
+    int block_row, body, i, j;
+  };
+  std::vector<Meeting> meetings;
+  std::vector<std::pair<int, Product>> products;  // with their bodies
+  diagonal_.reserve(rows.row_count());
+  for (int k = 0; k < joints; ++k) {  // block column k: which blocks, and what is summed into each
+    const Rows::JointRows& joint = rows.joints()[node_at[k]];
+    meetings.clear();
+    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
+      for_each_meeting(rows, mass, s, [&](int other) {
+        const int block_row = position[rows.sides()[other].block];
+        if (lower ? block_row >= k : block_row <= k)
+          meetings.push_back({block_row, rows.sides()[s].body, place[other], place[s]});
+      });
+    std::stable_sort(meetings.begin(), meetings.end(),
+                     [](const Meeting& a, const Meeting& b) { return a.block_row < b.block_row; });
+    int column_length = 0;
+    const auto opens_block = [&](std::size_t m) {
+      return m == 0 || meetings[m].block_row != meetings[m - 1].block_row;
+    };
+    for (std::size_t m = 0; m < meetings.size(); ++m)
+      if (opens_block(m)) column_length += height(meetings[m].block_row);
+
+    int slot = static_cast<int>(matrix_.row_index.size());
+    for (std::size_t m = 0; m < meetings.size(); ++m) {
+      if (m > 0 && opens_block(m)) slot += height(meetings[m - 1].block_row);
+      products.push_back({meetings[m].body, {slot, column_length, meetings[m].i, meetings[m].j, false}});
+      if (opens_block(m) && meetings[m].block_row == k)
+        for (int c = 0; c < joint.row_count; ++c) diagonal_.push_back(slot + c * column_length + c);
+    }
+    for (int c = 0; c < joint.row_count; ++c) {
+      for (std::size_t m = 0; m < meetings.size(); ++m)
+        if (opens_block(m))
+          for (int r = 0; r < height(meetings[m].block_row); ++r)
+            matrix_.row_index.push_back(matrix_.block_start[meetings[m].block_row] + r);
+      matrix_.column_start.push_back(static_cast<int>(matrix_.row_index.size()));
+    }
+  }
+  matrix_.values.assign(matrix_.row_index.size(), 0.0);
+  sort_products(rows, products);
+}
+
+/// By body; the first product of a block in that order overwrites it.
+void SystemMatrix::sort_products(const Rows& rows, std::span<const std::pair<int, Product>> products) {
+  counting_sort(
+      products.size(), rows.body_count(), [&](std::size_t i) { return products[i].first; },
+      [&](std::size_t i) { return products[i].second; }, first_product_, products_);
+  std::vector<char> written(matrix_.values.size(), 0);
+  for (Product& product : products_) {
+    product.first = !written[product.slot];
+    written[product.slot] = 1;
+  }
+  std::size_t most_sides = 0;
+  int most_values = 0;
+  for (int b = 0; b < rows.body_count(); ++b) {
+    int values = 0;
+    for (int s : rows.sides_of(b)) values += 6 * side_height(rows.sides()[s].row_count);
+    most_values = std::max(most_values, values);
+    most_sides = std::max(most_sides, rows.sides_of(b).size());
+  }
+  own_weighted_.resize(most_values);
+  own_.resize(most_sides);
+}
+
+template <typename Root>
+void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
+                          std::span<double> weighted) {
+  const FrontKernels& kernels = front_kernels();
+  for (const Rows::Side& side : rows.sides()) {
+    const RootBlocks A = blocks_of(roots[side.body]);
+    const double* J = jacobian.data() + side.offset;
+    double* W = weighted.data() + side.whole;
+    if (side.arm != 0)
+      kernels.weigh_arm_rows(J, side.arm, A.rotation, A.translation, A.scale, W);
+    else
+      kernels.weigh_rows(J, side.row_count, A.rotation, A.translation, A.scale, W);
+  }
+}
+
+/// All products of a body, with the W of its sides at own_.
+void SystemMatrix::add_products(const Rows& rows, int body) {
+  const std::span<const int> sides = rows.sides_of(body);
+  for (int k = first_product_[body]; k < first_product_[body + 1]; ++k) {
+    const Product& p = products_[k];
+    kernels_.multiply_sides(own_[p.i], rows.sides()[sides[p.i]].row_count, own_[p.j],
+                            rows.sides()[sides[p.j]].row_count, matrix_.values.data() + p.slot, p.stride,
+                            p.first);
+  }
+}
+
+/// S of what `weigh(side, W)` makes of each side of a body.
+template <typename Weigh>
+void SystemMatrix::assemble_bodies(const Rows& rows, int begin, int end, Weigh weigh) {
+  for (int b = begin; b < end; ++b) {
+    if (first_product_[b] == first_product_[b + 1]) continue;
+    double* W = own_weighted_.data();
+    for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k) {
+      const Rows::Side& side = rows.sides()[rows.sides_of(b)[k]];
+      weigh(side, W);
+      own_[k] = W;
+      W += 6 * side_height(side.row_count);
+    }
+    add_products(rows, b);
+  }
+}
+
+void SystemMatrix::shift_diagonal(double shift) {
+  if (shift != 0)
+    for (int i : diagonal_) matrix_.values[i] *= 1 + shift;
+}
+
+template <typename Root>
+void SystemMatrix::assemble_roots(const Rows& rows, std::span<const double> jacobian,
+                                  std::span<const Root> roots, int begin, int end) {
+  assemble_bodies(rows, begin, end, [&](const Rows::Side& side, double* W) {
+    const RootBlocks A = blocks_of(roots[side.body]);
+    const double* J = jacobian.data() + side.offset;
+    if (side.arm != 0)
+      kernels_.weigh_arm(J, side.arm, A.rotation, A.translation, A.scale, W);
+    else
+      kernels_.weigh(J, side.row_count, A.rotation, A.translation, A.scale, W);
+  });
+}
+
+template <typename Root>
+void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
+                            double shift) {
+  assemble_roots(rows, jacobian, roots, 0, rows.body_count());
+  shift_diagonal(shift);
+}
+
+void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian,
+                            std::span<const InverseMassRoot> roots, int begin, int end) {
+  assemble_roots(rows, jacobian, roots, begin, end);
+}
+
+template void SystemMatrix::weight<InverseMassRoot>(const Rows&, std::span<const double>,
+                                                    std::span<const InverseMassRoot>, std::span<double>);
+template void SystemMatrix::weight<FullMassRoot>(const Rows&, std::span<const double>,
+                                                 std::span<const FullMassRoot>, std::span<double>);
+template void SystemMatrix::assemble<InverseMassRoot>(const Rows&, std::span<const double>,
+                                                      std::span<const InverseMassRoot>, double);
+template void SystemMatrix::assemble<FullMassRoot>(const Rows&, std::span<const double>,
+                                                   std::span<const FullMassRoot>, double);
+
+void SystemMatrix::assemble(const Rows& rows, std::span<const double> weighted, double shift,
+                            std::span<const double> row_states) {
+  assemble_bodies(rows, 0, rows.body_count(), [&](const Rows::Side& side, double* W) {
+    kernels_.weigh(weighted.data() + side.whole, side.row_count, nullptr, nullptr, 1, W);
+  });
+  for (std::size_t r = 0; r < row_states.size(); ++r)
+    matrix_.values[diagonal_[position_of_row_[r]]] += std::isinf(row_states[r]) ? 1 : row_states[r];
+  shift_diagonal(shift);
+}
+
+}  // namespace taut

@@ -1,0 +1,51 @@
+// What a run is judged by, from reports of single steps.
+#include "scenes/program/run_record.h"
+
+#include <gtest/gtest.h>
+
+#include "scenes/program/run_report.h"
+#include "scenes/recording/recorder.h"
+
+namespace taut {
+namespace {
+
+StepReport step_of(Status status, double time, double residual) {
+  StepReport report;
+  report.status = status;
+  report.time = time;
+  report.substeps = 2;
+  report.contacts = 3;
+  report.complementarity_residual = residual;
+  return report;
+}
+
+/// Steps that were done count, exactly met or not; one that failed costs time and leaves no other trace.
+TEST(RunRecord, CountsWhatWasDone) {
+  RunRecord record;
+  record.add(step_of(Status::kSuccess, 0.1, 1e-10), 0.01, {}, 5);
+  record.add(step_of(Status::kInexact, 0.2, 3e-5), 0.01, {.metres = 1e-10}, 4);
+  record.add(step_of(Status::kNotConverged, 0.2, 0.7), 0.01, {.metres = 1}, 3);
+  EXPECT_EQ(record.steps, 2);
+  EXPECT_EQ(record.inexact_steps, 1);
+  EXPECT_EQ(record.substeps, 6);
+  EXPECT_EQ(record.simulated_time, 0.2);
+  EXPECT_EQ(record.max_complementarity_residual, 3e-5);
+  EXPECT_EQ(record.max_gap.metres, 1e-10);
+  EXPECT_EQ(record.final_energy, 4);
+  const auto report = run_report(record, Recorder(std::vector<Probe>{}), {}, State{});
+  EXPECT_EQ(report.at("inexact_steps"), 1);
+  EXPECT_EQ(report.at("steps"), 2);
+}
+
+/// The lines about contacts are there for worlds that have some.
+TEST(RunRecord, ItsTableSpeaksOfContactsWhereThereAreSome) {
+  RunRecord record;
+  record.add(StepReport{}, 0.01, {}, 0);
+  EXPECT_EQ(run_table(record).find("complementarity"), std::string::npos);
+  record.add(step_of(Status::kSuccess, 0.1, 1e-10), 0.01, {}, 5);
+  EXPECT_NE(run_table(record).find("complementarity"), std::string::npos);
+  EXPECT_NE(run_table(record).find("contacts"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,60 @@
+#include <gtest/gtest.h>
+
+#include "scenes/builders/scene.h"
+#include "solvers/simulator/simulator.h"
+#include "tests/allocation_counter.h"
+#include "tests/solvers/simulator/spine.h"
+
+#ifdef TAUT_COUNTS_ALLOCATIONS
+namespace taut {
+namespace {
+
+/// Allocations of each step after the first few, until `steps` of them.
+void expect_none(const std::string& name, const std::map<std::string, double>& parameters, double dt,
+                 int steps) {
+  Scene scene = build_scene(name, parameters);
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(simulator.step(dt).ok());
+  for (int i = 5; i < steps; ++i) {
+    const long before = allocation_count();
+    const StepReport& report = simulator.step(dt);
+    const long count = allocation_count() - before;
+    ASSERT_TRUE(report.ok()) << report.message;
+    ASSERT_EQ(count, 0) << name << ", step " << i << " of " << report.substeps << " sub-steps, "
+                        << report.refactorizations << " factorisations at an iterate";
+  }
+}
+
+TEST(Allocation, IsCounted) {
+  void* volatile kept = nullptr;  // else the compiler leaves out what is freed at once
+  const auto count = [&](auto allocate) {
+    const long before = allocation_count();
+    kept = allocate();
+    return allocation_count() - before;
+  };
+  EXPECT_EQ(count([] { return nullptr; }), 0);
+  EXPECT_EQ(count([] { return std::malloc(64); }), 1);
+  EXPECT_EQ(count([&] { return std::realloc(kept, 1000); }), 1);
+  std::free(kept);
+  EXPECT_EQ(count([] { return std::calloc(8, 8); }), 1);
+  std::free(kept);
+  EXPECT_EQ(count([] { return std::aligned_alloc(64, 64); }), 1);
+  std::free(kept);
+  EXPECT_EQ(count([] { return ::operator new(64); }), 1);
+  ::operator delete(kept);
+}
+
+/// Sub-steps, whips that need factorisations at an iterate, and redundant rows whose number changes among
+/// them.
+TEST(Allocation, AStepAllocatesNothingAfterTheFirst) {
+  for (const auto& [name, parameters] : kSpine) expect_none(name, parameters, 1.0 / 240, 480);
+}
+
+TEST(Allocation, AStepOfALargerSceneAllocatesNothing) {
+  for (const char* name : {"chain", "bridge-balls", "net-corners"}) expect_none(name, {{"n", 20}}, 1e-3, 55);
+  expect_none("joint-grid", {{"n", 20}, {"swing", 1}}, 1.0 / 240, 245);
+}
+
+}  // namespace
+}  // namespace taut
+#endif
