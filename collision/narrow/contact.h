@@ -24,7 +24,7 @@ struct Contact {
 struct Crowd {
   std::int64_t most = 0;        ///< so many are taken on; there are more
   std::vector<ShapeId> shapes;  ///< those with most of them, at most four, most first; none: no crowd
-  bool empty() const { return shapes.empty(); }
+  bool empty() const { return shapes.empty(); }  ///< no crowd
 };
 
 }  // namespace taut

@@ -78,8 +78,8 @@ bool candidates_are_complete(const Convex& A, const Convex& B) {
 }
 
 /// Newton's method for w(n) ∥ n without a ridge: w is the gradient of s, and in a tangent basis U
-///     (Uᵀ (H_A + H_B) U + s 1) y = Uᵀ w,   n ← n + U y                               (collision/README, Eq.
-///     4)
+///     (Uᵀ (H_A + H_B) U + s 1) y = Uᵀ w,   n ← n + U y
+/// (collision/narrow, Eq. 4)
 Vec3 polish_smooth(const Pair& pair, Vec3 n) {
   const Convex &A = pair.A, &B = pair.B;
   const Relative& X = pair.X;
@@ -175,7 +175,7 @@ void polish(Best& best) {
 /// Proximal point iteration with GJK: B moved by t n is separated from A, and the direction of its distance
 ///     argmax s(m) + t m·n
 /// has s no smaller than s(n).  Ends at once on a facet of s, else gains a factor t/(t + curvature) a step.
-/// (collision/README, Eq. 3)
+/// (collision/narrow, Eq. 3)
 void climb(Best& best) {
   const double size = best.pair.size(), smaller = std::min(best.pair.A.extent, best.pair.B.extent);
   const double clearance = 1e-2 * (smaller > 0 ? smaller : size);

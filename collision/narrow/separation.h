@@ -10,7 +10,7 @@ struct Separation {
   double s;  ///< min_B n·x − max_A n·x of the full bodies [m]; negative: depth of penetration
 };
 
-/// Maximises s(n) over the unit sphere (collision/README, Eq. 1).  For separated bodies the maximum is their
+/// Maximises s(n) over the unit sphere (collision/narrow, Eq. 1).  For separated bodies the maximum is their
 /// distance and unique; for overlapping ones it is exact for boxes, hulls, capsules and spheres with up to
 /// kEdgePairs pairs of edge directions, and the local maximum next to the best candidate otherwise. Returns
 /// false, early, if a direction with s > cutoff exists.

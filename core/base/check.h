@@ -25,7 +25,7 @@ namespace detail {
                               int columns);
 }  // namespace detail
 
-/// With a vector as a row, and a matrix as its transpose.
+/// As fail(), for an Eigen vector, which is written as a row, or matrix, written as its transpose.
 template <typename Matrix>
 [[noreturn]] void fail_with(std::string_view name, std::string_view problem, const Matrix& matrix) {
   std::vector<double> values;
@@ -35,33 +35,33 @@ template <typename Matrix>
                       static_cast<int>(matrix.rows()));
 }
 
-inline void require_finite(std::string_view name, double value) {
+inline void require_finite(std::string_view name, double value) {  ///< refuses what is not, as fail()
   if (!std::isfinite(value)) fail(name, "must be finite", value);
 }
 
-inline void require_positive(std::string_view name, double value) {
+inline void require_positive(std::string_view name, double value) {  ///< refuses what is not, as fail()
   if (!std::isfinite(value) || value <= 0) fail(name, "must be finite and positive", value);
 }
 
-inline void require_not_negative(std::string_view name, double value) {
+inline void require_not_negative(std::string_view name, double value) {  ///< refuses what is, as fail()
   if (!std::isfinite(value) || value < 0) fail(name, "must be finite and not negative", value);
 }
 
-/// Any Eigen vector or matrix.
+/// Refuses an Eigen vector or matrix with an entry that is not finite, as fail_with().
 template <typename Matrix>
 void require_all_finite(std::string_view name, const Matrix& matrix) {
   if (!matrix.allFinite()) fail_with(name, "must be finite", matrix);
 }
 
-/// A direction must have length one to `kUnitTolerance`; it is never normalised behind the user's back.
+/// By how much lengths may differ from 1 and cosines from 0; nothing is normalised behind the user's back.
 inline constexpr double kUnitTolerance = 1e-9;
 template <typename Vector>
-void require_unit(std::string_view name, const Vector& direction) {
+void require_unit(std::string_view name, const Vector& direction) {  ///< of length 1 to kUnitTolerance
   require_all_finite(name, direction);
   if (std::abs(direction.norm() - 1) > kUnitTolerance) fail_with(name, "must have length 1", direction);
 }
 
-/// A unit vector perpendicular to `axis`, to the same tolerance.
+/// Refuses what is no unit vector perpendicular to `axis` (both to kUnitTolerance), as fail_with().
 template <typename Vector>
 void require_across(std::string_view name, const Vector& direction, const Vector& axis) {
   require_unit(name, direction);

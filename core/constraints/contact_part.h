@@ -11,19 +11,19 @@ namespace row_parts {
 
 /// Right-handed frame of a contact, world axes: n from A to B.
 struct ContactFrame {
-  Vec3 n = Vec3::UnitZ(), t1 = Vec3::UnitX(), t2 = Vec3::UnitY();
-  const Vec3& direction(int i) const { return i == 0 ? n : i == 1 ? t1 : t2; }
+  Vec3 n = Vec3::UnitZ(), t1 = Vec3::UnitX(), t2 = Vec3::UnitY();  ///< normal, and two tangents
+  const Vec3& direction(int i) const { return i == 0 ? n : i == 1 ? t1 : t2; }  ///< n, t₁, t₂
 };
 
 /// Rates of A and B against each other at the middle X of the points that face each other.
 ///   w = (n, t₁, t₂)·(v_BX − v_AX) [m/s],   φ = (n, t₁, t₂)·(p_WQ − p_WP) [m]
-///                                                                          (solvers/README, "Contacts")
+///                                                                            (solvers/laws, "Contacts")
 /// λ [N·s] is the impulse on B at X along these directions; A receives the opposite at the same place.
 struct ContactPoint {
   static constexpr int kRows = 3;
   static constexpr bool kAngular = false;
-  Vec3 p_AP = Vec3::Zero(), p_BQ = Vec3::Zero();
-  ContactFrame frame{};
+  Vec3 p_AP = Vec3::Zero(), p_BQ = Vec3::Zero();  ///< from the centres of mass, body axes [m]
+  ContactFrame frame{};                           ///< directions of the rows
 
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<3> J_A, JacobianBlock<3> J_B) const;
@@ -39,7 +39,7 @@ struct ContactPoint {
 struct ContactTwist {
   static constexpr int kRows = 3;
   static constexpr bool kAngular = true;
-  ContactFrame frame{};
+  ContactFrame frame{};  ///< directions of the rows
 
   void residual(const Pose&, const Pose&, double* phi) const;
   void jacobian(const Pose&, const Pose&, JacobianBlock<3> J_A, JacobianBlock<3> J_B) const;

@@ -7,7 +7,7 @@
 #include "core/constraints/row_parts.h"
 #include "core/math/spline.h"
 
-/// A point that stays on a curve.                                                      (core/README, Eq. 25)
+/// A point that stays on a curve.                                                 (core/constraints, Eq. 7)
 namespace taut {
 
 /// A spline fixed in a body, with normals that turn with it as little as possible.
@@ -15,8 +15,8 @@ class BodyCurve {
  public:
   /// What a point x, in axes of the body, sees of the curve c(s): its nearest place and the normals there.
   struct Near {
-    double s = 0;
-    CubicSpline<3>::At c;
+    double s = 0;         ///< parameter of the nearest place
+    CubicSpline<3>::At c;  ///< c(s) and its derivatives
     Vec3 e;             ///< x − c(s), perpendicular to c'
     Vec3 tangent;       ///< c'/|c'|
     Vec3 tangent_rate;  ///< its derivative by s
@@ -28,7 +28,7 @@ class BodyCurve {
 
   explicit BodyCurve(CubicSpline<3> spline);
 
-  const CubicSpline<3>& spline() const { return spline_; }
+  const CubicSpline<3>& spline() const { return spline_; }  ///< in axes of the body
   /// The curve in axes of a body that carries its own, with the same normals.
   BodyCurve carried(const Pose& X_CA) const;
 
@@ -72,8 +72,8 @@ struct PointInBody {
 struct PointOnCurve {
   static constexpr int kRows = 2;
   static constexpr bool kAngular = false;
-  std::shared_ptr<const BodyCurve> curve;
-  Vec3 p_BQ;
+  std::shared_ptr<const BodyCurve> curve;  ///< in axes of A
+  Vec3 p_BQ;                               ///< from the centre of mass, axes of B [m]
 
   PointOnCurve carried(const Pose& X_CA, const Pose& X_CB) const {
     return {std::make_shared<const BodyCurve>(curve->carried(X_CA)), X_CB.point(p_BQ)};
@@ -86,8 +86,9 @@ struct PointOnCurve {
   std::string row_name(int) const;
 
  private:
-  /// The normals turn with n' = −(n·t') t + twist t × n.
+  /// ∂φ_i/∂x = n_i + τ (t × n_i)·e ∇s, since n' = −(n·t') t + τ t × n with the twist τ.
   static Vec3 gradient(const BodyCurve::Near& at, int i);
+  /// −(n_i·t') t ∇sᵀ + τ (t × n_i ∇sᵀ + ∇s (t × n_i)ᵀ), for e = 0.
   static Mat3 hessian(const BodyCurve::Near& at, int i);
 };
 
@@ -96,8 +97,8 @@ struct PointOnCurve {
 struct CurveParameter {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = false;
-  std::shared_ptr<const BodyCurve> curve;
-  Vec3 p_BQ;
+  std::shared_ptr<const BodyCurve> curve;  ///< in axes of A
+  Vec3 p_BQ;                               ///< from the centre of mass, axes of B [m]
 
   CurveParameter carried(const Pose& X_CA, const Pose& X_CB) const {
     return {std::make_shared<const BodyCurve>(curve->carried(X_CA)), X_CB.point(p_BQ)};
@@ -111,7 +112,7 @@ struct CurveParameter {
   std::string row_name(int) const;
 
  private:
-  /// From D ṡ = c'·ẋ, differentiated.
+  /// (∇s c''ᵀ + c'' ∇sᵀ + (c'''·e − 3 c'·c'') ∇s ∇sᵀ)/D, from D ṡ = c'·ẋ, differentiated.
   static Mat3 hessian(const BodyCurve::Near& at);
 };
 

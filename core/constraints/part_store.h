@@ -27,8 +27,8 @@ using JacobianBlock = Eigen::Map<Eigen::Matrix<double, N, 6, Eigen::RowMajor>>;
 /// Geometric stiffness that a joint's load gives to one of its bodies: rotation–rotation [N·m/rad] and
 /// translation–translation [N/m] block, symmetric parts.
 struct StiffnessBlocks {
-  Mat3 rotation = Mat3::Zero();
-  Mat3 translation = Mat3::Zero();
+  Mat3 rotation = Mat3::Zero();     ///< [N·m/rad]
+  Mat3 translation = Mat3::Zero();  ///< [N/m]
 };
 
 /// The value next to `near` among value + k period; an infinite period leaves it alone.

@@ -11,9 +11,9 @@
 /// axes,
 ///
 ///   residual   φ(q)                                                              [m] or [rad]
-///   jacobian   J_A, J_B with φ̇ = J_A V_A + J_B V_B, V = (ω, v)                     (core/README, Eq. 2)
-///   bias       γ = J̇ V, so that φ̈ = J V̇ + γ                                      (core/README, Eq. 3)
-///   stiffness  the diagonal blocks of K = −∂(Jᵀλ)/∂q, symmetric part             (core/README, Eq. 4)
+///   jacobian   J_A, J_B with φ̇ = J_A V_A + J_B V_B, V = (ω, v)                (core/constraints, Eq. 1)
+///   bias       γ = J̇ V, so that φ̈ = J V̇ + γ                                  (core/constraints, Eq. 2)
+///   stiffness  the diagonal blocks of K = −∂(Jᵀλ)/∂q, symmetric part        (core/constraints, Eq. 3)
 ///   row_name   which motion a row holds, for reports
 ///   carried    the same part between bodies that carry A and B at fixed poses X_CA, X_CB (merged_world.h)
 ///
@@ -34,7 +34,7 @@ inline void add_lever_stiffness(const Vec3& r, const Vec3& f, Mat3& K) {
   K(0, 1) -= xy, K(1, 0) -= xy, K(0, 2) -= xz, K(2, 0) -= xz, K(1, 2) -= yz, K(2, 1) -= yz;
 }
 
-const char* axis_name(int i);
+const char* axis_name(int i);  ///< "x", "y" or "z"
 
 /// "y", "−y" for the axes themselves, else "(0.6, 0.8, 0)".
 std::string direction_name(const Vec3& d);
@@ -44,7 +44,7 @@ std::string direction_name(const Vec3& d);
 struct Point {
   static constexpr int kRows = 3;
   static constexpr bool kAngular = false;
-  Vec3 p_AP, p_BQ;
+  Vec3 p_AP, p_BQ;  ///< from the centres of mass, body axes [m]
 
   Point carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.point(p_AP), X_CB.point(p_BQ)}; }
   void residual(const Pose& A, const Pose& B, double* phi) const;
@@ -55,10 +55,10 @@ struct Point {
   std::string row_name(int i) const;
 };
 
-/// The same alone in its joint: of J = ([a]×, −1), (−[b]×, 1) only the arms a and b are kept, from the
-/// centres to P and Q in world axes.
+/// A Point that is alone in its joint: of J = ([a]×, −1), (−[b]×, 1) only the arms a and b are kept, from
+/// the centres to P and Q in world axes [m].
 struct LonePoint : Point {
-  void arms(const Pose& A, const Pose& B, double* a, double* b) const {
+  void arms(const Pose& A, const Pose& B, double* a, double* b) const {  ///< three numbers each
     Eigen::Map<Vec3>{a} = rotate(A.q, p_AP);
     Eigen::Map<Vec3>{b} = rotate(B.q, p_BQ);
   }
@@ -70,7 +70,7 @@ struct LonePoint : Point {
 struct PointInPlane {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = false;
-  Vec3 p_AP, a_A, p_BQ;
+  Vec3 p_AP, a_A, p_BQ;  ///< points [m] and unit normal, body axes
 
   PointInPlane carried(const Pose& X_CA, const Pose& X_CB) const {
     return {X_CA.point(p_AP), X_CA.q * a_A, X_CB.point(p_BQ)};
@@ -88,7 +88,7 @@ struct PointInPlane {
 struct Perpendicular {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = true;
-  Vec3 a_A, b_B;
+  Vec3 a_A, b_B;  ///< unit vectors, body axes
 
   Perpendicular carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * a_A, X_CB.q * b_B}; }
   void residual(const Pose& A, const Pose& B, double* phi) const;
@@ -105,7 +105,7 @@ struct Perpendicular {
 struct Orientation {
   static constexpr int kRows = 3;
   static constexpr bool kAngular = true;
-  Quat q_AF, q_BG;
+  Quat q_AF, q_BG;  ///< frame F in A and frame G in B
 
   Orientation carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * q_AF, X_CB.q * q_BG}; }
   /// q_FG on the hemisphere of small angles.
@@ -123,8 +123,8 @@ struct Orientation {
 struct Distance {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = false;
-  Vec3 p_AP, p_BQ;
-  double length;
+  Vec3 p_AP, p_BQ;  ///< from the centres of mass, body axes [m]
+  double length;    ///< L [m]
 
   Distance carried(const Pose& X_CA, const Pose& X_CB) const {
     return {X_CA.point(p_AP), X_CB.point(p_BQ), length};
@@ -147,7 +147,7 @@ struct Stretch {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = false;
   static constexpr bool kSigned = true;
-  Vec3 p_AP, p_BQ;
+  Vec3 p_AP, p_BQ;  ///< from the centres of mass, body axes [m]
 
   Stretch carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.point(p_AP), X_CB.point(p_BQ)}; }
   void residual(const Pose& A, const Pose& B, double* phi) const { line().residual(A, B, phi); }

@@ -19,7 +19,7 @@ class Rows;
 
 /// Two bodies of a joint by their place in Joint::bodies(): the A and B of a row part.
 struct Between {
-  int a = 0, b = 1;
+  int a = 0, b = 1;  ///< places in Joint::bodies()
 };
 
 namespace detail {
@@ -52,7 +52,7 @@ Part relocated(const Part& part, const Relocation& to, const Joint& joint, const
 class RowSink {
  public:
   template <typename Part>
-  void add(const Part& part, Between sides = {});
+  void add(const Part& part, Between sides = {});  ///< the next rows of the joint, between these bodies
   /// All parts of a joint of another world, as World::append() or merging has changed its ids and bodies.
   void add_rows_of(const Joint& joint, const Relocation& to);
 
@@ -76,13 +76,13 @@ class RowSink {
 
 /// A free axis as its joint lists it.
 struct AxisInfo {
-  std::string name;
-  bool angular = false;
+  std::string name;  ///< unique in its joint
+  bool angular = false;      ///< in radians; otherwise in metres
   bool accumulates = false;  ///< only its increments are known: no place for limits and springs
   AxisLimits limits;         ///< that the axis has from the start, as a rope; without effect if infinite
   /// The coordinate as a single row, with one Jacobian block of six for each of `bodies`.
   std::shared_ptr<const detail::PartStoreBase> coordinate;
-  std::vector<int> bodies;
+  std::vector<int> bodies;  ///< indices of its bodies
   SwingAxes across{};  ///< of a swing
 };
 

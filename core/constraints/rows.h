@@ -41,7 +41,7 @@ namespace taut {
 class SixVector {
  public:
   SixVector(const Vec3& a, const Vec3& b) : first_(a[0], a[1]), second_(a[2], b[0]), third_(b[1], b[2]) {}
-  double dot(const double* row) const {
+  double dot(const double* row) const {  ///< with the six numbers of a row
     using Pair = Eigen::Map<const Eigen::Vector2d>;
     return (first_.cwiseProduct(Pair(row)) + second_.cwiseProduct(Pair(row + 2)) +
             third_.cwiseProduct(Pair(row + 4)))
@@ -52,65 +52,65 @@ class SixVector {
   Eigen::Vector2d first_, second_, third_;
 };
 
-class Rows {
+class Rows {  ///< The rows of a World, as the comment at the top of this file says.
  public:
   /// A contact place, by its index.
   struct ContactIndex {
-    int index = -1;
+    int index = -1;  ///< −1: none
     friend auto operator<=>(ContactIndex, ContactIndex) = default;
   };
   /// What rows belong to: a joint, a spring between two bodies or a contact.
   using Owner = std::variant<JointId, ForceId, ContactIndex>;
   /// The rows of one of them, a block.
   struct JointRows {
-    int first_row = 0, row_count = 0;
-    int first_side = 0, side_count = 0;
+    int first_row = 0, row_count = 0;    ///< of all its rows
+    int first_side = 0, side_count = 0;  ///< in sides()
     int equality_count = 0;  ///< of the rows, in front, softened ones too; the others are axis rows
-    Owner owner;
+    Owner owner;  ///< whose rows they are
   };
-  struct Side {
-    int body = 0;
+  struct Side {  ///< The block of Jacobian values of one body of a joint.
+    int body = 0;  ///< its index in the World
     int block = 0;  ///< index in joints(), which springs and contacts have, too: no JointId
-    int first_row = 0, row_count = 0;
+    int first_row = 0, row_count = 0;  ///< of the block
     int offset = 0;  ///< of its block in the Jacobian values
     int whole = 0;   ///< … in values that have row_count × 6 of each side, as J where no arms are kept
     /// ±1 where the block is an arm r of a LonePoint, on its side B or A: J = ±(−[r]×, 1).
     int arm = 0;
     int value_count() const { return arm != 0 ? 3 : 6 * row_count; }  ///< of its block
   };
-  struct Row {
+  struct Row {  ///< What one row is made of.
     int block = 0;  ///< index in joints(), as of a Side
-    bool angular = false;
-    const detail::PartStoreBase* store = nullptr;
-    int item = 0, row_in_part = 0;
+    bool angular = false;  ///< in radians; otherwise in metres
+    const detail::PartStoreBase* store = nullptr;  ///< where its part is
+    int item = 0, row_in_part = 0;  ///< the part in its store, and the row in the part
     int axis = kEquality;  ///< of the joint, or one of the following
   };
-  static constexpr int kEquality = -1;
+  static constexpr int kEquality = -1;  ///< a row that must hold
   static constexpr int kSpring = -3;    ///< of a spring between two bodies
   static constexpr int kSoftened = -2;  ///< an equality row that gives way by its joint's compliance
   /// A row that is no equality: that of a free axis, whose residual is the coordinate θ itself, or a row of a
   /// joint that its compliance softens, whose residual is the gap.
   struct AxisRow {
-    int row = 0;
+    int row = 0;  ///< its index
     AxisId axis;           ///< its `axis` is negative for a softened row
     int index = 0;         ///< of θ in State::axes; negative for a softened row
     ForceId spring{-1};    ///< whose row it is; then `axis` is none
     bool centred = false;  ///< … of its three displacements in axes of A, not of its length
   };
-  enum class AxisRows { kIncluded, kLeftOut };
-  enum class Joints {
+  enum class AxisRows { kIncluded, kLeftOut };  ///< Whether free axes with properties have rows.
+  enum class Joints {  ///< Which joints have rows.
     kAll,     ///< that are attached
     kMoving,  ///< … and have a body that moves (World::moves())
   };
-  enum class Blocks {
+  enum class Blocks {  ///< How Jacobian values are kept.
     kWhole,
     kArms,  ///< joints of two points, as ball joints, keep arms: a sixth of the memory
   };
   /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more
   /// (spin, two of rolling).
   struct ContactPlace {
-    int a = 0, b = 0;
-    bool twist = false;
+    int a = 0, b = 0;  ///< indices of the bodies A and B
+    bool twist = false;  ///< it has rows of rotation
     friend bool operator==(const ContactPlace&, const ContactPlace&) = default;
   };
 
@@ -123,17 +123,17 @@ class Rows {
   /// nothing.  `new_body`: of each body, ≥ 0 for those of the joints.
   Rows part(std::span<const int> joints, std::span<const int> new_body, int bodies) const;
 
-  int row_count() const { return static_cast<int>(rows_.size()); }
-  int jacobian_size() const { return jacobian_size_; }
-  /// Of values with row_count × 6 of each side.
+  int row_count() const { return static_cast<int>(rows_.size()); }  ///< of all blocks
+  int jacobian_size() const { return jacobian_size_; }  ///< number of values
+  /// Number of values where each side has row_count × 6.
   int whole_size() const { return whole_size_; }
-  std::span<const JointRows> joints() const { return joints_; }
-  std::span<const Side> sides() const { return sides_; }
+  std::span<const JointRows> joints() const { return joints_; }  ///< springs and contacts too, in this order
+  std::span<const Side> sides() const { return sides_; }  ///< of all blocks
   /// Sides of a body in the order of the joints; fixed bodies have theirs too.
   std::span<const int> sides_of(int body) const {
     return {body_sides_.data() + body_start_[body], body_sides_.data() + body_start_[body + 1]};
   }
-  int body_count() const { return static_cast<int>(body_start_.size()) - 1; }
+  int body_count() const { return static_cast<int>(body_start_.size()) - 1; }  ///< with the ground
   /// Joints with rows whose last body, by index, this is: a loop over bodies can do them as soon as their
   /// twists or poses are there, and still near.
   std::span<const int> joints_due(int body) const {
@@ -146,8 +146,8 @@ class Rows {
     int settled_begin = 0, settled_end = 0;  ///< bodies whose last parts are in this piece
   };
   static constexpr int kPieceSize = 256;  ///< bodies
-  std::span<const Piece> pieces() const { return pieces_; }
-  const Row& row(int i) const { return rows_[i]; }
+  std::span<const Piece> pieces() const { return pieces_; }  ///< in the order of the bodies
+  const Row& row(int i) const { return rows_[i]; }  ///< row i
   /// What row i belongs to.
   const Owner& owner(int i) const { return joints_[rows_[i].block].owner; }
   /// The joint that row i belongs to, if it is one of a joint.
@@ -155,39 +155,39 @@ class Rows {
     const auto* joint = std::get_if<JointId>(&owner(i));
     return joint ? std::optional(*joint) : std::nullopt;
   }
-  /// In what the gap of an equality row of a joint is, beside the rows, for loops over all of them.
+  /// Unit of the gap of an equality row of a joint, kept beside the rows for loops over all of them.
   enum class Unit : char { kNone, kMetre, kRadian };
-  Unit gap_unit(int i) const { return unit_[i]; }
-  bool is_equality(int i) const { return rows_[i].axis == kEquality && !is_contact(i); }
+  Unit gap_unit(int i) const { return unit_[i]; }  ///< of row i
+  bool is_equality(int i) const { return rows_[i].axis == kEquality && !is_contact(i); }  ///< of a joint
   /// Contact rows come last.
   bool is_contact(int i) const { return i >= first_contact_row_; }
-  int first_contact_row() const { return first_contact_row_; }
+  int first_contact_row() const { return first_contact_row_; }  ///< row_count() without contacts
   /// joints() has these first.
   int joint_count() const { return contact_joint(0) - spring_count_; }
   /// joints()[spring_joint(s)] is spring s of World::springs(); without rows if it joins a body to itself, or
   /// what does not move.
   int spring_joint(int s) const { return joint_count() + s; }
-  int spring_count() const { return spring_count_; }
-  int contact_count() const { return static_cast<int>(contacts_.size()); }
+  int spring_count() const { return spring_count_; }  ///< with rows or without
+  int contact_count() const { return static_cast<int>(contacts_.size()); }  ///< contact places
   /// joints()[contact_joint(k)] is contact place k.
   int contact_joint(int k) const { return static_cast<int>(joints_.size()) - contact_count() + k; }
   /// From now on place k is this contact.
   void set_contact(int k, const row_parts::ContactPoint& point);
-  /// The rows that are not equalities, in ascending order.
+  /// The rows that are not equalities, in ascending order, and what motion row i holds.  @{
   std::span<const AxisRow> axis_rows() const { return axis_rows_; }
   std::string row_name(int i) const { return rows_[i].store->row_name(rows_[i].item, rows_[i].row_in_part); }
-
+  /// @}
   // Sizes of the spans below: poses, twists, wrenches and `bodies` have body_count() entries, φ, γ, λ and J V
   // row_count(), Jacobian values jacobian_size().
 
   /// φ(q) [m or rad] of equality rows, and the coordinate θ of axis rows: angles as the value next to the one
   /// in `at.axes`.
   void residual(const Configuration& at, std::span<double> phi) const;
-  /// The same for one of the pieces, which must be taken in their order (all of these).
+  /// As residual(), for one of the pieces, which must be taken in their order (as in all of these).
   void residual(const Configuration& at, std::span<double> phi, const Piece& piece) const;
   /// J(q), the values of all sides.
   void jacobian(const Configuration& at, std::span<double> values) const;
-  void jacobian(const Configuration& at, std::span<double> values, const Piece& piece) const;
+  void jacobian(const Configuration& at, std::span<double> values, const Piece& piece) const;  ///< of a piece
   /// γ = φ̈ − J V̇: J̇ V, and what drivers add to it.
   void bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const;
   /// Adds φ_t, the part of φ̇ = J V + φ_t that drivers make, to `out`.
@@ -198,14 +198,14 @@ class Rows {
   void stiffness(const Configuration& at, std::span<const double> lambda,
                  std::span<StiffnessBlocks> bodies) const;
   void stiffness(const Configuration& at, std::span<const double> lambda, std::span<StiffnessBlocks> bodies,
-                 const Piece& piece) const;
+                 const Piece& piece) const;  ///< of the bodies of a piece
   /// Writes the coordinates of the axis rows to their entries of State::axes, which is how a solver keeps the
   /// turns of angles after a step: update_axes(state, state.axes).
   void update_axes(const Configuration& at, std::span<double> axes) const;
 
-  /// J V, with the values that jacobian() gave.
+  /// J V [m/s or rad/s], with the values that jacobian() gave.
   void apply(std::span<const double> jacobian, std::span<const Twist> twists, std::span<double> out) const;
-  /// The same for one joint.
+  /// J V of the rows of one joint.
   void apply(const JointRows& joint, std::span<const double> jacobian, std::span<const Twist> twists,
              std::span<double> out) const {
     double* rates = out.data() + joint.first_row;
@@ -225,7 +225,7 @@ class Rows {
   /// Jᵀ λ, the wrench of all joints on each body, fixed ones too; overwrites `out`.
   void apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                        std::span<Wrench> out) const;
-  /// The same for one body.
+  /// Jᵀ λ on one body.
   Wrench wrench_on(int body, std::span<const double> jacobian, std::span<const double> lambda) const {
     using Six = Eigen::Matrix<double, 6, 1>;
     Six sum = Six::Zero();

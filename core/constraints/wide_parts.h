@@ -15,20 +15,20 @@ namespace taut {
 namespace row_parts {
 
 /// A linear relation between free axes.   φ = Σ c_k θ_k(q) − offset [unit of the last axis]
-/// λ is the force or torque along the last axis if its factor is 1; c_k λ acts along axis k.  (Eq. 16)
+/// λ is the force or torque along the last axis if its factor is 1; c_k λ acts along axis k.  (Eq. 8)
 struct Coupling {
   static constexpr bool kWide = true;
   static constexpr bool kCarried = true;
   static constexpr int kRows = 1;
   static constexpr std::size_t kMaxBodies = 8;  ///< of one axis
-  struct Term {
-    double factor = 1;
-    std::shared_ptr<const detail::PartStoreBase> coordinate;
+  struct Term {         ///< One of the axes.
+    double factor = 1;  ///< c_k
+    std::shared_ptr<const detail::PartStoreBase> coordinate;  ///< θ_k
     std::vector<int> sides;  ///< of the coordinate's bodies, in the joint
   };
-  std::vector<Term> terms;
-  double offset = 0;
-  bool is_angle = false;
+  std::vector<Term> terms;  ///< of the sum
+  double offset = 0;        ///< [unit of the last axis]
+  bool is_angle = false;    ///< that unit is the radian; otherwise the metre
 
   bool angular() const { return is_angle; }
   void residual(const Configuration& at, double* phi) const;
@@ -42,7 +42,7 @@ struct Coupling {
 
 /// A relation between free axes that follows the time.   φ = Σ c_k θ_k(q) − offset − f(t)
 struct DrivenCoupling : Coupling {
-  Motion motion;
+  Motion motion;  ///< f
 
   void residual(const Configuration& at, double* phi) const;
   void bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const;
@@ -52,7 +52,7 @@ struct DrivenCoupling : Coupling {
 };
 
 /// B has a pose X*(t) = (q*, p*) relative to A.
-///   φ = (p_AB − p*, 2 vec(q*⁻¹ q_AB)) ∈ ℝ⁶ [m, m, m, rad, rad, rad], p_AB = R_AW (p_B − p_A)   (Eq. 17)
+///   φ = (p_AB − p*, 2 vec(q*⁻¹ q_AB)) ∈ ℝ⁶ [m, m, m, rad, rad, rad], p_AB = R_AW (p_B − p_A)
 /// λ₁₋₃ is the force on B in axes of A, at its centre; λ₄₋₆ the torque on B in axes of the target frame.
 /// Translation and rotation are two parts, so that a row is of one kind.
 struct DrivenPosition {
@@ -60,11 +60,11 @@ struct DrivenPosition {
   static constexpr bool kCarried = true;
   static constexpr int kRows = 3;
   static constexpr bool kAngular = false;
-  int body_a, body_b;
-  PoseMotion motion;
+  int body_a, body_b;  ///< indices in the world
+  PoseMotion motion;   ///< X*
   Pose X_A{}, X_B{};  ///< of the frames meant by A and B on the bodies
 
-  PointInPlane row(int i) const;
+  PointInPlane row(int i) const;  ///< along axis i of A
   void residual(const Configuration& at, double* phi) const;
   void jacobian(const Configuration& at, detail::SideBlocks J) const;
   void bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const;
@@ -76,17 +76,17 @@ struct DrivenPosition {
             to.frame(BodyId{body_b}) * X_B};
   }
 };
-
+/// The rows of rotation of such a driver, φ = 2 vec(q*⁻¹ q_AB) ∈ ℝ³ [rad].
 struct DrivenOrientation {
   static constexpr bool kWide = true;
   static constexpr bool kCarried = true;
   static constexpr int kRows = 3;
   static constexpr bool kAngular = true;
-  int body_a, body_b;
-  PoseMotion motion;
+  int body_a, body_b;  ///< indices in the world
+  PoseMotion motion;   ///< X*
   Pose X_A{}, X_B{};  ///< of the frames meant by A and B on the bodies
 
-  Orientation part(const PosePoint& target) const;
+  Orientation part(const PosePoint& target) const;  ///< at rest there
   void residual(const Configuration& at, double* phi) const;
   void jacobian(const Configuration& at, detail::SideBlocks J) const;
   /// The target frame F turns with ω_F = ω_A + R_WA ω*: the bias is that of an orientation row against a body

@@ -9,15 +9,15 @@
 
 namespace taut {
 
-/// A linear relation between free axes of joints that are there already, in one row:     (core/README, Eq.
-/// 16)
+/// A linear relation between free axes of joints that are there already, in one row
+/// (core/joints, Eq. 14):
 ///   φ = Σ c_k θ_k − offset [unit of the last axis], closed where it is made.
 /// The base of Gear, RackAndPinion, Differential and Driver.  Angles count turns.  Its bodies are those of
 /// the axes; B is the second body of the last axis.  c_k λ acts along axis k, from the first body of its
 /// joint on the second.
 class AxisCoupling : public Joint {
  public:
-  using Terms = std::vector<std::pair<AxisId, double>>;
+  using Terms = std::vector<std::pair<AxisId, double>>;  ///< axes and their factors c_k
 
   /// @throws std::invalid_argument if an axis is not in the world or a factor not finite or 0.
   AxisCoupling(const World& world, const std::string& name, const Terms& terms)
@@ -46,7 +46,7 @@ class AxisCoupling : public Joint {
   std::vector<JointId> couples() const override { return couples_; }
 
  protected:
-  row_parts::Coupling coupling_;
+  row_parts::Coupling coupling_;  ///< its one row
 
  private:
   static std::vector<BodyId> bodies_of(const World& world, const Terms& terms) {

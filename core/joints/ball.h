@@ -8,8 +8,8 @@
 
 namespace taut {
 
-/// Ball joint: point P of A stays on point Q of B.  φ = p_WQ − p_WP ∈ ℝ³ [m]. (core/README, Eq. 5) λ is the
-/// force on B at Q in world axes; A receives −λ at P.
+/// Ball joint: point P of A stays on point Q of B.  φ = p_WQ − p_WP ∈ ℝ³ [m].            (core/joints, Eq. 1)
+/// λ is the force on B at Q in world axes; A receives −λ at P.
 /// Free axes only after with_axes(): `swing` [rad], the angle between a direction of A and one of B, from 0;
 /// `twist` [rad] about them; `turn_x`, `turn_y`, `turn_z` [rad], turns of B against A about three axes of A,
 /// for friction and motors of given velocity; and `swing_x`, `swing_y` [rad], the swing as a rotation vector
@@ -26,7 +26,7 @@ class Ball final : public Joint {
   static Ball at(const World& world, BodyId a, BodyId b, const Vec3& p_W) {
     return {a, b, world.pose(a).local(p_W), world.pose(b).local(p_W)};
   }
-  /// The same joint with free axes: z of the frames F in A and G in B are the directions of swing and twist,
+  /// This joint with free axes: z of the frames F in A and G in B are the directions of swing and twist,
   /// which are 0 where F and G agree; turns are about x, y, z of F.
   /// @throws std::invalid_argument if an orientation is not of unit length.
   Ball with_axes(const Quat& q_AF, const Quat& q_BG) const {
@@ -36,7 +36,7 @@ class Ball final : public Joint {
     joint.frames_ = Frames{q_AF, q_BG};
     return joint;
   }
-  /// The same with z of both frames along a world direction and swing and twist 0 in the present poses.
+  /// This joint with free axes: z of F and G along a world direction, swing and twist 0 in the present poses.
   /// @throws std::invalid_argument if the direction is not of unit length.
   Ball with_axes(const World& world, const Vec3& axis_W) const {
     require_unit("ball axis", axis_W);

@@ -5,7 +5,7 @@
 
 namespace taut {
 
-/// Cylindrical joint: B turns about an axis of A and slides along it.               (core/README, Eq. 18)
+/// Cylindrical joint: B turns about an axis of A and slides along it.               (core/joints, Eq. 7)
 ///   φ = (u·d, v·d, u·b, v·b) ∈ ℝ⁴ [m, m, rad, rad], with d = p_WQ − p_WP and u, v, a an orthonormal frame
 ///   of A.
 /// λ₁, λ₂ are the forces on B at Q along u and v; λ₃, λ₄ the torques that keep the axes together.
@@ -32,7 +32,7 @@ class Cylindrical final : public Joint {
     return Cylindrical(a, b, A.local(p_W), A.q.conjugate() * axis_W, B.local(p_W), B.q.conjugate() * axis_W)
         .zeroed(A, B);
   }
-  /// The same joint with its angle 0 in these poses.
+  /// A copy of this joint whose angle is 0 in these poses of A and B.
   Cylindrical zeroed(const Pose& A, const Pose& B) const {
     Cylindrical joint = *this;
     joint.reference_B_ = across(B.q.conjugate() * (A.q * reference_A_), axis_B_);

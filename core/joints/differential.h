@@ -5,7 +5,7 @@
 namespace taut {
 
 /// Differential: the angle of the case is the mean of those of its two shafts.
-///   φ = θ_left + θ_right − 2 θ_case − offset [rad]                                   (core/README, Eq. 16)
+///   φ = θ_left + θ_right − 2 θ_case − offset [rad]                                   (core/joints, Eq. 17)
 /// λ is the torque on either shaft, −2 λ that on the case: both shafts get the same.
 class Differential final : public AxisCoupling {
  public:

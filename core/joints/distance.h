@@ -5,8 +5,8 @@
 
 namespace taut {
 
-/// Distance joint (massless rod on two ball joints): P of A and Q of B keep the distance L. (core/README, Eq.
-/// 10)
+/// Distance joint (massless rod on two ball joints): P of A and Q of B keep the distance L.
+/// (core/joints, Eq. 6)
 ///   φ = |p_WQ − p_WP| − L [m].
 /// λ > 0 pushes the points apart (compression of the rod), λ < 0 pulls them together (tension).
 class Distance final : public Joint {

@@ -4,7 +4,7 @@
 
 namespace taut {
 
-/// Driver: a free axis has a prescribed value, θ = f(t).                              (core/README, Eq. 16)
+/// Driver: a free axis has a prescribed value, θ = f(t).                              (core/joints, Eq. 18)
 ///   φ = θ − f(t),   φ̇ = θ̇ − ḟ
 /// λ is the torque or force on the axis.  A prescribed velocity is speed_motion() or linear_motion().
 class Driver final : public AxisCoupling {
@@ -22,7 +22,7 @@ class Driver final : public AxisCoupling {
   row_parts::DrivenCoupling driven_;
 };
 
-/// Pose driver: B has a prescribed pose relative to A.                                (core/README, Eq. 17)
+/// Pose driver: B has a prescribed pose relative to A.                                (core/joints, Eq. 19)
 ///   φ = (p_AB − p*(t), 2 vec(q*(t)⁻¹ q_AB)) ∈ ℝ⁶ [m, m, m, rad, rad, rad]
 /// λ₁₋₃ is the force on B at its centre in axes of A; λ₄₋₆ the torque on B in axes of the target.
 class PoseDriver final : public Joint {

@@ -5,7 +5,7 @@
 
 namespace taut {
 
-/// Fixed joint (weld): B keeps its pose relative to A. (core/README, Eq. 8)
+/// Fixed joint (weld): B keeps its pose relative to A.                                 (core/joints, Eq. 4)
 ///   φ = (p_WQ − p_WP, 2 vec q_FG) ∈ ℝ⁶ [m, m, m, rad, rad, rad].
 /// λ₁₋₃ is the force on B at Q in world axes; λ₄₋₆ the torque on B in the axes of A's joint frame F.
 class Fixed final : public Joint {

@@ -5,7 +5,7 @@
 namespace taut {
 
 /// Gear: the axis `driven` follows the axis `driving` by a ratio, θ_driven = ratio θ_driving + const.
-///   φ = θ_driven − ratio θ_driving − offset                                         (core/README, Eq. 16)
+///   φ = θ_driven − ratio θ_driving − offset                                         (core/joints, Eq. 15)
 /// Two wheels with z₁ and z₂ teeth on parallel hinges of one direction mesh outside with ratio −z₁/z₂ and
 /// inside with z₁/z₂; bevel gears, belts and couplings of displacements differ only in the axes and the
 /// ratio. λ is the torque on the driven axis, −ratio λ that on the driving one.

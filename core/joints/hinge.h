@@ -5,11 +5,11 @@
 
 namespace taut {
 
-/// Hinge: point P of A stays on point Q of B and axis a of A along axis b of B. (core/README, Eq. 6)
+/// Hinge: point P of A stays on point Q of B and axis a of A along axis b of B.         (core/joints, Eq. 2)
 ///   φ = (p_WQ − p_WP, u·b, v·b) ∈ ℝ⁵, with u, v, a an orthonormal frame of A [m, m, m, rad, rad].
 /// λ₁₋₃ is the force on B at Q in world axes; λ₄, λ₅ the torques that keep the axes together.
 /// Free axis `angle` [rad]: turn of B against A about a, 0 in the pose where at() made the joint; without
-/// references, where the frames that complete_frame() makes of the two axes agree.     (core/README, Eq. 14)
+/// references, where the frames that complete_frame() makes of the two axes agree. (core/constraints, Eq. 9)
 class Hinge final : public Joint {
  public:
   /// Points from the centres of mass and unit axes, in body axes.
@@ -41,7 +41,7 @@ class Hinge final : public Joint {
     return Hinge(a, b, A.local(p_W), A.q.conjugate() * axis_W, B.local(p_W), B.q.conjugate() * axis_W)
         .zeroed(A, B);
   }
-  /// The same joint with its angle 0 in these poses.
+  /// A copy of this joint whose angle is 0 in these poses of A and B.
   Hinge zeroed(const Pose& A, const Pose& B) const {
     Hinge joint = *this;
     joint.reference_B_ = across(B.q.conjugate() * (A.q * reference_A_), axis_B_);

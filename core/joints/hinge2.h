@@ -6,7 +6,7 @@
 namespace taut {
 
 /// Hinge-2 (car wheel): A is the chassis, B the wheel.  The wheel's centre moves along the steering axis a of
-/// A, the wheel is steered about a and spins about its own axis b ⟂ a.                 (core/README, Eq. 22)
+/// A, the wheel is steered about a and spins about its own axis b ⟂ a.                 (core/joints, Eq. 11)
 ///   φ = (u·d, v·d, a·b) ∈ ℝ³ [m, m, rad], with d = p_WQ − p_WP and u, v, a an orthonormal frame of A.
 /// λ₁, λ₂ are the forces on B at Q along u and v; λ₃ the torque on B about b × a (camber).
 /// Free axes `travel` a·d [m], `steering` [rad] about a and `spin` [rad] of the wheel about b against the
@@ -38,7 +38,7 @@ class Hinge2 final : public Joint {
     return Hinge2(a, b, A.local(p_W), A.q.conjugate() * steering_W, B.local(p_W), B.q.conjugate() * spin_W)
         .zeroed(A, B);
   }
-  /// The same joint with its angles 0 in these poses.
+  /// A copy of this joint whose angles are 0 in these poses of A and B.
   Hinge2 zeroed(const Pose& A, const Pose& B) const {
     Hinge2 joint = *this;
     joint.reference_A_ = across(A.q.conjugate() * (B.q * spin_B_), steering_A_);

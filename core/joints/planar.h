@@ -5,7 +5,7 @@
 
 namespace taut {
 
-/// Planar joint: B slides on a plane of A and turns about its normal.                (core/README, Eq. 20)
+/// Planar joint: B slides on a plane of A and turns about its normal.                (core/joints, Eq. 9)
 ///   φ = (n·d, u·b, v·b) ∈ ℝ³ [m, rad, rad], with d = p_WQ − p_WP, u, v, n an orthonormal frame of A and b
 ///   the normal fixed in B.
 /// λ₁ is the force on B at Q along n; λ₂, λ₃ the torques that keep the normals together.

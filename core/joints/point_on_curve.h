@@ -7,8 +7,8 @@
 namespace taut {
 
 /// Point on curve: point Q of B stays on a twice continuously differentiable spline fixed in A, free to turn.
-///   φ = (n₁·e, n₂·e) ∈ ℝ² [m, m], e from the nearest place of the curve to Q             (core/README, Eq.
-///   25)
+///   φ = (n₁·e, n₂·e) ∈ ℝ² [m, m], e from the nearest place of the curve to Q
+/// (core/joints, Eq. 13)
 /// λ [N] are the forces on B at Q along the normals n₁, n₂ of the curve; A receives the opposite there.
 /// Free axis `parameter`: where Q is on the curve; rounds of a closed curve are counted.  An open curve goes
 /// on straight beyond its ends.  The curve must keep clear of itself: the nearest place counts.
@@ -41,7 +41,7 @@ class PointOnCurve final : public Joint {
     axes.add("parameter", row_parts::CurveParameter{curve_, p_BQ_});
   }
   Vec3 reaction_point_B() const override { return p_BQ_; }
-  const BodyCurve& curve() const { return *curve_; }
+  const BodyCurve& curve() const { return *curve_; }  ///< fixed in A
 
  private:
   std::shared_ptr<const BodyCurve> curve_;

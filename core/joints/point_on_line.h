@@ -5,7 +5,7 @@
 
 namespace taut {
 
-/// Point on line: point Q of B stays on the line of A through P along the axis, free to turn.   (Eq. 21)
+/// Point on line: point Q of B stays on the line of A through P along the axis, free to turn.   (Eq. 10)
 ///   φ = (u·d, v·d) ∈ ℝ² [m, m], with d = p_WQ − p_WP and u, v two normals of the axis, fixed in A.
 /// λ [N] are the forces on B at Q along u and v; A receives the opposite there.
 /// Free axis `displacement` [m]: a·d.

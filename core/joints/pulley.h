@@ -4,7 +4,7 @@
 
 namespace taut {
 
-/// Pulley: a wire from A over points of a third body to B keeps its length.            (core/README, Eq. 24)
+/// Pulley: a wire from A over points of a third body to B keeps its length.            (core/joints, Eq. 20)
 ///   φ = |p_C1 − p_A| + ratio |p_B − p_C2| − L [m]
 /// With a ratio n the side of B counts n times, as in a tackle with n strands: its force is n times that of
 /// A. −λ [N] is the tension on the side of A.  The wire can push; a rope over points cannot.

@@ -5,7 +5,7 @@
 namespace taut {
 
 /// Rack and pinion: the displacement of the rack follows the turn of the pinion, x = radius θ + const.
-///   φ = x − radius θ − offset [m]                                                    (core/README, Eq. 16)
+///   φ = x − radius θ − offset [m]                                                    (core/joints, Eq. 16)
 /// λ is the force on the rack along its axis, −radius λ the torque on the pinion.
 class RackAndPinion final : public AxisCoupling {
  public:

@@ -6,7 +6,7 @@ namespace taut {
 
 /// Rope: the way from point to point is never longer than the rope; it slides without friction through the
 /// points between its ends.  No equality row; its free axis `length` [m] = Σ |p_{i+1} − p_i| has the upper
-/// limit from the start (World::set_limits changes it, as a winch does).              (core/README, Eq. 24)
+/// limit from the start (World::set_limits changes it, as a winch does).              (core/joints, Eq. 21)
 /// λ ≤ 0 along that axis: −λ [N] is the tension.
 class Rope final : public Joint {
  public:

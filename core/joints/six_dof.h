@@ -8,7 +8,7 @@
 namespace taut {
 
 /// Generic joint: frame G of B moves against frame F of A, with any of the three translations along and three
-/// rotations about the axes of F locked.                                              (core/README, Eq. 23)
+/// rotations about the axes of F locked.                                              (core/joints, Eq. 12)
 ///   φ = e_i·d for each locked translation [m], d = p_WG − p_WF;
 ///   rotations [rad]: all locked 2 vec q_FG; two locked, free about e_k: e_i·g_k, e_j·g_k; only k locked:
 ///   e_i·g_j with (i, j, k) cyclic, free about e_i of F and g_j of G, as a universal joint.
@@ -17,7 +17,7 @@ namespace taut {
 /// Three free rotations are no scalar coordinates.  All are 0 in the pose where at() made the joint.
 class SixDof final : public Joint {
  public:
-  struct Locks {
+  struct Locks {  ///< Which of the six motions are locked.
     std::array<bool, 3> translation{};  ///< along x, y, z of F
     std::array<bool, 3> rotation{};     ///< about them
   };

@@ -5,7 +5,7 @@
 
 namespace taut {
 
-/// Slider (prismatic joint): B moves along an axis of A without turning. (core/README, Eq. 7)
+/// Slider (prismatic joint): B moves along an axis of A without turning.                (core/joints, Eq. 3)
 ///   φ = (u·d, v·d, 2 vec q_FG) ∈ ℝ⁵, with d = p_WQ − p_WP and u, v two normals of the axis, fixed in A.
 /// λ₁, λ₂ are the forces on B at Q along u and v; λ₃₋₅ the torque on B in the axes of A's joint frame F.
 /// Free axis `displacement` [m]: a·d, 0 where P and Q coincide, as at() makes them.

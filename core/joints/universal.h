@@ -8,11 +8,11 @@ namespace taut {
 
 /// Universal joint (cross, Cardan): point P of A stays on point Q of B, and axis a of A perpendicular to axis
 /// b of B.
-///   φ = (p_WQ − p_WP, a·b) ∈ ℝ⁴ [m, m, m, rad]. (core/README, Eq. 9)
+///   φ = (p_WQ − p_WP, a·b) ∈ ℝ⁴ [m, m, m, rad].                                        (core/joints, Eq. 5)
 /// λ₁₋₃ is the force on B at Q in world axes; λ₄ the torque on B about b × a.
 /// Free axes `angle_1` [rad]: turn of the cross against A about a, and `angle_2`: turn of B against the cross
 /// about b.  Both are 0 in the pose where at() made the joint; otherwise angle_1 where b points along the
-/// first vector that complete_frame() gives to a, and angle_2 where a does so for b.  (core/README, Eq. 15)
+/// first vector that complete_frame() gives to a, and angle_2 where a does so for b.  (core/joints, Eq. 22)
 /// `swing` [rad] is the angle by which the joint bends, between the directions of A and B that are a × b
 /// where both angles are 0: cos swing = cos angle_1 cos angle_2.  A limit of it is a cone.  `swing_1`,
 /// `swing_2` [rad] are the same as a rotation vector, along the arm of A and that of B where both angles are
@@ -43,7 +43,7 @@ class Universal final : public Joint {
     return Universal(a, b, A.local(p_W), A.q.conjugate() * axis_a_W, B.local(p_W), B.q.conjugate() * axis_b_W)
         .zeroed(A, B);
   }
-  /// The same joint with its angles 0 in these poses.
+  /// A copy of this joint whose angles are 0 in these poses of A and B.
   Universal zeroed(const Pose& A, const Pose& B) const {
     Universal joint = *this;
     joint.reference_A_ = across(A.q.conjugate() * (B.q * axis_B_), axis_A_);

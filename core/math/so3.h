@@ -6,12 +6,12 @@
 
 namespace taut {
 
-using Vec3 = Eigen::Vector3d;
-using Mat3 = Eigen::Matrix3d;
+using Vec3 = Eigen::Vector3d;  ///< a vector of ℝ³
+using Mat3 = Eigen::Matrix3d;  ///< a 3 × 3 matrix
 /// Unit quaternion w, x, y, z.  Not over-aligned, so that its layout is the same under any compiler flags.
 using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
-/// [v]×, so that skew(v) u = v × u.
+/// Cross-product matrix [v]×, so that skew(v) u = v × u.
 inline Mat3 skew(const Vec3& v) {
   Mat3 m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
@@ -30,9 +30,9 @@ inline Vec3 rotate(const Quat& q, const Vec3& v) {
 /// sin(x)/x and cos(x) of x².  Small angles, as in a step, need neither a root nor the library's sine: series
 /// to round-off.
 struct SincCosine {
-  double sinc, cosine;
+  double sinc, cosine;  ///< sin(x)/x, or cos(x)
 };
-inline SincCosine sinc_cosine(double x2) {
+inline SincCosine sinc_cosine(double x2) {  ///< of x2 = x² ≥ 0
   if (x2 > 0.1) {
     const double x = std::sqrt(x2);
     return {std::sin(x) / x, std::cos(x)};
@@ -45,7 +45,7 @@ inline SincCosine sinc_cosine(double x2) {
               x8 * ((1.0 / 40320 - x2 * (1.0 / 3628800)) + x4 * (1.0 / 479001600))};
 }
 
-/// Rotation by |θ| [rad] about θ.
+/// Rotation by |θ| [rad] about θ: the unit quaternion (cos |θ|/2, sin(|θ|/2) θ/|θ|).
 inline Quat exp_so3(const Vec3& theta) {
   const auto [sinc, cosine] = sinc_cosine(0.25 * theta.squaredNorm());
   const Vec3 v = 0.5 * sinc * theta;
@@ -66,7 +66,7 @@ void complete_frame(const Vec3& z, Vec3& x, Vec3& y);
 /// The rotation by the least angle that takes the direction of `from` to that of `to`.
 Quat rotation_between(const Vec3& from, const Vec3& to);
 
-/// Direction of the part of v across the unit vector `axis`; any direction across it where that vanishes.
+/// Unit vector along the part of v across the unit vector `axis`; any across it where that vanishes.
 Vec3 across(const Vec3& v, const Vec3& axis);
 
 }  // namespace taut

@@ -21,9 +21,9 @@ Eigen::MatrixXd spline_second_derivatives(const std::vector<double>& t, const Ei
 template <int Dimension>
 class CubicSpline {
  public:
-  using Vector = Eigen::Matrix<double, Dimension, 1>;
-  struct At {
-    Vector value, first, second, third;
+  using Vector = Eigen::Matrix<double, Dimension, 1>;  ///< a point
+  struct At {  ///< The spline and its derivatives at one parameter.
+    Vector value, first, second, third;  ///< s(t), ds/dt, d²s/dt² and d³s/dt³, in this order
   };
 
   CubicSpline() = default;
@@ -49,7 +49,7 @@ class CubicSpline {
     for (std::size_t i = 0; i < p_.size(); ++i) m_.push_back(m.row(i).transpose());
   }
 
-  /// Of the points R p + d: R turns derivatives along, since they are linear in the points.
+  /// The spline of the points R p + d: R turns derivatives along, since they are linear in the points.
   CubicSpline moved(const Eigen::Matrix<double, Dimension, Dimension>& R, const Vector& d) const {
     CubicSpline copy = *this;
     for (Vector& p : copy.p_) p = R * p + d;
@@ -57,13 +57,13 @@ class CubicSpline {
     return copy;
   }
 
-  double first_parameter() const { return t_.front(); }
-  double last_parameter() const { return t_.back(); }
-  double length() const { return t_.back() - t_.front(); }
-  bool closed() const { return closed_; }
-  const std::vector<double>& parameters() const { return t_; }
+  double first_parameter() const { return t_.front(); }  ///< of the first point
+  double last_parameter() const { return t_.back(); }  ///< of the last point
+  double length() const { return t_.back() - t_.front(); }  ///< of the range of parameters
+  bool closed() const { return closed_; }  ///< it repeats beyond its ends
+  const std::vector<double>& parameters() const { return t_; }  ///< one per point
 
-  At at(double t) const {
+  At at(double t) const {  ///< at any parameter
     if (closed_) t -= length() * std::floor((t - t_.front()) / length());
     const auto right = std::upper_bound(t_.begin() + 1, t_.end() - 1, t);
     const auto i = static_cast<std::size_t>(right - t_.begin()) - 1;

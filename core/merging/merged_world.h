@@ -7,7 +7,7 @@
 #include "core/world/diagnostics.h"
 #include "core/world/world.h"
 
-/// Bodies that fixed joints hold together, as one body each.                (solvers/README, "Merged bodies")
+/// Bodies that fixed joints hold together, as one body each.             (solvers/simulator, "Merged bodies")
 namespace taut {
 
 /// Bodies that move as one, and the joints that hold them.
@@ -39,8 +39,8 @@ Mat3 turned_inertia(const MassProperties& mass, const Quat& q);
 /// of the first member.  The other members are bodies that are fixed and touch nothing.  Welds are detached,
 /// other joints and shapes sit on the carriers, forces see the bodies of the source.
 ///
-///     X_WB = X_WC X_CB,    ω_B = ω_C,    v_B = v_C + ω_C × R_WC p_CB                         (core/README,
-///     Eq. 29)
+///     X_WB = X_WC X_CB,    ω_B = ω_C,    v_B = v_C + ω_C × R_WC p_CB
+/// (core/merging, Eq. 1)
 class MergedWorld {
  public:
   /// @throws std::invalid_argument if a joint of a group has row parts that cannot be moved to other bodies.

@@ -12,31 +12,31 @@
 /// on body B towards larger θ, and the opposite on A.
 namespace taut {
 
-inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();  ///< no limit
 
 /// A function given by points, linear between them.
 class Curve {
  public:
-  struct Point {
-    double x = 0, y = 0;
+  struct Point {  ///< One point of the function.
+    double x = 0, y = 0;  ///< argument, or value
   };
   /// @throws std::invalid_argument if there is no point, one is not finite, or x does not increase strictly.
   explicit Curve(std::vector<Point> points);
 
-  /// y held constant beyond the ends.
+  /// Value at x, held constant beyond the ends.
   double held(double x) const;
-  /// The first and last piece go on beyond the ends; a single point is a constant.
+  /// Value at x, where the first and last piece go on beyond the ends; a single point is a constant.
   double extended(double x) const;
   /// dy/dx of the piece that extended() uses at x; the right one at a point.
   double slope(double x) const;
   /// ∫ extended(x) dx.
   double integral(double from, double to) const;
-  /// Mean of extended() between both, and its derivative with respect to `to`.
+  /// Mean of extended() over an interval, and its derivative by the upper end.
   struct Mean {
-    double value = 0, slope = 0;
+    double value = 0, slope = 0;  ///< mean, or ∂mean/∂to
   };
-  Mean mean(double from, double to) const;
-  const std::vector<Point>& points() const { return points_; }
+  Mean mean(double from, double to) const;  ///< of extended() between both
+  const std::vector<Point>& points() const { return points_; }  ///< as given
 
  private:
   std::size_t piece(double x) const;
@@ -47,20 +47,20 @@ class Curve {
 /// reverses the rate by the factor of restitution, θ̇⁺ = −e θ̇⁻.
 /// With a compliance the limit is a spring of stiffness 1/compliance and a damper that act beyond it.
 struct AxisLimits {
-  double lower = -kUnlimited, upper = kUnlimited;
-  double restitution = 0;
+  double lower = -kUnlimited, upper = kUnlimited;  ///< [rad or m]
+  double restitution = 0;  ///< e, from 0 to 1
   double compliance = 0;  ///< [rad/(N·m) or m/N]; then the restitution must be 0
   double damping = 0;     ///< [N·m·s/rad or N·s/m], with a compliance
 };
 
 /// Drives the axis with at most the available force.
 struct AxisMotor {
-  enum class Mode {
+  enum class Mode {  ///< What the motor keeps.
     kVelocity,    ///< θ̇ = target
     kPosition,    ///< θ = target
     kTrajectory,  ///< θ = trajectory(t)
   };
-  Mode mode = Mode::kVelocity;
+  Mode mode = Mode::kVelocity;  ///< what it keeps
   double target = 0;              ///< θ̇ [rad/s or m/s], or θ [rad or m] with its turns
   double max_force = kUnlimited;  ///< [N·m or N]
   double max_speed = kUnlimited;  ///< position and trajectory: how fast it goes to its target [rad/s or m/s]
@@ -94,22 +94,22 @@ struct AxisSpring {
 
 /// All that acts along one axis.
 struct AxisProperties {
-  std::optional<AxisLimits> limits;
-  std::optional<AxisMotor> motor;
-  std::optional<AxisFriction> friction;
-  std::optional<AxisSpring> spring;
+  std::optional<AxisLimits> limits;  ///< none if not set
+  std::optional<AxisMotor> motor;  ///< none if not set
+  std::optional<AxisFriction> friction;  ///< none if not set
+  std::optional<AxisSpring> spring;  ///< none if not set
 
-  bool any() const { return limits || motor || friction || spring; }
+  bool any() const { return limits || motor || friction || spring; }  ///< something is set
 };
 
-/// Force of the spring along the axis, and of the damper [N·m or N].
+/// Force of the spring along the axis at θ [N·m or N]: −k (θ − rest), or −table(θ − rest).
 double spring_force(const AxisSpring& spring, double theta);
-double damping_force(const AxisSpring& spring, double rate);
+double damping_force(const AxisSpring& spring, double rate);  ///< the damper's at θ̇ [N·m or N]
 /// Potential energy of the spring at θ [J]: ½ k (θ − rest)², or the integral of its table from rest.
 double spring_energy(const AxisSpring& spring, double theta);
-/// How far θ is beyond limits: positive above the upper, negative below the lower one.
+/// How far θ is beyond limits [rad or m]: positive above the upper, negative below the lower one.
 double beyond(const AxisLimits& limits, double theta);
-/// Of limits with compliance, beyond which θ is [J].
+/// Potential energy of a limit with compliance [J]: ½ beyond()²/compliance; 0 for a rigid one.
 double limit_energy(const AxisLimits& limits, double theta);
 
 /// @throws std::invalid_argument naming `axis`, what is wrong and the value: limits that are crossed or not
@@ -117,10 +117,10 @@ double limit_energy(const AxisLimits& limits, double theta);
 /// not finite, a trajectory that is missing, a largest speed beside a velocity, a force, speed, stiffness or
 /// friction that is negative, dynamic above static friction, a force curve with negative force or speed, a
 /// spring with both stiffness and table, a damper with both damping and table, or with a table that falls
-/// somewhere or does not go through 0.
+/// somewhere or does not go through 0.  @{
 void check_axis(std::string_view axis, const AxisLimits& limits);
 void check_axis(std::string_view axis, const AxisMotor& motor);
 void check_axis(std::string_view axis, const AxisFriction& friction);
-void check_axis(std::string_view axis, const AxisSpring& spring);
+void check_axis(std::string_view axis, const AxisSpring& spring);  /// @}
 
 }  // namespace taut

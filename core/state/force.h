@@ -16,7 +16,7 @@ namespace taut {
 
 /// How a law pulls point P of A and point Q of B along the line between them, so that it can be drawn.
 struct LineForce {
-  BodyId a, b;
+  BodyId a, b;                                    ///< the bodies A and B
   Vec3 p_AP = Vec3::Zero(), p_BQ = Vec3::Zero();  ///< from the centres of mass, body axes [m]
   double tension = 0;                             ///< [N], negative: it pushes them apart
   bool elastic = true;                            ///< its tension depends on the length; else a mere damper
@@ -26,13 +26,13 @@ struct LineForce {
 /// along the line between them by their distance L = |p_WQ − p_WP| and dL/dt, as AxisSpring says with L for
 /// θ. Solvers that can take it implicitly do.
 struct LineSpring {
-  BodyId a, b;
+  BodyId a, b;                                    ///< the bodies A and B
   Vec3 p_AP = Vec3::Zero(), p_BQ = Vec3::Zero();  ///< from the centres of mass, body axes [m]
-  AxisSpring law;
+  AxisSpring law;  ///< with L for θ
 
   /// Linear without a length of its own: its force −k d is smooth where P and Q meet.
   bool is_centred() const { return law.rest == 0 && law.stiffness > 0; }
-  bool is_damped() const { return law.damping > 0 || law.damping_table; }
+  bool is_damped() const { return law.damping > 0 || law.damping_table; }  ///< dL/dt matters
 };
 
 /// Whether springs between bodies count among the force laws; not where they have rows
@@ -55,7 +55,7 @@ class Force {
   virtual std::vector<BodyId> bodies() const { return {}; }
   /// All that it does, if that is a spring between two bodies; null for other laws.
   virtual const LineSpring* spring() const { return nullptr; }
-  /// What it does along a line; nothing for laws that do something else too.
+  /// What it does along a line, so that it can be drawn; nothing for laws that do something else too.
   virtual std::optional<LineForce> line_force(const State&) const { return std::nullopt; }
   /// The same law for World::append(): its ids changed, and what it has in world axes moved by X.  Null if
   /// the law cannot say; it then gets a copy of the state as its own world would see it, each time.
@@ -63,7 +63,7 @@ class Force {
 };
 
 /// Constant force f [N] at point P of a body, in world axes; with `follows_body` in body axes.
-/// Wrench (r × f, f) with r = R_WB p_BP; potential −f·p_WP, none for a follower.      (core/README, Eq. 11)
+/// Wrench (r × f, f) with r = R_WB p_BP; potential −f·p_WP, none for a follower.        (core/state, Eq. 2)
 /// @throws std::invalid_argument if the point or the force is not finite.
 class PointForce final : public Force {
  public:
@@ -97,7 +97,7 @@ class BodyTorque final : public Force {
 
 /// Spring and damper between point P of A and point Q of B, L = |p_WQ − p_WP|: tension
 /// k (L − L₀) + c dL/dt [N] along the line, potential ½ k (L − L₀)², or both parts by tables; no force where
-/// L = 0.                                                                              (core/README, Eq. 12)
+/// L = 0.                                                                               (core/state, Eq. 3)
 /// @throws std::invalid_argument if a point is not finite, k [N/m], L₀ [m] or c [N·s/m] negative or not
 /// finite, or the tables are none for an axis (check_axis()).
 class SpringDamper final : public Force {
@@ -132,7 +132,7 @@ class SpringDamper final : public Force {
 /// @throws std::invalid_argument for an empty function.
 class ForceCallback final : public Force {
  public:
-  using Function = std::function<void(const State&, std::span<Wrench>)>;
+  using Function = std::function<void(const State&, std::span<Wrench>)>;  ///< adds f(q, V, t)
   explicit ForceCallback(Function function, bool depends_on_velocity = true,
                          std::function<double(const State&)> potential = {})
       : function_(std::move(function)), potential_(std::move(potential)), velocity_(depends_on_velocity) {

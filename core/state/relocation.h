@@ -10,7 +10,7 @@ namespace taut {
 
 /// Index of a shape in its World.
 struct ShapeId {
-  int index = -1;
+  int index = -1;  ///< −1: none
   friend auto operator<=>(ShapeId, ShapeId) = default;
 };
 
@@ -28,16 +28,16 @@ struct Relocation {
   std::shared_ptr<const Carriers> carriers{};  ///< of the bodies that have these ids; null: themselves
   /// Of a joint: the place that each of its bodies has in Joint::bodies() there; empty: the same.
   std::vector<int> sides{};
-
+  /// What the id of a body has become.
   BodyId operator()(BodyId id) const { return carriers ? carriers->bodies[shifted(id).index] : shifted(id); }
-  /// X_CB of a body in what it has become.
+  /// X_CB, the pose of a body B in the body C that carries it; the identity if none does.
   Pose frame(BodyId id) const { return carriers ? carriers->frames[shifted(id).index] : Pose{}; }
-  int side(int place) const { return sides.empty() ? place : sides[place]; }
-  JointId operator()(JointId id) const { return {id.index + joints}; }
-  AxisId operator()(const AxisId& id) const { return {(*this)(id.joint), id.axis}; }
-  ShapeId operator()(ShapeId id) const { return {id.index + shapes}; }
-  ForceId operator()(ForceId id) const { return {id.index + forces}; }
-  int body(int index) const { return (*this)(BodyId{index}).index; }
+  int side(int place) const { return sides.empty() ? place : sides[place]; }  ///< of a place in the joint
+  JointId operator()(JointId id) const { return {id.index + joints}; }  ///< what it has become
+  AxisId operator()(const AxisId& id) const { return {(*this)(id.joint), id.axis}; }  ///< what it has become
+  ShapeId operator()(ShapeId id) const { return {id.index + shapes}; }  ///< what it has become
+  ForceId operator()(ForceId id) const { return {id.index + forces}; }  ///< what it has become
+  int body(int index) const { return (*this)(BodyId{index}).index; }  ///< of an index of a body
   /// Of an entry of State::axes; a negative one is none and stays.
   int axis(int index) const { return index < 0 ? index : index + axes; }
 

@@ -6,7 +6,7 @@ namespace taut {
 
 /// Index of a material that has a name in its World; −1: none.
 struct MaterialId {
-  int index = -1;
+  int index = -1;  ///< −1: none
   friend auto operator<=>(MaterialId, MaterialId) = default;
 };
 

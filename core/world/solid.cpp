@@ -13,7 +13,7 @@ namespace {
 Mat3 inertia_of_moments(const Mat3& second) { return second.trace() * Mat3::Identity() - second; }
 
 /// Sum of signed tetrahedra (origin, a, b, c): V = det/6, ∫x = V (a+b+c)/4,
-/// ∫x xᵀ = V/20 (a aᵀ + b bᵀ + c cᵀ + (a+b+c)(a+b+c)ᵀ).                              (core/README, Eq. 14)
+/// ∫x xᵀ = V/20 (a aᵀ + b bᵀ + c cᵀ + (a+b+c)(a+b+c)ᵀ).                                (core/world, Eq. 5)
 class TetrahedraSum {
  public:
   explicit TetrahedraSum(const Vec3& origin) : origin_(origin) {}

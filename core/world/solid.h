@@ -16,7 +16,7 @@ struct SolidProperties {
 };
 
 /// Closed forms for the primitives; hull and closed mesh by the divergence theorem: sums over the tetrahedra
-/// from a point inside to each triangle, exact for polyhedra (core/README, Eq. 14).
+/// from a point inside to each triangle, exact for polyhedra (core/world, Eq. 5).
 /// @throws std::invalid_argument for what check_shape() refuses, a half-space or height field (no volume),
 /// and a mesh that is open (an edge without exactly one neighbour of the same sense, named) or inside out.
 SolidProperties solid_properties(const Shape& shape);

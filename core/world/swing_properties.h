@@ -7,7 +7,7 @@
 namespace taut {
 
 /// A swing of a joint that has friction, or a spring whose rest is 0.  Where it is 0 the direction of that
-/// axis is none, so these act along two others of the joint instead.           (solvers/README, "Axes")
+/// axis is none, so these act along two others of the joint instead.             (solvers/laws, "Axes")
 struct SwingProperties {
   int swing = 0;  ///< by its place in the joint
   SwingAxes across{};

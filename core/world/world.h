@@ -38,8 +38,8 @@ class World {
  public:
   World();
 
-  /// @throws std::invalid_argument for a duplicate name, a pose or twist that is not finite, a quaternion
-  /// that is not of unit length, or a fixed body with a velocity.
+  /// Adds a body.  @throws std::invalid_argument for a duplicate name, a pose or twist that is not finite, a
+  /// quaternion that is not of unit length, or a fixed body with a velocity.
   BodyId add_body(BodySpec spec);
 
   /// Adds a joint of any type:  world.add("elbow", Ball::at(world, upper, lower, p_W)).
@@ -49,7 +49,7 @@ class World {
   JointId add(std::string name, AnyJoint joint) {
     return add_joint(std::move(name), std::make_shared<const AnyJoint>(std::move(joint)));
   }
-  JointId add_joint(std::string name, std::shared_ptr<const Joint> joint);
+  JointId add_joint(std::string name, std::shared_ptr<const Joint> joint);  ///< as add()
 
   // Joints as a whole (world_joints.cpp).
 
@@ -61,47 +61,47 @@ class World {
   /// Elasticity of a joint; nullopt: rigid.  Rows that become soft or rigid are a change of topology.
   /// @throws std::invalid_argument for a missing joint or what check_joint() refuses.
   void set_compliance(JointId id, std::optional<JointCompliance> compliance);
-  std::optional<JointCompliance> compliance(JointId id) const;
+  std::optional<JointCompliance> compliance(JointId id) const;  ///< none: rigid
   /// Takes a joint out; it keeps id, name, axes and properties, and holds nothing.  Joints that couple its
   /// axes (gears, drivers) go with it.  Nothing happens if it is out already.
   void detach(JointId id);
   /// Takes out all joints but these and those whose axes they couple.
   void detach_all_but(std::span<const JointId> joints);
-  /// Puts it back.  It is closed where it was made to be: one that is open then is closed by the simulator
-  /// before its next step.  A joint at the present poses is a new one, Ball::at() and its like.
+  /// Puts a joint back.  It is closed where it was made to be: one that is open then is closed by the
+  /// simulator before its next step.  A joint at the present poses is a new one, Ball::at() and its like.
   /// @throws std::invalid_argument for a joint that couples an axis of a detached one.
   void attach(JointId id);
-  bool is_attached(JointId id) const { return !detached_.contains(checked(id)); }
-  int detached_count() const { return static_cast<int>(detached_.size()); }
-  /// Of the springs, soft limits and the compliance of one joint, detached or not [J].
+  bool is_attached(JointId id) const { return !detached_.contains(checked(id)); }  ///< not detached
+  int detached_count() const { return static_cast<int>(detached_.size()); }  ///< number of joints
+  /// Energy in the springs, soft limits and compliance of one joint, detached or not [J].
   double spring_energy_of(JointId id, const State& state) const;
 
   // Free axes of joints and what acts along them.  nullopt takes a property away; an axis that gets its first
   // property, or loses its last, is a change of topology, a new value is not.
 
-  /// @throws std::invalid_argument if the joint has no axis of that name; the message lists those it has.
+  /// A free axis by name.  @throws std::invalid_argument, which lists those of the joint, if there is none.
   AxisId axis(JointId joint, std::string_view name) const;
-  int axis_count(JointId joint) const;
-  const AxisInfo& axis_info(AxisId id) const { return axes_[axis_index(id)]; }
-  /// Index of the axis in State::axes.  @throws std::invalid_argument for an axis that is not there.
+  int axis_count(JointId joint) const;  ///< number of its free axes
+  const AxisInfo& axis_info(AxisId id) const { return axes_[axis_index(id)]; }  ///< its name and kind
+  /// Index of an axis in State::axes, and what acts along it.  @throws std::invalid_argument for none.  @{
   int axis_index(AxisId id) const;
-  const AxisProperties& axis_properties(AxisId id) const { return axis_properties_[axis_index(id)]; }
-  bool has_axis_properties(JointId joint) const;
+  const AxisProperties& axis_properties(AxisId id) const { return axis_properties_[axis_index(id)]; }  /// @}
+  bool has_axis_properties(JointId joint) const;  ///< any of its axes has one
   /// "elbow angle": joint and axis for messages.
   std::string axis_label(AxisId id) const;
 
-  /// @throws std::invalid_argument for a missing axis, values that check_axis() refuses, or limits, a spring
-  /// or a position motor of an axis without positions (turn_x of a ball joint).
+  /// Sets what acts along an axis.  @throws std::invalid_argument for a missing axis, what check_axis()
+  /// refuses, or limits, a spring or a position motor of an axis without positions (turn_x of a Ball).  @{
   void set_limits(AxisId id, std::optional<AxisLimits> limits);
   void set_motor(AxisId id, std::optional<AxisMotor> motor);
   void set_friction(AxisId id, std::optional<AxisFriction> friction);
-  void set_spring(AxisId id, std::optional<AxisSpring> spring);
+  void set_spring(AxisId id, std::optional<AxisSpring> spring);  /// @}
   /// A new target for a motor that is there.  @throws std::invalid_argument if it is not, or not finite.
   void set_motor_target(AxisId id, double target);
 
-  /// θ [rad or m] in the present state, with the turns that the state counts, and θ̇.
+  /// Coordinate θ of an axis [rad or m] in the present state, with the turns that the state counts.
   double axis_value(AxisId id) const;
-  double axis_rate(AxisId id) const;
+  double axis_rate(AxisId id) const;  ///< θ̇ [rad/s or m/s]
   /// Says how many turns an angle has made: the value next to `value` that fits the poses is kept.
   /// @throws std::invalid_argument if it is not finite.
   void set_axis_turns(AxisId id, double value);
@@ -112,7 +112,7 @@ class World {
     return add_force(
         std::static_pointer_cast<const Force>(std::make_shared<const AnyForce>(std::move(force))));
   }
-  /// @throws std::invalid_argument for null or a missing body.
+  /// Adds a force law.  @throws std::invalid_argument for null or a missing body.
   ForceId add_force(std::shared_ptr<const Force> force);
   /// Replaces a force law, for instance to change its value between steps.
   /// @throws std::invalid_argument for null, a missing body or a missing force.
@@ -134,36 +134,36 @@ class World {
   /// pose that is not finite or not of unit length.
   ShapeId add_shape(BodyId body, Shape shape, const Pose& pose = {}, const Material& material = {},
                     CollisionFilter filter = {});
-  /// The same with a shape that others share; it is checked again.
+  /// Gives a body a shape that others may share; it is checked again.  Otherwise as for a shape by value.
   ShapeId add_shape(BodyId body, std::shared_ptr<const Shape> shape, const Pose& pose = {},
                     const Material& material = {}, CollisionFilter filter = {});
-  int shape_count() const { return static_cast<int>(shapes_.size()); }
-  const ShapeRecord& shape(ShapeId id) const { return shapes_[checked(id)]; }
-  /// @throws std::invalid_argument for what check_material() refuses.
+  int shape_count() const { return static_cast<int>(shapes_.size()); }  ///< of all bodies
+  const ShapeRecord& shape(ShapeId id) const { return shapes_[checked(id)]; }  ///< as added
+  /// Sets the material of a shape.  @throws std::invalid_argument for what check_material() refuses.
   void set_material(ShapeId id, const Material& material);
   /// A material with a name, which shapes can share and pairs can refer to.
   /// @throws std::invalid_argument for an empty name or one that is taken, and for what check_material()
   /// refuses.
   MaterialId add_material(std::string name, const Material& material);
-  /// The shape is of that material; @throws std::invalid_argument if there is no such one.
+  /// Makes a shape be of a material with a name.  @throws std::invalid_argument if there is no such one.
   void set_material(ShapeId id, MaterialId material);
-  int material_count() const { return static_cast<int>(materials_.size()); }
-  const Material& material(MaterialId id) const { return materials_[checked(id)].second; }
-  const std::string& name(MaterialId id) const { return materials_[checked(id)].first; }
-  /// @throws std::invalid_argument if there is none of that name.
+  int material_count() const { return static_cast<int>(materials_.size()); }  ///< with a name
+  const Material& material(MaterialId id) const { return materials_[checked(id)].second; }  ///< its values
+  const std::string& name(MaterialId id) const { return materials_[checked(id)].first; }  ///< its name
+  /// A material by name.  @throws std::invalid_argument if there is none.
   MaterialId material(std::string_view name) const;
   /// The material of a contact between two shapes, in place of combined(): order does not matter.
   void set_contact_material(ShapeId a, ShapeId b, const Material& material);
-  /// The same for all shapes of two materials, which may be one and the same.
+  /// The material of contacts between all shapes of two materials, or of one, in place of combined().
   void set_contact_material(MaterialId a, MaterialId b, const Material& material);
-  /// What was set for the shapes, or else for their materials, or else combined().
+  /// Material of the contact of two shapes: as set for them, or for their materials, or combined().
   Material contact_material(ShapeId a, ShapeId b) const;
   /// Says whether two bodies may touch, in place of the rule that bodies with a common joint do not.
   /// @throws std::invalid_argument for a missing body or twice the same.
   void set_collision(BodyId a, BodyId b, bool may_collide);
-  /// What was set, or else false if a joint is between them, or both are fixed, or they are the same.
+  /// Whether two bodies may touch: as set, or else false if a joint joins them or both are fixed or one.
   bool may_collide(BodyId a, BodyId b) const;
-  /// may_collide() of their bodies, and their filters agree.
+  /// Whether two shapes may touch: their bodies may, and their filters agree.
   bool may_collide(ShapeId a, ShapeId b) const;
   /// Changes whenever a shape is added; collision detection starts afresh then.  Who may collide is asked
   /// each time, so that joints and set_collision() need not count here.
@@ -171,49 +171,49 @@ class World {
 
   /// Gravitational acceleration [m/s²], (0, 0, −9.81) at first.
   void set_gravity(const Vec3& gravity);
-  const Vec3& gravity() const { return gravity_; }
+  const Vec3& gravity() const { return gravity_; }  ///< [m/s²]
 
   int body_count() const { return static_cast<int>(masses_.size()); }  ///< with the ground
-  int moving_body_count() const { return moving_count_; }
-  int joint_count() const { return static_cast<int>(joints_.size()); }
-  int force_count() const { return static_cast<int>(forces_.size()); }
+  int moving_body_count() const { return moving_count_; }  ///< not fixed
+  int joint_count() const { return static_cast<int>(joints_.size()); }  ///< detached ones too
+  int force_count() const { return static_cast<int>(forces_.size()); }  ///< without gravity
 
-  const MassProperties& mass_properties(BodyId id) const { return masses_[checked(id)]; }
-  bool is_fixed(BodyId id) const { return fixed_[checked(id)]; }
-  const std::string& name(BodyId id) const { return body_names_[checked(id)]; }
-  const std::string& name(JointId id) const { return joint_names_[checked(id)]; }
-  const Joint& joint(JointId id) const { return *joints_[checked(id)]; }
-  const Force& force(ForceId id) const { return *forces_[checked(id)]; }
-  /// @throws std::invalid_argument if there is none of that name.
+  const MassProperties& mass_properties(BodyId id) const { return masses_[checked(id)]; }  ///< as given
+  bool is_fixed(BodyId id) const { return fixed_[checked(id)]; }  ///< never moves
+  const std::string& name(BodyId id) const { return body_names_[checked(id)]; }  ///< its name
+  const std::string& name(JointId id) const { return joint_names_[checked(id)]; }  ///< its name
+  const Joint& joint(JointId id) const { return *joints_[checked(id)]; }  ///< as added
+  const Force& force(ForceId id) const { return *forces_[checked(id)]; }  ///< as added or set
+  /// A body or joint by name, and whether it is there.  @throws std::invalid_argument if it is not.  @{
   BodyId body(std::string_view name) const;
   JointId joint(std::string_view name) const;
   bool has_body(std::string_view name) const { return body_of_name_.contains(std::string(name)); }
-  bool has_joint(std::string_view name) const { return joint_of_name_.contains(std::string(name)); }
+  bool has_joint(std::string_view name) const { return joint_of_name_.contains(std::string(name)); }  /// @}
 
-  const State& state() const { return state_; }
-  const Pose& pose(BodyId id) const { return state_.poses[checked(id)]; }
-  const Twist& twist(BodyId id) const { return state_.twists[checked(id)]; }
-  double time() const { return state_.time; }
-  /// @throws std::invalid_argument for the ground (another fixed body may be moved so, between steps), or a
-  /// pose that add_body() would refuse.
+  const State& state() const { return state_; }  ///< at present
+  const Pose& pose(BodyId id) const { return state_.poses[checked(id)]; }  ///< X_WB
+  const Twist& twist(BodyId id) const { return state_.twists[checked(id)]; }  ///< V_WB
+  double time() const { return state_.time; }  ///< [s]
+  /// Moves a body, also a fixed one, between steps.  @throws std::invalid_argument for the ground, or a pose
+  /// that add_body() would refuse.
   void set_pose(BodyId id, const Pose& pose);
-  /// @throws std::invalid_argument if it is not finite, or not zero for a fixed body.
+  /// Sets V_WB.  @throws std::invalid_argument if it is not finite, or not zero for a fixed body.
   void set_twist(BodyId id, const Twist& twist);
   /// The whole state at once, bit for bit, as a solver or a restored recording leaves it.
   /// @throws std::invalid_argument if its sizes are not this world's, or for a time, pose or twist that is
   /// not finite, a quaternion that is not of unit length (to 1e-9), a moved ground or a fixed body with a
   /// velocity.
   void set_state(const State& state);
-  /// The same, and `state` becomes what the state was before.
+  /// As set_state(), and `state` becomes what the state was before.
   void exchange_state(State& state);
 
-  void set_time(double time);
+  void set_time(double time);  ///< of the state [s]
 
   // Sleep (world_sleep.cpp): a simulator that is asked to (Settings::sleep) lets groups of bodies that have
   // come to rest stay where they are, at no cost, until something wakes them.
 
-  bool is_asleep(BodyId id) const { return asleep_[checked(id)]; }
-  int asleep_count() const { return asleep_count_; }
+  bool is_asleep(BodyId id) const { return asleep_[checked(id)]; }  ///< it rests at no cost
+  int asleep_count() const { return asleep_count_; }  ///< number of bodies
   /// Counts how often a body was woken, asleep or not: its rest, if any, begins anew.
   int stirs(BodyId id) const { return stirs_[checked(id)]; }
   /// Neither fixed nor asleep.
@@ -222,7 +222,7 @@ class World {
   /// body, a joint of it or an axis of these wakes it without being asked; gravity, a force law that does not
   /// say on which bodies it acts, and what is set on a fixed body wake all.
   void wake(BodyId id);
-  void wake_all();
+  void wake_all();  ///< as wake(), of all bodies
 
   /// Sum of gravity and all force laws on each body, about its centre of mass, world axes.  Fixed bodies get
   /// what the laws put on them.  `wrenches` has body_count() entries [N·m, N] and is overwritten.
@@ -237,13 +237,13 @@ class World {
   /// potential energy that these state (of a spring with a damper, for instance) [J].
   double add_dissipative_forces(const State& state, std::span<Wrench> wrenches,
                                 Springs springs = Springs::kIncluded) const;
-  bool has_dissipative_forces(Springs springs = Springs::kIncluded) const {
+  bool has_dissipative_forces(Springs springs = Springs::kIncluded) const {  ///< laws not conservative
     return springs == Springs::kIncluded ? dissipative_forces_ : dissipative_laws_;
   }
-  /// −Σ m g·p over the moving bodies, plus what the force laws, springs, soft limits and soft joints state
-  /// [J]; detached joints have none.
+  /// Potential energy [J]: −Σ m g·p over the moving bodies, plus what force laws, springs, soft limits and
+  /// soft joints state; detached joints have none.
   double potential_energy(const State& state) const;
-  /// The part of it that is in springs: of axes, soft limits, soft joints, and between bodies [J].
+  /// Part of potential_energy() in springs: of axes, soft limits, soft joints, and between bodies [J].
   double spring_energy(const State& state) const;
 
   /// Everything that a simulation of this world would trip over by more than `gap_tolerance` [m or rad]:
@@ -255,7 +255,7 @@ class World {
   std::uint64_t identity() const { return identity_.value(); }
   /// While one lives, every function that changes the world throws std::logic_error.
   using Hold = detail::WorldIdentity::Hold;
-  [[nodiscard]] Hold hold() const { return Hold(identity_); }
+  [[nodiscard]] Hold hold() const { return Hold(identity_); }  ///< makes one
   /// Changes whenever a body, joint or spring between bodies is added, a spring gets other ends, a joint is
   /// detached or attached, becomes soft or rigid, or an axis gets its first property or loses its last;
   /// solvers rebuild their pattern then.

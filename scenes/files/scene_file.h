@@ -8,7 +8,7 @@
 
 #include "scenes/builders/scene.h"
 
-/// Scene files: JSON with comments.  scenes/README.md describes the format,
+/// Scene files: JSON with comments.  scenes/files/FORMAT.md describes the format,
 /// scenes/examples/taut-scene.schema.json is its schema.
 namespace taut {
 

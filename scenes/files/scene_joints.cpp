@@ -54,7 +54,7 @@ std::shared_ptr<const Joint> read_rope(PairKeys& k) {
   return k.joint<Rope>(p.a, p.b, k.length("length", p, &JsonNode::positive), restitution);
 }
 
-/// Joint types: a new one adds its entry here (and to the schema and scenes/README.md).
+/// Joint types: a new one adds its entry here (and to the schema and scenes/files/FORMAT.md).
 struct JointReader {
   std::shared_ptr<const Joint> (*pair)(PairKeys& k);  ///< a joint of two bodies; null: …
   JointFromKeys other = nullptr;                      ///< … one of axes, or of "points"

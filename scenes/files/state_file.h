@@ -9,8 +9,8 @@
 #include "solvers/simulator/checkpoint.h"
 #include "solvers/simulator/simulator.h"
 
-/// Files of a state, to go on from in another run: JSON, by the names of bodies and joints.  scenes/README.md
-/// describes the format.
+/// Files of a state, to go on from in another run: JSON, by the names of bodies and joints.
+/// scenes/files/FORMAT.md describes the format.
 namespace taut {
 
 using ContactStretches = std::vector<ContactStretch>;

@@ -8,7 +8,7 @@
 
 namespace taut {
 
-/// The report of a run as one JSON object; scenes/README.md lists its keys.
+/// The report of a run as one JSON object; scenes/program/REPORT.md lists its keys.
 /// @param values last sample of the recorder, empty if there was none
 nlohmann::ordered_json run_report(const RunRecord& record, const Recorder& recorder,
                                   const std::vector<double>& values, const State& final_state);

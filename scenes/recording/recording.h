@@ -8,7 +8,7 @@
 #include "core/world/shape.h"
 #include "solvers/simulator/simulator.h"
 
-/// What a recording of a run holds: one header, then frames.  scenes/README.md describes the file.
+/// What a recording of a run holds: one header, then frames.  scenes/recording/FORMAT.md describes the file.
 namespace taut {
 
 struct RecordedBody {

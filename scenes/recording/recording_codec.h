@@ -9,7 +9,7 @@
 
 #include "scenes/recording/recording.h"
 
-/// The inner layer of a recording: header, frames and end as bytes (scenes/README.md, "Recordings").
+/// The inner layer of a recording: header, frames and end as bytes (scenes/recording/FORMAT.md).
 namespace taut {
 
 std::string encode_header(const RecordingHeader& header);

@@ -31,7 +31,7 @@ struct ContactStretch {
 struct ContactWork {
   double normal = 0;    ///< of normal impulses: what impacts take
   double friction = 0;  ///< of friction, rolling and spinning friction
-  double total() const { return normal + friction; }
+  double total() const { return normal + friction; }  ///< of both
 };
 
 }  // namespace taut

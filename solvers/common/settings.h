@@ -2,7 +2,7 @@
 
 namespace taut {
 
-/// How a step advances the state; see solvers/README.md.
+/// How a step advances the state; see solvers/integrators/README.md.
 enum class Integrator {
   kRattle,   ///< RATTLE on rigid bodies: order 2, symplectic, closed in position and velocity
   kRattle4,  ///< its compositions of order 4 (5 stages), 6 (9 stages) and 8 (17 stages)
@@ -25,14 +25,14 @@ enum class DriftCure {
   kPenalty,          ///< no multipliers: springs and dampers in place of the joints
 };
 
-/// What is done where tension makes the explicit constraint directions unstable (solvers/README, "Tension").
+/// What is done where tension makes explicit constraint directions unstable (solvers/integrators, "Tension").
 enum class TensionPolicy {
   kSubstep,   ///< sub-steps so small that ω h ≤ max_tension_number
   kImplicit,  ///< implicit geometric stiffness: stable at any step, dissipative
   kIgnore,
 };
 
-enum class FactorChoice {
+enum class FactorChoice {  ///< What factorises the symmetric positive definite matrix of the joints.
   kAuto,          ///< the fastest measured: multifrontal
   kCholmod,       ///< CHOLMOD, simplicial or supernodal by flop count
   kSimplicial,    ///< CHOLMOD simplicial LDLᵀ
@@ -51,27 +51,27 @@ enum class Solver {
   kPropagation,  ///< joint by joint from the ground upwards, at last with what lies below held fast
 };
 
-struct Settings {
-  Integrator integrator = Integrator::kRattle;
+struct Settings {  ///< How a Simulator steps; its constructor refuses what is out of range.
+  Integrator integrator = Integrator::kRattle;  ///< how a step advances the state
 
   double position_tolerance = 1e-10;  ///< largest |φ| after a step [m or rad]
   double velocity_tolerance = 1e-9;   ///< largest |J V| after a step [m/s or rad/s]
-  int max_newton_iterations = 12;
+  int max_newton_iterations = 12;  ///< of the position stage of a sub-step
   int max_substeps = 1024;  ///< of one call of step(); then the status says so
 
-  TensionPolicy tension = TensionPolicy::kSubstep;
+  TensionPolicy tension = TensionPolicy::kSubstep;  ///< what is done under high tension
   double max_tension_number =
       0.7;                    ///< ω h with ω the fastest transverse frequency that the multipliers imply
   double max_rotation = 0.4;  ///< rotation of any body in one sub-step [rad]
 
-  DriftCure drift_cure = DriftCure::kAuto;
+  DriftCure drift_cure = DriftCure::kAuto;  ///< against drift of the joints
   double erp = 0.8;               ///< part of the joint error taken out in one step
   double cfm = 0;                 ///< compliance added to each row, as a fraction of its own S_ii
   double penalty_frequency = 50;  ///< [Hz] of the penalty springs on the bodies' own inertia
-  double penalty_damping_ratio = 1;
+  double penalty_damping_ratio = 1;  ///< of the penalty springs; 1: critical
 
   /// Of Moreau–Jean, q₁ = q₀ + h (θ V₁ + (1 − θ) V₀), between ½ and 1; 1 in steps that are too long for a
-  /// spring (solvers/README, "Moreau–Jean").
+  /// spring (solvers/integrators, "Moreau–Jean").
   double theta = 0.5;
 
   bool contacts = true;           ///< shapes of the world touch; false: they pass through each other
@@ -86,15 +86,15 @@ struct Settings {
 
   /// Islands (bodies that joints, forces and contacts connect) whose bodies have been slower than
   /// `sleep_speed` [m/s] for `sleep_time` [s] stay where they are, at no cost, until something wakes them;
-  /// see solvers/README.md, "Sleep".
+  /// see solvers/simulator, "Sleep".
   bool sleep = false;
-  double sleep_speed = 1e-4, sleep_time = 0.5;
+  double sleep_speed = 1e-4, sleep_time = 0.5;  ///< [m/s], or [s]
 
-  /// Bodies that fixed joints hold together move as one; see solvers/README.md, "Merged bodies".
+  /// Bodies that fixed joints hold together move as one; see solvers/simulator, "Merged bodies".
   bool merge_fixed_joints = false;
 
-  FactorChoice factor = FactorChoice::kAuto;
-  Solver solver = Solver::kDirect;
+  FactorChoice factor = FactorChoice::kAuto;  ///< with Solver::kDirect
+  Solver solver = Solver::kDirect;  ///< how impulses are found
   int iterations = 50;    ///< sweeps of an iterative solver over all joints and contacts, per stage
   double relaxation = 1;  ///< ω of kGaussSeidel, between 0 and 2
   /// For finding contacts and solving islands, at most 1024; 0: as many as the machine has.  The results have

@@ -15,7 +15,7 @@
 
 namespace taut {
 
-enum class Status {
+enum class Status {  ///< How a step ended.
   kSuccess,
   kInexact,  ///< the step is done and its joints are closed, but the laws of contacts, friction and limits
              ///< are met to `complementarity_residual` only, which is between 1e-8 and
@@ -28,19 +28,19 @@ enum class Status {
   kInterrupted,    ///< Simulator::set_interrupt() asked for the end; state as before the step
   kCrowded,  ///< more contacts than Settings::max_contacts: see StepReport::crowd; state as before the step
 };
-std::string_view to_string(Status status);
+std::string_view to_string(Status status);  ///< in words, as "not converged"
 
 /// Wall time of the stages of a step [s]; islands that are solved at the same time count one by one.
 struct StageTimes {
-  double forces = 0;
+  double forces = 0;     ///< evaluation of force laws
   double positions = 0;  ///< drift, residuals and back-solves of the position stage
   double assembly = 0;   ///< Jacobian and system matrix
-  double factorization = 0;
+  double factorization = 0;  ///< numeric
   double velocities = 0;  ///< back-solves of the velocity stage
   double analysis = 0;    ///< ordering and symbolic factorisation; 0 unless the topology changed
-  double total = 0;
+  double total = 0;       ///< of the step
 
-  StageTimes& operator+=(const StageTimes& other);
+  StageTimes& operator+=(const StageTimes& other);  ///< adds each stage
 };
 
 /// Joints, limits, motors and contacts that cannot hold together, and the gap that is left when they share
@@ -48,42 +48,42 @@ struct StageTimes {
 struct Contradiction {
   /// What else than its joint holds an axis.
   struct Bound {
-    enum class Kind { kLowerLimit, kUpperLimit, kMotor };
-    AxisId axis;
-    Kind kind = Kind::kLowerLimit;
+    enum class Kind { kLowerLimit, kUpperLimit, kMotor };  ///< What holds the axis.
+    AxisId axis;                    ///< that is held
+    Kind kind = Kind::kLowerLimit;  ///< by what
     friend bool operator==(const Bound&, const Bound&) = default;
   };
   /// All contacts of two bodies, a.index < b.index.
   struct Touch {
-    BodyId a, b;
+    BodyId a, b;  ///< the two bodies
     friend bool operator==(const Touch&, const Touch&) = default;
   };
 
-  std::vector<JointId> joints;
-  std::vector<Bound> bounds;
-  std::vector<Touch> contacts;
+  std::vector<JointId> joints;  ///< by their equality rows
+  std::vector<Bound> bounds;  ///< limits and motors of axes
+  std::vector<Touch> contacts;  ///< pairs of bodies
   double residual = 0;  ///< [m or rad]
 
-  bool empty() const { return joints.empty() && bounds.empty() && contacts.empty(); }
+  bool empty() const { return joints.empty() && bounds.empty() && contacts.empty(); }  ///< nothing
 };
-/// Its members for messages, in the order of the fields: "hinge elbow", "upper limit of hinge elbow angle",
+/// Names of its members, in their order, for messages: "hinge elbow", "upper limit of hinge elbow angle",
 /// "motor of slider lift displacement", "contact of box and ground".
 std::vector<std::string> names_of(const Contradiction& contradiction, const World& world);
 
 /// Who has a large share in what a step could not do, or did inexactly.
 struct Culprit {
-  enum class Kind {
+  enum class Kind {  ///< What it is, and which members name it.
     kJoint,    ///< axis.joint is open, or what it follows is not finite
     kAxis,     ///< the law of a free axis is not met, or what its motor follows is not finite
-    kSpring,   ///< … of a spring between two bodies, `force`
-    kContact,  ///< … of the contacts of bodies a and b
+    kSpring,   ///< the law of a spring between two bodies, `force`, is not met
+    kContact,  ///< the law of the contacts of bodies a and b is not met
     kForce,    ///< what the law `force` gives is not finite
     kBody,     ///< the state of body a, or the force on it, is not finite
   };
-  Kind kind = Kind::kBody;
-  AxisId axis{};
-  ForceId force{};
-  BodyId a{}, b{};
+  Kind kind = Kind::kBody;  ///< what it is
+  AxisId axis{};  ///< of kJoint and kAxis
+  ForceId force{};  ///< of kSpring and kForce
+  BodyId a{}, b{};  ///< of kContact and kBody
   /// Of a joint how far it is open [m or rad]; of a law that is not met its natural residual, relative as in
   /// StepReport::natural_residual; infinite for what is not finite.
   double share = 0;
@@ -94,7 +94,7 @@ std::string name_of(const Culprit& culprit, const World& world);
 
 /// A row of a joint that other rows hold already.
 struct DependentRow {
-  JointId joint;
+  JointId joint;  ///< whose row it is
   int row = 0;  ///< within the joint
   friend auto operator<=>(const DependentRow&, const DependentRow&) = default;
 };
@@ -104,7 +104,7 @@ std::vector<std::string> names_of(std::span<const DependentRow> rows, const Worl
 
 /// A row that other rows already hold, and the joints that hold it.
 struct RedundantRow {
-  JointId joint;
+  JointId joint;                 ///< whose row it is
   int row = 0;                   ///< within the joint
   std::string name;              ///< the motion that it would hold
   std::vector<JointId> held_by;  ///< those with the largest share first
@@ -112,10 +112,10 @@ struct RedundantRow {
 
 /// Freedoms and redundancy of a world in its present pose.
 struct RankReport {
-  int rows = 0;
-  int rank = 0;
+  int rows = 0;  ///< of all joints
+  int rank = 0;  ///< number of independent ones
   int freedoms = 0;  ///< 6 × moving bodies − rank
-  std::vector<RedundantRow> redundant;
+  std::vector<RedundantRow> redundant;  ///< the dependent ones
   /// Joints whose reactions are not unique, in ascending order: those that a self-stress of the mechanism
   /// loads.
   std::vector<JointId> not_unique;
@@ -128,7 +128,7 @@ std::string text_of(const Crowd& crowd, const World& world);
 
 /// A joint that broke in a step, or left with one that did.
 struct BreakEvent {
-  JointId joint;
+  JointId joint;                 ///< that is detached now
   double time = 0;               ///< [s]
   double force = 0, torque = 0;  ///< the load that it did not bear: mean over a sub-step [N], [N·m]
   double energy = 0;             ///< that was in its springs and its compliance, and is lost [J]
@@ -136,23 +136,23 @@ struct BreakEvent {
 };
 
 /// Where the energy of a step went [J], E = kinetic + potential + springs:
-///   E_end − E_start = motors + drivers + friction + limits + damping + forces + breaking + stabilisation
-///                     + stiffness + integration = changes of the kinetic, the potential and the springs'
-///                     energy,
+///   E_end − E_start = motors + drivers + friction + limits + contacts + damping + forces + breaking
+///                     + stabilisation + stiffness + integration = changes of the kinetic, the potential
+///                     and the springs' energy,
 /// which closes to round-off, since every term is the work of impulses against the mean of the rates before
 /// and after them.
 struct EnergyLedger {
   double start = 0;          ///< E before the step
   double kinetic = 0;        ///< change of the kinetic energy
-  double potential = 0;      ///< … of that of gravity and other force laws
-  double springs = 0;        ///< … of what springs, soft limits and soft joints store
+  double potential = 0;      ///< change of the potential energy of gravity and other force laws
+  double springs = 0;        ///< change of what springs, soft limits and soft joints store
   double motors = 0;         ///< work of motors of axes
-  double drivers = 0;        ///< … of joints that follow the time
-  double friction = 0;       ///< … of Coulomb friction in axes and contacts, rolling and spinning friction
-  double limits = 0;         ///< … of rigid limits: losses of impacts
-  double contacts = 0;       ///< … of normal impulses of contacts: losses of impacts
-  double damping = 0;        ///< … of dampers and viscous friction of axes and joints
-  double forces = 0;         ///< … of force laws that are not conservative, beyond their own potential
+  double drivers = 0;        ///< work of joints that follow the time
+  double friction = 0;       ///< work of Coulomb, rolling and spinning friction in axes and contacts
+  double limits = 0;         ///< work of rigid limits: losses of impacts
+  double contacts = 0;       ///< work of normal impulses of contacts: losses of impacts
+  double damping = 0;        ///< work of dampers and viscous friction of axes and joints
+  double forces = 0;         ///< work of force laws that are not conservative, beyond their own potential
   double breaking = 0;       ///< energy of springs in joints that broke
   double stabilisation = 0;  ///< by closing joints and making velocities tangent before the step
   double stiffness = 0;      ///< taken by implicit geometric stiffness
@@ -160,9 +160,9 @@ struct EnergyLedger {
   double integration = 0;
   /// Adds all but the start.
   EnergyLedger& operator+=(const EnergyLedger& next);
-  /// By what is stored, the same but for round-off.
+  /// E_end − E_start by what is stored; total() but for round-off.
   double change() const { return kinetic + potential + springs; }
-  double total() const {
+  double total() const {  ///< E_end − E_start by what acted
     return motors + drivers + friction + limits + contacts + damping + forces + breaking + stabilisation +
            stiffness + integration;
   }
@@ -170,10 +170,10 @@ struct EnergyLedger {
 
 /// The proof of quality of one step.
 struct StepReport {
-  Status status = Status::kSuccess;
+  Status status = Status::kSuccess;  ///< how the step ended
   std::string message;  ///< empty on success
   double time = 0;      ///< at the end of the step [s]
-  double dt = 0;
+  double dt = 0;  ///< as given to step() [s]
 
   /// Largest error at the end of all that should hold, of bodies that are awake: of joints, merged ones too,
   /// and of axes, as the length of a rope, beyond their rigid limits.  On success joints are within
@@ -182,26 +182,26 @@ struct StepReport {
   Gap gap;
   double velocity_residual = 0;  ///< largest |J V| [m/s or rad/s]
   int newton_iterations = 0;     ///< position stage, all sub-steps
-  int substeps = 0;
-  int analyses = 0;
-  int factorizations = 0;
-  int backsolves = 0;
-  int refactorizations = 0;             ///< of these, at a Newton iterate that converged too slowly
+  int substeps = 0;  ///< that were taken
+  int analyses = 0;  ///< of patterns: ordering and symbolic factorisation
+  int factorizations = 0;  ///< numeric
+  int backsolves = 0;  ///< with a factor
+  int refactorizations = 0;             ///< factorizations at Newton iterates that converged too slowly
   int rank_deficiency = 0;              ///< dependent rows at the end of the step
   double condition_estimate = 0;        ///< of S, from the pivots: a lower bound
   double tension_number = 0;            ///< largest ω h of the sub-steps taken
   int pivots = 0;                       ///< rows that changed their place in the active sets of the step
   double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
   /// The natural map of the laws of axes and contacts at the impulses and rates that each stage ended with,
-  /// no tolerance taken off, over the size of both (solvers/README, "Proof"): at most 1e-9 on success, 1e-8
-  /// in steps with contacts.  Joints have `gap` and `velocity_residual`.
+  /// no tolerance taken off, over the size of both: at most 1e-9 on success, 1e-8 in steps with contacts
+  /// (solvers/complementarity, "Natural residual").  Joints have `gap` and `velocity_residual`.
   double natural_residual = 0;
   int contact_iterations = 0;  ///< of Newton's method for contacts; 0: the active set did it
   int sweeps = 0;              ///< of an iterative solver, both stages
   int contacts = 0;            ///< points at the end of the step, touching or near
   double penetration = 0;      ///< deepest of them, ≥ 0 [m]
   int asleep = 0;              ///< bodies that did not move because they sleep (Settings::sleep)
-  StageTimes times;
+  StageTimes times;  ///< where the time went
 
   // With Settings::report_energy:
   double kinetic_energy = 0, potential_energy = 0;  ///< the latter without that of springs [J]
@@ -215,7 +215,7 @@ struct StepReport {
   double driver_work = 0;       ///< of joints that follow the time, a part of constraint_work [J]
   double force_work = 0;        ///< of gravity and the force laws [J]
   double dissipative_work = 0;  ///< of those that are not conservative, a part of force_work [J]
-  EnergyLedger ledger;
+  EnergyLedger ledger;  ///< where the energy went
 
   /// Rows of joints that others hold already, as many as rank_deficiency but for those of contacts;
   /// names_of() says which.
@@ -230,17 +230,17 @@ struct StepReport {
   /// Pairs of shapes near each other at the end of the step that pass through each other, since there is no
   /// law for their contact (have_contacts()): the first eight, and how many there are.
   std::vector<std::pair<ShapeId, ShapeId>> unsupported;
-  int unsupported_pairs = 0;
+  int unsupported_pairs = 0;  ///< number of such pairs
   /// Threads that Settings::threads asks for and that could not be started: the others did their work.
   int missing_threads = 0;
   /// With all other statuses but kSuccess: who has the largest shares in it, the largest first; empty if
   /// nobody stands out.
   std::vector<Culprit> culprits;
 
-  bool ok() const { return status == Status::kSuccess; }
+  bool ok() const { return status == Status::kSuccess; }  ///< kSuccess
   /// The world has moved on: after success, or inexactly.
   bool advanced() const { return ok() || status == Status::kInexact; }
-  double energy() const { return kinetic_energy + potential_energy + spring_energy; }
+  double energy() const { return kinetic_energy + potential_energy + spring_energy; }  ///< [J]
 };
 
 }  // namespace taut

@@ -51,8 +51,8 @@ struct ActiveSetOutcome {
 };
 
 /// Finds λ and w = S λ + b with λ_r ∈ L_r(w_r) − c_r w_r for every row, by block principal pivoting on the
-/// pieces of the laws, starting from the pieces that the last solve ended with.  (solvers/README, "The active
-/// set")
+/// pieces of the laws, starting from the pieces that the last solve ended with.
+/// (solvers/complementarity, "The active set")
 ///
 /// w is unique; so are the impulses on the bodies Jᵀλ.  Where rows are dependent, λ is the one of least norm
 /// among those with the same free rows.

@@ -10,8 +10,8 @@
 ///     E(λ) = ½ λᵀSλ + bᵀλ + Σ ψ_r(λ_r),   −ψ_r'(λ_r) the rate at which the law of row r gives λ_r,
 ///
 /// by sweeps of projected Gauss–Seidel, which move any number of rows to other pieces, and exact minimisation
-/// on the pieces that result, cut short by a line search [MoreToraldo1991].  (solvers/README, "The active
-/// set")
+/// on the pieces that result, cut short by a line search [MoreToraldo1991].
+/// (solvers/complementarity, "The active set")
 namespace taut {
 namespace {
 

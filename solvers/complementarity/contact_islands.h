@@ -16,7 +16,7 @@ class Archive;
 
 /// The islands of a system with contacts: bodies that joints and places of contacts connect, not by way of
 /// fixed ones, have nothing to do with others in a stage.  Each is a system of its own with its own order,
-/// factor, Newton's method and end; they are solved in parallel.  (solvers/README, "Islands")
+/// factor, Newton's method and end; they are solved in parallel.  (solvers/complementarity, "Islands")
 ///
 /// An island whose joints and places are the same as before the pattern changed is kept, with its analysis.
 /// What one comes to depends on nothing but itself: the same bits with any number of threads.

@@ -9,7 +9,9 @@
 namespace taut {
 namespace {
 
-/// Σ over S_rr: in the first round, how it falls from round to round, the least, and that of equalities.
+/// Σ over S_rr: in the first round, how it falls from round to round, the least, and that of equalities,
+/// which is less than all others so that contacts give way where they and joints ask for slightly different
+/// rates.
 constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-5, kEqualityRho = 1e-9;
 /// The first one over the residual of the guess, with nothing lagged.
 constexpr double kRhoOfResidual = 100;

@@ -44,7 +44,7 @@ struct NewtonOutcome {
 /// method [QiSun1993] with line search meets it from anywhere.  The rounds are the proximal point iteration
 /// [Rockafellar1976], which takes away what Σ gave.  S may be singular.  Heaps and compliant contacts begin
 /// with rounds that hold nothing fast and have the Σ for which they end; all else comes to them where s does
-/// not settle.  (solvers/README, "Many contacts")
+/// not settle.  (solvers/complementarity, "Many contacts")
 class ContactNewton {
  public:
   explicit ContactNewton(ConstraintSystem& system) : system_(system) {}

@@ -3,7 +3,14 @@
 
 #include "solvers/complementarity/contact_newton.h"
 
-// Rounds in which nothing of Coulomb's law is held fast.  (solvers/README, "Many contacts")
+// Rounds in which nothing of Coulomb's law is held fast.  (solvers/complementarity, "Many contacts")
+//
+// With y_t = P_disc(μ y_n)(x_t) the derivative of Newton's equation is H + N: H = 1 + Wᵀ D Σ⁻¹ W, the matrix
+// of the other rounds, and N = Σ_k (μ/Σ_n) W_tᵀ W_n of rank one for each sliding contact, with W_t along its
+// slip.  Radii of spinning and rolling follow y_n, too, but not in the derivative: their arms are small
+// beside the bodies.  A slip that is one round behind contracts slowly where friction and normal forces
+// depend on each other, and not at all where bodies wedge each other; there are directions in which impulses
+// of the size of all others change rates by 1e-7, and ρ must become as small.
 namespace taut {
 namespace {
 

@@ -34,8 +34,8 @@ struct StageRecord {
 
 /// Stages with contacts, through the bodies: as impulses are where all rests, or with contacts locked, else
 /// by Newton's method, then with friction that holds where some division of the load allows it, or at last by
-/// sweeps.  For a whole system or an island of it.                                         (solvers/README,
-/// "Many contacts")
+/// sweeps.  For a whole system or an island of it.
+/// (solvers/complementarity, "Ladder")
 class ContactSolver {
  public:
   /// Impulses of before are taken over if they are off their laws by no more than this part, and mended where

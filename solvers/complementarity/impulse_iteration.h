@@ -31,8 +31,8 @@ struct IterationOutcome {
 ///   kPropagation   the same from the ground upwards; at last level by level, with all levels below as if of
 ///                  infinite mass, which take no impulse [Guendelman2003]
 ///
-/// All but the last phase of kPropagation keep momenta.                 (solvers/README, "Iterative
-/// impulses")
+/// All but the last phase of kPropagation keep momenta.
+/// (solvers/complementarity, "Iterative impulses")
 class ImpulseIteration {
  public:
   /// For as long as the system keeps its rows.

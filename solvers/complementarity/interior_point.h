@@ -28,7 +28,7 @@ struct InteriorOutcome {
 ///     w − w_k = z − y,    (e − lo) z = μ,  (hi − e) y = μ,    lo ≤ e ≤ hi,  z, y ≥ 0,   μ → 0.
 ///
 /// The number of iterations hardly depends on how many rows there are or how many of them stick, and S may be
-/// singular.  (solvers/README, "Many axes with friction")
+/// singular.  (solvers/complementarity, "Many axes with friction")
 class InteriorPoint {
  public:
   explicit InteriorPoint(ConstraintSystem& system) : system_(system) {}

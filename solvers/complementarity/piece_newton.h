@@ -31,8 +31,8 @@ struct PieceOutcome {
 ///     P v = Wᵀ g,   δλ = g − D W v,    D = 1/Σ, g = (w_k − w)/Σ   or   D = c, g = l − λ − c w.
 ///
 /// Then the pieces are those that each row by itself would take [HintermullerItoKunisch2003].  Σ is a
-/// small part of S_rr and acts on δλ only.  The factor is kept as long as W and the pieces are the same: from
-/// the velocities of one step to the positions of the next.  (solvers/README, "Many axes with friction")
+/// small part of S_rr and acts on δλ only.  The factor is kept as long as W and the pieces are the same, from
+/// velocities of a step to positions of the next.  (solvers/complementarity, "Many axes with friction")
 class PieceNewton {
  public:
   explicit PieceNewton(ConstraintSystem& system) : system_(system) {}

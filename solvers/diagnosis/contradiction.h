@@ -24,7 +24,7 @@ struct Situation {
 /// A set that cannot hold together from there, irreducible: without any one of its members the others can.
 /// Empty if all holds, or if that could not be decided.  Motors count if their force has no bound, limits
 /// and contacts if they have no compliance.  Of independent contradictions one is given; sets of more than
-/// 200 are given as they were found, in the order of the world.   (solvers/README, "Contradiction")
+/// 200 are given as they were found, in the order of the world.   (solvers/diagnosis, "Contradiction")
 Contradiction find_contradiction(const Situation& situation);
 
 }  // namespace taut

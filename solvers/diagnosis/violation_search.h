@@ -23,7 +23,7 @@ struct Demand {
 ///     f(q) = ½ Σ c_r² / S_rr,    (δ + Wᵀ D W) v = −Wᵀ D c,    q ← q ⊕ A v,    D = 1 / S_rr where c_r ≠ 0.
 /// At a minimum with f > 0 the impulses λ = D c keep each other in balance, Wᵀ λ = 0, each with the sign that
 /// its demand allows, while λ·c > 0: Farkas' certificate that no motion meets the demands to first order.
-/// (solvers/README, "Contradiction")
+/// (solvers/diagnosis, "Contradiction")
 class ViolationSearch {
  public:
   enum class Verdict {

@@ -22,8 +22,8 @@ void add_twists(std::span<const Twist> from, double h, std::span<const Twist> ra
   for (std::size_t b = 0; b < to.size(); ++b) to[b] = {from[b].w + h * rate[b].w, from[b].v + h * rate[b].v};
 }
 
-/// Left-trivialised derivative of the rotation vector θ with exp(θ) q₀ = q when q turns with ω:
-/// dexp⁻¹_θ ω = ω − ½ θ × ω + 1/12 θ × (θ × ω) + O(θ⁴) [Hairer2006, III.4].
+/// Rate of the rotation vector θ of q = exp(θ) q₀ when q turns with ω in world axes: the inverse of the
+/// right-trivialised derivative, dexp⁻¹_θ ω = ω − ½ θ × ω + 1/12 θ × (θ × ω) + O(θ⁴) [Hairer2006, III.4].
 Vec3 rotation_rate(const Vec3& theta, const Vec3& w) {
   return w - 0.5 * theta.cross(w) + theta.cross(theta.cross(w)) / 12;
 }

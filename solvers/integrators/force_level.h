@@ -17,7 +17,7 @@ class Archive;
 ///
 /// integrated by semi-implicit Euler or the classical Runge–Kutta method of order 4.  Nothing in it closes
 /// the joints, so that they drift; the cures that the literature compares are settings (DriftCure).
-/// (solvers/README, "Force level")
+/// (solvers/integrators, "Force level")
 class ForceLevel {
  public:
   ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings);

@@ -14,14 +14,20 @@ namespace taut {
 ///   q₁ = q₀ ⊕ h V_ϑ
 ///
 /// joints: J V₁ + φ_t = 0;  contacts with gap(q_M) ≤ 0: 0 ≤ Λ_n ⊥ w_n + e w_n⁻ ≥ 0, |Λ_t| ≤ μ Λ_n against
-/// w_t; axes: their laws for the whole step (AxisForces::impulse_laws).  Nothing in it closes positions;
-/// DriftCure::kPositionPush does so for joints and limits after the step.           (solvers/README,
-/// "Moreau–Jean")
+/// w_t;  axes (AxisForces::impulse_laws): those of a stage, tables F: −h ((2 − 2ϑ) F̄ + (2ϑ − 1) F(θ₁)) with
+/// the mean F̄ on the way to θ₁ = θ₀ + h ((1 − ϑ) w⁻ + ϑ w).  Nothing in it closes positions;
+/// DriftCure::kPositionPush closes joints and limits after the step.  (solvers/integrators, "Moreau–Jean")
+///
+/// Under constant force q is exact for ϑ = ½ and (ϑ − ½) f h t/m behind otherwise.  Linear springs keep their
+/// energy for ϑ = ½ (implicit midpoint rule) and lose it by 1/(1 + ω²h²) a step for ϑ = 1 (implicit Euler).
+/// Joints lose ½ ‖ΔV‖²_M, of order h: V₀ is tangent at the q_M before and projected onto the tangents at this
+/// one.  An impact without restitution takes ½ ‖ΔV‖²_M and the work of friction.  Angular momentum of
+/// colliding bodies is off by the moment of the gap or depth at which they touch.
 class MoreauJean final : public Rattle {
  public:
   MoreauJean(const World& world, ConstraintSystem& system, const Settings& settings);
 
-  /// One step of h > 0; kDone, kStalled or kNotFinite, as Rattle::advance().
+  /// One step of h > 0; kDone, kStalled, kNotFinite or kBlind, as Rattle::advance().
   /// @throws std::invalid_argument if a contact is of materials with compliance; the state is then the old
   /// one.
   [[nodiscard]] Outcome advance(double h, StepReport& report) override;

@@ -39,7 +39,7 @@ void set_works(StepReport& report, const Works& works);
 ///   factor      S(q₁)
 ///   kick        p₁ = p + h/2 f(q₁) + J(q₁)ᵀ μ, with μ such that J(q₁) M⁻¹ p₁ = 0               (one solve)
 ///
-/// The next step starts with the factor of S(q₁): one factorisation a step.        (solvers/README, "RATTLE")
+/// The next step starts with the factor of S(q₁): one factorisation a step.   (solvers/integrators, "RATTLE")
 class Rattle {
  public:
   enum class Outcome { kDone, kStalled, kUnstable, kImpact, kOverload, kNotFinite, kBlind };

@@ -9,7 +9,7 @@
 #include "solvers/integrators/rattle.h"
 
 // The two stages of a step with limits, motors, friction and springs: the same Newton and the same projection
-// as without them, with an active set in place of each solve.  (solvers/README, "Axes")
+// as without them, with an active set in place of each solve.  (solvers/laws, "Axes")
 namespace taut {
 namespace {
 

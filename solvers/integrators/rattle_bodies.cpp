@@ -7,7 +7,7 @@
 
 // Stages whose laws are met without an active set: at rest by the impulses of before, else through the
 // bodies, by Newton's method for contacts and for what is nearly solved, or by an interior point method.
-// (solvers/README, "Many contacts", "Many axes with friction")
+// (solvers/complementarity, "Ladder", "Many contacts", "Many axes with friction")
 namespace taut {
 namespace {
 

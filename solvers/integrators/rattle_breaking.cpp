@@ -1,6 +1,6 @@
 #include "solvers/integrators/rattle.h"
 
-// Joints that leave within a step, and the books of a step.  (solvers/README, "Breaking", "Energy")
+// Joints that leave within a step, and its books.  (solvers/laws, "Breaking"), (solvers/simulator, "Energy")
 namespace taut {
 
 /// What a step of h from the present state leads to: `poses_` at its end while it is tried (h ≠ 0); or, once

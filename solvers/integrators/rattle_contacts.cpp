@@ -7,7 +7,7 @@
 #include "solvers/integrators/rattle.h"
 
 // Contacts in a RATTLE step: found at the end of the drift, they join the rows of the system for the velocity
-// stage of this step and the position stage of the next.  (solvers/README, "Contacts")
+// stage of this step and the position stage of the next.  (solvers/laws, "Contacts")
 namespace taut {
 namespace {
 

@@ -7,7 +7,7 @@
 
 // The two stages of a step by iterative impulses, for comparison: what RATTLE calls λ is then the
 // pre-stabilisation of positions of [Weinstein2006], and μ the post-stabilisation of velocities.  Neither is
-// closed to a tolerance: the report says how open the joints are.  (solvers/README, "Iterative impulses")
+// closed to a tolerance: the report says how open they are.  (solvers/complementarity, "Iterative impulses")
 namespace taut {
 namespace {
 

@@ -8,7 +8,7 @@
 #include "solvers/integrators/rattle.h"
 
 // Positions of dependent rows: how far they are from closed, and closing what the step's own Newton cannot.
-// (solvers/README, "Weak directions")
+// (solvers/integrators, "Weak directions")
 namespace taut {
 namespace {
 
@@ -46,7 +46,7 @@ double Rattle::distance_to_closure(StepReport& report) {
 
 /// Gauss–Newton on the positions alone, q₁ ← q₁ − M⁻¹Jᵀ S⁺ φ with all of it at the iterate.  It converges
 /// quadratically, also along directions that the rows hold weakly, where the fixed J(q₀) of the Newton above
-/// does not: there J(q₁) − J(q₀) outweighs J itself.  (solvers/README, "Weak directions")
+/// does not: there J(q₁) − J(q₀) outweighs J itself.  (solvers/integrators, "Weak directions")
 bool Rattle::mend_positions(double h, StepReport& report) {
   if (!refactored_) std::copy(system_.jacobian().begin(), system_.jacobian().end(), start_jacobian_.begin());
   refactored_ = true;

@@ -6,7 +6,7 @@
 #include "solvers/common/max_abs.h"
 #include "solvers/integrators/rattle.h"
 
-// How far a stage with laws of its own is from them, and what cannot meet them.  (solvers/README, "Proof")
+// How far a stage is from its laws, and what cannot meet them.  (solvers/complementarity, "Natural residual")
 namespace taut {
 namespace {
 

@@ -6,7 +6,7 @@
 #include "solvers/integrators/rattle.h"
 #include "solvers/integrators/tension.h"
 
-// How tension bounds the step, or is taken implicitly.  (solvers/README, "Tension")
+// How tension bounds the step, or is taken implicitly.  (solvers/integrators, "Tension")
 namespace taut {
 namespace {
 
@@ -92,8 +92,8 @@ void Rattle::clear_held_bodies(int begin, int end) {
 }
 
 /// M + h²/2 K in place of M for the kick before the drift [Tournier2015]: the positive part of the geometric
-/// stiffness K acts at the end of the drift instead of at its start, which is stable for any ω h.
-/// (solvers/README, "Tension")
+/// stiffness K acts at the end of the drift instead of at its start.  A step of q̈ = −ω²q then has, x = ω h,
+/// determinant 1/(1 + x²/2), trace (2 − x²/2)/(1 + x²/2): stable for any x.  (solvers/integrators, "Tension")
 void Rattle::prepare_stiffness(double h) {
   // Of a matrix without negative eigenvalues, as under pull alone, it is the matrix.
   const auto positive_part = [](const Mat3& K) -> Mat3 {
@@ -153,7 +153,10 @@ void Rattle::find_free_parts() {
   free_parts_.find(system_.mass(), state_.poses, stiffened_);
 }
 
-/// The kick before the drift, with a filter that keeps the momenta of what nothing holds.
+/// The kick before the drift, with a filter that keeps the momenta of what nothing holds.  Block by block K
+/// ties each body to space, while it acts between bodies.  Π F Π + (1 − Π) is again M (M + h²/2 K″)⁻¹ with a
+/// symmetric K″ ≥ 0 and K″ R = 0; K″ is no less than any stiffness ≤ K⁺ without a part against R, so that the
+/// step remains stable.  J R = 0 on the rows of such a part, so its S is that of F.
 void Rattle::kick_free_parts(double h) {
   const std::span<const double> J = kick_jacobian();
   for (int b = 0; b < world_.body_count(); ++b)

@@ -11,7 +11,7 @@ namespace taut {
 /// Bound on the fastest frequency [rad/s] of M q̈ = −K q, with K the blocks of geometric stiffness of the
 /// joint loads: the largest ω with ω² = |M⁻¹K| over the bodies.  For ball joints K is block diagonal and the
 /// bound rigorous; a row of rods of mass m and length L under tension H gives ω² = 12 H / (m L).
-/// `roots` are those of M⁻¹ = A Aᵀ.        (solvers/README, "Tension")
+/// `roots` are those of M⁻¹ = A Aᵀ.        (solvers/integrators, "Tension")
 inline double fastest_transverse_frequency(std::span<const InverseMassRoot> roots,
                                            std::span<const StiffnessBlocks> stiffness) {
   // The maximum row sum of |Aᵀ K A| bounds its spectral radius, and is exact where the load is along a

@@ -17,7 +17,7 @@ namespace taut {
 ///     a_b = X a_p + c + S u̇,    X = −J_b⁺ J_p,   c = −J_b⁺ γ,   S = null space of J_b (1)
 ///
 /// where a = (ω̇, v̇) in world axes about the centre of mass and u are the joint's own speeds.
-/// (solvers/README, "Reduced coordinates")
+/// (solvers/integrators, "Reduced coordinates")
 class TreeDynamics {
  public:
   /// The world must live on, with the topology that it has.
@@ -28,7 +28,7 @@ class TreeDynamics {
   /// Number of speeds u.
   int freedoms(const State& state) const;
   /// V̇ of all bodies, 0 for fixed ones, by recursion from the leaves to the roots and back: articulated
-  /// bodies in O(n) [Featherstone2008].
+  /// bodies in O(n) [Featherstone2008]; b adds Xᵀ (I − I S (Sᵀ I S)⁻¹ Sᵀ I) X to the inertia I of its parent.
   std::vector<Twist> recursive(const State& state) const;
   /// The same by Lagrange's equations H u̇ = Gᵀ (f − M a₀), H = Gᵀ M G dense, with a = G u̇ + a₀: O(n³).
   std::vector<Twist> lagrangian(const State& state) const;

@@ -333,7 +333,9 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
       const bool at_upper = theta1 >= p.limits->upper - kTouch || (due && !impacts_[i].at_lower);
       if (at_lower) axis.lower_at = jolt ? bounce : std::max(0.0, bounce);
       if (at_upper) axis.upper_at = jolt ? bounce : std::min(0.0, bounce);
-      // Both kicks together are the impulse that must not pull.
+      // Both kicks together are the impulse that must not pull.  With Λ ≥ 0 ⊥ θ̇⁺ + e θ̇⁻ ≥ 0 and one e for
+      // all the energy changes by −½ (1 − e)/(1 + e) ‖ΔV‖²_M; without an impact, bounds ≥ 0 let bouncing die
+      // out.
       axis.lower_back = at_lower ? std::max(0.0, first_kick_[i].force.limit) : 0;
       axis.upper_back = at_upper ? std::max(0.0, -first_kick_[i].force.limit) : 0;
       if (axis.lower_at > axis.upper_at) axis.lower_at = axis.upper_at = 0;  // locked between both

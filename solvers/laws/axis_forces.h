@@ -21,7 +21,7 @@ class ConstraintSystem;
 
 /// Limits, motors, friction and springs of the free axes as laws of their rows (row_law.h) for the two stages
 /// of a RATTLE step, and the memory that they need: where friction holds, how fast a limit was approached.
-/// (solvers/README, "Axes")
+/// (solvers/laws, "Axes")
 ///
 ///   position stage   w = (θ(q₁) − θ₀)/h, λ the impulse of the first kick
 ///   velocity stage   w = θ̇(q₁), λ the impulse of the second
@@ -75,8 +75,8 @@ class AxisForces {
   void velocity_laws(std::span<const double> theta, std::span<RowLaw> laws);
   /// Laws of a step of Moreau–Jean, whose impulses λ act at once on the rates w = θ̇ after it, between begin()
   /// with the rates before it and break_away(): springs and dampers at (1 − ϑ) of the start and ϑ of the end,
-  /// limits that are passed at `theta`, in the middle of the step, w ≥ −e θ̇₀.      (solvers/README,
-  /// "Moreau–Jean")
+  /// limits that are passed at `theta`, in the middle of the step, w ≥ −e θ̇₀.
+  /// (solvers/integrators, "Moreau–Jean")
   void impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws);
   /// Springs and dampers given by tables, which a law has as tangents: true if the rates of this solution of
   /// a stage are elsewhere, and it must be solved again with the tangents there.

@@ -3,7 +3,7 @@
 
 #include "solvers/laws/axis_forces.h"
 
-// What axes ask of a step of Moreau–Jean.  (solvers/README, "Moreau–Jean")
+// What axes ask of a step of Moreau–Jean.  (solvers/integrators, "Moreau–Jean")
 namespace taut {
 
 void AxisForces::impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws) {

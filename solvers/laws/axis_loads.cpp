@@ -3,7 +3,14 @@
 
 #include "solvers/laws/axis_forces.h"
 
-// Friction that grows with the load of its joint.  (solvers/README, "Axes")
+// Friction that grows with the load of its joint.  (solvers/laws, "Axes")
+//
+// The stage is solved again until no bound changes, at most 40 times.  The iteration has a limit as long as
+// friction grows by less than the load that it makes grow.  Beyond that (a wedge at α to the way of its
+// follower with μ ≥ cot α) nothing moves the joint: a motor of bounded force stalls there, which is a
+// success; if a driver or a motor without bound asks for motion all the same, no impulses exist, whatever
+// the step, and it ends as Status::kContradiction.  Near the limit changes shrink slowly or alternate: then
+// it continues from the end of their geometric series.
 namespace taut {
 namespace {
 

@@ -12,7 +12,7 @@ namespace taut {
 class Archive;
 
 /// Joints that leave within a step because their load exceeds what they bear: which, when, and the rows that
-/// are out of the system from then on.                                       (solvers/README, "Breaking")
+/// are out of the system from then on.                                         (solvers/laws, "Breaking")
 class Breaking {
  public:
   Breaking(const World& world, const Rows& rows);

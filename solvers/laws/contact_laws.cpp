@@ -12,8 +12,8 @@ namespace {
 constexpr double kReturnSpeed = 1;
 /// A step of a law that no rate comes to.
 constexpr double kNever = 1e12;
-/// δ of (8c) where the step resolves the spring: a face on a face then has one division of its second kick
-/// for speeds that differ by round-off.
+/// δ of (solvers/laws, Eq. 6) where the step resolves the spring: a face on a face then has one division of
+/// its second kick for speeds that differ by round-off.
 constexpr double kGivingWay = 0.1;
 
 /// A box around `centre`, or just that if it has no width.
@@ -127,11 +127,16 @@ ContactLaws::NormalLaw ContactLaws::normal_law(int k) const {
   return {.target = table_.in_velocities ? bounce(k) : closing_rate(k)};
 }
 
-/// N = max(0, −g/C) with the gap g = g₀ + a w, in which a = h is the end of the step and a = h/2 its middle,
-/// where a spring keeps its energy; more than that is a damper (8b).  The second kick μ gives what the first
-/// gave, `back`, unless the bodies then part faster than a spring would throw them, less a critical damper if
-/// the step does not resolve it (8c).  Its law is in μ: δ σ Λ = δ σ (μ + back).   (solvers/README, "Compliant
-/// contacts")
+/// N = max(0, −g/C) with the gap g = g₀ + a w, and h N = 2λ (Eq. 5).  With a = h/2, the middle of the step,
+/// N (g₁ − g₀) is the change of g²/2C: energy is conserved while the bodies touch.  With a = h, its end,
+/// N |g₁ − g₀| ≥ g₁²/C, more than the spring stores: bodies that come to touch never gain any.  More than h/2
+/// is a damper, made for the mass 1/S_rr that the contact feels.  The second kick μ gives what the first
+/// gave, `back`, unless the bodies then part faster than w̄, the rate of an impact and that of a spring as
+/// deep as they are (Eq. 6).  As 2σλ is ω times the depth that belongs to λ, all of μ = λ is given up to
+/// (1 − δ) of that rate.  Where the step does not resolve the spring δ = 1, a critical damper: with μ = λ
+/// what rests would swing from step to step, and so it shrinks by (1 + eωh)/(1 + ωh) in two steps.  The law
+/// is in μ: δ σ Λ = δ σ (μ + back).
+/// (solvers/laws, "Compliant contacts")
 ContactLaws::NormalLaw ContactLaws::soft_law(int k) const {
   const Point& point = contact(k);
   const Material& material = place_of(k).material;

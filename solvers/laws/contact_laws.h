@@ -98,7 +98,7 @@ struct ContactTable {
 ///
 /// The radius of a disc follows from the normal impulse, and the way in which it is crossed from the slip:
 /// both are found by solving the stage again until they agree.  They are all contacts of a table, or those of
-/// an island, with rows as the system that is solved has them.             (solvers/README, "Contacts")
+/// an island, with rows as the system that is solved has them.               (solvers/laws, "Contacts")
 class ContactLaws {
  public:
   explicit ContactLaws(ContactTable& table) : table_(table) {}
@@ -170,7 +170,7 @@ class ContactLaws {
   bool slips_where_it_held() const;
   /// From here on contacts that stick are asked, in cone() and error(), for impulses in the cone of static
   /// friction that obey its normality law.  All impulses with which none of them slips do, however they
-  /// divide the load, so there are none where one slips all the same.  (solvers/README, "Static friction")
+  /// divide the load, so there are none where one slips all the same.  (solvers/laws, "Static friction")
   /// False if none of those that slip at the rates w can be told to hold, since they are on bodies that are
   /// being struck, or slip by much of what friction at impulses λ could change: they are let go.
   bool begin_sharing(std::span<const double> lambda, std::span<const double> w);

@@ -17,7 +17,7 @@ double overlap_depth(const World& world, const Contact& contact);
 
 /// The contacts of a world as places of the constraint system.  A place belongs to a pair of bodies and is
 /// kept for a while after its contact has gone, so that a scene that has settled keeps its pattern: contacts
-/// of the same two bodies take over each other's places.  (solvers/README, "Contacts")
+/// of the same two bodies take over each other's places.  (solvers/laws, "Contacts")
 class ContactSet {
  public:
   struct Place {

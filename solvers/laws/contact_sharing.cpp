@@ -3,8 +3,14 @@
 
 #include "solvers/laws/contact_laws.h"
 
-// Contacts that stick hold as long as any division of the load among them does.  (solvers/README, "Static
-// friction")
+// Contacts that stick hold as long as any division of the load among them does.
+// (solvers/laws, "Static friction")
+//
+// "Assume it locked, solve, keep it within the static limit" is a question to the system, not to each
+// contact: one point that passes its disc and goes on with dynamic friction would take the others along.
+// The normality law of the cone of static friction is a convex minimum with one w.  Impulses within the
+// cones with which nothing slips meet it, whatever they are; so if there are any it has w = t, which is
+// Coulomb's law, too, and if it slips there are none.  Then those are released that slip in both solutions.
 namespace taut {
 namespace {
 

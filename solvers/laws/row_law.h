@@ -15,7 +15,7 @@ namespace taut {
 ///     λ ∈ L(w) − c w,    L(w) = l_k for w_k < w < w_{k+1},    L(w_k) = [l_k, l_{k−1}],
 ///
 /// with breakpoints w_1 < … < w_K and levels l_0 > … > l_K, where l_0 = +∞ forbids w < w_1 and l_K = −∞
-/// forbids w > w_K.  (solvers/README, "The active set")
+/// forbids w > w_K.  (solvers/laws, "Row laws")
 ///
 /// Its pieces are numbered from left to right, 0 … 2K: piece 2k is level k, piece 2k − 1 is the vertical at
 /// w_k.

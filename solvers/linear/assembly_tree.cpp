@@ -44,9 +44,9 @@ BlockPattern transposed(const BlockPattern& pattern) {
   return result;
 }
 
-// Liu's algorithm: the parent of j is the first row below the diagonal of column j of L.  Row i of L is the
-// subtree that hangs below i and has its leaves among the columns of row i of A; `ancestor` shortens the
-// climbs.
+// Liu's algorithm [Liu1990]: the parent of j is the first row below the diagonal of column j of L.  Row i of
+// L is the subtree that hangs below i and has its leaves among the columns of row i of A; `ancestor` shortens
+// the climbs.
 std::vector<int> elimination_tree(const BlockPattern& pattern) {
   const BlockPattern by_row = transposed(pattern);
   const std::size_t count = pattern.start.size() - 1;

@@ -22,7 +22,7 @@ struct BlockOrdering {
 };
 
 /// Approximate minimum degree [Amestoy1996] on the blocks, then a postorder of the elimination tree. Ordering
-/// blocks instead of rows finds the same fill several times faster (solvers/README, "Ordering").
+/// blocks instead of rows finds the same fill several times faster (solvers/linear, "Ordering").
 BlockOrdering order_blocks(const BlockGraph& graph);
 
 }  // namespace taut

@@ -11,7 +11,7 @@
 
 // What each part of a simulation remembers from one step to the next, as Archive writes and reads it.
 // Whatever a step makes anew before it reads it is left out, and so are factors, which have the same bits
-// when they are made again. (solvers/README, "Checkpoints")
+// when they are made again. (solvers/simulator, "Checkpoints")
 namespace taut {
 
 void transfer_fields(Archive& archive, ShapeId& id) { archive(id.index); }

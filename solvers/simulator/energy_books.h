@@ -10,8 +10,9 @@ namespace taut {
 class Archive;
 
 /// Fills StepReport::ledger: energies before and after a step, and what the works of the step explain of
-/// their difference.                                                                   (solvers/README,
-/// "Energy")
+/// their difference: each impulse j of a kick from V₀ to V₁ does the work j·½ (V₀ + V₁).  Energies after a
+/// step serve as those before the next unless the world was changed, so that a step measures them once.
+/// (solvers/simulator, "Energy")
 class EnergyBooks {
  public:
   /// Springs between bodies that have rows are no force laws in the works.

@@ -28,7 +28,7 @@ class Simulator {
   /// @throws std::invalid_argument if a setting is out of range.
   explicit Simulator(World& world, const Settings& settings = {});
   ~Simulator();
-  Simulator(Simulator&&) noexcept;
+  Simulator(Simulator&&) noexcept;  ///< the source may only be destroyed
 
   /// One step of dt [s].  A world that was assigned to (world = other) is another one, and the simulator
   /// starts anew.  What a force law throws comes through; world, report and what comes next are then as
@@ -38,7 +38,7 @@ class Simulator {
   /// joints that break and an integrator other than kRattle; kMoreauJean lacks joints that break and
   /// compliant contacts only.
   const StepReport& step(double dt);
-  const StepReport& report() const;
+  const StepReport& report() const;  ///< of the last step() or assemble()
 
   /// Asked now and then inside step() and assemble(), between sub-steps, iterations and parts of a long
   /// factorisation, whether to end early; with CHOLMOD a factorisation is one part.  If it says yes, the
@@ -96,11 +96,11 @@ class Simulator {
   const StepReport& assemble();
 
   /// The fixed joints that are not solved, because their bodies move as one (Settings::merge_fixed_joints),
-  /// in ascending order.  Their reactions follow from the motion.       (solvers/README, "Merged bodies")
+  /// in ascending order.  Their reactions follow from the motion.    (solvers/simulator, "Merged bodies")
   std::vector<JointId> merged_joints() const;
 
-  const World& world() const;
-  const Settings& settings() const;
+  const World& world() const;  ///< as given
+  const Settings& settings() const;  ///< as given
   /// "CHOLMOD 3.0.14 supernodal, OpenBLAS 0.3.21 …": which factor and BLAS do the work.
   std::string solver_description() const;
 

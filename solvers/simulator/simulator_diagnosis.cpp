@@ -10,7 +10,7 @@
 #include "solvers/integrators/assembly.h"
 #include "solvers/simulator/simulator_impl.h"
 
-// Why a step failed.  (solvers/README, "Contradiction")
+// Why a step failed.  (solvers/diagnosis, "A step that failed")
 namespace taut {
 namespace {
 

@@ -3,7 +3,7 @@
 #include "core/base/check.h"
 #include "solvers/simulator/simulator_impl.h"
 
-// What joints bear, and what merged bodies give back to the user's world.  (solvers/README, "Merged bodies")
+// What joints bear, and what merged bodies return to the user's world.  (solvers/simulator, "Merged bodies")
 namespace taut {
 
 /// λ of the acceleration equation in the present state, with a system of its own so that the integrator keeps

@@ -3,7 +3,7 @@
 #include "core/state/same_state.h"
 #include "solvers/simulator/simulator_impl.h"
 
-// What was moved between steps; islands that fall asleep and wake. (solvers/README, "Sleep")
+// What was moved between steps; islands that fall asleep and wake. (solvers/simulator, "Sleep")
 namespace taut {
 
 std::span<const ContactSet::Place> Simulator::Impl::places() const {

@@ -15,7 +15,7 @@ class Archive;
 
 /// Lets islands at rest fall asleep, and wakes them.  An island is what joints, force laws that name their
 /// bodies, and contacts connect, not by way of fixed bodies; it sleeps and wakes as a whole.
-/// (solvers/README, "Sleep")
+/// (solvers/simulator, "Sleep")
 class Sleep {
  public:
   Sleep(const World& world, const Settings& settings);

@@ -16,8 +16,8 @@ namespace taut {
 ///
 /// Along the tree from its leaves the sum is one weld's.  Where welds form loops it leaves the load open; of
 /// all that it allows the one with the least Σ S_rr λ_r² is taken, S_rr = J_r M⁻¹ J_rᵀ of row r, as the
-/// factor does for joints that hold each other.                                   (solvers/README, "Merged
-/// bodies")
+/// factor does for joints that hold each other.
+/// (solvers/simulator, "Merged bodies")
 class WeldLoads {
  public:
   /// For the present topology of the source, whose bodies `merged` has merged.

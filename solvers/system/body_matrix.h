@@ -19,8 +19,8 @@ BlockGraph body_graph(const Rows& rows, const MassMatrix& mass, std::vector<int>
 ///     (S + Σ) λ = x   ⇔   P v = Wᵀ Σ⁻¹ x,   λ = Σ⁻¹ (x − W v),   v = Wᵀ λ.
 ///
 /// It has six rows a body however many contacts there are, and a body that touches hundreds of others only
-/// has hundreds of neighbours, where S has a dense block of all their rows.   (solvers/README, "Many
-/// contacts")
+/// has hundreds of neighbours, where S has a dense block of all their rows.
+/// (solvers/system, "Primal matrix")
 class BodyMatrix {
  public:
   BodyMatrix(const Rows& rows, const MassMatrix& mass, SymmetricMatrix::Triangle triangle,

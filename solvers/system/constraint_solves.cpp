@@ -2,7 +2,7 @@
 
 #include "solvers/system/constraint_system.h"
 
-// Solves of a ConstraintSystem whose rows depend on each other.  (solvers/README, "Rank")
+// Solves of a ConstraintSystem whose rows depend on each other.  (solvers/system, "Dependent rows")
 namespace taut {
 
 /// (S + Σ) x on the rows that are not masked, 0 on the others.

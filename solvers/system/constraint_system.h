@@ -56,7 +56,7 @@ struct SystemPart {
 ///     z = S_ε⁻¹ S S_ε⁻¹ r,
 /// which agrees with the pseudo-inverse to O(ε) on the range of S and is O(round-off / ε) of r on its null
 /// space: the multipliers are those of least norm and dependent rows get no share that grows like 1/ε.
-/// (solvers/README, "Rank")
+/// (solvers/system, "Dependent rows")
 ///
 /// Where contacts are so many that S is denser than the system of the bodies, or many axes have friction,
 /// that one is factored in its place (body_matrix.h): the same solves, with ε on the rows that are free.

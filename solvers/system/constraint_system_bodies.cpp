@@ -5,8 +5,8 @@
 #include "solvers/common/stopwatch.h"
 #include "solvers/system/constraint_system.h"
 
-// The system through the bodies, P = 1 + Wᵀ Σ⁻¹ W in place of S, whole and in parts.  (solvers/README, "Many
-// contacts")
+// The system through the bodies, P = 1 + Wᵀ Σ⁻¹ W in place of S, whole and in parts.
+// (solvers/system, "Primal matrix")
 namespace taut {
 namespace {
 

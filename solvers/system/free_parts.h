@@ -17,7 +17,7 @@ namespace taut {
 /// and put_back() it becomes
 ///     Π F Π + (1 − Π),    Π = 1 − M R A⁻¹ Rᵀ,
 /// which keeps them, is symmetric likewise, takes energy where F does, and has the J M⁻¹F Jᵀ of F.
-/// (solvers/README, "Tension")
+/// (solvers/system, "Free parts")
 class FreeParts {
  public:
   /// Forgets all parts: from now on each body is one by itself …

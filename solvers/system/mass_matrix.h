@@ -14,26 +14,26 @@ class MassMatrix {
   /// What each step reads of a body, in one line of the cache …
   struct alignas(64) Body {
     Vec3 inverse_moments = Vec3::Zero();  ///< 1 / I_P
-    double inverse_mass = 0;
-    Vec3 root_inverse_moments = Vec3::Zero();
+    double inverse_mass = 0;  ///< 1 / m
+    Vec3 root_inverse_moments = Vec3::Zero();  ///< 1 / √I_P
     bool principal = true;  ///< q_BP is the identity
-    bool fixed = true;
+    bool fixed = true;  ///< it never moves
     std::int8_t symmetry_axis = -1;  ///< axis i with the other two moments equal; −1: none
   };
   /// … and the rest.
   struct Inertia {
-    double mass = 1;
+    double mass = 1;  ///< m [kg]
     Vec3 moments = Vec3::Ones();  ///< I_P [kg m²]
-    Quat q_BP = Quat::Identity();
+    Quat q_BP = Quat::Identity();  ///< principal axes P in body axes
   };
 
   explicit MassMatrix(const World& world);
-  /// Some bodies of another.
+  /// The blocks of some bodies of another mass matrix, numbered anew.
   MassMatrix(const MassMatrix& whole, std::span<const int> bodies);
 
-  int size() const { return static_cast<int>(bodies_.size()); }
-  const Body& operator[](int body) const { return bodies_[body]; }
-  const Inertia& inertia(int body) const { return inertias_[body]; }
+  int size() const { return static_cast<int>(bodies_.size()); }  ///< number of bodies
+  const Body& operator[](int body) const { return bodies_[body]; }  ///< by its index
+  const Inertia& inertia(int body) const { return inertias_[body]; }  ///< by its index
 
   /// R_WP of a body.
   Mat3 principal_axes(int body, const Pose& pose) const {
@@ -63,10 +63,10 @@ class MassMatrix {
 
 /// A square root of M⁻¹ of a body: M⁻¹ = A Aᵀ with A = diag(rotation, translation 1₃); zero for fixed ones.
 struct InverseMassRoot {
-  Mat3 rotation = Mat3::Zero();
-  double translation = 0;
+  Mat3 rotation = Mat3::Zero();  ///< A of the rotation, A Aᵀ = I_W⁻¹
+  double translation = 0;        ///< 1 / √m
 
-  bool moves() const { return translation > 0; }
+  bool moves() const { return translation > 0; }  ///< not fixed
   /// V = M⁻¹ p.  The root is not multiplied out: of a thin rod, round-off then is a rotation about its axis
   /// only, which moves no point on it, be it held by a joint or a stiff damper.
   Twist twist(const Wrench& p) const {
@@ -76,7 +76,7 @@ struct InverseMassRoot {
 
 /// A root of what takes the place of M⁻¹ where that has two full blocks.
 struct FullMassRoot {
-  Mat3 rotation = Mat3::Zero(), translation = Mat3::Zero();
+  Mat3 rotation = Mat3::Zero(), translation = Mat3::Zero();  ///< one block each
 };
 
 }  // namespace taut

@@ -11,7 +11,7 @@ namespace taut {
 class Archive;
 
 /// The factor of a ConstraintSystem, made good for row states that differ in a few rows from those that it
-/// was made for, by a dense Schur complement of those rows (solvers/README, "Changed rows").  The system must
+/// was made for, by a dense Schur complement of those rows (solvers/system, "Changed rows").  The system must
 /// outlive it; a new factorisation is noticed, and what was gathered for the old one is dropped.
 class RowUpdates {
  public:

@@ -16,9 +16,9 @@
 
 /// Holds the rows of any joint, or of a single row part, against what they must be by definition:
 ///
-///   jacobian   φ̇ = J V           against differences of φ                                (core/README, Eq.
-///   2) bias       γ = J̇ V           against differences of J V along the flow of constant V (Eq. 3)
-///   stiffness  K = −∂(Jᵀλ)/∂q    against differences of Jᵀλ                              (Eq. 4)
+///   jacobian   φ̇ = J V           against differences of φ                      (core/constraints, Eq. 1)
+///   bias       γ = J̇ V           against differences of J V along the flow of constant V  (Eq. 2)
+///   stiffness  K = −∂(Jᵀλ)/∂q    against differences of Jᵀλ                              (Eq. 3)
 ///   third law  Jᵀλ is free of net force, and of net moment about any point
 ///   invariance a rigid motion of both bodies changes no gap
 ///

@@ -34,7 +34,7 @@ struct JointCase {
   friend void PrintTo(const JointCase& c, std::ostream* out) { *out << c.type; }
 };
 
-/// The example of core/README.md: a type that the library does not know.
+/// The example of core/joints/README.md: a type that the library does not know.
 class PointOnPlane final : public Joint {
  public:
   /// @throws std::invalid_argument if a point is not finite or the normal not of unit length.

@@ -456,13 +456,13 @@ TEST(ShippedScenes, Run) {
   }
 }
 
-/// The README's complete example is read as it stands.
+/// The complete example of the description of the format is read as it stands.
 TEST(ShippedScenes, ExampleOfTheReadme) {
-  std::ifstream file(std::filesystem::path(testing::source_dir()) / "scenes" / "README.md");
+  std::ifstream file(std::filesystem::path(testing::source_dir()) / "scenes" / "files" / "FORMAT.md");
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const std::size_t begin = text.find("```json\n") + 8, end = text.find("```", begin);
   ASSERT_NE(end, text.npos);
-  const Scene scene = parse_scene(text.substr(begin, end - begin), "README.md");
+  const Scene scene = parse_scene(text.substr(begin, end - begin), "FORMAT.md");
   EXPECT_GT(scene.world.joint_count(), 0);
 }
 

@@ -5,7 +5,7 @@
 #include "solvers/system/constraint_system.h"
 
 // A hub: one body that touches hundreds of others.  In S the rows of all its contacts are coupled; in the
-// system of the bodies it is one node with many neighbours. (solvers/README, "Many contacts")
+// system of the bodies it is one node with many neighbours. (solvers/system, "Primal matrix")
 namespace taut {
 namespace {
 

@@ -1,4 +1,4 @@
-// A reader of recordings written from scenes/README.md alone, to check that page and file against it.
+// A reader of recordings written from scenes/recording/FORMAT.md alone, to check that page and file against it.
 import fs from 'node:fs';
 import zlib from 'node:zlib';
 
