@@ -21,9 +21,7 @@ MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Setti
 Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   report.tension_number = std::max(report.tension_number, omega_ * h);
   works_before_ = works_of(report);
-  loosest_ = natural_ = 0;
-  jammed_.clear();
-  culprits_.clear();
+  stages_.begin_advance();
   unsettled_ = 0;
   predict(h);
   go_to_middle(h, report);
@@ -47,7 +45,7 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
   if (settings_.report_energy) report.ledger.integration += spin_energy(momenta_, state_.poses, Bodies::kAll);
   keep_impulses(h);
   ++report.substeps;
-  report_residuals(report);
+  stages_.report_residuals(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
   return Outcome::kDone;
@@ -67,7 +65,7 @@ void MoreauJean::predict(double h) {
 /// q_M, its contacts, and J there.  poses_ and start_momenta_ stay those of the start.
 void MoreauJean::go_to_middle(double h, StepReport& report) {
   if (bounded()) {
-    stage_h_ = std::numeric_limits<double>::infinity();
+    stages_.begin_velocities(state_.twists);
     system_.rows().residual(state_, phi_);
     for (const Rows::AxisRow& axis : system_.rows().axis_rows()) start_theta_[axis.row] = phi_[axis.row];
     contacts_.begin_single_kick(h);
@@ -99,10 +97,10 @@ void MoreauJean::begin_laws(double h, StepReport& report) {
   if (bounded()) {
     system_.rows().apply(system_.jacobian(), state_.twists, rates_);
     system_.rows().add_rate(state_, rates_);
-    system_.row_inertias(inertia_);
-    axes_.begin(start_time_, h, start_theta_, rates_, inertia_);
+    stages_.renew_effective_mass();
+    axes_.begin(start_time_, h, start_theta_, rates_, stages_.effective_mass());
     theta_ = axes_.find_unresolved(system_, true) ? 1 : settings_.theta;
-    contacts_.begin_impulses(rates_, inertia_);
+    contacts_.begin_impulses(rates_, stages_.effective_mass());
     if (contacts_.soft()) {
       roll_back(report);
       fail("settings integrator", R"(must be "rattle" where compliant materials touch)",
@@ -111,16 +109,17 @@ void MoreauJean::begin_laws(double h, StepReport& report) {
     contacts_.clear_idle(mu_);
     system_.rows().residual(end_of_step(0), phi_);
     renew_laws();
-    active_->prepare(laws_, rates_, mu_);
+    stages_.prepare(rates_, mu_);
   }
-  if (!factors_on_demand()) system_.factorize(report.times);
+  if (!stages_.factors_on_demand()) system_.factorize(report.times);
 }
 
 void MoreauJean::renew_laws() {
-  axes_.impulse_laws(theta_, phi_, laws_);
-  contacts_.velocity_laws(laws_);
+  std::vector<RowLaw>& laws = stages_.laws();
+  axes_.impulse_laws(theta_, phi_, laws);
+  contacts_.velocity_laws(laws);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
-    if (system_.rows().is_equality(r)) laws_[r] = RowLaw::equality();
+    if (system_.rows().is_equality(r)) laws[r] = RowLaw::equality();
 }
 
 /// (q_ϑ, V_ϑ) of the momenta of now.
@@ -169,11 +168,12 @@ bool MoreauJean::solve_stage(StepReport& report) {
   renew_laws();
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
-  loosest_ = natural_ = 0;  // of the passes before, which this one replaces
-  contact_noise_ = rate_noise();
-  if (!solve_velocity_laws(static_cast<Renew>(&MoreauJean::renew_laws), report)) return false;
+  stages_.begin_pass();  // replaces the one before
+  stages_.note_round_off();
+  const StageSolver::Renew renew = [this] { renew_laws(); };
+  if (!stages_.solve_velocities({mu_, rates_, renew}, report)) return false;
   end_velocities(report);
-  note_residual(mu_);
+  stages_.note_residual(mu_, rates_);
   return report.velocity_residual <= settings_.velocity_tolerance;
 }
 
@@ -220,14 +220,15 @@ bool MoreauJean::push_positions(StepReport& report) {
 
 /// The limit that is passed furthest, for the diagnosis.
 void MoreauJean::note_passed_limit() {
-  culprits_.clear();
+  std::vector<Culprit> culprits;
   double furthest = settings_.position_tolerance;
   for (const AxisForces::Bound& limit : limits_) {
     const double excess = std::abs(limit.excess(phi_[limit.row]));
     if (!(excess > furthest)) continue;
     furthest = excess;
-    culprits_ = {{.kind = Culprit::Kind::kAxis, .axis = limit.axis, .share = excess}};
+    culprits = {{.kind = Culprit::Kind::kAxis, .axis = limit.axis, .share = excess}};
   }
+  stages_.set_culprits(std::move(culprits));
 }
 
 /// For reactions and the next guess.  The impulse of an impact is no force.

@@ -44,7 +44,6 @@ constexpr double kSlack = 0.25;
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
     : world_(world),
-      named_(&world),
       system_(system),
       settings_(settings),
       springs_(system.rows().spring_count() > 0 ? Springs::kLeftOut : Springs::kIncluded),
@@ -53,20 +52,14 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       has_split_flow_(any_split()),
       axes_(world, system.rows()),
       contacts_(world, settings),
-      contact_solver_(system, contacts_),
-      islands_(system, contacts_, contact_solver_, settings.threads),
-      interior_(system),
-      piece_newton_(system) {
-  active_.emplace(system);
+      stages_(world, system, axes_, contacts_, settings) {
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})
     wrenches->resize(bodies);
   for (auto* values : {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &last_rates_, &impulses_,
                        &force_multipliers_, &asymmetry_, &last_asymmetry_})
     values->assign(rows, 0.0);
-  for (auto* values : {&start_theta_, &rates_, &kick_rates_, &inertia_, &w_})
-    values->assign(bounded() ? rows : 0, 0.0);
-  laws_.assign(bounded() ? rows : 0, RowLaw::equality());
+  for (auto* values : {&start_theta_, &rates_, &kick_rates_}) values->assign(bounded() ? rows : 0, 0.0);
   mean_twists_.resize(bodies);
   start_jacobian_.resize(system.jacobian().size());
   stiffness_.resize(bodies);
@@ -75,7 +68,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   filter_translation_.resize(bodies);
   stiffened_.resize(bodies);
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
-  if (rubs()) slack_ = kSlack * settings.position_tolerance;
+  if (stages_.friction_dominated()) slack_ = kSlack * settings.position_tolerance;
   axes_.set_slack(slack_);
   if (iterative()) absorbed_.resize(bodies);
 }
@@ -111,7 +104,7 @@ void Rattle::start(const State& state, StepReport& report) {
   system_.rows().residual(state_, phi_);
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   axes_.start(phi_, rates_);
-  active_->reset();
+  stages_.forget_pieces();
 }
 
 void Rattle::linearize(StepReport& report) {
@@ -130,9 +123,7 @@ void Rattle::linearize_and_factorize(StepReport& report) {
 }
 
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
-  loosest_ = natural_ = 0;
-  jammed_.clear();
-  culprits_.clear();
+  stages_.begin_advance();
   unsettled_ = 0;
   implicit_ =
       settings_.tension == TensionPolicy::kImplicit && omega_ * std::abs(h) > settings_.max_tension_number;
@@ -185,8 +176,8 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     forget_impacts(false);
     return Outcome::kBlind;
   }
-  if (bounded() && !iterative()) active_->prepare(laws_, delta_, lambda_);
-  if (factors_on_demand())
+  if (bounded() && !iterative()) stages_.prepare(lambda_);
+  if (stages_.factors_on_demand())
     linearize(report);
   else
     linearize_and_factorize(report);
@@ -210,7 +201,7 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
     if (!iterative()) system_.factorize(report.times);
   }
   ++report.substeps;
-  report_residuals(report);
+  stages_.report_residuals(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit(force_multipliers_);
   return Outcome::kDone;
@@ -283,7 +274,7 @@ void Rattle::predict_multipliers(double h) {
   } else if (system_.singular() && (contacts_.empty() || struck())) {
     // Those of contacts are held within their cones.  Newton's method and interior points through the bodies
     // leave a null space as they find it.
-    const bool good_guess = !bounded() || (contacts_.empty() && factors_on_demand());
+    const bool good_guess = !bounded() || (contacts_.empty() && stages_.factors_on_demand());
     const bool from_mu = history_ > 0 && good_guess && steps_from_zero_ == 0;
     steps_from_zero_ = std::max(steps_from_zero_ - 1, 0);
     const double scale = from_mu ? h / last_h_ : 0;

@@ -10,11 +10,7 @@
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
-#include "solvers/complementarity/active_set.h"
-#include "solvers/complementarity/contact_islands.h"
-#include "solvers/complementarity/contact_solver.h"
-#include "solvers/complementarity/interior_point.h"
-#include "solvers/complementarity/piece_newton.h"
+#include "solvers/complementarity/stage_solver.h"
 #include "solvers/laws/axis_forces.h"
 #include "solvers/laws/breaking.h"
 #include "solvers/system/constraint_system.h"
@@ -109,31 +105,30 @@ class Rattle {
   std::span<const double> force_multipliers() const { return force_multipliers_; }
   /// Residual up to which the laws of a stage are taken as met when Newton's method has spent its steps,
   /// which are few if the steps before were hard; 0: none beyond its own.
-  void take_inexact(double residual, bool few_steps) {
-    inexact_ = residual;
-    few_steps_ = few_steps;
+  void accept_inexact(double residual, bool reduced_budget) {
+    stages_.accept_inexact(residual, reduced_budget);
   }
   /// The next guess has no impulses of contacts.
   void forget_contact_impulses();
   /// Who jams, if a stage of the last advance failed because friction grows with a load that it makes grow:
   /// the rows of that friction, and those of motors without bound and of joints that follow the time whose
   /// impulses are as large.
-  std::span<const int> jammed() const { return jammed_; }
+  std::span<const int> jammed() const { return stages_.jammed(); }
   /// Contacts could not be looked for the last time, also in start(): see contacts().set().detection().
   bool blind() const { return !contacts_.empty() && contacts_.set().detection().blind(); }
   /// Threads that could not be started.
   int missing_threads() const {
-    return std::max(contacts_.set().detection().missing_threads, islands_.missing_threads());
+    return std::max(contacts_.set().detection().missing_threads, stages_.missing_threads());
   }
   /// Who was furthest from the laws of a stage that could not be solved, or was solved inexactly, in the last
   /// advance.
-  std::span<const Culprit> culprits() const { return culprits_; }
+  std::span<const Culprit> culprits() const { return stages_.culprits(); }
   /// The body on which forces changed most when they did not settle in the last advance; else the ground.
   BodyId unsettled() const { return {unsettled_}; }
   /// Shapes of contacts in culprits() belong to the bodies of this world.
-  void name_by(const World& world) { named_ = &world; }
+  void name_by(const World& world) { stages_.name_by(world); }
   /// How the last active set of a stage went.
-  const ActiveSetOutcome& active_set_outcome() const { return outcome_; }
+  const ActiveSetOutcome& active_set_outcome() const { return stages_.active_set_outcome(); }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   /// Reading, in place of start().
@@ -142,9 +137,6 @@ class Rattle {
  protected:  // the stages, which Moreau–Jean has, too (moreau_jean.h)
   /// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.
   static constexpr double kSlow = 0.6;
-  /// Largest natural residual of the laws of axes.
-  static constexpr double kNaturalTolerance = 1e-9;
-  static constexpr double kContactTolerance = 1e-8;  // the same where there are contacts
 
   void linearize(StepReport& report);
   void linearize_and_factorize(StepReport& report);
@@ -156,7 +148,6 @@ class Rattle {
   bool mend_positions(double h, StepReport& report);
   void kick_and_drift(double h, const Configuration& end);
   void try_positions(double h);
-  void rates_without(std::span<const double> lambda);
   void refactor_at_iterate(double h, StepReport& report);
   bool close_velocities(double h, StepReport& report);
   /// Between passes of the fixed point for forces that depend on what they lead to: whether forces_, new
@@ -167,17 +158,9 @@ class Rattle {
   void twists_and_rates(Change change);
   void second_kick(int b, double h) { momenta_[b] = kicked_[b] + 0.5 * h * forces_[b]; }
   void project_momenta(StepReport& report, std::span<double> mu, double h = 0);
-  bool iterative() const { return settings_.solver != Solver::kDirect; }
+  bool iterative() const { return stages_.iterative(); }
   /// Rows have laws of their own, or are to be solved one by one.
-  bool bounded() const { return iterative() || !axes_.empty() || !contacts_.empty(); }
-  /// The impulses of the step before may serve again, without a factor.
-  bool may_rest() const { return rubs() || (!contacts_.empty() && contacts_.rest()); }
-  /// So many axes rub that the bodies are the system, and nothing else.
-  bool rubs() const { return contacts_.empty() && system_.through_bodies(); }
-  /// Stages ask for the factor of S, if they do, themselves.
-  bool factors_on_demand() const {
-    return !contacts_.empty() || system_.through_bodies() || newtons_left_ > 0;
-  }
+  bool bounded() const { return stages_.bounded(); }
   bool struck() const { return axes_.struck() || contacts_.struck(); }
   void clear_loose_rows(std::span<double> rows) const;
   bool break_joints(double h, StepReport& report);
@@ -202,56 +185,16 @@ class Rattle {
   Guess guess() const;
   void take(const Guess& guess);
   void move_rows(std::span<const int> from);
-  void turn_contacts(std::span<double> lambda, StepReport& report);
   void contact_rates();
   std::size_t contact_offset() const;
+  std::span<double> kept_contact_jacobian();
   double first_impact(double h);
   bool close_bounded_positions(double h, StepReport& report);
   double time_of_impact(double h, StepReport& report);
-  double law_error(double h) const;
-  double laws_off(std::span<const double> lambda, std::span<const double> w) const;
-  double exact_tolerance() const;
-  bool take_loosely(double off);
-  double natural_residual(std::span<const double> lambda, std::span<const double> w) const;
-  double natural_scale(std::span<const double> lambda, std::span<const double> w) const;
-  double natural_error(int r, std::span<const double> lambda, std::span<const double> w, double scale,
-                       const std::pair<double, double>& rate_noise) const;
-  ContactLaws::RateSize contact_rate_size() const;
-  void note_culprits(std::span<const double> lambda, std::span<const double> w);
-  void note_loose(std::span<const double> lambda);
-  std::pair<double, double> rate_noise() const;
-  void note_residual(std::span<const double> lambda);
-  void note_jam(std::span<const double> lambda);
-  double natural_tolerance() const { return contacts_.any() ? kContactTolerance : kNaturalTolerance; }
-  /// Without contacts no tolerance of rates makes up for the laws of axes.
-  bool exact(std::span<const double> lambda) const {
-    return contacts_.any() || natural_residual(lambda, w_) <= kNaturalTolerance;
-  }
-  using Renew = void (Rattle::*)();  // of the laws of a stage
-  bool laws_move(std::span<const double> lambda, double rate_tolerance);
-  bool solve_laws(std::span<double> lambda, double rate_tolerance, Renew renew, StepReport& report);
-  StageProblem stage(std::span<double> lambda) { return {laws_, delta_, inertia_, lambda, w_}; }
-  double resting_tolerance(double rate_tolerance, bool rested) const;
-  bool holds(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  bool holds_by_factor(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  bool meets_laws(std::span<double> lambda, double off, double rate_tolerance, StepReport& report);
-  void take_pieces(std::span<const double> lambda);
-  bool solve_through_bodies(std::span<double> lambda, double rate_tolerance, double resting, Renew renew,
-                            StepReport& report);
-  bool solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  bool solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report);
-  bool solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
-  bool solve_islands(std::span<double> lambda, const NewtonLimits& limits, double resting,
-                     StepReport& report);
-  void book(const StageRecord& record, StepReport& report);
-  bool hold_on(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  void report_residuals(StepReport& report) const;
   bool stabilize_positions(double h, StepReport& report);
   bool stabilize_velocities(StepReport& report);
-  bool iterate(std::span<double> lambda, int sweeps, double rate_tolerance, StepReport& report);
   void start_iterative();
   bool project_bounded_momenta(StepReport& report);
-  bool solve_velocity_laws(Renew renew, StepReport& report);
   void begin_velocities();
   void end_velocities(StepReport& report);
   void mean_rates(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const double> jacobian,
@@ -286,7 +229,6 @@ class Rattle {
   void with_mean_twists(std::span<const Wrench> from, std::span<const Wrench> to, Visit&& visit) const;
 
   const World& world_;
-  const World* named_;
   ConstraintSystem& system_;
   const Settings& settings_;
 
@@ -338,33 +280,14 @@ class Rattle {
   AxisForces axes_;
   ContactForces contacts_;
   double horizon_ = 0;
-  std::optional<ActiveSet> active_;
-  ContactSolver contact_solver_;
-  ContactIslands islands_;
-  bool near_ = false;  // this stage was solved at a neighbouring state
+  StageSolver stages_;
   std::vector<char> held_rows_;
-  UnionFind stuck_together_;   // bodies
-  bool holds_bodies_ = false;  // the step limit left some out
-  bool rested_ = false;        // the last stage took the impulses of before
-  double slack_ = 0;           // of gaps and of places where friction holds, which is left [m or rad]
-  InteriorPoint interior_;
-  PieceNewton piece_newton_;
-  std::vector<Wrench> absorbed_;               // momentum that bodies held fast did not take in this stage
-  double inexact_ = 0;                         // residual that may be taken
-  double loose_ = 0, loosest_ = 0;             // taken beyond 1e-8 by the present solve, and in this advance
-  double natural_ = 0;                         // natural residual of the stages of this advance
-  std::pair<double, double> contact_noise_{};  // rate_noise() of the position stage
-  double stage_h_ = 0;                         // over which rates of this stage are differences of poses
-  bool few_steps_ = false;
-  bool laws_moved_ = false;  // friction let go, or its load changed, before this stage was solved
-  std::vector<int> jammed_;
-  std::vector<Culprit> culprits_;
+  UnionFind stuck_together_;      // bodies
+  bool holds_bodies_ = false;     // the step limit left some out
+  double slack_ = 0;              // of gaps and of places where friction holds, which is left [m or rad]
+  std::vector<Wrench> absorbed_;  // momentum that bodies held fast did not take in this stage
   int unsettled_ = 0;
-  int newtons_left_ = 0;  // stages that go straight to it, since the active set gave up on one before
-  ActiveSetOutcome outcome_;
-  std::vector<RowLaw> laws_, held_laws_;
-  std::vector<double> start_theta_, rates_, kick_rates_, inertia_, w_, guess_, held_, row_scratch_;
-  std::vector<int> pieces_scratch_;
+  std::vector<double> start_theta_, rates_, kick_rates_;
   std::vector<Twist> mean_twists_;
   double time_to_impact_ = 0;
 };

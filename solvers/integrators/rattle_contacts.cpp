@@ -48,6 +48,12 @@ void Rattle::forget(std::span<const char> moved) {
   contacts_.forget(moved);
 }
 
+void Rattle::forget_contact_impulses() {
+  const auto first = system_.rows().first_contact_row();
+  for (auto* values : {&lambda_, &mu_, &start_mu_, &force_multipliers_})
+    std::fill(values->begin() + first, values->end(), 0.0);
+}
+
 Rattle::Guess Rattle::guess() const {
   const Rows& rows = system_.rows();
   return {{rows.joints().begin(), rows.joints().end()}, rows.contact_count(), force_multipliers_, lambda_};
@@ -127,7 +133,6 @@ void Rattle::take_over_places() {
 }
 
 void Rattle::set_places() {
-  pieces_scratch_.assign(active_->pieces().begin(), active_->pieces().end());
   system_.set_contact_places(world_, contacts_.set().rows());
   contacts_.set_rows(system_.rows());
 }
@@ -135,26 +140,16 @@ void Rattle::set_places() {
 /// All that has rows, to those of the new places: `from` says for each row which one it was, −1 for none.
 void Rattle::move_rows(std::span<const int> from) {
   const int rows = system_.row_count();
+  std::vector<double> moved;
   for (auto* values :
        {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_, &force_multipliers_,
-        &asymmetry_, &last_asymmetry_, &start_theta_, &rates_, &kick_rates_, &inertia_, &w_}) {
-    row_scratch_.assign(rows, 0.0);
+        &asymmetry_, &last_asymmetry_, &start_theta_, &rates_, &kick_rates_}) {
+    moved.assign(rows, 0.0);
     for (int r = 0; r < rows; ++r)
-      if (from[r] >= 0) row_scratch_[r] = (*values)[from[r]];
-    values->swap(row_scratch_);
+      if (from[r] >= 0) moved[r] = (*values)[from[r]];
+    values->swap(moved);
   }
-  std::vector<RowLaw> laws(rows, RowLaw::none());
-  std::vector<int> pieces(rows, -1);
-  for (int r = 0; r < rows; ++r) {
-    if (from[r] < 0) continue;
-    laws[r] = laws_[from[r]];
-    pieces[r] = pieces_scratch_[from[r]];
-  }
-  laws_ = std::move(laws);
-  active_.emplace(system_);
-  contact_solver_.reset();
-  islands_.forget_pattern();
-  active_->set_pieces(pieces, laws_);
+  stages_.move_rows(from);
   start_jacobian_.assign(system_.jacobian().size(), 0.0);
   system_.release_bounded_rows();
 }
@@ -162,29 +157,9 @@ void Rattle::move_rows(std::span<const int> from) {
 /// Rates of the contact rows in the drift: J(q₀) M⁻¹ p.  The momenta stay, so that is what counts, and not
 /// how far points have come that were in contact at the start.
 void Rattle::contact_rates() {
-  mean_rates(kicked_, kicked_, kick_jacobian(), w_);
-  std::copy(w_.begin() + system_.rows().first_contact_row(), w_.end(),
+  mean_rates(kicked_, kicked_, kick_jacobian(), kick_rates_);
+  std::copy(kick_rates_.begin() + system_.rows().first_contact_row(), kick_rates_.end(),
             rates_.begin() + system_.rows().first_contact_row());
-}
-
-/// Turned tangents: in all that has a row, then in J and its factor.
-void Rattle::turn_contacts(std::span<double> lambda, StepReport& report) {
-  for (const ContactLaws::Turn& turn : contacts_.turns()) {
-    const int first = contacts_.first_row(turn.place);
-    const int count = contacts_.set().places()[turn.place].at.twist ? 6 : 3;
-    for (std::span<double> values :
-         {lambda, std::span<double>(rates_), std::span<double>(delta_), std::span<double>(guess_)})
-      for (int r = first + 1; r < first + count; r += 3) {
-        const double a = values[r], b = values[r + 1];
-        values[r] = turn.cos * a + turn.sin * b;
-        values[r + 1] = turn.cos * b - turn.sin * a;
-      }
-  }
-  contacts_.turned(system_);
-  if (refactored_)
-    std::copy_n(system_.jacobian().begin() + contact_offset(), start_jacobian_.size() - contact_offset(),
-                start_jacobian_.begin() + contact_offset());
-  system_.factorize(report.times);
 }
 
 /// Where the Jacobian of contact rows begins, which are the last.

@@ -31,16 +31,17 @@ void Rattle::start_iterative() {
 bool Rattle::stabilize_positions(double h, StepReport& report) {
   const Stopwatch watch(report.times.positions);
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
+  const StageSolver::Renew renew = [this] { renew_position_laws(); };
   for (int left = settings_.iterations;; left -= kSweepsPerPass) {
     try_positions(h);
     if (!std::isfinite(max_abs(phi_)) || !axes_.finite()) return false;
     if (left <= 0) break;
-    rates_without(lambda_);
     const double tolerance = 0.1 * settings_.position_tolerance / h;
-    if (!iterate(lambda_, std::min(left, kSweepsPerPass), tolerance, report)) return false;
+    const StageSolver::Stage stage{lambda_, rates_, renew};
+    if (!stages_.iterate(stage, std::min(left, kSweepsPerPass), tolerance, absorbed_, report)) return false;
     ++report.newton_iterations;
   }
-  note_residual(lambda_);
+  stages_.note_residual(lambda_, rates_);
   axes_.finish_positions(rates_);
   surprised_ = false;
   return true;
@@ -50,26 +51,13 @@ bool Rattle::stabilize_positions(double h, StepReport& report) {
 bool Rattle::stabilize_velocities(StepReport& report) {
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
   begin_velocities();
-  rates_without(mu_);
-  if (!iterate(mu_, settings_.iterations, 0.1 * settings_.velocity_tolerance, report)) return false;
+  const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
+  const double tolerance = 0.1 * settings_.velocity_tolerance;
+  if (!stages_.iterate({mu_, rates_, renew}, settings_.iterations, tolerance, absorbed_, report))
+    return false;
   end_velocities(report);
-  note_residual(mu_);
+  stages_.note_residual(mu_, rates_);
   return std::isfinite(report.velocity_residual);
-}
-
-/// w = S λ + b with b in delta_; false if a number is not finite.
-bool Rattle::iterate(std::span<double> lambda, int sweeps, double rate_tolerance, StepReport& report) {
-  double least = 0;  // √ of the least inertia: a tolerance for impulses
-  for (int r = 0; r < system_.row_count(); ++r)
-    if (inertia_[r] > 0) least = least > 0 ? std::min(least, std::sqrt(inertia_[r])) : std::sqrt(inertia_[r]);
-  const IterationLimits limits{settings_.solver, sweeps, settings_.relaxation, rate_tolerance * least};
-  const IterationOutcome outcome =
-      contact_solver_.iteration().solve(contacts_, laws_, delta_, lambda, w_, limits, absorbed_);
-  report.sweeps += outcome.sweeps;
-  if (!std::isfinite(outcome.residual)) return false;
-  (void)laws_move(lambda, 0);
-  contacts_.take_over(lambda, w_, rate_tolerance);
-  return true;
 }
 
 }  // namespace taut

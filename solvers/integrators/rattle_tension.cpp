@@ -63,7 +63,7 @@ BodyId Rattle::stiffest() const {
 /// Only where a step in which it lets go is looked at again.
 void Rattle::find_held_bodies() {
   holds_bodies_ = false;
-  if (!rubs() || has_drivers_ || settings_.tension != TensionPolicy::kSubstep ||
+  if (!stages_.friction_dominated() || has_drivers_ || settings_.tension != TensionPolicy::kSubstep ||
       settings_.integrator == Integrator::kMoreauJean)
     return;
   const Rows& rows = system_.rows();

@@ -287,6 +287,19 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
   condition_ = condition;
 }
 
+void StageSolver::transfer(Archive& archive) {
+  for (auto* rows : {&effective_mass_, &w_}) archive.sized(*rows);
+  archive.sized(laws_);
+  archive(near_, rested_, primal_stages_left_, outcome_.status);
+}
+
+void StageSolver::transfer_factors(Archive& archive) {
+  active_->transfer(archive);
+  piece_newton_.transfer(archive);
+  contact_solver_.transfer(archive);
+  islands_.transfer(archive);
+}
+
 void Rattle::transfer(Archive& archive) {
   archive(state_, linearized_time_);
   Archive::require(std::isfinite(linearized_time_) && same(state_, world_.state()), "its states disagree");
@@ -305,18 +318,15 @@ void Rattle::transfer(Archive& archive) {
   for (auto* rows :
        {&lambda_, &mu_, &start_mu_, &impulses_, &force_multipliers_, &asymmetry_, &last_asymmetry_})
     archive.sized(*rows);
-  for (auto* rows : {&start_theta_, &rates_, &inertia_, &w_}) archive.sized(*rows);
-  archive.sized(laws_);
-  archive(history_, left_over_, left_alike_, steps_from_zero_, last_h_, omega_, step_limit_, size_, near_,
-          holds_bodies_, rested_, surprised_, newtons_left_, outcome_.status, horizon_);
+  for (auto* rows : {&start_theta_, &rates_}) archive.sized(*rows);
+  archive(history_, left_over_, left_alike_, steps_from_zero_, last_h_, omega_, step_limit_, size_,
+          holds_bodies_, surprised_, horizon_);
+  stages_.transfer(archive);
   const double omega = omega_, limit = step_limit_;
   const bool holds = holds_bodies_;
   if (archive.reads()) poses_ = state_.poses, std::swap(state_.time, linearized_time_);
   system_.transfer(archive, state_);
-  active_->transfer(archive);
-  piece_newton_.transfer(archive);
-  contact_solver_.transfer(archive);
-  islands_.transfer(archive);
+  stages_.transfer_factors(archive);
   if (!archive.reads()) return;
   update_step_limit(force_multipliers_);  // for the stiffness of the next step
   omega_ = omega, step_limit_ = limit, holds_bodies_ = holds;

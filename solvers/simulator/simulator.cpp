@@ -339,7 +339,7 @@ double Simulator::Impl::step_limit() const {
 bool Simulator::Impl::integrate(double dt) {
   const double smallest = dt / settings_.max_substeps, piece = dt / choose_pieces(dt);
   const bool hard = pace_.hard_steps > 0;
-  rattle_->take_inexact(hard ? settings_.inexact_tolerance : 0, hard);
+  rattle_->accept_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   double remaining = dt, limit = std::numeric_limits<double>::infinity(), impact = 0;
   bool forgot = false, unstable = false;
   while (remaining > 0) {
@@ -374,7 +374,7 @@ bool Simulator::Impl::integrate(double dt) {
             forgot = true;
           else
             limit = kShrink * even;
-          if (hard || limit < kHardPart * piece) rattle_->take_inexact(settings_.inexact_tolerance, false);
+          if (hard || limit < kHardPart * piece) rattle_->accept_inexact(settings_.inexact_tolerance, false);
         } else {
           limit = kShrink * even;
         }

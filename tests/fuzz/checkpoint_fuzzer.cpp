@@ -34,7 +34,7 @@ const char* const kContacts =
 std::string sealed(std::string_view payload) {
   Fnv1a sum;
   sum.add(payload);
-  std::string bytes = "taut-checkpoint/1\n" + std::string(payload);
+  std::string bytes = "taut-checkpoint/2\n" + std::string(payload);
   for (int i = 0; i < 8; ++i) bytes += static_cast<char>(sum.value() >> (8 * i));
   return bytes;
 }

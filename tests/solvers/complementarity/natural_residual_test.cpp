@@ -91,7 +91,7 @@ class Stages : public Rattle {
     StepReport report;
     start(world.state(), report);
   }
-  double reported() const { return natural_; }
+  double reported() const { return stages_.natural(); }
 
   /// The residual of the position stage, which is left as it is.
   double of_positions(double h) {
@@ -128,7 +128,7 @@ class Stages : public Rattle {
       const double root = std::sqrt(S(r, r));
       scale = std::max({scale, root * std::abs(lambda[r]), std::abs(b[r]) / root});
       if (rows.is_equality(r)) continue;
-      const RowLaw::Point answer = laws_[r].resolve(S(r, r), w[r] - S(r, r) * lambda[r]);
+      const RowLaw::Point answer = stages_.laws()[r].resolve(S(r, r), w[r] - S(r, r) * lambda[r]);
       if (RowLaw::is_vertical(answer.piece)) scale = std::max(scale, std::abs(answer.w) / root);
       error = std::max(error, root * std::abs(lambda[r] - answer.lambda));
     }

@@ -4,12 +4,14 @@
 #include <utility>
 
 #include "solvers/common/max_abs.h"
-#include "solvers/integrators/rattle.h"
+#include "solvers/complementarity/stage_solver.h"
 
 // How far a stage is from its laws, and what cannot meet them.  (solvers/complementarity, "Natural residual")
 namespace taut {
 namespace {
 
+/// Largest natural residual of the laws of axes, and where there are contacts.
+constexpr double kNaturalTolerance = 1e-9, kContactTolerance = 1e-8;
 /// Impulses on a level of their law are right to this part of the largest.
 constexpr double kLevelTolerance = 1e-9;
 /// Part of the largest impulse that those who jam have.
@@ -21,38 +23,66 @@ constexpr double kNoises = 10;
 
 }  // namespace
 
+void StageSolver::begin_advance() {
+  begin_pass();
+  jammed_.clear();
+  culprits_.clear();
+}
+
+void StageSolver::begin_positions(double h, double size, std::span<const Twist> twists) {
+  stage_h_ = h;
+  size_ = size;
+  twists_ = twists;
+  note_round_off();
+}
+
+void StageSolver::begin_velocities(std::span<const Twist> twists) {
+  stage_h_ = std::numeric_limits<double>::infinity();
+  twists_ = twists;
+}
+
+double StageSolver::natural_tolerance() const {
+  return contacts_.any() ? kContactTolerance : kNaturalTolerance;
+}
+
+/// Without contacts no tolerance of rates makes up for the laws of axes.
+bool StageSolver::exact(std::span<const double> lambda) const {
+  return contacts_.any() || natural_residual(lambda, w_) <= kNaturalTolerance;
+}
+
 /// The natural residual over its tolerance; 0 if no better solution is known.
-double Rattle::laws_off(std::span<const double> lambda, std::span<const double> w) const {
+double StageSolver::laws_off(std::span<const double> lambda, std::span<const double> w) const {
   if (loose_ > 0) return 0;
   return natural_residual(lambda, w) / natural_tolerance();
 }
 
 /// Rates that laws may be missed by where the tolerances of positions and velocities have let too much pass.
-double Rattle::exact_tolerance() const {
+double StageSolver::exact_tolerance() const {
   return kNoises * std::min(contact_noise_.first, contact_noise_.second);
 }
 
 /// The laws of a stage are not met any better.  False if that is not enough for an inexact step.
-bool Rattle::take_loosely(double off) {
+bool StageSolver::take_inexact(double off) {
   loose_ = off * natural_tolerance();
   return loose_ <= settings_.inexact_tolerance;
 }
 
 /// Distance of the motion from the laws [m or rad]: of verticals from their rate, of levels from their range,
 /// and of impulses from their level by how much they would move the row.
-double Rattle::law_error(double h) const {
-  double error = 0, largest = max_abs(lambda_);
+double StageSolver::law_error(std::span<const double> lambda, std::span<const double> rates, double h) const {
+  double error = 0, largest = max_abs(lambda);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {  // those of contacts are linear
     const RowLaw& law = laws_[r];
     const int piece = active_->pieces()[r];
-    const double w = rates_[r];
+    const double w = rates[r];
     double off = 0;
     if (RowLaw::is_vertical(piece)) {
       off = std::abs(w - law.rate(piece));
     } else {
       off = std::max({0.0, law.first(piece) - w, w - law.last(piece)});
-      const double missing = std::abs(lambda_[r] - (law.force(piece) - law.slope * w));
-      if (missing > kLevelTolerance * largest) off = std::max(off, missing / (inertia_[r] + law.slope));
+      const double missing = std::abs(lambda[r] - (law.force(piece) - law.slope * w));
+      if (missing > kLevelTolerance * largest)
+        off = std::max(off, missing / (effective_mass_[r] + law.slope));
     }
     if (!(h * off <= error)) error = h * off;
   }
@@ -61,13 +91,15 @@ double Rattle::law_error(double h) const {
 
 /// The natural map of the rows of axes at impulses of the present stage and their rates w, with no tolerance,
 /// over the largest of √S_rr |λ_r|, |b_r|/√S_rr and of the rates that their laws impose over √S_rr; with
-/// contacts the larger of this and theirs.  b is that of the last solve, in delta_.  Nothing is measured by
+/// contacts the larger of this and theirs.  b is that of the last solve, in b_.  Nothing is measured by
 /// nothing: the scale of a row is at least what round-off of poses and twists makes of its rate, over 1e-9,
 /// for contacts of poses in both stages.
-double Rattle::natural_residual(std::span<const double> lambda, std::span<const double> w) const {
+double StageSolver::natural_residual(std::span<const double> lambda, std::span<const double> w) const {
   const double scale = natural_scale(lambda, w);
   const auto noise = rate_noise();
-  double largest = contacts_.natural_error(lambda, w, scale, contact_rate_size());
+  double largest = contacts_.natural_error(
+      lambda, w, scale,
+      {contact_noise_.first / kNaturalTolerance, contact_noise_.second / kNaturalTolerance});
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
     const double off = natural_error(axis.row, lambda, w, scale, noise);
     if (!(off <= largest)) largest = off;
@@ -76,44 +108,40 @@ double Rattle::natural_residual(std::span<const double> lambda, std::span<const 
 }
 
 /// Size of impulses and rates in a stage [√J].
-double Rattle::natural_scale(std::span<const double> lambda, std::span<const double> w) const {
+double StageSolver::natural_scale(std::span<const double> lambda, std::span<const double> w) const {
   double scale = 0;
   for (int r = 0; r < system_.row_count(); ++r) {
-    const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1;
-    scale = std::max({scale, std::abs(lambda[r]) / root, std::abs(delta_[r]) * root});
+    const double root = effective_mass_[r] > 0 ? std::sqrt(effective_mass_[r]) : 1;
+    scale = std::max({scale, std::abs(lambda[r]) / root, std::abs(b_[r]) * root});
   }
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
     const int r = axis.row;
-    const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1, own = 1 / (root * root);
+    const double root = effective_mass_[r] > 0 ? std::sqrt(effective_mass_[r]) : 1, own = 1 / (root * root);
     const RowLaw::Point answer = laws_[r].resolve(own, w[r] - own * lambda[r]);
     if (RowLaw::is_vertical(answer.piece)) scale = std::max(scale, root * std::abs(answer.w));
   }
   return scale;
 }
 
-ContactLaws::RateSize Rattle::contact_rate_size() const {
-  return {contact_noise_.first / kNaturalTolerance, contact_noise_.second / kNaturalTolerance};
-}
-
 /// Of one row of a joint or a spring.
-double Rattle::natural_error(int r, std::span<const double> lambda, std::span<const double> w, double scale,
-                             const std::pair<double, double>& rate_noise) const {
+double StageSolver::natural_error(int r, std::span<const double> lambda, std::span<const double> w,
+                                  double scale, const std::pair<double, double>& rate_noise) const {
   const auto [angular, linear] = rate_noise;
-  const double root = inertia_[r] > 0 ? std::sqrt(inertia_[r]) : 1, own = 1 / (root * root);
+  const double root = effective_mass_[r] > 0 ? std::sqrt(effective_mass_[r]) : 1, own = 1 / (root * root);
   const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r])) / root;
   const double noise = root * (system_.rows().row(r).angular ? angular : linear) / kNaturalTolerance;
   return off == 0 ? 0 : off / std::max(scale, noise);  // of a world at rest without loads all three are
 }
 
 /// A stage is done, inexactly perhaps.
-void Rattle::note_loose(std::span<const double> lambda) {
-  if (loose_ > loosest_) note_culprits(lambda, rates_);
-  loosest_ = std::max(loosest_, loose_);
+void StageSolver::note_inexact(std::span<const double> lambda, std::span<const double> rates) {
+  if (loose_ > worst_inexact_) note_culprits(lambda, rates);
+  worst_inexact_ = std::max(worst_inexact_, loose_);
 }
 
 /// Who is furthest from the laws of the present stage, for messages: by the natural map over the scale, with
 /// no allowance for round-off.
-void Rattle::note_culprits(std::span<const double> lambda, std::span<const double> w) {
+void StageSolver::note_culprits(std::span<const double> lambda, std::span<const double> w) {
   constexpr std::size_t kMost = 4;
   constexpr double kCulpritShare = 0.01;  // of the first
   culprits_.clear();
@@ -167,9 +195,9 @@ void Rattle::note_culprits(std::span<const double> lambda, std::span<const doubl
 }
 
 /// What round-off makes of rates [rad/s], [m/s] in this stage: of poses if they are of positions.
-std::pair<double, double> Rattle::rate_noise() const {
+std::pair<double, double> StageSolver::rate_noise() const {
   double angular = 0, linear = 0;
-  for (const Twist& twist : state_.twists) {
+  for (const Twist& twist : twists_) {
     angular = std::max(angular, twist.w.squaredNorm());
     linear = std::max(linear, twist.v.squaredNorm());
   }
@@ -178,14 +206,27 @@ std::pair<double, double> Rattle::rate_noise() const {
 }
 
 /// What a stage ended with, for the report if its sub-step is kept.
-void Rattle::note_residual(std::span<const double> lambda) {
-  natural_ = std::max(natural_, natural_residual(lambda, rates_));
+void StageSolver::note_residual(std::span<const double> lambda, std::span<const double> rates) {
+  natural_ = std::max(natural_, natural_residual(lambda, rates));
+}
+
+/// Only for stages of sub-steps that are kept.
+void StageSolver::report_residuals(StepReport& report) const {
+  report.natural_residual = std::max(report.natural_residual, natural_);
+  if (worst_inexact_ == 0) return;
+  report.status = Status::kInexact;
+  report.complementarity_residual = std::max(report.complementarity_residual, worst_inexact_);
+  const auto share = [](std::span<const Culprit> all) { return all.empty() ? -1 : all.front().share; };
+  if (share(culprits_) > share(report.culprits)) report.culprits = culprits_;
+  report.message = "the laws of contacts, friction and limits are not met to 1e-8";
 }
 
 /// Friction and loads that make each other grow: their impulses have outgrown all others by now.
-void Rattle::note_jam(std::span<const double> lambda) {
+void StageSolver::note_jam(std::span<const double> lambda) {
   const Rows& rows = system_.rows();
-  const auto size = [&](int r) { return inertia_[r] > 0 ? std::abs(lambda[r]) / std::sqrt(inertia_[r]) : 0; };
+  const auto size = [&](int r) {
+    return effective_mass_[r] > 0 ? std::abs(lambda[r]) / std::sqrt(effective_mass_[r]) : 0;
+  };
   double largest = 0;
   for (int r = 0; r < rows.first_contact_row(); ++r) largest = std::max(largest, size(r));
   jammed_.clear();

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "solvers/common/max_abs.h"
-#include "solvers/integrators/rattle.h"
+#include "solvers/complementarity/stage_solver.h"
 
 // Stages whose laws are met without an active set: at rest by the impulses of before, else through the
 // bodies, by Newton's method for contacts and for what is nearly solved, or by an interior point method.
@@ -38,13 +38,14 @@ StageRecord record_of(const Outcome& outcome) {
 
 /// Rates that impulses of before may miss their laws by at rest.  What one stage leaves is mended by the
 /// next, in turns and for ever, unless that one is solved, too.
-double Rattle::resting_tolerance(double rate_tolerance, bool rested) const {
+double StageSolver::resting_tolerance(double rate_tolerance, bool rested) const {
   return rested || near_ ? rate_tolerance : std::min(rate_tolerance, 0.1 * settings_.velocity_tolerance);
 }
 
 /// True if the impulses of before meet the laws at once, or after some sweeps of Gauss–Seidel: a stage of
 /// bodies at rest is done without a factor.
-bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+bool StageSolver::accept_warm_start(const Stage& stage, double rate_tolerance, StepReport& report) {
+  const std::span<double> lambda = stage.lambda;
   // Contacts that are gone, as where bodies may no longer collide, give nothing from now on.
   const std::span<const ContactSet::Place> places = contacts_.set().places();
   for (std::size_t k = 0; k < places.size(); ++k) {
@@ -52,17 +53,17 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
     const int count = places[k].at.twist ? 6 : 3;
     if (!places[k].active && std::any_of(given, given + count, [](double l) { return l != 0; })) return false;
   }
-  std::copy(rates_.begin(), rates_.end(), w_.begin());
-  double off = contact_solver_.distance(stage(lambda), rate_tolerance);
+  std::copy(stage.rates.begin(), stage.rates.end(), w_.begin());
+  double off = contact_solver_.distance(problem(lambda), rate_tolerance);
   // Newton is as fast through the bodies.
-  if (off > kNear || (system_.through_bodies() && off > (rubs() ? 0 : kHeld))) return false;
+  if (off > kNear || (system_.through_bodies() && off > (friction_dominated() ? 0 : kHeld))) return false;
   // Sweeps bring impulses through contacts, but hardly along chains of joints.
   const int joint_rows = system_.rows().first_contact_row();
   if (off > kHeld && 2 * joint_rows > system_.row_count()) return false;
-  if (rubs() && !contact_solver_.newton().holds_joints(laws_, w_, rate_tolerance)) return false;
+  if (friction_dominated() && !contact_solver_.newton().holds_joints(laws_, w_, rate_tolerance)) return false;
   if (off > kHeld) {
     held_.assign(lambda.begin(), lambda.end());
-    off = contact_solver_.sweep(stage(held_), kMendingSweeps, rate_tolerance);
+    off = contact_solver_.sweep(problem(held_), kMendingSweeps, rate_tolerance);
     if (off > kHeld) return false;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
@@ -70,7 +71,8 @@ bool Rattle::holds(std::span<double> lambda, double rate_tolerance, StepReport& 
 }
 
 /// Impulses that are off their laws by no more than `off` are taken, unless some friction lets go at them.
-bool Rattle::meets_laws(std::span<double> lambda, double off, double rate_tolerance, StepReport& report) {
+bool StageSolver::meets_laws(std::span<double> lambda, double off, double rate_tolerance,
+                             StepReport& report) {
   laws_moved_ = laws_move(lambda, rate_tolerance);
   if (laws_moved_) return false;
   contacts_.take_over(lambda, w_, rate_tolerance);
@@ -84,10 +86,11 @@ bool Rattle::meets_laws(std::span<double> lambda, double off, double rate_tolera
 /// True if contacts that hold go on holding with the division of the load that they have: one linear solve,
 /// which changes the impulses of before only by what their rates lack.  The active set and Newton's method
 /// would find another division, as off its laws as their tolerance allows, in each stage.
-bool Rattle::holds_by_factor(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+bool StageSolver::solve_all_sticking(const Stage& stage, double rate_tolerance, StepReport& report) {
+  const std::span<double> lambda = stage.lambda;
   if (contacts_.empty() || contacts_.soft() || system_.through_bodies()) return false;
-  std::copy(rates_.begin(), rates_.end(), w_.begin());
-  if (!contacts_.all_stick(lambda) || contact_solver_.distance(stage(lambda), rate_tolerance) > kNear)
+  std::copy(stage.rates.begin(), stage.rates.end(), w_.begin());
+  if (!contacts_.all_stick(lambda) || contact_solver_.distance(problem(lambda), rate_tolerance) > kNear)
     return false;
   held_laws_ = laws_;
   contacts_.held_laws(lambda, held_laws_);
@@ -95,8 +98,8 @@ bool Rattle::holds_by_factor(std::span<double> lambda, double rate_tolerance, St
   pieces_scratch_.assign(active_->pieces().begin(), active_->pieces().end());
   ActiveSetSettings settings{.rate_tolerance = rate_tolerance, .keep_null_space = true};
   settings.max_rounds = settings.max_descent_rounds = 0;
-  (void)active_->solve(held_laws_, delta_, held_, w_, report.times, settings);
-  const double off = contact_solver_.distance(stage(held_), rate_tolerance);
+  (void)active_->solve(held_laws_, b_, held_, w_, report.times, settings);
+  const double off = contact_solver_.distance(problem(held_), rate_tolerance);
   if (off <= kHeld && meets_laws(held_, off, rate_tolerance, report)) {
     std::copy(held_.begin(), held_.end(), lambda.begin());
     return true;
@@ -106,16 +109,16 @@ bool Rattle::holds_by_factor(std::span<double> lambda, double rate_tolerance, St
 }
 
 /// The pieces of this solution, for the next solve and for law_error().
-void Rattle::take_pieces(std::span<const double> lambda) {
+void StageSolver::take_pieces(std::span<const double> lambda) {
   outcome_ = {};
-  if (!rubs()) {
+  if (!friction_dominated()) {
     active_->reset();
-    active_->prepare(laws_, delta_, lambda);
+    active_->prepare(laws_, b_, lambda);
     return;
   }
   pieces_scratch_.resize(lambda.size());
   for (std::size_t r = 0; r < lambda.size(); ++r) {
-    const double own = 1 / inertia_[r];
+    const double own = 1 / effective_mass_[r];
     pieces_scratch_[r] = laws_[r].resolve(own, w_[r] - own * lambda[r]).piece;
   }
   active_->set_pieces(pieces_scratch_, laws_);
@@ -123,10 +126,11 @@ void Rattle::take_pieces(std::span<const double> lambda) {
 
 /// All that the bodies are the system for, contacts island by island: again where static friction lets go or
 /// its load changes.
-bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_tolerance, double resting,
-                                  Renew renew, StepReport& report) {
+bool StageSolver::solve_through_bodies(const Stage& stage, double rate_tolerance, double resting,
+                                       StepReport& report) {
+  const std::span<double> lambda = stage.lambda;
   NewtonLimits limits{.rate_tolerance = rate_tolerance, .near = near_};
-  if (few_steps_) limits.iterations = kStepsOfHardStages;
+  if (reduced_budget_) limits.iterations = kStepsOfHardStages;
   for (int solve = 0; solve < kMaxMendings; ++solve) {
     const bool solved = contacts_.empty() ? solve_axes(lambda, rate_tolerance, report)
                                           : solve_islands(lambda, limits, resting, report);
@@ -134,7 +138,7 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
     if (!solved) break;
     if (!laws_move(lambda, rate_tolerance)) return true;
     if (solve == kMaxMendings - 1) note_jam(lambda);
-    (this->*renew)();
+    stage.renew();
   }
   outcome_.status = ActiveSetStatus::kNotConverged;
   return false;
@@ -142,9 +146,9 @@ bool Rattle::solve_through_bodies(std::span<double> lambda, double rate_toleranc
 
 /// Many axes and no contacts: what is nearly solved on the pieces of the guess, or by some steps of Newton,
 /// all else by interior points.
-bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report) {
-  system_.rates(lambda, delta_, w_);
-  if (contact_solver_.distance(stage(lambda), rate_tolerance) <= kNewtonRange) {
+bool StageSolver::solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+  system_.rates(lambda, b_, w_);
+  if (contact_solver_.distance(problem(lambda), rate_tolerance) <= kNewtonRange) {
     const double tolerance = near_ ? kMendedExactly : kHeld;
     held_.assign(lambda.begin(), lambda.end());
     if (solve_on_pieces(lambda, {tolerance, rate_tolerance}, report) && exact(lambda)) return true;
@@ -154,63 +158,39 @@ bool Rattle::solve_axes(std::span<double> lambda, double rate_tolerance, StepRep
     if (solve_by_newton(lambda, few, report) && exact(lambda)) return true;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
-  const InteriorOutcome outcome = interior_.solve(laws_, delta_, lambda, w_, {}, report.times);
-  book(record_of(outcome), report);
+  const InteriorOutcome outcome = interior_.solve(laws_, b_, lambda, w_, {}, report.times);
+  add(record_of(outcome), report);
   return (outcome.converged && exact(lambda)) ||
          (solve_by_newton(lambda, {.most = kHeld, .rate_tolerance = rate_tolerance}, report) &&
           exact(lambda));
 }
 
-bool Rattle::solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report) {
-  const PieceOutcome outcome = piece_newton_.solve(laws_, delta_, lambda, w_, limits, report.times);
-  book(record_of(outcome), report);
+bool StageSolver::solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report) {
+  const PieceOutcome outcome = piece_newton_.solve(laws_, b_, lambda, w_, limits, report.times);
+  add(record_of(outcome), report);
   return outcome.converged;
 }
 
-void Rattle::book(const StageRecord& record, StepReport& report) {
+void StageSolver::add(const StageRecord& record, StepReport& report) {
   report.times += record.times;
   report.contact_iterations += record.iterations;
   report.complementarity_residual = std::max(report.complementarity_residual, record.residual);
   loose_ = record.loose;
 }
 
-bool Rattle::solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report) {
+bool StageSolver::solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report) {
   StageRecord record;
-  const bool solved = contact_solver_.solve_by_newton(stage(lambda), limits, record);
-  book(record, report);
+  const bool solved = contact_solver_.solve_by_newton(problem(lambda), limits, record);
+  add(record, report);
   return solved;
 }
 
-bool Rattle::hold_on(std::span<double> lambda, double rate_tolerance, StepReport& report) {
+bool StageSolver::solve_islands(std::span<double> lambda, const NewtonLimits& limits, double resting,
+                                StepReport& report) {
   StageRecord record;
-  const bool holds = contact_solver_.hold_on(stage(lambda), rate_tolerance, record);
-  book(record, report);
-  return holds;
-}
-
-bool Rattle::solve_islands(std::span<double> lambda, const NewtonLimits& limits, double resting,
-                           StepReport& report) {
-  StageRecord record;
-  const bool solved = islands_.solve(stage(lambda), {limits, resting, inexact_}, record);
-  book(record, report);
+  const bool solved = islands_.solve(problem(lambda), {limits, resting, inexact_}, record);
+  add(record, report);
   return solved;
-}
-
-void Rattle::forget_contact_impulses() {
-  const auto first = system_.rows().first_contact_row();
-  for (auto* values : {&lambda_, &mu_, &start_mu_, &force_multipliers_})
-    std::fill(values->begin() + first, values->end(), 0.0);
-}
-
-/// Only for stages of sub-steps that are kept.
-void Rattle::report_residuals(StepReport& report) const {
-  report.natural_residual = std::max(report.natural_residual, natural_);
-  if (loosest_ == 0) return;
-  report.status = Status::kInexact;
-  report.complementarity_residual = std::max(report.complementarity_residual, loosest_);
-  const auto share = [](std::span<const Culprit> all) { return all.empty() ? -1 : all.front().share; };
-  if (share(culprits_) > share(report.culprits)) report.culprits = culprits_;
-  report.message = "the laws of contacts, friction and limits are not met to 1e-8";
 }
 
 }  // namespace taut
