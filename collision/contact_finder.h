@@ -20,7 +20,7 @@ struct ContactSettings {  ///< How a ContactFinder finds contacts.
 
 /// What one ContactFinder::find() met with.
 struct DetectionReport {
-  int shapes = 0;  ///< of the world
+  int shapes = 0;           ///< of the world
   int candidate_pairs = 0;  ///< boxes overlap
   int touching_pairs = 0;   ///< with at least one contact
   /// Pairs near each other for which there is no contact (have_contacts()).
@@ -33,7 +33,7 @@ struct DetectionReport {
   double broad_seconds = 0, narrow_seconds = 0;  ///< wall time of the phase [s]
 };
 
-/// False for two surfaces of triangles and for two grounds: they pass through each other.
+/// Whether there are contacts between two shapes; not between two surfaces of triangles or two grounds.
 bool have_contacts(const Shape& a, const Shape& b);
 
 /// Finds the contacts of a World: broad phase by FCL's dynamic tree, narrow phase by FCL's distances and by
@@ -46,7 +46,7 @@ class ContactFinder {
   /// 1024, max_points out of range or a negative max_contacts.
   explicit ContactFinder(ContactSettings settings = {});
   ~ContactFinder();
-  ContactFinder(ContactFinder&&) noexcept;  ///< the source may only be destroyed or assigned to
+  ContactFinder(ContactFinder&&) noexcept;             ///< the source may only be destroyed or assigned to
   ContactFinder& operator=(ContactFinder&&) noexcept;  ///< the source may only be destroyed or assigned to
 
   /// All contacts at this state, sorted by shape a, shape b and feature; valid until the next call.  None if
@@ -62,8 +62,8 @@ class ContactFinder {
     return find(world, world.state(), horizon);
   }
   const std::vector<Contact>& contacts() const;  ///< of the last find(), valid until the next
-  const DetectionReport& report() const;  ///< on the last find()
-  const ContactSettings& settings() const;  ///< as given
+  const DetectionReport& report() const;         ///< on the last find()
+  const ContactSettings& settings() const;       ///< as given
   /// Forgets the features of the last find(): those of the next are not carried on.
   void forget();
   /// Carries on the features of these contacts, as if the last find() had given them.

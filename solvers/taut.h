@@ -1,6 +1,6 @@
 #pragma once
 
-/// The whole library:  `#include <taut/taut.h>`
+/// The whole library; programs include it as taut/taut.h.
 #include "collision/contact_finder.h"
 #include "collision/mesh/mesh_file.h"
 #include "core/joints/joints.h"

@@ -28,8 +28,8 @@ struct Angle {
   /// World axes: a, e, the projection p of e, its square D and z = a·e.
   struct Directions {
     Vec3 a, u, v, e, p;  ///< p is the projection of e across a
-    double x, y, z, D;  ///< x = u·e, y = v·e, z = a·e, D = x² + y²
-    Vec3 j() const;  ///< along which λ acts
+    double x, y, z, D;   ///< x = u·e, y = v·e, z = a·e, D = x² + y²
+    Vec3 j() const;      ///< along which λ acts
   };
   Directions directions(const Pose& A, const Pose& B) const;  ///< at these poses
   void residual(const Pose& A, const Pose& B, double* theta) const;
@@ -66,8 +66,8 @@ struct Screw {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = false;
   Displacement displacement;  ///< x
-  Angle angle;  ///< θ
-  double pitch;  ///< [m per turn], not 0; negative for a left-handed thread
+  Angle angle;                ///< θ
+  double pitch;               ///< [m per turn], not 0; negative for a left-handed thread
 
   Screw carried(const Pose& X_CA, const Pose& X_CB) const {
     return {displacement.carried(X_CA, X_CB), angle.carried(X_CA, X_CB), pitch};

@@ -16,13 +16,13 @@ namespace row_parts {
 struct Swing {
   static constexpr int kRows = 1;
   static constexpr bool kAngular = true;
-  Vec3 a_A, b_B;  ///< unit vectors a, b in axes of A, B
+  Vec3 a_A, b_B;       ///< unit vectors a, b in axes of A, B
   SwingAxes across{};  ///< other axes of the joint
 
   Swing carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * a_A, X_CB.q * b_B, across}; }
-  struct Directions {  ///< World axes.
-    Vec3 a, b, j;     ///< j = a × b/|a × b|
-    double sine = 0;  ///< |a × b|
+  struct Directions {       ///< World axes.
+    Vec3 a, b, j;           ///< j = a × b/|a × b|
+    double sine = 0;        ///< |a × b|
     bool straight = false;  ///< sine vanishes: j is any direction across a
   };
   Directions directions(const Pose& A, const Pose& B) const;  ///< at these poses
@@ -80,7 +80,7 @@ struct TwistAngle {
   Quat q_AF, q_BG;  ///< frame F in A and frame G in B, z along a and b
 
   TwistAngle carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * q_AF, X_CB.q * q_BG}; }
-  struct Directions {  ///< q_FG and what follows from it.
+  struct Directions {      ///< q_FG and what follows from it.
     Mat3 R_WF;             ///< axes of F
     double s, x, y, z, D;  ///< q_FG = (s, x, y, z), D = s² + z²
     Vec3 j() const;        ///< along which λ acts, world axes

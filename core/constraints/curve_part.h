@@ -15,15 +15,15 @@ class BodyCurve {
  public:
   /// What a point x, in axes of the body, sees of the curve c(s): its nearest place and the normals there.
   struct Near {
-    double s = 0;         ///< parameter of the nearest place
+    double s = 0;          ///< parameter of the nearest place
     CubicSpline<3>::At c;  ///< c(s) and its derivatives
-    Vec3 e;             ///< x − c(s), perpendicular to c'
-    Vec3 tangent;       ///< c'/|c'|
-    Vec3 tangent_rate;  ///< its derivative by s
-    Vec3 gradient;      ///< ∂s/∂x = c'/(|c'|² − c''·e)
-    double D;           ///< |c'|² − c''·e
-    Vec3 normal[2];     ///< right-handed with the tangent: n₁ × n₂ = t
-    double twist;       ///< how fast the normals turn about the tangent, per s
+    Vec3 e;                ///< x − c(s), perpendicular to c'
+    Vec3 tangent;          ///< c'/|c'|
+    Vec3 tangent_rate;     ///< its derivative by s
+    Vec3 gradient;         ///< ∂s/∂x = c'/(|c'|² − c''·e)
+    double D;              ///< |c'|² − c''·e
+    Vec3 normal[2];        ///< right-handed with the tangent: n₁ × n₂ = t
+    double twist;          ///< how fast the normals turn about the tangent, per s
   };
 
   explicit BodyCurve(CubicSpline<3> spline);

@@ -52,7 +52,7 @@ struct PartPlace {
   int axis = -1;  ///< of an axis row: its entry in State::axes, which it is also unwrapped next to
 };
 
-/// The same part between the bodies that carry A and B, on which these have the poses X_CA and X_CB.
+/// A part as it is between the bodies that carry A and B, on which these have the poses X_CA and X_CB.
 /// @throws std::invalid_argument if the type of part has no carried() of its own to say so.
 template <typename Part>
 Part carried(const Part& part, const Pose& X_CA, const Pose& X_CB) {
@@ -96,7 +96,7 @@ class PartStoreBase {
   /// Writes the coordinates of axis rows to their entries.
   virtual void update_axes(const Configuration& at, std::span<double> axes) const = 0;
   virtual std::string row_name(int item, int row) const = 0;
-  /// The same with the indices of bodies and axes changed, and in axes of what carries the bodies.
+  /// A copy with the indices of bodies and axes changed, and in axes of what carries the bodies.
   virtual std::shared_ptr<const PartStoreBase> relocated(const Relocation& to) const = 0;
 };
 

@@ -76,14 +76,14 @@ class RowSink {
 
 /// A free axis as its joint lists it.
 struct AxisInfo {
-  std::string name;  ///< unique in its joint
+  std::string name;          ///< unique in its joint
   bool angular = false;      ///< in radians; otherwise in metres
   bool accumulates = false;  ///< only its increments are known: no place for limits and springs
   AxisLimits limits;         ///< that the axis has from the start, as a rope; without effect if infinite
   /// The coordinate as a single row, with one Jacobian block of six for each of `bodies`.
   std::shared_ptr<const detail::PartStoreBase> coordinate;
   std::vector<int> bodies;  ///< indices of its bodies
-  SwingAxes across{};  ///< of a swing
+  SwingAxes across{};       ///< of a swing
 };
 
 /// What a joint lists its free axes in: names for the World, or rows for Rows.

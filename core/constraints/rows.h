@@ -66,24 +66,24 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
     int first_row = 0, row_count = 0;    ///< of all its rows
     int first_side = 0, side_count = 0;  ///< in sides()
     int equality_count = 0;  ///< of the rows, in front, softened ones too; the others are axis rows
-    Owner owner;  ///< whose rows they are
+    Owner owner;             ///< whose rows they are
   };
-  struct Side {  ///< The block of Jacobian values of one body of a joint.
-    int body = 0;  ///< its index in the World
+  struct Side {     ///< The block of Jacobian values of one body of a joint.
+    int body = 0;   ///< its index in the World
     int block = 0;  ///< index in joints(), which springs and contacts have, too: no JointId
     int first_row = 0, row_count = 0;  ///< of the block
-    int offset = 0;  ///< of its block in the Jacobian values
-    int whole = 0;   ///< … in values that have row_count × 6 of each side, as J where no arms are kept
+    int offset = 0;                    ///< of its block in the Jacobian values
+    int whole = 0;  ///< … in values that have row_count × 6 of each side, as J where no arms are kept
     /// ±1 where the block is an arm r of a LonePoint, on its side B or A: J = ±(−[r]×, 1).
     int arm = 0;
     int value_count() const { return arm != 0 ? 3 : 6 * row_count; }  ///< of its block
   };
-  struct Row {  ///< What one row is made of.
-    int block = 0;  ///< index in joints(), as of a Side
-    bool angular = false;  ///< in radians; otherwise in metres
+  struct Row {                                     ///< What one row is made of.
+    int block = 0;                                 ///< index in joints(), as of a Side
+    bool angular = false;                          ///< in radians; otherwise in metres
     const detail::PartStoreBase* store = nullptr;  ///< where its part is
-    int item = 0, row_in_part = 0;  ///< the part in its store, and the row in the part
-    int axis = kEquality;  ///< of the joint, or one of the following
+    int item = 0, row_in_part = 0;                 ///< the part in its store, and the row in the part
+    int axis = kEquality;                          ///< of the joint, or one of the following
   };
   static constexpr int kEquality = -1;  ///< a row that must hold
   static constexpr int kSpring = -3;    ///< of a spring between two bodies
@@ -91,16 +91,16 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   /// A row that is no equality: that of a free axis, whose residual is the coordinate θ itself, or a row of a
   /// joint that its compliance softens, whose residual is the gap.
   struct AxisRow {
-    int row = 0;  ///< its index
+    int row = 0;           ///< its index
     AxisId axis;           ///< its `axis` is negative for a softened row
     int index = 0;         ///< of θ in State::axes; negative for a softened row
     ForceId spring{-1};    ///< whose row it is; then `axis` is none
     bool centred = false;  ///< … of its three displacements in axes of A, not of its length
   };
   enum class AxisRows { kIncluded, kLeftOut };  ///< Whether free axes with properties have rows.
-  enum class Joints {  ///< Which joints have rows.
-    kAll,     ///< that are attached
-    kMoving,  ///< … and have a body that moves (World::moves())
+  enum class Joints {                           ///< Which joints have rows.
+    kAll,                                       ///< that are attached
+    kMoving,                                    ///< … and have a body that moves (World::moves())
   };
   enum class Blocks {  ///< How Jacobian values are kept.
     kWhole,
@@ -109,7 +109,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more
   /// (spin, two of rolling).
   struct ContactPlace {
-    int a = 0, b = 0;  ///< indices of the bodies A and B
+    int a = 0, b = 0;    ///< indices of the bodies A and B
     bool twist = false;  ///< it has rows of rotation
     friend bool operator==(const ContactPlace&, const ContactPlace&) = default;
   };
@@ -124,11 +124,11 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   Rows part(std::span<const int> joints, std::span<const int> new_body, int bodies) const;
 
   int row_count() const { return static_cast<int>(rows_.size()); }  ///< of all blocks
-  int jacobian_size() const { return jacobian_size_; }  ///< number of values
+  int jacobian_size() const { return jacobian_size_; }              ///< number of values
   /// Number of values where each side has row_count × 6.
   int whole_size() const { return whole_size_; }
   std::span<const JointRows> joints() const { return joints_; }  ///< springs and contacts too, in this order
-  std::span<const Side> sides() const { return sides_; }  ///< of all blocks
+  std::span<const Side> sides() const { return sides_; }         ///< of all blocks
   /// Sides of a body in the order of the joints; fixed bodies have theirs too.
   std::span<const int> sides_of(int body) const {
     return {body_sides_.data() + body_start_[body], body_sides_.data() + body_start_[body + 1]};
@@ -145,9 +145,9 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
     int begin = 0, end = 0;                  ///< bodies
     int settled_begin = 0, settled_end = 0;  ///< bodies whose last parts are in this piece
   };
-  static constexpr int kPieceSize = 256;  ///< bodies
+  static constexpr int kPieceSize = 256;                     ///< bodies
   std::span<const Piece> pieces() const { return pieces_; }  ///< in the order of the bodies
-  const Row& row(int i) const { return rows_[i]; }  ///< row i
+  const Row& row(int i) const { return rows_[i]; }           ///< row i
   /// What row i belongs to.
   const Owner& owner(int i) const { return joints_[rows_[i].block].owner; }
   /// The joint that row i belongs to, if it is one of a joint.
@@ -157,7 +157,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   }
   /// Unit of the gap of an equality row of a joint, kept beside the rows for loops over all of them.
   enum class Unit : char { kNone, kMetre, kRadian };
-  Unit gap_unit(int i) const { return unit_[i]; }  ///< of row i
+  Unit gap_unit(int i) const { return unit_[i]; }                                         ///< of row i
   bool is_equality(int i) const { return rows_[i].axis == kEquality && !is_contact(i); }  ///< of a joint
   /// Contact rows come last.
   bool is_contact(int i) const { return i >= first_contact_row_; }
@@ -167,7 +167,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   /// joints()[spring_joint(s)] is spring s of World::springs(); without rows if it joins a body to itself, or
   /// what does not move.
   int spring_joint(int s) const { return joint_count() + s; }
-  int spring_count() const { return spring_count_; }  ///< with rows or without
+  int spring_count() const { return spring_count_; }                        ///< with rows or without
   int contact_count() const { return static_cast<int>(contacts_.size()); }  ///< contact places
   /// joints()[contact_joint(k)] is contact place k.
   int contact_joint(int k) const { return static_cast<int>(joints_.size()) - contact_count() + k; }

@@ -20,11 +20,11 @@ struct Coupling {
   static constexpr bool kWide = true;
   static constexpr bool kCarried = true;
   static constexpr int kRows = 1;
-  static constexpr std::size_t kMaxBodies = 8;  ///< of one axis
-  struct Term {         ///< One of the axes.
-    double factor = 1;  ///< c_k
+  static constexpr std::size_t kMaxBodies = 8;                ///< of one axis
+  struct Term {                                               ///< One of the axes.
+    double factor = 1;                                        ///< c_k
     std::shared_ptr<const detail::PartStoreBase> coordinate;  ///< θ_k
-    std::vector<int> sides;  ///< of the coordinate's bodies, in the joint
+    std::vector<int> sides;                                   ///< of the coordinate's bodies, in the joint
   };
   std::vector<Term> terms;  ///< of the sum
   double offset = 0;        ///< [unit of the last axis]
@@ -62,7 +62,7 @@ struct DrivenPosition {
   static constexpr bool kAngular = false;
   int body_a, body_b;  ///< indices in the world
   PoseMotion motion;   ///< X*
-  Pose X_A{}, X_B{};  ///< of the frames meant by A and B on the bodies
+  Pose X_A{}, X_B{};   ///< of the frames meant by A and B on the bodies
 
   PointInPlane row(int i) const;  ///< along axis i of A
   void residual(const Configuration& at, double* phi) const;
@@ -84,7 +84,7 @@ struct DrivenOrientation {
   static constexpr bool kAngular = true;
   int body_a, body_b;  ///< indices in the world
   PoseMotion motion;   ///< X*
-  Pose X_A{}, X_B{};  ///< of the frames meant by A and B on the bodies
+  Pose X_A{}, X_B{};   ///< of the frames meant by A and B on the bodies
 
   Orientation part(const PosePoint& target) const;  ///< at rest there
   void residual(const Configuration& at, double* phi) const;

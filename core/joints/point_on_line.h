@@ -5,8 +5,8 @@
 
 namespace taut {
 
-/// Point on line: point Q of B stays on the line of A through P along the axis, free to turn.   (Eq. 10)
-///   φ = (u·d, v·d) ∈ ℝ² [m, m], with d = p_WQ − p_WP and u, v two normals of the axis, fixed in A.
+/// Point on line: point Q of B stays on the line of A through P along the axis, free to turn.
+///   φ = (u·d, v·d) ∈ ℝ² [m, m], d = p_WQ − p_WP and u, v two normals of the axis in A. (core/joints, Eq. 10)
 /// λ [N] are the forces on B at Q along u and v; A receives the opposite there.
 /// Free axis `displacement` [m]: a·d.
 class PointOnLine final : public Joint {

@@ -5,8 +5,8 @@
 
 namespace taut {
 
-/// Screw (helical joint): B turns about an axis of A and moves along it by `pitch` per turn.  (Eq. 8)
-///   φ = (u·d, v·d, u·b, v·b, a·d − pitch θ/2π) ∈ ℝ⁵ [m, m, rad, rad, m]
+/// Screw (helical joint): B turns about an axis of A and moves along it by `pitch` per turn.
+///   φ = (u·d, v·d, u·b, v·b, a·d − pitch θ/2π) ∈ ℝ⁵ [m, m, rad, rad, m]               (core/joints, Eq. 8)
 /// The first four rows are those of Cylindrical; λ₅ is the force of the thread along a on B, with the torque
 /// −λ₅ pitch/2π about a.  The last row is known up to multiples of the pitch; the one next to 0 is meant.
 /// Free axis `angle` [rad] about a, 0 in the pose where at() made the joint, where the displacement is 0 too.

@@ -17,7 +17,7 @@ namespace taut {
 /// Three free rotations are no scalar coordinates.  All are 0 in the pose where at() made the joint.
 class SixDof final : public Joint {
  public:
-  struct Locks {  ///< Which of the six motions are locked.
+  struct Locks {                        ///< Which of the six motions are locked.
     std::array<bool, 3> translation{};  ///< along x, y, z of F
     std::array<bool, 3> rotation{};     ///< about them
   };

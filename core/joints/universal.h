@@ -15,7 +15,7 @@ namespace taut {
 /// first vector that complete_frame() gives to a, and angle_2 where a does so for b.  (core/joints, Eq. 22)
 /// `swing` [rad] is the angle by which the joint bends, between the directions of A and B that are a × b
 /// where both angles are 0: cos swing = cos angle_1 cos angle_2.  A limit of it is a cone.  `swing_1`,
-/// `swing_2` [rad] are the same as a rotation vector, along the arm of A and that of B where both angles are
+/// `swing_2` [rad] are its components as a rotation vector, along the arm of A and that of B where both are
 /// 0: swing² = swing_1² + swing_2².  A spring of `swing` with rest 0 acts along these.
 class Universal final : public Joint {
  public:

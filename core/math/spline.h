@@ -22,7 +22,7 @@ template <int Dimension>
 class CubicSpline {
  public:
   using Vector = Eigen::Matrix<double, Dimension, 1>;  ///< a point
-  struct At {  ///< The spline and its derivatives at one parameter.
+  struct At {                                          ///< The spline and its derivatives at one parameter.
     Vector value, first, second, third;  ///< s(t), ds/dt, d²s/dt² and d³s/dt³, in this order
   };
 
@@ -57,10 +57,10 @@ class CubicSpline {
     return copy;
   }
 
-  double first_parameter() const { return t_.front(); }  ///< of the first point
-  double last_parameter() const { return t_.back(); }  ///< of the last point
-  double length() const { return t_.back() - t_.front(); }  ///< of the range of parameters
-  bool closed() const { return closed_; }  ///< it repeats beyond its ends
+  double first_parameter() const { return t_.front(); }         ///< of the first point
+  double last_parameter() const { return t_.back(); }           ///< of the last point
+  double length() const { return t_.back() - t_.front(); }      ///< of the range of parameters
+  bool closed() const { return closed_; }                       ///< it repeats beyond its ends
   const std::vector<double>& parameters() const { return t_; }  ///< one per point
 
   At at(double t) const {  ///< at any parameter

@@ -17,7 +17,7 @@ inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();  /
 /// A function given by points, linear between them.
 class Curve {
  public:
-  struct Point {  ///< One point of the function.
+  struct Point {          ///< One point of the function.
     double x = 0, y = 0;  ///< argument, or value
   };
   /// @throws std::invalid_argument if there is no point, one is not finite, or x does not increase strictly.
@@ -35,7 +35,7 @@ class Curve {
   struct Mean {
     double value = 0, slope = 0;  ///< mean, or ∂mean/∂to
   };
-  Mean mean(double from, double to) const;  ///< of extended() between both
+  Mean mean(double from, double to) const;                      ///< of extended() between both
   const std::vector<Point>& points() const { return points_; }  ///< as given
 
  private:
@@ -48,19 +48,19 @@ class Curve {
 /// With a compliance the limit is a spring of stiffness 1/compliance and a damper that act beyond it.
 struct AxisLimits {
   double lower = -kUnlimited, upper = kUnlimited;  ///< [rad or m]
-  double restitution = 0;  ///< e, from 0 to 1
-  double compliance = 0;  ///< [rad/(N·m) or m/N]; then the restitution must be 0
-  double damping = 0;     ///< [N·m·s/rad or N·s/m], with a compliance
+  double restitution = 0;                          ///< e, from 0 to 1
+  double compliance = 0;                           ///< [rad/(N·m) or m/N]; then the restitution must be 0
+  double damping = 0;                              ///< [N·m·s/rad or N·s/m], with a compliance
 };
 
 /// Drives the axis with at most the available force.
 struct AxisMotor {
   enum class Mode {  ///< What the motor keeps.
-    kVelocity,    ///< θ̇ = target
-    kPosition,    ///< θ = target
-    kTrajectory,  ///< θ = trajectory(t)
+    kVelocity,       ///< θ̇ = target
+    kPosition,       ///< θ = target
+    kTrajectory,     ///< θ = trajectory(t)
   };
-  Mode mode = Mode::kVelocity;  ///< what it keeps
+  Mode mode = Mode::kVelocity;    ///< what it keeps
   double target = 0;              ///< θ̇ [rad/s or m/s], or θ [rad or m] with its turns
   double max_force = kUnlimited;  ///< [N·m or N]
   double max_speed = kUnlimited;  ///< position and trajectory: how fast it goes to its target [rad/s or m/s]
@@ -94,10 +94,10 @@ struct AxisSpring {
 
 /// All that acts along one axis.
 struct AxisProperties {
-  std::optional<AxisLimits> limits;  ///< none if not set
-  std::optional<AxisMotor> motor;  ///< none if not set
+  std::optional<AxisLimits> limits;      ///< none if not set
+  std::optional<AxisMotor> motor;        ///< none if not set
   std::optional<AxisFriction> friction;  ///< none if not set
-  std::optional<AxisSpring> spring;  ///< none if not set
+  std::optional<AxisSpring> spring;      ///< none if not set
 
   bool any() const { return limits || motor || friction || spring; }  ///< something is set
 };

@@ -28,7 +28,7 @@ struct LineForce {
 struct LineSpring {
   BodyId a, b;                                    ///< the bodies A and B
   Vec3 p_AP = Vec3::Zero(), p_BQ = Vec3::Zero();  ///< from the centres of mass, body axes [m]
-  AxisSpring law;  ///< with L for θ
+  AxisSpring law;                                 ///< with L for θ
 
   /// Linear without a length of its own: its force −k d is smooth where P and Q meet.
   bool is_centred() const { return law.rest == 0 && law.stiffness > 0; }

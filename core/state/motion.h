@@ -29,7 +29,7 @@ Motion speed_motion(const Curve& speed, double value);
 /// Pose of a body relative to another, with velocity and acceleration: p, ṗ, p̈ and ω, ω̇ in the axes of the
 /// other body.
 struct PosePoint {
-  Pose pose;  ///< q and p [m]
+  Pose pose;                     ///< q and p [m]
   Twist velocity, acceleration;  ///< (ω, ṗ), or (ω̇, p̈)
 };
 using PoseMotion = std::function<PosePoint(double time)>;  ///< a pose over time [s]
@@ -37,7 +37,7 @@ using PoseMotion = std::function<PosePoint(double time)>;  ///< a pose over time
 /// A turn by a changing angle [rad] about an axis fixed in the frame that the turns before it have made.
 struct Turning {
   Vec3 axis = Vec3::UnitZ();  ///< of unit length
-  Motion angle;  ///< [rad]
+  Motion angle;               ///< [rad]
 };
 /// p(t) along the axes of the other body, and q(t) = exp(a₁ θ₁(t)) exp(a₂ θ₂(t)) … orientation.  A motion
 /// that is null is 0.

@@ -33,10 +33,10 @@ struct Relocation {
   /// X_CB, the pose of a body B in the body C that carries it; the identity if none does.
   Pose frame(BodyId id) const { return carriers ? carriers->frames[shifted(id).index] : Pose{}; }
   int side(int place) const { return sides.empty() ? place : sides[place]; }  ///< of a place in the joint
-  JointId operator()(JointId id) const { return {id.index + joints}; }  ///< what it has become
+  JointId operator()(JointId id) const { return {id.index + joints}; }        ///< what it has become
   AxisId operator()(const AxisId& id) const { return {(*this)(id.joint), id.axis}; }  ///< what it has become
-  ShapeId operator()(ShapeId id) const { return {id.index + shapes}; }  ///< what it has become
-  ForceId operator()(ForceId id) const { return {id.index + forces}; }  ///< what it has become
+  ShapeId operator()(ShapeId id) const { return {id.index + shapes}; }                ///< what it has become
+  ForceId operator()(ForceId id) const { return {id.index + forces}; }                ///< what it has become
   int body(int index) const { return (*this)(BodyId{index}).index; }  ///< of an index of a body
   /// Of an entry of State::axes; a negative one is none and stays.
   int axis(int index) const { return index < 0 ? index : index + axes; }

@@ -35,7 +35,7 @@ inline constexpr BodyId kGround{0};  ///< the ground, which never moves
 /// X_WB: orientation of body B in the world and position of its centre of mass [m].
 struct Pose {
   Quat q = Quat::Identity();  ///< R_WB
-  Vec3 p = Vec3::Zero();  ///< p_WB [m]
+  Vec3 p = Vec3::Zero();      ///< p_WB [m]
 
   /// p_WP of a point fixed in the body, p_BP measured from the centre of mass.
   Vec3 point(const Vec3& p_BP) const { return p + q * p_BP; }
@@ -58,7 +58,7 @@ struct Twist {
 /// Torque about the centre of mass [N·m] and force [N] (or their impulses) in world axes; dual to Twist.
 struct Wrench {
   Vec3 torque = Vec3::Zero();  ///< [N·m or N·m·s]
-  Vec3 force = Vec3::Zero();  ///< [N or N·s]
+  Vec3 force = Vec3::Zero();   ///< [N or N·s]
 };
 /// Sum, difference and multiple of wrenches.  @{
 inline Wrench operator+(const Wrench& a, const Wrench& b) { return {a.torque + b.torque, a.force + b.force}; }
@@ -69,8 +69,8 @@ inline double dot(const Wrench& f, const Twist& V) { return f.torque.dot(V.w) + 
 
 /// Everything that changes with time.  Entry 0 is the ground.
 struct State {
-  double time = 0;  ///< [s]
-  std::vector<Pose> poses;  ///< X_WB of each body
+  double time = 0;            ///< [s]
+  std::vector<Pose> poses;    ///< X_WB of each body
   std::vector<Twist> twists;  ///< V_WB of each body
   /// One value per free axis of the joints [rad or m], at World::axis_index().  Angles count turns: a pose
   /// gives an angle up to whole turns, and the value here says which of them is meant.  Solvers keep the
@@ -81,10 +81,10 @@ struct State {
 /// The part of a state that the rows of joints read: poses, the time that drivers follow, and the values next
 /// to which angles are unwrapped (empty: 0).  It only refers to what it was made from.
 struct Configuration {
-  std::span<const Pose> poses;  ///< X_WB of each body
-  double time = 0;  ///< [s]
+  std::span<const Pose> poses;     ///< X_WB of each body
+  double time = 0;                 ///< [s]
   std::span<const double> axes{};  ///< next to which angles are unwrapped; empty: 0
-  std::span<const Pose> from{};  ///< the poses at which `axes` holds; empty: `poses` themselves
+  std::span<const Pose> from{};    ///< the poses at which `axes` holds; empty: `poses` themselves
 
   Configuration(std::span<const Pose> all_poses, double at_time = 0, std::span<const double> axes_near = {},
                 std::span<const Pose> axes_from = {})

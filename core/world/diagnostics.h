@@ -13,7 +13,7 @@ namespace taut {
 /// How far a joint is open: norm of its translation rows and of its rotation rows.  Axis rows and rows that a
 /// compliance softens do not count.
 struct Gap {
-  double metres = 0;  ///< largest ‖φ‖ of its translation rows
+  double metres = 0;   ///< largest ‖φ‖ of its translation rows
   double radians = 0;  ///< … and of its rotation rows
 };
 

@@ -14,7 +14,7 @@ namespace taut {
 
 /// A point that a wire or rod passes, from the centre of mass of its body in body axes.
 struct WirePoint {
-  BodyId body;  ///< that it is fixed to
+  BodyId body;               ///< that it is fixed to
   Vec3 p_BP = Vec3::Zero();  ///< [m]
 };
 
@@ -28,7 +28,7 @@ class Joint {
   explicit Joint(std::vector<BodyId> bodies) : bodies_(std::move(bodies)) {}
   virtual ~Joint() = default;
 
-  virtual std::string_view type() const = 0;  ///< its name, as "hinge"
+  virtual std::string_view type() const = 0;          ///< its name, as "hinge"
   virtual void append_rows(RowSink& rows) const = 0;  ///< lists its row parts
   /// The free axes that can have limits, a motor, friction or a spring; always the same ones.  Rotations that
   /// are no scalar coordinate, as the three of a ball joint, are none.
@@ -49,8 +49,8 @@ class Joint {
   /// The joints whose axes its rows read: it goes when one of them goes.
   virtual std::vector<JointId> couples() const { return {}; }
 
-  BodyId a() const { return bodies_[0]; }  ///< body A
-  BodyId b() const { return bodies_[1]; }  ///< body B
+  BodyId a() const { return bodies_[0]; }                     ///< body A
+  BodyId b() const { return bodies_[1]; }                     ///< body B
   std::span<const BodyId> bodies() const { return bodies_; }  ///< A, B and further ones
 
  private:

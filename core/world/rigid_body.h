@@ -43,7 +43,7 @@ class MassProperties {
   static MassProperties cone(double radius, double height, double mass);
   static MassProperties cone(double radius, double height, Density density);  /// @}
 
-  double mass() const { return mass_; }  ///< [kg]
+  double mass() const { return mass_; }                 ///< [kg]
   const Mat3& inertia_B() const { return inertia_B_; }  ///< about the centre of mass, body axes [kg m²]
   const Vec3& principal_moments() const { return moments_; }  ///< I_P [kg m²]
   /// Body axes to principal axes; the identity if the body axes are principal.
@@ -68,10 +68,10 @@ double cone_volume(double radius, double height);  /// @}
 
 /// A body as the user describes it.  The body frame sits at the centre of mass.
 struct BodySpec {
-  std::string name{};  ///< empty: the World makes one up
+  std::string name{};                       ///< empty: the World makes one up
   MassProperties mass{1.0, Vec3(1, 1, 1)};  ///< of a moving body
-  Pose pose{};  ///< X_WB at the start
-  Twist twist{};  ///< V_WB at the start
+  Pose pose{};                              ///< X_WB at the start
+  Twist twist{};                            ///< V_WB at the start
   /// A fixed body never moves: it is part of the ground with a pose of its own.
   bool fixed = false;
 };

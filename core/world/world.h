@@ -72,7 +72,7 @@ class World {
   /// @throws std::invalid_argument for a joint that couples an axis of a detached one.
   void attach(JointId id);
   bool is_attached(JointId id) const { return !detached_.contains(checked(id)); }  ///< not detached
-  int detached_count() const { return static_cast<int>(detached_.size()); }  ///< number of joints
+  int detached_count() const { return static_cast<int>(detached_.size()); }        ///< number of joints
   /// Energy in the springs, soft limits and compliance of one joint, detached or not [J].
   double spring_energy_of(JointId id, const State& state) const;
 
@@ -81,7 +81,7 @@ class World {
 
   /// A free axis by name.  @throws std::invalid_argument, which lists those of the joint, if there is none.
   AxisId axis(JointId joint, std::string_view name) const;
-  int axis_count(JointId joint) const;  ///< number of its free axes
+  int axis_count(JointId joint) const;                                          ///< number of its free axes
   const AxisInfo& axis_info(AxisId id) const { return axes_[axis_index(id)]; }  ///< its name and kind
   /// Index of an axis in State::axes, and what acts along it.  @throws std::invalid_argument for none.  @{
   int axis_index(AxisId id) const;
@@ -137,7 +137,7 @@ class World {
   /// Gives a body a shape that others may share; it is checked again.  Otherwise as for a shape by value.
   ShapeId add_shape(BodyId body, std::shared_ptr<const Shape> shape, const Pose& pose = {},
                     const Material& material = {}, CollisionFilter filter = {});
-  int shape_count() const { return static_cast<int>(shapes_.size()); }  ///< of all bodies
+  int shape_count() const { return static_cast<int>(shapes_.size()); }         ///< of all bodies
   const ShapeRecord& shape(ShapeId id) const { return shapes_[checked(id)]; }  ///< as added
   /// Sets the material of a shape.  @throws std::invalid_argument for what check_material() refuses.
   void set_material(ShapeId id, const Material& material);
@@ -147,9 +147,9 @@ class World {
   MaterialId add_material(std::string name, const Material& material);
   /// Makes a shape be of a material with a name.  @throws std::invalid_argument if there is no such one.
   void set_material(ShapeId id, MaterialId material);
-  int material_count() const { return static_cast<int>(materials_.size()); }  ///< with a name
+  int material_count() const { return static_cast<int>(materials_.size()); }                ///< with a name
   const Material& material(MaterialId id) const { return materials_[checked(id)].second; }  ///< its values
-  const std::string& name(MaterialId id) const { return materials_[checked(id)].first; }  ///< its name
+  const std::string& name(MaterialId id) const { return materials_[checked(id)].first; }    ///< its name
   /// A material by name.  @throws std::invalid_argument if there is none.
   MaterialId material(std::string_view name) const;
   /// The material of a contact between two shapes, in place of combined(): order does not matter.
@@ -173,16 +173,16 @@ class World {
   void set_gravity(const Vec3& gravity);
   const Vec3& gravity() const { return gravity_; }  ///< [m/s²]
 
-  int body_count() const { return static_cast<int>(masses_.size()); }  ///< with the ground
-  int moving_body_count() const { return moving_count_; }  ///< not fixed
+  int body_count() const { return static_cast<int>(masses_.size()); }   ///< with the ground
+  int moving_body_count() const { return moving_count_; }               ///< not fixed
   int joint_count() const { return static_cast<int>(joints_.size()); }  ///< detached ones too
   int force_count() const { return static_cast<int>(forces_.size()); }  ///< without gravity
 
   const MassProperties& mass_properties(BodyId id) const { return masses_[checked(id)]; }  ///< as given
-  bool is_fixed(BodyId id) const { return fixed_[checked(id)]; }  ///< never moves
-  const std::string& name(BodyId id) const { return body_names_[checked(id)]; }  ///< its name
-  const std::string& name(JointId id) const { return joint_names_[checked(id)]; }  ///< its name
-  const Joint& joint(JointId id) const { return *joints_[checked(id)]; }  ///< as added
+  bool is_fixed(BodyId id) const { return fixed_[checked(id)]; }                           ///< never moves
+  const std::string& name(BodyId id) const { return body_names_[checked(id)]; }            ///< its name
+  const std::string& name(JointId id) const { return joint_names_[checked(id)]; }          ///< its name
+  const Joint& joint(JointId id) const { return *joints_[checked(id)]; }                   ///< as added
   const Force& force(ForceId id) const { return *forces_[checked(id)]; }  ///< as added or set
   /// A body or joint by name, and whether it is there.  @throws std::invalid_argument if it is not.  @{
   BodyId body(std::string_view name) const;
@@ -190,10 +190,10 @@ class World {
   bool has_body(std::string_view name) const { return body_of_name_.contains(std::string(name)); }
   bool has_joint(std::string_view name) const { return joint_of_name_.contains(std::string(name)); }  /// @}
 
-  const State& state() const { return state_; }  ///< at present
-  const Pose& pose(BodyId id) const { return state_.poses[checked(id)]; }  ///< X_WB
+  const State& state() const { return state_; }                               ///< at present
+  const Pose& pose(BodyId id) const { return state_.poses[checked(id)]; }     ///< X_WB
   const Twist& twist(BodyId id) const { return state_.twists[checked(id)]; }  ///< V_WB
-  double time() const { return state_.time; }  ///< [s]
+  double time() const { return state_.time; }                                 ///< [s]
   /// Moves a body, also a fixed one, between steps.  @throws std::invalid_argument for the ground, or a pose
   /// that add_body() would refuse.
   void set_pose(BodyId id, const Pose& pose);
@@ -213,7 +213,7 @@ class World {
   // come to rest stay where they are, at no cost, until something wakes them.
 
   bool is_asleep(BodyId id) const { return asleep_[checked(id)]; }  ///< it rests at no cost
-  int asleep_count() const { return asleep_count_; }  ///< number of bodies
+  int asleep_count() const { return asleep_count_; }                ///< number of bodies
   /// Counts how often a body was woken, asleep or not: its rest, if any, begins anew.
   int stirs(BodyId id) const { return stirs_[checked(id)]; }
   /// Neither fixed nor asleep.

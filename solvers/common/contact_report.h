@@ -29,8 +29,8 @@ struct ContactStretch {
 
 /// Work of all contacts in a step [J].
 struct ContactWork {
-  double normal = 0;    ///< of normal impulses: what impacts take
-  double friction = 0;  ///< of friction, rolling and spinning friction
+  double normal = 0;                                  ///< of normal impulses: what impacts take
+  double friction = 0;                                ///< of friction, rolling and spinning friction
   double total() const { return normal + friction; }  ///< of both
 };
 

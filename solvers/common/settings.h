@@ -5,9 +5,9 @@ namespace taut {
 /// How a step advances the state; see solvers/integrators/README.md.
 enum class Integrator {
   kRattle,   ///< RATTLE on rigid bodies: order 2, symplectic, closed in position and velocity
-  kRattle4,  ///< its compositions of order 4 (5 stages), 6 (9 stages) and 8 (17 stages)
-  kRattle6,
-  kRattle8,
+  kRattle4,  ///< composition of 5 steps of kRattle, of order 4
+  kRattle6,  ///< composition of 9 steps of kRattle, of order 6
+  kRattle8,  ///< composition of 17 steps of kRattle, of order 8
   kForceEuler,       ///< joint forces from the acceleration equation, semi-implicit Euler
   kForceRungeKutta,  ///< joint forces from the acceleration equation, classical RK4
   kMoreauJean,       ///< Moreau–Jean: impulses of a whole step, laws on the velocities at its end; order 1
@@ -17,7 +17,7 @@ enum class Integrator {
 /// none and ignores it.
 enum class DriftCure {
   kAuto,  ///< kBaumgarte at force level, kPositionPush with Moreau–Jean, which knows only this one and kNone
-  kNone,
+  kNone,             ///< nothing: joints drift
   kBaumgarte,        ///< acceleration feedback with `erp` and `cfm`
   kVelocityImpulse,  ///< an impulse after each step gives J V = −erp φ / dt
   kPositionPush,     ///< positions are pushed back by `erp` φ after each step, velocities made tangent;
@@ -29,15 +29,15 @@ enum class DriftCure {
 enum class TensionPolicy {
   kSubstep,   ///< sub-steps so small that ω h ≤ max_tension_number
   kImplicit,  ///< implicit geometric stiffness: stable at any step, dissipative
-  kIgnore,
+  kIgnore,    ///< nothing: the step may be unstable, which StepReport::tension_number tells
 };
 
 enum class FactorChoice {  ///< What factorises the symmetric positive definite matrix of the joints.
-  kAuto,          ///< the fastest measured: multifrontal
-  kCholmod,       ///< CHOLMOD, simplicial or supernodal by flop count
-  kSimplicial,    ///< CHOLMOD simplicial LDLᵀ
-  kSupernodal,    ///< CHOLMOD supernodal LLᵀ; simplicial if this CHOLMOD lacks its GPL modules
-  kMultifrontal,  ///< taut's own LLᵀ
+  kAuto,                   ///< the fastest measured: multifrontal
+  kCholmod,                ///< CHOLMOD, simplicial or supernodal by flop count
+  kSimplicial,             ///< CHOLMOD simplicial LDLᵀ
+  kSupernodal,             ///< CHOLMOD supernodal LLᵀ; simplicial if this CHOLMOD lacks its GPL modules
+  kMultifrontal,           ///< taut's own LLᵀ
 };
 
 /// How the impulses of a stage are found: by the factor and the active set, or, to compare with, by impulses
@@ -45,7 +45,7 @@ enum class FactorChoice {  ///< What factorises the symmetric positive definite 
 /// stages as stabilisation of positions before the drift and of velocities after it [Weinstein2006].  These
 /// take each step as it is: how open the joints are is in the report, and no failure.
 enum class Solver {
-  kDirect,
+  kDirect,       ///< all at once, by a sparse factor and the active set
   kGaussSeidel,  ///< projected Gauss–Seidel, over-relaxed by `relaxation`
   kPairwise,     ///< joint by joint, the most violated first
   kPropagation,  ///< joint by joint from the ground upwards, at last with what lies below held fast
@@ -56,8 +56,8 @@ struct Settings {  ///< How a Simulator steps; its constructor refuses what is o
 
   double position_tolerance = 1e-10;  ///< largest |φ| after a step [m or rad]
   double velocity_tolerance = 1e-9;   ///< largest |J V| after a step [m/s or rad/s]
-  int max_newton_iterations = 12;  ///< of the position stage of a sub-step
-  int max_substeps = 1024;  ///< of one call of step(); then the status says so
+  int max_newton_iterations = 12;     ///< of the position stage of a sub-step
+  int max_substeps = 1024;            ///< of one call of step(); then the status says so
 
   TensionPolicy tension = TensionPolicy::kSubstep;  ///< what is done under high tension
   double max_tension_number =
@@ -65,10 +65,10 @@ struct Settings {  ///< How a Simulator steps; its constructor refuses what is o
   double max_rotation = 0.4;  ///< rotation of any body in one sub-step [rad]
 
   DriftCure drift_cure = DriftCure::kAuto;  ///< against drift of the joints
-  double erp = 0.8;               ///< part of the joint error taken out in one step
-  double cfm = 0;                 ///< compliance added to each row, as a fraction of its own S_ii
-  double penalty_frequency = 50;  ///< [Hz] of the penalty springs on the bodies' own inertia
-  double penalty_damping_ratio = 1;  ///< of the penalty springs; 1: critical
+  double erp = 0.8;                         ///< part of the joint error taken out in one step
+  double cfm = 0;                           ///< compliance added to each row, as a fraction of its own S_ii
+  double penalty_frequency = 50;            ///< [Hz] of the penalty springs on the bodies' own inertia
+  double penalty_damping_ratio = 1;         ///< of the penalty springs; 1: critical
 
   /// Of Moreau–Jean, q₁ = q₀ + h (θ V₁ + (1 − θ) V₀), between ½ and 1; 1 in steps that are too long for a
   /// spring (solvers/integrators, "Moreau–Jean").
@@ -94,7 +94,7 @@ struct Settings {  ///< How a Simulator steps; its constructor refuses what is o
   bool merge_fixed_joints = false;
 
   FactorChoice factor = FactorChoice::kAuto;  ///< with Solver::kDirect
-  Solver solver = Solver::kDirect;  ///< how impulses are found
+  Solver solver = Solver::kDirect;            ///< how impulses are found
   int iterations = 50;    ///< sweeps of an iterative solver over all joints and contacts, per stage
   double relaxation = 1;  ///< ω of kGaussSeidel, between 0 and 2
   /// For finding contacts and solving islands, at most 1024; 0: as many as the machine has.  The results have

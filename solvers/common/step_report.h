@@ -32,13 +32,13 @@ std::string_view to_string(Status status);  ///< in words, as "not converged"
 
 /// Wall time of the stages of a step [s]; islands that are solved at the same time count one by one.
 struct StageTimes {
-  double forces = 0;     ///< evaluation of force laws
-  double positions = 0;  ///< drift, residuals and back-solves of the position stage
-  double assembly = 0;   ///< Jacobian and system matrix
+  double forces = 0;         ///< evaluation of force laws
+  double positions = 0;      ///< drift, residuals and back-solves of the position stage
+  double assembly = 0;       ///< Jacobian and system matrix
   double factorization = 0;  ///< numeric
-  double velocities = 0;  ///< back-solves of the velocity stage
-  double analysis = 0;    ///< ordering and symbolic factorisation; 0 unless the topology changed
-  double total = 0;       ///< of the step
+  double velocities = 0;     ///< back-solves of the velocity stage
+  double analysis = 0;       ///< ordering and symbolic factorisation; 0 unless the topology changed
+  double total = 0;          ///< of the step
 
   StageTimes& operator+=(const StageTimes& other);  ///< adds each stage
 };
@@ -49,8 +49,8 @@ struct Contradiction {
   /// What else than its joint holds an axis.
   struct Bound {
     enum class Kind { kLowerLimit, kUpperLimit, kMotor };  ///< What holds the axis.
-    AxisId axis;                    ///< that is held
-    Kind kind = Kind::kLowerLimit;  ///< by what
+    AxisId axis;                                           ///< that is held
+    Kind kind = Kind::kLowerLimit;                         ///< by what
     friend bool operator==(const Bound&, const Bound&) = default;
   };
   /// All contacts of two bodies, a.index < b.index.
@@ -60,9 +60,9 @@ struct Contradiction {
   };
 
   std::vector<JointId> joints;  ///< by their equality rows
-  std::vector<Bound> bounds;  ///< limits and motors of axes
+  std::vector<Bound> bounds;    ///< limits and motors of axes
   std::vector<Touch> contacts;  ///< pairs of bodies
-  double residual = 0;  ///< [m or rad]
+  double residual = 0;          ///< [m or rad]
 
   bool empty() const { return joints.empty() && bounds.empty() && contacts.empty(); }  ///< nothing
 };
@@ -73,17 +73,17 @@ std::vector<std::string> names_of(const Contradiction& contradiction, const Worl
 /// Who has a large share in what a step could not do, or did inexactly.
 struct Culprit {
   enum class Kind {  ///< What it is, and which members name it.
-    kJoint,    ///< axis.joint is open, or what it follows is not finite
-    kAxis,     ///< the law of a free axis is not met, or what its motor follows is not finite
-    kSpring,   ///< the law of a spring between two bodies, `force`, is not met
-    kContact,  ///< the law of the contacts of bodies a and b is not met
-    kForce,    ///< what the law `force` gives is not finite
-    kBody,     ///< the state of body a, or the force on it, is not finite
+    kJoint,          ///< axis.joint is open, or what it follows is not finite
+    kAxis,           ///< the law of a free axis is not met, or what its motor follows is not finite
+    kSpring,         ///< the law of a spring between two bodies, `force`, is not met
+    kContact,        ///< the law of the contacts of bodies a and b is not met
+    kForce,          ///< what the law `force` gives is not finite
+    kBody,           ///< the state of body a, or the force on it, is not finite
   };
   Kind kind = Kind::kBody;  ///< what it is
-  AxisId axis{};  ///< of kJoint and kAxis
-  ForceId force{};  ///< of kSpring and kForce
-  BodyId a{}, b{};  ///< of kContact and kBody
+  AxisId axis{};            ///< of kJoint and kAxis
+  ForceId force{};          ///< of kSpring and kForce
+  BodyId a{}, b{};          ///< of kContact and kBody
   /// Of a joint how far it is open [m or rad]; of a law that is not met its natural residual, relative as in
   /// StepReport::natural_residual; infinite for what is not finite.
   double share = 0;
@@ -95,7 +95,7 @@ std::string name_of(const Culprit& culprit, const World& world);
 /// A row of a joint that other rows hold already.
 struct DependentRow {
   JointId joint;  ///< whose row it is
-  int row = 0;  ///< within the joint
+  int row = 0;    ///< within the joint
   friend auto operator<=>(const DependentRow&, const DependentRow&) = default;
 };
 /// For messages: "hinge seam_3: translation along world y".  Good while the world's topology is that of the
@@ -112,9 +112,9 @@ struct RedundantRow {
 
 /// Freedoms and redundancy of a world in its present pose.
 struct RankReport {
-  int rows = 0;  ///< of all joints
-  int rank = 0;  ///< number of independent ones
-  int freedoms = 0;  ///< 6 × moving bodies − rank
+  int rows = 0;                         ///< of all joints
+  int rank = 0;                         ///< number of independent ones
+  int freedoms = 0;                     ///< 6 × moving bodies − rank
   std::vector<RedundantRow> redundant;  ///< the dependent ones
   /// Joints whose reactions are not unique, in ascending order: those that a self-stress of the mechanism
   /// loads.
@@ -171,21 +171,21 @@ struct EnergyLedger {
 /// The proof of quality of one step.
 struct StepReport {
   Status status = Status::kSuccess;  ///< how the step ended
-  std::string message;  ///< empty on success
-  double time = 0;      ///< at the end of the step [s]
-  double dt = 0;  ///< as given to step() [s]
+  std::string message;               ///< empty on success
+  double time = 0;                   ///< at the end of the step [s]
+  double dt = 0;                     ///< as given to step() [s]
 
   /// Largest error at the end of all that should hold, of bodies that are awake: of joints, merged ones too,
   /// and of axes, as the length of a rope, beyond their rigid limits.  On success joints are within
   /// Settings::position_tolerance, but for iterative solvers, force level and DriftCure::kNone, and so are
   /// limits, but for those that a step began beyond: an axis comes back by no more than 1 m/s or 1 rad/s.
   Gap gap;
-  double velocity_residual = 0;  ///< largest |J V| [m/s or rad/s]
-  int newton_iterations = 0;     ///< position stage, all sub-steps
-  int substeps = 0;  ///< that were taken
-  int analyses = 0;  ///< of patterns: ordering and symbolic factorisation
-  int factorizations = 0;  ///< numeric
-  int backsolves = 0;  ///< with a factor
+  double velocity_residual = 0;         ///< largest |J V| [m/s or rad/s]
+  int newton_iterations = 0;            ///< position stage, all sub-steps
+  int substeps = 0;                     ///< that were taken
+  int analyses = 0;                     ///< of patterns: ordering and symbolic factorisation
+  int factorizations = 0;               ///< numeric
+  int backsolves = 0;                   ///< with a factor
   int refactorizations = 0;             ///< factorizations at Newton iterates that converged too slowly
   int rank_deficiency = 0;              ///< dependent rows at the end of the step
   double condition_estimate = 0;        ///< of S, from the pivots: a lower bound
@@ -201,7 +201,7 @@ struct StepReport {
   int contacts = 0;            ///< points at the end of the step, touching or near
   double penetration = 0;      ///< deepest of them, ≥ 0 [m]
   int asleep = 0;              ///< bodies that did not move because they sleep (Settings::sleep)
-  StageTimes times;  ///< where the time went
+  StageTimes times;            ///< where the time went
 
   // With Settings::report_energy:
   double kinetic_energy = 0, potential_energy = 0;  ///< the latter without that of springs [J]
@@ -215,7 +215,7 @@ struct StepReport {
   double driver_work = 0;       ///< of joints that follow the time, a part of constraint_work [J]
   double force_work = 0;        ///< of gravity and the force laws [J]
   double dissipative_work = 0;  ///< of those that are not conservative, a part of force_work [J]
-  EnergyLedger ledger;  ///< where the energy went
+  EnergyLedger ledger;          ///< where the energy went
 
   /// Rows of joints that others hold already, as many as rank_deficiency but for those of contacts;
   /// names_of() says which.

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-// The order in which a stage is tried, and what its laws depend on.  (solvers/README, "Axes")
+// The order in which a stage is tried, and what its laws depend on.  (solvers/complementarity, "Ladder")
 namespace taut {
 namespace {
 

@@ -31,7 +31,7 @@ class Archive;
 /// The order of what is tried: impulses of before as they are, or with one linear solve where contacts stick;
 /// the active set on the factor of S; through the bodies, Newton's method on the primal matrix, interior
 /// points and sweeps (ContactIslands, PieceNewton, InteriorPoint).  It remembers which of them worked last.
-/// (solvers/README, "Axes", "Many contacts", "Proof")
+/// (solvers/complementarity, "Ladder", "Natural residual")
 class StageSolver {
  public:
   /// Recomputes laws() from the present rates and from what AxisForces and ContactForces know.

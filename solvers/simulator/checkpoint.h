@@ -15,7 +15,7 @@ class Checkpoint {
  public:
   Checkpoint() = default;
 
-  bool empty() const { return bytes_.empty(); }  ///< of no simulator
+  bool empty() const { return bytes_.empty(); }        ///< of no simulator
   const std::string& bytes() const { return bytes_; }  ///< for a file
   /// @throws std::invalid_argument if they are not those of a checkpoint of this version, whole and
   /// unchanged.

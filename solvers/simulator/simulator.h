@@ -99,7 +99,7 @@ class Simulator {
   /// in ascending order.  Their reactions follow from the motion.    (solvers/simulator, "Merged bodies")
   std::vector<JointId> merged_joints() const;
 
-  const World& world() const;  ///< as given
+  const World& world() const;        ///< as given
   const Settings& settings() const;  ///< as given
   /// "CHOLMOD 3.0.14 supernodal, OpenBLAS 0.3.21 …": which factor and BLAS do the work.
   std::string solver_description() const;

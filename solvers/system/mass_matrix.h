@@ -13,17 +13,17 @@ class MassMatrix {
  public:
   /// What each step reads of a body, in one line of the cache …
   struct alignas(64) Body {
-    Vec3 inverse_moments = Vec3::Zero();  ///< 1 / I_P
-    double inverse_mass = 0;  ///< 1 / m
+    Vec3 inverse_moments = Vec3::Zero();       ///< 1 / I_P
+    double inverse_mass = 0;                   ///< 1 / m
     Vec3 root_inverse_moments = Vec3::Zero();  ///< 1 / √I_P
-    bool principal = true;  ///< q_BP is the identity
-    bool fixed = true;  ///< it never moves
-    std::int8_t symmetry_axis = -1;  ///< axis i with the other two moments equal; −1: none
+    bool principal = true;                     ///< q_BP is the identity
+    bool fixed = true;                         ///< it never moves
+    std::int8_t symmetry_axis = -1;            ///< axis i with the other two moments equal; −1: none
   };
   /// … and the rest.
   struct Inertia {
-    double mass = 1;  ///< m [kg]
-    Vec3 moments = Vec3::Ones();  ///< I_P [kg m²]
+    double mass = 1;               ///< m [kg]
+    Vec3 moments = Vec3::Ones();   ///< I_P [kg m²]
     Quat q_BP = Quat::Identity();  ///< principal axes P in body axes
   };
 
@@ -31,8 +31,8 @@ class MassMatrix {
   /// The blocks of some bodies of another mass matrix, numbered anew.
   MassMatrix(const MassMatrix& whole, std::span<const int> bodies);
 
-  int size() const { return static_cast<int>(bodies_.size()); }  ///< number of bodies
-  const Body& operator[](int body) const { return bodies_[body]; }  ///< by its index
+  int size() const { return static_cast<int>(bodies_.size()); }       ///< number of bodies
+  const Body& operator[](int body) const { return bodies_[body]; }    ///< by its index
   const Inertia& inertia(int body) const { return inertias_[body]; }  ///< by its index
 
   /// R_WP of a body.

@@ -20,8 +20,8 @@ int below(Random& random, std::size_t count) { return static_cast<int>(random() 
 
 std::vector<std::string> originals() {
   std::vector<std::string> texts{scene_file_cases::kEverything};
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(testing::source_dir()) / "scenes" / "examples")) {
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(testing::source_dir()) /
+                                                               "scenes" / "examples")) {
     const std::string name = entry.path().filename().string();
     if (!name.ends_with(".json") || name.ends_with(".schema.json")) continue;
     std::ifstream file(entry.path());

@@ -373,7 +373,8 @@ TEST(SceneFile, DeepAndHugeTextsAreRejectedQuietly) {
 
 TEST(SceneFile, FilesThatCannotBeReadAreErrors) {
   EXPECT_THROW(load_scene_file("no such file.json"), SceneFileError);
-  EXPECT_THROW(load_scene_file(std::filesystem::path(testing::source_dir()) / "scenes" / "examples"), SceneFileError);
+  EXPECT_THROW(load_scene_file(std::filesystem::path(testing::source_dir()) / "scenes" / "examples"),
+               SceneFileError);
 }
 
 TEST(SceneFile, OneBlockIsTheBuildersOwnScene) {
@@ -420,8 +421,8 @@ TEST(SceneFile, BlocksArePrefixedAndPlaced) {
 
 std::vector<std::filesystem::path> shipped_scenes() {
   std::vector<std::filesystem::path> paths;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(testing::source_dir()) / "scenes" / "examples"))
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(testing::source_dir()) /
+                                                               "scenes" / "examples"))
     if (entry.path().extension() == ".json" && !entry.path().filename().string().ends_with(".schema.json"))
       paths.push_back(entry.path());
   std::sort(paths.begin(), paths.end());
