@@ -70,7 +70,7 @@ struct SwingComponent {
 };
 
 /// Twist: the turn of B against A about their common axis once the swing that takes a to b is undone.
-///   q_FG = (s, u) with z along a in F of A and along b in G of B:   θ = 2 atan2(u_z, s) [rad]   (Eq. 13)
+///   q_FG = (s, u), z along a in F of A, b in G of B:  θ = 2 atan2(u_z, s) [rad]  (core/constraints, Eq. 13)
 /// Without meaning at a swing of π.  λ [N·m] is the torque on B about j = R_WF (e_z + ((s u_y + u_z u_x)/D,
 /// (u_z u_y − s u_x)/D, 0)), D = s² + u_z².
 struct TwistAngle {

@@ -53,11 +53,11 @@ class Force {
   virtual bool conservative() const { return false; }
   /// The bodies it reads or acts on, so that the World can check them.
   virtual std::vector<BodyId> bodies() const { return {}; }
-  /// All that it does, if that is a spring between two bodies; null for other laws.
+  /// All that it does, if that is a spring between two bodies; null otherwise.
   virtual const LineSpring* spring() const { return nullptr; }
   /// What it does along a line, so that it can be drawn; nothing for laws that do something else too.
   virtual std::optional<LineForce> line_force(const State&) const { return std::nullopt; }
-  /// The same law for World::append(): its ids changed, and what it has in world axes moved by X.  Null if
+  /// This law for World::append(): its ids changed, and what it has in world axes moved by X.  Null if
   /// the law cannot say; it then gets a copy of the state as its own world would see it, each time.
   virtual std::shared_ptr<const Force> relocated(const Relocation&, const Pose&) const { return nullptr; }
 };

@@ -7,7 +7,7 @@
 #include "scenes/program/run_settings.h"
 #include "scenes/program/start_warnings.h"
 #include "scenes/support/format.h"
-#include "solvers/diagnosis/contradiction.h"
+#include "solvers/common/report_names.h"
 #include "solvers/diagnosis/start_checks.h"
 #include "solvers/simulator/simulator.h"
 

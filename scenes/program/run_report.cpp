@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "scenes/support/format.h"
-#include "solvers/diagnosis/contradiction.h"
+#include "solvers/common/report_names.h"
 
 namespace taut {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "scenes/support/format.h"
+#include "solvers/common/report_names.h"
 #include "solvers/common/setting_checks.h"
 #include "solvers/common/setting_names.h"
 #include "solvers/common/step_report.h"
-#include "solvers/diagnosis/contradiction.h"
 #include "solvers/diagnosis/start_checks.h"
 
 namespace taut {

@@ -4,10 +4,10 @@ namespace taut {
 
 /// How a step advances the state; see solvers/integrators/README.md.
 enum class Integrator {
-  kRattle,   ///< RATTLE on rigid bodies: order 2, symplectic, closed in position and velocity
-  kRattle4,  ///< composition of 5 steps of kRattle, of order 4
-  kRattle6,  ///< composition of 9 steps of kRattle, of order 6
-  kRattle8,  ///< composition of 17 steps of kRattle, of order 8
+  kRattle,           ///< RATTLE on rigid bodies: order 2, symplectic, closed in position and velocity
+  kRattle4,          ///< composition of 5 steps of kRattle, of order 4
+  kRattle6,          ///< composition of 9 steps of kRattle, of order 6
+  kRattle8,          ///< composition of 17 steps of kRattle, of order 8
   kForceEuler,       ///< joint forces from the acceleration equation, semi-implicit Euler
   kForceRungeKutta,  ///< joint forces from the acceleration equation, classical RK4
   kMoreauJean,       ///< Moreau–Jean: impulses of a whole step, laws on the velocities at its end; order 1

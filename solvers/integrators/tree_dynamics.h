@@ -30,7 +30,7 @@ class TreeDynamics {
   /// V̇ of all bodies, 0 for fixed ones, by recursion from the leaves to the roots and back: articulated
   /// bodies in O(n) [Featherstone2008]; b adds Xᵀ (I − I S (Sᵀ I S)⁻¹ Sᵀ I) X to the inertia I of its parent.
   std::vector<Twist> recursive(const State& state) const;
-  /// The same by Lagrange's equations H u̇ = Gᵀ (f − M a₀), H = Gᵀ M G dense, with a = G u̇ + a₀: O(n³).
+  /// V̇ of all bodies by Lagrange's equations H u̇ = Gᵀ (f − M a₀), H = Gᵀ M G dense, a = G u̇ + a₀: O(n³).
   std::vector<Twist> lagrangian(const State& state) const;
 
  private:
