@@ -19,7 +19,7 @@ MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Setti
 }
 
 Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
-  report.tension_number = std::max(report.tension_number, omega_ * h);
+  report.tension_number = std::max(report.tension_number, limit_.omega() * h);
   works_before_ = works_of(report);
   stages_.begin_advance();
   unsettled_ = 0;
@@ -42,12 +42,13 @@ Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
     return Outcome::kStalled;
   }
   if (!finite()) return Outcome::kNotFinite;
-  if (settings_.report_energy) report.ledger.integration += spin_energy(momenta_, state_.poses, Bodies::kAll);
+  if (settings_.report_energy)
+    report.ledger.integration += works_.spin_energy(momenta_, state_.poses, KickWorks::Bodies::kAll);
   keep_impulses(h);
   ++report.substeps;
   stages_.report_residuals(report);
   const Stopwatch watch(report.times.velocities);
-  update_step_limit(force_multipliers_);
+  update_step_limit();
   return Outcome::kDone;
 }
 
@@ -59,7 +60,7 @@ void MoreauJean::predict(double h) {
   const int first = dependent ? system_.rows().first_contact_row() : 0;
   std::fill_n(mu_.begin(), first, 0.0);
   for (int r = first; r < system_.row_count(); ++r)
-    mu_[r] = history_ > 0 ? h / last_h_ * mu_[r] : h * force_multipliers_[r];
+    mu_[r] = prediction_.has_history() ? prediction_.scale(h) * mu_[r] : h * force_multipliers_[r];
 }
 
 /// q_M, its contacts, and J there.  poses_ and start_momenta_ stay those of the start.
@@ -181,13 +182,12 @@ bool MoreauJean::solve_stage(StepReport& report) {
 void MoreauJean::book(double h, StepReport& report) {
   if (bounded()) finish_bounds(report);
   if (!settings_.report_energy) return;
-  std::swap(state_, weighted_);  // where forces that are not conservative were taken
-  account(start_momenta_, momenta_, system_.jacobian(), mu_, 2 * h, report);
-  std::swap(state_, weighted_);
+  // Forces that are not conservative were taken at the weighted state.
+  works_.add({weighted_, start_momenta_, momenta_, system_.jacobian(), mu_}, forces_, 2 * h, report);
   // What the ways to q_M and from there to q₁ change of the kinetic energy, up to its end.
-  report.ledger.integration += spin_energy(start_momenta_, state_.poses, Bodies::kAll) -
-                               spin_energy(start_momenta_, poses_, Bodies::kAll) -
-                               spin_energy(momenta_, state_.poses, Bodies::kAll);
+  report.ledger.integration += works_.spin_energy(start_momenta_, state_.poses, KickWorks::Bodies::kAll) -
+                               works_.spin_energy(start_momenta_, poses_, KickWorks::Bodies::kAll) -
+                               works_.spin_energy(momenta_, state_.poses, KickWorks::Bodies::kAll);
 }
 
 /// q₁, and joints closed there if that is wanted.
@@ -237,8 +237,7 @@ void MoreauJean::keep_impulses(double h) {
     impulses_[r] += mu_[r];
     if (!struck()) force_multipliers_[r] = mu_[r] / h;
   }
-  history_ = 1;
-  last_h_ = h;
+  prediction_.keep_step(h);
 }
 
 }  // namespace taut

@@ -34,8 +34,6 @@ constexpr double kMendable = 1e-6;
 /// change stalls it.
 constexpr int kMaxForcePasses = 60;
 constexpr double kForceTolerance = 1e-12;
-/// Steps in which dependent rows start from no impulse after velocities that were not exact.
-constexpr int kStepsFromZero = 100;
 
 /// Part of the position tolerance that many rubbing axes leave alone.
 constexpr double kSlack = 0.25;
@@ -48,25 +46,22 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       settings_(settings),
       springs_(system.rows().spring_count() > 0 ? Springs::kLeftOut : Springs::kIncluded),
       breaking_(world, system.rows()),
-      has_drivers_(system.rows().depends_on_time()),
-      has_split_flow_(any_split()),
       axes_(world, system.rows()),
       contacts_(world, settings),
-      stages_(world, system, axes_, contacts_, settings) {
+      stages_(world, system, axes_, contacts_, settings),
+      limit_(world, system, settings, axes_, breaking_, stages_),
+      tension_(system),
+      works_(world, system, springs_),
+      prediction_(system.row_count()) {
   const int bodies = world.body_count(), rows = system.row_count();
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_, &last_forces_, &kicked_, &move_})
     wrenches->resize(bodies);
-  for (auto* values : {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &last_rates_, &impulses_,
-                       &force_multipliers_, &asymmetry_, &last_asymmetry_})
+  for (auto* values :
+       {&lambda_, &mu_, &delta_, &phi_, &velocity_rows_, &last_rates_, &impulses_, &force_multipliers_})
     values->assign(rows, 0.0);
   for (auto* values : {&start_theta_, &rates_, &kick_rates_}) values->assign(bounded() ? rows : 0, 0.0);
-  mean_twists_.resize(bodies);
   start_jacobian_.resize(system.jacobian().size());
-  stiffness_.resize(bodies);
   unmended_.resize(bodies);
-  filter_rotation_.resize(bodies);
-  filter_translation_.resize(bodies);
-  stiffened_.resize(bodies);
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
   if (stages_.friction_dominated()) slack_ = kSlack * settings.position_tolerance;
   axes_.set_slack(slack_);
@@ -79,8 +74,8 @@ void Rattle::start(const State& state, StepReport& report) {
   poses_ = state.poses;
   if (!contacts_.empty()) start_contacts();
   system_.release_bounded_rows();
-  for (auto* values : {&lambda_, &start_mu_}) std::fill(values->begin(), values->end(), 0.0);
-  history_ = 0;
+  std::fill(lambda_.begin(), lambda_.end(), 0.0);
+  prediction_.start();
   size_ = system_size();
   for (int b = 0; b < world_.body_count(); ++b)
     momenta_[b] = system_.mass().momentum(b, state_.poses[b], state_.twists[b]);
@@ -99,7 +94,7 @@ void Rattle::start(const State& state, StepReport& report) {
   for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = -(force_multipliers_[r] + delta_[r]);
   clear_loose_rows(force_multipliers_);
   system_.solve(force_multipliers_);
-  update_step_limit(force_multipliers_);
+  update_step_limit();
   if (!bounded()) return;
   system_.rows().residual(state_, phi_);
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
@@ -125,10 +120,10 @@ void Rattle::linearize_and_factorize(StepReport& report) {
 Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   stages_.begin_advance();
   unsettled_ = 0;
-  implicit_ =
-      settings_.tension == TensionPolicy::kImplicit && omega_ * std::abs(h) > settings_.max_tension_number;
-  if (implicit_) {
-    prepare_stiffness(h);
+  tension_.end();
+  if (settings_.tension == TensionPolicy::kImplicit &&
+      limit_.omega() * std::abs(h) > settings_.max_tension_number) {
+    tension_.begin(h, state_.poses, limit_.stiffness(), breaking_, contacts_);
     system_.factorize(report.times);
   }
   {
@@ -149,20 +144,21 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   }
   if (settings_.tension == TensionPolicy::kSubstep && surprised_) {
     for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = 2 / h * lambda_[r];
-    update_step_limit(force_multipliers_);
-    if (std::abs(h) > kLeeway * step_limit_) {
+    update_step_limit();
+    if (std::abs(h) > kLeeway * limit_.step()) {
       forget_impacts(false);
       restore(report);
       return Outcome::kUnstable;
     }
   }
-  report.tension_number = std::max(report.tension_number, omega_ * std::abs(h));
+  report.tension_number = std::max(report.tension_number, limit_.omega() * std::abs(h));
   works_before_ = works_of(report);
   if (settings_.report_energy) {
     account_for_kick(h, report);
-    if (has_split_flow_)
+    constexpr auto kSplit = KickWorks::Bodies::kSplit;
+    if (works_.has_split_flow())
       report.ledger.integration +=
-          spin_energy(kicked_, poses_, Bodies::kSplit) - spin_energy(kicked_, state_.poses, Bodies::kSplit);
+          works_.spin_energy(kicked_, poses_, kSplit) - works_.spin_energy(kicked_, state_.poses, kSplit);
   }
   if (bounded()) keep_first_kick();
 
@@ -191,9 +187,8 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   if (breaking_.possible() && break_joints(h, report)) return Outcome::kOverload;
   system_.rows().update_axes(end_of_step(0), state_.axes);
   if (bounded()) finish_bounds(report);
-  if (settings_.report_energy) {
-    account(kicked_, momenta_, system_.jacobian(), mu_, h, report);
-  }
+  if (settings_.report_energy)
+    works_.add({state_, kicked_, momenta_, system_.jacobian(), mu_}, forces_, h, report);
 
   keep_multipliers(h);
   if (breaking_.any_due() && breaking_.due(state_.time)) {
@@ -203,22 +198,18 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
   ++report.substeps;
   stages_.report_residuals(report);
   const Stopwatch watch(report.times.velocities);
-  update_step_limit(force_multipliers_);
+  update_step_limit();
   return Outcome::kDone;
 }
 
 /// Impulses for reactions, forces at the end of the step, and what the next prediction starts from.
 void Rattle::keep_multipliers(double h) {
-  const double scale = history_ > 0 ? h / last_h_ : 1, per_h = 1 / h, per_h2 = per_h * per_h;
+  const double per_h = 1 / h;
   for (int r = 0; r < system_.row_count(); ++r) {
     impulses_[r] += lambda_[r] + mu_[r];
     if (!struck()) force_multipliers_[r] = 2 * per_h * mu_[r];  // the impulse of an impact is no force
-    last_asymmetry_[r] = asymmetry_[r];
-    asymmetry_[r] = (lambda_[r] - scale * start_mu_[r]) * per_h2;
-    start_mu_[r] = mu_[r];
   }
-  history_ = struck() ? 0 : std::min(history_ + 1, 3);
-  last_h_ = h;
+  prediction_.keep(h, lambda_, mu_, struck());
 }
 
 /// Momenta, and a state that a World takes.  A sum is finite if and, short of overflow, only if all its terms
@@ -237,12 +228,13 @@ bool Rattle::finite() const {
 void Rattle::restore(StepReport& report) {
   axes_.roll_back();
   contacts_.roll_back(false);
-  if (!refactored_ && !implicit_) return;
+  if (!refactored_ && !tension_.active()) return;
   if (refactored_)
     std::copy(start_jacobian_.begin(), start_jacobian_.end(), system_.change_jacobian().begin());
   system_.set_mass(state_.poses);
   system_.factorize(report.times);
-  refactored_ = implicit_ = false;
+  refactored_ = false;
+  tension_.end();
 }
 
 /// Back to the start of a step whose positions were already accepted.
@@ -258,35 +250,28 @@ void Rattle::roll_back(StepReport& report) {
   linearize_and_factorize(report);
   twists_from_momenta();
   find_forces();
-  implicit_ = false;
+  tension_.end();
 }
 
-/// λ is the μ at the same instant plus an asymmetry of order h², which is extrapolated: the error of the
-/// prediction is of order h⁴.  With dependent rows it is μ alone, which was solved from 0 with this same S
-/// and so has no part in its null space; what is extrapolated over steps would have one, and let it grow.
-/// Where a direction is held so weakly that μ leans on it and still was not exact, λ starts from 0.  Contacts
-/// that press and the joints between them go on with the division of the load that they have: of many that
-/// their laws allow, another one each step would let some contact slip each time.
+/// With dependent rows it is the μ of before alone.  Contacts that press and the joints between them go on
+/// with the division of the load that they have: of many that their laws allow, another one each step would
+/// let some contact slip each time.  Those of contacts are held within their cones.
 void Rattle::predict_multipliers(double h) {
   const int rows = system_.row_count();
   if (iterative()) {
-    for (int r = 0; r < rows; ++r) lambda_[r] = history_ > 0 ? h / last_h_ * start_mu_[r] : 0;
+    prediction_.repeat(h, rows, lambda_);
   } else if (system_.singular() && (contacts_.empty() || struck())) {
-    // Those of contacts are held within their cones.  Newton's method and interior points through the bodies
-    // leave a null space as they find it.
+    // Newton's method and interior points through the bodies leave a null space as they find it.
     const bool good_guess = !bounded() || (contacts_.empty() && stages_.factors_on_demand());
-    const bool from_mu = history_ > 0 && good_guess && steps_from_zero_ == 0;
-    steps_from_zero_ = std::max(steps_from_zero_ - 1, 0);
-    const double scale = from_mu ? h / last_h_ : 0;
     const int joint_rows = system_.rows().first_contact_row();
-    for (int r = 0; r < joint_rows; ++r) lambda_[r] = scale * start_mu_[r];
-  } else if (system_.singular() || history_ == 0) {
+    if (prediction_.takes_from_dependent_rows() && good_guess)
+      prediction_.repeat(h, joint_rows, lambda_);
+    else
+      std::fill_n(lambda_.begin(), joint_rows, 0.0);
+  } else if (system_.singular() || !prediction_.has_history()) {
     for (int r = 0; r < rows; ++r) lambda_[r] = 0.5 * h * force_multipliers_[r];
   } else {
-    const double scale = h / last_h_, h2 = h * h;
-    const double a = history_ >= 3 ? 2 : history_ == 2 ? 1 : 0, b = history_ >= 3 ? -1 : 0;
-    for (int r = 0; r < rows; ++r)
-      lambda_[r] = scale * start_mu_[r] + h2 * (a * asymmetry_[r] + b * last_asymmetry_[r]);
+    prediction_.extrapolate(h, lambda_);
   }
 }
 
@@ -299,15 +284,18 @@ std::span<const double> Rattle::kick_jacobian() const {
 void Rattle::kick_and_drift(double h, const Configuration& end) {
   const Rows& rows = system_.rows();
   const std::span<const double> J = kick_jacobian();
-  const bool keeps_sums = implicit_ && !free_parts_.empty();
-  if (keeps_sums) kick_free_parts(h);
+  const auto kick = [&](int b) {
+    kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + rows.wrench_on(b, J, lambda_);
+  };
+  if (tension_.active()) {
+    for (int b = 0; b < world_.body_count(); ++b)
+      if (!system_.mass()[b].fixed) kick(b);
+    tension_.filter(state_.poses, kicked_);
+  }
   for (const Rows::Piece& piece : rows.pieces()) {
     for (int b = piece.begin; b < piece.end; ++b) {
       if (system_.mass()[b].fixed) continue;
-      if (!keeps_sums) {
-        kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + rows.wrench_on(b, J, lambda_);
-        if (implicit_) kicked_[b] = filtered(b, kicked_[b]);
-      }
+      if (!tension_.active()) kick(b);
       if (iterative()) kicked_[b] = kicked_[b] - absorbed_[b];
       poses_[b] = free_flow(system_.mass(), b, state_.poses[b], kicked_[b].torque, kicked_[b].force, h);
     }
@@ -463,7 +451,7 @@ void Rattle::project_momenta(StepReport& report, std::span<double> mu, double h)
     report.velocity_residual = max_abs(velocity_rows_);
     if (report.velocity_residual <= settings_.velocity_tolerance) return;
   }
-  steps_from_zero_ = kStepsFromZero;
+  prediction_.start_from_zero();
 }
 
 /// What the second pass leaves of its rates, or would have left without `sum`, as a part of them.

@@ -6,26 +6,21 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/union_find.h"
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
 #include "solvers/complementarity/stage_solver.h"
+#include "solvers/integrators/implicit_tension.h"
+#include "solvers/integrators/kick_works.h"
+#include "solvers/integrators/multiplier_prediction.h"
+#include "solvers/integrators/step_limit.h"
 #include "solvers/laws/axis_forces.h"
 #include "solvers/laws/breaking.h"
 #include "solvers/system/constraint_system.h"
-#include "solvers/system/free_parts.h"
 
 namespace taut {
 
 class Archive;
-
-/// The sums of a report that a sub-step adds to, so that one that is taken back leaves nothing behind.
-struct Works {
-  double constraint = 0, stiffness = 0, driver = 0, force = 0, dissipative = 0, flow = 0;
-};
-Works works_of(const StepReport& report);
-void set_works(StepReport& report, const Works& works);
 
 /// RATTLE [Andersen1983] on rigid bodies, the default integrator.  One step of length h from (q₀, p₀), where
 /// p = (L, P) are the momenta in world axes and S(q₀) is already factored:
@@ -83,9 +78,9 @@ class Rattle {
     for (int r : breaking_.rows()) rows[r] = 0;
   }
   /// The body whose tension asks for the shortest step.
-  BodyId stiffest() const;
+  BodyId stiffest() const { return limit_.stiffest(); }
   /// Largest step that tension and rotation allow from here.
-  double step_limit() const { return step_limit_; }
+  double step_limit() const { return limit_.step(); }
   /// φ at the last Newton iterate, for a diagnosis after kStalled.
   std::span<const double> residual() const { return phi_; }
   /// That is φ at the poses of state().
@@ -168,8 +163,6 @@ class Rattle {
   void renew_position_laws();
   void renew_velocity_laws();
   Configuration end_of_step(double h) const;
-  void account(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const double> jacobian,
-               std::span<const double> lambda, double h, StepReport& report);
   void begin_bounds(double h);
   bool seek_impacts();
   void forget_impacts(bool for_good);
@@ -197,8 +190,6 @@ class Rattle {
   bool project_bounded_momenta(StepReport& report);
   void begin_velocities();
   void end_velocities(StepReport& report);
-  void mean_rates(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const double> jacobian,
-                  std::span<double> out);
   void keep_first_kick();
   void finish_bounds(StepReport& report);
   void watch_left_over(double sum);
@@ -206,27 +197,9 @@ class Rattle {
   void restore(StepReport& report);
   void roll_back(StepReport& report);
   bool finite() const;
-  void update_step_limit(std::span<const double> force_multipliers);
-  void find_held_bodies();
-  bool is_held(int body);
-  void clear_held_bodies(int begin, int end);
-  void prepare_stiffness(double h);
-  void find_free_parts();
-  void kick_free_parts(double h);
-  Wrench filtered(int b, const Wrench& p) const {
-    return {filter_rotation_[b] * p.torque, filter_translation_[b] * p.force};
-  }
+  void update_step_limit() { limit_.update(state_, force_multipliers_); }
   void account_for_kick(double h, StepReport& report);
-  bool any_split() const;
-  enum class Bodies { kAll, kSplit };
-  double spin_energy(std::span<const Wrench> momenta, std::span<const Pose> poses, Bodies which) const;
   std::span<const double> kick_jacobian() const;
-  /// M⁻¹ ½ (p₀ + p₁) of a body at the poses of state_.
-  Twist mean_twist(int b, const Wrench& from, const Wrench& to) const {
-    return system_.inverse_mass(b).twist({0.5 * (from.torque + to.torque), 0.5 * (from.force + to.force)});
-  }
-  template <typename Visit>
-  void with_mean_twists(std::span<const Wrench> from, std::span<const Wrench> to, Visit&& visit) const;
 
   const World& world_;
   ConstraintSystem& system_;
@@ -253,27 +226,13 @@ class Rattle {
   bool refactored_ = false, surprised_ = false;
   bool knows_residual_ = false;  // the last step left φ at its end in phi_
 
-  std::vector<double> lambda_, mu_, start_mu_, delta_, phi_, velocity_rows_, impulses_, force_multipliers_;
-  // λ − μ of the last two steps divided by h², for the prediction.
-  std::vector<double> asymmetry_, last_asymmetry_;
-  int history_ = 0;
+  std::vector<double> lambda_, mu_, delta_, phi_, velocity_rows_, impulses_, force_multipliers_;
   std::vector<double> last_rates_;  // of rows, before the second pass of the projection
   double left_over_ = 0;            // part of them that it leaves
   int left_alike_ = 0;              // sub-steps in which that was the same
-  int steps_from_zero_ = 0;         // steps to come in which dependent rows start from no impulse
-  double last_h_ = 0;
-
-  std::vector<StiffnessBlocks> stiffness_;
-  double omega_ = 0, step_limit_ = 0;
-  bool implicit_ = false;  // this step uses geometric stiffness
-  std::vector<Mat3> filter_rotation_, filter_translation_;
-  std::vector<char> stiffened_;  // bodies
-  FreeParts free_parts_;         // whose momenta that filter keeps
 
   Breaking breaking_;
   std::vector<double> broken_states_;  // of rows, for the system without laws
-  std::vector<Wrench> dissipative_;    // forces that are not conservative
-  bool has_drivers_ = false, has_split_flow_ = false;
   Works works_before_;
 
   // With axes or contacts:
@@ -281,14 +240,14 @@ class Rattle {
   ContactForces contacts_;
   double horizon_ = 0;
   StageSolver stages_;
-  std::vector<char> held_rows_;
-  UnionFind stuck_together_;      // bodies
-  bool holds_bodies_ = false;     // the step limit left some out
+  StepLimit limit_;
+  ImplicitTension tension_;
+  KickWorks works_;
+  MultiplierPrediction prediction_;
   double slack_ = 0;              // of gaps and of places where friction holds, which is left [m or rad]
   std::vector<Wrench> absorbed_;  // momentum that bodies held fast did not take in this stage
   int unsettled_ = 0;
   std::vector<double> start_theta_, rates_, kick_rates_;
-  std::vector<Twist> mean_twists_;
   double time_to_impact_ = 0;
 };
 

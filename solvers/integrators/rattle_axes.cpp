@@ -115,7 +115,8 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
   stages_.note_residual(lambda_, rates_);
   axes_.finish_positions(rates_);
   stages_.note_inexact(lambda_, rates_);
-  surprised_ = holds_bodies_ && axes_.any_broken();  // who was left out of the step limit may move
+  surprised_ =
+      limit_.leaves_out_bodies() && axes_.any_broken();  // who was left out of the step limit may move
   return true;
 }
 
@@ -200,22 +201,15 @@ void Rattle::end_velocities(StepReport& report) {
 
 /// The first kick for the books, at the pose where it acted.
 void Rattle::keep_first_kick() {
-  mean_rates(momenta_, kicked_, kick_jacobian(), kick_rates_);
+  works_.mean_rates(momenta_, kicked_, kick_jacobian(), kick_rates_);
   axes_.keep(lambda_, rates_, kick_rates_);
   contacts_.keep(lambda_, rates_, kick_rates_);
-}
-
-/// Mean rates of the rows in a kick from momenta p₀ to p₁ at the poses of state_.
-void Rattle::mean_rates(std::span<const Wrench> from, std::span<const Wrench> to,
-                        std::span<const double> jacobian, std::span<double> out) {
-  for (int b = 0; b < world_.body_count(); ++b) mean_twists_[b] = mean_twist(b, from[b], to[b]);
-  system_.rows().apply(jacobian, mean_twists_, out);
 }
 
 /// After a step: who is held now, and the books of both kicks.
 void Rattle::finish_bounds(StepReport& report) {
   system_.rows().residual(state_, phi_);  // axes are up to date here
-  mean_rates(kicked_, momenta_, system_.jacobian(), kick_rates_);
+  works_.mean_rates(kicked_, momenta_, system_.jacobian(), kick_rates_);
   axes_.book(mu_, rates_, kick_rates_);
   axes_.finish_velocities(phi_, rates_, state_.time);
   contacts_.finish(mu_, kick_rates_, state_.time);

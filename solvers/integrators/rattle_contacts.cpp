@@ -50,8 +50,9 @@ void Rattle::forget(std::span<const char> moved) {
 
 void Rattle::forget_contact_impulses() {
   const auto first = system_.rows().first_contact_row();
-  for (auto* values : {&lambda_, &mu_, &start_mu_, &force_multipliers_})
+  for (auto* values : {&lambda_, &mu_, &force_multipliers_})
     std::fill(values->begin() + first, values->end(), 0.0);
+  prediction_.clear_from(first);
 }
 
 Rattle::Guess Rattle::guess() const {
@@ -76,10 +77,9 @@ void Rattle::take(const Guess& guess) {
     if (const int before = contacts_.inherited(k); before >= 0)
       take_rows(rows.joints()[rows.contact_joint(k)], guess.joints[joints_before + before]);
   contacts_.end_inheritance();
-  const double limit = step_limit_, omega = omega_;
-  update_step_limit(force_multipliers_);
-  step_limit_ = std::min(step_limit_, limit);
-  omega_ = std::max(omega_, omega);
+  const double limit = limit_.step(), omega = limit_.omega();
+  update_step_limit();
+  limit_.tighten(limit, omega);
 }
 
 bool Rattle::renew_forces() {
@@ -141,14 +141,14 @@ void Rattle::set_places() {
 void Rattle::move_rows(std::span<const int> from) {
   const int rows = system_.row_count();
   std::vector<double> moved;
-  for (auto* values :
-       {&lambda_, &mu_, &start_mu_, &delta_, &phi_, &velocity_rows_, &impulses_, &force_multipliers_,
-        &asymmetry_, &last_asymmetry_, &start_theta_, &rates_, &kick_rates_}) {
+  for (auto* values : {&lambda_, &mu_, &delta_, &phi_, &velocity_rows_, &impulses_, &force_multipliers_,
+                       &start_theta_, &rates_, &kick_rates_}) {
     moved.assign(rows, 0.0);
     for (int r = 0; r < rows; ++r)
       if (from[r] >= 0) moved[r] = (*values)[from[r]];
     values->swap(moved);
   }
+  prediction_.move_rows(from);
   stages_.move_rows(from);
   start_jacobian_.assign(system_.jacobian().size(), 0.0);
   system_.release_bounded_rows();
@@ -157,7 +157,7 @@ void Rattle::move_rows(std::span<const int> from) {
 /// Rates of the contact rows in the drift: J(q₀) M⁻¹ p.  The momenta stay, so that is what counts, and not
 /// how far points have come that were in contact at the start.
 void Rattle::contact_rates() {
-  mean_rates(kicked_, kicked_, kick_jacobian(), kick_rates_);
+  works_.mean_rates(kicked_, kicked_, kick_jacobian(), kick_rates_);
   std::copy(kick_rates_.begin() + system_.rows().first_contact_row(), kick_rates_.end(),
             rates_.begin() + system_.rows().first_contact_row());
 }

@@ -21,7 +21,7 @@ void Rattle::start_iterative() {
   twists_from_momenta();
   std::fill(mu_.begin(), mu_.end(), 0.0);
   std::fill(force_multipliers_.begin(), force_multipliers_.end(), 0.0);
-  update_step_limit(force_multipliers_);
+  update_step_limit();
   system_.rows().residual(state_, phi_);
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   axes_.start(phi_, rates_);

@@ -300,6 +300,13 @@ void StageSolver::transfer_factors(Archive& archive) {
   islands_.transfer(archive);
 }
 
+void MultiplierPrediction::transfer(Archive& archive) {
+  for (auto* rows : {&mu_, &asymmetry_, &last_asymmetry_}) archive.sized(*rows);
+  archive(history_, steps_from_zero_, last_h_);
+}
+
+void StepLimit::transfer(Archive& archive) { archive(omega_, step_, leaves_out_); }
+
 void Rattle::transfer(Archive& archive) {
   archive(state_, linearized_time_);
   Archive::require(std::isfinite(linearized_time_) && same(state_, world_.state()), "its states disagree");
@@ -315,21 +322,17 @@ void Rattle::transfer(Archive& archive) {
   axes_.transfer(archive);
   breaking_.transfer(archive);
   for (auto* wrenches : {&momenta_, &start_momenta_, &forces_}) archive.sized(*wrenches);
-  for (auto* rows :
-       {&lambda_, &mu_, &start_mu_, &impulses_, &force_multipliers_, &asymmetry_, &last_asymmetry_})
-    archive.sized(*rows);
+  for (auto* rows : {&lambda_, &mu_, &impulses_, &force_multipliers_}) archive.sized(*rows);
+  prediction_.transfer(archive);
   for (auto* rows : {&start_theta_, &rates_}) archive.sized(*rows);
-  archive(history_, left_over_, left_alike_, steps_from_zero_, last_h_, omega_, step_limit_, size_,
-          holds_bodies_, surprised_, horizon_);
+  archive(left_over_, left_alike_, size_, surprised_, horizon_);
+  limit_.transfer(archive);
   stages_.transfer(archive);
-  const double omega = omega_, limit = step_limit_;
-  const bool holds = holds_bodies_;
   if (archive.reads()) poses_ = state_.poses, std::swap(state_.time, linearized_time_);
   system_.transfer(archive, state_);
   stages_.transfer_factors(archive);
   if (!archive.reads()) return;
-  update_step_limit(force_multipliers_);  // for the stiffness of the next step
-  omega_ = omega, step_limit_ = limit, holds_bodies_ = holds;
+  limit_.restore_stiffness(state_, force_multipliers_);
   std::swap(state_.time, linearized_time_);
   system_.reset_counters();
 }

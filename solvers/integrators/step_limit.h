@@ -1,0 +1,67 @@
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/base/union_find.h"
+#include "core/world/world.h"
+#include "solvers/common/settings.h"
+#include "solvers/complementarity/stage_solver.h"
+#include "solvers/laws/breaking.h"
+#include "solvers/system/constraint_system.h"
+
+namespace taut {
+
+class Archive;
+
+/// The longest step from a state: ω h ≤ max_tension_number, with ω the fastest transverse frequency under the
+/// loads of the rows, and a rotation below max_rotation of every body.           (solvers/integrators,
+/// "Tension")
+class StepLimit {
+ public:
+  /// All of them must outlive it.
+  StepLimit(const World& world, ConstraintSystem& system, const Settings& settings, const AxisForces& axes,
+            const Breaking& breaking, const StageSolver& stages);
+
+  /// From the forces of the rows [N, N·m] at a state.
+  void update(const State& state, std::span<const double> force_multipliers);
+  /// That of both, where the other is from before.
+  void tighten(double step, double omega) {
+    step_ = std::min(step_, step);
+    omega_ = std::max(omega_, omega);
+  }
+  double step() const { return step_; }    ///< [s]
+  double omega() const { return omega_; }  ///< [rad/s]
+  /// Bodies that friction holds to the ground were left out.
+  bool leaves_out_bodies() const { return leaves_out_; }
+  /// Of each body, geometric stiffness K of the loads.
+  std::span<const StiffnessBlocks> stiffness() const { return stiffness_; }
+  /// The body whose tension asks for the shortest step.
+  BodyId stiffest() const;
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
+  /// The stiffness is made anew; the rest stays as it was.
+  void restore_stiffness(const State& state, std::span<const double> force_multipliers);
+
+ private:
+  void find_held_bodies();
+  bool is_held(int body);
+  void clear_held_bodies(int begin, int end);
+
+  const World& world_;
+  ConstraintSystem& system_;
+  const Settings& settings_;
+  const AxisForces& axes_;
+  const Breaking& breaking_;
+  const StageSolver& stages_;
+  bool may_leave_out_ = false;
+  double omega_ = 0, step_ = std::numeric_limits<double>::infinity();
+  bool leaves_out_ = false;
+  std::vector<StiffnessBlocks> stiffness_;
+  std::vector<char> holding_rows_;
+  UnionFind stuck_together_;  // bodies
+};
+
+}  // namespace taut
