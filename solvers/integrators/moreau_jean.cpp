@@ -14,11 +14,11 @@
 namespace taut {
 
 MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Settings& settings)
-    : Rattle(world, system, settings) {
+    : ImpulseScheme(world, system, settings) {
   first_twists_.resize(world.body_count());
 }
 
-Rattle::Outcome MoreauJean::advance(double h, StepReport& report) {
+ImpulseScheme::Outcome MoreauJean::advance(double h, StepReport& report) {
   report.tension_number = std::max(report.tension_number, limit_.omega() * h);
   works_before_ = works_of(report);
   stages_.begin_advance();
@@ -137,7 +137,7 @@ void MoreauJean::weigh(double h) {
 }
 
 /// Λ, with the forces at the state that it leads to: a fixed point.
-Rattle::Outcome MoreauJean::find_impulses(double h, StepReport& report) {
+ImpulseScheme::Outcome MoreauJean::find_impulses(double h, StepReport& report) {
   double last_change = std::numeric_limits<double>::infinity();
   weigh(h);
   world_.forces(weighted_, forces_, springs_);
@@ -173,14 +173,15 @@ bool MoreauJean::solve_stage(StepReport& report) {
   stages_.note_round_off();
   const StageSolver::Renew renew = [this] { renew_laws(); };
   if (!stages_.solve_velocities({mu_, rates_, renew}, report)) return false;
-  end_velocities(report);
+  take_impulses();
+  note_velocities(report);
   stages_.note_residual(mu_, rates_);
   return report.velocity_residual <= settings_.velocity_tolerance;
 }
 
 /// The one kick of the step, at q_M where it acts.
 void MoreauJean::book(double h, StepReport& report) {
-  if (bounded()) finish_bounds(report);
+  if (bounded()) finish_laws(report);
   if (!settings_.report_energy) return;
   // Forces that are not conservative were taken at the weighted state.
   works_.add({weighted_, start_momenta_, momenta_, system_.jacobian(), mu_}, forces_, 2 * h, report);

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "solvers/integrators/rattle.h"
+#include "solvers/integrators/impulse_scheme.h"
 
 namespace taut {
 
@@ -23,11 +23,11 @@ namespace taut {
 /// Joints lose ½ ‖ΔV‖²_M, of order h: V₀ is tangent at the q_M before and projected onto the tangents at this
 /// one.  An impact without restitution takes ½ ‖ΔV‖²_M and the work of friction.  Angular momentum of
 /// colliding bodies is off by the moment of the gap or depth at which they touch.
-class MoreauJean final : public Rattle {
+class MoreauJean final : public ImpulseScheme {
  public:
   MoreauJean(const World& world, ConstraintSystem& system, const Settings& settings);
 
-  /// One step of h > 0; kDone, kStalled, kNotFinite or kBlind, as Rattle::advance().
+  /// One step of h > 0; kDone, kStalled, kNotFinite or kBlind, as ImpulseScheme::advance().
   /// @throws std::invalid_argument if a contact is of materials with compliance; the state is then the old
   /// one.
   [[nodiscard]] Outcome advance(double h, StepReport& report) override;

@@ -12,16 +12,12 @@
 namespace taut {
 namespace {
 
+/// Impacts closer together than this part of a step are one.
+constexpr double kStrikeTogether = 1e-3;
 /// Solves more where contacts met their laws within a tolerance of rates only.
 constexpr int kExactSolves = 2;
 
 }  // namespace
-
-/// Zero in rows that hold nothing by themselves: of axes, soft joints, contacts, and joints that broke.
-void Rattle::clear_loose_rows(std::span<double> rows) const {
-  clear_broken_rows(rows);
-  system_.clear_bounded_rows(rows);
-}
 
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
@@ -176,27 +172,12 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
   begin_velocities();
   const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
   if (!axes_.finite() || !stages_.solve_velocities({mu_, rates_, renew}, report)) return false;
-  end_velocities(report);
+  take_impulses();
+  note_velocities(report);
   stages_.note_residual(mu_, rates_);
   if (report.velocity_residual <= settings_.velocity_tolerance) return true;
   stages_.note_culprits(mu_, rates_);
   return false;
-}
-
-/// The momenta that μ leads to, and what is left of their rates.
-void Rattle::end_velocities(StepReport& report) {
-  for (int b = 0; b < world_.body_count(); ++b) {
-    if (!system_.inverse_mass(b).moves()) continue;
-    momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), mu_);
-    if (iterative()) momenta_[b] = momenta_[b] - absorbed_[b];
-  }
-  twists_from_momenta();
-  system_.rows().apply(system_.jacobian(), state_.twists, velocity_rows_);
-  system_.rows().add_rate(state_, velocity_rows_);
-  std::copy(velocity_rows_.begin(), velocity_rows_.end(), rates_.begin());
-  stages_.note_inexact(mu_, rates_);
-  clear_loose_rows(velocity_rows_);
-  report.velocity_residual = max_abs(velocity_rows_);
 }
 
 /// The first kick for the books, at the pose where it acted.
@@ -206,16 +187,28 @@ void Rattle::keep_first_kick() {
   contacts_.keep(lambda_, rates_, kick_rates_);
 }
 
-/// After a step: who is held now, and the books of both kicks.
-void Rattle::finish_bounds(StepReport& report) {
-  system_.rows().residual(state_, phi_);  // axes are up to date here
-  works_.mean_rates(kicked_, momenta_, system_.jacobian(), kick_rates_);
-  axes_.book(mu_, rates_, kick_rates_);
-  axes_.finish_velocities(phi_, rates_, state_.time);
-  contacts_.finish(mu_, kick_rates_, state_.time);
-  report.axis_work = {};
-  for (const AxisReport& axis : axes_.reports()) report.axis_work += axis.work;
-  report.contact_work = contacts_.work();
+/// Rates of the contact rows in the drift: J(q₀) M⁻¹ p.  The momenta stay, so that is what counts, and not
+/// how far points have come that were in contact at the start.
+void Rattle::contact_rates() {
+  works_.mean_rates(kicked_, kicked_, kick_jacobian(), kick_rates_);
+  std::copy(kick_rates_.begin() + system_.rows().first_contact_row(), kick_rates_.end(),
+            rates_.begin() + system_.rows().first_contact_row());
+}
+
+/// Where the Jacobian of contact rows begins, which are the last.
+std::size_t Rattle::contact_offset() const {
+  const Rows& rows = system_.rows();
+  if (rows.contact_count() == 0) return rows.jacobian_size();
+  return rows.sides()[rows.joints()[rows.contact_joint(0)].first_side].offset;
+}
+
+/// The first of the impacts that were sought; those at that time are due.
+double Rattle::first_impact(double h) {
+  const double first =
+      std::max(std::min(axes_.first_impact(rates_), contacts_.first_impact(rates_)), kStrikeTogether * h);
+  axes_.take_impacts(first + kStrikeTogether * h, rates_);
+  contacts_.take_impacts(first + kStrikeTogether * h, rates_);
+  return first > (1 - kStrikeTogether) * h ? h : first;
 }
 
 }  // namespace taut

@@ -3,20 +3,15 @@
 // Joints that leave within a step, and its books.  (solvers/laws, "Breaking"), (solvers/simulator, "Energy")
 namespace taut {
 
-/// What a step of h from the present state leads to: `poses_` at its end while it is tried (h ≠ 0); or, once
-/// it is accepted (h = 0), the new state, while `poses_` are still the old ones at which the axes hold.
-Configuration Rattle::end_of_step(double h) const {
-  if (h == 0) return {state_.poses, state_.time, state_.axes, poses_};
-  return {poses_, state_.time + h, state_.axes, state_.poses};
-}
-
 /// After a sub-step whose velocities are closed: true if it was taken back because a joint does not bear it.
 bool Rattle::break_joints(double h, StepReport& report) {
   for (int r = 0; r < system_.row_count(); ++r) delta_[r] = lambda_[r] + mu_[r];
   if (!breaking_.check(system_, state_, delta_, h)) return false;
-  const bool now = breaking_.time_to_break() == 0;
+  time_to_event_ = breaking_.time_to_break();
+  const bool now = time_to_event_ == 0;
   axes_.forget_impacts(false);
   roll_back(report);
+  tension_.end();
   if (!now) return true;
   release_overloaded();
   if (!iterative()) system_.factorize(report.times);

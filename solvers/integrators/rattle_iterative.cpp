@@ -16,17 +16,6 @@ constexpr int kSweepsPerPass = 10;
 
 }  // namespace
 
-void Rattle::start_iterative() {
-  find_forces();
-  twists_from_momenta();
-  std::fill(mu_.begin(), mu_.end(), 0.0);
-  std::fill(force_multipliers_.begin(), force_multipliers_.end(), 0.0);
-  update_step_limit();
-  system_.rows().residual(state_, phi_);
-  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
-  axes_.start(phi_, rates_);
-}
-
 /// λ that takes φ(q₁) towards 0 and the other rows towards their laws.
 bool Rattle::stabilize_positions(double h, StepReport& report) {
   const Stopwatch watch(report.times.positions);
@@ -55,7 +44,10 @@ bool Rattle::stabilize_velocities(StepReport& report) {
   const double tolerance = 0.1 * settings_.velocity_tolerance;
   if (!stages_.iterate({mu_, rates_, renew}, settings_.iterations, tolerance, absorbed_, report))
     return false;
-  end_velocities(report);
+  take_impulses();
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (system_.inverse_mass(b).moves()) momenta_[b] = momenta_[b] - absorbed_[b];
+  note_velocities(report);
   stages_.note_residual(mu_, rates_);
   return std::isfinite(report.velocity_residual);
 }

@@ -48,12 +48,12 @@ double Rattle::distance_to_closure(StepReport& report) {
 /// quadratically, also along directions that the rows hold weakly, where the fixed J(q₀) of the Newton above
 /// does not: there J(q₁) − J(q₀) outweighs J itself.  (solvers/integrators, "Weak directions")
 bool Rattle::mend_positions(double h, StepReport& report) {
-  if (!refactored_) std::copy(system_.jacobian().begin(), system_.jacobian().end(), start_jacobian_.begin());
+  if (!refactored_) start_jacobian_.assign(system_.jacobian().begin(), system_.jacobian().end());
   refactored_ = true;
   const Configuration end(poses_, state_.time + h, state_.axes);
   system_.set_shift(kMendingShift);
   double gap = max_abs(phi_), best = gap;
-  unmended_ = poses_;
+  std::vector<Pose> unmended = poses_;  // the best so far
   for (int pass = 0, in_vain = 0; pass < kMaxMends && gap > kMended && in_vain <= kOvershoots; ++pass) {
     system_.linearize(end);
     system_.set_mass(poses_);
@@ -76,13 +76,13 @@ bool Rattle::mend_positions(double h, StepReport& report) {
     gap = max_abs(phi_);
     if (gap < best) {
       best = gap;
-      unmended_ = poses_;
+      unmended = poses_;
     }
   }
   system_.set_shift(kSteppingTolerance.shift);
   system_.set_mass(state_.poses);  // where the kick acts
   if (!(gap <= best)) {
-    std::copy(unmended_.begin(), unmended_.end(), poses_.begin());
+    std::copy(unmended.begin(), unmended.end(), poses_.begin());
     system_.rows().residual(end, phi_);
   }
   surprised_ = false;

@@ -130,8 +130,8 @@ Checkpoint Simulator::checkpoint() {
   std::vector<char> attached, gone;  // gone with the last step, which the integrator has not seen yet
   for (int j = 0; j < world.joint_count(); ++j) attached.push_back(world.is_attached({j}));
   gone.assign(attached.size(), 0);
-  if (remembers && own.rattle_)
-    for (const BreakEvent& event : own.rattle_->breaking().events()) gone[event.joint.index] = 1;
+  if (remembers && own.scheme_)
+    for (const BreakEvent& event : own.scheme_->breaking().events()) gone[event.joint.index] = 1;
   archive(model, method, state, attached, gone, remembers);
   if (remembers) own.transfer(archive, {});
   return Checkpoint::of_payload(archive.bytes());
@@ -223,8 +223,8 @@ void Simulator::Impl::transfer(Archive& archive, std::span<const char> gone) {
     if (merged_) merged_->give_sleep(source_);
     make_system();
   }
-  if (rattle_)
-    rattle_->transfer(archive);
+  if (scheme_)
+    scheme_->transfer(archive);
   else
     force_level_->transfer(archive);
   if (weld_loads_) archive(start_);

@@ -307,7 +307,7 @@ void MultiplierPrediction::transfer(Archive& archive) {
 
 void StepLimit::transfer(Archive& archive) { archive(omega_, step_, leaves_out_); }
 
-void Rattle::transfer(Archive& archive) {
+void ImpulseScheme::transfer(Archive& archive) {
   archive(state_, linearized_time_);
   Archive::require(std::isfinite(linearized_time_) && same(state_, world_.state()), "its states disagree");
   if (!contacts_.empty()) {
@@ -325,7 +325,7 @@ void Rattle::transfer(Archive& archive) {
   for (auto* rows : {&lambda_, &mu_, &impulses_, &force_multipliers_}) archive.sized(*rows);
   prediction_.transfer(archive);
   for (auto* rows : {&start_theta_, &rates_}) archive.sized(*rows);
-  archive(left_over_, left_alike_, size_, surprised_, horizon_);
+  archive(left_over_, left_alike_, horizon_);
   limit_.transfer(archive);
   stages_.transfer(archive);
   if (archive.reads()) poses_ = state_.poses, std::swap(state_.time, linearized_time_);
@@ -335,6 +335,11 @@ void Rattle::transfer(Archive& archive) {
   limit_.restore_stiffness(state_, force_multipliers_);
   std::swap(state_.time, linearized_time_);
   system_.reset_counters();
+}
+
+void Rattle::transfer(Archive& archive) {
+  ImpulseScheme::transfer(archive);
+  archive(size_, surprised_);
 }
 
 }  // namespace taut

@@ -18,6 +18,7 @@
 #include "solvers/integrators/assembly.h"
 #include "solvers/integrators/composition.h"
 #include "solvers/integrators/moreau_jean.h"
+#include "solvers/integrators/rattle.h"
 #include "solvers/linear/cholmod_factor.h"
 #include "solvers/simulator/simulator_impl.h"
 
@@ -44,17 +45,17 @@ Gap wider(const Gap& a, const Gap& b) {
 /// know of the steps before is kept, but where bodies were moved.
 void Simulator::Impl::refresh() {
   std::unique_ptr<ConstraintSystem> old_system;  // outlives the integrator that refers to it
-  std::unique_ptr<Rattle> old_rattle;
+  std::unique_ptr<ImpulseScheme> old_scheme;
   const bool is_new = !knows_pattern();
   // What it knows after a step that failed may be anything.
-  const bool knows = rattle_ && has_started() && (state_version_ >= 0 || retaken_);
+  const bool knows = scheme_ && has_started() && (state_version_ >= 0 || retaken_);
   if (is_new) {
     require_none(setting_conflicts(settings_, world_));
     // What held before holds on, but where bodies were moved.
     if (knows) {
-      rattle_->forget(moved_bodies());
+      scheme_->forget(moved_bodies());
       old_system = std::move(system_);
-      old_rattle = std::move(rattle_);
+      old_scheme = std::move(scheme_);
     }
     make_system();
     pace_.hard_steps = 0;
@@ -62,8 +63,8 @@ void Simulator::Impl::refresh() {
   }
   if (state_version_ == world_.state_version() && recalled_.empty()) return;
   const bool goes_on = knows && !is_new;
-  if (goes_on && !retaken_ && recalled_.empty() && same(world_.state(), rattle_->state()) &&
-      rattle_->renew_forces()) {
+  if (goes_on && !retaken_ && recalled_.empty() && same(world_.state(), scheme_->state()) &&
+      scheme_->renew_forces()) {
     state_version_ = world_.state_version();
     return;
   }
@@ -89,17 +90,17 @@ void Simulator::Impl::refresh() {
       }
       move_world(state);
     }
-    rattle_->set_horizon(horizon_);
+    scheme_->set_horizon(horizon_);
     recall_contacts();
     if (goes_on) {
-      rattle_->forget(moved_bodies());
-      rattle_->restart(world_.state(), report_);
+      scheme_->forget(moved_bodies());
+      scheme_->restart(world_.state(), report_);
     } else {
-      if (old_rattle) rattle_->inherit_contacts(*old_rattle);
-      rattle_->start(world_.state(), report_);
-      if (old_rattle) rattle_->inherit(*old_rattle);
+      if (old_scheme) scheme_->inherit_contacts(*old_scheme);
+      scheme_->start(world_.state(), report_);
+      if (old_scheme) scheme_->inherit(*old_scheme);
     }
-    if (rattle_->blind()) return fail_blind();
+    if (scheme_->blind()) return fail_blind();
     retaken_ = false;
     restarted_ = true;
   }
@@ -110,16 +111,16 @@ void Simulator::Impl::refresh() {
 void Simulator::Impl::make_system() {
   auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
                                                    Rows::AxisRows::kIncluded, springs_);
-  rattle_.reset();
+  scheme_.reset();
   force_level_.reset();
   system_ = std::move(system);
   if (is_force_level(settings_.integrator))
     force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
   else if (settings_.integrator == Integrator::kMoreauJean)
-    rattle_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
+    scheme_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
   else
-    rattle_ = std::make_unique<Rattle>(world_, *system_, settings_);
-  if (rattle_) rattle_->name_by(source_);
+    scheme_ = std::make_unique<Rattle>(world_, *system_, settings_);
+  if (scheme_) scheme_->stages().name_by(source_);
   phi_.assign(system_->row_count(), 0.0);
   rates_.assign(system_->row_count(), 0.0);
   reaction_multipliers_.assign(system_->row_count(), 0.0);
@@ -250,22 +251,22 @@ bool Simulator::Impl::advance_to_end(double dt) {
   const bool goes_on = state_version_ == world_.state_version() && knows_pattern();
   refresh();
   if (!report_.ok()) return true;
-  if (settings_.report_energy && rattle_ && (!goes_on || restarted_)) books_.start(world_, rattle_->state());
+  if (settings_.report_energy && scheme_ && (!goes_on || restarted_)) books_.start(world_, scheme_->state());
   restarted_ = false;  // else a question before the step has had it started
-  if (weld_loads_) merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), start_);
+  if (weld_loads_) merged_->expand(force_level_ ? force_level_->state() : scheme_->state(), start_);
   bool done = true;
   state_version_ = -1;  // until the end
   if (force_level_) {
     const World::Hold held = source_.hold();
     done = force_level_->advance(dt, report_);
   } else {
-    rattle_->set_horizon(dt);
-    rattle_->clear_impulses();
+    scheme_->set_horizon(dt);
+    scheme_->clear_impulses();
     const World::Hold held = source_.hold();
     done = integrate(dt);
   }
   if (force_level_ && !done) fail_not_finite();
-  if (sleep_ && rattle_ && wakes(done)) {
+  if (sleep_ && scheme_ && wakes(done)) {
     retaken_ = done;
     forget_step();
     set_works(report_, {});
@@ -286,28 +287,28 @@ bool Simulator::Impl::advance_to_end(double dt) {
 /// The world still has the state from before, and all its joints: start from there again.
 void Simulator::Impl::forget_step() {
   state_version_ = -1;
-  if (rattle_ && rattle_->breaking().any()) topology_version_ = -1;
+  if (scheme_ && scheme_->breaking().any()) topology_version_ = -1;
 }
 
 /// One step of the integrator: RATTLE, or a whole composition of it, which loses its order if a stage were
 /// split.
-Rattle::Outcome Simulator::Impl::advance(double h) {
+ImpulseScheme::Outcome Simulator::Impl::advance(double h) {
   const std::span<const double> fractions = composition_of(settings_.integrator);
-  if (fractions.size() == 1) return rattle_->advance(h, report_);
-  before_ = rattle_->state();
+  if (fractions.size() == 1) return scheme_->advance(h, report_);
+  before_ = scheme_->state();
   const Works works = works_of(report_);
-  impulses_before_.assign(rattle_->impulses().begin(), rattle_->impulses().end());
+  impulses_before_.assign(scheme_->impulses().begin(), scheme_->impulses().end());
   for (double fraction : fractions) {
-    const Rattle::Outcome outcome = rattle_->advance(fraction * h, report_);
-    if (outcome == Rattle::Outcome::kDone) continue;
-    if (outcome != Rattle::Outcome::kNotFinite && outcome != Rattle::Outcome::kBlind) {
-      rattle_->start(before_, report_);
-      rattle_->set_impulses(impulses_before_);
+    const ImpulseScheme::Outcome outcome = scheme_->advance(fraction * h, report_);
+    if (outcome == ImpulseScheme::Outcome::kDone) continue;
+    if (outcome != ImpulseScheme::Outcome::kNotFinite && outcome != ImpulseScheme::Outcome::kBlind) {
+      scheme_->start(before_, report_);
+      scheme_->set_impulses(impulses_before_);
       set_works(report_, works);
     }
     return outcome;
   }
-  return Rattle::Outcome::kDone;
+  return ImpulseScheme::Outcome::kDone;
 }
 
 /// Sub-steps that a step needs now.  A symplectic scheme keeps its energy only while its step stays the same,
@@ -332,14 +333,14 @@ double Simulator::Impl::step_limit() const {
   double longest = 0;
   for (double fraction : composition_of(settings_.integrator))
     longest = std::max(longest, std::abs(fraction));
-  return rattle_->step_limit() / longest;
+  return scheme_->limit().step() / longest;
 }
 
 /// Covers dt in as many equal sub-steps as tension, rotation and convergence ask for.
 bool Simulator::Impl::integrate(double dt) {
   const double smallest = dt / settings_.max_substeps, piece = dt / choose_pieces(dt);
   const bool hard = pace_.hard_steps > 0;
-  rattle_->accept_inexact(hard ? settings_.inexact_tolerance : 0, hard);
+  scheme_->stages().accept_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   double remaining = dt, limit = std::numeric_limits<double>::infinity(), impact = 0;
   bool forgot = false, unstable = false;
   while (remaining > 0) {
@@ -349,40 +350,42 @@ bool Simulator::Impl::integrate(double dt) {
     // An impact ends a sub-step, which may then be as short as it likes.
     const double even = remaining / left, h = impact > 0 ? impact : even;
     impact = 0;
-    const Rattle::Outcome outcome = advance(h);
-    unstable = outcome == Rattle::Outcome::kUnstable;
+    const ImpulseScheme::Outcome outcome = advance(h);
+    unstable = outcome == ImpulseScheme::Outcome::kUnstable;
     switch (outcome) {
-      case Rattle::Outcome::kDone:
+      case ImpulseScheme::Outcome::kDone:
         remaining = left > 1 || h < even ? remaining - h : 0;
         limit *= kGrow;
         break;
-      case Rattle::Outcome::kImpact:
-        impact = rattle_->time_to_impact();
+      case ImpulseScheme::Outcome::kImpact:
+        impact = scheme_->time_to_event();
         break;
-      case Rattle::Outcome::kOverload:
-        impact = rattle_->time_to_break();
+      case ImpulseScheme::Outcome::kOverload:
+        impact = scheme_->time_to_event();
         break;
-      case Rattle::Outcome::kUnstable:
+      case ImpulseScheme::Outcome::kUnstable:
         limit = std::min(kShrink * even, step_limit());
         break;
-      case Rattle::Outcome::kStalled:
+      case ImpulseScheme::Outcome::kStalled:
         // Laws that could not be met: once more without impulses of contacts as a guess, then in shorter
         // sub-steps, and inexactly.
-        if (const bool laws = !rattle_->active_set_outcome().ok(); laws && !rattle_->contacts().empty()) {
-          rattle_->forget_contact_impulses();
+        if (const bool laws = !scheme_->stages().active_set_outcome().ok();
+            laws && !scheme_->contacts().empty()) {
+          scheme_->forget_contact_impulses();
           if (!forgot)
             forgot = true;
           else
             limit = kShrink * even;
-          if (hard || limit < kHardPart * piece) rattle_->accept_inexact(settings_.inexact_tolerance, false);
+          if (hard || limit < kHardPart * piece)
+            scheme_->stages().accept_inexact(settings_.inexact_tolerance, false);
         } else {
           limit = kShrink * even;
         }
         break;
-      case Rattle::Outcome::kNotFinite:
+      case ImpulseScheme::Outcome::kNotFinite:
         fail_not_finite();
         return false;
-      case Rattle::Outcome::kBlind:
+      case ImpulseScheme::Outcome::kBlind:
         fail_blind();
         return false;
     }
@@ -398,13 +401,13 @@ bool Simulator::Impl::integrate(double dt) {
 /// Of joints, and of axes beyond rigid limits.
 Gap Simulator::Impl::gap_of(std::span<const double> phi) const {
   const Gap joints = max_gap(system_->rows(), phi);
-  return rattle_ ? wider(joints, rattle_->axes().beyond_limits(phi)) : joints;
+  return scheme_ ? wider(joints, scheme_->axes().beyond_limits(phi)) : joints;
 }
 
 /// False, and said so, if the members of merged bodies cannot be placed to the tolerance.
 bool Simulator::Impl::welds_hold() {
   if (!weld_loads_) return true;
-  merged_->expand(force_level_ ? force_level_->state() : rattle_->state(), given_);
+  merged_->expand(force_level_ ? force_level_->state() : scheme_->state(), given_);
   const MergedWorld::OpenWeld widest = merged_->widest_weld(source_, given_);
   if (std::max(widest.gap.metres, widest.gap.radians) <= settings_.position_tolerance) return true;
   std::ostringstream text;
@@ -422,21 +425,21 @@ bool Simulator::Impl::welds_hold() {
 
 /// The proof of quality, from the state that the user gets.
 void Simulator::Impl::finish(double dt) {
-  const State& state = force_level_ ? force_level_->state() : rattle_->state();
+  const State& state = force_level_ ? force_level_->state() : scheme_->state();
   const double time = world_.time() + dt;
   move_world(state);
   world_.set_time(time);
-  if (rattle_) rattle_->set_time(time);
-  if (rattle_) detach_broken();
+  if (scheme_) scheme_->set_time(time);
+  if (scheme_) detach_broken();
   state_version_ = world_.state_version();
   report_.time = time;
   if (report_.status == Status::kInexact) report_.message += list_culprits();
   for (auto* values : {&phi_, &rates_, &reaction_multipliers_}) values->resize(system_->row_count());
-  if (rattle_ && rattle_->knows_residual()) {
-    report_.gap = max_gap(system_->rows(), rattle_->residual());
+  if (scheme_ && scheme_->knows_residual()) {
+    report_.gap = max_gap(system_->rows(), scheme_->residual());
   } else {
     system_->rows().residual(state, phi_);
-    if (rattle_) rattle_->clear_broken_rows(phi_);
+    if (scheme_) scheme_->clear_broken_rows(phi_);
     report_.gap = gap_of(phi_);
   }
   if (weld_loads_) report_.gap = wider(report_.gap, merged_->widest_weld(source_, given_).gap);
@@ -447,8 +450,8 @@ void Simulator::Impl::finish(double dt) {
     for (double rate : rates_)
       report_.velocity_residual = std::max(report_.velocity_residual, std::abs(rate));
   }
-  if (rattle_) {
-    for (const ContactSet::Place& place : rattle_->contacts().set().places()) {
+  if (scheme_) {
+    for (const ContactSet::Place& place : scheme_->contacts().set().places()) {
       if (!place.active) continue;
       ++report_.contacts;
       report_.penetration = std::max(report_.penetration, -place.contact.gap);
@@ -460,9 +463,9 @@ void Simulator::Impl::finish(double dt) {
   report_.condition_estimate = system_->condition_estimate();
   if (settings_.report_energy) {
     report_.constraint_work -= report_.axis_work.total() + report_.contact_work.total();
-    sum_motion(state, force_level_ ? force_level_->momenta() : rattle_->momenta(), report_);
+    sum_motion(state, force_level_ ? force_level_->momenta() : scheme_->momenta(), report_);
     const World::Hold held = source_.hold();
-    books_.close(world_, report_, rattle_ != nullptr);
+    books_.close(world_, report_, scheme_ != nullptr);
   }
   if (sleep_) sleep_->watch(world_, dt);
 }
@@ -479,7 +482,7 @@ void Simulator::Impl::name_dependent_rows() {
 
 /// What broke in the step is out of the world from now on.
 void Simulator::Impl::detach_broken() {
-  const std::span<const BreakEvent> events = rattle_->breaking().events();
+  const std::span<const BreakEvent> events = scheme_->breaking().events();
   if (events.empty()) return;
   report_.breaks.assign(events.begin(), events.end());
   for (const BreakEvent& event : events) {
@@ -515,7 +518,7 @@ void Simulator::Impl::close_all_joints() {
   if (close_joints(*system_, state, settings_.position_tolerance, report_)) {
     move_world(state);
     refresh();
-    if (rattle_) move_world(rattle_->state());
+    if (scheme_) move_world(scheme_->state());
     state_version_ = world_.state_version();
     report_.time = world_.time();
     system_->rows().residual(world_.state(), phi_);

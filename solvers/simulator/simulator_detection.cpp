@@ -8,17 +8,17 @@ namespace taut {
 
 void Simulator::Impl::note_detection() {
   constexpr std::size_t kNamed = 8;
-  if (!rattle_) return;
-  report_.missing_threads = rattle_->missing_threads();
-  if (rattle_->contacts().empty()) return;
-  const auto& unsupported = rattle_->contacts().set().detection().unsupported;
+  if (!scheme_) return;
+  report_.missing_threads = scheme_->missing_threads();
+  if (scheme_->contacts().empty()) return;
+  const auto& unsupported = scheme_->contacts().set().detection().unsupported;
   report_.unsupported_pairs = static_cast<int>(unsupported.size());
   report_.unsupported.assign(unsupported.begin(), unsupported.begin() + std::min(kNamed, unsupported.size()));
 }
 
 void Simulator::Impl::fail_blind() {
   state_version_ = -1;  // what was begun knows of no contacts
-  const DetectionReport& found = rattle_->contacts().set().detection();
+  const DetectionReport& found = scheme_->contacts().set().detection();
   if (found.crowd.empty()) {
     const BodyId body = source_.shape(found.out_of_reach).body;
     std::ostringstream message;

@@ -33,8 +33,8 @@ constexpr double kManyTimes = 1e4;
 
 Contradiction Simulator::Impl::contradiction_from(const State& state, double horizon) const {
   std::vector<JointId> gone;
-  if (rattle_)
-    for (int row : rattle_->breaking().rows())
+  if (scheme_)
+    for (int row : scheme_->breaking().rows())
       if (const auto joint = system_->rows().joint_of(row); joint && (gone.empty() || gone.back() != *joint))
         gone.push_back(*joint);
   return find_contradiction({.world = world_,
@@ -75,8 +75,8 @@ void Simulator::Impl::fail_not_finite() {
     report_.culprits = {culprit};
     set_failure(Status::kNotFinite, what + name_of(culprit, source_) + why);
   };
-  if (rattle_ && !rattle_->axes().finite()) {
-    const AxisId axis = rattle_->axes().not_finite();
+  if (scheme_ && !scheme_->axes().finite()) {
+    const AxisId axis = scheme_->axes().not_finite();
     return fail("what the motor of ", {.kind = Culprit::Kind::kAxis, .axis = axis}, " follows is not finite");
   }
   const State& start = world_.state();
@@ -117,7 +117,7 @@ void Simulator::Impl::fail_not_finite() {
 ForceId Simulator::Impl::force_not_finite() const {
   std::vector<State> states{source_.state(), source_.state()};
   states[1].time += report_.dt;
-  if (rattle_ && !weld_loads_) states.push_back(rattle_->state());
+  if (scheme_ && !weld_loads_) states.push_back(scheme_->state());
   std::vector<Wrench> wrenches;
   for (const State& state : states) {
     const auto finite = [&](const Pose& X) { return X.p.allFinite() && X.q.coeffs().allFinite(); };
@@ -135,11 +135,11 @@ ForceId Simulator::Impl::force_not_finite() const {
 /// The first body whose state is not finite; none: the ground.
 BodyId Simulator::Impl::body_not_finite() const {
   if (force_level_) return force_level_->not_finite();
-  if (!rattle_) return kGround;
+  if (!scheme_) return kGround;
   for (int b = 0; b < world_.body_count(); ++b) {
-    const Pose& X = rattle_->state().poses[b];
-    const Wrench& p = rattle_->momenta()[b];
-    const Twist& V = rattle_->state().twists[b];
+    const Pose& X = scheme_->state().poses[b];
+    const Wrench& p = scheme_->momenta()[b];
+    const Twist& V = scheme_->state().twists[b];
     if (!(within_reach(X, V) && X.q.coeffs().allFinite() && p.torque.allFinite() && p.force.allFinite()))
       return {b};
   }
@@ -258,27 +258,27 @@ std::string Simulator::Impl::singular_axis() const {
 
 /// `unstable`: the last sub-step was too long for tension.
 void Simulator::Impl::diagnose_stall(double remaining, bool unstable) {
-  const std::span<const double> phi = rattle_->residual();
-  if (!rattle_->axes().finite() ||
+  const std::span<const double> phi = scheme_->residual();
+  if (!scheme_->axes().finite() ||
       std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); }))
     return fail_not_finite();
   Contradiction& found = report_.contradiction;
-  found = contradiction_from(rattle_->state(), remaining);
+  found = contradiction_from(scheme_->state(), remaining);
   for (double steps : kStepsAhead)
-    if (found.empty()) found = contradiction_from(rattle_->state(), steps * report_.dt);
-  if (found.empty() && !rattle_->jammed().empty()) {
+    if (found.empty()) found = contradiction_from(scheme_->state(), steps * report_.dt);
+  if (found.empty() && !scheme_->stages().jammed().empty()) {
     name_jam();
     return set_failure(Status::kContradiction, "friction grows with a load that it makes grow: they jam");
   }
-  const ActiveSetOutcome& outcome = rattle_->active_set_outcome();
+  const ActiveSetOutcome& outcome = scheme_->stages().active_set_outcome();
   if (outcome.ok() && found.empty())
-    found = find_stuck_joints(world_, *system_, rattle_->trial_poses(), report_);
+    found = find_stuck_joints(world_, *system_, scheme_->trial_poses(), report_);
   if (found.residual <= kStuckPart * settings_.position_tolerance && found.bounds.empty() && outcome.ok())
     found = {};
   Status status = found.empty() ? Status::kNotConverged : Status::kContradiction;
   if (outcome.ok()) {
     std::ostringstream message;
-    if (const BodyId body = rattle_->unsettled(); found.empty() && body.index > 0) {
+    if (const BodyId body = scheme_->unsettled(); found.empty() && body.index > 0) {
       const Culprit culprit{.kind = Culprit::Kind::kBody, .a = body};
       report_.culprits = {culprit};
       message << "forces that depend on velocities do not settle with sub-steps down to dt/"
@@ -289,15 +289,15 @@ void Simulator::Impl::diagnose_stall(double remaining, bool unstable) {
     const std::string down = " with sub-steps down to dt/" + std::to_string(settings_.max_substeps);
     if (!found.empty()) return set_failure(status, "positions could not be closed" + down);
     if (unstable) {
-      const Culprit culprit{.kind = Culprit::Kind::kBody, .a = rattle_->stiffest()};
+      const Culprit culprit{.kind = Culprit::Kind::kBody, .a = scheme_->limit().stiffest()};
       report_.culprits = {culprit};
       return set_failure(status, "tension on " + name_of(culprit, source_) + " is too stiff" + down +
                                      ": \"tension\": \"implicit\", a shorter step, or a larger mass helps");
     }
-    if (const std::string widest = widest_gap(rattle_->state(), phi, settings_.position_tolerance);
+    if (const std::string widest = widest_gap(scheme_->state(), phi, settings_.position_tolerance);
         !widest.empty())
       return set_failure(status, "positions could not be closed" + down + widest + singular_axis());
-    report_.culprits.assign(rattle_->culprits().begin(), rattle_->culprits().end());
+    report_.culprits.assign(scheme_->stages().culprits().begin(), scheme_->stages().culprits().end());
     return set_failure(
         status, "joints and laws could not be met together" + down + list_culprits() + singular_axis());
   }
@@ -309,7 +309,7 @@ void Simulator::Impl::diagnose_stall(double remaining, bool unstable) {
     if (outcome.worst_row >= 0)
       if (const auto joint = system_->rows().joint_of(outcome.worst_row)) found.joints.push_back(*joint);
   }
-  report_.culprits.assign(rattle_->culprits().begin(), rattle_->culprits().end());
+  report_.culprits.assign(scheme_->stages().culprits().begin(), scheme_->stages().culprits().end());
   set_failure(status, "limits, motors, friction and contacts could not be met together with the joints" +
                           (found.empty() ? list_culprits() + singular_axis() : ""));
 }
@@ -319,9 +319,9 @@ void Simulator::Impl::name_jam() {
   Contradiction& found = report_.contradiction;
   const Rows& rows = system_->rows();
   const std::span<const Rows::AxisRow> axes = rows.axis_rows();
-  for (int r : rattle_->jammed()) {
+  for (int r : scheme_->stages().jammed()) {
     const auto axis = std::find_if(axes.begin(), axes.end(), [r](const auto& a) { return a.row == r; });
-    if (axis != axes.end() && rattle_->axes().has_unbounded_motor(axis - axes.begin()))
+    if (axis != axes.end() && scheme_->axes().has_unbounded_motor(axis - axes.begin()))
       found.bounds.push_back({axis->axis, Contradiction::Bound::Kind::kMotor});
     const bool rubs =
         axis != axes.end() && axis->axis.axis >= 0 && world_.axis_properties(axis->axis).friction;

@@ -11,7 +11,7 @@
 #include "core/merging/merged_world.h"
 #include "solvers/common/setting_checks.h"
 #include "solvers/integrators/force_level.h"
-#include "solvers/integrators/rattle.h"
+#include "solvers/integrators/impulse_scheme.h"
 #include "solvers/simulator/energy_books.h"
 #include "solvers/simulator/simulator.h"
 #include "solvers/simulator/sleep.h"
@@ -115,7 +115,7 @@ class Simulator::Impl {
   std::function<bool()> interrupt_;
   StepReport report_;
   std::unique_ptr<ConstraintSystem> system_;
-  std::unique_ptr<Rattle> rattle_;
+  std::unique_ptr<ImpulseScheme> scheme_;
   std::unique_ptr<ForceLevel> force_level_;
   State before_;
   double horizon_ = 0;  // the step to come
@@ -161,7 +161,7 @@ class Simulator::Impl {
   bool knows_pattern() const;
   bool advance_to_end(double dt);
   bool integrate(double dt);
-  Rattle::Outcome advance(double h);
+  ImpulseScheme::Outcome advance(double h);
   double choose_pieces(double dt);
   double step_limit() const;
   void finish(double dt);

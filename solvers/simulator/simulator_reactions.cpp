@@ -15,8 +15,8 @@ void Simulator::Impl::compute_reactions() {
   restart_if_needed();
   give_back();
   if (reaction_version_ == world_.state_version()) return;
-  if (rattle_ && (!rattle_->axes().only_springs() || !rattle_->contacts().empty())) {
-    const std::span<const double> multipliers = rattle_->force_multipliers();
+  if (scheme_ && (!scheme_->axes().only_springs() || !scheme_->contacts().empty())) {
+    const std::span<const double> multipliers = scheme_->force_multipliers();
     reaction_multipliers_.assign(multipliers.begin(), multipliers.end());
     reaction_version_ = world_.state_version();
     return;
@@ -53,13 +53,13 @@ void Simulator::Impl::compute_reactions() {
 /// Springs that have rows, behind those of the joints, give what their laws say.
 void Simulator::Impl::add_spring_forces() {
   reaction_multipliers_.resize(system_->row_count(), 0.0);
-  if (!rattle_ || rattle_->axes().empty()) return;
+  if (!scheme_ || scheme_->axes().empty()) return;
   const Rows& rows = system_->rows();
   std::vector<double> theta(rows.row_count()), rates(rows.row_count()), jacobian(rows.jacobian_size());
   rows.residual(world_.state(), theta);
   rows.jacobian(world_.state(), jacobian);
   rows.apply(jacobian, world_.state().twists, rates);
-  rattle_->axes().spring_forces(theta, rates, reaction_multipliers_);
+  scheme_->axes().spring_forces(theta, rates, reaction_multipliers_);
 }
 
 Reaction Simulator::Impl::reaction_from(JointId joint, std::span<const double> multipliers,
@@ -97,12 +97,12 @@ Reaction Simulator::Impl::mean_reaction(JointId joint) {
   }
   if (joint.index >= system_->rows().joint_count()) return {};  // it is new
   const std::span<const double> impulses =
-      force_level_ ? std::span<const double>(force_level_->impulses()) : rattle_->impulses();
+      force_level_ ? std::span<const double>(force_level_->impulses()) : scheme_->impulses();
   return reaction_from(joint, impulses, 1 / report_.dt);
 }
 
 AxisReport Simulator::Impl::axis_report(AxisId axis) const {
-  if (!rattle_ || report_.dt == 0) return {};
+  if (!scheme_ || report_.dt == 0) return {};
   if (rests(axis.joint)) {
     const auto then = asleep_.axes.find(axis);
     return then == asleep_.axes.end() ? AxisReport{} : then->second;
@@ -111,7 +111,7 @@ AxisReport Simulator::Impl::axis_report(AxisId axis) const {
   const auto found =
       std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.axis == axis; });
   if (found == rows.end()) return {};
-  AxisReport report = rattle_->axes().reports()[found - rows.begin()];
+  AxisReport report = scheme_->axes().reports()[found - rows.begin()];
   for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
                     &AxisImpulse::damping, &AxisImpulse::elastic_limit}) {
     report.force.*part /= report_.dt;
@@ -121,7 +121,7 @@ AxisReport Simulator::Impl::axis_report(AxisId axis) const {
 }
 
 std::vector<ContactReport> Simulator::Impl::contacts() const {
-  if (!rattle_ || report_.dt == 0) return {};
+  if (!scheme_ || report_.dt == 0) return {};
   std::vector<ContactReport> reports = mean_contacts();
   for (ContactReport& report : reports) refer_to_source(report.contact);
   for (const ContactReport& report : asleep_.contacts)
@@ -131,8 +131,8 @@ std::vector<ContactReport> Simulator::Impl::contacts() const {
 
 std::vector<ContactStretch> Simulator::Impl::contact_stretches() const {
   if (!recalled_.empty()) return recalled_;
-  if (!rattle_ || state_version_ < 0) return {};
-  std::vector<ContactStretch> stretches = rattle_->contacts().stretches();
+  if (!scheme_ || state_version_ < 0) return {};
+  std::vector<ContactStretch> stretches = scheme_->contacts().stretches();
   if (!merged_) return stretches;
   for (ContactStretch& s : stretches)
     if (const BodyId body = source_.shape(s.a).body; merged_->is_carried(body))
@@ -156,7 +156,7 @@ void Simulator::Impl::recall_contacts() {
     for (ContactStretch& s : recalled_)
       if (const BodyId body = source_.shape(s.a).body; merged_->is_carried(body))
         s.p_AP = merged_->carriers().frames[body.index].point(s.p_AP);
-  rattle_->recall(std::move(recalled_));
+  scheme_->recall(std::move(recalled_));
   recalled_.clear();
 }
 
@@ -196,14 +196,14 @@ void Simulator::Impl::solve_weld_means() {
   if (force_level_)
     weld_loads_->solve_mean(start_, report_.dt, {system_->rows(), force_level_->impulses(), scale}, {});
   else
-    weld_loads_->solve_mean(start_, report_.dt, {system_->rows(), rattle_->impulses(), scale},
+    weld_loads_->solve_mean(start_, report_.dt, {system_->rows(), scheme_->impulses(), scale},
                             mean_contacts());
   mean_reactions_ = weld_reactions();
 }
 
 /// Contacts of the last step with mean forces, on the bodies of world_.
 std::vector<ContactReport> Simulator::Impl::mean_contacts() const {
-  std::vector<ContactReport> reports = rattle_->contacts().reports();
+  std::vector<ContactReport> reports = scheme_->contacts().reports();
   for (ContactReport& report : reports) {
     report.force /= report_.dt;
     report.torque /= report_.dt;
@@ -227,7 +227,7 @@ void Simulator::Impl::solve_present_welds() {
   free_accelerations(system_->mass(), state, forces, accelerations);
   weld_loads_->solve_present(
       accelerations, {rows, reaction_multipliers_},
-      rattle_ ? rattle_->contacts().set().places() : std::span<const ContactSet::Place>{});
+      scheme_ ? scheme_->contacts().set().places() : std::span<const ContactSet::Place>{});
   present_reactions_ = weld_reactions();
   present_version_ = world_.state_version();
 }

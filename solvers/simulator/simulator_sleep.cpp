@@ -7,18 +7,18 @@
 namespace taut {
 
 std::span<const ContactSet::Place> Simulator::Impl::places() const {
-  if (!rattle_ || rattle_->contacts().empty()) return {};
-  return rattle_->contacts().set().places();
+  if (!scheme_ || scheme_->contacts().empty()) return {};
+  return scheme_->contacts().set().places();
 }
 
 /// The integrator has a state, which that of the world can be compared with.
 bool Simulator::Impl::has_started() const {
-  return force_level_ ? !force_level_->state().poses.empty() : rattle_ && !rattle_->state().poses.empty();
+  return force_level_ ? !force_level_->state().poses.empty() : scheme_ && !scheme_->state().poses.empty();
 }
 
 /// The state of a body is not what the integrator has left.
 bool Simulator::Impl::is_moved(int body) const {
-  const State &now = world_.state(), &then = force_level_ ? force_level_->state() : rattle_->state();
+  const State &now = world_.state(), &then = force_level_ ? force_level_->state() : scheme_->state();
   return !same(now.poses[body], then.poses[body]) || !same(now.twists[body], then.twists[body]);
 }
 
@@ -26,7 +26,7 @@ bool Simulator::Impl::is_moved(int body) const {
 std::vector<char> Simulator::Impl::moved_bodies() const {
   std::vector<char> moved(world_.body_count(), false);
   if (retaken_) return moved;
-  for (int b = 0; b < std::ssize(rattle_->state().poses); ++b)
+  for (int b = 0; b < std::ssize(scheme_->state().poses); ++b)
     moved[b] = !world_.is_asleep({b}) && is_moved(b);
   return moved;
 }
@@ -64,7 +64,7 @@ void Simulator::Impl::stay_awake() {
 
 /// After a step that is done, or could not be: whether bodies woke for it.
 bool Simulator::Impl::wakes(bool done) {
-  if (done) return sleep_->wake_touched(world_, rattle_->contacts().reports());
+  if (done) return sleep_->wake_touched(world_, scheme_->contacts().reports());
   if (world_.asleep_count() == 0) return false;
   world_.wake_all();
   stay_awake();

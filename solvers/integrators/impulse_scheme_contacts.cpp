@@ -4,21 +4,19 @@
 #include <utility>
 
 #include "solvers/common/stopwatch.h"
-#include "solvers/integrators/rattle.h"
+#include "solvers/integrators/impulse_scheme.h"
 
-// Contacts in a RATTLE step: found at the end of the drift, they join the rows of the system for the velocity
-// stage of this step and the position stage of the next.  (solvers/laws, "Contacts")
+// Contacts come and go: found at the end of a drift, they join the rows of the system for the velocity stage
+// of that step and the position stage of the next.  (solvers/integrators, "RATTLE")
 namespace taut {
 namespace {
 
-/// Impacts closer together than this part of a step are one.
-constexpr double kStrikeTogether = 1e-3;
 /// Forces that change by more than this part between steps ask for a new start.
 constexpr double kJump = 0.25;
 
 }  // namespace
 
-void Rattle::inherit_contacts(Rattle& old) {
+void ImpulseScheme::inherit_contacts(ImpulseScheme& old) {
   if (contacts_.empty() || old.contacts_.empty()) return;
   contacts_.inherit(old.contacts_, world_);
   std::vector<int> from(system_.row_count());
@@ -28,12 +26,12 @@ void Rattle::inherit_contacts(Rattle& old) {
   move_rows(from);
 }
 
-void Rattle::inherit(const Rattle& old) {
+void ImpulseScheme::inherit(const ImpulseScheme& old) {
   axes_.inherit(old.axes_);
   if (bounded()) take(old.guess());
 }
 
-void Rattle::restart(const State& state, StepReport& report) {
+void ImpulseScheme::restart(const State& state, StepReport& report) {
   if (!bounded()) return start(state, report);
   const AxisForces axes = axes_;
   const Guess before = guess();
@@ -43,26 +41,26 @@ void Rattle::restart(const State& state, StepReport& report) {
   take(before);
 }
 
-void Rattle::forget(std::span<const char> moved) {
+void ImpulseScheme::forget(std::span<const char> moved) {
   axes_.forget(moved);
   contacts_.forget(moved);
 }
 
-void Rattle::forget_contact_impulses() {
+void ImpulseScheme::forget_contact_impulses() {
   const auto first = system_.rows().first_contact_row();
   for (auto* values : {&lambda_, &mu_, &force_multipliers_})
     std::fill(values->begin() + first, values->end(), 0.0);
   prediction_.clear_from(first);
 }
 
-Rattle::Guess Rattle::guess() const {
+ImpulseScheme::Guess ImpulseScheme::guess() const {
   const Rows& rows = system_.rows();
   return {{rows.joints().begin(), rows.joints().end()}, rows.contact_count(), force_multipliers_, lambda_};
 }
 
 /// Multipliers of the steps before as a guess.  Those of start() know of no contacts, but of loads that are
 /// new: the step limit is that of both.
-void Rattle::take(const Guess& guess) {
+void ImpulseScheme::take(const Guess& guess) {
   const Rows& rows = system_.rows();
   const auto take_rows = [&](const Rows::JointRows& joint, const Rows::JointRows& before) {
     if (joint.row_count != before.row_count) return;
@@ -82,7 +80,7 @@ void Rattle::take(const Guess& guess) {
   limit_.tighten(limit, omega);
 }
 
-bool Rattle::renew_forces() {
+bool ImpulseScheme::renew_forces() {
   last_forces_ = forces_;
   find_forces();
   double change = 0, size = 0;
@@ -95,7 +93,7 @@ bool Rattle::renew_forces() {
   return change <= kJump * size;
 }
 
-void Rattle::start_contacts() {
+void ImpulseScheme::start_contacts() {
   if (contacts_.start(world_, state_, horizon_))
     take_over_places();
   else
@@ -103,7 +101,7 @@ void Rattle::start_contacts() {
 }
 
 /// Contacts at q₁, with the velocities of the drift.
-void Rattle::find_contacts() {
+void ImpulseScheme::find_contacts() {
   std::swap(momenta_, kicked_);
   twists_from_momenta();
   std::swap(momenta_, kicked_);
@@ -114,7 +112,7 @@ void Rattle::find_contacts() {
 }
 
 /// New places: a new pattern.  What belongs to rows of joints stays, also that of contacts which go on.
-void Rattle::take_over_places() {
+void ImpulseScheme::take_over_places() {
   const int joint_rows = system_.rows().first_contact_row();
   const std::vector<int> old_first(contacts_.first_rows().begin(), contacts_.first_rows().end());
   set_places();
@@ -132,13 +130,13 @@ void Rattle::take_over_places() {
   contacts_.give_points(system_);
 }
 
-void Rattle::set_places() {
+void ImpulseScheme::set_places() {
   system_.set_contact_places(world_, contacts_.set().rows());
   contacts_.set_rows(system_.rows());
 }
 
 /// All that has rows, to those of the new places: `from` says for each row which one it was, −1 for none.
-void Rattle::move_rows(std::span<const int> from) {
+void ImpulseScheme::move_rows(std::span<const int> from) {
   const int rows = system_.row_count();
   std::vector<double> moved;
   for (auto* values : {&lambda_, &mu_, &delta_, &phi_, &velocity_rows_, &impulses_, &force_multipliers_,
@@ -150,32 +148,7 @@ void Rattle::move_rows(std::span<const int> from) {
   }
   prediction_.move_rows(from);
   stages_.move_rows(from);
-  start_jacobian_.assign(system_.jacobian().size(), 0.0);
   system_.release_bounded_rows();
-}
-
-/// Rates of the contact rows in the drift: J(q₀) M⁻¹ p.  The momenta stay, so that is what counts, and not
-/// how far points have come that were in contact at the start.
-void Rattle::contact_rates() {
-  works_.mean_rates(kicked_, kicked_, kick_jacobian(), kick_rates_);
-  std::copy(kick_rates_.begin() + system_.rows().first_contact_row(), kick_rates_.end(),
-            rates_.begin() + system_.rows().first_contact_row());
-}
-
-/// Where the Jacobian of contact rows begins, which are the last.
-std::size_t Rattle::contact_offset() const {
-  const Rows& rows = system_.rows();
-  if (rows.contact_count() == 0) return rows.jacobian_size();
-  return rows.sides()[rows.joints()[rows.contact_joint(0)].first_side].offset;
-}
-
-/// The first of the impacts that were sought; those at that time are due.
-double Rattle::first_impact(double h) {
-  const double first =
-      std::max(std::min(axes_.first_impact(rates_), contacts_.first_impact(rates_)), kStrikeTogether * h);
-  axes_.take_impacts(first + kStrikeTogether * h, rates_);
-  contacts_.take_impacts(first + kStrikeTogether * h, rates_);
-  return first > (1 - kStrikeTogether) * h ? h : first;
 }
 
 }  // namespace taut
