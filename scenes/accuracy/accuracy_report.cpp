@@ -9,7 +9,7 @@
 namespace taut::reference {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// The verdict over both steps: failed if one failed, else measured if one was.
 Verdict overall(const CaseResult& result, std::size_t quantity) {
@@ -52,8 +52,8 @@ std::string heading(const CaseResult& result) {
   return text + '\n';
 }
 
-Json measurement_json(const Measurement& m, const CaseRun& run) {
-  Json json{{"dt", run.dt}, {"verdict", to_string(m.verdict)}};
+OrderedJson measurement_json(const Measurement& m, const CaseRun& run) {
+  OrderedJson json{{"dt", run.dt}, {"verdict", to_string(m.verdict)}};
   if (!m.measured.empty()) {
     json["measured"] = m.measured;
     json["error"] = m.error;
@@ -63,19 +63,19 @@ Json measurement_json(const Measurement& m, const CaseRun& run) {
   return json;
 }
 
-Json run_json(const CaseRun& run) {
-  Json json{{"dt", run.dt},
-            {"fraction_of_tol_dt", run.fraction},
-            {"integrator", name_of(run.integrator, kIntegratorNames)},
-            {"steps", run.steps},
-            {"wall_time_s", run.wall_time},
-            {"max_joint_error", run.max_gap}};
+OrderedJson run_json(const CaseRun& run) {
+  OrderedJson json{{"dt", run.dt},
+                   {"fraction_of_tol_dt", run.fraction},
+                   {"integrator", name_of(run.integrator, kIntegratorNames)},
+                   {"steps", run.steps},
+                   {"wall_time_s", run.wall_time},
+                   {"max_joint_error", run.max_gap}};
   if (!run.failed.empty()) json["failed"] = run.failed;
   return json;
 }
 
-Json case_json(const CaseResult& result) {
-  Json json{{"file", result.file}};
+OrderedJson case_json(const CaseResult& result) {
+  OrderedJson json{{"file", result.file}};
   if (!result.error.empty()) {
     json["error"] = result.error;
     return json;
@@ -84,10 +84,10 @@ Json case_json(const CaseResult& result) {
   json["id"] = first.id;
   json["level"] = first.level;
   for (const CaseRun& run : result.runs) json["runs"].push_back(run_json(run));
-  json["quantities"] = Json::array();
+  json["quantities"] = OrderedJson::array();
   for (std::size_t i = 0; i < first.quantities.size(); ++i) {
     const Measurement& m = first.quantities[i];
-    Json quantity{{"name", m.name}, {"time", nullptr}, {"reference", m.reference}};
+    OrderedJson quantity{{"name", m.name}, {"time", nullptr}, {"reference", m.reference}};
     if (m.time) quantity["time"] = *m.time;
     quantity["verdict"] = to_string(overall(result, i));
     for (const CaseRun& run : result.runs)
@@ -118,13 +118,13 @@ Totals totals_of(const std::vector<CaseResult>& results) {
   return totals;
 }
 
-Json accuracy_json(const std::vector<CaseResult>& results) {
+OrderedJson accuracy_json(const std::vector<CaseResult>& results) {
   const Totals t = totals_of(results);
-  Json json{{"schema", "taut-accuracy/1"}, {"taut_version", TAUT_VERSION}};
+  OrderedJson json{{"schema", "taut-accuracy/1"}, {"taut_version", TAUT_VERSION}};
   json["summary"] = {
       {"cases", t.cases}, {"unreadable", t.unreadable},     {"pass", t.pass},
       {"fail", t.fail},   {"not_measured", t.not_measured}, {"for_orientation", t.orientation}};
-  json["cases"] = Json::array();
+  json["cases"] = OrderedJson::array();
   for (const CaseResult& result : results) json["cases"].push_back(case_json(result));
   return json;
 }

@@ -14,7 +14,7 @@
 namespace taut {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // What counts as a simulation in the comparison: energy within a tenth, for at least this long.
 constexpr double kMaxDrift = 0.1, kMinTime = 0.2;
@@ -22,31 +22,33 @@ constexpr double kMaxDrift = 0.1, kMinTime = 0.2;
 // and bodies have passed through each other where they were in each other by so much [m].
 constexpr double kMinShare = 0.5, kFallen = 0.05, kPassed = 0.1;
 
-std::string label_of(const Json& run) {
+std::string label_of(const OrderedJson& run) {
   return WorkRun{run.at("scene"), run.at("n"), run.value("with", "")}.label();
 }
-std::string method_of(const Json& run) {
+std::string method_of(const OrderedJson& run) {
   return run.at("engine").get<std::string>() + ' ' + run.at("method").get<std::string>() +
          format(", %g Hz", run.at("rate_hz").get<double>());
 }
-std::string status_of(const Json& run) { return run.value("status", ""); }
-bool is_taut(const Json& run) { return run.at("engine") == "taut"; }
-double cost(const Json& run) { return run.at("cpu_per_simulated_s"); }
-double joint_error(const Json& run) {
+std::string status_of(const OrderedJson& run) { return run.value("status", ""); }
+bool is_taut(const OrderedJson& run) { return run.at("engine") == "taut"; }
+double cost(const OrderedJson& run) { return run.at("cpu_per_simulated_s"); }
+double joint_error(const OrderedJson& run) {
   return std::max(run.at("max_joint_error_m").get<double>(),
                   run.at("max_joint_angle_error_rad").get<double>());
 }
-bool moved(const Json& run) {
+bool moved(const OrderedJson& run) {
   return run.contains("cpu_per_simulated_s") && run.contains("max_joint_error_m");
 }
 
-std::string quality_of(const Json& run) { return run.value("quality", name_of(BenchQuality::kJoints)); }
-bool is(const Json& run, BenchQuality quality) { return quality_of(run) == name_of(quality); }
-bool has_contact(const Json& run) { return !is(run, BenchQuality::kJoints); }
-double number(const Json& run, const char* key) { return run.at(key).get<double>(); }
+std::string quality_of(const OrderedJson& run) {
+  return run.value("quality", name_of(BenchQuality::kJoints));
+}
+bool is(const OrderedJson& run, BenchQuality quality) { return quality_of(run) == name_of(quality); }
+bool has_contact(const OrderedJson& run) { return !is(run, BenchQuality::kJoints); }
+double number(const OrderedJson& run, const char* key) { return run.at(key).get<double>(); }
 
 /// The largest of what must not be (BenchQuality).
-double error_of(const Json& run) {
+double error_of(const OrderedJson& run) {
   double error = joint_error(run);
   if (is(run, BenchQuality::kRests) || is(run, BenchQuality::kStands))
     error = std::max(error, number(run, "final_penetration_m"));
@@ -55,14 +57,14 @@ double error_of(const Json& run) {
 
 /// Whether nothing fell that stands, or passed through anything, and enough was seen of it; contact takes
 /// energy, but must not give any.
-bool is_sound_contact(const Json& run) {
+bool is_sound_contact(const OrderedJson& run) {
   return !(is(run, BenchQuality::kStands) && number(run, "max_motion_m") > kFallen) &&
          number(run, "max_penetration_m") <= kPassed && number(run, "max_energy_gain_rel") <= kMaxDrift &&
          number(run, "simulated_time_s") >= kMinShare * number(run, "duration_s");
 }
 
 /// Whether it is a simulation with that error at most.
-bool holds(const Json& run, double error) {
+bool holds(const OrderedJson& run, double error) {
   const std::string status = status_of(run);
   if (!moved(run) || (status != "success" && status != "time limit") || !(error_of(run) <= error))
     return false;
@@ -72,14 +74,14 @@ bool holds(const Json& run, double error) {
 }
 
 template <typename Accept>
-const Json* fastest(const std::vector<const Json*>& runs, Accept&& accept) {
-  const Json* best = nullptr;
-  for (const Json* run : runs)
+const OrderedJson* fastest(const std::vector<const OrderedJson*>& runs, Accept&& accept) {
+  const OrderedJson* best = nullptr;
+  for (const OrderedJson* run : runs)
     if (accept(*run) && (!best || cost(*run) < cost(*best))) best = run;
   return best;
 }
 
-std::string cell(const Json* run) {
+std::string cell(const OrderedJson* run) {
   if (!run) return "none";
   std::string text = method_of(*run) + format(": %.3g s/s, ", cost(*run));
   if (!has_contact(*run))
@@ -99,12 +101,12 @@ struct Kind {
 };
 constexpr Kind kJoints{false, "joints", 1e-9, 1e-6, 1e-3}, kContacts{true, "error", 1e-5, 1e-5, 1e-3};
 
-using Runs = std::vector<const Json*>;
+using Runs = std::vector<const OrderedJson*>;
 
 /// Runs by scene, in the order of the results.
 std::vector<std::pair<std::string, Runs>> by_scene(const BenchResults& results) {
   std::vector<std::pair<std::string, Runs>> scenes;
-  for (const Json& run : results.at("runs")) {
+  for (const OrderedJson& run : results.at("runs")) {
     if (scenes.empty() || scenes.back().first != label_of(run)) scenes.push_back({label_of(run), {}});
     scenes.back().second.push_back(&run);
   }
@@ -118,13 +120,15 @@ std::vector<std::pair<std::string, Runs>> by_scene(const BenchResults& results, 
 }
 
 struct Best {
-  const Json *taut, *peer_fine, *peer_coarse;
+  const OrderedJson *taut, *peer_fine, *peer_coarse;
 };
 Best best_of(const Runs& runs, const Kind& kind) {
   return {fastest(runs,
-                  [&](const Json& r) { return is_taut(r) && holds(r, kind.taut) && joint_error(r) <= 1e-9; }),
-          fastest(runs, [&](const Json& r) { return !is_taut(r) && holds(r, kind.fine); }),
-          fastest(runs, [&](const Json& r) { return !is_taut(r) && holds(r, kind.coarse); })};
+                  [&](const OrderedJson& r) {
+                    return is_taut(r) && holds(r, kind.taut) && joint_error(r) <= 1e-9;
+                  }),
+          fastest(runs, [&](const OrderedJson& r) { return !is_taut(r) && holds(r, kind.fine); }),
+          fastest(runs, [&](const OrderedJson& r) { return !is_taut(r) && holds(r, kind.coarse); })};
 }
 
 std::string best_table(const BenchResults& results, const Kind& kind) {
@@ -161,7 +165,7 @@ std::string ahead_list(const BenchResults& results, const Kind& kind) {
 std::map<std::pair<std::string, std::string>, std::vector<std::pair<double, double>>> growth(
     const BenchResults& results) {
   std::map<std::pair<std::string, std::string>, std::vector<std::pair<double, double>>> curves;
-  for (const Json& run : results.at("runs")) {
+  for (const OrderedJson& run : results.at("runs")) {
     if (!moved(run) || has_contact(run) || !run.value("with", "").empty() || run.at("cpu_per_step_s") <= 0)
       continue;
     curves[{run.at("scene"), method_of(run)}].emplace_back(run.at("rows"), run.at("cpu_per_step_s"));
@@ -191,7 +195,7 @@ std::string run_table(const BenchResults& results) {
       "| scene | method | status | simulated [s] | wall s/s | CPU s/s | joint error | drift | probe [m] | "
       "memory "
       "[MB] |\n|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const Json& run : results.at("runs")) {
+  for (const OrderedJson& run : results.at("runs")) {
     if (has_contact(run)) continue;
     text += "| " + label_of(run) + " | " + method_of(run) + " | " + status_of(run);
     if (run.contains("message")) text += ": " + run.at("message").get<std::string>().substr(0, 60);
@@ -213,7 +217,7 @@ std::string contact_run_table(const BenchResults& results) {
   std::string text =
       "| scene | method | status | simulated [s] | CPU s/s | joint error | moved by [m] | creep [m] | "
       "penetration, most [m] | at the end | energy won |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const Json& run : results.at("runs")) {
+  for (const OrderedJson& run : results.at("runs")) {
     if (!has_contact(run)) continue;
     text += "| " + label_of(run) + " | " + method_of(run) + " | " + status_of(run);
     if (run.contains("message")) text += ": " + run.at("message").get<std::string>().substr(0, 60);
@@ -255,7 +259,7 @@ std::string joint_section(const BenchResults& results) {
 }  // namespace
 
 std::string bench_page(const BenchResults& results, const std::string& command) {
-  const Json& machine = results.at("machine");
+  const OrderedJson& machine = results.at("machine");
   std::string text = "# Results of `" + command + "`\n\n";
   for (const auto& [key, value] : machine.items())
     text += "- " + key + ": " + (value.is_string() ? value.get<std::string>() : value.dump()) + '\n';
@@ -287,7 +291,7 @@ std::string bench_plots(const BenchResults& results, const std::string& folder) 
       "set format '%.0e'\n";
   for (const auto& [scene, runs] : by_scene(results)) {
     std::map<std::string, std::string> series;
-    for (const Json* run : runs)
+    for (const OrderedJson* run : runs)
       if (moved(*run) && status_of(*run) != "diverged")
         series[run->at("engine")] += format("%.9g %.9g\n", cost(*run), std::max(error_of(*run), 1e-16));
     if (series.empty()) continue;
@@ -326,11 +330,11 @@ std::string bench_plots(const BenchResults& results, const std::string& folder) 
 
 BenchComparison compare_bench(const BenchResults& now, const BenchResults& then, double factor) {
   BenchComparison result;
-  std::map<std::string, const Json*> before;
-  for (const Json& run : then.at("runs"))
+  std::map<std::string, const OrderedJson*> before;
+  for (const OrderedJson& run : then.at("runs"))
     if (moved(run)) before[label_of(run) + ", " + method_of(run)] = &run;
   for (std::size_t i = 0; i < now.at("runs").size(); ++i) {
-    const Json& run = now.at("runs")[i];
+    const OrderedJson& run = now.at("runs")[i];
     const std::string key = label_of(run) + ", " + method_of(run);
     const auto old = before.find(key);
     if (!is_taut(run) || old == before.end()) continue;
@@ -349,7 +353,7 @@ BenchComparison compare_bench(const BenchResults& now, const BenchResults& then,
   return result;
 }
 
-bool is_better_measurement(const Json& run, const Json& other) {
+bool is_better_measurement(const OrderedJson& run, const OrderedJson& other) {
   return moved(run) && moved(other) && cost(run) < cost(other);
 }
 

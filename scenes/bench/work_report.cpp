@@ -8,44 +8,46 @@
 namespace taut {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Points = std::vector<std::pair<double, double>>;
 
-std::string with_of(const Json& profile, const char* before) {
+std::string with_of(const OrderedJson& profile, const char* before) {
   const std::string with = profile.value("with", "");
   return with.empty() ? with : before + with;
 }
-std::string family_of(const Json& profile) {
+std::string family_of(const OrderedJson& profile) {
   return profile.at("scene").get<std::string>() + with_of(profile, " with ");
 }
 /// Not a number where JSON could not say it.
-double number(const Json& profile, const char* key) {
+double number_in(const OrderedJson& profile, const char* key) {
   return profile.contains(key) && profile.at(key).is_number() ? profile.at(key).get<double>() : NAN;
 }
-bool is_whole(const Json& profile) { return !profile.contains("failed") && profile.contains("factor_flops"); }
+bool is_whole(const OrderedJson& profile) {
+  return !profile.contains("failed") && profile.contains("factor_flops");
+}
 
-std::string stage_shares(const Json& stages) {
+std::string stage_shares(const OrderedJson& stages) {
   std::string shares;
   for (const char* stage : {"forces", "positions", "assembly", "factorization", "velocities"})
-    shares +=
-        format("%s%.0f", shares.empty() ? "" : ", ", 100 * number(stages, stage) / number(stages, "total"));
+    shares += format("%s%.0f", shares.empty() ? "" : ", ",
+                     100 * number_in(stages, stage) / number_in(stages, "total"));
   return shares;
 }
 
-std::string row_of(const Json& p) {
+std::string row_of(const OrderedJson& p) {
   const std::string name = "| " + p.at("scene").get<std::string>() +
                            format(" %d%s | ", p.at("n").get<int>(), with_of(p, " ").c_str());
   if (!is_whole(p)) return name + "| " + p.value("failed", "no result") + " | | | | | | | | | | |\n";
   return name +
-         format("%d | %.3g ms | %.2g | ", p.at("rows").get<int>(), 1e3 * number(p, "step_time_s"),
-                number(p, "substeps_per_step")) +
-         format("%.3g ms | %.3g ms | %.3g | %.3g | %.0f %% | ", 1e3 * number(p, "factor_time_s"),
-                1e3 * number(p, "bare_cholmod_time_s"), number(p, "factor_nonzeros"),
-                number(p, "factor_flops"), 100 * number(p, "share_of_dgemm")) +
+         format("%d | %.3g ms | %.2g | ", p.at("rows").get<int>(), 1e3 * number_in(p, "step_time_s"),
+                number_in(p, "substeps_per_step")) +
+         format("%.3g ms | %.3g ms | %.3g | %.3g | %.0f %% | ", 1e3 * number_in(p, "factor_time_s"),
+                1e3 * number_in(p, "bare_cholmod_time_s"), number_in(p, "factor_nonzeros"),
+                number_in(p, "factor_flops"), 100 * number_in(p, "share_of_dgemm")) +
          stage_shares(p.at("stage_times_per_substep_s")) +
          format(" | %.1e | %.1e | %.0f MB |\n",
-                std::max(number(p, "max_joint_error_m"), number(p, "max_joint_angle_error_rad")),
-                number(p, "energy_drift_rel"), number(p, "peak_memory_mb"));
+                std::max(number_in(p, "max_joint_error_m"), number_in(p, "max_joint_angle_error_rad")),
+                number_in(p, "energy_drift_rel"), number_in(p, "peak_memory_mb"));
 }
 
 /// What grows, over the rows, of one family of scenes.
@@ -54,17 +56,18 @@ struct Growth {
   Points time, fill, operations, memory;
 };
 
-std::vector<Growth> growth_of(const Json& profiles) {
+std::vector<Growth> growth_of(const OrderedJson& profiles) {
   std::vector<Growth> all;
-  for (const Json& p : profiles) {
+  for (const OrderedJson& p : profiles) {
     if (!is_whole(p)) continue;
     if (all.empty() || all.back().family != family_of(p)) all.push_back({family_of(p), {}, {}, {}, {}});
     Growth& growth = all.back();
-    const double rows = number(p, "rows");
-    growth.time.emplace_back(rows, number(p, "step_time_s") / std::max(1.0, number(p, "substeps_per_step")));
-    growth.fill.emplace_back(rows, number(p, "factor_nonzeros"));
-    growth.operations.emplace_back(rows, number(p, "factor_flops"));
-    growth.memory.emplace_back(rows, number(p, "peak_memory_mb"));
+    const double rows = number_in(p, "rows");
+    growth.time.emplace_back(rows,
+                             number_in(p, "step_time_s") / std::max(1.0, number_in(p, "substeps_per_step")));
+    growth.fill.emplace_back(rows, number_in(p, "factor_nonzeros"));
+    growth.operations.emplace_back(rows, number_in(p, "factor_flops"));
+    growth.memory.emplace_back(rows, number_in(p, "peak_memory_mb"));
   }
   return all;
 }
@@ -98,7 +101,7 @@ std::string work_tables(const BenchResults& results) {
       "| scene | rows | step | sub-steps | factorisation | bare CHOLMOD | L nonzeros | flops | share of "
       "DGEMM | forces, positions, assembly, factor, velocities [% of a sub-step] | joint error [m or rad] | "
       "drift | peak memory |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const Json& p : results.at("profiles")) text += row_of(p);
+  for (const OrderedJson& p : results.at("profiles")) text += row_of(p);
   text +=
       "\nExponents of growth over the rows:\n\n| scenes | time of a sub-step | L nonzeros | flops | peak "
       "memory |\n|---|---|---|---|---|\n";

@@ -14,19 +14,19 @@ namespace {
 
 using namespace scene_parts;
 
-constexpr double kArc = 0.2;        ///< θ: half the angle of the arc [rad]
+constexpr double kBridgeArc = 0.2;  ///< θ: half the angle of the arc [rad]
 constexpr double kHalfPlank = 0.1;  ///< half a plank along the bridge [m]
-const Vec3 kPlankSize(2 * kHalfPlank, 1.0, 0.05), kTruckSize(1.0, 0.8, 0.5);  // [m]
-constexpr double kPlankMass = 5;                                              // [kg]
+const Vec3 kBridgePlankSize(2 * kHalfPlank, 1.0, 0.05), kTruckSize(1.0, 0.8, 0.5);  // [m]
+constexpr double kBridgePlankMass = 5;                                              // [kg]
 constexpr double kBallOffset = 0.4;  ///< of the ball joints from the middle of a seam [m]
 
 /// Vertex k of the arc: V_k = (R sin φ, 0, R (cos θ − cos φ)) with φ(k) = θ (2k/n − 1) and R such that all
 /// chords are 0.2 m.
 struct Arc {
-  explicit Arc(int planks) : n(planks), radius(kHalfPlank / std::sin(kArc / planks)) {}
-  double angle(double k) const { return kArc * (2 * k / n - 1); }
+  explicit Arc(int planks) : n(planks), radius(kHalfPlank / std::sin(kBridgeArc / planks)) {}
+  double angle(double k) const { return kBridgeArc * (2 * k / n - 1); }
   Vec3 vertex(int k) const {
-    return {radius * std::sin(angle(k)), 0, radius * (std::cos(kArc) - std::cos(angle(k)))};
+    return {radius * std::sin(angle(k)), 0, radius * (std::cos(kBridgeArc) - std::cos(angle(k)))};
   }
   Pose plank(int k) const {
     Pose pose;
@@ -69,7 +69,7 @@ void add_truck(Scene& scene, BodyId plank) {
   world.add("truck_weld", Fixed(plank, truck, Vec3(0, 0, 0.025), Vec3(0, 0, -0.25), Quat::Identity()));
 }
 
-Scene build(const char* name, bool hinges, const Parameters& parameters) {
+Scene build_bridge(const char* name, bool hinges, const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
   const bool truck = parameters.at("truck") != 0;
   Scene scene = new_scene(name, parameters, duration_for(n, {{10, 5.0}, {200, 2.0}, {1000, 1.0}}));
@@ -82,8 +82,8 @@ Scene build(const char* name, bool hinges, const Parameters& parameters) {
   return scene;
 }
 
-Scene build_hinge(const Parameters& parameters) { return build("bridge-hinge", true, parameters); }
-Scene build_balls(const Parameters& parameters) { return build("bridge-balls", false, parameters); }
+Scene build_hinge(const Parameters& parameters) { return build_bridge("bridge-hinge", true, parameters); }
+Scene build_balls(const Parameters& parameters) { return build_bridge("bridge-balls", false, parameters); }
 
 std::vector<ParameterInfo> bridge_parameters(int planks, bool truck) {
   return {size(planks, 2, 1e6, "number of planks"),
@@ -95,17 +95,17 @@ std::vector<ParameterInfo> bridge_parameters(int planks, bool truck) {
 Bridge add_bridge(Scene& scene, int n, bool hinges) {
   World& world = scene.world;
   const Arc arc(n);
-  const MassProperties mass = MassProperties::box(kPlankSize, kPlankMass);
+  const MassProperties mass = MassProperties::box(kBridgePlankSize, kBridgePlankMass);
   const Vec3 end(kHalfPlank, 0, 0);
   std::vector<BodyId> planks;
   for (int k = 0; k < n; ++k)
     planks.push_back(
         world.add_body(BodySpec{.name = numbered("plank", k), .mass = mass, .pose = arc.plank(k)}));
-  for (const BodyId plank : planks) draw(scene, plank, {Box{kPlankSize}});
+  for (const BodyId plank : planks) draw(scene, plank, {Box{kBridgePlankSize}});
   add_seam(world, 0, kGround, planks[0], arc.vertex(0), -end, hinges);
   for (int k = 1; k < n; ++k) add_seam(world, k, planks[k - 1], planks[k], end, -end, hinges);
   add_seam(world, n, kGround, planks[n - 1], arc.vertex(n), end, hinges);
-  return {planks, kPlankSize, arc.vertex(n).x()};
+  return {planks, kBridgePlankSize, arc.vertex(n).x()};
 }
 
 std::vector<SceneInfo> bridge_scenes() {

@@ -18,7 +18,7 @@ constexpr double kLinkMass = 0.05, kWeight = 10;                                
 /// down on each side.  Friction acts on the surface of the drum, R from its axis, tension on the line of the
 /// pins, R + r: their moments balance at dT (R + r) = μ T R dθ, so that the chain bears up to
 ///   T₂/T₁ = exp(μπ R/(R + r)).
-Scene build(const Parameters& parameters) {
+Scene build_capstan(const Parameters& parameters) {
   Scene scene = new_scene("chain-over-cylinder", parameters, 2, 1e-3);
   World& world = scene.world;
   const int hanging = static_cast<int>(parameters.at("n")) / 4;
@@ -66,7 +66,7 @@ std::vector<SceneInfo> capstan_scenes() {
            {size(24, 8, 1000, "number of links, half of them on the drum"),
             {"friction", 0.3, "", "Coulomb coefficient between links and drum", 0, 10, false},
             {"ratio", 2.3, "", "of the weights; it slides above exp(pi friction / 1.05)", 1, 1000, false}},
-           build}};
+           build_capstan}};
 }
 
 }  // namespace taut

@@ -46,7 +46,7 @@ double fall_height(const World& world) {
   return moment / mass;
 }
 
-Scene build(const ChainSpec& spec, int n, double duration) {
+Scene build_chain(const ChainSpec& spec, int n, double duration) {
   Scene scene;
   scene.name = spec.name;
   scene.parameters = {{"n", n}};
@@ -87,13 +87,13 @@ constexpr ChainSpec kChainHeavy{"chain-heavy", 0.1, 0.1, false, true};
 
 template <const ChainSpec& spec>
 Scene build_pendulum(const Parameters& parameters) {
-  return build(spec, static_cast<int>(parameters.at("n")), 10);
+  return build_chain(spec, static_cast<int>(parameters.at("n")), 10);
 }
 
 template <const ChainSpec& spec>
 Scene build_chain(const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
-  return build(spec, n, duration_for(n, {{10, 5.0}, {1000, 2.0}, {10000, 1.0}}));
+  return build_chain(spec, n, duration_for(n, {{10, 5.0}, {1000, 2.0}, {10000, 1.0}}));
 }
 
 }  // namespace

@@ -9,22 +9,22 @@ namespace {
 
 using namespace scene_parts;
 
-constexpr double kRadius = 0.4, kDensity = 1000;
+constexpr double kGridRadius = 0.4, kGridDensity = 1000;
 
-Scene build(const Parameters& parameters) {
+Scene build_joint_grid(const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
   Scene scene = new_scene("joint-grid", parameters, 2);
   World& world = scene.world;
   world.set_gravity(parameters.at("swing") != 0 ? Vec3(0, 0, -9.81) : Vec3(0, -9.81, 0));
 
-  const MassProperties mass = MassProperties::sphere(kRadius, kDensity * sphere_volume(kRadius));
+  const MassProperties mass = MassProperties::sphere(kGridRadius, kGridDensity * sphere_volume(kGridRadius));
   const auto id = [n](int row, int column) { return BodyId{1 + row * n + column}; };
   for (int i = 0; i < n; ++i)
     for (int k = 0; k < n; ++k) {
       BodySpec body{.name = numbered("sphere", i, k), .mass = mass};
       body.pose.p = Vec3(k, -i, 0);
       body.fixed = i == 0;
-      draw(scene, world.add_body(body), {Sphere{kRadius}});
+      draw(scene, world.add_body(body), {Sphere{kGridRadius}});
     }
   const Vec3 right(0.5, 0, 0), down(0, -0.5, 0);
   for (int i = 1; i < n; ++i)
@@ -46,7 +46,7 @@ std::vector<SceneInfo> joint_grid_scenes() {
            "n x n spheres on ball joints, the first row fixed",
            {size(10, 2, 500, "spheres along an edge"),
             {"swing", 0, "bool", "gravity across the grid, not along it", 0, 1, true}},
-           build}};
+           build_joint_grid}};
 }
 
 }  // namespace taut

@@ -12,7 +12,7 @@ namespace {
 
 using namespace scene_parts;
 
-constexpr double kGravity = 9.81;
+constexpr double kMachineGravity = 9.81;
 
 /// n + 1 cranks on the ground and n couplers, upright, with the coupler pins at 1 m/s: the IFToMM benchmark
 /// A02.  Every half turn all bars lie in one line, where the mechanism could fold otherwise.
@@ -34,7 +34,7 @@ Scene build_four_bars(const Parameters& parameters) {
     world.add(numbered("left", k), Hinge::at(world, cranks[k], coupler, k * right + up, axis));
     world.add(numbered("right", k), Hinge::at(world, cranks[k + 1], coupler, (k + 1) * right + up, axis));
   }
-  scene.energy_scale = (2 * n + 1) * kGravity;
+  scene.energy_scale = (2 * n + 1) * kMachineGravity;
   add_probe(scene, cranks[0]);
   return scene;
 }
@@ -136,7 +136,7 @@ Scene build_robot(const Parameters& parameters) {
     world.set_limits(angle, AxisLimits{.lower = -link.limit, .upper = link.limit});
     last = here;
   }
-  scene.energy_scale = 51 * kGravity * 1.0;
+  scene.energy_scale = 51 * kMachineGravity * 1.0;
   add_probe(scene, last);
   return scene;
 }
@@ -166,7 +166,7 @@ Scene build_crane(const Parameters& parameters) {
   draw(scene, hook, {Sphere{0.3}});
   world.add("hoist_wire", Pulley::at(world, carriage, winch, boom, tip + Vec3(0, 0, 0.3),
                                      tip + Vec3(0.3, 0, 0), hook, hook_at));
-  scene.energy_scale = (800 * 4 + parameters.at("load") * 4) * kGravity;
+  scene.energy_scale = (800 * 4 + parameters.at("load") * 4) * kMachineGravity;
   add_probe(scene, hook);
   return scene;
 }

@@ -12,7 +12,7 @@ namespace {
 
 using namespace scene_parts;
 
-constexpr double kArc = 0.4;  ///< θ: half the angle of the arc [rad]
+constexpr double kNetArc = 0.4;  ///< θ: half the angle of the arc [rad]
 constexpr double kHalfRod = NetRods::kHalf;
 
 /// The start surface.  A flat net pinned at the full distance of its corners would be a singular start, so
@@ -20,10 +20,10 @@ constexpr double kHalfRod = NetRods::kHalf;
 ///   a(k) = R sin φ(k),  h(k) = R (cos θ − cos φ(k)),  φ(k) = θ (2k/(n−1) − 1)
 struct Surface {
   Surface(int nodes, bool flag_shape)
-      : n(nodes), flag(flag_shape), radius(kHalfRod / std::sin(kArc / (nodes - 1))) {}
-  double angle(double k) const { return kArc * (2 * k / (n - 1) - 1); }
+      : n(nodes), flag(flag_shape), radius(kHalfRod / std::sin(kNetArc / (nodes - 1))) {}
+  double angle(double k) const { return kNetArc * (2 * k / (n - 1) - 1); }
   double along(int k) const { return radius * std::sin(angle(k)); }
-  double height(int k) const { return radius * (std::cos(kArc) - std::cos(angle(k))); }
+  double height(int k) const { return radius * (std::cos(kNetArc) - std::cos(angle(k))); }
   Vec3 node(int i, int j) const {
     if (flag) return {along(i), 2 * kHalfRod * j, height(i)};
     return {along(i), along(j), height(i) + height(j)};
@@ -79,7 +79,7 @@ void add_node(World& world, const Surface& surface, const NetRods& rods, int i, 
     add_ball(world, numbered("node", i, j, e), Ball(hub.rod, ends[e].rod, hub.p, ends[e].p), friction);
 }
 
-Scene build(const char* name, bool flag, double friction, const Parameters& parameters) {
+Scene build_net(const char* name, bool flag, double friction, const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
   Scene scene = new_scene(name, parameters, duration_for(n, {{5, 5.0}, {20, 2.0}, {40, 1.0}, {80, 0.5}}));
 
@@ -96,15 +96,15 @@ Scene build(const char* name, bool flag, double friction, const Parameters& para
   return scene;
 }
 
-Scene build_flag(const Parameters& parameters) { return build("net-flag", true, 0, parameters); }
-Scene build_corners(const Parameters& parameters) { return build("net-corners", false, 0, parameters); }
+Scene build_flag(const Parameters& parameters) { return build_net("net-flag", true, 0, parameters); }
+Scene build_corners(const Parameters& parameters) { return build_net("net-corners", false, 0, parameters); }
 Scene build_friction(const Parameters& parameters) {
-  return build("net-friction", false, parameters.at("friction"), parameters);
+  return build_net("net-friction", false, parameters.at("friction"), parameters);
 }
 
 /// A ball falls into the middle of the net; bars touch it, but not each other.
 Scene build_catch(const Parameters& parameters) {
-  Scene scene = build("net-catch", false, 0, parameters);
+  Scene scene = build_net("net-catch", false, 0, parameters);
   scene.dt = 1e-3;
   scene.duration = 3;
   World& world = scene.world;

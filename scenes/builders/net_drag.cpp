@@ -18,12 +18,12 @@ constexpr double kKnotRadius = 0.02;                    ///< [m]
 constexpr double kBumpArc = 0.8;                        ///< θ: half the angle of the front edge [rad]
 constexpr double kRopeAngle = 1.0;                      ///< of the ropes to the front edge [rad]
 constexpr double kWay = 3;                              ///< that the net is dragged [m]
-constexpr double kStart = 0.5;                          ///< time to full speed [s]
+constexpr double kDragStart = 0.5;                      ///< time to full speed [s]
 constexpr double kCell = 0.1, kWave = 0.8, kRim = 0.6;  ///< of the ground [m]
 const Vec3 kLoadSize(0.25, 0.25, 0.15);                 ///< [m]
 constexpr double kSinks = 3e-4;                         ///< of a knot under a quarter of the load [m]
-constexpr double kPlay = 0.05;                          ///< of the rope that ties the load [m]
-constexpr std::uint32_t kGroundGroup = 1, kKnots = 2, kLoads = 4;
+constexpr double kDragPlay = 0.05;                      ///< of the rope that ties the load [m]
+constexpr std::uint32_t kDragGroundGroup = 1, kKnots = 2, kLoads = 4;
 
 /// The net at the start, flat, with its front edge ahead, i along x: rows of rods along x whose ends lie on
 /// an arc,
@@ -62,7 +62,7 @@ void add_ground(World& world, const Layout& net, double bump, const Material& ma
   for (int j = 0; j < field.ny; ++j)
     for (int i = 0; i < field.nx; ++i)
       field.heights.push_back(ground_height(back + kCell * i, kCell * (j - 0.5 * (field.ny - 1)), bump));
-  world.add_shape(kGround, field, {.p = Vec3(middle, 0, 0)}, material, {kGroundGroup, kKnots | kLoads});
+  world.add_shape(kGround, field, {.p = Vec3(middle, 0, 0)}, material, {kDragGroundGroup, kKnots | kLoads});
 }
 
 /// A ball around the end of the rod.  Balls at the knots are enough: the ground curves too little to reach
@@ -72,7 +72,8 @@ void add_ground(World& world, const Layout& net, double bump, const Material& ma
 /// no determinate forces, and nets that were pulled sharply did fold.
 void add_knot(Scene& scene, const NetRods::End& hub, const Material& material) {
   const PlacedShape knot{Sphere{kKnotRadius}, {.p = hub.p}};
-  scene.world.add_shape(hub.rod, knot.shape, knot.pose, material, {kKnots, kGroundGroup | kKnots | kLoads});
+  scene.world.add_shape(hub.rod, knot.shape, knot.pose, material,
+                        {kKnots, kDragGroundGroup | kKnots | kLoads});
   draw(scene, hub.rod, knot);
 }
 
@@ -120,11 +121,11 @@ BodyId add_load(Scene& scene, const Layout& net, const NetRods& rods, double mas
   spec.pose.p = (net.node(a, a) + net.node(a, b) + net.node(b, a) + net.node(b, b)) / 4;
   spec.pose.p.z() += kKnotRadius + 0.5 * kLoadSize.z() - sinks;
   const BodyId load = world.add_body(spec);
-  world.add_shape(load, Box{kLoadSize}, {}, material, {kLoads, kGroundGroup | kKnots});
+  world.add_shape(load, Box{kLoadSize}, {}, material, {kLoads, kDragGroundGroup | kKnots});
   const NetRods::End knot = rods.ends(b, b)[0];
   const Vec3 under(0, 0, -0.5 * kLoadSize.z());
   const double way = (world.pose(load).point(under) - net.node(b, b)).norm();
-  world.add("lashing", Rope(knot.rod, load, knot.p, under, way + kPlay));
+  world.add("lashing", Rope(knot.rod, load, knot.p, under, way + kDragPlay));
   world.set_collision(knot.rod, load, true);
   return load;
 }
@@ -149,7 +150,7 @@ void add_bar(Scene& scene, const Layout& net, const NetRods& rods, double bump, 
 Scene build_net_drag(const Parameters& parameters) {
   const double speed = parameters.at("speed"), bump = parameters.at("bump");
   const double load = parameters.at("load"), friction = parameters.at("friction");
-  Scene scene = new_scene("net-drag", parameters, kWay / speed + kStart / 2, 1.0 / 500);
+  Scene scene = new_scene("net-drag", parameters, kWay / speed + kDragStart / 2, 1.0 / 500);
   const NetRods rods{static_cast<int>(parameters.at("n"))};
   // Knots and load give way: friction at knots that rods hold together is not determinate otherwise.  Rigid
   // ones took ten times as many Newton steps.  At the start they have settled in part, since round-off would
@@ -162,7 +163,7 @@ Scene build_net_drag(const Parameters& parameters) {
   add_net(scene, net, rods, material);
   add_ground(scene.world, net, bump, rubbing(friction));
   add_probe(scene, add_load(scene, net, rods, load, material, compliance * load_share));
-  add_bar(scene, net, rods, bump, speed_motion(Curve({{0, 0}, {kStart, speed}}), 0));
+  add_bar(scene, net, rods, bump, speed_motion(Curve({{0, 0}, {kDragStart, speed}}), 0));
   scene.energy_scale = fall_energy(scene.world, 0.1, scene.duration);
   return scene;
 }

@@ -68,7 +68,7 @@ struct Ragdoll {
   }
 };
 
-Scene build(const Parameters& parameters) {
+Scene build_ragdoll(const Parameters& parameters) {
   Scene scene = new_scene("ragdoll", parameters, 10);
   const auto [head, left] = Ragdoll{scene}.add();
   scene.world.add("hand", Ball::at(scene.world, kGround, left, Vec3(0.85, 0, 0.5)));
@@ -117,7 +117,7 @@ Scene build_stairs(const Parameters& parameters) {
 }  // namespace
 
 std::vector<SceneInfo> ragdoll_scenes() {
-  return {{"ragdoll", "a body with limited joints that falls and hangs by one hand", {}, build},
+  return {{"ragdoll", "a body with limited joints that falls and hangs by one hand", {}, build_ragdoll},
           {"ragdoll-stairs",
            "ragdolls that fall down stairs",
            {size(1, 1, 30, "number of ragdolls"),

@@ -12,7 +12,7 @@ namespace {
 
 using namespace scene_parts;
 
-constexpr double kDensity = 1000;  ///< [kg/m³]
+constexpr double kStackDensity = 1000;  ///< [kg/m³]
 
 Scene on_a_floor(std::string name, const Parameters& parameters, double duration) {
   Scene scene = new_scene(std::move(name), parameters, duration);
@@ -21,7 +21,7 @@ Scene on_a_floor(std::string name, const Parameters& parameters, double duration
 }
 
 BodyId add_solid(Scene& scene, std::string name, const Shape& shape, const Pose& pose,
-                 double density = kDensity, const Material& material = {}) {
+                 double density = kStackDensity, const Material& material = {}) {
   const BodyId body =
       scene.world.add_body({.name = std::move(name),
                             .mass = solid_of(std::array{PlacedShape{shape, {}, density}}).mass,
@@ -38,7 +38,7 @@ Scene build_stack(const Parameters& parameters) {
   BodyId last{};
   for (int i = 0; i < n; ++i)
     last = add_solid(scene, numbered("box", i), Box{Vec3(1, 1, 1)}, {.p = Vec3(0, 0, 0.5 + i)},
-                     top_heavy && i < n - 1 ? 1e-3 * kDensity : kDensity);
+                     top_heavy && i < n - 1 ? 1e-3 * kStackDensity : kStackDensity);
   scene.energy_scale = fall_energy(scene.world, n, scene.duration);
   add_probe(scene, last);
   return scene;
@@ -120,7 +120,7 @@ Scene build_heap(const char* name, bool walls, const Parameters& parameters) {
     pose.p = Vec3(x + kOff * random(), y + kOff * random(), 0.4 + kSpacing * (i / (side * side)));
     const double a = random(), b = random(), c = random(), d = random();
     pose.q = Quat(a, b, c, d).normalized();
-    last = add_solid(scene, numbered("body", i), shapes[i % 4], pose, kDensity, stone);
+    last = add_solid(scene, numbered("body", i), shapes[i % 4], pose, kStackDensity, stone);
   }
   if (walls) {
     const double centre = 0.5 * kSpacing * (side - 1);

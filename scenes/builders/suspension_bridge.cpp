@@ -11,11 +11,11 @@ namespace {
 using namespace scene_parts;
 
 constexpr double kPlank = 2;  ///< length [m]
-const Vec3 kPlankSize(kPlank, 3, 0.2);
+const Vec3 kSuspensionPlankSize(kPlank, 3, 0.2);
 constexpr double kSag = 0.12;       ///< of the cable, part of the span
 constexpr double kClearance = 1.5;  ///< shortest hanger [m]
-constexpr double kPlankMass = 400, kCableMass = 60;
-constexpr double kGravity = 9.81;
+constexpr double kSuspensionPlankMass = 400, kCableMass = 60;
+constexpr double kSuspensionGravity = 9.81;
 
 /// The cable hangs in a parabola; node k is above the seam between planks k − 1 and k.
 struct Shape {
@@ -44,17 +44,18 @@ ForceCallback driving_weight(std::vector<BodyId> planks, double weight, double s
   return ForceCallback(force, false);
 }
 
-Scene build(const Parameters& parameters) {
+Scene build_suspension_bridge(const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
   Scene scene = new_scene("suspension-bridge", parameters);
   World& world = scene.world;
   const Shape shape(n);
   std::vector<BodyId> planks, cable;
   for (int k = 0; k < n; ++k) {
-    BodySpec plank{.name = numbered("plank", k), .mass = MassProperties::box(kPlankSize, kPlankMass)};
+    BodySpec plank{.name = numbered("plank", k),
+                   .mass = MassProperties::box(kSuspensionPlankSize, kSuspensionPlankMass)};
     plank.pose.p = Vec3(shape.x(k + 0.5), 0, 0);
     planks.push_back(world.add_body(plank));
-    draw(scene, planks.back(), {Box{kPlankSize}});
+    draw(scene, planks.back(), {Box{kSuspensionPlankSize}});
   }
   for (int k = 0; k < n; ++k)
     cable.push_back(add_rod(scene, numbered("cable", k), shape.node(k), shape.node(k + 1), 0.05, kCableMass));
@@ -75,16 +76,17 @@ Scene build(const Parameters& parameters) {
   for (int k = 1; k < n; ++k) {
     const JointId hanger =
         world.add(numbered("hanger", k), Rope::between(world, cable[k], planks[k], shape.node(k), seam(k)));
-    world.set_break(hanger, BreakLimits{.force = parameters.at("strength") * kPlankMass * kGravity});
+    world.set_break(
+        hanger, BreakLimits{.force = parameters.at("strength") * kSuspensionPlankMass * kSuspensionGravity});
   }
   for (int k : {0, n}) {  // towers
     const double height = shape.node(k).z();
     draw(scene, kGround, {Cylinder{0.3, height}, {Quat::Identity(), {shape.x(k), 0, height / 2}}});
   }
   const double speed = parameters.at("speed");
-  world.add_force(driving_weight(planks, parameters.at("load") * kGravity, speed));
+  world.add_force(driving_weight(planks, parameters.at("load") * kSuspensionGravity, speed));
   scene.duration = kPlank * n / speed;
-  scene.energy_scale = (kPlankMass + kCableMass) * n * kGravity * kSag * kPlank * n;
+  scene.energy_scale = (kSuspensionPlankMass + kCableMass) * n * kSuspensionGravity * kSag * kPlank * n;
   add_probe(scene, planks[n / 2]);
   return scene;
 }
@@ -98,7 +100,7 @@ std::vector<SceneInfo> suspension_bridge_scenes() {
             {"load", 1000, "kg", "mass that drives over the bridge", 0, 1e6, false},
             {"speed", 5, "m/s", "of the load", 0.1, 100, false},
             {"strength", 2.2, "", "force at which a rope breaks, in weights of a plank", 0.1, 1e6, false}},
-           build}};
+           build_suspension_bridge}};
 }
 
 }  // namespace taut

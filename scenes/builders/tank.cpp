@@ -30,16 +30,17 @@ const Vec3 kArm(-0.25, 0, -0.12);  ///< from its pivot to the wheel
 constexpr double kArmMass = 15, kTorsion = 1e4, kTorsionDamping = 500;
 constexpr double kTension = 12e3, kTensioner = 2e6, kTensionerDamping = 2e4;
 constexpr double kTorque = 6000;
-constexpr double kStart = 3.5;  ///< of ramp and bumps
+constexpr double kTankStart = 3.5;  ///< of ramp and bumps
 
 // Who touches whom: plates and guides of shoes the wheels, their grousers and the hull the ground.
-constexpr std::uint32_t kGroundGroup = 1, kHullGroup = 2, kShoeGroup = 4, kWheelGroup = 8, kGrouserGroup = 16;
-constexpr CollisionFilter kShoeFilter{kShoeGroup, kWheelGroup}, kWheelFilter{kWheelGroup, kShoeGroup},
-    kGrouserFilter{kGrouserGroup, kGroundGroup}, kHullFilter{kHullGroup, kGroundGroup};
+constexpr std::uint32_t kTankGroundGroup = 1, kHullGroup = 2, kShoeGroup = 4, kTankWheelGroup = 8,
+                        kGrouserGroup = 16;
+constexpr CollisionFilter kShoeFilter{kShoeGroup, kTankWheelGroup}, kWheelFilter{kTankWheelGroup, kShoeGroup},
+    kGrouserFilter{kGrouserGroup, kTankGroundGroup}, kHullFilter{kHullGroup, kTankGroundGroup};
 
 constexpr double kTyre = 5e-7, kPad = 2e-7;  ///< compliance [m/N] of rims and pads of rubber
 
-constexpr double kRubber = 0.7, kTeeth = 40;  ///< friction; of a sprocket, in place of its teeth
+constexpr double kTankRubber = 0.7, kTeeth = 40;  ///< friction; of a sprocket, in place of its teeth
 
 const Quat kAcross = exp_so3(Vec3(-std::numbers::pi / 2, 0, 0));  ///< z along y
 
@@ -53,7 +54,7 @@ struct Side {
   World& world = scene.world;
 
   BodyId add_wheel(const std::string& wheel, const Vec3& p, double radius, double mass,
-                   double friction = kRubber) {
+                   double friction = kTankRubber) {
     const BodyId body = world.add_body({.name = name + wheel,
                                         .mass = MassProperties::cylinder(radius, kWheelWidth, mass),
                                         .pose = {kAcross, p}});
@@ -102,9 +103,10 @@ struct Side {
     body.pose.p = 0.5 * (from + to);
     body.pose.q = exp_so3(Vec3(0, -std::atan2(to.z() - from.z(), to.x() - from.x()), 0));  // z is inwards
     const BodyId shoe = world.add_body(body);
-    world.add_shape(shoe, Box{plate}, {}, rubbing(kRubber), kShoeFilter);
+    world.add_shape(shoe, Box{plate}, {}, rubbing(kTankRubber), kShoeFilter);
     const Capsule grouser{kGrouser, kShoeWidth - 2 * kGrouser}, guide{kGuideRadius, kGuideHeight};
-    world.add_shape(shoe, grouser, {kAcross, {0, 0, -kPlate / 2}}, rubbing(kRubber, kPad), kGrouserFilter);
+    world.add_shape(shoe, grouser, {kAcross, {0, 0, -kPlate / 2}}, rubbing(kTankRubber, kPad),
+                    kGrouserFilter);
     const double at = kGuideDistance + kGuideRadius;
     for (const double side : {-at, at})
       world.add_shape(shoe, guide, {Quat::Identity(), {0, side, kGuideHeight / 2}}, Material{}, kShoeFilter);
@@ -145,17 +147,18 @@ struct Side {
 
 void add_ground(Scene& scene, double ramp, int bumps) {
   World& world = scene.world;
-  world.add_shape(kGround, HalfSpace{}, {}, rubbing(kRubber));
+  world.add_shape(kGround, HalfSpace{}, {}, rubbing(kTankRubber));
   if (ramp > 0) {
     const double angle = ramp * std::numbers::pi / 180, length = 12, thickness = 0.5;
     const Quat q = exp_so3(Vec3(0, -angle, 0));
-    const Vec3 p = Vec3(kStart, 0, 0) + q * Vec3(length / 2, 0, -thickness / 2);
-    world.add_shape(kGround, Box{{length, 6, thickness}}, {q, p}, rubbing(kRubber));
+    const Vec3 p = Vec3(kTankStart, 0, 0) + q * Vec3(length / 2, 0, -thickness / 2);
+    world.add_shape(kGround, Box{{length, 6, thickness}}, {q, p}, rubbing(kTankRubber));
   }
   constexpr double kBumpRadius = 0.3, kBumpHeight = 0.1, kBumpSpacing = 1.2;
   for (int k = 0; k < bumps; ++k)
     world.add_shape(kGround, Cylinder{kBumpRadius, 6},
-                    {kAcross, {kStart + k * kBumpSpacing, 0, kBumpHeight - kBumpRadius}}, rubbing(kRubber));
+                    {kAcross, {kTankStart + k * kBumpSpacing, 0, kBumpHeight - kBumpRadius}},
+                    rubbing(kTankRubber));
 }
 
 Scene build_tank(const Parameters& parameters) {

@@ -13,7 +13,7 @@
 namespace taut {
 namespace {
 
-constexpr const char* kFormat = "taut-state/1";
+constexpr const char* kStateFormat = "taut-state/1";
 
 std::vector<double> components(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -32,7 +32,8 @@ class StateReader {
     const JsonNode root(document, "/", problems_);
     JsonObject keys(root);
     const auto format = keys.required("format");
-    if (format && format->json() != kFormat) format->problem(std::string("must be \"") + kFormat + '"');
+    if (format && format->json() != kStateFormat)
+      format->problem(std::string("must be \"") + kStateFormat + '"');
     state_.time = keys.get_required("time", &JsonNode::number, 0.0);
     if (const auto bodies = keys.required("bodies"))
       for (const JsonNode& body : bodies->items("an array of bodies")) read_body(body);
@@ -183,8 +184,8 @@ nlohmann::ordered_json state_json(const World& world, const SavedMemory& memory)
                         {"point", components(s.p_AP)},
                         {"stretch", components(s.stretch)},
                         {"holds", s.holds}});
-  nlohmann::ordered_json state = {{"format", kFormat}, {"time", world.time()}, {"bodies", bodies},
-                                  {"axes", axes},      {"detached", detached}, {"contacts", contacts}};
+  nlohmann::ordered_json state = {{"format", kStateFormat}, {"time", world.time()}, {"bodies", bodies},
+                                  {"axes", axes},           {"detached", detached}, {"contacts", contacts}};
   if (!memory.checkpoint.empty()) state["memory"] = base64(memory.checkpoint.bytes());
   return state;
 }

@@ -23,7 +23,7 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// Wall time that a run gets beyond its processor time before it is killed, as a factor and in all [s].
 constexpr double kPatience = 4, kStartUp = 30;
@@ -42,7 +42,7 @@ std::vector<fs::path> benchmarks_in(const fs::path& folder, const std::string& o
 }
 
 /// One run in its own process, as JSON whatever becomes of it.
-Json measure(const fs::path& folder, const BenchRun& run) {
+OrderedJson measure(const fs::path& folder, const BenchRun& run) {
   std::vector<std::string> arguments = {"--scene",  run.scene,           "--n",    std::to_string(run.n),
                                         "--method", run.method,          "--rate", shortest(run.rate),
                                         "--limit",  shortest(run.limit), "--time", shortest(run.time)};
@@ -51,8 +51,8 @@ Json measure(const fs::path& folder, const BenchRun& run) {
       run_child(folder / ("peer_" + run.engine), arguments, true, kStartUp + kPatience * run.limit);
   // Some engines print while they build.
   const std::size_t line = child.output.rfind("\n{");
-  Json json =
-      Json::parse(line == std::string::npos ? child.output : child.output.substr(line), nullptr, false);
+  OrderedJson json = OrderedJson::parse(line == std::string::npos ? child.output : child.output.substr(line),
+                                        nullptr, false);
   if (!child.good() || json.is_discarded()) {
     json = {{"engine", run.engine}, {"method", run.method},      {"scene", run.scene},
             {"n", run.n},           {"with", run.with},          {"rate_hz", run.rate},
@@ -64,9 +64,9 @@ Json measure(const fs::path& folder, const BenchRun& run) {
   return json;
 }
 
-std::optional<Vec3> probe_of(const Json& run) {
+std::optional<Vec3> probe_of(const OrderedJson& run) {
   if (!run.contains("probe") || !run.at("probe").is_array()) return std::nullopt;
-  const Json& p = run.at("probe");
+  const OrderedJson& p = run.at("probe");
   return Vec3(p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>());
 }
 
@@ -74,12 +74,12 @@ std::optional<Vec3> probe_of(const Json& run) {
 class References {
  public:
   explicit References(fs::path folder) : folder_(std::move(folder)) {}
-  void add_distance(const BenchRun& run, Json& json) {
+  void add_distance(const BenchRun& run, OrderedJson& json) {
     const std::optional<Vec3> probe = probe_of(json);
     if (!probe || run.quality != BenchQuality::kJoints) return;
     const auto [found, fresh] = probes_.try_emplace(run.scene_label());
     if (fresh) {
-      const Json reference = measure(folder_, reference_of(run));
+      const OrderedJson reference = measure(folder_, reference_of(run));
       if (reference.value("status", "") == "success") found->second = probe_of(reference);
     }
     if (found->second) json["probe_distance_m"] = (*probe - *found->second).norm();
@@ -90,7 +90,7 @@ class References {
   std::map<std::string, std::optional<Vec3>> probes_;
 };
 
-void show(const BenchRun& run, const Json& json, std::size_t index, std::size_t count) {
+void show(const BenchRun& run, const OrderedJson& json, std::size_t index, std::size_t count) {
   char numbers[100] = "";
   if (json.contains("cpu_per_simulated_s") && json.contains("max_joint_error_m"))
     std::snprintf(numbers, sizeof numbers, "%9.3g s/s, joint %.0e, drift %.0e",
@@ -101,14 +101,14 @@ void show(const BenchRun& run, const Json& json, std::size_t index, std::size_t 
 }
 
 /// What work_profile says of one scene, or why it says nothing.
-Json profile(const fs::path& program, const WorkRun& run, const BenchOptions& options) {
+OrderedJson profile(const fs::path& program, const WorkRun& run, const BenchOptions& options) {
   constexpr double kLongest = 300;  // [s]
   std::vector<std::string> arguments{"--scene", run.scene, "--n", std::to_string(run.n)};
   if (!run.with.empty()) arguments.insert(arguments.end(), {"--with", run.with});
   if (options.quick) arguments.insert(arguments.end(), {"--time", "0.05", "--limit", "1"});
   if (options.limit > 0) arguments.insert(arguments.end(), {"--limit", shortest(options.limit)});
   const ChildResult child = run_child(program, arguments, true, kLongest);
-  Json json = Json::parse(child.output, nullptr, false);
+  OrderedJson json = OrderedJson::parse(child.output, nullptr, false);
   if (child.good() && json.is_object()) return json;
   return {
       {"scene", run.scene}, {"n", run.n}, {"with", run.with}, {"failed", "no result: " + child.message()}};
@@ -118,10 +118,10 @@ Json profile(const fs::path& program, const WorkRun& run, const BenchOptions& op
 template <typename Keep>
 void add_profiles(const fs::path& program, const std::vector<WorkRun>& plan, const BenchOptions& options,
                   BenchResults& results, Keep keep) {
-  results["profiles"] = Json::array();
+  results["profiles"] = OrderedJson::array();
   for (std::size_t i = 0; i < plan.size(); ++i) {
     results["profiles"].push_back(profile(program, plan[i], options));
-    const Json& last = results["profiles"].back();
+    const OrderedJson& last = results["profiles"].back();
     std::fprintf(stderr, "[%2zu/%zu] %-24s %s\n", i + 1, plan.size(), plan[i].label().c_str(),
                  last.contains("failed") ? last.at("failed").get<std::string>().c_str() : "done");
     keep();
@@ -173,7 +173,7 @@ bool repeat_worse(const fs::path& peers, const std::vector<BenchRun>& plan, cons
     any = true;
     std::fprintf(stderr, "taut bench: %zu runs look worse and are made again\n", worse.size());
     for (const std::size_t i : worse) {
-      Json again = measure(peers, plan[i]);
+      OrderedJson again = measure(peers, plan[i]);
       references.add_distance(plan[i], again);
       show(plan[i], again, i + 1, plan.size());
       if (is_better_measurement(again, results["runs"][i])) results["runs"][i] = std::move(again);
@@ -207,13 +207,13 @@ BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const
   for (const std::string& engine : built) std::fprintf(stderr, " %s", engine.c_str());
   std::fprintf(stderr, "\n");
   References references(folder / "peers");
-  results["runs"] = Json::array();
-  results["profiles"] = Json::array();
+  results["runs"] = OrderedJson::array();
+  results["profiles"] = OrderedJson::array();
   if (options.only.empty() && !options.contact)
     add_profiles(folder / "work_profile", work_plan(options.quick ? WorkSizes::kTwo : WorkSizes::kSome),
                  options, results, [] {});
   for (std::size_t i = 0; i < plan.size(); ++i) {
-    Json json = measure(folder / "peers", plan[i]);
+    OrderedJson json = measure(folder / "peers", plan[i]);
     references.add_distance(plan[i], json);
     show(plan[i], json, i + 1, plan.size());
     results["runs"].push_back(std::move(json));
@@ -251,13 +251,13 @@ int run_work(const fs::path& folder, const fs::path& build, const BenchOptions& 
       {"schema", kBenchSchema}, {"machine", machine_description()}, {"quick", options.quick}};
   results["engines"] = {{"taut", true}};
   results["planned_runs"] = 0;
-  results["runs"] = Json::array();
+  results["runs"] = OrderedJson::array();
   const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
   fs::create_directories(out);
   add_profiles(program, plan, options, results, [&] { write_results(results, options, out); });
   std::cout << work_tables(results);
   int bad = 0;
-  for (const Json& p : results["profiles"]) bad += p.contains("failed");
+  for (const OrderedJson& p : results["profiles"]) bad += p.contains("failed");
   return bad;
 }
 
@@ -268,7 +268,7 @@ int run_engines(const fs::path& folder, const fs::path& build, const BenchOption
   const BenchResults results = run_plan(folder, options, out, then);
   draw_results(results, options, out);
   int bad = 0;
-  for (const Json& run : results.at("runs")) {
+  for (const OrderedJson& run : results.at("runs")) {
     const std::string status = run.value("status", "");
     bad += run.at("engine") == "taut" && status != "success" && status != "time limit";
   }

@@ -9,7 +9,7 @@
 namespace taut {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// Phases by name, in the order of a step.
 std::vector<std::pair<const char*, double>> phases(const StageTimes& times) {
@@ -22,13 +22,13 @@ std::vector<std::pair<const char*, double>> phases(const StageTimes& times) {
           {"total", times.total}};
 }
 
-Json probes_json(const Recorder& recorder, std::span<const double> values) {
-  Json probes = Json::array();
+OrderedJson probes_json(const Recorder& recorder, std::span<const double> values) {
+  OrderedJson probes = OrderedJson::array();
   std::size_t column = 0;
   for (const Probe& probe : recorder.probes()) {
-    Json value = Json::object();
+    OrderedJson value = OrderedJson::object();
     for (const std::string& component : components(probe.quantity)) {
-      value[component] = values.empty() ? Json() : Json(values[column]);
+      value[component] = values.empty() ? OrderedJson() : OrderedJson(values[column]);
       ++column;
     }
     probes.push_back({{"name", probe.name},
@@ -39,7 +39,7 @@ Json probes_json(const Recorder& recorder, std::span<const double> values) {
   return probes;
 }
 
-Json ledger_json(const EnergyLedger& ledger) {
+OrderedJson ledger_json(const EnergyLedger& ledger) {
   return {{"kinetic", ledger.kinetic},     {"potential", ledger.potential},
           {"springs", ledger.springs},     {"motors", ledger.motors},
           {"drivers", ledger.drivers},     {"friction", ledger.friction},
@@ -49,19 +49,19 @@ Json ledger_json(const EnergyLedger& ledger) {
           {"stiffness", ledger.stiffness}, {"integration", ledger.integration}};
 }
 
-Json breaks_json(const std::vector<RunRecord::Break>& breaks) {
-  Json list = Json::array();
+OrderedJson breaks_json(const std::vector<RunRecord::Break>& breaks) {
+  OrderedJson list = OrderedJson::array();
   for (const RunRecord::Break& event : breaks)
     list.push_back({{"joint", event.joint},
                     {"time_s", event.time},
                     {"force_N", event.force},
                     {"torque_Nm", event.torque},
-                    {"with", event.with.empty() ? Json() : Json(event.with)}});
+                    {"with", event.with.empty() ? OrderedJson() : OrderedJson(event.with)}});
   return list;
 }
 
-Json held_json(const std::vector<RunRecord::Held>& rows) {
-  Json list = Json::array();
+OrderedJson held_json(const std::vector<RunRecord::Held>& rows) {
+  OrderedJson list = OrderedJson::array();
   for (const RunRecord::Held& row : rows) list.push_back({{"row", row.row}, {"held_by", row.by}});
   return list;
 }
@@ -93,16 +93,16 @@ std::string share_of_phases(const StageTimes& times) {
 
 }  // namespace
 
-Json run_report(const RunRecord& r, const Recorder& recorder, const std::vector<double>& values,
-                const State& final_state) {
-  Json report;
+OrderedJson run_report(const RunRecord& r, const Recorder& recorder, const std::vector<double>& values,
+                       const State& final_state) {
+  OrderedJson report;
   report["scene"] = r.scene;
   report["parameters"] = r.parameters;
   report["status"] = r.status;
   report["message"] = r.message;
-  report["contradiction"] = r.contradiction.empty()
-                                ? Json()
-                                : Json{{"members", r.contradiction}, {"residual", r.contradiction_residual}};
+  report["contradiction"] = r.contradiction.empty() ? OrderedJson()
+                                                    : OrderedJson{{"members", r.contradiction},
+                                                                  {"residual", r.contradiction_residual}};
   report["warnings"] = r.warnings;
   report["taut_version"] = TAUT_VERSION;
   report["integrator"] = r.integrator;
