@@ -73,7 +73,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
     int block = 0;  ///< index in joints(), which springs and contacts have, too: no JointId
     int first_row = 0, row_count = 0;  ///< of the block
     int offset = 0;                    ///< of its block in the Jacobian values
-    int whole = 0;  ///< … in values that have row_count × 6 of each side, as J where no arms are kept
+    int whole = 0;  ///< offset in values with row_count × 6 of each side, as J where no arms are kept
     /// ±1 where the block is an arm r of a LonePoint, on its side B or A: J = ±(−[r]×, 1).
     int arm = 0;
     int value_count() const { return arm != 0 ? 3 : 6 * row_count; }  ///< of its block
@@ -95,12 +95,12 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
     AxisId axis;           ///< its `axis` is negative for a softened row
     int index = 0;         ///< of θ in State::axes; negative for a softened row
     ForceId spring{-1};    ///< whose row it is; then `axis` is none
-    bool centred = false;  ///< … of its three displacements in axes of A, not of its length
+    bool centred = false;  ///< row of one of three displacements in axes of A, not of the length
   };
   enum class AxisRows { kIncluded, kLeftOut };  ///< Whether free axes with properties have rows.
   enum class Joints {                           ///< Which joints have rows.
     kAll,                                       ///< that are attached
-    kMoving,                                    ///< … and have a body that moves (World::moves())
+    kMoving,                                    ///< those with a body that moves (World::moves())
   };
   enum class Blocks {  ///< How Jacobian values are kept.
     kWhole,

@@ -26,7 +26,7 @@ struct Relocation {
   BodyId ground = kGround;                                       ///< what its ground has become
   int bodies = 0, joints = 0, axes = 0, shapes = 0, forces = 0;  ///< added to indices of the other things
   std::shared_ptr<const Carriers> carriers{};  ///< of the bodies that have these ids; null: themselves
-  /// Of a joint: the place that each of its bodies has in Joint::bodies() there; empty: the same.
+  /// The places that the bodies of a joint have in Joint::bodies() there; empty: unchanged.
   std::vector<int> sides{};
   /// What the id of a body has become.
   BodyId operator()(BodyId id) const { return carriers ? carriers->bodies[shifted(id).index] : shifted(id); }
@@ -38,7 +38,7 @@ struct Relocation {
   ShapeId operator()(ShapeId id) const { return {id.index + shapes}; }                ///< what it has become
   ForceId operator()(ForceId id) const { return {id.index + forces}; }                ///< what it has become
   int body(int index) const { return (*this)(BodyId{index}).index; }  ///< of an index of a body
-  /// Of an entry of State::axes; a negative one is none and stays.
+  /// What an index in State::axes has become; a negative one is none and stays.
   int axis(int index) const { return index < 0 ? index : index + axes; }
 
   /// First that one, then this one.  @pre that one has no carriers.

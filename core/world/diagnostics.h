@@ -14,7 +14,7 @@ namespace taut {
 /// compliance softens do not count.
 struct Gap {
   double metres = 0;   ///< largest ‖φ‖ of its translation rows
-  double radians = 0;  ///< … and of its rotation rows
+  double radians = 0;  ///< largest ‖φ‖ of its rotation rows
 };
 
 /// Gaps of all joints from the residual φ of all rows [m or rad]: one entry per joint of `rows`.

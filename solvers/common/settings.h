@@ -70,7 +70,7 @@ struct Settings {  ///< How a Simulator steps; its constructor refuses what is o
   double penalty_frequency = 50;            ///< [Hz] of the penalty springs on the bodies' own inertia
   double penalty_damping_ratio = 1;         ///< of the penalty springs; 1: critical
 
-  /// Of Moreau–Jean, q₁ = q₀ + h (θ V₁ + (1 − θ) V₀), between ½ and 1; 1 in steps that are too long for a
+  /// θ of Moreau–Jean, q₁ = q₀ + h (θ V₁ + (1 − θ) V₀), from ½ to 1; 1 in steps that are too long for a
   /// spring (solvers/integrators, "Moreau–Jean").
   double theta = 0.5;
 

@@ -84,7 +84,7 @@ struct Culprit {
   AxisId axis{};            ///< of kJoint and kAxis
   ForceId force{};          ///< of kSpring and kForce
   BodyId a{}, b{};          ///< of kContact and kBody
-  /// Of a joint how far it is open [m or rad]; of a law that is not met its natural residual, relative as in
+  /// How far a joint is open [m or rad]; of a law that is not met its natural residual, relative as in
   /// StepReport::natural_residual; infinite for what is not finite.
   double share = 0;
 };

@@ -11,7 +11,7 @@ namespace taut {
 /// M = diag(I_W, m 1₃) per body, kept in principal axes; fixed bodies have M⁻¹ = 0.
 class MassMatrix {
  public:
-  /// What each step reads of a body, in one line of the cache …
+  /// What each step reads of a body, in one line of the cache.
   struct alignas(64) Body {
     Vec3 inverse_moments = Vec3::Zero();       ///< 1 / I_P
     double inverse_mass = 0;                   ///< 1 / m
@@ -20,7 +20,7 @@ class MassMatrix {
     bool fixed = true;                         ///< it never moves
     std::int8_t symmetry_axis = -1;            ///< axis i with the other two moments equal; −1: none
   };
-  /// … and the rest.
+  /// What else is known of a body.
   struct Inertia {
     double mass = 1;               ///< m [kg]
     Vec3 moments = Vec3::Ones();   ///< I_P [kg m²]
