@@ -10,11 +10,13 @@
 
 #include "core/merging/merged_world.h"
 #include "solvers/common/setting_checks.h"
+#include "solvers/integrators/composition.h"
 #include "solvers/integrators/force_level.h"
 #include "solvers/integrators/impulse_scheme.h"
 #include "solvers/simulator/energy_books.h"
 #include "solvers/simulator/simulator.h"
 #include "solvers/simulator/sleep.h"
+#include "solvers/simulator/substeps.h"
 #include "solvers/simulator/weld_loads.h"
 #include "solvers/system/constraint_system.h"
 
@@ -112,14 +114,13 @@ class Simulator::Impl {
   std::unique_ptr<MergedWorld> merged_;
   World& world_;  // that is stepped: source_ itself, or the merged one
   Settings settings_;
+  Composition composition_{settings_.integrator};
   std::function<bool()> interrupt_;
   StepReport report_;
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<ImpulseScheme> scheme_;
   std::unique_ptr<ForceLevel> force_level_;
-  State before_;
   double horizon_ = 0;  // the step to come
-  std::vector<double> impulses_before_;
   Pace pace_;
   StepReport last_report_;  // while a step makes a new one
   State undo_;              // of world_, before the present step moved it
@@ -161,9 +162,8 @@ class Simulator::Impl {
   bool knows_pattern() const;
   bool advance_to_end(double dt);
   bool integrate(double dt);
-  ImpulseScheme::Outcome advance(double h);
+  bool after_stall(Substeps& substeps, bool hard, bool forgot);
   double choose_pieces(double dt);
-  double step_limit() const;
   void finish(double dt);
   bool welds_hold();
   Gap gap_of(std::span<const double> phi) const;
