@@ -15,7 +15,7 @@
 #include "solvers/common/stopwatch.h"
 #include "solvers/diagnosis/contradiction.h"
 #include "solvers/diagnosis/rank_report.h"
-#include "solvers/integrators/assembly.h"
+#include "solvers/integrators/close_joints.h"
 #include "solvers/integrators/moreau_jean.h"
 #include "solvers/integrators/rattle.h"
 #include "solvers/linear/cholmod_factor.h"
@@ -148,7 +148,7 @@ void Simulator::Impl::take_back(const Pace& pace, std::vector<ContactStretch> st
   }
   if (has_moved_) world_.set_state(undo_);
   has_moved_ = false;
-  stay_awake();
+  restore_awake();
   pace_ = pace;
   recalled_ = std::move(stretches);
   state_version_ = topology_version_ = -1;
@@ -210,9 +210,9 @@ void Simulator::Impl::begin_report() {
 
 void Simulator::Impl::step(double dt) {
   require_positive("step dt", dt);
-  follow_source();
+  sync_from_world();
   if (sleep_)
-    find_tired_bodies(dt);
+    collect_sleep_candidates(dt);
   else if (source_.asleep_count() > 0)  // for a simulator that is no more
     source_.wake_all(), world_.wake_all();
   begin_report();
@@ -221,15 +221,15 @@ void Simulator::Impl::step(double dt) {
   reported([&] {
     mean_reactions_.clear(), start_.poses.clear();
     if (settings_.report_energy) books_.begin(world_, moved_ ? source_ : world_, report_);
-    if (sleep_) sleep_->put_to_sleep(world_, tired_);
+    if (sleep_) sleep_->put_to_sleep(world_, sleep_candidates_);
     while (!advance_to_end(dt))
       ;
     moved_ = false;
-    if (report_.advanced()) give_back();
+    if (report_.advanced()) publish_to_world();
   });
   if (!report_.advanced()) {
     if (has_moved_) world_.set_state(undo_);  // joints that were closed before the step
-    stay_awake();
+    restore_awake();
     given_version_ = world_.state_version();  // the user's world stays as it was
   }
   end_versions_ = versions();
@@ -290,25 +290,25 @@ void Simulator::Impl::forget_step() {
 
 /// Sub-steps that a step needs now.  A symplectic scheme keeps its energy only while its step stays the same,
 /// so the count goes up at once and comes down only after a long quiet time.
-double Simulator::Impl::choose_pieces(double dt) {
+double Simulator::Impl::choose_substeps(double dt) {
   const double needed = std::clamp(std::ceil(dt / composition_.step_limit(*scheme_) - 1e-9), 1.0,
                                    double(settings_.max_substeps));
-  if (needed >= pace_.pieces) {
-    pace_.pieces = needed;
+  if (needed >= pace_.substeps) {
+    pace_.substeps = needed;
     pace_.quiet = 0;
   } else {
-    pace_.most_pieces = pace_.quiet == 0 ? needed : std::max(pace_.most_pieces, needed);
+    pace_.most_substeps = pace_.quiet == 0 ? needed : std::max(pace_.most_substeps, needed);
     if (++pace_.quiet >= kQuietSteps) {
-      pace_.pieces = pace_.most_pieces;
+      pace_.substeps = pace_.most_substeps;
       pace_.quiet = 0;
     }
   }
-  return pace_.pieces;
+  return pace_.substeps;
 }
 
 /// Covers dt in as many equal sub-steps as tension, rotation and convergence ask for.
 bool Simulator::Impl::integrate(double dt) {
-  Substeps substeps(dt, choose_pieces(dt), settings_.max_substeps);
+  Substeps substeps(dt, choose_substeps(dt), settings_.max_substeps);
   const bool hard = pace_.hard_steps > 0;
   scheme_->stages().accept_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   bool forgot = false;
@@ -394,7 +394,7 @@ void Simulator::Impl::finish(double dt) {
   report_.time = time;
   if (report_.status == Status::kInexact) report_.message += list_culprits();
   for (auto* values : {&phi_, &rates_, &reaction_multipliers_}) values->resize(system_->row_count());
-  if (scheme_ && scheme_->knows_residual()) {
+  if (scheme_ && scheme_->residual_is_current()) {
     report_.gap = max_gap(system_->rows(), scheme_->residual());
   } else {
     system_->rows().residual(state, phi_);
@@ -459,13 +459,13 @@ void Simulator::Impl::count_work() {
 }
 
 void Simulator::Impl::assemble() {
-  keep_means();
-  follow_source();
+  flush_mean_reactions();
+  sync_from_world();
   source_.wake_all(), world_.wake_all();
   begin_report();
   reported([this] {
     close_all_joints();
-    give_back();
+    publish_to_world();
   });
   count_work();
 }
@@ -584,7 +584,7 @@ const Settings& Simulator::settings() const { return impl_->settings_; }
 
 std::string Simulator::solver_description() const {
   if (!impl().system_) {
-    impl().follow_source();
+    impl().sync_from_world();
     if (impl().sleep_) impl().wake_islands(0);
     impl().restart_if_needed();
   }

@@ -14,7 +14,7 @@ constexpr double kCountRoundOff = 1e-9;
 }  // namespace
 
 double Substeps::next(double step_limit) {
-  const double longest = std::max(std::min({piece_, step_limit, limit_}), smallest_);
+  const double longest = std::max(std::min({even_length_, step_limit, limit_}), smallest_);
   count_ = std::max(1.0, std::ceil(remaining_ / longest - kCountRoundOff));
   even_ = remaining_ / count_;
   h_ = event_ > 0 ? event_ : even_;

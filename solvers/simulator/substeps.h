@@ -10,7 +10,8 @@ namespace taut {
 class Substeps {
  public:
   /// As many as `count` of equal length, none shorter than dt / `most`.
-  Substeps(double dt, double count, double most) : remaining_(dt), piece_(dt / count), smallest_(dt / most) {}
+  Substeps(double dt, double count, double most)
+      : remaining_(dt), even_length_(dt / count), smallest_(dt / most) {}
 
   bool done() const { return !(remaining_ > 0); }
   double remaining() const { return remaining_; }  ///< [s]
@@ -27,12 +28,12 @@ class Substeps {
   void shorten(double step_limit);
 
   /// They are shorter than this part of what they were to be.
-  bool below(double part) const { return limit_ < part * piece_; }
+  bool below(double part) const { return limit_ < part * even_length_; }
   /// They would have to be shorter than allowed.
   bool exhausted() const { return limit_ < smallest_; }
 
  private:
-  double remaining_, piece_, smallest_;
+  double remaining_, even_length_, smallest_;
   double limit_ = std::numeric_limits<double>::infinity(), event_ = 0;
   double count_ = 1, even_ = 0, h_ = 0;  // of the present one: those left, their equal length, and its own
 };
