@@ -55,7 +55,8 @@ double dgemm_rate() {
 
 Json factor_json(const World& world) {
   ConstraintSystem system(world, FactorChoice::kMultifrontal);
-  if (system.through_bodies()) throw std::invalid_argument("its bodies are factored instead of its joints");
+  if (system.uses_primal_system())
+    throw std::invalid_argument("its bodies are factored instead of its joints");
   system.linearize(world.state());
   system.set_mass(world.state().poses);
   StageTimes times;

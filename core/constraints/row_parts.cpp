@@ -175,7 +175,7 @@ Vec3 Distance::direction(const Vec3& d) {
 }  // namespace row_parts
 
 template class detail::PartStore<row_parts::Point>;
-template class detail::PartStore<row_parts::LonePoint>;
+template class detail::PartStore<row_parts::CompactPoint>;
 template class detail::PartStore<row_parts::PointInPlane>;
 template class detail::PartStore<row_parts::Perpendicular>;
 template class detail::PartStore<row_parts::Orientation>;

@@ -57,12 +57,12 @@ struct Point {
 
 /// A Point that is alone in its joint: of J = ([a]×, −1), (−[b]×, 1) only the arms a and b are kept, from
 /// the centres to P and Q in world axes [m].
-struct LonePoint : Point {
+struct CompactPoint : Point {
   void arms(const Pose& A, const Pose& B, double* a, double* b) const {  ///< three numbers each
     Eigen::Map<Vec3>{a} = rotate(A.q, p_AP);
     Eigen::Map<Vec3>{b} = rotate(B.q, p_BQ);
   }
-  LonePoint carried(const Pose& X_CA, const Pose& X_CB) const { return {Point::carried(X_CA, X_CB)}; }
+  CompactPoint carried(const Pose& X_CA, const Pose& X_CB) const { return {Point::carried(X_CA, X_CB)}; }
 };
 
 /// Point Q of B stays in the plane through P of A with normal a fixed in A.   φ = a·(p_WQ − p_WP) [m]
@@ -174,7 +174,7 @@ struct Stretch {
 }  // namespace row_parts
 
 extern template class detail::PartStore<row_parts::Point>;
-extern template class detail::PartStore<row_parts::LonePoint>;
+extern template class detail::PartStore<row_parts::CompactPoint>;
 extern template class detail::PartStore<row_parts::PointInPlane>;
 extern template class detail::PartStore<row_parts::Perpendicular>;
 extern template class detail::PartStore<row_parts::Orientation>;

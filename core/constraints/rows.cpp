@@ -93,38 +93,38 @@ void Rows::sort_by_body(int bodies) {
 }
 
 /// Items keep their order, so one that waits for a later body keeps those behind it waiting.
-void Rows::cut_into_pieces() {
+void Rows::cut_into_chunks() {
   std::vector<int> last(joints_.size(), 0);  // body of each joint
   for (const Side& side : sides_) last[side.block] = std::max(last[side.block], side.body);
-  const int count = (body_count() + kPieceSize - 1) / kPieceSize;
+  const int count = (body_count() + kChunkSize - 1) / kChunkSize;
   const auto stores = static_cast<std::ptrdiff_t>(stores_.size());
   std::unordered_map<const detail::PartStoreBase*, std::ptrdiff_t> index;
   for (std::ptrdiff_t s = 0; s < stores; ++s) index[stores_[s].get()] = s;
-  piece_items_.assign((count + 1) * stores, 0);
-  std::vector<int> reached(stores_.size(), 0);  // piece
-  std::vector<int> settled(body_count(), 0);    // piece that has a body's last part
-  for (int b = 0; b < body_count(); ++b) settled[b] = b / kPieceSize;
+  chunk_items_.assign((count + 1) * stores, 0);
+  std::vector<int> reached(stores_.size(), 0);  // chunk
+  std::vector<int> settled(body_count(), 0);    // chunk that has a body's last part
+  for (int b = 0; b < body_count(); ++b) settled[b] = b / kChunkSize;
   for (const Row& row : rows_) {
     if (row.row_in_part != 0) continue;
     const std::ptrdiff_t s = index[row.store];
-    reached[s] = std::max(reached[s], last[row.block] / kPieceSize);
-    ++piece_items_[(reached[s] + 1) * stores + s];
+    reached[s] = std::max(reached[s], last[row.block] / kChunkSize);
+    ++chunk_items_[(reached[s] + 1) * stores + s];
     const JointRows& joint = joints_[row.block];
     for (int side = joint.first_side; side < joint.first_side + joint.side_count; ++side)
       settled[sides_[side].body] = std::max(settled[sides_[side].body], reached[s]);
   }
-  for (std::size_t i = stores; i < piece_items_.size(); ++i) piece_items_[i] += piece_items_[i - stores];
+  for (std::size_t i = stores; i < chunk_items_.size(); ++i) chunk_items_[i] += chunk_items_[i - stores];
   for (int k = 0, b = 0; k < count; ++k) {
-    pieces_.push_back({k * kPieceSize, std::min((k + 1) * kPieceSize, body_count()), b, b});
+    chunks_.push_back({k * kChunkSize, std::min((k + 1) * kChunkSize, body_count()), b, b});
     while (b < body_count() && settled[b] <= k) ++b;
-    pieces_.back().settled_end = b;
+    chunks_.back().settled_end = b;
   }
 }
 
-/// Calls visit(store, range) for the items of a piece.
+/// Calls visit(store, range) for the items of a chunk.
 template <typename Visit>
-void Rows::for_each_range(const Piece& piece, Visit visit) const {
-  const std::size_t* first = piece_items_.data() + piece.begin / kPieceSize * stores_.size();
+void Rows::for_each_range(const BodyChunk& chunk, Visit visit) const {
+  const std::size_t* first = chunk_items_.data() + chunk.begin / kChunkSize * stores_.size();
   for (const auto& store : stores_) {
     visit(*store, detail::ItemRange{*first, first[stores_.size()]});
     ++first;
@@ -140,14 +140,14 @@ void Rows::jacobian(const Configuration& at, std::span<double> values) const {
   for (const auto& store : stores_) store->jacobian(at, values.data());
 }
 
-void Rows::residual(const Configuration& at, std::span<double> phi, const Piece& piece) const {
-  for_each_range(piece, [&](const auto& store, auto range) { store.residual(at, phi.data(), range); });
+void Rows::residual(const Configuration& at, std::span<double> phi, const BodyChunk& chunk) const {
+  for_each_range(chunk, [&](const auto& store, auto range) { store.residual(at, phi.data(), range); });
 }
 
-void Rows::jacobian(const Configuration& at, std::span<double> values, const Piece& piece) const {
-  if (piece.begin == 0)
+void Rows::jacobian(const Configuration& at, std::span<double> values, const BodyChunk& chunk) const {
+  if (chunk.begin == 0)
     for (const auto& [first, count] : cleared_) std::fill_n(values.begin() + first, count, 0.0);
-  for_each_range(piece, [&](const auto& store, auto range) { store.jacobian(at, values.data(), range); });
+  for_each_range(chunk, [&](const auto& store, auto range) { store.jacobian(at, values.data(), range); });
 }
 
 void Rows::bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const {
@@ -160,8 +160,8 @@ void Rows::stiffness(const Configuration& at, std::span<const double> lambda,
 }
 
 void Rows::stiffness(const Configuration& at, std::span<const double> lambda,
-                     std::span<StiffnessBlocks> bodies, const Piece& piece) const {
-  for_each_range(piece,
+                     std::span<StiffnessBlocks> bodies, const BodyChunk& chunk) const {
+  for_each_range(chunk,
                  [&](const auto& store, auto range) { store.stiffness(at, lambda.data(), bodies, range); });
 }
 

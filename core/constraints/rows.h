@@ -74,7 +74,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
     int first_row = 0, row_count = 0;  ///< of the block
     int offset = 0;                    ///< of its block in the Jacobian values
     int whole = 0;  ///< offset in values with row_count × 6 of each side, as J where no arms are kept
-    /// ±1 where the block is an arm r of a LonePoint, on its side B or A: J = ±(−[r]×, 1).
+    /// ±1 where the block is an arm r of a CompactPoint, on its side B or A: J = ±(−[r]×, 1).
     int arm = 0;
     int value_count() const { return arm != 0 ? 3 : 6 * row_count; }  ///< of its block
   };
@@ -104,7 +104,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   };
   enum class Blocks {  ///< How Jacobian values are kept.
     kWhole,
-    kArms,  ///< joints of two points, as ball joints, keep arms: a sixth of the memory
+    kLeverArms,  ///< joints of two points, as ball joints, keep arms: a sixth of the memory
   };
   /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more
   /// (spin, two of rolling).
@@ -139,15 +139,15 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   std::span<const int> joints_due(int body) const {
     return {due_joints_.data() + due_start_[body], due_joints_.data() + due_start_[body + 1]};
   }
-  /// The bodies in pieces of a few hundred, each with those of the parts that wait for no later body: what is
-  /// done with a piece, one thing after the other, is done with data that are still near.
-  struct Piece {
+  /// The bodies in chunks of a few hundred, each with those of the parts that wait for no later body: what is
+  /// done with a chunk, one thing after the other, is done with data that are still near.
+  struct BodyChunk {
     int begin = 0, end = 0;                  ///< bodies
-    int settled_begin = 0, settled_end = 0;  ///< bodies whose last parts are in this piece
+    int settled_begin = 0, settled_end = 0;  ///< bodies whose last parts are in this chunk
   };
-  static constexpr int kPieceSize = 256;                     ///< bodies
-  std::span<const Piece> pieces() const { return pieces_; }  ///< in the order of the bodies
-  const Row& row(int i) const { return rows_[i]; }           ///< row i
+  static constexpr int kChunkSize = 256;                         ///< bodies
+  std::span<const BodyChunk> chunks() const { return chunks_; }  ///< in the order of the bodies
+  const Row& row(int i) const { return rows_[i]; }               ///< row i
   /// What row i belongs to.
   const Owner& owner(int i) const { return joints_[rows_[i].block].owner; }
   /// The joint that row i belongs to, if it is one of a joint.
@@ -183,11 +183,12 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   /// φ(q) [m or rad] of equality rows, and the coordinate θ of axis rows: angles as the value next to the one
   /// in `at.axes`.
   void residual(const Configuration& at, std::span<double> phi) const;
-  /// As residual(), for one of the pieces, which must be taken in their order (as in all of these).
-  void residual(const Configuration& at, std::span<double> phi, const Piece& piece) const;
+  /// As residual(), for one of the chunks, which must be taken in their order (as in all of these).
+  void residual(const Configuration& at, std::span<double> phi, const BodyChunk& chunk) const;
   /// J(q), the values of all sides.
   void jacobian(const Configuration& at, std::span<double> values) const;
-  void jacobian(const Configuration& at, std::span<double> values, const Piece& piece) const;  ///< of a piece
+  void jacobian(const Configuration& at, std::span<double> values,
+                const BodyChunk& chunk) const;  ///< of a chunk
   /// γ = φ̈ − J V̇: J̇ V, and what drivers add to it.
   void bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const;
   /// Adds φ_t, the part of φ̇ = J V + φ_t that drivers make, to `out`.
@@ -198,7 +199,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   void stiffness(const Configuration& at, std::span<const double> lambda,
                  std::span<StiffnessBlocks> bodies) const;
   void stiffness(const Configuration& at, std::span<const double> lambda, std::span<StiffnessBlocks> bodies,
-                 const Piece& piece) const;  ///< of the bodies of a piece
+                 const BodyChunk& chunk) const;  ///< of the bodies of a chunk
   /// Writes the coordinates of the axis rows to their entries of State::axes, which is how a solver keeps the
   /// turns of angles after a step: update_axes(state, state.axes).
   void update_axes(const Configuration& at, std::span<double> axes) const;
@@ -274,9 +275,9 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   void append_contact(const ContactPlace& place);
   void clear_blocks(int joint);
   void sort_by_body(int bodies);
-  void cut_into_pieces();
+  void cut_into_chunks();
   template <typename Visit>
-  void for_each_range(const Piece& piece, Visit visit) const;
+  void for_each_range(const BodyChunk& chunk, Visit visit) const;
   void note_axes(const detail::PartStoreBase* store);
 
   std::vector<JointRows> joints_;
@@ -296,8 +297,8 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   std::vector<std::pair<int, int>> cleared_;
   std::vector<int> body_start_, body_sides_;
   std::vector<int> due_start_, due_joints_;
-  std::vector<Piece> pieces_;
-  std::vector<std::size_t> piece_items_;  // of each piece and store, the first
+  std::vector<BodyChunk> chunks_;
+  std::vector<std::size_t> chunk_items_;  // of each chunk and store, the first
   std::vector<std::unique_ptr<detail::PartStoreBase>> stores_;
   std::unordered_map<std::type_index, detail::PartStoreBase*> store_of_type_;
   std::vector<const detail::PartStoreBase*> stores_with_axes_;  // those that update_axes() must ask
@@ -341,7 +342,7 @@ void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, 
     Side* const joint_sides = sides_.data() + joints_[joint].first_side;
     if (joint_sides[0].arm != 0) {
       joint_sides[sides.a].arm = -1, joint_sides[sides.b].arm = 1;
-      return append(row_parts::LonePoint{part}, joint, row_in_joint, sides, axis, axis_index);
+      return append(row_parts::CompactPoint{part}, joint, row_in_joint, sides, axis, axis_index);
     }
   }
   if (axis == kSoftened)

@@ -81,7 +81,7 @@ void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints jo
   const int side_count = static_cast<int>(joint.bodies().size());
   joints_.push_back(
       {row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_, JointId{j}});
-  const bool arms = blocks == Blocks::kArms && counter.any_point_ && joint_rows == 3 && side_count == 2;
+  const bool arms = blocks == Blocks::kLeverArms && counter.any_point_ && joint_rows == 3 && side_count == 2;
   for (BodyId body : joint.bodies()) append_side(body.index, j, joint_rows, arms);
   RowSink sink;
   sink.rows_ = this;
@@ -122,7 +122,7 @@ Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace>
   first_contact_row_ = row_count();
   for (const ContactPlace& place : contacts) append_contact(place);
   sort_by_body(world.body_count());
-  cut_into_pieces();
+  cut_into_chunks();
 }
 
 }  // namespace taut

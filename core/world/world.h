@@ -215,7 +215,7 @@ class World {
   bool is_asleep(BodyId id) const { return asleep_[checked(id)]; }  ///< it rests at no cost
   int asleep_count() const { return asleep_count_; }                ///< number of bodies
   /// Counts how often a body was woken, asleep or not: its rest, if any, begins anew.
-  int stirs(BodyId id) const { return stirs_[checked(id)]; }
+  int wake_count(BodyId id) const { return stirs_[checked(id)]; }
   /// Neither fixed nor asleep.
   bool moves(BodyId id) const { return !fixed_[checked(id)] && !asleep_[id.index]; }
   /// The body moves again, and with the next step all that fell asleep together with it.  What is set on a

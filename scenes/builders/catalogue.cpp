@@ -5,9 +5,8 @@
 #include "scenes/builders/bridge.h"
 #include "scenes/builders/capstan.h"
 #include "scenes/builders/chain.h"
-#include "scenes/builders/crossing.h"
 #include "scenes/builders/joint_grid.h"
-#include "scenes/builders/machines.h"
+#include "scenes/builders/mechanisms.h"
 #include "scenes/builders/net.h"
 #include "scenes/builders/net_drag.h"
 #include "scenes/builders/ragdoll.h"
@@ -15,6 +14,7 @@
 #include "scenes/builders/stacks.h"
 #include "scenes/builders/suspension_bridge.h"
 #include "scenes/builders/tank.h"
+#include "scenes/builders/vehicle_bridge.h"
 
 namespace taut {
 namespace {

@@ -14,7 +14,7 @@ namespace {
 constexpr int kBlockTrials = 10;
 /// Rounds of one search: this many, and one more for every fourth bounded row.
 constexpr int kMaxRounds = 60;
-/// A multiplier or rate outside its piece by less than this part of the scale stays: a tenth of the default
+/// A multiplier or rate outside its segment by less than this part of the scale stays: a tenth of the default
 /// tolerance of the residual.
 constexpr double kDecision = 1e-10;
 /// Free rows are refined until they are this near to their targets, or stay where they are.
@@ -39,7 +39,7 @@ std::string_view to_string(ActiveSetStatus status) {
 
 ActiveSet::ActiveSet(ConstraintSystem& system) : system_(system), updates_(system), gauss_seidel_(system) {
   const std::size_t n = system.row_count();
-  pieces_.assign(n, -1);
+  segments_.assign(n, -1);
   steps_.assign(n, 0);
   moves_.assign(n, 0);
   for (auto* values : {&states_, &inertia_, &root_, &residual_, &decision_, &best_lambda_, &start_lambda_,
@@ -47,54 +47,54 @@ ActiveSet::ActiveSet(ConstraintSystem& system) : system_(system), updates_(syste
     values->assign(n, 0.0);
 }
 
-void ActiveSet::reset() { std::fill(pieces_.begin(), pieces_.end(), -1); }
+void ActiveSet::reset() { std::fill(segments_.begin(), segments_.end(), -1); }
 
-void ActiveSet::set_pieces(std::span<const int> pieces, std::span<const RowLaw> laws) {
-  std::copy(pieces.begin(), pieces.end(), pieces_.begin());
+void ActiveSet::set_segments(std::span<const int> segments, std::span<const RowLaw> laws) {
+  std::copy(segments.begin(), segments.end(), segments_.begin());
   for (std::size_t r = 0; r < laws.size(); ++r) steps_[r] = laws[r].steps;
 }
 
 void ActiveSet::prepare(std::span<const RowLaw> laws, std::span<const double> b,
                         std::span<const double> lambda) {
-  choose_pieces(laws, b, lambda);
-  states_from_pieces(laws);
+  choose_segments(laws, b, lambda);
+  states_from_segments(laws);
   system_.set_row_states(states_);
 }
 
-/// Rows without history take the piece that they would take by themselves against the present impulses of the
-/// others.
-void ActiveSet::choose_pieces(std::span<const RowLaw> laws, std::span<const double> b,
-                              std::span<const double> lambda) {
+/// Rows without history take the segment that they would take by themselves against the present impulses of
+/// the others.
+void ActiveSet::choose_segments(std::span<const RowLaw> laws, std::span<const double> b,
+                                std::span<const double> lambda) {
   bool any = false;
   for (std::size_t r = 0; r < laws.size(); ++r) {
-    // Laws may have been renewed between the last solve and set_pieces(), too.
-    const bool known = pieces_[r] >= 0 && pieces_[r] < laws[r].pieces();
-    if (steps_[r] != laws[r].steps || !known || !laws[r].exists(pieces_[r])) pieces_[r] = -1;
+    // Laws may have been renewed between the last solve and set_segments(), too.
+    const bool known = segments_[r] >= 0 && segments_[r] < laws[r].segments();
+    if (steps_[r] != laws[r].steps || !known || !laws[r].exists(segments_[r])) segments_[r] = -1;
     steps_[r] = laws[r].steps;
-    any = any || pieces_[r] < 0;
+    any = any || segments_[r] < 0;
   }
   if (!any) return;
-  system_.row_inertias(inertia_);
+  system_.effective_masses(inertia_);
   system_.multiply(lambda, residual_);
   for (std::size_t r = 0; r < laws.size(); ++r)
-    if (pieces_[r] < 0)
-      pieces_[r] = laws[r].resolve(1 / inertia_[r], b[r] + residual_[r] - lambda[r] / inertia_[r]).piece;
+    if (segments_[r] < 0)
+      segments_[r] = laws[r].resolve(1 / inertia_[r], b[r] + residual_[r] - lambda[r] / inertia_[r]).segment;
 }
 
-void ActiveSet::states_from_pieces(std::span<const RowLaw> laws) {
+void ActiveSet::states_from_segments(std::span<const RowLaw> laws) {
   for (std::size_t r = 0; r < laws.size(); ++r)
-    states_[r] = RowLaw::is_vertical(pieces_[r]) ? 0 : laws[r].slope > 0 ? 1 / laws[r].slope : kMasked;
+    states_[r] = RowLaw::is_vertical(segments_[r]) ? 0 : laws[r].slope > 0 ? 1 / laws[r].slope : kMasked;
 }
 
 ActiveSetOutcome ActiveSet::solve(std::span<const RowLaw> laws, std::span<const double> b,
                                   std::span<double> lambda, std::span<double> w, StageTimes& times,
                                   const ActiveSetSettings& settings) {
-  assert(laws.size() == pieces_.size() && b.size() == laws.size());
+  assert(laws.size() == segments_.size() && b.size() == laws.size());
   assert(lambda.size() == laws.size() && w.size() == laws.size());
   const Problem problem{laws, b, lambda, w, settings};
   ActiveSetOutcome outcome;
-  choose_pieces(laws, b, lambda);
-  system_.row_inertias(inertia_);
+  choose_segments(laws, b, lambda);
+  system_.effective_masses(inertia_);
   for (std::size_t r = 0; r < laws.size(); ++r) root_[r] = 1 / std::sqrt(inertia_[r]);
   best_residual_ = std::numeric_limits<double>::infinity();
 
@@ -126,7 +126,7 @@ ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, A
     // struggles.
     const bool update = problem.settings.update_factor && (trials > 0 || !system_.singular());
     const Start start = problem.settings.keep_null_space ? Start::kKeep : Start::kLeastNorm;
-    if (!solve_pieces(problem, start, update ? update_budget() : -1, times, outcome))
+    if (!solve_segments(problem, start, update ? update_budget() : -1, times, outcome))
       return Search::kNotFinite;
     const int wrong = find_wrong_rows(problem);
     if (wrong == 0) return Search::kFound;
@@ -143,17 +143,17 @@ ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, A
     if (trials == 0) ++outcome.least_index_rounds;
     for (std::size_t r = 0; r < moves_.size(); ++r) {
       if (moves_[r] == 0) continue;
-      pieces_[r] += moves_[r];
+      segments_[r] += moves_[r];
       ++outcome.pivots;
       if (trials == 0) break;
     }
   }
 }
 
-/// λ and w of the present pieces: w_r = w_k on verticals, λ_r = l_k − c w_r on levels.
-bool ActiveSet::solve_pieces(const Problem& problem, Start start, int budget, StageTimes& times,
-                             ActiveSetOutcome& outcome) {
-  states_from_pieces(problem.laws);
+/// λ and w of the present segments: w_r = w_k on verticals, λ_r = l_k − c w_r on levels.
+bool ActiveSet::solve_segments(const Problem& problem, Start start, int budget, StageTimes& times,
+                               ActiveSetOutcome& outcome) {
+  states_from_segments(problem.laws);
   if (!updates_.set_states(states_, budget)) {
     system_.set_row_states(states_);
     system_.factorize(times);
@@ -163,8 +163,8 @@ bool ActiveSet::solve_pieces(const Problem& problem, Start start, int budget, St
   const bool from_zero = start == Start::kLeastNorm && system_.singular();
   for (std::size_t r = 0; r < states_.size(); ++r) {
     if (states_[r] == kMasked)
-      problem.lambda[r] = problem.laws[r].force(pieces_[r]);
-    else if (from_zero)  // nothing from other pieces may stay in the null space
+      problem.lambda[r] = problem.laws[r].force(segments_[r]);
+    else if (from_zero)  // nothing from other segments may stay in the null space
       problem.lambda[r] = 0;
   }
   off_target_ = collect_residual(problem);
@@ -195,10 +195,10 @@ double ActiveSet::collect_residual(const Problem& problem) {
     if (states_[r] == kMasked) continue;
     double stiffness = root_[r];
     if (states_[r] == 0) {
-      residual_[r] = problem.laws[r].rate(pieces_[r]) - w;
-      scale_ = std::max(scale_, std::abs(problem.laws[r].rate(pieces_[r])) / root_[r]);
+      residual_[r] = problem.laws[r].rate(segments_[r]) - w;
+      scale_ = std::max(scale_, std::abs(problem.laws[r].rate(segments_[r])) / root_[r]);
     } else {
-      residual_[r] = states_[r] * (problem.laws[r].force(pieces_[r]) - problem.lambda[r]) - w;
+      residual_[r] = states_[r] * (problem.laws[r].force(segments_[r]) - problem.lambda[r]) - w;
       stiffness = std::sqrt(root_[r] * root_[r] + states_[r]);
     }
     const double size = std::abs(residual_[r]) / stiffness;
@@ -226,7 +226,7 @@ bool ActiveSet::impulses_to_decide_by(const Problem& problem) {
   return true;
 }
 
-/// Which rows have left their pieces, and to which side.
+/// Which rows have left their segments, and to which side.
 int ActiveSet::find_wrong_rows(const Problem& problem) {
   double rate_slack = kDecision * scale_, impulse_slack = rate_slack;
   if (impulses_to_decide_by(problem) && system_.singular()) {
@@ -241,14 +241,15 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
   int wrong = 0;
   for (std::size_t r = 0; r < states_.size(); ++r) {
     const RowLaw& law = problem.laws[r];
-    const int piece = pieces_[r];
-    if (RowLaw::is_vertical(piece)) {
-      const double value = decision_[r] + law.slope * law.rate(piece), slack = impulse_slack / root_[r];
+    const int segment = segments_[r];
+    if (RowLaw::is_vertical(segment)) {
+      const double value = decision_[r] + law.slope * law.rate(segment), slack = impulse_slack / root_[r];
       moves_[r] =
-          static_cast<signed char>((value < law.low(piece) - slack) - (value > law.high(piece) + slack));
+          static_cast<signed char>((value < law.low(segment) - slack) - (value > law.high(segment) + slack));
     } else {
       const double w = problem.w[r], slack = std::max(rate_slack * root_[r], problem.settings.rate_tolerance);
-      moves_[r] = static_cast<signed char>((w > law.last(piece) + slack) - (w < law.first(piece) - slack));
+      moves_[r] =
+          static_cast<signed char>((w > law.last(segment) + slack) - (w < law.first(segment) - slack));
     }
     wrong += moves_[r] != 0;
   }
@@ -259,7 +260,7 @@ void ActiveSet::measure(const Problem& problem, ActiveSetOutcome& outcome) {
   outcome.residual = outcome.natural_residual = std::isfinite(scale_) ? 0 : scale_;
   for (std::size_t r = 0; r < states_.size() && std::isfinite(scale_); ++r) {
     const double own = root_[r] * root_[r], lambda = problem.lambda[r];
-    const double error = std::abs(lambda - problem.laws[r].answer(own, lambda, problem.w[r]));
+    const double error = std::abs(lambda - problem.laws[r].project(own, lambda, problem.w[r]));
     if (root_[r] * error > outcome.natural_residual * scale_)
       outcome.natural_residual = root_[r] * error / scale_;
     if (own * error <= problem.settings.rate_tolerance) continue;

@@ -36,7 +36,7 @@ struct ActiveSetSettings {
 struct ActiveSetOutcome {
   ActiveSetStatus status = ActiveSetStatus::kSolved;
   int rounds = 0;              ///< sets that were tried after the first
-  int pivots = 0;              ///< rows that changed their piece, summed over the rounds
+  int pivots = 0;              ///< rows that changed their segment, summed over the rounds
   int least_index_rounds = 0;  ///< of the rounds, those that moved one row only (Murty)
   int descent_rounds = 0;      ///< of the fall-back, 0 if pivoting found the solution
   int factorizations = 0;
@@ -51,7 +51,7 @@ struct ActiveSetOutcome {
 };
 
 /// Finds λ and w = S λ + b with λ_r ∈ L_r(w_r) − c_r w_r for every row, by block principal pivoting on the
-/// pieces of the laws, starting from the pieces that the last solve ended with.
+/// segments of the laws, starting from the segments that the last solve ended with.
 /// (solvers/complementarity, "The active set")
 ///
 /// w is unique; so are the impulses on the bodies Jᵀλ.  Where rows are dependent, λ is the one of least norm
@@ -61,8 +61,8 @@ class ActiveSet {
   /// The system must outlive it.
   explicit ActiveSet(ConstraintSystem& system);
 
-  /// Tells the system which rows it will have to factor if the pieces stay what they are: call it before
-  /// ConstraintSystem::factorize().  `lambda` and `b` choose the pieces of rows that have no history.
+  /// Tells the system which rows it will have to factor if the segments stay what they are: call it before
+  /// ConstraintSystem::factorize().  `lambda` and `b` choose the segments of rows that have no history.
   void prepare(std::span<const RowLaw> laws, std::span<const double> b, std::span<const double> lambda);
   /// The system must have been factored for its present Jacobian.
   /// `lambda`: a first guess, then the result; `w`: result.  All spans have one entry a row.
@@ -70,15 +70,15 @@ class ActiveSet {
                                        std::span<double> lambda, std::span<double> w, StageTimes& times,
                                        const ActiveSetSettings& settings = {});
 
-  /// x ← (S + Σ)⁺ x for the pieces that solve() ended with: 0 for rows on a level without slope.  Only until
-  /// the next ConstraintSystem::factorize().
+  /// x ← (S + Σ)⁺ x for the segments that solve() ended with: 0 for rows on a level without slope.  Only
+  /// until the next ConstraintSystem::factorize().
   void solve_linear(std::span<double> x) { updates_.solve(x); }
 
-  /// Piece of each row, as RowLaw counts them.
-  std::span<const int> pieces() const { return pieces_; }
-  /// The pieces that a set for other rows ended with, for these laws; −1: no history.
-  void set_pieces(std::span<const int> pieces, std::span<const RowLaw> laws);
-  /// Forget all pieces: the next solve starts from its guess.
+  /// Segment of each row, as RowLaw counts them.
+  std::span<const int> segments() const { return segments_; }
+  /// The segments that a set for other rows ended with, for these laws; −1: no history.
+  void set_segments(std::span<const int> segments, std::span<const RowLaw> laws);
+  /// Forget all segments: the next solve starts from its guess.
   void reset();
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
@@ -93,12 +93,13 @@ class ActiveSet {
   };
   enum class Search { kFound, kStalled, kNotFinite };
 
-  void choose_pieces(std::span<const RowLaw> laws, std::span<const double> b, std::span<const double> lambda);
-  void states_from_pieces(std::span<const RowLaw> laws);
+  void choose_segments(std::span<const RowLaw> laws, std::span<const double> b,
+                       std::span<const double> lambda);
+  void states_from_segments(std::span<const RowLaw> laws);
   Search search(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
   enum class Start { kLeastNorm, kKeep };
-  bool solve_pieces(const Problem& problem, Start start, int budget, StageTimes& times,
-                    ActiveSetOutcome& outcome);
+  bool solve_segments(const Problem& problem, Start start, int budget, StageTimes& times,
+                      ActiveSetOutcome& outcome);
   Search descend(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
   bool step_towards_decision(const Problem& problem);
   std::pair<double, double> line_search(const Problem& problem) const;
@@ -112,7 +113,7 @@ class ActiveSet {
   ConstraintSystem& system_;
   RowUpdates updates_;
   ProjectedGaussSeidel gauss_seidel_;
-  std::vector<int> pieces_, steps_;  ///< −1 pieces: no history; K of the law that a piece belongs to
+  std::vector<int> segments_, steps_;  ///< −1 segments: no history; K of the law that a segment belongs to
   std::vector<signed char> moves_;
   std::vector<double> states_, inertia_, root_, residual_, decision_, best_lambda_;
   std::vector<double> start_lambda_, start_w_, slope_;  ///< of a descent

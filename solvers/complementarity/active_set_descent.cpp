@@ -9,8 +9,8 @@
 ///
 ///     E(λ) = ½ λᵀSλ + bᵀλ + Σ ψ_r(λ_r),   −ψ_r'(λ_r) the rate at which the law of row r gives λ_r,
 ///
-/// by sweeps of projected Gauss–Seidel, which move any number of rows to other pieces, and exact minimisation
-/// on the pieces that result, cut short by a line search [MoreToraldo1991].
+/// by sweeps of projected Gauss–Seidel, which move any number of rows to other segments, and exact
+/// minimisation on the segments that result, cut short by a line search [MoreToraldo1991].
 /// (solvers/complementarity, "The active set")
 namespace taut {
 namespace {
@@ -21,26 +21,26 @@ constexpr int kHalvings = 60;
 }  // namespace
 
 ActiveSet::Search ActiveSet::descend(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome) {
-  bool at_minimum = true;  // of E on the present pieces
+  bool at_minimum = true;  // of E on the present segments
   while (outcome.descent_rounds++ < problem.settings.max_descent_rounds) {
     detail::poll_interrupt();
     if (at_minimum) {
       (void)gauss_seidel_.solve(problem.laws, problem.b, problem.lambda, kSweeps, 0);
-      for (std::size_t r = 0; r < pieces_.size(); ++r)
-        pieces_[r] = problem.laws[r].piece_at(problem.lambda[r]);
+      for (std::size_t r = 0; r < segments_.size(); ++r)
+        segments_[r] = problem.laws[r].segment_at(problem.lambda[r]);
     }
-    states_from_pieces(problem.laws);
+    states_from_segments(problem.laws);
     collect_residual(problem);
     std::copy(problem.lambda.begin(), problem.lambda.end(), start_lambda_.begin());
     std::copy(problem.w.begin(), problem.w.end(), start_w_.begin());
 
     const int budget = problem.settings.update_factor && !system_.singular() ? update_budget() : -1;
-    if (!solve_pieces(problem, Start::kKeep, budget, times, outcome)) return Search::kNotFinite;
+    if (!solve_segments(problem, Start::kKeep, budget, times, outcome)) return Search::kNotFinite;
     if (find_wrong_rows(problem) == 0) {
-      // What Gauss–Seidel left in the null space of dependent rows goes, if the pieces allow.
-      if (!solve_pieces(problem, Start::kLeastNorm, budget, times, outcome)) return Search::kNotFinite;
+      // What Gauss–Seidel left in the null space of dependent rows goes, if the segments allow.
+      if (!solve_segments(problem, Start::kLeastNorm, budget, times, outcome)) return Search::kNotFinite;
       if (find_wrong_rows(problem) == 0) return Search::kFound;
-      if (!solve_pieces(problem, Start::kKeep, budget, times, outcome)) return Search::kNotFinite;
+      if (!solve_segments(problem, Start::kKeep, budget, times, outcome)) return Search::kNotFinite;
       (void)find_wrong_rows(problem);
     }
     keep_best(problem);
@@ -48,7 +48,7 @@ ActiveSet::Search ActiveSet::descend(const Problem& problem, StageTimes& times, 
     at_minimum = step_towards_decision(problem);
     if (off && at_minimum) {
       // Nothing stops impulses that grow without bound: E has no minimum, there is no solution.
-      if (!solve_pieces(problem, Start::kLeastNorm, budget, times, outcome)) return Search::kNotFinite;
+      if (!solve_segments(problem, Start::kLeastNorm, budget, times, outcome)) return Search::kNotFinite;
       return Search::kFound;
     }
   }
@@ -67,12 +67,12 @@ bool ActiveSet::step_towards_decision(const Problem& problem) {
     lambda = start_lambda_[r] + low * d;
     if (d == 0) continue;
     const RowLaw& law = problem.laws[r];
-    const int before = law.piece_at(lambda), after = law.piece_at(start_lambda_[r] + high * d);
-    pieces_[r] = after;
+    const int before = law.segment_at(lambda), after = law.segment_at(start_lambda_[r] + high * d);
+    segments_[r] = after;
     if (before == after || law.slope > 0) continue;
     // Without a slope only ends of verticals are crossed: a level.
     const int level = RowLaw::is_vertical(before) ? before + (d > 0 ? -1 : 1) : before;
-    pieces_[r] = level;
+    segments_[r] = level;
     lambda = law.force(level);
   }
   return low == high;
@@ -93,7 +93,7 @@ std::pair<double, double> ActiveSet::line_search(const Problem& problem) const {
   };
   bool stays = true;
   for (std::size_t r = 0; r < states_.size() && stays; ++r)
-    stays = decision_[r] == 0 || pieces_[r] == problem.laws[r].piece_at(start_lambda_[r] + decision_[r]);
+    stays = decision_[r] == 0 || segments_[r] == problem.laws[r].segment_at(start_lambda_[r] + decision_[r]);
   if (stays || derivative(1) <= 0) return {1, 1};
   double low = 0, high = 1;
   for (int i = 0; i < kHalvings; ++i) {

@@ -32,8 +32,8 @@ class ContactIslands {
   void forget_pattern() { known_ = false; }
   struct Limits {
     NewtonLimits newton;
-    double resting_tolerance = 0;  ///< of rates, at which impulses of before are taken as they are
-    double inexact = 0;            ///< residual that may be taken in the end
+    double warm_start_tolerance = 0;  ///< of rates, at which impulses of before are taken as they are
+    double inexact = 0;               ///< residual that may be taken in the end
   };
   /// Solves all, each with its part of the problem.  False if one could not be solved.
   bool solve(const StageProblem& problem, const Limits& limits, StageRecord& record);

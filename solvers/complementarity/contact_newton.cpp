@@ -114,7 +114,7 @@ void ContactNewton::give_best(const Problem& problem, NewtonOutcome& outcome) co
 
 bool ContactNewton::is_heap() const {
   const Rows& rows = system_.rows();
-  return rows.contact_count() > 0 && (rows.first_contact_row() == 0 || system_.through_bodies());
+  return rows.contact_count() > 0 && (rows.first_contact_row() == 0 || system_.uses_primal_system());
 }
 
 /// S_rr, the rates asked for, the size of impulses [√J] (also of those that vanish in the end), and the
@@ -135,7 +135,7 @@ void ContactNewton::begin(const Problem& problem) {
   best_residual_ = std::numeric_limits<double>::infinity();
   mode_ = lagged_ = Mode::kSlip;
   soft_ = problem.contacts.soft();
-  system_.row_inertias(own_);
+  system_.effective_masses(own_);
   turned_.assign(system_.weighted().begin(), system_.weighted().end());
   problem.contacts.targets(target_);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
@@ -374,7 +374,7 @@ double ContactNewton::law_error(const Problem& problem, double rate_tolerance, i
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
     if (rounds > kEqualityRounds && !problem.laws[r].bounded()) continue;
     const double s = own_[r], lambda = problem.lambda[r];
-    const double off = std::abs(lambda - problem.laws[r].answer(s, lambda, problem.w[r]));
+    const double off = std::abs(lambda - problem.laws[r].project(s, lambda, problem.w[r]));
     if (!(s * off <= rate_tolerance)) error = std::max(error, std::sqrt(s) * off);
   }
   return error / scale_;

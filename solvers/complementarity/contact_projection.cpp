@@ -24,7 +24,7 @@ void ContactNewton::project_row(const RowLaw& law, int r) {
   }
   const RowLaw::Point point = law.resolve(sigma_[r], -sigma_[r] * x_[r]);
   y_[r] = point.lambda;
-  slope_[r] = RowLaw::is_vertical(point.piece) ? 1 : law.slope * sigma_[r] / (1 + law.slope * sigma_[r]);
+  slope_[r] = RowLaw::is_vertical(point.segment) ? 1 : law.slope * sigma_[r] / (1 + law.slope * sigma_[r]);
 }
 
 /// The nearest point of Coulomb's cone |Λ_t| ≤ μ Λ_n, of the spin's interval and of the rolling disc.

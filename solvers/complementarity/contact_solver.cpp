@@ -50,7 +50,7 @@ double ContactSolver::distance(const StageProblem& problem, double rate_toleranc
   if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
     const double own = 1 / inertia[r];
-    const double off = std::abs(lambda[r] - laws[r].answer(own, lambda[r], w[r]));
+    const double off = std::abs(lambda[r] - laws[r].project(own, lambda[r], w[r]));
     if (!(own * off <= rate_tolerance)) error = std::max(error, std::sqrt(own) * off);
   }
   error = std::max(error, contacts_.error(lambda, w, rate_tolerance));
@@ -83,7 +83,7 @@ bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolera
   held_.assign(problem.lambda.begin(), problem.lambda.end());
   StageProblem locked = problem;
   locked.lambda = held_;
-  const PieceOutcome outcome =
+  const PrimalDualOutcome outcome =
       locked_.solve(locked_laws_, problem.b, held_, problem.w,
                     {.rate_tolerance = rate_tolerance, .softness = kSoft}, record.times);
   record.iterations += outcome.iterations;
@@ -127,7 +127,8 @@ bool ContactSolver::solve_by_newton(const StageProblem& problem, const NewtonLim
   for (int solve = 0;; ++solve) {
     if (!run_newton(problem, limits, record).converged) return false;
     if (solve == kMaxContactSolves || !contacts_.slips_where_it_held()) return true;
-    if (hold_on(problem, limits.rate_tolerance, record) || !contacts_.weakened()) return true;
+    if (search_sticking_solution(problem, limits.rate_tolerance, record) || !contacts_.weakened())
+      return true;
   }
 }
 
@@ -142,28 +143,29 @@ NewtonOutcome ContactSolver::run_newton(const StageProblem& problem, const Newto
   return outcome;
 }
 
-bool ContactSolver::hold_on(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
+bool ContactSolver::search_sticking_solution(const StageProblem& problem, double rate_tolerance,
+                                             StageRecord& record) {
   const std::span<double> lambda = problem.lambda;
   NewtonLimits limits{.rate_tolerance = rate_tolerance, .iterations = kStepsToHold, .holding = true};
   limits.most = limits.tolerance;
-  if (!contacts_.begin_sharing(lambda, problem.w)) return false;
+  if (!contacts_.begin_stick_search(lambda, problem.w)) return false;
   unshared_.assign(lambda.begin(), lambda.end());
   for (bool again = true; again;) {
     std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
     const NewtonOutcome outcome = run_newton(problem, limits, record);
     if (outcome.converged && !contacts_.slips_where_it_held()) {
       // What holds by the normality law holds by Coulomb's where it does not slip at all.
-      contacts_.end_sharing(true);
+      contacts_.end_stick_search(true);
       const double off = distance(problem, rate_tolerance);
       if (off <= NewtonLimits().most) {
         record.residual = std::max(record.residual, off);
         return true;
       }
-      contacts_.go_on_sharing();
+      contacts_.continue_stick_search();
     }
-    again = contacts_.let_go(problem.w, outcome.iterations < limits.iterations);
+    again = contacts_.mark_sliding(problem.w, outcome.iterations < limits.iterations);
   }
-  contacts_.end_sharing(false);
+  contacts_.end_stick_search(false);
   std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
   system_.rates(lambda, problem.b, problem.w);
   return false;

@@ -6,7 +6,7 @@
 
 #include "solvers/complementarity/contact_newton.h"
 #include "solvers/complementarity/impulse_iteration.h"
-#include "solvers/complementarity/piece_newton.h"
+#include "solvers/complementarity/primal_dual_active_set.h"
 #include "solvers/laws/contact_laws.h"
 #include "solvers/system/constraint_system.h"
 
@@ -59,7 +59,7 @@ class ContactSolver {
   bool solve_by_newton(const StageProblem& problem, const NewtonLimits& limits, StageRecord& record);
   /// From a solution in which contacts slip that stuck: true, and another one, if there is one in which they
   /// hold.  Else they are let go, and λ and w stay as they are.
-  bool hold_on(const StageProblem& problem, double rate_tolerance, StageRecord& record);
+  bool search_sticking_solution(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   /// Sweeps of Gauss–Seidel over λ and w; the distance that they leave.
   double sweep(const StageProblem& problem, int sweeps, double rate_tolerance);
   const ContactNewton& newton() const { return newton_; }
@@ -82,7 +82,7 @@ class ContactSolver {
   ConstraintSystem& system_;
   ContactLaws& contacts_;
   ContactNewton newton_;
-  PieceNewton locked_;
+  PrimalDualActiveSet locked_;
   std::optional<ImpulseIteration> iteration_;
   std::vector<RowLaw> locked_laws_;
   std::vector<double> held_, unshared_;

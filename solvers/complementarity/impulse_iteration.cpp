@@ -90,7 +90,7 @@ void ImpulseIteration::change(const Problem& problem, int row, double by) {
 /// What a row by itself answers, relaxed.
 double ImpulseIteration::next_of(const Problem& problem, int row) const {
   const double s = own_[row] / problem.relaxation;
-  return problem.laws[row].answer(s, problem.lambda[row], rate(problem, row));
+  return problem.laws[row].project(s, problem.lambda[row], rate(problem, row));
 }
 
 /// Each relax…() returns the largest change √S_rr |δλ_r|.
@@ -211,7 +211,7 @@ double ImpulseIteration::violation(const Problem& problem, int block) {
     const double s = own_[r] > 0 ? own_[r] : 1;
     scratch_[r] = problem.lambda[r] - (rate(problem, r) - target_[r]) / s;
   }
-  problem.contacts.answer(block - system_.rows().contact_joint(0), scratch_, answer_);
+  problem.contacts.project(block - system_.rows().contact_joint(0), scratch_, answer_);
   for (int r = first; r < first + rows.row_count; ++r)
     largest = std::max(largest, std::sqrt(own_[r]) * std::abs(answer_[r] - problem.lambda[r]));
   return largest;

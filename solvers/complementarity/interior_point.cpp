@@ -43,7 +43,7 @@ void InteriorPoint::begin(const Problem& problem) {
   for (auto* values : {&own_, &base_, &stiffness_, &off_, &change_, &rates_}) values->assign(n, 0.0);
   for (auto* values : {&v_, &step_}) values->assign(6 * system_.rows().body_count(), 0.0);
   elements_.clear();
-  system_.row_inertias(own_);
+  system_.effective_masses(own_);
   scale_ = 0;
   for (std::size_t r = 0; r < n; ++r) {
     own_[r] = own_[r] > 0 ? 1 / own_[r] : 1;
@@ -191,7 +191,7 @@ double InteriorPoint::law_error(const Problem& problem) {
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const double s = own_[r], lambda = problem.lambda[r];
     scale = std::max({scale, std::sqrt(s) * std::abs(lambda), std::abs(problem.b[r]) / std::sqrt(s)});
-    const double off = std::sqrt(s) * std::abs(lambda - problem.laws[r].answer(s, lambda, problem.w[r]));
+    const double off = std::sqrt(s) * std::abs(lambda - problem.laws[r].project(s, lambda, problem.w[r]));
     if (std::isnan(off)) return off;
     error = std::max(error, off);
   }

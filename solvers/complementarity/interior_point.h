@@ -22,7 +22,7 @@ struct InteriorOutcome {
 };
 
 /// w = S λ + b with λ_r ∈ L_r(w_r) − c_r w_r for every row, by a primal–dual interior point method with
-/// predictor and corrector [Mehrotra1992], through the bodies (body_matrix.h).  Each step of a law is an
+/// predictor and corrector [Mehrotra1992], through the bodies (primal_matrix.h).  Each step of a law is an
 /// element with an impulse e of its own, λ_r = l + Σ e_k − c w_r, and
 ///
 ///     w − w_k = z − y,    (e − lo) z = μ,  (hi − e) y = μ,    lo ≤ e ≤ hi,  z, y ≥ 0,   μ → 0.

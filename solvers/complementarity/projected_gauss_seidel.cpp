@@ -17,7 +17,7 @@ GaussSeidelOutcome ProjectedGaussSeidel::solve(std::span<const RowLaw> laws, std
     for (std::size_t r = 0; r < lambda.size(); ++r) {
       const int row = static_cast<int>(r);
       const double own = impulses_.diagonal(row), w = impulses_.rate(row, b[r]);
-      const double next = laws[r].answer(own, lambda[r], w);
+      const double next = laws[r].project(own, lambda[r], w);
       const double change = next - lambda[r];
       lambda[r] = next;
       impulses_.add(row, change);

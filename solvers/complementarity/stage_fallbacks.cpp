@@ -15,7 +15,7 @@ constexpr double kHeld = ContactSolver::kHeld, kNear = ContactSolver::kNear;
 /// Off by no more than kNear they are mended by so many sweeps, if that is enough.
 constexpr int kMendingSweeps = 50;
 /// Without contacts Newton's method starts where the laws are off by no more than this part, for so many
-/// steps: then it has few rows to put on other pieces.
+/// steps: then it has few rows to put on other segments.
 constexpr double kNewtonRange = 1e-5;
 constexpr int kFewSteps = 8;
 /// What that leaves where positions were looked at again.
@@ -38,8 +38,9 @@ StageRecord record_of(const Outcome& outcome) {
 
 /// Rates that impulses of before may miss their laws by at rest.  What one stage leaves is mended by the
 /// next, in turns and for ever, unless that one is solved, too.
-double StageSolver::resting_tolerance(double rate_tolerance, bool rested) const {
-  return rested || near_ ? rate_tolerance : std::min(rate_tolerance, 0.1 * settings_.velocity_tolerance);
+double StageSolver::warm_start_tolerance(double rate_tolerance, bool rested) const {
+  return rested || good_guess_ ? rate_tolerance
+                               : std::min(rate_tolerance, 0.1 * settings_.velocity_tolerance);
 }
 
 /// True if the impulses of before meet the laws at once, or after some sweeps of Gauss–Seidel: a stage of
@@ -56,7 +57,7 @@ bool StageSolver::accept_warm_start(const Stage& stage, double rate_tolerance, S
   std::copy(stage.rates.begin(), stage.rates.end(), w_.begin());
   double off = contact_solver_.distance(problem(lambda), rate_tolerance);
   // Newton is as fast through the bodies.
-  if (off > kNear || (system_.through_bodies() && off > (friction_dominated() ? 0 : kHeld))) return false;
+  if (off > kNear || (system_.uses_primal_system() && off > (friction_dominated() ? 0 : kHeld))) return false;
   // Sweeps bring impulses through contacts, but hardly along chains of joints.
   const int joint_rows = system_.rows().first_contact_row();
   if (off > kHeld && 2 * joint_rows > system_.row_count()) return false;
@@ -77,7 +78,7 @@ bool StageSolver::meets_laws(std::span<double> lambda, double off, double rate_t
   if (laws_moved_) return false;
   contacts_.take_over(lambda, w_, rate_tolerance);
   if (!(contacts_.residual() <= kHeld) || contacts_.slips_where_it_held() || !exact(lambda)) return false;
-  take_pieces(lambda);
+  take_segments(lambda);
   rested_ = true;
   report.complementarity_residual = std::max({report.complementarity_residual, off, contacts_.residual()});
   return true;
@@ -88,14 +89,14 @@ bool StageSolver::meets_laws(std::span<double> lambda, double off, double rate_t
 /// would find another division, as off its laws as their tolerance allows, in each stage.
 bool StageSolver::solve_all_sticking(const Stage& stage, double rate_tolerance, StepReport& report) {
   const std::span<double> lambda = stage.lambda;
-  if (contacts_.empty() || contacts_.soft() || system_.through_bodies()) return false;
+  if (contacts_.empty() || contacts_.soft() || system_.uses_primal_system()) return false;
   std::copy(stage.rates.begin(), stage.rates.end(), w_.begin());
   if (!contacts_.all_stick(lambda) || contact_solver_.distance(problem(lambda), rate_tolerance) > kNear)
     return false;
   held_laws_ = laws_;
   contacts_.held_laws(lambda, held_laws_);
   held_.assign(lambda.begin(), lambda.end());
-  pieces_scratch_.assign(active_->pieces().begin(), active_->pieces().end());
+  segments_scratch_.assign(active_->segments().begin(), active_->segments().end());
   ActiveSetSettings settings{.rate_tolerance = rate_tolerance, .keep_null_space = true};
   settings.max_rounds = settings.max_descent_rounds = 0;
   (void)active_->solve(held_laws_, b_, held_, w_, report.times, settings);
@@ -104,37 +105,37 @@ bool StageSolver::solve_all_sticking(const Stage& stage, double rate_tolerance, 
     std::copy(held_.begin(), held_.end(), lambda.begin());
     return true;
   }
-  active_->set_pieces(pieces_scratch_, laws_);
+  active_->set_segments(segments_scratch_, laws_);
   return false;
 }
 
-/// The pieces of this solution, for the next solve and for law_error().
-void StageSolver::take_pieces(std::span<const double> lambda) {
+/// The segments of this solution, for the next solve and for law_error().
+void StageSolver::take_segments(std::span<const double> lambda) {
   outcome_ = {};
   if (!friction_dominated()) {
     active_->reset();
     active_->prepare(laws_, b_, lambda);
     return;
   }
-  pieces_scratch_.resize(lambda.size());
+  segments_scratch_.resize(lambda.size());
   for (std::size_t r = 0; r < lambda.size(); ++r) {
     const double own = 1 / effective_mass_[r];
-    pieces_scratch_[r] = laws_[r].resolve(own, w_[r] - own * lambda[r]).piece;
+    segments_scratch_[r] = laws_[r].resolve(own, w_[r] - own * lambda[r]).segment;
   }
-  active_->set_pieces(pieces_scratch_, laws_);
+  active_->set_segments(segments_scratch_, laws_);
 }
 
 /// All that the bodies are the system for, contacts island by island: again where static friction lets go or
 /// its load changes.
-bool StageSolver::solve_through_bodies(const Stage& stage, double rate_tolerance, double resting,
-                                       StepReport& report) {
+bool StageSolver::solve_primal(const Stage& stage, double rate_tolerance, double resting,
+                               StepReport& report) {
   const std::span<double> lambda = stage.lambda;
-  NewtonLimits limits{.rate_tolerance = rate_tolerance, .near = near_};
+  NewtonLimits limits{.rate_tolerance = rate_tolerance, .near = good_guess_};
   if (reduced_budget_) limits.iterations = kStepsOfHardStages;
   for (int solve = 0; solve < kMaxMendings; ++solve) {
     const bool solved = contacts_.empty() ? solve_axes(lambda, rate_tolerance, report)
                                           : solve_islands(lambda, limits, resting, report);
-    take_pieces(lambda);
+    take_segments(lambda);
     if (!solved) break;
     if (!laws_move(lambda, rate_tolerance)) return true;
     if (solve == kMaxMendings - 1) note_jam(lambda);
@@ -144,14 +145,14 @@ bool StageSolver::solve_through_bodies(const Stage& stage, double rate_tolerance
   return false;
 }
 
-/// Many axes and no contacts: what is nearly solved on the pieces of the guess, or by some steps of Newton,
+/// Many axes and no contacts: what is nearly solved on the segments of the guess, or by some steps of Newton,
 /// all else by interior points.
 bool StageSolver::solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report) {
   system_.rates(lambda, b_, w_);
   if (contact_solver_.distance(problem(lambda), rate_tolerance) <= kNewtonRange) {
-    const double tolerance = near_ ? kMendedExactly : kHeld;
+    const double tolerance = good_guess_ ? kMendedExactly : kHeld;
     held_.assign(lambda.begin(), lambda.end());
-    if (solve_on_pieces(lambda, {tolerance, rate_tolerance}, report) && exact(lambda)) return true;
+    if (solve_on_segments(lambda, {tolerance, rate_tolerance}, report) && exact(lambda)) return true;
     std::copy(held_.begin(), held_.end(), lambda.begin());
     const NewtonLimits few{
         .tolerance = tolerance, .most = kHeld, .rate_tolerance = rate_tolerance, .iterations = kFewSteps};
@@ -165,8 +166,9 @@ bool StageSolver::solve_axes(std::span<double> lambda, double rate_tolerance, St
           exact(lambda));
 }
 
-bool StageSolver::solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report) {
-  const PieceOutcome outcome = piece_newton_.solve(laws_, b_, lambda, w_, limits, report.times);
+bool StageSolver::solve_on_segments(std::span<double> lambda, const PrimalDualLimits& limits,
+                                    StepReport& report) {
+  const PrimalDualOutcome outcome = primal_dual_.solve(laws_, b_, lambda, w_, limits, report.times);
   add(record_of(outcome), report);
   return outcome.converged;
 }
@@ -175,7 +177,7 @@ void StageSolver::add(const StageRecord& record, StepReport& report) {
   report.times += record.times;
   report.contact_iterations += record.iterations;
   report.complementarity_residual = std::max(report.complementarity_residual, record.residual);
-  loose_ = record.loose;
+  stage_residual_ = record.loose;
 }
 
 bool StageSolver::solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report) {

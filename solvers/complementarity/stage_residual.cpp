@@ -52,7 +52,7 @@ bool StageSolver::exact(std::span<const double> lambda) const {
 
 /// The natural residual over its tolerance; 0 if no better solution is known.
 double StageSolver::laws_off(std::span<const double> lambda, std::span<const double> w) const {
-  if (loose_ > 0) return 0;
+  if (stage_residual_ > 0) return 0;
   return natural_residual(lambda, w) / natural_tolerance();
 }
 
@@ -63,8 +63,8 @@ double StageSolver::exact_tolerance() const {
 
 /// The laws of a stage are not met any better.  False if that is not enough for an inexact step.
 bool StageSolver::take_inexact(double off) {
-  loose_ = off * natural_tolerance();
-  return loose_ <= settings_.inexact_tolerance;
+  stage_residual_ = off * natural_tolerance();
+  return stage_residual_ <= settings_.inexact_tolerance;
 }
 
 /// Distance of the motion from the laws [m or rad]: of verticals from their rate, of levels from their range,
@@ -73,14 +73,14 @@ double StageSolver::law_error(std::span<const double> lambda, std::span<const do
   double error = 0, largest = max_abs(lambda);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {  // those of contacts are linear
     const RowLaw& law = laws_[r];
-    const int piece = active_->pieces()[r];
+    const int segment = active_->segments()[r];
     const double w = rates[r];
     double off = 0;
-    if (RowLaw::is_vertical(piece)) {
-      off = std::abs(w - law.rate(piece));
+    if (RowLaw::is_vertical(segment)) {
+      off = std::abs(w - law.rate(segment));
     } else {
-      off = std::max({0.0, law.first(piece) - w, w - law.last(piece)});
-      const double missing = std::abs(lambda[r] - (law.force(piece) - law.slope * w));
+      off = std::max({0.0, law.first(segment) - w, w - law.last(segment)});
+      const double missing = std::abs(lambda[r] - (law.force(segment) - law.slope * w));
       if (missing > kLevelTolerance * largest)
         off = std::max(off, missing / (effective_mass_[r] + law.slope));
     }
@@ -118,7 +118,7 @@ double StageSolver::natural_scale(std::span<const double> lambda, std::span<cons
     const int r = axis.row;
     const double root = effective_mass_[r] > 0 ? std::sqrt(effective_mass_[r]) : 1, own = 1 / (root * root);
     const RowLaw::Point answer = laws_[r].resolve(own, w[r] - own * lambda[r]);
-    if (RowLaw::is_vertical(answer.piece)) scale = std::max(scale, root * std::abs(answer.w));
+    if (RowLaw::is_vertical(answer.segment)) scale = std::max(scale, root * std::abs(answer.w));
   }
   return scale;
 }
@@ -128,15 +128,15 @@ double StageSolver::natural_error(int r, std::span<const double> lambda, std::sp
                                   double scale, const std::pair<double, double>& rate_noise) const {
   const auto [angular, linear] = rate_noise;
   const double root = effective_mass_[r] > 0 ? std::sqrt(effective_mass_[r]) : 1, own = 1 / (root * root);
-  const double off = std::abs(lambda[r] - laws_[r].answer(own, lambda[r], w[r])) / root;
+  const double off = std::abs(lambda[r] - laws_[r].project(own, lambda[r], w[r])) / root;
   const double noise = root * (system_.rows().row(r).angular ? angular : linear) / kNaturalTolerance;
   return off == 0 ? 0 : off / std::max(scale, noise);  // of a world at rest without loads all three are
 }
 
 /// A stage is done, inexactly perhaps.
 void StageSolver::note_inexact(std::span<const double> lambda, std::span<const double> rates) {
-  if (loose_ > worst_inexact_) note_culprits(lambda, rates);
-  worst_inexact_ = std::max(worst_inexact_, loose_);
+  if (stage_residual_ > worst_stage_residual_) note_culprits(lambda, rates);
+  worst_stage_residual_ = std::max(worst_stage_residual_, stage_residual_);
 }
 
 /// Who is furthest from the laws of the present stage, for messages: by the natural map over the scale, with
@@ -213,9 +213,9 @@ void StageSolver::note_residual(std::span<const double> lambda, std::span<const 
 /// Only for stages of sub-steps that are kept.
 void StageSolver::report_residuals(StepReport& report) const {
   report.natural_residual = std::max(report.natural_residual, natural_);
-  if (worst_inexact_ == 0) return;
+  if (worst_stage_residual_ == 0) return;
   report.status = Status::kInexact;
-  report.complementarity_residual = std::max(report.complementarity_residual, worst_inexact_);
+  report.complementarity_residual = std::max(report.complementarity_residual, worst_stage_residual_);
   const auto share = [](std::span<const Culprit> all) { return all.empty() ? -1 : all.front().share; };
   if (share(culprits_) > share(report.culprits)) report.culprits = culprits_;
   report.message = "the laws of contacts, friction and limits are not met to 1e-8";

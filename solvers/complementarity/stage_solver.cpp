@@ -45,7 +45,7 @@ StageSolver::StageSolver(const World& world, ConstraintSystem& system, AxisForce
       contact_solver_(system, contacts),
       islands_(system, contacts, contact_solver_, settings.threads),
       interior_(system),
-      piece_newton_(system) {
+      primal_dual_(system) {
   active_.emplace(system);
   const int rows = system.row_count();
   b_.assign(rows, 0.0);
@@ -63,17 +63,17 @@ void StageSolver::move_rows(std::span<const int> from) {
     values->swap(moved);
   }
   std::vector<RowLaw> laws(rows, RowLaw::none());
-  std::vector<int> pieces(rows, -1);
+  std::vector<int> segments(rows, -1);
   for (int r = 0; r < rows; ++r) {
     if (from[r] < 0) continue;
     laws[r] = laws_[from[r]];
-    pieces[r] = active_->pieces()[from[r]];
+    segments[r] = active_->segments()[from[r]];
   }
   laws_ = std::move(laws);
   active_.emplace(system_);
   contact_solver_.reset();
   islands_.forget_pattern();
-  active_->set_pieces(pieces, laws_);
+  active_->set_segments(segments, laws_);
 }
 
 /// b of w = S λ + b, such that the stage's λ gives its rates.
@@ -85,27 +85,28 @@ void StageSolver::rates_without(const Stage& stage) {
 /// What laws depend on beside the rates has changed with this solution: friction lets go, its load or the
 /// tangents of tables are others.
 bool StageSolver::laws_move(std::span<const double> lambda, double rate_tolerance) {
-  const bool broke = axes_.break_away(w_, rate_tolerance), bent = axes_.bend(w_, rate_tolerance);
+  const bool broke = axes_.break_away(w_, rate_tolerance),
+             bent = axes_.relinearize_tables(w_, rate_tolerance);
   const bool turned = axes_.turn_swings(lambda, w_);
   return axes_.update_loads(system_.rows(), system_.jacobian(), lambda) || broke || bent || turned;
 }
 
 bool StageSolver::solve(const Stage& stage, double rate_tolerance, StepReport& report) {
-  loose_ = 0;
-  near_ = stage.near;
+  stage_residual_ = 0;
+  good_guess_ = stage.near;
   rates_without(stage);
   const bool rested = std::exchange(rested_, false) || !friction_dominated();
-  const double resting = resting_tolerance(rate_tolerance, rested);
+  const double resting = warm_start_tolerance(rate_tolerance, rested);
   laws_moved_ = false;
   if (may_rest() && (accept_warm_start(stage, resting, report) ||
                      (!laws_moved_ && solve_all_sticking(stage, resting, report))))
     return true;
   if (laws_moved_) stage.renew();
-  const bool primal =
-      system_.through_bodies() || contacts_.soft() || (primal_stages_left_ > 0 && primal_stages_left_-- > 0);
+  const bool primal = system_.uses_primal_system() || contacts_.soft() ||
+                      (primal_stages_left_ > 0 && primal_stages_left_-- > 0);
   const Pivoting pivoting = primal ? Pivoting::kGivenUp : solve_by_active_set(stage, rate_tolerance, report);
   return pivoting == Pivoting::kMet ||
-         (pivoting == Pivoting::kGivenUp && solve_through_bodies(stage, rate_tolerance, resting, report));
+         (pivoting == Pivoting::kGivenUp && solve_primal(stage, rate_tolerance, resting, report));
 }
 
 /// Again where static friction lets go, and until the friction of contacts agrees with their slip and normal
@@ -177,10 +178,10 @@ StageSolver::Sticking StageSolver::search_sticking(const Stage& stage, double ra
                                                    StepReport& report) {
   if (!contacts_.slips_where_it_held()) return Sticking::kNoneNeeded;
   StageRecord record;
-  const bool holds = contact_solver_.hold_on(problem(stage.lambda), rate_tolerance, record);
+  const bool holds = contact_solver_.search_sticking_solution(problem(stage.lambda), rate_tolerance, record);
   add(record, report);
   if (!holds) return contacts_.weakened() ? Sticking::kLetGo : Sticking::kNoneNeeded;
-  take_pieces(stage.lambda);
+  take_segments(stage.lambda);
   return laws_move(stage.lambda, rate_tolerance) ? Sticking::kLetGo : Sticking::kFound;
 }
 

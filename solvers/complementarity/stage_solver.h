@@ -14,7 +14,7 @@
 #include "solvers/complementarity/contact_islands.h"
 #include "solvers/complementarity/contact_solver.h"
 #include "solvers/complementarity/interior_point.h"
-#include "solvers/complementarity/piece_newton.h"
+#include "solvers/complementarity/primal_dual_active_set.h"
 #include "solvers/laws/axis_forces.h"
 #include "solvers/laws/contact_forces.h"
 #include "solvers/system/constraint_system.h"
@@ -30,8 +30,8 @@ class Archive;
 ///
 /// The order of what is tried: impulses of before as they are, or with one linear solve where contacts stick;
 /// the active set on the factor of S; through the bodies, Newton's method on the primal matrix, interior
-/// points and sweeps (ContactIslands, PieceNewton, InteriorPoint).  It remembers which of them worked last.
-/// (solvers/complementarity, "Ladder", "Natural residual")
+/// points and sweeps (ContactIslands, PrimalDualActiveSet, InteriorPoint).  It remembers which of them worked
+/// last. (solvers/complementarity, "Ladder", "Natural residual")
 class StageSolver {
  public:
   /// Recomputes laws() from the present rates and from what AxisForces and ContactForces know.
@@ -60,34 +60,34 @@ class StageSolver {
   /// Rows of the system are others; row r was `from[r]`, −1: new.
   void move_rows(std::span<const int> from);
   /// The next solve starts from its guess.
-  void forget_pieces() { active_->reset(); }
+  void forget_segments() { active_->reset(); }
 
   // What kind of system it is.
   bool iterative() const { return settings_.solver != Solver::kDirect; }
   /// Rows have laws of their own, or are to be solved one by one.
   bool bounded() const { return iterative() || !axes_.empty() || !contacts_.empty(); }
   /// So many axes rub that the bodies are the system, and nothing else.
-  bool friction_dominated() const { return contacts_.empty() && system_.through_bodies(); }
+  bool friction_dominated() const { return contacts_.empty() && system_.uses_primal_system(); }
   /// Stages ask for the factor of S, if they do, themselves.
   bool factors_on_demand() const {
-    return !contacts_.empty() || system_.through_bodies() || primal_stages_left_ > 0;
+    return !contacts_.empty() || system_.uses_primal_system() || primal_stages_left_ > 0;
   }
 
   // Before a solve.
   /// Forgets what was noted in the last advance.
   void begin_advance();
-  void begin_pass() { worst_inexact_ = natural_ = 0; }
+  void begin_pass() { worst_stage_residual_ = natural_ = 0; }
   /// Rates are differences of poses over h in a system of this size [m]; `twists` are looked at during the
   /// stage.
   void begin_positions(double h, double size, std::span<const Twist> twists);
   /// Rates are those of twists.
   void begin_velocities(std::span<const Twist> twists);
   void note_round_off() { contact_noise_ = rate_noise(); }
-  void renew_effective_mass() { system_.row_inertias(effective_mass_); }
+  void renew_effective_masses() { system_.effective_masses(effective_mass_); }
   std::span<const double> effective_mass() const { return effective_mass_; }  ///< 1 / S_rr
   std::vector<RowLaw>& laws() { return laws_; }
   std::span<const RowLaw> laws() const { return laws_; }
-  /// Tells the system which rows will have to be factored if the pieces stay what they are.
+  /// Tells the system which rows will have to be factored if the segments stay what they are.
   void prepare(std::span<const double> b, std::span<const double> lambda) {
     active_->prepare(laws_, b, lambda);
   }
@@ -151,7 +151,7 @@ class StageSolver {
   double natural_tolerance() const;
   bool exact(std::span<const double> lambda) const;
   bool may_rest() const { return friction_dominated() || (!contacts_.empty() && contacts_.rest()); }
-  double resting_tolerance(double rate_tolerance, bool rested) const;
+  double warm_start_tolerance(double rate_tolerance, bool rested) const;
   bool laws_move(std::span<const double> lambda, double rate_tolerance);
   void rates_without(const Stage& stage);
   enum class Pivoting { kMet, kFailed, kGivenUp };
@@ -163,10 +163,10 @@ class StageSolver {
   bool accept_warm_start(const Stage& stage, double rate_tolerance, StepReport& report);
   bool solve_all_sticking(const Stage& stage, double rate_tolerance, StepReport& report);
   bool meets_laws(std::span<double> lambda, double off, double rate_tolerance, StepReport& report);
-  void take_pieces(std::span<const double> lambda);
-  bool solve_through_bodies(const Stage& stage, double rate_tolerance, double resting, StepReport& report);
+  void take_segments(std::span<const double> lambda);
+  bool solve_primal(const Stage& stage, double rate_tolerance, double resting, StepReport& report);
   bool solve_axes(std::span<double> lambda, double rate_tolerance, StepReport& report);
-  bool solve_on_pieces(std::span<double> lambda, const PieceLimits& limits, StepReport& report);
+  bool solve_on_segments(std::span<double> lambda, const PrimalDualLimits& limits, StepReport& report);
   bool solve_by_newton(std::span<double> lambda, const NewtonLimits& limits, StepReport& report);
   bool solve_islands(std::span<double> lambda, const NewtonLimits& limits, double resting,
                      StepReport& report);
@@ -188,7 +188,7 @@ class StageSolver {
   ContactSolver contact_solver_;
   ContactIslands islands_;
   InteriorPoint interior_;
-  PieceNewton piece_newton_;
+  PrimalDualActiveSet primal_dual_;
 
   std::vector<RowLaw> laws_;
   std::vector<double> b_, w_, effective_mass_;
@@ -198,19 +198,19 @@ class StageSolver {
 
   double inexact_ = 0;  // residual that may be taken
   bool reduced_budget_ = false;
-  bool near_ = false;
+  bool good_guess_ = false;
   bool rested_ = false;         // the last stage took the impulses of before
   bool laws_moved_ = false;     // friction let go, or its load changed, before this stage was solved
   int primal_stages_left_ = 0;  // that go straight to the bodies, since the active set gave up on one before
-  double loose_ = 0;            // residual taken beyond 1e-8 by the present solve,
-  double worst_inexact_ = 0;    // … and in this advance
-  double natural_ = 0;          // natural residual of the stages of this advance
+  double stage_residual_ = 0;   // residual taken beyond 1e-8 by the present solve,
+  double worst_stage_residual_ = 0;  // … and in this advance
+  double natural_ = 0;               // natural residual of the stages of this advance
   std::vector<int> jammed_;
   std::vector<Culprit> culprits_;
   ActiveSetOutcome outcome_;
   std::vector<RowLaw> held_laws_;
   std::vector<double> guess_, held_;
-  std::vector<int> pieces_scratch_;
+  std::vector<int> segments_scratch_;
 };
 
 }  // namespace taut

@@ -31,7 +31,7 @@ std::vector<JointId> find_self_stressed(const World& world, ConstraintSystem& sy
   const int n = system.row_count();
   std::vector<double> y(n), inertia(n);
   std::vector<char> stressed(world.joint_count(), 0);
-  system.row_inertias(inertia);
+  system.effective_masses(inertia);
   for (int mixture = 0; mixture < 2; ++mixture) {
     for (double& v : y) v = static_cast<double>(random() >> 11) * 0x1p-53 - 0.5;
     for (int pass = 0; pass < 3; ++pass) {
@@ -96,7 +96,7 @@ RankReport analyze_rank(const World& world, const Settings& settings) {
   if (dependent.empty()) return report;
   report.not_unique = find_self_stressed(world, system);
   std::vector<double> inertia(system.row_count()), states(system.row_count(), 0.0);
-  system.row_inertias(inertia);
+  system.effective_masses(inertia);
   for (int row : dependent) states[row] = kMasked;
   system.set_row_states(states);
   system.factorize(times);

@@ -41,7 +41,7 @@ void ViolationSearch::begin(std::vector<Demand> demands, int members, const Stat
   share_.assign(members, 0.0);
   system_.set_mass(from.poses);
   system_.linearize(configuration(start_.poses));
-  system_.row_inertias(inertia_);
+  system_.effective_masses(inertia_);
   for (double& inertia : inertia_)
     if (inertia == 0) inertia = 1;  // nothing moves it
 }

@@ -1,5 +1,8 @@
 #include "solvers/integrators/composition.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace taut {
 namespace {
 
@@ -22,9 +25,7 @@ constexpr double kOrder8[] = {
     -0.39590389413323757733623154, 0.15884190655515560089621075,  -0.38947496264484728640807860,
     0.56116298177510838456196441,  0.13020248308889008087881763};
 
-}  // namespace
-
-std::span<const double> composition_of(Integrator integrator) {
+std::span<const double> fractions_of(Integrator integrator) {
   switch (integrator) {
     case Integrator::kRattle4:
       return kOrder4;
@@ -35,6 +36,31 @@ std::span<const double> composition_of(Integrator integrator) {
     default:
       return kOrder2;
   }
+}
+
+}  // namespace
+
+Composition::Composition(Integrator integrator) : fractions_(fractions_of(integrator)) {
+  for (double fraction : fractions_) longest_ = std::max(longest_, std::abs(fraction));
+}
+
+ImpulseScheme::Outcome Composition::advance(ImpulseScheme& scheme, double h, StepReport& report) {
+  using enum ImpulseScheme::Outcome;
+  if (fractions_.size() == 1) return scheme.advance(h, report);
+  before_ = scheme.state();
+  const Works works = works_of(report);
+  impulses_before_.assign(scheme.impulses().begin(), scheme.impulses().end());
+  for (double fraction : fractions_) {
+    const ImpulseScheme::Outcome outcome = scheme.advance(fraction * h, report);
+    if (outcome == kDone) continue;
+    if (outcome != kNotFinite && outcome != kBlind) {
+      scheme.start(before_, report);
+      scheme.set_impulses(impulses_before_);
+      set_works(report, works);
+    }
+    return outcome;
+  }
+  return kDone;
 }
 
 }  // namespace taut

@@ -204,7 +204,7 @@ void ForceLevel::add_penalty_forces(const State& state, std::vector<Wrench>& wre
   system_.rows().residual(state, phi_);
   system_.rows().apply(system_.jacobian(), state.twists, rates_);
   system_.rows().add_rate(state, rates_);
-  system_.row_inertias(penalty_inertia_);
+  system_.effective_masses(penalty_inertia_);
   const double omega = 2 * std::numbers::pi * settings_.penalty_frequency;
   for (int r = 0; r < system_.row_count(); ++r)
     lambda_[r] = -penalty_inertia_[r] *

@@ -51,7 +51,7 @@ void ImpulseScheme::clear_impulses() {
 
 void ImpulseScheme::start(const State& state, StepReport& report) {
   state_ = state;
-  knows_residual_ = false;
+  residual_current_ = false;
   poses_ = state.poses;
   if (!contacts_.empty()) start_contacts();
   system_.release_bounded_rows();
@@ -79,7 +79,7 @@ void ImpulseScheme::start(const State& state, StepReport& report) {
   system_.rows().residual(state_, phi_);
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   axes_.start(phi_, rates_);
-  stages_.forget_pieces();
+  stages_.forget_segments();
 }
 
 void ImpulseScheme::start_iterative() {
@@ -168,7 +168,7 @@ void ImpulseScheme::project_momenta(StepReport& report, std::span<double> mu, do
     if (h != 0) second_kick(b, h);
   });
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
-    const double sum = pass > 0 && left_alike_ >= kSteady ? 1 / (1 - left_over_) : 1;
+    const double sum = pass > 0 && steady_count_ >= kSteady ? 1 / (1 - contraction_) : 1;
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -sum * velocity_rows_[r];
     if (pass == 1) last_rates_ = velocity_rows_;
     system_.solve_shifted(delta_);
@@ -176,7 +176,7 @@ void ImpulseScheme::project_momenta(StepReport& report, std::span<double> mu, do
       momenta_[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), delta_);
     });
     for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta_[r];
-    if (pass == 1) watch_left_over(sum);
+    if (pass == 1) watch_contraction(sum);
     report.velocity_residual = max_abs(velocity_rows_);
     if (report.velocity_residual <= settings_.velocity_tolerance) return;
   }
@@ -184,16 +184,16 @@ void ImpulseScheme::project_momenta(StepReport& report, std::span<double> mu, do
 }
 
 /// What the second pass leaves of its rates, or would have left without `sum`, as a part of them.
-void ImpulseScheme::watch_left_over(double sum) {
+void ImpulseScheme::watch_contraction(double sum) {
   double before = 0, after = 0;
   for (int r = 0; r < system_.row_count(); ++r) {
     before += last_rates_[r] * last_rates_[r];
     after += last_rates_[r] * velocity_rows_[r];
   }
   const double left = before > 0 ? 1 - (1 - after / before) / sum : 0;
-  const bool alike = left > 0 && left <= kMostLeftOver && std::abs(left - left_over_) <= kAlike * left;
-  left_alike_ = alike ? left_alike_ + 1 : 0;
-  left_over_ = left;
+  const bool alike = left > 0 && left <= kMostLeftOver && std::abs(left - contraction_) <= kAlike * left;
+  steady_count_ = alike ? steady_count_ + 1 : 0;
+  contraction_ = left;
 }
 
 void ImpulseScheme::twists_from_momenta() {
@@ -223,7 +223,7 @@ void ImpulseScheme::note_velocities(StepReport& report) {
 void ImpulseScheme::finish_laws(StepReport& report) {
   system_.rows().residual(state_, phi_);  // axes are up to date here
   works_.mean_rates(kicked_, momenta_, system_.jacobian(), kick_rates_);
-  axes_.book(mu_, rates_, kick_rates_);
+  axes_.accumulate_work(mu_, rates_, kick_rates_);
   axes_.finish_velocities(phi_, rates_, state_.time);
   contacts_.finish(mu_, kick_rates_, state_.time);
   report.axis_work = {};
@@ -247,7 +247,7 @@ bool ImpulseScheme::finite() const {
 /// Back to the start of a step whose positions were already accepted.
 void ImpulseScheme::roll_back(StepReport& report) {
   set_works(report, works_before_);
-  knows_residual_ = false;
+  residual_current_ = false;
   std::swap(state_.poses, poses_);
   std::swap(momenta_, start_momenta_);
   state_.time = start_time_;

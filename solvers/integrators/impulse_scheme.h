@@ -88,7 +88,7 @@ class ImpulseScheme {
   /// Largest step that tension and rotation allow from here.
   const StepLimit& limit() const { return limit_; }
   /// That residual() is φ at the poses of state().
-  bool knows_residual() const { return knows_residual_; }
+  bool residual_is_current() const { return residual_current_; }
 
   // For diagnoses.
   /// φ at the last Newton iterate, and its poses.
@@ -152,7 +152,7 @@ class ImpulseScheme {
 
   // Of rows: impulses of both kicks, b or a correction, φ, rates, sums and forces.
   std::vector<double> lambda_, mu_, delta_, phi_, velocity_rows_, impulses_, force_multipliers_;
-  bool knows_residual_ = false;  // the last step left φ at its end in phi_
+  bool residual_current_ = false;  // the last step left φ at its end in phi_
   // … with axes or contacts: coordinates at the start, rates that laws see, and those of a kick.
   std::vector<double> start_theta_, rates_, kick_rates_;
 
@@ -182,11 +182,11 @@ class ImpulseScheme {
   void take(const Guess& guess);
   template <typename Change>
   void twists_and_rates(Change change);
-  void watch_left_over(double sum);
+  void watch_contraction(double sum);
 
   std::vector<double> last_rates_;  // of rows, before the second pass of the projection
-  double left_over_ = 0;            // part of them that it leaves
-  int left_alike_ = 0;              // sub-steps in which that was the same
+  double contraction_ = 0;          // part of them that it leaves
+  int steady_count_ = 0;            // sub-steps in which that was the same
 };
 
 }  // namespace taut

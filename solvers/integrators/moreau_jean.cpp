@@ -8,7 +8,7 @@
 #include "core/base/check.h"
 #include "solvers/common/setting_names.h"
 #include "solvers/common/stopwatch.h"
-#include "solvers/integrators/assembly.h"
+#include "solvers/integrators/close_joints.h"
 #include "solvers/integrators/free_flow.h"
 
 namespace taut {
@@ -35,7 +35,7 @@ ImpulseScheme::Outcome MoreauJean::advance(double h, StepReport& report) {
     return outcome;
   }
   if (!finite()) return Outcome::kNotFinite;
-  book(h, report);
+  add_works(h, report);
   if (!go_to_end(h, report)) {
     state_.axes = first_axes_;
     roll_back(report);
@@ -98,7 +98,7 @@ void MoreauJean::begin_laws(double h, StepReport& report) {
   if (bounded()) {
     system_.rows().apply(system_.jacobian(), state_.twists, rates_);
     system_.rows().add_rate(state_, rates_);
-    stages_.renew_effective_mass();
+    stages_.renew_effective_masses();
     axes_.begin(start_time_, h, start_theta_, rates_, stages_.effective_mass());
     theta_ = axes_.find_unresolved(system_, true) ? 1 : settings_.theta;
     contacts_.begin_impulses(rates_, stages_.effective_mass());
@@ -180,7 +180,7 @@ bool MoreauJean::solve_stage(StepReport& report) {
 }
 
 /// The one kick of the step, at q_M where it acts.
-void MoreauJean::book(double h, StepReport& report) {
+void MoreauJean::add_works(double h, StepReport& report) {
   if (bounded()) finish_laws(report);
   if (!settings_.report_energy) return;
   // Forces that are not conservative were taken at the weighted state.

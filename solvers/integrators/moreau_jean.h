@@ -41,7 +41,7 @@ class MoreauJean final : public ImpulseScheme {
   bool solve_stage(StepReport& report);
   void weigh(double h);
   Pose moved(int b, double h) const;
-  void book(double h, StepReport& report);
+  void add_works(double h, StepReport& report);
   bool go_to_end(double h, StepReport& report);
   bool push_positions(StepReport& report);
   void note_passed_limit();

@@ -30,12 +30,12 @@ void MultiplierPrediction::extrapolate(double h, std::span<double> lambda) const
 }
 
 bool MultiplierPrediction::takes_from_dependent_rows() {
-  const bool exact = steps_from_zero_ == 0;
-  steps_from_zero_ = std::max(steps_from_zero_ - 1, 0);
+  const bool exact = cold_start_steps_ == 0;
+  cold_start_steps_ = std::max(cold_start_steps_ - 1, 0);
   return exact;
 }
 
-void MultiplierPrediction::start_from_zero() { steps_from_zero_ = kStepsFromZero; }
+void MultiplierPrediction::start_from_zero() { cold_start_steps_ = kStepsFromZero; }
 
 void MultiplierPrediction::keep(double h, std::span<const double> lambda, std::span<const double> mu,
                                 bool struck) {

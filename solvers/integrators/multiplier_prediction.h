@@ -51,7 +51,7 @@ class MultiplierPrediction {
  private:
   std::vector<double> mu_, asymmetry_, last_asymmetry_;  // (λ − μ)/h² of the last two steps
   int history_ = 0;                                      // steps that these are from, at most 3
-  int steps_from_zero_ = 0;                              // to come
+  int cold_start_steps_ = 0;                             // to come
   double last_h_ = 0;
 };
 

@@ -89,7 +89,7 @@ bool Rattle::close_positions(double h, StepReport& report) {
 
 /// Multipliers far from their prediction are looked at before they are accepted.
 bool Rattle::exceeds_tension_limit(double h) {
-  if (settings_.tension != TensionPolicy::kSubstep || !surprised_) return false;
+  if (settings_.tension != TensionPolicy::kSubstep || !prediction_missed_) return false;
   for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = 2 / h * lambda_[r];
   update_step_limit();
   return std::abs(h) > kLeeway * limit_.step();
@@ -215,21 +215,21 @@ void Rattle::kick_and_drift(double h, const Configuration& end) {
       if (!system_.mass()[b].fixed) kick(b);
     tension_.filter(state_.poses, kicked_);
   }
-  for (const Rows::Piece& piece : rows.pieces()) {
-    for (int b = piece.begin; b < piece.end; ++b) {
+  for (const Rows::BodyChunk& chunk : rows.chunks()) {
+    for (int b = chunk.begin; b < chunk.end; ++b) {
       if (system_.mass()[b].fixed) continue;
       if (!tension_.active()) kick(b);
       if (iterative()) kicked_[b] = kicked_[b] - absorbed_[b];
       poses_[b] = free_flow(system_.mass(), b, state_.poses[b], kicked_[b].torque, kicked_[b].force, h);
     }
-    rows.residual(end, phi_, piece);
+    rows.residual(end, phi_, chunk);
   }
 }
 
 bool Rattle::close_joint_positions(double h, StepReport& report) {
   double last = std::numeric_limits<double>::infinity(), correction = 0;
   bool polished = false;
-  knows_residual_ = false;
+  residual_current_ = false;
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
@@ -241,12 +241,12 @@ bool Rattle::close_joint_positions(double h, StepReport& report) {
     if (!std::isfinite(gap)) return false;
     if (gap <= settings_.position_tolerance) {
       if (!system_.singular() || distance_to_closure(report) <= kFarOpen * size_) break;
-      if (polished) return mend_positions(h, report);
+      if (polished) return project_positions(h, report);
       polished = half_solved = true;
     } else {
       const bool slow = iteration > 0 && gap > kSlow * last;
       const bool spent = iteration >= settings_.max_newton_iterations;
-      if ((slow || spent) && system_.singular() && gap < kMendable) return mend_positions(h, report);
+      if ((slow || spent) && system_.singular() && gap < kMendable) return project_positions(h, report);
       if (spent) return false;
       if (slow) {
         if (refactored_ || gap > 10 * last) return false;
@@ -266,8 +266,8 @@ bool Rattle::close_joint_positions(double h, StepReport& report) {
     correction += max_abs(delta_);
     ++report.newton_iterations;
   }
-  surprised_ = correction > kSurprise * max_abs(lambda_);
-  knows_residual_ = true;
+  prediction_missed_ = correction > kSurprise * max_abs(lambda_);
+  residual_current_ = true;
   return true;
 }
 

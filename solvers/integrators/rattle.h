@@ -53,10 +53,10 @@ class Rattle : public ImpulseScheme {
   std::span<const double> kick_jacobian() const;
   std::size_t contact_offset() const;
   std::span<double> kept_contact_jacobian();
-  // Dependent rows (rattle_mending.cpp).
+  // Dependent rows (rattle_projection.cpp).
   double system_size() const;
   double distance_to_closure(StepReport& report);
-  bool mend_positions(double h, StepReport& report);
+  bool project_positions(double h, StepReport& report);
   // Impacts within the step.
   bool seek_impacts();
   void forget_impacts(bool for_good);
@@ -81,7 +81,7 @@ class Rattle : public ImpulseScheme {
   ImplicitTension tension_;
   double size_ = 1;                     // of the whole system at the start [m]
   double slack_ = 0;                    // of gaps and places where friction holds, which is left [m or rad]
-  bool surprised_ = false;              // multipliers were far from their prediction
+  bool prediction_missed_ = false;      // multipliers were far from their prediction
   bool refactored_ = false;             // the factor is not that of J(q₀), which is kept then:
   std::vector<double> start_jacobian_;  //
   std::vector<Wrench> move_;            // M times a move of the bodies

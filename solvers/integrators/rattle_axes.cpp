@@ -29,7 +29,7 @@ void Rattle::begin_bounds(double h) {
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) start_theta_[axis.row] = phi_[axis.row];
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
-  stages_.renew_effective_mass();
+  stages_.renew_effective_masses();
   axes_.begin(state_.time, h, start_theta_, rates_, stages_.effective_mass());
   axes_.find_unresolved(system_);
   contacts_.begin(h, rates_, stages_.effective_mass());
@@ -111,7 +111,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
   stages_.note_residual(lambda_, rates_);
   axes_.finish_positions(rates_);
   stages_.note_inexact(lambda_, rates_);
-  surprised_ =
+  prediction_missed_ =
       limit_.leaves_out_bodies() && axes_.any_broken();  // who was left out of the step limit may move
   return true;
 }
@@ -154,13 +154,13 @@ void Rattle::renew_velocity_laws() {
 /// Rates and laws of the second kick.
 void Rattle::begin_velocities() {
   stages_.begin_velocities(state_.twists);
-  // A first guess for its pieces: the impulses of the first kick.
+  // A first guess for its chunks: the impulses of the first kick.
   std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
   system_.rows().residual(end_of_step(0), phi_);
   twists_from_momenta();
   system_.rows().apply(system_.jacobian(), state_.twists, rates_);
   system_.rows().add_rate(state_, rates_);
-  stages_.renew_effective_mass();
+  stages_.renew_effective_masses();
   contacts_.begin_velocities(rates_, stages_.effective_mass());
   renew_velocity_laws();
   system_.multiply(mu_, delta_);
@@ -183,8 +183,8 @@ bool Rattle::project_bounded_momenta(StepReport& report) {
 /// The first kick for the books, at the pose where it acted.
 void Rattle::keep_first_kick() {
   works_.mean_rates(momenta_, kicked_, kick_jacobian(), kick_rates_);
-  axes_.keep(lambda_, rates_, kick_rates_);
-  contacts_.keep(lambda_, rates_, kick_rates_);
+  axes_.record_first_kick(lambda_, rates_, kick_rates_);
+  contacts_.record_first_kick(lambda_, rates_, kick_rates_);
 }
 
 /// Rates of the contact rows in the drift: J(q₀) M⁻¹ p.  The momenta stay, so that is what counts, and not

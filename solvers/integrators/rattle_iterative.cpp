@@ -32,7 +32,7 @@ bool Rattle::stabilize_positions(double h, StepReport& report) {
   }
   stages_.note_residual(lambda_, rates_);
   axes_.finish_positions(rates_);
-  surprised_ = false;
+  prediction_missed_ = false;
   return true;
 }
 

@@ -55,11 +55,11 @@ void StepLimit::update(const State& state, std::span<const double> force_multipl
       !stages_.iterative()) {  // whose multipliers are no measure
     find_held_bodies();
     const std::span<StiffnessBlocks> stiffness = stiffness_;
-    for (const Rows::Piece& piece : system_.rows().pieces()) {
-      for (StiffnessBlocks& block : stiffness.subspan(piece.begin, piece.end - piece.begin)) block = {};
-      system_.rows().stiffness(state, force_multipliers, stiffness, piece);
-      const int settled = piece.settled_begin, count = piece.settled_end - settled;
-      if (leaves_out_) clear_held_bodies(settled, piece.settled_end);
+    for (const Rows::BodyChunk& chunk : system_.rows().chunks()) {
+      for (StiffnessBlocks& block : stiffness.subspan(chunk.begin, chunk.end - chunk.begin)) block = {};
+      system_.rows().stiffness(state, force_multipliers, stiffness, chunk);
+      const int settled = chunk.settled_begin, count = chunk.settled_end - settled;
+      if (leaves_out_) clear_held_bodies(settled, chunk.settled_end);
       omega_ = std::max(omega_, fastest_transverse_frequency(system_.mass_roots().subspan(settled, count),
                                                              stiffness.subspan(settled, count)));
     }

@@ -354,7 +354,7 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
 }
 
 /// The sum of the steps and slopes of one axis.  The steps of limits are there even when far away, so that
-/// the pieces keep their numbers from stage to stage.
+/// the segments keep their numbers from stage to stage.
 RowLaw AxisForces::law_of(Axis& axis, const AxisProperties& p) const {
   RowLaw law = RowLaw::viscous(axis.spring_slope + axis.damping_slope + axis.limit_slope);
   law.level[0] = axis.spring_level + axis.damping_level + axis.limit_level;

@@ -80,7 +80,7 @@ class AxisForces {
   void impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws);
   /// Springs and dampers given by tables, which a law has as tangents: true if the rates of this solution of
   /// a stage are elsewhere, and it must be solved again with the tangents there.
-  bool bend(std::span<const double> w, double rate_tolerance);
+  bool relinearize_tables(std::span<const double> w, double rate_tolerance);
   /// Friction of joints whose swing is straight has another direction than in this solution.
   bool turn_swings(std::span<const double> lambda, std::span<const double> w);
   /// Axes that static friction held and that have broken away at this solution of a stage: their bound is now
@@ -129,9 +129,11 @@ class AxisForces {
   void finish_velocities(std::span<const double> theta, std::span<const double> w, double time);
   /// Impulses of the first kick, during which the axes moved with `rates` on the mean: to be called before
   /// velocity_laws(), booked with the second.
-  void keep(std::span<const double> lambda, std::span<const double> w, std::span<const double> rates);
+  void record_first_kick(std::span<const double> lambda, std::span<const double> w,
+                         std::span<const double> rates);
   /// Books both kicks.
-  void book(std::span<const double> lambda, std::span<const double> w, std::span<const double> rates);
+  void accumulate_work(std::span<const double> lambda, std::span<const double> w,
+                       std::span<const double> rates);
 
   /// Sums over the sub-steps since clear_reports(), with impulses in place of mean forces; in the order of
   /// Rows::axis_rows().
@@ -194,13 +196,13 @@ class AxisForces {
     return {-value + descent * w, descent};
   }
   /// Of an axis in a step: forces act for `time`, at the part `weight` of the way.
-  struct Way {
+  struct Stroke {
     double time = 0;
     double from = 0, to = 0;
     double per_rate = 0;  ///< ∂to/∂w
     double weight = 0.5;
   };
-  Way way(const Axis& axis, double w) const;
+  Stroke way(const Axis& axis, double w) const;
   Tangent spring_tangent(const Axis& axis, const AxisSpring& spring, double w) const;
   Tangent limit_tangent(const Axis& axis, const AxisLimits& limits, double w) const;
   Tangent limit_damper_tangent(const Axis& axis, const AxisLimits& limits, double w) const;
@@ -236,7 +238,7 @@ class AxisForces {
     int solves = 0;
   };
   /// Rows of a joint with a spring that acts along components of its swing.
-  struct Bend {
+  struct SwingSpring {
     int axis = 0;
     std::array<int, 2> component{-1, -1};
   };
@@ -253,7 +255,7 @@ class AxisForces {
       own_;  // of rows that are no axes, and of swings; by row, empty if there are none
   std::vector<char> from_own_;
   std::vector<Swing> swings_;
-  std::vector<Bend> bends_;
+  std::vector<SwingSpring> bends_;
   std::vector<char> released_, angular_, growing_;
   std::int64_t axis_version_ = -1;
   bool has_limits_ = false, has_loads_ = false;   // rigid limits, friction that grows with the load

@@ -7,12 +7,12 @@
 // stage. (solvers/laws, "Axes")
 //
 // The mean force on the way of a step times that way is the change of its potential, so that tables and soft
-// limits conserve energy however stiff they are and wherever they bend; for a linear force it is the force
-// at mid-step.  A spring between bodies has its length L as coordinate and, like a joint, one block in the
-// Delassus matrix; its stiffness across the line, T/L, is geometric stiffness.  A linear one of natural
-// length 0 has the three displacements of its points in axes of A instead, which are smooth where L is not,
-// and L for its damper only.  Elsewhere ends may pass each other within a step: L then counts as negative,
-// and that one step is not exact, since the force jumps.
+// limits conserve energy however stiff they are and wherever they relinearize_tables; for a linear force it
+// is the force at mid-step.  A spring between bodies has its length L as coordinate and, like a joint, one
+// block in the Delassus matrix; its stiffness across the line, T/L, is geometric stiffness.  A linear one of
+// natural length 0 has the three displacements of its points in axes of A instead, which are smooth where L
+// is not, and L for its damper only.  Elsewhere ends may pass each other within a step: L then counts as
+// negative, and that one step is not exact, since the force jumps.
 namespace taut {
 namespace {
 
@@ -30,7 +30,7 @@ Curve::Mean mean_beyond(double a, double b, double way) {
 }  // namespace
 
 /// RATTLE goes h w, with the middle of it as the place of a force in both kicks; Moreau–Jean h V_ϑ.
-AxisForces::Way AxisForces::way(const Axis& axis, double w) const {
+AxisForces::Stroke AxisForces::way(const Axis& axis, double w) const {
   if (weight_ == 0) return {0.5 * h_, axis.theta0, axis.theta0 + h_ * w, h_, 0.5};
   return {h_, axis.theta0, axis.theta0 + h_ * ((1 - weight_) * axis.rate0 + weight_ * w), weight_ * h_,
           weight_};
@@ -40,7 +40,7 @@ AxisForces::Way AxisForces::way(const Axis& axis, double w) const {
 /// the table, and for a linear spring this is the implicit midpoint rule.  For more a part of it is the force
 /// at the end, which takes energy; what is not resolved gives more against the way, too.
 AxisForces::Tangent AxisForces::spring_tangent(const Axis& axis, const AxisSpring& spring, double w) const {
-  const Way there = way(axis, spring.table ? w : 0);
+  const Stroke there = way(axis, spring.table ? w : 0);
   const double from = there.from - spring.rest, to = there.to - spring.rest;
   if (!spring.table) {
     const double impulse = there.time * spring.stiffness;
@@ -57,7 +57,7 @@ AxisForces::Tangent AxisForces::spring_tangent(const Axis& axis, const AxisSprin
 /// Beyond a limit with compliance there is a spring, as those of axes.  What is more than that against the
 /// way counts the part of the way that is beyond the limit.
 AxisForces::Tangent AxisForces::limit_tangent(const Axis& axis, const AxisLimits& limits, double w) const {
-  const Way there = way(axis, w);
+  const Stroke there = way(axis, w);
   const double from = beyond(limits, there.from), to = beyond(limits, there.to);
   const Curve::Mean mean = mean_beyond(from, to, there.to - there.from);
   const double last = 2 * there.weight - 1, impulse = there.time / limits.compliance;
@@ -71,7 +71,7 @@ AxisForces::Tangent AxisForces::limit_tangent(const Axis& axis, const AxisLimits
 /// Its damper acts on the way that is beyond.
 AxisForces::Tangent AxisForces::limit_damper_tangent(const Axis& axis, const AxisLimits& limits,
                                                      double w) const {
-  const Way there = way(axis, w);
+  const Stroke there = way(axis, w);
   const double to = beyond(limits, there.to), damping = there.time / h_ * limits.damping;
   return tangent(damping * (to - beyond(limits, there.from)), to != 0 ? damping * there.per_rate : 0, w);
 }
@@ -137,7 +137,7 @@ void AxisForces::set_damping(Axis& axis, const AxisProperties& p) const {
 /// tangents lies to the right of where they touch, the one sought does, too, as far as the row by itself
 /// goes.  Digressive dampers would have it jump to and fro for ever, so what lies outside of the bounds known
 /// is halved.
-bool AxisForces::bend(std::span<const double> w, double rate_tolerance) {
+bool AxisForces::relinearize_tables(std::span<const double> w, double rate_tolerance) {
   bool any = false;
   if (!has_bends_) return false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {

@@ -11,9 +11,9 @@
 // on each of them, until that is more than the disc |(λ_x, λ_y)| ≤ h/2 τ allows; then each has its component
 // of the direction of slip, which moves halfway towards the new one in each solve of the stage.  A spring
 // −k θ j whose rest is 0 is −k s for the swing as a rotation vector s, which is smooth at 0: it acts along
-// both components of s, with the damper −c ṡ, which also resists a bend that goes round, as inside a bent
-// shaft that turns.  At π the components change their sign, so near it the spring acts along the swing
-// itself.  A rest other than 0 is a cone, where passing straight is a kink of the potential itself.
+// both components of s, with the damper −c ṡ, which also resists a relinearize_tables that goes round, as
+// inside a bent shaft that turns.  At π the components change their sign, so near it the spring acts along
+// the swing itself.  A rest other than 0 is a cone, where passing straight is a kink of the potential itself.
 namespace taut {
 namespace {
 
@@ -43,18 +43,20 @@ void AxisForces::find_swings() {
     if (!properties || properties->swing != axis.axis) continue;
     own_.resize(rows_.size());
     Swing swing{.axis = static_cast<int>(i)};
-    Bend bend{.axis = static_cast<int>(i)};
+    SwingSpring relinearize_tables{.axis = static_cast<int>(i)};
     std::size_t first = i;
     while (first > 0 && rows_[first - 1].axis.joint == axis.joint) --first;
     for (std::size_t k = first; k < rows_.size() && rows_[k].axis.joint == axis.joint; ++k)
       for (int t : {0, 1}) {
         if (rows_[k].axis.axis == properties->across.turns[t]) swing.turn[t] = static_cast<int>(k);
-        if (rows_[k].axis.axis == properties->across.components[t]) bend.component[t] = static_cast<int>(k);
+        if (rows_[k].axis.axis == properties->across.components[t])
+          relinearize_tables.component[t] = static_cast<int>(k);
       }
     if (properties->rubs) swings_.push_back(swing);
     if (!properties->bends) continue;
-    bends_.push_back(bend);
-    for (int r : {bend.axis, bend.component[0], bend.component[1]}) {
+    bends_.push_back(relinearize_tables);
+    for (int r :
+         {relinearize_tables.axis, relinearize_tables.component[0], relinearize_tables.component[1]}) {
       own_[r] = world_.axis_properties(rows_[r].axis);
       from_own_[r] = 1;
     }
@@ -64,13 +66,13 @@ void AxisForces::find_swings() {
 /// The spring of a swing acts along its components; where the joint is nearly folded, since these jump at π,
 /// along itself.
 void AxisForces::begin_bends() {
-  for (const Bend& bend : bends_) {
+  for (const SwingSpring& relinearize_tables : bends_) {
     const auto given = [&](int row) -> const auto& { return world_.axis_properties(rows_[row].axis).spring; };
-    const Axis& swing = axes_[bend.axis];
+    const Axis& swing = axes_[relinearize_tables.axis];
     const bool folded = swing.theta0 + kSwingStepsAhead * std::abs(h_ * swing.rate0) > kFolded;
-    own_[bend.axis].spring = folded ? given(bend.axis) : std::nullopt;
-    for (int c : bend.component)
-      own_[c].spring = folded ? given(c) : with_spring_of_swing(given(c), *given(bend.axis));
+    own_[relinearize_tables.axis].spring = folded ? given(relinearize_tables.axis) : std::nullopt;
+    for (int c : relinearize_tables.component)
+      own_[c].spring = folded ? given(c) : with_spring_of_swing(given(c), *given(relinearize_tables.axis));
   }
 }
 

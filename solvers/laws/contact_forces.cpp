@@ -299,7 +299,7 @@ void ContactForces::forget_impacts(bool for_good) {
 }
 
 /// Impulses of rows as world vectors, and their work.
-void ContactForces::book(int k, std::span<const double> lambda, std::span<const double> rates) {
+void ContactForces::accumulate_work(int k, std::span<const double> lambda, std::span<const double> rates) {
   Point& point = table_.points[k];
   const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
   const int row = first_row_[k];
@@ -317,13 +317,13 @@ void ContactForces::book(int k, std::span<const double> lambda, std::span<const 
   point.torque += torque;
 }
 
-void ContactForces::keep(std::span<const double> lambda, std::span<const double> w,
-                         std::span<const double> rates) {
+void ContactForces::record_first_kick(std::span<const double> lambda, std::span<const double> w,
+                                      std::span<const double> rates) {
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     if (!point.active) continue;
     const int row = first_row_[k];
-    book(k, lambda, rates);
+    accumulate_work(k, lambda, rates);
     point.pressed = lambda[row] > 0;
     point.slip.reset();
     // The slip of this step while it holds: what is left of the target.
@@ -374,7 +374,7 @@ void ContactForces::finish(std::span<const double> mu, std::span<const double> r
       struck_ = true;
       point.impact_time = time;
     }
-    book(k, mu, rates);
+    accumulate_work(k, mu, rates);
     const int row = first_row_[k];
     const bool pressed = point.touching && point.back + mu[row] > 0;
     const bool held = pressed && !point.sliding.slips;

@@ -80,7 +80,8 @@ class ContactForces final : public ContactLaws {
 
   /// Books the first kick, during which the rows moved with `rates` on the mean; to be called before
   /// move_on().
-  void keep(std::span<const double> lambda, std::span<const double> w, std::span<const double> rates);
+  void record_first_kick(std::span<const double> lambda, std::span<const double> w,
+                         std::span<const double> rates);
   /// Books the second, and takes over the state of friction.
   void finish(std::span<const double> mu, std::span<const double> rates, double time);
 
@@ -98,7 +99,7 @@ class ContactForces final : public ContactLaws {
   void remember(double h);
   void aim_discs(int place, std::span<const double> rates);
   double crossing(int place, double w) const;
-  void book(int place, std::span<const double> lambda, std::span<const double> rates);
+  void accumulate_work(int place, std::span<const double> lambda, std::span<const double> rates);
   void keep_report(int place);
 
   bool wanted_;

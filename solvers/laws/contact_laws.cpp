@@ -213,7 +213,7 @@ ContactLaws::Cone ContactLaws::cone(int k) const {
           point.rolling.given};
 }
 
-void ContactLaws::answer(int k, std::span<const double> x, std::span<double> y) const {
+void ContactLaws::project(int k, std::span<const double> x, std::span<double> y) const {
   const auto in_disc = [&](int r, const Vec2& given, double bound) {
     const Vec2 tau = into_disc(given + Vec2(x[r], x[r + 1]), bound);
     y[r] = tau[0] - given[0];

@@ -59,7 +59,7 @@ struct ContactTable {
     double gap = 0, approach = 0;
     bool fresh = true;  ///< has not been through a begin()
     double back = 0;    ///< normal impulse of the first kick
-    bool stuck = false, broken = false, wavers = false;
+    bool stuck = false, broken = false, stick_candidate = false;
     Vec3 slipped = Vec3::Zero();                             ///< since it sticks [m]
     std::optional<Vec3> slip;                                ///< at the start of a drift in which it held
     Vec3 first = Vec3::Zero(), first_torque = Vec3::Zero();  ///< of the first kick on B
@@ -131,12 +131,12 @@ class ContactLaws {
   /// Rates that the laws ask for.
   void targets(std::span<double> target) const;
   /// The impulses y in the laws of one place that are nearest to x.
-  void answer(int place, std::span<const double> x, std::span<double> y) const;
+  void project(int place, std::span<const double> x, std::span<double> y) const;
   /// What the impulses of a contact of a stage may be, about those that the first kick gave: Coulomb's cone
   /// |Λ_t| ≤ sliding Λ_n, |spin| ≤ spinning Λ_n [m] and |roll| ≤ rolling Λ_n [m].
   struct Cone {
     bool works = false, twist = false;
-    bool shares = false;  ///< its slip does not open the cone (begin_sharing)
+    bool shares = false;  ///< its slip does not open the cone (begin_stick_search)
     double sliding = 0, spinning = 0, rolling = 0;
     double softness = 0, most = std::numeric_limits<double>::infinity();  ///< of the normal (NormalLaw)
     double slip_softness = 0;                                             ///< of the tangents (SlipLaw)
@@ -173,17 +173,17 @@ class ContactLaws {
   /// divide the load, so there are none where one slips all the same.  (solvers/laws, "Static friction")
   /// False if none of those that slip at the rates w can be told to hold, since they are on bodies that are
   /// being struck, or slip by much of what friction at impulses λ could change: they are let go.
-  bool begin_sharing(std::span<const double> lambda, std::span<const double> w);
-  /// Unless they hold, all is as it was at begin_sharing(), but for those that were let go.
-  void end_sharing(bool hold);
+  bool begin_stick_search(std::span<const double> lambda, std::span<const double> w);
+  /// Unless they hold, all is as it was at begin_stick_search(), but for those that were let go.
+  void end_stick_search(bool hold);
   /// Not ended yet.
-  void go_on_sharing() { sharing_ = true; }
+  void continue_stick_search() { sharing_ = true; }
   /// The largest slip of these at rates w [m/s].
   double shared_slip(std::span<const double> w) const;
-  /// Of those that slipped at begin_sharing() all that slip still, or all if it is not `judged` by the rates
-  /// w, go on with dynamic friction.  True if that leaves some to share the load anew.
-  bool let_go(std::span<const double> w, bool judged);
-  /// Static friction was more than dynamic friction where it let go since begin_sharing().
+  /// Of those that slipped at begin_stick_search() all that slip still, or all if it is not `judged` by the
+  /// rates w, go on with dynamic friction.  True if that leaves some to share the load anew.
+  bool mark_sliding(std::span<const double> w, bool judged);
+  /// Static friction was more than dynamic friction where it let go since begin_stick_search().
   bool weakened() const { return weakened_; }
   /// The largest distance from Coulomb's law at the last adapt(), relative.
   double residual() const { return residual_; }

@@ -76,7 +76,7 @@ std::vector<int> ContactLaws::struck_bodies() const {
   return struck;
 }
 
-bool ContactLaws::begin_sharing(std::span<const double> lambda, std::span<const double> w) {
+bool ContactLaws::begin_stick_search(std::span<const double> lambda, std::span<const double> w) {
   const std::vector<int> struck = struck_bodies();
   const auto is_struck = [&](int body) { return std::binary_search(struck.begin(), struck.end(), body); };
   std::vector<double> friction(table_.moves.size(), 0.0);
@@ -94,9 +94,9 @@ bool ContactLaws::begin_sharing(std::span<const double> lambda, std::span<const 
   for (int k = 0; k < count(); ++k) {
     const Rows::ContactPlace& at = place_of(k).at;
     const bool slips = slips_in_vain(k);
-    contact(k).wavers = slips && !is_struck(at.a) && !is_struck(at.b) && !is_far(k);
-    any = any || contact(k).wavers;
-    if (slips && !contact(k).wavers) release(k);
+    contact(k).stick_candidate = slips && !is_struck(at.a) && !is_struck(at.b) && !is_far(k);
+    any = any || contact(k).stick_candidate;
+    if (slips && !contact(k).stick_candidate) release(k);
   }
   sharing_ = any;
   if (!any) return false;
@@ -106,11 +106,11 @@ bool ContactLaws::begin_sharing(std::span<const double> lambda, std::span<const 
   return true;
 }
 
-void ContactLaws::end_sharing(bool hold) {
+void ContactLaws::end_stick_search(bool hold) {
   sharing_ = false;
   if (hold) return;
   for (int k = 0; k < count(); ++k) {
-    if (unshared_[k].wavers) unshared_[k].broken = contact(k).broken;
+    if (unshared_[k].stick_candidate) unshared_[k].broken = contact(k).broken;
     contact(k) = unshared_[k];
   }
   residual_ = unshared_residual_;
@@ -132,15 +132,15 @@ double ContactLaws::shared_slip(std::span<const double> w) const {
 void ContactLaws::release(int k) {
   const Material& material = place_of(k).material;
   contact(k).broken = true;
-  contact(k).wavers = false;
+  contact(k).stick_candidate = false;
   weakened_ = weakened_ || material.dynamic_friction < material.static_friction;
 }
 
-bool ContactLaws::let_go(std::span<const double> w, bool judged) {
+bool ContactLaws::mark_sliding(std::span<const double> w, bool judged) {
   const double much = judged ? kSlips * shared_slip(w) : 0;
   bool any = false, left = false;
   for (int k = 0; k < count(); ++k) {
-    if (!contact(k).wavers) continue;
+    if (!contact(k).stick_candidate) continue;
     const bool holds = slip_of(k, w) < much;
     left = left || holds;
     any = any || !holds;

@@ -17,8 +17,8 @@ namespace taut {
 /// with breakpoints w_1 < … < w_K and levels l_0 > … > l_K, where l_0 = +∞ forbids w < w_1 and l_K = −∞
 /// forbids w > w_K.  (solvers/laws, "Row laws")
 ///
-/// Its pieces are numbered from left to right, 0 … 2K: piece 2k is level k, piece 2k − 1 is the vertical at
-/// w_k.
+/// Its segments are numbered from left to right, 0 … 2K: segment 2k is level k, segment 2k − 1 is the
+/// vertical at w_k.
 struct RowLaw {
   static constexpr int kMaxSteps = 4;
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -60,26 +60,26 @@ struct RowLaw {
   /// @throws std::invalid_argument if no w is allowed by both, or for more than kMaxSteps steps.
   friend RowLaw operator+(const RowLaw& a, const RowLaw& b);
 
-  int pieces() const { return 2 * steps + 1; }
-  static bool is_vertical(int piece) { return piece % 2 == 1; }
-  /// Rate of a vertical piece.
-  double rate(int piece) const { return at[piece / 2]; }
-  /// Level of a piece that is one.
-  double force(int piece) const { return level[piece / 2]; }
-  /// False for l_0 = +∞ and l_K = −∞, whose pieces are no places to be.
-  bool exists(int piece) const { return is_vertical(piece) || std::isfinite(force(piece)); }
-  /// The values [low, high] of λ + c w on a vertical piece.
-  double low(int piece) const { return level[piece / 2 + 1]; }
-  double high(int piece) const { return level[piece / 2]; }
+  int segments() const { return 2 * steps + 1; }
+  static bool is_vertical(int segment) { return segment % 2 == 1; }
+  /// Rate of a vertical segment.
+  double rate(int segment) const { return at[segment / 2]; }
+  /// Level of a segment that is one.
+  double force(int segment) const { return level[segment / 2]; }
+  /// False for l_0 = +∞ and l_K = −∞, whose segments are no places to be.
+  bool exists(int segment) const { return is_vertical(segment) || std::isfinite(force(segment)); }
+  /// The values [low, high] of λ + c w on a vertical segment.
+  double low(int segment) const { return level[segment / 2 + 1]; }
+  double high(int segment) const { return level[segment / 2]; }
   /// The range [first, last] of w on a level.
-  double first(int piece) const { return piece == 0 ? -kInfinity : at[piece / 2 - 1]; }
-  double last(int piece) const { return piece == 2 * steps ? kInfinity : at[piece / 2]; }
+  double first(int segment) const { return segment == 0 ? -kInfinity : at[segment / 2 - 1]; }
+  double last(int segment) const { return segment == 2 * steps ? kInfinity : at[segment / 2]; }
   /// True if some λ + c w is out of bounds: not an equality.
   bool bounded() const { return !(steps == 1 && std::isinf(level[0]) && std::isinf(level[1])); }
 
   /// The one point of the graph that a row by itself would take: λ and w with w = s λ + β, s > 0.
   struct Point {
-    int piece;
+    int segment;
     double lambda, w;
   };
   Point resolve(double s, double beta) const {
@@ -91,10 +91,10 @@ struct RowLaw {
     return on_level(steps, s, beta);
   }
   /// λ* that the row by itself answers to λ and w = s λ + β, of which λ − λ* is the natural map.
-  double answer(double s, double lambda, double w) const { return resolve(s, w - s * lambda).lambda; }
+  double project(double s, double lambda, double w) const { return resolve(s, w - s * lambda).lambda; }
 
-  /// The piece on which λ = `lambda` lies; corners count as levels.
-  int piece_at(double lambda) const {
+  /// The segment on which λ = `lambda` lies; corners count as levels.
+  int segment_at(double lambda) const {
     for (int k = 1; k <= steps; ++k) {
       const double value = lambda + slope * at[k - 1];
       if (value >= level[k - 1]) return 2 * (k - 1);

@@ -191,16 +191,16 @@ void Simulator::restore(const Checkpoint& checkpoint) {
 /// Brings what the integrator knows to the present world, as the next step would.  False if it knows nothing
 /// that is worth keeping: before the first step, and after one that failed.
 bool Simulator::Impl::settle() {
-  keep_means();
+  flush_mean_reactions();
   if (!system_ || !has_started() || state_version_ < 0 || !report_.advanced() || report_.dt == 0)
     return false;
   const bool unchanged = recalled_.empty() && end_versions_ == versions();
   if (unchanged) return true;
   StepReport kept = report_;
-  follow_source();
+  sync_from_world();
   if (sleep_) wake_islands(horizon_);
   restart_if_needed();
-  give_back();
+  publish_to_world();
   const bool good = report_.advanced();
   report_ = std::move(kept);
   end_versions_ = versions();
@@ -209,9 +209,10 @@ bool Simulator::Impl::settle() {
 
 /// `gone`, when reading: joints that left with the last step, by joint.
 void Simulator::Impl::transfer(Archive& archive, std::span<const char> gone) {
-  archive(pace_.pieces, pace_.most_pieces, pace_.quiet, pace_.hard_steps, horizon_, report_.dt, report_.time);
+  archive(pace_.substeps, pace_.most_substeps, pace_.quiet, pace_.hard_steps, horizon_, report_.dt,
+          report_.time);
   const auto is_count = [&](double n) { return n >= 1 && n <= settings_.max_substeps; };
-  Archive::require(is_count(pace_.pieces) && is_count(pace_.most_pieces) && pace_.quiet >= 0 &&
+  Archive::require(is_count(pace_.substeps) && is_count(pace_.most_substeps) && pace_.quiet >= 0 &&
                    horizon_ >= 0 && std::isfinite(horizon_) && report_.dt > 0 &&
                    std::isfinite(report_.dt + report_.time));
   State state = world_.state();

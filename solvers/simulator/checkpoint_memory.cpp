@@ -6,7 +6,7 @@
 #include "core/state/same_state.h"
 #include "solvers/integrators/force_level.h"
 #include "solvers/integrators/rattle.h"
-#include "solvers/simulator/energy_books.h"
+#include "solvers/simulator/energy_accounting.h"
 #include "solvers/simulator/sleep.h"
 
 // What each part of a simulation remembers from one step to the next, as Archive writes and reads it.
@@ -47,7 +47,7 @@ void transfer_fields(Archive& archive, RowLaw& law) {
 namespace {
 
 /// Pieces of laws, −1 where there is none.
-constexpr int kPieces = 2 * RowLaw::kMaxSteps + 1;
+constexpr int kSegments = 2 * RowLaw::kMaxSteps + 1;
 
 void require_shape(const World& world, ShapeId shape) { Archive::index(shape.index, 0, world.shape_count()); }
 
@@ -114,7 +114,7 @@ void ContactForces::transfer(Archive& archive) {
   const auto disc = [&](Disc& d) { archive(d.bound, d.slips, d.direction, d.weight, d.given, d.target); };
   const auto point = [&](Point& p) {
     archive(p.soft.target, p.soft.softness, p.soft.most, p.active, p.live, p.touching, p.pressed, p.gap,
-            p.approach, p.fresh, p.back, p.stuck, p.broken, p.wavers, p.slipped, p.slip, p.first,
+            p.approach, p.fresh, p.back, p.stuck, p.broken, p.stick_candidate, p.slipped, p.slip, p.first,
             p.first_torque, p.spin_bound, p.spin_given, p.impulse, p.torque, p.impact_time, p.slid);
     disc(p.sliding), disc(p.rolling);
   };
@@ -167,12 +167,12 @@ void RowUpdates::transfer(Archive& archive) {
 }
 
 void ActiveSet::transfer(Archive& archive) {
-  archive.sized(pieces_), archive.sized(steps_);
-  for (int piece : pieces_) Archive::index(piece, -1, kPieces);
+  archive.sized(segments_), archive.sized(steps_);
+  for (int segment : segments_) Archive::index(segment, -1, kSegments);
   updates_.transfer(archive);
 }
 
-void PieceNewton::transfer(Archive& archive) {
+void PrimalDualActiveSet::transfer(Archive& archive) {
   bool serves = version_ >= 0 && version_ == system_.body_factor_version();
   archive(serves);
   if (archive.reads()) version_ = -1;
@@ -218,7 +218,8 @@ void Breaking::transfer(Archive& archive) {
 void Sleep::transfer(Archive& archive, World& world) {
   read_bodies(world);
   std::vector<char> seen(stirs_.size());
-  for (std::size_t b = 0; b < seen.size(); ++b) seen[b] = stirs_[b] == world.stirs({static_cast<int>(b)});
+  for (std::size_t b = 0; b < seen.size(); ++b)
+    seen[b] = stirs_[b] == world.wake_count({static_cast<int>(b)});
   archive.sized(quiet_), archive.sized(seen), archive.sized(island_of_);
   archive(islands_);
   archive.sized(forces_then_);
@@ -229,10 +230,10 @@ void Sleep::transfer(Archive& archive, World& world) {
   if (!archive.reads()) return;
   for (int b = 0; b < bodies; ++b)
     if (island_of_[b] >= 0) world.put_to_sleep({b});
-  for (int b = 0; b < bodies; ++b) stirs_[b] = world.stirs({b}) - !seen[b];
+  for (int b = 0; b < bodies; ++b) stirs_[b] = world.wake_count({b}) - !seen[b];
 }
 
-void EnergyBooks::transfer(Archive& archive, const World& world) {
+void EnergyAccounting::transfer(Archive& archive, const World& world) {
   bool known = end_versions_ == versions(world);
   archive(known, end_.kinetic, end_.potential, end_.springs, end_.dissipative);
   if (archive.reads()) end_versions_ = known ? versions(world) : Versions{};
@@ -290,19 +291,19 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
 void StageSolver::transfer(Archive& archive) {
   for (auto* rows : {&effective_mass_, &w_}) archive.sized(*rows);
   archive.sized(laws_);
-  archive(near_, rested_, primal_stages_left_, outcome_.status);
+  archive(good_guess_, rested_, primal_stages_left_, outcome_.status);
 }
 
 void StageSolver::transfer_factors(Archive& archive) {
   active_->transfer(archive);
-  piece_newton_.transfer(archive);
+  primal_dual_.transfer(archive);
   contact_solver_.transfer(archive);
   islands_.transfer(archive);
 }
 
 void MultiplierPrediction::transfer(Archive& archive) {
   for (auto* rows : {&mu_, &asymmetry_, &last_asymmetry_}) archive.sized(*rows);
-  archive(history_, steps_from_zero_, last_h_);
+  archive(history_, cold_start_steps_, last_h_);
 }
 
 void StepLimit::transfer(Archive& archive) { archive(omega_, step_, leaves_out_); }
@@ -325,7 +326,7 @@ void ImpulseScheme::transfer(Archive& archive) {
   for (auto* rows : {&lambda_, &mu_, &impulses_, &force_multipliers_}) archive.sized(*rows);
   prediction_.transfer(archive);
   for (auto* rows : {&start_theta_, &rates_}) archive.sized(*rows);
-  archive(left_over_, left_alike_, horizon_);
+  archive(contraction_, steady_count_, horizon_);
   limit_.transfer(archive);
   stages_.transfer(archive);
   if (archive.reads()) poses_ = state_.poses, std::swap(state_.time, linearized_time_);
@@ -339,7 +340,7 @@ void ImpulseScheme::transfer(Archive& archive) {
 
 void Rattle::transfer(Archive& archive) {
   ImpulseScheme::transfer(archive);
-  archive(size_, surprised_);
+  archive(size_, prediction_missed_);
 }
 
 }  // namespace taut

@@ -15,8 +15,7 @@
 #include "solvers/common/stopwatch.h"
 #include "solvers/diagnosis/contradiction.h"
 #include "solvers/diagnosis/rank_report.h"
-#include "solvers/integrators/assembly.h"
-#include "solvers/integrators/composition.h"
+#include "solvers/integrators/close_joints.h"
 #include "solvers/integrators/moreau_jean.h"
 #include "solvers/integrators/rattle.h"
 #include "solvers/linear/cholmod_factor.h"
@@ -25,9 +24,8 @@
 namespace taut {
 namespace {
 
-/// A sub-step that failed is followed by one this much shorter; each success lets the next grow again.
+/// Steps in a row that ask for fewer sub-steps before there are fewer.
 constexpr int kQuietSteps = 300;
-constexpr double kShrink = 0.5, kGrow = 1.5;
 /// Laws may be met inexactly in sub-steps below this part of the step, and in so many steps after such a one
 /// in any.
 constexpr double kHardPart = 0.6;
@@ -150,7 +148,7 @@ void Simulator::Impl::take_back(const Pace& pace, std::vector<ContactStretch> st
   }
   if (has_moved_) world_.set_state(undo_);
   has_moved_ = false;
-  stay_awake();
+  restore_awake();
   pace_ = pace;
   recalled_ = std::move(stretches);
   state_version_ = topology_version_ = -1;
@@ -212,9 +210,9 @@ void Simulator::Impl::begin_report() {
 
 void Simulator::Impl::step(double dt) {
   require_positive("step dt", dt);
-  follow_source();
+  sync_from_world();
   if (sleep_)
-    find_tired_bodies(dt);
+    collect_sleep_candidates(dt);
   else if (source_.asleep_count() > 0)  // for a simulator that is no more
     source_.wake_all(), world_.wake_all();
   begin_report();
@@ -223,15 +221,15 @@ void Simulator::Impl::step(double dt) {
   reported([&] {
     mean_reactions_.clear(), start_.poses.clear();
     if (settings_.report_energy) books_.begin(world_, moved_ ? source_ : world_, report_);
-    if (sleep_) sleep_->put_to_sleep(world_, tired_);
+    if (sleep_) sleep_->put_to_sleep(world_, sleep_candidates_);
     while (!advance_to_end(dt))
       ;
     moved_ = false;
-    if (report_.advanced()) give_back();
+    if (report_.advanced()) publish_to_world();
   });
   if (!report_.advanced()) {
     if (has_moved_) world_.set_state(undo_);  // joints that were closed before the step
-    stay_awake();
+    restore_awake();
     given_version_ = world_.state_version();  // the user's world stays as it was
   }
   end_versions_ = versions();
@@ -290,97 +288,47 @@ void Simulator::Impl::forget_step() {
   if (scheme_ && scheme_->breaking().any()) topology_version_ = -1;
 }
 
-/// One step of the integrator: RATTLE, or a whole composition of it, which loses its order if a stage were
-/// split.
-ImpulseScheme::Outcome Simulator::Impl::advance(double h) {
-  const std::span<const double> fractions = composition_of(settings_.integrator);
-  if (fractions.size() == 1) return scheme_->advance(h, report_);
-  before_ = scheme_->state();
-  const Works works = works_of(report_);
-  impulses_before_.assign(scheme_->impulses().begin(), scheme_->impulses().end());
-  for (double fraction : fractions) {
-    const ImpulseScheme::Outcome outcome = scheme_->advance(fraction * h, report_);
-    if (outcome == ImpulseScheme::Outcome::kDone) continue;
-    if (outcome != ImpulseScheme::Outcome::kNotFinite && outcome != ImpulseScheme::Outcome::kBlind) {
-      scheme_->start(before_, report_);
-      scheme_->set_impulses(impulses_before_);
-      set_works(report_, works);
-    }
-    return outcome;
-  }
-  return ImpulseScheme::Outcome::kDone;
-}
-
 /// Sub-steps that a step needs now.  A symplectic scheme keeps its energy only while its step stays the same,
 /// so the count goes up at once and comes down only after a long quiet time.
-double Simulator::Impl::choose_pieces(double dt) {
-  const double needed = std::clamp(std::ceil(dt / step_limit() - 1e-9), 1.0, double(settings_.max_substeps));
-  if (needed >= pace_.pieces) {
-    pace_.pieces = needed;
+double Simulator::Impl::choose_substeps(double dt) {
+  const double needed = std::clamp(std::ceil(dt / composition_.step_limit(*scheme_) - 1e-9), 1.0,
+                                   double(settings_.max_substeps));
+  if (needed >= pace_.substeps) {
+    pace_.substeps = needed;
     pace_.quiet = 0;
   } else {
-    pace_.most_pieces = pace_.quiet == 0 ? needed : std::max(pace_.most_pieces, needed);
+    pace_.most_substeps = pace_.quiet == 0 ? needed : std::max(pace_.most_substeps, needed);
     if (++pace_.quiet >= kQuietSteps) {
-      pace_.pieces = pace_.most_pieces;
+      pace_.substeps = pace_.most_substeps;
       pace_.quiet = 0;
     }
   }
-  return pace_.pieces;
-}
-
-/// Largest h whose longest stage respects tension and rotation.
-double Simulator::Impl::step_limit() const {
-  double longest = 0;
-  for (double fraction : composition_of(settings_.integrator))
-    longest = std::max(longest, std::abs(fraction));
-  return scheme_->limit().step() / longest;
+  return pace_.substeps;
 }
 
 /// Covers dt in as many equal sub-steps as tension, rotation and convergence ask for.
 bool Simulator::Impl::integrate(double dt) {
-  const double smallest = dt / settings_.max_substeps, piece = dt / choose_pieces(dt);
+  Substeps substeps(dt, choose_substeps(dt), settings_.max_substeps);
   const bool hard = pace_.hard_steps > 0;
   scheme_->stages().accept_inexact(hard ? settings_.inexact_tolerance : 0, hard);
-  double remaining = dt, limit = std::numeric_limits<double>::infinity(), impact = 0;
-  bool forgot = false, unstable = false;
-  while (remaining > 0) {
+  bool forgot = false;
+  while (!substeps.done()) {
     detail::poll_interrupt();
-    const double left = std::max(
-        1.0, std::ceil(remaining / std::max(std::min({piece, step_limit(), limit}), smallest) - 1e-9));
-    // An impact ends a sub-step, which may then be as short as it likes.
-    const double even = remaining / left, h = impact > 0 ? impact : even;
-    impact = 0;
-    const ImpulseScheme::Outcome outcome = advance(h);
-    unstable = outcome == ImpulseScheme::Outcome::kUnstable;
+    const double h = substeps.next(composition_.step_limit(*scheme_));
+    const ImpulseScheme::Outcome outcome = composition_.advance(*scheme_, h, report_);
     switch (outcome) {
       case ImpulseScheme::Outcome::kDone:
-        remaining = left > 1 || h < even ? remaining - h : 0;
-        limit *= kGrow;
+        substeps.accept();
         break;
       case ImpulseScheme::Outcome::kImpact:
-        impact = scheme_->time_to_event();
-        break;
       case ImpulseScheme::Outcome::kOverload:
-        impact = scheme_->time_to_event();
+        substeps.end_next_at(scheme_->time_to_event());
         break;
       case ImpulseScheme::Outcome::kUnstable:
-        limit = std::min(kShrink * even, step_limit());
+        substeps.shorten(composition_.step_limit(*scheme_));
         break;
       case ImpulseScheme::Outcome::kStalled:
-        // Laws that could not be met: once more without impulses of contacts as a guess, then in shorter
-        // sub-steps, and inexactly.
-        if (const bool laws = !scheme_->stages().active_set_outcome().ok();
-            laws && !scheme_->contacts().empty()) {
-          scheme_->forget_contact_impulses();
-          if (!forgot)
-            forgot = true;
-          else
-            limit = kShrink * even;
-          if (hard || limit < kHardPart * piece)
-            scheme_->stages().accept_inexact(settings_.inexact_tolerance, false);
-        } else {
-          limit = kShrink * even;
-        }
+        forgot = after_stall(substeps, hard, forgot);
         break;
       case ImpulseScheme::Outcome::kNotFinite:
         fail_not_finite();
@@ -389,13 +337,24 @@ bool Simulator::Impl::integrate(double dt) {
         fail_blind();
         return false;
     }
-    if (limit < smallest) {
-      diagnose_stall(remaining, unstable);
+    if (substeps.exhausted()) {
+      diagnose_stall(substeps.remaining(), outcome == ImpulseScheme::Outcome::kUnstable);
       return false;
     }
   }
   pace_.hard_steps = report_.status == Status::kInexact ? kHardSteps : std::max(pace_.hard_steps - 1, 0);
   return true;
+}
+
+/// Laws that could not be met: once more without impulses of contacts as a guess, then in shorter sub-steps,
+/// and inexactly.  Joints: in shorter ones.  Returns whether that guess has been tried.
+bool Simulator::Impl::after_stall(Substeps& substeps, bool hard, bool forgot) {
+  const bool laws = !scheme_->stages().active_set_outcome().ok() && !scheme_->contacts().empty();
+  if (laws) scheme_->forget_contact_impulses();
+  if (!laws || forgot) substeps.shorten();
+  if (laws && (hard || substeps.below(kHardPart)))
+    scheme_->stages().accept_inexact(settings_.inexact_tolerance, false);
+  return laws || forgot;
 }
 
 /// Of joints, and of axes beyond rigid limits.
@@ -435,7 +394,7 @@ void Simulator::Impl::finish(double dt) {
   report_.time = time;
   if (report_.status == Status::kInexact) report_.message += list_culprits();
   for (auto* values : {&phi_, &rates_, &reaction_multipliers_}) values->resize(system_->row_count());
-  if (scheme_ && scheme_->knows_residual()) {
+  if (scheme_ && scheme_->residual_is_current()) {
     report_.gap = max_gap(system_->rows(), scheme_->residual());
   } else {
     system_->rows().residual(state, phi_);
@@ -500,13 +459,13 @@ void Simulator::Impl::count_work() {
 }
 
 void Simulator::Impl::assemble() {
-  keep_means();
-  follow_source();
+  flush_mean_reactions();
+  sync_from_world();
   source_.wake_all(), world_.wake_all();
   begin_report();
   reported([this] {
     close_all_joints();
-    give_back();
+    publish_to_world();
   });
   count_work();
 }
@@ -625,7 +584,7 @@ const Settings& Simulator::settings() const { return impl_->settings_; }
 
 std::string Simulator::solver_description() const {
   if (!impl().system_) {
-    impl().follow_source();
+    impl().sync_from_world();
     if (impl().sleep_) impl().wake_islands(0);
     impl().restart_if_needed();
   }

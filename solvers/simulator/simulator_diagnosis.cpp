@@ -7,7 +7,7 @@
 #include "core/world/diagnostics.h"
 #include "solvers/common/report_names.h"
 #include "solvers/diagnosis/contradiction.h"
-#include "solvers/integrators/assembly.h"
+#include "solvers/integrators/close_joints.h"
 #include "solvers/simulator/simulator_impl.h"
 
 // Why a step failed.  (solvers/diagnosis, "A step that failed")
@@ -46,8 +46,8 @@ Contradiction Simulator::Impl::contradiction_from(const State& state, double hor
 }
 
 Contradiction Simulator::Impl::contradiction(double horizon) {
-  keep_means();
-  follow_source();
+  flush_mean_reactions();
+  sync_from_world();
   return contradiction_from(world_.state(), horizon);
 }
 

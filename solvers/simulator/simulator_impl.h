@@ -10,11 +10,13 @@
 
 #include "core/merging/merged_world.h"
 #include "solvers/common/setting_checks.h"
+#include "solvers/integrators/composition.h"
 #include "solvers/integrators/force_level.h"
 #include "solvers/integrators/impulse_scheme.h"
-#include "solvers/simulator/energy_books.h"
+#include "solvers/simulator/energy_accounting.h"
 #include "solvers/simulator/simulator.h"
 #include "solvers/simulator/sleep.h"
+#include "solvers/simulator/substeps.h"
 #include "solvers/simulator/weld_loads.h"
 #include "solvers/system/constraint_system.h"
 
@@ -73,17 +75,17 @@ class Simulator::Impl {
   std::vector<char> moved_bodies() const;
   void note_moved_bodies();
   void wake_islands(double h);
-  void find_tired_bodies(double dt);
-  void stay_awake();
+  void collect_sleep_candidates(double dt);
+  void restore_awake();
   bool wakes(bool done);
   void note_reports_of(std::span<const BodyId> tired);
   bool rests(const ContactReport& report) const;
   bool rests(JointId joint) const;
 
   // With merged bodies (merged_): world_ is a copy of the source, which is followed and kept up to date.
-  void follow_source() { moved_ = (merged_ && merged_->update(source_)) || moved_; }
-  void keep_means();
-  void give_back();
+  void sync_from_world() { moved_ = (merged_ && merged_->update(source_)) || moved_; }
+  void flush_mean_reactions();
+  void publish_to_world();
   bool merges(JointId joint) const { return weld_loads_ && weld_loads_->is_weld(joint); }
   std::vector<Reaction> weld_reactions() const;
   void solve_present_welds();
@@ -95,9 +97,10 @@ class Simulator::Impl {
 
   /// How a simulation divides its steps.
   struct Pace {
-    double pieces = 1, most_pieces = 1;  ///< sub-steps at present, and the most asked for in the quiet time
-    int quiet = 0;                       ///< steps in a row that asked for fewer
-    int hard_steps = 0;                  ///< to come, in which inexact laws are taken at once
+    double substeps = 1,
+           most_substeps = 1;  ///< sub-steps at present, and the most asked for in the quiet time
+    int quiet = 0;             ///< steps in a row that asked for fewer
+    int hard_steps = 0;        ///< to come, in which inexact laws are taken at once
   };
   struct Versions {
     std::int64_t source_topology = -1, source_state = -1, geometry = -1, sleep = -1, topology = -1,
@@ -112,14 +115,13 @@ class Simulator::Impl {
   std::unique_ptr<MergedWorld> merged_;
   World& world_;  // that is stepped: source_ itself, or the merged one
   Settings settings_;
+  Composition composition_{settings_.integrator};
   std::function<bool()> interrupt_;
   StepReport report_;
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<ImpulseScheme> scheme_;
   std::unique_ptr<ForceLevel> force_level_;
-  State before_;
   double horizon_ = 0;  // the step to come
-  std::vector<double> impulses_before_;
   Pace pace_;
   StepReport last_report_;  // while a step makes a new one
   State undo_;              // of world_, before the present step moved it
@@ -140,12 +142,12 @@ class Simulator::Impl {
           : Springs::kLeftOut;
   /// … and then they are no force laws.
   Springs laws_springs_ = springs_ == Springs::kIncluded ? Springs::kLeftOut : Springs::kIncluded;
-  EnergyBooks books_{laws_springs_};
+  EnergyAccounting books_{laws_springs_};
   std::unique_ptr<WeldLoads> weld_loads_;  // null if nothing is merged
   bool moved_ = false;                     // the source, since the last step
   std::optional<Sleep> sleep_;
-  std::vector<BodyId> tired_;  // that fall asleep with this step
-  std::vector<Twist> tired_twists_;
+  std::vector<BodyId> sleep_candidates_;  // that fall asleep with this step
+  std::vector<Twist> candidate_twists_;
   /// What sleeping bodies bore in the last step before; entries of others are not looked at.
   struct {
     std::map<JointId, Reaction> reactions;
@@ -161,9 +163,8 @@ class Simulator::Impl {
   bool knows_pattern() const;
   bool advance_to_end(double dt);
   bool integrate(double dt);
-  ImpulseScheme::Outcome advance(double h);
-  double choose_pieces(double dt);
-  double step_limit() const;
+  bool after_stall(Substeps& substeps, bool hard, bool forgot);
+  double choose_substeps(double dt);
   void finish(double dt);
   bool welds_hold();
   Gap gap_of(std::span<const double> phi) const;

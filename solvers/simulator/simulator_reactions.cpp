@@ -9,11 +9,11 @@ namespace taut {
 /// λ of the acceleration equation in the present state, with a system of its own so that the integrator keeps
 /// its factor.
 void Simulator::Impl::compute_reactions() {
-  keep_means();
-  follow_source();
+  flush_mean_reactions();
+  sync_from_world();
   if (sleep_) wake_islands(0);
   restart_if_needed();
-  give_back();
+  publish_to_world();
   if (reaction_version_ == world_.state_version()) return;
   if (scheme_ && (!scheme_->axes().only_springs() || !scheme_->contacts().empty())) {
     const std::span<const double> multipliers = scheme_->force_multipliers();
@@ -161,7 +161,7 @@ void Simulator::Impl::recall_contacts() {
 }
 
 /// The source gets what the merged world has come to.
-void Simulator::Impl::give_back() {
+void Simulator::Impl::publish_to_world() {
   if (!merged_) return;
   if (given_version_ == world_.state_version()) return;
   merged_->give_sleep(source_);
@@ -173,7 +173,7 @@ void Simulator::Impl::give_back() {
 
 /// Mean reactions of the last step are those of the bodies as they then were: solved at the latest when the
 /// source has changed and is about to be followed.
-void Simulator::Impl::keep_means() {
+void Simulator::Impl::flush_mean_reactions() {
   if (weld_loads_ && !start_.poses.empty() && merged_->is_behind(source_)) solve_weld_means();
 }
 

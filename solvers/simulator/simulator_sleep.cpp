@@ -45,21 +45,22 @@ void Simulator::Impl::wake_islands(double h) {
 
 /// Before a step of dt, with all that the last one has left: the bodies that fall asleep, what they bear
 /// noted.
-void Simulator::Impl::find_tired_bodies(double dt) {
+void Simulator::Impl::collect_sleep_candidates(double dt) {
   wake_islands(dt);
-  tired_.clear(), tired_twists_.clear();
+  sleep_candidates_.clear(), candidate_twists_.clear();
   const bool known = system_ && topology_version_ == world_.topology_version() &&
                      geometry_version_ == world_.geometry_version();
   if (!known || !report_.advanced() || report_.dt == 0) return;
-  tired_ = sleep_->tired(world_, system_->rows(), places());
-  for (BodyId body : tired_) tired_twists_.push_back(world_.twist(body));
-  if (!tired_.empty()) note_reports_of(tired_);
+  sleep_candidates_ = sleep_->tired(world_, system_->rows(), places());
+  for (BodyId body : sleep_candidates_) candidate_twists_.push_back(world_.twist(body));
+  if (!sleep_candidates_.empty()) note_reports_of(sleep_candidates_);
 }
 
 /// A step that failed changes nothing: not who sleeps, either.
-void Simulator::Impl::stay_awake() {
-  for (std::size_t i = 0; i < tired_.size(); ++i) world_.set_twist(tired_[i], tired_twists_[i]);
-  tired_.clear(), tired_twists_.clear();
+void Simulator::Impl::restore_awake() {
+  for (std::size_t i = 0; i < sleep_candidates_.size(); ++i)
+    world_.set_twist(sleep_candidates_[i], candidate_twists_[i]);
+  sleep_candidates_.clear(), candidate_twists_.clear();
 }
 
 /// After a step that is done, or could not be: whether bodies woke for it.
@@ -67,7 +68,7 @@ bool Simulator::Impl::wakes(bool done) {
   if (done) return sleep_->wake_touched(world_, scheme_->contacts().reports());
   if (world_.asleep_count() == 0) return false;
   world_.wake_all();
-  stay_awake();
+  restore_awake();
   return true;
 }
 

@@ -32,7 +32,7 @@ void Sleep::read_bodies(const World& world) {
     const MassProperties& mass = world.mass_properties({b});
     gyration_.push_back(mass.principal_moments().maxCoeff() / mass.mass());
     quiet_.push_back(0);
-    stirs_.push_back(world.stirs({b}));
+    stirs_.push_back(world.wake_count({b}));
     island_of_.push_back(-1);
   }
   forces_.resize(quiet_.size());
@@ -124,7 +124,7 @@ void Sleep::put_to_sleep(World& world, std::span<const BodyId> bodies) {
 void Sleep::wake_island(World& world, int island) {
   for (BodyId body : islands_[island]) {
     world.wake(body);
-    stirs_[body.index] = world.stirs(body);
+    stirs_[body.index] = world.wake_count(body);
     island_of_[body.index] = -1;
     quiet_[body.index] = 0;
   }
@@ -149,10 +149,10 @@ void Sleep::wake(World& world, std::span<const ContactSet::Place> places, double
   for (int b = 0; b < world.body_count(); ++b) {
     if (island_of_[b] < 0 && world.is_asleep({b})) world.wake({b});  // it sleeps for another simulator
     const bool slept = island_of_[b] >= 0 && !world.is_asleep({b});
-    if (stirs_[b] == world.stirs({b}) && !slept) continue;
+    if (stirs_[b] == world.wake_count({b}) && !slept) continue;
     quiet_[b] = 0;
     if (island_of_[b] >= 0) wake_island(world, island_of_[b]);
-    stirs_[b] = world.stirs({b});
+    stirs_[b] = world.wake_count({b});
   }
   if (!any_asleep()) return;
   if (world.force_count() > 0) {

@@ -51,7 +51,7 @@ class Sleep {
   double speed_, time_;
   std::vector<double> quiet_;                 // time for which a body has been slow [s]
   std::vector<double> gyration_;              // square of the largest radius of gyration [m²]
-  std::vector<int> stirs_;                    // World::stirs() that were seen
+  std::vector<int> stirs_;                    // World::wake_count() that were seen
   std::vector<int> island_of_;                // of bodies: the island that sleeps, −1 for none
   UnionFind connected_;                       // bodies
   std::vector<char> restless_;                // first bodies of what is connected

@@ -40,7 +40,7 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
     : choice_(choice),
       axis_rows_(axis_rows),
       springs_(springs),
-      rows_(world, axis_rows, {}, Rows::Joints::kMoving, springs, Rows::Blocks::kArms),
+      rows_(world, axis_rows, {}, Rows::Joints::kMoving, springs, Rows::Blocks::kLeverArms),
       mass_(world),
       tolerance_(tolerance) {
   for (const Rows::AxisRow& row : rows_.axis_rows())
@@ -50,7 +50,7 @@ ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, Rank
 }
 
 void ConstraintSystem::set_contact_places(const World& world, std::span<const Rows::ContactPlace> places) {
-  rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving, springs_, Rows::Blocks::kArms);
+  rows_ = Rows(world, axis_rows_, places, Rows::Joints::kMoving, springs_, Rows::Blocks::kLeverArms);
   states_.clear();
   factored_states_.clear();
   for (auto* rows : {&dependent_rows_, &counted_rows_})  // those of joints are the same rows still
@@ -62,7 +62,7 @@ void ConstraintSystem::set_contact_places(const World& world, std::span<const Ro
 void ConstraintSystem::analyze_rows() {
   const BlockOrdering ordering = order_blocks(joint_graph(rows_, mass_));
   factor_ = make_factor(choice_, ordering);
-  system_ = std::make_unique<SystemMatrix>(rows_, mass_, ordering, factor_->triangle());
+  system_ = std::make_unique<DelassusMatrix>(rows_, mass_, ordering, factor_->triangle());
   factor_->analyze(system_->matrix());
   const int n = rows_.row_count();
   ordered_.assign(n, 0.0);
@@ -116,10 +116,10 @@ void ConstraintSystem::linearize_and_assemble(const Configuration& at) {
   full_roots_.clear();
   factored_ = weighted_current_ = false;
   assembled_ = joints_alone();
-  for (const Rows::Piece& piece : rows_.pieces()) {
-    rows_.jacobian(at, jacobian_, piece);
-    set_mass(at.poses, piece.begin, piece.end);
-    if (assembled_) system_->assemble(rows_, jacobian_, roots_, piece.settled_begin, piece.settled_end);
+  for (const Rows::BodyChunk& chunk : rows_.chunks()) {
+    rows_.jacobian(at, jacobian_, chunk);
+    set_mass(at.poses, chunk.begin, chunk.end);
+    if (assembled_) system_->assemble(rows_, jacobian_, roots_, chunk.settled_begin, chunk.settled_end);
   }
 }
 
@@ -127,9 +127,9 @@ void ConstraintSystem::linearize_and_assemble(const Configuration& at) {
 void ConstraintSystem::weight() {
   if (weighted_current_) return;
   if (full_roots_.empty())
-    SystemMatrix::weight<InverseMassRoot>(rows_, jacobian_, roots_, weighted_);
+    DelassusMatrix::weight<InverseMassRoot>(rows_, jacobian_, roots_, weighted_);
   else
-    SystemMatrix::weight<FullMassRoot>(rows_, jacobian_, full_roots_, weighted_);
+    DelassusMatrix::weight<FullMassRoot>(rows_, jacobian_, full_roots_, weighted_);
   weighted_current_ = true;
   inertias_current_ = false;
   ++weight_version_;
@@ -297,7 +297,7 @@ void ConstraintSystem::inspect_pivots() {
 }
 
 void ConstraintSystem::backsolve(std::span<double> x) {
-  if (through_bodies_) return solve_through_bodies(x);
+  if (through_bodies_) return solve_primal(x);
   ++counters_.backsolves;
   const std::span<const int> position = system_->position_of_row();
   for (std::size_t r = 0; r < x.size(); ++r) ordered_[position[r]] = x[r];
@@ -317,7 +317,7 @@ void ConstraintSystem::solve(std::span<double> x) {
   if (shifted_) project(x);
 }
 
-void ConstraintSystem::row_inertias(std::span<double> out) {
+void ConstraintSystem::effective_masses(std::span<double> out) {
   weight();
   if (!inertias_current_) sum_inertias();
   std::copy(inertias_.begin(), inertias_.end(), out.begin());

@@ -12,9 +12,9 @@
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
 #include "solvers/linear/factor.h"
-#include "solvers/system/body_matrix.h"
+#include "solvers/system/delassus_matrix.h"
 #include "solvers/system/mass_matrix.h"
-#include "solvers/system/system_matrix.h"
+#include "solvers/system/primal_matrix.h"
 
 namespace taut {
 
@@ -59,7 +59,7 @@ struct SystemPart {
 /// (solvers/system, "Dependent rows")
 ///
 /// Where contacts are so many that S is denser than the system of the bodies, or many axes have friction,
-/// that one is factored in its place (body_matrix.h): the same solves, with ε on the rows that are free.
+/// that one is factored in its place (primal_matrix.h): the same solves, with ε on the rows that are free.
 class ConstraintSystem {
  public:
   ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance,
@@ -137,7 +137,7 @@ class ConstraintSystem {
   void to_bodies(std::span<const double> lambda, std::span<double> v);
   /// out = W v.
   void to_rows(std::span<const double> v, std::span<double> out) const;
-  /// P = 1 + W'ᵀ D W' of the bodies with D ≥ 0 (body_matrix.h) and its factor, in place of the present one
+  /// P = 1 + W'ᵀ D W' of the bodies with D ≥ 0 (primal_matrix.h) and its factor, in place of the present one
   /// through bodies.  False for values that are not finite.
   [[nodiscard]] bool factorize_bodies(std::span<const double> weighted, std::span<const double> D,
                                       StageTimes& times);
@@ -160,10 +160,10 @@ class ConstraintSystem {
   /// Changes with W.
   long weight_version() const { return weight_version_; }
   /// 1 / S_rr of each row: the inertia that it feels on its own.
-  void row_inertias(std::span<double> out);
+  void effective_masses(std::span<double> out);
 
   /// True if S is not formed, but solved through the bodies: decided for each pattern.
-  bool through_bodies() const { return through_bodies_; }
+  bool uses_primal_system() const { return through_bodies_; }
   /// Dependent rows that the last factorisation met, and which (row indices).  Through bodies: not known, 0.
   int rank_deficiency() const { return static_cast<int>(dependent_rows_.size()); }
   std::span<const int> dependent_rows() const { return dependent_rows_; }
@@ -200,7 +200,7 @@ class ConstraintSystem {
   void make_room();
   double flops_of_rows() const;
   void compliance_of_bodies();
-  void solve_through_bodies(std::span<double> x);
+  void solve_primal(std::span<double> x);
   void assemble_and_factorize(StageTimes& times);
   void inspect_pivots();
   void keep_count(StageTimes& times);
@@ -214,9 +214,9 @@ class ConstraintSystem {
   Rows rows_;
   MassMatrix mass_;
   RankTolerance tolerance_;
-  std::unique_ptr<SystemMatrix> system_;  // not through bodies
+  std::unique_ptr<DelassusMatrix> system_;  // not through bodies
   std::unique_ptr<Factor> factor_;
-  std::unique_ptr<BodyMatrix> bodies_;  // made when it is wanted
+  std::unique_ptr<PrimalMatrix> bodies_;  // made when it is wanted
   std::unique_ptr<Factor> body_factor_;
   std::optional<BlockOrdering> body_ordering_;  // not analysed yet
   std::vector<int> body_of_node_;

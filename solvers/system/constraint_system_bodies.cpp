@@ -73,7 +73,7 @@ void ConstraintSystem::analyze_bodies() {
   if (!body_ordering_) body_ordering_ = order_blocks(body_graph(rows_, mass_, body_of_node_));
   body_factor_ = make_factor(choice_, *body_ordering_);
   bodies_ =
-      std::make_unique<BodyMatrix>(rows_, mass_, body_factor_->triangle(), *body_ordering_, body_of_node_);
+      std::make_unique<PrimalMatrix>(rows_, mass_, body_factor_->triangle(), *body_ordering_, body_of_node_);
   body_factor_->analyze(bodies_->matrix());
   ordered_bodies_.assign(bodies_->matrix().size(), 0.0);
   ++counters_.analyses;
@@ -107,7 +107,7 @@ void ConstraintSystem::take_counters(ConstraintSystem& part) {
 
 /// Σ_r + ε (S_rr + Σ_r) on all rows, or without the shift if none of them is free.
 void ConstraintSystem::compliance_of_bodies() {
-  row_inertias(inverse_compliance_);
+  effective_masses(inverse_compliance_);
   shifted_ = states_.empty() || std::find(states_.begin(), states_.end(), 0.0) != states_.end();
   for (int r = 0; r < rows_.row_count(); ++r) {
     double& d = inverse_compliance_[r];
@@ -142,7 +142,7 @@ void ConstraintSystem::solve_bodies(std::span<double> v) {
 }
 
 /// v = P⁻¹ Wᵀ Σ⁻¹ x, then λ = Σ⁻¹ (x − W v).
-void ConstraintSystem::solve_through_bodies(std::span<double> x) {
+void ConstraintSystem::solve_primal(std::span<double> x) {
   for (std::size_t r = 0; r < x.size(); ++r) x[r] *= inverse_compliance_[r];
   to_bodies(x, body_values_);
   solve_bodies(body_values_);

@@ -109,7 +109,7 @@ TEST(Rows, ArmsStandForTheBlocksOfBallJoints) {
   const JointId soft = s.world.add("soft", Ball::at(s.world, s.a, s.c, s.random.vector()));
   s.world.set_compliance(soft, JointCompliance{.translation = 1e-6});
   const Rows whole(s.world), arms(s.world, Rows::AxisRows::kIncluded, {}, Rows::Joints::kAll,
-                                  Springs::kLeftOut, Rows::Blocks::kArms);
+                                  Springs::kLeftOut, Rows::Blocks::kLeverArms);
   ASSERT_EQ(arms.whole_size(), whole.jacobian_size());
   EXPECT_EQ(arms.jacobian_size(), whole.jacobian_size() - 2 * 15);  // "fourth" alone
   std::vector<double> J(whole.jacobian_size()), r(arms.jacobian_size());
@@ -133,11 +133,11 @@ TEST(Rows, ArmsStandForTheBlocksOfBallJoints) {
   }
 }
 
-/// Joints of several kinds in no order, and pieces that have to wait for each other.
+/// Joints of several kinds in no order, and chunks that have to wait for each other.
 TEST(Rows, PiecesMakeTheSameAndSettledBodiesHaveAllOfIt) {
   Random random(52);
   World world;
-  const int bodies = 3 * Rows::kPieceSize;
+  const int bodies = 3 * Rows::kChunkSize;
   for (int b = 1; b < bodies; ++b) world.add_body({.pose = random.pose()});
   for (int j = 0; j < bodies; ++j) {
     const int a = static_cast<int>(random.uniform(0, bodies - 1));
@@ -159,17 +159,17 @@ TEST(Rows, PiecesMakeTheSameAndSettledBodiesHaveAllOfIt) {
   rows.residual(state, phi);
   rows.stiffness(state, lambda, K);
   int begin = 0, settled = 0;
-  for (const Rows::Piece& piece : rows.pieces()) {
-    EXPECT_EQ(piece.begin, begin);
-    EXPECT_EQ(piece.settled_begin, settled);
-    begin = piece.end, settled = piece.settled_end;
+  for (const Rows::BodyChunk& chunk : rows.chunks()) {
+    EXPECT_EQ(chunk.begin, begin);
+    EXPECT_EQ(chunk.settled_begin, settled);
+    begin = chunk.end, settled = chunk.settled_end;
     ASSERT_LE(settled, begin);
     // Nothing of later bodies is read.
     State known = state;
-    for (int b = piece.end; b < bodies; ++b) known.poses[b].p.setConstant(std::nan(""));
-    rows.jacobian(known, J_pieces, piece);
-    rows.residual(known, phi_pieces, piece);
-    rows.stiffness(known, lambda, K_pieces, piece);
+    for (int b = chunk.end; b < bodies; ++b) known.poses[b].p.setConstant(std::nan(""));
+    rows.jacobian(known, J_pieces, chunk);
+    rows.residual(known, phi_pieces, chunk);
+    rows.stiffness(known, lambda, K_pieces, chunk);
     for (int b = 0; b < settled; ++b) {
       for (int s : rows.sides_of(b)) {
         const Rows::Side& side = rows.sides()[s];

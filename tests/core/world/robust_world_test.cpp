@@ -43,7 +43,7 @@ TEST(RobustIds, EveryFunctionRefusesAnIdThatIsNotThere) {
       {"set_pose", "no such body", [&](World& w, int i) { w.set_pose(body(i), {}); }},
       {"set_twist", "no such body", [&](World& w, int i) { w.set_twist(body(i), {}); }},
       {"is_asleep", "no such body", [&](World& w, int i) { (void)w.is_asleep(body(i)); }},
-      {"stirs", "no such body", [&](World& w, int i) { (void)w.stirs(body(i)); }},
+      {"wake_count", "no such body", [&](World& w, int i) { (void)w.wake_count(body(i)); }},
       {"moves", "no such body", [&](World& w, int i) { (void)w.moves(body(i)); }},
       {"wake", "no such body", [&](World& w, int i) { w.wake(body(i)); }},
       {"add_shape", "no such body", [&](World& w, int i) { w.add_shape(body(i), Sphere{1}); }},

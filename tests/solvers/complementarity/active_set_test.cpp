@@ -39,7 +39,7 @@ VectorXd random_rates(int n, std::mt19937& random) {
   return b;
 }
 
-/// Small problems with up to six bounded rows against every combination of pieces: repeated joints, slopes,
+/// Small problems with up to six bounded rows against every combination of segments: repeated joints, slopes,
 /// updates of the factor.
 class ActiveSetSmall : public testing::TestWithParam<std::tuple<double, bool, bool>> {};
 
@@ -200,7 +200,7 @@ TEST(ActiveSet, TwoLimitsHitAtOnceShareTheImpulse) {
   ASSERT_TRUE(outcome.ok());
   EXPECT_NEAR(solver.lambda[0], 1, 1e-8);
   EXPECT_NEAR(solver.lambda[1], 1, 1e-8);
-  // Touching without a push is a solution at once, on either piece.
+  // Touching without a push is a solution at once, on either segment.
   Solver touching(Repeated(2).world);
   EXPECT_TRUE(touching.solve({RowLaw::lower_limit(1), RowLaw::lower_limit(1)}, VectorXd::Ones(2)).ok());
   EXPECT_EQ(touching.lambda.norm(), 0);
@@ -326,7 +326,7 @@ TEST(ActiveSet, SolvesLinearSystemsWithTheFinalSet) {
   large.solver.active_set.solve_linear({x.data(), n});
   large.solver.system.multiply({x.data(), n}, {Sx.data(), n});
   for (std::size_t r = 0; r < n; ++r) {
-    const bool vertical = RowLaw::is_vertical(large.solver.active_set.pieces()[r]);
+    const bool vertical = RowLaw::is_vertical(large.solver.active_set.segments()[r]);
     if (vertical)
       EXPECT_NEAR(Sx[r], 1, 1e-9) << r;
     else if (large.laws[r].slope > 0)

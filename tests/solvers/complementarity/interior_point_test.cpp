@@ -31,8 +31,8 @@ VectorXd random_rates(int n, std::mt19937& random) {
   return b;
 }
 
-/// All kinds of laws with up to six bounded rows, also dependent ones, against every combination of pieces: w
-/// is unique.
+/// All kinds of laws with up to six bounded rows, also dependent ones, against every combination of segments:
+/// w is unique.
 TEST(InteriorPoint, AgreesWithTheEnumerationOfAllPieces) {
   std::mt19937 random(77);
   int solved = 0, missed = 0, most = 0;

@@ -86,7 +86,7 @@ TEST(Islands, a_part_of_a_system_is_its_block) {
     const Eigen::VectorXd x = Eigen::VectorXd::Random(n);
     Eigen::VectorXd y(n), inertia(n);
     alone.multiply({x.data(), x.data() + n}, {y.data(), y.data() + n});
-    alone.row_inertias({inertia.data(), inertia.data() + n});
+    alone.effective_masses({inertia.data(), inertia.data() + n});
     EXPECT_LE((y - S * x).norm(), 1e-12 * S.norm() * x.norm());
     EXPECT_LE((inertia.cwiseProduct(S.diagonal()) - Eigen::VectorXd::Ones(n)).norm(), 1e-12);
 

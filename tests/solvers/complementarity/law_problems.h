@@ -147,10 +147,10 @@ struct Solution {
   double softest = 0;  ///< least eigenvalue above round-off of S of the vertical rows, scaled to S_rr = 1
 };
 
-inline double softest_direction(const MatrixXd& S, const std::vector<int>& piece) {
+inline double softest_direction(const MatrixXd& S, const std::vector<int>& segment) {
   std::vector<int> free;
-  for (std::size_t r = 0; r < piece.size(); ++r)
-    if (RowLaw::is_vertical(piece[r])) free.push_back(static_cast<int>(r));
+  for (std::size_t r = 0; r < segment.size(); ++r)
+    if (RowLaw::is_vertical(segment[r])) free.push_back(static_cast<int>(r));
   if (free.empty()) return 1;
   const MatrixXd block = S(free, free);
   const VectorXd scale = block.diagonal().cwiseSqrt().cwiseInverse();
@@ -163,26 +163,26 @@ inline double softest_direction(const MatrixXd& S, const std::vector<int>& piece
   return softest;
 }
 
-/// Tries every combination of pieces; for up to six bounded rows.
+/// Tries every combination of segments; for up to six bounded rows.
 inline Solution enumerate_pieces(const MatrixXd& S, const VectorXd& b, const std::vector<RowLaw>& laws) {
   constexpr double kSlack = 1e-9;
   const int n = static_cast<int>(b.size());
-  std::vector<int> piece(n);
-  for (int r = 0; r < n; ++r) piece[r] = laws[r].bounded() ? 0 : 1;
+  std::vector<int> segment(n);
+  for (int r = 0; r < n; ++r) segment[r] = laws[r].bounded() ? 0 : 1;
   for (;;) {
     bool possible = true;
-    for (int r = 0; r < n; ++r) possible = possible && laws[r].exists(piece[r]);
+    for (int r = 0; r < n; ++r) possible = possible && laws[r].exists(segment[r]);
     if (possible) {
       // Unknown are λ of verticals and of levels with a slope: A λ = d.
       MatrixXd A = S;
       VectorXd d(n);
       for (int r = 0; r < n; ++r) {
-        if (RowLaw::is_vertical(piece[r])) {
-          d[r] = laws[r].rate(piece[r]) - b[r];
+        if (RowLaw::is_vertical(segment[r])) {
+          d[r] = laws[r].rate(segment[r]) - b[r];
         } else {  // λ + c (S λ)_r = l − c b
           A.row(r) *= laws[r].slope;
           A(r, r) += 1;
-          d[r] = laws[r].force(piece[r]) - laws[r].slope * b[r];
+          d[r] = laws[r].force(segment[r]) - laws[r].slope * b[r];
         }
       }
       const VectorXd lambda = A.completeOrthogonalDecomposition().solve(d);
@@ -190,17 +190,17 @@ inline Solution enumerate_pieces(const MatrixXd& S, const VectorXd& b, const std
       bool right = (A * lambda - d).cwiseAbs().maxCoeff() < kSlack;
       for (int r = 0; r < n && right; ++r) {
         const double value = lambda[r] + laws[r].slope * w[r];
-        right = RowLaw::is_vertical(piece[r])
-                    ? value >= laws[r].low(piece[r]) - kSlack && value <= laws[r].high(piece[r]) + kSlack
-                    : w[r] >= laws[r].first(piece[r]) - kSlack && w[r] <= laws[r].last(piece[r]) + kSlack;
+        right = RowLaw::is_vertical(segment[r])
+                    ? value >= laws[r].low(segment[r]) - kSlack && value <= laws[r].high(segment[r]) + kSlack
+                    : w[r] >= laws[r].first(segment[r]) - kSlack && w[r] <= laws[r].last(segment[r]) + kSlack;
       }
-      if (right) return {true, lambda, w, softest_direction(S, piece)};
+      if (right) return {true, lambda, w, softest_direction(S, segment)};
     }
     int r = 0;
     for (; r < n; ++r) {
       if (!laws[r].bounded()) continue;
-      if (++piece[r] < laws[r].pieces()) break;
-      piece[r] = 0;
+      if (++segment[r] < laws[r].segments()) break;
+      segment[r] = 0;
     }
     if (r == n) return {};
   }

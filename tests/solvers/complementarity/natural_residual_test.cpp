@@ -129,7 +129,7 @@ class Stages : public Rattle {
       scale = std::max({scale, root * std::abs(lambda[r]), std::abs(b[r]) / root});
       if (rows.is_equality(r)) continue;
       const RowLaw::Point answer = stages_.laws()[r].resolve(S(r, r), w[r] - S(r, r) * lambda[r]);
-      if (RowLaw::is_vertical(answer.piece)) scale = std::max(scale, std::abs(answer.w) / root);
+      if (RowLaw::is_vertical(answer.segment)) scale = std::max(scale, std::abs(answer.w) / root);
       error = std::max(error, root * std::abs(lambda[r] - answer.lambda));
     }
     return error / scale;

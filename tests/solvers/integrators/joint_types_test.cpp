@@ -8,7 +8,7 @@
 #include "core/world/diagnostics.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/core/random_state.h"
-#include "tests/solvers/integrators/order.h"
+#include "tests/solvers/integrators/measured_order.h"
 
 // Every joint type in motion: closed over long runs, order of the integrator kept, and closed forms of the
 // transmissions and drivers.

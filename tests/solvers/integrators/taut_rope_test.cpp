@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/joints/joints.h"
-#include "tests/solvers/integrators/order.h"
+#include "tests/solvers/integrators/measured_order.h"
 
 // A rope under tension is a joint like others.
 namespace taut {

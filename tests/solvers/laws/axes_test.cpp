@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "core/joints/joints.h"
-#include "tests/solvers/laws/slide.h"
+#include "tests/solvers/laws/sliding_block.h"
 
 /// Limits, motors, friction and springs against closed forms and laws.
 namespace taut {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "tests/solvers/laws/slide.h"
+#include "tests/solvers/laws/sliding_block.h"
 
 // Dampers of axes by tables, against closed forms.
 namespace taut {
@@ -34,8 +34,8 @@ TEST(AxisSpring, WithALinearDampingTableIsTheDamper) {
   }
 }
 
-/// Terminal speeds on a digressive damper: 19.62 N is 0.1 m/s on the steep piece with a tenth of the weight,
-/// and 1.1 m/s on the flat one with all of it.  What it takes is in the ledger's damping.
+/// Terminal speeds on a digressive damper: 19.62 N is 0.1 m/s on the steep segment with a tenth of the
+/// weight, and 1.1 m/s on the flat one with all of it.  What it takes is in the ledger's damping.
 TEST(AxisSpring, FallsAtTheRateOfItsDampingTable) {
   for (const double mass : {0.2, 2.0, 20.0}) {
     Slide s(-Vec3::UnitZ(), mass);
@@ -52,7 +52,7 @@ TEST(AxisSpring, FallsAtTheRateOfItsDampingTable) {
 }
 
 /// Thrown against a digressive damper so steep at rest that Newton's method alone jumps over it: the way to
-/// rest is that of m v' = −F(v), v from 3 to 0.1 m/s on the flat piece and then steeply down.
+/// rest is that of m v' = −F(v), v from 3 to 0.1 m/s on the flat segment and then steeply down.
 TEST(AxisSpring, StopsOnADampingTableThatIsSteepAtRest) {
   Slide s(Vec3::UnitX());
   AxisSpring damper;

@@ -64,10 +64,10 @@ TEST(RowLaw, TheOneRowAnswerLiesOnTheLineAndOnTheGraph) {
     const double size = 1 + std::abs(point.lambda) * std::max(1.0, s) + law.slope;
     EXPECT_NEAR(point.w, s * point.lambda + beta, 1e-13 * size * (1 + law.slope));
     EXPECT_LT(violation(law, point.lambda, point.w, 1e-13), 1e-13 * size * (1 + law.slope));
-    if (RowLaw::is_vertical(point.piece))
-      EXPECT_EQ(point.w, law.rate(point.piece));
+    if (RowLaw::is_vertical(point.segment))
+      EXPECT_EQ(point.w, law.rate(point.segment));
     else
-      EXPECT_EQ(point.lambda, law.force(point.piece) - law.slope * point.w);
+      EXPECT_EQ(point.lambda, law.force(point.segment) - law.slope * point.w);
   }
 }
 

@@ -7,8 +7,8 @@
 
 #include "core/joints/joints.h"
 #include "solvers/simulator/simulator.h"
-#include "tests/solvers/integrators/order.h"
-#include "tests/solvers/laws/slide.h"
+#include "tests/solvers/integrators/measured_order.h"
+#include "tests/solvers/laws/sliding_block.h"
 
 /// Springs of axes whose inertia changes as bodies turn, soft joints and soft limits, far too stiff for the
 /// step and far stretched.

@@ -3,7 +3,7 @@
 #include "scenes/builders/scene.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/allocation_counter.h"
-#include "tests/solvers/simulator/spine.h"
+#include "tests/solvers/simulator/joint_scenes.h"
 
 #ifdef TAUT_COUNTS_ALLOCATIONS
 namespace taut {
@@ -47,7 +47,7 @@ TEST(Allocation, IsCounted) {
 /// Sub-steps, whips that need factorisations at an iterate, and redundant rows whose number changes among
 /// them.
 TEST(Allocation, AStepAllocatesNothingAfterTheFirst) {
-  for (const auto& [name, parameters] : kSpine) expect_none(name, parameters, 1.0 / 240, 480);
+  for (const auto& [name, parameters] : kJointScenes) expect_none(name, parameters, 1.0 / 240, 480);
 }
 
 TEST(Allocation, AStepOfALargerSceneAllocatesNothing) {

@@ -12,7 +12,7 @@
 #include "core/joints/joints.h"
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"
-#include "tests/solvers/simulator/spine.h"
+#include "tests/solvers/simulator/joint_scenes.h"
 
 namespace taut {
 namespace {
@@ -352,7 +352,7 @@ TEST(Tension, ImplicitStiffnessIsStableAtALargeStepAndReportsItsPrice) {
 }
 
 TEST(Determinism, TwoRunsEndInTheSameBits) {
-  for (const auto& [name, parameters] : kSpine) {
+  for (const auto& [name, parameters] : kJointScenes) {
     State states[2];
     for (State& state : states) {
       Scene scene = build_scene(name, parameters);

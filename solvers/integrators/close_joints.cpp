@@ -1,4 +1,4 @@
-#include "solvers/integrators/assembly.h"
+#include "solvers/integrators/close_joints.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

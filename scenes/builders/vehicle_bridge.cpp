@@ -1,4 +1,4 @@
-#include "scenes/builders/crossing.h"
+#include "scenes/builders/vehicle_bridge.h"
 
 #include <numbers>
 

@@ -75,8 +75,8 @@ void AxisForces::add(AxisReport& report, int i, double lambda, double w, double 
   }
 }
 
-void AxisForces::keep(std::span<const double> lambda, std::span<const double> w,
-                      std::span<const double> rates) {
+void AxisForces::record_first_kick(std::span<const double> lambda, std::span<const double> w,
+                                   std::span<const double> rates) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const int row = rows_[i].row;
     first_kick_[i] = {};
@@ -84,8 +84,8 @@ void AxisForces::keep(std::span<const double> lambda, std::span<const double> w,
   }
 }
 
-void AxisForces::book(std::span<const double> lambda, std::span<const double> w,
-                      std::span<const double> rates) {
+void AxisForces::accumulate_work(std::span<const double> lambda, std::span<const double> w,
+                                 std::span<const double> rates) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const int row = rows_[i].row;
     const Axis& axis = axes_[i];

@@ -21,10 +21,10 @@ BlockGraph body_graph(const Rows& rows, const MassMatrix& mass, std::vector<int>
 /// It has six rows a body however many contacts there are, and a body that touches hundreds of others only
 /// has hundreds of neighbours, where S has a dense block of all their rows.
 /// (solvers/system, "Primal matrix")
-class BodyMatrix {
+class PrimalMatrix {
  public:
-  BodyMatrix(const Rows& rows, const MassMatrix& mass, SymmetricMatrix::Triangle triangle,
-             const BlockOrdering& ordering, std::span<const int> body_of_node);
+  PrimalMatrix(const Rows& rows, const MassMatrix& mass, SymmetricMatrix::Triangle triangle,
+               const BlockOrdering& ordering, std::span<const int> body_of_node);
 
   /// Values of P from W and 1/Σ_r of each row, 0 for rows that are left out.  Slots are fixed: no search, no
   /// allocation.

@@ -1,4 +1,4 @@
-#include "solvers/system/body_matrix.h"
+#include "solvers/system/primal_matrix.h"
 
 #include <algorithm>
 
@@ -45,8 +45,8 @@ BlockGraph body_graph(const Rows& rows, const MassMatrix& mass, std::vector<int>
   return graph;
 }
 
-BodyMatrix::BodyMatrix(const Rows& rows, const MassMatrix& mass, SymmetricMatrix::Triangle triangle,
-                       const BlockOrdering& ordering, std::span<const int> body_of_node) {
+PrimalMatrix::PrimalMatrix(const Rows& rows, const MassMatrix& mass, SymmetricMatrix::Triangle triangle,
+                           const BlockOrdering& ordering, std::span<const int> body_of_node) {
   matrix_.triangle = triangle;
   position_.assign(rows.body_count(), -1);
   std::vector<int> place(rows.body_count(), -1);
@@ -89,7 +89,7 @@ BodyMatrix::BodyMatrix(const Rows& rows, const MassMatrix& mass, SymmetricMatrix
     });
 }
 
-void BodyMatrix::assemble(std::span<const double> weighted, std::span<const double> inverse_compliance) {
+void PrimalMatrix::assemble(std::span<const double> weighted, std::span<const double> inverse_compliance) {
   using Row = Eigen::Map<const Eigen::Matrix<double, kSix, 1>>;
   using Block = Eigen::Map<Eigen::Matrix<double, kSix, kSix>, 0, Eigen::OuterStride<>>;
   std::fill(matrix_.values.begin(), matrix_.values.end(), 0.0);

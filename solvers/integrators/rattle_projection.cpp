@@ -47,7 +47,7 @@ double Rattle::distance_to_closure(StepReport& report) {
 /// Gauss–Newton on the positions alone, q₁ ← q₁ − M⁻¹Jᵀ S⁺ φ with all of it at the iterate.  It converges
 /// quadratically, also along directions that the rows hold weakly, where the fixed J(q₀) of the Newton above
 /// does not: there J(q₁) − J(q₀) outweighs J itself.  (solvers/integrators, "Weak directions")
-bool Rattle::mend_positions(double h, StepReport& report) {
+bool Rattle::project_positions(double h, StepReport& report) {
   if (!refactored_) start_jacobian_.assign(system_.jacobian().begin(), system_.jacobian().end());
   refactored_ = true;
   const Configuration end(poses_, state_.time + h, state_.axes);
@@ -85,7 +85,7 @@ bool Rattle::mend_positions(double h, StepReport& report) {
     std::copy(unmended.begin(), unmended.end(), poses_.begin());
     system_.rows().residual(end, phi_);
   }
-  surprised_ = false;
+  prediction_missed_ = false;
   return best <= settings_.position_tolerance;
 }
 

@@ -1,4 +1,4 @@
-#include "scenes/builders/machines.h"
+#include "scenes/builders/mechanisms.h"
 
 #include <cmath>
 #include <numbers>

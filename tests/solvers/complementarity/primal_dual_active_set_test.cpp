@@ -1,4 +1,4 @@
-#include "solvers/complementarity/piece_newton.h"
+#include "solvers/complementarity/primal_dual_active_set.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ std::span<double> span_of(VectorXd& v) { return {v.data(), static_cast<std::size
 
 /// Boxes in ten times as many rows as freedoms, from what interior points make of them with other rates: each
 /// row by itself, with dense arithmetic.
-TEST(PieceNewton, FollowsRatesThatChangeALittle) {
+TEST(PrimalDualActiveSet, FollowsRatesThatChangeALittle) {
   std::mt19937 random(5);
   int solved = 0;
   for (int problem = 0; problem < 20; ++problem) {
@@ -34,8 +34,8 @@ TEST(PieceNewton, FollowsRatesThatChangeALittle) {
     InteriorPoint interior(system);
     ASSERT_TRUE(interior.solve(laws, span_of(b), span_of(lambda), span_of(w), {}, times).converged);
     b += 1e-6 * S * change;
-    PieceNewton newton(system);
-    const PieceOutcome outcome = newton.solve(laws, span_of(b), span_of(lambda), span_of(w), {}, times);
+    PrimalDualActiveSet newton(system);
+    const PrimalDualOutcome outcome = newton.solve(laws, span_of(b), span_of(lambda), span_of(w), {}, times);
     if (!outcome.converged) continue;
     ++solved;
     const VectorXd rates = S * lambda + b;
@@ -47,7 +47,7 @@ TEST(PieceNewton, FollowsRatesThatChangeALittle) {
 
 /// A net whose joints all stick is done without a factor and without sub-steps, whatever its tension, and
 /// does not creep; when friction is taken away it falls.
-TEST(PieceNewton, LetsARubbingNetRest) {
+TEST(PrimalDualActiveSet, LetsARubbingNetRest) {
   Scene scene = build_scene("net-friction", {{"n", 8}, {"friction", 10}});
   Simulator simulator(scene.world, scene.settings);
   for (int step = 0; step < 5; ++step) ASSERT_TRUE(simulator.step(scene.dt).ok());

@@ -1,4 +1,4 @@
-#include "solvers/system/system_matrix.h"
+#include "solvers/system/delassus_matrix.h"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ MatrixXd dense_jacobian(const Rows& rows, std::span<const double> J) {
 }
 
 /// Both triangles, in the order of the joints' rows.
-MatrixXd dense_of(const SystemMatrix& system) {
+MatrixXd dense_of(const DelassusMatrix& system) {
   const SymmetricMatrix& A = system.matrix();
   const bool lower = A.triangle == SymmetricMatrix::Triangle::kLower;
   MatrixXd ordered = MatrixXd::Zero(A.size(), A.size());
@@ -74,7 +74,7 @@ struct Assembled {
       A_full.block<3, 3>(6 * b + 3, 6 * b + 3) = full[b].translation;
     }
   }
-  SystemMatrix matrix(SymmetricMatrix::Triangle triangle) const {
+  DelassusMatrix matrix(SymmetricMatrix::Triangle triangle) const {
     return {system.rows(), system.mass(), order_blocks(joint_graph(system.rows(), system.mass())), triangle};
   }
 };
@@ -90,7 +90,7 @@ TEST_P(SystemMatrixTest, IsTheDenseProductForBothRootsWithAndWithoutShift) {
   std::mt19937 random(5);
   for (int problem = 0; problem < 20; ++problem) {
     const Assembled at(random);
-    SystemMatrix S = at.matrix(GetParam());
+    DelassusMatrix S = at.matrix(GetParam());
     for (const double shift : {0.0, 0.25}) {
       const MatrixXd plain = shifted(at.J * at.A * at.A.transpose() * at.J.transpose(), shift);
       S.assemble<InverseMassRoot>(at.system.rows(), at.system.jacobian(), at.roots, shift);
@@ -108,9 +108,9 @@ TEST_P(SystemMatrixTest, FromWItIsTheSameWithComplianceBeforeTheShiftAndOneWhere
   for (int problem = 0; problem < 20; ++problem) {
     const Assembled at(random);
     const Rows& rows = at.system.rows();
-    SystemMatrix S = at.matrix(GetParam());
+    DelassusMatrix S = at.matrix(GetParam());
     std::vector<double> W(rows.whole_size()), states(rows.row_count(), 0.0);
-    SystemMatrix::weight<InverseMassRoot>(rows, at.system.jacobian(), at.roots, W);
+    DelassusMatrix::weight<InverseMassRoot>(rows, at.system.jacobian(), at.roots, W);
     MatrixXd dense_W = at.J * at.A;
     for (int r = 0; r < rows.row_count(); ++r) {
       if (r % 3 == 1) states[r] = 2.5;
@@ -128,12 +128,12 @@ TEST_P(SystemMatrixTest, FromWItIsTheSameWithComplianceBeforeTheShiftAndOneWhere
   }
 }
 
-/// A chain longer than a piece, with some joints that reach far ahead.
+/// A chain longer than a chunk, with some joints that reach far ahead.
 TEST(ConstraintSystemPieces, linearizing_and_assembling_at_once_makes_the_same_bits) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> value(-1, 1);
   World world;
-  constexpr int kBodies = 3 * Rows::kPieceSize;
+  constexpr int kBodies = 3 * Rows::kChunkSize;
   for (int b = 1; b <= kBodies; ++b) {
     BodySpec body{.mass = MassProperties::box({0.3, 0.2, 0.1}, 1 + 0.5 * value(random))};
     body.pose.p = Vec3(b, value(random), value(random));

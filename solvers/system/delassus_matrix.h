@@ -18,10 +18,10 @@ BlockGraph joint_graph(const Rows& rows, const MassMatrix& mass);
 /// S = W Wᵀ = J M⁻¹ Jᵀ with W = J A, M⁻¹ = A Aᵀ.  Pattern and slot map are made once; assemble() is then one
 /// loop over the bodies and the pairs of sides that meet at each, which know where their blocks go: no
 /// search, no allocation.  The W of a body is needed nowhere else, so that it need not leave the cache.
-class SystemMatrix {
+class DelassusMatrix {
  public:
-  SystemMatrix(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering,
-               SymmetricMatrix::Triangle triangle);
+  DelassusMatrix(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering,
+                 SymmetricMatrix::Triangle triangle);
 
   /// W from J and the roots A of M⁻¹, laid out like the Jacobian values.
   template <typename Root>

@@ -1,10 +1,10 @@
-#include "solvers/simulator/energy_books.h"
+#include "solvers/simulator/energy_accounting.h"
 
 #include "core/world/diagnostics.h"
 
 namespace taut {
 
-EnergyBooks::Energies EnergyBooks::measure(const World& world, const State& state, double kinetic) {
+EnergyAccounting::Energies EnergyAccounting::measure(const World& world, const State& state, double kinetic) {
   Energies energies{kinetic, 0, world.spring_energy(state), 0};
   energies.potential = world.potential_energy(state) - energies.springs;
   if (world.has_dissipative_forces(springs_)) {
@@ -14,7 +14,7 @@ EnergyBooks::Energies EnergyBooks::measure(const World& world, const State& stat
   return energies;
 }
 
-void EnergyBooks::begin(const World& world, const World& seen, StepReport& report) {
+void EnergyAccounting::begin(const World& world, const World& seen, StepReport& report) {
   start_ = end_versions_ == versions(world) ? end_
                                             : measure(seen, seen.state(), kinetic_energy(seen, seen.state()));
   first_ = start_;
@@ -22,13 +22,13 @@ void EnergyBooks::begin(const World& world, const World& seen, StepReport& repor
   stabilisation_ = 0;
 }
 
-void EnergyBooks::start(const World& world, const State& state) {
+void EnergyAccounting::start(const World& world, const State& state) {
   const double before = start_.total();
   start_ = measure(world, state, kinetic_energy(world, state));
   stabilisation_ += start_.total() - before;
 }
 
-void EnergyBooks::close(const World& world, StepReport& report, bool by_works) {
+void EnergyAccounting::close(const World& world, StepReport& report, bool by_works) {
   end_ = measure(world, world.state(), report.kinetic_energy);
   end_versions_ = versions(world);
   report.potential_energy = end_.potential;

@@ -13,10 +13,10 @@ class Archive;
 /// their difference: each impulse j of a kick from V₀ to V₁ does the work j·½ (V₀ + V₁).  Energies after a
 /// step serve as those before the next unless the world was changed, so that a step measures them once.
 /// (solvers/simulator, "Energy")
-class EnergyBooks {
+class EnergyAccounting {
  public:
   /// Springs between bodies that have rows are no force laws in the works.
-  explicit EnergyBooks(Springs springs) : springs_(springs) {}
+  explicit EnergyAccounting(Springs springs) : springs_(springs) {}
   /// Before a step, with the state as the user left it.  `seen` is the world that has it: `world` itself, or
   /// the one whose bodies it has merged.
   void begin(const World& world, const World& seen, StepReport& report);

@@ -1,4 +1,4 @@
-#include "solvers/system/system_matrix.h"
+#include "solvers/system/delassus_matrix.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,13 +45,13 @@ BlockGraph joint_graph(const Rows& rows, const MassMatrix& mass) {
   return graph;
 }
 
-SystemMatrix::SystemMatrix(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering,
-                           SymmetricMatrix::Triangle triangle) {
+DelassusMatrix::DelassusMatrix(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering,
+                               SymmetricMatrix::Triangle triangle) {
   matrix_.triangle = triangle;
   build_pattern(rows, mass, ordering);
 }
 
-void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering) {
+void DelassusMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering) {
   std::vector<int> node_at;  // joints without rows, as detached ones, have no block
   for (int j : ordering.node_at)
     if (rows.joints()[j].row_count > 0) node_at.push_back(j);
@@ -114,7 +114,7 @@ void SystemMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const
 }
 
 /// By body; the first product of a block in that order overwrites it.
-void SystemMatrix::sort_products(const Rows& rows, std::span<const std::pair<int, Product>> products) {
+void DelassusMatrix::sort_products(const Rows& rows, std::span<const std::pair<int, Product>> products) {
   counting_sort(
       products.size(), rows.body_count(), [&](std::size_t i) { return products[i].first; },
       [&](std::size_t i) { return products[i].second; }, first_product_, products_);
@@ -136,8 +136,8 @@ void SystemMatrix::sort_products(const Rows& rows, std::span<const std::pair<int
 }
 
 template <typename Root>
-void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
-                          std::span<double> weighted) {
+void DelassusMatrix::weight(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
+                            std::span<double> weighted) {
   const FrontKernels& kernels = front_kernels();
   for (const Rows::Side& side : rows.sides()) {
     const RootBlocks A = blocks_of(roots[side.body]);
@@ -151,7 +151,7 @@ void SystemMatrix::weight(const Rows& rows, std::span<const double> jacobian, st
 }
 
 /// All products of a body, with the W of its sides at own_.
-void SystemMatrix::add_products(const Rows& rows, int body) {
+void DelassusMatrix::add_products(const Rows& rows, int body) {
   const std::span<const int> sides = rows.sides_of(body);
   for (int k = first_product_[body]; k < first_product_[body + 1]; ++k) {
     const Product& p = products_[k];
@@ -163,7 +163,7 @@ void SystemMatrix::add_products(const Rows& rows, int body) {
 
 /// S of what `weigh(side, W)` makes of each side of a body.
 template <typename Weigh>
-void SystemMatrix::assemble_bodies(const Rows& rows, int begin, int end, Weigh weigh) {
+void DelassusMatrix::assemble_bodies(const Rows& rows, int begin, int end, Weigh weigh) {
   for (int b = begin; b < end; ++b) {
     if (first_product_[b] == first_product_[b + 1]) continue;
     double* W = own_weighted_.data();
@@ -177,14 +177,14 @@ void SystemMatrix::assemble_bodies(const Rows& rows, int begin, int end, Weigh w
   }
 }
 
-void SystemMatrix::shift_diagonal(double shift) {
+void DelassusMatrix::shift_diagonal(double shift) {
   if (shift != 0)
     for (int i : diagonal_) matrix_.values[i] *= 1 + shift;
 }
 
 template <typename Root>
-void SystemMatrix::assemble_roots(const Rows& rows, std::span<const double> jacobian,
-                                  std::span<const Root> roots, int begin, int end) {
+void DelassusMatrix::assemble_roots(const Rows& rows, std::span<const double> jacobian,
+                                    std::span<const Root> roots, int begin, int end) {
   assemble_bodies(rows, begin, end, [&](const Rows::Side& side, double* W) {
     const RootBlocks A = blocks_of(roots[side.body]);
     const double* J = jacobian.data() + side.offset;
@@ -196,28 +196,28 @@ void SystemMatrix::assemble_roots(const Rows& rows, std::span<const double> jaco
 }
 
 template <typename Root>
-void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
-                            double shift) {
+void DelassusMatrix::assemble(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
+                              double shift) {
   assemble_roots(rows, jacobian, roots, 0, rows.body_count());
   shift_diagonal(shift);
 }
 
-void SystemMatrix::assemble(const Rows& rows, std::span<const double> jacobian,
-                            std::span<const InverseMassRoot> roots, int begin, int end) {
+void DelassusMatrix::assemble(const Rows& rows, std::span<const double> jacobian,
+                              std::span<const InverseMassRoot> roots, int begin, int end) {
   assemble_roots(rows, jacobian, roots, begin, end);
 }
 
-template void SystemMatrix::weight<InverseMassRoot>(const Rows&, std::span<const double>,
-                                                    std::span<const InverseMassRoot>, std::span<double>);
-template void SystemMatrix::weight<FullMassRoot>(const Rows&, std::span<const double>,
-                                                 std::span<const FullMassRoot>, std::span<double>);
-template void SystemMatrix::assemble<InverseMassRoot>(const Rows&, std::span<const double>,
-                                                      std::span<const InverseMassRoot>, double);
-template void SystemMatrix::assemble<FullMassRoot>(const Rows&, std::span<const double>,
-                                                   std::span<const FullMassRoot>, double);
+template void DelassusMatrix::weight<InverseMassRoot>(const Rows&, std::span<const double>,
+                                                      std::span<const InverseMassRoot>, std::span<double>);
+template void DelassusMatrix::weight<FullMassRoot>(const Rows&, std::span<const double>,
+                                                   std::span<const FullMassRoot>, std::span<double>);
+template void DelassusMatrix::assemble<InverseMassRoot>(const Rows&, std::span<const double>,
+                                                        std::span<const InverseMassRoot>, double);
+template void DelassusMatrix::assemble<FullMassRoot>(const Rows&, std::span<const double>,
+                                                     std::span<const FullMassRoot>, double);
 
-void SystemMatrix::assemble(const Rows& rows, std::span<const double> weighted, double shift,
-                            std::span<const double> row_states) {
+void DelassusMatrix::assemble(const Rows& rows, std::span<const double> weighted, double shift,
+                              std::span<const double> row_states) {
   assemble_bodies(rows, 0, rows.body_count(), [&](const Rows::Side& side, double* W) {
     kernels_.weigh(weighted.data() + side.whole, side.row_count, nullptr, nullptr, 1, W);
   });

@@ -1,4 +1,4 @@
-#include "solvers/complementarity/piece_newton.h"
+#include "solvers/complementarity/primal_dual_active_set.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,16 +18,16 @@ constexpr double kExact = 1e-14;
 
 }  // namespace
 
-PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const double> b,
-                                std::span<double> lambda, std::span<double> w, const PieceLimits& limits,
-                                StageTimes& times) {
+PrimalDualOutcome PrimalDualActiveSet::solve(std::span<const RowLaw> laws, std::span<const double> b,
+                                             std::span<double> lambda, std::span<double> w,
+                                             const PrimalDualLimits& limits, StageTimes& times) {
   const std::size_t n = laws.size();
   for (auto* values : {&own_, &stiffness_, &change_, &rates_}) values->assign(n, 0.0);
   v_.assign(6 * static_cast<std::size_t>(system_.rows().body_count()), 0.0);
-  pieces_.resize(n);
-  system_.row_inertias(own_);
+  segments_.resize(n);
+  system_.effective_masses(own_);
   for (double& own : own_) own = own > 0 ? 1 / own : 1;
-  PieceOutcome outcome;
+  PrimalDualOutcome outcome;
   double last = std::numeric_limits<double>::infinity();
   int stuck = 0;
   for (;; ++outcome.iterations) {
@@ -37,7 +37,7 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
       const RowLaw::Point answer = laws[r].resolve(own_[r], w[r] - own_[r] * lambda[r]);
       const double root = std::sqrt(own_[r]), off = root * std::abs(lambda[r] - answer.lambda);
       // Not where λ is: interior points leave all rows between their bounds, also those that slide.
-      pieces_[r] = answer.piece;
+      segments_[r] = answer.segment;
       scale = std::max(scale, root * std::abs(lambda[r]));
       sum += off + root * std::abs(lambda[r]);
       error = std::max(error, off);
@@ -53,9 +53,9 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
     last = error;
     if (!factorize(laws, limits.softness, serves, times)) return outcome;
     for (std::size_t r = 0; r < n; ++r) {
-      const int piece = pieces_[r];
-      change_[r] = RowLaw::is_vertical(piece) ? stiffness_[r] * (laws[r].rate(piece) - w[r])
-                                              : laws[r].force(piece) - lambda[r] - stiffness_[r] * w[r];
+      const int segment = segments_[r];
+      change_[r] = RowLaw::is_vertical(segment) ? stiffness_[r] * (laws[r].rate(segment) - w[r])
+                                                : laws[r].force(segment) - lambda[r] - stiffness_[r] * w[r];
     }
     system_.to_bodies(change_, v_);
     system_.solve_bodies(v_);
@@ -64,13 +64,14 @@ PieceOutcome PieceNewton::solve(std::span<const RowLaw> laws, std::span<const do
   }
 }
 
-/// P of the present pieces and W, or one of before that is nearly the same and still serves.
-bool PieceNewton::factorize(std::span<const RowLaw> laws, double softness, bool serves, StageTimes& times) {
+/// P of the present segments and W, or one of before that is nearly the same and still serves.
+bool PrimalDualActiveSet::factorize(std::span<const RowLaw> laws, double softness, bool serves,
+                                    StageTimes& times) {
   for (std::size_t r = 0; r < laws.size(); ++r)
-    stiffness_[r] = RowLaw::is_vertical(pieces_[r]) ? 1 / (softness * own_[r]) : laws[r].slope;
+    stiffness_[r] = RowLaw::is_vertical(segments_[r]) ? 1 / (softness * own_[r]) : laws[r].slope;
   if (serves && is_near(laws)) return true;
   const std::span<const double> weighted = system_.weighted();
-  factored_pieces_ = pieces_;
+  factored_pieces_ = segments_;
   factored_stiffness_ = stiffness_;
   factored_weighted_.assign(weighted.begin(), weighted.end());
   const bool ok = system_.factorize_bodies(weighted, stiffness_, times);
@@ -79,11 +80,11 @@ bool PieceNewton::factorize(std::span<const RowLaw> laws, double softness, bool 
 }
 
 /// The factor is this one's, and of a P that differs by little.
-bool PieceNewton::is_near(std::span<const RowLaw> laws) const {
+bool PrimalDualActiveSet::is_near(std::span<const RowLaw> laws) const {
   const std::span<const double> weighted = system_.weighted();
-  if (version_ != system_.body_factor_version() || pieces_ != factored_pieces_) return false;
+  if (version_ != system_.body_factor_version() || segments_ != factored_pieces_) return false;
   for (std::size_t r = 0; r < laws.size(); ++r)
-    if (!RowLaw::is_vertical(pieces_[r]) && stiffness_[r] != factored_stiffness_[r]) return false;
+    if (!RowLaw::is_vertical(segments_[r]) && stiffness_[r] != factored_stiffness_[r]) return false;
   double size = 0, change = 0;
   for (std::size_t i = 0; i < weighted.size(); ++i) {
     size = std::max(size, std::abs(weighted[i]));
