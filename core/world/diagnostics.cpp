@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/constraints/rows.h"
+
 namespace taut {
 namespace {
 

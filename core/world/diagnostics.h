@@ -3,12 +3,13 @@
 #include <span>
 #include <vector>
 
-#include "core/constraints/rows.h"
 #include "core/state/state.h"
 #include "core/world/world.h"
 
 /// Laws that a run is judged by: energies and momenta (core/world, Eq. 2), joint gaps.
 namespace taut {
+
+class Rows;
 
 /// How far a joint is open: norm of its translation rows and of its rotation rows.  Axis rows and rows that a
 /// compliance softens do not count.

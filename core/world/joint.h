@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/constraints/rows.h"
+#include "core/constraints/axis_parts.h"
+#include "core/constraints/row_parts.h"
+#include "core/constraints/row_sinks.h"
 #include "core/state/state.h"
 
 namespace taut {

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/base/check.h"
+#include "core/constraints/rows.h"
 #include "core/state/reach.h"
 #include "core/world/diagnostics.h"
 

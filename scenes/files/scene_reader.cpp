@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/constraints/rows.h"
 #include "core/world/diagnostics.h"
 #include "scenes/files/generated_names.h"
 #include "scenes/files/scene_merge.h"

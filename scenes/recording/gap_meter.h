@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/constraints/rows.h"
 #include "core/world/diagnostics.h"
 
 namespace taut {

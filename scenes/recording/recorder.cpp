@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "core/constraints/rows.h"
+
 namespace taut {
 namespace {
 

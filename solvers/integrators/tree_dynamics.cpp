@@ -1,14 +1,16 @@
 #include "solvers/integrators/tree_dynamics.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 
 #include "core/base/check.h"
+#include "core/constraints/rows.h"
 
 namespace taut {
 
 TreeDynamics::TreeDynamics(const World& world)
-    : world_(world), rows_(world, Rows::AxisRows::kLeftOut), mass_(world) {
-  std::vector<char> reached(world.body_count(), 0), used(rows_.joints().size(), 0);
+    : world_(world), rows_(std::make_unique<const Rows>(world, Rows::AxisRows::kLeftOut)), mass_(world) {
+  std::vector<char> reached(world.body_count(), 0), used(rows_->joints().size(), 0);
   for (std::size_t j = 0; j < used.size(); ++j) check_joint(static_cast<int>(j));
   for (int b = 0; b < world.body_count(); ++b) reached[b] = mass_[b].fixed;
   for (int b = 0; b < world.body_count(); ++b)
@@ -21,9 +23,11 @@ TreeDynamics::TreeDynamics(const World& world)
   }
 }
 
+TreeDynamics::~TreeDynamics() = default;
+
 void TreeDynamics::check_joint(int j) const {
   const JointId id{j};
-  const Rows::JointRows& joint = rows_.joints()[j];
+  const Rows::JointRows& joint = rows_->joints()[j];
   if (joint.row_count == 0 && !world_.is_attached(id)) return;
   if (joint.side_count > 2) fail("joint", "must have two bodies in a tree", world_.name(id));
   if (world_.compliance(id)) fail("joint", "must not be soft in a tree", world_.name(id));
@@ -35,11 +39,11 @@ void TreeDynamics::check_joint(int j) const {
 void TreeDynamics::grow(int root, std::vector<char>& reached, std::vector<char>& used) {
   std::vector<int> bodies{root};
   for (std::size_t at = 0; at < bodies.size(); ++at)
-    for (int s : rows_.sides_of(bodies[at])) {
-      const Rows::Side& side = rows_.sides()[s];
-      const Rows::JointRows& joint = rows_.joints()[side.block];
+    for (int s : rows_->sides_of(bodies[at])) {
+      const Rows::Side& side = rows_->sides()[s];
+      const Rows::JointRows& joint = rows_->joints()[side.block];
       if (used[side.block] || joint.row_count == 0) continue;
-      const Rows::Side& other = rows_.sides()[s == joint.first_side ? s + 1 : joint.first_side];
+      const Rows::Side& other = rows_->sides()[s == joint.first_side ? s + 1 : joint.first_side];
       used[side.block] = 1;
       if (reached[other.body])
         fail("joint", "closes a loop, which a tree has not", world_.name(std::get<JointId>(joint.owner)));
@@ -53,9 +57,9 @@ void TreeDynamics::grow(int root, std::vector<char>& reached, std::vector<char>&
 std::vector<TreeDynamics::Motion> TreeDynamics::motions(const State& state) const {
   using Block = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>>;
   const Configuration at(state);
-  std::vector<double> jacobian(rows_.jacobian_size()), gamma(rows_.row_count());
-  rows_.jacobian(at, jacobian);
-  rows_.bias(at, state.twists, gamma);
+  std::vector<double> jacobian(rows_->jacobian_size()), gamma(rows_->row_count());
+  rows_->jacobian(at, jacobian);
+  rows_->bias(at, state.twists, gamma);
   std::vector<Motion> motions(branches_.size());
   for (std::size_t k = 0; k < branches_.size(); ++k) {
     const Branch& branch = branches_[k];

@@ -1,13 +1,14 @@
 #pragma once
 
-#include <Eigen/Dense>
+#include <memory>
 #include <vector>
 
-#include "core/constraints/rows.h"
 #include "core/world/world.h"
 #include "solvers/system/mass_matrix.h"
 
 namespace taut {
+
+class Rows;
 
 /// Accelerations of a world whose joints form trees, in reduced coordinates: references for the multipliers,
 /// with no S and no λ in them.
@@ -24,6 +25,7 @@ class TreeDynamics {
   /// @throws std::invalid_argument for a joint that closes a loop or has more than two bodies, is soft, or
   /// has limits, a motor, friction or a spring on an axis.
   explicit TreeDynamics(const World& world);
+  ~TreeDynamics();
 
   /// Number of speeds u.
   int freedoms(const State& state) const;
@@ -56,7 +58,7 @@ class TreeDynamics {
   void inertias(const State& state, std::vector<Matrix6>& inertia, std::vector<Vector6>& bias) const;
 
   const World& world_;
-  Rows rows_;
+  std::unique_ptr<const Rows> rows_;
   MassMatrix mass_;
   std::vector<Branch> branches_;  // parents before their children
 };

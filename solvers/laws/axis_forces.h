@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/constraints/rows.h"
 #include "core/world/diagnostics.h"
 #include "core/world/swing_properties.h"
 #include "core/world/world.h"

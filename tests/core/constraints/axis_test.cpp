@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "tests/core/constraints/row_checker.h"
 

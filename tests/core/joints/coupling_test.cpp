@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "tests/core/expect_invalid.h"
 #include "tests/core/world_rows_checker.h"

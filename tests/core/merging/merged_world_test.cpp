@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "core/world/diagnostics.h"
 #include "tests/core/expect_invalid.h"

@@ -1,5 +1,6 @@
 #include <limits>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "core/state/axis.h"
 #include "tests/core/constraints/row_checker.h"

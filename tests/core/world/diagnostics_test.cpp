@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "tests/core/random_state.h"
 

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "tests/core/constraints/row_checker.h"
 #include "tests/core/expect_invalid.h"

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "core/world/world.h"
 #include "tests/core/expect_invalid.h"

@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <chrono>
 
+#include "core/constraints/rows.h"
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "core/constraints/rows.h"
 #include "core/world/diagnostics.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/scenes/files/scene_bad_cases.h"

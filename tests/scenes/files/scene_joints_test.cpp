@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "scenes/files/scene_file.h"
 #include "tests/scenes/files/scene_file_cases.h"

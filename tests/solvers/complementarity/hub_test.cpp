@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "collision/contact_finder.h"
+#include "core/constraints/rows.h"
 #include "solvers/simulator/simulator.h"
 #include "solvers/system/constraint_system.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "core/state/same_state.h"
 #include "core/world/diagnostics.h"

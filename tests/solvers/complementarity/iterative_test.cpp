@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"

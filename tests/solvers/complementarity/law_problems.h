@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "solvers/laws/row_law.h"
 #include "solvers/system/constraint_system.h"

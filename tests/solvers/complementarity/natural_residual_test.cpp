@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "solvers/integrators/rattle.h"
 #include "solvers/simulator/simulator.h"

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <set>
 
+#include "core/constraints/rows.h"
 #include "scenes/builders/scene.h"
 #include "scenes/files/scene_file.h"
 #include "solvers/simulator/simulator.h"

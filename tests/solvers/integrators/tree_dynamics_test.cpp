@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "scenes/builders/scene.h"
 #include "solvers/simulator/simulator.h"

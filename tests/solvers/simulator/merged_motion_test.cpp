@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "core/world/diagnostics.h"
 #include "solvers/simulator/simulator.h"

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "solvers/linear/block_ordering.h"
 #include "solvers/system/constraint_system.h"
