@@ -12,6 +12,7 @@
 #include "benchmarks/peers/peer.h"
 #include "benchmarks/timing.h"
 #include "collision/contact_finder.h"
+#include "core/constraints/rows.h"
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"
 

@@ -32,6 +32,8 @@ constexpr double kSlack = 0.25;
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
     : ImpulseScheme(world, system, settings), tension_(system) {
   move_.resize(world.body_count());
+  best_poses_.resize(world.body_count());
+  start_jacobian_.reserve(system.jacobian().size());
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
   if (stages_.friction_dominated()) slack_ = kSlack * settings.position_tolerance;
   axes_.set_slack(slack_);

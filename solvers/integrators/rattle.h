@@ -84,6 +84,7 @@ class Rattle : public ImpulseScheme {
   bool prediction_missed_ = false;      // multipliers were far from their prediction
   bool refactored_ = false;             // the factor is not that of J(q₀), which is kept then:
   std::vector<double> start_jacobian_;  //
+  std::vector<Pose> best_poses_;        // of a projection
   std::vector<Wrench> move_;            // M times a move of the bodies
   std::vector<Wrench> absorbed_;        // momentum that bodies held fast did not take in this stage
   std::vector<double> broken_states_;   // of rows, for the system without laws

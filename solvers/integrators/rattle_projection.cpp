@@ -53,7 +53,7 @@ bool Rattle::project_positions(double h, StepReport& report) {
   const Configuration end(poses_, state_.time + h, state_.axes);
   system_.set_shift(kMendingShift);
   double gap = max_abs(phi_), best = gap;
-  std::vector<Pose> unmended = poses_;  // the best so far
+  best_poses_ = poses_;
   for (int pass = 0, in_vain = 0; pass < kMaxMends && gap > kMended && in_vain <= kOvershoots; ++pass) {
     system_.linearize(end);
     system_.set_mass(poses_);
@@ -76,13 +76,13 @@ bool Rattle::project_positions(double h, StepReport& report) {
     gap = max_abs(phi_);
     if (gap < best) {
       best = gap;
-      unmended = poses_;
+      best_poses_ = poses_;
     }
   }
   system_.set_shift(kSteppingTolerance.shift);
   system_.set_mass(state_.poses);  // where the kick acts
   if (!(gap <= best)) {
-    std::copy(unmended.begin(), unmended.end(), poses_.begin());
+    std::copy(best_poses_.begin(), best_poses_.end(), poses_.begin());
     system_.rows().residual(end, phi_);
   }
   prediction_missed_ = false;
