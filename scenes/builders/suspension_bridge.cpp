@@ -18,8 +18,8 @@ constexpr double kSuspensionPlankMass = 400, kCableMass = 60;
 constexpr double kSuspensionGravity = 9.81;
 
 /// The cable hangs in a parabola; node k is above the seam between planks k − 1 and k.
-struct Shape {
-  explicit Shape(int planks) : n(planks) {}
+struct CableShape {
+  explicit CableShape(int planks) : n(planks) {}
   double x(double k) const { return kPlank * (k - 0.5 * n); }
   Vec3 node(int k) const {
     const double s = 2.0 * k / n - 1;
@@ -48,7 +48,7 @@ Scene build_suspension_bridge(const Parameters& parameters) {
   const int n = static_cast<int>(parameters.at("n"));
   Scene scene = new_scene("suspension-bridge", parameters);
   World& world = scene.world;
-  const Shape shape(n);
+  const CableShape shape(n);
   std::vector<BodyId> planks, cable;
   for (int k = 0; k < n; ++k) {
     BodySpec plank{.name = numbered("plank", k),
