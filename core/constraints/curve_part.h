@@ -40,7 +40,7 @@ class BodyCurve {
     double s = 0;
     Vec3 p = Vec3::Zero(), tangent = Vec3::Zero(), normal = Vec3::Zero();
   };
-  static constexpr int kCells = 16;  ///< per chunk of the spline
+  static constexpr int kCells = 16;  ///< per segment of the spline
   static constexpr int kMaxIterations = 30;
 
   /// From the node at or before s the normals turn with the tangent by the least rotation.

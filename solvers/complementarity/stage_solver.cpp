@@ -115,7 +115,7 @@ StageSolver::Pivoting StageSolver::solve_by_active_set(const Stage& stage, doubl
                                                        StepReport& report) {
   ActiveSetSettings settings = active_set_settings(system_, !contacts_.empty(), rate_tolerance);
   guess_.assign(stage.lambda.begin(), stage.lambda.end());
-  double earlier = std::numeric_limits<double>::infinity();  // friction_off() some solves ago
+  double earlier = std::numeric_limits<double>::infinity();  // contacts_.residual() some solves ago
   for (int solve = 0;; ++solve) {
     settings.keep_null_space = solve > 0;
     outcome_ = active_->solve(laws_, b_, stage.lambda, w_, report.times, settings);

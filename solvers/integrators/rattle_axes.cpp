@@ -154,7 +154,7 @@ void Rattle::renew_velocity_laws() {
 /// Rates and laws of the second kick.
 void Rattle::begin_velocities() {
   stages_.begin_velocities(state_.twists);
-  // A first guess for its chunks: the impulses of the first kick.
+  // A first guess for its segments: the impulses of the first kick.
   std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
   system_.rows().residual(end_of_step(0), phi_);
   twists_from_momenta();

@@ -7,7 +7,7 @@
 // stage. (solvers/laws, "Axes")
 //
 // The mean force on the way of a step times that way is the change of its potential, so that tables and soft
-// limits conserve energy however stiff they are and wherever they relinearize_tables; for a linear force it
+// limits conserve energy however stiff they are and wherever they bend; for a linear force it
 // is the force at mid-step.  A spring between bodies has its length L as coordinate and, like a joint, one
 // block in the Delassus matrix; its stiffness across the line, T/L, is geometric stiffness.  A linear one of
 // natural length 0 has the three displacements of its points in axes of A instead, which are smooth where L

@@ -11,7 +11,7 @@
 // on each of them, until that is more than the disc |(λ_x, λ_y)| ≤ h/2 τ allows; then each has its component
 // of the direction of slip, which moves halfway towards the new one in each solve of the stage.  A spring
 // −k θ j whose rest is 0 is −k s for the swing as a rotation vector s, which is smooth at 0: it acts along
-// both components of s, with the damper −c ṡ, which also resists a relinearize_tables that goes round, as
+// both components of s, with the damper −c ṡ, which also resists a bend that goes round, as
 // inside a bent shaft that turns.  At π the components change their sign, so near it the spring acts along
 // the swing itself.  A rest other than 0 is a cone, where passing straight is a kink of the potential itself.
 namespace taut {

@@ -14,7 +14,7 @@ namespace {
 
 /// CHOLMOD of SuiteSparse 5.12 as Debian builds it runs small scatter loops with a fixed num_threads(4),
 /// which OMP_NUM_THREADS does not reach and which costs more than they.  No active levels, no threads.
-/// (solvers/linear, "OpenMP")
+/// (solvers/linear, "CHOLMOD")
 class NoNestedThreads {
  public:
   NoNestedThreads() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }

@@ -46,7 +46,7 @@ void transfer_fields(Archive& archive, RowLaw& law) {
 
 namespace {
 
-/// Pieces of laws, −1 where there is none.
+/// Segments of laws, −1 where there is none.
 constexpr int kSegments = 2 * RowLaw::kMaxSteps + 1;
 
 void require_shape(const World& world, ShapeId shape) { Archive::index(shape.index, 0, world.shape_count()); }
