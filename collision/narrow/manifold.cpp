@@ -199,9 +199,9 @@ void meet_segment_polygon(const Feature& segment, const Feature& polygon, bool s
   }
 }
 
-/// Sutherland–Hodgman: cuts polygon A, in the contact plane, by the edges of B.  Each corner remembers the
-/// edge of A that starts at it and the edge of B it lies on, which name it. Polygon B is `slack` larger all
-/// around, so that a corner on its boundary is in.
+/// [SutherlandHodgman1974]: cuts polygon A, in the contact plane, by the edges of B.  Each corner remembers
+/// the edge of A that starts at it and the edge of B it lies on, which name it. Polygon B is `slack` larger
+/// all around, so that a corner on its boundary is in.
 void clip(const Feature& A, const Feature& B, const Frame& f, double slack, ManifoldScratch& work) {
   std::vector<Corner>&poly = work.polygon, &next = work.clipped;
   poly.clear();

@@ -16,7 +16,7 @@ struct Polyhedron {
   std::vector<double> offsets;  ///< n·x ≤ offset inside
 };
 
-/// Convex hull of points [m] by quickhull (Barber, Dobkin, Huhdanpaa 1996).  Points nearer than
+/// Convex hull of points [m] by quickhull [Barber1996].  Points nearer than
 /// 1e-10·extent to a face count as on it.  O(n log n) as a rule, O(n²) at worst.
 /// @throws std::invalid_argument for fewer than four points, a point that is not finite, or points that lie
 /// in one plane to 1e-8 of their extent: "hull without volume".

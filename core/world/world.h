@@ -158,10 +158,10 @@ class World {
   void set_contact_material(MaterialId a, MaterialId b, const Material& material);
   /// Material of the contact of two shapes: as set for them, or for their materials, or combined().
   Material contact_material(ShapeId a, ShapeId b) const;
-  /// Says whether two bodies may touch, in place of the rule that bodies with a common joint do not.
-  /// @throws std::invalid_argument for a missing body or twice the same.
+  /// Says whether two bodies may touch, in place of the rule that bodies with a common joint do not; two
+  /// fixed ones never do.  @throws std::invalid_argument for a missing body or twice the same.
   void set_collision(BodyId a, BodyId b, bool may_collide);
-  /// Whether two bodies may touch: as set, or else false if a joint joins them or both are fixed or one.
+  /// Whether two bodies may touch: never if both are fixed or one, else as set, else if no joint joins them.
   bool may_collide(BodyId a, BodyId b) const;
   /// Whether two shapes may touch: their bodies may, and their filters agree.
   bool may_collide(ShapeId a, ShapeId b) const;

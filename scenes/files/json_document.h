@@ -15,7 +15,7 @@ using Problems = std::vector<SceneFileProblem>;
 /// Deepest nesting of arrays and objects that is read; a scene needs 6.
 inline constexpr int kMaxJsonDepth = 64;
 
-/// `path`/`key` as a JSON pointer (RFC 6901); the root is "/".
+/// `path`/`key` as a JSON pointer [RFC 6901]; the root is "/".
 std::string child_path(const std::string& path, std::string_view key);
 
 /// Parses JSON with // and /* */ comments.  Duplicate keys are problems.  A number beyond the range of double

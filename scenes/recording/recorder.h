@@ -42,7 +42,7 @@ class Recorder {
   int rows_version_ = -1;
 };
 
-/// A field of a CSV line, quoted if it has to be (RFC 4180).
+/// A field of a CSV line, quoted if it has to be [RFC 4180].
 std::string csv_field(std::string_view text);
 /// The shortest decimal text that reads back as the same double; nan, inf, -inf.
 std::string shortest(double value);

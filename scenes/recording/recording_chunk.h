@@ -26,7 +26,7 @@ inline constexpr std::size_t kChunkHeadSize = 32;
 struct ChunkHead {
   ChunkType type{};
   std::uint64_t stored_size = 0, raw_size = 0;  ///< of the payload, as in the file and inflated
-  std::uint32_t stored_crc = 0;                 ///< CRC-32 of the payload as in the file
+  std::uint32_t stored_crc = 0;                 ///< CRC-32 [ISO 3309] of the payload as in the file
 };
 
 /// Head and payload, ready to be written.  @throws std::bad_alloc.
@@ -40,7 +40,7 @@ bool payload_is_sound(const ChunkHead& head, std::string_view stored);
 /// The first `size` bytes of the inflated payload; nothing if it is no zlib stream of that length.
 std::optional<std::string> inflate_payload(std::string_view stored, std::size_t size);
 
-/// zlib stream (RFC 1950) of the bytes.  @param level 1 fast … 9 small
+/// zlib stream [RFC 1950] of the bytes.  @param level 1 fast … 9 small
 std::string deflate(std::string_view raw, int level);
 
 }  // namespace taut

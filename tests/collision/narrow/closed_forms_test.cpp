@@ -127,7 +127,7 @@ TEST(ClosedForms, SphereInsideABoxIsPushedOutThroughTheNearestFace) {
 }
 
 TEST(ClosedForms, BoxesThatOverlapAgreeWithAllFifteenAxes) {
-  // The exact depth is the least over 3 + 3 + 9 directions (separating axis theorem, Gottschalk 1996).
+  // The exact depth is the least over 3 + 3 + 9 directions (separating axes [Gottschalk1996]).
   Random random(6);
   for (int trial = 0; trial < 2000; ++trial) {
     const Vec3 a = Vec3(0.3, 0.5, 0.7) + random.vector(0.2), b = Vec3(0.4, 0.2, 0.6) + random.vector(0.1);

@@ -72,8 +72,8 @@ TEST(Surface, SlidingOverAFlatMeshMeetsNoInnerEdge) {
 }
 
 TEST(Surface, BallOnAWavyGroundHasTheDistanceToTheNearestTriangle) {
-  // Oracle: the least distance of the centre to all triangles, by Ericson's closest point (2005,
-  // section 5.1.5), above the ground.
+  // Oracle: the least distance of the centre to all triangles, by the closest point of [Ericson2005,
+  // section 5.1.5], above the ground.
   const auto closest = [](const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) -> Vec3 {
     const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
     const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),

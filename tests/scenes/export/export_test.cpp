@@ -196,7 +196,7 @@ TEST(Svg, TicksAreRoundAndInside) {
     EXPECT_FALSE(axis_ticks(-0.4 * scale, 0.7 * scale, 5).empty());
 }
 
-TEST(Base64, IsThatOfTheStandard) {  // RFC 4648, section 10
+TEST(Base64, IsThatOfTheStandard) {  // [RFC 4648, section 10]
   const std::pair<const char*, const char*> cases[] = {{"", ""},
                                                        {"f", "Zg=="},
                                                        {"fo", "Zm8="},
