@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "solvers/common/move_rows.h"
+
 // The order in which a stage is tried, and what its laws depend on.  (solvers/complementarity, "Ladder")
 namespace taut {
 namespace {
@@ -18,8 +20,6 @@ constexpr double kFrictionProgress = 0.2;
 constexpr int kContactRounds = 30;
 /// Bounded rows from which on an active set that stalls is not descended from: the bodies are faster.
 constexpr int kManyRows = 60;
-/// Solves more where contacts met their laws within a tolerance of rates only.
-constexpr int kExactVelocitySolves = 2;
 
 bool has_many_bounded_rows(const ConstraintSystem& system) {
   return std::ssize(system.rows().axis_rows()) >= kManyRows;
@@ -54,22 +54,10 @@ StageSolver::StageSolver(const World& world, ConstraintSystem& system, AxisForce
 }
 
 void StageSolver::move_rows(std::span<const int> from) {
-  const int rows = system_.row_count();
-  std::vector<double> moved;
-  for (auto* values : {&b_, &effective_mass_, &w_}) {
-    moved.assign(rows, 0.0);
-    for (int r = 0; r < rows; ++r)
-      if (from[r] >= 0) moved[r] = (*values)[from[r]];
-    values->swap(moved);
-  }
-  std::vector<RowLaw> laws(rows, RowLaw::none());
-  std::vector<int> segments(rows, -1);
-  for (int r = 0; r < rows; ++r) {
-    if (from[r] < 0) continue;
-    laws[r] = laws_[from[r]];
-    segments[r] = active_->segments()[from[r]];
-  }
-  laws_ = std::move(laws);
+  for (auto* values : {&b_, &effective_mass_, &w_}) taut::move_rows(from, 0.0, *values);
+  taut::move_rows(from, RowLaw::none(), laws_);
+  std::vector<int> segments(active_->segments().begin(), active_->segments().end());
+  taut::move_rows(from, -1, segments);
   active_.emplace(system_);
   contact_solver_.reset();
   islands_.forget_pattern();
@@ -145,7 +133,7 @@ StageSolver::Pivoting StageSolver::solve_by_active_set(const Stage& stage, doubl
     const bool check = solve % kFrictionPatience == kFrictionPatience - 1;
     if (!outcome_.ok() || solve >= kMaxAxisSolves ||
         (check && !met && contacts_.residual() > kFrictionProgress * earlier))
-      return give_up_pivoting(stage);
+      return give_up_pivoting(stage, true);
     if (check) earlier = contacts_.residual();
     if (!contacts_.turns().empty()) turn_contacts(stage, report);
     stage.renew();
@@ -155,9 +143,9 @@ StageSolver::Pivoting StageSolver::solve_by_active_set(const Stage& stage, doubl
   return Pivoting::kMet;
 }
 
-/// From the guess through the bodies, and the next stages at once.
-StageSolver::Pivoting StageSolver::give_up_pivoting(const Stage& stage) {
-  primal_stages_left_ = kPrimalStagesInARow;
+/// From the guess through the bodies, and the next stages at once if that is wanted.
+StageSolver::Pivoting StageSolver::give_up_pivoting(const Stage& stage, bool next_too) {
+  if (next_too) primal_stages_left_ = kPrimalStagesInARow;
   std::copy(guess_.begin(), guess_.end(), stage.lambda.begin());
   return Pivoting::kGivenUp;
 }
@@ -168,9 +156,7 @@ StageSolver::Pivoting StageSolver::after_stalled_pivoting(const Stage& stage,
                                                           const ActiveSetSettings& settings) {
   const bool polishes = settings.rate_tolerance == 0, many = has_many_bounded_rows(system_);
   if (!polishes && (!many || outcome_.status != ActiveSetStatus::kNotConverged)) return Pivoting::kFailed;
-  if (many) return give_up_pivoting(stage);
-  std::copy(guess_.begin(), guess_.end(), stage.lambda.begin());
-  return Pivoting::kGivenUp;
+  return give_up_pivoting(stage, many);
 }
 
 /// Contacts that stuck and slip in this solution: whether there is one in which they hold.
@@ -190,8 +176,8 @@ bool StageSolver::solve_velocities(const Stage& stage, StepReport& report) {
   for (int exact = 0;; ++exact) {
     if (!solve(stage, tolerance, report)) break;
     const double off = contacts_.empty() ? 0 : laws_off(stage.lambda, w_);
-    if (off <= 1 || (exact == kExactVelocitySolves && take_inexact(off))) return true;
-    if (exact == kExactVelocitySolves) break;
+    if (off <= 1 || (exact == kExactSolves && take_inexact(off))) return true;
+    if (exact == kExactSolves) break;
     tolerance = exact_tolerance();
     std::copy(w_.begin(), w_.end(), stage.rates.begin());
   }

@@ -34,6 +34,8 @@ class Archive;
 /// last. (solvers/complementarity, "Ladder", "Natural residual")
 class StageSolver {
  public:
+  /// Solves more where contacts met their laws within a tolerance of rates only.
+  static constexpr int kExactSolves = 2;
   /// Recomputes laws() from the present rates and from what AxisForces and ContactForces know.
   using Renew = std::function<void()>;
   /// One stage.  `lambda`: a guess, then the result; `rates`: those that the guess gives.
@@ -156,7 +158,7 @@ class StageSolver {
   void rates_without(const Stage& stage);
   enum class Pivoting { kMet, kFailed, kGivenUp };
   Pivoting solve_by_active_set(const Stage& stage, double rate_tolerance, StepReport& report);
-  Pivoting give_up_pivoting(const Stage& stage);
+  Pivoting give_up_pivoting(const Stage& stage, bool next_too);
   Pivoting after_stalled_pivoting(const Stage& stage, const ActiveSetSettings& settings);
   enum class Sticking { kNoneNeeded, kFound, kLetGo };
   Sticking search_sticking(const Stage& stage, double rate_tolerance, StepReport& report);

@@ -3,7 +3,7 @@
 #include <numeric>
 #include <utility>
 
-#include "solvers/common/stopwatch.h"
+#include "solvers/common/move_rows.h"
 #include "solvers/integrators/impulse_scheme.h"
 
 // Contacts come and go: found at the end of a drift, they join the rows of the system for the velocity stage
@@ -137,15 +137,9 @@ void ImpulseScheme::set_places() {
 
 /// All that has rows, to those of the new places: `from` says for each row which one it was, −1 for none.
 void ImpulseScheme::move_rows(std::span<const int> from) {
-  const int rows = system_.row_count();
-  std::vector<double> moved;
   for (auto* values : {&lambda_, &mu_, &delta_, &phi_, &velocity_rows_, &impulses_, &force_multipliers_,
-                       &start_theta_, &rates_, &kick_rates_}) {
-    moved.assign(rows, 0.0);
-    for (int r = 0; r < rows; ++r)
-      if (from[r] >= 0) moved[r] = (*values)[from[r]];
-    values->swap(moved);
-  }
+                       &start_theta_, &rates_, &kick_rates_})
+    taut::move_rows(from, 0.0, *values);
   prediction_.move_rows(from);
   stages_.move_rows(from);
   system_.release_bounded_rows();

@@ -1,5 +1,7 @@
 #include "solvers/integrators/multiplier_prediction.h"
 
+#include "solvers/common/move_rows.h"
+
 namespace taut {
 namespace {
 
@@ -55,13 +57,7 @@ void MultiplierPrediction::clear(std::span<const int> rows) {
 }
 
 void MultiplierPrediction::move_rows(std::span<const int> from) {
-  std::vector<double> moved;
-  for (auto* values : {&mu_, &asymmetry_, &last_asymmetry_}) {
-    moved.assign(from.size(), 0.0);
-    for (std::size_t r = 0; r < from.size(); ++r)
-      if (from[r] >= 0) moved[r] = (*values)[from[r]];
-    values->swap(moved);
-  }
+  for (auto* values : {&mu_, &asymmetry_, &last_asymmetry_}) taut::move_rows(from, 0.0, *values);
 }
 
 }  // namespace taut

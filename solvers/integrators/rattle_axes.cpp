@@ -14,8 +14,6 @@ namespace {
 
 /// Impacts closer together than this part of a step are one.
 constexpr double kStrikeTogether = 1e-3;
-/// Solves more where contacts met their laws within a tolerance of rates only.
-constexpr int kExactSolves = 2;
 
 }  // namespace
 
@@ -84,7 +82,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       stages_.note_culprits(lambda_, rates_);
       return false;
     }
-    if (closed && exact++ == kExactSolves) {
+    if (closed && exact++ == StageSolver::kExactSolves) {
       if (!stages_.take_inexact(error)) {
         stages_.note_culprits(lambda_, rates_);
         return false;
