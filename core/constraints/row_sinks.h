@@ -13,7 +13,6 @@
 /// What joints hand their row parts and free axes to (rows.h).
 namespace taut {
 
-class World;
 class Joint;
 class Rows;
 
@@ -55,20 +54,25 @@ class RowSink {
   void add(const Part& part, Between sides = {});  ///< the next rows of the joint, between these bodies
   /// All parts of a joint of another world, as World::append() or merging has changed its ids and bodies.
   void add_rows_of(const Joint& joint, const Relocation& to);
+  /// Rows in metres, or in radians, of the joint give way by its compliance.
+  void soften(bool translation, bool rotation) { soft_translation_ = translation, soft_rotation_ = rotation; }
+  /// Appends the parts of a joint that give way to `parts`, each by itself.
+  void keep_soft_parts(const Joint& joint, std::vector<detail::RowGroup>& parts) {
+    made_for_ = &joint, groups_ = &parts;
+  }
 
  private:
   friend class Rows;
-  friend class World;
   template <typename Part>
   void add_here(const Part& part, Between sides);
   template <typename Part>
   void place(const Part& part, Between sides);
   Rows* rows_ = nullptr;                                   // null while counting
   std::vector<detail::RowGroup>* groups_ = nullptr;        // … or where to keep the parts by themselves
-  const class Joint* made_for_ = nullptr;                  // with groups_
+  const Joint* made_for_ = nullptr;                        // with groups_
   bool soft_translation_ = false, soft_rotation_ = false;  // that a compliance softens
   const Relocation* relocation_ = nullptr;                 // null: parts stay as they are
-  const class Joint* source_ = nullptr;                    // … that this joint lists
+  const Joint* source_ = nullptr;                          // … that this joint lists
   int joint_ = 0;
   int count_ = 0;
   bool any_point_ = false;
@@ -94,6 +98,10 @@ class AxisSink {
   void add(std::string_view name, const Part& part, Between sides = {});
   /// All axes of a joint of another world, as World::append() or merging has changed its ids and bodies.
   void add_axes_of(const Joint& joint, const Relocation& to);
+  /// Appends a description of each axis of the joint to `infos`; the first has this index in State::axes.
+  void describe(const Joint& joint, int first_index, std::vector<AxisInfo>& infos) {
+    joint_ = &joint, first_index_ = first_index, infos_ = &infos;
+  }
   /// The axis added last has these limits from the start.
   void limit(const AxisLimits& limits) {
     if (infos_) infos_->back().limits = limits;
@@ -101,12 +109,11 @@ class AxisSink {
 
  private:
   friend class Rows;
-  friend class World;
   template <typename Part>
   void place(std::string_view name, const Part& part, Between sides);
   const Relocation* relocation_ = nullptr;  // null: parts stay as they are
-  const class Joint* source_ = nullptr;     // … that this joint lists
-  const class Joint* joint_ = nullptr;
+  const Joint* source_ = nullptr;           // … that this joint lists
+  const Joint* joint_ = nullptr;
   std::vector<AxisInfo>* infos_ = nullptr;  // where to describe the axes …
   Rows* rows_ = nullptr;                    // … or to place the next of them that has properties
   const AxisProperties* properties_ = nullptr;

@@ -37,6 +37,8 @@
 /// its topology_version() changes.
 namespace taut {
 
+class World;
+
 /// A twist or wrench in pairs, for products with rows of a Jacobian block.
 class SixVector {
  public:
@@ -269,6 +271,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   template <typename Part>
   void append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index = -1);
   void append_axis_row(AxisId axis, int index);
+  void append_empty_block(const Owner& owner);
   void append_joint(const World& world, int j, AxisRows axis_rows, Joints joints, Blocks blocks);
   void append_spring(const World& world, ForceId id, Joints joints);
   void append_side(int body, int joint, int row_count, int arm = 0);

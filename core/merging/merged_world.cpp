@@ -139,10 +139,6 @@ Gap weld_gap(const Joint& weld, const State& state) {
           2 * ((A.q * X_AB.q).conjugate() * B.q).vec().norm()};
 }
 
-int count_of(const std::vector<char>& flags, bool value) {
-  return static_cast<int>(std::count(flags.begin(), flags.end(), char(value)));
-}
-
 Mat3 inertia_about(const Mat3& inertia, double mass, const Vec3& arm) {
   return inertia + mass * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
 }
@@ -165,71 +161,70 @@ Mat3 turned_inertia(const MassProperties& mass, const Quat& q) {
 MergedWorld::MergedWorld(const World& source, double tolerance) : tolerance_(tolerance) {
   groups_ = merged_groups(source, tolerance);
   rebuild(source);
-  state_seen_ = -1;  // the first update() counts as one that sets the state
+  seen_.state = -1;  // the first update() counts as one that sets the state
 }
 
 bool MergedWorld::update(const World& source) {
-  const auto same_joint = [](const auto& a, const auto& b) { return a.first == b.first; };
-  bool rebuilt = topology_seen_ != source.topology_version_ || geometry_seen_ != source.geometry_version_ ||
-                 !std::equal(source.soft_.begin(), source.soft_.end(), world_.soft_.begin(),
-                             world_.soft_.end(), same_joint);
-  if (!rebuilt && properties_seen_ != source.property_version_) {
+  const detail::WorldVersions& now = source.versions_;
+  bool rebuilt = seen_.topology != now.topology || seen_.geometry != now.geometry ||
+                 !source.soft_joints_.has_same_joints(world_.soft_joints_);
+  if (!rebuilt && seen_.properties != now.properties) {
     rebuilt = merged_groups(source, tolerance_) != groups_;
     if (!rebuilt) take_properties(source);
   }
-  const bool moved = state_seen_ != source.state_version_;
+  const bool moved = seen_.state != now.state;
   if (rebuilt) {
     groups_ = merged_groups(source, tolerance_);
     rebuild(source);
     return true;
   }
-  take_stirs(source);
-  if (axes_seen_ != source.axis_version_) {
-    world_.axis_properties_ = source.axis_properties_;
-    for (const auto& [joint, soft] : source.soft_) world_.soft_.at(joint).compliance = soft.compliance;
-    ++world_.axis_version_;
-    axes_seen_ = source.axis_version_;
+  take_wakes(source);
+  if (seen_.axes != now.axes) {
+    world_.axes_.copy_properties(source.axes_);
+    world_.soft_joints_.copy_compliances(source.soft_joints_);
+    ++world_.versions_.axes;
+    seen_.axes = now.axes;
   }
   if (moved) {
     world_.gravity_ = source.gravity_;
     if (!same(source.state_, known_)) take_state(source);
     make_forces(source);
-    ++world_.state_version_;
-    state_seen_ = source.state_version_;
+    ++world_.versions_.state;
+    seen_.state = now.state;
   }
   return moved;
 }
 
 bool MergedWorld::is_behind(const World& source) const {
-  return topology_seen_ != source.topology_version_ || geometry_seen_ != source.geometry_version_ ||
-         state_seen_ != source.state_version_ || axes_seen_ != source.axis_version_ ||
-         properties_seen_ != source.property_version_;
+  const detail::WorldVersions& now = source.versions_;
+  return seen_.topology != now.topology || seen_.geometry != now.geometry || seen_.state != now.state ||
+         seen_.axes != now.axes || seen_.properties != now.properties;
 }
 
 /// Versions go on from what they were, whatever those of the source are: a state that was not set there is no
 /// new one here.
 void MergedWorld::rebuild(const World& source) {
-  const std::int64_t topology = world_.topology_version_, geometry = world_.geometry_version_,
-                     state = world_.state_version_, axes = world_.axis_version_,
-                     sleep = world_.sleep_version_;
-  const bool moved = state_seen_ != source.state_version_;
+  const detail::WorldVersions before = world_.versions_;
+  const bool moved = seen_.state != source.versions_.state;
   world_ = source;
-  source_masses_ = source.masses_;
-  source_fixed_ = source.fixed_;
-  world_.topology_version_ = topology + 1, world_.geometry_version_ = geometry + 1;
-  world_.state_version_ = state + moved, world_.axis_version_ = axes + 1;
-  world_.sleep_version_ = sleep + 1;
-  stirs_seen_ = source.stirs_;
-  stir_version_seen_ = source.stir_version_;
+  const auto masses = source.bodies_.masses();
+  const auto fixed = source.bodies_.fixed();
+  source_masses_.assign(masses.begin(), masses.end());
+  source_fixed_.assign(fixed.begin(), fixed.end());
+  world_.versions_ = {.topology = before.topology + 1,
+                      .state = before.state + moved,
+                      .axes = before.axes + 1,
+                      .properties = source.versions_.properties,
+                      .geometry = before.geometry + 1,
+                      .sleep = before.sleep + 1};
+  note_stirs(source);
   place_frames(source);
   make_bodies(source);
   make_joints(source);
   make_shapes(source);
   take_state(source);
   make_forces(source);
-  topology_seen_ = source.topology_version_, geometry_seen_ = source.geometry_version_;
-  state_seen_ = source.state_version_, axes_seen_ = source.axis_version_;
-  properties_seen_ = source.property_version_;
+  seen_ = source.versions_;
 }
 
 /// X_CB of all bodies: along the trees of the groups first, then from the common centre of mass.
@@ -269,21 +264,20 @@ void MergedWorld::make_bodies(const World& source) {
     double mass = 0;
     Mat3 inertia = Mat3::Zero();
     for (BodyId body : group.members) {
-      world_.fixed_[body.index] = true;
-      world_.asleep_[body.index] = false;
+      world_.bodies_.set_fixed(body.index, true);
+      world_.sleep_.set_asleep(body.index, false);
       const MassProperties& own = source.mass_properties(body);
       const Pose& X = carriers_->frames[body.index];
       mass += own.mass();
       inertia += inertia_about(turned_inertia(own, X.q), own.mass(), X.p);
     }
     if (group.fixed) continue;
-    world_.fixed_[group.carrier.index] = false;
-    world_.asleep_[group.carrier.index] = std::all_of(group.members.begin(), group.members.end(),
-                                                      [&](BodyId b) { return source.is_asleep(b); });
-    world_.masses_[group.carrier.index] = without_round_off(mass, 0.5 * (inertia + inertia.transpose()));
+    const int carrier = group.carrier.index;
+    world_.bodies_.set_fixed(carrier, false);
+    world_.bodies_.set_mass(carrier, without_round_off(mass, 0.5 * (inertia + inertia.transpose())));
+    world_.sleep_.set_asleep(carrier, std::all_of(group.members.begin(), group.members.end(),
+                                                  [&](BodyId b) { return source.is_asleep(b); }));
   }
-  world_.asleep_count_ = count_of(world_.asleep_, true);
-  world_.moving_count_ = count_of(world_.fixed_, false);
 }
 
 /// Who may collide stays what the joints of the source say.
@@ -291,7 +285,7 @@ void MergedWorld::make_joints(const World& source) {
   for (const MergedGroup& group : groups_)
     for (const auto* welds : {&group.welds, &group.loops})
       for (JointId weld : *welds)
-        if (weld.index >= 0) world_.detached_.insert(weld.index);
+        if (weld.index >= 0) world_.joints_.detach(weld.index);
   Relocation to;
   to.carriers = carriers_;
   for (int j = 0; j < source.joint_count(); ++j) {
@@ -299,106 +293,98 @@ void MergedWorld::make_joints(const World& source) {
     if (!world_.is_attached(JointId{j}) ||
         std::none_of(bodies.begin(), bodies.end(), [&](BodyId body) { return is_carried(body); }))
       continue;
-    world_.joints_[j] = MergedJoint::make(source.joints_[j], carriers_);
+    world_.joints_.replace(j, MergedJoint::make(source.joints_.shared(j), carriers_));
     try {
       RowSink trial;
-      world_.joints_[j]->append_rows(trial);
+      world_.joints_[j].append_rows(trial);
     } catch (const std::invalid_argument& error) {
-      fail("joint " + source.joint_names_[j], error.what(), source.joints_[j]->type());
+      fail("joint " + source.name(JointId{j}), error.what(), source.joints_[j].type());
     }
-    for (int k = source.axis_start_[j]; k < source.axis_start_[j + 1]; ++k) {
-      AxisInfo& axis = world_.axes_[k];
-      axis.coordinate = axis.coordinate->relocated(to);
-      for (int& body : axis.bodies) body = to.body(body);
-    }
+    world_.axes_.relocate(j, to);
     if (const auto compliance = source.compliance(JointId{j})) {
-      const std::int64_t topology = world_.topology_version_;
+      const std::int64_t topology = world_.versions_.topology;
       world_.set_compliance(JointId{j}, compliance);  // makes its rows anew
-      world_.topology_version_ = topology;
+      world_.versions_.topology = topology;
     }
   }
 }
 
 void MergedWorld::make_shapes(const World& source) {
   for (int s = 0; s < source.shape_count(); ++s) {
-    const BodyId owner = source.shapes_[s].body;
-    if (!is_carried(owner)) continue;
-    world_.shapes_[s].body = carriers_->bodies[owner.index];
-    world_.shapes_[s].pose = carriers_->frames[owner.index] * source.shapes_[s].pose;
-    world_.shapes_[s].pose.q.normalize();
+    const BodyId body = source.shapes_[s].body;
+    if (is_carried(body))
+      world_.shapes_.move(s, carriers_->bodies[body.index],
+                          carriers_->frames[body.index] * source.shapes_[s].pose);
   }
 }
 
 /// Laws that say that they have to do with other bodies only stay what they are.
-void MergedWorld::make_forces(const World& source) {
-  source_laws_ = source.forces_;
-  world_.forces_.clear();
-  std::vector<std::shared_ptr<const Force>> conservative, others;
-  for (const auto& law : source.forces_) {
-    const std::vector<BodyId> bodies = law->bodies();
-    const bool apart = !bodies.empty() && std::none_of(bodies.begin(), bodies.end(),
-                                                       [&](BodyId body) { return is_carried(body); });
-    if (apart || groups_.empty())
-      world_.forces_.push_back(law);
+std::vector<std::shared_ptr<const Force>> MergedWorld::carried_laws(const World& source) const {
+  const auto is_apart = [&](const Force& law) {
+    const std::vector<BodyId> bodies = law.bodies();
+    return !bodies.empty() &&
+           std::none_of(bodies.begin(), bodies.end(), [&](BodyId body) { return is_carried(body); });
+  };
+  std::vector<std::shared_ptr<const Force>> laws, conservative, others;
+  for (const auto& law : source.forces_.all()) {
+    if (groups_.empty() || is_apart(*law))
+      laws.push_back(law);
     else if (const LineSpring* spring = law->spring())
-      world_.forces_.push_back(on_carriers(*spring, *carriers_));
+      laws.push_back(on_carriers(*spring, *carriers_));
     else
       (law->conservative() ? conservative : others).push_back(law);
   }
-  for (auto* laws : {&conservative, &others})
-    if (!laws->empty())
-      world_.forces_.push_back(std::make_shared<MergedForces>(std::move(*laws), carriers_, carried_));
+  for (auto* together : {&conservative, &others})
+    if (!together->empty())
+      laws.push_back(std::make_shared<MergedForces>(std::move(*together), carriers_, carried_));
+  return laws;
+}
+
+/// −Σ m g·p of the moving bodies that are welded to fixed ones [J].
+double MergedWorld::held_potential(const World& source) const {
   double held = 0;
-  for (const MergedGroup& group : groups_)
+  for (const MergedGroup& group : groups_) {
+    if (!group.fixed) continue;
+    const Pose& X_WC = world_.state_.poses[group.carrier.index];
     for (BodyId body : group.members)
-      if (group.fixed)
-        held -= source.mass_properties(body).mass() *
-                source.gravity().dot(
-                    world_.state_.poses[group.carrier.index].point(carriers_->frames[body.index].p));
-  if (held != 0) world_.forces_.push_back(std::make_shared<HeldWeight>(held));
-  // What they come to is that of the source: the flags of the copy hold.
-  world_.velocity_forces_ = source.velocity_forces_, world_.velocity_laws_ = source.velocity_laws_;
-  world_.dissipative_forces_ = source.dissipative_forces_,
-  world_.dissipative_laws_ = source.dissipative_laws_;
-  world_.springs_.clear();
-  for (int f = 0; f < world_.force_count(); ++f) {
-    const LineSpring* spring = world_.forces_[f]->spring();
-    if (spring && spring->a != spring->b) world_.springs_.push_back({f});
+      held -= source.mass_properties(body).mass() *
+              source.gravity().dot(X_WC.point(carriers_->frames[body.index].p));
   }
+  return held;
+}
+
+void MergedWorld::make_forces(const World& source) {
+  source_laws_ = source.forces_.all();
+  std::vector<std::shared_ptr<const Force>> laws = carried_laws(source);
+  if (const double held = held_potential(source); held != 0)
+    laws.push_back(std::make_shared<HeldWeight>(held));
+  world_.forces_.replace(std::move(laws), source.forces_);
 }
 
 /// What is woken in the source wakes its carrier.
-void MergedWorld::take_stirs(const World& source) {
-  if (stir_version_seen_ == source.stir_version_) return;
+void MergedWorld::take_wakes(const World& source) {
+  if (wake_version_seen_ == source.sleep_.wake_version()) return;
   for (int b = 0; b < source.body_count(); ++b)
-    if (stirs_seen_[b] != source.stirs_[b]) world_.wake(carriers_->bodies[b]);
-  stirs_seen_ = source.stirs_;
-  stir_version_seen_ = source.stir_version_;
+    if (wake_counts_seen_[b] != source.sleep_.wake_count(b)) world_.wake(carriers_->bodies[b]);
+  note_stirs(source);
 }
 
 void MergedWorld::give_sleep(World& source) const {
   bool changed = false;
   for (int b = 0; b < source.body_count(); ++b) {
-    const char asleep = world_.asleep_[carriers_->bodies[b].index] && !source.fixed_[b];
-    changed = changed || asleep != source.asleep_[b];
-    source.asleep_[b] = asleep;
+    const bool asleep = world_.sleep_.is_asleep(carriers_->bodies[b].index) && !source.bodies_.is_fixed(b);
+    changed = changed || asleep != source.sleep_.is_asleep(b);
+    source.sleep_.set_asleep(b, asleep);
   }
-  if (!changed) return;
-  source.asleep_count_ = count_of(source.asleep_, true);
-  ++source.sleep_version_;
+  if (changed) ++source.versions_.sleep;
 }
 
 void MergedWorld::take_properties(const World& source) {
   world_.breakable_ = source.breakable_;
   world_.materials_ = source.materials_;
-  world_.material_pairs_ = source.material_pairs_;
-  world_.contact_materials_ = source.contact_materials_;
-  world_.collisions_ = source.collisions_;
-  for (int s = 0; s < source.shape_count(); ++s) {
-    world_.shapes_[s].material = source.shapes_[s].material;
-    world_.shapes_[s].named = source.shapes_[s].named;
-  }
-  properties_seen_ = source.property_version_;
+  world_.shapes_.copy_materials(source.shapes_);
+  world_.collisions_.copy_overrides(source.collisions_);
+  seen_.properties = source.versions_.properties;
 }
 
 void MergedWorld::take_state(const World& source) {

@@ -63,13 +63,13 @@ class MergedWorld {
   void give_sleep(World& source) const;
   /// The source has the state of world() now; update() need not look at it.
   void note_state(const World& source) {
-    state_seen_ = source.state_version();
+    seen_.state = source.state_version();
     known_ = source.state();
   }
   /// Who has been woken in the source so far sleeps as the bodies of world() do.
   void note_stirs(const World& source) {
-    stirs_seen_ = source.stirs_;
-    stir_version_seen_ = source.stir_version_;
+    wake_counts_seen_ = source.sleep_.wake_counts();
+    wake_version_seen_ = source.sleep_.wake_version();
   }
   /// State of the source for one of world().
   void expand(const State& merged, State& source) const;
@@ -94,9 +94,11 @@ class MergedWorld {
   void make_joints(const World& source);
   void make_shapes(const World& source);
   void make_forces(const World& source);
+  std::vector<std::shared_ptr<const Force>> carried_laws(const World& source) const;
+  double held_potential(const World& source) const;
   void take_properties(const World& source);
   void take_state(const World& source);
-  void take_stirs(const World& source);
+  void take_wakes(const World& source);
   Pose nearest_pose(const MergedGroup& group, const World& source) const;
   Twist common_twist(const MergedGroup& group, const World& source) const;
 
@@ -107,11 +109,11 @@ class MergedWorld {
   std::vector<char> carried_;  // members
   std::vector<MassProperties> source_masses_;
   std::vector<char> source_fixed_;
-  std::vector<int> stirs_seen_;
+  std::vector<int> wake_counts_seen_;
   State known_;  // of the source, as the merged world left it
   std::vector<std::shared_ptr<const Force>> source_laws_;
-  std::int64_t topology_seen_ = -1, geometry_seen_ = -1, state_seen_ = -1, axes_seen_ = -1,
-               properties_seen_ = -1, stir_version_seen_ = -1;
+  detail::WorldVersions seen_{.state = -1};  // of the source; sleep is not looked at
+  std::int64_t wake_version_seen_ = -1;
 };
 
 }  // namespace taut

@@ -13,6 +13,18 @@ bool moves(const World& world, const Joint& joint) {
   return std::any_of(bodies.begin(), bodies.end(), [&](BodyId body) { return world.moves(body); });
 }
 
+/// What acts along the axes of a joint, and at the axes that stand in for a swing an empty property, so that
+/// they have rows.
+std::vector<AxisProperties> with_stand_ins(std::span<const AxisProperties> own,
+                                           const SwingProperties& swing) {
+  std::vector<AxisProperties> all(own.begin(), own.end());
+  for (int t : {0, 1}) {
+    if (swing.rubs) all[swing.across.turns[t]].friction.emplace();
+    if (swing.bends) all[swing.across.components[t]].spring.emplace();
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<int> detail::body_indices(const Joint* joint) {
@@ -43,52 +55,51 @@ void AxisSink::add_axes_of(const Joint& joint, const Relocation& to) {
   relocation_ = outer, source_ = outer_source;
 }
 
+void Rows::append_empty_block(const Owner& owner) {
+  joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0, owner});
+}
+
 void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints joints, Blocks blocks) {
-  const Joint& joint = world.joint(JointId{j});
-  if (!world.is_attached(JointId{j}) || (joints == Joints::kMoving && !moves(world, joint))) {
-    joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0, JointId{j}});
-    return;
-  }
+  const JointId id{j};
+  const Joint& joint = world.joint(id);
+  if (!world.is_attached(id) || (joints == Joints::kMoving && !moves(world, joint)))
+    return append_empty_block(id);
+  const bool with_axes = axis_rows == AxisRows::kIncluded;
   RowSink counter;
-  if (axis_rows == AxisRows::kIncluded) world.soften(JointId{j}, counter);
+  if (with_axes) world.soft_joints_.soften(j, counter);
   joint.append_rows(counter);
-  AxisSink axes;
-  axes.joint_index_ = j;
-  axes.row_in_joint_ = counter.count_;
-  axes.first_index_ = world.first_axis_index(JointId{j});
-  const bool any_axis = axis_rows == AxisRows::kIncluded && world.has_axis_properties(JointId{j});
-  int joint_rows = counter.count_;
-  std::vector<AxisProperties> with_others;
-  if (any_axis) {
-    axes.properties_ = &world.axis_properties({JointId{j}, 0});
-    if (const auto swing = swing_properties(world, JointId{j})) {
-      with_others.assign(axes.properties_, axes.properties_ + world.axis_count(JointId{j}));
-      for (int t : {0, 1}) {
-        if (swing->rubs) with_others[swing->across.turns[t]].friction.emplace();
-        if (swing->bends) with_others[swing->across.components[t]].spring.emplace();
-      }
-      axes.properties_ = with_others.data();
-    }
-    AxisSink axis_counter = axes;
-    joint.append_axes(axis_counter);
-    axes.rows_ = this;
-    joint_rows = axis_counter.row_in_joint_;
+
+  std::span<const AxisProperties> properties;  // of the axes; empty if none has rows
+  std::vector<AxisProperties> of_swing;
+  if (with_axes && world.has_axis_properties(id)) {
+    properties = world.axes_.properties_of(id);
+    if (const auto swing = swing_properties(world, id))
+      properties = of_swing = with_stand_ins(properties, *swing);
   }
-  if (joint_rows == 0) {  // no sides either
-    joints_.push_back({row_count(), 0, static_cast<int>(sides_.size()), 0, 0, JointId{j}});
-    return;
-  }
+  const auto axis_count =
+      std::count_if(properties.begin(), properties.end(), [](const AxisProperties& p) { return p.any(); });
+  const int joint_rows = counter.count_ + static_cast<int>(axis_count);
+  if (joint_rows == 0) return append_empty_block(id);  // no sides either
+
   const int side_count = static_cast<int>(joint.bodies().size());
   joints_.push_back(
-      {row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_, JointId{j}});
+      {row_count(), joint_rows, static_cast<int>(sides_.size()), side_count, counter.count_, id});
   const bool arms = blocks == Blocks::kLeverArms && counter.any_point_ && joint_rows == 3 && side_count == 2;
   for (BodyId body : joint.bodies()) append_side(body.index, j, joint_rows, arms);
+
   RowSink sink;
   sink.rows_ = this;
   sink.joint_ = j;
-  if (axis_rows == AxisRows::kIncluded) world.soften(JointId{j}, sink);
+  if (with_axes) world.soft_joints_.soften(j, sink);
   joint.append_rows(sink);
-  if (any_axis) joint.append_axes(axes);
+  if (properties.empty()) return;
+  AxisSink axes;
+  axes.rows_ = this;
+  axes.joint_index_ = j;
+  axes.row_in_joint_ = counter.count_;
+  axes.first_index_ = world.axes_.first(j);
+  axes.properties_ = properties.data();
+  joint.append_axes(axes);
 }
 
 /// Its length; a linear spring without a length of its own has the displacements of Q against P in axes of A
@@ -99,8 +110,8 @@ void Rows::append_spring(const World& world, ForceId id, Joints joints) {
   const bool moves = world.moves(spring.a) || world.moves(spring.b);
   const bool centred = spring.is_centred(), length = !centred || spring.is_damped();
   const int count = joints == Joints::kMoving && !moves ? 0 : 3 * centred + length;
-  joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), count > 0 ? 2 : 0, 0, id});
-  if (count == 0) return;
+  if (count == 0) return append_empty_block(id);
+  joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), 2, 0, id});
   for (BodyId body : {spring.a, spring.b}) append_side(body.index, j, count);
   const auto add = [&](const auto& part, int row, bool is_centred) {
     append(part, j, row, {}, kSpring);

@@ -1,23 +1,33 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
-#include <set>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/state/axis.h"
 #include "core/state/force.h"
 #include "core/state/state.h"
+#include "core/world/axis_table.h"
+#include "core/world/body_table.h"
+#include "core/world/breakable_joints.h"
+#include "core/world/collision_rules.h"
+#include "core/world/force_laws.h"
 #include "core/world/joint.h"
 #include "core/world/joint_properties.h"
+#include "core/world/joint_table.h"
+#include "core/world/material_table.h"
 #include "core/world/rigid_body.h"
 #include "core/world/shape.h"
+#include "core/world/shape_table.h"
+#include "core/world/sleep_table.h"
+#include "core/world/soft_joints.h"
 #include "core/world/world_identity.h"
+#include "core/world/world_versions.h"
 
 namespace taut {
 
@@ -57,11 +67,13 @@ class World {
   /// @throws std::invalid_argument for a missing joint or what check_joint() refuses.
   void set_break(JointId id, std::optional<BreakLimits> limits);
   /// The joints that can break, in ascending order.
-  std::span<const std::pair<JointId, BreakLimits>> breakable() const { return breakable_; }
+  std::span<const std::pair<JointId, BreakLimits>> breakable() const { return breakable_.all(); }
   /// Elasticity of a joint; nullopt: rigid.  Rows that become soft or rigid are a change of topology.
   /// @throws std::invalid_argument for a missing joint or what check_joint() refuses.
   void set_compliance(JointId id, std::optional<JointCompliance> compliance);
-  std::optional<JointCompliance> compliance(JointId id) const;  ///< none: rigid
+  std::optional<JointCompliance> compliance(JointId id) const {  ///< none: rigid
+    return soft_joints_.compliance(joints_.checked(id));
+  }
   /// Takes a joint out; it keeps id, name, axes and properties, and holds nothing.  Joints that couple its
   /// axes (gears, drivers) go with it.  Nothing happens if it is out already.
   void detach(JointId id);
@@ -71,8 +83,8 @@ class World {
   /// simulator before its next step.  A joint at the present poses is a new one, Ball::at() and its like.
   /// @throws std::invalid_argument for a joint that couples an axis of a detached one.
   void attach(JointId id);
-  bool is_attached(JointId id) const { return !detached_.contains(checked(id)); }  ///< not detached
-  int detached_count() const { return static_cast<int>(detached_.size()); }        ///< number of joints
+  bool is_attached(JointId id) const { return joints_.is_attached(joints_.checked(id)); }  ///< not detached
+  int detached_count() const { return joints_.detached_count(); }  ///< number of joints
   /// Energy in the springs, soft limits and compliance of one joint, detached or not [J].
   double spring_energy_of(JointId id, const State& state) const;
 
@@ -81,11 +93,13 @@ class World {
 
   /// A free axis by name.  @throws std::invalid_argument, which lists those of the joint, if there is none.
   AxisId axis(JointId joint, std::string_view name) const;
-  int axis_count(JointId joint) const;                                          ///< number of its free axes
-  const AxisInfo& axis_info(AxisId id) const { return axes_[axis_index(id)]; }  ///< its name and kind
+  int axis_count(JointId joint) const { return axes_.count_of(joint); }  ///< number of its free axes
+  const AxisInfo& axis_info(AxisId id) const { return axes_.info(axes_.checked(id)); }  ///< its name and kind
   /// Index of an axis in State::axes, and what acts along it.  @throws std::invalid_argument for none.  @{
-  int axis_index(AxisId id) const;
-  const AxisProperties& axis_properties(AxisId id) const { return axis_properties_[axis_index(id)]; }  /// @}
+  int axis_index(AxisId id) const { return axes_.checked(id); }
+  const AxisProperties& axis_properties(AxisId id) const {
+    return axes_.properties(axes_.checked(id));
+  }                                               /// @}
   bool has_axis_properties(JointId joint) const;  ///< any of its axes has one
   /// "elbow angle": joint and axis for messages.
   std::string axis_label(AxisId id) const;
@@ -137,8 +151,8 @@ class World {
   /// Gives a body a shape that others may share; it is checked again.  Otherwise as for a shape by value.
   ShapeId add_shape(BodyId body, std::shared_ptr<const Shape> shape, const Pose& pose = {},
                     const Material& material = {}, CollisionFilter filter = {});
-  int shape_count() const { return static_cast<int>(shapes_.size()); }         ///< of all bodies
-  const ShapeRecord& shape(ShapeId id) const { return shapes_[checked(id)]; }  ///< as added
+  int shape_count() const { return shapes_.count(); }                                  ///< of all bodies
+  const ShapeRecord& shape(ShapeId id) const { return shapes_[shapes_.checked(id)]; }  ///< as added
   /// Sets the material of a shape.  @throws std::invalid_argument for what check_material() refuses.
   void set_material(ShapeId id, const Material& material);
   /// A material with a name, which shapes can share and pairs can refer to.
@@ -147,11 +161,15 @@ class World {
   MaterialId add_material(std::string name, const Material& material);
   /// Makes a shape be of a material with a name.  @throws std::invalid_argument if there is no such one.
   void set_material(ShapeId id, MaterialId material);
-  int material_count() const { return static_cast<int>(materials_.size()); }                ///< with a name
-  const Material& material(MaterialId id) const { return materials_[checked(id)].second; }  ///< its values
-  const std::string& name(MaterialId id) const { return materials_[checked(id)].first; }    ///< its name
+  int material_count() const { return materials_.count(); }  ///< with a name
+  const Material& material(MaterialId id) const {
+    return materials_[materials_.checked(id)];
+  }  ///< its values
+  const std::string& name(MaterialId id) const {
+    return materials_.name(materials_.checked(id));
+  }  ///< its name
   /// A material by name.  @throws std::invalid_argument if there is none.
-  MaterialId material(std::string_view name) const;
+  MaterialId material(std::string_view name) const { return materials_.named(name); }
   /// The material of a contact between two shapes, in place of combined(): order does not matter.
   void set_contact_material(ShapeId a, ShapeId b, const Material& material);
   /// The material of contacts between all shapes of two materials, or of one, in place of combined().
@@ -167,33 +185,35 @@ class World {
   bool may_collide(ShapeId a, ShapeId b) const;
   /// Changes whenever a shape is added; collision detection starts afresh then.  Who may collide is asked
   /// each time, so that joints and set_collision() need not count here.
-  std::int64_t geometry_version() const { return geometry_version_; }
+  std::int64_t geometry_version() const { return versions_.geometry; }
 
   /// Gravitational acceleration [m/s²], (0, 0, −9.81) at first.
   void set_gravity(const Vec3& gravity);
   const Vec3& gravity() const { return gravity_; }  ///< [m/s²]
 
-  int body_count() const { return static_cast<int>(masses_.size()); }   ///< with the ground
-  int moving_body_count() const { return moving_count_; }               ///< not fixed
-  int joint_count() const { return static_cast<int>(joints_.size()); }  ///< detached ones too
-  int force_count() const { return static_cast<int>(forces_.size()); }  ///< without gravity
+  int body_count() const { return bodies_.count(); }                ///< with the ground
+  int moving_body_count() const { return bodies_.moving_count(); }  ///< not fixed
+  int joint_count() const { return joints_.count(); }               ///< detached ones too
+  int force_count() const { return forces_.count(); }               ///< without gravity
 
-  const MassProperties& mass_properties(BodyId id) const { return masses_[checked(id)]; }  ///< as given
-  bool is_fixed(BodyId id) const { return fixed_[checked(id)]; }                           ///< never moves
-  const std::string& name(BodyId id) const { return body_names_[checked(id)]; }            ///< its name
-  const std::string& name(JointId id) const { return joint_names_[checked(id)]; }          ///< its name
-  const Joint& joint(JointId id) const { return *joints_[checked(id)]; }                   ///< as added
-  const Force& force(ForceId id) const { return *forces_[checked(id)]; }  ///< as added or set
+  const MassProperties& mass_properties(BodyId id) const {
+    return bodies_.mass(bodies_.checked(id));
+  }                                                                                           ///< as given
+  bool is_fixed(BodyId id) const { return bodies_.is_fixed(bodies_.checked(id)); }            ///< never moves
+  const std::string& name(BodyId id) const { return bodies_.names()[bodies_.checked(id)]; }   ///< its name
+  const std::string& name(JointId id) const { return joints_.names()[joints_.checked(id)]; }  ///< its name
+  const Joint& joint(JointId id) const { return joints_[joints_.checked(id)]; }               ///< as added
+  const Force& force(ForceId id) const { return forces_[forces_.checked(id)]; }  ///< as added or set
   /// A body or joint by name, and whether it is there.  @throws std::invalid_argument if it is not.  @{
-  BodyId body(std::string_view name) const;
-  JointId joint(std::string_view name) const;
-  bool has_body(std::string_view name) const { return body_of_name_.contains(std::string(name)); }
-  bool has_joint(std::string_view name) const { return joint_of_name_.contains(std::string(name)); }  /// @}
+  BodyId body(std::string_view name) const { return {bodies_.names().index_of(name)}; }
+  JointId joint(std::string_view name) const { return {joints_.names().index_of(name)}; }
+  bool has_body(std::string_view name) const { return bodies_.names().contains(name); }
+  bool has_joint(std::string_view name) const { return joints_.names().contains(name); }  /// @}
 
-  const State& state() const { return state_; }                               ///< at present
-  const Pose& pose(BodyId id) const { return state_.poses[checked(id)]; }     ///< X_WB
-  const Twist& twist(BodyId id) const { return state_.twists[checked(id)]; }  ///< V_WB
-  double time() const { return state_.time; }                                 ///< [s]
+  const State& state() const { return state_; }                                       ///< at present
+  const Pose& pose(BodyId id) const { return state_.poses[bodies_.checked(id)]; }     ///< X_WB
+  const Twist& twist(BodyId id) const { return state_.twists[bodies_.checked(id)]; }  ///< V_WB
+  double time() const { return state_.time; }                                         ///< [s]
   /// Moves a body, also a fixed one, between steps.  @throws std::invalid_argument for the ground, or a pose
   /// that add_body() would refuse.
   void set_pose(BodyId id, const Pose& pose);
@@ -212,12 +232,12 @@ class World {
   // Sleep (world_sleep.cpp): a simulator that is asked to (Settings::sleep) lets groups of bodies that have
   // come to rest stay where they are, at no cost, until something wakes them.
 
-  bool is_asleep(BodyId id) const { return asleep_[checked(id)]; }  ///< it rests at no cost
-  int asleep_count() const { return asleep_count_; }                ///< number of bodies
+  bool is_asleep(BodyId id) const { return sleep_.is_asleep(bodies_.checked(id)); }  ///< it rests at no cost
+  int asleep_count() const { return sleep_.asleep_count(); }                         ///< number of bodies
   /// Counts how often a body was woken, asleep or not: its rest, if any, begins anew.
-  int wake_count(BodyId id) const { return stirs_[checked(id)]; }
+  int wake_count(BodyId id) const { return sleep_.wake_count(bodies_.checked(id)); }
   /// Neither fixed nor asleep.
-  bool moves(BodyId id) const { return !fixed_[checked(id)] && !asleep_[id.index]; }
+  bool moves(BodyId id) const { return !is_fixed(id) && !sleep_.is_asleep(id.index); }
   /// The body moves again, and with the next step all that fell asleep together with it.  What is set on a
   /// body, a joint of it or an axis of these wakes it without being asked; gravity, a force law that does not
   /// say on which bodies it acts, and what is set on a fixed body wake all.
@@ -229,16 +249,16 @@ class World {
   void forces(const State& state, std::span<Wrench> wrenches, Springs springs = Springs::kIncluded) const;
   /// True if any force law reads velocities.
   bool forces_depend_on_velocity(Springs springs = Springs::kIncluded) const {
-    return springs == Springs::kIncluded ? velocity_forces_ : velocity_laws_;
+    return forces_.depend_on_velocity(springs);
   }
   /// The force laws that are springs between two bodies, in the order of their ids.
-  std::span<const ForceId> springs() const { return springs_; }
+  std::span<const ForceId> springs() const { return forces_.springs(); }
   /// Adds the force laws that are not conservative, which `wrenches` need not be zeroed for, and returns the
   /// potential energy that these state (of a spring with a damper, for instance) [J].
   double add_dissipative_forces(const State& state, std::span<Wrench> wrenches,
                                 Springs springs = Springs::kIncluded) const;
   bool has_dissipative_forces(Springs springs = Springs::kIncluded) const {  ///< laws not conservative
-    return springs == Springs::kIncluded ? dissipative_forces_ : dissipative_laws_;
+    return forces_.are_dissipative(springs);
   }
   /// Potential energy [J]: −Σ m g·p over the moving bodies, plus what force laws, springs, soft limits and
   /// soft joints state; detached joints have none.
@@ -259,46 +279,27 @@ class World {
   /// Changes whenever a body, joint or spring between bodies is added, a spring gets other ends, a joint is
   /// detached or attached, becomes soft or rigid, or an axis gets its first property or loses its last;
   /// solvers rebuild their pattern then.
-  std::int64_t topology_version() const { return topology_version_; }
+  std::int64_t topology_version() const { return versions_.topology; }
   /// Changes whenever state, gravity or a force is set; solvers start afresh then.
-  std::int64_t state_version() const { return state_version_; }
+  std::int64_t state_version() const { return versions_.state; }
   /// Changes whenever a property of an axis is set; solvers read the new values and go on.
-  std::int64_t axis_version() const { return axis_version_; }
+  std::int64_t axis_version() const { return versions_.axes; }
   /// Changes whenever the strength of a joint, a material or who may collide is set, which solvers ask for
   /// each time; only what works on a changed copy of the world needs it.
-  std::int64_t property_version() const { return property_version_; }
+  std::int64_t property_version() const { return versions_.properties; }
   /// Changes whenever a body falls asleep or wakes; solvers rebuild their pattern then.
-  std::int64_t sleep_version() const { return sleep_version_; }
+  std::int64_t sleep_version() const { return versions_.sleep; }
 
  private:
   detail::WorldIdentity identity_;  // first, so that an assignment that it refuses changes nothing
 
-  int checked(BodyId id) const;
-  int checked(JointId id) const;
-  int checked(ForceId id) const;
-  int checked(ShapeId id) const;
-  int checked(MaterialId id) const;
-  bool no_rule_forbids(BodyId a, BodyId b) const;
-  void check_force(const Force* force) const;
-  void read_forces();
-  void read_force(int index);
   void append_joints(const World& other, const std::string& prefix, const Relocation& to);
   void append_shapes(const World& other, const std::string& prefix, const Relocation& to);
-  struct SoftJoint {
-    JointCompliance compliance;
-    std::vector<detail::RowGroup> rows;  // that it softens
-  };
-  static double elastic_energy(const SoftJoint& soft, const State& state);
-  void soften(JointId id, RowSink& sink) const;
-  void find_jointed_bodies();
-  void note_jointed_bodies(const Joint& joint);
-  int first_axis_index(JointId joint) const { return axis_start_[joint.index]; }
+  void check_state(const State& state) const;
   void require_position(AxisId id, const char* what) const;
   template <typename Property>
   void set_property(AxisId id, std::optional<Property> AxisProperties::*member,
                     std::optional<Property> value);
-
-  void check_state(const State& state) const;
   void put_to_sleep(BodyId id);
   void wake_or_all(const std::vector<BodyId>& bodies);
   void wake_bodies_of(JointId joint);
@@ -307,37 +308,19 @@ class World {
   friend class Rows;
   friend class MergedWorld;
   friend class Sleep;
-  std::vector<MassProperties> masses_;
-  std::vector<char> fixed_, asleep_;
-  std::vector<int> stirs_;
-  std::vector<std::string> body_names_, joint_names_;
-  std::unordered_map<std::string, int> body_of_name_, joint_of_name_;
-  std::vector<std::shared_ptr<const Joint>> joints_;
-  std::vector<std::shared_ptr<const Force>> forces_;
-  std::vector<int> axis_start_{0};  // first axis of each joint, then the number of axes
-  std::vector<AxisInfo> axes_;
-  std::vector<AxisProperties> axis_properties_;
+  detail::WorldVersions versions_;
+  detail::BodyTable bodies_;
+  detail::SleepTable sleep_;
   State state_;
   Vec3 gravity_{0, 0, -9.81};
-  std::vector<std::pair<JointId, BreakLimits>> breakable_;
-  std::map<int, SoftJoint> soft_;  // by joint index
-  std::set<int> detached_;
-  std::vector<ForceId> springs_;
-  // Of all force laws, and of those that are no springs.
-  bool velocity_forces_ = false, dissipative_forces_ = false;
-  bool velocity_laws_ = false, dissipative_laws_ = false;
-  int moving_count_ = 0, asleep_count_ = 0;
-  std::int64_t topology_version_ = 0, state_version_ = 0, axis_version_ = 0, property_version_ = 0,
-               sleep_version_ = 0, stir_version_ = 0;
-
-  // Shapes (world_shapes.cpp).  Pairs are stored smaller index first.
-  std::vector<ShapeRecord> shapes_;
-  std::map<std::pair<ShapeId, ShapeId>, Material> contact_materials_;
-  std::vector<std::pair<std::string, Material>> materials_;
-  std::map<std::pair<MaterialId, MaterialId>, Material> material_pairs_;
-  std::map<std::pair<BodyId, BodyId>, bool> collisions_;
-  std::set<std::pair<BodyId, BodyId>> jointed_;
-  std::int64_t geometry_version_ = 0;
+  detail::ForceLaws forces_;
+  detail::JointTable joints_;
+  detail::AxisTable axes_;
+  detail::BreakableJoints breakable_;
+  detail::SoftJoints soft_joints_;
+  detail::ShapeTable shapes_;
+  detail::MaterialTable materials_;
+  detail::CollisionRules collisions_;
 };
 
 }  // namespace taut

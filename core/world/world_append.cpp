@@ -95,6 +95,36 @@ class AppendedForce final : public Force {
 
 bool is_identity(const Pose& pose) { return pose.p.isZero(0) && pose.q.vec().isZero(0); }
 
+/// Names of the other world, with the prefix, that this one does not have yet.
+void check_free_names(const World& world, const World& other, const std::string& prefix, int first_body) {
+  for (int b = first_body; b < other.body_count(); ++b)
+    if (const std::string name = prefix + other.name(BodyId{b}); world.has_body(name))
+      fail("body", "name is already taken", name);
+  for (int j = 0; j < other.joint_count(); ++j)
+    if (const std::string name = prefix + other.name(JointId{j}); world.has_joint(name))
+      fail("joint", "name is already taken", name);
+  for (int m = 0; m < world.material_count(); ++m)
+    for (int k = 0; k < other.material_count(); ++k)
+      if (const std::string& name = world.name(MaterialId{m}); name == prefix + other.name(MaterialId{k}))
+        fail("material", "name is already taken", name);
+}
+
+/// All but the ground, moved by X if that is given.
+void append_bodies(World& world, const World& other, const std::string& prefix, const Pose* X) {
+  for (int b = 1; b < other.body_count(); ++b) {
+    const BodyId body{b};
+    const Pose& pose = other.pose(body);
+    const Twist& twist = other.twist(body);
+    BodySpec spec;
+    spec.name = prefix + other.name(body);
+    spec.mass = other.mass_properties(body);
+    spec.fixed = other.is_fixed(body);
+    spec.pose = X ? Pose{(X->q * pose.q).normalized(), X->point(pose.p)} : pose;
+    spec.twist = X ? Twist{X->q * twist.w, X->q * twist.v} : twist;
+    world.add_body(spec);
+  }
+}
+
 }  // namespace
 
 Relocation World::append(const World& other, const std::string& prefix, const Pose& placement) {
@@ -103,46 +133,28 @@ Relocation World::append(const World& other, const std::string& prefix, const Po
   require_all_finite("position of " + prefix + "ground", placement.p);
   require_unit("orientation of " + prefix + "ground", placement.q.coeffs());
   const bool placed = !is_identity(placement);
-  for (int b = placed ? 0 : 1; b < other.body_count(); ++b)
-    if (has_body(prefix + other.body_names_[b]))
-      fail("body", "name is already taken", prefix + other.body_names_[b]);
-  for (const std::string& name : other.joint_names_)
-    if (has_joint(prefix + name)) fail("joint", "name is already taken", prefix + name);
-  for (const auto& [name, material] : materials_)
-    for (const auto& [appended, same] : other.materials_)
-      if (name == prefix + appended) fail("material", "name is already taken", name);
+  check_free_names(*this, other, prefix, placed ? 0 : 1);
 
   const Pose X{placement.q.normalized(), placement.p};
   Relocation to;
   if (placed) {
     BodySpec ground;
-    ground.name = prefix + other.body_names_[0];
+    ground.name = prefix + other.name(kGround);
     ground.pose = X;
     ground.fixed = true;
     to.ground = add_body(ground);
   }
   to.bodies = body_count() - 1;
   to.joints = joint_count();
-  to.axes = axis_start_.back();
+  to.axes = axes_.count();
   to.shapes = shape_count();
   to.forces = force_count();
-  for (int b = 1; b < other.body_count(); ++b) {
-    const Pose& pose = other.state_.poses[b];
-    const Twist& twist = other.state_.twists[b];
-    BodySpec spec;
-    spec.name = prefix + other.body_names_[b];
-    spec.mass = other.masses_[b];
-    spec.fixed = other.fixed_[b];
-    spec.pose = placed ? Pose{(X.q * pose.q).normalized(), X.point(pose.p)} : pose;
-    spec.twist = placed ? Twist{X.q * twist.w, X.q * twist.v} : twist;
-    add_body(spec);
-  }
+  append_bodies(*this, other, prefix, placed ? &X : nullptr);
   append_joints(other, prefix, to);
   append_shapes(other, prefix, to);
-  for (const auto& force : other.forces_) {
+  for (const auto& force : other.forces_.all()) {
     auto moved = force->relocated(to, X);
-    if (!moved)
-      moved = std::make_shared<AppendedForce>(force, to, other.body_count(), other.axis_start_.back());
+    if (!moved) moved = std::make_shared<AppendedForce>(force, to, other.body_count(), other.axes_.count());
     add_force(std::move(moved));
   }
   return to;
@@ -150,33 +162,37 @@ Relocation World::append(const World& other, const std::string& prefix, const Po
 
 void World::append_joints(const World& other, const std::string& prefix, const Relocation& to) {
   for (int j = 0; j < other.joint_count(); ++j)
-    add_joint(prefix + other.joint_names_[j], std::make_shared<const AppendedJoint>(other.joints_[j], to));
-  for (std::size_t k = 0; k < other.axes_.size(); ++k) {
-    axis_properties_[to.axes + k] = other.axis_properties_[k];
+    add_joint(prefix + other.name(JointId{j}),
+              std::make_shared<const AppendedJoint>(other.joints_.shared(j), to));
+  for (int k = 0; k < other.axes_.count(); ++k) {
+    axes_.properties(to.axes + k) = other.axes_.properties(k);
     state_.axes[to.axes + k] = other.state_.axes[k];
   }
-  for (const auto& [joint, limits] : other.breakable_) set_break(to(joint), limits);
-  for (const auto& [joint, soft] : other.soft_) set_compliance(to(JointId{joint}), soft.compliance);
-  for (int joint : other.detached_) detach(to(JointId{joint}));
+  for (const auto& [joint, limits] : other.breakable()) set_break(to(joint), limits);
+  for (const auto& [joint, compliance] : other.soft_joints_.compliances())
+    set_compliance(to(JointId{joint}), compliance);
+  for (int joint : other.joints_.detached()) detach(to(JointId{joint}));
 }
 
 void World::append_shapes(const World& other, const std::string& prefix, const Relocation& to) {
   const int first_material = material_count();
   const auto moved = [&](MaterialId id) { return id.index < 0 ? id : MaterialId{id.index + first_material}; };
-  for (const auto& [name, material] : other.materials_) add_material(prefix + name, material);
-  for (const auto& [pair, material] : other.material_pairs_)
+  for (int m = 0; m < other.material_count(); ++m)
+    add_material(prefix + other.name(MaterialId{m}), other.material(MaterialId{m}));
+  for (const auto& [pair, material] : other.materials_.pairs())
     set_contact_material(moved(pair.first), moved(pair.second), material);
-  for (ShapeRecord record : other.shapes_) {
+  for (ShapeRecord record : other.shapes_.all()) {
     record.body = to(record.body);
     record.owner = to(record.owner);
     record.named = moved(record.named);
-    shapes_.push_back(std::move(record));
+    shapes_.add(std::move(record));
   }
-  for (const auto& [pair, material] : other.contact_materials_)
+  for (const auto& [pair, material] : other.shapes_.pairs())
     set_contact_material(to(pair.first), to(pair.second), material);
-  for (const auto& [pair, may] : other.collisions_) set_collision(to(pair.first), to(pair.second), may);
-  if (!other.shapes_.empty()) wake_all();
-  ++geometry_version_;
+  for (const auto& [pair, may] : other.collisions_.overrides())
+    set_collision(to(pair.first), to(pair.second), may);
+  if (other.shape_count() > 0) wake_all();
+  ++versions_.geometry;
 }
 
 }  // namespace taut

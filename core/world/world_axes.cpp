@@ -11,7 +11,7 @@ namespace taut {
 AxisId World::axis(JointId joint, std::string_view name) const {
   std::string known;
   for (int k = 0; k < axis_count(joint); ++k) {
-    const std::string& here = axes_[axis_start_[joint.index] + k].name;
+    const std::string& here = axis_info({joint, k}).name;
     if (here == name) return {joint, k};
     known += (k > 0 ? ", " : "") + here;
   }
@@ -19,19 +19,9 @@ AxisId World::axis(JointId joint, std::string_view name) const {
        known.empty() ? "the joint has no free axis" : "there is none of this name, only " + known, name);
 }
 
-int World::axis_count(JointId joint) const {
-  const int j = checked(joint);
-  return axis_start_[j + 1] - axis_start_[j];
-}
-
-int World::axis_index(AxisId id) const {
-  if (id.axis < 0 || id.axis >= axis_count(id.joint)) fail("axis id", "no such axis", id.axis);
-  return axis_start_[id.joint.index] + id.axis;
-}
-
 bool World::has_axis_properties(JointId joint) const {
-  const auto first = axis_properties_.begin() + axis_start_[checked(joint)];
-  return std::any_of(first, first + axis_count(joint), [](const AxisProperties& p) { return p.any(); });
+  const std::span<const AxisProperties> properties = axes_.properties_of(joint);
+  return std::any_of(properties.begin(), properties.end(), [](const auto& p) { return p.any(); });
 }
 
 std::string World::axis_label(AxisId id) const { return name(id.joint) + " " + axis_info(id).name; }
@@ -40,14 +30,14 @@ template <typename Property>
 void World::set_property(AxisId id, std::optional<Property> AxisProperties::*member,
                          std::optional<Property> value) {
   identity_.require_free();
-  AxisProperties& properties = axis_properties_[axis_index(id)];
+  AxisProperties& properties = axes_.properties(axis_index(id));
   if (value) check_axis(axis_label(id), *value);
   const bool before = properties.any();
   const auto swing = swing_properties(*this, id.joint);
   properties.*member = std::move(value);
   wake_bodies_of(id.joint);
-  if (properties.any() != before || swing_properties(*this, id.joint) != swing) ++topology_version_;
-  ++axis_version_;
+  if (properties.any() != before || swing_properties(*this, id.joint) != swing) ++versions_.topology;
+  ++versions_.axes;
 }
 
 void World::require_position(AxisId id, const char* what) const {
@@ -74,14 +64,14 @@ void World::set_spring(AxisId id, std::optional<AxisSpring> spring) {
 
 void World::set_motor_target(AxisId id, double target) {
   identity_.require_free();
-  AxisProperties& properties = axis_properties_[axis_index(id)];
+  AxisProperties& properties = axes_.properties(axis_index(id));
   if (!properties.motor) fail("motor target of " + axis_label(id), "the axis has no motor", target);
   if (properties.motor->mode == AxisMotor::Mode::kTrajectory)
     fail("motor target of " + axis_label(id), "the motor follows a trajectory", target);
   if (!std::isfinite(target)) fail("motor target of " + axis_label(id), "must be finite", target);
   if (properties.motor->target != target) wake_bodies_of(id.joint);
   properties.motor->target = target;
-  ++axis_version_;
+  ++versions_.axes;
 }
 
 double World::axis_value(AxisId id) const {
@@ -111,7 +101,7 @@ void World::set_axis_turns(AxisId id, double value) {
   state_.axes[index] = value;
   state_.axes[index] = axis_value(id);
   wake_bodies_of(id.joint);
-  ++state_version_;
+  ++versions_.state;
 }
 
 }  // namespace taut

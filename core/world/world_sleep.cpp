@@ -7,20 +7,14 @@ namespace taut {
 void World::put_to_sleep(BodyId id) {
   identity_.require_free();
   if (!moves(id)) return;
-  asleep_[id.index] = true;
-  ++asleep_count_;
+  sleep_.set_asleep(id.index, true);
   state_.twists[id.index] = {};
-  ++sleep_version_;
+  ++versions_.sleep;
 }
 
 void World::wake(BodyId id) {
   identity_.require_free();
-  ++stirs_[checked(id)];
-  ++stir_version_;
-  if (!asleep_[id.index]) return;
-  asleep_[id.index] = false;
-  --asleep_count_;
-  ++sleep_version_;
+  if (sleep_.wake(bodies_.checked(id))) ++versions_.sleep;
 }
 
 void World::wake_all() {
@@ -34,16 +28,16 @@ void World::wake_or_all(const std::vector<BodyId>& bodies) {
 }
 
 void World::wake_bodies_of(JointId id) {
-  for (BodyId body : joints_[id.index]->bodies()) wake(body);
+  for (BodyId body : joints_[id.index].bodies()) wake(body);
 }
 
 /// Before that state is taken over.
 void World::wake_moved(const State& state) {
-  for (int b = 0; b < body_count() && asleep_count_ > 0; ++b) {
+  for (int b = 0; b < body_count() && asleep_count() > 0; ++b) {
     const Twist& V = state.twists[b];
-    if (!fixed_[b] && !asleep_[b]) continue;
+    if (moves({b})) continue;
     if (same(state.poses[b], state_.poses[b]) && V.w.isZero(0) && V.v.isZero(0)) continue;
-    fixed_[b] ? wake_all() : wake({b});
+    bodies_.is_fixed(b) ? wake_all() : wake({b});
   }
 }
 
