@@ -8,20 +8,6 @@
 #include "core/base/interruption.h"
 
 namespace taut {
-namespace {
-
-/// Block rounds without fewer wrong rows before one row at a time is moved [JudicePires1994].
-constexpr int kBlockTrials = 10;
-/// Rounds of one search: this many, and one more for every fourth bounded row.
-constexpr int kMaxRounds = 60;
-/// A multiplier or rate outside its segment by less than this part of the scale stays: a tenth of the default
-/// tolerance of the residual.
-constexpr double kDecision = 1e-10;
-/// Free rows are refined until they are this near to their targets, or stay where they are.
-constexpr double kRefined = 1e-12;
-constexpr int kMaxPasses = 10;
-
-}  // namespace
 
 std::string_view to_string(ActiveSetStatus status) {
   switch (status) {
@@ -117,17 +103,14 @@ ActiveSetOutcome ActiveSet::solve(std::span<const RowLaw> laws, std::span<const 
 }
 
 ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome) {
-  int fewest = std::numeric_limits<int>::max(), trials = kBlockTrials;
+  int fewest = std::numeric_limits<int>::max(), trials = Tuning::kBlockTrials;
   const auto bounded = std::count_if(problem.laws.begin(), problem.laws.end(),
                                      [](const RowLaw& law) { return law.bounded(); });
-  const int most = problem.settings.max_rounds;
-  for (int rounds = most >= 0 ? most : kMaxRounds + static_cast<int>(bounded) / 4;; --rounds) {
-    // A singular factor and its updates leave noise that pivoting can trip over: no updates when it
-    // struggles.
-    const bool update = problem.settings.update_factor && (trials > 0 || !system_.singular());
-    const Start start = problem.settings.keep_null_space ? Start::kKeep : Start::kLeastNorm;
-    if (!solve_segments(problem, start, update ? update_budget() : -1, times, outcome))
-      return Search::kNotFinite;
+  const int most = problem.settings.max_rounds >= 0
+                       ? problem.settings.max_rounds
+                       : Tuning::kMaxRounds + static_cast<int>(bounded) / Tuning::kRowsOfARound;
+  for (int rounds = most;; --rounds) {
+    if (!solve_trial(problem, trials == 0, times, outcome)) return Search::kNotFinite;
     const int wrong = find_wrong_rows(problem);
     if (wrong == 0) return Search::kFound;
     detail::poll_interrupt();
@@ -135,18 +118,32 @@ ActiveSet::Search ActiveSet::search(const Problem& problem, StageTimes& times, A
     if (rounds == 0) return Search::kStalled;
     if (wrong < fewest) {
       fewest = wrong;
-      trials = kBlockTrials;
+      trials = Tuning::kBlockTrials;
     } else if (trials > 0) {
       --trials;
     }
-    ++outcome.rounds;
-    if (trials == 0) ++outcome.least_index_rounds;
-    for (std::size_t r = 0; r < moves_.size(); ++r) {
-      if (moves_[r] == 0) continue;
-      segments_[r] += moves_[r];
-      ++outcome.pivots;
-      if (trials == 0) break;
-    }
+    move_wrong_rows(trials == 0, outcome);
+  }
+}
+
+/// The present segments.  A singular factor and its updates leave noise that pivoting can trip over: no
+/// updates when it struggles.
+bool ActiveSet::solve_trial(const Problem& problem, bool struggles, StageTimes& times,
+                            ActiveSetOutcome& outcome) {
+  const bool update = problem.settings.update_factor && (!struggles || !system_.singular());
+  const Start start = problem.settings.keep_null_space ? Start::kKeep : Start::kLeastNorm;
+  return solve_segments(problem, start, update ? update_budget() : -1, times, outcome);
+}
+
+/// All wrong rows by one segment, or the one of least index.
+void ActiveSet::move_wrong_rows(bool only_first, ActiveSetOutcome& outcome) {
+  ++outcome.rounds;
+  if (only_first) ++outcome.least_index_rounds;
+  for (std::size_t r = 0; r < moves_.size(); ++r) {
+    if (moves_[r] == 0) continue;
+    segments_[r] += moves_[r];
+    ++outcome.pivots;
+    if (only_first) break;
   }
 }
 
@@ -168,7 +165,7 @@ bool ActiveSet::solve_segments(const Problem& problem, Start start, int budget, 
       problem.lambda[r] = 0;
   }
   off_target_ = collect_residual(problem);
-  for (int pass = 0; pass < kMaxPasses && off_target_ > kRefined * scale_; ++pass) {
+  for (int pass = 0; pass < Tuning::kMaxPasses && off_target_ > Tuning::kRefined * scale_; ++pass) {
     std::copy(residual_.begin(), residual_.end(), decision_.begin());
     updates_.solve(decision_);
     for (std::size_t r = 0; r < states_.size(); ++r) problem.lambda[r] += decision_[r];
@@ -178,7 +175,7 @@ bool ActiveSet::solve_segments(const Problem& problem, Start start, int budget, 
       for (std::size_t r = 0; r < states_.size(); ++r) problem.lambda[r] -= decision_[r];
       off_target_ = collect_residual(problem);
     }
-    if (!(off_target_ < 0.5 * before) && pass > 0) break;
+    if (!(off_target_ < Tuning::kPassProgress * before) && pass > 0) break;
   }
   return std::isfinite(off_target_);
 }
@@ -213,9 +210,9 @@ double ActiveSet::collect_residual(const Problem& problem) {
 bool ActiveSet::impulses_to_decide_by(const Problem& problem) {
   bool missed = false;
   for (std::size_t r = 0; r < states_.size() && !missed; ++r)
-    missed =
-        std::abs(residual_[r]) > std::max(kDecision * scale_ * root_[r], problem.settings.rate_tolerance) &&
-        states_[r] == 0;
+    missed = std::abs(residual_[r]) >
+                 std::max(Tuning::kDecision * scale_ * root_[r], problem.settings.rate_tolerance) &&
+             states_[r] == 0;
   if (!missed) {
     std::copy(problem.lambda.begin(), problem.lambda.end(), decision_.begin());
     return false;
@@ -228,10 +225,10 @@ bool ActiveSet::impulses_to_decide_by(const Problem& problem) {
 
 /// Which rows have left their segments, and to which side.
 int ActiveSet::find_wrong_rows(const Problem& problem) {
-  double rate_slack = kDecision * scale_, impulse_slack = rate_slack;
+  double rate_slack = Tuning::kDecision * scale_, impulse_slack = rate_slack;
   if (impulses_to_decide_by(problem) && system_.singular()) {
     // Round-off in the null space is magnified by 1 / ε.
-    const double noise = 16 * std::numeric_limits<double>::epsilon() / system_.factored_shift();
+    const double noise = Tuning::kNoise / system_.factored_shift();
     double largest = 0;
     for (std::size_t r = 0; r < states_.size(); ++r)
       largest = std::max(largest, root_[r] * std::abs(decision_[r]));
@@ -278,11 +275,11 @@ void ActiveSet::keep_best(const Problem& problem) {
   std::copy(problem.lambda.begin(), problem.lambda.end(), best_lambda_.begin());
 }
 
-/// Back-solves that cost less than a factorisation: measured 6 for chains (9 flops per entry of L), 8 to 10
-/// for nets (30 to 80).  A column of an update costs a little more than its back-solve.
+/// Columns of an update that cost less than a factorisation.
 int ActiveSet::update_budget() const {
   const double per_entry = system_.factor().flops() / static_cast<double>(system_.factor().nonzeros());
-  return std::clamp(4 + static_cast<int>(per_entry / 16), 4, RowUpdates::kMaxRows);
+  const int more = static_cast<int>(per_entry / Tuning::kFlopsOfAColumn);
+  return std::clamp(Tuning::kLeastColumns + more, Tuning::kLeastColumns, RowUpdates::kMaxRows);
 }
 
 }  // namespace taut

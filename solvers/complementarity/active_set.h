@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -21,6 +22,34 @@ enum class ActiveSetStatus {
   kNotFinite,      ///< the matrix, b or the guess is not finite; λ is set to 0
 };
 std::string_view to_string(ActiveSetStatus status);
+
+/// Constants of the active set and its descent: parts and counts.
+struct ActiveSetTuning {
+  /// Block rounds without fewer wrong rows before one row at a time is moved [JudicePires1994].
+  static constexpr int kBlockTrials = 10;
+  /// Rounds of one search: this many, and one more for every so many bounded rows.
+  static constexpr int kMaxRounds = 60, kRowsOfARound = 4;
+  /// A multiplier or rate outside its segment by less than this part of the scale stays: a tenth of the
+  /// default tolerance of the residual.
+  static constexpr double kDecision = 1e-10;
+  /// Round-off of impulses in the null space, which is magnified by 1 / ε.
+  static constexpr double kNoise = 16 * std::numeric_limits<double>::epsilon();
+  /// Free rows are refined until they are this near to their targets, as a part of the scale, or stay where
+  /// they are.
+  static constexpr double kRefined = 1e-12;
+  static constexpr int kMaxPasses = 10;
+  /// A pass of the refinement that leaves more than this is the last.
+  static constexpr double kPassProgress = 0.5;
+  /// Sweeps of Gauss–Seidel before each minimisation of the descent.
+  static constexpr int kSweeps = 2;
+  /// Bisections of its line search: to round-off.
+  static constexpr int kHalvings = 60;
+  /// Columns of an update of the factor in place of a new one: the first number, and one more for every so
+  /// many flops per entry of L.  Measured: a factorisation costs 6 back-solves for chains (9 flops per
+  /// entry), 8 to 10 for nets (30 to 80); a column costs a little more than its back-solve.
+  static constexpr int kLeastColumns = 4;
+  static constexpr double kFlopsOfAColumn = 16;
+};
 
 struct ActiveSetSettings {
   double tolerance = 1e-9;    ///< of the natural residual, see ActiveSetOutcome
@@ -85,6 +114,8 @@ class ActiveSet {
   void transfer(Archive& archive);
 
  private:
+  using Tuning = ActiveSetTuning;
+
   struct Problem {
     std::span<const RowLaw> laws;
     std::span<const double> b;
@@ -97,6 +128,8 @@ class ActiveSet {
                        std::span<const double> lambda);
   void states_from_segments(std::span<const RowLaw> laws);
   Search search(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
+  bool solve_trial(const Problem& problem, bool struggles, StageTimes& times, ActiveSetOutcome& outcome);
+  void move_wrong_rows(bool only_first, ActiveSetOutcome& outcome);
   enum class Start { kLeastNorm, kKeep };
   bool solve_segments(const Problem& problem, Start start, int budget, StageTimes& times,
                       ActiveSetOutcome& outcome);

@@ -13,19 +13,13 @@
 /// minimisation on the segments that result, cut short by a line search [MoreToraldo1991].
 /// (solvers/complementarity, "The active set")
 namespace taut {
-namespace {
-
-constexpr int kSweeps = 2;
-constexpr int kHalvings = 60;
-
-}  // namespace
 
 ActiveSet::Search ActiveSet::descend(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome) {
   bool at_minimum = true;  // of E on the present segments
   while (outcome.descent_rounds++ < problem.settings.max_descent_rounds) {
     detail::poll_interrupt();
     if (at_minimum) {
-      (void)gauss_seidel_.solve(problem.laws, problem.b, problem.lambda, kSweeps, 0);
+      (void)gauss_seidel_.solve(problem.laws, problem.b, problem.lambda, Tuning::kSweeps, 0);
       for (std::size_t r = 0; r < segments_.size(); ++r)
         segments_[r] = problem.laws[r].segment_at(problem.lambda[r]);
     }
@@ -96,7 +90,7 @@ std::pair<double, double> ActiveSet::line_search(const Problem& problem) const {
     stays = decision_[r] == 0 || segments_[r] == problem.laws[r].segment_at(start_lambda_[r] + decision_[r]);
   if (stays || derivative(1) <= 0) return {1, 1};
   double low = 0, high = 1;
-  for (int i = 0; i < kHalvings; ++i) {
+  for (int i = 0; i < Tuning::kHalvings; ++i) {
     const double middle = 0.5 * (low + high);
     (derivative(middle) <= 0 ? low : high) = middle;
   }

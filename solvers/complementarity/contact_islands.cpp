@@ -5,11 +5,10 @@
 #include <numeric>
 #include <utility>
 
+#include "solvers/complementarity/contact_solver_tuning.h"
+
 namespace taut {
 namespace {
-
-/// Rows of islands beyond the largest one from which on threads pay.
-constexpr int kRowsForThreads = 120;
 
 template <typename Value>
 void pick(std::span<const Value> whole, std::span<const int> rows, std::vector<Value>& part) {
@@ -30,6 +29,12 @@ ContactIslands::ContactIslands(ConstraintSystem& system, ContactForces& contacts
                                int threads)
     : system_(system), contacts_(contacts), whole_(whole), threads_(detail::thread_count(threads)) {
   scratch_.resize(threads_);
+}
+
+void ContactIslands::restore(bool known) {
+  islands_.clear();
+  known_ = false;
+  if (known) find();
 }
 
 /// What connects moving bodies, in the order of their first bodies.
@@ -113,7 +118,7 @@ void ContactIslands::plan() {
   std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) { return rows_of(a) > rows_of(b); });
   std::size_t others = 0;
   for (std::size_t i = 1; i < order_.size(); ++i) others += rows_of(order_[i]);
-  parallel_ = threads_ > 1 && others >= kRowsForThreads;
+  parallel_ = threads_ > 1 && others >= ContactSolverTuning::kRowsForThreads;
   if (parallel_ && !pool_) pool_ = std::make_unique<detail::ThreadPool>(threads_);
 }
 

@@ -7,23 +7,6 @@
 #include "solvers/common/max_abs.h"
 
 namespace taut {
-namespace {
-
-/// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
-/// more than that part of the largest.
-constexpr int kFirstSweeps = 300;
-constexpr double kSwept = 1e-10;
-/// Σ over S_rr where contacts are locked: impulses that mend what dependent rows contradict each other by are
-/// at most so many times larger.
-constexpr double kSoft = 1e-2;
-/// Sweeps where Newton's method was not enough.
-constexpr int kLastSweeps = 1000;
-/// Newton steps in which contacts that stick are to find a division of the load that holds them.
-constexpr int kStepsToHold = 150;
-/// More solves because static friction let go.
-constexpr int kMaxContactSolves = 40;
-
-}  // namespace
 
 ContactSolver::ContactSolver(ConstraintSystem& system, ContactLaws& contacts)
     : system_(system), contacts_(contacts), newton_(system), locked_(system) {}
@@ -31,13 +14,6 @@ ContactSolver::ContactSolver(ConstraintSystem& system, ContactLaws& contacts)
 ImpulseIteration& ContactSolver::iteration() {
   if (!iteration_) iteration_.emplace(system_);
   return *iteration_;
-}
-
-void StageRecord::add(const StageRecord& other) {
-  times += other.times;
-  iterations += other.iterations;
-  residual = std::max(residual, other.residual);
-  loose = std::max(loose, other.loose);
 }
 
 double ContactSolver::distance(const StageProblem& problem, double rate_tolerance) const {
@@ -60,7 +36,8 @@ double ContactSolver::distance(const StageProblem& problem, double rate_toleranc
 bool ContactSolver::rests(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
   if (!contacts_.rest() || !contacts_.is_clear(problem.lambda)) return false;
   system_.rates(problem.lambda, problem.b, problem.w);
-  return meets_laws(problem, kHeld, rate_tolerance, record) || rests_locked(problem, rate_tolerance, record);
+  return meets_laws(problem, Tuning::kHeld, rate_tolerance, record) ||
+         rests_locked(problem, rate_tolerance, record);
 }
 
 bool ContactSolver::meets_laws(const StageProblem& problem, double tolerance, double rate_tolerance,
@@ -76,7 +53,8 @@ bool ContactSolver::meets_laws(const StageProblem& problem, double tolerance, do
 /// What presses at the impulses of before goes on with the division of the load that it has: all of it as
 /// equalities, of which the solve changes those impulses only by what their rates lack.
 bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
-  if (contacts_.soft() || !contacts_.all_stick(problem.lambda) || distance(problem, rate_tolerance) > kNear)
+  if (contacts_.soft() || !contacts_.all_stick(problem.lambda) ||
+      distance(problem, rate_tolerance) > Tuning::kNear)
     return false;
   locked_laws_.assign(problem.laws.begin(), problem.laws.end());
   contacts_.held_laws(problem.lambda, locked_laws_);
@@ -85,7 +63,7 @@ bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolera
   locked.lambda = held_;
   const PrimalDualOutcome outcome =
       locked_.solve(locked_laws_, problem.b, held_, problem.w,
-                    {.rate_tolerance = rate_tolerance, .softness = kSoft}, record.times);
+                    {.rate_tolerance = rate_tolerance, .softness = Tuning::kLockedSoftness}, record.times);
   record.iterations += outcome.iterations;
   if (!meets_laws(locked, NewtonLimits().most, rate_tolerance, record)) return false;
   std::copy(held_.begin(), held_.end(), problem.lambda.begin());
@@ -111,11 +89,11 @@ void ContactSolver::sweep_guess(const StageProblem& problem, double rate_toleran
   for (std::size_t r = 0; r < problem.b.size(); ++r)
     size = std::max(size, std::abs(problem.b[r]) * std::sqrt(problem.inertia[r]));
   const double off = distance(problem, rate_tolerance);
-  if (off <= kNear) return;
+  if (off <= Tuning::kNear) return;
   held_.assign(problem.lambda.begin(), problem.lambda.end());
   StageProblem swept = problem;
   swept.lambda = held_;
-  const IterationLimits limits{.sweeps = kFirstSweeps, .tolerance = kSwept * size};
+  const IterationLimits limits{.sweeps = Tuning::kFirstSweeps, .tolerance = Tuning::kSwept * size};
   (void)iteration().solve(contacts_, problem.laws, problem.b, held_, problem.w, limits, {});
   if (distance(swept, rate_tolerance) < off) std::copy(held_.begin(), held_.end(), problem.lambda.begin());
 }
@@ -126,7 +104,7 @@ bool ContactSolver::solve_by_newton(const StageProblem& problem, const NewtonLim
   if (newton_.is_heap() && !(contacts_.soft() && with_joints)) sweep_guess(problem, limits.rate_tolerance);
   for (int solve = 0;; ++solve) {
     if (!run_newton(problem, limits, record).converged) return false;
-    if (solve == kMaxContactSolves || !contacts_.slips_where_it_held()) return true;
+    if (solve == Tuning::kMaxSolves || !contacts_.slips_where_it_held()) return true;
     if (search_sticking_solution(problem, limits.rate_tolerance, record) || !contacts_.weakened())
       return true;
   }
@@ -146,7 +124,7 @@ NewtonOutcome ContactSolver::run_newton(const StageProblem& problem, const Newto
 bool ContactSolver::search_sticking_solution(const StageProblem& problem, double rate_tolerance,
                                              StageRecord& record) {
   const std::span<double> lambda = problem.lambda;
-  NewtonLimits limits{.rate_tolerance = rate_tolerance, .iterations = kStepsToHold, .holding = true};
+  NewtonLimits limits{.rate_tolerance = rate_tolerance, .iterations = Tuning::kStepsToHold, .holding = true};
   limits.most = limits.tolerance;
   if (!contacts_.begin_stick_search(lambda, problem.w)) return false;
   unshared_.assign(lambda.begin(), lambda.end());
@@ -178,7 +156,7 @@ bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tol
   if (inexact == 0 || contacts_.count() == 0) return false;
   const double best = distance(problem, rate_tolerance);
   held_.assign(problem.lambda.begin(), problem.lambda.end());
-  double residual = sweep(problem, kLastSweeps, rate_tolerance);
+  double residual = sweep(problem, Tuning::kLastSweeps, rate_tolerance);
   if (!(residual < best) || !newton_.holds_joints(problem.laws, problem.w, rate_tolerance)) {
     residual = best;
     std::copy(held_.begin(), held_.end(), problem.lambda.begin());

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "solvers/complementarity/contact_newton.h"
+#include "solvers/complementarity/contact_solver_tuning.h"
 #include "solvers/complementarity/impulse_iteration.h"
 #include "solvers/complementarity/primal_dual_active_set.h"
+#include "solvers/complementarity/stage_problem.h"
 #include "solvers/laws/contact_laws.h"
 #include "solvers/system/constraint_system.h"
 
@@ -14,34 +16,12 @@ namespace taut {
 
 class Archive;
 
-/// One stage of a step: w = S λ + b with a law for each row.
-struct StageProblem {
-  std::span<const RowLaw> laws;
-  std::span<const double> b;        ///< rates without λ
-  std::span<const double> inertia;  ///< 1 / S_rr
-  std::span<double> lambda, w;      ///< a guess, then the result
-};
-
-/// What solving one has taken, and how good it is.
-struct StageRecord {
-  StageTimes times;
-  int iterations = 0;   ///< Newton steps
-  double residual = 0;  ///< largest natural map of what was taken as met, relative
-  double loose = 0;     ///< the same beyond 1e-8, where that may be taken
-
-  void add(const StageRecord& other);
-};
-
 /// Stages with contacts, through the bodies: as impulses are where all rests, or with contacts locked, else
 /// by Newton's method, then with friction that holds where some division of the load allows it, or at last by
 /// sweeps.  For a whole system or an island of it.
 /// (solvers/complementarity, "Ladder")
 class ContactSolver {
  public:
-  /// Impulses of before are taken over if they are off their laws by no more than this part, and mended where
-  /// they are by no more than that.
-  static constexpr double kHeld = 1e-9, kNear = 1e-3;
-
   ContactSolver(ConstraintSystem& system, ContactLaws& contacts);
 
   /// For other rows of the system.
@@ -72,6 +52,8 @@ class ContactSolver {
   void forget_factor() { locked_.forget_factor(); }
 
  private:
+  using Tuning = ContactSolverTuning;
+
   bool meets_laws(const StageProblem& problem, double tolerance, double rate_tolerance, StageRecord& record);
   bool rests_locked(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   void sweep_guess(const StageProblem& problem, double rate_tolerance);

@@ -12,15 +12,9 @@
 namespace taut {
 namespace {
 
-/// Sweeps over a level before it is taken as immovable.
-constexpr int kLevelSweeps = 10;
-/// Joints of more rows are solved row by row.
-constexpr int kMostRows = 6;
-/// Part of S added to the diagonal of a joint's own block, whose rows may depend on each other.
-constexpr double kShift = 1e-12;
-
-using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
-using BlockVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1>;
+constexpr int kMostBlockRows = ImpulseIterationTuning::kMostRows;
+using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostBlockRows, kMostBlockRows>;
+using BlockVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostBlockRows, 1>;
 using SixRow = Eigen::Map<const Eigen::Matrix<double, 1, 6>>;
 
 }  // namespace
@@ -143,9 +137,9 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
 double ImpulseIteration::relax_joint(const Problem& problem, int block) {
   const Rows::JointRows& rows = system_.rows().joints()[block];
   const int first = rows.first_row, count = rows.equality_count;
-  const bool together =
-      count <= kMostRows && std::none_of(problem.laws.begin() + first, problem.laws.begin() + first + count,
-                                         [](const RowLaw& law) { return law.bounded(); });
+  const bool together = count <= Tuning::kMostRows &&
+                        std::none_of(problem.laws.begin() + first, problem.laws.begin() + first + count,
+                                     [](const RowLaw& law) { return law.bounded(); });
   double largest = 0;
   if (together && count > 0) {
     const double* W = system_.weighted().data();
@@ -162,7 +156,7 @@ double ImpulseIteration::relax_joint(const Problem& problem, int block) {
     }
     if (!(S.diagonal().minCoeff() > 0)) return 0;  // nothing moves
     const BlockVector root = S.diagonal().cwiseSqrt();
-    S.diagonal() *= 1 + kShift;
+    S.diagonal() *= 1 + Tuning::kShift;
     const BlockVector by = S.ldlt().solve(off);
     if (!by.allFinite()) return std::numeric_limits<double>::quiet_NaN();
     for (int i = 0; i < count; ++i) change(problem, first + i, by[i]);
@@ -300,7 +294,7 @@ void ImpulseIteration::propagate(const Problem& problem) {
       const Rows::JointRows& joint = rows.joints()[order_[k]];
       for (int r = joint.first_row; r < joint.first_row + joint.row_count; ++r) own_[r] = own(r);
     }
-    for (int pass = 0; pass < kLevelSweeps; ++pass)
+    for (int pass = 0; pass < Tuning::kLevelSweeps; ++pass)
       for (std::size_t k = from; k < to; ++k)
         if (rows.joints()[order_[k]].row_count > 0) (void)relax(problem, order_[k]);
     for (int b = 0; b < rows.body_count(); ++b)

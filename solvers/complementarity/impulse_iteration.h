@@ -10,6 +10,16 @@
 
 namespace taut {
 
+/// Constants of ImpulseIteration.
+struct ImpulseIterationTuning {
+  /// Sweeps over a level before it is taken as immovable.
+  static constexpr int kLevelSweeps = 10;
+  /// Joints of more rows are solved row by row: blocks of fixed capacity.
+  static constexpr int kMostRows = 6;
+  /// Part of S added to the diagonal of a joint's own block, whose rows may depend on each other.
+  static constexpr double kShift = 1e-12;
+};
+
 struct IterationLimits {
   Solver order = Solver::kGaussSeidel;
   int sweeps = 50;        ///< at most; as many blocks as the system has count as one
@@ -45,6 +55,8 @@ class ImpulseIteration {
                          std::span<Wrench> absorbed);
 
  private:
+  using Tuning = ImpulseIterationTuning;
+
   struct Problem {
     const ContactLaws& contacts;
     std::span<const RowLaw> laws;

@@ -4,16 +4,6 @@
 #include <cmath>
 
 namespace taut {
-namespace {
-
-/// Compliance of equalities over S_rr: it acts on the change of an iteration only.
-constexpr double kBarrierEqualityRho = 1e-7;
-/// μ at the start over the mean power of the elements, and the least over the largest energy of one.
-constexpr double kFirstMu = 0.1, kLeastMu = 1e-6;
-/// Part of the way to the boundary that is gone.
-constexpr double kInside = 0.995;
-
-}  // namespace
 
 InteriorOutcome InteriorPoint::solve(std::span<const RowLaw> laws, std::span<const double> b,
                                      std::span<double> lambda, std::span<double> w,
@@ -33,7 +23,7 @@ InteriorOutcome InteriorPoint::solve(std::span<const RowLaw> laws, std::span<con
     const double left = mu > 0 ? mean_product(longest(1)) / mu : 0;
     set_stiffness(problem, left * left * left * mu, true);
     direction(problem);
-    move(problem, longest(kInside));
+    move(problem, longest(Tuning::kInside));
   }
 }
 
@@ -62,8 +52,9 @@ void InteriorPoint::begin(const Problem& problem) {
     power += range * rate;
     energy = std::max(energy, range * range * s);
   }
-  const double mu = std::max({kFirstMu * power / std::max<double>(1, elements_.size()), kLeastMu * energy,
-                              kLeastMu * kLeastMu * scale_ * scale_});
+  const double mu =
+      std::max({Tuning::kFirstMu * power / std::max<double>(1, elements_.size()), Tuning::kLeastMu * energy,
+                Tuning::kLeastMu * Tuning::kLeastMu * scale_ * scale_});
   for (Element& element : elements_) center(element, rates_[element.row], mu);
   update_impulses(problem);
 }
@@ -112,7 +103,7 @@ void InteriorPoint::update_impulses(const Problem& problem) {
 void InteriorPoint::set_stiffness(const Problem& problem, double mu, bool correct) {
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const RowLaw& law = problem.laws[r];
-    stiffness_[r] = law.bounded() ? law.slope : 1 / (kBarrierEqualityRho * own_[r]);
+    stiffness_[r] = law.bounded() ? law.slope : 1 / (Tuning::kEqualityRho * own_[r]);
     off_[r] = law.bounded() ? 0 : stiffness_[r] * (rates_[r] - law.rate(1));
   }
   for (Element& element : elements_) {

@@ -8,6 +8,16 @@
 
 namespace taut {
 
+/// Constants of InteriorPoint: parts.
+struct InteriorPointTuning {
+  /// Compliance of equalities over S_rr: it acts on the change of an iteration only.
+  static constexpr double kEqualityRho = 1e-7;
+  /// μ at the start over the mean power of the elements, and the least over the largest energy of one.
+  static constexpr double kFirstMu = 0.1, kLeastMu = 1e-6;
+  /// Part of the way to the boundary that is gone.
+  static constexpr double kInside = 0.995;
+};
+
 /// When it ends.
 struct InteriorLimits {
   double tolerance = 1e-9;  ///< of the natural map over the size of impulses
@@ -39,6 +49,8 @@ class InteriorPoint {
                         std::span<double> w, const InteriorLimits& limits, StageTimes& times);
 
  private:
+  using Tuning = InteriorPointTuning;
+
   /// One step of the law of a row.
   struct Element {
     int row;

@@ -5,63 +5,72 @@
 #include <limits>
 
 namespace taut {
-namespace {
-
-/// Iterations go on until they take away less than half of what is left.
-constexpr double kPieceProgress = 0.5;
-/// So many in a row that do not are given up.
-constexpr int kPieceStuck = 2;
-/// A factor of before serves as long as it leaves less than this part, and W has changed by less than that.
-constexpr double kServes = 0.3, kNearby = 1e-6;
-/// Better than this is round-off.
-constexpr double kExact = 1e-14;
-
-}  // namespace
 
 PrimalDualOutcome PrimalDualActiveSet::solve(std::span<const RowLaw> laws, std::span<const double> b,
                                              std::span<double> lambda, std::span<double> w,
                                              const PrimalDualLimits& limits, StageTimes& times) {
-  const std::size_t n = laws.size();
-  for (auto* values : {&own_, &stiffness_, &change_, &rates_}) values->assign(n, 0.0);
-  v_.assign(6 * static_cast<std::size_t>(system_.rows().body_count()), 0.0);
-  segments_.resize(n);
-  system_.effective_masses(own_);
-  for (double& own : own_) own = own > 0 ? 1 / own : 1;
+  begin(laws.size());
   PrimalDualOutcome outcome;
   double last = std::numeric_limits<double>::infinity();
   int stuck = 0;
   for (;; ++outcome.iterations) {
     system_.rates(lambda, b, w);
-    double error = 0, counted = 0, scale = 0, sum = 0;
-    for (std::size_t r = 0; r < n; ++r) {
-      const RowLaw::Point answer = laws[r].resolve(own_[r], w[r] - own_[r] * lambda[r]);
-      const double root = std::sqrt(own_[r]), off = root * std::abs(lambda[r] - answer.lambda);
-      // Not where λ is: interior points leave all rows between their bounds, also those that slide.
-      segments_[r] = answer.segment;
-      scale = std::max(scale, root * std::abs(lambda[r]));
-      sum += off + root * std::abs(lambda[r]);
-      error = std::max(error, off);
-      if (!(root * off <= limits.rate_tolerance)) counted = std::max(counted, off);
-    }
-    if (!std::isfinite(sum)) return outcome;  // a maximum passes over what is not a number
-    outcome.residual = counted > 0 ? counted / scale : 0;
+    const Error error = choose_segments(laws, lambda, w, limits.rate_tolerance);
+    if (!error.finite) return outcome;
+    outcome.residual = error.counted > 0 ? error.counted / error.scale : 0;
     outcome.converged = outcome.residual <= limits.tolerance;
-    const bool done = outcome.converged && (error > kPieceProgress * last || error <= kExact * scale);
-    stuck = error > kPieceProgress * last ? stuck + 1 : 0;
-    if (done || stuck == kPieceStuck || outcome.iterations == limits.iterations) return outcome;
-    const bool serves = error < kServes * last;
-    last = error;
+    const bool slow = error.largest > Tuning::kProgress * last;
+    const bool done = outcome.converged && (slow || error.largest <= Tuning::kExact * error.scale);
+    stuck = slow ? stuck + 1 : 0;
+    if (done || stuck == Tuning::kStuck || outcome.iterations == limits.iterations) return outcome;
+    const bool serves = error.largest < Tuning::kServes * last;
+    last = error.largest;
     if (!factorize(laws, limits.softness, serves, times)) return outcome;
-    for (std::size_t r = 0; r < n; ++r) {
-      const int segment = segments_[r];
-      change_[r] = RowLaw::is_vertical(segment) ? stiffness_[r] * (laws[r].rate(segment) - w[r])
-                                                : laws[r].force(segment) - lambda[r] - stiffness_[r] * w[r];
-    }
-    system_.to_bodies(change_, v_);
-    system_.solve_bodies(v_);
-    system_.to_rows(v_, rates_);
-    for (std::size_t r = 0; r < n; ++r) lambda[r] += change_[r] - stiffness_[r] * rates_[r];
+    correct(laws, lambda, w);
   }
+}
+
+void PrimalDualActiveSet::begin(std::size_t rows) {
+  for (auto* values : {&own_, &stiffness_, &change_, &rates_}) values->assign(rows, 0.0);
+  v_.assign(6 * static_cast<std::size_t>(system_.rows().body_count()), 0.0);
+  segments_.resize(rows);
+  system_.effective_masses(own_);
+  for (double& own : own_) own = own > 0 ? 1 / own : 1;
+}
+
+/// The segments that each row by itself would take, and how far λ is from them.
+PrimalDualActiveSet::Error PrimalDualActiveSet::choose_segments(std::span<const RowLaw> laws,
+                                                                std::span<const double> lambda,
+                                                                std::span<const double> w,
+                                                                double rate_tolerance) {
+  Error error;
+  double sum = 0;
+  for (std::size_t r = 0; r < laws.size(); ++r) {
+    const RowLaw::Point answer = laws[r].resolve(own_[r], w[r] - own_[r] * lambda[r]);
+    const double root = std::sqrt(own_[r]), off = root * std::abs(lambda[r] - answer.lambda);
+    // Not where λ is: interior points leave all rows between their bounds, also those that slide.
+    segments_[r] = answer.segment;
+    error.scale = std::max(error.scale, root * std::abs(lambda[r]));
+    sum += off + root * std::abs(lambda[r]);
+    error.largest = std::max(error.largest, off);
+    if (!(root * off <= rate_tolerance)) error.counted = std::max(error.counted, off);
+  }
+  error.finite = std::isfinite(sum);  // a maximum passes over what is not a number
+  return error;
+}
+
+/// λ of the present segments, with the factor.
+void PrimalDualActiveSet::correct(std::span<const RowLaw> laws, std::span<double> lambda,
+                                  std::span<const double> w) {
+  for (std::size_t r = 0; r < laws.size(); ++r) {
+    const int segment = segments_[r];
+    change_[r] = RowLaw::is_vertical(segment) ? stiffness_[r] * (laws[r].rate(segment) - w[r])
+                                              : laws[r].force(segment) - lambda[r] - stiffness_[r] * w[r];
+  }
+  system_.to_bodies(change_, v_);
+  system_.solve_bodies(v_);
+  system_.to_rows(v_, rates_);
+  for (std::size_t r = 0; r < laws.size(); ++r) lambda[r] += change_[r] - stiffness_[r] * rates_[r];
 }
 
 /// P of the present segments and W, or one of before that is nearly the same and still serves.
@@ -90,7 +99,7 @@ bool PrimalDualActiveSet::is_near(std::span<const RowLaw> laws) const {
     size = std::max(size, std::abs(weighted[i]));
     change = std::max(change, std::abs(weighted[i] - factored_weighted_[i]));
   }
-  return change <= kNearby * size;
+  return change <= Tuning::kNearby * size;
 }
 
 }  // namespace taut

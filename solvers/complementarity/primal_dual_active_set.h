@@ -10,6 +10,18 @@ namespace taut {
 
 class Archive;
 
+/// Constants of PrimalDualActiveSet: parts and counts.
+struct PrimalDualTuning {
+  /// Iterations go on until they take away less than half of what is left; so many in a row that do not are
+  /// given up.
+  static constexpr double kProgress = 0.5;
+  static constexpr int kStuck = 2;
+  /// A factor of before serves as long as it leaves less than this part, and W has changed by less than that.
+  static constexpr double kServes = 0.3, kNearby = 1e-6;
+  /// Better than this part of the impulses is round-off.
+  static constexpr double kExact = 1e-14;
+};
+
 /// When it ends.
 struct PrimalDualLimits {
   double tolerance = 1e-9;    ///< of the natural map over the size of impulses
@@ -48,6 +60,19 @@ class PrimalDualActiveSet {
   void forget_factor() { version_ = -1; }
 
  private:
+  using Tuning = PrimalDualTuning;
+
+  /// The natural map over all rows [√J].
+  struct Error {
+    double largest = 0, counted = 0;  ///< of all rows, and of those beyond the tolerance of rates
+    double scale = 0;                 ///< size of impulses
+    bool finite = true;
+  };
+
+  void begin(std::size_t rows);
+  Error choose_segments(std::span<const RowLaw> laws, std::span<const double> lambda,
+                        std::span<const double> w, double rate_tolerance);
+  void correct(std::span<const RowLaw> laws, std::span<double> lambda, std::span<const double> w);
   bool factorize(std::span<const RowLaw> laws, double softness, bool serves, StageTimes& times);
   bool is_near(std::span<const RowLaw> laws) const;
 

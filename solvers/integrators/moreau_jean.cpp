@@ -66,7 +66,7 @@ void MoreauJean::predict(double h) {
 /// q_M, its contacts, and J there.  poses_ and start_momenta_ stay those of the start.
 void MoreauJean::go_to_middle(double h, StepReport& report) {
   if (bounded()) {
-    stages_.begin_velocities(state_.twists);
+    stages_.residual().begin_velocities(state_.twists);
     system_.rows().residual(state_, phi_);
     for (const Rows::AxisRow& axis : system_.rows().axis_rows()) start_theta_[axis.row] = phi_[axis.row];
     contacts_.begin_single_kick(h);
@@ -169,8 +169,8 @@ bool MoreauJean::solve_stage(StepReport& report) {
   renew_laws();
   system_.multiply(mu_, delta_);
   for (int r = 0; r < system_.row_count(); ++r) rates_[r] += delta_[r];
-  stages_.begin_pass();  // replaces the one before
-  stages_.note_round_off();
+  stages_.accuracy().begin_pass();  // replaces the one before
+  stages_.residual().note_round_off();
   const StageSolver::Renew renew = [this] { renew_laws(); };
   if (!stages_.solve_velocities({mu_, rates_, renew}, report)) return false;
   take_impulses();
@@ -229,7 +229,7 @@ void MoreauJean::note_passed_limit() {
     furthest = excess;
     culprits = {{.kind = Culprit::Kind::kAxis, .axis = limit.axis, .share = excess}};
   }
-  stages_.set_culprits(std::move(culprits));
+  stages_.culprits().set(std::move(culprits));
 }
 
 /// For reactions and the next guess.  The impulse of an impact is no force.

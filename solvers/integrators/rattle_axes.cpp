@@ -20,7 +20,7 @@ constexpr double kStrikeTogether = 1e-3;
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
   size_ = system_size();
-  stages_.begin_positions(std::abs(h), size_, state_.twists);
+  stages_.residual().begin_positions(std::abs(h), size_, state_.twists);
   system_.rows().residual(state_, phi_);
   if (stages_.friction_dominated())
     for (int r = 0; r < system_.row_count(); ++r) start_theta_[r] = std::clamp(phi_[r], -slack_, slack_);
@@ -151,7 +151,7 @@ void Rattle::renew_velocity_laws() {
 
 /// Rates and laws of the second kick.
 void Rattle::begin_velocities() {
-  stages_.begin_velocities(state_.twists);
+  stages_.residual().begin_velocities(state_.twists);
   // A first guess for its segments: the impulses of the first kick.
   std::copy(lambda_.begin(), lambda_.end(), mu_.begin());
   system_.rows().residual(end_of_step(0), phi_);

@@ -188,13 +188,10 @@ void PrimalDualActiveSet::transfer(Archive& archive) {
 }
 
 void ContactIslands::transfer(Archive& archive) {
-  archive(known_);
-  if (!known_) {
-    if (archive.reads()) islands_.clear();
-    return;
-  }
-  if (archive.reads()) known_ = false, islands_.clear(), find();
-  for (std::size_t i = 0; islands_.size() > 1 && i < islands_.size(); ++i) {
+  bool known = is_known();
+  archive(known);
+  if (archive.reads()) restore(known);
+  for (std::size_t i = 0; known && islands_.size() > 1 && i < islands_.size(); ++i) {
     Island& island = *islands_[i];
     bool solved = island.own != nullptr;
     archive(solved);
@@ -288,17 +285,22 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
   condition_ = condition;
 }
 
+void StageWarmStart::transfer(Archive& archive) { archive(near_, rested_); }
+
+void StagePivoting::transfer(Archive& archive) { archive(primal_stages_left_, outcome_.status); }
+
 void StageSolver::transfer(Archive& archive) {
   for (auto* rows : {&effective_mass_, &w_}) archive.sized(*rows);
   archive.sized(laws_);
-  archive(good_guess_, rested_, primal_stages_left_, outcome_.status);
+  warm_start_.transfer(archive);
+  pivoting_.transfer(archive);
 }
 
 void StageSolver::transfer_factors(Archive& archive) {
-  active_->transfer(archive);
-  primal_dual_.transfer(archive);
+  pivoting_.active_set().transfer(archive);
+  primal_.transfer_axes(archive);
   contact_solver_.transfer(archive);
-  islands_.transfer(archive);
+  primal_.transfer_islands(archive);
 }
 
 void MultiplierPrediction::transfer(Archive& archive) {

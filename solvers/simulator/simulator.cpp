@@ -118,7 +118,7 @@ void Simulator::Impl::make_system() {
     scheme_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
   else
     scheme_ = std::make_unique<Rattle>(world_, *system_, settings_);
-  if (scheme_) scheme_->stages().name_by(source_);
+  if (scheme_) scheme_->stages().culprits().name_by(source_);
   phi_.assign(system_->row_count(), 0.0);
   rates_.assign(system_->row_count(), 0.0);
   reaction_multipliers_.assign(system_->row_count(), 0.0);

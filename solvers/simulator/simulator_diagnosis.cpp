@@ -266,7 +266,7 @@ void Simulator::Impl::diagnose_stall(double remaining, bool unstable) {
   found = contradiction_from(scheme_->state(), remaining);
   for (double steps : kStepsAhead)
     if (found.empty()) found = contradiction_from(scheme_->state(), steps * report_.dt);
-  if (found.empty() && !scheme_->stages().jammed().empty()) {
+  if (found.empty() && !scheme_->stages().culprits().jammed().empty()) {
     name_jam();
     return set_failure(Status::kContradiction, "friction grows with a load that it makes grow: they jam");
   }
@@ -319,7 +319,7 @@ void Simulator::Impl::name_jam() {
   Contradiction& found = report_.contradiction;
   const Rows& rows = system_->rows();
   const std::span<const Rows::AxisRow> axes = rows.axis_rows();
-  for (int r : scheme_->stages().jammed()) {
+  for (int r : scheme_->stages().culprits().jammed()) {
     const auto axis = std::find_if(axes.begin(), axes.end(), [r](const auto& a) { return a.row == r; });
     if (axis != axes.end() && scheme_->axes().has_unbounded_motor(axis - axes.begin()))
       found.bounds.push_back({axis->axis, Contradiction::Bound::Kind::kMotor});

@@ -92,7 +92,7 @@ class Stages : public Rattle {
     StepReport report;
     start(world.state(), report);
   }
-  double reported() const { return stages_.natural(); }
+  double reported() const { return stages_.accuracy().natural(); }
 
   /// The residual of the position stage, which is left as it is.
   double of_positions(double h) {

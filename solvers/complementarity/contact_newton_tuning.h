@@ -1,0 +1,90 @@
+#pragma once
+
+namespace taut {
+
+/// Constants of the Newton method for contacts.  Without a unit: parts and counts; ρ is Σ over S_rr.  What
+/// was measured is in solvers/HISTORY.md, "Complementarity", under "Many contacts"; the rest is chosen.
+/// (solvers/complementarity, "Many contacts")
+struct ContactNewtonTuning {
+  // ρ of rounds that lag the slip or the radius: it falls from the first by the factor to the least.
+  static constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-5;
+  /// ρ of equalities: less than all others, so that contacts give way where they and joints ask for slightly
+  /// different rates.
+  static constexpr double kEqualityRho = 1e-9;
+  /// ρ with nothing lagged, at first: so many times the residual of the guess, from kNearRho to kFirstRho.
+  static constexpr double kRhoOfResidual = 100, kNearRho = 1e-4;
+
+  // Ends of a round.
+  /// Newton's equation is met to this part of the residual of the round before (or of itself, if that is
+  /// more), and never better than to the second, of the scale: round-off.
+  static constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
+  /// Gradients below this part of the scale may be round-off, and are if so many steps do not halve them.
+  static constexpr double kDescentRoundOff = 1e-8;
+  static constexpr int kStuck = 2;
+  /// Newton steps of a round with something lagged.
+  static constexpr int kStepsPerRound = 40;
+  /// Newton steps of a round with nothing lagged, and how far its gradient may grow.  Measured: 40 steps take
+  /// up to twice as many in all.
+  static constexpr int kCoupledSteps = 20;
+  static constexpr double kBlowUp = 10;
+  /// Trials of the line search; a step is taken whole if the slope at its end is at most this part of that at
+  /// its start.
+  static constexpr int kSearches = 12;
+  static constexpr double kSlope = 0.5;
+
+  // Ends of the method.
+  /// Rounds after which equalities are met, as far as they can be: what they leave does not count.
+  static constexpr int kEqualityRounds = 3;
+  /// Before `most` is enough in any case, equalities are to be met to so many times the tolerance of rates.
+  static constexpr double kClosed = 9;
+  /// Rounds that leave more than this of the residual are slow, after so many: then `most` is enough.
+  static constexpr double kSlowRound = 0.3;
+  static constexpr int kFirstRounds = 3;
+  /// Rounds after which `most` is enough however fast they are.
+  static constexpr int kPatience = 12;
+  /// Rounds may need no Newton step: so many for each that is allowed.
+  static constexpr int kRoundsOfAStep = 10;
+  /// After so many rounds the slip of contacts that can hold falls to less than this part in each.
+  static constexpr int kRoundsToHold = 3;
+  static constexpr double kSlowSlip = 0.97;
+
+  // Extrapolation of what is lagged [Walker2011].
+  /// Rounds that it uses.
+  static constexpr int kMemory = 6;
+  /// A residual that grows by more than this ends it.
+  static constexpr double kGrowth = 5;
+  /// After so many rounds it goes this part of the way, and forgets every so many rounds.
+  static constexpr int kManyRounds = 20, kPeriod = 10;
+  static constexpr double kMixing = 0.5;
+  /// Part of the trace of its equations that is added to their diagonal.
+  static constexpr double kRegularization = 1e-13;
+
+  // Rounds with nothing lagged.
+  /// Such rounds are tried again after so many with something lagged, with compliant contacts and without.
+  static constexpr int kSoftTurns = 3, kTurns = 25;
+  /// A round is kept if its Newton method ended and the residual grew by no more than kWorse, or if the
+  /// residual fell to kProgress anyway.
+  static constexpr double kWorse = 3, kProgress = 0.5;
+  /// How ρ falls after a round that went well (to kWell of the residual) or fast (to kFast, and ρ by as
+  /// much), and grows after one that was taken back.  Measured: to 0.05 or 0.1 in place of kDown takes twice
+  /// the steps and leaves some stages unsolved.
+  static constexpr double kDown = 0.3, kUp = 3, kWell = 0.7, kFast = 0.1;
+  /// Its bounds.  Measured: 1e-9 as the least takes no fewer steps; 1e-6 fails where bodies wedge.
+  static constexpr double kLeastCoupledRho = 1e-8, kMostRho = 1e-2;
+  /// Rounds that must go well after one that was taken back, before ρ falls again.
+  static constexpr int kHold = 3;
+  /// Every so many rounds the residual must have fallen to kProgress.
+  static constexpr int kLook = 12;
+  /// Part of the coupling N that is kept at least, where with all of it the step does not go down.
+  static constexpr double kLeastPart = 0.25;
+
+  // GMRES [SaadSchultz1986].
+  /// Vectors at most, and part of the right side that is left.  Measured: to 0.1 takes half the back-solves,
+  /// but more Newton steps.
+  static constexpr int kMostVectors = 80;
+  static constexpr double kLinear = 1e-3;
+  /// A new vector that is shorter is round-off.
+  static constexpr double kBreakdown = 1e-14;
+};
+
+}  // namespace taut

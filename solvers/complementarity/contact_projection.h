@@ -1,0 +1,53 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solvers/complementarity/contact_problem.h"
+#include "solvers/complementarity/lagged_friction.h"
+#include "solvers/system/constraint_system.h"
+
+namespace taut {
+
+/// y = prox_Σ(x): the projection onto what the laws of rows and contacts allow, with its derivative P', which
+/// is diagonal in rows of W that are turned: tangents along the slip and across it, and on the surface of a
+/// cone the first one with the normal.  (solvers/complementarity, Eq. 3, 6)
+class ContactProjection {
+ public:
+  explicit ContactProjection(ConstraintSystem& system) : system_(system) {}
+
+  /// y = λ of the guess.
+  void begin(std::span<const double> lambda);
+  /// x, to be written to before project().
+  std::span<double> x() { return x_; }
+  /// y and P' of x.  Arms of spinning and rolling friction follow the normal impulses of `centre`, or with
+  /// nothing lagged those of y.
+  void project(const ContactProblem& problem, std::span<const double> sigma, const LaggedFriction& lagged,
+               std::span<const double> centre);
+
+  const std::vector<double>& y() const { return y_; }
+  /// y from outside, as that of an earlier round.
+  void set_y(std::span<const double> y) { y_.assign(y.begin(), y.end()); }
+  /// The diagonal of P'; the caller may make D = P' Σ⁻¹ of it.
+  std::span<double> slope() { return slope_; }
+  /// W in the rows in which P' is diagonal, laid out like W.
+  std::span<const double> turned() const { return turned_; }
+  /// ∂y_t/∂y_n of contact k along its slip, with nothing lagged; else 0.
+  double coupling(int k) const { return coupling_[k]; }
+
+ private:
+  void project_row(const RowLaw& law, double sigma, int row);
+  void project_contact(const ContactProblem& problem, const LaggedFriction& lagged,
+                       std::span<const double> centre, int k);
+  void project_sliding(const ContactLaws::Cone& cone, const LaggedFriction& lagged, int k);
+  void project_cone(int k, const ContactLaws::Cone& cone, double normal, const Vec2& tangent);
+  void project_twist(const ContactLaws::Cone& cone, double normal, int k);
+  void project_disc(int k, int first, const Vec2& given, double radius);
+  void turn_rows(int k, double mu, int first, const Vec2& direction);
+  int first_row(int k) const { return system_.rows().joints()[system_.rows().contact_joint(k)].first_row; }
+
+  ConstraintSystem& system_;
+  std::vector<double> x_, y_, slope_, turned_, coupling_;
+};
+
+}  // namespace taut

@@ -1,0 +1,29 @@
+#pragma once
+
+namespace taut {
+
+/// Constants of the methods for stages with contacts beside those of ContactNewtonTuning.  Without a unit:
+/// parts of the largest impulse, and counts.  (solvers/complementarity, "Ladder", "Islands")
+struct ContactSolverTuning {
+  /// Impulses of before are taken over if they are off their laws by no more than this part, and mended where
+  /// they are by no more than that.
+  static constexpr double kHeld = 1e-9, kNear = 1e-3;
+  /// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
+  /// more than that part of the largest.  Measured: 100 sweeps take twice the Newton steps; a sweep costs
+  /// 1/25 of one, and 300 reduce a residual of 0.5 to 1e-4 (solvers/HISTORY.md, "Complementarity").
+  static constexpr int kFirstSweeps = 300;
+  static constexpr double kSwept = 1e-10;
+  /// Σ over S_rr where contacts are locked: impulses that mend what dependent rows contradict each other by
+  /// are at most so many times larger.
+  static constexpr double kLockedSoftness = 1e-2;
+  /// Sweeps where Newton's method was not enough.
+  static constexpr int kLastSweeps = 1000;
+  /// Newton steps in which contacts that stick are to find a division of the load that holds them.
+  static constexpr int kStepsToHold = 150;
+  /// More solves because static friction let go.
+  static constexpr int kMaxSolves = 40;
+  /// Rows of islands beyond the largest one from which on threads pay.
+  static constexpr int kRowsForThreads = 120;
+};
+
+}  // namespace taut

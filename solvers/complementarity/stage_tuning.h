@@ -1,0 +1,66 @@
+#pragma once
+
+#include <limits>
+
+namespace taut {
+
+/// Constants of the ladder that stages go down, and of what counts as solved.  Without a unit: parts and
+/// counts.  (solvers/complementarity, "Ladder", "Natural residual")
+struct StageTuning {
+  /// Solves more where contacts met their laws within a tolerance of rates only.
+  static constexpr int kExactSolves = 2;
+  /// Part of the tolerance of velocities up to which rates of a stage count as right.
+  static constexpr double kRatePart = 0.1;
+
+  // What is met: the natural residual.
+  /// Of the laws of axes: stages of cranes and robot arms ended with up to 5.5e-8 before it was looked at
+  /// (solvers/HISTORY.md, "Complementarity").
+  static constexpr double kAxisResidual = 1e-9;
+  /// Where there are contacts: what dependent rows contradict each other by.
+  static constexpr double kContactResidual = 1e-8;
+  /// Impulses on a level of their law are right to this part of the largest.
+  static constexpr double kLevelTolerance = 1e-9;
+  /// Round-off of poses and twists, relative, and how many times what it makes of rates is let be where
+  /// contacts are off their laws.
+  static constexpr double kRateRoundOff = 16 * std::numeric_limits<double>::epsilon();
+  static constexpr double kNoises = 10;
+
+  // Warm start.
+  /// Impulses that are off their laws by no more than ContactSolverTuning::kNear are mended by so many
+  /// sweeps, if that is enough.
+  static constexpr int kMendingSweeps = 50;
+
+  // Active set.
+  /// More solves of a stage, because friction let go or velocities were not yet exact.
+  static constexpr int kMaxAxisSolves = 40;
+  /// With contacts, their friction is looked at every so many solves: if it has not come nearer to Coulomb's
+  /// law by the factor, Newton's method takes over, for so many stages.
+  static constexpr int kFrictionPatience = 4;
+  static constexpr double kFrictionProgress = 0.2;
+  static constexpr int kPrimalStagesInARow = 60;
+  /// Rounds of an active set with contacts, which has a fall-back of its own.
+  static constexpr int kContactRounds = 30;
+  /// Bounded rows from which on an active set that stalls is not descended from: the bodies are faster.
+  static constexpr int kManyRows = 60;
+
+  // Through the bodies.
+  /// Solves of a stage, because friction let go or the load that it grows by has changed.
+  static constexpr int kMaxMendings = 40;
+  /// Without contacts Newton's method starts where the laws are off by no more than this part, for so many
+  /// steps: then it has few rows to put on other segments.
+  static constexpr double kNewtonRange = 1e-5;
+  static constexpr int kFewSteps = 8;
+  /// What that leaves where positions were looked at again: round-off.
+  static constexpr double kMendedExactly = 1e-13;
+  /// Newton steps where those of the step before were not enough.
+  static constexpr int kReducedSteps = 300;
+
+  // Messages.
+  /// Part of the largest impulse that those who jam have.
+  static constexpr double kJamShare = 1e-3;
+  /// Culprits at most, and the part of the first one's residual that the others have.
+  static constexpr int kMostCulprits = 4;
+  static constexpr double kCulpritShare = 0.01;
+};
+
+}  // namespace taut

@@ -1,0 +1,118 @@
+#include "solvers/complementarity/stage_warm_start.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace taut {
+
+StageWarmStart::StageWarmStart(const StageModel& model, const StageResidual& residual,
+                               ContactSolver& contact_solver, StagePivoting& pivoting)
+    : model_(model), residual_(residual), contact_solver_(contact_solver), pivoting_(pivoting) {}
+
+/// What one stage leaves is mended by the next, in turns and for ever, unless that one is solved, too.
+double StageWarmStart::begin(bool near, double rate_tolerance) {
+  near_ = near;
+  const bool rested = std::exchange(rested_, false) || !model_.friction_dominated();
+  if (rested || near_) return rate_tolerance;
+  return std::min(rate_tolerance, StageTuning::kRatePart * model_.settings.velocity_tolerance);
+}
+
+StageVerdict StageWarmStart::solve(StageAttempt& attempt) {
+  if (!may_rest()) return StageVerdict::kNext;
+  Trial trial = accept(attempt);
+  if (trial == Trial::kMissed) trial = solve_all_sticking(attempt);
+  if (trial == Trial::kLawsMoved) attempt.stage.renew();
+  return trial == Trial::kMet ? StageVerdict::kMet : StageVerdict::kNext;
+}
+
+/// Nothing strikes.
+bool StageWarmStart::may_rest() const {
+  return model_.friction_dominated() || (!model_.contacts.empty() && model_.contacts.rest());
+}
+
+/// The impulses of before at once, or after some sweeps of Gauss–Seidel.
+StageWarmStart::Trial StageWarmStart::accept(StageAttempt& attempt) {
+  const std::span<double> lambda = attempt.stage.lambda;
+  if (gives_to_gone_contacts(lambda)) return Trial::kMissed;
+  const double tolerance = attempt.warm_start_tolerance;
+  std::copy(attempt.stage.rates.begin(), attempt.stage.rates.end(), attempt.w.begin());
+  double off = contact_solver_.distance(attempt.problem(), tolerance);
+  if (!is_near_enough(attempt, off)) return Trial::kMissed;
+  if (off > Tuning::kHeld) {
+    held_.assign(lambda.begin(), lambda.end());
+    off = contact_solver_.sweep(attempt.problem(held_), StageTuning::kMendingSweeps, tolerance);
+    if (off > Tuning::kHeld) return Trial::kMissed;
+    std::copy(held_.begin(), held_.end(), lambda.begin());
+  }
+  return try_impulses(attempt, lambda, off);
+}
+
+/// Contacts that are gone, as where bodies may no longer collide, give nothing from now on.
+bool StageWarmStart::gives_to_gone_contacts(std::span<const double> lambda) const {
+  const std::span<const ContactSet::Place> places = model_.contacts.set().places();
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const auto given = lambda.begin() + model_.contacts.first_row(static_cast<int>(k));
+    const int count = places[k].at.twist ? 6 : 3;
+    if (!places[k].active && std::any_of(given, given + count, [](double l) { return l != 0; })) return true;
+  }
+  return false;
+}
+
+/// Impulses that are off by this part are right, or are soon made so by sweeps.
+bool StageWarmStart::is_near_enough(const StageAttempt& attempt, double off) const {
+  const bool rubs = model_.friction_dominated();
+  // Newton is as fast through the bodies.
+  if (off > Tuning::kNear || (model_.system.uses_primal_system() && off > (rubs ? 0 : Tuning::kHeld)))
+    return false;
+  // Sweeps bring impulses through contacts, but hardly along chains of joints.
+  const int joint_rows = model_.system.rows().first_contact_row();
+  if (off > Tuning::kHeld && 2 * joint_rows > model_.system.row_count()) return false;
+  return !rubs ||
+         contact_solver_.newton().holds_joints(attempt.laws, attempt.w, attempt.warm_start_tolerance);
+}
+
+/// Impulses that are off their laws by no more than `off` are taken, unless some friction lets go at them.
+StageWarmStart::Trial StageWarmStart::try_impulses(StageAttempt& attempt, std::span<double> lambda,
+                                                   double off) {
+  const double tolerance = attempt.warm_start_tolerance;
+  if (model_.move_laws(attempt.problem(lambda), tolerance)) return Trial::kLawsMoved;
+  ContactForces& contacts = model_.contacts;
+  contacts.take_over(lambda, attempt.w, tolerance);
+  if (!(contacts.residual() <= Tuning::kHeld) || contacts.slips_where_it_held() ||
+      !residual_.exact(attempt.solution(lambda)))
+    return Trial::kMissed;
+  pivoting_.take_segments(attempt.solution(lambda));
+  rested_ = true;
+  double& worst = attempt.report.complementarity_residual;
+  worst = std::max({worst, off, contacts.residual()});
+  return Trial::kMet;
+}
+
+/// If contacts that hold go on holding with the division of the load that they have: one linear solve, which
+/// changes the impulses of before only by what their rates lack.  The active set and Newton's method would
+/// find another division, as off its laws as their tolerance allows, in each stage.
+StageWarmStart::Trial StageWarmStart::solve_all_sticking(StageAttempt& attempt) {
+  const std::span<double> lambda = attempt.stage.lambda;
+  ContactForces& contacts = model_.contacts;
+  if (contacts.empty() || contacts.soft() || model_.system.uses_primal_system()) return Trial::kMissed;
+  const double tolerance = attempt.warm_start_tolerance;
+  std::copy(attempt.stage.rates.begin(), attempt.stage.rates.end(), attempt.w.begin());
+  if (!contacts.all_stick(lambda) || contact_solver_.distance(attempt.problem(), tolerance) > Tuning::kNear)
+    return Trial::kMissed;
+  held_laws_.assign(attempt.laws.begin(), attempt.laws.end());
+  contacts.held_laws(lambda, held_laws_);
+  held_.assign(lambda.begin(), lambda.end());
+  segments_.assign(pivoting_.segments().begin(), pivoting_.segments().end());
+  ActiveSetSettings settings{.rate_tolerance = tolerance, .keep_null_space = true};
+  settings.max_rounds = settings.max_descent_rounds = 0;
+  (void)pivoting_.active_set().solve(held_laws_, attempt.b, held_, attempt.w, attempt.report.times, settings);
+  const double off = contact_solver_.distance(attempt.problem(held_), tolerance);
+  const Trial trial = off <= Tuning::kHeld ? try_impulses(attempt, held_, off) : Trial::kMissed;
+  if (trial == Trial::kMet)
+    std::copy(held_.begin(), held_.end(), lambda.begin());
+  else
+    pivoting_.active_set().set_segments(segments_, attempt.laws);
+  return trial;
+}
+
+}  // namespace taut

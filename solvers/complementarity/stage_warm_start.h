@@ -1,0 +1,58 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solvers/complementarity/contact_solver.h"
+#include "solvers/complementarity/contact_solver_tuning.h"
+#include "solvers/complementarity/stage_attempt.h"
+#include "solvers/complementarity/stage_pivoting.h"
+#include "solvers/complementarity/stage_residual.h"
+#include "solvers/complementarity/stage_tuning.h"
+
+namespace taut {
+
+class Archive;
+
+/// Stages that the impulses of before meet, as they are or nearly: what rests is done without a factor, or
+/// with one linear solve where all contacts stick.  (solvers/complementarity, "Ladder")
+class StageWarmStart {
+ public:
+  StageWarmStart(const StageModel& model, const StageResidual& residual, ContactSolver& contact_solver,
+                 StagePivoting& pivoting);
+
+  /// Rates that impulses of before may miss their laws by at rest, in a stage that begins now.
+  double begin(bool near, double rate_tolerance);
+  /// Takes the impulses of before as they are, or with all contacts stuck; else laws that moved with them are
+  /// renewed.
+  StageVerdict solve(StageAttempt& attempt);
+  /// The last stage was met so.
+  bool rested() const { return rested_; }
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
+
+ private:
+  using Tuning = ContactSolverTuning;
+
+  /// What impulses are to the laws: met, missed, or such that friction lets go or its load changes.
+  enum class Trial { kMet, kMissed, kLawsMoved };
+
+  bool may_rest() const;
+  Trial accept(StageAttempt& attempt);
+  Trial solve_all_sticking(StageAttempt& attempt);
+  bool is_near_enough(const StageAttempt& attempt, double off) const;
+  bool gives_to_gone_contacts(std::span<const double> lambda) const;
+  Trial try_impulses(StageAttempt& attempt, std::span<double> lambda, double off);
+
+  StageModel model_;
+  const StageResidual& residual_;
+  ContactSolver& contact_solver_;
+  StagePivoting& pivoting_;
+  bool near_ = false, rested_ = false;  // of the last stage
+  std::vector<RowLaw> held_laws_;
+  std::vector<double> held_;
+  std::vector<int> segments_;
+};
+
+}  // namespace taut
