@@ -80,7 +80,7 @@ bool PrimalDualActiveSet::factorize(std::span<const RowLaw> laws, double softnes
     stiffness_[r] = RowLaw::is_vertical(segments_[r]) ? 1 / (softness * own_[r]) : laws[r].slope;
   if (serves && is_near(laws)) return true;
   const std::span<const double> weighted = system_.weighted();
-  factored_pieces_ = segments_;
+  factored_segments_ = segments_;
   factored_stiffness_ = stiffness_;
   factored_weighted_.assign(weighted.begin(), weighted.end());
   const bool ok = system_.factorize_bodies(weighted, stiffness_, times);
@@ -91,7 +91,7 @@ bool PrimalDualActiveSet::factorize(std::span<const RowLaw> laws, double softnes
 /// The factor is this one's, and of a P that differs by little.
 bool PrimalDualActiveSet::is_near(std::span<const RowLaw> laws) const {
   const std::span<const double> weighted = system_.weighted();
-  if (version_ != system_.body_factor_version() || segments_ != factored_pieces_) return false;
+  if (version_ != system_.body_factor_version() || segments_ != factored_segments_) return false;
   for (std::size_t r = 0; r < laws.size(); ++r)
     if (!RowLaw::is_vertical(segments_[r]) && stiffness_[r] != factored_stiffness_[r]) return false;
   double size = 0, change = 0;

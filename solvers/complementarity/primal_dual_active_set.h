@@ -77,7 +77,7 @@ class PrimalDualActiveSet {
   bool is_near(std::span<const RowLaw> laws) const;
 
   ConstraintSystem& system_;
-  std::vector<int> segments_, factored_pieces_;
+  std::vector<int> segments_, factored_segments_;
   std::vector<double> own_, stiffness_, change_, rates_, v_;  // S_rr, D, g and δλ, W v
   std::vector<double> factored_stiffness_, factored_weighted_;
   long version_ = -1;  // of the factor

@@ -178,9 +178,9 @@ void PrimalDualActiveSet::transfer(Archive& archive) {
   if (archive.reads()) version_ = -1;
   if (!serves) return;
   const std::size_t rows = static_cast<std::size_t>(system_.row_count());
-  factored_pieces_.resize(rows), factored_stiffness_.resize(rows);
+  factored_segments_.resize(rows), factored_stiffness_.resize(rows);
   factored_weighted_.resize(static_cast<std::size_t>(system_.rows().whole_size()));
-  archive.sized(factored_pieces_), archive.sized(factored_stiffness_), archive.sized(factored_weighted_);
+  archive.sized(factored_segments_), archive.sized(factored_stiffness_), archive.sized(factored_weighted_);
   if (!archive.reads()) return;
   StageTimes times;
   if (system_.factorize_bodies(factored_weighted_, factored_stiffness_, times))
@@ -244,45 +244,51 @@ void ForceLevel::transfer(Archive& archive) {
   system_.reset_counters();
 }
 
-void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
-  bool serves = factored_;
-  archive(serves, shifted_, shift_next_, full_rank_streak_, small_pivots_, counted_shift_, tolerance_.shift,
-          compliance_, usable_, condition_);
-  const int rows = row_count();
+void RankEstimate::transfer_shift(Archive& archive) {
+  archive(shift_next_, full_rank_streak_, small_pivots_, counted_shift_, tolerance_.shift);
+}
+
+void RankEstimate::transfer_findings(Archive& archive, int rows) {
+  archive(condition_);
   archive.indices(counted_rows_, 0, rows), archive.indices(dependent_rows_, 0, rows);
-  archive(states_, factored_states_);
-  for (const auto* states : {&states_, &factored_states_})
-    Archive::require(states->empty() || std::ssize(*states) == rows, "it has other rows");
+}
+
+void RowStates::transfer(Archive& archive, int rows) {
+  archive(states_);
+  Archive::require(all_free() || std::ssize(states_) == rows, "it has other rows");
+}
+
+void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
+  bool serves = factored();
+  archive(serves, factored_.shifted);
+  rank_.transfer_shift(archive);
+  archive(compliance_, factored_.usable);
+  rank_.transfer_findings(archive, row_count());
+  for (RowStates* states : {&states_, &factored_.states}) states->transfer(archive, row_count());
   // Rows of contacts were turned with their tangents; those of joints follow from the poses.
-  const std::size_t contacts =
-      rows_.contact_count() == 0
-          ? jacobian_.size()
-          : static_cast<std::size_t>(rows_.sides()[rows_.joints()[rows_.contact_joint(0)].first_side].offset);
-  std::vector<double> turned(jacobian_.begin() + static_cast<std::ptrdiff_t>(contacts), jacobian_.end());
+  const Rows& rows = this->rows();
+  const std::ptrdiff_t contacts = rows.contact_count() == 0
+                                      ? rows.jacobian_size()
+                                      : rows.sides()[rows.joints()[rows.contact_joint(0)].first_side].offset;
+  std::vector<double> turned(jacobian().begin() + contacts, jacobian().end());
   archive.sized(turned);
   if (!archive.reads()) return;
 
-  const std::vector<double> states = states_;
-  const std::vector<int> dependent = dependent_rows_;
-  const bool usable = usable_;
-  const double condition = condition_;
-  states_ = factored_states_;
+  const RowStates states = states_;
+  const RankEstimate rank = rank_;
+  const Factored factored = factored_;
+  states_ = factored_.states;
   linearize_and_assemble(at);
-  if (!turned.empty()) {
-    std::copy(turned.begin(), turned.end(), jacobian_.begin() + static_cast<std::ptrdiff_t>(contacts));
-    assembled_ = false;
-  }
+  if (!turned.empty()) std::copy(turned.begin(), turned.end(), change_jacobian().begin() + contacts);
   if (serves) {
     StageTimes times;
-    if (!rows_.axis_rows().empty() || rows_.contact_count() > 0 || through_bodies_) weight();
-    const bool shifted = shifted_;
-    assemble_and_factorize(times);
-    shifted_ = shifted;
+    if (has_bounded_rows() || uses_primal_system()) (void)weighted();
+    factorize_once(times);
   }
   states_ = states;
-  dependent_rows_ = dependent;
-  usable_ = usable;
-  condition_ = condition;
+  rank_ = rank;
+  factored_.usable = factored.usable;
+  factored_.shifted = factored.shifted;
 }
 
 void StageWarmStart::transfer(Archive& archive) { archive(near_, rested_); }

@@ -8,13 +8,46 @@
 namespace taut {
 namespace {
 
-/// Calls visit(side_i, side_j) for every ordered pair of sides that meet at a moving body, a side with itself
-/// included.
+/// Joints that have a block, in the order of elimination: those without rows, as detached ones, have none.
+std::vector<int> joints_with_rows(const Rows& rows, const BlockOrdering& ordering) {
+  std::vector<int> joints;
+  for (int j : ordering.node_at)
+    if (rows.joints()[j].row_count > 0) joints.push_back(j);
+  return joints;
+}
+
+/// Of each side, its place among those of its body.
+std::vector<int> places_at_bodies(const Rows& rows) {
+  std::vector<int> place(rows.sides().size());
+  for (int b = 0; b < rows.body_count(); ++b)
+    for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k)
+      place[rows.sides_of(b)[k]] = static_cast<int>(k);
+  return place;
+}
+
+/// Calls visit(other) for every side that meets `side` at a moving body, itself included.
 template <typename Visit>
 void for_each_meeting(const Rows& rows, const MassMatrix& mass, int side, Visit visit) {
   const int body = rows.sides()[side].body;
   if (mass[body].fixed) return;
   for (int other : rows.sides_of(body)) visit(other);
+}
+
+/// Whether entry m is the first of its block; entries ascend by block row.
+template <typename Meeting>
+bool opens_block(std::span<const Meeting> meetings, std::size_t m) {
+  return m == 0 || meetings[m].block_row != meetings[m - 1].block_row;
+}
+
+/// All rows of the blocks that meet, in ascending order.
+template <typename Meeting>
+std::vector<int> rows_of_blocks(std::span<const Meeting> meetings, std::span<const int> block_start) {
+  std::vector<int> rows;
+  for (std::size_t m = 0; m < meetings.size(); ++m)
+    if (opens_block(meetings, m))
+      for (int r = block_start[meetings[m].block_row]; r < block_start[meetings[m].block_row + 1]; ++r)
+        rows.push_back(r);
+  return rows;
 }
 
 /// How the kernels take a root of M⁻¹.
@@ -52,72 +85,67 @@ DelassusMatrix::DelassusMatrix(const Rows& rows, const MassMatrix& mass, const B
 }
 
 void DelassusMatrix::build_pattern(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering) {
-  std::vector<int> node_at;  // joints without rows, as detached ones, have no block
-  for (int j : ordering.node_at)
-    if (rows.joints()[j].row_count > 0) node_at.push_back(j);
-  const int joints = static_cast<int>(node_at.size());
-  std::vector<int> position(rows.joints().size(), -1);
-  for (int k = 0; k < joints; ++k) position[node_at[k]] = k;
-  const auto height = [&](int block) { return rows.joints()[node_at[block]].row_count; };
-  for (int k = 0; k < joints; ++k) matrix_.block_start.push_back(matrix_.block_start.back() + height(k));
-  position_of_row_.resize(rows.row_count());
-  for (int k = 0; k < joints; ++k)
-    for (int i = 0; i < height(k); ++i)
-      position_of_row_[rows.joints()[node_at[k]].first_row + i] = matrix_.block_start[k] + i;
-  std::vector<int> place(rows.sides().size());  // of a side among those of its body
-  for (int b = 0; b < rows.body_count(); ++b)
-    for (std::size_t k = 0; k < rows.sides_of(b).size(); ++k)
-      place[rows.sides_of(b)[k]] = static_cast<int>(k);
+  const std::vector<int> joints = joints_with_rows(rows, ordering);
+  place_rows(rows, joints);
+  std::vector<int> block_of_joint(rows.joints().size(), -1);
+  for (std::size_t k = 0; k < joints.size(); ++k) block_of_joint[joints[k]] = static_cast<int>(k);
+  const std::vector<int> place = places_at_bodies(rows);
 
-  const bool lower = matrix_.triangle == SymmetricMatrix::Triangle::kLower;
-  struct Meeting {
-    int block_row, body, i, j;
-  };
   std::vector<Meeting> meetings;
-  std::vector<std::pair<int, Product>> products;  // with their bodies
-  diagonal_.reserve(rows.row_count());
-  for (int k = 0; k < joints; ++k) {  // block column k: which blocks, and what is summed into each
-    const Rows::JointRows& joint = rows.joints()[node_at[k]];
+  std::vector<BodyProduct> products;
+  for (int k = 0; k < matrix_.block_count(); ++k) {
+    const Rows::JointRows& joint = rows.joints()[joints[k]];
     meetings.clear();
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
       for_each_meeting(rows, mass, s, [&](int other) {
-        const int block_row = position[rows.sides()[other].block];
-        if (lower ? block_row >= k : block_row <= k)
+        const int block_row = block_of_joint[rows.sides()[other].block];
+        if (is_stored(block_row, k))
           meetings.push_back({block_row, rows.sides()[s].body, place[other], place[s]});
       });
     std::stable_sort(meetings.begin(), meetings.end(),
                      [](const Meeting& a, const Meeting& b) { return a.block_row < b.block_row; });
-    int column_length = 0;
-    const auto opens_block = [&](std::size_t m) {
-      return m == 0 || meetings[m].block_row != meetings[m - 1].block_row;
-    };
-    for (std::size_t m = 0; m < meetings.size(); ++m)
-      if (opens_block(m)) column_length += height(meetings[m].block_row);
-
-    int slot = static_cast<int>(matrix_.row_index.size());
-    for (std::size_t m = 0; m < meetings.size(); ++m) {
-      if (m > 0 && opens_block(m)) slot += height(meetings[m - 1].block_row);
-      products.push_back({meetings[m].body, {slot, column_length, meetings[m].i, meetings[m].j, false}});
-      if (opens_block(m) && meetings[m].block_row == k)
-        for (int c = 0; c < joint.row_count; ++c) diagonal_.push_back(slot + c * column_length + c);
-    }
-    for (int c = 0; c < joint.row_count; ++c) {
-      for (std::size_t m = 0; m < meetings.size(); ++m)
-        if (opens_block(m))
-          for (int r = 0; r < height(meetings[m].block_row); ++r)
-            matrix_.row_index.push_back(matrix_.block_start[meetings[m].block_row] + r);
-      matrix_.column_start.push_back(static_cast<int>(matrix_.row_index.size()));
-    }
+    append_block_column(k, meetings, products);
   }
   matrix_.values.assign(matrix_.row_index.size(), 0.0);
   sort_products(rows, products);
 }
 
+/// The rows of these joints, one block each, one behind the other.
+void DelassusMatrix::place_rows(const Rows& rows, std::span<const int> joints) {
+  position_of_row_.resize(rows.row_count());
+  diagonal_.reserve(rows.row_count());
+  for (int j : joints) {
+    const Rows::JointRows& joint = rows.joints()[j];
+    const int first = matrix_.block_start.back();
+    for (int i = 0; i < joint.row_count; ++i) position_of_row_[joint.first_row + i] = first + i;
+    matrix_.block_start.push_back(first + joint.row_count);
+  }
+}
+
+/// Block column k: its pattern, and where the products of its meetings go.  `meetings` ascend by block row.
+void DelassusMatrix::append_block_column(int k, std::span<const Meeting> meetings,
+                                         std::vector<BodyProduct>& products) {
+  const std::vector<int> rows = rows_of_blocks(meetings, matrix_.block_start);
+  const int first = static_cast<int>(matrix_.row_index.size()), length = static_cast<int>(rows.size());
+  int slot = first;
+  for (std::size_t m = 0; m < meetings.size(); ++m) {
+    if (opens_block(meetings, m) && m > 0) slot += height(meetings[m - 1].block_row);
+    products.push_back({meetings[m].body, {slot, length, meetings[m].i, meetings[m].j, false}});
+  }
+  const auto own = std::find(rows.begin(), rows.end(), matrix_.block_start[k]);
+  const int diagonal = first + static_cast<int>(own - rows.begin());
+  for (int c = 0; c < height(k); ++c) {
+    if (own != rows.end()) diagonal_.push_back(diagonal + c * length + c);
+    matrix_.row_index.insert(matrix_.row_index.end(), rows.begin(), rows.end());
+    matrix_.column_start.push_back(static_cast<int>(matrix_.row_index.size()));
+  }
+}
+
 /// By body; the first product of a block in that order overwrites it.
-void DelassusMatrix::sort_products(const Rows& rows, std::span<const std::pair<int, Product>> products) {
+void DelassusMatrix::sort_products(const Rows& rows, std::span<const BodyProduct> products) {
   counting_sort(
-      products.size(), rows.body_count(), [&](std::size_t i) { return products[i].first; },
-      [&](std::size_t i) { return products[i].second; }, first_product_, products_);
+      products.size(), rows.body_count(), [&](std::size_t i) { return products[i].body; },
+      [&](std::size_t i) { return products[i].product; }, first_product_, products_);
   std::vector<char> written(matrix_.values.size(), 0);
   for (Product& product : products_) {
     product.first = !written[product.slot];

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "core/constraints/rows.h"
@@ -56,9 +55,24 @@ class DelassusMatrix {
     int i, j;
     bool first;  // the block's first product overwrites
   };
-  void build_pattern(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering);
+  struct BodyProduct {
+    int body;
+    Product product;
+  };
+  /// Sides at places i and j of a body's, the latter of the joint of a block column.
+  struct Meeting {
+    int block_row, body, i, j;
+  };
 
-  void sort_products(const Rows& rows, std::span<const std::pair<int, Product>> products);
+  void build_pattern(const Rows& rows, const MassMatrix& mass, const BlockOrdering& ordering);
+  void place_rows(const Rows& rows, std::span<const int> joints);
+  void append_block_column(int k, std::span<const Meeting> meetings, std::vector<BodyProduct>& products);
+  void sort_products(const Rows& rows, std::span<const BodyProduct> products);
+  int height(int block) const { return matrix_.block_start[block + 1] - matrix_.block_start[block]; }
+  bool is_stored(int block_row, int block_column) const {
+    return matrix_.triangle == SymmetricMatrix::Triangle::kLower ? block_row >= block_column
+                                                                 : block_row <= block_column;
+  }
   void add_products(const Rows& rows, int body);
   template <typename Weigh>
   void assemble_bodies(const Rows& rows, int begin, int end, Weigh weigh);

@@ -48,7 +48,7 @@ int RowUpdates::find_column(int row) const {
 int RowUpdates::add_column(int row) {
   const int n = system_.row_count(), j = static_cast<int>(columns_.size());
   columns_.push_back({row, factored_state(row) == kMasked});
-  const std::span<double> z(solved_.data() + std::size_t{static_cast<std::size_t>(j)} * n, n);
+  const std::span<double> z(solved_.data() + static_cast<std::size_t>(j) * n, n);
   std::fill(scratch_.begin(), scratch_.end(), 0.0);
   scratch_[row] = 1;
   if (columns_[j].masked) {
@@ -64,8 +64,7 @@ int RowUpdates::add_column(int row) {
   std::copy(scratch_.begin(), scratch_.end(), z.begin());
   system_.solve_shifted(z);
   for (int i = 0; i <= j; ++i) {
-    gram(i, j) +=
-        dot(scratch_, {solved_.data() + static_cast<std::size_t>(i) * n, static_cast<std::size_t>(n)});
+    gram(i, j) += dot(scratch_, solved(i));
     gram(j, i) = gram(i, j);
   }
   return j;
@@ -128,25 +127,36 @@ bool RowUpdates::factor_complement() {
 }
 
 void RowUpdates::solve_shifted(std::span<double> x) {
-  const int n = static_cast<int>(x.size());
-  const auto entry = [this](int i, int j) { return complement_[i * kMaxRows + j]; };
+  take_border(x);
+  system_.solve_shifted(x);
+  solve_complement();
+  put_border(x);
+}
+
+/// f ← x without the rows that change or are masked, border ← g − Uᵀ S_ε⁻¹ f.
+void RowUpdates::take_border(std::span<double> x) {
   for (int i = 0; i < count_; ++i)
     border_[i] = columns_[changed_[i]].masked ? x[columns_[changed_[i]].row] : 0;
-  for (int r = 0; r < n; ++r)
-    if (states_[r] == kMasked || factored_state(r) == kMasked) x[r] = 0;
-  for (int i = 0; i < count_; ++i) {
-    const double* z = solved_.data() + static_cast<std::size_t>(changed_[i]) * n;
-    border_[i] -= dot({z, x.size()}, x);
-  }
-  system_.solve_shifted(x);
+  for (std::size_t r = 0; r < x.size(); ++r)
+    if (states_[r] == kMasked || factored_state(static_cast<int>(r)) == kMasked) x[r] = 0;
+  for (int i = 0; i < count_; ++i) border_[i] -= dot(solved(changed_[i]), x);
+}
+
+/// border ← ν = K⁻¹ border.
+void RowUpdates::solve_complement() {
+  const auto entry = [this](int i, int j) { return complement_[i * kMaxRows + j]; };
   for (int i = 0; i < count_; ++i)
     for (int j = 0; j < i; ++j) border_[i] -= entry(i, j) * border_[j];
   for (int i = 0; i < count_; ++i) border_[i] /= entry(i, i);
   for (int i = count_ - 1; i >= 0; --i)
     for (int j = i + 1; j < count_; ++j) border_[i] -= entry(j, i) * border_[j];
+}
+
+/// x ← x − S_ε⁻¹ U ν, and the entries of rows that joined or left.
+void RowUpdates::put_border(std::span<double> x) const {
   for (int i = 0; i < count_; ++i) {
-    const double* z = solved_.data() + static_cast<std::size_t>(changed_[i]) * n;
-    for (int r = 0; r < n; ++r) x[r] -= border_[i] * z[r];
+    const std::span<const double> z = solved(changed_[i]);
+    for (std::size_t r = 0; r < x.size(); ++r) x[r] -= border_[i] * z[r];
   }
   for (int i = 0; i < count_; ++i) {
     const Column& column = columns_[changed_[i]];

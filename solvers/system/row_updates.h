@@ -45,7 +45,14 @@ class RowUpdates {
   void forget_old_factor();
   int find_column(int row) const;
   int add_column(int row);
+  /// S_ε⁻¹ u of a column.
+  std::span<const double> solved(int column) const {
+    return std::span(solved_).subspan(static_cast<std::size_t>(column) * scratch_.size(), scratch_.size());
+  }
   bool factor_complement();
+  void take_border(std::span<double> x);
+  void solve_complement();
+  void put_border(std::span<double> x) const;
   double& gram(int i, int j) { return gram_[i * kMaxRows + j]; }
 
   ConstraintSystem& system_;

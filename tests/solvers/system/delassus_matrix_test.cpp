@@ -85,9 +85,9 @@ MatrixXd shifted(MatrixXd S, double shift) {
   return S;
 }
 
-class SystemMatrixTest : public testing::TestWithParam<SymmetricMatrix::Triangle> {};
+class DelassusMatrixTest : public testing::TestWithParam<SymmetricMatrix::Triangle> {};
 
-TEST_P(SystemMatrixTest, IsTheDenseProductForBothRootsWithAndWithoutShift) {
+TEST_P(DelassusMatrixTest, IsTheDenseProductForBothRootsWithAndWithoutShift) {
   std::mt19937 random(5);
   for (int problem = 0; problem < 20; ++problem) {
     const Assembled at(random);
@@ -103,7 +103,7 @@ TEST_P(SystemMatrixTest, IsTheDenseProductForBothRootsWithAndWithoutShift) {
   }
 }
 
-TEST_P(SystemMatrixTest, FromWItIsTheSameWithComplianceBeforeTheShiftAndOneWhereRowsAreMasked) {
+TEST_P(DelassusMatrixTest, FromWItIsTheSameWithComplianceBeforeTheShiftAndOneWhereRowsAreMasked) {
   constexpr double kMasked = std::numeric_limits<double>::infinity();
   std::mt19937 random(6);
   for (int problem = 0; problem < 20; ++problem) {
@@ -178,7 +178,7 @@ TEST(ConstraintSystemPieces, linearizing_and_assembling_at_once_makes_the_same_b
   EXPECT_EQ(at_once.matrix().values, apart.matrix().values);
 }
 
-INSTANTIATE_TEST_SUITE_P(Triangles, SystemMatrixTest,
+INSTANTIATE_TEST_SUITE_P(Triangles, DelassusMatrixTest,
                          testing::Values(SymmetricMatrix::Triangle::kLower,
                                          SymmetricMatrix::Triangle::kUpper),
                          [](const auto& test) { return test.index == 0 ? "Lower" : "Upper"; });

@@ -1,0 +1,25 @@
+#include "solvers/system/make_factor.h"
+
+#include "solvers/linear/cholmod_factor.h"
+#include "solvers/linear/multifrontal_factor.h"
+
+namespace taut {
+
+std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering) {
+  using Method = CholmodFactor::Method;
+  // CHOLMOD's own switch: dense kernels pay from about 40 flops per entry of L.
+  if (choice == FactorChoice::kCholmod)
+    choice = ordering.flops >= 40 * ordering.nonzeros ? FactorChoice::kSupernodal : FactorChoice::kSimplicial;
+  switch (choice) {
+    case FactorChoice::kSimplicial:
+      return std::make_unique<CholmodFactor>(Method::kSimplicial);
+    case FactorChoice::kSupernodal:
+      // Without CHOLMOD's GPL modules its simplicial factor does the same work; name() tells which it is.
+      return std::make_unique<CholmodFactor>(CholmodFactor::has_supernodal() ? Method::kSupernodal
+                                                                             : Method::kSimplicial);
+    default:
+      return std::make_unique<MultifrontalFactor>();
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,42 @@
+#include "solvers/system/primal_choice.h"
+
+namespace taut {
+namespace {
+
+/// Contact rows from which on the bodies may be the smaller system.
+constexpr int kManyContactRows = 150;
+/// Axes with Coulomb friction from which on the active set has to give way to solves through the bodies.
+constexpr int kManyRubbingAxes = 150;
+
+/// What the dense blocks of S alone cost in a factor: each body has one of all its rows, and each row is in
+/// about two of them.
+double flops_of_dense_blocks(const Rows& rows, const MassMatrix& mass) {
+  double flops = 0;
+  for (int b = 0; b < rows.body_count(); ++b) {
+    if (mass[b].fixed) continue;
+    double height = 0;
+    for (int s : rows.sides_of(b)) height += rows.sides()[s].row_count;
+    flops += height * height * height / 6;
+  }
+  return flops;
+}
+
+}  // namespace
+
+PrimalChoice::PrimalChoice(const World& world, const Rows& rows) {
+  for (const Rows::AxisRow& row : rows.axis_rows())
+    rubbing_axes_ += row.axis.axis >= 0 && world.axis_properties(row.axis).friction.has_value();
+}
+
+void PrimalChoice::decide(const LinearizedRows& rows, PrimalSystem& primal) {
+  primal_ = primal_pays(rows, primal);
+}
+
+bool PrimalChoice::primal_pays(const LinearizedRows& rows, PrimalSystem& primal) const {
+  const bool rubs = rubbing_axes_ >= kManyRubbingAxes;
+  if (!rubs && rows.row_count() - rows.rows().first_contact_row() < kManyContactRows) return false;
+  const double flops = primal.order(rows).flops;
+  return rubs || flops_of_dense_blocks(rows.rows(), rows.mass()) >= flops;
+}
+
+}  // namespace taut
