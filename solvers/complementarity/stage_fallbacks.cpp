@@ -175,7 +175,7 @@ bool StageSolver::solve_on_segments(std::span<double> lambda, const PrimalDualLi
 
 void StageSolver::add(const StageRecord& record, StepReport& report) {
   report.times += record.times;
-  report.contact_iterations += record.iterations;
+  report.counts.contact_iterations += record.iterations;
   report.complementarity_residual = std::max(report.complementarity_residual, record.residual);
   stage_residual_ = record.loose;
 }

@@ -107,7 +107,7 @@ StageSolver::Pivoting StageSolver::solve_by_active_set(const Stage& stage, doubl
   for (int solve = 0;; ++solve) {
     settings.keep_null_space = solve > 0;
     outcome_ = active_->solve(laws_, b_, stage.lambda, w_, report.times, settings);
-    report.pivots += outcome_.pivots;
+    report.counts.pivots += outcome_.pivots;
     if (!outcome_.ok() && contacts_.empty()) return after_stalled_pivoting(stage, settings);
     const bool moved = laws_move(stage.lambda, rate_tolerance);
     const bool slid = contacts_.adapt(stage.lambda, w_, rate_tolerance);
@@ -215,7 +215,7 @@ bool StageSolver::iterate(const Stage& stage, int sweeps, double rate_tolerance,
   const IterationLimits limits{settings_.solver, sweeps, settings_.relaxation, rate_tolerance * least};
   const IterationOutcome outcome =
       contact_solver_.iteration().solve(contacts_, laws_, b_, stage.lambda, w_, limits, absorbed);
-  report.sweeps += outcome.sweeps;
+  report.counts.sweeps += outcome.sweeps;
   if (!std::isfinite(outcome.residual)) return false;
   (void)laws_move(stage.lambda, 0);
   contacts_.take_over(stage.lambda, w_, rate_tolerance);

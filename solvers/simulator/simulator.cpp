@@ -421,7 +421,7 @@ void Simulator::Impl::finish(double dt) {
   report_.natural_residual = std::max(report_.natural_residual, report_.complementarity_residual);
   report_.condition_estimate = system_->condition_estimate();
   if (settings_.report_energy) {
-    report_.constraint_work -= report_.axis_work.total() + report_.contact_work.total();
+    report_.works.constraint -= report_.works.axes.total() + report_.works.contacts.total();
     sum_motion(state, force_level_ ? force_level_->momenta() : scheme_->momenta(), report_);
     const World::Hold held = source_.hold();
     books_.close(world_, report_, scheme_ != nullptr);
@@ -452,9 +452,9 @@ void Simulator::Impl::detach_broken() {
 }
 
 void Simulator::Impl::count_work() {
-  report_.analyses = system_->counters().analyses;
-  report_.factorizations = system_->counters().factorizations;
-  report_.backsolves = system_->counters().backsolves;
+  report_.counts.analyses = system_->counters().analyses;
+  report_.counts.factorizations = system_->counters().factorizations;
+  report_.counts.backsolves = system_->counters().backsolves;
   system_->reset_counters();
 }
 
