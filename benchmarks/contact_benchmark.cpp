@@ -54,8 +54,8 @@ void contacts(benchmark::State& state, const Case& c) {
     state.SetIterationTime(times.back());
     if (!report.advanced()) return state.SkipWithError(report.message.c_str());
     inexact += !report.ok();
-    points += report.contacts, pivots += report.pivots, newton += report.contact_iterations;
-    analyses += report.analyses, factorizations += report.factorizations;
+    points += report.contacts, pivots += report.counts.pivots, newton += report.counts.contact_iterations;
+    analyses += report.counts.analyses, factorizations += report.counts.factorizations;
     residual = std::max(residual, report.complementarity_residual);
     penetration = std::max(penetration, report.penetration);
   }

@@ -36,7 +36,7 @@ void friction(benchmark::State& state, const Case& c) {
     const StepReport& report = with.report();
     if (!report.ok()) return state.SkipWithError(report.message.c_str());
     if (!without.report().ok()) return state.SkipWithError(without.report().message.c_str());
-    factorizations += report.factorizations, backsolves += report.backsolves;
+    factorizations += report.counts.factorizations, backsolves += report.counts.backsolves;
     substeps += report.substeps, free_substeps += without.report().substeps;
     residual = std::max(residual, report.complementarity_residual);
     gap = std::max(gap, report.gap.metres);

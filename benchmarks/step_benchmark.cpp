@@ -63,8 +63,8 @@ class Run {
     const StageTimes& t = report.times;
     substeps_ += report.substeps;
     substep_times_.push_back(times_.back() / std::max(1, report.substeps));
-    factorizations_ += report.factorizations;
-    backsolves_ += report.backsolves;
+    factorizations_ += report.counts.factorizations;
+    backsolves_ += report.counts.backsolves;
     forces_ += t.forces, positions_ += t.positions, assembly_ += t.assembly;
     factorization_ += t.factorization, velocities_ += t.velocities, total_ += t.total;
   }

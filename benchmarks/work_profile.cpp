@@ -102,7 +102,7 @@ Json motion_json(Scene& scene, double time, double limit) {
     gap = std::max(gap, r.gap.metres);
     angle = std::max(angle, r.gap.radians);
     drift = std::max(drift, std::abs(total_energy(scene.world, scene.world.state()) - start) / scale);
-    analyses += r.analyses;
+    analyses += r.counts.analyses;
     if (i < kWarmUp) continue;
     sum += r.times;
     substeps += r.substeps;

@@ -29,17 +29,17 @@ void RunRecord::start(const Scene& source, int rows, double energy) {
 void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, double energy) {
   if (!has_scale) energy_scale = std::max(energy_scale, std::abs(report.kinetic_energy));
   phases += report.times;
-  analyses += report.analyses;
-  factorizations += report.factorizations;
-  refactorizations += report.refactorizations;
-  backsolves += report.backsolves;
+  analyses += report.counts.analyses;
+  factorizations += report.counts.factorizations;
+  refactorizations += report.counts.refactorizations;
+  backsolves += report.counts.backsolves;
   newton_iterations += report.newton_iterations;
   substeps += report.substeps;
   max_substeps = std::max(max_substeps, report.substeps);
   max_condition_estimate = std::max(max_condition_estimate, report.condition_estimate);
   max_tension_number = std::max(max_tension_number, report.tension_number);
-  pivots += report.pivots;
-  contact_iterations += report.contact_iterations;
+  pivots += report.counts.pivots;
+  contact_iterations += report.counts.contact_iterations;
   if (!report.advanced()) return;  // the world has not moved: no step, and nothing below is of its state
 
   ++steps;
@@ -57,7 +57,7 @@ void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, do
   max_complementarity_residual = std::max(max_complementarity_residual, report.complementarity_residual);
   max_natural_residual = std::max(max_natural_residual, report.natural_residual);
   add_ledger(report);
-  stiffness_work += report.stiffness_work;
+  stiffness_work += report.works.stiffness;
   final_energy = energy;
   max_energy_drift = std::max(max_energy_drift, std::abs(energy - initial_energy));
 }

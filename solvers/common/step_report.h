@@ -168,6 +168,28 @@ struct EnergyLedger {
   }
 };
 
+/// How often the solvers of a step did what costs time.
+struct SolverCounts {
+  int analyses = 0;            ///< of patterns: ordering and symbolic factorisation
+  int factorizations = 0;      ///< numeric
+  int backsolves = 0;          ///< with a factor
+  int refactorizations = 0;    ///< factorizations at Newton iterates that converged too slowly
+  int pivots = 0;              ///< rows that changed their place in the active sets of the step
+  int contact_iterations = 0;  ///< of Newton's method for contacts; 0: the active set did it
+  int sweeps = 0;              ///< of an iterative solver, both stages
+};
+
+/// Works of a step [J], each impulse j of a kick from V₀ to V₁ doing j·½ (V₀ + V₁).
+struct StepWorks {
+  double constraint = 0;   ///< of all ideal joints' impulses
+  AxisImpulse axes;        ///< of motors, friction, limits, springs and dampers of the axes
+  ContactWork contacts;    ///< of contacts
+  double stiffness = 0;    ///< energy taken by implicit geometric stiffness
+  double drivers = 0;      ///< of joints that follow the time, a part of `constraint`
+  double forces = 0;       ///< of gravity and the force laws
+  double dissipative = 0;  ///< of those that are not conservative, a part of `forces`
+};
+
 /// The proof of quality of one step.
 struct StepReport {
   Status status = Status::kSuccess;  ///< how the step ended
@@ -183,39 +205,27 @@ struct StepReport {
   double velocity_residual = 0;         ///< largest |J V| [m/s or rad/s]
   int newton_iterations = 0;            ///< position stage, all sub-steps
   int substeps = 0;                     ///< that were taken
-  int analyses = 0;                     ///< of patterns: ordering and symbolic factorisation
-  int factorizations = 0;               ///< numeric
-  int backsolves = 0;                   ///< with a factor
-  int refactorizations = 0;             ///< factorizations at Newton iterates that converged too slowly
+  SolverCounts counts;                  ///< what the solvers did
   int rank_deficiency = 0;              ///< dependent rows at the end of the step
   double condition_estimate = 0;        ///< of S, from the pivots: a lower bound
   double tension_number = 0;            ///< largest ω h of the sub-steps taken
-  int pivots = 0;                       ///< rows that changed their place in the active sets of the step
   double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
   /// The natural map of the laws of axes and contacts at the impulses and rates that each stage ended with,
   /// no tolerance taken off, over the size of both: at most 1e-9 on success, 1e-8 in steps with contacts
   /// (solvers/complementarity, "Natural residual").  Joints have `gap` and `velocity_residual`.
   double natural_residual = 0;
-  int contact_iterations = 0;  ///< of Newton's method for contacts; 0: the active set did it
-  int sweeps = 0;              ///< of an iterative solver, both stages
-  int contacts = 0;            ///< points at the end of the step, touching or near
-  double penetration = 0;      ///< deepest of them, ≥ 0 [m]
-  int asleep = 0;              ///< bodies that did not move because they sleep (Settings::sleep)
-  StageTimes times;            ///< where the time went
+  int contacts = 0;        ///< points at the end of the step, touching or near
+  double penetration = 0;  ///< deepest of them, ≥ 0 [m]
+  int asleep = 0;          ///< bodies that did not move because they sleep (Settings::sleep)
+  StageTimes times;        ///< where the time went
 
   // With Settings::report_energy:
   double kinetic_energy = 0, potential_energy = 0;  ///< the latter without that of springs [J]
   double spring_energy = 0;                         ///< in springs, soft limits and soft joints [J]
   Vec3 linear_momentum = Vec3::Zero();              ///< [N·s]
   Vec3 angular_momentum = Vec3::Zero();             ///< about the world origin [N·m·s]
-  double constraint_work = 0;                       ///< of all ideal joints' impulses in this step [J]
-  AxisImpulse axis_work;        ///< of motors, friction, limits, springs and dampers of the axes [J]
-  ContactWork contact_work;     ///< of contacts [J]
-  double stiffness_work = 0;    ///< energy taken by implicit geometric stiffness [J]
-  double driver_work = 0;       ///< of joints that follow the time, a part of constraint_work [J]
-  double force_work = 0;        ///< of gravity and the force laws [J]
-  double dissipative_work = 0;  ///< of those that are not conservative, a part of force_work [J]
-  EnergyLedger ledger;          ///< where the energy went
+  StepWorks works;                                  ///< of what acted
+  EnergyLedger ledger;                              ///< where the energy went
 
   /// Rows of joints that others hold already, as many as rank_deficiency but for those of contacts;
   /// names_of() says which.

@@ -76,7 +76,7 @@ struct StageAttempt {
   StageSolution solution(std::span<const double> lambda) const { return {laws, b, inertia, lambda, w}; }
   void add(const StageRecord& record) {
     report.times += record.times;
-    report.contact_iterations += record.iterations;
+    report.counts.contact_iterations += record.iterations;
     report.complementarity_residual = std::max(report.complementarity_residual, record.residual);
     inexact_residual = record.loose;
   }

@@ -32,7 +32,7 @@ StageVerdict StagePivoting::pivot(StageAttempt& attempt) {
   for (int solve = 0;; ++solve) {
     settings.keep_null_space = solve > 0;
     outcome_ = active_->solve(attempt.laws, attempt.b, lambda, attempt.w, attempt.report.times, settings);
-    attempt.report.pivots += outcome_.pivots;
+    attempt.report.counts.pivots += outcome_.pivots;
     if (!outcome_.ok() && only_axes) return after_stall(attempt, settings.rate_tolerance == 0);
     const bool moved = model_.move_laws(attempt.problem(), attempt.rate_tolerance);
     const bool slid = model_.contacts.adapt(lambda, attempt.w, attempt.rate_tolerance);

@@ -92,7 +92,7 @@ bool StageSolver::iterate(const Stage& stage, int sweeps, double rate_tolerance,
   const IterationLimits limits{settings.solver, sweeps, settings.relaxation, rate_tolerance * least};
   const IterationOutcome outcome =
       contact_solver_.iteration().solve(model_.contacts, laws_, b_, stage.lambda, w_, limits, absorbed);
-  report.sweeps += outcome.sweeps;
+  report.counts.sweeps += outcome.sweeps;
   if (!std::isfinite(outcome.residual)) return false;
   (void)model_.move_laws({laws_, b_, effective_mass_, stage.lambda, w_}, 0);
   model_.contacts.take_over(stage.lambda, w_, rate_tolerance);

@@ -226,9 +226,9 @@ void ImpulseScheme::finish_laws(StepReport& report) {
   axes_.accumulate_work(mu_, rates_, kick_rates_);
   axes_.finish_velocities(phi_, rates_, state_.time);
   contacts_.finish(mu_, kick_rates_, state_.time);
-  report.axis_work = {};
-  for (const AxisReport& axis : axes_.reports()) report.axis_work += axis.work;
-  report.contact_work = contacts_.work();
+  report.works.axes = {};
+  for (const AxisReport& axis : axes_.reports()) report.works.axes += axis.work;
+  report.works.contacts = contacts_.work();
 }
 
 /// Momenta, and a state that a World takes.  A sum is finite if and, short of overflow, only if all its terms

@@ -3,16 +3,16 @@
 namespace taut {
 
 Works works_of(const StepReport& r) {
-  return {r.constraint_work, r.stiffness_work,   r.driver_work,
-          r.force_work,      r.dissipative_work, r.ledger.integration};
+  return {r.works.constraint, r.works.stiffness,   r.works.drivers,
+          r.works.forces,     r.works.dissipative, r.ledger.integration};
 }
 
 void set_works(StepReport& report, const Works& works) {
-  report.constraint_work = works.constraint;
-  report.stiffness_work = works.stiffness;
-  report.driver_work = works.driver;
-  report.force_work = works.force;
-  report.dissipative_work = works.dissipative;
+  report.works.constraint = works.constraint;
+  report.works.stiffness = works.stiffness;
+  report.works.drivers = works.driver;
+  report.works.forces = works.force;
+  report.works.dissipative = works.dissipative;
   report.ledger.integration = works.flow;
 }
 
@@ -38,20 +38,21 @@ void KickWorks::add(const Kick& kick, std::span<const Wrench> forces, double h, 
     of_forces += dot(force, V);
     of_joints += dot(kick.to[b] - kick.from[b] - force, V);
   });
-  report.constraint_work += of_joints;
-  report.force_work += of_forces;
+  report.works.constraint += of_joints;
+  report.works.forces += of_forces;
   if (world_.has_dissipative_forces(springs_)) {
     dissipative_.assign(world_.body_count(), Wrench{});
     world_.add_dissipative_forces(kick.state, dissipative_, springs_);
     with_mean_twists(kick.from, kick.to, [&](int b, const Twist& V) {
-      report.dissipative_work += 0.5 * h * dot(dissipative_[b], V);
+      report.works.dissipative += 0.5 * h * dot(dissipative_[b], V);
     });
   }
   if (!has_drivers_) return;
   mean_rates_.resize(system_.row_count());
   mean_rates(kick.from, kick.to, kick.jacobian, mean_rates_);
   for (int r = 0; r < system_.row_count(); ++r)
-    if (system_.rows().row(r).store->depends_on_time()) report.driver_work += kick.lambda[r] * mean_rates_[r];
+    if (system_.rows().row(r).store->depends_on_time())
+      report.works.drivers += kick.lambda[r] * mean_rates_[r];
 }
 
 void KickWorks::add_between(std::span<const Wrench> from, std::span<const Wrench> to, double& work) const {

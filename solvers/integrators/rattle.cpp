@@ -284,7 +284,7 @@ void Rattle::refactor_at_iterate(double h, StepReport& report) {
   std::copy(start_jacobian_.begin() + contact_offset(), start_jacobian_.end(), J.begin() + contact_offset());
   system_.factorize(report.times);
   refactored_ = true;
-  ++report.refactorizations;
+  ++report.counts.refactorizations;
 }
 
 bool Rattle::close_velocities(double h, StepReport& report) {

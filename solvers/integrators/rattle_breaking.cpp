@@ -43,7 +43,7 @@ void Rattle::account_for_kick(double h, StepReport& report) {
   for (int b = 0; b < world_.body_count(); ++b)
     raw[b] = momenta_[b] + 0.5 * h * forces_[b] + system_.rows().wrench_on(b, kick_jacobian(), lambda_);
   add(raw);
-  works_.add_between(raw, kicked_, report.stiffness_work);
+  works_.add_between(raw, kicked_, report.works.stiffness);
 }
 
 }  // namespace taut

@@ -58,7 +58,7 @@ bool Rattle::project_positions(double h, StepReport& report) {
     system_.linearize(end);
     system_.set_mass(poses_);
     system_.factorize(report.times);
-    ++report.refactorizations;
+    ++report.counts.refactorizations;
     if (!system_.usable()) break;
     const Stopwatch watch(report.times.positions);
     for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -phi_[r];

@@ -130,8 +130,8 @@ Checkpoint Simulator::checkpoint() {
   std::vector<char> attached, gone;  // gone with the last step, which the integrator has not seen yet
   for (int j = 0; j < world.joint_count(); ++j) attached.push_back(world.is_attached({j}));
   gone.assign(attached.size(), 0);
-  if (remembers && own.scheme_)
-    for (const BreakEvent& event : own.scheme_->breaking().events()) gone[event.joint.index] = 1;
+  if (const ImpulseScheme* scheme = own.stepper_.scheme(); remembers && scheme)
+    for (const BreakEvent& event : scheme->breaking().events()) gone[event.joint.index] = 1;
   archive(model, method, state, attached, gone, remembers);
   if (remembers) own.transfer(archive, {});
   return Checkpoint::of_payload(archive.bytes());
@@ -191,16 +191,13 @@ void Simulator::restore(const Checkpoint& checkpoint) {
 /// Brings what the integrator knows to the present world, as the next step would.  False if it knows nothing
 /// that is worth keeping: before the first step, and after one that failed.
 bool Simulator::Impl::settle() {
-  flush_mean_reactions();
-  if (!system_ || !has_started() || state_version_ < 0 || !report_.advanced() || report_.dt == 0)
-    return false;
+  welds_.solve_means_of_old_source(stepper_, report_.dt);
+  if (!stepper_.has_state() || !stepper_.is_started() || !report_.advanced() || report_.dt == 0) return false;
   const bool unchanged = recalled_.empty() && end_versions_ == versions();
   if (unchanged) return true;
   StepReport kept = report_;
-  sync_from_world();
-  if (sleep_) wake_islands(horizon_);
-  restart_if_needed();
-  publish_to_world();
+  bring_up_to_date(horizon_);
+  bodies_.publish();
   const bool good = report_.advanced();
   report_ = std::move(kept);
   end_versions_ = versions();
@@ -209,31 +206,28 @@ bool Simulator::Impl::settle() {
 
 /// `gone`, when reading: joints that left with the last step, by joint.
 void Simulator::Impl::transfer(Archive& archive, std::span<const char> gone) {
-  archive(pace_.substeps, pace_.most_substeps, pace_.quiet, pace_.hard_steps, horizon_, report_.dt,
-          report_.time);
-  const auto is_count = [&](double n) { return n >= 1 && n <= settings_.max_substeps; };
-  Archive::require(is_count(pace_.substeps) && is_count(pace_.most_substeps) && pace_.quiet >= 0 &&
-                   horizon_ >= 0 && std::isfinite(horizon_) && report_.dt > 0 &&
+  substepping_.division().transfer(archive, settings_.max_substeps);
+  archive(horizon_, report_.dt, report_.time);
+  Archive::require(horizon_ >= 0 && std::isfinite(horizon_) && report_.dt > 0 &&
                    std::isfinite(report_.dt + report_.time));
   State state = world_.state();
   archive(state);
   if (archive.reads()) world_.set_state(state);
-  if (sleep_) sleep_->transfer(archive, world_);
-  archive(asleep_.reactions, asleep_.axes, asleep_.contacts);
+  sleep_.transfer(archive, world_);
+  sleeping_.transfer(archive);
   if (archive.reads()) {
-    if (merged_) merged_->give_sleep(source_);
-    make_system();
+    bodies_.give_sleep();
+    stepper_.renew();
+    note_renewed();
   }
-  if (scheme_)
-    scheme_->transfer(archive);
-  else
-    force_level_->transfer(archive);
-  if (weld_loads_) archive(start_);
+  stepper_.transfer(archive);
+  welds_.transfer(archive);
   if (archive.reads()) {
-    if (merged_) merged_->note_state(source_), merged_->note_stirs(source_);
+    bodies_.note_restored();
     for (int j = 0; j < std::ssize(gone); ++j)
       if (gone[j]) world_.detach({j}), source_.detach({j});
-    state_version_ = given_version_ = world_.state_version();
+    stepper_.note_state();
+    bodies_.note_published();
     end_versions_ = versions();
   }
   books_.transfer(archive, world_);

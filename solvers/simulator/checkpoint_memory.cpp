@@ -8,6 +8,10 @@
 #include "solvers/integrators/rattle.h"
 #include "solvers/simulator/energy_accounting.h"
 #include "solvers/simulator/sleep.h"
+#include "solvers/simulator/sleeping_loads.h"
+#include "solvers/simulator/step_division.h"
+#include "solvers/simulator/stepper.h"
+#include "solvers/simulator/weld_reactions.h"
 
 // What each part of a simulation remembers from one step to the next, as Archive writes and reads it.
 // Whatever a step makes anew before it reads it is left out, and so are factors, which have the same bits
@@ -213,6 +217,7 @@ void Breaking::transfer(Archive& archive) {
 }
 
 void Sleep::transfer(Archive& archive, World& world) {
+  if (!enabled()) return;
   read_bodies(world);
   std::vector<char> seen(stirs_.size());
   for (std::size_t b = 0; b < seen.size(); ++b)
@@ -228,6 +233,25 @@ void Sleep::transfer(Archive& archive, World& world) {
   for (int b = 0; b < bodies; ++b)
     if (island_of_[b] >= 0) world.put_to_sleep({b});
   for (int b = 0; b < bodies; ++b) stirs_[b] = world.wake_count({b}) - !seen[b];
+}
+
+void SleepingLoads::transfer(Archive& archive) { archive(reactions_, axes_, contacts_); }
+
+void WeldReactions::transfer(Archive& archive) {
+  if (loads_) archive(start_);
+}
+
+void StepDivision::transfer(Archive& archive, double most) {
+  archive(substeps_, most_substeps_, quiet_, hard_steps_);
+  const auto is_count = [&](double n) { return n >= 1 && n <= most; };
+  Archive::require(is_count(substeps_) && is_count(most_substeps_) && quiet_ >= 0);
+}
+
+void Stepper::transfer(Archive& archive) {
+  if (scheme_)
+    scheme_->transfer(archive);
+  else
+    force_level_->transfer(archive);
 }
 
 void EnergyAccounting::transfer(Archive& archive, const World& world) {

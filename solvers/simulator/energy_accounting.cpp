@@ -43,21 +43,21 @@ void EnergyAccounting::close(const World& world, StepReport& report, bool by_wor
   }
   double lost = 0;  // stored in joints that broke
   for (const BreakEvent& event : report.breaks) lost += event.energy;
-  const AxisImpulse& axes = report.axis_work;
+  const AxisImpulse& axes = report.works.axes;
   const double dissipative = end_.dissipative - start_.dissipative;
   ledger.stabilisation = stabilisation_;
   ledger.motors = axes.motor;
-  ledger.drivers = report.driver_work;
-  ledger.friction = axes.friction + report.contact_work.friction;
+  ledger.drivers = report.works.drivers;
+  ledger.friction = axes.friction + report.works.contacts.friction;
   ledger.limits = axes.limit;
-  ledger.contacts = report.contact_work.normal;
+  ledger.contacts = report.works.contacts.normal;
   ledger.damping = axes.damping;
-  ledger.forces = report.dissipative_work + dissipative;
+  ledger.forces = report.works.dissipative + dissipative;
   ledger.breaking = -lost;
-  ledger.stiffness = report.stiffness_work;
+  ledger.stiffness = report.works.stiffness;
   // … to what the free flow has left there.
-  ledger.integration += (report.constraint_work - report.driver_work) + axes.spring + axes.elastic_limit +
-                        (report.force_work - report.dissipative_work) +
+  ledger.integration += (report.works.constraint - report.works.drivers) + axes.spring + axes.elastic_limit +
+                        (report.works.forces - report.works.dissipative) +
                         (end_.stored() + lost - start_.stored()) - dissipative;
 }
 

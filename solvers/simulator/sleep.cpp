@@ -21,11 +21,6 @@ bool keeps_going(const AxisMotor& motor) {
 
 }  // namespace
 
-Sleep::Sleep(const World& world, const Settings& settings)
-    : speed_(settings.sleep_speed), time_(settings.sleep_time) {
-  read_bodies(world);
-}
-
 /// Bodies that have been added.
 void Sleep::read_bodies(const World& world) {
   for (int b = static_cast<int>(quiet_.size()); b < world.body_count(); ++b) {
@@ -46,6 +41,7 @@ bool Sleep::is_slow(const World& world, int body) const {
 }
 
 void Sleep::watch(const World& world, double dt) {
+  if (!enabled_) return;
   read_bodies(world);
   for (int b = 0; b < world.body_count(); ++b) quiet_[b] = is_slow(world, b) ? quiet_[b] + dt : 0;
 }
@@ -87,8 +83,15 @@ void Sleep::note_restless(const World& world, const Rows& rows) {
     if (world.moves({b}) && !(is_quiet(b) && is_slow(world, b))) restless_[connected_.find(b)] = true;
 }
 
-std::vector<BodyId> Sleep::tired(const World& world, const Rows& rows,
-                                 std::span<const ContactSet::Place> places) {
+void Sleep::choose_candidates(const World& world, const Rows& rows,
+                              std::span<const ContactSet::Place> places) {
+  candidates_ = tired_bodies(world, rows, places);
+  candidate_twists_.clear();
+  for (BodyId body : candidates_) candidate_twists_.push_back(world.twist(body));
+}
+
+std::vector<BodyId> Sleep::tired_bodies(const World& world, const Rows& rows,
+                                        std::span<const ContactSet::Place> places) {
   std::vector<BodyId> bodies;
   const auto may_sleep = [&](int b) { return is_quiet(b) && world.moves({b}) && is_slow(world, b); };
   int first = 0;
@@ -101,11 +104,11 @@ std::vector<BodyId> Sleep::tired(const World& world, const Rows& rows,
   return bodies;
 }
 
-/// Bodies of tired(), by whose islands they are still sorted.
-void Sleep::put_to_sleep(World& world, std::span<const BodyId> bodies) {
-  if (bodies.empty()) return;
+/// By islands, as tired_bodies() has sorted them.
+void Sleep::put_to_sleep(World& world) {
+  if (candidates_.empty()) return;
   std::vector<int> island_of_first(quiet_.size(), -1);
-  for (BodyId body : bodies) {
+  for (BodyId body : candidates_) {
     int& island = island_of_first[connected_.find(body.index)];
     if (island < 0) {
       const auto place =
@@ -118,7 +121,7 @@ void Sleep::put_to_sleep(World& world, std::span<const BodyId> bodies) {
     world.put_to_sleep(body);
   }
   world.forces(world.state(), forces_);
-  for (BodyId body : bodies) forces_then_[body.index] = forces_[body.index];
+  for (BodyId body : candidates_) forces_then_[body.index] = forces_[body.index];
 }
 
 void Sleep::wake_island(World& world, int island) {
@@ -145,7 +148,16 @@ bool Sleep::any_asleep() const {
 }
 
 void Sleep::wake(World& world, std::span<const ContactSet::Place> places, double h) {
+  if (!enabled_) return;
   read_bodies(world);
+  wake_stirred(world);
+  if (!any_asleep()) return;
+  wake_pulled(world);
+  wake_approached(world, places, h);
+}
+
+/// Islands of bodies that were woken.
+void Sleep::wake_stirred(World& world) {
   for (int b = 0; b < world.body_count(); ++b) {
     if (island_of_[b] < 0 && world.is_asleep({b})) world.wake({b});  // it sleeps for another simulator
     const bool slept = island_of_[b] >= 0 && !world.is_asleep({b});
@@ -154,12 +166,18 @@ void Sleep::wake(World& world, std::span<const ContactSet::Place> places, double
     if (island_of_[b] >= 0) wake_island(world, island_of_[b]);
     stirs_[b] = world.wake_count({b});
   }
-  if (!any_asleep()) return;
-  if (world.force_count() > 0) {
-    world.forces(world.state(), forces_);
-    for (int b = 0; b < world.body_count(); ++b)
-      if (island_of_[b] >= 0 && forces_changed(world, b)) wake_island(world, island_of_[b]);
-  }
+}
+
+/// Islands on which forces have changed.
+void Sleep::wake_pulled(World& world) {
+  if (world.force_count() == 0) return;
+  world.forces(world.state(), forces_);
+  for (int b = 0; b < world.body_count(); ++b)
+    if (island_of_[b] >= 0 && forces_changed(world, b)) wake_island(world, island_of_[b]);
+}
+
+/// Islands that a moving body may touch within h.
+void Sleep::wake_approached(World& world, std::span<const ContactSet::Place> places, double h) {
   const State& state = world.state();
   for (const ContactSet::Place& place : places) {
     if (!place.active || world.moves({place.at.a}) == world.moves({place.at.b})) continue;
@@ -171,6 +189,19 @@ void Sleep::wake(World& world, std::span<const ContactSet::Place> places, double
     const double approach = std::max(0.0, -contact.normal.dot(v)) + world.gravity().norm() * h;
     if (contact.gap <= kTouch + kFaster * h * approach) wake_island(world, asleep);
   }
+}
+
+bool Sleep::wake_after(World& world, std::span<const ContactReport> contacts, bool done) {
+  if (done) return wake_touched(world, contacts);
+  if (world.asleep_count() == 0) return false;
+  world.wake_all();
+  restore_awake(world);
+  return true;
+}
+
+void Sleep::restore_awake(World& world) {
+  for (std::size_t i = 0; i < candidates_.size(); ++i) world.set_twist(candidates_[i], candidate_twists_[i]);
+  forget_candidates();
 }
 
 bool Sleep::wake_touched(World& world, std::span<const ContactReport> contacts) {

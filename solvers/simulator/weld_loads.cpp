@@ -2,7 +2,6 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
-#include <map>
 
 #include "core/world/diagnostics.h"
 
@@ -11,7 +10,6 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 Vector6 stacked(const Wrench& wrench) {
   Vector6 v;
@@ -211,25 +209,49 @@ void WeldLoads::share_loops(const MergedGroup& group) {
   std::vector<JointId> welds = group.loops;
   for (JointId weld : group.welds)
     if (weld.index >= 0) welds.push_back(weld);
-  std::vector<Vector6> stiffness(welds.size());
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto block = [&](JointId weld, int s) {
-    return Eigen::Map<const RowMajor6>(jacobian_.data() +
-                                       rows_.sides()[rows_.joints()[weld.index].first_side + s].offset);
-  };
-  const auto body = [&](JointId weld, int s) {
-    return (s == 0 ? ends_[weld.index].a : ends_[weld.index].b).index;
-  };
-  for (std::size_t w = 0; w < welds.size(); ++w) {
-    Vector6 D = Vector6::Zero();
+  const Eigen::VectorXd u = loop_displacements(welds, place);
+  for (JointId weld : welds) {
+    Vector6 lambda = Vector6::Zero();
     for (int s = 0; s < 2; ++s)
-      D += (block(welds[w], s) * inverse_mass(body(welds[w], s)) * block(welds[w], s).transpose()).diagonal();
-    stiffness[w] = D.cwiseInverse();
+      if (const auto at = place.find(end(weld, s)); at != place.end())
+        lambda += block(weld, s) * u.segment<6>(at->second);
+    lambda = stiffness(weld).cwiseProduct(lambda).eval();
+    for (int s = 0; s < 2; ++s) {
+      const Wrench W = wrench_of(block(weld, s).transpose() * lambda);
+      required_[end(weld, s)] = required_[end(weld, s)] - W;
+      if (s == 1) loads_[weld.index] = W;
+    }
+  }
+}
+
+/// J of a weld's rows on its body A (0) or B (1), and that body.
+Eigen::Map<const WeldLoads::Block> WeldLoads::block(JointId weld, int s) const {
+  return Eigen::Map<const Block>(jacobian_.data() +
+                                 rows_.sides()[rows_.joints()[weld.index].first_side + s].offset);
+}
+int WeldLoads::end(JointId weld, int s) const {
+  return (s == 0 ? ends_[weld.index].a : ends_[weld.index].b).index;
+}
+
+/// 1/S_rr of its rows.
+Vector6 WeldLoads::stiffness(JointId weld) const {
+  Vector6 D = Vector6::Zero();
+  for (int s = 0; s < 2; ++s)
+    D += (block(weld, s) * inverse_mass(end(weld, s)) * block(weld, s).transpose()).diagonal();
+  return D.cwiseInverse();
+}
+
+/// u of the bodies that have a place in it.
+Eigen::VectorXd WeldLoads::loop_displacements(std::span<const JointId> welds,
+                                              const std::map<int, int>& place) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (JointId weld : welds) {
+    const Vector6 own = stiffness(weld);
     for (int s = 0; s < 2; ++s)
       for (int t = 0; t < 2; ++t) {
-        const auto row = place.find(body(welds[w], s)), column = place.find(body(welds[w], t));
+        const auto row = place.find(end(weld, s)), column = place.find(end(weld, t));
         if (row == place.end() || column == place.end()) continue;
-        const Matrix6 K = block(welds[w], s).transpose() * stiffness[w].asDiagonal() * block(welds[w], t);
+        const Matrix6 K = block(weld, s).transpose() * own.asDiagonal() * block(weld, t);
         for (int i = 0; i < 6; ++i)
           for (int k = 0; k < 6; ++k) entries.emplace_back(row->second + i, column->second + k, K(i, k));
       }
@@ -239,19 +261,7 @@ void WeldLoads::share_loops(const MergedGroup& group) {
   K.setFromTriplets(entries.begin(), entries.end());
   Eigen::VectorXd u(size);
   for (const auto& [b, first] : place) u.segment<6>(first) = stacked(required_[b]);
-  u = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(K).solve(u).eval();
-  for (std::size_t w = 0; w < welds.size(); ++w) {
-    Vector6 lambda = Vector6::Zero();
-    for (int s = 0; s < 2; ++s)
-      if (const auto at = place.find(body(welds[w], s)); at != place.end())
-        lambda += block(welds[w], s) * u.segment<6>(at->second);
-    lambda = stiffness[w].cwiseProduct(lambda).eval();
-    for (int s = 0; s < 2; ++s) {
-      const Wrench W = wrench_of(block(welds[w], s).transpose() * lambda);
-      required_[body(welds[w], s)] = required_[body(welds[w], s)] - W;
-      if (s == 1) loads_[welds[w].index] = W;
-    }
-  }
+  return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(K).solve(u).eval();
 }
 
 }  // namespace taut

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <span>
 #include <vector>
 
@@ -58,6 +59,11 @@ class WeldLoads {
   void balance(const MergedGroup& group);
   void share(const MergedGroup& group);
   void share_loops(const MergedGroup& group);
+  using Block = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+  Eigen::Map<const Block> block(JointId weld, int s) const;
+  int end(JointId weld, int s) const;
+  Eigen::Matrix<double, 6, 1> stiffness(JointId weld) const;
+  Eigen::VectorXd loop_displacements(std::span<const JointId> welds, const std::map<int, int>& place) const;
   Wrench moved(const Wrench& wrench, BodyId from, BodyId to) const;
   Eigen::Matrix<double, 6, 6> inverse_mass(int body) const;
   Wrench momentum(BodyId body, const State& state) const;

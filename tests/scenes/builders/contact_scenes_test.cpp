@@ -252,7 +252,7 @@ void bears_its_weight(Scene& scene, double compliance, int settling, int steps) 
     EXPECT_EQ(allocations(), before);
     EXPECT_TRUE(report.ok()) << report.message;
     EXPECT_LE(report.natural_residual, 1e-8);
-    EXPECT_EQ(report.analyses, 0);
+    EXPECT_EQ(report.counts.analyses, 0);
     EXPECT_LE(report.penetration, 1e-5);
   }
   double weight = 0, carried = 0;
@@ -282,7 +282,7 @@ TEST(Pile, of_stiff_bodies_comes_to_rest_and_falls_asleep) {
   for (; steps < kMostSteps && simulator.report().asleep < kBodies; ++steps) {
     run(scene, simulator, scene.dt);
     if (HasFatalFailure()) return;
-    newton += simulator.report().contact_iterations;
+    newton += simulator.report().counts.contact_iterations;
   }
   EXPECT_EQ(simulator.report().asleep, kBodies);
   EXPECT_LT(newton, 60 * steps);

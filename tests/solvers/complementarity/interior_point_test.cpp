@@ -102,7 +102,7 @@ TEST(InteriorPoint, CarriesANetWithFrictionInEveryJoint) {
       ASSERT_TRUE(report.ok()) << friction << " " << report.message;
       EXPECT_LE(report.complementarity_residual, 1e-9) << friction;
       EXPECT_LE(report.gap.metres, 1e-9) << friction;
-      EXPECT_LE(report.axis_work.friction, 1e-9) << friction;
+      EXPECT_LE(report.works.axes.friction, 1e-9) << friction;
     }
   }
 }

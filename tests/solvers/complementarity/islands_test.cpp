@@ -53,7 +53,7 @@ Course course(World& world, int steps, int threads = 0) {
   for (int i = 0; i < steps; ++i) {
     const StepReport& report = simulator.step(kStep);
     EXPECT_TRUE(report.ok()) << "step " << i << ": " << report.message;
-    course.analyses_at_the_end = report.analyses;
+    course.analyses_at_the_end = report.counts.analyses;
     course.residual = std::max(course.residual, report.complementarity_residual);
     course.gap = std::max({course.gap, report.gap.metres, report.gap.radians});
   }

@@ -47,7 +47,7 @@ TEST_P(Iterative, TendsToTheDirectSolution) {
       ASSERT_TRUE(exact.step(1e-3).ok());
       const StepReport& report = simulator.step(1e-3);
       ASSERT_TRUE(report.ok()) << report.message;
-      ASSERT_EQ(report.factorizations, 0);
+      ASSERT_EQ(report.counts.factorizations, 0);
       ASSERT_LE(std::max(report.gap.metres, report.gap.radians), 1e-9) << name;
     }
     EXPECT_LE(distance(direct.world, iterative.world), 1e-7) << name;
@@ -177,7 +177,7 @@ TEST_P(Iterative, BouncesByRestitutionWithoutAFactor) {
   while (world.time() < 0.85) {
     const StepReport report = simulator.step(1e-3);
     ASSERT_TRUE(report.ok());
-    ASSERT_EQ(report.factorizations, 0);
+    ASSERT_EQ(report.counts.factorizations, 0);
     if (world.time() > 0.46) highest = std::max(highest, world.pose(ball).p.z());
   }
   EXPECT_NEAR(highest, 0.1 + 0.25, 1e-5);  // e² of the height; g h²/8 from the next step

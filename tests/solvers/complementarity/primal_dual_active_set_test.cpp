@@ -55,7 +55,7 @@ TEST(PrimalDualActiveSet, LetsARubbingNetRest) {
   for (int step = 0; step < 200; ++step) {
     const StepReport& report = simulator.step(scene.dt);
     ASSERT_TRUE(report.ok()) << report.message;
-    EXPECT_EQ(report.factorizations, 0) << step;
+    EXPECT_EQ(report.counts.factorizations, 0) << step;
     EXPECT_LE(report.gap.metres, 1e-10) << step;
     EXPECT_LE(report.complementarity_residual, 1e-9) << step;
     EXPECT_NEAR(report.energy() - report.ledger.start, report.ledger.total(), 1e-12) << step;

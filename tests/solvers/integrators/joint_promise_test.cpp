@@ -101,7 +101,7 @@ TEST_P(JointPromise, Holds) {
       ASSERT_LE(gap.radians, 1e-9) << "step " << i;
     }
     drift = std::max(drift, std::abs(report.energy() - initial) / scene.energy_scale);
-    analyses += report.analyses;
+    analyses += report.counts.analyses;
   }
   EXPECT_EQ(analyses, 1);
   EXPECT_LE(drift, promise.energy);
@@ -119,7 +119,7 @@ TEST(WeakDirections, OfALongBridgeTakeTwoPasses) {
     ASSERT_TRUE(report.ok()) << "step " << i << ": " << report.message;
     ASSERT_LE(report.velocity_residual, 1e-9) << "step " << i;
     ASSERT_LE(std::max(report.gap.metres, report.gap.radians), 1e-9) << "step " << i;
-    if (i >= 30) substeps += report.substeps, backsolves += report.backsolves;
+    if (i >= 30) substeps += report.substeps, backsolves += report.counts.backsolves;
   }
   EXPECT_LE(backsolves, 3.2 * substeps);  // one for positions, two for velocities
 }

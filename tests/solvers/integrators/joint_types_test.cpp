@@ -173,7 +173,7 @@ TEST_P(JointTypeInMotion, StaysClosed) {
     ASSERT_TRUE(report.ok()) << "step " << i << ": " << report.message;
     ASSERT_LE(std::max(report.gap.metres, report.gap.radians), 1e-9) << "step " << i;
     ASSERT_LE(report.velocity_residual, 1e-8) << "step " << i;
-    work += report.constraint_work;
+    work += report.works.constraint;
     worst = std::max(worst, std::abs(report.energy() - start - (GetParam().conservative ? 0 : work)));
   }
   EXPECT_LT(worst, 2);
@@ -302,7 +302,7 @@ TEST(Drivers, HoldTheirMotionAndReportTheirTorque) {
   double work = 0;
   for (int i = 0; i < 1000; ++i) {
     ASSERT_TRUE(simulator.step(5e-3).ok()) << simulator.report().message;
-    work += simulator.report().constraint_work;
+    work += simulator.report().works.constraint;
     const double theta = rate * world.time();
     ASSERT_NEAR(world.axis_value(axis), theta, 1e-9);
     ASSERT_NEAR(world.axis_rate(axis), rate, 1e-8);

@@ -51,7 +51,7 @@ TEST(Breaking, AJointLeavesWithinTheStepWhenItsLoadReachesItsStrength) {
     for (; s.world.time() < 1; ++steps) {
       const StepReport& r = simulator.step(dt);
       ASSERT_TRUE(r.ok()) << r.message;
-      ASSERT_EQ(r.analyses, steps == 0 || steps == broke_in + 1);
+      ASSERT_EQ(r.counts.analyses, steps == 0 || steps == broke_in + 1);
       for (const BreakEvent& event : r.breaks) {
         ++events;
         broke_in = steps;
@@ -181,7 +181,7 @@ TEST(AttachDetach, KeepsMomentaAndBooksTheEnergy) {
     ASSERT_LE(r.gap.metres, 1e-9);
     ASSERT_NEAR(r.ledger.start + r.ledger.total(), r.energy(), 1e-13);
     if (i == 0) {
-      EXPECT_EQ(r.analyses, 1);
+      EXPECT_EQ(r.counts.analyses, 1);
       EXPECT_LT(r.ledger.stabilisation, -0.1);  // a plastic impact
       EXPECT_NEAR(energy + r.ledger.stabilisation, r.energy(), 1e-5);
     }

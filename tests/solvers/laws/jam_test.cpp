@@ -77,7 +77,7 @@ TEST(Jam, WhatForcesALockedWedgeIsNamedWithTheFriction) {
       EXPECT_TRUE(jam.bounds.empty());
     }
     EXPECT_NE(report.message.find("jam"), std::string::npos) << report.message;
-    EXPECT_LE(report.factorizations, 2000);
+    EXPECT_LE(report.counts.factorizations, 2000);
     EXPECT_EQ(wedge.world.pose(BodyId{1}).p, before.poses[1].p);
   }
 }

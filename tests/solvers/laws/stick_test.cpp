@@ -52,14 +52,14 @@ TEST(Stick, of_a_contact_does_not_creep_under_forces_that_are_set_in_each_step) 
   for (int i = 0; i < 5000; ++i) {
     world.set_force(load, push(4.9 * std::sin(0.05 * i) * 0.9));  // 4.905 N would move it
     ASSERT_TRUE(simulator.step(1e-3).ok()) << "step " << i << ": " << simulator.report().message;
-    ASSERT_EQ(simulator.report().analyses, i == 0 ? simulator.report().analyses : 0);
+    ASSERT_EQ(simulator.report().counts.analyses, i == 0 ? simulator.report().counts.analyses : 0);
   }
   EXPECT_NEAR(world.pose(block).p.x(), 0, 1e-12);
   for (int i = 0; i < 20; ++i) {
     world.set_force(load, push(1));
     ASSERT_TRUE(simulator.step(1e-3).ok());
   }
-  EXPECT_EQ(simulator.report().factorizations,
+  EXPECT_EQ(simulator.report().counts.factorizations,
             0);  // the impulses of the step before are known, and serve again
   world.set_force(load, push(6));
   for (int i = 0; i < 500; ++i) ASSERT_TRUE(simulator.step(1e-3).ok());

@@ -21,7 +21,7 @@ void expect_none(const std::string& name, const std::map<std::string, double>& p
     const long count = allocation_count() - before;
     ASSERT_TRUE(report.ok()) << report.message;
     ASSERT_EQ(count, 0) << name << ", step " << i << " of " << report.substeps << " sub-steps, "
-                        << report.refactorizations << " factorisations at an iterate";
+                        << report.counts.refactorizations << " factorisations at an iterate";
   }
 }
 

@@ -218,7 +218,7 @@ TEST(MergedMotion, MotorsOnMembersDriveThem) {
   const double theta = merged.world.axis_value(merged.angle),
                torque = (1 * 0.4 + 4 * 0.8) * 9.81 * std::sin(theta);
   EXPECT_NEAR(a.force.motor, torque, 5e-3 * torque);  // the mean over a step, at its end
-  EXPECT_GT(by_motion.report().axis_work.motor, 0);
+  EXPECT_GT(by_motion.report().works.axes.motor, 0);
 }
 
 TEST(MergedMotion, DriversOnMembersDriveThem) {

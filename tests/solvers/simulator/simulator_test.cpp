@@ -136,7 +136,7 @@ TEST(Rattle, WorkOfForcesAndJointsAddsUpToTheEnergy) {
   Scene scene = build_scene("pendulum-ball", {{"n", 2}});
   Simulator simulator(scene.world);
   double work = 0;
-  for (int i = 0; i < 2000; ++i) work += simulator.step(1e-3).constraint_work;
+  for (int i = 0; i < 2000; ++i) work += simulator.step(1e-3).works.constraint;
   // Ideal joints do no work: what is left is the energy error of the integrator.
   EXPECT_LT(std::abs(work), 1e-3 * scene.energy_scale);
 }
@@ -342,7 +342,7 @@ TEST(Tension, ImplicitStiffnessIsStableAtALargeStepAndReportsItsPrice) {
     const StepReport& report = simulator.step(1.0 / 240);
     ASSERT_TRUE(report.ok()) << "step " << i << ": " << report.message;
     ASSERT_LE(report.gap.metres, 1e-9);
-    taken += report.stiffness_work;
+    taken += report.works.stiffness;
     highest = std::max(highest, (report.energy() - initial) / scene.energy_scale);
     tension = std::max(tension, report.tension_number);
   }

@@ -81,7 +81,7 @@ TEST(Sleep, rest_costs_no_analysis_and_no_allocation) {
   const long before = allocation_count();
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(simulator.step(kStep).ok());
-    ASSERT_EQ(simulator.report().analyses, 0);
+    ASSERT_EQ(simulator.report().counts.analyses, 0);
   }
   EXPECT_EQ(allocation_count() - before, 0);
 }
@@ -95,7 +95,7 @@ TEST(Sleep, costs_no_analysis_and_no_allocation) {
   const long before = allocation_count();
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(simulator.step(kStep).ok());
-    ASSERT_EQ(simulator.report().analyses, 0);
+    ASSERT_EQ(simulator.report().counts.analyses, 0);
   }
   EXPECT_EQ(allocation_count() - before, 0);
 }

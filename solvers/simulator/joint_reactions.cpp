@@ -1,0 +1,83 @@
+#include "solvers/simulator/joint_reactions.h"
+
+namespace taut {
+
+void JointReactions::renew(int row_count) {
+  multipliers_.assign(row_count, 0.0);
+  version_ = jacobian_version_ = -1;
+}
+
+void JointReactions::solve(const World& world, const Settings& settings, const Stepper& stepper) {
+  if (version_ == world.state_version()) return;
+  const ImpulseScheme* scheme = stepper.scheme();
+  if (scheme && (!scheme->axes().only_springs() || !scheme->contacts().empty())) {
+    const std::span<const double> multipliers = scheme->force_multipliers();
+    multipliers_.assign(multipliers.begin(), multipliers.end());
+  } else {
+    solve_accelerations(world, settings);
+    add_spring_forces(world, stepper);
+  }
+  version_ = world.state_version();
+}
+
+void JointReactions::solve_accelerations(const World& world, const Settings& settings) {
+  const State& state = world.state();
+  StageTimes times;
+  ConstraintSystem system(world, settings.factor);
+  system.linearize(state);
+  system.set_mass(state.poses);
+  system.factorize(times);
+  std::vector<Wrench> forces(world.body_count());
+  std::vector<Twist> accelerations(world.body_count());
+  world.forces(state, forces);
+  free_accelerations(system.mass(), state, forces, accelerations);
+  std::vector<double> rates(system.row_count());
+  multipliers_.resize(system.row_count());
+  system.rows().bias(state, state.twists, multipliers_);
+  system.rows().apply(system.jacobian(), accelerations, rates);
+  for (int r = 0; r < system.row_count(); ++r) multipliers_[r] = -(multipliers_[r] + rates[r]);
+  // The least-norm solution, refined once where rows depend on each other.
+  std::vector<double> rhs = multipliers_, correction(rhs.size());
+  system.solve(multipliers_);
+  for (int pass = 0; pass < (system.singular() ? 3 : 1); ++pass) {
+    system.multiply(multipliers_, correction);
+    for (std::size_t r = 0; r < rhs.size(); ++r) correction[r] = rhs[r] - correction[r];
+    system.solve(correction);
+    for (std::size_t r = 0; r < rhs.size(); ++r) multipliers_[r] += correction[r];
+  }
+}
+
+/// Springs that have rows, behind those of the joints, give what their laws say.
+void JointReactions::add_spring_forces(const World& world, const Stepper& stepper) {
+  multipliers_.resize(stepper.system().row_count(), 0.0);
+  const ImpulseScheme* scheme = stepper.scheme();
+  if (!scheme || scheme->axes().empty()) return;
+  const Rows& rows = stepper.system().rows();
+  std::vector<double> theta(rows.row_count()), rates(rows.row_count()), jacobian(rows.jacobian_size());
+  rows.residual(world.state(), theta);
+  rows.jacobian(world.state(), jacobian);
+  rows.apply(jacobian, world.state().twists, rates);
+  scheme->axes().spring_forces(theta, rates, multipliers_);
+}
+
+Reaction JointReactions::of(JointId joint, const World& source, const Rows& own, const Rows& system,
+                            std::span<const double> multipliers, double scale) {
+  const Joint& j = source.joint(joint);
+  const Rows::JointRows& rows = system.joints()[joint.index];
+  if (rows.row_count == 0) return {};
+  const Rows::Side& side = own.sides()[own.joints()[joint.index].first_side + 1];
+  if (jacobian_version_ != source.state_version()) {
+    jacobian_.resize(own.jacobian_size());
+    own.jacobian(source.state(), jacobian_);
+    jacobian_version_ = source.state_version();
+  }
+  Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
+  for (int i = 0; i < rows.row_count; ++i)
+    wrench += scale * multipliers[rows.first_row + i] * Rows::block_row(side, jacobian_, i);
+  Reaction reaction;
+  reaction.force = wrench.tail<3>();
+  reaction.torque = wrench.head<3>() - (source.pose(j.b()).q * j.reaction_point_B()).cross(reaction.force);
+  return reaction;
+}
+
+}  // namespace taut

@@ -1,0 +1,104 @@
+#include "solvers/simulator/stepper.h"
+
+#include "core/state/same_state.h"
+#include "solvers/common/setting_checks.h"
+#include "solvers/integrators/moreau_jean.h"
+#include "solvers/integrators/rattle.h"
+
+namespace taut {
+
+Stepper::Stepper(const World& world, const World& named, const Settings& settings)
+    : world_(world),
+      named_(named),
+      settings_(settings),
+      springs_(settings.integrator == Integrator::kRattle || settings.integrator == Integrator::kMoreauJean
+                   ? Springs::kIncluded
+                   : Springs::kLeftOut) {}
+
+bool Stepper::knows_topology() const {
+  return made() && topology_version_ == world_.topology_version() &&
+         geometry_version_ == world_.geometry_version();
+}
+
+bool Stepper::knows_pattern() const { return knows_topology() && sleep_version_ == world_.sleep_version(); }
+
+void Stepper::renew() {
+  auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
+                                                   Rows::AxisRows::kIncluded, springs_);
+  scheme_.reset();
+  force_level_.reset();
+  system_ = std::move(system);
+  if (is_force_level(settings_.integrator))
+    force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
+  else if (settings_.integrator == Integrator::kMoreauJean)
+    scheme_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
+  else
+    scheme_ = std::make_unique<Rattle>(world_, *system_, settings_);
+  if (scheme_) scheme_->stages().culprits().name_by(named_);
+  topology_version_ = world_.topology_version();
+  geometry_version_ = world_.geometry_version();
+  sleep_version_ = world_.sleep_version();
+  state_version_ = -1;
+}
+
+Stepper::Predecessor Stepper::renew_from_known() {
+  Predecessor old;
+  if (remembers()) {
+    scheme_->forget(moved_bodies());
+    old = {std::move(system_), std::move(scheme_)};
+  }
+  renew();
+  return old;
+}
+
+bool Stepper::goes_on_with_new_forces() {
+  if (retaken_ || !same(world_.state(), scheme_->state()) || !scheme_->renew_forces()) return false;
+  note_state();
+  return true;
+}
+
+void Stepper::forget_step() {
+  state_version_ = -1;
+  if (scheme_ && scheme_->breaking().any()) topology_version_ = -1;
+}
+
+void Stepper::retake(bool done) {
+  retaken_ = done;
+  forget_step();
+}
+
+void Stepper::forget_all() {
+  state_version_ = topology_version_ = -1;
+  retaken_ = false;
+}
+
+bool Stepper::is_moved(int body) const {
+  const State &now = world_.state(), &then = state();
+  return !same(now.poses[body], then.poses[body]) || !same(now.twists[body], then.twists[body]);
+}
+
+std::vector<char> Stepper::moved_bodies() const {
+  std::vector<char> moved(world_.body_count(), false);
+  if (retaken_) return moved;
+  for (int b = 0; b < std::ssize(scheme_->state().poses); ++b)
+    moved[b] = !world_.is_asleep({b}) && is_moved(b);
+  return moved;
+}
+
+std::span<const ContactSet::Place> Stepper::places() const {
+  if (!scheme_ || scheme_->contacts().empty()) return {};
+  return scheme_->contacts().set().places();
+}
+
+std::vector<ContactReport> Stepper::mean_contacts(double dt) const {
+  if (!scheme_) return {};
+  std::vector<ContactReport> reports = scheme_->contacts().reports();
+  for (ContactReport& report : reports) {
+    report.force /= dt;
+    report.torque /= dt;
+    report.normal_force /= dt;
+  }
+  return reports;
+}
+
+}  // namespace taut

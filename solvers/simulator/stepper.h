@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/world/world.h"
+#include "solvers/common/settings.h"
+#include "solvers/integrators/force_level.h"
+#include "solvers/integrators/impulse_scheme.h"
+#include "solvers/system/constraint_system.h"
+
+namespace taut {
+
+class Archive;
+
+/// The system of a world and the integrator that steps it: made anew for each pattern (topology, geometry,
+/// who sleeps), started for each state.  The only class that tells schemes of impulses (RATTLE, Moreau–Jean)
+/// from the force level: of scheme() and force_level() one is there once renew() has been called.
+/// (solvers/simulator, "Sub-steps")
+class Stepper {
+ public:
+  /// Laws that are not met are named by bodies and joints of `named`.  `settings` live as long.
+  Stepper(const World& world, const World& named, const Settings& settings);
+
+  // The pattern.
+  bool made() const { return system_ != nullptr; }
+  bool knows_pattern() const;
+  /// … but for who sleeps.
+  bool knows_topology() const;
+  /// What it was for the pattern before; the system outlives the scheme that refers to it.
+  struct Predecessor {
+    std::unique_ptr<ConstraintSystem> system;
+    std::unique_ptr<ImpulseScheme> scheme;  ///< null: it knew nothing worth keeping
+  };
+  /// Pattern, order and integrator of the present topology, which know no state yet.
+  void renew();
+  /// The same, and what is there knows of contacts and friction, but of bodies that were moved.
+  Predecessor renew_from_known();
+
+  // The state.
+  /// That of the world is the one at which the integrator is.
+  bool knows_state() const { return state_version_ == world_.state_version(); }
+  /// It is at some state: it has been started, and no step has failed since.
+  bool is_started() const { return state_version_ >= 0; }
+  /// It has a state, which that of the world can be compared with.
+  bool has_state() const { return (scheme_ || force_level_) && !state().poses.empty(); }
+  /// What a scheme knows of contacts, friction and impulses holds.
+  bool remembers() const { return scheme_ && has_state() && (is_started() || retaken_); }
+  /// Only gravity or a force law has changed, and that is no jump: the scheme goes on.
+  bool goes_on_with_new_forces();
+  void note_started() { retaken_ = false; }
+  void note_state() { state_version_ = world_.state_version(); }
+  void forget_state() { state_version_ = -1; }
+  /// The world still has the state from before, and all its joints: start from there again.
+  void forget_step();
+  /// The same, at the end of a step that is taken again if it was `done`: the memory of its integrator holds.
+  void retake(bool done);
+  /// What is known may be anything.
+  void forget_all();
+
+  /// The state of a body of the world is not what the integrator has left.
+  bool is_moved(int body) const;
+  /// Which they are, of all bodies; those that have just fallen asleep are where they were.
+  std::vector<char> moved_bodies() const;
+
+  ConstraintSystem& system() { return *system_; }
+  const ConstraintSystem& system() const { return *system_; }
+  ImpulseScheme* scheme() { return scheme_.get(); }
+  const ImpulseScheme* scheme() const { return scheme_.get(); }
+  ForceLevel* force_level() { return force_level_.get(); }
+  const ForceLevel* force_level() const { return force_level_.get(); }
+
+  const State& state() const { return scheme_ ? scheme_->state() : force_level_->state(); }
+  /// (L, P) of the bodies in world axes.
+  std::span<const Wrench> momenta() { return scheme_ ? scheme_->momenta() : force_level_->momenta(); }
+  /// Of the rows over the last step.
+  std::span<const double> impulses() const {
+    return scheme_ ? scheme_->impulses() : std::span<const double>(force_level_->impulses());
+  }
+  /// Contacts at present.
+  std::span<const ContactSet::Place> places() const;
+  /// Contacts of the last step with the mean forces over dt.
+  std::vector<ContactReport> mean_contacts(double dt) const;
+  /// Springs between bodies are laws of forces here; only RATTLE of order 2 and Moreau–Jean take them
+  /// implicitly, as rows.
+  Springs force_springs() const {
+    return springs_ == Springs::kIncluded ? Springs::kLeftOut : Springs::kIncluded;
+  }
+
+  /// What the integrator remembers from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
+
+ private:
+  const World &world_, &named_;
+  const Settings& settings_;
+  Springs springs_;  // among the rows
+  std::unique_ptr<ConstraintSystem> system_;
+  std::unique_ptr<ImpulseScheme> scheme_;
+  std::unique_ptr<ForceLevel> force_level_;
+  std::int64_t topology_version_ = -1, geometry_version_ = -1, sleep_version_ = -1, state_version_ = -1;
+  bool retaken_ = false;
+};
+
+}  // namespace taut

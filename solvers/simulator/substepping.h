@@ -1,0 +1,36 @@
+#pragma once
+
+#include "solvers/integrators/composition.h"
+#include "solvers/simulator/step_division.h"
+#include "solvers/simulator/substeps.h"
+
+namespace taut {
+
+/// Covers a step of a scheme of impulses by as many equal sub-steps as tension, rotation and convergence ask
+/// for, each a composition of the scheme.                           (solvers/simulator, "Sub-steps")
+class Substepping {
+ public:
+  /// `settings` live as long.
+  explicit Substepping(const Settings& settings) : settings_(settings), composition_(settings.integrator) {}
+
+  /// kStalled, kUnstable: sub-steps would have to be shorter than allowed, at last since laws or joints were
+  /// not met, or for tension; kNotFinite, kBlind: as ImpulseScheme::Outcome.
+  enum class Outcome { kDone, kStalled, kUnstable, kNotFinite, kBlind };
+  [[nodiscard]] Outcome advance(ImpulseScheme& scheme, double dt, StepReport& report);
+  /// What the last advance() left to do [s].
+  double remaining() const { return remaining_; }
+
+  /// What is remembered from step to step.
+  StepDivision& division() { return division_; }
+
+ private:
+  double substeps_needed(const ImpulseScheme& scheme, double dt) const;
+  bool after_stall(ImpulseScheme& scheme, Substeps& substeps, bool hard, bool forgot) const;
+
+  const Settings& settings_;
+  Composition composition_;
+  StepDivision division_;
+  double remaining_ = 0;
+};
+
+}  // namespace taut
