@@ -73,10 +73,7 @@ void StageSolver::rates_without(const Stage& stage) {
 /// What laws depend on beside the rates has changed with this solution: friction lets go, its load or the
 /// tangents of tables are others.
 bool StageSolver::laws_move(std::span<const double> lambda, double rate_tolerance) {
-  const bool broke = axes_.break_away(w_, rate_tolerance),
-             bent = axes_.relinearize_tables(w_, rate_tolerance);
-  const bool turned = axes_.turn_swings(lambda, w_);
-  return axes_.update_loads(system_.rows(), system_.jacobian(), lambda) || broke || bent || turned;
+  return axes_.laws_move(system_, lambda, w_, rate_tolerance);
 }
 
 bool StageSolver::solve(const Stage& stage, double rate_tolerance, StepReport& report) {
