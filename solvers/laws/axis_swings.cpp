@@ -1,19 +1,11 @@
+#include "solvers/laws/axis_swings.h"
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/world/swing_properties.h"
-#include "solvers/laws/axis_forces.h"
 
-// Friction and springs of the swing of ball and universal joints, which has no direction at 0.
-// (solvers/laws, "Axes")
-//
-// Where θ₀ ≤ 1e-6 + 2 h |θ̇₀|, friction of the swing acts on the turns about two axes across it: all of it
-// on each of them, until that is more than the disc |(λ_x, λ_y)| ≤ h/2 τ allows; then each has its component
-// of the direction of slip, which moves halfway towards the new one in each solve of the stage.  A spring
-// −k θ j whose rest is 0 is −k s for the swing as a rotation vector s, which is smooth at 0: it acts along
-// both components of s, with the damper −c ṡ, which also resists a bend that goes round, as
-// inside a bent shaft that turns.  At π the components change their sign, so near it the spring acts along
-// the swing itself.  A rest other than 0 is a cone, where passing straight is a kink of the potential itself.
 namespace taut {
 namespace {
 
@@ -29,86 +21,85 @@ constexpr int kMostTurns = 25;
 /// Friction that holds is within its disc to this part.
 constexpr double kDisc = 1e-9;
 
+/// Two axes of the joint of axis i in the table, by their places in the joint; −1 for one that has no row.
+/// The rows of a joint are neighbours.
+std::array<int, 2> find_beside(const AxisTable& table, std::size_t i, const std::array<int, 2>& places) {
+  const JointId joint = table.id(i).joint;
+  std::array<int, 2> found{-1, -1};
+  while (i > 0 && table.id(i - 1).joint == joint) --i;
+  for (; i < table.size() && table.id(i).joint == joint; ++i)
+    for (int k : {0, 1})
+      if (table.id(i).axis == places[k]) found[k] = static_cast<int>(i);
+  return found;
+}
+
 }  // namespace
 
-/// The rows of a joint are neighbours.
-void AxisForces::find_swings() {
-  swings_.clear();
-  bends_.clear();
-  for (std::size_t i = 0; i < rows_.size(); ++i) from_own_[i] = rows_[i].axis.axis < 0;
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    const AxisId axis = rows_[i].axis;
-    if (axis.axis < 0 || axis.joint.index < 0) continue;
-    const std::optional<SwingProperties> properties = swing_properties(world_, axis.joint);
-    if (!properties || properties->swing != axis.axis) continue;
-    own_.resize(rows_.size());
-    Swing swing{.axis = static_cast<int>(i)};
-    SwingSpring relinearize_tables{.axis = static_cast<int>(i)};
-    std::size_t first = i;
-    while (first > 0 && rows_[first - 1].axis.joint == axis.joint) --first;
-    for (std::size_t k = first; k < rows_.size() && rows_[k].axis.joint == axis.joint; ++k)
-      for (int t : {0, 1}) {
-        if (rows_[k].axis.axis == properties->across.turns[t]) swing.turn[t] = static_cast<int>(k);
-        if (rows_[k].axis.axis == properties->across.components[t])
-          relinearize_tables.component[t] = static_cast<int>(k);
-      }
-    if (properties->rubs) swings_.push_back(swing);
-    if (!properties->bends) continue;
-    bends_.push_back(relinearize_tables);
-    for (int r :
-         {relinearize_tables.axis, relinearize_tables.component[0], relinearize_tables.component[1]}) {
-      own_[r] = world_.axis_properties(rows_[r].axis);
-      from_own_[r] = 1;
+void AxisSwings::find(AxisTable& table) {
+  frictions_.clear();
+  springs_.clear();
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const AxisId id = table.id(i);
+    if (id.axis < 0 || id.joint.index < 0) continue;
+    const std::optional<SwingProperties> properties = swing_properties(table.world(), id.joint);
+    if (!properties || properties->swing != id.axis) continue;
+    const int axis = static_cast<int>(i);
+    if (properties->rubs) {
+      const Friction& swing =
+          frictions_.emplace_back(Friction{axis, find_beside(table, i, properties->across.turns)});
+      share_friction(swing, table);
     }
+    if (!properties->bends) continue;
+    springs_.push_back({axis, find_beside(table, i, properties->across.components)});
+    for (int k : {axis, springs_.back().component[0], springs_.back().component[1]}) table.make_own(k);
   }
+}
+
+void AxisSwings::begin(AxisTable& table, std::span<AxisLaw> axes, double h) {
+  for (const Spring& swing : springs_) begin(swing, table, axes, h);
+  for (Friction& swing : frictions_) begin(swing, table, axes, h);
 }
 
 /// The spring of a swing acts along its components; where the joint is nearly folded, since these jump at π,
 /// along itself.
-void AxisForces::begin_bends() {
-  for (const SwingSpring& relinearize_tables : bends_) {
-    const auto given = [&](int row) -> const auto& { return world_.axis_properties(rows_[row].axis).spring; };
-    const Axis& swing = axes_[relinearize_tables.axis];
-    const bool folded = swing.theta0 + kSwingStepsAhead * std::abs(h_ * swing.rate0) > kFolded;
-    own_[relinearize_tables.axis].spring = folded ? given(relinearize_tables.axis) : std::nullopt;
-    for (int c : relinearize_tables.component)
-      own_[c].spring = folded ? given(c) : with_spring_of_swing(given(c), *given(relinearize_tables.axis));
-  }
+void AxisSwings::begin(const Spring& swing, AxisTable& table, std::span<const AxisLaw> axes, double h) {
+  const auto given = [&](int k) -> const auto& { return table.given(k).spring; };
+  const AxisStart& start = axes[swing.axis].start;
+  const bool folded = start.theta + kSwingStepsAhead * std::abs(h * start.rate) > kFolded;
+  table.own(swing.axis).spring = folded ? given(swing.axis) : std::nullopt;
+  for (int k : swing.component)
+    table.own(k).spring = folded ? given(k) : with_spring_of_swing(given(k), *given(swing.axis));
 }
 
 /// Two rows share the friction: all of it for each of them until it is known to be too much together.
-void AxisForces::begin_swings() {
-  for (Swing& swing : swings_) {
-    Axis &axis = axes_[swing.axis], &x = axes_[swing.turn[0]], &y = axes_[swing.turn[1]];
-    swing.straight = axis.theta0 <= kStraight + kSwingStepsAhead * std::abs(h_ * axis.rate0);
-    swing.solves = 0;
-    const double rate = std::hypot(x.rate0, y.rate0);
-    const bool held = x.stuck && y.stuck;
-    for (int t : {0, 1}) swing.share[t] = held || rate == 0 ? 1 : std::abs(axes_[swing.turn[t]].rate0) / rate;
-    if (swing.straight) {
-      axis.stuck = false;
-      x.stuck = y.stuck = held;
-    } else {
-      for (int t : {0, 1})
-        if (!world_.axis_properties(rows_[swing.turn[t]].axis).friction) axes_[swing.turn[t]].stuck = false;
-    }
-    share_friction(swing);
+void AxisSwings::begin(Friction& swing, AxisTable& table, std::span<AxisLaw> axes, double h) {
+  AxisLaw &axis = axes[swing.axis], &x = axes[swing.turn[0]], &y = axes[swing.turn[1]];
+  swing.straight = axis.start.theta <= kStraight + kSwingStepsAhead * std::abs(h * axis.start.rate);
+  swing.solves = 0;
+  const double rate = std::hypot(x.start.rate, y.start.rate);
+  const bool held = x.friction.stuck && y.friction.stuck;
+  for (int t : {0, 1})
+    swing.share[t] = held || rate == 0 ? 1 : std::abs(axes[swing.turn[t]].start.rate) / rate;
+  if (swing.straight) {
+    axis.friction.stuck = false;
+    x.friction.stuck = y.friction.stuck = held;
+  } else {
+    for (int t : swing.turn)
+      if (!table.given(t).friction) axes[t].friction.stuck = false;
   }
+  share_friction(swing, table);
 }
 
-/// Properties of the three rows at these shares.
-void AxisForces::share_friction(const Swing& swing) {
-  const AxisFriction friction = *world_.axis_properties(rows_[swing.axis].axis).friction;
-  const std::optional<AxisSpring> spring = properties(swing.axis).spring;  // if it acts there
-  for (int i : {swing.axis, swing.turn[0], swing.turn[1]}) {
-    own_[i] = world_.axis_properties(rows_[i].axis);
-    from_own_[i] = 1;
-  }
-  own_[swing.axis].spring = spring;
+/// Properties of the three axes at these shares.
+void AxisSwings::share_friction(const Friction& swing, AxisTable& table) {
+  const AxisFriction friction = *table.given(swing.axis).friction;
+  const std::optional<AxisSpring> spring = table.properties(swing.axis).spring;  // if it acts there
+  for (int k : {swing.axis, swing.turn[0], swing.turn[1]}) table.make_own(k);
+  table.own(swing.axis).spring = spring;
   if (!swing.straight) return;
-  own_[swing.axis].friction.reset();
+  table.own(swing.axis).friction.reset();
   for (int t : {0, 1}) {
-    std::optional<AxisFriction>& own = own_[swing.turn[t]].friction;
+    std::optional<AxisFriction>& own = table.own(swing.turn[t]).friction;
     if (!own) own.emplace();
     own->static_friction += swing.share[t] * friction.static_friction;
     own->dynamic_friction += swing.share[t] * friction.dynamic_friction;
@@ -117,39 +108,52 @@ void AxisForces::share_friction(const Swing& swing) {
   }
 }
 
-/// Together they are a disc: what slips is against the rate, by as much as one of them alone.
-bool AxisForces::turn_swings(std::span<const double> lambda, std::span<const double> w) {
+bool AxisSwings::turn(AxisTable& table, std::span<AxisLaw> axes, std::span<const double> lambda,
+                      std::span<const double> w) {
   bool any = false;
-  for (Swing& swing : swings_) {
-    if (!swing.straight || released_[swing.axis] || swing.solves >= kMostTurns) continue;
-    double force[2], rate[2], slip[2], most = 0;
+  for (Friction& swing : frictions_) {
+    if (!swing.straight || table.released(swing.axis) || swing.solves >= kMostTurns) continue;
+    std::array<double, 2> force, rate;
     for (int t : {0, 1}) {
-      const int i = swing.turn[t], row = rows_[i].row;
+      const int axis = swing.turn[t], row = table.row(axis);
       rate[t] = w[row];
-      force[t] = share(i, lambda[row], rate[t]).friction;
-      slip[t] = on_step(rate[t], axes_[i].friction_at) ? 0 : std::abs(rate[t] - axes_[i].friction_at);
-      if (swing.share[t] > 0) most = std::max(most, axes_[i].friction_force / swing.share[t]);
+      force[t] = axes[axis].share(lambda[row], rate[t]).friction;
     }
-    double u[2] = {std::abs(force[0]), std::abs(force[1])};
-    const bool whole = swing.share[0] == 1 && swing.share[1] == 1;
-    const double size = std::hypot(u[0], u[1]), speed = std::hypot(slip[0], slip[1]);
-    if (whole && size <= (1 + kDisc) * most) continue;  // it holds, or slips along x or y
-    if (!whole && speed == 0) continue;                 // it holds by what it has
-    if (!whole)
-      for (int t : {0, 1}) u[t] = swing.share[t] + slip[t] / speed;
-    const double length = std::hypot(u[0], u[1]);
-    double moved = 0;
-    for (int t : {0, 1}) {
-      moved = std::max(moved, std::abs(u[t] / length - swing.share[t]));
-      swing.share[t] = u[t] / length;
-      axes_[swing.turn[t]].broken = axes_[swing.turn[t]].stuck;
-    }
-    if (moved <= kTurned) continue;
-    ++swing.solves;
-    share_friction(swing);
+    if (!turn(swing, axes, force, rate)) continue;
+    share_friction(swing, table);
     any = true;
   }
   return any;
+}
+
+/// Together both turns are a disc: what slips is against the rate, by as much as one of them alone.
+bool AxisSwings::turn(Friction& swing, std::span<AxisLaw> axes, const std::array<double, 2>& force,
+                      const std::array<double, 2>& rate) {
+  std::array<double, 2> slip;
+  double most = 0;
+  for (int t : {0, 1}) {
+    const AxisFrictionLaw& friction = axes[swing.turn[t]].friction;
+    slip[t] = on_step(rate[t], friction.at) ? 0 : std::abs(rate[t] - friction.at);
+    if (swing.share[t] > 0) most = std::max(most, friction.bound / swing.share[t]);
+  }
+  std::array<double, 2> direction{std::abs(force[0]), std::abs(force[1])};
+  const double size = std::hypot(direction[0], direction[1]), speed = std::hypot(slip[0], slip[1]);
+  if (swing.share[0] == 1 && swing.share[1] == 1) {
+    if (size <= (1 + kDisc) * most) return false;  // it holds, or slips along x or y
+  } else {
+    if (speed == 0) return false;  // it holds by what it has
+    for (int t : {0, 1}) direction[t] = swing.share[t] + slip[t] / speed;
+  }
+  const double length = std::hypot(direction[0], direction[1]);
+  double moved = 0;
+  for (int t : {0, 1}) {
+    moved = std::max(moved, std::abs(direction[t] / length - swing.share[t]));
+    swing.share[t] = direction[t] / length;
+    axes[swing.turn[t]].friction.let_go();
+  }
+  if (moved <= kTurned) return false;
+  ++swing.solves;
+  return true;
 }
 
 }  // namespace taut

@@ -1,24 +1,10 @@
-#include <algorithm>
+#include "solvers/laws/axis_unresolved.h"
 
-#include "solvers/laws/axis_forces.h"
+#include <algorithm>
+#include <cmath>
+
 #include "solvers/system/constraint_system.h"
 
-// Springs of axes that are too stiff for the step.  (solvers/laws, "Axes")
-//
-// The midpoint rule keeps the energy of a spring as long as S_rr is the same in both kicks.  Elsewhere
-// directions and levers turn with the bodies, and λ²(S₁ − S₀)/2 is work that no potential returns: where
-// h²k > m, so that λ is as large as the momentum, a part (S₁ − S₀)/S of the spring's energy in each step.
-// The excess e of (solvers/laws, Eq. 3) is a force from nearer the end of the step in the first kick and an
-// implicit damper in the second.  For h²k/m → ∞ both eigenvalues of a step tend to 0, and with S constant
-// the energy changes by
-//
-//     −Σ (2 e w² + e θ̇₁²) − ½ (e θ̇₁)ᵀ S (e θ̇₁) ≤ 0,
-//
-// so that e may differ from step to step and from axis to axis.  Its second bound lets an axis that is
-// stretched by d ≥ d₁ return by no more than d₁, however short the step: the midpoint rule would go as far
-// beyond the rest, and Newton's method does not follow bodies around within a step.  e acts on rates alone,
-// so what rests on such a spring has no velocity.  What e takes is booked as integration.  Where the inertia
-// is constant (one freedom against a fixed body, springs between centres) the midpoint rule stays.
 namespace taut {
 namespace {
 
@@ -85,54 +71,44 @@ Pair pair_of(ConstraintSystem& system, int row) {
                                                                : pair_of<Eigen::Dynamic>(system, row);
 }
 
-/// Of a spring at a stretch.
-double stiffness_of(const AxisSpring& spring, double stretch) {
-  return spring.table ? spring.table->slope(stretch) : spring.stiffness;
+/// A spring or soft limit where it is at θ₀.
+struct Stretched {
+  double stiffness = 0;  ///< k [N·m/rad or N/m]; 0: none
+  double stretch = 0;    ///< d [rad or m]
+};
+
+Stretched spring_of(const AxisProperties& p, double theta) {
+  if (!p.spring) return {};
+  const double stretch = theta - p.spring->rest;
+  return {p.spring->table ? p.spring->table->slope(stretch) : p.spring->stiffness, stretch};
+}
+
+Stretched soft_limit_of(const AxisProperties& p, double theta) {
+  if (!has_soft_limit(p)) return {};
+  return {1 / p.limits->compliance, beyond(*p.limits, theta)};
 }
 
 /// Slope beyond that of the midpoint rule, or of implicit Euler in a single kick: see (solvers/laws, Eq. 3).
-double excess_of(const Pair& pair, double hhk, double stretch, bool single_kick) {
-  const double turn = std::max(kUnresolvedTurn, pair.turning * std::abs(stretch)) / kUnresolvedTurn;
+double excess_of(const Pair& pair, double hh, const Stretched& at, bool single_kick) {
+  const double hhk = hh * at.stiffness;
+  const double turn = std::max(kUnresolvedTurn, pair.turning * std::abs(at.stretch)) / kUnresolvedTurn;
   if (single_kick) return std::max(0.0, (turn - 1) * hhk - pair.inertia);
   return std::max(0.25 * (hhk - pair.inertia), (0.5 * turn - 0.25) * hhk - pair.inertia);
 }
 
-}  // namespace
-
-bool AxisForces::find_unresolved(ConstraintSystem& system, bool single_kick) {
-  bool any = false;
-  if (!has_springs_) return false;
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    Axis& axis = axes_[i];
-    const AxisProperties& p = properties(i);
-    axis.excess = axis.limit_excess = 0;
-    if (released_[i] || axis.inertia == 0) continue;
-    const double stretch = p.spring ? axis.theta0 - p.spring->rest : 0;
-    const double past = has_soft_limit(p) ? beyond(*p.limits, axis.theta0) : 0;
-    const double spring = p.spring ? stiffness_of(*p.spring, stretch) : 0;
-    const double limit = has_soft_limit(p) ? 1 / p.limits->compliance : 0;
-    const double hh = h_ * h_;
-    if (hh * std::max(spring, limit) <= axis.inertia || has_constant_inertia(system.rows(), i)) continue;
-    const Pair pair = pair_of(system, rows_[i].row);
-    if (hh * spring > pair.inertia) axis.excess = excess_of(pair, hh * spring, stretch, single_kick);
-    if (hh * limit > pair.inertia) axis.limit_excess = excess_of(pair, hh * limit, past, single_kick);
-    any = any || hh * spring > pair.inertia ||
-          (hh * limit > pair.inertia && (past != 0 || beyond(*p.limits, axis.theta0 + h_ * axis.rate0) != 0));
-  }
-  return any;
-}
-
 /// A body that can move in one way only against one that is fixed has the same inertia everywhere, and so
 /// have bodies that are pulled at their centres, and one that cannot turn against one that is fixed.
-bool AxisForces::has_constant_inertia(const Rows& rows, std::size_t i) const {
-  if (rows_[i].spring.index >= 0) {
-    const LineSpring& spring = *world_.force(rows_[i].spring).spring();
-    const auto is_lever = [&](BodyId b, const Vec3& p) { return !world_.is_fixed(b) && !p.isZero(0); };
+bool has_constant_inertia(const AxisTable& table, const Rows& rows, std::size_t i) {
+  const World& world = table.world();
+  const Rows::AxisRow& row = table.rows()[i];
+  if (row.spring.index >= 0) {
+    const LineSpring& spring = *world.force(row.spring).spring();
+    const auto is_lever = [&](BodyId b, const Vec3& p) { return !world.is_fixed(b) && !p.isZero(0); };
     return !is_lever(spring.a, spring.p_AP) && !is_lever(spring.b, spring.p_BQ);
   }
-  const JointId joint = rows_[i].axis.joint;
-  const std::span<const BodyId> bodies = world_.joint(joint).bodies();
-  if (std::none_of(bodies.begin(), bodies.end(), [&](BodyId b) { return world_.is_fixed(b); })) return false;
+  const JointId joint = row.axis.joint;
+  const std::span<const BodyId> bodies = world.joint(joint).bodies();
+  if (std::none_of(bodies.begin(), bodies.end(), [&](BodyId b) { return world.is_fixed(b); })) return false;
   const Rows::JointRows& of = rows.joints()[joint.index];
   int rigid = 0, rotations = 0;
   for (int k = 0; k < of.equality_count; ++k) {
@@ -140,6 +116,34 @@ bool AxisForces::has_constant_inertia(const Rows& rows, std::size_t i) const {
     rotations += rows.is_equality(of.first_row + k) && rows.row(of.first_row + k).angular;
   }
   return rigid == kAllButOne || rotations == 3;
+}
+
+}  // namespace
+
+bool find_unresolved(const AxisTable& table, std::span<AxisLaw> axes, double h, ConstraintSystem& system,
+                     bool single_kick) {
+  if (!table.any_spring()) return false;
+  bool any = false;
+  const double hh = h * h;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    AxisSpringLaw& springs = axes[i].springs;
+    const AxisStart& start = axes[i].start;
+    springs.excess = springs.limit_excess = 0;
+    if (table.released(i) || start.inertia == 0) continue;
+    const AxisProperties& p = table.properties(i);
+    const Stretched spring = spring_of(p, start.theta), limit = soft_limit_of(p, start.theta);
+    if (hh * std::max(spring.stiffness, limit.stiffness) <= start.inertia ||
+        has_constant_inertia(table, system.rows(), i))
+      continue;
+    const Pair pair = pair_of(system, table.row(i));
+    const bool stiff_spring = hh * spring.stiffness > pair.inertia;
+    const bool stiff_limit = hh * limit.stiffness > pair.inertia;
+    if (stiff_spring) springs.excess = excess_of(pair, hh, spring, single_kick);
+    if (stiff_limit) springs.limit_excess = excess_of(pair, hh, limit, single_kick);
+    any = any || stiff_spring ||
+          (stiff_limit && (limit.stretch != 0 || beyond(*p.limits, start.theta + h * start.rate) != 0));
+  }
+  return any;
 }
 
 }  // namespace taut

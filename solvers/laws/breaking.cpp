@@ -43,43 +43,74 @@ Breaking::Load Breaking::load_of(const ConstraintSystem& system, const State& en
 
 bool Breaking::check(const ConstraintSystem& system, const State& end, std::span<const double> impulses,
                      double h) {
-  const auto breakable = world_.breakable();
-  loads_.assign(breakable.size(), {});
   overloaded_.clear();
   time_to_break_ = 0;
-  const bool interpolate =
-      has_loads_ && last_loads_.size() == loads_.size() && due_.empty() && shortened_ < kMostShortened;
-  double worst = 1 + kBreakLeeway, first = (1 - kBreakTogether) * h;
-  for (std::size_t i = 0; i < breakable.size(); ++i) {
-    if (is_out(breakable[i].first)) continue;
-    loads_[i] = load_of(system, end, impulses, breakable[i], h);
-    worst = std::max(worst, loads_[i].ratio);
-    if (interpolate) first = std::min(first, time_to_limit(i, h));
-  }
-  if (worst <= 1 + kBreakLeeway && first >= (1 - kBreakTogether) * h) {
+  const double worst = find_loads(system, end, impulses, h), first = first_break(h);
+  const bool within = first < (1 - kBreakTogether) * h;
+  if (worst <= 1 + kBreakLeeway && !within) {
     last_loads_ = loads_;
     last_h_ = h;
     has_loads_ = true;
     return false;
   }
   due_.clear();
-  if (first > kBreakTogether * h && first < (1 - kBreakTogether) * h) {
-    time_to_break_ = first;
-    due_time_ = end.time - h + first;
-    for (std::size_t i = 0; i < breakable.size(); ++i)
-      if (!is_out(breakable[i].first) && time_to_limit(i, h) <= first + kBreakTogether * h)
-        due_.push_back(breakable[i].first);
-    ++shortened_;
-    return true;
+  if (within && first > kBreakTogether * h)
+    shorten(first, end.time - h + first, h);
+  else
+    overload(worst, h);
+  return true;
+}
+
+/// loads_ of the joints that are left.
+/// @returns the largest part of a limit, or what a joint bears by all means if that is more.
+double Breaking::find_loads(const ConstraintSystem& system, const State& end,
+                            std::span<const double> impulses, double h) {
+  const auto breakable = world_.breakable();
+  loads_.assign(breakable.size(), {});
+  double worst = 1 + kBreakLeeway;
+  for (std::size_t i = 0; i < breakable.size(); ++i) {
+    if (is_out(breakable[i].first)) continue;
+    loads_[i] = load_of(system, end, impulses, breakable[i], h);
+    worst = std::max(worst, loads_[i].ratio);
   }
+  return worst;
+}
+
+/// The first time within the sub-step, from its start, at which a load comes to its limit; near its end if
+/// none does, or if loads are not to be interpolated.
+double Breaking::first_break(double h) const {
+  double first = (1 - kBreakTogether) * h;
+  const bool interpolate =
+      has_loads_ && last_loads_.size() == loads_.size() && due_.empty() && shortened_ < kMostShortened;
+  const auto breakable = world_.breakable();
+  for (std::size_t i = 0; interpolate && i < breakable.size(); ++i)
+    if (!is_out(breakable[i].first)) first = std::min(first, time_to_limit(i, h));
+  return first;
+}
+
+/// The sub-step is to be taken again up to its first break.
+void Breaking::shorten(double first, double time, double h) {
+  time_to_break_ = first;
+  due_time_ = time;
+  append_limited(first + kBreakTogether * h, h, due_);
+  ++shortened_;
+}
+
+/// The sub-step is to be taken again without the joints that bear less than this, or have their limit at its
+/// very start.
+void Breaking::overload(double worst, double h) {
+  const auto breakable = world_.breakable();
   for (std::size_t i = 0; i < breakable.size(); ++i)
     if (loads_[i].ratio >= (1 - kSameOverload) * std::max(1.0, worst))
       overloaded_.push_back(breakable[i].first);
-  if (worst <= 1 + kBreakLeeway)  // reached at the very start
-    for (std::size_t i = 0; i < breakable.size(); ++i)
-      if (!is_out(breakable[i].first) && time_to_limit(i, h) <= kBreakTogether * h)
-        overloaded_.push_back(breakable[i].first);
-  return true;
+  if (worst <= 1 + kBreakLeeway) append_limited(kBreakTogether * h, h, overloaded_);
+}
+
+/// Adds the joints whose loads come to their limits until then.
+void Breaking::append_limited(double until, double h, std::vector<JointId>& joints) const {
+  const auto breakable = world_.breakable();
+  for (std::size_t i = 0; i < breakable.size(); ++i)
+    if (!is_out(breakable[i].first) && time_to_limit(i, h) <= until) joints.push_back(breakable[i].first);
 }
 
 /// When the straight line through the middles of the last sub-step and this one comes to the limit, from the

@@ -47,6 +47,12 @@ class Breaking {
   Load load_of(const ConstraintSystem& system, const State& end, std::span<const double> impulses,
                const std::pair<JointId, BreakLimits>& joint, double h) const;
   bool is_out(JointId joint) const;
+  double find_loads(const ConstraintSystem& system, const State& end, std::span<const double> impulses,
+                    double h);
+  double first_break(double h) const;
+  void shorten(double first, double time, double h);
+  void overload(double worst, double h);
+  void append_limited(double until, double h, std::vector<JointId>& joints) const;
   double time_to_limit(std::size_t i, double h) const;
 
   const World& world_;

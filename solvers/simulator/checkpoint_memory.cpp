@@ -61,30 +61,49 @@ void require_bodies(const World& world, const Rows::ContactPlace& at) {
 
 }  // namespace
 
+void AxisTable::transfer(Archive& archive) { archive.sized(released_); }
+
+void AxisImpacts::transfer(Archive& archive) {
+  const std::size_t count = impacts_.size();
+  archive.each(impacts_, [&](AxisImpact& i) { archive(i.stage, i.at_lower, i.rate, i.spent); });
+  Archive::require(impacts_.size() == count, "it has other axes");
+}
+
+void AxisImpacts::transfer_count(Archive& archive) { archive(struck_, count_); }
+
+void AxisWork::transfer(Archive& archive) {
+  const std::size_t count = reports_.size();
+  archive(reports_);
+  Archive::require(reports_.size() == count, "it has other axes");
+}
+
 void AxisForces::transfer(Archive& archive) {
-  const auto axis = [&](Axis& a) {
-    archive(a.anchor, a.stuck, a.broken, a.known, a.theta0, a.rate0, a.inertia, a.excess, a.limit_excess,
-            a.beyond, a.spring, a.damping, a.implicit_damping, a.linear_damping, a.tangent_at, a.root_above,
-            a.root_below, a.soft_limit, a.limit_level, a.limit_slope, a.load, a.load_change, a.motor_at,
-            a.motor_force, a.friction_at, a.friction_force, a.lower_at, a.upper_at, a.lower_back,
-            a.upper_back, a.spring_level, a.damping_level, a.spring_slope, a.damping_slope);
+  const auto axis = [&](AxisLaw& a) {
+    archive(a.friction.anchor, a.friction.stuck, a.friction.broken, a.known, a.start.theta, a.start.rate,
+            a.start.inertia, a.springs.excess, a.springs.limit_excess, a.springs.beyond_limit,
+            a.springs.spring_given, a.springs.damping_given, a.springs.implicit_damping,
+            a.springs.linear_damping, a.springs.tangents.rate, a.springs.tangents.lowest,
+            a.springs.tangents.highest, a.springs.limit_given, a.springs.limit.level, a.springs.limit.slope,
+            a.friction.load, a.friction.load_change, a.motor.at, a.motor.bound, a.friction.at,
+            a.friction.bound, a.limits.lower_at, a.limits.upper_at, a.limits.lower_back, a.limits.upper_back,
+            a.springs.spring.level, a.springs.damper.level, a.springs.spring.slope, a.springs.damper.slope);
   };
   const std::size_t count = axes_.size();
   archive.each(axes_, axis);
-  archive.each(impacts_, [&](Impact& i) { archive(i.stage, i.at_lower, i.rate, i.spent); });
-  archive(reports_, struck_, impact_count_);
-  archive.sized(released_);
-  Archive::require(axes_.size() == count && impacts_.size() == count && reports_.size() == count,
-                   "it has other axes");
+  Archive::require(axes_.size() == count, "it has other axes");
+  impacts_.transfer(archive);
+  work_.transfer(archive);
+  impacts_.transfer_count(archive);
+  table_.transfer(archive);
   std::vector<std::pair<AxisId, int>> resting;  // and their memory, behind
-  std::vector<Axis> memory;
+  std::vector<AxisLaw> memory;
   for (const auto& [id, known] : resting_) resting.emplace_back(id, 0), memory.push_back(known);
   archive(resting);
   archive.each(memory, axis);
   Archive::require(memory.size() == resting.size());
   resting_.clear();
   for (std::size_t i = 0; i < memory.size(); ++i) {
-    (void)world_.axis_index(resting[i].first);  // throws for one that is not there
+    (void)table_.world().axis_index(resting[i].first);  // throws for one that is not there
     resting_.emplace(resting[i].first, memory[i]);
   }
   before_ = axes_;

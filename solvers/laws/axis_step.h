@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cmath>
+
+namespace taut {
+
+/// A step of free axes: two kicks of h/2 in RATTLE, one of h in Moreau–Jean.  (solvers/laws, "Axes")
+struct AxisStep {
+  double h = 0;              ///< length [s]
+  double end_time = 0;       ///< [s]
+  double weight = 0;         ///< ϑ of Moreau–Jean; 0 in RATTLE
+  bool second_kick = false;  ///< of RATTLE
+};
+
+/// An axis at the start of a step.
+struct AxisStart {
+  double theta = 0;    ///< θ₀ [rad or m]
+  double rate = 0;     ///< θ̇₀ [rad/s or m/s]
+  double inertia = 0;  ///< 1/S_rr [kg·m² or kg]
+};
+
+/// The way of an axis in a step: forces act for `time`, at the part `weight` of the way.
+struct AxisStroke {
+  double time = 0;          ///< of a kick [s]
+  double from = 0, to = 0;  ///< [rad or m]
+  double per_rate = 0;      ///< ∂to/∂w [s]
+  double weight = 0.5;      ///< from 0 to 1
+};
+
+/// With the rate w of the position stage, or at the end of a step of Moreau–Jean: RATTLE goes h w, with the
+/// middle of it as the place of a force in both kicks; Moreau–Jean h V_ϑ.
+inline AxisStroke stroke(const AxisStep& step, const AxisStart& start, double w) {
+  if (step.weight == 0) return {0.5 * step.h, start.theta, start.theta + step.h * w, step.h, 0.5};
+  return {step.h, start.theta, start.theta + step.h * ((1 - step.weight) * start.rate + step.weight * w),
+          step.weight * step.h, step.weight};
+}
+
+/// A limit is touched within this distance [m or rad]; positions are closed to less.
+inline constexpr double kAxisTouch = 1e-9;
+/// A step of a law that no rate comes to [m/s or rad/s].
+inline constexpr double kUnreachedRate = 1e12;
+/// Rates this near to a step of the law are on it, relative to 1 + |w|.
+inline constexpr double kOnStep = 1e-9;
+inline bool on_step(double w, double at) { return std::abs(w - at) <= kOnStep * (1 + std::abs(w)); }
+
+}  // namespace taut
