@@ -370,12 +370,11 @@ bool ContactNewton::holds_joints(std::span<const RowLaw> laws, std::span<const d
 double ContactNewton::law_error(const Problem& problem, double rate_tolerance, int rounds) const {
   if (!std::isfinite(max_abs(problem.lambda))) return std::numeric_limits<double>::infinity();
   if (scale_ == 0) return 0;
-  double error = problem.contacts.error(problem.lambda, problem.w, rate_tolerance);
+  double error = contact_residual(problem.contacts, problem.lambda, problem.w, rate_tolerance);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
     if (rounds > kEqualityRounds && !problem.laws[r].bounded()) continue;
-    const double s = own_[r], lambda = problem.lambda[r];
-    const double off = std::abs(lambda - problem.laws[r].project(s, lambda, problem.w[r]));
-    if (!(s * off <= rate_tolerance)) error = std::max(error, std::sqrt(s) * off);
+    error = std::max(
+        error, problem.laws[r].natural_residual(own_[r], problem.lambda[r], problem.w[r], rate_tolerance));
   }
   return error / scale_;
 }

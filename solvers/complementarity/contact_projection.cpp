@@ -30,7 +30,7 @@ void ContactNewton::project_row(const RowLaw& law, int r) {
 /// The nearest point of Coulomb's cone |Λ_t| ≤ μ Λ_n, of the spin's interval and of the rolling disc.
 void ContactNewton::project_contact(const Problem& problem, int k) {
   const ContactLaws::Cone cone = problem.contacts.cone(k);
-  const int row = problem.contacts.first_row(k), count = cone.twist ? 6 : 3;
+  const int row = problem.contacts.first_row(k), count = problem.contacts.row_count(k);
   if (!cone.works) {
     std::fill_n(y_.begin() + row, count, 0.0);
     std::fill_n(slope_.begin() + row, count, 0.0);

@@ -51,7 +51,7 @@ bool StageSolver::accept_warm_start(const Stage& stage, double rate_tolerance, S
   const std::span<const ContactSet::Place> places = contacts_.set().places();
   for (std::size_t k = 0; k < places.size(); ++k) {
     const auto given = lambda.begin() + contacts_.first_row(static_cast<int>(k));
-    const int count = places[k].at.twist ? 6 : 3;
+    const int count = places[k].at.row_count();
     if (!places[k].active && std::any_of(given, given + count, [](double l) { return l != 0; })) return false;
   }
   std::copy(stage.rates.begin(), stage.rates.end(), w_.begin());

@@ -97,8 +97,8 @@ double StageSolver::law_error(std::span<const double> lambda, std::span<const do
 double StageSolver::natural_residual(std::span<const double> lambda, std::span<const double> w) const {
   const double scale = natural_scale(lambda, w);
   const auto noise = rate_noise();
-  double largest = contacts_.natural_error(
-      lambda, w, scale,
+  double largest = relative_contact_residual(
+      contacts_, lambda, w, scale,
       {contact_noise_.first / kNaturalTolerance, contact_noise_.second / kNaturalTolerance});
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
     const double off = natural_error(axis.row, lambda, w, scale, noise);
@@ -184,7 +184,7 @@ void StageSolver::note_culprits(std::span<const double> lambda, std::span<const 
   const std::span<const ContactSet::Place> places = contacts_.set().places();
   for (std::size_t k = 0; k < places.size(); ++k) {
     if (!places[k].active) continue;
-    const double off = contacts_.natural_error(static_cast<int>(k), lambda, w, scale, {});
+    const double off = relative_contact_residual(contacts_, static_cast<int>(k), lambda, w, scale, {});
     if (!counts(off)) continue;
     const auto [a, b] =
         std::minmax(named_->shape(places[k].contact.a).body, named_->shape(places[k].contact.b).body);

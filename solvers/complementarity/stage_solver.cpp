@@ -189,7 +189,7 @@ bool StageSolver::solve_velocities(const Stage& stage, StepReport& report) {
 void StageSolver::turn_contacts(const Stage& stage, StepReport& report) {
   for (const ContactLaws::Turn& turn : contacts_.turns()) {
     const int first = contacts_.first_row(turn.place);
-    const int count = contacts_.set().places()[turn.place].at.twist ? 6 : 3;
+    const int count = contacts_.row_count(turn.place);
     for (std::span<double> values :
          {stage.lambda, stage.rates, std::span<double>(b_), std::span<double>(guess_)})
       for (int r = first + 1; r < first + count; r += 3) {
