@@ -39,7 +39,7 @@ void Rows::append_side(int body, int joint, int row_count, int arm) {
 }
 
 void Rows::append_contact(const ContactPlace& place) {
-  const int j = static_cast<int>(joints_.size()), count = place.twist ? 6 : 3;
+  const int j = static_cast<int>(joints_.size()), count = place.row_count();
   joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), 2, 0,
                      ContactIndex{static_cast<int>(contacts_.size())}});
   for (int body : {place.a, place.b}) append_side(body, j, count);

@@ -113,6 +113,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   struct ContactPlace {
     int a = 0, b = 0;    ///< indices of the bodies A and B
     bool twist = false;  ///< it has rows of rotation
+    int row_count() const { return twist ? 6 : 3; }
     friend bool operator==(const ContactPlace&, const ContactPlace&) = default;
   };
 

@@ -178,12 +178,11 @@ bool ContactNewton::holds_joints(std::span<const RowLaw> laws, std::span<const d
 double ContactNewton::law_error(const ContactProblem& problem, double rate_tolerance, int rounds) const {
   if (!std::isfinite(max_abs(problem.lambda))) return std::numeric_limits<double>::infinity();
   if (problem.scale == 0) return 0;
-  double error = problem.contacts.error(problem.lambda, problem.w, rate_tolerance);
+  double error = contact_residual(problem.contacts, problem.lambda, problem.w, rate_tolerance);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
     if (rounds > Tuning::kEqualityRounds && !problem.laws[r].bounded()) continue;
-    const double s = problem.diagonal[r], lambda = problem.lambda[r];
-    const double off = std::abs(lambda - problem.laws[r].project(s, lambda, problem.w[r]));
-    if (!(s * off <= rate_tolerance)) error = std::max(error, std::sqrt(s) * off);
+    error = std::max(error, problem.laws[r].natural_residual(problem.diagonal[r], problem.lambda[r],
+                                                             problem.w[r], rate_tolerance));
   }
   return error / problem.scale;
 }

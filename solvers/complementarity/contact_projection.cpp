@@ -34,7 +34,7 @@ void ContactProjection::project_row(const RowLaw& law, double sigma, int r) {
 void ContactProjection::project_contact(const ContactProblem& problem, const LaggedFriction& lagged,
                                         std::span<const double> centre, int k) {
   const ContactLaws::Cone cone = problem.contacts.cone(k);
-  const int row = problem.contacts.first_row(k), count = cone.twist ? 6 : 3;
+  const int row = problem.contacts.first_row(k), count = problem.contacts.row_count(k);
   coupling_[k] = 0;
   if (!cone.works) {
     std::fill_n(y_.begin() + row, count, 0.0);

@@ -25,11 +25,9 @@ double ContactSolver::distance(const StageProblem& problem, double rate_toleranc
   }
   if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
-    const double own = 1 / inertia[r];
-    const double off = std::abs(lambda[r] - laws[r].project(own, lambda[r], w[r]));
-    if (!(own * off <= rate_tolerance)) error = std::max(error, std::sqrt(own) * off);
+    error = std::max(error, laws[r].natural_residual(1 / inertia[r], lambda[r], w[r], rate_tolerance));
   }
-  error = std::max(error, contacts_.error(lambda, w, rate_tolerance));
+  error = std::max(error, contact_residual(contacts_, lambda, w, rate_tolerance));
   return error == 0 ? 0 : error / scale;
 }
 
@@ -126,24 +124,25 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
   const std::span<double> lambda = problem.lambda;
   NewtonLimits limits{.rate_tolerance = rate_tolerance, .iterations = Tuning::kStepsToHold, .holding = true};
   limits.most = limits.tolerance;
-  if (!contacts_.begin_stick_search(lambda, problem.w)) return false;
+  StickSearch& search = contacts_.stick_search();
+  if (!search.begin(lambda, problem.w)) return false;
   unshared_.assign(lambda.begin(), lambda.end());
   for (bool again = true; again;) {
     std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
     const NewtonOutcome outcome = run_newton(problem, limits, record);
     if (outcome.converged && !contacts_.slips_where_it_held()) {
       // What holds by the normality law holds by Coulomb's where it does not slip at all.
-      contacts_.end_stick_search(true);
+      search.end(true);
       const double off = distance(problem, rate_tolerance);
       if (off <= NewtonLimits().most) {
         record.residual = std::max(record.residual, off);
         return true;
       }
-      contacts_.continue_stick_search();
+      search.go_on();
     }
-    again = contacts_.mark_sliding(problem.w, outcome.iterations < limits.iterations);
+    again = search.mark_sliding(problem.w, outcome.iterations < limits.iterations);
   }
-  contacts_.end_stick_search(false);
+  search.end(false);
   std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
   system_.rates(lambda, problem.b, problem.w);
   return false;

@@ -124,7 +124,7 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
   }
   const double normal = std::max(0.0, cone.normal_given + problem.lambda[row]);
   in_disc(row + 1, cone.sliding_given, cone.sliding * normal, cone.slip_softness);
-  if (rows.row_count == 3) return largest;
+  if (!cone.twist) return largest;
   if (const double s = own_[row + 3]; s > 0) {
     const double arm = cone.spinning * normal;
     give(row + 3, s, std::clamp(cone.spin_given + asked(row + 3, s, 0), -arm, arm) - cone.spin_given);
@@ -198,14 +198,16 @@ double ImpulseIteration::violation(const Problem& problem, int block) {
   if (!system_.rows().is_contact(first)) {
     for (int r = first; r < first + rows.row_count; ++r)
       if (own_[r] > 0)
-        largest = std::max(largest, std::sqrt(own_[r]) * std::abs(next_of(problem, r) - problem.lambda[r]));
+        largest =
+            std::max(largest, problem.laws[r].natural_residual(own_[r], problem.lambda[r], rate(problem, r)));
     return largest;
   }
   for (int r = first; r < first + rows.row_count; ++r) {
     const double s = own_[r] > 0 ? own_[r] : 1;
     scratch_[r] = problem.lambda[r] - (rate(problem, r) - target_[r]) / s;
   }
-  problem.contacts.project(block - system_.rows().contact_joint(0), scratch_, answer_);
+  const auto of_block = [&](std::span<double> values) { return values.subspan(first, rows.row_count); };
+  cones_[block - system_.rows().contact_joint(0)].project(of_block(scratch_), of_block(answer_));
   for (int r = first; r < first + rows.row_count; ++r)
     largest = std::max(largest, std::sqrt(own_[r]) * std::abs(answer_[r] - problem.lambda[r]));
   return largest;

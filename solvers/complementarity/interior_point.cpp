@@ -182,7 +182,7 @@ double InteriorPoint::law_error(const Problem& problem) {
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const double s = own_[r], lambda = problem.lambda[r];
     scale = std::max({scale, std::sqrt(s) * std::abs(lambda), std::abs(problem.b[r]) / std::sqrt(s)});
-    const double off = std::sqrt(s) * std::abs(lambda - problem.laws[r].project(s, lambda, problem.w[r]));
+    const double off = problem.laws[r].natural_residual(s, lambda, problem.w[r]);
     if (std::isnan(off)) return off;
     error = std::max(error, off);
   }

@@ -57,8 +57,8 @@ double StageResidual::law_error(const StageSolution& solution, std::span<const i
 double StageResidual::natural(const StageSolution& solution) const {
   const double size = scale(solution);
   const Noise noise = rate_noise();
-  double largest = contacts_.natural_error(
-      solution.lambda, solution.w, size,
+  double largest = relative_contact_residual(
+      contacts_, solution.lambda, solution.w, size,
       {contact_noise_.angular / Tuning::kAxisResidual, contact_noise_.linear / Tuning::kAxisResidual});
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
     const double off = of_row(axis.row, solution, size, noise);

@@ -37,13 +37,13 @@ void Rattle::begin_bounds(double h) {
 }
 
 bool Rattle::seek_impacts() {
-  const bool axis = axes_.seek_impacts(rates_), contact = contacts_.seek_impacts(rates_);
+  const bool axis = axes_.seek_impacts(rates_), contact = contacts_.impacts().seek(rates_);
   return axis || contact;
 }
 
 void Rattle::forget_impacts(bool for_good) {
   axes_.forget_impacts(for_good);
-  contacts_.forget_impacts(for_good);
+  contacts_.impacts().forget(for_good);
 }
 
 /// Where the present λ leads to: q₁, φ(q₁), the mean rates and their laws.
@@ -203,9 +203,9 @@ std::size_t Rattle::contact_offset() const {
 /// The first of the impacts that were sought; those at that time are due.
 double Rattle::first_impact(double h) {
   const double first =
-      std::max(std::min(axes_.first_impact(rates_), contacts_.first_impact(rates_)), kStrikeTogether * h);
+      std::max(std::min(axes_.first_impact(rates_), contacts_.impacts().first(rates_)), kStrikeTogether * h);
   axes_.take_impacts(first + kStrikeTogether * h, rates_);
-  contacts_.take_impacts(first + kStrikeTogether * h, rates_);
+  contacts_.impacts().take(first + kStrikeTogether * h, rates_);
   return first > (1 - kStrikeTogether) * h ? h : first;
 }
 

@@ -9,8 +9,6 @@ namespace {
 
 /// Tangents slower than this at the start of a step are first tried as sticking [m/s].
 constexpr double kRestingSlip = 1e-9;
-/// Times of impact looked for in one step; more impacts end with their sub-step.
-constexpr int kMostContactImpacts = 16;
 
 }  // namespace
 
@@ -103,8 +101,8 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
     if (point.slip && (place.slip - *point.slip).norm() > kRestingSlip)
       point.slipped += 0.5 * table_.h * (place.slip - *point.slip);
     point.slip.reset();
-    point.touching = place.active &&
-                     (point.gap <= kTouch || point.pressed || table_.impacts[k].stage == Impact::Stage::kDue);
+    point.touching = place.active && (point.gap <= ContactTable::kTouch || point.pressed ||
+                                      table_.impacts[k].stage == Impact::Stage::kDue);
     // A first guess: both kicks alike, and the slip along t₁.
     for (Disc* disc : {&point.sliding, &point.rolling}) {
       disc->bound *= 2;
@@ -167,11 +165,11 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     point.live = point.active;
     if (!point.active) continue;
     point.gap = place.contact.gap;
-    point.approach = rates[first_row_[k]];
-    const int row = first_row_[k];
+    point.approach = rates[first_row(k)];
+    const int row = first_row(k);
     // What starts at rest holds with static friction.
     const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
-    point.stuck = point.stuck || (point.fresh && point.gap <= kTouch && rests);
+    point.stuck = point.stuck || (point.fresh && point.gap <= ContactTable::kTouch && rests);
     point.fresh = point.broken = point.pressed = false;
     point.back = point.spin_given = 0;
     point.sliding.given = point.rolling.given = Vec2::Zero();
@@ -181,7 +179,7 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     point.rolling.target = Vec2::Zero();
     aim_discs(k, rates);
   }
-  set_soft_laws();
+  set_spring_laws();
 }
 
 /// A first guess: what slips goes on slipping.
@@ -195,8 +193,8 @@ void ContactForces::aim_discs(int k, std::span<const double> rates) {
       disc.weight = disc.bound / slip.norm();
     }
   };
-  aim(point.sliding, first_row_[k] + 1);
-  if (has_twist(k)) aim(point.rolling, first_row_[k] + 4);
+  aim(point.sliding, first_row(k) + 1);
+  if (has_twist(k)) aim(point.rolling, first_row(k) + 4);
 }
 
 void ContactForces::begin_single_kick(double h) {
@@ -217,7 +215,7 @@ void ContactForces::begin_impulses(std::span<const double> rates, std::span<cons
     Point& point = table_.points[k];
     point.live = point.active && point.touching;
     if (!point.active) continue;
-    const int row = first_row_[k];
+    const int row = first_row(k);
     point.approach = rates[row];
     const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
     point.stuck = point.stuck || (point.fresh && rests);
@@ -236,73 +234,11 @@ void ContactForces::roll_back(bool moved_on) {
   departed_.resize(departed_before_);
 }
 
-bool ContactForces::seek_impacts(std::span<const double> w) {
-  if (impact_count_ >= kMostContactImpacts) return false;
-  bool any = false;
-  for (int k = 0; k < std::ssize(table_.points); ++k) {
-    const Point& point = table_.points[k];
-    Impact& impact = table_.impacts[k];
-    if (!point.active || table_.set.places()[k].material.restitution == 0 || impact.spent ||
-        impact.stage != Impact::Stage::kNone || point.gap <= kTouch ||
-        point.approach > -table_.resting_speed || impact_is_seen(k))
-      continue;
-    const double stop = -point.gap / table_.h;
-    if (w[first_row_[k]] > stop + 1e-9 * (1 + std::abs(stop))) continue;
-    impact.stage = Impact::Stage::kSought;
-    any = true;
-  }
-  if (any) ++impact_count_;
-  return any;
-}
-
-/// Root of  gap + w₀ s + (w − w₀) s²/h = 0  in (0, h]; h if the points do not meet.
-double ContactForces::crossing(int k, double w) const {
-  const Point& point = table_.points[k];
-  const auto gap_at = [&](double s) {
-    return point.gap + point.approach * s + (w - point.approach) * s * s / table_.h;
-  };
-  double low = 0, high = table_.h;
-  if (gap_at(high) >= 0) return table_.h;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (gap_at(middle) > 0 ? low : high) = middle;
-  }
-  return high;
-}
-
-double ContactForces::first_impact(std::span<const double> w) const {
-  double first = table_.h;
-  for (int k = 0; k < std::ssize(table_.points); ++k)
-    if (table_.impacts[k].stage == Impact::Stage::kSought)
-      first = std::min(first, crossing(k, w[first_row_[k]]));
-  return first;
-}
-
-void ContactForces::take_impacts(double until, std::span<const double> w) {
-  for (int k = 0; k < std::ssize(table_.points); ++k) {
-    Impact& impact = table_.impacts[k];
-    if (impact.stage != Impact::Stage::kSought) {
-      impact.stage = Impact::Stage::kNone;
-      continue;
-    }
-    const double mean = w[first_row_[k]], s = crossing(k, mean);
-    impact.stage = s <= until ? Impact::Stage::kDue : Impact::Stage::kNone;
-    impact.rate = table_.points[k].approach + 2 * (mean - table_.points[k].approach) * s / table_.h;
-  }
-}
-
-void ContactForces::forget_impacts(bool for_good) {
-  for (Impact& impact : table_.impacts) {
-    if (for_good && impact.stage != Impact::Stage::kNone) impact.spent = true;
-    impact.stage = Impact::Stage::kNone;
-  }
-}
-
 /// Impulses of rows as world vectors, and their work.
 void ContactForces::accumulate_work(int k, std::span<const double> lambda, std::span<const double> rates) {
   Point& point = table_.points[k];
   const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
-  const int row = first_row_[k];
+  const int row = first_row(k);
   Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();
   for (int i = 0; i < 3; ++i) {
     impulse += lambda[row + i] * frame.direction(i);
@@ -322,7 +258,7 @@ void ContactForces::record_first_kick(std::span<const double> lambda, std::span<
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     if (!point.active) continue;
-    const int row = first_row_[k];
+    const int row = first_row(k);
     accumulate_work(k, lambda, rates);
     point.pressed = lambda[row] > 0;
     point.slip.reset();
@@ -348,7 +284,7 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     Point& point = table_.points[k];
     point.live = point.active && point.touching;
     if (!point.active) continue;
-    if (point.fresh) point.approach = rates[first_row_[k]];
+    if (point.fresh) point.approach = rates[first_row(k)];
     const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
     point.back = std::max(0.0, frame.n.dot(point.first));
     point.sliding.given = Vec2(frame.t1.dot(point.first), frame.t2.dot(point.first));
@@ -356,7 +292,7 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     point.spin_given = frame.n.dot(point.first_torque);
     point.sliding.target = point.rolling.target = Vec2::Zero();
   }
-  set_soft_laws();
+  set_spring_laws();
 }
 
 void ContactForces::finish(std::span<const double> mu, std::span<const double> rates, double time) {
@@ -375,7 +311,7 @@ void ContactForces::finish(std::span<const double> mu, std::span<const double> r
       point.impact_time = time;
     }
     accumulate_work(k, mu, rates);
-    const int row = first_row_[k];
+    const int row = first_row(k);
     const bool pressed = point.touching && point.back + mu[row] > 0;
     const bool held = pressed && !point.sliding.slips;
     const bool stretched = compliance(k) > 0 ? pressed : held && point.stuck;
@@ -420,12 +356,11 @@ std::vector<ContactReport> ContactForces::reports() const {
 void ContactForces::clear_reports() {
   departed_.clear();
   work_ = {};
-  impact_count_ = 0;
   for (Point& point : table_.points) {
     point.impulse = point.torque = Vec3::Zero();
     point.impact_time.reset();
   }
-  for (Impact& impact : table_.impacts) impact = {};
+  impacts_.clear();
 }
 
 }  // namespace taut

@@ -7,6 +7,7 @@
 
 #include "solvers/common/contact_report.h"
 #include "solvers/common/settings.h"
+#include "solvers/laws/contact_impacts.h"
 #include "solvers/laws/contact_laws.h"
 
 namespace taut {
@@ -71,11 +72,8 @@ class ContactForces final : public ContactLaws {
   /// Moreau–Jean between begin_single_kick() and velocity_laws(): `rates` J V before the step.  Contacts that
   /// are touched have Newton's law of impact w ≥ −e w⁻ however slow they are.
   void begin_impulses(std::span<const double> rates, std::span<const double> inertia);
-  /// Impacts with restitution, as those of axes (axis_forces.h).
-  bool seek_impacts(std::span<const double> w);
-  double first_impact(std::span<const double> w) const;
-  void take_impacts(double until, std::span<const double> w);
-  void forget_impacts(bool for_good);
+  /// Within the step.
+  ContactImpacts& impacts() { return impacts_; }
   bool struck() const { return struck_; }
 
   /// Books the first kick, during which the rows moved with `rates` on the mean; to be called before
@@ -98,12 +96,12 @@ class ContactForces final : public ContactLaws {
   void take_up_recalled(const World& world);
   void remember(double h);
   void aim_discs(int place, std::span<const double> rates);
-  double crossing(int place, double w) const;
   void accumulate_work(int place, std::span<const double> lambda, std::span<const double> rates);
   void keep_report(int place);
 
   bool wanted_;
   ContactTable table_;
+  ContactImpacts impacts_{table_, *this};
   std::vector<Point> before_;
   std::vector<Impact> impacts_before_;
   std::vector<int> inherited_;         // −1: from one that had no rows
@@ -115,7 +113,6 @@ class ContactForces final : public ContactLaws {
   std::vector<Impact> impact_scratch_;
   ContactWork work_, work_before_;
   std::size_t departed_before_ = 0;
-  int impact_count_ = 0;
   bool struck_ = false;
 };
 

@@ -47,7 +47,8 @@ bool can_touch(const World& world) {
   return false;
 }
 
-Rows::ContactPlace place_for(const Contact& contact, const Material& material) {
+Rows::ContactPlace place_for(const World& world, const Contact& contact) {
+  const Material material = world.contact_material(contact.a, contact.b);
   return {contact.A.index, contact.B.index, material.rolling_friction > 0 || material.spinning_friction > 0};
 }
 
@@ -115,7 +116,7 @@ bool ContactSet::find(const World& world, const State& state, double horizon) {
       if (place_of_contact_[c] >= 0) continue;
       place_of_contact_[c] = static_cast<int>(places_.size());
       Place place;
-      place.at = place_for(contacts[c], world.contact_material(contacts[c].a, contacts[c].b));
+      place.at = place_for(world, contacts[c]);
       place.active = true;
       places_.push_back(place);
       before_.push_back(place);
@@ -134,6 +135,25 @@ bool ContactSet::find(const World& world, const State& state, double horizon) {
 /// those nearest to where one was, since features of flat faces are numbered anew by round-off, then the same
 /// feature wherever it is now.  Others get free places of the same pair; −1 where there is none.
 void ContactSet::match(const World& world, const std::vector<Contact>& contacts) {
+  vacate();
+  place_of_contact_.assign(contacts.size(), -1);
+  for (const Likeness likeness : {Likeness::kSameFeatureAndPoint, Likeness::kNearest, Likeness::kSameFeature})
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      if (place_of_contact_[c] >= 0) continue;
+      const int found = place_before(world, contacts[c], likeness);
+      if (found < 0) continue;
+      occupy(found, c);
+      origin_[found] = found;
+    }
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    if (place_of_contact_[c] >= 0) continue;
+    const int place = free_place(place_for(world, contacts[c]));
+    if (place >= 0) occupy(place, c);
+  }
+}
+
+/// All places are free; keys_ has those that were not, sorted by shapes and features.
+void ContactSet::vacate() {
   keys_.clear();
   for (std::size_t k = 0; k < places_.size(); ++k) {
     Place& place = places_[k];
@@ -147,40 +167,32 @@ void ContactSet::match(const World& world, const std::vector<Contact>& contacts)
   origin_.assign(places_.size(), -1);
   moved_.resize(places_.size());
   std::iota(moved_.begin(), moved_.end(), 0);
-  place_of_contact_.assign(contacts.size(), -1);
-  enum Likeness { kSameFeatureAndPoint, kNearest, kSameFeature };
-  for (const Likeness likeness : {kSameFeatureAndPoint, kNearest, kSameFeature})
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      if (place_of_contact_[c] >= 0) continue;
-      const Contact& contact = contacts[c];
-      const auto at = place_for(contact, world.contact_material(contact.a, contact.b));
-      const auto first = std::lower_bound(
-          keys_.begin(), keys_.end(), contact,
-          [](const Key& x, const Contact& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
-      double least = likeness == kSameFeature ? std::numeric_limits<double>::infinity() : kSamePoint;
-      int found = -1;
-      for (auto key = first; key != keys_.end() && key->a == contact.a && key->b == contact.b; ++key) {
-        const Place& place = places_[key->place];
-        if (place.active || place.at != at) continue;
-        if (likeness != kNearest && key->feature != contact.feature) continue;
-        const double distance =
-            std::min((place.contact.p_AP - contact.p_AP).norm(), (place.contact.p_BQ - contact.p_BQ).norm());
-        if (distance > least) continue;
-        least = distance;
-        found = key->place;
-      }
-      if (found < 0) continue;
-      place_of_contact_[c] = origin_[found] = found;
-      places_[found].active = true;
-    }
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    if (place_of_contact_[c] >= 0) continue;
-    const int place =
-        free_place(place_for(contacts[c], world.contact_material(contacts[c].a, contacts[c].b)));
-    if (place < 0) continue;
-    place_of_contact_[c] = place;
-    places_[place].active = true;
+}
+
+void ContactSet::occupy(int place, std::size_t contact) {
+  place_of_contact_[contact] = place;
+  places_[place].active = true;
+}
+
+/// The free place of the contact of before that is nearest of those like this one; −1 for none.
+int ContactSet::place_before(const World& world, const Contact& contact, Likeness likeness) const {
+  const auto at = place_for(world, contact);
+  const auto first = std::lower_bound(
+      keys_.begin(), keys_.end(), contact,
+      [](const Key& x, const Contact& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
+  double least = likeness == Likeness::kSameFeature ? std::numeric_limits<double>::infinity() : kSamePoint;
+  int found = -1;
+  for (auto key = first; key != keys_.end() && key->a == contact.a && key->b == contact.b; ++key) {
+    const Place& place = places_[key->place];
+    if (place.active || place.at != at) continue;
+    if (likeness != Likeness::kNearest && key->feature != contact.feature) continue;
+    const double distance =
+        std::min((place.contact.p_AP - contact.p_AP).norm(), (place.contact.p_BQ - contact.p_BQ).norm());
+    if (distance > least) continue;
+    least = distance;
+    found = key->place;
   }
+  return found;
 }
 
 /// Shapes that are found in each other without having touched before, as at the start, are parted as rigid

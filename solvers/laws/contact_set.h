@@ -75,7 +75,12 @@ class ContactSet {
     std::uint64_t feature;
     int place;
   };
+  /// By what a contact is known again.
+  enum class Likeness { kSameFeatureAndPoint, kNearest, kSameFeature };
   void match(const World& world, const std::vector<Contact>& contacts);
+  void vacate();
+  void occupy(int place, std::size_t contact);
+  int place_before(const World& world, const Contact& contact, Likeness likeness) const;
   void part_overlaps(const World& world, const std::vector<Contact>& contacts);
   int free_place(const Rows::ContactPlace& at) const;
   void rebuild();

@@ -131,7 +131,16 @@ void ContactSet::transfer(Archive& archive, const World& world) {
   sort_pairs();
 }
 
-void ContactLaws::transfer_residuals(Archive& archive) { archive(residual_, scale_, weakened_); }
+void FrictionLinearization::transfer(Archive& archive) { archive(residual_, scale_); }
+
+void StickSearch::transfer(Archive& archive) { archive(weakened_); }
+
+void ContactLaws::transfer_residuals(Archive& archive) {
+  friction_.transfer(archive);
+  stick_search_.transfer(archive);
+}
+
+void ContactImpacts::transfer(Archive& archive) { archive(count_); }
 
 void ContactForces::transfer(Archive& archive) {
   const auto disc = [&](Disc& d) { archive(d.bound, d.slips, d.direction, d.weight, d.given, d.target); };
@@ -144,7 +153,9 @@ void ContactForces::transfer(Archive& archive) {
   archive.each(table_.points, point);
   archive.each(table_.impacts, [&](Impact& i) { archive(i.stage, i.rate, i.spent); });
   archive.each(resting_points_, point);
-  archive(departed_, work_, struck_, impact_count_, table_.h, table_.in_velocities, table_.single_kick);
+  archive(departed_, work_, struck_);
+  impacts_.transfer(archive);
+  archive(table_.h, table_.in_velocities, table_.single_kick);
   Archive::require(table_.points.size() == table_.set.places().size() &&
                        table_.impacts.size() == table_.points.size() &&
                        resting_points_.size() == table_.set.resting().size(),

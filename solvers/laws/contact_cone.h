@@ -1,0 +1,76 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+#include "core/math/so3.h"
+
+namespace taut {
+
+using Vec2 = Eigen::Vector2d;
+
+/// The point of the disc |x| ≤ radius that is nearest to x.
+inline Vec2 into_disc(const Vec2& x, double radius) {
+  const double size = x.norm();
+  return size > radius ? Vec2(radius / size * x) : x;
+}
+
+/// Where the point of the cone |x_t| ≤ μ x_n is that is nearest to one with x_n = `normal` and |x_t| =
+/// `size`: it is that one itself, the apex, or on the surface along the same tangent.
+struct NearestOnCone {
+  enum class Region { kWithin, kApex, kSurface } region;
+  double normal = 0;  ///< x_n of a point on the surface
+};
+inline NearestOnCone nearest_on_cone(double normal, double size, double mu) {
+  using Region = NearestOnCone::Region;
+  if (normal >= 0 && size <= mu * normal) return {Region::kWithin};
+  if (mu * size <= -normal) return {Region::kApex};
+  return {Region::kSurface, (normal + mu * size) / (1 + mu * mu)};
+}
+
+/// The point of the cone |x_t| ≤ μ x_n that is nearest to x = (x_n, x_t).
+inline Vec3 into_cone(const Vec3& x, double mu) {
+  const Vec2 tangent = x.tail<2>();
+  const double size = tangent.norm();
+  const auto [region, on] = nearest_on_cone(x[0], size, mu);
+  if (region == NearestOnCone::Region::kWithin) return x;
+  if (region == NearestOnCone::Region::kApex) return Vec3::Zero();
+  Vec3 nearest;
+  nearest << on, mu * on / size * tangent;
+  return nearest;
+}
+
+/// What the impulses of a contact of a stage may be, about those that the first kick gave: with the normal
+/// impulse 0 ≤ Λ_n ≤ most, Coulomb's cone |Λ_t| ≤ sliding Λ_n, |spin| ≤ spinning Λ_n [m] and |roll| ≤ rolling
+/// Λ_n [m].
+struct ContactCone {
+  bool works = false, twist = false;
+  bool shares = false;  ///< its slip does not open the cone (stick_search.h)
+  double sliding = 0, spinning = 0, rolling = 0;
+  double softness = 0, most = std::numeric_limits<double>::infinity();  ///< of the normal (NormalLaw)
+  double slip_softness = 0;                                             ///< of the tangents (SlipLaw)
+  double normal_given = 0, spin_given = 0;
+  Vec2 sliding_given = Vec2::Zero(), rolling_given = Vec2::Zero();
+
+  /// The impulses y that are nearest to x, row by row: of the normal, and in what that allows of the discs.
+  /// Both are those of the contact's 3 rows, or 6 with `twist`.
+  void project(std::span<const double> x, std::span<double> y) const {
+    std::fill(y.begin(), y.end(), 0.0);
+    if (!works) return;
+    const auto in_disc = [&](int r, const Vec2& given, double bound) {
+      const Vec2 tau = into_disc(given + Vec2(x[r], x[r + 1]), bound);
+      y[r] = tau[0] - given[0];
+      y[r + 1] = tau[1] - given[1];
+    };
+    y[0] = std::min(std::max(-normal_given, x[0]), most - normal_given);
+    const double normal = normal_given + y[0];
+    in_disc(1, sliding_given, sliding * std::max(0.0, normal));
+    if (!twist) return;
+    const double arm = spinning * normal;
+    y[3] = std::clamp(spin_given + x[3], -arm, arm) - spin_given;
+    in_disc(4, rolling_given, rolling * normal);
+  }
+};
+
+}  // namespace taut

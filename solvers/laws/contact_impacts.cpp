@@ -1,0 +1,81 @@
+#include "solvers/laws/contact_impacts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+/// Times of impact looked for in one step; more impacts end with their sub-step.
+constexpr int kMostContactImpacts = 16;
+
+}  // namespace
+
+bool ContactImpacts::seek(std::span<const double> w) {
+  if (count_ >= kMostContactImpacts) return false;
+  bool any = false;
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    const ContactTable::Point& point = table_.points[k];
+    ContactTable::Impact& impact = table_.impacts[k];
+    if (!point.active || table_.set.places()[k].material.restitution == 0 || impact.spent ||
+        impact.stage != ContactTable::Impact::Stage::kNone || point.gap <= ContactTable::kTouch ||
+        point.approach > -table_.resting_speed || contacts_.spring(k).impact_is_seen())
+      continue;
+    const double stop = -point.gap / table_.h;
+    if (w[contacts_.first_row(k)] > stop + 1e-9 * (1 + std::abs(stop))) continue;
+    impact.stage = ContactTable::Impact::Stage::kSought;
+    any = true;
+  }
+  if (any) ++count_;
+  return any;
+}
+
+/// Root of  gap + w₀ s + (w − w₀) s²/h = 0  in (0, h]; h if the points do not meet.
+double ContactImpacts::crossing(int k, double w) const {
+  const ContactTable::Point& point = table_.points[k];
+  const auto gap_at = [&](double s) {
+    return point.gap + point.approach * s + (w - point.approach) * s * s / table_.h;
+  };
+  double low = 0, high = table_.h;
+  if (gap_at(high) >= 0) return table_.h;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (gap_at(middle) > 0 ? low : high) = middle;
+  }
+  return high;
+}
+
+double ContactImpacts::first(std::span<const double> w) const {
+  double earliest = table_.h;
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (table_.impacts[k].stage == ContactTable::Impact::Stage::kSought)
+      earliest = std::min(earliest, crossing(k, w[contacts_.first_row(k)]));
+  return earliest;
+}
+
+void ContactImpacts::take(double until, std::span<const double> w) {
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    ContactTable::Impact& impact = table_.impacts[k];
+    if (impact.stage != ContactTable::Impact::Stage::kSought) {
+      impact.stage = ContactTable::Impact::Stage::kNone;
+      continue;
+    }
+    const double mean = w[contacts_.first_row(k)], s = crossing(k, mean);
+    impact.stage = s <= until ? ContactTable::Impact::Stage::kDue : ContactTable::Impact::Stage::kNone;
+    impact.rate = table_.points[k].approach + 2 * (mean - table_.points[k].approach) * s / table_.h;
+  }
+}
+
+void ContactImpacts::forget(bool for_good) {
+  for (ContactTable::Impact& impact : table_.impacts) {
+    if (for_good && impact.stage != ContactTable::Impact::Stage::kNone) impact.spent = true;
+    impact.stage = ContactTable::Impact::Stage::kNone;
+  }
+}
+
+void ContactImpacts::clear() {
+  count_ = 0;
+  for (ContactTable::Impact& impact : table_.impacts) impact = {};
+}
+
+}  // namespace taut

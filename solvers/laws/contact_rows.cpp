@@ -1,0 +1,76 @@
+#include "solvers/laws/contact_rows.h"
+
+#include <cmath>
+
+namespace taut {
+
+void ContactRows::choose(std::span<const int> places, const Rows& rows) {
+  places_.assign(places.begin(), places.end());
+  first_row_.clear();
+  for (int k = 0; k < rows.contact_count(); ++k)
+    first_row_.push_back(rows.joints()[rows.contact_joint(k)].first_row);
+}
+
+void ContactRows::set_inertia(std::span<const double> inertia) {
+  root_.resize(inertia.size());
+  for (std::size_t r = 0; r < inertia.size(); ++r) root_[r] = inertia[r] > 0 ? 1 / std::sqrt(inertia[r]) : 1;
+}
+
+double ContactRows::friction_bound(int k, double normal) const {
+  const Material& material = place(k).material;
+  return (point(k).stuck && !point(k).broken ? material.static_friction : material.dynamic_friction) *
+         std::max(0.0, normal);
+}
+
+double ContactRows::slip_of(int k, std::span<const double> w) const {
+  const Vec2& target = point(k).sliding.target;
+  return std::hypot(w[first_row_[k] + 1] - target[0], w[first_row_[k] + 2] - target[1]);
+}
+
+bool ContactRows::rest() const {
+  for (int k = 0; k < count(); ++k)
+    if (point(k).live && (impact(k).stage != Impact::Stage::kNone ||
+                          (point(k).approach < -table_.resting_speed && compliance(k) == 0)))
+      return false;
+  return true;
+}
+
+bool ContactRows::soft() const {
+  for (int k = 0; k < count(); ++k)
+    if (point(k).live && compliance(k) > 0) return true;
+  return false;
+}
+
+bool ContactRows::all_stick(std::span<const double> lambda) const {
+  for (int k = 0; k < count(); ++k)
+    if (presses(k, lambda) && friction_bound(k, 1) > 0 && !sticks(k)) return false;
+  return true;
+}
+
+bool ContactRows::slips_where_it_held() const {
+  for (int k = 0; k < count(); ++k)
+    if (slips_in_vain(k)) return true;
+  return false;
+}
+
+double ContactRows::shared_slip(std::span<const double> w) const {
+  double largest = 0;
+  for (int k = 0; k < count(); ++k)
+    if (sticks(k)) largest = std::max(largest, slip_of(k, w));
+  return largest;
+}
+
+void ContactRows::clear_idle(std::span<double> lambda) const {
+  for (int k = 0; k < count(); ++k)
+    if (!works(k)) std::fill_n(lambda.begin() + first_row_[k], row_count(k), 0.0);
+}
+
+bool ContactRows::is_clear(std::span<const double> lambda) const {
+  for (int k = 0; k < count(); ++k) {
+    const auto given = lambda.begin() + first_row_[k];
+    if (!works(k) && std::any_of(given, given + row_count(k), [](double l) { return l != 0; })) return false;
+  }
+  return true;
+}
+
+}  // namespace taut

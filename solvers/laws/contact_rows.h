@@ -1,0 +1,94 @@
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "core/constraints/rows.h"
+#include "solvers/laws/contact_spring.h"
+#include "solvers/laws/contact_table.h"
+
+namespace taut {
+
+/// Contacts of a table, all or those of an island, in the rows of the system that is solved, and what they
+/// are in the present stage: which work, press, stick and slip.  Contact k has row_count(k) rows from
+/// first_row(k) on: the normal, two tangents and, with rolling or spinning friction, the turn about the
+/// normal and two about the tangents.
+class ContactRows {
+ public:
+  using NormalLaw = ContactTable::NormalLaw;
+  using SlipLaw = ContactTable::SlipLaw;
+  using Disc = ContactTable::Disc;
+  using Point = ContactTable::Point;
+  using Impact = ContactTable::Impact;
+  static constexpr int kSlidingRow = 1, kSpinRow = 3, kRollingRow = 4;  ///< behind first_row()
+
+  explicit ContactRows(ContactTable& table) : table_(table) {}
+
+  /// The contacts, by their places; `rows` has them in this order.
+  void choose(std::span<const int> places, const Rows& rows);
+  /// 1/S_rr of all rows.
+  void set_inertia(std::span<const double> inertia);
+
+  int count() const { return static_cast<int>(first_row_.size()); }
+  int first_row(int k) const { return first_row_[k]; }
+  std::span<const int> first_rows() const { return first_row_; }
+  int row_count(int k) const { return place(k).at.row_count(); }
+  bool has_twist(int k) const { return place(k).at.twist; }
+  double root(int row) const { return root_[row]; }  ///< √S_rr
+
+  const ContactTable& table() const { return table_; }
+  const ContactSet::Place& place(int k) const { return table_.set.places()[places_[k]]; }
+  Point& point(int k) { return table_.points[places_[k]]; }
+  const Point& point(int k) const { return table_.points[places_[k]]; }
+  row_parts::ContactPoint& contact_point(int k) { return table_.set.point(places_[k]); }
+  const Impact& impact(int k) const { return table_.impacts[places_[k]]; }
+  double compliance(int k) const { return place(k).material.compliance; }
+  /// Along row r of the contact.
+  ContactSpring spring(int k, int r = 0) const { return {compliance(k), root_[first_row_[k] + r], table_.h}; }
+
+  bool works(int k) const { return point(k).live && impact(k).stage != Impact::Stage::kSought; }
+  bool presses(int k, std::span<const double> lambda) const {
+    return works(k) && point(k).back + lambda[first_row_[k]] > 0;
+  }
+  /// Λ_n at impulses λ, 0 if they pull.
+  double pressure(int k, std::span<const double> lambda) const {
+    return std::max(0.0, point(k).back + lambda[first_row_[k]]);
+  }
+  /// μ_c Λ_n
+  double friction_bound(int k, double normal) const;
+  /// It is rigid and is held by static friction.
+  bool sticks(int k) const { return works(k) && point(k).stuck && !point(k).broken && compliance(k) == 0; }
+  /// It sticks, and its disc was passed.
+  bool slips_in_vain(int k) const {
+    return sticks(k) && point(k).sliding.slips && point(k).sliding.weight > 0;
+  }
+  /// |w_t − target| at rates w [m/s]
+  double slip_of(int k, std::span<const double> w) const;
+  /// The normality law is what a contact that sticks is asked for, instead of Coulomb's (stick_search.h).
+  bool shares(int k) const { return sharing_ && sticks(k); }
+  void set_sharing(bool sharing) { sharing_ = sharing; }
+
+  /// None of them came together faster than the resting speed before the step.
+  bool rest() const;
+  /// True if a contact that works is compliant: no law of a row alone.
+  bool soft() const;
+  /// All contacts that press at impulses λ stick, but for those without friction.
+  bool all_stick(std::span<const double> lambda) const;
+  /// A rigid contact that stuck slips at the last solution that was taken over.
+  bool slips_where_it_held() const;
+  /// The largest slip of those that stick at rates w [m/s].
+  double shared_slip(std::span<const double> w) const;
+  /// Zeroes a guess in the rows of contacts that give nothing in this stage.
+  void clear_idle(std::span<double> lambda) const;
+  /// The same is 0 there.
+  bool is_clear(std::span<const double> lambda) const;
+
+ private:
+  ContactTable& table_;
+  std::vector<int> places_, first_row_;
+  std::vector<double> root_;
+  bool sharing_ = false;
+};
+
+}  // namespace taut

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "solvers/common/settings.h"
+#include "solvers/laws/contact_cone.h"
+#include "solvers/laws/contact_set.h"
+
+namespace taut {
+
+/// All contacts of a world, by their places: what they are in the present stage of a step, and what they
+/// remember.
+struct ContactTable {
+  static constexpr double kTouch = 1e-9;  ///< a contact is touched within this distance [m]
+  static constexpr double kNever = 1e12;  ///< a step of a law that no rate comes to [m/s]
+
+  /// Along the normal, with the impulse λ of this stage and Λ = λ + what was given before: w + softness λ ≥
+  /// target, 0 ≤ Λ ≤ most; between these bounds of Λ there is equality, and at the upper one w + softness λ ≤
+  /// target.
+  struct NormalLaw {
+    double target = 0, softness = 0, most = std::numeric_limits<double>::infinity();
+  };
+  /// Across it: w + softness λ − target is the slip, which is 0 within the disc.
+  struct SlipLaw {
+    Vec2 target = Vec2::Zero();
+    double softness = 0;
+  };
+  /// Coulomb's law in two rows: |τ| ≤ bound, against the slip.
+  struct Disc {
+    double bound = std::numeric_limits<double>::infinity();  ///< a new contact is first taken to hold
+    bool slips = false;
+    Vec2 direction = Vec2::UnitX();  ///< of the slip
+    double weight = 0;               ///< friction per slip across its direction; 0: not known
+    Vec2 given = Vec2::Zero();       ///< what the first kick gave, in the tangents of now
+    Vec2 target = Vec2::Zero();      ///< rate that is rest: takes back what slipped while it should hold
+
+    SlipLaw rigid_law() const { return {slips ? Vec2::Zero() : target, 0}; }  ///< without compliance
+  };
+  struct Point {
+    NormalLaw soft;  ///< of a compliant contact in this stage
+    bool active = false, live = false, touching = false, pressed = false;
+    double gap = 0, approach = 0;
+    bool fresh = true;  ///< has not been through a begin()
+    double back = 0;    ///< normal impulse of the first kick
+    bool stuck = false, broken = false, stick_candidate = false;
+    Vec3 slipped = Vec3::Zero();                             ///< since it sticks [m]
+    std::optional<Vec3> slip;                                ///< at the start of a drift in which it held
+    Vec3 first = Vec3::Zero(), first_torque = Vec3::Zero();  ///< of the first kick on B
+    double spin_bound = std::numeric_limits<double>::infinity(), spin_given = 0;
+    Disc sliding, rolling;
+    Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();  ///< since clear_reports()
+    std::optional<double> impact_time;
+    bool slid = false;
+  };
+  struct Impact {
+    enum class Stage { kNone, kSought, kDue } stage = Stage::kNone;
+    double rate = 0;
+    bool spent = false;
+  };
+
+  ContactTable(const World& world, const Settings& settings)
+      : set(world, {.margin = settings.contact_margin,
+                    .threads = settings.threads,
+                    .max_contacts = settings.max_contacts}),
+        resting_speed(settings.resting_speed) {}
+
+  ContactSet set;
+  std::vector<char> moves;  ///< bodies
+  std::vector<Point> points;
+  std::vector<Impact> impacts;
+  double resting_speed = 0;
+  double h = 0;                                     ///< of the present step
+  bool in_velocities = false, single_kick = false;  ///< which stage it is
+};
+
+}  // namespace taut

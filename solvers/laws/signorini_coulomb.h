@@ -1,0 +1,19 @@
+#pragma once
+
+#include "solvers/laws/contact_cone.h"
+#include "solvers/laws/contact_rows.h"
+
+// The law of one contact in the present stage: Signorini, Newton and Coulomb, or a spring.
+//                                                                                 (solvers/laws, "Contacts")
+namespace taut {
+
+/// Along its normal: Signorini's law and Newton's of impact, or that of a spring.
+ContactTable::NormalLaw normal_law(const ContactRows& contacts, int k);
+/// Where its tangents are at rest.
+ContactTable::SlipLaw sliding_law(const ContactRows& contacts, int k);
+/// What its impulses may be.
+ContactCone contact_cone(const ContactRows& contacts, int k);
+/// The normal law of a compliant contact, whose spring is not that of an impact.
+ContactTable::NormalLaw spring_law(const ContactRows& contacts, int k);
+
+}  // namespace taut

@@ -1,0 +1,108 @@
+#include "solvers/laws/stick_search.h"
+
+#include <algorithm>
+
+namespace taut {
+namespace {
+
+/// Slip that is less than this part of the largest may end once others have been let go.
+constexpr double kSlips = 1e-2;
+/// Contacts that slip by more than this part of what all friction on one of their bodies could change are far
+/// from holding.
+constexpr double kFarSlip = 0.05;
+
+}  // namespace
+
+bool StickSearch::begin(std::span<const double> lambda, std::span<const double> w) {
+  weakened_ = false;
+  const bool any = choose_candidates(lambda, w);
+  contacts_.set_sharing(any);
+  if (!any) return false;
+  unshared_.clear();
+  for (int k = 0; k < contacts_.count(); ++k) unshared_.push_back(contacts_.point(k));
+  unshared_residual_ = friction_.residual();
+  return true;
+}
+
+/// Those that may hold after all; what slips and may not is let go.
+bool StickSearch::choose_candidates(std::span<const double> lambda, std::span<const double> w) {
+  const std::vector<int> struck = struck_bodies();
+  const std::vector<double> friction = friction_of_bodies(lambda);
+  const auto is_struck = [&](int body) { return std::binary_search(struck.begin(), struck.end(), body); };
+  bool any = false;
+  for (int k = 0; k < contacts_.count(); ++k) {
+    const Rows::ContactPlace& at = contacts_.place(k).at;
+    const bool slips = contacts_.slips_in_vain(k);
+    const bool candidate = slips && !is_struck(at.a) && !is_struck(at.b) && !is_far(k, w, friction);
+    contacts_.point(k).stick_candidate = candidate;
+    any = any || candidate;
+    if (slips && !candidate) release(k);
+  }
+  return any;
+}
+
+/// Those that a contact meets faster than the resting speed, in ascending order.
+std::vector<int> StickSearch::struck_bodies() const {
+  const ContactTable& table = contacts_.table();
+  std::vector<int> struck;
+  for (int k = 0; k < contacts_.count(); ++k) {
+    if (!contacts_.works(k) || contacts_.point(k).approach >= -table.resting_speed) continue;
+    for (int b : {contacts_.place(k).at.a, contacts_.place(k).at.b})
+      if (table.moves[b]) struck.push_back(b);
+  }
+  std::sort(struck.begin(), struck.end());
+  return struck;
+}
+
+/// The most that friction of all contacts of a body gives it [N·s].
+std::vector<double> StickSearch::friction_of_bodies(std::span<const double> lambda) const {
+  std::vector<double> friction(contacts_.table().moves.size(), 0.0);
+  for (int k = 0; k < contacts_.count(); ++k)
+    for (int body : {contacts_.place(k).at.a, contacts_.place(k).at.b})
+      if (contacts_.works(k)) friction[body] += contacts_.friction_bound(k, contacts_.pressure(k, lambda));
+  return friction;
+}
+
+bool StickSearch::is_far(int k, std::span<const double> w, std::span<const double> friction) const {
+  const std::vector<char>& moves = contacts_.table().moves;
+  const auto [a, b, twist] = contacts_.place(k).at;
+  const double most = std::max(moves[a] ? friction[a] : 0, moves[b] ? friction[b] : 0);
+  const int row = contacts_.first_row(k);
+  const double root = std::max(contacts_.root(row + 1), contacts_.root(row + 2));
+  return contacts_.slip_of(k, w) > kFarSlip * most * root * root;
+}
+
+void StickSearch::end(bool hold) {
+  contacts_.set_sharing(false);
+  if (hold) return;
+  for (int k = 0; k < contacts_.count(); ++k) {
+    if (unshared_[k].stick_candidate) unshared_[k].broken = contacts_.point(k).broken;
+    contacts_.point(k) = unshared_[k];
+  }
+  friction_.restore(unshared_residual_);
+}
+
+void StickSearch::release(int k) {
+  const Material& material = contacts_.place(k).material;
+  contacts_.point(k).broken = true;
+  contacts_.point(k).stick_candidate = false;
+  weakened_ = weakened_ || material.dynamic_friction < material.static_friction;
+}
+
+bool StickSearch::mark_sliding(std::span<const double> w, bool judged) {
+  const double much = judged ? kSlips * contacts_.shared_slip(w) : 0;
+  bool any = false, left = false;
+  for (int k = 0; k < contacts_.count(); ++k) {
+    if (!contacts_.point(k).stick_candidate) continue;
+    const bool holds = contacts_.slip_of(k, w) < much;
+    left = left || holds;
+    any = any || !holds;
+    if (!holds) release(k);
+  }
+  if (any || !left) return left;
+  for (int k = 0; k < contacts_.count(); ++k)
+    if (contacts_.sticks(k) && contacts_.slip_of(k, w) >= much) release(k);
+  return true;
+}
+
+}  // namespace taut
