@@ -67,7 +67,7 @@ void Simulator::Impl::refresh() {
     return;
   }
   if (force_level_) {
-    force_level_->start(world_.state());
+    force_level_->start(world_.state(), report_);
     recalled_.clear();
   } else {
     phi_.resize(system_->row_count());  // a step that failed may have found contacts
@@ -88,17 +88,17 @@ void Simulator::Impl::refresh() {
       }
       move_world(state);
     }
-    scheme_->set_horizon(horizon_);
+    scheme_->contact_rows().set_horizon(horizon_);
     recall_contacts();
     if (goes_on) {
       scheme_->forget(moved_bodies());
       scheme_->restart(world_.state(), report_);
     } else {
-      if (old_scheme) scheme_->inherit_contacts(*old_scheme);
+      if (old_scheme) scheme_->contact_rows().inherit(old_scheme->contact_rows());
       scheme_->start(world_.state(), report_);
       if (old_scheme) scheme_->inherit(*old_scheme);
     }
-    if (scheme_->blind()) return fail_blind();
+    if (scheme_->contact_rows().blind()) return fail_blind();
     retaken_ = false;
     restarted_ = true;
   }
@@ -109,6 +109,7 @@ void Simulator::Impl::refresh() {
 void Simulator::Impl::make_system() {
   auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
                                                    Rows::AxisRows::kIncluded, springs_);
+  composition_.reset();
   scheme_.reset();
   force_level_.reset();
   system_ = std::move(system);
@@ -118,7 +119,10 @@ void Simulator::Impl::make_system() {
     scheme_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
   else
     scheme_ = std::make_unique<Rattle>(world_, *system_, settings_);
-  if (scheme_) scheme_->stages().name_by(source_);
+  if (scheme_) {
+    scheme_->stages().name_by(source_);
+    composition_.emplace(settings_.integrator, *scheme_);
+  }
   phi_.assign(system_->row_count(), 0.0);
   rates_.assign(system_->row_count(), 0.0);
   reaction_multipliers_.assign(system_->row_count(), 0.0);
@@ -256,9 +260,9 @@ bool Simulator::Impl::advance_to_end(double dt) {
   state_version_ = -1;  // until the end
   if (force_level_) {
     const World::Hold held = source_.hold();
-    done = force_level_->advance(dt, report_);
+    done = force_level_->advance(dt, report_) == Scheme::Outcome::kDone;
   } else {
-    scheme_->set_horizon(dt);
+    scheme_->contact_rows().set_horizon(dt);
     scheme_->clear_impulses();
     const World::Hold held = source_.hold();
     done = integrate(dt);
@@ -291,8 +295,8 @@ void Simulator::Impl::forget_step() {
 /// Sub-steps that a step needs now.  A symplectic scheme keeps its energy only while its step stays the same,
 /// so the count goes up at once and comes down only after a long quiet time.
 double Simulator::Impl::choose_substeps(double dt) {
-  const double needed = std::clamp(std::ceil(dt / composition_.step_limit(*scheme_) - 1e-9), 1.0,
-                                   double(settings_.max_substeps));
+  const double needed =
+      std::clamp(std::ceil(dt / composition_->step_limit() - 1e-9), 1.0, double(settings_.max_substeps));
   if (needed >= pace_.substeps) {
     pace_.substeps = needed;
     pace_.quiet = 0;
@@ -314,31 +318,31 @@ bool Simulator::Impl::integrate(double dt) {
   bool forgot = false;
   while (!substeps.done()) {
     detail::poll_interrupt();
-    const double h = substeps.next(composition_.step_limit(*scheme_));
-    const ImpulseScheme::Outcome outcome = composition_.advance(*scheme_, h, report_);
+    const double h = substeps.next(composition_->step_limit());
+    const Scheme::Outcome outcome = composition_->advance(h, report_);
     switch (outcome) {
-      case ImpulseScheme::Outcome::kDone:
+      case Scheme::Outcome::kDone:
         substeps.accept();
         break;
-      case ImpulseScheme::Outcome::kImpact:
-      case ImpulseScheme::Outcome::kOverload:
+      case Scheme::Outcome::kImpact:
+      case Scheme::Outcome::kOverload:
         substeps.end_next_at(scheme_->time_to_event());
         break;
-      case ImpulseScheme::Outcome::kUnstable:
-        substeps.shorten(composition_.step_limit(*scheme_));
+      case Scheme::Outcome::kUnstable:
+        substeps.shorten(composition_->step_limit());
         break;
-      case ImpulseScheme::Outcome::kStalled:
+      case Scheme::Outcome::kStalled:
         forgot = after_stall(substeps, hard, forgot);
         break;
-      case ImpulseScheme::Outcome::kNotFinite:
+      case Scheme::Outcome::kNotFinite:
         fail_not_finite();
         return false;
-      case ImpulseScheme::Outcome::kBlind:
+      case Scheme::Outcome::kBlind:
         fail_blind();
         return false;
     }
     if (substeps.exhausted()) {
-      diagnose_stall(substeps.remaining(), outcome == ImpulseScheme::Outcome::kUnstable);
+      diagnose_stall(substeps.remaining(), outcome == Scheme::Outcome::kUnstable);
       return false;
     }
   }
@@ -350,7 +354,7 @@ bool Simulator::Impl::integrate(double dt) {
 /// and inexactly.  Joints: in shorter ones.  Returns whether that guess has been tried.
 bool Simulator::Impl::after_stall(Substeps& substeps, bool hard, bool forgot) {
   const bool laws = !scheme_->stages().active_set_outcome().ok() && !scheme_->contacts().empty();
-  if (laws) scheme_->forget_contact_impulses();
+  if (laws) scheme_->contact_rows().forget_impulses();
   if (!laws || forgot) substeps.shorten();
   if (laws && (hard || substeps.below(kHardPart)))
     scheme_->stages().accept_inexact(settings_.inexact_tolerance, false);
@@ -394,11 +398,11 @@ void Simulator::Impl::finish(double dt) {
   report_.time = time;
   if (report_.status == Status::kInexact) report_.message += list_culprits();
   for (auto* values : {&phi_, &rates_, &reaction_multipliers_}) values->resize(system_->row_count());
-  if (scheme_ && scheme_->residual_is_current()) {
-    report_.gap = max_gap(system_->rows(), scheme_->residual());
+  if (scheme_ && scheme_->values().residual_is_current) {
+    report_.gap = max_gap(system_->rows(), scheme_->values().phi);
   } else {
     system_->rows().residual(state, phi_);
-    if (scheme_) scheme_->clear_broken_rows(phi_);
+    if (scheme_) scheme_->breaking().clear_rows(phi_);
     report_.gap = gap_of(phi_);
   }
   if (weld_loads_) report_.gap = wider(report_.gap, merged_->widest_weld(source_, given_).gap);

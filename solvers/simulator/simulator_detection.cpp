@@ -9,7 +9,8 @@ namespace taut {
 void Simulator::Impl::note_detection() {
   constexpr std::size_t kNamed = 8;
   if (!scheme_) return;
-  report_.missing_threads = scheme_->missing_threads();
+  report_.missing_threads =
+      std::max(scheme_->contacts().set().detection().missing_threads, scheme_->stages().missing_threads());
   if (scheme_->contacts().empty()) return;
   const auto& unsupported = scheme_->contacts().set().detection().unsupported;
   report_.unsupported_pairs = static_cast<int>(unsupported.size());

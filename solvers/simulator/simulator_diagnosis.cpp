@@ -258,7 +258,7 @@ std::string Simulator::Impl::singular_axis() const {
 
 /// `unstable`: the last sub-step was too long for tension.
 void Simulator::Impl::diagnose_stall(double remaining, bool unstable) {
-  const std::span<const double> phi = scheme_->residual();
+  const std::span<const double> phi = scheme_->values().phi;
   if (!scheme_->axes().finite() ||
       std::any_of(phi.begin(), phi.end(), [](double p) { return !std::isfinite(p); }))
     return fail_not_finite();
@@ -289,7 +289,7 @@ void Simulator::Impl::diagnose_stall(double remaining, bool unstable) {
     const std::string down = " with sub-steps down to dt/" + std::to_string(settings_.max_substeps);
     if (!found.empty()) return set_failure(status, "positions could not be closed" + down);
     if (unstable) {
-      const Culprit culprit{.kind = Culprit::Kind::kBody, .a = scheme_->limit().stiffest()};
+      const Culprit culprit{.kind = Culprit::Kind::kBody, .a = scheme_->stiffest()};
       report_.culprits = {culprit};
       return set_failure(status, "tension on " + name_of(culprit, source_) + " is too stiff" + down +
                                      ": \"tension\": \"implicit\", a shorter step, or a larger mass helps");

@@ -115,11 +115,11 @@ class Simulator::Impl {
   std::unique_ptr<MergedWorld> merged_;
   World& world_;  // that is stepped: source_ itself, or the merged one
   Settings settings_;
-  Composition composition_{settings_.integrator};
   std::function<bool()> interrupt_;
   StepReport report_;
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<ImpulseScheme> scheme_;
+  std::optional<Composition> composition_;  // of scheme_
   std::unique_ptr<ForceLevel> force_level_;
   double horizon_ = 0;  // the step to come
   Pace pace_;

@@ -16,7 +16,7 @@ void Simulator::Impl::compute_reactions() {
   publish_to_world();
   if (reaction_version_ == world_.state_version()) return;
   if (scheme_ && (!scheme_->axes().only_springs() || !scheme_->contacts().empty())) {
-    const std::span<const double> multipliers = scheme_->force_multipliers();
+    const std::span<const double> multipliers = scheme_->values().force_multipliers;
     reaction_multipliers_.assign(multipliers.begin(), multipliers.end());
     reaction_version_ = world_.state_version();
     return;
@@ -156,7 +156,7 @@ void Simulator::Impl::recall_contacts() {
     for (ContactStretch& s : recalled_)
       if (const BodyId body = source_.shape(s.a).body; merged_->is_carried(body))
         s.p_AP = merged_->carriers().frames[body.index].point(s.p_AP);
-  scheme_->recall(std::move(recalled_));
+  scheme_->contact_rows().recall(std::move(recalled_));
   recalled_.clear();
 }
 
