@@ -40,22 +40,23 @@ std::span<const double> fractions_of(Integrator integrator) {
 
 }  // namespace
 
-Composition::Composition(Integrator integrator) : fractions_(fractions_of(integrator)) {
+Composition::Composition(Integrator integrator, ImpulseScheme& scheme)
+    : scheme_(scheme), fractions_(fractions_of(integrator)) {
   for (double fraction : fractions_) longest_ = std::max(longest_, std::abs(fraction));
 }
 
-ImpulseScheme::Outcome Composition::advance(ImpulseScheme& scheme, double h, StepReport& report) {
-  using enum ImpulseScheme::Outcome;
-  if (fractions_.size() == 1) return scheme.advance(h, report);
-  before_ = scheme.state();
+Scheme::Outcome Composition::advance(double h, StepReport& report) {
+  using enum Outcome;
+  if (fractions_.size() == 1) return scheme_.advance(h, report);
+  before_ = scheme_.state();
   const Works works = works_of(report);
-  impulses_before_.assign(scheme.impulses().begin(), scheme.impulses().end());
+  impulses_before_.assign(scheme_.impulses().begin(), scheme_.impulses().end());
   for (double fraction : fractions_) {
-    const ImpulseScheme::Outcome outcome = scheme.advance(fraction * h, report);
+    const Outcome outcome = scheme_.advance(fraction * h, report);
     if (outcome == kDone) continue;
     if (outcome != kNotFinite && outcome != kBlind) {
-      scheme.start(before_, report);
-      scheme.set_impulses(impulses_before_);
+      scheme_.start(before_, report);
+      scheme_.set_impulses(impulses_before_);
       set_works(report, works);
     }
     return outcome;

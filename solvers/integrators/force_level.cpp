@@ -49,7 +49,12 @@ ForceLevel::ForceLevel(const World& world, ConstraintSystem& system, const Setti
     values->assign(system.row_count(), 0.0);
 }
 
-bool ForceLevel::advance(double h, StepReport& report) {
+void ForceLevel::start(const State& state, StepReport& /*report*/) {
+  state_ = state;
+  find_momenta();
+}
+
+Scheme::Outcome ForceLevel::advance(double h, StepReport& report) {
   backup_ = state_;
   if (settings_.integrator == Integrator::kForceEuler)
     euler(h, report);
@@ -65,9 +70,10 @@ bool ForceLevel::advance(double h, StepReport& report) {
     if (within_reach(state_.poses[b], state_.twists[b]) && state_.poses[b].q.coeffs().allFinite()) continue;
     not_finite_ = b;
     state_ = backup_;
-    return false;
+    return Outcome::kNotFinite;
   }
-  return true;
+  find_momenta();
+  return Outcome::kDone;
 }
 
 void ForceLevel::accelerate(const State& state, double h, StepReport& report,
@@ -113,10 +119,9 @@ void ForceLevel::accelerate(const State& state, double h, StepReport& report,
   }
 }
 
-std::span<const Wrench> ForceLevel::momenta() {
+void ForceLevel::find_momenta() {
   for (int b = 0; b < world_.body_count(); ++b)
     momenta_[b] = system_.mass().momentum(b, state_.poses[b], state_.twists[b]);
-  return momenta_;
 }
 
 /// V₁ = V₀ + h V̇(q₀, V₀), then q₁ = q₀ ⊕ h V₁.

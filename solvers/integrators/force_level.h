@@ -5,11 +5,10 @@
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
+#include "solvers/integrators/scheme.h"
 #include "solvers/system/constraint_system.h"
 
 namespace taut {
-
-class Archive;
 
 /// The force-level scheme: joint forces from the acceleration equation,
 ///
@@ -18,26 +17,25 @@ class Archive;
 /// integrated by semi-implicit Euler or the classical Runge–Kutta method of order 4.  Nothing in it closes
 /// the joints, so that they drift; the cures that the literature compares are settings (DriftCure).
 /// (solvers/integrators, "Force level")
-class ForceLevel {
+class ForceLevel final : public Scheme {
  public:
   ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings);
 
-  void start(const State& state) { state_ = state; }
-  /// One step of h > 0.  False if the result is not finite; the state is then the old one.
-  [[nodiscard]] bool advance(double h, StepReport& report);
+  void start(const State& state, StepReport& report) override;
+  /// One step of h > 0: kDone, or kNotFinite with the old state.
+  [[nodiscard]] Outcome advance(double h, StepReport& report) override;
 
-  const State& state() const { return state_; }
+  const State& state() const override { return state_; }
   /// The body that made advance() fail last; else the ground.
   BodyId not_finite() const { return {not_finite_}; }
-  /// (L, P) of the bodies in world axes.
-  std::span<const Wrench> momenta();
+  std::span<const Wrench> momenta() const override { return momenta_; }
   /// Joint forces at the start of the last step, times h.
-  const std::vector<double>& impulses() const { return impulses_; }
+  std::span<const double> impulses() const override { return impulses_; }
 
-  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
-  void transfer(Archive& archive);
+  void transfer(Archive& archive) override;
 
  private:
+  void find_momenta();
   /// V̇ at a state, with multipliers λ.
   void accelerate(const State& state, double h, StepReport& report, std::vector<Twist>& acceleration);
   void euler(double h, StepReport& report);

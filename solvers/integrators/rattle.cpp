@@ -23,6 +23,8 @@ constexpr double kLeeway = 1.5;
 constexpr double kFarOpen = 1e-9;
 /// Gaps below this may be mended by moving the bodies, without an impulse.
 constexpr double kMendable = 1e-6;
+/// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.
+constexpr double kSlowNewton = 0.6;
 
 /// Part of the position tolerance that many rubbing axes leave alone.
 constexpr double kSlack = 0.25;
@@ -30,10 +32,12 @@ constexpr double kSlack = 0.25;
 }  // namespace
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
-    : ImpulseScheme(world, system, settings), tension_(system) {
-  move_.resize(world.body_count());
-  best_poses_.resize(world.body_count());
-  start_jacobian_.reserve(system.jacobian().size());
+    : ImpulseScheme(world, system, settings),
+      tension_(system),
+      start_jacobian_(system),
+      weak_directions_(system, settings, start_jacobian_, phase_, values_),
+      impacts_(axes_, contacts_),
+      raw_kick_(world.body_count()) {
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
   if (stages_.friction_dominated()) slack_ = kSlack * settings.position_tolerance;
   axes_.set_slack(slack_);
@@ -42,24 +46,24 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
 
 void Rattle::start(const State& state, StepReport& report) {
   ImpulseScheme::start(state, report);
-  size_ = system_size();
+  size_ = system_size(phase_.state.poses);
 }
 
-Rattle::Outcome Rattle::advance(double h, StepReport& report) {
+Scheme::Outcome Rattle::advance(double h, StepReport& report) {
   begin_step(h, report);                                                      // laws and predicted λ
   if (!close_positions(h, report)) return reject(Outcome::kStalled, report);  // kick, drift, φ(q₁) = 0
-  if (bounded() && seek_impacts()) {
+  if (bounded() && impacts_.begin(values_.rates)) {
     time_to_event_ = time_of_impact(h, report);
     return Outcome::kImpact;
   }
   if (exceeds_tension_limit(h)) return reject(Outcome::kUnstable, report);
   accept_positions(h, report);
   if (!contacts_.empty()) find_contacts();
-  if (blind()) return take_back(Outcome::kBlind, report);
+  if (contact_rows_.blind()) return take_back(Outcome::kBlind, report);
   factorize_end(report);  // S(q₁)
   if (!close_velocities(h, report))
     return take_back(Outcome::kStalled, report);  // kick, J V = 0 and the laws
-  if (!finite()) return Outcome::kNotFinite;
+  if (!phase_.finite()) return Outcome::kNotFinite;
   if (breaking_.possible() && break_joints(h, report)) return Outcome::kOverload;
   finish(h, report);
   return Outcome::kDone;
@@ -68,11 +72,11 @@ Rattle::Outcome Rattle::advance(double h, StepReport& report) {
 /// The prediction of λ and the laws of the first kick, with geometric stiffness at its end if that is wanted.
 void Rattle::begin_step(double h, StepReport& report) {
   stages_.begin_advance();
-  unsettled_ = 0;
+  force_iteration_.begin();
   tension_.end();
   if (settings_.tension == TensionPolicy::kImplicit &&
       limit_.omega() * std::abs(h) > settings_.max_tension_number) {
-    tension_.begin(h, state_.poses, limit_.stiffness(), breaking_, contacts_);
+    tension_.begin(h, phase_.state.poses, limit_.stiffness(), breaking_, contacts_);
     system_.factorize(report.times);
   }
   {
@@ -92,12 +96,12 @@ bool Rattle::close_positions(double h, StepReport& report) {
 /// Multipliers far from their prediction are looked at before they are accepted.
 bool Rattle::exceeds_tension_limit(double h) {
   if (settings_.tension != TensionPolicy::kSubstep || !prediction_missed_) return false;
-  for (int r = 0; r < system_.row_count(); ++r) force_multipliers_[r] = 2 / h * lambda_[r];
+  for (int r = 0; r < system_.row_count(); ++r) values_.force_multipliers[r] = 2 / h * values_.lambda[r];
   update_step_limit();
   return std::abs(h) > kLeeway * limit_.step();
 }
 
-/// The end of the drift is the state from now on, with the start in poses_ and start_momenta_.
+/// The end of the drift is the state from now on; the books take the kick before it.
 void Rattle::accept_positions(double h, StepReport& report) {
   report.tension_number = std::max(report.tension_number, limit_.omega() * std::abs(h));
   works_before_ = works_of(report);
@@ -105,32 +109,30 @@ void Rattle::accept_positions(double h, StepReport& report) {
     account_for_kick(h, report);
     constexpr auto kSplit = KickWorks::Bodies::kSplit;
     if (works_.has_split_flow())
-      report.ledger.integration +=
-          works_.spin_energy(kicked_, poses_, kSplit) - works_.spin_energy(kicked_, state_.poses, kSplit);
+      report.ledger.integration += works_.spin_energy(phase_.kicked, phase_.poses, kSplit) -
+                                   works_.spin_energy(phase_.kicked, phase_.state.poses, kSplit);
   }
   if (bounded()) keep_first_kick();
-  std::swap(state_.poses, poses_);
-  std::swap(momenta_, start_momenta_);
-  start_time_ = state_.time;
-  state_.time += h;
+  phase_.accept(h);
 }
 
 void Rattle::factorize_end(StepReport& report) {
-  if (bounded() && !iterative()) stages_.prepare(lambda_);
+  if (bounded() && !iterative()) stages_.prepare(values_.lambda);
   if (stages_.factors_on_demand())
     linearize(report);
   else
     linearize_and_factorize(report);
-  refactored_ = false;
+  start_jacobian_.end();
 }
 
 void Rattle::finish(double h, StepReport& report) {
-  system_.rows().update_axes(end_of_step(0), state_.axes);
+  system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
   if (bounded()) finish_laws(report);
   if (settings_.report_energy)
-    works_.add({state_, kicked_, momenta_, system_.jacobian(), mu_}, forces_, h, report);
+    works_.add({phase_.state, phase_.kicked, phase_.momenta, system_.jacobian(), values_.mu}, phase_.forces,
+               h, report);
   keep_multipliers(h);
-  if (breaking_.any_due() && breaking_.due(state_.time)) {
+  if (breaking_.any_due() && breaking_.due(phase_.state.time)) {
     release_overloaded();
     if (!iterative()) system_.factorize(report.times);
   }
@@ -141,18 +143,18 @@ void Rattle::finish(double h, StepReport& report) {
 }
 
 /// A step whose positions were not accepted.
-Rattle::Outcome Rattle::reject(Outcome outcome, StepReport& report) {
-  forget_impacts(false);
+Scheme::Outcome Rattle::reject(Outcome outcome, StepReport& report) {
+  impacts_.end();
   restore(report);
   return outcome;
 }
 
 /// A step whose positions were accepted.
-Rattle::Outcome Rattle::take_back(Outcome outcome, StepReport& report) {
+Scheme::Outcome Rattle::take_back(Outcome outcome, StepReport& report) {
   roll_back(report);
-  refactored_ = false;
+  start_jacobian_.end();
   tension_.end();
-  forget_impacts(false);
+  impacts_.end();
   return outcome;
 }
 
@@ -160,21 +162,20 @@ Rattle::Outcome Rattle::take_back(Outcome outcome, StepReport& report) {
 void Rattle::keep_multipliers(double h) {
   const double per_h = 1 / h;
   for (int r = 0; r < system_.row_count(); ++r) {
-    impulses_[r] += lambda_[r] + mu_[r];
-    if (!struck()) force_multipliers_[r] = 2 * per_h * mu_[r];  // the impulse of an impact is no force
+    values_.impulses[r] += values_.lambda[r] + values_.mu[r];
+    if (!struck())
+      values_.force_multipliers[r] = 2 * per_h * values_.mu[r];  // the impulse of an impact is no force
   }
-  prediction_.keep(h, lambda_, mu_, struck());
+  prediction_.keep(h, values_.lambda, values_.mu, struck());
 }
 
 void Rattle::restore(StepReport& report) {
   axes_.roll_back();
   contacts_.roll_back(false);
-  if (!refactored_ && !tension_.active()) return;
-  if (refactored_)
-    std::copy(start_jacobian_.begin(), start_jacobian_.end(), system_.change_jacobian().begin());
-  system_.set_mass(state_.poses);
+  if (!start_jacobian_.is_replaced() && !tension_.active()) return;
+  start_jacobian_.restore();
+  system_.set_mass(phase_.state.poses);
   system_.factorize(report.times);
-  refactored_ = false;
   tension_.end();
 }
 
@@ -184,135 +185,132 @@ void Rattle::restore(StepReport& report) {
 void Rattle::predict_multipliers(double h) {
   const int rows = system_.row_count();
   if (iterative()) {
-    prediction_.repeat(h, rows, lambda_);
+    prediction_.repeat(h, rows, values_.lambda);
   } else if (system_.singular() && (contacts_.empty() || struck())) {
     // Newton's method and interior points through the bodies leave a null space as they find it.
     const bool good_guess = !bounded() || (contacts_.empty() && stages_.factors_on_demand());
     const int joint_rows = system_.rows().first_contact_row();
     if (prediction_.takes_from_dependent_rows() && good_guess)
-      prediction_.repeat(h, joint_rows, lambda_);
+      prediction_.repeat(h, joint_rows, values_.lambda);
     else
-      std::fill_n(lambda_.begin(), joint_rows, 0.0);
+      std::fill_n(values_.lambda.begin(), joint_rows, 0.0);
   } else if (system_.singular() || !prediction_.has_history()) {
-    for (int r = 0; r < rows; ++r) lambda_[r] = 0.5 * h * force_multipliers_[r];
+    for (int r = 0; r < rows; ++r) values_.lambda[r] = 0.5 * h * values_.force_multipliers[r];
   } else {
-    prediction_.extrapolate(h, lambda_);
+    prediction_.extrapolate(h, values_.lambda);
   }
-}
-
-/// J(q₀), along which λ acts.
-std::span<const double> Rattle::kick_jacobian() const {
-  return refactored_ ? std::span<const double>(start_jacobian_) : system_.jacobian();
 }
 
 /// Poses after h with the impulses λ, and φ there.
 void Rattle::kick_and_drift(double h, const Configuration& end) {
   const Rows& rows = system_.rows();
-  const std::span<const double> J = kick_jacobian();
+  const std::span<const double> J = start_jacobian_.get();
   const auto kick = [&](int b) {
-    kicked_[b] = momenta_[b] + 0.5 * h * forces_[b] + rows.wrench_on(b, J, lambda_);
+    phase_.kicked[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] + rows.wrench_on(b, J, values_.lambda);
   };
   if (tension_.active()) {
     for (int b = 0; b < world_.body_count(); ++b)
       if (!system_.mass()[b].fixed) kick(b);
-    tension_.filter(state_.poses, kicked_);
+    tension_.filter(phase_.state.poses, phase_.kicked);
   }
   for (const Rows::BodyChunk& chunk : rows.chunks()) {
     for (int b = chunk.begin; b < chunk.end; ++b) {
       if (system_.mass()[b].fixed) continue;
       if (!tension_.active()) kick(b);
-      if (iterative()) kicked_[b] = kicked_[b] - absorbed_[b];
-      poses_[b] = free_flow(system_.mass(), b, state_.poses[b], kicked_[b].torque, kicked_[b].force, h);
+      if (iterative()) phase_.kicked[b] = phase_.kicked[b] - absorbed_[b];
+      phase_.poses[b] = free_flow(system_.mass(), b, phase_.state.poses[b], phase_.kicked[b].torque,
+                                  phase_.kicked[b].force, h);
     }
-    rows.residual(end, phi_, chunk);
+    rows.residual(end, values_.phi, chunk);
   }
 }
 
+/// λ with φ(q₁) = 0: simplified Newton.  With dependent rows positions count as closed only if the bodies are
+/// near to closure, too.
 bool Rattle::close_joint_positions(double h, StepReport& report) {
   double last = std::numeric_limits<double>::infinity(), correction = 0;
   bool polished = false;
-  residual_current_ = false;
+  values_.residual_is_current = false;
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
-      kick_and_drift(h, {poses_, state_.time + h, state_.axes});
+      kick_and_drift(h, {phase_.poses, phase_.state.time + h, phase_.state.axes});
     }
-    clear_broken_rows(phi_);
-    const double gap = max_abs(phi_);
-    bool half_solved = false;  // by the distance to closure
+    breaking_.clear_rows(values_.phi);
+    const double gap = max_abs(values_.phi);
     if (!std::isfinite(gap)) return false;
-    if (gap <= settings_.position_tolerance) {
-      if (!system_.singular() || distance_to_closure(report) <= kFarOpen * size_) break;
-      if (polished) return project_positions(h, report);
-      polished = half_solved = true;
-    } else {
-      const bool slow = iteration > 0 && gap > kSlow * last;
-      const bool spent = iteration >= settings_.max_newton_iterations;
-      if ((slow || spent) && system_.singular() && gap < kMendable) return project_positions(h, report);
-      if (spent) return false;
-      if (slow) {
-        if (refactored_ || gap > 10 * last) return false;
-        refactor_at_iterate(h, report);
-      }
+    const bool closed = gap <= settings_.position_tolerance;
+    const bool spent = iteration >= settings_.max_newton_iterations;
+    const bool weak = system_.singular();
+    if (closed && (!weak || weak_directions_.distance_to_closure(report) <= kFarOpen * size_)) break;
+    const bool in_vain = closed ? polished : (spent || gap > kSlowNewton * last) && weak && gap < kMendable;
+    if (in_vain) {
+      prediction_missed_ = false;
+      return weak_directions_.close(h, report);
     }
+    if (!closed && (spent || !keep_pace(gap, last, h, report))) return false;
+    polished = polished || closed;
     last = gap;
     const Stopwatch watch(report.times.positions);
-    if (half_solved) {
-      for (double& d : delta_) d *= -1 / h;
-      system_.project(delta_);
-    } else {
-      for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -1 / h * phi_[r];
-      system_.solve(delta_);
-    }
-    for (int r = 0; r < system_.row_count(); ++r) lambda_[r] += delta_[r];
-    correction += max_abs(delta_);
+    correction += correct_multipliers(h, closed);
     ++report.newton_iterations;
   }
-  prediction_missed_ = correction > kSurprise * max_abs(lambda_);
-  residual_current_ = true;
+  prediction_missed_ = correction > kSurprise * max_abs(values_.lambda);
+  values_.residual_is_current = true;
   return true;
 }
 
-/// The true derivative of φ(q₁) is h J(q₁) M⁻¹ J(q₀)ᵀ; S of the mean Jacobian is its symmetric neighbour of
-/// least error.
-void Rattle::refactor_at_iterate(double h, StepReport& report) {
-  start_jacobian_.assign(system_.jacobian().begin(), system_.jacobian().end());
-  system_.linearize({poses_, state_.time + h, state_.axes});
-  std::span<double> J = system_.change_jacobian();
-  for (std::size_t i = 0; i < J.size(); ++i) J[i] = 0.5 * (J[i] + start_jacobian_[i]);
-  // Contacts belong to the start.
-  std::copy(start_jacobian_.begin() + contact_offset(), start_jacobian_.end(), J.begin() + contact_offset());
+/// λ ← λ − S⁻¹ φ/h; `from_closure`: S_ε⁻¹ φ is known from the distance to closure.
+/// @returns the largest change.
+double Rattle::correct_multipliers(double h, bool from_closure) {
+  std::vector<double>& delta = values_.delta;
+  if (from_closure) {
+    for (double& d : delta) d *= -1 / h;
+    system_.project(delta);
+  } else {
+    for (int r = 0; r < system_.row_count(); ++r) delta[r] = -1 / h * values_.phi[r];
+    system_.solve(delta);
+  }
+  for (int r = 0; r < system_.row_count(); ++r) values_.lambda[r] += delta[r];
+  return max_abs(delta);
+}
+
+/// Newton that hardly comes closer gets a fresh factor, once.  The true derivative of φ(q₁) is
+/// h J(q₁) M⁻¹ J(q₀)ᵀ; S of the mean Jacobian is its symmetric neighbour of least error.
+/// @returns whether it is worth going on.
+bool Rattle::keep_pace(double error, double last, double h, StepReport& report) {
+  if (!(error > kSlowNewton * last)) return true;
+  if (start_jacobian_.is_replaced() || error > 10 * last) return false;
+  start_jacobian_.keep();
+  system_.linearize({phase_.poses, phase_.state.time + h, phase_.state.axes});
+  start_jacobian_.mix_into_system();
   system_.factorize(report.times);
-  refactored_ = true;
-  ++report.counts.refactorizations;
+  ++report.refactorizations;
+  return true;
 }
 
 bool Rattle::close_velocities(double h, StepReport& report) {
+  using Fixed = ForceIteration::Fixed;
   {
     const Stopwatch watch(report.times.forces);
     // Velocity-dependent laws see the velocities at the middle of the step first.
-    if (world_.forces_depend_on_velocity(springs_)) {
-      std::swap(momenta_, kicked_);
-      twists_from_momenta();
-      std::swap(momenta_, kicked_);
+    if (phase_.forces_depend_on_velocity()) {
+      phase_.twists_from(phase_.kicked);
     }
-    find_forces();
+    phase_.find_forces();
   }
   const Stopwatch watch(report.times.velocities);
-  double last_change = std::numeric_limits<double>::infinity();
-  for (int pass = 0;; ++pass) {
+  for (;;) {
     if (!bounded()) {
-      project_momenta(report, mu_, h);
+      project_momenta(h, report);
     } else {
       for (int b = 0; b < world_.body_count(); ++b)
-        if (system_.inverse_mass(b).moves()) second_kick(b, h);
+        if (system_.inverse_mass(b).moves()) phase_.second_kick(b, h);
       if (!(iterative() ? stabilize_velocities(report) : project_bounded_momenta(report))) return false;
     }
-    if (!world_.forces_depend_on_velocity(springs_)) return true;
+    if (!phase_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.
-    std::swap(forces_, last_forces_);
-    find_forces();
-    const Fixed fixed = fixed_point(pass, last_change);
+    const Fixed fixed = renew_kick_forces(phase_.state);
     if (fixed != Fixed::kNotYet) return fixed == Fixed::kYes;
   }
 }

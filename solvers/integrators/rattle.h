@@ -3,8 +3,11 @@
 #include <span>
 #include <vector>
 
+#include "solvers/integrators/impact_search.h"
 #include "solvers/integrators/implicit_tension.h"
 #include "solvers/integrators/impulse_scheme.h"
+#include "solvers/integrators/position_projection.h"
+#include "solvers/integrators/start_jacobian.h"
 
 namespace taut {
 
@@ -27,9 +30,6 @@ class Rattle : public ImpulseScheme {
   void transfer(Archive& archive) override;
 
  protected:
-  /// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.
-  static constexpr double kSlow = 0.6;
-
   void begin_step(double h, StepReport& report);
   bool exceeds_tension_limit(double h);
   void accept_positions(double h, StepReport& report);
@@ -42,25 +42,19 @@ class Rattle : public ImpulseScheme {
   void predict_multipliers(double h);
   bool close_positions(double h, StepReport& report);
   bool close_joint_positions(double h, StepReport& report);
+  double correct_multipliers(double h, bool from_closure);
   bool close_bounded_positions(double h, StepReport& report);
+  struct PositionError;
+  PositionError position_error(double h);
+  void finish_position_laws();
+  bool solve_position_laws(double h, bool exact, bool warm, StepReport& report);
   bool stabilize_positions(double h, StepReport& report);
   void begin_bounds(double h);
   void try_positions(double h);
   void kick_and_drift(double h, const Configuration& end);
   void contact_rates();
   void renew_position_laws();
-  void refactor_at_iterate(double h, StepReport& report);
-  std::span<const double> kick_jacobian() const;
-  std::size_t contact_offset() const;
-  std::span<double> kept_contact_jacobian();
-  // Dependent rows (rattle_projection.cpp).
-  double system_size() const;
-  double distance_to_closure(StepReport& report);
-  bool project_positions(double h, StepReport& report);
-  // Impacts within the step.
-  bool seek_impacts();
-  void forget_impacts(bool for_good);
-  double first_impact(double h);
+  bool keep_pace(double error, double last, double h, StepReport& report);
   double time_of_impact(double h, StepReport& report);
 
   // The velocity stage.
@@ -79,15 +73,15 @@ class Rattle : public ImpulseScheme {
   void restore(StepReport& report);
 
   ImplicitTension tension_;
-  double size_ = 1;                     // of the whole system at the start [m]
-  double slack_ = 0;                    // of gaps and places where friction holds, which is left [m or rad]
-  bool prediction_missed_ = false;      // multipliers were far from their prediction
-  bool refactored_ = false;             // the factor is not that of J(q₀), which is kept then:
-  std::vector<double> start_jacobian_;  //
-  std::vector<Pose> best_poses_;        // of a projection
-  std::vector<Wrench> move_;            // M times a move of the bodies
-  std::vector<Wrench> absorbed_;        // momentum that bodies held fast did not take in this stage
-  std::vector<double> broken_states_;   // of rows, for the system without laws
+  StartJacobian start_jacobian_;
+  PositionProjection weak_directions_;
+  ImpactSearch impacts_;
+  double size_ = 1;                    // of the whole system at the start [m]
+  double slack_ = 0;                   // of gaps and places where friction holds, which is left [m or rad]
+  bool prediction_missed_ = false;     // multipliers were far from their prediction
+  std::vector<Wrench> raw_kick_;       // before the filter of implicit stiffness
+  std::vector<Wrench> absorbed_;       // momentum that bodies held fast did not take in this stage
+  std::vector<double> broken_states_;  // of rows, for the system without laws
   double time_to_event_ = 0;
 };
 

@@ -5,8 +5,8 @@ namespace taut {
 
 /// After a sub-step whose velocities are closed: true if it was taken back because a joint does not bear it.
 bool Rattle::break_joints(double h, StepReport& report) {
-  for (int r = 0; r < system_.row_count(); ++r) delta_[r] = lambda_[r] + mu_[r];
-  if (!breaking_.check(system_, state_, delta_, h)) return false;
+  for (int r = 0; r < system_.row_count(); ++r) values_.delta[r] = values_.lambda[r] + values_.mu[r];
+  if (!breaking_.check(system_, phase_.state, values_.delta, h)) return false;
   time_to_event_ = breaking_.time_to_break();
   const bool now = time_to_event_ == 0;
   axes_.forget_impacts(false);
@@ -21,9 +21,9 @@ bool Rattle::break_joints(double h, StepReport& report) {
 /// From the present state on the overloaded joints give no impulse: their rows are masked, so that pattern
 /// and analysis stay.
 void Rattle::release_overloaded() {
-  breaking_.release(state_);
+  breaking_.release(phase_.state);
   for (const BreakEvent& event : breaking_.events()) axes_.release(event.joint);
-  for (auto* rows : {&lambda_, &mu_, &force_multipliers_}) clear_broken_rows(*rows);
+  for (auto* rows : {&values_.lambda, &values_.mu, &values_.force_multipliers}) breaking_.clear_rows(*rows);
   prediction_.clear(breaking_.rows());
   prediction_.restart();  // loads jump
   if (bounded()) return;
@@ -36,14 +36,15 @@ void Rattle::release_overloaded() {
 /// impulse of its own.
 void Rattle::account_for_kick(double h, StepReport& report) {
   const auto add = [&](std::span<const Wrench> to) {
-    works_.add({state_, momenta_, to, kick_jacobian(), lambda_}, forces_, h, report);
+    works_.add({phase_.state, phase_.momenta, to, start_jacobian_.get(), values_.lambda}, phase_.forces, h,
+               report);
   };
-  if (!tension_.active()) return add(kicked_);
-  std::vector<Wrench>& raw = move_;
+  if (!tension_.active()) return add(phase_.kicked);
   for (int b = 0; b < world_.body_count(); ++b)
-    raw[b] = momenta_[b] + 0.5 * h * forces_[b] + system_.rows().wrench_on(b, kick_jacobian(), lambda_);
-  add(raw);
-  works_.add_between(raw, kicked_, report.works.stiffness);
+    raw_kick_[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] +
+                   system_.rows().wrench_on(b, start_jacobian_.get(), values_.lambda);
+  add(raw_kick_);
+  works_.add_between(raw_kick_, phase_.kicked, report.stiffness_work);
 }
 
 }  // namespace taut

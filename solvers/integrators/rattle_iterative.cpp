@@ -23,15 +23,15 @@ bool Rattle::stabilize_positions(double h, StepReport& report) {
   const StageSolver::Renew renew = [this] { renew_position_laws(); };
   for (int left = settings_.iterations;; left -= kSweepsPerPass) {
     try_positions(h);
-    if (!std::isfinite(max_abs(phi_)) || !axes_.finite()) return false;
+    if (!std::isfinite(max_abs(values_.phi)) || !axes_.finite()) return false;
     if (left <= 0) break;
     const double tolerance = 0.1 * settings_.position_tolerance / h;
-    const StageSolver::Stage stage{lambda_, rates_, renew};
+    const StageSolver::Stage stage{values_.lambda, values_.rates, renew};
     if (!stages_.iterate(stage, std::min(left, kSweepsPerPass), tolerance, absorbed_, report)) return false;
     ++report.newton_iterations;
   }
-  stages_.note_residual(lambda_, rates_);
-  axes_.finish_positions(rates_);
+  stages_.note_residual(values_.lambda, values_.rates);
+  axes_.finish_positions(values_.rates);
   prediction_missed_ = false;
   return true;
 }
@@ -42,13 +42,13 @@ bool Rattle::stabilize_velocities(StepReport& report) {
   begin_velocities();
   const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
   const double tolerance = 0.1 * settings_.velocity_tolerance;
-  if (!stages_.iterate({mu_, rates_, renew}, settings_.iterations, tolerance, absorbed_, report))
+  if (!stages_.iterate({values_.mu, values_.rates, renew}, settings_.iterations, tolerance, absorbed_,
+                       report))
     return false;
   take_impulses();
   for (int b = 0; b < world_.body_count(); ++b)
-    if (system_.inverse_mass(b).moves()) momenta_[b] = momenta_[b] - absorbed_[b];
+    if (system_.inverse_mass(b).moves()) phase_.momenta[b] = phase_.momenta[b] - absorbed_[b];
   note_velocities(report);
-  stages_.note_residual(mu_, rates_);
   return std::isfinite(report.velocity_residual);
 }
 

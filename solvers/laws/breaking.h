@@ -32,6 +32,10 @@ class Breaking {
 
   /// Rows of all joints that are out, and whether one is.
   std::span<const int> rows() const { return rows_; }
+  /// Zero in these rows.
+  void clear_rows(std::span<double> values) const {
+    for (int r : rows_) values[r] = 0;
+  }
   bool any() const { return !rows_.empty() || !events_.empty(); }
   std::span<const BreakEvent> events() const { return events_; }
   /// Loads jump: no interpolation between sub-steps across this.

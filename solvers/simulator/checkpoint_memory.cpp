@@ -294,6 +294,7 @@ void ForceLevel::transfer(Archive& archive) {
   archive(state_);
   Archive::require(same(state_, world_.state()), "its states disagree");
   archive.sized(impulses_);
+  if (archive.reads()) find_momenta();
   system_.transfer(archive, state_);  // whether rows have been dependent lately
   system_.reset_counters();
 }
@@ -370,33 +371,38 @@ void MultiplierPrediction::transfer(Archive& archive) {
 
 void StepLimit::transfer(Archive& archive) { archive(omega_, step_, leaves_out_); }
 
+void VelocityProjection::transfer(Archive& archive) { archive(contraction_, steady_count_); }
+
+void ContactRows::transfer(Archive& archive) { archive(horizon_); }
+
 void ImpulseScheme::transfer(Archive& archive) {
-  archive(state_, linearized_time_);
-  Archive::require(std::isfinite(linearized_time_) && same(state_, world_.state()), "its states disagree");
+  archive(phase_.state, phase_.linearized_time);
+  Archive::require(std::isfinite(phase_.linearized_time) && same(phase_.state, world_.state()),
+                   "its states disagree");
   if (!contacts_.empty()) {
     contacts_.table().set.transfer(archive, world_);
-    if (archive.reads()) {
-      set_places();
-      move_rows(std::vector<int>(static_cast<std::size_t>(system_.row_count()), -1));
-    }
+    if (archive.reads()) contact_rows_.renew();
     contacts_.transfer(archive);
     if (archive.reads()) contacts_.give_points(system_);
   }
   axes_.transfer(archive);
   breaking_.transfer(archive);
-  for (auto* wrenches : {&momenta_, &start_momenta_, &forces_}) archive.sized(*wrenches);
-  for (auto* rows : {&lambda_, &mu_, &impulses_, &force_multipliers_}) archive.sized(*rows);
+  for (auto* wrenches : {&phase_.momenta, &phase_.start_momenta, &phase_.forces}) archive.sized(*wrenches);
+  for (auto* rows : {&values_.lambda, &values_.mu, &values_.impulses, &values_.force_multipliers})
+    archive.sized(*rows);
   prediction_.transfer(archive);
-  for (auto* rows : {&start_theta_, &rates_}) archive.sized(*rows);
-  archive(contraction_, steady_count_, horizon_);
+  for (auto* rows : {&values_.start_theta, &values_.rates}) archive.sized(*rows);
+  projection_.transfer(archive);
+  contact_rows_.transfer(archive);
   limit_.transfer(archive);
   stages_.transfer(archive);
-  if (archive.reads()) poses_ = state_.poses, std::swap(state_.time, linearized_time_);
-  system_.transfer(archive, state_);
+  if (archive.reads())
+    phase_.poses = phase_.state.poses, std::swap(phase_.state.time, phase_.linearized_time);
+  system_.transfer(archive, phase_.state);
   stages_.transfer_factors(archive);
   if (!archive.reads()) return;
-  limit_.restore_stiffness(state_, force_multipliers_);
-  std::swap(state_.time, linearized_time_);
+  limit_.restore_stiffness(phase_.state, values_.force_multipliers);
+  std::swap(phase_.state.time, phase_.linearized_time);
   system_.reset_counters();
 }
 

@@ -100,24 +100,24 @@ class Stages : public Rattle {
     predict_multipliers(h);
     begin_bounds(h);
     EXPECT_TRUE(close_bounded_positions(h, report));
-    mechanism_.set_state(state_);
+    mechanism_.set_state(phase_.state);
     const Rows rows(mechanism_);
     std::vector<double> before(rows.row_count()), after(rows.row_count());
-    rows.residual({state_.poses, 0, state_.axes}, before);
-    rows.residual({poses_, h, state_.axes}, after);
+    rows.residual({phase_.state.poses, 0, phase_.state.axes}, before);
+    rows.residual({phase_.poses, h, phase_.state.axes}, after);
     VectorXd w(rows.row_count());
     for (int r = 0; r < rows.row_count(); ++r) w[r] = (after[r] - (rows.is_equality(r) ? 0 : before[r])) / h;
-    return natural_map(rows, w, lambda_);
+    return natural_map(rows, w, values_.lambda);
   }
   /// Of the velocity stage after advance().
   double of_velocities() {
-    mechanism_.set_state(state_);
+    mechanism_.set_state(phase_.state);
     const Rows rows(mechanism_);
     std::vector<double> jacobian(rows.jacobian_size());
-    rows.jacobian(state_.poses, jacobian);
+    rows.jacobian(phase_.state.poses, jacobian);
     VectorXd w(rows.row_count());
-    rows.apply(jacobian, state_.twists, {w.data(), static_cast<std::size_t>(w.size())});
-    return natural_map(rows, w, mu_);
+    rows.apply(jacobian, phase_.state.twists, {w.data(), static_cast<std::size_t>(w.size())});
+    return natural_map(rows, w, values_.mu);
   }
 
  private:

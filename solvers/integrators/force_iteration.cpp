@@ -1,0 +1,33 @@
+#include "solvers/integrators/force_iteration.h"
+
+#include <algorithm>
+
+namespace taut {
+namespace {
+
+/// A pass that takes away less than half of the change stalls it, as do so many passes.
+constexpr int kMaxForcePasses = 60;
+constexpr double kForceTolerance = 1e-12;
+
+}  // namespace
+
+ForceIteration::Fixed ForceIteration::look(std::span<const Wrench> forces, std::span<const Wrench> last) {
+  double change = 0, size = 0;
+  int most = 0;
+  for (std::size_t b = 0; b < forces.size(); ++b) {
+    const double of_body = std::max((forces[b].force - last[b].force).cwiseAbs().maxCoeff(),
+                                    (forces[b].torque - last[b].torque).cwiseAbs().maxCoeff());
+    if (of_body > change) change = of_body, most = static_cast<int>(b);
+    size = std::max({size, forces[b].force.cwiseAbs().maxCoeff(), forces[b].torque.cwiseAbs().maxCoeff()});
+  }
+  if (!(change > kForceTolerance * size)) return Fixed::kYes;
+  if (pass_ >= kMaxForcePasses || (pass_ > 0 && change > 0.5 * last_change_)) {
+    unsettled_ = most;
+    return Fixed::kStalled;
+  }
+  ++pass_;
+  last_change_ = change;
+  return Fixed::kNotYet;
+}
+
+}  // namespace taut

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+
+#include "solvers/laws/axis_forces.h"
+#include "solvers/laws/contact_forces.h"
+
+namespace taut {
+
+/// The first impact with restitution within a step, of axes at rigid limits and of contacts.  What the step
+/// stops in free flight is let through once: the step solved again shows when it gets there, and the next
+/// sub-step ends then.  Impacts closer together than 1e-3 of a step are one.  (solvers/integrators, "RATTLE")
+class ImpactSearch {
+ public:
+  /// Both must outlive it.
+  ImpactSearch(AxisForces& axes, ContactForces& contacts) : axes_(axes), contacts_(contacts) {}
+
+  /// True if a solution of the position stage, with these rates of the rows, has impacts: their laws let them
+  /// through now.
+  bool begin(std::span<const double> rates);
+  /// The length of the sub-step that ends with the first of them [s], from the rates without them in a step
+  /// of h; those at that time are due then.
+  double first(double h, std::span<const double> rates);
+  /// None of them is wanted any more.
+  void end();
+  /// … nor looked for again in this step.
+  void give_up();
+
+ private:
+  AxisForces& axes_;
+  ContactForces& contacts_;
+};
+
+}  // namespace taut

@@ -1,0 +1,50 @@
+#include "solvers/integrators/phase.h"
+
+#include <cmath>
+#include <utility>
+
+#include "core/state/reach.h"
+
+namespace taut {
+
+Phase::Phase(const World& world, const ConstraintSystem& system, Springs springs)
+    : world_(world), system_(system), springs_(springs) {
+  for (auto* wrenches : {&momenta, &start_momenta, &forces, &kicked}) wrenches->resize(world.body_count());
+}
+
+void Phase::twists_from(std::span<const Wrench> momenta_now) {
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (system_.inverse_mass(b).moves()) state.twists[b] = system_.inverse_mass(b).twist(momenta_now[b]);
+}
+
+Configuration Phase::end_of_step(double h) const {
+  if (h == 0) return {state.poses, state.time, state.axes, poses};
+  return {poses, state.time + h, state.axes, state.poses};
+}
+
+void Phase::accept(double h) {
+  std::swap(state.poses, poses);
+  std::swap(momenta, start_momenta);
+  start_time = state.time;
+  state.time += h;
+}
+
+void Phase::take_back() {
+  std::swap(state.poses, poses);
+  std::swap(momenta, start_momenta);
+  state.time = start_time;
+}
+
+/// A sum is finite if and, short of overflow, only if all its terms are.
+bool Phase::finite() const {
+  double sum = 0;
+  bool near = true;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    sum += std::abs(momenta[b].torque.sum()) + std::abs(momenta[b].force.sum()) +
+           std::abs(state.poses[b].q.coeffs().sum());
+    near = near && within_reach(state.poses[b], state.twists[b]);
+  }
+  return near && std::isfinite(sum);
+}
+
+}  // namespace taut

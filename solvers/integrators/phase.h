@@ -1,0 +1,59 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/world/world.h"
+#include "solvers/system/constraint_system.h"
+
+namespace taut {
+
+/// The bodies in phase space through the stages of a step: poses q, momenta p = (L, P) [N·m·s, N·s] in world
+/// axes about the centres of mass, zero for fixed bodies, and the forces f on them.
+///
+///   start          state, momenta, forces
+///   kick, drift    kicked = p, poses = q₁
+///   accepted       state at the end with momenta that become p₁; poses and start_momenta at the start
+class Phase {
+ public:
+  /// `springs`: whether force laws have those between bodies.  World and system must outlive it.
+  Phase(const World& world, const ConstraintSystem& system, Springs springs);
+
+  /// V = M⁻¹ p of the bodies that move, with the masses of the system.
+  void twists_from(std::span<const Wrench> momenta);
+  /// f at the state.
+  void find_forces() { world_.forces(state, forces, springs_); }
+  void find_forces(const State& at) { world_.forces(at, forces, springs_); }
+  bool forces_depend_on_velocity() const { return world_.forces_depend_on_velocity(springs_); }
+  /// p + h/2 f of body b, at the end of the drift.
+  void second_kick(int b, double h) { momenta[b] = kicked[b] + 0.5 * h * forces[b]; }
+  /// What a step of h from the present state leads to: `poses` at its end while it is tried (h ≠ 0); or, once
+  /// it is accepted (h = 0), the new state, while `poses` are still the old ones at which the axes hold.
+  Configuration end_of_step(double h) const;
+  /// The end of the drift is the state from now on.
+  void accept(double h);
+  /// Back to before accept().
+  void take_back();
+  /// The last step ended at this time to the last bit.
+  void set_time(double time) {
+    linearized_time = state.time;
+    state.time = time;
+  }
+  /// Momenta are, and the state is one that a World takes.
+  bool finite() const;
+
+  State state;  ///< twists are those of momenta
+  std::vector<Wrench> momenta, start_momenta;
+  std::vector<Wrench> forces;
+  std::vector<Wrench> kicked;  ///< p between the kicks
+  std::vector<Pose> poses;
+  double start_time = 0;
+  double linearized_time = 0;  ///< of J at the end of the last step, which set_time() has rounded anew
+
+ private:
+  const World& world_;
+  const ConstraintSystem& system_;
+  Springs springs_;
+};
+
+}  // namespace taut

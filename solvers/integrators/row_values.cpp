@@ -1,0 +1,19 @@
+#include "solvers/integrators/row_values.h"
+
+#include "solvers/common/move_rows.h"
+
+namespace taut {
+
+RowValues::RowValues(int rows, bool laws) {
+  for (auto* values : {&lambda, &mu, &delta, &phi, &joint_rates, &impulses, &force_multipliers})
+    values->assign(rows, 0.0);
+  for (auto* values : {&start_theta, &rates, &kick_rates}) values->assign(laws ? rows : 0, 0.0);
+}
+
+void RowValues::move_rows(std::span<const int> from) {
+  for (auto* values : {&lambda, &mu, &delta, &phi, &joint_rates, &impulses, &force_multipliers, &start_theta,
+                       &rates, &kick_rates})
+    taut::move_rows(from, 0.0, *values);
+}
+
+}  // namespace taut

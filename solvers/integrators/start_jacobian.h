@@ -1,0 +1,37 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solvers/system/constraint_system.h"
+
+namespace taut {
+
+/// J(q₀) through the position stage of a step: λ acts along it, while the system may have the Jacobian of an
+/// iterate instead, with which its factor is a better one.
+class StartJacobian {
+ public:
+  explicit StartJacobian(ConstraintSystem& system);
+
+  /// The system has another Jacobian.
+  bool is_replaced() const { return replaced_; }
+  /// To be called before it gets another one in this step.
+  void keep();
+  std::span<const double> get() const { return replaced_ ? kept_ : system_.jacobian(); }
+  /// The part of contacts, which are the last rows, of what was kept; empty if the system has it.
+  std::span<double> kept_contacts();
+  /// The system's is that of the mean of J(q₀) and J(q₁), but for contacts, which belong to the start.
+  void mix_into_system();
+  /// The system has J(q₀) again, or another step begins with the Jacobian that it has.
+  void restore();
+  void end() { replaced_ = false; }
+
+ private:
+  std::size_t contact_offset() const;
+
+  ConstraintSystem& system_;
+  bool replaced_ = false;
+  std::vector<double> kept_;
+};
+
+}  // namespace taut
