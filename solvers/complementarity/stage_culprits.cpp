@@ -39,8 +39,8 @@ void StageCulprits::add_contacts(const StageSolution& solution, double scale) {
   const std::span<const ContactSet::Place> places = model_.contacts.set().places();
   for (std::size_t k = 0; k < places.size(); ++k) {
     if (!places[k].active) continue;
-    const double off =
-        model_.contacts.natural_error(static_cast<int>(k), solution.lambda, solution.w, scale, {});
+    const double off = relative_contact_residual(model_.contacts, static_cast<int>(k), solution.lambda,
+                                                 solution.w, scale, {});
     if (!counts(off)) continue;
     const auto [a, b] =
         std::minmax(named_->shape(places[k].contact.a).body, named_->shape(places[k].contact.b).body);

@@ -122,7 +122,7 @@ void StagePivoting::turn_contacts(StageAttempt& attempt) {
   const Stage& stage = attempt.stage;
   for (const ContactLaws::Turn& turn : model_.contacts.turns()) {
     const int first = model_.contacts.first_row(turn.place);
-    const int count = model_.contacts.set().places()[turn.place].at.twist ? 6 : 3;
+    const int count = model_.contacts.row_count(turn.place);
     for (std::span<double> values : {stage.lambda, stage.rates, attempt.b, std::span<double>(guess_)})
       for (int r = first + 1; r < first + count; r += 3) {
         const double a = values[r], b = values[r + 1];

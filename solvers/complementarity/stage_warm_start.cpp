@@ -52,7 +52,7 @@ bool StageWarmStart::gives_to_gone_contacts(std::span<const double> lambda) cons
   const std::span<const ContactSet::Place> places = model_.contacts.set().places();
   for (std::size_t k = 0; k < places.size(); ++k) {
     const auto given = lambda.begin() + model_.contacts.first_row(static_cast<int>(k));
-    const int count = places[k].at.twist ? 6 : 3;
+    const int count = places[k].at.row_count();
     if (!places[k].active && std::any_of(given, given + count, [](double l) { return l != 0; })) return true;
   }
   return false;

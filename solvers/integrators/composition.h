@@ -18,6 +18,9 @@ class Composition final : public Scheme {
 
   /// All stages of a step of h, or none, since one of another length would cost the order: after an outcome
   /// that is not kDone the scheme is where it was, but for kNotFinite and kBlind.
+  /// Whose stages it has.
+  ImpulseScheme& scheme() { return scheme_; }
+
   [[nodiscard]] Outcome advance(double h, StepReport& report) override;
   /// The largest h whose longest stage respects the limit of the scheme.
   double step_limit() const override { return scheme_.step_limit() / longest_; }

@@ -10,26 +10,27 @@ constexpr double kStrikeTogether = 1e-3;
 }  // namespace
 
 bool ImpactSearch::begin(std::span<const double> rates) {
-  const bool axis = axes_.seek_impacts(rates), contact = contacts_.seek_impacts(rates);
+  const bool axis = axes_.seek_impacts(rates), contact = contacts_.impacts().seek(rates);
   return axis || contact;
 }
 
 double ImpactSearch::first(double h, std::span<const double> rates) {
   const double together = kStrikeTogether * h;
-  const double first = std::max(std::min(axes_.first_impact(rates), contacts_.first_impact(rates)), together);
+  const double first =
+      std::max(std::min(axes_.first_impact(rates), contacts_.impacts().first(rates)), together);
   axes_.take_impacts(first + together, rates);
-  contacts_.take_impacts(first + together, rates);
+  contacts_.impacts().take(first + together, rates);
   return first > (1 - kStrikeTogether) * h ? h : first;
 }
 
 void ImpactSearch::end() {
   axes_.forget_impacts(false);
-  contacts_.forget_impacts(false);
+  contacts_.impacts().forget(false);
 }
 
 void ImpactSearch::give_up() {
   axes_.forget_impacts(true);
-  contacts_.forget_impacts(true);
+  contacts_.impacts().forget(true);
 }
 
 }  // namespace taut

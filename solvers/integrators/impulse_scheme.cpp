@@ -31,14 +31,14 @@ ImpulseScheme::ImpulseScheme(const World& world, ConstraintSystem& system, const
       works_(world, system, springs_among_forces(system)),
       prediction_(system.row_count()),
       projection_(system, settings, breaking_, phase_, values_),
-      contact_rows_(world, system, contacts_, stages_, values_, prediction_),
+      contact_pattern_(world, system, contacts_, stages_, values_, prediction_),
       last_forces_(world.body_count()) {}
 
 void ImpulseScheme::start(const State& state, StepReport& report) {
   phase_.state = state;
   values_.residual_is_current = false;
   phase_.poses = state.poses;
-  if (!contacts_.empty()) contact_rows_.start(phase_.state);
+  if (!contacts_.empty()) contact_pattern_.start(phase_.state);
   system_.release_bounded_rows();
   std::fill(values_.lambda.begin(), values_.lambda.end(), 0.0);
   prediction_.start();
@@ -134,7 +134,7 @@ bool ImpulseScheme::renew_forces() {
 /// Contacts at the end of the drift, with its velocities.
 void ImpulseScheme::find_contacts() {
   phase_.twists_from(phase_.kicked);
-  contact_rows_.move_on(phase_.state);
+  contact_pattern_.move_on(phase_.state);
 }
 
 void ImpulseScheme::linearize(StepReport& report) {
@@ -195,9 +195,9 @@ void ImpulseScheme::finish_laws(StepReport& report) {
   axes_.accumulate_work(values_.mu, values_.rates, values_.kick_rates);
   axes_.finish_velocities(values_.phi, values_.rates, phase_.state.time);
   contacts_.finish(values_.mu, values_.kick_rates, phase_.state.time);
-  report.axis_work = {};
-  for (const AxisReport& axis : axes_.reports()) report.axis_work += axis.work;
-  report.contact_work = contacts_.work();
+  report.works.axes = {};
+  for (const AxisReport& axis : axes_.reports()) report.works.axes += axis.work;
+  report.works.contacts = contacts_.work();
 }
 
 /// Back to the start of a step whose positions were already accepted.

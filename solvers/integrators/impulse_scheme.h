@@ -9,7 +9,7 @@
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
 #include "solvers/complementarity/stage_solver.h"
-#include "solvers/integrators/contact_rows.h"
+#include "solvers/integrators/contact_pattern.h"
 #include "solvers/integrators/force_iteration.h"
 #include "solvers/integrators/kick_works.h"
 #include "solvers/integrators/multiplier_guess.h"
@@ -46,7 +46,7 @@ class ImpulseScheme : public Scheme {
   /// The last step ended at this time to the last bit.
   void set_time(double time) { phase_.set_time(time); }
   /// After start(): what held and how in a scheme for the world before its pattern changed, with the forces
-  /// as a guess.  Before start(), contact_rows() are to inherit those of there.
+  /// as a guess.  Before start(), contact_pattern() are to inherit those of there.
   void inherit(const ImpulseScheme& old);
   void set_impulses(std::span<const double> impulses) {
     values_.impulses.assign(impulses.begin(), impulses.end());
@@ -55,7 +55,7 @@ class ImpulseScheme : public Scheme {
   /// How far laws may be missed, and who is named.
   StageSolver& stages() { return stages_; }
   /// How contacts are looked for.
-  ContactRows& contact_rows() { return contact_rows_; }
+  ContactPattern& contact_pattern() { return contact_pattern_; }
 
   // What the last step came to.
   double step_limit() const override { return limit_.step(); }
@@ -109,7 +109,7 @@ class ImpulseScheme : public Scheme {
   KickWorks works_;
   MultiplierPrediction prediction_;
   VelocityProjection projection_;
-  ContactRows contact_rows_;
+  ContactPattern contact_pattern_;
   ForceIteration force_iteration_;
   std::vector<Wrench> last_forces_;  // of the pass before
   Works works_before_;               // of the report, to be set back

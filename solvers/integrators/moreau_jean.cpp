@@ -24,7 +24,7 @@ Scheme::Outcome MoreauJean::advance(double h, StepReport& report) {
   force_iteration_.begin();
   predict(h);
   go_to_middle(h, report);
-  if (contact_rows_.blind()) {
+  if (contact_pattern_.blind()) {
     roll_back(report);
     return Outcome::kBlind;
   }
@@ -67,7 +67,7 @@ void MoreauJean::predict(double h) {
 /// q_M, its contacts, and J there.  phase_.poses and phase_.start_momenta stay those of the start.
 void MoreauJean::go_to_middle(double h, StepReport& report) {
   if (bounded()) {
-    stages_.begin_velocities(phase_.state.twists);
+    stages_.residual().begin_velocities(phase_.state.twists);
     system_.rows().residual(phase_.state, values_.phi);
     for (const Rows::AxisRow& axis : system_.rows().axis_rows())
       values_.start_theta[axis.row] = values_.phi[axis.row];
@@ -168,8 +168,8 @@ bool MoreauJean::solve_stage(StepReport& report) {
   renew_laws();
   system_.multiply(values_.mu, values_.delta);
   for (int r = 0; r < system_.row_count(); ++r) values_.rates[r] += values_.delta[r];
-  stages_.begin_pass();  // replaces the one before
-  stages_.note_round_off();
+  stages_.accuracy().begin_pass();  // replaces the one before
+  stages_.residual().note_round_off();
   const StageSolver::Renew renew = [this] { renew_laws(); };
   if (!stages_.solve_velocities({values_.mu, values_.rates, renew}, report)) return false;
   take_impulses();
@@ -229,7 +229,7 @@ void MoreauJean::note_passed_limit() {
     furthest = excess;
     culprits = {{.kind = Culprit::Kind::kAxis, .axis = limit.axis, .share = excess}};
   }
-  stages_.set_culprits(std::move(culprits));
+  stages_.culprits().set(std::move(culprits));
 }
 
 /// For reactions and the next guess.  The impulse of an impact is no force.

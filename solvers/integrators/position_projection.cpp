@@ -61,7 +61,7 @@ bool PositionProjection::close(double h, StepReport& report) {
     system_.linearize(end);
     system_.set_mass(poses);
     system_.factorize(report.times);
-    ++report.refactorizations;
+    ++report.counts.refactorizations;
     if (!system_.usable()) break;
     const Stopwatch watch(report.times.positions);
     for (int r = 0; r < system_.row_count(); ++r) delta[r] = -phi[r];

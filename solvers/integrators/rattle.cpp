@@ -59,7 +59,7 @@ Scheme::Outcome Rattle::advance(double h, StepReport& report) {
   if (exceeds_tension_limit(h)) return reject(Outcome::kUnstable, report);
   accept_positions(h, report);
   if (!contacts_.empty()) find_contacts();
-  if (contact_rows_.blind()) return take_back(Outcome::kBlind, report);
+  if (contact_pattern_.blind()) return take_back(Outcome::kBlind, report);
   factorize_end(report);  // S(q₁)
   if (!close_velocities(h, report))
     return take_back(Outcome::kStalled, report);  // kick, J V = 0 and the laws
@@ -285,7 +285,7 @@ bool Rattle::keep_pace(double error, double last, double h, StepReport& report) 
   system_.linearize({phase_.poses, phase_.state.time + h, phase_.state.axes});
   start_jacobian_.mix_into_system();
   system_.factorize(report.times);
-  ++report.refactorizations;
+  ++report.counts.refactorizations;
   return true;
 }
 

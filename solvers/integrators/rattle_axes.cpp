@@ -13,7 +13,7 @@ namespace taut {
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
   size_ = system_size(phase_.state.poses);
-  stages_.begin_positions(std::abs(h), size_, phase_.state.twists);
+  stages_.residual().begin_positions(std::abs(h), size_, phase_.state.twists);
   system_.rows().residual(phase_.state, values_.phi);
   if (stages_.friction_dominated())
     for (int r = 0; r < system_.row_count(); ++r)
@@ -142,7 +142,7 @@ void Rattle::renew_velocity_laws() {
 
 /// Rates and laws of the second kick.
 void Rattle::begin_velocities() {
-  stages_.begin_velocities(phase_.state.twists);
+  stages_.residual().begin_velocities(phase_.state.twists);
   // A first guess for its segments: the impulses of the first kick.
   std::copy(values_.lambda.begin(), values_.lambda.end(), values_.mu.begin());
   system_.rows().residual(phase_.end_of_step(0), values_.phi);

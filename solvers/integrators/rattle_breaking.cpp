@@ -44,7 +44,7 @@ void Rattle::account_for_kick(double h, StepReport& report) {
     raw_kick_[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] +
                    system_.rows().wrench_on(b, start_jacobian_.get(), values_.lambda);
   add(raw_kick_);
-  works_.add_between(raw_kick_, phase_.kicked, report.stiffness_work);
+  works_.add_between(raw_kick_, phase_.kicked, report.works.stiffness);
 }
 
 }  // namespace taut

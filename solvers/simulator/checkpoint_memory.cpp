@@ -373,7 +373,7 @@ void StepLimit::transfer(Archive& archive) { archive(omega_, step_, leaves_out_)
 
 void VelocityProjection::transfer(Archive& archive) { archive(contraction_, steady_count_); }
 
-void ContactRows::transfer(Archive& archive) { archive(horizon_); }
+void ContactPattern::transfer(Archive& archive) { archive(horizon_); }
 
 void ImpulseScheme::transfer(Archive& archive) {
   archive(phase_.state, phase_.linearized_time);
@@ -381,7 +381,7 @@ void ImpulseScheme::transfer(Archive& archive) {
                    "its states disagree");
   if (!contacts_.empty()) {
     contacts_.table().set.transfer(archive, world_);
-    if (archive.reads()) contact_rows_.renew();
+    if (archive.reads()) contact_pattern_.renew();
     contacts_.transfer(archive);
     if (archive.reads()) contacts_.give_points(system_);
   }
@@ -393,7 +393,7 @@ void ImpulseScheme::transfer(Archive& archive) {
   prediction_.transfer(archive);
   for (auto* rows : {&values_.start_theta, &values_.rates}) archive.sized(*rows);
   projection_.transfer(archive);
-  contact_rows_.transfer(archive);
+  contact_pattern_.transfer(archive);
   limit_.transfer(archive);
   stages_.transfer(archive);
   if (archive.reads())

@@ -7,7 +7,8 @@ namespace taut {
 
 void report_detection(const ImpulseScheme& scheme, StepReport& report) {
   constexpr std::size_t kNamed = 8;
-  report.missing_threads = scheme.missing_threads();
+  report.missing_threads =
+      std::max(scheme.contacts().set().detection().missing_threads, scheme.stages().missing_threads());
   if (scheme.contacts().empty()) return;
   const auto& unsupported = scheme.contacts().set().detection().unsupported;
   report.unsupported_pairs = static_cast<int>(unsupported.size());

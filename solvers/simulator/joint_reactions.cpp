@@ -11,7 +11,7 @@ void JointReactions::solve(const World& world, const Settings& settings, const S
   if (version_ == world.state_version()) return;
   const ImpulseScheme* scheme = stepper.scheme();
   if (scheme && (!scheme->axes().only_springs() || !scheme->contacts().empty())) {
-    const std::span<const double> multipliers = scheme->force_multipliers();
+    const std::span<const double> multipliers = scheme->values().force_multipliers;
     multipliers_.assign(multipliers.begin(), multipliers.end());
   } else {
     solve_accelerations(world, settings);

@@ -128,14 +128,14 @@ void Simulator::Impl::start_step() {
 bool Simulator::Impl::integrate(double dt) {
   const World::Hold held = source_.hold();
   if (ForceLevel* forces = stepper_.force_level()) {
-    const bool done = forces->advance(dt, report_);
+    const bool done = forces->advance(dt, report_) == Scheme::Outcome::kDone;
     if (!done) end_not_finite(inquiry());
     return done;
   }
   ImpulseScheme& scheme = *stepper_.scheme();
-  scheme.set_horizon(dt);
+  scheme.contact_pattern().set_horizon(dt);
   scheme.clear_impulses();
-  const Substepping::Outcome outcome = substepping_.advance(scheme, dt, report_);
+  const Substepping::Outcome outcome = substepping_.advance(stepper_.composition(), dt, report_);
   if (outcome == Substepping::Outcome::kDone) return true;
   const Inquiry asked = inquiry();
   if (outcome == Substepping::Outcome::kNotFinite)
@@ -224,12 +224,12 @@ void Simulator::Impl::refresh() {
   if (stepper_.knows_state() && recalled_.empty()) return;
   if (goes_on && recalled_.empty() && stepper_.goes_on_with_new_forces()) return;
   if (ForceLevel* forces = stepper_.force_level()) {
-    forces->start(world_.state());
+    forces->start(world_.state(), report_);
     recalled_.clear();
   } else {
     if (!close_at_start()) return;
     start_scheme(goes_on, old);
-    if (stepper_.scheme()->blind()) return end_blind(inquiry());
+    if (stepper_.scheme()->contact_pattern().blind()) return end_blind(inquiry());
     stepper_.note_started();
     restarted_ = true;
   }
@@ -279,15 +279,15 @@ bool Simulator::Impl::close_at_start() {
 /// At the state of the world, with what is known of contacts and friction.
 void Simulator::Impl::start_scheme(bool goes_on, Stepper::Predecessor& old) {
   ImpulseScheme& scheme = *stepper_.scheme();
-  scheme.set_horizon(horizon_);
+  scheme.contact_pattern().set_horizon(horizon_);
   bodies_.refer_to_carriers(recalled_);
-  scheme.recall(std::move(recalled_));
+  scheme.contact_pattern().recall(std::move(recalled_));
   recalled_.clear();
   if (goes_on) {
     scheme.forget(stepper_.moved_bodies());
     return scheme.restart(world_.state(), report_);
   }
-  if (old.scheme) scheme.inherit_contacts(*old.scheme);
+  if (old.scheme) scheme.contact_pattern().inherit(old.scheme->contact_pattern());
   scheme.start(world_.state(), report_);
   if (old.scheme) scheme.inherit(*old.scheme);
 }

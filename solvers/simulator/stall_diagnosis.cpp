@@ -65,7 +65,7 @@ void StallDiagnosis::end_step(double remaining, bool unstable) {
 }
 
 bool StallDiagnosis::is_finite() const {
-  const std::span<const double> phi = scheme_.residual();
+  const std::span<const double> phi = scheme_.values().phi;
   return scheme_.axes().finite() &&
          std::all_of(phi.begin(), phi.end(), [](double p) { return std::isfinite(p); });
 }
@@ -114,13 +114,13 @@ void StallDiagnosis::end_by_open_joints(Status status, bool unstable) {
   }
   if (!found_.empty()) return asked_.end_step(status, "positions could not be closed" + down);
   if (unstable) {
-    const Culprit culprit{.kind = Culprit::Kind::kBody, .a = scheme_.limit().stiffest()};
+    const Culprit culprit{.kind = Culprit::Kind::kBody, .a = scheme_.stiffest()};
     asked_.report.culprits = {culprit};
     return asked_.end_step(status, "tension on " + name_of(culprit, asked_.source) + " is too stiff" + down +
                                        ": \"tension\": \"implicit\", a shorter step, or a larger mass helps");
   }
   if (const std::string widest =
-          widest_gap(asked_, scheme_.state(), scheme_.residual(), asked_.settings.position_tolerance);
+          widest_gap(asked_, scheme_.state(), scheme_.values().phi, asked_.settings.position_tolerance);
       !widest.empty())
     return asked_.end_step(status, "positions could not be closed" + down + widest + singular_axis(asked_));
   take_culprits();

@@ -65,9 +65,9 @@ void StepQuality::measure(Stepper& stepper, StepReport& report) {
 Gap StepQuality::gap_at_end(const Stepper& stepper) {
   const Rows& rows = stepper.system().rows();
   const ImpulseScheme* scheme = stepper.scheme();
-  if (scheme && scheme->residual_is_current()) return max_gap(rows, scheme->residual());
+  if (scheme && scheme->values().residual_is_current) return max_gap(rows, scheme->values().phi);
   rows.residual(stepper.state(), phi_);
-  if (scheme) scheme->clear_broken_rows(phi_);
+  if (scheme) scheme->breaking().clear_rows(phi_);
   return gap(stepper, phi_);
 }
 

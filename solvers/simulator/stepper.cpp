@@ -25,6 +25,7 @@ bool Stepper::knows_pattern() const { return knows_topology() && sleep_version_ 
 void Stepper::renew() {
   auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
                                                    Rows::AxisRows::kIncluded, springs_);
+  composition_.reset();
   scheme_.reset();
   force_level_.reset();
   system_ = std::move(system);
@@ -34,7 +35,10 @@ void Stepper::renew() {
     scheme_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
   else
     scheme_ = std::make_unique<Rattle>(world_, *system_, settings_);
-  if (scheme_) scheme_->stages().culprits().name_by(named_);
+  if (scheme_) {
+    scheme_->stages().culprits().name_by(named_);
+    composition_.emplace(settings_.integrator, *scheme_);
+  }
   topology_version_ = world_.topology_version();
   geometry_version_ = world_.geometry_version();
   sleep_version_ = world_.sleep_version();
@@ -45,6 +49,7 @@ Stepper::Predecessor Stepper::renew_from_known() {
   Predecessor old;
   if (remembers()) {
     scheme_->forget(moved_bodies());
+    composition_.reset();
     old = {std::move(system_), std::move(scheme_)};
   }
   renew();

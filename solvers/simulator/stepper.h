@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
+#include "solvers/integrators/composition.h"
 #include "solvers/integrators/force_level.h"
 #include "solvers/integrators/impulse_scheme.h"
 #include "solvers/system/constraint_system.h"
@@ -71,14 +73,14 @@ class Stepper {
   const ImpulseScheme* scheme() const { return scheme_.get(); }
   ForceLevel* force_level() { return force_level_.get(); }
   const ForceLevel* force_level() const { return force_level_.get(); }
+  /// Of scheme().
+  Composition& composition() { return *composition_; }
 
-  const State& state() const { return scheme_ ? scheme_->state() : force_level_->state(); }
+  const State& state() const { return integrator().state(); }
   /// (L, P) of the bodies in world axes.
-  std::span<const Wrench> momenta() { return scheme_ ? scheme_->momenta() : force_level_->momenta(); }
+  std::span<const Wrench> momenta() const { return integrator().momenta(); }
   /// Of the rows over the last step.
-  std::span<const double> impulses() const {
-    return scheme_ ? scheme_->impulses() : std::span<const double>(force_level_->impulses());
-  }
+  std::span<const double> impulses() const { return integrator().impulses(); }
   /// Contacts at present.
   std::span<const ContactSet::Place> places() const;
   /// Contacts of the last step with the mean forces over dt.
@@ -93,11 +95,14 @@ class Stepper {
   void transfer(Archive& archive);
 
  private:
+  const Scheme& integrator() const { return scheme_ ? static_cast<const Scheme&>(*scheme_) : *force_level_; }
+
   const World &world_, &named_;
   const Settings& settings_;
   Springs springs_;  // among the rows
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<ImpulseScheme> scheme_;
+  std::optional<Composition> composition_;  // of scheme_
   std::unique_ptr<ForceLevel> force_level_;
   std::int64_t topology_version_ = -1, geometry_version_ = -1, sleep_version_ = -1, state_version_ = -1;
   bool retaken_ = false;

@@ -13,42 +13,40 @@ constexpr double kHardPart = 0.6;
 
 }  // namespace
 
-double Substepping::substeps_needed(const ImpulseScheme& scheme, double dt) const {
-  return std::clamp(std::ceil(dt / composition_.step_limit(scheme) - 1e-9), 1.0,
-                    double(settings_.max_substeps));
-}
-
-Substepping::Outcome Substepping::advance(ImpulseScheme& scheme, double dt, StepReport& report) {
-  Substeps substeps(dt, division_.choose(substeps_needed(scheme, dt)), settings_.max_substeps);
+Substepping::Outcome Substepping::advance(Composition& composition, double dt, StepReport& report) {
+  const double needed =
+      std::clamp(std::ceil(dt / composition.step_limit() - 1e-9), 1.0, double(settings_.max_substeps));
+  Substeps substeps(dt, division_.choose(needed), settings_.max_substeps);
+  ImpulseScheme& scheme = composition.scheme();
   const bool hard = division_.hard();
   scheme.stages().accept_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   bool forgot = false;
   while (!substeps.done()) {
     detail::poll_interrupt();
-    const double h = substeps.next(composition_.step_limit(scheme));
-    const ImpulseScheme::Outcome outcome = composition_.advance(scheme, h, report);
+    const double h = substeps.next(composition.step_limit());
+    const Scheme::Outcome outcome = composition.advance(h, report);
     switch (outcome) {
-      case ImpulseScheme::Outcome::kDone:
+      case Scheme::Outcome::kDone:
         substeps.accept();
         break;
-      case ImpulseScheme::Outcome::kImpact:
-      case ImpulseScheme::Outcome::kOverload:
-        substeps.end_next_at(scheme.time_to_event());
+      case Scheme::Outcome::kImpact:
+      case Scheme::Outcome::kOverload:
+        substeps.end_next_at(composition.time_to_event());
         break;
-      case ImpulseScheme::Outcome::kUnstable:
-        substeps.shorten(composition_.step_limit(scheme));
+      case Scheme::Outcome::kUnstable:
+        substeps.shorten(composition.step_limit());
         break;
-      case ImpulseScheme::Outcome::kStalled:
+      case Scheme::Outcome::kStalled:
         forgot = after_stall(scheme, substeps, hard, forgot);
         break;
-      case ImpulseScheme::Outcome::kNotFinite:
+      case Scheme::Outcome::kNotFinite:
         return Outcome::kNotFinite;
-      case ImpulseScheme::Outcome::kBlind:
+      case Scheme::Outcome::kBlind:
         return Outcome::kBlind;
     }
     remaining_ = substeps.remaining();
     if (substeps.exhausted())
-      return outcome == ImpulseScheme::Outcome::kUnstable ? Outcome::kUnstable : Outcome::kStalled;
+      return outcome == Scheme::Outcome::kUnstable ? Outcome::kUnstable : Outcome::kStalled;
   }
   division_.note_done(report.status);
   return Outcome::kDone;
@@ -58,7 +56,7 @@ Substepping::Outcome Substepping::advance(ImpulseScheme& scheme, double dt, Step
 /// and inexactly.  Joints: in shorter ones.  Returns whether that guess has been tried.
 bool Substepping::after_stall(ImpulseScheme& scheme, Substeps& substeps, bool hard, bool forgot) const {
   const bool laws = !scheme.stages().active_set_outcome().ok() && !scheme.contacts().empty();
-  if (laws) scheme.forget_contact_impulses();
+  if (laws) scheme.contact_pattern().forget_impulses();
   if (!laws || forgot) substeps.shorten();
   if (laws && (hard || substeps.below(kHardPart)))
     scheme.stages().accept_inexact(settings_.inexact_tolerance, false);

@@ -11,12 +11,12 @@ namespace taut {
 class Substepping {
  public:
   /// `settings` live as long.
-  explicit Substepping(const Settings& settings) : settings_(settings), composition_(settings.integrator) {}
+  explicit Substepping(const Settings& settings) : settings_(settings) {}
 
   /// kStalled, kUnstable: sub-steps would have to be shorter than allowed, at last since laws or joints were
-  /// not met, or for tension; kNotFinite, kBlind: as ImpulseScheme::Outcome.
+  /// not met, or for tension; kNotFinite, kBlind: as Scheme::Outcome.
   enum class Outcome { kDone, kStalled, kUnstable, kNotFinite, kBlind };
-  [[nodiscard]] Outcome advance(ImpulseScheme& scheme, double dt, StepReport& report);
+  [[nodiscard]] Outcome advance(Composition& composition, double dt, StepReport& report);
   /// What the last advance() left to do [s].
   double remaining() const { return remaining_; }
 
@@ -24,11 +24,9 @@ class Substepping {
   StepDivision& division() { return division_; }
 
  private:
-  double substeps_needed(const ImpulseScheme& scheme, double dt) const;
   bool after_stall(ImpulseScheme& scheme, Substeps& substeps, bool hard, bool forgot) const;
 
   const Settings& settings_;
-  Composition composition_;
   StepDivision division_;
   double remaining_ = 0;
 };

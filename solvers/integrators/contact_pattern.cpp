@@ -1,12 +1,12 @@
-#include "solvers/integrators/contact_rows.h"
+#include "solvers/integrators/contact_pattern.h"
 
 #include <algorithm>
 #include <numeric>
 
 namespace taut {
 
-ContactRows::ContactRows(const World& world, ConstraintSystem& system, ContactForces& contacts,
-                         StageSolver& stages, RowValues& values, MultiplierPrediction& prediction)
+ContactPattern::ContactPattern(const World& world, ConstraintSystem& system, ContactForces& contacts,
+                               StageSolver& stages, RowValues& values, MultiplierPrediction& prediction)
     : world_(world),
       system_(system),
       contacts_(contacts),
@@ -14,21 +14,21 @@ ContactRows::ContactRows(const World& world, ConstraintSystem& system, ContactFo
       values_(values),
       prediction_(prediction) {}
 
-void ContactRows::start(const State& state) {
+void ContactPattern::start(const State& state) {
   if (contacts_.start(world_, state, horizon_))
     take_over_places();
   else
     contacts_.give_points(system_);
 }
 
-void ContactRows::move_on(const State& state) {
+void ContactPattern::move_on(const State& state) {
   if (contacts_.move_on(world_, state, horizon_))
     take_over_places();
   else
     contacts_.give_points(system_);
 }
 
-void ContactRows::inherit(ContactRows& old) {
+void ContactPattern::inherit(ContactPattern& old) {
   if (contacts_.empty() || old.contacts_.empty()) return;
   contacts_.inherit(old.contacts_, world_);
   std::vector<int> from(system_.row_count());
@@ -38,20 +38,20 @@ void ContactRows::inherit(ContactRows& old) {
   move_rows(from);
 }
 
-void ContactRows::forget_impulses() {
+void ContactPattern::forget_impulses() {
   const auto first = system_.rows().first_contact_row();
   for (auto* values : {&values_.lambda, &values_.mu, &values_.force_multipliers})
     std::fill(values->begin() + first, values->end(), 0.0);
   prediction_.clear_from(first);
 }
 
-void ContactRows::renew() {
+void ContactPattern::renew() {
   set_places();
   move_rows(std::vector<int>(static_cast<std::size_t>(system_.row_count()), -1));
 }
 
 /// New places: a new pattern.  What belongs to rows of joints stays, also that of contacts which go on.
-void ContactRows::take_over_places() {
+void ContactPattern::take_over_places() {
   const int joint_rows = system_.rows().first_contact_row();
   const std::vector<int> old_first(contacts_.first_rows().begin(), contacts_.first_rows().end());
   set_places();
@@ -61,7 +61,7 @@ void ContactRows::take_over_places() {
   const std::span<const int> origin = contacts_.set().origin();
   for (std::size_t k = 0; k < origin.size(); ++k) {
     if (origin[k] < 0) continue;
-    const int count = contacts_.set().places()[k].at.twist ? 6 : 3;
+    const int count = contacts_.set().places()[k].at.row_count();
     for (int i = 0; i < count; ++i)
       from[contacts_.first_row(static_cast<int>(k)) + i] = old_first[origin[k]] + i;
   }
@@ -69,13 +69,13 @@ void ContactRows::take_over_places() {
   contacts_.give_points(system_);
 }
 
-void ContactRows::set_places() {
+void ContactPattern::set_places() {
   system_.set_contact_places(world_, contacts_.set().rows());
   contacts_.set_rows(system_.rows());
 }
 
 /// All that has rows, to those of the new places: `from` says for each row which one it was, −1 for none.
-void ContactRows::move_rows(std::span<const int> from) {
+void ContactPattern::move_rows(std::span<const int> from) {
   values_.move_rows(from);
   prediction_.move_rows(from);
   stages_.move_rows(from);

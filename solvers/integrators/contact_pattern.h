@@ -18,11 +18,11 @@ class Archive;
 /// Contacts come and go: found at the end of a drift, they join the rows of the system for the velocity stage
 /// of that step and the position stage of the next, and everything that has a value for each row follows.
 /// (solvers/integrators, "RATTLE")
-class ContactRows {
+class ContactPattern {
  public:
   /// All of them must outlive it.
-  ContactRows(const World& world, ConstraintSystem& system, ContactForces& contacts, StageSolver& stages,
-              RowValues& values, MultiplierPrediction& prediction);
+  ContactPattern(const World& world, ConstraintSystem& system, ContactForces& contacts, StageSolver& stages,
+                 RowValues& values, MultiplierPrediction& prediction);
 
   /// The longest step that may come [s]: contacts are found as far ahead as that.
   void set_horizon(double horizon) { horizon_ = horizon; }
@@ -33,7 +33,7 @@ class ContactRows {
   /// The next start() finds contacts stretched so (ContactForces::recall()).
   void recall(std::vector<ContactStretch> stretches) { contacts_.recall(std::move(stretches)); }
   /// Takes over the contacts of the same world before its pattern changed, before start().
-  void inherit(ContactRows& old);
+  void inherit(ContactPattern& old);
   /// The next guess has no impulses of contacts.
   void forget_impulses();
   /// The places that contacts have now are rows of the system; what belonged to rows before is lost.
