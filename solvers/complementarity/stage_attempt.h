@@ -39,10 +39,7 @@ struct StageModel {
   /// Tells axes of a solution.  True if what laws depend on beside the rates has changed with it: friction
   /// lets go, its load or the tangents of tables are others.
   bool move_laws(const StageProblem& solved, double rate_tolerance) const {
-    const bool broke = axes.break_away(solved.w, rate_tolerance),
-               bent = axes.relinearize_tables(solved.w, rate_tolerance);
-    const bool turned = axes.turn_swings(solved.lambda, solved.w);
-    return axes.update_loads(system.rows(), system.jacobian(), solved.lambda) || broke || bent || turned;
+    return axes.laws_move(system, solved.lambda, solved.w, rate_tolerance);
   }
 };
 

@@ -6,6 +6,7 @@
 #include "solvers/complementarity/stage_problem.h"
 #include "solvers/complementarity/stage_tuning.h"
 #include "solvers/laws/contact_forces.h"
+#include "solvers/laws/contact_residual.h"
 #include "solvers/system/constraint_system.h"
 
 namespace taut {
@@ -19,7 +20,7 @@ namespace taut {
 /// nothing; for contacts of poses in both stages.  (solvers/complementarity, Eq. 4)
 class StageResidual {
  public:
-  using Noise = ContactLaws::RateSize;  ///< of rates, angular and linear [rad/s, m/s]
+  using Noise = RateSize;  ///< of rates, angular and linear [rad/s, m/s]
 
   StageResidual(const ConstraintSystem& system, const ContactForces& contacts)
       : system_(system), contacts_(contacts) {}

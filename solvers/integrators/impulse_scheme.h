@@ -69,6 +69,7 @@ class ImpulseScheme : public Scheme {
   const Breaking& breaking() const { return breaking_; }
 
   // For diagnoses.
+  const StageSolver& stages() const { return stages_; }
   /// Poses of the last Newton iterate; φ there is values().phi.
   const std::vector<Pose>& trial_poses() const { return phase_.poses; }
   /// The body whose tension asks for the shortest step.

@@ -242,7 +242,7 @@ Stepper::Predecessor Simulator::Impl::renew_pattern() {
   Stepper::Predecessor old = stepper_.renew_from_known();
   note_renewed();
   substepping_.division().forget_hard_steps();
-  report_.times.analysis = stepper_.system().analysis_time();
+  report_.times.analysis = stepper_.system().counters().analysis_time;
   return old;
 }
 
