@@ -45,7 +45,7 @@ void ImpulseScheme::start(const State& state, StepReport& report) {
   for (int b = 0; b < world_.body_count(); ++b)
     phase_.momenta[b] = system_.mass().momentum(b, state.poses[b], state.twists[b]);
   linearize_and_factorize(report);
-  if (iterative()) {
+  if (stages_.iterative()) {
     phase_.find_forces();
     phase_.twists_from(phase_.momenta);
     std::fill(values_.mu.begin(), values_.mu.end(), 0.0);
@@ -144,7 +144,7 @@ void ImpulseScheme::linearize(StepReport& report) {
 }
 
 void ImpulseScheme::linearize_and_factorize(StepReport& report) {
-  if (iterative()) return linearize(report);
+  if (stages_.iterative()) return linearize(report);
   {
     const Stopwatch watch(report.times.assembly);
     system_.linearize_and_assemble(phase_.state);

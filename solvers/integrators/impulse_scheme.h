@@ -80,7 +80,6 @@ class ImpulseScheme : public Scheme {
   void transfer(Archive& archive) override;
 
  protected:
-  bool iterative() const { return stages_.iterative(); }
   /// Rows have laws of their own, or are to be solved one by one.
   bool bounded() const { return stages_.bounded(); }
   bool struck() const { return axes_.struck() || contacts_.struck(); }

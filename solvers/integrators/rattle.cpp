@@ -41,7 +41,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
   if (stages_.friction_dominated()) slack_ = kSlack * settings.position_tolerance;
   axes_.set_slack(slack_);
-  if (iterative()) absorbed_.resize(world.body_count());
+  if (stages_.iterative()) absorbed_.resize(world.body_count());
 }
 
 void Rattle::start(const State& state, StepReport& report) {
@@ -88,9 +88,9 @@ void Rattle::begin_step(double h, StepReport& report) {
 
 /// λ with φ(q₁) = 0 and the laws of the first kick.
 bool Rattle::close_positions(double h, StepReport& report) {
-  return iterative() ? stabilize_positions(h, report)
-         : bounded() ? close_bounded_positions(h, report)
-                     : close_joint_positions(h, report);
+  return stages_.iterative() ? stabilize_positions(h, report)
+         : bounded()         ? close_bounded_positions(h, report)
+                             : close_joint_positions(h, report);
 }
 
 /// Multipliers far from their prediction are looked at before they are accepted.
@@ -117,7 +117,7 @@ void Rattle::accept_positions(double h, StepReport& report) {
 }
 
 void Rattle::factorize_end(StepReport& report) {
-  if (bounded() && !iterative()) stages_.prepare(values_.lambda);
+  if (bounded() && !stages_.iterative()) stages_.prepare(values_.lambda);
   if (stages_.factors_on_demand())
     linearize(report);
   else
@@ -134,7 +134,7 @@ void Rattle::finish(double h, StepReport& report) {
   keep_multipliers(h);
   if (breaking_.any_due() && breaking_.due(phase_.state.time)) {
     release_overloaded();
-    if (!iterative()) system_.factorize(report.times);
+    if (!stages_.iterative()) system_.factorize(report.times);
   }
   ++report.substeps;
   stages_.report_residuals(report);
@@ -184,7 +184,7 @@ void Rattle::restore(StepReport& report) {
 /// let some contact slip each time.  Those of contacts are held within their cones.
 void Rattle::predict_multipliers(double h) {
   const int rows = system_.row_count();
-  if (iterative()) {
+  if (stages_.iterative()) {
     prediction_.repeat(h, rows, values_.lambda);
   } else if (system_.singular() && (contacts_.empty() || struck())) {
     // Newton's method and interior points through the bodies leave a null space as they find it.
@@ -217,7 +217,7 @@ void Rattle::kick_and_drift(double h, const Configuration& end) {
     for (int b = chunk.begin; b < chunk.end; ++b) {
       if (system_.mass()[b].fixed) continue;
       if (!tension_.active()) kick(b);
-      if (iterative()) phase_.kicked[b] = phase_.kicked[b] - absorbed_[b];
+      if (stages_.iterative()) phase_.kicked[b] = phase_.kicked[b] - absorbed_[b];
       phase_.poses[b] = free_flow(system_.mass(), b, phase_.state.poses[b], phase_.kicked[b].torque,
                                   phase_.kicked[b].force, h);
     }
@@ -306,7 +306,8 @@ bool Rattle::close_velocities(double h, StepReport& report) {
     } else {
       for (int b = 0; b < world_.body_count(); ++b)
         if (system_.inverse_mass(b).moves()) phase_.second_kick(b, h);
-      if (!(iterative() ? stabilize_velocities(report) : project_bounded_momenta(report))) return false;
+      if (!(stages_.iterative() ? stabilize_velocities(report) : project_bounded_momenta(report)))
+        return false;
     }
     if (!phase_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.

@@ -45,7 +45,7 @@ class Rattle : public ImpulseScheme {
   double correct_multipliers(double h, bool from_closure);
   bool close_bounded_positions(double h, StepReport& report);
   struct PositionError;
-  PositionError position_error(double h);
+  PositionError position_error(double h, int iteration);
   void finish_position_laws();
   bool solve_position_laws(double h, bool exact, bool warm, StepReport& report);
   bool stabilize_positions(double h, StepReport& report);

@@ -41,7 +41,7 @@ void Rattle::try_positions(double h) {
 }
 
 /// How far joints are open and laws missed at the present λ, over their tolerances; `closed`: what is open is
-/// within them, so that the laws alone are left.
+/// within them, so that the laws alone are left.  Before the first solve nothing is known.
 struct Rattle::PositionError {
   double error = std::numeric_limits<double>::infinity();
   bool closed = false;
@@ -66,7 +66,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
       try_positions(h);
     }
     if (!axes_.finite()) return false;
-    const PositionError at = iteration > 0 ? position_error(h) : PositionError{};
+    const PositionError at = position_error(h, iteration);
     if (at.error <= 1) break;
     if (iteration > 0 && at.is_hopeless(iteration, settings_)) return give_up();
     if (at.closed && exact++ == StageSolver::kExactSolves) {
@@ -81,7 +81,8 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
   return true;
 }
 
-Rattle::PositionError Rattle::position_error(double h) {
+Rattle::PositionError Rattle::position_error(double h, int iteration) {
+  if (iteration == 0) return {};
   const double open =
       stages_.law_error(values_.lambda, values_.rates, h) / (settings_.position_tolerance - slack_);
   const double laws = stages_.laws_off(values_.lambda, values_.rates);
@@ -116,7 +117,7 @@ bool Rattle::solve_position_laws(double h, bool exact, bool warm, StepReport& re
 /// @returns the length of the sub-step that ends with the first impact.
 double Rattle::time_of_impact(double h, StepReport& report) {
   double time = h;
-  if (iterative() ? stabilize_positions(h, report) : close_bounded_positions(h, report))
+  if (stages_.iterative() ? stabilize_positions(h, report) : close_bounded_positions(h, report))
     time = impacts_.first(h, values_.rates);
   else
     impacts_.give_up();

@@ -14,7 +14,7 @@ bool Rattle::break_joints(double h, StepReport& report) {
   tension_.end();
   if (!now) return true;
   release_overloaded();
-  if (!iterative()) system_.factorize(report.times);
+  if (!stages_.iterative()) system_.factorize(report.times);
   return true;
 }
 
