@@ -1,5 +1,4 @@
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -67,16 +66,13 @@ TEST(RobustCrowd, BodiesInOnePlaceAreToldInsteadOfSearched) {
                                      Case{3000, Box{Vec3(0.1, 0.2, 0.3)}}, Case{100000, Sphere{0.1}}}) {
     const World world = heap(count, shape);
     ContactFinder finder;
-    const auto start = std::chrono::steady_clock::now();
     EXPECT_TRUE(finder.find(world).empty());
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     // Of contacts, or of pairs of boxes where there are too many of these already.
     EXPECT_EQ(finder.report().crowd.most, (10000 + 50 * count) * (count < 1000 ? 1 : 4));
     EXPECT_EQ(finder.report().crowd.shapes.size(), 4u);
     EXPECT_TRUE(finder.report().blind());
-    // All pairs of the last would be 5e9; it takes some 2 s with nothing beside it.
-    EXPECT_LT(seconds.count(), 30) << count;
-    std::cout << count << ": " << seconds.count() << " s\n";
+    // All pairs of the last would be 5e9.
+    EXPECT_LE(finder.report().candidate_pairs, 4 * (10000 + 50 * count) + 1) << count;
   }
 }
 
