@@ -44,11 +44,8 @@ void AxisSwings::find(AxisTable& table) {
     const std::optional<SwingProperties> properties = swing_properties(table.world(), id.joint);
     if (!properties || properties->swing != id.axis) continue;
     const int axis = static_cast<int>(i);
-    if (properties->rubs) {
-      const Friction& swing =
-          frictions_.emplace_back(Friction{axis, find_beside(table, i, properties->across.turns)});
-      share_friction(swing, table);
-    }
+    if (properties->rubs)
+      frictions_.push_back({.axis = axis, .turn = find_beside(table, i, properties->across.turns)});
     if (!properties->bends) continue;
     springs_.push_back({axis, find_beside(table, i, properties->across.components)});
     for (int k : {axis, springs_.back().component[0], springs_.back().component[1]}) table.make_own(k);
