@@ -2,20 +2,6 @@
 
 namespace taut {
 
-Works works_of(const StepReport& r) {
-  return {r.works.constraint, r.works.stiffness,   r.works.drivers,
-          r.works.forces,     r.works.dissipative, r.ledger.integration};
-}
-
-void set_works(StepReport& report, const Works& works) {
-  report.works.constraint = works.constraint;
-  report.works.stiffness = works.stiffness;
-  report.works.drivers = works.driver;
-  report.works.forces = works.force;
-  report.works.dissipative = works.dissipative;
-  report.ledger.integration = works.flow;
-}
-
 KickWorks::KickWorks(const World& world, const ConstraintSystem& system, Springs springs)
     : world_(world), system_(system), springs_(springs), has_drivers_(system.rows().depends_on_time()) {
   mean_twists_.resize(world.body_count());

@@ -11,10 +11,14 @@ namespace taut {
 
 /// The sums of a report that a sub-step adds to, so that one that is taken back leaves nothing behind.
 struct Works {
-  double constraint = 0, stiffness = 0, driver = 0, force = 0, dissipative = 0, flow = 0;
+  StepWorks of_kicks;
+  double of_flow = 0;  ///< EnergyLedger::integration
 };
-Works works_of(const StepReport& report);
-void set_works(StepReport& report, const Works& works);
+inline Works works_of(const StepReport& report) { return {report.works, report.ledger.integration}; }
+inline void set_works(StepReport& report, const Works& works) {
+  report.works = works.of_kicks;
+  report.ledger.integration = works.of_flow;
+}
 
 /// Works of what acts in kicks, for the ledger.  In a kick from momenta p₀ to p₁ impulses do their work
 /// against the mean twists ½ M⁻¹ (p₀ + p₁): those that act together add up to the change of kinetic energy
