@@ -15,17 +15,13 @@ ContactPattern::ContactPattern(const World& world, ConstraintSystem& system, Con
       prediction_(prediction) {}
 
 void ContactPattern::start(const State& state) {
-  if (contacts_.start(world_, state, horizon_))
-    take_over_places();
-  else
-    contacts_.give_points(system_);
+  if (contacts_.start(world_, state, horizon_)) take_over_places();
+  contacts_.give_points(system_);
 }
 
 void ContactPattern::move_on(const State& state) {
-  if (contacts_.move_on(world_, state, horizon_))
-    take_over_places();
-  else
-    contacts_.give_points(system_);
+  if (contacts_.move_on(world_, state, horizon_)) take_over_places();
+  contacts_.give_points(system_);
 }
 
 void ContactPattern::inherit(ContactPattern& old) {
@@ -66,7 +62,6 @@ void ContactPattern::take_over_places() {
       from[contacts_.first_row(static_cast<int>(k)) + i] = old_first[origin[k]] + i;
   }
   move_rows(from);
-  contacts_.give_points(system_);
 }
 
 void ContactPattern::set_places() {
