@@ -42,6 +42,12 @@ void StageSolver::begin_advance() {
   culprits_.clear();
 }
 
+void StageSolver::set_equalities() {
+  const Rows& rows = model_.system.rows();
+  for (int r = 0; r < rows.first_contact_row(); ++r)
+    if (rows.is_equality(r)) laws_[r] = RowLaw::equality();
+}
+
 /// b of w = S λ + b, such that the stage's λ gives its rates.
 void StageSolver::rates_without(const Stage& stage) {
   model_.system.multiply(stage.lambda, b_);

@@ -66,6 +66,8 @@ class StageSolver {
   std::span<const double> effective_mass() const { return effective_mass_; }  ///< 1 / S_rr
   std::vector<RowLaw>& laws() { return laws_; }
   std::span<const RowLaw> laws() const { return laws_; }
+  /// Laws of the rows of joints that have none of their own.
+  void set_equalities();
   /// Tells the system which rows will have to be factored if the segments stay what they are.
   void prepare(std::span<const double> b, std::span<const double> lambda) {
     pivoting_.active_set().prepare(laws_, b, lambda);

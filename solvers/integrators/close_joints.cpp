@@ -7,6 +7,7 @@
 
 #include "core/state/reach.h"
 #include "solvers/common/max_abs.h"
+#include "solvers/integrators/body_moves.h"
 
 namespace taut {
 namespace {
@@ -21,24 +22,6 @@ constexpr std::size_t kDenseSetLimit = 24;
 
 /// A body whose inverse mass overflows is nowhere even if nothing pushes it.
 bool is_somewhere(const Pose& pose) { return within(pose.p) && pose.q.coeffs().allFinite(); }
-
-void move(const MassMatrix& mass, const std::vector<Wrench>& impulse, double scale,
-          std::vector<Pose>& poses) {
-  for (int b = 0; b < mass.size(); ++b) {
-    if (mass[b].fixed) continue;
-    const Vec3 turn = scale * mass.angular_velocity(b, poses[b], impulse[b].torque);
-    poses[b].p += scale * mass[b].inverse_mass * impulse[b].force;
-    poses[b].q = (exp_so3(turn) * poses[b].q).normalized();
-  }
-}
-
-double largest_turn(const MassMatrix& mass, const std::vector<Wrench>& impulse,
-                    const std::vector<Pose>& poses) {
-  double turn = 0;
-  for (int b = 0; b < mass.size(); ++b)
-    if (!mass[b].fixed) turn = std::max(turn, mass.angular_velocity(b, poses[b], impulse[b].torque).norm());
-  return turn;
-}
 
 /// Whether the rows of these joints alone leave a residual that no motion reduces: dense, for small sets.
 bool contradict(const ConstraintSystem& system, std::span<const double> phi, const std::vector<int>& joints) {
@@ -150,7 +133,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
     system.rows().apply_transpose(system.jacobian(), delta, impulse);
     const double turn = largest_turn(system.mass(), impulse, poses);
     if (!std::isfinite(turn)) break;
-    move(system.mass(), impulse, std::min(1.0, kMaxClosingTurn / std::max(turn, 1e-300)), poses);
+    move_bodies(system.mass(), impulse, std::min(1.0, kMaxClosingTurn / std::max(turn, 1e-300)), poses);
     ++report.newton_iterations;
   }
   poses = best;

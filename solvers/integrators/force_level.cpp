@@ -5,6 +5,7 @@
 
 #include "core/state/reach.h"
 #include "solvers/common/stopwatch.h"
+#include "solvers/integrators/body_moves.h"
 
 namespace taut {
 namespace {
@@ -49,11 +50,6 @@ ForceLevel::ForceLevel(const World& world, ConstraintSystem& system, const Setti
     values->assign(system.row_count(), 0.0);
 }
 
-void ForceLevel::start(const State& state, StepReport& /*report*/) {
-  state_ = state;
-  find_momenta();
-}
-
 Scheme::Outcome ForceLevel::advance(double h, StepReport& report) {
   backup_ = state_;
   if (settings_.integrator == Integrator::kForceEuler)
@@ -72,7 +68,6 @@ Scheme::Outcome ForceLevel::advance(double h, StepReport& report) {
     state_ = backup_;
     return Outcome::kNotFinite;
   }
-  find_momenta();
   return Outcome::kDone;
 }
 
@@ -104,8 +99,7 @@ void ForceLevel::accelerate(const State& state, double h, StepReport& report,
   if (baumgarte) {
     // φ̈ = −φ̇/h − erp φ/h²: takes the joint velocity to −erp φ/h within the step [Baumgarte1972].
     system_.rows().residual(state, phi_);
-    system_.rows().apply(system_.jacobian(), state.twists, rates_);
-    system_.rows().add_rate(state, rates_);
+    system_.rates_of(state, rates_);
     for (int r = 0; r < system_.row_count(); ++r)
       lambda_[r] += rates_[r] / h + settings_.erp / (h * h) * phi_[r];
   }
@@ -119,9 +113,10 @@ void ForceLevel::accelerate(const State& state, double h, StepReport& report,
   }
 }
 
-void ForceLevel::find_momenta() {
+std::span<const Wrench> ForceLevel::momenta() const {
   for (int b = 0; b < world_.body_count(); ++b)
     momenta_[b] = system_.mass().momentum(b, state_.poses[b], state_.twists[b]);
+  return momenta_;
 }
 
 /// V₁ = V₀ + h V̇(q₀, V₀), then q₁ = q₀ ⊕ h V₁.
@@ -164,8 +159,7 @@ void ForceLevel::runge_kutta(double h, StepReport& report) {
 void ForceLevel::project_velocities(std::span<const double> target, StepReport& report) {
   system_.set_compliance(0);
   system_.factorize(report.times);
-  system_.rows().apply(system_.jacobian(), state_.twists, rates_);
-  system_.rows().add_rate(state_, rates_);
+  system_.rates_of(state_, rates_);
   for (int r = 0; r < system_.row_count(); ++r) delta_[r] = target[r] - rates_[r];
   system_.solve(delta_);
   system_.rows().apply_transpose(system_.jacobian(), delta_, joint_wrenches_);
@@ -197,18 +191,14 @@ void ForceLevel::cure_positions(StepReport& report) {
   for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -settings_.erp * phi_[r];
   system_.solve(delta_);
   system_.rows().apply_transpose(system_.jacobian(), delta_, joint_wrenches_);
-  for (int b = 0; b < world_.body_count(); ++b)
-    mean_velocity_[b] = {system_.mass().angular_velocity(b, state_.poses[b], joint_wrenches_[b].torque),
-                         system_.mass()[b].inverse_mass * joint_wrenches_[b].force};
-  move_poses(system_.mass(), state_.poses, mean_velocity_, 1, state_.poses);
+  move_bodies(system_.mass(), joint_wrenches_, 1, state_.poses);
 }
 
 /// Penalty: each row a spring and damper of the set frequency on the row's own inertia 1 / S_rr.  λ = −(k φ +
 /// c φ̇).
 void ForceLevel::add_penalty_forces(const State& state, std::vector<Wrench>& wrenches) {
   system_.rows().residual(state, phi_);
-  system_.rows().apply(system_.jacobian(), state.twists, rates_);
-  system_.rows().add_rate(state, rates_);
+  system_.rates_of(state, rates_);
   system_.effective_masses(penalty_inertia_);
   const double omega = 2 * std::numbers::pi * settings_.penalty_frequency;
   for (int r = 0; r < system_.row_count(); ++r)

@@ -21,21 +21,20 @@ class ForceLevel final : public Scheme {
  public:
   ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings);
 
-  void start(const State& state, StepReport& report) override;
+  void start(const State& state, StepReport& /*report*/) override { state_ = state; }
   /// One step of h > 0: kDone, or kNotFinite with the old state.
   [[nodiscard]] Outcome advance(double h, StepReport& report) override;
 
   const State& state() const override { return state_; }
   /// The body that made advance() fail last; else the ground.
   BodyId not_finite() const { return {not_finite_}; }
-  std::span<const Wrench> momenta() const override { return momenta_; }
+  std::span<const Wrench> momenta() const override;
   /// Joint forces at the start of the last step, times h.
   std::span<const double> impulses() const override { return impulses_; }
 
   void transfer(Archive& archive) override;
 
  private:
-  void find_momenta();
   /// V̇ at a state, with multipliers λ.
   void accelerate(const State& state, double h, StepReport& report, std::vector<Twist>& acceleration);
   void euler(double h, StepReport& report);
@@ -50,7 +49,8 @@ class ForceLevel final : public Scheme {
   const Settings& settings_;
   State state_, stage_, backup_;
   int not_finite_ = 0;
-  std::vector<Wrench> forces_, joint_wrenches_, momenta_;
+  std::vector<Wrench> forces_, joint_wrenches_;
+  mutable std::vector<Wrench> momenta_;  // made when they are asked for
   std::vector<Twist> acceleration_, slope_, sum_, mean_velocity_;
   std::vector<double> lambda_, impulses_, phi_, rates_, delta_, penalty_inertia_;
 };

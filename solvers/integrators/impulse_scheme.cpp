@@ -1,5 +1,7 @@
 #include "solvers/integrators/impulse_scheme.h"
 
+#include <algorithm>
+
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
 #include "solvers/integrators/force_level.h"
@@ -152,10 +154,10 @@ void ImpulseScheme::linearize_and_factorize(StepReport& report) {
   system_.factorize(report.times);
 }
 
-/// Rates that laws see: J V + φ_t of the present twists.
-void ImpulseScheme::find_row_rates() {
-  system_.rows().apply(system_.jacobian(), phase_.state.twists, values_.rates);
-  system_.rows().add_rate(phase_.state, values_.rates);
+/// Rates that laws see, with what the guess of μ gives.
+void ImpulseScheme::add_rates_of_guess() {
+  system_.multiply(values_.mu, values_.delta);
+  for (int r = 0; r < system_.row_count(); ++r) values_.rates[r] += values_.delta[r];
 }
 
 /// Where rates stay, the next prediction does not lean on μ.
@@ -173,7 +175,7 @@ void ImpulseScheme::take_impulses() {
 /// What is left of the rates that they had to have.
 void ImpulseScheme::note_velocities(StepReport& report) {
   phase_.twists_from(phase_.momenta);
-  find_row_rates();
+  system_.rates_of(phase_.state, values_.rates);
   std::copy(values_.rates.begin(), values_.rates.end(), values_.joint_rates.begin());
   stages_.note_inexact(values_.mu, values_.rates);
   projection_.clear_loose_rows(values_.joint_rates);

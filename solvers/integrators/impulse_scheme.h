@@ -1,8 +1,6 @@
 #pragma once
 
-#include <algorithm>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "core/world/world.h"
@@ -87,7 +85,7 @@ class ImpulseScheme : public Scheme {
   void find_contacts();
   void linearize(StepReport& report);
   void linearize_and_factorize(StepReport& report);
-  void find_row_rates();
+  void add_rates_of_guess();
   void project_momenta(double h, StepReport& report);
   void take_impulses();
   void note_velocities(StepReport& report);

@@ -99,7 +99,7 @@ void MoreauJean::begin_laws(double h, StepReport& report) {
   weighted_ = phase_.state;
   theta_ = settings_.theta;
   if (bounded()) {
-    find_row_rates();
+    system_.rates_of(phase_.state, values_.rates);
     stages_.renew_effective_masses();
     axes_.begin(phase_.start_time, h, values_.start_theta, values_.rates, stages_.effective_mass());
     theta_ = axes_.find_unresolved(system_, true) ? 1 : settings_.theta;
@@ -121,8 +121,7 @@ void MoreauJean::renew_laws() {
   std::vector<RowLaw>& laws = stages_.laws();
   axes_.impulse_laws(theta_, values_.phi, laws);
   contacts_.velocity_laws(laws);
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
-    if (system_.rows().is_equality(r)) laws[r] = RowLaw::equality();
+  stages_.set_equalities();
 }
 
 /// (q_ϑ, V_ϑ) of the momenta of now.
@@ -164,10 +163,9 @@ bool MoreauJean::solve_stage(StepReport& report) {
     return std::isfinite(report.velocity_residual);
   }
   phase_.twists_from(phase_.momenta);
-  find_row_rates();
+  system_.rates_of(phase_.state, values_.rates);
   renew_laws();
-  system_.multiply(values_.mu, values_.delta);
-  for (int r = 0; r < system_.row_count(); ++r) values_.rates[r] += values_.delta[r];
+  add_rates_of_guess();
   stages_.accuracy().begin_pass();  // replaces the one before
   stages_.residual().note_round_off();
   const StageSolver::Renew renew = [this] { renew_laws(); };

@@ -5,6 +5,7 @@
 
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
+#include "solvers/integrators/body_moves.h"
 
 namespace taut {
 namespace {
@@ -39,14 +40,8 @@ double PositionProjection::distance_to_closure(StepReport& report) {
   std::copy(values_.phi.begin(), values_.phi.end(), values_.delta.begin());
   system_.solve_shifted(values_.delta);
   system_.rows().apply_transpose(system_.jacobian(), values_.delta, move_);
-  double distance = 0;
-  for (int b = 0; b < std::ssize(move_); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    distance = std::max({distance, body.inverse_mass * move_[b].force.norm(),
-                         system_.mass().angular_velocity(b, phase_.poses[b], move_[b].torque).norm()});
-  }
-  return distance;
+  const MassMatrix& mass = system_.mass();
+  return std::max(largest_displacement(mass, move_), largest_turn(mass, move_, phase_.poses));
 }
 
 bool PositionProjection::close(double h, StepReport& report) {
@@ -66,7 +61,8 @@ bool PositionProjection::close(double h, StepReport& report) {
     const Stopwatch watch(report.times.positions);
     for (int r = 0; r < system_.row_count(); ++r) delta[r] = -phi[r];
     system_.solve_shifted(delta);
-    move_bodies();
+    system_.rows().apply_transpose(system_.jacobian(), delta, move_);
+    move_bodies(system_.mass(), move_, 1, poses);
     system_.rows().residual(end, phi);
     in_vain = max_abs(phi) < 0.9 * gap ? 0 : in_vain + 1;
     gap = max_abs(phi);
@@ -82,19 +78,6 @@ bool PositionProjection::close(double h, StepReport& report) {
     system_.rows().residual(end, phi);
   }
   return best <= settings_.position_tolerance;
-}
-
-/// By M⁻¹Jᵀ δ.
-void PositionProjection::move_bodies() {
-  system_.rows().apply_transpose(system_.jacobian(), values_.delta, move_);
-  for (int b = 0; b < std::ssize(move_); ++b) {
-    const MassMatrix::Body& body = system_.mass()[b];
-    if (body.fixed) continue;
-    Pose& pose = phase_.poses[b];
-    const Vec3 turn = system_.mass().angular_velocity(b, pose, move_[b].torque);
-    pose.p += body.inverse_mass * move_[b].force;
-    pose.q = (exp_so3(turn) * pose.q).normalized();
-  }
 }
 
 }  // namespace taut

@@ -33,8 +33,6 @@ class PositionProjection {
   bool close(double h, StepReport& report);
 
  private:
-  void move_bodies();
-
   ConstraintSystem& system_;
   const Settings& settings_;
   StartJacobian& start_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"

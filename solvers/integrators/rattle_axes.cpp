@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
@@ -10,6 +9,7 @@
 // The two stages of a step with limits, motors, friction and springs: the same Newton and the same projection
 // as without them, with an active set in place of each solve.  (solvers/laws, "Axes")
 namespace taut {
+
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
   size_ = system_size(phase_.state.poses);
@@ -20,14 +20,12 @@ void Rattle::begin_bounds(double h) {
       values_.start_theta[r] = std::clamp(values_.phi[r], -slack_, slack_);
   for (const Rows::AxisRow& axis : system_.rows().axis_rows())
     values_.start_theta[axis.row] = values_.phi[axis.row];
-  find_row_rates();
+  system_.rates_of(phase_.state, values_.rates);
   stages_.renew_effective_masses();
   axes_.begin(phase_.state.time, h, values_.start_theta, values_.rates, stages_.effective_mass());
   axes_.find_unresolved(system_);
   contacts_.begin(h, values_.rates, stages_.effective_mass());
-  std::vector<RowLaw>& laws = stages_.laws();
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
-    if (system_.rows().is_equality(r)) laws[r] = RowLaw::equality();
+  stages_.set_equalities();
 }
 
 /// Where the present λ leads to: q₁, φ(q₁), the mean rates and their laws.
@@ -136,8 +134,7 @@ void Rattle::renew_velocity_laws() {
   std::vector<RowLaw>& laws = stages_.laws();
   axes_.velocity_laws(values_.phi, laws);
   contacts_.velocity_laws(laws);
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
-    if (system_.rows().is_equality(r)) laws[r] = RowLaw::equality();
+  stages_.set_equalities();
   for (int r : breaking_.rows()) laws[r] = RowLaw::none();
 }
 
@@ -148,12 +145,11 @@ void Rattle::begin_velocities() {
   std::copy(values_.lambda.begin(), values_.lambda.end(), values_.mu.begin());
   system_.rows().residual(phase_.end_of_step(0), values_.phi);
   phase_.twists_from(phase_.momenta);
-  find_row_rates();
+  system_.rates_of(phase_.state, values_.rates);
   stages_.renew_effective_masses();
   contacts_.begin_velocities(values_.rates, stages_.effective_mass());
   renew_velocity_laws();
-  system_.multiply(values_.mu, values_.delta);
-  for (int r = 0; r < system_.row_count(); ++r) values_.rates[r] += values_.delta[r];
+  add_rates_of_guess();
 }
 
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.

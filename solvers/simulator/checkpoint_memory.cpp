@@ -294,7 +294,6 @@ void ForceLevel::transfer(Archive& archive) {
   archive(state_);
   Archive::require(same(state_, world_.state()), "its states disagree");
   archive.sized(impulses_);
-  if (archive.reads()) find_momenta();
   system_.transfer(archive, state_);  // whether rows have been dependent lately
   system_.reset_counters();
 }

@@ -76,8 +76,7 @@ double StepQuality::velocity_residual(Stepper& stepper) {
   ConstraintSystem& system = stepper.system();
   const State& state = stepper.state();
   system.linearize(state);
-  system.rows().apply(system.jacobian(), state.twists, rates_);
-  system.rows().add_rate(state, rates_);
+  system.rates_of(state, rates_);
   double largest = 0;
   for (double rate : rates_) largest = std::max(largest, std::abs(rate));
   return largest;

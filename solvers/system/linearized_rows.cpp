@@ -92,6 +92,11 @@ void LinearizedRows::linearize(const Configuration& at) {
   ++linearization_, ++version_;
 }
 
+void LinearizedRows::rates_of(const State& state, std::span<double> out) const {
+  rows_.apply(jacobian_, state.twists, out);
+  rows_.add_rate(state, out);
+}
+
 void LinearizedRows::set_mass(std::span<const Pose> poses) {
   full_roots_.clear();
   ++version_;

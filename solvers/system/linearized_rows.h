@@ -51,6 +51,8 @@ class LinearizedRows {
     }
   }
   std::span<const double> jacobian() const { return jacobian_; }
+  /// J V + φ_t of all rows, with the twists and the time of a state.
+  void rates_of(const State& state, std::span<double> out) const;
   /// J given from outside, for instance a mean of two: to be written to.
   std::span<double> change_jacobian() {
     ++version_;

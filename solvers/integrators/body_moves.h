@@ -1,0 +1,39 @@
+#pragma once
+
+#include <algorithm>
+#include <span>
+
+#include "solvers/system/mass_matrix.h"
+
+// Moves of bodies that impulses j = Jᵀ λ stand for: each by M⁻¹ j, in world axes.
+namespace taut {
+
+/// q ← q ⊕ scale M⁻¹ j.
+inline void move_bodies(const MassMatrix& mass, std::span<const Wrench> impulse, double scale,
+                        std::span<Pose> poses) {
+  for (int b = 0; b < mass.size(); ++b) {
+    if (mass[b].fixed) continue;
+    const Vec3 turn = scale * mass.angular_velocity(b, poses[b], impulse[b].torque);
+    poses[b].p += scale * mass[b].inverse_mass * impulse[b].force;
+    poses[b].q = (exp_so3(turn) * poses[b].q).normalized();
+  }
+}
+
+/// The largest rotation in M⁻¹ j [rad].
+inline double largest_turn(const MassMatrix& mass, std::span<const Wrench> impulse,
+                           std::span<const Pose> poses) {
+  double turn = 0;
+  for (int b = 0; b < mass.size(); ++b)
+    if (!mass[b].fixed) turn = std::max(turn, mass.angular_velocity(b, poses[b], impulse[b].torque).norm());
+  return turn;
+}
+
+/// The largest displacement of a centre of mass in M⁻¹ j [m].
+inline double largest_displacement(const MassMatrix& mass, std::span<const Wrench> impulse) {
+  double largest = 0;
+  for (int b = 0; b < mass.size(); ++b)
+    if (!mass[b].fixed) largest = std::max(largest, mass[b].inverse_mass * impulse[b].force.norm());
+  return largest;
+}
+
+}  // namespace taut
