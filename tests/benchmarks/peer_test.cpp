@@ -9,7 +9,7 @@
 #include "scenes/support/child_process.h"
 
 /// Whether each engine that is installed has been given the scene that it is said to run.
-namespace taut::testing {
+namespace taut::testing::peer_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -158,4 +158,4 @@ INSTANTIATE_TEST_SUITE_P(Engines, PeersWithoutContact,
                                            PeerCase{"bullet", "featherstone", 0}));
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::peer_test

@@ -9,7 +9,7 @@
 #include "tests/collision/narrow/pair_of_shapes.h"
 #include "tests/core/expect_invalid.h"
 
-namespace taut {
+namespace taut::contact_finder_test {
 namespace {
 
 using testing::convex_shapes;
@@ -269,4 +269,4 @@ TEST(ContactFinder, ASettledHeapAllocatesNothing) {
 #endif
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_finder_test

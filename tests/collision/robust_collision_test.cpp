@@ -8,7 +8,7 @@
 #include "core/base/thread_pool.h"
 #include "tests/core/expect_invalid.h"
 
-namespace taut {
+namespace taut::robust_collision_test {
 namespace {
 
 using testing::expect_invalid;
@@ -242,4 +242,4 @@ TEST(RobustPairs, WhatHasNoContactIsAskedOfTheShapes) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::robust_collision_test

@@ -12,7 +12,7 @@
 #include "tests/core/expect_invalid.h"
 #include "tests/temporary.h"
 
-namespace taut {
+namespace taut::mesh_file_test {
 namespace {
 
 using testing::expect_invalid;
@@ -103,4 +103,4 @@ TEST(MeshFile, WhatIsWrongIsSaidWithTheFile) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::mesh_file_test

@@ -1,6 +1,6 @@
 #include "tests/collision/narrow/pair_of_shapes.h"
 
-namespace taut {
+namespace taut::closed_forms_test {
 namespace {
 
 using testing::convex_shapes;
@@ -194,4 +194,4 @@ TEST(ClosedForms, CapsulesThatCross) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::closed_forms_test

@@ -1,6 +1,6 @@
 #include "tests/collision/narrow/pair_of_shapes.h"
 
-namespace taut {
+namespace taut::manifold_test {
 namespace {
 
 using testing::convex_shapes;
@@ -367,4 +367,4 @@ TEST(Manifold, DoesNotDependOnWhereThePairIsNorOnItsOrder) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::manifold_test

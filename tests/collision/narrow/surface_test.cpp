@@ -1,7 +1,7 @@
 #include "core/world/solid.h"
 #include "tests/collision/narrow/pair_of_shapes.h"
 
-namespace taut {
+namespace taut::surface_test {
 namespace {
 
 using testing::convex_shapes;
@@ -187,4 +187,4 @@ TEST(Surface, AMeshFallsOnAHalfSpace) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::surface_test

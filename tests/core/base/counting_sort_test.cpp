@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-namespace taut {
+namespace taut::counting_sort_test {
 namespace {
 
 /// Against std::stable_sort, in vectors that hold something already.
@@ -33,4 +33,4 @@ TEST(CountingSort, KeepsTheOrderOfEqualKeysAndLeavesOutNegativeOnes) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::counting_sort_test

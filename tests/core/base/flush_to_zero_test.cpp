@@ -5,7 +5,7 @@
 #include <limits>
 
 #if defined(__SSE__)
-namespace taut {
+namespace taut::flush_to_zero_test {
 namespace {
 
 double half_of_the_smallest() {
@@ -26,5 +26,5 @@ TEST(FlushToZero, LastsAsLongAsItLives) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::flush_to_zero_test
 #endif

@@ -6,7 +6,7 @@
 
 #include "tests/allocation_counter.h"
 
-namespace taut {
+namespace taut::union_find_test {
 namespace {
 
 /// Against labels that are rewritten one by one at each join.
@@ -42,4 +42,4 @@ TEST(UnionFind, ServesAgainWithoutAllocation) {
 #endif
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::union_find_test

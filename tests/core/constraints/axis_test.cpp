@@ -6,7 +6,7 @@
 #include "core/joints/joints.h"
 #include "tests/core/constraints/row_checker.h"
 
-namespace taut {
+namespace taut::axis_test {
 namespace {
 
 using testing::kA;
@@ -292,4 +292,4 @@ TEST(AxisRows, DoNotCountAsGaps) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::axis_test

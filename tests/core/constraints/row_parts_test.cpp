@@ -2,7 +2,7 @@
 
 #include "tests/core/constraints/row_checker.h"
 
-namespace taut {
+namespace taut::row_parts_test {
 namespace {
 
 using namespace row_parts;
@@ -206,4 +206,4 @@ TEST(RowChecker, SeesMistakes) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::row_parts_test

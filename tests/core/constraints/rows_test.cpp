@@ -9,7 +9,7 @@
 #include "core/joints/joints.h"
 #include "tests/core/random_state.h"
 
-namespace taut {
+namespace taut::rows_test {
 namespace {
 
 using testing::Random;
@@ -193,4 +193,4 @@ TEST(Rows, OfAnEmptyWorldAreNone) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::rows_test

@@ -5,7 +5,7 @@
 #include "tests/core/random_state.h"
 
 // Rows of springs between bodies.
-namespace taut {
+namespace taut::spring_rows_test {
 namespace {
 
 using testing::Random;
@@ -82,4 +82,4 @@ TEST(SpringRows, AreAChangeOfTopologyOnlyWhereTheyChange) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::spring_rows_test

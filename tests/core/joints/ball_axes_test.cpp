@@ -6,7 +6,7 @@
 #include "tests/core/expect_invalid.h"
 
 /// Swing, twist and turns of ball joints, and the swing of a universal joint.
-namespace taut {
+namespace taut::ball_axes_test {
 namespace {
 
 using testing::expect_invalid;
@@ -186,4 +186,4 @@ TEST(UniversalSwing, IsTheBendOfTheShaft) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::ball_axes_test

@@ -6,7 +6,7 @@
 #include "tests/core/world_rows_checker.h"
 
 // Joints of several bodies and joints that follow the time.
-namespace taut {
+namespace taut::coupling_test {
 namespace {
 
 using testing::expect_invalid;
@@ -262,4 +262,4 @@ TEST(WireInput, IsChecked) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::coupling_test

@@ -4,7 +4,7 @@
 #include "tests/core/constraints/row_checker.h"
 #include "tests/core/expect_invalid.h"
 
-namespace taut {
+namespace taut::joint_input_test {
 namespace {
 
 using testing::expect_invalid;
@@ -139,4 +139,4 @@ TEST(JointInput, MissingBodiesAreNamed) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::joint_input_test

@@ -1,7 +1,7 @@
 #include "core/joints/joints.h"
 #include "tests/core/constraints/row_checker.h"
 
-namespace taut {
+namespace taut::joint_multipliers_test {
 namespace {
 
 using testing::kA;
@@ -98,4 +98,4 @@ TEST(JointMultipliers, ReactionsAreReportedAboutTheAnchorOnB) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::joint_multipliers_test

@@ -5,7 +5,7 @@
 
 #include "tests/core/constraints/row_checker.h"
 
-namespace taut {
+namespace taut::joints_test {
 namespace {
 
 using testing::kA;
@@ -378,4 +378,4 @@ INSTANTIATE_TEST_SUITE_P(AllTypes, Joints, ::testing::ValuesIn(kCases), [](const
 });
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::joints_test

@@ -6,7 +6,7 @@
 
 #include "tests/core/random_state.h"
 
-namespace taut {
+namespace taut::so3_test {
 namespace {
 
 using testing::Random;
@@ -56,4 +56,4 @@ TEST(So3, FramesAreRightHandedAndOrthonormal) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::so3_test

@@ -10,7 +10,7 @@
 #include "tests/core/world_rows_checker.h"
 
 // Bodies that fixed joints hold together as one body.
-namespace taut {
+namespace taut::merged_world_test {
 namespace {
 
 using testing::expect_invalid;
@@ -397,4 +397,4 @@ TEST(MergedWorld, NamesPartsThatCannotBeMoved) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::merged_world_test

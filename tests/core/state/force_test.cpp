@@ -6,7 +6,7 @@
 #include "tests/core/expect_invalid.h"
 #include "tests/core/random_state.h"
 
-namespace taut {
+namespace taut::force_test {
 namespace {
 
 using testing::expect_invalid;
@@ -178,4 +178,4 @@ TEST(Forces, CanBeReplaced) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::force_test

@@ -6,7 +6,7 @@
 #include "tests/core/constraints/row_checker.h"
 #include "tests/core/expect_invalid.h"
 
-namespace taut {
+namespace taut::axis_properties_test {
 namespace {
 
 using testing::expect_invalid;
@@ -185,4 +185,4 @@ TEST(Springs, EnergyIsTheIntegralOfTheForce) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::axis_properties_test

@@ -8,7 +8,7 @@
 #include "core/joints/joints.h"
 #include "tests/core/random_state.h"
 
-namespace taut {
+namespace taut::diagnostics_test {
 namespace {
 
 using testing::Random;
@@ -159,4 +159,4 @@ TEST(Gaps, ShowANotANumberWhereverItStands) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::diagnostics_test

@@ -9,7 +9,7 @@
 #include "tests/core/world_rows_checker.h"
 
 /// Strength and elasticity of joints, and joints that leave and come back.
-namespace taut {
+namespace taut::joint_properties_test {
 namespace {
 
 using testing::expect_invalid;
@@ -131,4 +131,4 @@ TEST(Detach, AllButSomeAndWhatTheseCouple) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::joint_properties_test

@@ -7,7 +7,7 @@
 #include "tests/core/expect_invalid.h"
 #include "tests/core/random_state.h"
 
-namespace taut {
+namespace taut::rigid_body_test {
 namespace {
 
 using testing::expect_invalid;
@@ -241,4 +241,4 @@ TEST(Inertia, ImpossibleShapesAreRefused) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::rigid_body_test

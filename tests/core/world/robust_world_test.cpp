@@ -8,7 +8,7 @@
 
 // What users may give a World by mistake: ids that are not there, and numbers that are too large for
 // anything.
-namespace taut {
+namespace taut::robust_world_test {
 namespace {
 
 using testing::expect_invalid;
@@ -251,4 +251,4 @@ TEST(RobustReach, ShapesBeyondAllReasonAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::robust_world_test

@@ -7,7 +7,7 @@
 #include "tests/core/expect_invalid.h"
 #include "tests/core/random_state.h"
 
-namespace taut {
+namespace taut::shape_test {
 namespace {
 
 using testing::expect_invalid;
@@ -194,4 +194,4 @@ TEST(WorldShapes, WhoMayCollide) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::shape_test

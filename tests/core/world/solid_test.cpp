@@ -6,7 +6,7 @@
 #include "tests/core/expect_invalid.h"
 #include "tests/core/random_state.h"
 
-namespace taut {
+namespace taut::solid_test {
 namespace {
 
 using testing::expect_invalid;
@@ -164,4 +164,4 @@ TEST(Solid, ACompoundOfEightBoxesIsOneBox) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::solid_test

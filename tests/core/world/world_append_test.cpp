@@ -7,7 +7,7 @@
 #include "tests/core/random_state.h"
 
 /// World::append(): rows, forces, shapes and properties of a part are those of the world that it came from.
-namespace taut {
+namespace taut::world_append_test {
 namespace {
 
 using testing::expect_invalid;
@@ -290,4 +290,4 @@ TEST(PoseMotion, HasItsOwnDerivatives) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::world_append_test

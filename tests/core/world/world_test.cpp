@@ -6,7 +6,7 @@
 #include "tests/core/expect_invalid.h"
 #include "tests/core/random_state.h"
 
-namespace taut {
+namespace taut::world_test {
 namespace {
 
 using testing::expect_invalid;
@@ -263,4 +263,4 @@ TEST(World, ReportsAGapThatIsNotANumber) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::world_test

@@ -10,7 +10,7 @@
 #include "tests/temporary.h"
 
 /// `taut accuracy` on folders of cases that it has not seen, made up here from closed forms.
-namespace taut::reference {
+namespace taut::reference::accuracy_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -279,4 +279,4 @@ TEST(Accuracy, WorldsOfContactCasesHaveTheirShapes) {
 }
 
 }  // namespace
-}  // namespace taut::reference
+}  // namespace taut::reference::accuracy_test

@@ -9,7 +9,7 @@
 #include "tests/source_dir.h"
 
 /// What `taut accuracy --study` says, against what is known of the methods.
-namespace taut {
+namespace taut::study_test {
 namespace {
 
 TEST(Study, OrderIsTheSlopeOfTheShortestStepsAboveRoundOff) {
@@ -90,4 +90,4 @@ TEST(Study, MethodsDoWhatTheyAreKnownFor) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::study_test

@@ -9,7 +9,7 @@
 #include "tests/temporary.h"
 
 /// When `taut bench --compare` says that something has become worse.
-namespace taut::testing {
+namespace taut::testing::bench_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -214,4 +214,4 @@ TEST(WorkReport, OptionsThatMeanNothingForItAreRefused) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::bench_test

@@ -7,7 +7,7 @@
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"
 
-namespace taut {
+namespace taut::builders_test {
 namespace {
 
 struct Case {
@@ -250,4 +250,4 @@ TEST(SceneCatalogue, RefusesBadInputAndSaysWhatIsAllowed) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::builders_test

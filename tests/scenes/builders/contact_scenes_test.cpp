@@ -13,7 +13,7 @@
 #include "tests/source_dir.h"
 
 /// The builders with contact: what each of them is to show, and joints that stay closed meanwhile.
-namespace taut {
+namespace taut::contact_scenes_test {
 namespace {
 
 constexpr double kG = 9.81;
@@ -314,4 +314,4 @@ TEST(Pile, stays_within_its_walls) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_scenes_test

@@ -13,7 +13,7 @@
 #include "scenes/recording/drawn_shapes.h"
 #include "tests/temporary.h"
 
-namespace taut::testing {
+namespace taut::testing::drawing_test {
 namespace {
 
 const std::vector<Shape>& closed_shapes() {
@@ -153,4 +153,4 @@ TEST(Drawing, SceneFilesAndCollisionShapesAndInertia) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::drawing_test

@@ -14,7 +14,7 @@
 #include "tests/source_dir.h"
 
 // Mechanisms and machines, as files and from the catalogue, and what they show.
-namespace taut {
+namespace taut::mechanisms_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -281,4 +281,4 @@ TEST(Machines, AChainWithLimitsKeepsThem) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::mechanisms_test

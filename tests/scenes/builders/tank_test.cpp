@@ -10,7 +10,7 @@
 #include "solvers/simulator/simulator.h"
 
 /// The tracked vehicle: its track, how it drives and turns, and joints that stay closed meanwhile.
-namespace taut {
+namespace taut::tank_test {
 namespace {
 
 /// Steps a tank; each step must succeed, with joints closed to 1e-9 and the laws met to 1e-8.
@@ -124,4 +124,4 @@ TEST(Tank, is_carried_by_the_ground) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::tank_test

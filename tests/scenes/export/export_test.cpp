@@ -22,7 +22,7 @@
 #include "tests/scenes/recording/sample_recording.h"
 #include "tests/temporary.h"
 
-namespace taut::testing {
+namespace taut::testing::export_test {
 namespace {
 
 constexpr int kFrames = 5;
@@ -287,4 +287,4 @@ TEST(Exports, ASingleFrameAndAWorldWithoutBodiesAreShown) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::export_test

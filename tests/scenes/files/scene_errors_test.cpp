@@ -9,7 +9,7 @@
 #include "scenes/files/scene_file.h"
 
 /// Files with several mistakes: all that can be known is said at once, and nothing that is not so.
-namespace taut {
+namespace taut::scene_errors_test {
 namespace {
 
 using Lines = std::set<std::string>;
@@ -203,4 +203,4 @@ TEST(SceneErrors, OfTheStartLeaveGapsOpen) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::scene_errors_test

@@ -10,7 +10,7 @@
 #include "tests/source_dir.h"
 
 /// Damaged scene files must be read or refused with SceneFileError: anything else escapes and fails the test.
-namespace taut {
+namespace taut::scene_file_fuzz_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -160,4 +160,4 @@ TEST(SceneFileFuzz, DamagedDocumentsAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::scene_file_fuzz_test

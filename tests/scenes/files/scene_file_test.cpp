@@ -13,7 +13,7 @@
 #include "tests/scenes/files/scene_bad_cases.h"
 #include "tests/source_dir.h"
 
-namespace taut {
+namespace taut::scene_file_test {
 namespace {
 
 using namespace scene_file_cases;
@@ -469,4 +469,4 @@ TEST(ShippedScenes, ExampleOfTheReadme) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::scene_file_test

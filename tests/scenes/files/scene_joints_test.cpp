@@ -6,7 +6,7 @@
 #include "tests/scenes/files/scene_file_cases.h"
 
 /// Joints over points, curves and motions in scene files against the same made in C++, and their properties.
-namespace taut {
+namespace taut::scene_joints_test {
 namespace {
 
 using namespace scene_file_cases;
@@ -170,4 +170,4 @@ TEST(SceneJoints, APoseDriverIsClosedByDefault) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::scene_joints_test

@@ -8,7 +8,7 @@
 #include "solvers/simulator/simulator.h"
 
 /// A block that is moved as a whole, with a prefix, behaves as the builder's own scene.
-namespace taut {
+namespace taut::scene_merge_test {
 namespace {
 
 /// Every builder, small.
@@ -113,4 +113,4 @@ TEST(AppendScene, LeavesTheSceneAloneIfANameIsTaken) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::scene_merge_test

@@ -13,7 +13,7 @@
 #include "tests/source_dir.h"
 
 /// The schema says the same as the reader, as far as a schema can.
-namespace taut {
+namespace taut::scene_schema_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -86,4 +86,4 @@ TEST(SceneSchema, RejectsWhatASchemaCanSee) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::scene_schema_test

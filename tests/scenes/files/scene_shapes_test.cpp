@@ -14,7 +14,7 @@
 #include "tests/temporary.h"
 
 /// Contact geometry of scene files, and bodies whose mass comes from it.
-namespace taut {
+namespace taut::scene_shapes_test {
 namespace {
 
 using namespace scene_file_cases;
@@ -289,4 +289,4 @@ TEST(ShippedScenes, MarblesFallThroughTheFunnelOntoTheRamp) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::scene_shapes_test

@@ -11,7 +11,7 @@
 #include "tests/run_program.h"
 #include "tests/temporary.h"
 
-namespace taut::testing {
+namespace taut::testing::state_file_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -156,4 +156,4 @@ TEST(StateFile, AStateThatDoesNotFitIsRefused) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::state_file_test

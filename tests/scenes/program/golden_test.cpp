@@ -13,7 +13,7 @@
 
 // Runs whose bits are the same on every processor that was tried, against what they were
 // (tests/golden/README.md).
-namespace taut {
+namespace taut::golden_test {
 namespace {
 
 /// "name: the rest" of each line that is no remark.
@@ -61,4 +61,4 @@ std::string case_name(const ::testing::TestParamInfo<std::pair<const std::string
 INSTANTIATE_TEST_SUITE_P(Cases, Golden, ::testing::ValuesIn(lines_of("fingerprints.txt")), case_name);
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::golden_test

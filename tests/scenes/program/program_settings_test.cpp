@@ -8,7 +8,7 @@
 
 /// What the program says of settings that do not go together, of output files it cannot have, and of a start
 /// that is not what it seems.
-namespace taut::testing {
+namespace taut::testing::program_settings_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -253,4 +253,4 @@ TEST(ProgramStart, FarFromTheOriginIsSaidAndItsGapReported) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::program_settings_test

@@ -11,7 +11,7 @@
 #include "tests/source_dir.h"
 #include "tests/temporary.h"
 
-namespace taut::testing {
+namespace taut::testing::program_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -467,4 +467,4 @@ TEST(Program, ABadSceneFileIsRefusedWithThePlaceOfTheMistake) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::program_test

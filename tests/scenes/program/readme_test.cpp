@@ -3,7 +3,7 @@
 #include "tests/source_dir.h"
 #include "tests/temporary.h"
 
-namespace taut::testing {
+namespace taut::testing::readme_test {
 namespace {
 
 TEST(Readme, ItsExampleIsTheProgramOfTheOutsideProject) {
@@ -15,4 +15,4 @@ TEST(Readme, ItsExampleIsTheProgramOfTheOutsideProject) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::readme_test

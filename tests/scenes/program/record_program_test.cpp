@@ -10,7 +10,7 @@
 #include "tests/run_program.h"
 #include "tests/temporary.h"
 
-namespace taut::testing {
+namespace taut::testing::record_program_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -200,4 +200,4 @@ TEST(ProgressLine, ShowsSimulatedTimeRateRemainingTimeAndGap) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::record_program_test

@@ -14,7 +14,7 @@
 #include "tests/temporary.h"
 
 // What the program says where contacts cannot be had.
-namespace taut {
+namespace taut::robust_collision_program_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -159,4 +159,4 @@ TEST(RobustThreadsProgram, ThreadsThatCannotBeStartedAreDoneWithoutAndSaidOnce) 
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::robust_collision_program_test

@@ -21,7 +21,7 @@
 #include "tests/temporary.h"
 
 // What a user has on his disk is what he left there, but for the file that he asked for.
-namespace taut::testing {
+namespace taut::testing::robust_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -340,4 +340,4 @@ TEST(RobustFiles, ARunThatWasStoppedGoesOnToTheSameBits) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::robust_files_test

@@ -11,7 +11,7 @@
 #include "tests/source_dir.h"
 
 // The gap of a report is that of all that should hold, whoever solves it.
-namespace taut {
+namespace taut::robust_gap_test {
 namespace {
 
 Scene load(const std::string& name) {
@@ -120,4 +120,4 @@ TEST(RobustGap, OfMergedJointsIsThatOfTheBodiesThatTheUserGets) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::robust_gap_test

@@ -23,7 +23,7 @@
 #include "tests/temporary.h"
 
 // What is read is bounded by what is there, and what it is called is no syntax of another format.
-namespace taut::testing {
+namespace taut::testing::robust_inputs_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -251,4 +251,4 @@ TEST(RobustInputs, AllFilesOfAStrangelyNamedRunAreSound) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::robust_inputs_test

@@ -14,7 +14,7 @@
 #include "tests/source_dir.h"
 
 // Implicit tension acts between bodies: what nothing holds keeps its momenta.
-namespace taut {
+namespace taut::robust_momentum_test {
 namespace {
 
 /// Σ |m v| and Σ |x × m v| + |I ω|, with which momenta are compared.
@@ -190,4 +190,4 @@ TEST(RobustMomentum, IsSharedByWhatTouches) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::robust_momentum_test

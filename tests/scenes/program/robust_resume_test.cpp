@@ -13,7 +13,7 @@
 
 // A run that goes on from a checkpoint is the run that was not interrupted, to the last bit, in all that it
 // knows.
-namespace taut {
+namespace taut::robust_resume_test {
 namespace {
 
 using testing::Outcome;
@@ -227,4 +227,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, RobustProgramResume,
                                            std::pair("stack", "--set n=4 --sleep"), std::pair("car", "")));
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::robust_resume_test

@@ -6,7 +6,7 @@
 #include "scenes/program/run_report.h"
 #include "scenes/recording/recorder.h"
 
-namespace taut {
+namespace taut::run_record_test {
 namespace {
 
 StepReport step_of(Status status, double time, double residual) {
@@ -48,4 +48,4 @@ TEST(RunRecord, ItsTableSpeaksOfContactsWhereThereAreSome) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::run_record_test

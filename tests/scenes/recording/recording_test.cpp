@@ -14,7 +14,7 @@
 #include "tests/source_dir.h"
 #include "tests/temporary.h"
 
-namespace taut::testing {
+namespace taut::testing::recording_test {
 namespace {
 
 constexpr int kFrames = 5;
@@ -364,4 +364,4 @@ TEST(FrameSampler, ABrokenJointIsDetachedAndNotOpen) {
 }
 
 }  // namespace
-}  // namespace taut::testing
+}  // namespace taut::testing::recording_test

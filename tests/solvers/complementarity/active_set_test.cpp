@@ -6,7 +6,7 @@
 #include "tests/allocation_counter.h"
 #include "tests/solvers/complementarity/law_problems.h"
 
-namespace taut {
+namespace taut::active_set_test {
 namespace {
 
 using namespace law_problems;
@@ -366,4 +366,4 @@ TEST(ActiveSet, AllocatesNothing) {
 #endif
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::active_set_test

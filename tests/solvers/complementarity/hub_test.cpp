@@ -7,7 +7,7 @@
 
 // A hub: one body that touches hundreds of others.  In S the rows of all its contacts are coupled; in the
 // system of the bodies it is one node with many neighbours. (solvers/system, "Primal matrix")
-namespace taut {
+namespace taut::hub_test {
 namespace {
 
 /// n × n boxes of 1 kg on a loose tray.
@@ -68,4 +68,4 @@ TEST(Hub, BearsWhatLiesOnIt) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::hub_test

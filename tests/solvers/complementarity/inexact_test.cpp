@@ -9,7 +9,7 @@
 #include "solvers/simulator/simulator.h"
 #include "tests/source_dir.h"
 
-namespace taut {
+namespace taut::inexact_test {
 namespace {
 
 /// A pendulum of two rods that touch nothing, on a body.
@@ -139,4 +139,4 @@ TEST(Inexact, NothingInexactIsTakenIfItIsNotWanted) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::inexact_test

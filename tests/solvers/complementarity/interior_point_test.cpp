@@ -6,7 +6,7 @@
 #include "solvers/simulator/simulator.h"
 #include "tests/solvers/complementarity/law_problems.h"
 
-namespace taut {
+namespace taut::interior_point_test {
 namespace {
 
 using namespace law_problems;
@@ -108,4 +108,4 @@ TEST(InteriorPoint, CarriesANetWithFrictionInEveryJoint) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::interior_point_test

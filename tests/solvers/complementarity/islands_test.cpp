@@ -13,7 +13,7 @@
 #include "tests/solvers/complementarity/law_problems.h"
 
 // Islands: what nothing connects is solved by itself.
-namespace taut {
+namespace taut::islands_test {
 namespace {
 
 constexpr double kStep = 1.0 / 240;
@@ -203,4 +203,4 @@ TEST(Islands, of_mechanisms_keep_their_joints_closed) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::islands_test

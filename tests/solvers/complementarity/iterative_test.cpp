@@ -10,7 +10,7 @@
 #include "solvers/simulator/simulator.h"
 
 /// The iterative alternatives against the direct solver, closed forms and laws.
-namespace taut {
+namespace taut::iterative_test {
 namespace {
 
 constexpr double kG = 9.81;
@@ -213,4 +213,4 @@ TEST(IterativeSettings, BadOnesAreRefused) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::iterative_test

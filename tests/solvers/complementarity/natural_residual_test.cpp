@@ -12,7 +12,7 @@
 #include "tests/solvers/complementarity/law_problems.h"
 
 // The natural residual that a step reports is that of the laws as they stand, and small enough for a success.
-namespace taut {
+namespace taut::natural_residual_test {
 namespace {
 
 using namespace law_problems;
@@ -194,4 +194,4 @@ TEST(RobustResidual, IsAtMost1e9WhereShapesDoNotTouch) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::natural_residual_test

@@ -7,7 +7,7 @@
 #include "solvers/simulator/simulator.h"
 #include "tests/solvers/complementarity/law_problems.h"
 
-namespace taut {
+namespace taut::primal_dual_active_set_test {
 namespace {
 
 using namespace law_problems;
@@ -78,4 +78,4 @@ TEST(PrimalDualActiveSet, LetsARubbingNetRest) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::primal_dual_active_set_test

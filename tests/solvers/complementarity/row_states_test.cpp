@@ -4,7 +4,7 @@
 #include "solvers/system/row_updates.h"
 #include "tests/solvers/complementarity/law_problems.h"
 
-namespace taut {
+namespace taut::row_states_test {
 namespace {
 
 using namespace law_problems;
@@ -175,4 +175,4 @@ TEST(ProjectedGaussSeidel, FindsWhatTheEnumerationFinds) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::row_states_test

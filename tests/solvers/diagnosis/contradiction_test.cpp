@@ -9,7 +9,7 @@
 #include "solvers/simulator/simulator.h"
 
 /// Sets of joints, limits, motors and contacts that exclude each other, known by how they were made.
-namespace taut {
+namespace taut::contradiction_test {
 namespace {
 
 using Names = std::set<std::string>;
@@ -392,4 +392,4 @@ TEST(Contradictions, OfRandomWaysAreNegativeCycles) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contradiction_test

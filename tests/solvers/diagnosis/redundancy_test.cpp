@@ -11,7 +11,7 @@
 #include "tests/source_dir.h"
 
 // Which rows are redundant and whose reactions are not unique, against the null space of the dense matrix.
-namespace taut {
+namespace taut::redundancy_test {
 namespace {
 
 Scene scene_of(const std::string& name, double n) {
@@ -94,4 +94,4 @@ TEST(Redundancy, IsNamedByEveryStep) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::redundancy_test

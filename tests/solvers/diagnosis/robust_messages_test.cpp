@@ -10,7 +10,7 @@
 #include "tests/source_dir.h"
 
 // A step that fails names who has the largest share in it, and what may help.
-namespace taut {
+namespace taut::robust_messages_test {
 namespace {
 
 BodyId add_box(World& world, const std::string& name, const Vec3& p, double mass = 1) {
@@ -119,4 +119,4 @@ TEST(RobustMessages, WhatIsLeftOfRatesNamesTheJoint) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::robust_messages_test

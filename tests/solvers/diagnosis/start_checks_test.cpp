@@ -10,7 +10,7 @@
 #include "solvers/simulator/simulator.h"
 
 // What is said of a world before its first step, against what the simulator then makes of it.
-namespace taut {
+namespace taut::start_checks_test {
 namespace {
 
 /// A chain of turned bodies on balls and hinges, of which every fourth is there twice, thrown at random.
@@ -133,4 +133,4 @@ TEST(StartChecks, ASpringIsTooFastWhereAnExplicitSchemeGainsEnergy) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::start_checks_test

@@ -13,7 +13,7 @@
 #include "solvers/simulator/simulator.h"
 #include "tests/sanitized.h"
 
-namespace taut {
+namespace taut::joint_promise_test {
 namespace {
 
 constexpr double kVideo = 1.0 / 240, kMilli = 1e-3;
@@ -145,4 +145,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, JointPromise, testing::ValuesIn(promises()),
                          [](const auto& promise) { return name_of(promise.param); });
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::joint_promise_test

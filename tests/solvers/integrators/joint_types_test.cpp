@@ -12,7 +12,7 @@
 
 // Every joint type in motion: closed over long runs, order of the integrator kept, and closed forms of the
 // transmissions and drivers.
-namespace taut {
+namespace taut::joint_types_test {
 namespace {
 
 using testing::order_of;
@@ -373,4 +373,4 @@ TEST(JointsWithoutRows, DoNotDisturb) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::joint_types_test

@@ -9,7 +9,7 @@
 #include "solvers/simulator/simulator.h"
 
 /// Moreau–Jean time stepping against closed forms, laws and RATTLE.
-namespace taut {
+namespace taut::moreau_jean_test {
 namespace {
 
 constexpr double kG = 9.81;
@@ -508,4 +508,4 @@ TEST(MoreauJean, CompliantContactsAndBreakingJointsAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::moreau_jean_test

@@ -10,7 +10,7 @@
 #include "tests/source_dir.h"
 
 /// Every file of tests/references is one test.
-namespace taut::reference {
+namespace taut::reference::references_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -192,4 +192,4 @@ TEST(ReferenceOrder, of_rolling_without_slip_is_two) {
 }
 
 }  // namespace
-}  // namespace taut::reference
+}  // namespace taut::reference::references_test

@@ -6,7 +6,7 @@
 #include "tests/solvers/integrators/measured_order.h"
 
 // A rope under tension is a joint like others.
-namespace taut {
+namespace taut::taut_rope_test {
 namespace {
 
 /// A block that swings in space on a rope over a pin, from a corner, fast enough to keep it taut.
@@ -55,4 +55,4 @@ TEST(TautRope, StaysTautAndKeepsItsEnergy) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::taut_rope_test

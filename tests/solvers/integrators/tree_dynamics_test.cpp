@@ -11,7 +11,7 @@
 #include "solvers/simulator/simulator.h"
 #include "tests/core/random_state.h"
 
-namespace taut {
+namespace taut::tree_dynamics_test {
 namespace {
 
 using testing::Random;
@@ -182,4 +182,4 @@ TEST(TreeDynamics, RefusesWhatIsNoTree) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::tree_dynamics_test

@@ -7,7 +7,7 @@
 #include "tests/solvers/laws/sliding_block.h"
 
 /// Limits, motors, friction and springs against closed forms and laws.
-namespace taut {
+namespace taut::axes_test {
 namespace {
 
 using testing::kG;
@@ -391,4 +391,4 @@ TEST(Axes, MotorAgainstALimitStallsThere) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::axes_test

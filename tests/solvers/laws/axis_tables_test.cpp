@@ -5,7 +5,7 @@
 #include "tests/solvers/laws/sliding_block.h"
 
 // Dampers of axes by tables, against closed forms.
-namespace taut {
+namespace taut::axis_tables_test {
 namespace {
 
 using testing::kG;
@@ -69,4 +69,4 @@ TEST(AxisSpring, StopsOnADampingTableThatIsSteepAtRest) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::axis_tables_test

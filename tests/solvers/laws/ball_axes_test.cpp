@@ -8,7 +8,7 @@
 #include "solvers/simulator/simulator.h"
 
 /// Cones, twist limits and friction of ball joints, and friction that grows with the load.
-namespace taut {
+namespace taut::ball_axes_test {
 namespace {
 
 constexpr double kG = 9.81;
@@ -298,4 +298,4 @@ TEST(LoadFriction, OfAPinFollowsTheReaction) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::ball_axes_test

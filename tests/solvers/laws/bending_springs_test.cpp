@@ -9,7 +9,7 @@
 #include "tests/core/random_state.h"
 
 /// Springs of a swing with their rest at 0, where that has no direction.
-namespace taut {
+namespace taut::bending_springs_test {
 namespace {
 
 /// A ball of unit inertia about the origin, held there by a joint that bends away from x.
@@ -187,4 +187,4 @@ TEST_P(BendingSpring, OfAnyStiffnessInChainsGainsNoEnergy) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::bending_springs_test

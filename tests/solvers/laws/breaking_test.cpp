@@ -7,7 +7,7 @@
 #include "solvers/simulator/simulator.h"
 
 /// Joints that break, leave and come while a simulation runs.
-namespace taut {
+namespace taut::breaking_test {
 namespace {
 
 constexpr double kG = 9.81;
@@ -218,4 +218,4 @@ TEST(AttachDetach, LeavesStickingAxesStuck) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::breaking_test

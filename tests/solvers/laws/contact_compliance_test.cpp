@@ -7,7 +7,7 @@
 #include "solvers/simulator/simulator.h"
 
 /// Compliant contacts in a step against closed forms.
-namespace taut {
+namespace taut::contact_compliance_test {
 namespace {
 
 constexpr double kG = 9.81;
@@ -271,4 +271,4 @@ TEST(ContactCompliance, friction_of_joints_breaks_away_beside_it) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_compliance_test

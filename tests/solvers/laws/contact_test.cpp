@@ -9,7 +9,7 @@
 #include "solvers/simulator/simulator.h"
 
 /// Contacts in a step against closed forms and laws.
-namespace taut {
+namespace taut::contact_test {
 namespace {
 
 constexpr double kG = 9.81;
@@ -381,4 +381,4 @@ TEST(Contact, bodies_that_may_no_longer_collide_fall) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::contact_test

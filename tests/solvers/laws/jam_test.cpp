@@ -8,7 +8,7 @@
 #include "solvers/simulator/simulator.h"
 
 // Mechanisms that friction locks whatever drives them.
-namespace taut {
+namespace taut::jam_test {
 namespace {
 
 /// A press that comes down along z onto a rod at 60° to the way of a guided block along x, whose friction is
@@ -148,4 +148,4 @@ TEST(Jam, AThreadJustBelowItsLimitTurns) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::jam_test

@@ -7,7 +7,7 @@
 #include "solvers/simulator/simulator.h"
 
 /// Joints that give way, and limits that do.
-namespace taut {
+namespace taut::joint_compliance_test {
 namespace {
 
 constexpr double kG = 9.81;
@@ -148,4 +148,4 @@ TEST(SoftLimits, ThrowBackWithoutLoss) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::joint_compliance_test

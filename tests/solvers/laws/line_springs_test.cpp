@@ -9,7 +9,7 @@
 #include "tests/core/random_state.h"
 
 // Springs and dampers between points of two bodies, linear and by tables, which RATTLE takes implicitly.
-namespace taut {
+namespace taut::line_springs_test {
 namespace {
 
 using testing::Random;
@@ -185,4 +185,4 @@ TEST(LineSprings, DoNotAllocateInAStep) {
 #endif
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::line_springs_test

@@ -4,7 +4,7 @@
 
 #include "tests/solvers/complementarity/law_problems.h"
 
-namespace taut {
+namespace taut::row_law_test {
 namespace {
 
 using namespace law_problems;
@@ -72,4 +72,4 @@ TEST(RowLaw, TheOneRowAnswerLiesOnTheLineAndOnTheGraph) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::row_law_test

@@ -9,7 +9,7 @@
 #include "solvers/simulator/simulator.h"
 
 // Friction of a joint that sticks lets nothing through.
-namespace taut {
+namespace taut::stick_test {
 namespace {
 
 TEST(Stick, of_a_hinge_does_not_creep) {
@@ -192,4 +192,4 @@ TEST(Stick, of_a_cylinder_in_a_groove_holds_its_torque_without_creep) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::stick_test

@@ -7,7 +7,7 @@
 
 // A straight row of rods between two pins with gravity across: no finite force holds it, and joints that do
 // not stretch let none of it sag.
-namespace taut {
+namespace taut::taut_row_test {
 namespace {
 
 /// The row, from pin 0 to pin n, with a pendulum on the middle that has nothing to do with it.
@@ -66,4 +66,4 @@ TEST(TautRow, WithoutItsLastPinSwings) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::taut_row_test

@@ -12,7 +12,7 @@
 
 /// Springs of axes whose inertia changes as bodies turn, soft joints and soft limits, far too stiff for the
 /// step and far stretched.
-namespace taut {
+namespace taut::unresolved_springs_test {
 namespace {
 
 using testing::kG;
@@ -294,4 +294,4 @@ TEST(UnresolvedSprings, AreOthersWhereTheStepIsShort) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::unresolved_springs_test

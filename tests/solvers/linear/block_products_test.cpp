@@ -7,7 +7,7 @@
 
 #include "solvers/linear/front_kernels.h"
 
-namespace taut {
+namespace taut::block_products_test {
 namespace {
 
 using Mat3 = Eigen::Matrix3d;
@@ -127,4 +127,4 @@ INSTANTIATE_TEST_SUITE_P(Kernels, BlockProductsTest,
                          [](const auto& test) { return std::string(test.index == 0 ? "Portable" : "Fast"); });
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::block_products_test

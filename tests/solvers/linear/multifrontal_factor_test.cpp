@@ -14,7 +14,7 @@
 
 #include "tests/allocation_counter.h"
 
-namespace taut {
+namespace taut::multifrontal_factor_test {
 namespace {
 
 using Edges = std::vector<std::pair<int, int>>;
@@ -378,4 +378,4 @@ INSTANTIATE_TEST_SUITE_P(Kernels, MultifrontalFactorTest,
                          [](const auto& test) { return std::string(test.index == 0 ? "Portable" : "Fast"); });
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::multifrontal_factor_test

@@ -6,7 +6,7 @@
 #include "tests/solvers/simulator/joint_scenes.h"
 
 #ifdef TAUT_COUNTS_ALLOCATIONS
-namespace taut {
+namespace taut::allocation_test {
 namespace {
 
 /// Allocations of each step after the first few, until `steps` of them.
@@ -56,5 +56,5 @@ TEST(Allocation, AStepOfALargerSceneAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::allocation_test
 #endif

@@ -9,7 +9,7 @@
 // Reactions of transmissions and drivers of poses against minimal coordinates.
 // (tests/solvers/simulator/minimal_motion.h) A transmission acts on its bodies beside the joints whose axes
 // it couples; those give nothing along their free axes, so that what is missing there is its own.
-namespace taut {
+namespace taut::coupling_reactions_test {
 namespace {
 
 using testing::carried_along;
@@ -163,4 +163,4 @@ TEST(CouplingReaction, OfAPoseDriverIsWhatNewtonAndEulerMiss) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::coupling_reactions_test

@@ -13,7 +13,7 @@
 
 // Reactions of every joint type against minimal coordinates that know neither rows nor multipliers: body A
 // moves freely, B as the joint allows.  (tests/solvers/simulator/minimal_motion.h)
-namespace taut {
+namespace taut::joint_reactions_test {
 namespace {
 
 using testing::carried_along;
@@ -220,4 +220,4 @@ INSTANTIATE_TEST_SUITE_P(All, JointReaction, ::testing::ValuesIn(kCases),
                          [](const auto& c) { return std::string(c.param.type); });
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::joint_reactions_test

@@ -7,7 +7,7 @@
 #include "solvers/simulator/simulator.h"
 
 // The energy ledger with all of its terms at once.
-namespace taut {
+namespace taut::ledger_test {
 namespace {
 
 /// One machine for each term, side by side in one world.
@@ -160,4 +160,4 @@ TEST(Ledger, KnowsOfAStartThatAQuestionHasMade) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::ledger_test

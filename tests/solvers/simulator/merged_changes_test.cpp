@@ -8,7 +8,7 @@
 #include "solvers/simulator/simulator.h"
 #include "tests/solvers/simulator/merging.h"
 
-namespace taut {
+namespace taut::merged_changes_test {
 namespace {
 
 constexpr double kG = 9.81;
@@ -105,4 +105,4 @@ TEST(MergedChanges, AStepThatFailsLeavesTheWorldAsItWas) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::merged_changes_test

@@ -14,7 +14,7 @@
 //
 // A free rigid body and the same body in welded pieces are two discretisations of order 2 of one motion: they
 // agree exactly only where no piece turns.  Of order 8 they agree to round-off times the length of the run.
-namespace taut {
+namespace taut::merged_motion_test {
 namespace {
 
 using testing::expect_invalid;
@@ -376,4 +376,4 @@ TEST(MergedMotion, OtherIntegratorsAndSolversMergeToo) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::merged_motion_test

@@ -8,7 +8,7 @@
 #include "tests/solvers/simulator/merging.h"
 
 // What fixed joints bear whose bodies move as one.
-namespace taut {
+namespace taut::merged_reactions_test {
 namespace {
 
 using testing::merging;
@@ -253,4 +253,4 @@ TEST(MergedReactions, OfTheLastStepOutliveChanges) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::merged_reactions_test

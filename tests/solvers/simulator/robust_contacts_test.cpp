@@ -8,7 +8,7 @@
 #include "tests/core/expect_invalid.h"
 
 // Steps whose contacts cannot be had: a status or a mark in the report says so, by name.
-namespace taut {
+namespace taut::robust_contacts_test {
 namespace {
 
 using testing::expect_invalid;
@@ -196,4 +196,4 @@ TEST(RobustCrowd, StartChecksTellIt) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::robust_contacts_test

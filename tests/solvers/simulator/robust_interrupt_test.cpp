@@ -9,7 +9,7 @@
 #include "solvers/simulator/simulator.h"
 
 // A step that is told to end early, and closing joints likewise, leave the world as it was.
-namespace taut {
+namespace taut::robust_interrupt_test {
 namespace {
 
 /// Asked so many times, says yes from then on.
@@ -130,4 +130,4 @@ TEST(RobustInterrupt, KeepsHowContactsAreStretched) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::robust_interrupt_test

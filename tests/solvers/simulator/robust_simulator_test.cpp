@@ -11,7 +11,7 @@
 #include "tests/source_dir.h"
 
 // A simulation whose world is replaced, whose force laws throw, and whose springs stall.
-namespace taut {
+namespace taut::robust_simulator_test {
 namespace {
 
 Scene adversary(const std::string& name) {
@@ -310,4 +310,4 @@ TEST(RobustCallbackBreaking, AJointThatBrokeInTheStepIsBack) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::robust_simulator_test

@@ -14,7 +14,7 @@
 #include "scenes/builders/scene.h"
 #include "tests/solvers/simulator/joint_scenes.h"
 
-namespace taut {
+namespace taut::simulator_test {
 namespace {
 
 /// Jacobi's cn(u)/dn(u) = sn(u + K) by the descending Landen transformation (Abramowitz and
@@ -427,4 +427,4 @@ TEST(Factors, AgreeOnABridge) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::simulator_test

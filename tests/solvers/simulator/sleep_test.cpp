@@ -8,7 +8,7 @@
 #include "tests/solvers/simulator/sleeping.h"
 
 // Islands at rest fall asleep, and wake.
-namespace taut {
+namespace taut::sleep_test {
 namespace {
 
 using testing::add_box;
@@ -351,4 +351,4 @@ TEST(Sleep, is_repeatable_and_ends_with_its_simulator) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::sleep_test

@@ -8,7 +8,7 @@
 
 // What bodies wake for, and what is known of contacts and friction over sleep, waking and what is set between
 // steps.
-namespace taut {
+namespace taut::sleep_wake_test {
 namespace {
 
 using testing::add_box;
@@ -321,4 +321,4 @@ TEST(Forces, that_jump_are_met_by_sub_steps) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::sleep_wake_test

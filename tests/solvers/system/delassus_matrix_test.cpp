@@ -12,7 +12,7 @@
 #include "solvers/system/constraint_system.h"
 #include "tests/solvers/complementarity/law_problems.h"
 
-namespace taut {
+namespace taut::delassus_matrix_test {
 namespace {
 
 using namespace law_problems;
@@ -184,4 +184,4 @@ INSTANTIATE_TEST_SUITE_P(Triangles, DelassusMatrixTest,
                          [](const auto& test) { return test.index == 0 ? "Lower" : "Upper"; });
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::delassus_matrix_test
