@@ -114,10 +114,17 @@ void ImpulseScheme::forget(std::span<const char> moved) {
   contacts_.forget(moved);
 }
 
-void ImpulseScheme::clear_impulses() {
+void ImpulseScheme::begin(double dt) {
+  contact_pattern_.set_horizon(dt);
   std::fill(values_.impulses.begin(), values_.impulses.end(), 0.0);
   axes_.clear_reports();
   contacts_.clear_reports();
+}
+
+bool ImpulseScheme::drop_guess() {
+  if (stages_.active_set_outcome().ok() || contacts_.empty()) return false;
+  contact_pattern_.forget_impulses();
+  return true;
 }
 
 bool ImpulseScheme::renew_forces() {

@@ -35,6 +35,9 @@ class ImpulseScheme : public Scheme {
   void start(const State& state, StepReport& report) override;
   /// The same in the pattern that there is, which keeps what is known of contacts and friction.
   void restart(const State& state, StepReport& report);
+  void begin(double dt) override;
+  void accept_inexact(double residual, bool soon) override { stages_.accept_inexact(residual, soon); }
+  bool drop_guess() override;
 
   // Between steps.
   /// Nothing is known of contacts and axes of bodies that were moved (one entry a body).
@@ -46,11 +49,7 @@ class ImpulseScheme : public Scheme {
   /// After start(): what held and how in a scheme for the world before its pattern changed, with the forces
   /// as a guess.  Before start(), contact_pattern() are to inherit those of there.
   void inherit(const ImpulseScheme& old);
-  void set_impulses(std::span<const double> impulses) {
-    values_.impulses.assign(impulses.begin(), impulses.end());
-  }
-  void clear_impulses();
-  /// How far laws may be missed, and who is named.
+  /// Who is named.
   StageSolver& stages() { return stages_; }
   /// How contacts are looked for.
   ContactPattern& contact_pattern() { return contact_pattern_; }
@@ -59,7 +58,7 @@ class ImpulseScheme : public Scheme {
   double step_limit() const override { return limit_.step(); }
   const State& state() const override { return phase_.state; }
   std::span<const Wrench> momenta() const override { return phase_.momenta; }
-  /// Summed over the advances since clear_impulses().
+  /// Summed over the advances of the step.
   std::span<const double> impulses() const override { return values_.impulses; }
   const RowValues& values() const { return values_; }
   const AxisForces& axes() const { return axes_; }

@@ -35,9 +35,12 @@ void Simulator::Impl::step(double dt) {
   require_positive("step dt", dt);
   bodies_.follow();
   choose_sleepers(dt);
+  Before before = begin_undoable();
   begin_report();
   report_.dt = horizon_ = dt;
-  reported([&] {
+  try {
+    const Stopwatch watch(report_.times.total);
+    const detail::InterruptScope scope(&interrupt_);
     welds_.forget_means();
     if (settings_.report_energy) books_.begin(world_, bodies_.as_set(), report_);
     sleep_.put_to_sleep(world_);
@@ -45,7 +48,10 @@ void Simulator::Impl::step(double dt) {
       ;
     bodies_.end_step();
     if (report_.advanced()) bodies_.publish();
-  });
+  } catch (...) {
+    take_back(std::move(before));
+    report_thrown();
+  }
   if (!report_.advanced()) stay_where_it_was();
   end_versions_ = versions();
   if (stepper_.scheme()) report_detection(*stepper_.scheme(), report_);
@@ -98,7 +104,13 @@ void Simulator::Impl::note_loads_of_sleepers() {
 bool Simulator::Impl::advance_to_end(double dt) {
   start_step();
   if (!report_.ok()) return true;
-  const bool done = integrate(dt);
+  bool done = false;
+  {
+    const World::Hold held = source_.hold();
+    const Substepping::Outcome outcome = substepping_.advance(stepper_.integrator(), dt, report_);
+    done = outcome == Substepping::Outcome::kDone;
+    if (!done) say_why(outcome);
+  }
   const ImpulseScheme* scheme = stepper_.scheme();
   if (sleep_.enabled() && scheme && sleep_.wake_after(world_, scheme->contacts().reports(), done)) {
     stepper_.retake(done);
@@ -124,19 +136,8 @@ void Simulator::Impl::start_step() {
   stepper_.forget_state();
 }
 
-/// False, and why is said, if the step cannot be done.
-bool Simulator::Impl::integrate(double dt) {
-  const World::Hold held = source_.hold();
-  if (ForceLevel* forces = stepper_.force_level()) {
-    const bool done = forces->advance(dt, report_) == Scheme::Outcome::kDone;
-    if (!done) end_not_finite(inquiry());
-    return done;
-  }
-  ImpulseScheme& scheme = *stepper_.scheme();
-  scheme.contact_pattern().set_horizon(dt);
-  scheme.clear_impulses();
-  const Substepping::Outcome outcome = substepping_.advance(stepper_.composition(), dt, report_);
-  if (outcome == Substepping::Outcome::kDone) return true;
+/// … the step cannot be done.
+void Simulator::Impl::say_why(Substepping::Outcome outcome) {
   const Inquiry asked = inquiry();
   if (outcome == Substepping::Outcome::kNotFinite)
     end_not_finite(asked);
@@ -144,7 +145,6 @@ bool Simulator::Impl::integrate(double dt) {
     end_blind(asked);
   else
     StallDiagnosis(asked).end_step(substepping_.remaining(), outcome == Substepping::Outcome::kUnstable);
-  return false;
 }
 
 /// The report is that of a step which has not begun.
@@ -296,46 +296,41 @@ void Simulator::Impl::start_scheme(bool goes_on, Stepper::Predecessor& old) {
 void Simulator::Impl::bring_up_to_date(double h) {
   bodies_.follow();
   wake_islands(h);
-  undoable([this] { refresh(); });
+  Before before = begin_undoable();
+  try {
+    refresh();
+  } catch (...) {
+    take_back(std::move(before));
+    throw;
+  }
+}
+
+/// Whatever is thrown from now on, by force laws or what asks whether to go on, is to leave the world as it
+/// is: whoever catches it takes back what was done.
+Simulator::Impl::Before Simulator::Impl::begin_undoable() {
+  undo_.begin();
+  const bool any = interrupt_ || !recalled_.empty();
+  return {substepping_.division(), any ? contact_stretches() : std::vector<ContactStretch>()};
 }
 
 /// The world as it was before the present step or question, and a new start: what the integrator knows may be
 /// anything.
-void Simulator::Impl::take_back(const StepDivision& division, std::vector<ContactStretch> stretches) {
+void Simulator::Impl::take_back(Before before) {
   undo_.take_back();
   sleep_.restore_awake(world_);
-  substepping_.division() = division;
-  recalled_ = std::move(stretches);
+  substepping_.division() = before.division;
+  recalled_ = std::move(before.stretches);
   stepper_.forget_all();
   welds_.forget_step();
   bodies_.note_published();
 }
 
-/// Whatever work throws, force laws or what asks whether to go on, leaves the world as it was.
-template <typename Work>
-void Simulator::Impl::undoable(Work work) {
-  const StepDivision division = substepping_.division();
-  const bool any = interrupt_ || !recalled_.empty();
-  std::vector<ContactStretch> stretches = any ? contact_stretches() : std::vector<ContactStretch>();
-  undo_.begin();
+/// While something thrown is handled: the report says that the user has asked to end early, or is the one of
+/// before again.
+/// @throws what was thrown, unless it was that.
+void Simulator::Impl::report_thrown() {
   try {
-    work();
-  } catch (...) {
-    take_back(division, std::move(stretches));
     throw;
-  }
-}
-
-/// The same for work that makes a report: that is the one of before again, too, or says that the user has
-/// asked to end early.
-template <typename Work>
-void Simulator::Impl::reported(Work work) {
-  try {
-    undoable([&] {
-      const Stopwatch watch(report_.times.total);
-      const detail::InterruptScope scope(&interrupt_);
-      work();
-    });
   } catch (const detail::Interrupted&) {
     report_.contradiction = {};
     report_.culprits.clear();
@@ -369,11 +364,17 @@ void Simulator::Impl::assemble() {
   welds_.solve_means_of_old_source(stepper_, report_.dt);
   bodies_.follow();
   bodies_.wake_all();
+  Before before = begin_undoable();
   begin_report();
-  reported([this] {
+  try {
+    const Stopwatch watch(report_.times.total);
+    const detail::InterruptScope scope(&interrupt_);
     close_all_joints();
     bodies_.publish();
-  });
+  } catch (...) {
+    take_back(std::move(before));
+    report_thrown();
+  }
   count_work();
 }
 

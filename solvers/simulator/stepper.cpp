@@ -2,8 +2,8 @@
 
 #include "core/state/same_state.h"
 #include "solvers/common/setting_checks.h"
+#include "solvers/integrators/composition.h"
 #include "solvers/integrators/moreau_jean.h"
-#include "solvers/integrators/rattle.h"
 
 namespace taut {
 
@@ -25,7 +25,6 @@ bool Stepper::knows_pattern() const { return knows_topology() && sleep_version_ 
 void Stepper::renew() {
   auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
                                                    Rows::AxisRows::kIncluded, springs_);
-  composition_.reset();
   scheme_.reset();
   force_level_.reset();
   system_ = std::move(system);
@@ -33,12 +32,11 @@ void Stepper::renew() {
     force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
   else if (settings_.integrator == Integrator::kMoreauJean)
     scheme_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
-  else
+  else if (settings_.integrator == Integrator::kRattle)
     scheme_ = std::make_unique<Rattle>(world_, *system_, settings_);
-  if (scheme_) {
-    scheme_->stages().culprits().name_by(named_);
-    composition_.emplace(settings_.integrator, *scheme_);
-  }
+  else
+    scheme_ = std::make_unique<Composition>(world_, *system_, settings_);
+  if (scheme_) scheme_->stages().culprits().name_by(named_);
   topology_version_ = world_.topology_version();
   geometry_version_ = world_.geometry_version();
   sleep_version_ = world_.sleep_version();
@@ -49,7 +47,6 @@ Stepper::Predecessor Stepper::renew_from_known() {
   Predecessor old;
   if (remembers()) {
     scheme_->forget(moved_bodies());
-    composition_.reset();
     old = {std::move(system_), std::move(scheme_)};
   }
   renew();

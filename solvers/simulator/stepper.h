@@ -2,13 +2,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
-#include "solvers/integrators/composition.h"
 #include "solvers/integrators/force_level.h"
 #include "solvers/integrators/impulse_scheme.h"
 #include "solvers/system/constraint_system.h"
@@ -73,8 +71,8 @@ class Stepper {
   const ImpulseScheme* scheme() const { return scheme_.get(); }
   ForceLevel* force_level() { return force_level_.get(); }
   const ForceLevel* force_level() const { return force_level_.get(); }
-  /// Of scheme().
-  Composition& composition() { return *composition_; }
+  Scheme& integrator() { return scheme_ ? static_cast<Scheme&>(*scheme_) : *force_level_; }
+  const Scheme& integrator() const { return scheme_ ? static_cast<const Scheme&>(*scheme_) : *force_level_; }
 
   const State& state() const { return integrator().state(); }
   /// (L, P) of the bodies in world axes.
@@ -95,14 +93,11 @@ class Stepper {
   void transfer(Archive& archive);
 
  private:
-  const Scheme& integrator() const { return scheme_ ? static_cast<const Scheme&>(*scheme_) : *force_level_; }
-
   const World &world_, &named_;
   const Settings& settings_;
   Springs springs_;  // among the rows
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<ImpulseScheme> scheme_;
-  std::optional<Composition> composition_;  // of scheme_
   std::unique_ptr<ForceLevel> force_level_;
   std::int64_t topology_version_ = -1, geometry_version_ = -1, sleep_version_ = -1, state_version_ = -1;
   bool retaken_ = false;
