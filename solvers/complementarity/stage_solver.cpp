@@ -7,13 +7,6 @@
 
 namespace taut {
 
-/// The order in which a stage is tried.  (solvers/complementarity, "Ladder")
-const StageSolver::Rung StageSolver::kLadder[] = {
-    [](StageSolver& self, StageAttempt& attempt) { return self.warm_start_.solve(attempt); },
-    [](StageSolver& self, StageAttempt& attempt) { return self.pivoting_.solve(attempt); },
-    [](StageSolver& self, StageAttempt& attempt) { return self.primal_.solve(attempt); },
-};
-
 StageSolver::StageSolver(const World& world, ConstraintSystem& system, AxisForces& axes,
                          ContactForces& contacts, const Settings& settings)
     : model_{system, axes, contacts, settings},
@@ -65,9 +58,9 @@ bool StageSolver::solve(const Stage& stage, double rate_tolerance, StepReport& r
                        .rate_tolerance = rate_tolerance,
                        .warm_start_tolerance = warm_start_.begin(stage.near, rate_tolerance),
                        .report = report};
-  StageVerdict verdict = StageVerdict::kNext;
-  for (const Rung& rung : kLadder)
-    if (verdict == StageVerdict::kNext) verdict = rung(*this, attempt);
+  StageVerdict verdict = warm_start_.solve(attempt);
+  if (verdict == StageVerdict::kNext) verdict = pivoting_.solve(attempt);
+  if (verdict == StageVerdict::kNext) verdict = primal_.solve(attempt);
   accuracy_.take(attempt.inexact_residual);
   return verdict == StageVerdict::kMet;
 }

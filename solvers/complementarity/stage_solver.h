@@ -132,9 +132,6 @@ class StageSolver {
   void transfer_factors(Archive& archive);
 
  private:
-  using Rung = StageVerdict (*)(StageSolver&, StageAttempt&);
-  static const Rung kLadder[];
-
   void rates_without(const Stage& stage);
   StageSolution solution(std::span<const double> lambda, std::span<const double> w) const {
     return {laws_, b_, effective_mass_, lambda, w};

@@ -49,8 +49,11 @@ void Rattle::start(const State& state, StepReport& report) {
 }
 
 Scheme::Outcome Rattle::advance(double h, StepReport& report) {
-  begin_step(h, report);                                                      // laws and predicted λ
-  if (!close_positions(h, report)) return reject(Outcome::kStalled, report);  // kick, drift, φ(q₁) = 0
+  begin_step(h, report);  // laws and predicted λ
+  const bool closed = stages_.iterative() ? stabilize_positions(h, report)
+                      : bounded()         ? close_bounded_positions(h, report)
+                                          : close_joint_positions(h, report);
+  if (!closed) return reject(Outcome::kStalled, report);  // kick, drift, φ(q₁) = 0 and the laws
   if (bounded() && impacts_.begin(values_.rates)) {
     time_to_event_ = time_of_impact(h, report);
     return Outcome::kImpact;
@@ -83,13 +86,6 @@ void Rattle::begin_step(double h, StepReport& report) {
     predict_multipliers(h);
   }
   if (bounded()) begin_bounds(h);
-}
-
-/// λ with φ(q₁) = 0 and the laws of the first kick.
-bool Rattle::close_positions(double h, StepReport& report) {
-  return stages_.iterative() ? stabilize_positions(h, report)
-         : bounded()         ? close_bounded_positions(h, report)
-                             : close_joint_positions(h, report);
 }
 
 /// Multipliers far from their prediction are looked at before they are accepted.

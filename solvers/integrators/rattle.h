@@ -40,14 +40,13 @@ class Rattle : public ImpulseScheme {
 
   // The position stage.
   void predict_multipliers(double h);
-  bool close_positions(double h, StepReport& report);
   bool close_joint_positions(double h, StepReport& report);
   double correct_multipliers(double h, bool from_closure);
   bool close_bounded_positions(double h, StepReport& report);
   struct PositionError;
-  PositionError position_error(double h, int iteration);
+  PositionError position_error(double h, int iteration, StepReport& report);
+  bool give_up(std::span<const double> lambda, std::span<const double> rates);
   void finish_position_laws();
-  bool solve_position_laws(double h, bool exact, bool warm, StepReport& report);
   bool stabilize_positions(double h, StepReport& report);
   void begin_bounds(double h);
   void try_positions(double h);
