@@ -41,10 +41,9 @@ Composition::Composition(const World& world, ConstraintSystem& system, const Set
   for (double fraction : fractions_) longest_ = std::max(longest_, std::abs(fraction));
 }
 
-Scheme::Outcome Composition::advance(double h, StepReport& report) {
+Scheme::Outcome Composition::advance(double h, SubstepReport& report) {
   using enum Outcome;
   before_ = state();
-  const Works works = works_of(report);
   impulses_before_.assign(impulses().begin(), impulses().end());
   for (double fraction : fractions_) {
     const Outcome outcome = Rattle::advance(fraction * h, report);
@@ -52,7 +51,6 @@ Scheme::Outcome Composition::advance(double h, StepReport& report) {
     if (outcome != kNotFinite && outcome != kBlind) {
       start(before_, report);
       values_.impulses.assign(impulses_before_.begin(), impulses_before_.end());
-      set_works(report, works);
     }
     return outcome;
   }

@@ -16,7 +16,7 @@ class Composition final : public Rattle {
 
   /// All stages of a step of h, or none, since one of another length would cost the order: after an outcome
   /// that is not kDone the scheme is where it was, but for kNotFinite and kBlind.
-  [[nodiscard]] Outcome advance(double h, StepReport& report) override;
+  [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
   /// The largest h whose longest stage respects the limit of RATTLE.
   double step_limit() const override { return Rattle::step_limit() / longest_; }
 

@@ -50,7 +50,7 @@ ForceLevel::ForceLevel(const World& world, ConstraintSystem& system, const Setti
     values->assign(system.row_count(), 0.0);
 }
 
-Scheme::Outcome ForceLevel::advance(double h, StepReport& report) {
+Scheme::Outcome ForceLevel::advance(double h, SubstepReport& report) {
   backup_ = state_;
   if (settings_.integrator == Integrator::kForceEuler)
     euler(h, report);
@@ -71,7 +71,7 @@ Scheme::Outcome ForceLevel::advance(double h, StepReport& report) {
   return Outcome::kDone;
 }
 
-void ForceLevel::accelerate(const State& state, double h, StepReport& report,
+void ForceLevel::accelerate(const State& state, double h, SubstepReport& report,
                             std::vector<Twist>& acceleration) {
   {
     const Stopwatch watch(report.times.forces);
@@ -120,7 +120,7 @@ std::span<const Wrench> ForceLevel::momenta() const {
 }
 
 /// V₁ = V₀ + h V̇(q₀, V₀), then q₁ = q₀ ⊕ h V₁.
-void ForceLevel::euler(double h, StepReport& report) {
+void ForceLevel::euler(double h, SubstepReport& report) {
   accelerate(state_, h, report, acceleration_);
   for (int r = 0; r < system_.row_count(); ++r) impulses_[r] = h * lambda_[r];
   add_twists(state_.twists, h, acceleration_, state_.twists);
@@ -129,7 +129,7 @@ void ForceLevel::euler(double h, StepReport& report) {
 
 /// Classical Runge–Kutta; rotations as rotation vectors from the start of the step (Munthe-Kaas), so that
 /// order 4 is kept.
-void ForceLevel::runge_kutta(double h, StepReport& report) {
+void ForceLevel::runge_kutta(double h, SubstepReport& report) {
   constexpr double kNode[] = {0, 0.5, 0.5, 1}, kWeight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
   stage_ = state_;
   for (int b = 0; b < world_.body_count(); ++b) sum_[b] = mean_velocity_[b] = slope_[b] = {};
@@ -156,7 +156,7 @@ void ForceLevel::runge_kutta(double h, StepReport& report) {
 }
 
 /// V += M⁻¹ Jᵀ S⁺ (target − J V − φ_t).
-void ForceLevel::project_velocities(std::span<const double> target, StepReport& report) {
+void ForceLevel::project_velocities(std::span<const double> target, SubstepReport& report) {
   system_.set_compliance(0);
   system_.factorize(report.times);
   system_.rates_of(state_, rates_);
@@ -172,7 +172,7 @@ void ForceLevel::project_velocities(std::span<const double> target, StepReport& 
 
 /// Velocity impulse: J V = −erp φ/h, so that the next step takes out that part of the gap.  After a position
 /// push: J V = 0.
-void ForceLevel::cure_velocities(double h, StepReport& report) {
+void ForceLevel::cure_velocities(double h, SubstepReport& report) {
   system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.rows().residual(state_, phi_);
@@ -182,7 +182,7 @@ void ForceLevel::cure_velocities(double h, StepReport& report) {
 }
 
 /// Position push: q ← q ⊕ M⁻¹ Jᵀ S⁺ (−erp φ), one step of Gauss–Newton.
-void ForceLevel::cure_positions(StepReport& report) {
+void ForceLevel::cure_positions(SubstepReport& report) {
   system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.set_compliance(0);

@@ -21,9 +21,9 @@ class ForceLevel final : public Scheme {
  public:
   ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings);
 
-  void start(const State& state, StepReport& /*report*/) override { state_ = state; }
+  void start(const State& state, SubstepReport& /*report*/) override { state_ = state; }
   /// One step of h > 0: kDone, or kNotFinite with the old state.
-  [[nodiscard]] Outcome advance(double h, StepReport& report) override;
+  [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
 
   const State& state() const override { return state_; }
   /// The body that made advance() fail last; else the ground.
@@ -36,13 +36,13 @@ class ForceLevel final : public Scheme {
 
  private:
   /// V̇ at a state, with multipliers λ.
-  void accelerate(const State& state, double h, StepReport& report, std::vector<Twist>& acceleration);
-  void euler(double h, StepReport& report);
-  void runge_kutta(double h, StepReport& report);
-  void cure_velocities(double h, StepReport& report);
-  void cure_positions(StepReport& report);
+  void accelerate(const State& state, double h, SubstepReport& report, std::vector<Twist>& acceleration);
+  void euler(double h, SubstepReport& report);
+  void runge_kutta(double h, SubstepReport& report);
+  void cure_velocities(double h, SubstepReport& report);
+  void cure_positions(SubstepReport& report);
   void add_penalty_forces(const State& state, std::vector<Wrench>& wrenches);
-  void project_velocities(std::span<const double> target, StepReport& report);
+  void project_velocities(std::span<const double> target, SubstepReport& report);
 
   const World& world_;
   ConstraintSystem& system_;

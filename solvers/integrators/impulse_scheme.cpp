@@ -36,7 +36,7 @@ ImpulseScheme::ImpulseScheme(const World& world, ConstraintSystem& system, const
       contact_pattern_(world, system, contacts_, stages_, values_, prediction_),
       last_forces_(world.body_count()) {}
 
-void ImpulseScheme::start(const State& state, StepReport& report) {
+void ImpulseScheme::start(const State& state, SubstepReport& report) {
   phase_.state = state;
   values_.residual_is_current = false;
   phase_.poses = state.poses;
@@ -85,7 +85,7 @@ void ImpulseScheme::start_axes() {
   axes_.start(values_.phi, values_.rates);
 }
 
-void ImpulseScheme::restart(const State& state, StepReport& report) {
+void ImpulseScheme::restart(const State& state, SubstepReport& report) {
   if (!bounded()) return start(state, report);
   const AxisForces axes = axes_;
   const MultiplierGuess before(system_.rows(), values_);
@@ -146,13 +146,13 @@ void ImpulseScheme::find_contacts() {
   contact_pattern_.move_on(phase_.state);
 }
 
-void ImpulseScheme::linearize(StepReport& report) {
+void ImpulseScheme::linearize(SubstepReport& report) {
   const Stopwatch watch(report.times.assembly);
   system_.linearize(phase_.state);
   system_.set_mass(phase_.state.poses);
 }
 
-void ImpulseScheme::linearize_and_factorize(StepReport& report) {
+void ImpulseScheme::linearize_and_factorize(SubstepReport& report) {
   if (stages_.iterative()) return linearize(report);
   {
     const Stopwatch watch(report.times.assembly);
@@ -168,7 +168,7 @@ void ImpulseScheme::add_rates_of_guess() {
 }
 
 /// Where rates stay, the next prediction does not lean on μ.
-void ImpulseScheme::project_momenta(double h, StepReport& report) {
+void ImpulseScheme::project_momenta(double h, SubstepReport& report) {
   if (!projection_.project(h, report)) prediction_.start_from_zero();
 }
 
@@ -180,7 +180,7 @@ void ImpulseScheme::take_impulses() {
 }
 
 /// What is left of the rates that they had to have.
-void ImpulseScheme::note_velocities(StepReport& report) {
+void ImpulseScheme::note_velocities(SubstepReport& report) {
   phase_.twists_from(phase_.momenta);
   system_.rates_of(phase_.state, values_.rates);
   std::copy(values_.rates.begin(), values_.rates.end(), values_.joint_rates.begin());
@@ -198,20 +198,19 @@ ForceIteration::Fixed ImpulseScheme::renew_kick_forces(const State& at) {
 }
 
 /// After a step: who is held now, and the books of both kicks.
-void ImpulseScheme::finish_laws(StepReport& report) {
+void ImpulseScheme::finish_laws(StepWorks& works) {
   system_.rows().residual(phase_.state, values_.phi);  // axes are up to date here
   works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), values_.kick_rates);
   axes_.accumulate_work(values_.mu, values_.rates, values_.kick_rates);
   axes_.finish_velocities(values_.phi, values_.rates, phase_.state.time);
   contacts_.finish(values_.mu, values_.kick_rates, phase_.state.time);
-  report.works.axes = {};
-  for (const AxisReport& axis : axes_.reports()) report.works.axes += axis.work;
-  report.works.contacts = contacts_.work();
+  works.axes = {};
+  for (const AxisReport& axis : axes_.reports()) works.axes += axis.work;
+  works.contacts = contacts_.work();
 }
 
 /// Back to the start of a step whose positions were already accepted.
-void ImpulseScheme::roll_back(StepReport& report) {
-  set_works(report, works_before_);
+void ImpulseScheme::roll_back(SubstepReport& report) {
   values_.residual_is_current = false;
   phase_.take_back();
   axes_.roll_back();

@@ -32,9 +32,9 @@ class ImpulseScheme : public Scheme {
   ImpulseScheme(const World& world, ConstraintSystem& system, const Settings& settings);
 
   /// Takes over a state: factors S there, makes velocities tangent and estimates the multipliers.
-  void start(const State& state, StepReport& report) override;
+  void start(const State& state, SubstepReport& report) override;
   /// The same in the pattern that there is, which keeps what is known of contacts and friction.
-  void restart(const State& state, StepReport& report);
+  void restart(const State& state, SubstepReport& report);
   void begin(double dt) override;
   void accept_inexact(double residual, bool soon) override { stages_.accept_inexact(residual, soon); }
   bool drop_guess() override;
@@ -82,15 +82,15 @@ class ImpulseScheme : public Scheme {
   bool struck() const { return axes_.struck() || contacts_.struck(); }
 
   void find_contacts();
-  void linearize(StepReport& report);
-  void linearize_and_factorize(StepReport& report);
+  void linearize(SubstepReport& report);
+  void linearize_and_factorize(SubstepReport& report);
   void add_rates_of_guess();
-  void project_momenta(double h, StepReport& report);
+  void project_momenta(double h, SubstepReport& report);
   void take_impulses();
-  void note_velocities(StepReport& report);
+  void note_velocities(SubstepReport& report);
   ForceIteration::Fixed renew_kick_forces(const State& at);
-  void finish_laws(StepReport& report);
-  void roll_back(StepReport& report);
+  void finish_laws(StepWorks& works);
+  void roll_back(SubstepReport& report);
   void update_step_limit() { limit_.update(phase_.state, values_.force_multipliers); }
 
   const World& world_;
@@ -109,7 +109,6 @@ class ImpulseScheme : public Scheme {
   ContactPattern contact_pattern_;
   ForceIteration force_iteration_;
   std::vector<Wrench> last_forces_;  // of the pass before
-  Works works_before_;               // of the report, to be set back
 
  private:
   void predict_forces();

@@ -51,7 +51,7 @@ struct Rattle::PositionError {
 
 /// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is one for
 /// StageSolver.  When joints are closed, the laws alone are to be met to what round-off allows.
-bool Rattle::close_bounded_positions(double h, StepReport& report) {
+bool Rattle::close_bounded_positions(double h, SubstepReport& report) {
   const StageSolver::Renew renew = [this] { renew_position_laws(); };
   double last = std::numeric_limits<double>::infinity();
   int exact = 0;  // solves for the laws alone
@@ -77,7 +77,7 @@ bool Rattle::close_bounded_positions(double h, StepReport& report) {
   return true;
 }
 
-Rattle::PositionError Rattle::position_error(double h, int iteration, StepReport& report) {
+Rattle::PositionError Rattle::position_error(double h, int iteration, SubstepReport& report) {
   if (iteration == 0 || !(stages_.friction_dominated() && stages_.rested())) {  // else λ is the same
     const Stopwatch watch(report.times.positions);
     try_positions(h);
@@ -106,7 +106,7 @@ void Rattle::finish_position_laws() {
 /// Free axes that the step takes to a limit with restitution are let through once, to see when they get
 /// there.
 /// @returns the length of the sub-step that ends with the first impact.
-double Rattle::time_of_impact(double h, StepReport& report) {
+double Rattle::time_of_impact(double h, SubstepReport& report) {
   double time = h;
   if (stages_.iterative() ? stabilize_positions(h, report) : close_bounded_positions(h, report))
     time = impacts_.first(h, values_.rates);
@@ -146,7 +146,7 @@ void Rattle::begin_velocities() {
 }
 
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
-bool Rattle::project_bounded_momenta(StepReport& report) {
+bool Rattle::project_bounded_momenta(SubstepReport& report) {
   begin_velocities();
   const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
   if (!axes_.finite() || !stages_.solve_velocities({values_.mu, values_.rates, renew}, report)) return false;

@@ -22,14 +22,14 @@ class Scheme {
   Scheme& operator=(const Scheme&) = delete;
 
   /// Takes over a state.
-  virtual void start(const State& state, StepReport& report) = 0;
+  virtual void start(const State& state, SubstepReport& report) = 0;
   /// A step of dt [s] begins, of one or more advances.
   virtual void begin(double /*dt*/) {}
   /// One step of h ≠ 0 [s] (negative in compositions).  kStalled: joints or laws could not be met; kUnstable:
   /// the multipliers turned out to demand a smaller step; kImpact, kOverload: an axis or contact bounces, or
   /// a joint breaks, at time_to_event(), where the next advance must end, or has broken now if that is 0;
   /// kBlind: contacts could not be looked for.  The state is then the old one.  kNotFinite: so is the state.
-  [[nodiscard]] virtual Outcome advance(double h, StepReport& report) = 0;
+  [[nodiscard]] virtual Outcome advance(double h, SubstepReport& report) = 0;
   virtual double time_to_event() const { return 0; }  ///< [s]
   /// Laws count as met within this residual when all that may be tried has been, which is less if `soon`.
   virtual void accept_inexact(double /*residual*/, bool /*soon*/) {}

@@ -107,8 +107,9 @@ bool Simulator::Impl::advance_to_end(double dt) {
   bool done = false;
   {
     const World::Hold held = source_.hold();
-    const Substepping::Outcome outcome = substepping_.advance(stepper_.integrator(), dt, report_);
-    done = outcome == Substepping::Outcome::kDone;
+    const Scheme::Outcome outcome = substepping_.advance(stepper_.integrator(), dt, report_);
+    report_.ledger.integration = report_.works.flow;
+    done = outcome == Scheme::Outcome::kDone;
     if (!done) say_why(outcome);
   }
   const ImpulseScheme* scheme = stepper_.scheme();
@@ -137,19 +138,19 @@ void Simulator::Impl::start_step() {
 }
 
 /// … the step cannot be done.
-void Simulator::Impl::say_why(Substepping::Outcome outcome) {
+void Simulator::Impl::say_why(Scheme::Outcome outcome) {
   const Inquiry asked = inquiry();
-  if (outcome == Substepping::Outcome::kNotFinite)
+  if (outcome == Scheme::Outcome::kNotFinite)
     end_not_finite(asked);
-  else if (outcome == Substepping::Outcome::kBlind)
+  else if (outcome == Scheme::Outcome::kBlind)
     end_blind(asked);
   else
-    StallDiagnosis(asked).end_step(substepping_.remaining(), outcome == Substepping::Outcome::kUnstable);
+    StallDiagnosis(asked).end_step(substepping_.remaining(), outcome == Scheme::Outcome::kUnstable);
 }
 
 /// The report is that of a step which has not begun.
 void Simulator::Impl::forget_attempt() {
-  set_works(report_, {});
+  report_.works = {};
   report_.status = Status::kSuccess;
   report_.message.clear();
   report_.contradiction = {};

@@ -82,7 +82,7 @@ class Simulator::Impl {
   void wake_islands(double h);
   bool advance_to_end(double dt);
   void start_step();
-  void say_why(Substepping::Outcome outcome);
+  void say_why(Scheme::Outcome outcome);
   void forget_attempt();
   bool welds_hold();
   void finish(double dt);

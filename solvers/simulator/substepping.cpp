@@ -13,7 +13,8 @@ constexpr double kHardPart = 0.6;
 
 }  // namespace
 
-Substepping::Outcome Substepping::advance(Scheme& scheme, double dt, StepReport& report) {
+Scheme::Outcome Substepping::advance(Scheme& scheme, double dt, StepReport& report) {
+  using enum Scheme::Outcome;
   scheme.begin(dt);
   const double needed = std::clamp(std::ceil(dt / scheme.step_limit() - Substeps::kCountRoundOff), 1.0,
                                    double(settings_.max_substeps));
@@ -21,35 +22,27 @@ Substepping::Outcome Substepping::advance(Scheme& scheme, double dt, StepReport&
   const bool hard = division_.hard();
   scheme.accept_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   bool forgot = false;
+  SubstepReport& so_far = report;
   while (!substeps.done()) {
     detail::poll_interrupt();
-    const double h = substeps.next(scheme.step_limit());
-    const Scheme::Outcome outcome = scheme.advance(h, report);
-    switch (outcome) {
-      case Scheme::Outcome::kDone:
-        substeps.accept();
-        break;
-      case Scheme::Outcome::kImpact:
-      case Scheme::Outcome::kOverload:
-        substeps.end_next_at(scheme.time_to_event());
-        break;
-      case Scheme::Outcome::kUnstable:
-        substeps.shorten(scheme.step_limit());
-        break;
-      case Scheme::Outcome::kStalled:
-        forgot = after_stall(scheme, substeps, hard, forgot);
-        break;
-      case Scheme::Outcome::kNotFinite:
-        return Outcome::kNotFinite;
-      case Scheme::Outcome::kBlind:
-        return Outcome::kBlind;
-    }
+    substep_ = so_far;
+    const Scheme::Outcome outcome = scheme.advance(substeps.next(scheme.step_limit()), substep_);
+    if (outcome != kDone) substep_.works = so_far.works;
+    so_far = substep_;
+    if (outcome == kNotFinite || outcome == kBlind) return outcome;
+    if (outcome == kDone)
+      substeps.accept();
+    else if (outcome == kUnstable)
+      substeps.shorten(scheme.step_limit());
+    else if (outcome == kStalled)
+      forgot = after_stall(scheme, substeps, hard, forgot);
+    else  // something happens
+      substeps.end_next_at(scheme.time_to_event());
     remaining_ = substeps.remaining();
-    if (substeps.exhausted())
-      return outcome == Scheme::Outcome::kUnstable ? Outcome::kUnstable : Outcome::kStalled;
+    if (substeps.exhausted()) return outcome == kUnstable ? kUnstable : kStalled;
   }
   division_.note_done(report.status);
-  return Outcome::kDone;
+  return kDone;
 }
 
 /// Laws that could not be met: once more without impulses of contacts as a guess, then in shorter sub-steps,

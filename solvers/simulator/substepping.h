@@ -14,10 +14,9 @@ class Substepping {
   /// `settings` live as long.
   explicit Substepping(const Settings& settings) : settings_(settings) {}
 
-  /// kStalled, kUnstable: sub-steps would have to be shorter than allowed, at last since laws or joints were
-  /// not met, or for tension; kNotFinite, kBlind: as Scheme::Outcome.
-  enum class Outcome { kDone, kStalled, kUnstable, kNotFinite, kBlind };
-  [[nodiscard]] Outcome advance(Scheme& scheme, double dt, StepReport& report);
+  /// kDone; kStalled, kUnstable: sub-steps would have to be shorter than allowed, at last since laws or
+  /// joints were not met, or for tension; kNotFinite, kBlind: as Scheme::advance().
+  [[nodiscard]] Scheme::Outcome advance(Scheme& scheme, double dt, StepReport& report);
   /// What the last advance() left to do [s].
   double remaining() const { return remaining_; }
 
@@ -29,6 +28,7 @@ class Substepping {
 
   const Settings& settings_;
   StepDivision division_;
+  SubstepReport substep_;  // the present one
   double remaining_ = 0;
 };
 
