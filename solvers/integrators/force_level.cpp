@@ -31,19 +31,8 @@ Vec3 rotation_rate(const Vec3& theta, const Vec3& w) {
 
 }  // namespace
 
-void free_accelerations(const MassMatrix& mass, const State& state, std::span<const Wrench> forces,
-                        std::span<Twist> accelerations) {
-  for (int b = 0; b < mass.size(); ++b) {
-    if (mass[b].fixed) continue;
-    const Vec3& w = state.twists[b].w;
-    const Vec3 torque = forces[b].torque - w.cross(mass.angular_momentum(b, state.poses[b], w));
-    accelerations[b] = {mass.angular_velocity(b, state.poses[b], torque),
-                        mass[b].inverse_mass * forces[b].force};
-  }
-}
-
 ForceLevel::ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings)
-    : world_(world), system_(system), settings_(settings) {
+    : Scheme(world, system.rows(), settings), world_(world), system_(system), settings_(settings) {
   for (auto* wrenches : {&forces_, &joint_wrenches_, &momenta_}) wrenches->resize(world.body_count());
   for (auto* twists : {&acceleration_, &slope_, &sum_, &mean_velocity_}) twists->resize(world.body_count());
   for (auto* values : {&lambda_, &impulses_, &phi_, &rates_, &delta_, &penalty_inertia_})

@@ -21,13 +21,15 @@ class ForceLevel final : public Scheme {
  public:
   ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings);
 
+  /// It drifts from where it is.
+  bool closes_joints() const override { return false; }
+  bool knows_works() const override { return false; }
   void start(const State& state, SubstepReport& /*report*/) override { state_ = state; }
   /// One step of h > 0: kDone, or kNotFinite with the old state.
   [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
 
   const State& state() const override { return state_; }
-  /// The body that made advance() fail last; else the ground.
-  BodyId not_finite() const { return {not_finite_}; }
+  BodyId not_finite() const override { return {not_finite_}; }
   std::span<const Wrench> momenta() const override;
   /// Joint forces at the start of the last step, times h.
   std::span<const double> impulses() const override { return impulses_; }
@@ -54,9 +56,5 @@ class ForceLevel final : public Scheme {
   std::vector<Twist> acceleration_, slope_, sum_, mean_velocity_;
   std::vector<double> lambda_, impulses_, phi_, rates_, delta_, penalty_inertia_;
 };
-
-/// V̇ of the free bodies: M⁻¹ (f − ω × Iω).
-void free_accelerations(const MassMatrix& mass, const State& state, std::span<const Wrench> forces,
-                        std::span<Twist> accelerations);
 
 }  // namespace taut

@@ -1,10 +1,12 @@
 #include "solvers/integrators/impulse_scheme.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "core/state/reach.h"
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
-#include "solvers/integrators/force_level.h"
+#include "solvers/integrators/body_moves.h"
 
 namespace taut {
 namespace {
@@ -20,13 +22,11 @@ Springs springs_among_forces(const ConstraintSystem& system) {
 }  // namespace
 
 ImpulseScheme::ImpulseScheme(const World& world, ConstraintSystem& system, const Settings& settings)
-    : world_(world),
+    : Scheme(world, system.rows(), settings),
+      world_(world),
       system_(system),
       settings_(settings),
       phase_(world, system, springs_among_forces(system)),
-      axes_(world, system.rows()),
-      contacts_(world, settings),
-      breaking_(world, system.rows()),
       stages_(world, system, axes_, contacts_, settings),
       values_(system.row_count(), stages_.bounded()),
       limit_(world, system, settings, axes_, breaking_, stages_),
@@ -95,9 +95,16 @@ void ImpulseScheme::restart(const State& state, SubstepReport& report) {
   take(before);
 }
 
-void ImpulseScheme::inherit(const ImpulseScheme& old) {
-  axes_.inherit(old.axes_);
-  if (bounded()) take({old.system_.rows(), old.values_});
+void ImpulseScheme::prepare(double horizon, std::vector<ContactStretch> stretches, Scheme* old) {
+  contact_pattern_.set_horizon(horizon);
+  contact_pattern_.recall(std::move(stretches));
+  if (old) contact_pattern_.inherit(static_cast<ImpulseScheme*>(old)->contact_pattern_);
+}
+
+void ImpulseScheme::inherit(const Scheme& old) {
+  const auto& from = static_cast<const ImpulseScheme&>(old);
+  axes_.inherit(from.axes_);
+  if (bounded()) take({from.system_.rows(), from.values_});
 }
 
 /// Multipliers of start() know of no contacts, but of loads that are new: the step limit is that of both.
@@ -138,6 +145,27 @@ bool ImpulseScheme::renew_forces() {
     size = std::max({size, last_forces_[b].force.norm(), last_forces_[b].torque.norm()});
   }
   return change <= kJump * size;
+}
+
+std::span<const double> ImpulseScheme::known_residual() const {
+  return values_.residual_is_current ? std::span<const double>(values_.phi) : std::span<const double>();
+}
+
+/// Where rows have laws other than springs, those of the end of the last step.
+std::span<const double> ImpulseScheme::forces_of_laws() const {
+  if (axes_.only_springs() && contacts_.empty()) return {};
+  return values_.force_multipliers;
+}
+
+BodyId ImpulseScheme::not_finite() const {
+  for (int b = 0; b < world_.body_count(); ++b) {
+    const Pose& X = phase_.state.poses[b];
+    const Wrench& p = phase_.momenta[b];
+    const Twist& V = phase_.state.twists[b];
+    if (!(within_reach(X, V) && X.q.coeffs().allFinite() && p.torque.allFinite() && p.force.allFinite()))
+      return {b};
+  }
+  return kGround;
 }
 
 /// Contacts at the end of the drift, with its velocities.

@@ -23,7 +23,7 @@ Scheme::Outcome MoreauJean::advance(double h, SubstepReport& report) {
   force_iteration_.begin();
   predict(h);
   go_to_middle(h, report);
-  if (contact_pattern_.blind()) {
+  if (blind()) {
     roll_back(report);
     return Outcome::kBlind;
   }

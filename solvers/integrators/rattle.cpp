@@ -61,7 +61,7 @@ Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
   if (exceeds_tension_limit(h)) return reject(Outcome::kUnstable, report);
   accept_positions(h, report);
   if (!contacts_.empty()) find_contacts();
-  if (contact_pattern_.blind()) return take_back(Outcome::kBlind, report);
+  if (blind()) return take_back(Outcome::kBlind, report);
   factorize_end(report);  // S(q₁)
   if (!close_velocities(h, report))
     return take_back(Outcome::kStalled, report);  // kick, J V = 0 and the laws

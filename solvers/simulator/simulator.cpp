@@ -54,7 +54,7 @@ void Simulator::Impl::step(double dt) {
   }
   if (!report_.advanced()) stay_where_it_was();
   end_versions_ = versions();
-  if (stepper_.scheme()) report_detection(*stepper_.scheme(), report_);
+  if (stepper_.made()) report_detection(stepper_.scheme(), report_);
   report_.asleep = source_.asleep_count();
   count_work();
 }
@@ -107,13 +107,12 @@ bool Simulator::Impl::advance_to_end(double dt) {
   bool done = false;
   {
     const World::Hold held = source_.hold();
-    const Scheme::Outcome outcome = substepping_.advance(stepper_.integrator(), dt, report_);
+    const Scheme::Outcome outcome = substepping_.advance(stepper_.scheme(), dt, report_);
     report_.ledger.integration = report_.works.flow;
     done = outcome == Scheme::Outcome::kDone;
     if (!done) say_why(outcome);
   }
-  const ImpulseScheme* scheme = stepper_.scheme();
-  if (sleep_.enabled() && scheme && sleep_.wake_after(world_, scheme->contacts().reports(), done)) {
+  if (sleep_.enabled() && sleep_.wake_after(world_, stepper_.scheme().contacts().reports(), done)) {
     stepper_.retake(done);
     forget_attempt();
     return false;
@@ -130,7 +129,7 @@ void Simulator::Impl::start_step() {
   const bool goes_on = stepper_.knows_state() && stepper_.knows_pattern();
   refresh();
   if (!report_.ok()) return;
-  if (settings_.report_energy && stepper_.scheme() && (!goes_on || restarted_))
+  if (settings_.report_energy && stepper_.scheme().knows_works() && (!goes_on || restarted_))
     books_.start(world_, stepper_.state());
   restarted_ = false;  // else a question before the step has had it started
   welds_.start_step(stepper_.state());
@@ -179,7 +178,7 @@ void Simulator::Impl::finish(double dt) {
   const double time = world_.time() + dt;
   undo_.move_world(stepper_.state());
   world_.set_time(time);
-  if (stepper_.scheme()) stepper_.scheme()->set_time(time);
+  stepper_.scheme().set_time(time);
   detach_broken();
   stepper_.note_state();
   report_.time = time;
@@ -192,8 +191,7 @@ void Simulator::Impl::finish(double dt) {
 
 /// What broke in the step is out of the world from now on.
 void Simulator::Impl::detach_broken() {
-  if (!stepper_.scheme()) return;
-  const std::span<const BreakEvent> events = stepper_.scheme()->breaking().events();
+  const std::span<const BreakEvent> events = stepper_.scheme().breaking().events();
   if (events.empty()) return;
   report_.breaks.assign(events.begin(), events.end());
   for (const BreakEvent& event : events) undo_.detach(event.joint);
@@ -204,7 +202,7 @@ void Simulator::Impl::close_ledger() {
   works.constraint -= works.axes.total() + works.contacts.total();
   sum_motion(stepper_.state(), stepper_.momenta(), report_);
   const World::Hold held = source_.hold();
-  books_.close(world_, report_, stepper_.scheme() != nullptr);
+  books_.close(world_, report_, stepper_.scheme().knows_works());
 }
 
 /// A step that failed: joints that were closed before it are open again, and the user's world is untouched.
@@ -224,16 +222,11 @@ void Simulator::Impl::refresh() {
   if (is_new) old = renew_pattern();
   if (stepper_.knows_state() && recalled_.empty()) return;
   if (goes_on && recalled_.empty() && stepper_.goes_on_with_new_forces()) return;
-  if (ForceLevel* forces = stepper_.force_level()) {
-    forces->start(world_.state(), report_);
-    recalled_.clear();
-  } else {
-    if (!close_at_start()) return;
-    start_scheme(goes_on, old);
-    if (stepper_.scheme()->contact_pattern().blind()) return end_blind(inquiry());
-    stepper_.note_started();
-    restarted_ = true;
-  }
+  if (stepper_.scheme().closes_joints() && !close_at_start()) return;
+  start_scheme(goes_on, old);
+  if (stepper_.scheme().blind()) return end_blind(inquiry());
+  stepper_.note_started();
+  restarted_ = true;
   stepper_.note_state();
 }
 
@@ -279,16 +272,14 @@ bool Simulator::Impl::close_at_start() {
 
 /// At the state of the world, with what is known of contacts and friction.
 void Simulator::Impl::start_scheme(bool goes_on, Stepper::Predecessor& old) {
-  ImpulseScheme& scheme = *stepper_.scheme();
-  scheme.contact_pattern().set_horizon(horizon_);
+  Scheme& scheme = stepper_.scheme();
   bodies_.refer_to_carriers(recalled_);
-  scheme.contact_pattern().recall(std::move(recalled_));
+  scheme.prepare(horizon_, std::move(recalled_), old.scheme.get());
   recalled_.clear();
   if (goes_on) {
     scheme.forget(stepper_.moved_bodies());
     return scheme.restart(world_.state(), report_);
   }
-  if (old.scheme) scheme.contact_pattern().inherit(old.scheme->contact_pattern());
   scheme.start(world_.state(), report_);
   if (old.scheme) scheme.inherit(*old.scheme);
 }
@@ -385,7 +376,7 @@ void Simulator::Impl::close_all_joints() {
   if (close_joints(stepper_.system(), state, settings_.position_tolerance, report_)) {
     undo_.move_world(state);
     refresh();
-    if (stepper_.scheme()) undo_.move_world(stepper_.state());
+    undo_.move_world(stepper_.state());
     stepper_.note_state();
     report_.time = world_.time();
     report_.gap = StepQuality::gap(stepper_, quality_.residual(stepper_.system().rows(), world_.state()));
