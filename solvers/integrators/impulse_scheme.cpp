@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/state/reach.h"
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
 #include "solvers/integrators/body_moves.h"
@@ -155,17 +154,6 @@ std::span<const double> ImpulseScheme::known_residual() const {
 std::span<const double> ImpulseScheme::forces_of_laws() const {
   if (axes_.only_springs() && contacts_.empty()) return {};
   return values_.force_multipliers;
-}
-
-BodyId ImpulseScheme::not_finite() const {
-  for (int b = 0; b < world_.body_count(); ++b) {
-    const Pose& X = phase_.state.poses[b];
-    const Wrench& p = phase_.momenta[b];
-    const Twist& V = phase_.state.twists[b];
-    if (!(within_reach(X, V) && X.q.coeffs().allFinite() && p.torque.allFinite() && p.force.allFinite()))
-      return {b};
-  }
-  return kGround;
 }
 
 /// Contacts at the end of the drift, with its velocities.

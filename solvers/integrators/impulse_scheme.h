@@ -51,13 +51,10 @@ class ImpulseScheme : public Scheme {
   std::span<const double> known_residual() const override;
   std::span<const double> forces_of_laws() const override;
   int missing_threads() const override { return stages_.missing_threads(); }
-  BodyId not_finite() const override;
 
   // For diagnoses.
-  /// Shapes of contacts belong to the bodies of this world.
-  void name_by(const World& named) { stages_.culprits().name_by(named); }
   const RowValues& values() const { return values_; }
-  const StageSolver& stages() const { return stages_; }
+  StageSolver& stages() { return stages_; }
   /// Poses of the last Newton iterate; φ there is values().phi.
   const std::vector<Pose>& trial_poses() const { return phase_.poses; }
   /// The body whose tension asks for the shortest step.

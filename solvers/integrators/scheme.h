@@ -84,8 +84,8 @@ class Scheme {
   bool blind() const { return !contacts_.empty() && contacts_.set().detection().blind(); }
   /// Threads that could not be started.
   virtual int missing_threads() const { return 0; }
-  /// After kNotFinite: the first body that is not; else the ground.
-  virtual BodyId not_finite() const = 0;
+  /// The body whose state was not finite, if state() is the old one in spite of that; else the ground.
+  virtual BodyId not_finite() const { return kGround; }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   /// Reading, in place of start().

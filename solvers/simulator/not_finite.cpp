@@ -6,6 +6,8 @@
 #include <optional>
 #include <sstream>
 
+#include "core/state/reach.h"
+
 namespace taut {
 namespace {
 
@@ -69,6 +71,20 @@ std::optional<ForceId> force_not_finite(const Inquiry& asked) {
   return std::nullopt;
 }
 
+/// The first body whose state is not finite; none: the ground.
+BodyId body_not_finite(const Scheme& scheme) {
+  if (scheme.not_finite() != kGround) return scheme.not_finite();
+  const std::span<const Wrench> momenta = scheme.momenta();
+  for (int b = 0; b < std::ssize(scheme.state().poses); ++b) {
+    const Pose& X = scheme.state().poses[b];
+    const Wrench& p = momenta[b];
+    const Twist& V = scheme.state().twists[b];
+    if (!(within_reach(X, V) && X.q.coeffs().allFinite() && p.torque.allFinite() && p.force.allFinite()))
+      return {b};
+  }
+  return kGround;
+}
+
 std::string speeds_of(const Twist& V) {
   std::ostringstream text;
   text << " does not stay finite (within 1e30 m, m/s and rad/s), from " << V.v.norm() << " m/s and "
@@ -99,7 +115,7 @@ void end_not_finite(const Inquiry& asked) {
     return end("what ", {.kind = spring ? Culprit::Kind::kSpring : Culprit::Kind::kForce, .force = *force},
                spring ? " pulls with is not finite" : " gives is not finite");
   }
-  if (const BodyId body = scheme.not_finite(); body.index > 0)
+  if (const BodyId body = body_not_finite(scheme); body.index > 0)
     return end("", {.kind = Culprit::Kind::kBody, .a = body},
                speeds_of(asked.world.state().twists[body.index]));
   asked.end_step(Status::kNotFinite, "a force or the state is not finite");

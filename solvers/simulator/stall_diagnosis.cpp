@@ -45,7 +45,7 @@ Contradiction contradiction_from(const Inquiry& asked, const State& state, doubl
 
 StallDiagnosis::StallDiagnosis(const Inquiry& asked)
     : asked_(asked),
-      scheme_(dynamic_cast<const ImpulseScheme&>(asked.stepper.scheme())),
+      scheme_(dynamic_cast<ImpulseScheme&>(asked.stepper.scheme())),
       laws_(scheme_.stages().active_set_outcome()),
       found_(asked.report.contradiction) {}
 

@@ -28,7 +28,7 @@ class StallDiagnosis {
   void take_culprits();
 
   const Inquiry& asked_;
-  const ImpulseScheme& scheme_;
+  ImpulseScheme& scheme_;
   const ActiveSetOutcome& laws_;
   Contradiction& found_;
 };

@@ -45,7 +45,7 @@ std::unique_ptr<Scheme> Stepper::make_scheme() {
     scheme = std::make_unique<Rattle>(world_, *system_, settings_);
   else
     scheme = std::make_unique<Composition>(world_, *system_, settings_);
-  scheme->name_by(named_);
+  scheme->stages().culprits().name_by(named_);
   return scheme;
 }
 
