@@ -217,7 +217,7 @@ void MergedWorld::rebuild(const World& source) {
                       .properties = source.versions_.properties,
                       .geometry = before.geometry + 1,
                       .sleep = before.sleep + 1};
-  note_stirs(source);
+  note_wakes(source);
   place_frames(source);
   make_bodies(source);
   make_joints(source);
@@ -366,7 +366,7 @@ void MergedWorld::take_wakes(const World& source) {
   if (wake_version_seen_ == source.sleep_.wake_version()) return;
   for (int b = 0; b < source.body_count(); ++b)
     if (wake_counts_seen_[b] != source.sleep_.wake_count(b)) world_.wake(carriers_->bodies[b]);
-  note_stirs(source);
+  note_wakes(source);
 }
 
 void MergedWorld::give_sleep(World& source) const {

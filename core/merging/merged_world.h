@@ -66,8 +66,8 @@ class MergedWorld {
     seen_.state = source.state_version();
     known_ = source.state();
   }
-  /// Who has been woken in the source so far sleeps as the bodies of world() do.
-  void note_stirs(const World& source) {
+  /// Wakes in the source so far are those that the bodies of world() have, too.
+  void note_wakes(const World& source) {
     wake_counts_seen_ = source.sleep_.wake_counts();
     wake_version_seen_ = source.sleep_.wake_version();
   }

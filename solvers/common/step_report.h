@@ -188,43 +188,53 @@ struct StepWorks {
   double drivers = 0;      ///< of joints that follow the time, a part of `constraint`
   double forces = 0;       ///< of gravity and the force laws
   double dissipative = 0;  ///< of those that are not conservative, a part of `forces`
+  double flow = 0;         ///< kinetic energy that is gained between kicks, where free flow is approximate
 };
 
-/// The proof of quality of one step.
-struct StepReport {
+/// What the sub-steps of a step come to.  A sub-step adds to a copy of what those before it have come to,
+/// which takes the place of that afterwards, with the works of a sub-step that is kept only.
+struct SubstepReport {
   Status status = Status::kSuccess;  ///< how the step ended
   std::string message;               ///< empty on success
-  double time = 0;                   ///< at the end of the step [s]
-  double dt = 0;                     ///< as given to step() [s]
 
-  /// Largest error at the end of all that should hold, of bodies that are awake: of joints, merged ones too,
-  /// and of axes, as the length of a rope, beyond their rigid limits.  On success joints are within
-  /// Settings::position_tolerance, but for iterative solvers, force level and DriftCure::kNone, and so are
-  /// limits, but for those that a step began beyond: an axis comes back by no more than 1 m/s or 1 rad/s.
-  Gap gap;
   double velocity_residual = 0;         ///< largest |J V| [m/s or rad/s]
   int newton_iterations = 0;            ///< position stage, all sub-steps
   int substeps = 0;                     ///< that were taken
   SolverCounts counts;                  ///< what the solvers did
-  int rank_deficiency = 0;              ///< dependent rows at the end of the step
-  double condition_estimate = 0;        ///< of S, from the pivots: a lower bound
   double tension_number = 0;            ///< largest ω h of the sub-steps taken
   double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
   /// The natural map of the laws of axes and contacts at the impulses and rates that each stage ended with,
   /// no tolerance taken off, over the size of both: at most 1e-9 on success, 1e-8 in steps with contacts
   /// (solvers/complementarity, "Natural residual").  Joints have `gap` and `velocity_residual`.
   double natural_residual = 0;
-  int contacts = 0;        ///< points at the end of the step, touching or near
-  double penetration = 0;  ///< deepest of them, ≥ 0 [m]
-  int asleep = 0;          ///< bodies that did not move because they sleep (Settings::sleep)
-  StageTimes times;        ///< where the time went
+  StageTimes times;  ///< where the time went
+  StepWorks works;   ///< of what acted, with Settings::report_energy
+  /// With all other statuses but kSuccess: who has the largest shares in it, the largest first; empty if
+  /// nobody stands out.
+  std::vector<Culprit> culprits;
+};
+
+/// The proof of quality of one step.
+struct StepReport : SubstepReport {
+  double time = 0;  ///< at the end of the step [s]
+  double dt = 0;    ///< as given to step() [s]
+
+  /// Largest error at the end of all that should hold, of bodies that are awake: of joints, merged ones too,
+  /// and of axes, as the length of a rope, beyond their rigid limits.  On success joints are within
+  /// Settings::position_tolerance, but for iterative solvers, force level and DriftCure::kNone, and so are
+  /// limits, but for those that a step began beyond: an axis comes back by no more than 1 m/s or 1 rad/s.
+  Gap gap;
+  int rank_deficiency = 0;        ///< dependent rows at the end of the step
+  double condition_estimate = 0;  ///< of S, from the pivots: a lower bound
+  int contacts = 0;               ///< points at the end of the step, touching or near
+  double penetration = 0;         ///< deepest of them, ≥ 0 [m]
+  int asleep = 0;                 ///< bodies that did not move because they sleep (Settings::sleep)
 
   // With Settings::report_energy:
   double kinetic_energy = 0, potential_energy = 0;  ///< the latter without that of springs [J]
   double spring_energy = 0;                         ///< in springs, soft limits and soft joints [J]
   Vec3 linear_momentum = Vec3::Zero();              ///< [N·s]
   Vec3 angular_momentum = Vec3::Zero();             ///< about the world origin [N·m·s]
-  StepWorks works;                                  ///< of what acted
   EnergyLedger ledger;                              ///< where the energy went
 
   /// Rows of joints that others hold already, as many as rank_deficiency but for those of contacts;
@@ -243,9 +253,6 @@ struct StepReport {
   int unsupported_pairs = 0;  ///< number of such pairs
   /// Threads that Settings::threads asks for and that could not be started: the others did their work.
   int missing_threads = 0;
-  /// With all other statuses but kSuccess: who has the largest shares in it, the largest first; empty if
-  /// nobody stands out.
-  std::vector<Culprit> culprits;
 
   bool ok() const { return status == Status::kSuccess; }  ///< kSuccess
   /// The world has moved on: after success, or inexactly.

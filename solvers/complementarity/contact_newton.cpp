@@ -8,12 +8,11 @@
 
 namespace taut {
 
-NewtonOutcome ContactNewton::solve(const ContactLaws& contacts, std::span<const RowLaw> laws,
-                                   std::span<const double> b, std::span<double> lambda, std::span<double> w,
-                                   const NewtonLimits& limits, StageTimes& times) {
-  ContactProblem problem{contacts, laws, b, lambda, w, {}, {}};
+NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& stage,
+                                   const NewtonLimits& limits, StageRecord& record) {
+  ContactProblem problem{contacts, stage.laws, stage.b, stage.lambda, stage.w, {}, {}};
   read_scales(problem);
-  system_.rates(lambda, b, w);
+  system_.rates(stage.lambda, stage.b, stage.w);
   NewtonOutcome outcome;
   Progress progress = begin_rounds(problem, limits);
   for (;;) {
@@ -23,13 +22,17 @@ NewtonOutcome ContactNewton::solve(const ContactLaws& contacts, std::span<const 
         std::max(Tuning::kForcing * std::min(progress.residual, Tuning::kForcing), Tuning::kLeastGradient) *
         problem.scale;
     const bool met =
-        round_.minimize(problem, lagged_, tolerance, limits.iterations, outcome.iterations, times);
+        round_.minimize(problem, lagged_, tolerance, limits.iterations, outcome.iterations, record.times);
     read_rates(problem);
     outcome.residual = law_error(problem, limits.rate_tolerance, outcome.rounds);
     if (outcome.residual > Tuning::kGrowth * progress.residual) lagged_.forget();
-    if (ends(problem, limits, met || lagged_.holds_nothing(), progress, outcome)) return outcome;
+    if (ends(problem, limits, met || lagged_.holds_nothing(), progress, outcome)) break;
     next_round(problem, met, outcome.residual, progress);
   }
+  contacts.take_over(stage.lambda, stage.w, limits.rate_tolerance);
+  record.iterations += outcome.iterations;
+  if (outcome.converged) record.residual = std::max(record.residual, outcome.residual);
+  return outcome;
 }
 
 bool ContactNewton::is_heap() const {

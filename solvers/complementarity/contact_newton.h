@@ -9,6 +9,7 @@
 #include "solvers/complementarity/coupled_rounds.h"
 #include "solvers/complementarity/lagged_friction.h"
 #include "solvers/complementarity/proximal_round.h"
+#include "solvers/complementarity/stage_problem.h"
 #include "solvers/laws/contact_laws.h"
 #include "solvers/laws/row_law.h"
 #include "solvers/system/constraint_system.h"
@@ -49,10 +50,9 @@ class ContactNewton {
  public:
   explicit ContactNewton(ConstraintSystem& system) : system_(system), round_(system) {}
 
-  /// S = W Wᵀ with the W that the system has.  `lambda`: a guess, then the result; `w`: its rates.
-  NewtonOutcome solve(const ContactLaws& contacts, std::span<const RowLaw> laws, std::span<const double> b,
-                      std::span<double> lambda, std::span<double> w, const NewtonLimits& limits,
-                      StageTimes& times);
+  /// S = W Wᵀ with the W that the system has.  The friction of `contacts` is that of the result from then on.
+  NewtonOutcome solve(ContactLaws& contacts, const StageProblem& stage, const NewtonLimits& limits,
+                      StageRecord& record);
 
   /// The rates w meet the equalities of joints, to some times the tolerance of rates.
   bool holds_joints(std::span<const RowLaw> laws, std::span<const double> w, double rate_tolerance) const;

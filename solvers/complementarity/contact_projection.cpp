@@ -30,7 +30,8 @@ void ContactProjection::project_row(const RowLaw& law, double sigma, int r) {
   slope_[r] = RowLaw::is_vertical(point.segment) ? 1 : law.slope * sigma / (1 + law.slope * sigma);
 }
 
-/// The nearest point of Coulomb's cone |Λ_t| ≤ μ Λ_n, of the spin's interval and of the rolling disc.
+/// The nearest point of Coulomb's cone |Λ_t| ≤ μ Λ_n, or of an interval of the normal and a disc whose radius
+/// is given or follows from it; then of the spin's interval and the rolling disc.
 void ContactProjection::project_contact(const ContactProblem& problem, const LaggedFriction& lagged,
                                         std::span<const double> centre, int k) {
   const ContactLaws::Cone cone = problem.contacts.cone(k);
@@ -41,28 +42,21 @@ void ContactProjection::project_contact(const ContactProblem& problem, const Lag
     std::fill_n(slope_.begin() + row, count, 0.0);
     return;
   }
-  project_sliding(cone, lagged, k);
-  if (!cone.twist) return;
-  const double normal = lagged.holds_nothing() ? y_[row] : centre[row];
-  project_twist(cone, std::max(0.0, cone.normal_given + normal), k);
-}
-
-/// The three rows of the normal and the slip: an interval and a disc whose radius is given or follows from
-/// it, or the cone.
-void ContactProjection::project_sliding(const ContactLaws::Cone& cone, const LaggedFriction& lagged, int k) {
-  const int row = first_row(k);
-  const double mu = cone.sliding, normal = cone.normal_given + x_[row];
-  const Vec2 tangent = cone.sliding_given + Vec2(x_[row + 1], x_[row + 2]);
-  if (!lagged.by_radius(cone)) {
-    project_cone(k, cone, normal, tangent);
-    return;
+  const bool coupled = lagged.holds_nothing();
+  const double given = cone.normal_given + x_[row];
+  const Vec2 tangent = cone.sliding_given + Vec2(x_[row + kSlidingRow], x_[row + kSlidingRow + 1]);
+  if (lagged.by_radius(cone)) {
+    const double normal = std::clamp(given, 0.0, cone.most);
+    y_[row] = normal - cone.normal_given;
+    slope_[row] = normal == given ? 1 : 0;
+    const double radius = coupled ? cone.sliding * normal : lagged.radius(k);
+    if (coupled && tangent.norm() > radius) coupling_[k] = cone.sliding * slope_[row];
+    project_disc(k, kSlidingRow, cone.sliding_given, radius);
+  } else {
+    project_cone(k, cone, given, tangent);
   }
-  const double total = std::clamp(normal, 0.0, cone.most);
-  y_[row] = total - cone.normal_given;
-  slope_[row] = total == normal ? 1 : 0;
-  const double radius = lagged.holds_nothing() ? mu * total : lagged.radius(k);
-  if (lagged.holds_nothing() && tangent.norm() > radius) coupling_[k] = mu * slope_[row];
-  project_disc(k, 1, cone.sliding_given, radius);
+  if (cone.twist)
+    project_twist(cone, std::max(0.0, cone.normal_given + (coupled ? y_[row] : centre[row])), k);
 }
 
 /// The cone itself, in three rows of a contact whose impulses with what was given are these.
@@ -78,29 +72,29 @@ void ContactProjection::project_cone(int k, const ContactLaws::Cone& cone, doubl
       std::copy_n(x_.begin() + row, 3, y_.begin() + row);
     } else {
       y_[row] = -cone.normal_given;
-      y_[row + 1] = -cone.sliding_given[0];
-      y_[row + 2] = -cone.sliding_given[1];
+      y_[row + kSlidingRow] = -cone.sliding_given[0];
+      y_[row + kSlidingRow + 1] = -cone.sliding_given[1];
     }
-    turn_rows(k, 0, 1, Vec2::UnitX());
+    turn_rows(k, 0, kSlidingRow, Vec2::UnitX());
     return;
   }
   const Vec2 direction = size > 0 ? Vec2(tangent / size) : Vec2(Vec2::UnitX());
   y_[row] = on - cone.normal_given;
-  y_[row + 1] = mu * on * direction[0] - cone.sliding_given[0];
-  y_[row + 2] = mu * on * direction[1] - cone.sliding_given[1];
+  y_[row + kSlidingRow] = mu * on * direction[0] - cone.sliding_given[0];
+  y_[row + kSlidingRow + 1] = mu * on * direction[1] - cone.sliding_given[1];
   slope_[row] = 1;  // along the generator
-  slope_[row + 1] = 0;
-  slope_[row + 2] = size > 0 ? mu * on / size : 0;  // across it
-  turn_rows(k, mu, 1, direction);
+  slope_[row + kSlidingRow] = 0;
+  slope_[row + kSlidingRow + 1] = size > 0 ? mu * on / size : 0;  // across it
+  turn_rows(k, mu, kSlidingRow, direction);
 }
 
 /// Spinning and rolling friction under a normal impulse.
 void ContactProjection::project_twist(const ContactLaws::Cone& cone, double normal, int k) {
-  const int row = first_row(k) + 3;
+  const int row = first_row(k) + kSpinRow;
   const double most = cone.spinning * normal, spin = cone.spin_given + x_[row];
   y_[row] = std::clamp(spin, -most, most) - cone.spin_given;
   slope_[row] = std::abs(spin) < most ? 1 : 0;
-  project_disc(k, 4, cone.rolling_given, cone.rolling * normal);
+  project_disc(k, kRollingRow, cone.rolling_given, cone.rolling * normal);
 }
 
 /// A disc in two rows of a contact.
@@ -131,7 +125,7 @@ void ContactProjection::turn_rows(int k, double mu, int first, const Vec2& direc
       const double along = direction[0] * a + direction[1] * b;
       turned[6 * first + i] = along;
       turned[6 * first + 6 + i] = direction[0] * b - direction[1] * a;
-      if (first == 1) turned[i] = length * (W[i] + mu * along);
+      if (first == kSlidingRow) turned[i] = length * (W[i] + mu * along);
     }
   }
 }

@@ -36,10 +36,12 @@ class ContactProjection {
   double coupling(int k) const { return coupling_[k]; }
 
  private:
+  static constexpr int kSlidingRow = ContactLaws::kSlidingRow, kSpinRow = ContactLaws::kSpinRow,
+                       kRollingRow = ContactLaws::kRollingRow;
+
   void project_row(const RowLaw& law, double sigma, int row);
   void project_contact(const ContactProblem& problem, const LaggedFriction& lagged,
                        std::span<const double> centre, int k);
-  void project_sliding(const ContactLaws::Cone& cone, const LaggedFriction& lagged, int k);
   void project_cone(int k, const ContactLaws::Cone& cone, double normal, const Vec2& tangent);
   void project_twist(const ContactLaws::Cone& cone, double normal, int k);
   void project_disc(int k, int first, const Vec2& given, double radius);

@@ -68,12 +68,6 @@ bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolera
   return true;
 }
 
-bool ContactSolver::solve(const StageProblem& problem, const NewtonLimits& limits, double inexact,
-                          StageRecord& record) {
-  return solve_by_newton(problem, limits, record) ||
-         solve_by_sweeps(problem, limits.rate_tolerance, inexact, record);
-}
-
 double ContactSolver::sweep(const StageProblem& problem, int sweeps, double rate_tolerance) {
   (void)iteration().solve(contacts_, problem.laws, problem.b, problem.lambda, problem.w, {.sweeps = sweeps},
                           {});
@@ -101,22 +95,11 @@ bool ContactSolver::solve_by_newton(const StageProblem& problem, const NewtonLim
   const bool with_joints = system_.rows().first_contact_row() > 0;  // sweeps of them cost more than they save
   if (newton_.is_heap() && !(contacts_.soft() && with_joints)) sweep_guess(problem, limits.rate_tolerance);
   for (int solve = 0;; ++solve) {
-    if (!run_newton(problem, limits, record).converged) return false;
+    if (!newton_.solve(contacts_, problem, limits, record).converged) return false;
     if (solve == Tuning::kMaxSolves || !contacts_.slips_where_it_held()) return true;
     if (search_sticking_solution(problem, limits.rate_tolerance, record) || !contacts_.weakened())
       return true;
   }
-}
-
-NewtonOutcome ContactSolver::run_newton(const StageProblem& problem, const NewtonLimits& limits,
-                                        StageRecord& record) {
-  const NewtonOutcome outcome =
-      newton_.solve(contacts_, problem.laws, problem.b, problem.lambda, problem.w, limits, record.times);
-  contacts_.take_over(problem.lambda, problem.w, limits.rate_tolerance);
-  record.iterations += outcome.iterations;
-  if (outcome.converged) record.residual = std::max(record.residual, outcome.residual);
-  record.loose = 0;
-  return outcome;
 }
 
 bool ContactSolver::search_sticking_solution(const StageProblem& problem, double rate_tolerance,
@@ -129,7 +112,7 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
   unshared_.assign(lambda.begin(), lambda.end());
   for (bool again = true; again;) {
     std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
-    const NewtonOutcome outcome = run_newton(problem, limits, record);
+    const NewtonOutcome outcome = newton_.solve(contacts_, problem, limits, record);
     if (outcome.converged && !contacts_.slips_where_it_held()) {
       // What holds by the normality law holds by Coulomb's where it does not slip at all.
       search.end(true);
@@ -148,8 +131,6 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
   return false;
 }
 
-/// Where Newton's method has given up: its best round, or what Gauss–Seidel makes of that if it is better, if
-/// it is good enough.  Gauss–Seidel on contacts comes near from anywhere, and no further.
 bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tolerance, double inexact,
                                     StageRecord& record) {
   if (inexact == 0 || contacts_.count() == 0) return false;

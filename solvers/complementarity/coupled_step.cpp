@@ -82,7 +82,8 @@ void CoupledStep::add_coupling(const Coupling& coupling, const Eigen::VectorXd& 
     double rate = 0;
     for (const auto& side : sides) rate += row_of(side, 0).dot(u.segment<6>(6 * side.body));
     rate *= coupling.part * slope / coupling.sigma[contact.first_row];
-    for (const auto& side : sides) sum.segment<6>(6 * side.body) += rate * row_of(side, 1);
+    for (const auto& side : sides)
+      sum.segment<6>(6 * side.body) += rate * row_of(side, ContactLaws::kSlidingRow);
   }
 }
 

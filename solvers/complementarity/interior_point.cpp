@@ -41,8 +41,8 @@ void InteriorPoint::begin(const Problem& problem) {
     scale_ = std::max({scale_, root * std::abs(problem.lambda[r]), std::abs(problem.b[r]) / root});
     if (problem.laws[r].bounded()) add_elements(problem.laws[r], static_cast<int>(r));
   }
-  system_.to_bodies(problem.lambda, v_);
-  system_.to_rows(v_, rates_);
+  system_.apply_Wt(problem.lambda, v_);
+  system_.apply_W(v_, rates_);
   for (std::size_t r = 0; r < n; ++r) rates_[r] += problem.b[r];
   double power = 0, energy = 0;
   for (const Element& element : elements_) {
@@ -120,10 +120,10 @@ void InteriorPoint::set_stiffness(const Problem& problem, double mu, bool correc
 /// P δv = Wᵀ (λ − D off) − v, and what follows for the elements.
 void InteriorPoint::direction(const Problem& problem) {
   for (std::size_t r = 0; r < change_.size(); ++r) change_[r] = problem.lambda[r] - off_[r];
-  system_.to_bodies(change_, step_);
+  system_.apply_Wt(change_, step_);
   for (std::size_t i = 0; i < v_.size(); ++i) step_[i] -= v_[i];
   system_.solve_bodies(step_);
-  system_.to_rows(step_, change_);
+  system_.apply_W(step_, change_);
   for (Element& element : elements_) {
     const double p = element.p, q = element.q;
     element.de = -element.stiffness * (change_[element.row] + element.off);
@@ -170,7 +170,7 @@ void InteriorPoint::move(const Problem& problem, double length) {
     element.y += length * element.dy;
     element.de = element.dz = element.dy = 0;
   }
-  system_.to_rows(v_, rates_);
+  system_.apply_W(v_, rates_);
   for (std::size_t r = 0; r < change_.size(); ++r) rates_[r] += problem.b[r];
   update_impulses(problem);
 }

@@ -62,11 +62,11 @@ void LaggedFriction::answer(const ContactProblem& problem, std::span<const doubl
                             Eigen::VectorXd& s) const {
   for (int k = 0; k < problem.contacts.count(); ++k) {
     const ContactLaws::Cone cone = problem.contacts.cone(k);
-    const int row = problem.contacts.first_row(k);
+    const int row = problem.contacts.first_row(k), slide = row + ContactLaws::kSlidingRow;
     const double root = std::sqrt(problem.diagonal[row]);
     const auto off = [&](int r) { return problem.w[r] - problem.target[r]; };
     const double lagged = by_radius(cone) ? root * std::max(0.0, cone.normal_given + y[row])
-                                          : std::hypot(off(row + 1), off(row + 2)) / root;
+                                          : std::hypot(off(slide), off(slide + 1)) / root;
     s[k] = cone.works && !cone.shares ? cone.sliding * lagged : 0;
   }
 }

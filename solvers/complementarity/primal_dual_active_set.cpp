@@ -67,9 +67,9 @@ void PrimalDualActiveSet::correct(std::span<const RowLaw> laws, std::span<double
     change_[r] = RowLaw::is_vertical(segment) ? stiffness_[r] * (laws[r].rate(segment) - w[r])
                                               : laws[r].force(segment) - lambda[r] - stiffness_[r] * w[r];
   }
-  system_.to_bodies(change_, v_);
+  system_.apply_Wt(change_, v_);
   system_.solve_bodies(v_);
-  system_.to_rows(v_, rates_);
+  system_.apply_W(v_, rates_);
   for (std::size_t r = 0; r < laws.size(); ++r) lambda[r] += change_[r] - stiffness_[r] * rates_[r];
 }
 

@@ -49,7 +49,8 @@ double ProximalRound::distance_to_centre(const ContactProblem& problem) const {
 bool ProximalRound::minimize(const ContactProblem& problem, const LaggedFriction& lagged, double tolerance,
                              int most, int& steps, StageTimes& times) {
   const bool coupled = lagged.holds_nothing();
-  project(problem, lagged, 0);
+  read_impulses(problem, lagged, 0);
+  projection_.project(problem, metric_.sigma(), lagged, centre_);
   GradientHistory history;
   for (int step = 0;; ++step) {
     read_gradient();
@@ -65,21 +66,21 @@ bool ProximalRound::minimize(const ContactProblem& problem, const LaggedFriction
   }
 }
 
-/// y and P' of x at the present velocities and `length` of the step.
-void ProximalRound::project(const ContactProblem& problem, const LaggedFriction& lagged, double length) {
+/// x at the present velocities and `length` of the step.
+void ProximalRound::read_impulses(const ContactProblem& problem, const LaggedFriction& lagged,
+                                  double length) {
   const std::span<const double> sigma = metric_.sigma(), carry = metric_.carry(), shift = lagged.shift();
   const std::span<double> x = projection_.x();
   for (std::size_t r = 0; r < x.size(); ++r)
     x[r] = carry[r] * centre_[r] -
            (base_[r] + rates_[r] + length * rates_of_step_[r] - problem.target[r] + shift[r]) / sigma[r];
-  projection_.project(problem, sigma, lagged, centre_);
 }
 
 /// The gradient δv − Wᵀ (y − λ̄).
 void ProximalRound::read_gradient() {
   const std::span<const double> y = projection_.y();
   for (std::size_t r = 0; r < y.size(); ++r) change_[r] = y[r] - centre_[r];
-  system_.to_bodies(change_, span_of(gradient_));
+  system_.apply_Wt(change_, span_of(gradient_));
   gradient_ = v_ - gradient_;
 }
 
@@ -96,7 +97,7 @@ bool ProximalRound::find_step(const LaggedFriction& lagged, StageTimes& times) {
     step_ = -gradient_;
     system_.solve_bodies(span_of(step_));
   }
-  system_.to_rows(span_of(step_), rates_of_step_);
+  system_.apply_W(span_of(step_), rates_of_step_);
   return true;
 }
 
@@ -105,7 +106,8 @@ void ProximalRound::search(const ContactProblem& problem, const LaggedFriction& 
   const double along = step_.dot(v_), square = step_.squaredNorm();
   const auto slope_at = [&](double length) {
     double slope = along + length * square;
-    project(problem, lagged, length);
+    read_impulses(problem, lagged, length);
+    projection_.project(problem, metric_.sigma(), lagged, centre_);
     const std::span<const double> y = projection_.y();
     for (std::size_t r = 0; r < y.size(); ++r) slope -= rates_of_step_[r] * (y[r] - centre_[r]);
     return slope;

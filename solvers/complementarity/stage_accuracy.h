@@ -24,7 +24,7 @@ class StageAccuracy {
   /// The largest natural residual.
   double natural() const { return natural_; }
   /// For a sub-step that is kept.  True if it was inexact.
-  bool report(StepReport& report) const {
+  bool report(SubstepReport& report) const {
     report.natural_residual = std::max(report.natural_residual, natural_);
     if (worst_inexact_ == 0) return false;
     report.status = Status::kInexact;

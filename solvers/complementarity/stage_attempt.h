@@ -63,7 +63,7 @@ struct StageAttempt {
   StageBudget budget;
   double rate_tolerance;        ///< rates that are off by no more than this count as right [m/s or rad/s]
   double warm_start_tolerance;  ///< the same for impulses of before, taken as they are
-  StepReport& report;
+  SubstepReport& report;
   double inexact_residual = 0;  ///< that of the result, if it is beyond 1e-8
 
   StageProblem problem() const { return problem(stage.lambda); }

@@ -96,7 +96,7 @@ void StageCulprits::find_jam(std::span<const double> lambda, std::span<const dou
     if (rows.is_equality(r) && rows.row(r).store->depends_on_time() && is_large(r)) jammed_.push_back(r);
 }
 
-void StageCulprits::report(StepReport& report) const {
+void StageCulprits::report(SubstepReport& report) const {
   const auto share = [](std::span<const Culprit> all) { return all.empty() ? -1 : all.front().share; };
   if (share(culprits_) > share(report.culprits)) report.culprits = culprits_;
 }

@@ -7,13 +7,10 @@
 namespace taut {
 namespace {
 
-/// What a solver has done.
 template <typename Outcome>
-StageRecord record_of(const Outcome& outcome) {
-  StageRecord record;
-  record.iterations = outcome.iterations;
-  if (outcome.converged) record.residual = outcome.residual;
-  return record;
+void add_to(StageRecord& record, const Outcome& outcome) {
+  record.iterations += outcome.iterations;
+  if (outcome.converged) record.residual = std::max(record.residual, outcome.residual);
 }
 
 }  // namespace
@@ -31,8 +28,14 @@ StagePrimal::StagePrimal(const StageModel& model, const StageResidual& residual,
 
 StageVerdict StagePrimal::solve(StageAttempt& attempt) {
   const std::span<double> lambda = attempt.stage.lambda;
+  NewtonLimits limits{.rate_tolerance = attempt.rate_tolerance, .near = attempt.stage.near};
+  if (attempt.budget.reduced) limits.iterations = Tuning::kReducedSteps;
+  const ContactIslands::Limits of_islands{limits, attempt.warm_start_tolerance, attempt.budget.inexact};
   for (int solve = 0; solve < Tuning::kMaxMendings; ++solve) {
-    const bool solved = model_.contacts.empty() ? solve_axes(attempt) : solve_islands(attempt);
+    StageRecord record;
+    const bool solved = model_.contacts.empty() ? solve_axes(attempt, record)
+                                                : islands_.solve(attempt.problem(), of_islands, record);
+    attempt.add(record);
     pivoting_.take_segments(attempt.solution(lambda));
     if (!solved) break;
     if (!model_.move_laws(attempt.problem(), attempt.rate_tolerance)) return StageVerdict::kMet;
@@ -44,61 +47,45 @@ StageVerdict StagePrimal::solve(StageAttempt& attempt) {
 }
 
 /// Many axes and no contacts.
-bool StagePrimal::solve_axes(StageAttempt& attempt) {
+bool StagePrimal::solve_axes(const StageAttempt& attempt, StageRecord& record) {
   model_.system.rates(attempt.stage.lambda, attempt.b, attempt.w);
-  return solve_near(attempt) || solve_by_interior_point(attempt);
+  return solve_near(attempt, record) || solve_by_interior_point(attempt, record);
 }
 
 /// What is nearly solved, on the segments of the guess or by some steps of Newton; else λ is the guess.
-bool StagePrimal::solve_near(StageAttempt& attempt) {
+bool StagePrimal::solve_near(const StageAttempt& attempt, StageRecord& record) {
   const std::span<double> lambda = attempt.stage.lambda;
   const double rate_tolerance = attempt.rate_tolerance, held = ContactSolverTuning::kHeld;
   if (!(contact_solver_.distance(attempt.problem(), rate_tolerance) <= Tuning::kNewtonRange)) return false;
   const double tolerance = attempt.stage.near ? Tuning::kMendedExactly : held;
   guess_.assign(lambda.begin(), lambda.end());
-  if (solve_on_segments(attempt, {tolerance, rate_tolerance}) && exact(attempt)) return true;
+  if (solve_on_segments(attempt, {tolerance, rate_tolerance}, record) && exact(attempt)) return true;
   std::copy(guess_.begin(), guess_.end(), lambda.begin());
   const NewtonLimits few{.tolerance = tolerance,
                          .most = held,
                          .rate_tolerance = rate_tolerance,
                          .iterations = Tuning::kFewSteps};
-  if (solve_by_newton(attempt, few) && exact(attempt)) return true;
+  if (contact_solver_.solve_by_newton(attempt.problem(), few, record) && exact(attempt)) return true;
   std::copy(guess_.begin(), guess_.end(), lambda.begin());
   return false;
 }
 
 /// All else by interior points, and what those leave by Newton.
-bool StagePrimal::solve_by_interior_point(StageAttempt& attempt) {
+bool StagePrimal::solve_by_interior_point(const StageAttempt& attempt, StageRecord& record) {
   const InteriorOutcome outcome =
-      interior_.solve(attempt.laws, attempt.b, attempt.stage.lambda, attempt.w, {}, attempt.report.times);
-  attempt.add(record_of(outcome));
+      interior_.solve(attempt.laws, attempt.b, attempt.stage.lambda, attempt.w, {}, record.times);
+  add_to(record, outcome);
   if (outcome.converged && exact(attempt)) return true;
   const NewtonLimits limits{.most = ContactSolverTuning::kHeld, .rate_tolerance = attempt.rate_tolerance};
-  return solve_by_newton(attempt, limits) && exact(attempt);
+  return contact_solver_.solve_by_newton(attempt.problem(), limits, record) && exact(attempt);
 }
 
-bool StagePrimal::solve_on_segments(StageAttempt& attempt, const PrimalDualLimits& limits) {
-  const PrimalDualOutcome outcome = primal_dual_.solve(attempt.laws, attempt.b, attempt.stage.lambda,
-                                                       attempt.w, limits, attempt.report.times);
-  attempt.add(record_of(outcome));
+bool StagePrimal::solve_on_segments(const StageAttempt& attempt, const PrimalDualLimits& limits,
+                                    StageRecord& record) {
+  const PrimalDualOutcome outcome =
+      primal_dual_.solve(attempt.laws, attempt.b, attempt.stage.lambda, attempt.w, limits, record.times);
+  add_to(record, outcome);
   return outcome.converged;
-}
-
-bool StagePrimal::solve_by_newton(StageAttempt& attempt, const NewtonLimits& limits) {
-  StageRecord record;
-  const bool solved = contact_solver_.solve_by_newton(attempt.problem(), limits, record);
-  attempt.add(record);
-  return solved;
-}
-
-bool StagePrimal::solve_islands(StageAttempt& attempt) {
-  NewtonLimits limits{.rate_tolerance = attempt.rate_tolerance, .near = attempt.stage.near};
-  if (attempt.budget.reduced) limits.iterations = Tuning::kReducedSteps;
-  StageRecord record;
-  const bool solved = islands_.solve(attempt.problem(),
-                                     {limits, attempt.warm_start_tolerance, attempt.budget.inexact}, record);
-  attempt.add(record);
-  return solved;
 }
 
 }  // namespace taut

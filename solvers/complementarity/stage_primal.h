@@ -38,12 +38,10 @@ class StagePrimal {
  private:
   using Tuning = StageTuning;
 
-  bool solve_axes(StageAttempt& attempt);
-  bool solve_near(StageAttempt& attempt);
-  bool solve_by_interior_point(StageAttempt& attempt);
-  bool solve_on_segments(StageAttempt& attempt, const PrimalDualLimits& limits);
-  bool solve_by_newton(StageAttempt& attempt, const NewtonLimits& limits);
-  bool solve_islands(StageAttempt& attempt);
+  bool solve_axes(const StageAttempt& attempt, StageRecord& record);
+  bool solve_near(const StageAttempt& attempt, StageRecord& record);
+  bool solve_by_interior_point(const StageAttempt& attempt, StageRecord& record);
+  bool solve_on_segments(const StageAttempt& attempt, const PrimalDualLimits& limits, StageRecord& record);
   bool exact(const StageAttempt& attempt) const {
     return residual_.exact(attempt.solution(attempt.stage.lambda));
   }

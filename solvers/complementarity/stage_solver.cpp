@@ -7,13 +7,6 @@
 
 namespace taut {
 
-/// The order in which a stage is tried.  (solvers/complementarity, "Ladder")
-const StageSolver::Rung StageSolver::kLadder[] = {
-    [](StageSolver& self, StageAttempt& attempt) { return self.warm_start_.solve(attempt); },
-    [](StageSolver& self, StageAttempt& attempt) { return self.pivoting_.solve(attempt); },
-    [](StageSolver& self, StageAttempt& attempt) { return self.primal_.solve(attempt); },
-};
-
 StageSolver::StageSolver(const World& world, ConstraintSystem& system, AxisForces& axes,
                          ContactForces& contacts, const Settings& settings)
     : model_{system, axes, contacts, settings},
@@ -54,7 +47,7 @@ void StageSolver::rates_without(const Stage& stage) {
   for (int r = 0; r < model_.system.row_count(); ++r) b_[r] = stage.rates[r] - b_[r];
 }
 
-bool StageSolver::solve(const Stage& stage, double rate_tolerance, StepReport& report) {
+bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport& report) {
   rates_without(stage);
   StageAttempt attempt{.stage = stage,
                        .laws = laws_,
@@ -65,14 +58,14 @@ bool StageSolver::solve(const Stage& stage, double rate_tolerance, StepReport& r
                        .rate_tolerance = rate_tolerance,
                        .warm_start_tolerance = warm_start_.begin(stage.near, rate_tolerance),
                        .report = report};
-  StageVerdict verdict = StageVerdict::kNext;
-  for (const Rung& rung : kLadder)
-    if (verdict == StageVerdict::kNext) verdict = rung(*this, attempt);
+  StageVerdict verdict = warm_start_.solve(attempt);
+  if (verdict == StageVerdict::kNext) verdict = pivoting_.solve(attempt);
+  if (verdict == StageVerdict::kNext) verdict = primal_.solve(attempt);
   accuracy_.take(attempt.inexact_residual);
   return verdict == StageVerdict::kMet;
 }
 
-bool StageSolver::solve_velocities(const Stage& stage, StepReport& report) {
+bool StageSolver::solve_velocities(const Stage& stage, SubstepReport& report) {
   double tolerance = StageTuning::kRatePart * model_.settings.velocity_tolerance;
   for (int exact = 0;; ++exact) {
     if (!solve(stage, tolerance, report)) break;
@@ -87,7 +80,7 @@ bool StageSolver::solve_velocities(const Stage& stage, StepReport& report) {
 }
 
 bool StageSolver::iterate(const Stage& stage, int sweeps, double rate_tolerance, std::span<Wrench> absorbed,
-                          StepReport& report) {
+                          SubstepReport& report) {
   rates_without(stage);
   double least = 0;  // √ of the least effective mass: a tolerance for impulses
   for (int r = 0; r < model_.system.row_count(); ++r) {
@@ -121,7 +114,7 @@ void StageSolver::note_inexact(std::span<const double> lambda, std::span<const d
   accuracy_.finish();
 }
 
-void StageSolver::report_residuals(StepReport& report) const {
+void StageSolver::report_residuals(SubstepReport& report) const {
   if (!accuracy_.report(report)) return;
   culprits_.report(report);
   report.message = "the laws of contacts, friction and limits are not met to 1e-8";

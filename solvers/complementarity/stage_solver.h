@@ -77,14 +77,14 @@ class StageSolver {
 
   // Solves.
   /// Rates that are off by no more than the tolerance count as right.
-  bool solve(const Stage& stage, double rate_tolerance, StepReport& report);
+  bool solve(const Stage& stage, double rate_tolerance, SubstepReport& report);
   /// To what round-off allows where the tolerance of velocities lets too much pass; inexactly where that may
   /// be.
-  bool solve_velocities(const Stage& stage, StepReport& report);
+  bool solve_velocities(const Stage& stage, SubstepReport& report);
   /// So many sweeps of the iterative solver; false if a number is not finite.  `absorbed`: momentum that
   /// bodies held fast did not take in.
   bool iterate(const Stage& stage, int sweeps, double rate_tolerance, std::span<Wrench> absorbed,
-               StepReport& report);
+               SubstepReport& report);
 
   // After a solve.
   std::span<const double> rates() const { return w_; }
@@ -111,7 +111,7 @@ class StageSolver {
     culprits_.find(residual_, solution(lambda, w));
   }
   /// What the stages ended with, for a sub-step that is kept.
-  void report_residuals(StepReport& report) const;
+  void report_residuals(SubstepReport& report) const;
 
   /// How far stages are from their laws; to be told when a stage begins.
   StageResidual& residual() { return residual_; }
@@ -132,9 +132,6 @@ class StageSolver {
   void transfer_factors(Archive& archive);
 
  private:
-  using Rung = StageVerdict (*)(StageSolver&, StageAttempt&);
-  static const Rung kLadder[];
-
   void rates_without(const Stage& stage);
   StageSolution solution(std::span<const double> lambda, std::span<const double> w) const {
     return {laws_, b_, effective_mass_, lambda, w};

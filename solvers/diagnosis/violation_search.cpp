@@ -90,7 +90,7 @@ void ViolationSearch::gather() {
     stiffness_[r] += inertia_[r];
     force_[r] += inertia_[r] * excess_[i];
   }
-  system_.to_bodies(force_, gradient_);
+  system_.apply_Wt(force_, gradient_);
   const double slope = std::inner_product(gradient_.begin(), gradient_.end(), gradient_.begin(), 0.0);
   steepness_ = std::sqrt(slope / (2 * f_));
 }

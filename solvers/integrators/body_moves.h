@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <span>
 
+#include "core/state/state.h"
 #include "solvers/system/mass_matrix.h"
 
-// Moves of bodies that impulses j = Jᵀ λ stand for: each by M⁻¹ j, in world axes.
+// Moves of bodies that impulses j = Jᵀ λ stand for: each by M⁻¹ j, in world axes; and what forces do to
+// bodies without joints.
 namespace taut {
 
 /// q ← q ⊕ scale M⁻¹ j.
@@ -34,6 +36,18 @@ inline double largest_displacement(const MassMatrix& mass, std::span<const Wrenc
   for (int b = 0; b < mass.size(); ++b)
     if (!mass[b].fixed) largest = std::max(largest, mass[b].inverse_mass * impulse[b].force.norm());
   return largest;
+}
+
+/// V̇ of the free bodies: M⁻¹ (f − ω × Iω).
+inline void free_accelerations(const MassMatrix& mass, const State& state, std::span<const Wrench> forces,
+                               std::span<Twist> accelerations) {
+  for (int b = 0; b < mass.size(); ++b) {
+    if (mass[b].fixed) continue;
+    const Vec3& w = state.twists[b].w;
+    const Vec3 torque = forces[b].torque - w.cross(mass.angular_momentum(b, state.poses[b], w));
+    accelerations[b] = {mass.angular_velocity(b, state.poses[b], torque),
+                        mass[b].inverse_mass * forces[b].force};
+  }
 }
 
 }  // namespace taut

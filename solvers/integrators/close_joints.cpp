@@ -97,7 +97,7 @@ class PassedLimits {
 
 }  // namespace
 
-bool close_joints(ConstraintSystem& system, State& state, double tolerance, StepReport& report,
+bool close_joints(ConstraintSystem& system, State& state, double tolerance, SubstepReport& report,
                   std::span<const AxisForces::Bound> limits) {
   const int n = system.row_count();
   std::vector<double> phi(n), delta(n);
@@ -141,7 +141,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Step
 }
 
 Contradiction find_stuck_joints(const World& world, ConstraintSystem& system, const std::vector<Pose>& poses,
-                                StepReport& report) {
+                                SubstepReport& report) {
   const int n = system.row_count();
   std::vector<double> phi(n), inner(n), reachable(n);
   const Configuration at(poses, world.time(), world.state().axes);

@@ -6,8 +6,6 @@
 namespace taut {
 namespace {
 
-constexpr double kOrder2[] = {1.0};
-
 // Order 4, 5 stages [Suzuki1990]: γ = 1 / (4 − 4^{1/3}).
 constexpr double kS = 0.41449077179437573714;
 constexpr double kOrder4[] = {kS, kS, 1 - 4 * kS, kS, kS};
@@ -31,33 +29,28 @@ std::span<const double> fractions_of(Integrator integrator) {
       return kOrder4;
     case Integrator::kRattle6:
       return kOrder6;
-    case Integrator::kRattle8:
-      return kOrder8;
     default:
-      return kOrder2;
+      return kOrder8;
   }
 }
 
 }  // namespace
 
-Composition::Composition(Integrator integrator, ImpulseScheme& scheme)
-    : scheme_(scheme), fractions_(fractions_of(integrator)) {
+Composition::Composition(const World& world, ConstraintSystem& system, const Settings& settings)
+    : Rattle(world, system, settings), fractions_(fractions_of(settings.integrator)) {
   for (double fraction : fractions_) longest_ = std::max(longest_, std::abs(fraction));
 }
 
-Scheme::Outcome Composition::advance(double h, StepReport& report) {
+Scheme::Outcome Composition::advance(double h, SubstepReport& report) {
   using enum Outcome;
-  if (fractions_.size() == 1) return scheme_.advance(h, report);
-  before_ = scheme_.state();
-  const Works works = works_of(report);
-  impulses_before_.assign(scheme_.impulses().begin(), scheme_.impulses().end());
+  before_ = state();
+  impulses_before_.assign(impulses().begin(), impulses().end());
   for (double fraction : fractions_) {
-    const Outcome outcome = scheme_.advance(fraction * h, report);
+    const Outcome outcome = Rattle::advance(fraction * h, report);
     if (outcome == kDone) continue;
     if (outcome != kNotFinite && outcome != kBlind) {
-      scheme_.start(before_, report);
-      scheme_.set_impulses(impulses_before_);
-      set_works(report, works);
+      start(before_, report);
+      values_.impulses.assign(impulses_before_.begin(), impulses_before_.end());
     }
     return outcome;
   }

@@ -38,8 +38,6 @@ class ContactPattern {
   void forget_impulses();
   /// The places that contacts have now are rows of the system; what belonged to rows before is lost.
   void renew();
-  /// Contacts could not be looked for the last time: see ContactSet::detection().
-  bool blind() const { return !contacts_.empty() && contacts_.set().detection().blind(); }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);

@@ -31,26 +31,15 @@ Vec3 rotation_rate(const Vec3& theta, const Vec3& w) {
 
 }  // namespace
 
-void free_accelerations(const MassMatrix& mass, const State& state, std::span<const Wrench> forces,
-                        std::span<Twist> accelerations) {
-  for (int b = 0; b < mass.size(); ++b) {
-    if (mass[b].fixed) continue;
-    const Vec3& w = state.twists[b].w;
-    const Vec3 torque = forces[b].torque - w.cross(mass.angular_momentum(b, state.poses[b], w));
-    accelerations[b] = {mass.angular_velocity(b, state.poses[b], torque),
-                        mass[b].inverse_mass * forces[b].force};
-  }
-}
-
 ForceLevel::ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings)
-    : world_(world), system_(system), settings_(settings) {
+    : Scheme(world, system.rows(), settings), world_(world), system_(system), settings_(settings) {
   for (auto* wrenches : {&forces_, &joint_wrenches_, &momenta_}) wrenches->resize(world.body_count());
   for (auto* twists : {&acceleration_, &slope_, &sum_, &mean_velocity_}) twists->resize(world.body_count());
   for (auto* values : {&lambda_, &impulses_, &phi_, &rates_, &delta_, &penalty_inertia_})
     values->assign(system.row_count(), 0.0);
 }
 
-Scheme::Outcome ForceLevel::advance(double h, StepReport& report) {
+Scheme::Outcome ForceLevel::advance(double h, SubstepReport& report) {
   backup_ = state_;
   if (settings_.integrator == Integrator::kForceEuler)
     euler(h, report);
@@ -71,7 +60,7 @@ Scheme::Outcome ForceLevel::advance(double h, StepReport& report) {
   return Outcome::kDone;
 }
 
-void ForceLevel::accelerate(const State& state, double h, StepReport& report,
+void ForceLevel::accelerate(const State& state, double h, SubstepReport& report,
                             std::vector<Twist>& acceleration) {
   {
     const Stopwatch watch(report.times.forces);
@@ -120,7 +109,7 @@ std::span<const Wrench> ForceLevel::momenta() const {
 }
 
 /// V₁ = V₀ + h V̇(q₀, V₀), then q₁ = q₀ ⊕ h V₁.
-void ForceLevel::euler(double h, StepReport& report) {
+void ForceLevel::euler(double h, SubstepReport& report) {
   accelerate(state_, h, report, acceleration_);
   for (int r = 0; r < system_.row_count(); ++r) impulses_[r] = h * lambda_[r];
   add_twists(state_.twists, h, acceleration_, state_.twists);
@@ -129,7 +118,7 @@ void ForceLevel::euler(double h, StepReport& report) {
 
 /// Classical Runge–Kutta; rotations as rotation vectors from the start of the step (Munthe-Kaas), so that
 /// order 4 is kept.
-void ForceLevel::runge_kutta(double h, StepReport& report) {
+void ForceLevel::runge_kutta(double h, SubstepReport& report) {
   constexpr double kNode[] = {0, 0.5, 0.5, 1}, kWeight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
   stage_ = state_;
   for (int b = 0; b < world_.body_count(); ++b) sum_[b] = mean_velocity_[b] = slope_[b] = {};
@@ -156,7 +145,7 @@ void ForceLevel::runge_kutta(double h, StepReport& report) {
 }
 
 /// V += M⁻¹ Jᵀ S⁺ (target − J V − φ_t).
-void ForceLevel::project_velocities(std::span<const double> target, StepReport& report) {
+void ForceLevel::project_velocities(std::span<const double> target, SubstepReport& report) {
   system_.set_compliance(0);
   system_.factorize(report.times);
   system_.rates_of(state_, rates_);
@@ -172,7 +161,7 @@ void ForceLevel::project_velocities(std::span<const double> target, StepReport& 
 
 /// Velocity impulse: J V = −erp φ/h, so that the next step takes out that part of the gap.  After a position
 /// push: J V = 0.
-void ForceLevel::cure_velocities(double h, StepReport& report) {
+void ForceLevel::cure_velocities(double h, SubstepReport& report) {
   system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.rows().residual(state_, phi_);
@@ -182,7 +171,7 @@ void ForceLevel::cure_velocities(double h, StepReport& report) {
 }
 
 /// Position push: q ← q ⊕ M⁻¹ Jᵀ S⁺ (−erp φ), one step of Gauss–Newton.
-void ForceLevel::cure_positions(StepReport& report) {
+void ForceLevel::cure_positions(SubstepReport& report) {
   system_.linearize(state_);
   system_.set_mass(state_.poses);
   system_.set_compliance(0);

@@ -21,13 +21,15 @@ class ForceLevel final : public Scheme {
  public:
   ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings);
 
-  void start(const State& state, StepReport& /*report*/) override { state_ = state; }
+  /// It drifts from where it is.
+  bool closes_joints() const override { return false; }
+  bool knows_works() const override { return false; }
+  void start(const State& state, SubstepReport& /*report*/) override { state_ = state; }
   /// One step of h > 0: kDone, or kNotFinite with the old state.
-  [[nodiscard]] Outcome advance(double h, StepReport& report) override;
+  [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
 
   const State& state() const override { return state_; }
-  /// The body that made advance() fail last; else the ground.
-  BodyId not_finite() const { return {not_finite_}; }
+  BodyId not_finite() const override { return {not_finite_}; }
   std::span<const Wrench> momenta() const override;
   /// Joint forces at the start of the last step, times h.
   std::span<const double> impulses() const override { return impulses_; }
@@ -36,13 +38,13 @@ class ForceLevel final : public Scheme {
 
  private:
   /// V̇ at a state, with multipliers λ.
-  void accelerate(const State& state, double h, StepReport& report, std::vector<Twist>& acceleration);
-  void euler(double h, StepReport& report);
-  void runge_kutta(double h, StepReport& report);
-  void cure_velocities(double h, StepReport& report);
-  void cure_positions(StepReport& report);
+  void accelerate(const State& state, double h, SubstepReport& report, std::vector<Twist>& acceleration);
+  void euler(double h, SubstepReport& report);
+  void runge_kutta(double h, SubstepReport& report);
+  void cure_velocities(double h, SubstepReport& report);
+  void cure_positions(SubstepReport& report);
   void add_penalty_forces(const State& state, std::vector<Wrench>& wrenches);
-  void project_velocities(std::span<const double> target, StepReport& report);
+  void project_velocities(std::span<const double> target, SubstepReport& report);
 
   const World& world_;
   ConstraintSystem& system_;
@@ -54,9 +56,5 @@ class ForceLevel final : public Scheme {
   std::vector<Twist> acceleration_, slope_, sum_, mean_velocity_;
   std::vector<double> lambda_, impulses_, phi_, rates_, delta_, penalty_inertia_;
 };
-
-/// V̇ of the free bodies: M⁻¹ (f − ω × Iω).
-void free_accelerations(const MassMatrix& mass, const State& state, std::span<const Wrench> forces,
-                        std::span<Twist> accelerations);
 
 }  // namespace taut

@@ -1,10 +1,11 @@
 #include "solvers/integrators/impulse_scheme.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
-#include "solvers/integrators/force_level.h"
+#include "solvers/integrators/body_moves.h"
 
 namespace taut {
 namespace {
@@ -20,13 +21,11 @@ Springs springs_among_forces(const ConstraintSystem& system) {
 }  // namespace
 
 ImpulseScheme::ImpulseScheme(const World& world, ConstraintSystem& system, const Settings& settings)
-    : world_(world),
+    : Scheme(world, system.rows(), settings),
+      world_(world),
       system_(system),
       settings_(settings),
       phase_(world, system, springs_among_forces(system)),
-      axes_(world, system.rows()),
-      contacts_(world, settings),
-      breaking_(world, system.rows()),
       stages_(world, system, axes_, contacts_, settings),
       values_(system.row_count(), stages_.bounded()),
       limit_(world, system, settings, axes_, breaking_, stages_),
@@ -36,7 +35,7 @@ ImpulseScheme::ImpulseScheme(const World& world, ConstraintSystem& system, const
       contact_pattern_(world, system, contacts_, stages_, values_, prediction_),
       last_forces_(world.body_count()) {}
 
-void ImpulseScheme::start(const State& state, StepReport& report) {
+void ImpulseScheme::start(const State& state, SubstepReport& report) {
   phase_.state = state;
   values_.residual_is_current = false;
   phase_.poses = state.poses;
@@ -85,7 +84,7 @@ void ImpulseScheme::start_axes() {
   axes_.start(values_.phi, values_.rates);
 }
 
-void ImpulseScheme::restart(const State& state, StepReport& report) {
+void ImpulseScheme::restart(const State& state, SubstepReport& report) {
   if (!bounded()) return start(state, report);
   const AxisForces axes = axes_;
   const MultiplierGuess before(system_.rows(), values_);
@@ -95,9 +94,16 @@ void ImpulseScheme::restart(const State& state, StepReport& report) {
   take(before);
 }
 
-void ImpulseScheme::inherit(const ImpulseScheme& old) {
-  axes_.inherit(old.axes_);
-  if (bounded()) take({old.system_.rows(), old.values_});
+void ImpulseScheme::prepare(double horizon, std::vector<ContactStretch> stretches, Scheme* old) {
+  contact_pattern_.set_horizon(horizon);
+  contact_pattern_.recall(std::move(stretches));
+  if (old) contact_pattern_.inherit(static_cast<ImpulseScheme*>(old)->contact_pattern_);
+}
+
+void ImpulseScheme::inherit(const Scheme& old) {
+  const auto& from = static_cast<const ImpulseScheme&>(old);
+  axes_.inherit(from.axes_);
+  if (bounded()) take({from.system_.rows(), from.values_});
 }
 
 /// Multipliers of start() know of no contacts, but of loads that are new: the step limit is that of both.
@@ -114,10 +120,17 @@ void ImpulseScheme::forget(std::span<const char> moved) {
   contacts_.forget(moved);
 }
 
-void ImpulseScheme::clear_impulses() {
+void ImpulseScheme::begin(double dt) {
+  contact_pattern_.set_horizon(dt);
   std::fill(values_.impulses.begin(), values_.impulses.end(), 0.0);
   axes_.clear_reports();
   contacts_.clear_reports();
+}
+
+bool ImpulseScheme::drop_guess() {
+  if (stages_.active_set_outcome().ok() || contacts_.empty()) return false;
+  contact_pattern_.forget_impulses();
+  return true;
 }
 
 bool ImpulseScheme::renew_forces() {
@@ -133,19 +146,29 @@ bool ImpulseScheme::renew_forces() {
   return change <= kJump * size;
 }
 
+std::span<const double> ImpulseScheme::known_residual() const {
+  return values_.residual_is_current ? std::span<const double>(values_.phi) : std::span<const double>();
+}
+
+/// Where rows have laws other than springs, those of the end of the last step.
+std::span<const double> ImpulseScheme::forces_of_laws() const {
+  if (axes_.only_springs() && contacts_.empty()) return {};
+  return values_.force_multipliers;
+}
+
 /// Contacts at the end of the drift, with its velocities.
 void ImpulseScheme::find_contacts() {
   phase_.twists_from(phase_.kicked);
   contact_pattern_.move_on(phase_.state);
 }
 
-void ImpulseScheme::linearize(StepReport& report) {
+void ImpulseScheme::linearize(SubstepReport& report) {
   const Stopwatch watch(report.times.assembly);
   system_.linearize(phase_.state);
   system_.set_mass(phase_.state.poses);
 }
 
-void ImpulseScheme::linearize_and_factorize(StepReport& report) {
+void ImpulseScheme::linearize_and_factorize(SubstepReport& report) {
   if (stages_.iterative()) return linearize(report);
   {
     const Stopwatch watch(report.times.assembly);
@@ -161,7 +184,7 @@ void ImpulseScheme::add_rates_of_guess() {
 }
 
 /// Where rates stay, the next prediction does not lean on μ.
-void ImpulseScheme::project_momenta(double h, StepReport& report) {
+void ImpulseScheme::project_momenta(double h, SubstepReport& report) {
   if (!projection_.project(h, report)) prediction_.start_from_zero();
 }
 
@@ -173,7 +196,7 @@ void ImpulseScheme::take_impulses() {
 }
 
 /// What is left of the rates that they had to have.
-void ImpulseScheme::note_velocities(StepReport& report) {
+void ImpulseScheme::note_velocities(SubstepReport& report) {
   phase_.twists_from(phase_.momenta);
   system_.rates_of(phase_.state, values_.rates);
   std::copy(values_.rates.begin(), values_.rates.end(), values_.joint_rates.begin());
@@ -191,20 +214,19 @@ ForceIteration::Fixed ImpulseScheme::renew_kick_forces(const State& at) {
 }
 
 /// After a step: who is held now, and the books of both kicks.
-void ImpulseScheme::finish_laws(StepReport& report) {
+void ImpulseScheme::finish_laws(StepWorks& works) {
   system_.rows().residual(phase_.state, values_.phi);  // axes are up to date here
   works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), values_.kick_rates);
   axes_.accumulate_work(values_.mu, values_.rates, values_.kick_rates);
   axes_.finish_velocities(values_.phi, values_.rates, phase_.state.time);
   contacts_.finish(values_.mu, values_.kick_rates, phase_.state.time);
-  report.works.axes = {};
-  for (const AxisReport& axis : axes_.reports()) report.works.axes += axis.work;
-  report.works.contacts = contacts_.work();
+  works.axes = {};
+  for (const AxisReport& axis : axes_.reports()) works.axes += axis.work;
+  works.contacts = contacts_.work();
 }
 
 /// Back to the start of a step whose positions were already accepted.
-void ImpulseScheme::roll_back(StepReport& report) {
-  set_works(report, works_before_);
+void ImpulseScheme::roll_back(SubstepReport& report) {
   values_.residual_is_current = false;
   phase_.take_back();
   axes_.roll_back();

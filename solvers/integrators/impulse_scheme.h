@@ -17,9 +17,6 @@
 #include "solvers/integrators/scheme.h"
 #include "solvers/integrators/step_limit.h"
 #include "solvers/integrators/velocity_projection.h"
-#include "solvers/laws/axis_forces.h"
-#include "solvers/laws/breaking.h"
-#include "solvers/laws/contact_forces.h"
 #include "solvers/system/constraint_system.h"
 
 namespace taut {
@@ -32,42 +29,32 @@ class ImpulseScheme : public Scheme {
   ImpulseScheme(const World& world, ConstraintSystem& system, const Settings& settings);
 
   /// Takes over a state: factors S there, makes velocities tangent and estimates the multipliers.
-  void start(const State& state, StepReport& report) override;
-  /// The same in the pattern that there is, which keeps what is known of contacts and friction.
-  void restart(const State& state, StepReport& report);
+  void start(const State& state, SubstepReport& report) override;
+  void restart(const State& state, SubstepReport& report) override;
+  void begin(double dt) override;
+  void accept_inexact(double residual, bool soon) override { stages_.accept_inexact(residual, soon); }
+  bool drop_guess() override;
 
   // Between steps.
-  /// Nothing is known of contacts and axes of bodies that were moved (one entry a body).
-  void forget(std::span<const char> moved);
-  /// Gravity or a force law has changed, the state has not.  False if that is a jump: restart(), then.
-  bool renew_forces();
-  /// The last step ended at this time to the last bit.
-  void set_time(double time) { phase_.set_time(time); }
-  /// After start(): what held and how in a scheme for the world before its pattern changed, with the forces
-  /// as a guess.  Before start(), contact_pattern() are to inherit those of there.
-  void inherit(const ImpulseScheme& old);
-  void set_impulses(std::span<const double> impulses) {
-    values_.impulses.assign(impulses.begin(), impulses.end());
-  }
-  void clear_impulses();
-  /// How far laws may be missed, and who is named.
-  StageSolver& stages() { return stages_; }
-  /// How contacts are looked for.
-  ContactPattern& contact_pattern() { return contact_pattern_; }
+  void prepare(double horizon, std::vector<ContactStretch> stretches, Scheme* old) override;
+  void forget(std::span<const char> moved) override;
+  bool renew_forces() override;
+  void set_time(double time) override { phase_.set_time(time); }
+  void inherit(const Scheme& old) override;
 
   // What the last step came to.
   double step_limit() const override { return limit_.step(); }
   const State& state() const override { return phase_.state; }
   std::span<const Wrench> momenta() const override { return phase_.momenta; }
-  /// Summed over the advances since clear_impulses().
+  /// Summed over the advances of the step.
   std::span<const double> impulses() const override { return values_.impulses; }
-  const RowValues& values() const { return values_; }
-  const AxisForces& axes() const { return axes_; }
-  const ContactForces& contacts() const { return contacts_; }
-  const Breaking& breaking() const { return breaking_; }
+  std::span<const double> known_residual() const override;
+  std::span<const double> forces_of_laws() const override;
+  int missing_threads() const override { return stages_.missing_threads(); }
 
   // For diagnoses.
-  const StageSolver& stages() const { return stages_; }
+  const RowValues& values() const { return values_; }
+  StageSolver& stages() { return stages_; }
   /// Poses of the last Newton iterate; φ there is values().phi.
   const std::vector<Pose>& trial_poses() const { return phase_.poses; }
   /// The body whose tension asks for the shortest step.
@@ -83,24 +70,21 @@ class ImpulseScheme : public Scheme {
   bool struck() const { return axes_.struck() || contacts_.struck(); }
 
   void find_contacts();
-  void linearize(StepReport& report);
-  void linearize_and_factorize(StepReport& report);
+  void linearize(SubstepReport& report);
+  void linearize_and_factorize(SubstepReport& report);
   void add_rates_of_guess();
-  void project_momenta(double h, StepReport& report);
+  void project_momenta(double h, SubstepReport& report);
   void take_impulses();
-  void note_velocities(StepReport& report);
+  void note_velocities(SubstepReport& report);
   ForceIteration::Fixed renew_kick_forces(const State& at);
-  void finish_laws(StepReport& report);
-  void roll_back(StepReport& report);
+  void finish_laws(StepWorks& works);
+  void roll_back(SubstepReport& report);
   void update_step_limit() { limit_.update(phase_.state, values_.force_multipliers); }
 
   const World& world_;
   ConstraintSystem& system_;
   const Settings& settings_;
   Phase phase_;
-  AxisForces axes_;
-  ContactForces contacts_;
-  Breaking breaking_;
   StageSolver stages_;
   RowValues values_;
   StepLimit limit_;
@@ -110,7 +94,6 @@ class ImpulseScheme : public Scheme {
   ContactPattern contact_pattern_;
   ForceIteration force_iteration_;
   std::vector<Wrench> last_forces_;  // of the pass before
-  Works works_before_;               // of the report, to be set back
 
  private:
   void predict_forces();

@@ -17,28 +17,26 @@ void KickWorks::with_mean_twists(std::span<const Wrench> from, std::span<const W
     if (system_.inverse_mass(b).moves()) visit(b, mean_twist(b, from[b], to[b]));
 }
 
-void KickWorks::add(const Kick& kick, std::span<const Wrench> forces, double h, StepReport& report) {
+void KickWorks::add(const Kick& kick, std::span<const Wrench> forces, double h, StepWorks& works) {
   double of_joints = 0, of_forces = 0;
   with_mean_twists(kick.from, kick.to, [&](int b, const Twist& V) {
     const Wrench force = 0.5 * h * forces[b];
     of_forces += dot(force, V);
     of_joints += dot(kick.to[b] - kick.from[b] - force, V);
   });
-  report.works.constraint += of_joints;
-  report.works.forces += of_forces;
+  works.constraint += of_joints;
+  works.forces += of_forces;
   if (world_.has_dissipative_forces(springs_)) {
     dissipative_.assign(world_.body_count(), Wrench{});
     world_.add_dissipative_forces(kick.state, dissipative_, springs_);
-    with_mean_twists(kick.from, kick.to, [&](int b, const Twist& V) {
-      report.works.dissipative += 0.5 * h * dot(dissipative_[b], V);
-    });
+    with_mean_twists(kick.from, kick.to,
+                     [&](int b, const Twist& V) { works.dissipative += 0.5 * h * dot(dissipative_[b], V); });
   }
   if (!has_drivers_) return;
   mean_rates_.resize(system_.row_count());
   mean_rates(kick.from, kick.to, kick.jacobian, mean_rates_);
   for (int r = 0; r < system_.row_count(); ++r)
-    if (system_.rows().row(r).store->depends_on_time())
-      report.works.drivers += kick.lambda[r] * mean_rates_[r];
+    if (system_.rows().row(r).store->depends_on_time()) works.drivers += kick.lambda[r] * mean_rates_[r];
 }
 
 void KickWorks::add_between(std::span<const Wrench> from, std::span<const Wrench> to, double& work) const {

@@ -9,17 +9,6 @@
 
 namespace taut {
 
-/// The sums of a report that a sub-step adds to, so that one that is taken back leaves nothing behind.
-struct Works {
-  StepWorks of_kicks;
-  double of_flow = 0;  ///< EnergyLedger::integration
-};
-inline Works works_of(const StepReport& report) { return {report.works, report.ledger.integration}; }
-inline void set_works(StepReport& report, const Works& works) {
-  report.works = works.of_kicks;
-  report.ledger.integration = works.of_flow;
-}
-
 /// Works of what acts in kicks, for the ledger.  In a kick from momenta p₀ to p₁ impulses do their work
 /// against the mean twists ½ M⁻¹ (p₀ + p₁): those that act together add up to the change of kinetic energy
 /// exactly.                                                                        (solvers/simulator,
@@ -36,7 +25,7 @@ class KickWorks {
     std::span<const double> jacobian, lambda;
   };
   /// Works of forces f that act for h/2, of the impulses Jᵀλ and of drivers among them.
-  void add(const Kick& kick, std::span<const Wrench> forces, double h, StepReport& report);
+  void add(const Kick& kick, std::span<const Wrench> forces, double h, StepWorks& works);
   /// Adds the work of an impulse from → to by itself.
   void add_between(std::span<const Wrench> from, std::span<const Wrench> to, double& work) const;
   /// J ½ M⁻¹ (p₀ + p₁), mean rates of the rows.

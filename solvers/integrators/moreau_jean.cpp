@@ -17,14 +17,13 @@ MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Setti
   first_twists_.resize(world.body_count());
 }
 
-Scheme::Outcome MoreauJean::advance(double h, StepReport& report) {
+Scheme::Outcome MoreauJean::advance(double h, SubstepReport& report) {
   report.tension_number = std::max(report.tension_number, limit_.omega() * h);
-  works_before_ = works_of(report);
   stages_.begin_advance();
   force_iteration_.begin();
   predict(h);
   go_to_middle(h, report);
-  if (contact_pattern_.blind()) {
+  if (blind()) {
     roll_back(report);
     return Outcome::kBlind;
   }
@@ -42,8 +41,7 @@ Scheme::Outcome MoreauJean::advance(double h, StepReport& report) {
   }
   if (!phase_.finite()) return Outcome::kNotFinite;
   if (settings_.report_energy)
-    report.ledger.integration +=
-        works_.spin_energy(phase_.momenta, phase_.state.poses, KickWorks::Bodies::kAll);
+    report.works.flow += works_.spin_energy(phase_.momenta, phase_.state.poses, KickWorks::Bodies::kAll);
   keep_impulses(h);
   ++report.substeps;
   stages_.report_residuals(report);
@@ -65,7 +63,7 @@ void MoreauJean::predict(double h) {
 }
 
 /// q_M, its contacts, and J there.  phase_.poses and phase_.start_momenta stay those of the start.
-void MoreauJean::go_to_middle(double h, StepReport& report) {
+void MoreauJean::go_to_middle(double h, SubstepReport& report) {
   if (bounded()) {
     stages_.residual().begin_velocities(phase_.state.twists);
     system_.rows().residual(phase_.state, values_.phi);
@@ -93,7 +91,7 @@ Pose MoreauJean::moved(int b, double h) const {
 }
 
 /// V₀ and what the laws take from it, and the factor for these laws.
-void MoreauJean::begin_laws(double h, StepReport& report) {
+void MoreauJean::begin_laws(double h, SubstepReport& report) {
   phase_.twists_from(phase_.momenta);
   first_twists_ = phase_.state.twists;
   weighted_ = phase_.state;
@@ -138,7 +136,7 @@ void MoreauJean::weigh(double h) {
 }
 
 /// Λ, with the forces at the state that it leads to: a fixed point.
-Scheme::Outcome MoreauJean::find_impulses(double h, StepReport& report) {
+Scheme::Outcome MoreauJean::find_impulses(double h, SubstepReport& report) {
   using Fixed = ForceIteration::Fixed;
   weigh(h);
   phase_.find_forces(weighted_);
@@ -156,7 +154,7 @@ Scheme::Outcome MoreauJean::find_impulses(double h, StepReport& report) {
 }
 
 /// Joints and laws on J V₁, from the momenta without impulses.
-bool MoreauJean::solve_stage(StepReport& report) {
+bool MoreauJean::solve_stage(SubstepReport& report) {
   const Stopwatch watch(report.times.velocities);
   if (!bounded()) {
     project_momenta(0, report);
@@ -176,21 +174,20 @@ bool MoreauJean::solve_stage(StepReport& report) {
 }
 
 /// The one kick of the step, at q_M where it acts.
-void MoreauJean::add_works(double h, StepReport& report) {
-  if (bounded()) finish_laws(report);
+void MoreauJean::add_works(double h, SubstepReport& report) {
+  if (bounded()) finish_laws(report.works);
   if (!settings_.report_energy) return;
   // Forces that are not conservative were taken at the weighted state.
   works_.add({weighted_, phase_.start_momenta, phase_.momenta, system_.jacobian(), values_.mu}, phase_.forces,
-             2 * h, report);
+             2 * h, report.works);
   // What the ways to q_M and from there to q₁ change of the kinetic energy, up to its end.
-  report.ledger.integration +=
-      works_.spin_energy(phase_.start_momenta, phase_.state.poses, KickWorks::Bodies::kAll) -
-      works_.spin_energy(phase_.start_momenta, phase_.poses, KickWorks::Bodies::kAll) -
-      works_.spin_energy(phase_.momenta, phase_.state.poses, KickWorks::Bodies::kAll);
+  report.works.flow += works_.spin_energy(phase_.start_momenta, phase_.state.poses, KickWorks::Bodies::kAll) -
+                       works_.spin_energy(phase_.start_momenta, phase_.poses, KickWorks::Bodies::kAll) -
+                       works_.spin_energy(phase_.momenta, phase_.state.poses, KickWorks::Bodies::kAll);
 }
 
 /// q₁, and joints closed there if that is wanted.
-bool MoreauJean::go_to_end(double h, StepReport& report) {
+bool MoreauJean::go_to_end(double h, SubstepReport& report) {
   {
     const Stopwatch watch(report.times.positions);
     const double last = theta_ * h;
@@ -209,7 +206,7 @@ bool MoreauJean::go_to_end(double h, StepReport& report) {
 }
 
 /// Joints and rigid limits closed.
-bool MoreauJean::push_positions(StepReport& report) {
+bool MoreauJean::push_positions(SubstepReport& report) {
   axes_.rigid_limits(limits_);
   if (close_joints(system_, phase_.state, settings_.position_tolerance, report, limits_)) return true;
   system_.rows().residual(phase_.state, values_.phi);  // for the diagnosis

@@ -30,20 +30,20 @@ class MoreauJean final : public ImpulseScheme {
   /// One step of h > 0; kDone, kStalled, kNotFinite or kBlind, as ImpulseScheme::advance().
   /// @throws std::invalid_argument if a contact is of materials with compliance; the state is then the old
   /// one.
-  [[nodiscard]] Outcome advance(double h, StepReport& report) override;
+  [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
 
  private:
   void predict(double h);
-  void go_to_middle(double h, StepReport& report);
-  void begin_laws(double h, StepReport& report);
+  void go_to_middle(double h, SubstepReport& report);
+  void begin_laws(double h, SubstepReport& report);
   void renew_laws();
-  Outcome find_impulses(double h, StepReport& report);
-  bool solve_stage(StepReport& report);
+  Outcome find_impulses(double h, SubstepReport& report);
+  bool solve_stage(SubstepReport& report);
   void weigh(double h);
   Pose moved(int b, double h) const;
-  void add_works(double h, StepReport& report);
-  bool go_to_end(double h, StepReport& report);
-  bool push_positions(StepReport& report);
+  void add_works(double h, SubstepReport& report);
+  bool go_to_end(double h, SubstepReport& report);
+  bool push_positions(SubstepReport& report);
   void note_passed_limit();
   void keep_impulses(double h);
 

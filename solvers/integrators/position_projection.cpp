@@ -35,7 +35,7 @@ PositionProjection::PositionProjection(ConstraintSystem& system, const Settings&
       move_(phase.kicked.size()),
       best_(phase.kicked.size()) {}
 
-double PositionProjection::distance_to_closure(StepReport& report) {
+double PositionProjection::distance_to_closure(SubstepReport& report) {
   const Stopwatch watch(report.times.positions);
   std::copy(values_.phi.begin(), values_.phi.end(), values_.delta.begin());
   system_.solve_shifted(values_.delta);
@@ -44,7 +44,7 @@ double PositionProjection::distance_to_closure(StepReport& report) {
   return std::max(largest_displacement(mass, move_), largest_turn(mass, move_, phase_.poses));
 }
 
-bool PositionProjection::close(double h, StepReport& report) {
+bool PositionProjection::close(double h, SubstepReport& report) {
   start_.keep();
   std::vector<Pose>& poses = phase_.poses;
   std::vector<double>&phi = values_.phi, &delta = values_.delta;

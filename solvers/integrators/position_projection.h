@@ -25,12 +25,12 @@ class PositionProjection {
 
   /// How far the bodies are from closed joints, to first order: the largest move in M⁻¹ Jᵀ S_ε⁻¹ φ [m or
   /// rad].  Leaves S_ε⁻¹ φ in values.delta.
-  double distance_to_closure(StepReport& report);
+  double distance_to_closure(SubstepReport& report);
   /// Gauss–Newton on the positions alone, q₁ ← q₁ − M⁻¹Jᵀ S⁺ φ with all of it at the iterate.  It converges
   /// quadratically, also along directions that the rows hold weakly, where the fixed J(q₀) of the step's
   /// Newton does not: there J(q₁) − J(q₀) outweighs J itself.
   /// @returns whether φ is within position_tolerance; poses and φ are the best that were found.
-  bool close(double h, StepReport& report);
+  bool close(double h, SubstepReport& report);
 
  private:
   ConstraintSystem& system_;

@@ -43,14 +43,17 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   if (stages_.iterative()) absorbed_.resize(world.body_count());
 }
 
-void Rattle::start(const State& state, StepReport& report) {
+void Rattle::start(const State& state, SubstepReport& report) {
   ImpulseScheme::start(state, report);
   size_ = system_size(phase_.state.poses);
 }
 
-Scheme::Outcome Rattle::advance(double h, StepReport& report) {
-  begin_step(h, report);                                                      // laws and predicted λ
-  if (!close_positions(h, report)) return reject(Outcome::kStalled, report);  // kick, drift, φ(q₁) = 0
+Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
+  begin_step(h, report);  // laws and predicted λ
+  const bool closed = stages_.iterative() ? stabilize_positions(h, report)
+                      : bounded()         ? close_bounded_positions(h, report)
+                                          : close_joint_positions(h, report);
+  if (!closed) return reject(Outcome::kStalled, report);  // kick, drift, φ(q₁) = 0 and the laws
   if (bounded() && impacts_.begin(values_.rates)) {
     time_to_event_ = time_of_impact(h, report);
     return Outcome::kImpact;
@@ -58,7 +61,7 @@ Scheme::Outcome Rattle::advance(double h, StepReport& report) {
   if (exceeds_tension_limit(h)) return reject(Outcome::kUnstable, report);
   accept_positions(h, report);
   if (!contacts_.empty()) find_contacts();
-  if (contact_pattern_.blind()) return take_back(Outcome::kBlind, report);
+  if (blind()) return take_back(Outcome::kBlind, report);
   factorize_end(report);  // S(q₁)
   if (!close_velocities(h, report))
     return take_back(Outcome::kStalled, report);  // kick, J V = 0 and the laws
@@ -69,7 +72,7 @@ Scheme::Outcome Rattle::advance(double h, StepReport& report) {
 }
 
 /// The prediction of λ and the laws of the first kick, with geometric stiffness at its end if that is wanted.
-void Rattle::begin_step(double h, StepReport& report) {
+void Rattle::begin_step(double h, SubstepReport& report) {
   stages_.begin_advance();
   force_iteration_.begin();
   tension_.end();
@@ -85,13 +88,6 @@ void Rattle::begin_step(double h, StepReport& report) {
   if (bounded()) begin_bounds(h);
 }
 
-/// λ with φ(q₁) = 0 and the laws of the first kick.
-bool Rattle::close_positions(double h, StepReport& report) {
-  return stages_.iterative() ? stabilize_positions(h, report)
-         : bounded()         ? close_bounded_positions(h, report)
-                             : close_joint_positions(h, report);
-}
-
 /// Multipliers far from their prediction are looked at before they are accepted.
 bool Rattle::exceeds_tension_limit(double h) {
   if (settings_.tension != TensionPolicy::kSubstep || !prediction_missed_) return false;
@@ -101,21 +97,20 @@ bool Rattle::exceeds_tension_limit(double h) {
 }
 
 /// The end of the drift is the state from now on; the books take the kick before it.
-void Rattle::accept_positions(double h, StepReport& report) {
+void Rattle::accept_positions(double h, SubstepReport& report) {
   report.tension_number = std::max(report.tension_number, limit_.omega() * std::abs(h));
-  works_before_ = works_of(report);
   if (settings_.report_energy) {
-    account_for_kick(h, report);
+    account_for_kick(h, report.works);
     constexpr auto kSplit = KickWorks::Bodies::kSplit;
     if (works_.has_split_flow())
-      report.ledger.integration += works_.spin_energy(phase_.kicked, phase_.poses, kSplit) -
-                                   works_.spin_energy(phase_.kicked, phase_.state.poses, kSplit);
+      report.works.flow += works_.spin_energy(phase_.kicked, phase_.poses, kSplit) -
+                           works_.spin_energy(phase_.kicked, phase_.state.poses, kSplit);
   }
   if (bounded()) keep_first_kick();
   phase_.accept(h);
 }
 
-void Rattle::factorize_end(StepReport& report) {
+void Rattle::factorize_end(SubstepReport& report) {
   if (bounded() && !stages_.iterative()) stages_.prepare(values_.lambda);
   if (stages_.factors_on_demand())
     linearize(report);
@@ -124,12 +119,12 @@ void Rattle::factorize_end(StepReport& report) {
   start_jacobian_.end();
 }
 
-void Rattle::finish(double h, StepReport& report) {
+void Rattle::finish(double h, SubstepReport& report) {
   system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
-  if (bounded()) finish_laws(report);
+  if (bounded()) finish_laws(report.works);
   if (settings_.report_energy)
     works_.add({phase_.state, phase_.kicked, phase_.momenta, system_.jacobian(), values_.mu}, phase_.forces,
-               h, report);
+               h, report.works);
   keep_multipliers(h);
   if (breaking_.any_due() && breaking_.due(phase_.state.time)) {
     release_overloaded();
@@ -142,14 +137,14 @@ void Rattle::finish(double h, StepReport& report) {
 }
 
 /// A step whose positions were not accepted.
-Scheme::Outcome Rattle::reject(Outcome outcome, StepReport& report) {
+Scheme::Outcome Rattle::reject(Outcome outcome, SubstepReport& report) {
   impacts_.end();
   restore(report);
   return outcome;
 }
 
 /// A step whose positions were accepted.
-Scheme::Outcome Rattle::take_back(Outcome outcome, StepReport& report) {
+Scheme::Outcome Rattle::take_back(Outcome outcome, SubstepReport& report) {
   roll_back(report);
   start_jacobian_.end();
   tension_.end();
@@ -168,7 +163,7 @@ void Rattle::keep_multipliers(double h) {
   prediction_.keep(h, values_.lambda, values_.mu, struck());
 }
 
-void Rattle::restore(StepReport& report) {
+void Rattle::restore(SubstepReport& report) {
   axes_.roll_back();
   contacts_.roll_back(false);
   if (!start_jacobian_.is_replaced() && !tension_.active()) return;
@@ -226,7 +221,7 @@ void Rattle::kick_and_drift(double h, const Configuration& end) {
 
 /// λ with φ(q₁) = 0: simplified Newton.  With dependent rows positions count as closed only if the bodies are
 /// near to closure, too.
-bool Rattle::close_joint_positions(double h, StepReport& report) {
+bool Rattle::close_joint_positions(double h, SubstepReport& report) {
   double last = std::numeric_limits<double>::infinity(), correction = 0;
   bool polished = false;
   values_.residual_is_current = false;
@@ -277,7 +272,7 @@ double Rattle::correct_multipliers(double h, bool from_closure) {
 /// Newton that hardly comes closer gets a fresh factor, once.  The true derivative of φ(q₁) is
 /// h J(q₁) M⁻¹ J(q₀)ᵀ; S of the mean Jacobian is its symmetric neighbour of least error.
 /// @returns whether it is worth going on.
-bool Rattle::keep_pace(double error, double last, double h, StepReport& report) {
+bool Rattle::keep_pace(double error, double last, double h, SubstepReport& report) {
   if (!(error > kSlowNewton * last)) return true;
   if (start_jacobian_.is_replaced() || error > 10 * last) return false;
   start_jacobian_.keep();
@@ -288,7 +283,7 @@ bool Rattle::keep_pace(double error, double last, double h, StepReport& report) 
   return true;
 }
 
-bool Rattle::close_velocities(double h, StepReport& report) {
+bool Rattle::close_velocities(double h, SubstepReport& report) {
   using Fixed = ForceIteration::Fixed;
   {
     const Stopwatch watch(report.times.forces);

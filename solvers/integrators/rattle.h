@@ -24,53 +24,52 @@ class Rattle : public ImpulseScheme {
  public:
   Rattle(const World& world, ConstraintSystem& system, const Settings& settings);
 
-  void start(const State& state, StepReport& report) override;
-  [[nodiscard]] Outcome advance(double h, StepReport& report) override;
+  void start(const State& state, SubstepReport& report) override;
+  [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
   double time_to_event() const override { return time_to_event_; }
   void transfer(Archive& archive) override;
 
  protected:
-  void begin_step(double h, StepReport& report);
+  void begin_step(double h, SubstepReport& report);
   bool exceeds_tension_limit(double h);
-  void accept_positions(double h, StepReport& report);
-  void factorize_end(StepReport& report);
-  void finish(double h, StepReport& report);
-  Outcome reject(Outcome outcome, StepReport& report);
-  Outcome take_back(Outcome outcome, StepReport& report);
+  void accept_positions(double h, SubstepReport& report);
+  void factorize_end(SubstepReport& report);
+  void finish(double h, SubstepReport& report);
+  Outcome reject(Outcome outcome, SubstepReport& report);
+  Outcome take_back(Outcome outcome, SubstepReport& report);
 
   // The position stage.
   void predict_multipliers(double h);
-  bool close_positions(double h, StepReport& report);
-  bool close_joint_positions(double h, StepReport& report);
+  bool close_joint_positions(double h, SubstepReport& report);
   double correct_multipliers(double h, bool from_closure);
-  bool close_bounded_positions(double h, StepReport& report);
+  bool close_bounded_positions(double h, SubstepReport& report);
   struct PositionError;
-  PositionError position_error(double h, int iteration);
+  PositionError position_error(double h, int iteration, SubstepReport& report);
+  bool give_up(std::span<const double> lambda, std::span<const double> rates);
   void finish_position_laws();
-  bool solve_position_laws(double h, bool exact, bool warm, StepReport& report);
-  bool stabilize_positions(double h, StepReport& report);
+  bool stabilize_positions(double h, SubstepReport& report);
   void begin_bounds(double h);
   void try_positions(double h);
   void kick_and_drift(double h, const Configuration& end);
   void contact_rates();
   void renew_position_laws();
-  bool keep_pace(double error, double last, double h, StepReport& report);
-  double time_of_impact(double h, StepReport& report);
+  bool keep_pace(double error, double last, double h, SubstepReport& report);
+  double time_of_impact(double h, SubstepReport& report);
 
   // The velocity stage.
-  bool close_velocities(double h, StepReport& report);
-  bool project_bounded_momenta(StepReport& report);
-  bool stabilize_velocities(StepReport& report);
+  bool close_velocities(double h, SubstepReport& report);
+  bool project_bounded_momenta(SubstepReport& report);
+  bool stabilize_velocities(SubstepReport& report);
   void begin_velocities();
   void renew_velocity_laws();
 
   // The end of the step.
-  bool break_joints(double h, StepReport& report);
+  bool break_joints(double h, SubstepReport& report);
   void release_overloaded();
   void keep_multipliers(double h);
   void keep_first_kick();
-  void account_for_kick(double h, StepReport& report);
-  void restore(StepReport& report);
+  void account_for_kick(double h, StepWorks& works);
+  void restore(SubstepReport& report);
 
   ImplicitTension tension_;
   StartJacobian start_jacobian_;

@@ -45,46 +45,54 @@ struct Rattle::PositionError {
   bool closed = false;
 
   bool is_hopeless(int iteration, const Settings& settings) const {
-    return !std::isfinite(error) || iteration >= settings.max_newton_iterations + 4;
+    return iteration > 0 && (!std::isfinite(error) || iteration >= settings.max_newton_iterations + 4);
   }
 };
 
-/// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is an active
-/// set.
-bool Rattle::close_bounded_positions(double h, StepReport& report) {
+/// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is one for
+/// StageSolver.  When joints are closed, the laws alone are to be met to what round-off allows.
+bool Rattle::close_bounded_positions(double h, SubstepReport& report) {
+  const StageSolver::Renew renew = [this] { renew_position_laws(); };
   double last = std::numeric_limits<double>::infinity();
   int exact = 0;  // solves for the laws alone
-  const auto give_up = [this] {
-    stages_.note_culprits(values_.lambda, values_.rates);
-    return false;
-  };
   for (int iteration = 0;; ++iteration) {
-    if (iteration == 0 || !(stages_.friction_dominated() && stages_.rested())) {  // else λ is the same
-      const Stopwatch watch(report.times.positions);
-      try_positions(h);
-    }
+    const PositionError at = position_error(h, iteration, report);
     if (!axes_.finite()) return false;
-    const PositionError at = position_error(h, iteration);
     if (at.error <= 1) break;
-    if (iteration > 0 && at.is_hopeless(iteration, settings_)) return give_up();
+    if (at.is_hopeless(iteration, settings_)) return give_up(values_.lambda, values_.rates);
     if (at.closed && exact++ == StageSolver::kExactSolves) {
-      if (!stages_.take_inexact(at.error)) return give_up();
+      if (!stages_.take_inexact(at.error)) return give_up(values_.lambda, values_.rates);
       break;
     }
-    if (!at.closed && !keep_pace(at.error, last, h, report)) return give_up();
+    if (!at.closed && !keep_pace(at.error, last, h, report)) return give_up(values_.lambda, values_.rates);
     last = at.error;
-    if (!solve_position_laws(h, at.closed, iteration > 0, report)) return false;
+    const Stopwatch watch(report.times.positions);
+    const StageSolver::Stage stage{values_.lambda, values_.rates, renew, start_jacobian_.kept_contacts(),
+                                   iteration > 0};
+    const double tolerance = at.closed ? stages_.exact_tolerance() : 0.1 * settings_.position_tolerance / h;
+    if (!stages_.solve(stage, tolerance, report)) return give_up(values_.lambda, stages_.rates());
+    ++report.newton_iterations;
   }
   finish_position_laws();
   return true;
 }
 
-Rattle::PositionError Rattle::position_error(double h, int iteration) {
-  if (iteration == 0) return {};
+Rattle::PositionError Rattle::position_error(double h, int iteration, SubstepReport& report) {
+  if (iteration == 0 || !(stages_.friction_dominated() && stages_.rested())) {  // else λ is the same
+    const Stopwatch watch(report.times.positions);
+    try_positions(h);
+  }
+  if (iteration == 0 || !axes_.finite()) return {};
   const double open =
       stages_.law_error(values_.lambda, values_.rates, h) / (settings_.position_tolerance - slack_);
   const double laws = stages_.laws_off(values_.lambda, values_.rates);
   return {laws <= open ? open : laws, open <= 1 && !contacts_.empty()};
+}
+
+/// False; those who miss these laws most are named.
+bool Rattle::give_up(std::span<const double> lambda, std::span<const double> rates) {
+  stages_.note_culprits(lambda, rates);
+  return false;
 }
 
 void Rattle::finish_position_laws() {
@@ -95,25 +103,10 @@ void Rattle::finish_position_laws() {
   prediction_missed_ = limit_.leaves_out_bodies() && axes_.any_broken();
 }
 
-/// One of its linear problems; `exact`: joints are closed, and the laws alone are to be met to what round-off
-/// allows.
-bool Rattle::solve_position_laws(double h, bool exact, bool warm, StepReport& report) {
-  const Stopwatch watch(report.times.positions);
-  const StageSolver::Renew renew = [this] { renew_position_laws(); };
-  const double tolerance = exact ? stages_.exact_tolerance() : 0.1 * settings_.position_tolerance / h;
-  const StageSolver::Stage stage{values_.lambda, values_.rates, renew, start_jacobian_.kept_contacts(), warm};
-  if (stages_.solve(stage, tolerance, report)) {
-    ++report.newton_iterations;
-    return true;
-  }
-  stages_.note_culprits(values_.lambda, stages_.rates());
-  return false;
-}
-
 /// Free axes that the step takes to a limit with restitution are let through once, to see when they get
 /// there.
 /// @returns the length of the sub-step that ends with the first impact.
-double Rattle::time_of_impact(double h, StepReport& report) {
+double Rattle::time_of_impact(double h, SubstepReport& report) {
   double time = h;
   if (stages_.iterative() ? stabilize_positions(h, report) : close_bounded_positions(h, report))
     time = impacts_.first(h, values_.rates);
@@ -153,15 +146,13 @@ void Rattle::begin_velocities() {
 }
 
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
-bool Rattle::project_bounded_momenta(StepReport& report) {
+bool Rattle::project_bounded_momenta(SubstepReport& report) {
   begin_velocities();
   const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
   if (!axes_.finite() || !stages_.solve_velocities({values_.mu, values_.rates, renew}, report)) return false;
   take_impulses();
   note_velocities(report);
-  if (report.velocity_residual <= settings_.velocity_tolerance) return true;
-  stages_.note_culprits(values_.mu, values_.rates);
-  return false;
+  return report.velocity_residual <= settings_.velocity_tolerance || give_up(values_.mu, values_.rates);
 }
 
 /// The first kick for the books, at the pose where it acted.

@@ -4,7 +4,7 @@
 namespace taut {
 
 /// After a sub-step whose velocities are closed: true if it was taken back because a joint does not bear it.
-bool Rattle::break_joints(double h, StepReport& report) {
+bool Rattle::break_joints(double h, SubstepReport& report) {
   for (int r = 0; r < system_.row_count(); ++r) values_.delta[r] = values_.lambda[r] + values_.mu[r];
   if (!breaking_.check(system_, phase_.state, values_.delta, h)) return false;
   time_to_event_ = breaking_.time_to_break();
@@ -34,17 +34,17 @@ void Rattle::release_overloaded() {
 
 /// The first kick.  What the filter of implicit stiffness takes away is booked apart, as the work of an
 /// impulse of its own.
-void Rattle::account_for_kick(double h, StepReport& report) {
+void Rattle::account_for_kick(double h, StepWorks& works) {
   const auto add = [&](std::span<const Wrench> to) {
     works_.add({phase_.state, phase_.momenta, to, start_jacobian_.get(), values_.lambda}, phase_.forces, h,
-               report);
+               works);
   };
   if (!tension_.active()) return add(phase_.kicked);
   for (int b = 0; b < world_.body_count(); ++b)
     raw_kick_[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] +
                    system_.rows().wrench_on(b, start_jacobian_.get(), values_.lambda);
   add(raw_kick_);
-  works_.add_between(raw_kick_, phase_.kicked, report.works.stiffness);
+  works_.add_between(raw_kick_, phase_.kicked, works.stiffness);
 }
 
 }  // namespace taut

@@ -17,7 +17,7 @@ constexpr int kSweepsPerPass = 10;
 }  // namespace
 
 /// λ that takes φ(q₁) towards 0 and the other rows towards their laws.
-bool Rattle::stabilize_positions(double h, StepReport& report) {
+bool Rattle::stabilize_positions(double h, SubstepReport& report) {
   const Stopwatch watch(report.times.positions);
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
   const StageSolver::Renew renew = [this] { renew_position_laws(); };
@@ -37,7 +37,7 @@ bool Rattle::stabilize_positions(double h, StepReport& report) {
 }
 
 /// μ that takes J V + φ_t towards 0 and the other rows towards their laws.
-bool Rattle::stabilize_velocities(StepReport& report) {
+bool Rattle::stabilize_velocities(SubstepReport& report) {
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
   begin_velocities();
   const StageSolver::Renew renew = [this] { renew_velocity_laws(); };

@@ -30,7 +30,7 @@ void VelocityProjection::clear_loose_rows(std::span<double> rows) const {
   system_.clear_bounded_rows(rows);
 }
 
-bool VelocityProjection::project(double h, StepReport& report) {
+bool VelocityProjection::project(double h, SubstepReport& report) {
   const std::vector<double>& rates = values_.joint_rates;
   std::vector<double>&mu = values_.mu, &delta = values_.delta;
   std::fill(mu.begin(), mu.end(), 0.0);

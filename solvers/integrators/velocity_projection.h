@@ -27,7 +27,7 @@ class VelocityProjection {
 
   /// Momenta, twists and μ.  With h ≠ 0 the momenta are those after the second kick of h without μ.
   /// @returns whether the rates are within velocity_tolerance; report.velocity_residual is what is left.
-  bool project(double h, StepReport& report);
+  bool project(double h, SubstepReport& report);
   /// Zero in rows that hold nothing by themselves: of axes, soft joints, contacts, and joints that broke.
   void clear_loose_rows(std::span<double> rows) const;
 

@@ -130,8 +130,8 @@ Checkpoint Simulator::checkpoint() {
   std::vector<char> attached, gone;  // gone with the last step, which the integrator has not seen yet
   for (int j = 0; j < world.joint_count(); ++j) attached.push_back(world.is_attached({j}));
   gone.assign(attached.size(), 0);
-  if (const ImpulseScheme* scheme = own.stepper_.scheme(); remembers && scheme)
-    for (const BreakEvent& event : scheme->breaking().events()) gone[event.joint.index] = 1;
+  if (remembers)
+    for (const BreakEvent& event : own.stepper_.scheme().breaking().events()) gone[event.joint.index] = 1;
   archive(model, method, state, attached, gone, remembers);
   if (remembers) own.transfer(archive, {});
   return Checkpoint::of_payload(archive.bytes());

@@ -277,12 +277,7 @@ void StepDivision::transfer(Archive& archive, double most) {
   Archive::require(is_count(substeps_) && is_count(most_substeps_) && quiet_ >= 0);
 }
 
-void Stepper::transfer(Archive& archive) {
-  if (scheme_)
-    scheme_->transfer(archive);
-  else
-    force_level_->transfer(archive);
-}
+void Stepper::transfer(Archive& archive) { scheme_->transfer(archive); }
 
 void EnergyAccounting::transfer(Archive& archive, const World& world) {
   bool known = end_versions_ == versions(world);

@@ -1,5 +1,7 @@
 #include "solvers/simulator/joint_reactions.h"
 
+#include "solvers/integrators/body_moves.h"
+
 namespace taut {
 
 void JointReactions::renew(int row_count) {
@@ -9,10 +11,9 @@ void JointReactions::renew(int row_count) {
 
 void JointReactions::solve(const World& world, const Settings& settings, const Stepper& stepper) {
   if (version_ == world.state_version()) return;
-  const ImpulseScheme* scheme = stepper.scheme();
-  if (scheme && (!scheme->axes().only_springs() || !scheme->contacts().empty())) {
-    const std::span<const double> multipliers = scheme->values().force_multipliers;
-    multipliers_.assign(multipliers.begin(), multipliers.end());
+  const std::span<const double> of_laws = stepper.scheme().forces_of_laws();
+  if (!of_laws.empty()) {
+    multipliers_.assign(of_laws.begin(), of_laws.end());
   } else {
     solve_accelerations(world, settings);
     add_spring_forces(world, stepper);
@@ -50,14 +51,14 @@ void JointReactions::solve_accelerations(const World& world, const Settings& set
 /// Springs that have rows, behind those of the joints, give what their laws say.
 void JointReactions::add_spring_forces(const World& world, const Stepper& stepper) {
   multipliers_.resize(stepper.system().row_count(), 0.0);
-  const ImpulseScheme* scheme = stepper.scheme();
-  if (!scheme || scheme->axes().empty()) return;
+  const AxisForces& axes = stepper.scheme().axes();
+  if (axes.empty()) return;
   const Rows& rows = stepper.system().rows();
   std::vector<double> theta(rows.row_count()), rates(rows.row_count()), jacobian(rows.jacobian_size());
   rows.residual(world.state(), theta);
   rows.jacobian(world.state(), jacobian);
   rows.apply(jacobian, world.state().twists, rates);
-  scheme->axes().spring_forces(theta, rates, multipliers_);
+  axes.spring_forces(theta, rates, multipliers_);
 }
 
 Reaction JointReactions::of(JointId joint, const World& source, const Rows& own, const Rows& system,

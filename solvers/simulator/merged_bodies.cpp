@@ -36,7 +36,7 @@ void MergedBodies::give_sleep() {
 }
 
 void MergedBodies::note_restored() {
-  if (merged_) merged_->note_state(source_), merged_->note_stirs(source_);
+  if (merged_) merged_->note_state(source_), merged_->note_wakes(source_);
 }
 
 void MergedBodies::refer_to_source(Contact& contact) const {

@@ -57,7 +57,7 @@ std::optional<ForceId> force_not_finite(const Inquiry& asked) {
   const World& source = asked.source;
   std::vector<State> states{source.state(), source.state()};
   states[1].time += asked.report.dt;
-  if (asked.stepper.scheme() && !asked.merges) states.push_back(asked.stepper.state());
+  if (!asked.merges) states.push_back(asked.stepper.state());
   std::vector<Wrench> wrenches;
   for (const State& state : states) {
     if (!all_finite(state)) continue;
@@ -72,12 +72,12 @@ std::optional<ForceId> force_not_finite(const Inquiry& asked) {
 }
 
 /// The first body whose state is not finite; none: the ground.
-BodyId body_not_finite(const Inquiry& asked) {
-  if (const ForceLevel* forces = asked.stepper.force_level()) return forces->not_finite();
-  const ImpulseScheme& scheme = *asked.stepper.scheme();
-  for (int b = 0; b < asked.world.body_count(); ++b) {
+BodyId body_not_finite(const Scheme& scheme) {
+  if (scheme.not_finite() != kGround) return scheme.not_finite();
+  const std::span<const Wrench> momenta = scheme.momenta();
+  for (int b = 0; b < std::ssize(scheme.state().poses); ++b) {
     const Pose& X = scheme.state().poses[b];
-    const Wrench& p = scheme.momenta()[b];
+    const Wrench& p = momenta[b];
     const Twist& V = scheme.state().twists[b];
     if (!(within_reach(X, V) && X.q.coeffs().allFinite() && p.torque.allFinite() && p.force.allFinite()))
       return {b};
@@ -101,9 +101,9 @@ void end_not_finite(const Inquiry& asked) {
     asked.report.culprits = {culprit};
     asked.end_step(Status::kNotFinite, what + name_of(culprit, asked.source) + why);
   };
-  const ImpulseScheme* scheme = asked.stepper.scheme();
-  if (scheme && !scheme->axes().finite())
-    return end("what the motor of ", {.kind = Culprit::Kind::kAxis, .axis = scheme->axes().not_finite()},
+  const Scheme& scheme = asked.stepper.scheme();
+  if (!scheme.axes().finite())
+    return end("what the motor of ", {.kind = Culprit::Kind::kAxis, .axis = scheme.axes().not_finite()},
                " follows is not finite");
   if (const auto joint = joint_that_follows_no_number(asked))
     return end("what ", {.kind = Culprit::Kind::kJoint, .axis = {*joint}}, " follows is not finite");
@@ -115,7 +115,7 @@ void end_not_finite(const Inquiry& asked) {
     return end("what ", {.kind = spring ? Culprit::Kind::kSpring : Culprit::Kind::kForce, .force = *force},
                spring ? " pulls with is not finite" : " gives is not finite");
   }
-  if (const BodyId body = body_not_finite(asked); body.index > 0)
+  if (const BodyId body = body_not_finite(scheme); body.index > 0)
     return end("", {.kind = Culprit::Kind::kBody, .a = body},
                speeds_of(asked.world.state().twists[body.index]));
   asked.end_step(Status::kNotFinite, "a force or the state is not finite");

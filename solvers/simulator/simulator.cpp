@@ -35,9 +35,12 @@ void Simulator::Impl::step(double dt) {
   require_positive("step dt", dt);
   bodies_.follow();
   choose_sleepers(dt);
+  Before before = begin_undoable();
   begin_report();
   report_.dt = horizon_ = dt;
-  reported([&] {
+  try {
+    const Stopwatch watch(report_.times.total);
+    const detail::InterruptScope scope(&interrupt_);
     welds_.forget_means();
     if (settings_.report_energy) books_.begin(world_, bodies_.as_set(), report_);
     sleep_.put_to_sleep(world_);
@@ -45,10 +48,13 @@ void Simulator::Impl::step(double dt) {
       ;
     bodies_.end_step();
     if (report_.advanced()) bodies_.publish();
-  });
+  } catch (...) {
+    take_back(std::move(before));
+    report_thrown();
+  }
   if (!report_.advanced()) stay_where_it_was();
   end_versions_ = versions();
-  if (stepper_.scheme()) report_detection(*stepper_.scheme(), report_);
+  if (stepper_.made()) report_detection(stepper_.scheme(), report_);
   report_.asleep = source_.asleep_count();
   count_work();
 }
@@ -98,9 +104,15 @@ void Simulator::Impl::note_loads_of_sleepers() {
 bool Simulator::Impl::advance_to_end(double dt) {
   start_step();
   if (!report_.ok()) return true;
-  const bool done = integrate(dt);
-  const ImpulseScheme* scheme = stepper_.scheme();
-  if (sleep_.enabled() && scheme && sleep_.wake_after(world_, scheme->contacts().reports(), done)) {
+  bool done = false;
+  {
+    const World::Hold held = source_.hold();
+    const Scheme::Outcome outcome = substepping_.advance(stepper_.scheme(), dt, report_);
+    report_.ledger.integration = report_.works.flow;
+    done = outcome == Scheme::Outcome::kDone;
+    if (!done) say_why(outcome);
+  }
+  if (sleep_.enabled() && sleep_.wake_after(world_, stepper_.scheme().contacts().reports(), done)) {
     stepper_.retake(done);
     forget_attempt();
     return false;
@@ -117,39 +129,27 @@ void Simulator::Impl::start_step() {
   const bool goes_on = stepper_.knows_state() && stepper_.knows_pattern();
   refresh();
   if (!report_.ok()) return;
-  if (settings_.report_energy && stepper_.scheme() && (!goes_on || restarted_))
+  if (settings_.report_energy && stepper_.scheme().knows_works() && (!goes_on || restarted_))
     books_.start(world_, stepper_.state());
   restarted_ = false;  // else a question before the step has had it started
   welds_.start_step(stepper_.state());
   stepper_.forget_state();
 }
 
-/// False, and why is said, if the step cannot be done.
-bool Simulator::Impl::integrate(double dt) {
-  const World::Hold held = source_.hold();
-  if (ForceLevel* forces = stepper_.force_level()) {
-    const bool done = forces->advance(dt, report_) == Scheme::Outcome::kDone;
-    if (!done) end_not_finite(inquiry());
-    return done;
-  }
-  ImpulseScheme& scheme = *stepper_.scheme();
-  scheme.contact_pattern().set_horizon(dt);
-  scheme.clear_impulses();
-  const Substepping::Outcome outcome = substepping_.advance(stepper_.composition(), dt, report_);
-  if (outcome == Substepping::Outcome::kDone) return true;
+/// … the step cannot be done.
+void Simulator::Impl::say_why(Scheme::Outcome outcome) {
   const Inquiry asked = inquiry();
-  if (outcome == Substepping::Outcome::kNotFinite)
+  if (outcome == Scheme::Outcome::kNotFinite)
     end_not_finite(asked);
-  else if (outcome == Substepping::Outcome::kBlind)
+  else if (outcome == Scheme::Outcome::kBlind)
     end_blind(asked);
   else
-    StallDiagnosis(asked).end_step(substepping_.remaining(), outcome == Substepping::Outcome::kUnstable);
-  return false;
+    StallDiagnosis(asked).end_step(substepping_.remaining(), outcome == Scheme::Outcome::kUnstable);
 }
 
 /// The report is that of a step which has not begun.
 void Simulator::Impl::forget_attempt() {
-  set_works(report_, {});
+  report_.works = {};
   report_.status = Status::kSuccess;
   report_.message.clear();
   report_.contradiction = {};
@@ -178,7 +178,7 @@ void Simulator::Impl::finish(double dt) {
   const double time = world_.time() + dt;
   undo_.move_world(stepper_.state());
   world_.set_time(time);
-  if (stepper_.scheme()) stepper_.scheme()->set_time(time);
+  stepper_.scheme().set_time(time);
   detach_broken();
   stepper_.note_state();
   report_.time = time;
@@ -191,8 +191,7 @@ void Simulator::Impl::finish(double dt) {
 
 /// What broke in the step is out of the world from now on.
 void Simulator::Impl::detach_broken() {
-  if (!stepper_.scheme()) return;
-  const std::span<const BreakEvent> events = stepper_.scheme()->breaking().events();
+  const std::span<const BreakEvent> events = stepper_.scheme().breaking().events();
   if (events.empty()) return;
   report_.breaks.assign(events.begin(), events.end());
   for (const BreakEvent& event : events) undo_.detach(event.joint);
@@ -203,7 +202,7 @@ void Simulator::Impl::close_ledger() {
   works.constraint -= works.axes.total() + works.contacts.total();
   sum_motion(stepper_.state(), stepper_.momenta(), report_);
   const World::Hold held = source_.hold();
-  books_.close(world_, report_, stepper_.scheme() != nullptr);
+  books_.close(world_, report_, stepper_.scheme().knows_works());
 }
 
 /// A step that failed: joints that were closed before it are open again, and the user's world is untouched.
@@ -223,16 +222,11 @@ void Simulator::Impl::refresh() {
   if (is_new) old = renew_pattern();
   if (stepper_.knows_state() && recalled_.empty()) return;
   if (goes_on && recalled_.empty() && stepper_.goes_on_with_new_forces()) return;
-  if (ForceLevel* forces = stepper_.force_level()) {
-    forces->start(world_.state(), report_);
-    recalled_.clear();
-  } else {
-    if (!close_at_start()) return;
-    start_scheme(goes_on, old);
-    if (stepper_.scheme()->contact_pattern().blind()) return end_blind(inquiry());
-    stepper_.note_started();
-    restarted_ = true;
-  }
+  if (stepper_.scheme().closes_joints() && !close_at_start()) return;
+  start_scheme(goes_on, old);
+  if (stepper_.scheme().blind()) return end_blind(inquiry());
+  stepper_.note_started();
+  restarted_ = true;
   stepper_.note_state();
 }
 
@@ -278,16 +272,14 @@ bool Simulator::Impl::close_at_start() {
 
 /// At the state of the world, with what is known of contacts and friction.
 void Simulator::Impl::start_scheme(bool goes_on, Stepper::Predecessor& old) {
-  ImpulseScheme& scheme = *stepper_.scheme();
-  scheme.contact_pattern().set_horizon(horizon_);
+  Scheme& scheme = stepper_.scheme();
   bodies_.refer_to_carriers(recalled_);
-  scheme.contact_pattern().recall(std::move(recalled_));
+  scheme.prepare(horizon_, std::move(recalled_), old.scheme.get());
   recalled_.clear();
   if (goes_on) {
     scheme.forget(stepper_.moved_bodies());
     return scheme.restart(world_.state(), report_);
   }
-  if (old.scheme) scheme.contact_pattern().inherit(old.scheme->contact_pattern());
   scheme.start(world_.state(), report_);
   if (old.scheme) scheme.inherit(*old.scheme);
 }
@@ -296,46 +288,41 @@ void Simulator::Impl::start_scheme(bool goes_on, Stepper::Predecessor& old) {
 void Simulator::Impl::bring_up_to_date(double h) {
   bodies_.follow();
   wake_islands(h);
-  undoable([this] { refresh(); });
+  Before before = begin_undoable();
+  try {
+    refresh();
+  } catch (...) {
+    take_back(std::move(before));
+    throw;
+  }
+}
+
+/// Whatever is thrown from now on, by force laws or what asks whether to go on, is to leave the world as it
+/// is: whoever catches it takes back what was done.
+Simulator::Impl::Before Simulator::Impl::begin_undoable() {
+  undo_.begin();
+  const bool any = interrupt_ || !recalled_.empty();
+  return {substepping_.division(), any ? contact_stretches() : std::vector<ContactStretch>()};
 }
 
 /// The world as it was before the present step or question, and a new start: what the integrator knows may be
 /// anything.
-void Simulator::Impl::take_back(const StepDivision& division, std::vector<ContactStretch> stretches) {
+void Simulator::Impl::take_back(Before before) {
   undo_.take_back();
   sleep_.restore_awake(world_);
-  substepping_.division() = division;
-  recalled_ = std::move(stretches);
+  substepping_.division() = before.division;
+  recalled_ = std::move(before.stretches);
   stepper_.forget_all();
   welds_.forget_step();
   bodies_.note_published();
 }
 
-/// Whatever work throws, force laws or what asks whether to go on, leaves the world as it was.
-template <typename Work>
-void Simulator::Impl::undoable(Work work) {
-  const StepDivision division = substepping_.division();
-  const bool any = interrupt_ || !recalled_.empty();
-  std::vector<ContactStretch> stretches = any ? contact_stretches() : std::vector<ContactStretch>();
-  undo_.begin();
+/// While something thrown is handled: the report says that the user has asked to end early, or is the one of
+/// before again.
+/// @throws what was thrown, unless it was that.
+void Simulator::Impl::report_thrown() {
   try {
-    work();
-  } catch (...) {
-    take_back(division, std::move(stretches));
     throw;
-  }
-}
-
-/// The same for work that makes a report: that is the one of before again, too, or says that the user has
-/// asked to end early.
-template <typename Work>
-void Simulator::Impl::reported(Work work) {
-  try {
-    undoable([&] {
-      const Stopwatch watch(report_.times.total);
-      const detail::InterruptScope scope(&interrupt_);
-      work();
-    });
   } catch (const detail::Interrupted&) {
     report_.contradiction = {};
     report_.culprits.clear();
@@ -369,11 +356,17 @@ void Simulator::Impl::assemble() {
   welds_.solve_means_of_old_source(stepper_, report_.dt);
   bodies_.follow();
   bodies_.wake_all();
+  Before before = begin_undoable();
   begin_report();
-  reported([this] {
+  try {
+    const Stopwatch watch(report_.times.total);
+    const detail::InterruptScope scope(&interrupt_);
     close_all_joints();
     bodies_.publish();
-  });
+  } catch (...) {
+    take_back(std::move(before));
+    report_thrown();
+  }
   count_work();
 }
 
@@ -383,7 +376,7 @@ void Simulator::Impl::close_all_joints() {
   if (close_joints(stepper_.system(), state, settings_.position_tolerance, report_)) {
     undo_.move_world(state);
     refresh();
-    if (stepper_.scheme()) undo_.move_world(stepper_.state());
+    undo_.move_world(stepper_.state());
     stepper_.note_state();
     report_.time = world_.time();
     report_.gap = StepQuality::gap(stepper_, quality_.residual(stepper_.system().rows(), world_.state()));

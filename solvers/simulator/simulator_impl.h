@@ -64,11 +64,14 @@ class Simulator::Impl {
   };
   Versions versions() const;
 
-  template <typename Work>
-  void undoable(Work work);
-  template <typename Work>
-  void reported(Work work);
-  void take_back(const StepDivision& division, std::vector<ContactStretch> stretches);
+  /// What is taken back beside the worlds if something is thrown.
+  struct Before {
+    StepDivision division;
+    std::vector<ContactStretch> stretches;
+  };
+  Before begin_undoable();
+  void take_back(Before before);
+  void report_thrown();
   void begin_report();
   void count_work();
   Inquiry inquiry() { return {source_, world_, welds_.any(), stepper_, settings_, report_}; }
@@ -79,7 +82,7 @@ class Simulator::Impl {
   void wake_islands(double h);
   bool advance_to_end(double dt);
   void start_step();
-  bool integrate(double dt);
+  void say_why(Scheme::Outcome outcome);
   void forget_attempt();
   bool welds_hold();
   void finish(double dt);

@@ -29,13 +29,13 @@ Reaction Simulator::Impl::reaction(JointId joint) {
 }
 
 AxisReport Simulator::Impl::axis_report(AxisId axis) const {
-  if (!stepper_.scheme() || report_.dt == 0) return {};
+  if (!stepper_.made() || report_.dt == 0) return {};
   if (sleeping_.rests(axis.joint)) return sleeping_.axis(axis);
   const std::span<const Rows::AxisRow> rows = stepper_.system().rows().axis_rows();
   const auto found =
       std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.axis == axis; });
   if (found == rows.end()) return {};
-  AxisReport report = stepper_.scheme()->axes().reports()[found - rows.begin()];
+  AxisReport report = stepper_.scheme().axes().reports()[found - rows.begin()];
   for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
                     &AxisImpulse::damping, &AxisImpulse::elastic_limit}) {
     report.force.*part /= report_.dt;
@@ -45,7 +45,7 @@ AxisReport Simulator::Impl::axis_report(AxisId axis) const {
 }
 
 std::vector<ContactReport> Simulator::Impl::contacts() const {
-  if (!stepper_.scheme() || report_.dt == 0) return {};
+  if (!stepper_.made() || report_.dt == 0) return {};
   std::vector<ContactReport> reports = stepper_.mean_contacts(report_.dt);
   for (ContactReport& report : reports) bodies_.refer_to_source(report.contact);
   sleeping_.append_contacts(reports);
@@ -54,8 +54,8 @@ std::vector<ContactReport> Simulator::Impl::contacts() const {
 
 std::vector<ContactStretch> Simulator::Impl::contact_stretches() const {
   if (!recalled_.empty()) return recalled_;
-  if (!stepper_.scheme() || !stepper_.is_started()) return {};
-  std::vector<ContactStretch> stretches = stepper_.scheme()->contacts().stretches();
+  if (!stepper_.made() || !stepper_.is_started()) return {};
+  std::vector<ContactStretch> stretches = stepper_.scheme().contacts().stretches();
   bodies_.refer_to_source(stretches);
   return stretches;
 }

@@ -23,9 +23,9 @@ constexpr double kRoundOffResidual = 1e-6;
 
 std::vector<JointId> broken_joints(const Stepper& stepper) {
   std::vector<JointId> joints;
-  if (!stepper.scheme()) return joints;
+  if (!stepper.made()) return joints;
   const Rows& rows = stepper.system().rows();
-  for (int row : stepper.scheme()->breaking().rows())
+  for (int row : stepper.scheme().breaking().rows())
     if (const auto joint = rows.joint_of(row); joint && (joints.empty() || joints.back() != *joint))
       joints.push_back(*joint);
   return joints;
@@ -45,7 +45,7 @@ Contradiction contradiction_from(const Inquiry& asked, const State& state, doubl
 
 StallDiagnosis::StallDiagnosis(const Inquiry& asked)
     : asked_(asked),
-      scheme_(*asked.stepper.scheme()),
+      scheme_(dynamic_cast<ImpulseScheme&>(asked.stepper.scheme())),
       laws_(scheme_.stages().active_set_outcome()),
       found_(asked.report.contradiction) {}
 

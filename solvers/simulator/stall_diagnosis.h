@@ -1,5 +1,6 @@
 #pragma once
 
+#include "solvers/integrators/impulse_scheme.h"
 #include "solvers/simulator/inquiry.h"
 
 namespace taut {
@@ -7,7 +8,8 @@ namespace taut {
 /// What cannot hold together `horizon` [s] after a state, without joints that broke in the step.
 Contradiction contradiction_from(const Inquiry& asked, const State& state, double horizon);
 
-/// Why a scheme of impulses could not do a step in sub-steps as short as allowed: of the causes that
+/// Why a scheme of impulses, as all that can stall are, could not do a step in sub-steps as short as allowed:
+/// of the causes that
 /// (solvers/diagnosis, "A step that failed") lists the first that is found ends the step.
 class StallDiagnosis {
  public:
@@ -26,7 +28,7 @@ class StallDiagnosis {
   void take_culprits();
 
   const Inquiry& asked_;
-  const ImpulseScheme& scheme_;
+  ImpulseScheme& scheme_;
   const ActiveSetOutcome& laws_;
   Contradiction& found_;
 };

@@ -46,14 +46,13 @@ std::span<const double> StepQuality::residual(const Rows& rows, const State& sta
 
 Gap StepQuality::gap(const Stepper& stepper, std::span<const double> phi) {
   const Gap joints = max_gap(stepper.system().rows(), phi);
-  const ImpulseScheme* scheme = stepper.scheme();
-  return scheme ? wider(joints, scheme->axes().beyond_limits(phi)) : joints;
+  return wider(joints, stepper.scheme().axes().beyond_limits(phi));
 }
 
 void StepQuality::measure(Stepper& stepper, StepReport& report) {
   for (auto* values : {&phi_, &rates_}) values->resize(stepper.system().row_count());
   report.gap = gap_at_end(stepper);
-  if (stepper.force_level())
+  if (!stepper.scheme().closes_joints())
     report.velocity_residual = std::max(report.velocity_residual, velocity_residual(stepper));
   count_contacts(stepper.places(), report);
   report.rank_deficiency = stepper.system().rank_deficiency();
@@ -64,14 +63,13 @@ void StepQuality::measure(Stepper& stepper, StepReport& report) {
 
 Gap StepQuality::gap_at_end(const Stepper& stepper) {
   const Rows& rows = stepper.system().rows();
-  const ImpulseScheme* scheme = stepper.scheme();
-  if (scheme && scheme->values().residual_is_current) return max_gap(rows, scheme->values().phi);
+  if (const auto known = stepper.scheme().known_residual(); !known.empty()) return max_gap(rows, known);
   rows.residual(stepper.state(), phi_);
-  if (scheme) scheme->breaking().clear_rows(phi_);
+  stepper.scheme().breaking().clear_rows(phi_);
   return gap(stepper, phi_);
 }
 
-/// max |J V + φ_t| of the force level, which closes no velocities.
+/// max |J V + φ_t| of a scheme that closes no velocities.
 double StepQuality::velocity_residual(Stepper& stepper) {
   ConstraintSystem& system = stepper.system();
   const State& state = stepper.state();

@@ -2,8 +2,9 @@
 
 #include "core/state/same_state.h"
 #include "solvers/common/setting_checks.h"
+#include "solvers/integrators/composition.h"
+#include "solvers/integrators/force_level.h"
 #include "solvers/integrators/moreau_jean.h"
-#include "solvers/integrators/rattle.h"
 
 namespace taut {
 
@@ -25,31 +26,33 @@ bool Stepper::knows_pattern() const { return knows_topology() && sleep_version_ 
 void Stepper::renew() {
   auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
                                                    Rows::AxisRows::kIncluded, springs_);
-  composition_.reset();
   scheme_.reset();
-  force_level_.reset();
   system_ = std::move(system);
-  if (is_force_level(settings_.integrator))
-    force_level_ = std::make_unique<ForceLevel>(world_, *system_, settings_);
-  else if (settings_.integrator == Integrator::kMoreauJean)
-    scheme_ = std::make_unique<MoreauJean>(world_, *system_, settings_);
-  else
-    scheme_ = std::make_unique<Rattle>(world_, *system_, settings_);
-  if (scheme_) {
-    scheme_->stages().culprits().name_by(named_);
-    composition_.emplace(settings_.integrator, *scheme_);
-  }
+  scheme_ = make_scheme();
   topology_version_ = world_.topology_version();
   geometry_version_ = world_.geometry_version();
   sleep_version_ = world_.sleep_version();
   state_version_ = -1;
 }
 
+/// The only place that knows which one it is.
+std::unique_ptr<Scheme> Stepper::make_scheme() {
+  if (is_force_level(settings_.integrator)) return std::make_unique<ForceLevel>(world_, *system_, settings_);
+  std::unique_ptr<ImpulseScheme> scheme;
+  if (settings_.integrator == Integrator::kMoreauJean)
+    scheme = std::make_unique<MoreauJean>(world_, *system_, settings_);
+  else if (settings_.integrator == Integrator::kRattle)
+    scheme = std::make_unique<Rattle>(world_, *system_, settings_);
+  else
+    scheme = std::make_unique<Composition>(world_, *system_, settings_);
+  scheme->stages().culprits().name_by(named_);
+  return scheme;
+}
+
 Stepper::Predecessor Stepper::renew_from_known() {
   Predecessor old;
   if (remembers()) {
     scheme_->forget(moved_bodies());
-    composition_.reset();
     old = {std::move(system_), std::move(scheme_)};
   }
   renew();
@@ -64,7 +67,7 @@ bool Stepper::goes_on_with_new_forces() {
 
 void Stepper::forget_step() {
   state_version_ = -1;
-  if (scheme_ && scheme_->breaking().any()) topology_version_ = -1;
+  if (made() && scheme_->breaking().any()) topology_version_ = -1;
 }
 
 void Stepper::retake(bool done) {
@@ -91,12 +94,11 @@ std::vector<char> Stepper::moved_bodies() const {
 }
 
 std::span<const ContactSet::Place> Stepper::places() const {
-  if (!scheme_ || scheme_->contacts().empty()) return {};
+  if (!made() || scheme_->contacts().empty()) return {};
   return scheme_->contacts().set().places();
 }
 
 std::vector<ContactReport> Stepper::mean_contacts(double dt) const {
-  if (!scheme_) return {};
   std::vector<ContactReport> reports = scheme_->contacts().reports();
   for (ContactReport& report : reports) {
     report.force /= dt;

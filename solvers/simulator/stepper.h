@@ -2,15 +2,12 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
-#include "solvers/integrators/composition.h"
-#include "solvers/integrators/force_level.h"
-#include "solvers/integrators/impulse_scheme.h"
+#include "solvers/integrators/scheme.h"
 #include "solvers/system/constraint_system.h"
 
 namespace taut {
@@ -18,23 +15,22 @@ namespace taut {
 class Archive;
 
 /// The system of a world and the integrator that steps it: made anew for each pattern (topology, geometry,
-/// who sleeps), started for each state.  The only class that tells schemes of impulses (RATTLE, Moreau–Jean)
-/// from the force level: of scheme() and force_level() one is there once renew() has been called.
-/// (solvers/simulator, "Sub-steps")
+/// who sleeps), started for each state.  (solvers/simulator, "Sub-steps")
 class Stepper {
  public:
   /// Laws that are not met are named by bodies and joints of `named`.  `settings` live as long.
   Stepper(const World& world, const World& named, const Settings& settings);
 
   // The pattern.
-  bool made() const { return system_ != nullptr; }
+  /// Once renew() has been called there is a system and a scheme.
+  bool made() const { return scheme_ != nullptr; }
   bool knows_pattern() const;
   /// … but for who sleeps.
   bool knows_topology() const;
   /// What it was for the pattern before; the system outlives the scheme that refers to it.
   struct Predecessor {
     std::unique_ptr<ConstraintSystem> system;
-    std::unique_ptr<ImpulseScheme> scheme;  ///< null: it knew nothing worth keeping
+    std::unique_ptr<Scheme> scheme;  ///< null: it knew nothing worth keeping
   };
   /// Pattern, order and integrator of the present topology, which know no state yet.
   void renew();
@@ -47,9 +43,9 @@ class Stepper {
   /// It is at some state: it has been started, and no step has failed since.
   bool is_started() const { return state_version_ >= 0; }
   /// It has a state, which that of the world can be compared with.
-  bool has_state() const { return (scheme_ || force_level_) && !state().poses.empty(); }
+  bool has_state() const { return made() && !state().poses.empty(); }
   /// What a scheme knows of contacts, friction and impulses holds.
-  bool remembers() const { return scheme_ && has_state() && (is_started() || retaken_); }
+  bool remembers() const { return has_state() && (is_started() || retaken_); }
   /// Only gravity or a force law has changed, and that is no jump: the scheme goes on.
   bool goes_on_with_new_forces();
   void note_started() { retaken_ = false; }
@@ -69,18 +65,14 @@ class Stepper {
 
   ConstraintSystem& system() { return *system_; }
   const ConstraintSystem& system() const { return *system_; }
-  ImpulseScheme* scheme() { return scheme_.get(); }
-  const ImpulseScheme* scheme() const { return scheme_.get(); }
-  ForceLevel* force_level() { return force_level_.get(); }
-  const ForceLevel* force_level() const { return force_level_.get(); }
-  /// Of scheme().
-  Composition& composition() { return *composition_; }
+  Scheme& scheme() { return *scheme_; }
+  const Scheme& scheme() const { return *scheme_; }
 
-  const State& state() const { return integrator().state(); }
+  const State& state() const { return scheme_->state(); }
   /// (L, P) of the bodies in world axes.
-  std::span<const Wrench> momenta() const { return integrator().momenta(); }
+  std::span<const Wrench> momenta() const { return scheme_->momenta(); }
   /// Of the rows over the last step.
-  std::span<const double> impulses() const { return integrator().impulses(); }
+  std::span<const double> impulses() const { return scheme_->impulses(); }
   /// Contacts at present.
   std::span<const ContactSet::Place> places() const;
   /// Contacts of the last step with the mean forces over dt.
@@ -95,15 +87,13 @@ class Stepper {
   void transfer(Archive& archive);
 
  private:
-  const Scheme& integrator() const { return scheme_ ? static_cast<const Scheme&>(*scheme_) : *force_level_; }
+  std::unique_ptr<Scheme> make_scheme();
 
   const World &world_, &named_;
   const Settings& settings_;
   Springs springs_;  // among the rows
   std::unique_ptr<ConstraintSystem> system_;
-  std::unique_ptr<ImpulseScheme> scheme_;
-  std::optional<Composition> composition_;  // of scheme_
-  std::unique_ptr<ForceLevel> force_level_;
+  std::unique_ptr<Scheme> scheme_;
   std::int64_t topology_version_ = -1, geometry_version_ = -1, sleep_version_ = -1, state_version_ = -1;
   bool retaken_ = false;
 };

@@ -1,22 +1,22 @@
 #pragma once
 
-#include "solvers/integrators/composition.h"
+#include "solvers/common/settings.h"
+#include "solvers/integrators/scheme.h"
 #include "solvers/simulator/step_division.h"
 #include "solvers/simulator/substeps.h"
 
 namespace taut {
 
-/// Covers a step of a scheme of impulses by as many equal sub-steps as tension, rotation and convergence ask
-/// for, each a composition of the scheme.                           (solvers/simulator, "Sub-steps")
+/// Covers a step by as many equal sub-steps of a scheme as tension, rotation and convergence ask for.
+/// (solvers/simulator, "Sub-steps")
 class Substepping {
  public:
   /// `settings` live as long.
   explicit Substepping(const Settings& settings) : settings_(settings) {}
 
-  /// kStalled, kUnstable: sub-steps would have to be shorter than allowed, at last since laws or joints were
-  /// not met, or for tension; kNotFinite, kBlind: as Scheme::Outcome.
-  enum class Outcome { kDone, kStalled, kUnstable, kNotFinite, kBlind };
-  [[nodiscard]] Outcome advance(Composition& composition, double dt, StepReport& report);
+  /// kDone; kStalled, kUnstable: sub-steps would have to be shorter than allowed, at last since laws or
+  /// joints were not met, or for tension; kNotFinite, kBlind: as Scheme::advance().
+  [[nodiscard]] Scheme::Outcome advance(Scheme& scheme, double dt, StepReport& report);
   /// What the last advance() left to do [s].
   double remaining() const { return remaining_; }
 
@@ -24,10 +24,11 @@ class Substepping {
   StepDivision& division() { return division_; }
 
  private:
-  bool after_stall(ImpulseScheme& scheme, Substeps& substeps, bool hard, bool forgot) const;
+  bool after_stall(Scheme& scheme, Substeps& substeps, bool hard, bool forgot) const;
 
   const Settings& settings_;
   StepDivision division_;
+  SubstepReport substep_;  // the present one
   double remaining_ = 0;
 };
 

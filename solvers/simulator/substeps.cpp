@@ -8,8 +8,6 @@ namespace {
 
 /// A sub-step that failed is followed by one this much shorter; each success lets the next grow again.
 constexpr double kShrink = 0.5, kGrow = 1.5;
-/// A count of sub-steps that is above a whole number by less than this is that number.
-constexpr double kCountRoundOff = 1e-9;
 
 }  // namespace
 

@@ -5,10 +5,12 @@
 namespace taut {
 
 /// The sub-steps of a step of dt: equal ones as long as all goes well, shorter ones after one that failed,
-/// and one that ends at an impact.                                              (solvers/simulator,
-/// "Sub-steps")
+/// and one that ends at an impact.  (solvers/simulator, "Sub-steps")
 class Substeps {
  public:
+  /// A count of sub-steps that is above a whole number by less than this is that number.
+  static constexpr double kCountRoundOff = 1e-9;
+
   /// As many as `count` of equal length, none shorter than dt / `most`.
   Substeps(double dt, double count, double most)
       : remaining_(dt), even_length_(dt / count), smallest_(dt / most) {}

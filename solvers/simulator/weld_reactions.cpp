@@ -1,5 +1,7 @@
 #include "solvers/simulator/weld_reactions.h"
 
+#include "solvers/integrators/body_moves.h"
+
 namespace taut {
 
 void WeldReactions::renew() {

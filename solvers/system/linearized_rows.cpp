@@ -149,7 +149,7 @@ void LinearizedRows::sum_effective_masses() {
   masses_version_ = version_;
 }
 
-void LinearizedRows::to_bodies(std::span<const double> lambda, std::span<double> v) {
+void LinearizedRows::apply_Wt(std::span<const double> lambda, std::span<double> v) {
   using Six = Eigen::Matrix<double, 6, 1>;
   const double* const weighted = this->weighted().data();
   for (int b = 0; b < mass_.size(); ++b) {
@@ -164,7 +164,7 @@ void LinearizedRows::to_bodies(std::span<const double> lambda, std::span<double>
   }
 }
 
-void LinearizedRows::to_rows(std::span<const double> v, std::span<double> out) const {
+void LinearizedRows::apply_W(std::span<const double> v, std::span<double> out) const {
   for (const Rows::JointRows& joint : rows_.joints()) {
     for (int i = 0; i < joint.row_count; ++i) out[joint.first_row + i] = 0;
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
@@ -178,8 +178,8 @@ void LinearizedRows::to_rows(std::span<const double> v, std::span<double> out) c
 }
 
 void LinearizedRows::multiply(std::span<const double> x, std::span<double> out) {
-  to_bodies(x, body_values_);
-  to_rows(body_values_, out);
+  apply_Wt(x, body_values_);
+  apply_W(body_values_, out);
 }
 
 void LinearizedRows::rates(std::span<const double> lambda, std::span<const double> b, std::span<double> w) {

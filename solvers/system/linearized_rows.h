@@ -75,9 +75,9 @@ class LinearizedRows {
   /// 1 / S_rr of each row: the inertia that it feels on its own.
   void effective_masses(std::span<double> out);
   /// v = Wᵀ λ, six numbers a body, 0 for fixed ones.
-  void to_bodies(std::span<const double> lambda, std::span<double> v);
+  void apply_Wt(std::span<const double> lambda, std::span<double> v);
   /// out = W v.
-  void to_rows(std::span<const double> v, std::span<double> out) const;
+  void apply_W(std::span<const double> v, std::span<double> out) const;
   /// out = S x through W: (W Wᵀ) x, with all rows whatever their state.
   void multiply(std::span<const double> x, std::span<double> out);
   /// w = S λ + b: the rates of the rows, b without λ.

@@ -64,9 +64,9 @@ void PrimalSystem::solve_rows(LinearizedRows& rows, std::span<double> x) {
   body_values_.resize(6 * static_cast<std::size_t>(rows.mass().size()));
   rates_.resize(x.size());
   for (std::size_t r = 0; r < x.size(); ++r) x[r] *= inverse_compliance_[r];
-  rows.to_bodies(x, body_values_);
+  rows.apply_Wt(x, body_values_);
   solve(body_values_);
-  rows.to_rows(body_values_, rates_);
+  rows.apply_W(body_values_, rates_);
   for (std::size_t r = 0; r < x.size(); ++r) x[r] -= inverse_compliance_[r] * rates_[r];
 }
 

@@ -98,12 +98,12 @@ TEST(Islands, a_part_of_a_system_is_its_block) {
     for (std::size_t b = 0; b < part.bodies.size(); ++b)
       if (alone.mass()[b].fixed) std::fill_n(v.begin() + 6 * b, 6, 0.0);
     Eigen::VectorXd Wf(n);
-    alone.to_rows(v, {Wf.data(), Wf.data() + n});
+    alone.apply_W(v, {Wf.data(), Wf.data() + n});
     Eigen::MatrixXd A = S;
     for (int r = 0; r < n; ++r) A(r, r) += 1 / weights[r];
     const Eigen::VectorXd change = A.ldlt().solve(Wf);
     std::vector<double> expected(v.size());
-    alone.to_bodies({change.data(), change.data() + n}, expected);
+    alone.apply_Wt({change.data(), change.data() + n}, expected);
     for (std::size_t i = 0; i < v.size(); ++i) expected[i] = v[i] - expected[i];
     StageTimes times;
     ASSERT_TRUE(alone.factorize_bodies(alone.weighted(), weights, times));
