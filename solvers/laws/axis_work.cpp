@@ -14,8 +14,7 @@ AxisImpulse shared_impulse(const AxisTable& table, std::span<const AxisLaw> axes
 
 /// Adds an impulse and its work at this mean rate.
 void add_impulse(AxisReport& report, const AxisImpulse& impulse, double rate) {
-  for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
-                    &AxisImpulse::damping, &AxisImpulse::elastic_limit}) {
+  for (const auto& [part, column, term] : kAxisParts) {
     report.force.*part += impulse.*part;
     report.work.*part += impulse.*part * rate;
   }

@@ -31,7 +31,7 @@ void transfer_fields(Archive& archive, ContactReport& r) {
 }
 void transfer_fields(Archive& archive, ContactWork& w) { archive(w.normal, w.friction); }
 void transfer_fields(Archive& archive, AxisImpulse& i) {
-  archive(i.motor, i.friction, i.limit, i.spring, i.damping, i.elastic_limit);
+  for (const auto& [part, column, term] : kAxisParts) archive(i.*part);
 }
 void transfer_fields(Archive& archive, AxisReport& r) {
   archive(r.force, r.work, r.power, r.stuck, r.saturated, r.at_limit, r.impact_time);
