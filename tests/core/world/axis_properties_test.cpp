@@ -79,15 +79,7 @@ TEST(AxisProperties, RefuseWrongValuesAndChangeNothing) {
   s.world.set_limits(s.angle, AxisLimits{-1, 1});
   const int versions = s.world.axis_version() + s.world.topology_version();
   const auto refuses = [&](auto&& property, std::initializer_list<const char*> parts) {
-    expect_invalid(
-        [&] {
-          using Type = std::decay_t<decltype(property)>;
-          if constexpr (std::is_same_v<Type, AxisLimits>) s.world.set_limits(s.angle, property);
-          if constexpr (std::is_same_v<Type, AxisMotor>) s.world.set_motor(s.angle, property);
-          if constexpr (std::is_same_v<Type, AxisFriction>) s.world.set_friction(s.angle, property);
-          if constexpr (std::is_same_v<Type, AxisSpring>) s.world.set_spring(s.angle, property);
-        },
-        parts);
+    expect_invalid([&] { s.world.set_property(s.angle, std::optional(property)); }, parts);
     EXPECT_EQ(s.world.axis_version() + s.world.topology_version(), versions);
     EXPECT_EQ(s.world.axis_properties(s.angle).limits->upper, 1);
   };
