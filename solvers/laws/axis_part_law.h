@@ -25,7 +25,9 @@ struct AxisStage {
 };
 
 /// A part of the law of an axis: springs, friction, a motor, limits.  AxisLaw asks the same of all of them; a
-/// part hides what concerns it, and the rest is nothing.  (solvers/laws, "A new part")
+/// part is a struct with its memory that hides what concerns it; the rest is nothing.  A smooth force needs a
+/// line λ = l − c w by the three stages, add_to() and share_lines(); one that is bounded derives from
+/// AxisBoxLaw.  It is named in AxisLaw::with_parts().  (core/state, "A new axis property")
 struct AxisPartLaw {
   /// A new start, with θ and its rate.
   void restart(double, double) {}

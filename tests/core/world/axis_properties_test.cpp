@@ -51,6 +51,23 @@ TEST(AxisProperties, ChangeTheTopologyOnlyWithTheFirstAndTheLast) {
   EXPECT_EQ(Rows(s.world).row_count(), 5);
 }
 
+TEST(AxisProperties, AreSetTogetherOrNotAtAll) {
+  OneHinge s;
+  AxisProperties all;
+  all.set(std::optional(AxisMotor{.target = 3}));
+  all.set(std::optional(AxisSpring{.stiffness = 2, .rest = 1}));
+  s.world.set_axis_properties(s.angle, all);
+  EXPECT_EQ(s.world.axis_properties(s.angle).motor->target, 3);
+  EXPECT_EQ(s.world.spring_energy_of(s.joint, s.world.state()), 1);
+  EXPECT_TRUE(s.world.axis_properties(s.angle).keeps_going());
+  all.set(std::optional(AxisFriction{-1.5, 0, 0}));
+  all.set(std::optional<AxisMotor>());
+  expect_invalid([&] { s.world.set_axis_properties(s.angle, all); },
+                 {"static friction of elbow angle", "-1.5"});
+  EXPECT_TRUE(s.world.axis_properties(s.angle).motor);
+  EXPECT_FALSE(s.world.axis_properties(s.angle).friction);
+}
+
 TEST(AxisProperties, RefuseWrongAxes) {
   OneHinge s;
   const JointId ball = s.world.add("wrist", Ball::at(s.world, kA, kB, Vec3::Zero()));
