@@ -128,7 +128,7 @@ struct AxisProperties {
   std::optional<AxisMotor> motor;        ///< none if not set
   std::optional<AxisLimits> limits;      ///< none if not set
 
-  /// use(property, …) with all of them, set or not, in the order in which they yield.
+  /// use(property, …) with all of them, set or not, in the order in which their laws are added.
   template <typename Self, typename Use>
   static auto with_all(Self& self, Use use) {
     return use(self.spring, self.friction, self.motor, self.limits);
@@ -144,7 +144,10 @@ struct AxisProperties {
     const auto assign = [&](auto& mine) {
       if constexpr (std::is_same_v<decltype(mine), std::optional<Property>&>) mine = std::move(value);
     };
-    with_all(*this, [&](auto&... all) { (assign(all), ...); });
+    with_all(*this, [&](auto&... all) {
+      static_assert((std::is_same_v<decltype(all), std::optional<Property>&> || ...), "no axis property");
+      (assign(all), ...);
+    });
   }
 
   bool any() const;                                     ///< something is set

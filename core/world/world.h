@@ -105,7 +105,8 @@ class World {
   std::string axis_label(AxisId id) const;
 
   /// Sets what acts along an axis.  @throws std::invalid_argument for a missing axis, what check_axis()
-  /// refuses, or limits, a spring or a position motor of an axis without positions (turn_x of a Ball).  @{
+  /// refuses, or limits, a spring or a position motor of an axis without positions (turn_x of a Ball).
+  /// set_property() takes any of them, set_axis_properties() all of an axis at once.  @{
   void set_limits(AxisId id, std::optional<AxisLimits> limits) { set_property(id, std::move(limits)); }
   void set_motor(AxisId id, std::optional<AxisMotor> motor) { set_property(id, std::move(motor)); }
   void set_friction(AxisId id, std::optional<AxisFriction> friction) {
