@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 
 #include "core/base/check.h"
@@ -104,6 +105,46 @@ double limit_energy(const AxisLimits& limits, double theta) {
   if (limits.compliance == 0) return 0;
   const double stretch = beyond(limits, theta);
   return 0.5 * stretch * stretch / limits.compliance;
+}
+
+double AxisSpring::energy(double theta) const { return spring_energy(*this, theta); }
+
+double AxisLimits::energy(double theta) const { return limit_energy(*this, theta); }
+
+std::string AxisLimits::start_problem(double theta, double tolerance) const {
+  const bool low = theta < lower - tolerance;
+  if (compliance > 0 || (!low && !(theta > upper + tolerance))) return {};
+  std::ostringstream message;
+  message << "starts at " << theta << ", " << (low ? "below its lower limit " : "above its upper limit ")
+          << (low ? lower : upper);
+  return message.str();
+}
+
+bool AxisProperties::any() const {
+  return with_all(*this, [](const auto&... all) { return (all.has_value() || ...); });
+}
+
+bool AxisProperties::stores_energy() const {
+  bool stores = false;
+  each([&](const auto& property) {
+    if constexpr (requires { property.stores_energy(); }) stores = stores || property.stores_energy();
+  });
+  return stores;
+}
+
+void AxisProperties::add_energy(double theta, double& energy) const {
+  each([&](const auto& property) {
+    if constexpr (requires { property.stores_energy(); })
+      if (property.stores_energy()) energy += property.energy(theta);
+  });
+}
+
+bool AxisProperties::keeps_going() const {
+  bool goes = false;
+  each([&](const auto& property) {
+    if constexpr (requires { property.keeps_going(); }) goes = goes || property.keeps_going();
+  });
+  return goes;
 }
 
 void check_axis(std::string_view axis, const AxisLimits& limits) {

@@ -2,7 +2,10 @@
 
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/state/motion_point.h"
@@ -10,6 +13,10 @@
 /// What can act along a free axis of a joint.  An axis is a scalar coordinate θ(q) [rad or m] with rate θ̇;
 /// forces along it are torques [N·m] about an angle and forces [N] along a displacement.  A positive one acts
 /// on body B towards larger θ, and the opposite on A.
+///
+/// A property says by `kJumps` at how many rates its force jumps, and by members whose names are those below
+/// what else concerns others than its law; AxisProperties asks those that have them.  (core/state, "A new
+/// axis property")
 namespace taut {
 
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();  ///< no limit
@@ -51,6 +58,14 @@ struct AxisLimits {
   double restitution = 0;                          ///< e, from 0 to 1
   double compliance = 0;                           ///< [rad/(N·m) or m/N]; then the restitution must be 0
   double damping = 0;                              ///< [N·m·s/rad or N·s/m], with a compliance
+
+  static constexpr int kJumps = 2;  ///< at both limits
+  /// What needs an axis that has positions, for messages; null: nothing.
+  const char* needs_position() const { return "limits"; }
+  bool stores_energy() const { return compliance > 0; }  ///< it is a spring
+  double energy(double theta) const;                     ///< limit_energy()
+  /// How a start at θ violates it by more than the tolerance, for messages; empty if it does not.
+  std::string start_problem(double theta, double tolerance) const;
 };
 
 /// Drives the axis with at most the available force.
@@ -67,6 +82,12 @@ struct AxisMotor {
   /// |θ̇| → available force, held beyond its ends; the smaller of it and max_force counts.
   std::optional<Curve> force_of_speed{};
   Motion trajectory{};  ///< θ over time, in that mode
+
+  static constexpr int kJumps = 1;  ///< at its rate
+  /// What needs an axis that has positions, for messages; null: nothing.
+  const char* needs_position() const { return mode == Mode::kVelocity ? nullptr : "position motor"; }
+  /// It would move an axis that rests if it could, so that its bodies do not sleep.
+  bool keeps_going() const { return mode == Mode::kTrajectory || (mode == Mode::kVelocity && target != 0); }
 };
 
 /// Coulomb and viscous friction: sticks up to `static_friction`, then slides with `dynamic_friction`;
@@ -78,6 +99,8 @@ struct AxisFriction {
   /// Static and dynamic friction also grow by this times the force [N] that the joint's translation rows
   /// carry: μ r [m] for a pin of radius r, μ for a slider.
   double per_load = 0;
+
+  static constexpr int kJumps = 1;  ///< at rest
 };
 
 /// Spring and damper: force −k (θ − rest) − c θ̇, each of them by a table if it has one:
@@ -90,17 +113,61 @@ struct AxisSpring {
   std::optional<Curve> table{};
   /// θ̇ → force against it, extended beyond its ends.
   std::optional<Curve> damping_table{};
+
+  static constexpr int kJumps = 0;  ///< none
+  /// What needs an axis that has positions, for messages; null: nothing.
+  const char* needs_position() const { return "spring"; }
+  bool stores_energy() const { return true; }  ///< also where its stiffness is 0
+  double energy(double theta) const;           ///< spring_energy()
 };
 
 /// All that acts along one axis.
 struct AxisProperties {
-  std::optional<AxisLimits> limits;      ///< none if not set
-  std::optional<AxisMotor> motor;        ///< none if not set
-  std::optional<AxisFriction> friction;  ///< none if not set
   std::optional<AxisSpring> spring;      ///< none if not set
+  std::optional<AxisFriction> friction;  ///< none if not set
+  std::optional<AxisMotor> motor;        ///< none if not set
+  std::optional<AxisLimits> limits;      ///< none if not set
 
-  bool any() const { return limits || motor || friction || spring; }  ///< something is set
+  /// use(property, …) with all of them, set or not, in the order in which their laws are added.
+  template <typename Self, typename Use>
+  static auto with_all(Self& self, Use use) {
+    return use(self.spring, self.friction, self.motor, self.limits);
+  }
+  /// visit(property) for each that is set.
+  template <typename Visit>
+  void each(Visit visit) const {
+    with_all(*this, [&](const auto&... all) { ((all ? visit(*all) : void()), ...); });
+  }
+  /// Sets the property of this type, or takes it away.
+  template <typename Property>
+  void set(std::optional<Property> value) {
+    const auto assign = [&](auto& mine) {
+      if constexpr (std::is_same_v<decltype(mine), std::optional<Property>&>) mine = std::move(value);
+    };
+    with_all(*this, [&](auto&... all) {
+      static_assert((std::is_same_v<decltype(all), std::optional<Property>&> || ...), "no axis property");
+      (assign(all), ...);
+    });
+  }
+
+  bool any() const;                                     ///< something is set
+  bool stores_energy() const;                           ///< something stores it
+  void add_energy(double theta, double& energy) const;  ///< adds what is stored at θ [J], one by one
+  bool keeps_going() const;  ///< something would move an axis that rests if it could
 };
+
+namespace detail {
+struct CountJumps {  // at how many rates the forces of properties jump
+  template <typename... Properties>
+  std::integral_constant<int, (Properties::kJumps + ...)> operator()(
+      const std::optional<Properties>&...) const {
+    return {};
+  }
+};
+}  // namespace detail
+/// At how many rates the force along an axis with all properties jumps.
+inline constexpr int kMostAxisJumps =
+    decltype(AxisProperties::with_all(std::declval<const AxisProperties&>(), detail::CountJumps{}))::value;
 
 /// Force of the spring along the axis at θ [N·m or N]: −k (θ − rest), or −table(θ − rest).
 double spring_force(const AxisSpring& spring, double theta);

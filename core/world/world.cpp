@@ -9,20 +9,18 @@
 namespace taut {
 namespace {
 
-/// Rigid limits that axes of a joint are beyond by more than a tolerance: they come back at a bounded rate.
-void add_passed_limits(const World& world, JointId joint, double tolerance, std::vector<Problem>& problems) {
+/// What axes of a joint violate by more than a tolerance, as rigid limits: they come back at a bounded rate.
+void add_axis_problems(const World& world, JointId joint, double tolerance, std::vector<Problem>& problems) {
   for (int k = 0; k < world.axis_count(joint) && world.is_attached(joint); ++k) {
     const AxisId axis{joint, k};
-    const std::optional<AxisLimits>& limits = world.axis_properties(axis).limits;
-    if (!limits || limits->compliance > 0) continue;
-    const double value = world.axis_value(axis);
-    const bool low = value < limits->lower - tolerance;
-    if (!low && !(value > limits->upper + tolerance)) continue;
-    std::ostringstream message;
-    message << "axis " << world.axis_info(axis).name << " starts at " << value << ", "
-            << (low ? "below its lower limit " : "above its upper limit ")
-            << (low ? limits->lower : limits->upper);
-    problems.push_back({std::string(world.joint(joint).type()) + " " + world.name(joint), message.str()});
+    world.axis_properties(axis).each([&](const auto& property) {
+      if constexpr (requires { property.start_problem(0.0, tolerance); }) {
+        const std::string message = property.start_problem(world.axis_value(axis), tolerance);
+        if (message.empty()) return;
+        problems.push_back({std::string(world.joint(joint).type()) + " " + world.name(joint),
+                            "axis " + world.axis_info(axis).name + " " + message});
+      }
+    });
   }
 }
 
@@ -49,7 +47,7 @@ std::vector<Problem> World::validate(double gap_tolerance) const {
       message << (message.tellp() > 0 ? " and " : "is open at the start by ") << gaps[j].radians << " rad";
     if (message.tellp() > 0)
       problems.push_back({std::string(joints_[j].type()) + " " + name(JointId{j}), message.str()});
-    add_passed_limits(*this, JointId{j}, gap_tolerance, problems);
+    add_axis_problems(*this, JointId{j}, gap_tolerance, problems);
   }
   return problems;
 }

@@ -105,11 +105,21 @@ class World {
   std::string axis_label(AxisId id) const;
 
   /// Sets what acts along an axis.  @throws std::invalid_argument for a missing axis, what check_axis()
-  /// refuses, or limits, a spring or a position motor of an axis without positions (turn_x of a Ball).  @{
-  void set_limits(AxisId id, std::optional<AxisLimits> limits);
-  void set_motor(AxisId id, std::optional<AxisMotor> motor);
-  void set_friction(AxisId id, std::optional<AxisFriction> friction);
-  void set_spring(AxisId id, std::optional<AxisSpring> spring);  /// @}
+  /// refuses, or limits, a spring or a position motor of an axis without positions (turn_x of a Ball).
+  /// set_property() takes any of them, set_axis_properties() all of an axis at once.  @{
+  void set_limits(AxisId id, std::optional<AxisLimits> limits) { set_property(id, std::move(limits)); }
+  void set_motor(AxisId id, std::optional<AxisMotor> motor) { set_property(id, std::move(motor)); }
+  void set_friction(AxisId id, std::optional<AxisFriction> friction) {
+    set_property(id, std::move(friction));
+  }
+  void set_spring(AxisId id, std::optional<AxisSpring> spring) { set_property(id, std::move(spring)); }
+  template <typename Property>
+  void set_property(AxisId id, std::optional<Property> property) {
+    AxisProperties changed = axis_properties(id);
+    changed.set(std::move(property));
+    set_axis_properties(id, std::move(changed));
+  }
+  void set_axis_properties(AxisId id, AxisProperties properties);  /// @}
   /// A new target for a motor that is there.  @throws std::invalid_argument if it is not, or not finite.
   void set_motor_target(AxisId id, double target);
 
@@ -296,10 +306,6 @@ class World {
   void append_joints(const World& other, const std::string& prefix, const Relocation& to);
   void append_shapes(const World& other, const std::string& prefix, const Relocation& to);
   void check_state(const State& state) const;
-  void require_position(AxisId id, const char* what) const;
-  template <typename Property>
-  void set_property(AxisId id, std::optional<Property> AxisProperties::*member,
-                    std::optional<Property> value);
   void put_to_sleep(BodyId id);
   void wake_or_all(const std::vector<BodyId>& bodies);
   void wake_bodies_of(JointId joint);

@@ -26,40 +26,23 @@ bool World::has_axis_properties(JointId joint) const {
 
 std::string World::axis_label(AxisId id) const { return name(id.joint) + " " + axis_info(id).name; }
 
-template <typename Property>
-void World::set_property(AxisId id, std::optional<Property> AxisProperties::*member,
-                         std::optional<Property> value) {
+void World::set_axis_properties(AxisId id, AxisProperties properties) {
   identity_.require_free();
-  AxisProperties& properties = axes_.properties(axis_index(id));
-  if (value) check_axis(axis_label(id), *value);
-  const bool before = properties.any();
+  const AxisInfo& info = axis_info(id);
+  properties.each([&](const auto& property) {
+    if constexpr (requires { property.needs_position(); })
+      if (const char* what = property.needs_position(); what && info.accumulates)
+        fail(std::string(what) + " of " + axis_label(id), "needs an axis with a position, not a turn about",
+             info.name);
+    check_axis(axis_label(id), property);
+  });
+  AxisProperties& here = axes_.properties(axis_index(id));
+  const bool before = here.any();
   const auto swing = swing_properties(*this, id.joint);
-  properties.*member = std::move(value);
+  here = std::move(properties);
   wake_bodies_of(id.joint);
-  if (properties.any() != before || swing_properties(*this, id.joint) != swing) ++versions_.topology;
+  if (here.any() != before || swing_properties(*this, id.joint) != swing) ++versions_.topology;
   ++versions_.axes;
-}
-
-void World::require_position(AxisId id, const char* what) const {
-  if (axis_info(id).accumulates)
-    fail(std::string(what) + " of " + axis_label(id), "needs an axis with a position, not a turn about",
-         axis_info(id).name);
-}
-
-void World::set_limits(AxisId id, std::optional<AxisLimits> limits) {
-  if (limits) require_position(id, "limits");
-  set_property(id, &AxisProperties::limits, std::move(limits));
-}
-void World::set_motor(AxisId id, std::optional<AxisMotor> motor) {
-  if (motor && motor->mode != AxisMotor::Mode::kVelocity) require_position(id, "position motor");
-  set_property(id, &AxisProperties::motor, std::move(motor));
-}
-void World::set_friction(AxisId id, std::optional<AxisFriction> friction) {
-  set_property(id, &AxisProperties::friction, std::move(friction));
-}
-void World::set_spring(AxisId id, std::optional<AxisSpring> spring) {
-  if (spring) require_position(id, "spring");
-  set_property(id, &AxisProperties::spring, std::move(spring));
 }
 
 void World::set_motor_target(AxisId id, double target) {

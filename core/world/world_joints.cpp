@@ -85,12 +85,10 @@ double World::spring_energy_of(JointId id, const State& state) const {
   const int first = axes_.first(joints_.checked(id));
   for (int k = first; k < first + axis_count(id); ++k) {
     const AxisProperties& properties = axes_.properties(k);
-    const bool soft_limit = properties.limits && properties.limits->compliance > 0;
-    if (!properties.spring && !soft_limit) continue;
+    if (!properties.stores_energy()) continue;
     double theta = 0;
     axes_.info(k).coordinate->residual(state, &theta);
-    if (properties.spring) energy += taut::spring_energy(*properties.spring, theta);
-    if (soft_limit) energy += limit_energy(*properties.limits, theta);
+    properties.add_energy(theta, energy);
   }
   return energy + soft_joints_.energy(id.index, state);
 }

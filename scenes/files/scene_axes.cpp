@@ -1,3 +1,6 @@
+#include <functional>
+#include <tuple>
+
 #include "core/joints/joints.h"
 #include "scenes/files/scene_reader.h"
 
@@ -64,6 +67,15 @@ AxisSpring read_spring(const JsonNode& node) {
   keys.reject_unknown_keys();
   return spring;
 }
+
+/// What can act along an axis, by its key, in the order in which problems are named.
+template <typename Property>
+struct AxisKey {
+  const char* key;
+  Property (*read)(const JsonNode& node);
+};
+constexpr std::tuple kAxisKeys{AxisKey{"limits", read_limits}, AxisKey{"motor", read_motor},
+                               AxisKey{"friction", read_friction}, AxisKey{"spring", read_spring}};
 
 /// Not negative, or "infinite".
 double read_compliance(JsonObject& keys, const char* key) {
@@ -155,28 +167,23 @@ std::optional<Curve> read_curve(JsonObject& object, const char* key) {
 void SceneReader::read_axes(const JsonNode& node, JointId joint) {
   for (const auto& [name, axis_node] : node.members()) {
     JsonObject keys(axis_node);
-    const auto limits = keys.find("limits"), motor = keys.find("motor"), friction = keys.find("friction"),
-               spring = keys.find("spring"), start = keys.find("value");
+    const auto start = keys.find("value");
     const std::size_t before_values = problems_.size();
-    const auto values = [&](const auto& child, auto reader) {
-      std::optional<decltype(reader(*child))> value;
-      if (child) value = reader(*child);
-      return value;
+    std::vector<std::function<void(AxisId)>> setters;
+    const auto read = [&](const auto& property) {
+      if (const auto child = keys.find(property.key))
+        setters.push_back([this, child, value = std::optional(property.read(*child))](AxisId id) {
+          child->guard([&] { scene_.world.set_property(id, value); });
+        });
     };
-    const auto limit_values = values(limits, read_limits);
-    const auto motor_values = values(motor, read_motor);
-    const auto friction_values = values(friction, read_friction);
-    const auto spring_values = values(spring, read_spring);
+    std::apply([&](const auto&... properties) { (read(properties), ...); }, kAxisKeys);
     const double start_value = start ? start->number() : 0;
     keys.reject_unknown_keys();
     if (joint.index < 0) continue;
     std::optional<AxisId> id;
     axis_node.guard([&, &name = name] { id = scene_.world.axis(joint, name); });
     if (!id || problems_.size() != before_values) continue;
-    if (limits) limits->guard([&] { scene_.world.set_limits(*id, limit_values); });
-    if (motor) motor->guard([&] { scene_.world.set_motor(*id, motor_values); });
-    if (friction) friction->guard([&] { scene_.world.set_friction(*id, friction_values); });
-    if (spring) spring->guard([&] { scene_.world.set_spring(*id, spring_values); });
+    for (const auto& set : setters) set(*id);
     if (start) start->guard([&] { scene_.world.set_axis_turns(*id, start_value); });
   }
 }

@@ -40,13 +40,9 @@ OrderedJson probes_json(const Recorder& recorder, std::span<const double> values
 }
 
 OrderedJson ledger_json(const EnergyLedger& ledger) {
-  return {{"kinetic", ledger.kinetic},     {"potential", ledger.potential},
-          {"springs", ledger.springs},     {"motors", ledger.motors},
-          {"drivers", ledger.drivers},     {"friction", ledger.friction},
-          {"limits", ledger.limits},       {"contacts", ledger.contacts},
-          {"damping", ledger.damping},     {"forces", ledger.forces},
-          {"breaking", ledger.breaking},   {"stabilisation", ledger.stabilisation},
-          {"stiffness", ledger.stiffness}, {"integration", ledger.integration}};
+  OrderedJson json;
+  for (const LedgerTerm& term : kLedgerTerms) json[term.name] = ledger.*term.amount;
+  return json;
 }
 
 OrderedJson breaks_json(const std::vector<RunRecord::Break>& breaks) {

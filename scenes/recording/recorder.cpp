@@ -15,9 +15,19 @@ struct QuantityInfo {
   std::vector<std::string> components;
 };
 
+/// Of AxisImpulse.
+const std::vector<std::string>& axis_columns() {
+  static const std::vector<std::string> columns = [] {
+    std::vector<std::string> found;
+    for (const AxisPart& part : kAxisParts)
+      if (std::find(found.begin(), found.end(), part.column) == found.end()) found.emplace_back(part.column);
+    return found;
+  }();
+  return columns;
+}
+
 const QuantityInfo& info(Quantity quantity) {
   static const std::vector<std::string> xyz{"x", "y", "z"};
-  static const std::vector<std::string> parts{"motor", "friction", "limit", "spring", "damping"};
   static const std::vector<QuantityInfo> table{
       {"position", "m", xyz},
       {"velocity", "m/s", xyz},
@@ -30,8 +40,8 @@ const QuantityInfo& info(Quantity quantity) {
       {"momentum", "N s", xyz},
       {"angular-momentum", "N m s", xyz},
       {"axis", "rad or m", {"value", "rate"}},
-      {"axis-force", "N m or N", parts},
-      {"axis-power", "W", parts},
+      {"axis-force", "N m or N", axis_columns()},
+      {"axis-power", "W", axis_columns()},
       {"axis-state", "", {"stuck", "saturated", "at_limit"}},
   };
   return table[static_cast<std::size_t>(quantity)];
@@ -105,7 +115,15 @@ void Recorder::append(const Probe& probe, Simulator& simulator) {
 
 /// Soft limits with the rigid ones.
 void Recorder::append(const AxisImpulse& x) {
-  values_.insert(values_.end(), {x.motor, x.friction, x.limit + x.elastic_limit, x.spring, x.damping});
+  const std::vector<std::string>& columns = axis_columns();
+  const std::size_t first = values_.size();
+  for (const auto& [part, column, term] : kAxisParts) {
+    const std::size_t at = first + (std::find(columns.begin(), columns.end(), column) - columns.begin());
+    if (at == values_.size())
+      values_.push_back(x.*part);
+    else
+      values_[at] += x.*part;
+  }
 }
 
 std::vector<Gap> Recorder::gaps(const World& world) {

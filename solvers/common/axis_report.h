@@ -1,6 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
+
+#include "solvers/common/energy_ledger.h"
 
 namespace taut {
 
@@ -9,13 +12,36 @@ struct AxisImpulse {
   double motor = 0, friction = 0, limit = 0, spring = 0;  ///< friction: Coulomb's; limit: rigid
   double damping = 0;        ///< dampers of springs and soft limits, and viscous friction
   double elastic_limit = 0;  ///< limits with compliance, but for their dampers
-  double total() const { return motor + friction + limit + spring + damping + elastic_limit; }  ///< sum
-  AxisImpulse& operator+=(const AxisImpulse& other) {  ///< adds each part
-    motor += other.motor, friction += other.friction, limit += other.limit;
-    spring += other.spring, damping += other.damping, elastic_limit += other.elastic_limit;
-    return *this;
-  }
+
+  double total() const;                               ///< sum
+  AxisImpulse& operator+=(const AxisImpulse& other);  ///< adds each part
 };
+
+/// A part of it.
+struct AxisPart {
+  double AxisImpulse::*part;             ///< the member
+  std::string_view column;               ///< of probes, which add the parts of one column
+  double EnergyLedger::*term = nullptr;  ///< where its work goes; null: into energy that is stored
+};
+/// All of them.
+inline constexpr AxisPart kAxisParts[] = {
+    {&AxisImpulse::motor, "motor", &EnergyLedger::motors},
+    {&AxisImpulse::friction, "friction", &EnergyLedger::friction},
+    {&AxisImpulse::limit, "limit", &EnergyLedger::limits},
+    {&AxisImpulse::spring, "spring"},
+    {&AxisImpulse::damping, "damping", &EnergyLedger::damping},
+    {&AxisImpulse::elastic_limit, "limit"},
+};
+
+inline double AxisImpulse::total() const {
+  double sum = 0;
+  for (const auto& [part, column, term] : kAxisParts) sum += this->*part;
+  return sum;
+}
+inline AxisImpulse& AxisImpulse::operator+=(const AxisImpulse& other) {
+  for (const auto& [part, column, term] : kAxisParts) this->*part += other.*part;
+  return *this;
+}
 
 /// What acted along an axis over a step.
 struct AxisReport {

@@ -31,13 +31,15 @@ StageTimes& StageTimes::operator+=(const StageTimes& other) {
 }
 
 EnergyLedger& EnergyLedger::operator+=(const EnergyLedger& next) {
-  for (auto term :
-       {&EnergyLedger::kinetic, &EnergyLedger::potential, &EnergyLedger::springs, &EnergyLedger::motors,
-        &EnergyLedger::drivers, &EnergyLedger::friction, &EnergyLedger::limits, &EnergyLedger::contacts,
-        &EnergyLedger::damping, &EnergyLedger::forces, &EnergyLedger::breaking, &EnergyLedger::stabilisation,
-        &EnergyLedger::stiffness, &EnergyLedger::integration})
-    this->*term += next.*term;
+  for (const LedgerTerm& term : kLedgerTerms) this->*term.amount += next.*term.amount;
   return *this;
+}
+
+double EnergyLedger::total() const {
+  double sum = 0;
+  for (const LedgerTerm& term : kLedgerTerms)
+    if (!term.stored) sum += this->*term.amount;
+  return sum;
 }
 
 }  // namespace taut

@@ -12,6 +12,7 @@
 #include "core/world/world.h"
 #include "solvers/common/axis_report.h"
 #include "solvers/common/contact_report.h"
+#include "solvers/common/energy_ledger.h"
 
 namespace taut {
 
@@ -133,39 +134,6 @@ struct BreakEvent {
   double force = 0, torque = 0;  ///< the load that it did not bear: mean over a sub-step [N], [N·m]
   double energy = 0;             ///< that was in its springs and its compliance, and is lost [J]
   JointId with{};  ///< the joint that broke whose axes it coupled; index −1 if it broke itself
-};
-
-/// Where the energy of a step went [J], E = kinetic + potential + springs:
-///   E_end − E_start = motors + drivers + friction + limits + contacts + damping + forces + breaking
-///                     + stabilisation + stiffness + integration = changes of the kinetic, the potential
-///                     and the springs' energy,
-/// which closes to round-off, since every term is the work of impulses against the mean of the rates before
-/// and after them.
-struct EnergyLedger {
-  double start = 0;          ///< E before the step
-  double kinetic = 0;        ///< change of the kinetic energy
-  double potential = 0;      ///< change of the potential energy of gravity and other force laws
-  double springs = 0;        ///< change of what springs, soft limits and soft joints store
-  double motors = 0;         ///< work of motors of axes
-  double drivers = 0;        ///< work of joints that follow the time
-  double friction = 0;       ///< work of Coulomb, rolling and spinning friction in axes and contacts
-  double limits = 0;         ///< work of rigid limits: losses of impacts
-  double contacts = 0;       ///< work of normal impulses of contacts: losses of impacts
-  double damping = 0;        ///< work of dampers and viscous friction of axes and joints
-  double forces = 0;         ///< work of force laws that are not conservative, beyond their own potential
-  double breaking = 0;       ///< energy of springs in joints that broke
-  double stabilisation = 0;  ///< by closing joints and making velocities tangent before the step
-  double stiffness = 0;      ///< taken by implicit geometric stiffness
-  /// What is left: work of ideal joints and conservative forces that is not undone by their potential.
-  double integration = 0;
-  /// Adds all but the start.
-  EnergyLedger& operator+=(const EnergyLedger& next);
-  /// E_end − E_start by what is stored; total() but for round-off.
-  double change() const { return kinetic + potential + springs; }
-  double total() const {  ///< E_end − E_start by what acted
-    return motors + drivers + friction + limits + contacts + damping + forces + breaking + stabilisation +
-           stiffness + integration;
-  }
 };
 
 /// How often the solvers of a step did what costs time.

@@ -29,10 +29,7 @@ void AxisForces::spring_forces(std::span<const double> theta, std::span<const do
 }
 
 void AxisForces::start(std::span<const double> theta, std::span<const double> rates) {
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    axes_[i] = {};
-    axes_[i].friction.start(theta[table_.row(i)], rates[table_.row(i)]);
-  }
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].restart(theta[table_.row(i)], rates[table_.row(i)]);
   before_ = axes_;
 }
 
@@ -48,10 +45,7 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
     axes_[i].start = {theta[row], rates[row], inertia[row]};
   }
   swings_.begin(table_, axes_, h);
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    axes_[i].friction.begin();
-    axes_[i].springs.begin(table_.properties(i), step_, axes_[i].start);
-  }
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].begin(table_.properties(i), step_);
 }
 
 bool AxisForces::find_unresolved(ConstraintSystem& system, bool single_kick) {
@@ -65,7 +59,7 @@ void AxisForces::inherit(const AxisForces& old) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const auto same = resting_.find(table_.id(i));
     if (same == resting_.end()) continue;
-    if (same->second.known) axes_[i].friction.inherit(same->second.friction);
+    if (same->second.known) axes_[i].inherit(same->second);
     resting_.erase(same);
   }
   before_ = axes_;
@@ -86,101 +80,58 @@ void AxisForces::roll_back() {
   work_.roll_back();
 }
 
-/// Those of axes that are released are none; `set(i)` sets the parts of others, and is false if a motor's aim
-/// is not finite.
+/// Those of axes that are released are none; `set(axis, stage, row)` sets those of others, and is false if
+/// what one of them follows is not finite.
 template <typename Set>
 void AxisForces::set_laws(std::span<RowLaw> laws, Set set) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    RowLaw& law = laws[table_.row(i)];
+    const int row = table_.row(i);
+    AxisLaw& axis = axes_[i];
     if (table_.released(i)) {
-      law = RowLaw::none();
+      axis.release();
+      laws[row] = RowLaw::none();
       continue;
     }
     const AxisProperties& p = table_.properties(i);
-    if (!set(axes_[i], p, i)) not_finite_ = static_cast<int>(i);
-    law = axes_[i].sum(p);
+    const AxisStage stage{p, step_, axis.start, impacts_[i], work_.first_kick(i), slack_};
+    if (!set(axis, stage, row)) not_finite_ = static_cast<int>(i);
+    laws[row] = axis.sum(p);
   }
 }
 
 void AxisForces::position_laws(std::span<const double> mean_rates, std::span<RowLaw> laws) {
-  const double kick = 0.5 * step_.h;
-  for (AxisLaw& axis : axes_) axis.springs.clear();
-  set_laws(laws, [&](AxisLaw& axis, const AxisProperties& p, std::size_t i) {
-    axis.springs.set_first_kick(p, step_, axis.start);
-    axis.friction.bound = axis.motor.bound = 0;
-    if (p.friction) {
-      axis.friction.set_bound(*p.friction, kick);
-      axis.friction.hold_anchor(axis.start.theta, step_.h, slack_);
-    }
-    axis.limits.clear();
-    if (table_.has_rigid_limit(i))
-      axis.limits.bound_position(*p.limits, impacts_[i], axis.start.theta, step_.h);
-    if (!p.motor) return true;
-    axis.motor.set_bound(*p.motor, kick, mean_rates[table_.row(i)]);
-    return axis.motor.aim_position(*p.motor, step_, axis.start.theta);
+  set_laws(laws, [&](AxisLaw& axis, AxisStage stage, int row) {
+    stage.rate = mean_rates[row];
+    return axis.set_position(stage);
   });
 }
 
 void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> laws) {
   const bool jolt = impacts_.any(table_, axes_, theta);
-  set_laws(laws, [&](AxisLaw& axis, const AxisProperties& p, std::size_t i) {
-    const double theta1 = theta[table_.row(i)];
-    axis.springs.set_second_kick(p, step_, axis.start, theta1);
-    if (p.friction) axis.friction.set_bound(*p.friction, 0.5 * step_.h);
-    axis.friction.at = 0;
-    axis.limits.clear();
-    if (table_.has_rigid_limit(i))
-      axis.limits.bound_velocity(*p.limits, impacts_[i], theta1, axis.start.rate, jolt,
-                                 work_.first_kick(i).limit);
-    return !p.motor || axis.motor.aim_velocity(*p.motor, step_, theta1);
+  set_laws(laws, [&](AxisLaw& axis, AxisStage stage, int row) {
+    stage.theta = theta[row];
+    stage.jolt = jolt;
+    return axis.set_velocity(stage);
   });
 }
 
 void AxisForces::impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws) {
   step_.weight = weight;
   work_.clear_first_kick();
-  set_laws(laws, [&](AxisLaw& axis, const AxisProperties& p, std::size_t i) {
-    axis.springs.set_single_kick(p, step_, axis.start);
-    axis.friction.bound = axis.motor.bound = axis.friction.at = 0;
-    if (p.friction) axis.friction.set_bound(*p.friction, step_.h);
-    axis.limits.clear();
-    if (table_.has_rigid_limit(i))
-      axis.limits.bound_single_kick(*p.limits, theta[table_.row(i)], axis.start.rate);
-    if (!p.motor) return true;
-    axis.motor.set_bound(*p.motor, step_.h, axis.start.rate);
-    return axis.motor.aim_single_kick(*p.motor, step_, axis.start.theta);
+  set_laws(laws, [&](AxisLaw& axis, AxisStage stage, int row) {
+    stage.theta = theta[row];
+    return axis.set_single_kick(stage);
   });
 }
 
 bool AxisForces::laws_move(const ConstraintSystem& system, std::span<const double> lambda,
                            std::span<const double> w, double rate_tolerance) {
-  const bool broke = break_away(w, rate_tolerance), bent = relinearize(w, rate_tolerance);
+  bool moved = false;
+  for (std::size_t i = 0; i < axes_.size(); ++i)
+    if (!table_.released(i))
+      moved = axes_[i].move(table_.properties(i), step_, w[table_.row(i)], rate_tolerance) || moved;
   const bool turned = swings_.turn(table_, axes_, lambda, w);
-  return loads_.update(table_, axes_, system.rows(), system.jacobian(), lambda) || broke || bent || turned;
-}
-
-/// Axes that static friction held and that have broken away: their bound is that of dynamic friction now.
-bool AxisForces::break_away(std::span<const double> w, double rate_tolerance) {
-  bool any = false;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const std::optional<AxisFriction>& friction = table_.properties(i).friction;
-    if (!friction || table_.released(i) || !axes_[i].friction.break_away(w[table_.row(i)], rate_tolerance))
-      continue;
-    any = any || friction->dynamic_friction < friction->static_friction;
-  }
-  return any;
-}
-
-bool AxisForces::relinearize(std::span<const double> w, double rate_tolerance) {
-  bool any = false;
-  if (!table_.any_curved()) return false;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const AxisProperties& p = table_.properties(i);
-    if (!is_curved(p) || table_.released(i)) continue;
-    AxisLaw& axis = axes_[i];
-    any = axis.springs.relinearize(p, step_, axis.start, w[table_.row(i)], rate_tolerance) || any;
-  }
-  return any;
+  return loads_.update(table_, axes_, system.rows(), system.jacobian(), lambda) || moved || turned;
 }
 
 bool AxisForces::any_broken() const {
@@ -218,14 +169,14 @@ Gap AxisForces::beyond_limits(std::span<const double> theta) const {
 void AxisForces::finish_positions(std::span<const double> w) {
   step_.second_kick = true;
   for (std::size_t i = 0; i < axes_.size(); ++i)
-    axes_[i].springs.finish_first_kick(table_.properties(i), axes_[i].start, w[table_.row(i)]);
+    axes_[i].finish_first_kick(table_.properties(i), w[table_.row(i)]);
 }
 
 void AxisForces::finish_velocities(std::span<const double> theta, std::span<const double> w, double time) {
   const std::span<AxisReport> reports = work_.reports();
   impacts_.finish(table_, axes_, w, time, reports);
   for (std::size_t i = 0; i < axes_.size(); ++i)
-    reports[i].stuck = axes_[i].friction.finish(theta[table_.row(i)], w[table_.row(i)]);
+    axes_[i].finish(reports[i], theta[table_.row(i)], w[table_.row(i)]);
 }
 
 void AxisForces::clear_reports() {

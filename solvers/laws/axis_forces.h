@@ -143,8 +143,6 @@ class AxisForces {
  private:
   template <typename Set>
   void set_laws(std::span<RowLaw> laws, Set set);
-  bool break_away(std::span<const double> w, double rate_tolerance);
-  bool relinearize(std::span<const double> w, double rate_tolerance);
 
   AxisTable table_;
   AxisSwings swings_;

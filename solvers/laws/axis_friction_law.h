@@ -5,21 +5,18 @@
 #include <optional>
 
 #include "core/state/axis.h"
-#include "solvers/laws/axis_step.h"
+#include "solvers/laws/axis_part_law.h"
 
 namespace taut {
 
-/// Coulomb's friction of one axis, |λ| ≤ `bound` against w − `at`, and its memory: what sticks is held where
-/// it began to, within the static bound.  Viscous friction is a damper (axis_spring_law.h).
-/// (solvers/laws, "Axes")
-struct AxisFrictionLaw {
+/// Coulomb's friction of one axis, and its memory: what sticks is held where it began to, within the static
+/// bound.  Viscous friction is a damper (axis_spring_law.h). (solvers/laws, "Axes")
+struct AxisFrictionLaw : AxisBoxLaw<&AxisImpulse::friction> {
   double anchor = 0;       ///< θ where it is held [rad or m]
   bool stuck = false;      ///< held at the end of the last step
   bool broken = false;     ///< … but not in this one
   double load = 0;         ///< impulse of the joint's force in this stage [N·s]
   double load_change = 0;  ///< by the last solve, 0: not yet known
-  double at = 0;           ///< rate that it holds in this stage [rad/s or m/s]
-  double bound = 0;        ///< impulse in this stage; 0: none [N·m·s or N·s]
 
   bool held() const { return stuck && !broken; }
   /// In this step, or because there is no friction any more.
@@ -27,11 +24,11 @@ struct AxisFrictionLaw {
     return broken || (stuck && !friction);
   }
   /// A new start: an axis at rest is held at θ.
-  void start(double theta, double rate) {
+  void restart(double theta, double rate) {
     stuck = std::abs(rate) <= kRest;
     anchor = theta;
   }
-  void begin() {
+  void begin(const AxisProperties&, const AxisStep&, const AxisStart&) {
     broken = false;
     load_change = 0;
   }
@@ -41,6 +38,44 @@ struct AxisFrictionLaw {
     stuck = old.stuck;
     load = old.load;
   }
+  bool set_position(const AxisStage& stage) {
+    bound = 0;
+    if (!stage.p.friction) return true;
+    set_bound(*stage.p.friction, 0.5 * stage.step.h);
+    hold_anchor(stage.start.theta, stage.step.h, stage.slack);
+    return true;
+  }
+  bool set_velocity(const AxisStage& stage) {
+    if (stage.p.friction) set_bound(*stage.p.friction, 0.5 * stage.step.h);
+    at = 0;
+    return true;
+  }
+  bool set_single_kick(const AxisStage& stage) {
+    bound = at = 0;
+    if (stage.p.friction) set_bound(*stage.p.friction, stage.step.h);
+    return true;
+  }
+  /// What was held slips in this solution of a stage: it does not hold any more in this step, and its bound
+  /// is that of dynamic friction now.
+  bool move(const AxisProperties& p, const AxisStep&, const AxisStart&, double w, double rate_tolerance) {
+    if (!p.friction || !held() || on_step(w, at) || std::abs(w - at) <= rate_tolerance) return false;
+    broken = true;
+    return p.friction->dynamic_friction < p.friction->static_friction;
+  }
+  /// What is held slips in this step.
+  void let_go() { broken = stuck; }
+  void finish(AxisReport& report, double theta, double rate) {
+    const bool holds = bound > 0 && on_step(rate, 0);
+    if (holds && (!stuck || broken)) anchor = theta;
+    report.stuck = stuck = holds;
+    broken = false;
+  }
+  template <typename AnyArchive>
+  void transfer(AnyArchive& archive) {
+    archive(anchor, stuck, broken, load, load_change, at, bound);
+  }
+
+ private:
   /// For a kick of length `time`.
   void set_bound(const AxisFriction& friction, double time) {
     bound = time * (held() ? friction.static_friction : friction.dynamic_friction) + friction.per_load * load;
@@ -50,24 +85,7 @@ struct AxisFrictionLaw {
     const double off = anchor - theta0;
     at = held() ? (off - std::clamp(off, -slack, slack)) / h : 0;
   }
-  /// True if what was held slips in this solution of a stage: it does not hold any more in this step.
-  bool break_away(double w, double rate_tolerance) {
-    if (!held() || on_step(w, at) || std::abs(w - at) <= rate_tolerance) return false;
-    broken = true;
-    return true;
-  }
-  /// What is held slips in this step.
-  void let_go() { broken = stuck; }
-  /// With θ and its rate at the end of the step; true if it is held from here on.
-  bool finish(double theta, double rate) {
-    const bool holds = bound > 0 && on_step(rate, 0);
-    if (holds && (!stuck || broken)) anchor = theta;
-    stuck = holds;
-    broken = false;
-    return holds;
-  }
 
- private:
   /// An axis slower than this is at rest at the start [m/s or rad/s].
   static constexpr double kRest = 1e-12;
 };

@@ -4,38 +4,94 @@
 #include <cmath>
 
 namespace taut {
+namespace {
 
-RowLaw AxisLaw::sum(const AxisProperties& p) {
-  RowLaw law = RowLaw::viscous(springs.slope());
-  law.level[0] = springs.level();
-  if (friction.bound > 0) law = law + RowLaw::box(-friction.bound, friction.bound, friction.at);
-  if (motor.bound > 0) {
-    // A motor of any force stops at a limit.
-    if (std::isinf(motor.bound)) motor.at = std::clamp(motor.at, limits.lower_at, limits.upper_at);
-    law = law + RowLaw::box(-motor.bound, motor.bound, motor.at);
-  }
-  return p.limits && !has_soft_limit(p) ? limits.add_to(law, *p.limits) : law;
+/// The last parts first.
+void share_beside(AxisImpulse&, double&, double) {}
+template <typename Part, typename... Others>
+void share_beside(AxisImpulse& impulse, double& rest, double w, const Part& part, const Others&... others) {
+  share_beside(impulse, rest, w, others...);
+  part.share_beside(impulse, rest, w);
 }
 
-/// Springs, dampers and levels are known from w; on a step of the law the rest goes to friction as far as it
-/// reaches, then to the motor, then to the limit.
+}  // namespace
+
+void AxisLaw::restart(double theta, double rate) {
+  *this = {};
+  with_parts(*this, [&](auto&... part) { (part.restart(theta, rate), ...); });
+}
+
+void AxisLaw::begin(const AxisProperties& p, const AxisStep& step) {
+  with_parts(*this, [&](auto&... part) { (part.begin(p, step, start), ...); });
+}
+
+void AxisLaw::inherit(const AxisLaw& old) {
+  with_parts(old, [&](const auto&... theirs) {
+    with_parts(*this, [&](auto&... part) { (part.inherit(theirs), ...); });
+  });
+}
+
+bool AxisLaw::set_position(const AxisStage& stage) {
+  bool finite = true;
+  with_parts(*this, [&](auto&... part) { ((finite = part.set_position(stage) && finite), ...); });
+  return finite;
+}
+
+bool AxisLaw::set_velocity(const AxisStage& stage) {
+  bool finite = true;
+  with_parts(*this, [&](auto&... part) { ((finite = part.set_velocity(stage) && finite), ...); });
+  return finite;
+}
+
+bool AxisLaw::set_single_kick(const AxisStage& stage) {
+  bool finite = true;
+  with_parts(*this, [&](auto&... part) { ((finite = part.set_single_kick(stage) && finite), ...); });
+  return finite;
+}
+
+void AxisLaw::release() {
+  with_parts(*this, [&](auto&... part) { (part.release(), ...); });
+}
+
+bool AxisLaw::move(const AxisProperties& p, const AxisStep& step, double w, double rate_tolerance) {
+  bool moved = false;
+  with_parts(*this,
+             [&](auto&... part) { ((moved = part.move(p, step, start, w, rate_tolerance) || moved), ...); });
+  return moved;
+}
+
+void AxisLaw::finish_first_kick(const AxisProperties& p, double w) {
+  with_parts(*this, [&](auto&... part) { (part.finish_first_kick(p, start, w), ...); });
+}
+
+void AxisLaw::finish(AxisReport& report, double theta, double rate) {
+  with_parts(*this, [&](auto&... part) { (part.finish(report, theta, rate), ...); });
+}
+
+void AxisLaw::report(AxisReport& report, const AxisProperties& p, double w) const {
+  report.saturated = report.at_limit = false;
+  with_parts(*this, [&](const auto&... part) { (part.report(report, p, w), ...); });
+}
+
+RowLaw AxisLaw::sum(const AxisProperties& p) {
+  // A motor of any force stops at a limit.
+  if (motor.bound > 0 && std::isinf(motor.bound))
+    motor.at = std::clamp(motor.at, limits.lower_at, limits.upper_at);
+  RowLaw law;
+  with_parts(*this, [&](const auto&... part) { (part.add_to(law, p), ...); });
+  return law;
+}
+
+/// Lines and what is beside a step are known from w; on a step of the law the rest goes to friction as far as
+/// it reaches, then to the motor, then to the limit.
 AxisImpulse AxisLaw::share(double lambda, double w) const {
   AxisImpulse impulse;
-  impulse.elastic_limit = springs.limit.at(w);
-  impulse.spring = springs.spring.at(w);
-  impulse.damping = springs.damper.at(w);
-  double rest = lambda - impulse.spring - impulse.damping - impulse.elastic_limit;
-  const auto take = [&](double at, double bound) {
-    const double given = on_step(w, at) ? std::clamp(rest, -bound, bound) : w < at ? bound : -bound;
-    return bound > 0 ? given : 0;
-  };
-  // What is known for certain first.
-  const bool on_limit = limits.holds(w), on_motor = on_step(w, motor.at);
-  if (!on_limit) rest -= impulse.limit = limits.upper_back - limits.lower_back;
-  if (!on_motor) rest -= impulse.motor = take(motor.at, motor.bound);
-  rest -= impulse.friction = take(friction.at, friction.bound);
-  if (on_motor) rest -= impulse.motor = take(motor.at, motor.bound);
-  if (on_limit) impulse.limit = rest;
+  double rest = lambda;
+  with_parts(*this, [&](const auto&... part) {
+    (part.share_lines(impulse, rest, w), ...);
+    taut::share_beside(impulse, rest, w, part...);
+    (part.share_on_step(impulse, rest, w), ...);
+  });
   return impulse;
 }
 

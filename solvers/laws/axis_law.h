@@ -5,6 +5,7 @@
 #include "solvers/laws/axis_friction_law.h"
 #include "solvers/laws/axis_limit_law.h"
 #include "solvers/laws/axis_motor_law.h"
+#include "solvers/laws/axis_part_law.h"
 #include "solvers/laws/axis_spring_law.h"
 #include "solvers/laws/axis_step.h"
 #include "solvers/laws/row_law.h"
@@ -12,19 +13,45 @@
 namespace taut {
 
 /// All that acts along one axis in a stage, as the sum of the laws of its parts, and what they remember.
-/// (solvers/laws, "Axes")
+/// What each function asks of the parts: AxisPartLaw.  (solvers/laws, "Axes")
 struct AxisLaw {
   bool known = true;  ///< no body was moved
   AxisStart start;
-  AxisFrictionLaw friction;
   AxisSpringLaw springs;
+  AxisFrictionLaw friction;
   AxisMotorLaw motor;
   AxisLimitLaw limits;
+
+  /// use(part, …) with all parts, in the order of their sum.
+  template <typename Self, typename Use>
+  static auto with_parts(Self& self, Use use) {
+    return use(self.springs, self.friction, self.motor, self.limits);
+  }
+
+  /// A new start: nothing is known but θ and its rate.
+  void restart(double theta, double rate);
+  void begin(const AxisProperties& p, const AxisStep& step);
+  void inherit(const AxisLaw& old);
+  bool set_position(const AxisStage& stage);
+  bool set_velocity(const AxisStage& stage);
+  bool set_single_kick(const AxisStage& stage);
+  void release();
+  /// Some part has followed a solution w of a stage, which must be solved again.
+  bool move(const AxisProperties& p, const AxisStep& step, double w, double rate_tolerance);
+  void finish_first_kick(const AxisProperties& p, double w);
+  void finish(AxisReport& report, double theta, double rate);
+  void report(AxisReport& report, const AxisProperties& p, double w) const;
 
   /// The sum of the steps and slopes.
   RowLaw sum(const AxisProperties& p);
   /// How an impulse λ at the rate w is made up.
   AxisImpulse share(double lambda, double w) const;
+
+  template <typename AnyArchive>
+  void transfer(AnyArchive& archive) {
+    archive(known, start.theta, start.rate, start.inertia);
+    with_parts(*this, [&](auto&... part) { (part.transfer(archive), ...); });
+  }
 };
 
 }  // namespace taut

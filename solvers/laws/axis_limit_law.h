@@ -1,8 +1,7 @@
 #pragma once
 
 #include "core/state/axis.h"
-#include "solvers/laws/axis_step.h"
-#include "solvers/laws/row_law.h"
+#include "solvers/laws/axis_part_law.h"
 
 namespace taut {
 
@@ -17,34 +16,47 @@ struct AxisImpact {
   bool due() const { return stage == Stage::kDue; }
 };
 
+/// It has limits without compliance.
+bool has_rigid_limit(const AxisProperties& p);
 /// The step began away from the limit.
 bool in_flight(const AxisLimits& limits, double theta0, bool at_lower);
 
 /// Rigid limits of one axis in a stage: lower_at ≤ w ≤ upper_at, λ ≥ −lower_back from the lower limit and
 /// λ ≤ upper_back from the upper one.  (solvers/laws, "Axes")
-struct AxisLimitLaw {
+struct AxisLimitLaw : AxisPartLaw {
   double lower_at = 0, upper_at = 0;      ///< [rad/s or m/s]
   double lower_back = 0, upper_back = 0;  ///< what they gave in the first kick and may take back
 
+  /// A limit holds the axis at this rate.
+  bool holds(double w) const { return on_step(w, lower_at) || on_step(w, upper_at); }
+  /// Bounds of the mean rate; a limit whose impact is sought is left out.
+  bool set_position(const AxisStage& stage);
+  /// Bounds of the rate at θ₁ by Newton's law of impact.
+  bool set_velocity(const AxisStage& stage);
+  /// Newton's law of impact for a limit that is passed.
+  bool set_single_kick(const AxisStage& stage);
+  /// Limits are there even when far away, so that segments keep their numbers from stage to stage.
+  void add_to(RowLaw& law, const AxisProperties& p) const;
+  void share_beside(AxisImpulse& impulse, double& rest, double w) const {
+    if (!holds(w)) rest -= impulse.limit = upper_back - lower_back;
+  }
+  void share_on_step(AxisImpulse& impulse, double& rest, double w) const {
+    if (holds(w)) rest -= impulse.limit = rest;
+  }
+  void report(AxisReport& report, const AxisProperties&, double w) const {
+    report.at_limit = report.at_limit || holds(w);
+  }
+  template <typename AnyArchive>
+  void transfer(AnyArchive& archive) {
+    archive(lower_at, upper_at, lower_back, upper_back);
+  }
+
+ private:
   /// No limit is near.
   void clear() {
     lower_at = -kUnreachedRate, upper_at = kUnreachedRate;
     lower_back = upper_back = 0;
   }
-  /// A limit holds the axis at this rate.
-  bool holds(double w) const { return on_step(w, lower_at) || on_step(w, upper_at); }
-  // After clear():
-  /// Bounds of the mean rate; a limit whose impact is sought is left out.
-  void bound_position(const AxisLimits& limits, const AxisImpact& impact, double theta0, double h);
-  /// Bounds of the rate at θ₁ by Newton's law of impact.  `jolt`: some axis runs into a limit in this
-  /// sub-step; `first_kick`: the limits' impulse there.
-  void bound_velocity(const AxisLimits& limits, const AxisImpact& impact, double theta1, double rate0,
-                      bool jolt, double first_kick);
-  /// Moreau–Jean: Newton's law of impact for a limit that is passed at θ.
-  void bound_single_kick(const AxisLimits& limits, double theta, double rate0);
-  /// The law and these limits.  Limits are there even when far away, so that segments keep their numbers from
-  /// stage to stage.
-  RowLaw add_to(RowLaw law, const AxisLimits& limits) const;
 };
 
 }  // namespace taut

@@ -15,25 +15,36 @@ MotionPoint target_at(const AxisMotor& motor, double time) {
 
 bool is_unbounded(const AxisMotor& motor) { return std::isinf(motor.max_force) && !motor.force_of_speed; }
 
+/// For a kick of length `time` at this rate.
 void AxisMotorLaw::set_bound(const AxisMotor& motor, double time, double rate) {
   const double available =
       motor.force_of_speed ? motor.force_of_speed->held(std::abs(rate)) : motor.max_force;
   bound = time * std::min(available, motor.max_force);
 }
 
-bool AxisMotorLaw::aim_position(const AxisMotor& motor, const AxisStep& step, double theta0) {
-  return aim(motor, (target_at(motor, step.end_time).value - theta0) / step.h);
+bool AxisMotorLaw::set_position(const AxisStage& stage) {
+  bound = 0;
+  if (!stage.p.motor) return true;
+  const AxisMotor& motor = *stage.p.motor;
+  set_bound(motor, 0.5 * stage.step.h, stage.rate);
+  return aim(motor, (target_at(motor, stage.step.end_time).value - stage.start.theta) / stage.step.h);
 }
 
-bool AxisMotorLaw::aim_velocity(const AxisMotor& motor, const AxisStep& step, double theta1) {
-  const MotionPoint target = target_at(motor, step.end_time);
-  const double left = target.value - theta1, back = std::abs(left) <= kAxisTouch ? 0 : left / step.h;
-  return aim(motor, target.rate + back);
+bool AxisMotorLaw::set_velocity(const AxisStage& stage) {
+  if (!stage.p.motor) return true;
+  const MotionPoint target = target_at(*stage.p.motor, stage.step.end_time);
+  const double left = target.value - stage.theta,
+               back = std::abs(left) <= kAxisTouch ? 0 : left / stage.step.h;
+  return aim(*stage.p.motor, target.rate + back);
 }
 
-bool AxisMotorLaw::aim_single_kick(const AxisMotor& motor, const AxisStep& step, double theta0) {
-  const MotionPoint target = target_at(motor, step.end_time - step.h);
-  return aim(motor, target.rate + (target.value - theta0) / step.h);
+bool AxisMotorLaw::set_single_kick(const AxisStage& stage) {
+  bound = 0;
+  if (!stage.p.motor) return true;
+  const AxisMotor& motor = *stage.p.motor;
+  set_bound(motor, stage.step.h, stage.start.rate);
+  const MotionPoint target = target_at(motor, stage.step.end_time - stage.step.h);
+  return aim(motor, target.rate + (target.value - stage.start.theta) / stage.step.h);
 }
 
 /// To keep its own target rate, or this one.

@@ -95,14 +95,18 @@ void AxisSpringLaw::begin(const AxisProperties& p, const AxisStep& step, const A
   if (is_curved(p)) tangents.start(start.rate);
 }
 
-void AxisSpringLaw::set_first_kick(const AxisProperties& p, const AxisStep& step, const AxisStart& start) {
+bool AxisSpringLaw::set_position(const AxisStage& stage) {
+  const AxisProperties& p = stage.p;
+  release();
   if (p.spring) {
-    spring = spring_tangent(*p.spring, excess, step, start, tangents.rate);
-    linear_damping = 0.5 * step.h * p.spring->damping;
+    spring = spring_tangent(*p.spring, excess, stage.step, stage.start, tangents.rate);
+    linear_damping = 0.5 * stage.step.h * p.spring->damping;
   }
-  if (p.friction) linear_damping += 0.5 * step.h * p.friction->viscous;
-  if (has_soft_limit(p)) limit = limit_tangent(*p.limits, limit_excess, step, start, tangents.rate);
-  set_damper(p, step, start);
+  if (p.friction) linear_damping += 0.5 * stage.step.h * p.friction->viscous;
+  if (has_soft_limit(p))
+    limit = limit_tangent(*p.limits, limit_excess, stage.step, stage.start, tangents.rate);
+  set_damper(stage);
+  return true;
 }
 
 void AxisSpringLaw::finish_first_kick(const AxisProperties& p, const AxisStart& start, double w) {
@@ -114,30 +118,35 @@ void AxisSpringLaw::finish_first_kick(const AxisProperties& p, const AxisStart& 
   tangents.start(w);
 }
 
-void AxisSpringLaw::set_second_kick(const AxisProperties& p, const AxisStep& step, const AxisStart& start,
-                                    double theta1) {
-  beyond_limit = has_soft_limit(p) && beyond(*p.limits, theta1) != 0;
+bool AxisSpringLaw::set_velocity(const AxisStage& stage) {
+  beyond_limit = has_soft_limit(stage.p) && beyond(*stage.p.limits, stage.theta) != 0;
   limit = {limit_given, beyond_limit ? limit_excess : 0};
   spring = {spring_given, excess};
-  set_damper(p, step, start);
+  set_damper(stage);
   if (!implicit_damping) damper = {damping_given, 0};
+  return true;
 }
 
 /// Dampers of a kick of RATTLE, those without a table in linear_damping.
-void AxisSpringLaw::set_damper(const AxisProperties& p, const AxisStep& step, const AxisStart& start) {
+void AxisSpringLaw::set_damper(const AxisStage& stage) {
+  const AxisProperties& p = stage.p;
+  const AxisStep& step = stage.step;
   damper = {0, linear_damping};
   const auto add = [&](const ImpulseLine& line) {
     damper.level += line.level;
     damper.slope += line.slope;
   };
   if (p.spring && p.spring->damping_table)
-    add(damper_tangent(*p.spring->damping_table, step, start, tangents.rate));
+    add(damper_tangent(*p.spring->damping_table, step, stage.start, tangents.rate));
   if (!has_soft_limit(p)) return;
-  if (!step.second_kick) add(limit_damper_tangent(*p.limits, step, start, tangents.rate));
+  if (!step.second_kick) add(limit_damper_tangent(*p.limits, step, stage.start, tangents.rate));
   if (step.second_kick && beyond_limit) damper.slope += 0.5 * step.h * p.limits->damping;
 }
 
-void AxisSpringLaw::set_single_kick(const AxisProperties& p, const AxisStep& step, const AxisStart& start) {
+bool AxisSpringLaw::set_single_kick(const AxisStage& stage) {
+  const AxisProperties& p = stage.p;
+  const AxisStep& step = stage.step;
+  const AxisStart& start = stage.start;
   spring = limit = {};
   double damping = p.friction ? p.friction->viscous : 0;
   ImpulseLine by_table, by_limit;
@@ -154,6 +163,7 @@ void AxisSpringLaw::set_single_kick(const AxisProperties& p, const AxisStep& ste
   limit_given = limit.level;
   damper.level = -step.h * (1 - step.weight) * damping * start.rate + by_table.level + by_limit.level;
   damper.slope = step.weight * step.h * damping + by_table.slope + by_limit.slope;
+  return true;
 }
 
 /// Impulses of the curves at w are those of the tangents, to kTableTolerance or `tolerance` [N·m·s or N·s].
@@ -181,9 +191,10 @@ bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& 
 /// Newton's method for the impulses of tables and soft limits, which fall with the rate: if a solution with
 /// tangents lies to the right of where they touch, the one sought does, too, as far as the row by itself
 /// goes.
-bool AxisSpringLaw::relinearize(const AxisProperties& p, const AxisStep& step, const AxisStart& start,
-                                double w, double rate_tolerance) {
-  if (are_tangents_right(p, step, start, w, 0.1 * rate_tolerance * start.inertia)) return false;
+bool AxisSpringLaw::move(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
+                         double rate_tolerance) {
+  if (!is_curved(p) || are_tangents_right(p, step, start, w, 0.1 * rate_tolerance * start.inertia))
+    return false;
   tangents.move(w, rate_tolerance);
   return true;
 }

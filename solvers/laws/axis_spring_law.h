@@ -4,7 +4,7 @@
 
 #include "core/state/axis.h"
 #include "core/world/swing_properties.h"
-#include "solvers/laws/axis_step.h"
+#include "solvers/laws/axis_part_law.h"
 
 namespace taut {
 
@@ -41,7 +41,7 @@ struct TangentPoint {
 /// limits conserve energy however stiff they are and wherever they bend; for a linear force it is the force
 /// at mid-step.  RATTLE gives in the second kick what springs and dampers gave in the first; stiff dampers,
 /// and what springs have in excess of the midpoint rule (axis_unresolved.h), act on θ̇(q₁) there instead.
-struct AxisSpringLaw {
+struct AxisSpringLaw : AxisPartLaw {
   double excess = 0;                  ///< e, slope beyond h²k/4 of a spring that is not resolved
   double limit_excess = 0;            ///< the same of a soft limit
   ImpulseLine spring, damper, limit;  ///< of this stage
@@ -57,26 +57,46 @@ struct AxisSpringLaw {
 
   void begin(const AxisProperties& p, const AxisStep& step, const AxisStart& start);
   /// Gives nothing in the first kick.
-  void clear() {
+  void release() {
     spring = limit = {};
     linear_damping = 0;
   }
-  /// Lines of the first kick over the mean rate, after clear().
-  void set_first_kick(const AxisProperties& p, const AxisStep& step, const AxisStart& start);
+  /// Lines of the first kick over the mean rate.
+  bool set_position(const AxisStage& stage);
   /// Its end, with the mean rate.
   void finish_first_kick(const AxisProperties& p, const AxisStart& start, double w);
   /// Lines of the second kick over θ̇(q₁).
-  void set_second_kick(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double theta1);
+  bool set_velocity(const AxisStage& stage);
   /// Lines of a step of Moreau–Jean over the rate after it: springs at θ₀ + ϑ h ((1 − ϑ) θ̇₀ + ϑ w), soft
   /// limits and tables by what they do on the way, and dampers against (1 − ϑ) θ̇₀ + ϑ w.
-  void set_single_kick(const AxisProperties& p, const AxisStep& step, const AxisStart& start);
+  bool set_single_kick(const AxisStage& stage);
+  /// The sum of laws begins with these lines.
+  void add_to(RowLaw& law, const AxisProperties&) const {
+    law = RowLaw::viscous(slope());
+    law.level[0] = level();
+  }
   /// False if the tangents are right for the rate w of a solution of a stage; else they are to be taken
   /// nearer to it, and the lines set again.
-  bool relinearize(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
-                   double rate_tolerance);
+  bool move(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
+            double rate_tolerance);
+  void share_lines(AxisImpulse& impulse, double& rest, double w) const {
+    impulse.elastic_limit = limit.at(w);
+    impulse.spring = spring.at(w);
+    impulse.damping = damper.at(w);
+    rest = rest - impulse.spring - impulse.damping - impulse.elastic_limit;
+  }
+  void report(AxisReport& report, const AxisProperties&, double) const {
+    report.at_limit = report.at_limit || limit_given != 0;
+  }
+  template <typename AnyArchive>
+  void transfer(AnyArchive& archive) {
+    archive(excess, limit_excess, beyond_limit, spring_given, damping_given, limit_given, implicit_damping,
+            linear_damping, tangents.rate, tangents.lowest, tangents.highest);
+    for (ImpulseLine* line : {&spring, &damper, &limit}) archive(line->level, line->slope);
+  }
 
  private:
-  void set_damper(const AxisProperties& p, const AxisStep& step, const AxisStart& start);
+  void set_damper(const AxisStage& stage);
   bool are_tangents_right(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
                           double tolerance) const;
 };

@@ -15,14 +15,13 @@ AxisTable::AxisTable(const World& world, const Rows& rows)
 bool AxisTable::refresh() {
   if (axis_version_ == world_.axis_version()) return false;
   axis_version_ = world_.axis_version();
-  any_rigid_limit_ = any_load_ = any_curved_ = any_spring_ = false;
+  any_rigid_limit_ = any_load_ = any_spring_ = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     from_own_[i] = 0;
     if (rows_[i].axis.axis < 0) read_spring(i);
     const AxisProperties& p = properties(i);
     any_rigid_limit_ = any_rigid_limit_ || (p.limits && p.limits->compliance == 0);
     any_load_ = any_load_ || (p.friction && p.friction->per_load != 0);
-    any_curved_ = any_curved_ || is_curved(p);
     any_spring_ = any_spring_ || p.spring || has_soft_limit(p);
   }
   return true;

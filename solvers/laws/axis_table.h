@@ -55,7 +55,6 @@ class AxisTable {
   /// Whether some axis has …  @{
   bool any_rigid_limit() const { return any_rigid_limit_; }
   bool any_load() const { return any_load_; }      ///< friction that grows with the load
-  bool any_curved() const { return any_curved_; }  ///< tables or soft limits
   bool any_spring() const { return any_spring_; }  ///< anything that may be stiff
   /// @}
 
@@ -70,7 +69,7 @@ class AxisTable {
   std::vector<AxisProperties> own_;  // by row; empty if there are none
   std::vector<char> from_own_, released_, angular_;
   std::int64_t axis_version_ = -1;  // of World, when properties were read
-  bool any_rigid_limit_ = false, any_load_ = false, any_curved_ = false, any_spring_ = false;
+  bool any_rigid_limit_ = false, any_load_ = false, any_spring_ = false;
 };
 
 }  // namespace taut

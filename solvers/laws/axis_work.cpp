@@ -5,6 +5,9 @@
 namespace taut {
 namespace {
 
+/// Acts along axes that are released.
+const AxisProperties kNothing;
+
 /// Axes that are released have none.
 AxisImpulse shared_impulse(const AxisTable& table, std::span<const AxisLaw> axes, std::size_t i,
                            std::span<const double> lambda, std::span<const double> w) {
@@ -14,8 +17,7 @@ AxisImpulse shared_impulse(const AxisTable& table, std::span<const AxisLaw> axes
 
 /// Adds an impulse and its work at this mean rate.
 void add_impulse(AxisReport& report, const AxisImpulse& impulse, double rate) {
-  for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
-                    &AxisImpulse::damping, &AxisImpulse::elastic_limit}) {
+  for (const auto& [part, column, term] : kAxisParts) {
     report.force.*part += impulse.*part;
     report.work.*part += impulse.*part * rate;
   }
@@ -40,13 +42,11 @@ void AxisWork::add_kicks(const AxisTable& table, std::span<const AxisLaw> axes,
                          std::span<const double> rates) {
   for (std::size_t i = 0; i < table.size(); ++i) {
     const int row = table.row(i);
-    const AxisLaw& axis = axes[i];
     AxisReport& report = reports_[i];
     report.force += first_kick_[i].force;
     report.work += first_kick_[i].work;
     add_impulse(report, shared_impulse(table, axes, i, lambda, w), rates[row]);
-    report.saturated = table.properties(i).motor && !table.released(i) && !on_step(w[row], axis.motor.at);
-    report.at_limit = axis.limits.holds(w[row]) || axis.springs.limit_given != 0;
+    axes[i].report(report, table.released(i) ? kNothing : table.properties(i), w[row]);
   }
 }
 

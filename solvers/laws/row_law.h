@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/base/check.h"
+#include "core/state/axis.h"
 
 namespace taut {
 
@@ -20,7 +21,7 @@ namespace taut {
 /// Its segments are numbered from left to right, 0 … 2K: segment 2k is level k, segment 2k − 1 is the
 /// vertical at w_k.
 struct RowLaw {
-  static constexpr int kMaxSteps = 4;
+  static constexpr int kMaxSteps = kMostAxisJumps;  ///< no other row has more
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   int steps = 0;                              ///< K

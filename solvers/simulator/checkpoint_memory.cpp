@@ -31,7 +31,7 @@ void transfer_fields(Archive& archive, ContactReport& r) {
 }
 void transfer_fields(Archive& archive, ContactWork& w) { archive(w.normal, w.friction); }
 void transfer_fields(Archive& archive, AxisImpulse& i) {
-  archive(i.motor, i.friction, i.limit, i.spring, i.damping, i.elastic_limit);
+  for (const auto& [part, column, term] : kAxisParts) archive(i.*part);
 }
 void transfer_fields(Archive& archive, AxisReport& r) {
   archive(r.force, r.work, r.power, r.stuck, r.saturated, r.at_limit, r.impact_time);
@@ -78,18 +78,8 @@ void AxisWork::transfer(Archive& archive) {
 }
 
 void AxisForces::transfer(Archive& archive) {
-  const auto axis = [&](AxisLaw& a) {
-    archive(a.friction.anchor, a.friction.stuck, a.friction.broken, a.known, a.start.theta, a.start.rate,
-            a.start.inertia, a.springs.excess, a.springs.limit_excess, a.springs.beyond_limit,
-            a.springs.spring_given, a.springs.damping_given, a.springs.implicit_damping,
-            a.springs.linear_damping, a.springs.tangents.rate, a.springs.tangents.lowest,
-            a.springs.tangents.highest, a.springs.limit_given, a.springs.limit.level, a.springs.limit.slope,
-            a.friction.load, a.friction.load_change, a.motor.at, a.motor.bound, a.friction.at,
-            a.friction.bound, a.limits.lower_at, a.limits.upper_at, a.limits.lower_back, a.limits.upper_back,
-            a.springs.spring.level, a.springs.damper.level, a.springs.spring.slope, a.springs.damper.slope);
-  };
   const std::size_t count = axes_.size();
-  archive.each(axes_, axis);
+  archive(axes_);
   Archive::require(axes_.size() == count, "it has other axes");
   impacts_.transfer(archive);
   work_.transfer(archive);
@@ -99,7 +89,7 @@ void AxisForces::transfer(Archive& archive) {
   std::vector<AxisLaw> memory;
   for (const auto& [id, known] : resting_) resting.emplace_back(id, 0), memory.push_back(known);
   archive(resting);
-  archive.each(memory, axis);
+  archive(memory);
   Archive::require(memory.size() == resting.size());
   resting_.clear();
   for (std::size_t i = 0; i < memory.size(); ++i) {

@@ -46,18 +46,16 @@ void EnergyAccounting::close(const World& world, StepReport& report, bool by_wor
   const AxisImpulse& axes = report.works.axes;
   const double dissipative = end_.dissipative - start_.dissipative;
   ledger.stabilisation = stabilisation_;
-  ledger.motors = axes.motor;
+  double ideal = report.works.constraint - report.works.drivers;  // and of what stores energy
+  for (const auto& [part, column, term] : kAxisParts) (term ? ledger.*term : ideal) += axes.*part;
   ledger.drivers = report.works.drivers;
-  ledger.friction = axes.friction + report.works.contacts.friction;
-  ledger.limits = axes.limit;
+  ledger.friction += report.works.contacts.friction;
   ledger.contacts = report.works.contacts.normal;
-  ledger.damping = axes.damping;
   ledger.forces = report.works.dissipative + dissipative;
   ledger.breaking = -lost;
   ledger.stiffness = report.works.stiffness;
   // … to what the free flow has left there.
-  ledger.integration += (report.works.constraint - report.works.drivers) + axes.spring + axes.elastic_limit +
-                        (report.works.forces - report.works.dissipative) +
+  ledger.integration += ideal + (report.works.forces - report.works.dissipative) +
                         (end_.stored() + lost - start_.stored()) - dissipative;
 }
 

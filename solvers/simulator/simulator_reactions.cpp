@@ -36,8 +36,7 @@ AxisReport Simulator::Impl::axis_report(AxisId axis) const {
       std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.axis == axis; });
   if (found == rows.end()) return {};
   AxisReport report = stepper_.scheme().axes().reports()[found - rows.begin()];
-  for (auto part : {&AxisImpulse::motor, &AxisImpulse::friction, &AxisImpulse::limit, &AxisImpulse::spring,
-                    &AxisImpulse::damping, &AxisImpulse::elastic_limit}) {
+  for (const auto& [part, column, term] : kAxisParts) {
     report.force.*part /= report_.dt;
     report.power.*part = report.work.*part / report_.dt;
   }

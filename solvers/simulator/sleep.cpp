@@ -14,11 +14,6 @@ constexpr double kFaster = 2;
 /// … and then comes this near without touching [m].
 constexpr double kTouch = 1e-9;
 
-bool keeps_going(const AxisMotor& motor) {
-  return motor.mode == AxisMotor::Mode::kTrajectory ||
-         (motor.mode == AxisMotor::Mode::kVelocity && motor.target != 0);
-}
-
 }  // namespace
 
 /// Bodies that have been added.
@@ -76,8 +71,7 @@ void Sleep::note_restless(const World& world, const Rows& rows) {
       if (const std::optional<JointId> joint = rows.joint_of(r)) note(*joint);
   for (const Rows::AxisRow& row : rows.axis_rows()) {
     if (row.axis.axis < 0) continue;
-    const AxisProperties& properties = world.axis_properties(row.axis);
-    if (properties.motor && keeps_going(*properties.motor)) note(row.axis.joint);
+    if (world.axis_properties(row.axis).keeps_going()) note(row.axis.joint);
   }
   for (int b = 0; b < world.body_count(); ++b)
     if (world.moves({b}) && !(is_quiet(b) && is_slow(world, b))) restless_[connected_.find(b)] = true;

@@ -51,6 +51,23 @@ TEST(AxisProperties, ChangeTheTopologyOnlyWithTheFirstAndTheLast) {
   EXPECT_EQ(Rows(s.world).row_count(), 5);
 }
 
+TEST(AxisProperties, AreSetTogetherOrNotAtAll) {
+  OneHinge s;
+  AxisProperties all;
+  all.set(std::optional(AxisMotor{.target = 3}));
+  all.set(std::optional(AxisSpring{.stiffness = 2, .rest = 1}));
+  s.world.set_axis_properties(s.angle, all);
+  EXPECT_EQ(s.world.axis_properties(s.angle).motor->target, 3);
+  EXPECT_EQ(s.world.spring_energy_of(s.joint, s.world.state()), 1);
+  EXPECT_TRUE(s.world.axis_properties(s.angle).keeps_going());
+  all.set(std::optional(AxisFriction{-1.5, 0, 0}));
+  all.set(std::optional<AxisMotor>());
+  expect_invalid([&] { s.world.set_axis_properties(s.angle, all); },
+                 {"static friction of elbow angle", "-1.5"});
+  EXPECT_TRUE(s.world.axis_properties(s.angle).motor);
+  EXPECT_FALSE(s.world.axis_properties(s.angle).friction);
+}
+
 TEST(AxisProperties, RefuseWrongAxes) {
   OneHinge s;
   const JointId ball = s.world.add("wrist", Ball::at(s.world, kA, kB, Vec3::Zero()));
@@ -79,15 +96,7 @@ TEST(AxisProperties, RefuseWrongValuesAndChangeNothing) {
   s.world.set_limits(s.angle, AxisLimits{-1, 1});
   const int versions = s.world.axis_version() + s.world.topology_version();
   const auto refuses = [&](auto&& property, std::initializer_list<const char*> parts) {
-    expect_invalid(
-        [&] {
-          using Type = std::decay_t<decltype(property)>;
-          if constexpr (std::is_same_v<Type, AxisLimits>) s.world.set_limits(s.angle, property);
-          if constexpr (std::is_same_v<Type, AxisMotor>) s.world.set_motor(s.angle, property);
-          if constexpr (std::is_same_v<Type, AxisFriction>) s.world.set_friction(s.angle, property);
-          if constexpr (std::is_same_v<Type, AxisSpring>) s.world.set_spring(s.angle, property);
-        },
-        parts);
+    expect_invalid([&] { s.world.set_property(s.angle, std::optional(property)); }, parts);
     EXPECT_EQ(s.world.axis_version() + s.world.topology_version(), versions);
     EXPECT_EQ(s.world.axis_properties(s.angle).limits->upper, 1);
   };
