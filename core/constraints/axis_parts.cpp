@@ -94,6 +94,22 @@ void Screw::stiffness(const Pose& A, const Pose& B, const double* lambda, Stiffn
 
 std::string Screw::row_name(int) const { return "displacement by the thread"; }
 
+Angle Angle::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.q * a_A, X_CA.q * u_A, X_CB.q * e_B};
+}
+
+Displacement Displacement::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {PointInPlane::carried(X_CA, X_CB)};
+}
+
+Length Length::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.point(p_AP), X_CB.point(p_BQ)};
+}
+
+Screw Screw::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {displacement.carried(X_CA, X_CB), angle.carried(X_CA, X_CB), pitch};
+}
+
 }  // namespace row_parts
 
 template class detail::PartStore<row_parts::Angle>;

@@ -22,9 +22,7 @@ struct Angle {
   static constexpr double period() { return 2 * std::numbers::pi; }
   Vec3 a_A, u_A, e_B;  ///< unit vectors a and u ⟂ a in axes of A, e in axes of B
 
-  Angle carried(const Pose& X_CA, const Pose& X_CB) const {
-    return {X_CA.q * a_A, X_CA.q * u_A, X_CB.q * e_B};
-  }
+  Angle carried(const Pose& X_CA, const Pose& X_CB) const;
   /// World axes: a, e, the projection p of e, its square D and z = a·e.
   struct Directions {
     Vec3 a, u, v, e, p;  ///< p is the projection of e across a
@@ -45,9 +43,7 @@ struct Angle {
 /// Displacement of point Q of B from point P of A along direction a of A.   x = a·(p_WQ − p_WP) [m]
 /// λ a [N] is the force on B at Q; A receives −λ a at the same place.
 struct Displacement : PointInPlane {
-  Displacement carried(const Pose& X_CA, const Pose& X_CB) const {
-    return {PointInPlane::carried(X_CA, X_CB)};
-  }
+  Displacement carried(const Pose& X_CA, const Pose& X_CB) const;
   std::string row_name(int) const;
 };
 
@@ -55,7 +51,7 @@ struct Displacement : PointInPlane {
 /// λ [N] is the force on B along the line from P to Q, pushing the points apart.
 struct Length : Distance {
   Length(const Vec3& P, const Vec3& Q) : Distance{P, Q, 0} {}  ///< [m] in A, B
-  Length carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.point(p_AP), X_CB.point(p_BQ)}; }
+  Length carried(const Pose& X_CA, const Pose& X_CB) const;
   std::string row_name(int) const;
 };
 
@@ -69,9 +65,7 @@ struct Screw {
   Angle angle;                ///< θ
   double pitch;               ///< [m per turn], not 0; negative for a left-handed thread
 
-  Screw carried(const Pose& X_CA, const Pose& X_CB) const {
-    return {displacement.carried(X_CA, X_CB), angle.carried(X_CA, X_CB), pitch};
-  }
+  Screw carried(const Pose& X_CA, const Pose& X_CB) const;
   double period() const { return std::abs(pitch); }
   double k() const { return pitch / (2 * std::numbers::pi); }  ///< [m/rad]
   void residual(const Pose& A, const Pose& B, double* phi) const;

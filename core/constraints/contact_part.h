@@ -11,7 +11,7 @@ namespace row_parts {
 
 /// Right-handed frame of a contact, world axes: n from A to B.
 struct ContactFrame {
-  Vec3 n = Vec3::UnitZ(), t1 = Vec3::UnitX(), t2 = Vec3::UnitY();               ///< normal, and two tangents
+  Vec3 n{0, 0, 1}, t1{1, 0, 0}, t2{0, 1, 0};                                    ///< normal, and two tangents
   const Vec3& direction(int i) const { return i == 0 ? n : i == 1 ? t1 : t2; }  ///< n, t₁, t₂
 };
 

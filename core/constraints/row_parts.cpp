@@ -172,6 +172,43 @@ Vec3 Distance::direction(const Vec3& d) {
   return norm > 0 ? Vec3(d / norm) : Vec3(Vec3::UnitX());
 }
 
+Point Point::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.point(p_AP), X_CB.point(p_BQ)};
+}
+
+CompactPoint CompactPoint::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {Point::carried(X_CA, X_CB)};
+}
+
+void CompactPoint::arms(const Pose& A, const Pose& B, double* a, double* b) const {
+  Eigen::Map<Vec3>{a} = rotate(A.q, p_AP);
+  Eigen::Map<Vec3>{b} = rotate(B.q, p_BQ);
+}
+
+PointInPlane PointInPlane::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.point(p_AP), X_CA.q * a_A, X_CB.point(p_BQ)};
+}
+
+Perpendicular Perpendicular::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.q * a_A, X_CB.q * b_B};
+}
+
+Orientation Orientation::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.q * q_AF, X_CB.q * q_BG};
+}
+
+Distance Distance::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.point(p_AP), X_CB.point(p_BQ), length};
+}
+
+Stretch Stretch::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.point(p_AP), X_CB.point(p_BQ)};
+}
+
+bool Stretch::turned_round(const Pose& A0, const Pose& B0, const Pose& A, const Pose& B) const {
+  return (B0.point(p_BQ) - A0.point(p_AP)).dot(B.point(p_BQ) - A.point(p_AP)) < 0;
+}
+
 }  // namespace row_parts
 
 template class detail::PartStore<row_parts::Point>;

@@ -46,7 +46,7 @@ struct Point {
   static constexpr bool kAngular = false;
   Vec3 p_AP, p_BQ;  ///< from the centres of mass, body axes [m]
 
-  Point carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.point(p_AP), X_CB.point(p_BQ)}; }
+  Point carried(const Pose& X_CA, const Pose& X_CB) const;
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<3> J_A, JacobianBlock<3> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -58,11 +58,8 @@ struct Point {
 /// A Point that is alone in its joint: of J = ([a]×, −1), (−[b]×, 1) only the arms a and b are kept, from
 /// the centres to P and Q in world axes [m].
 struct CompactPoint : Point {
-  void arms(const Pose& A, const Pose& B, double* a, double* b) const {  ///< three numbers each
-    Eigen::Map<Vec3>{a} = rotate(A.q, p_AP);
-    Eigen::Map<Vec3>{b} = rotate(B.q, p_BQ);
-  }
-  CompactPoint carried(const Pose& X_CA, const Pose& X_CB) const { return {Point::carried(X_CA, X_CB)}; }
+  void arms(const Pose& A, const Pose& B, double* a, double* b) const;  ///< three numbers each
+  CompactPoint carried(const Pose& X_CA, const Pose& X_CB) const;
 };
 
 /// Point Q of B stays in the plane through P of A with normal a fixed in A.   φ = a·(p_WQ − p_WP) [m]
@@ -72,9 +69,7 @@ struct PointInPlane {
   static constexpr bool kAngular = false;
   Vec3 p_AP, a_A, p_BQ;  ///< points [m] and unit normal, body axes
 
-  PointInPlane carried(const Pose& X_CA, const Pose& X_CB) const {
-    return {X_CA.point(p_AP), X_CA.q * a_A, X_CB.point(p_BQ)};
-  }
+  PointInPlane carried(const Pose& X_CA, const Pose& X_CB) const;
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -90,7 +85,7 @@ struct Perpendicular {
   static constexpr bool kAngular = true;
   Vec3 a_A, b_B;  ///< unit vectors, body axes
 
-  Perpendicular carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * a_A, X_CB.q * b_B}; }
+  Perpendicular carried(const Pose& X_CA, const Pose& X_CB) const;
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -107,7 +102,7 @@ struct Orientation {
   static constexpr bool kAngular = true;
   Quat q_AF, q_BG;  ///< frame F in A and frame G in B
 
-  Orientation carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * q_AF, X_CB.q * q_BG}; }
+  Orientation carried(const Pose& X_CA, const Pose& X_CB) const;
   /// q_FG on the hemisphere of small angles.
   Quat relative(const Pose& A, const Pose& B) const;
   void residual(const Pose& A, const Pose& B, double* phi) const;
@@ -126,9 +121,7 @@ struct Distance {
   Vec3 p_AP, p_BQ;  ///< from the centres of mass, body axes [m]
   double length;    ///< L [m]
 
-  Distance carried(const Pose& X_CA, const Pose& X_CB) const {
-    return {X_CA.point(p_AP), X_CB.point(p_BQ), length};
-  }
+  Distance carried(const Pose& X_CA, const Pose& X_CB) const;
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -149,12 +142,10 @@ struct Stretch {
   static constexpr bool kSigned = true;
   Vec3 p_AP, p_BQ;  ///< from the centres of mass, body axes [m]
 
-  Stretch carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.point(p_AP), X_CB.point(p_BQ)}; }
+  Stretch carried(const Pose& X_CA, const Pose& X_CB) const;
   void residual(const Pose& A, const Pose& B, double* phi) const { line().residual(A, B, phi); }
   /// That d has turned round since the ends were at A0 and B0.
-  bool turned_round(const Pose& A0, const Pose& B0, const Pose& A, const Pose& B) const {
-    return (B0.point(p_BQ) - A0.point(p_AP)).dot(B.point(p_BQ) - A.point(p_AP)) < 0;
-  }
+  bool turned_round(const Pose& A0, const Pose& B0, const Pose& A, const Pose& B) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
     line().jacobian(A, B, J_A, J_B);
   }

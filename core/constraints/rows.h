@@ -39,21 +39,6 @@ namespace taut {
 
 class World;
 
-/// A twist or wrench in pairs, for products with rows of a Jacobian block.
-class SixVector {
- public:
-  SixVector(const Vec3& a, const Vec3& b) : first_(a[0], a[1]), second_(a[2], b[0]), third_(b[1], b[2]) {}
-  double dot(const double* row) const {  ///< with the six numbers of a row
-    using Pair = Eigen::Map<const Eigen::Vector2d>;
-    return (first_.cwiseProduct(Pair(row)) + second_.cwiseProduct(Pair(row + 2)) +
-            third_.cwiseProduct(Pair(row + 4)))
-        .sum();
-  }
-
- private:
-  Eigen::Vector2d first_, second_, third_;
-};
-
 class Rows {  ///< The rows of a World, as the comment at the top of this file says.
  public:
   /// A contact place, by its index.
@@ -130,8 +115,10 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   int jacobian_size() const { return jacobian_size_; }              ///< number of values
   /// Number of values where each side has row_count × 6.
   int whole_size() const { return whole_size_; }
-  std::span<const JointRows> joints() const { return joints_; }  ///< springs and contacts too, in this order
-  std::span<const Side> sides() const { return sides_; }         ///< of all blocks
+  const std::vector<JointRows>& joints() const {
+    return joints_;
+  }                                                          ///< springs and contacts too, in this order
+  const std::vector<Side>& sides() const { return sides_; }  ///< of all blocks
   /// Sides of a body in the order of the joints; fixed bodies have theirs too.
   std::span<const int> sides_of(int body) const {
     return {body_sides_.data() + body_start_[body], body_sides_.data() + body_start_[body + 1]};
@@ -148,9 +135,9 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
     int begin = 0, end = 0;                  ///< bodies
     int settled_begin = 0, settled_end = 0;  ///< bodies whose last parts are in this chunk
   };
-  static constexpr int kChunkSize = 256;                         ///< bodies
-  std::span<const BodyChunk> chunks() const { return chunks_; }  ///< in the order of the bodies
-  const Row& row(int i) const { return rows_[i]; }               ///< row i
+  static constexpr int kChunkSize = 256;                            ///< bodies
+  const std::vector<BodyChunk>& chunks() const { return chunks_; }  ///< in the order of the bodies
+  const Row& row(int i) const { return rows_[i]; }                  ///< row i
   /// What row i belongs to.
   const Owner& owner(int i) const { return joints_[rows_[i].block].owner; }
   /// The joint that row i belongs to, if it is one of a joint.
@@ -177,7 +164,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   /// From now on place k is this contact.
   void set_contact(int k, const row_parts::ContactPoint& point);
   /// The rows that are not equalities, in ascending order, and what motion row i holds.  @{
-  std::span<const AxisRow> axis_rows() const { return axis_rows_; }
+  const std::vector<AxisRow>& axis_rows() const { return axis_rows_; }
   std::string row_name(int i) const { return rows_[i].store->row_name(rows_[i].item, rows_[i].row_in_part); }
   /// @}
   // Sizes of the spans below: poses, twists, wrenches and `bodies` have body_count() entries, φ, γ, λ and J V
@@ -211,61 +198,16 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   void apply(std::span<const double> jacobian, std::span<const Twist> twists, std::span<double> out) const;
   /// J V of the rows of one joint.
   void apply(const JointRows& joint, std::span<const double> jacobian, std::span<const Twist> twists,
-             std::span<double> out) const {
-    double* rates = out.data() + joint.first_row;
-    for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
-      const Twist& twist = twists[sides_[s].body];
-      const double* J = jacobian.data() + sides_[s].offset;
-      const bool first = s == joint.first_side;
-      if (sides_[s].arm != 0) {
-        const Vec3 rate = sides_[s].arm * rate_at(J, twist);
-        for (int i = 0; i < 3; ++i) rates[i] = rate[i] + (first ? 0 : rates[i]);
-        continue;
-      }
-      const SixVector V(twist.w, twist.v);
-      for (int i = 0; i < joint.row_count; ++i, J += 6) rates[i] = V.dot(J) + (first ? 0 : rates[i]);
-    }
-  }
+             std::span<double> out) const;
   /// Jᵀ λ, the wrench of all joints on each body, fixed ones too; overwrites `out`.
   void apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                        std::span<Wrench> out) const;
   /// Jᵀ λ on one body.
-  Wrench wrench_on(int body, std::span<const double> jacobian, std::span<const double> lambda) const {
-    using Six = Eigen::Matrix<double, 6, 1>;
-    Six sum = Six::Zero();
-    for (int s : sides_of(body)) {
-      const Side& side = sides_[s];
-      const double *J = jacobian.data() + side.offset, *force = lambda.data() + side.first_row;
-      if (side.arm != 0)
-        add_force_at(J, side.arm * Vec3(force[0], force[1], force[2]), sum);
-      else
-        for (int i = 0; i < side.row_count; ++i, J += 6) sum += force[i] * Eigen::Map<const Six>(J);
-    }
-    return {Vec3(sum[0], sum[1], sum[2]), Vec3(sum[3], sum[4], sum[5])};
-  }
+  Wrench wrench_on(int body, std::span<const double> jacobian, std::span<const double> lambda) const;
   /// Row i of a side's block.
-  static Eigen::Matrix<double, 6, 1> block_row(const Side& side, std::span<const double> jacobian, int i) {
-    using Six = Eigen::Matrix<double, 6, 1>;
-    const double* J = jacobian.data() + side.offset;
-    if (side.arm == 0) return Eigen::Map<const Six>(J + 6 * i);
-    Six row = Six::Zero();
-    add_force_at(J, side.arm * Vec3::Unit(i), row);
-    return row;
-  }
+  static Eigen::Matrix<double, 6, 1> block_row(const Side& side, std::span<const double> jacobian, int i);
 
  private:
-  // Of a body at arm r, in the order of the operations that a row of numbers would take.
-  static Vec3 rate_at(const double* r, const Twist& V) {
-    return {(V.w[1] * r[2] + V.v[0]) - V.w[2] * r[1], (V.w[2] * r[0] - V.w[0] * r[2]) + V.v[1],
-            V.w[0] * r[1] + (V.v[2] - V.w[1] * r[0])};
-  }
-  static void add_force_at(const double* r, const Vec3& f, Eigen::Matrix<double, 6, 1>& wrench) {
-    wrench[0] = (wrench[0] - f[1] * r[2]) + f[2] * r[1];
-    wrench[1] = (wrench[1] + f[0] * r[2]) - f[2] * r[0];
-    wrench[2] = (wrench[2] - f[0] * r[1]) + f[1] * r[0];
-    for (int i = 0; i < 3; ++i) wrench[3 + i] += f[i];
-  }
-
   friend class RowSink;
   friend class AxisSink;
   Rows() = default;

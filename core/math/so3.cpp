@@ -19,4 +19,11 @@ Vec3 across(const Vec3& v, const Vec3& axis) {
   return x;
 }
 
+Vec3 log_so3(const Quat& q) {
+  const Vec3 v = q.w() < 0 ? Vec3(-q.vec()) : Vec3(q.vec());
+  const double sine = v.norm(), cosine = std::abs(q.w());
+  if (sine < 1e-8) return 2 * v / cosine;
+  return 2 * std::atan2(sine, cosine) / sine * v;
+}
+
 }  // namespace taut

@@ -47,18 +47,14 @@ inline SincCosine sinc_cosine(double x2) {  ///< of x2 = x² ≥ 0
 
 /// Rotation by |θ| [rad] about θ: the unit quaternion (cos |θ|/2, sin(|θ|/2) θ/|θ|).
 inline Quat exp_so3(const Vec3& theta) {
-  const auto [sinc, cosine] = sinc_cosine(0.25 * theta.squaredNorm());
-  const Vec3 v = 0.5 * sinc * theta;
-  return Quat(cosine, v.x(), v.y(), v.z());
+  const double x = theta[0], y = theta[1], z = theta[2];
+  const auto [sinc, cosine] = sinc_cosine(0.25 * (x * x + y * y + z * z));
+  const double half = 0.5 * sinc;
+  return Quat(cosine, half * x, half * y, half * z);
 }
 
 /// Rotation vector of q [rad], |θ| ≤ π: the inverse of exp_so3 up to the sign of q.
-inline Vec3 log_so3(const Quat& q) {
-  const Vec3 v = q.w() < 0 ? Vec3(-q.vec()) : Vec3(q.vec());
-  const double sine = v.norm(), cosine = std::abs(q.w());
-  if (sine < 1e-8) return 2 * v / cosine;
-  return 2 * std::atan2(sine, cosine) / sine * v;
-}
+Vec3 log_so3(const Quat& q);
 
 /// Two unit vectors that complete the unit vector z to a right-handed frame (x, y, z).
 void complete_frame(const Vec3& z, Vec3& x, Vec3& y);

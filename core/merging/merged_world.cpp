@@ -207,7 +207,7 @@ void MergedWorld::rebuild(const World& source) {
   const detail::WorldVersions before = world_.versions_;
   const bool moved = seen_.state != source.versions_.state;
   world_ = source;
-  const auto masses = source.bodies_.masses();
+  const auto& masses = source.bodies_.masses();
   const auto fixed = source.bodies_.fixed();
   source_masses_.assign(masses.begin(), masses.end());
   source_fixed_.assign(fixed.begin(), fixed.end());

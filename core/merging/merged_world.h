@@ -48,7 +48,7 @@ class MergedWorld {
 
   World& world() { return world_; }
   const World& world() const { return world_; }
-  std::span<const MergedGroup> groups() const { return groups_; }
+  const std::vector<MergedGroup>& groups() const { return groups_; }
   /// Of each body of the source.
   const Carriers& carriers() const { return *carriers_; }
   bool is_carried(BodyId body) const { return carried_[body.index]; }

@@ -40,7 +40,7 @@ struct Pose {
   /// p_WP of a point fixed in the body, p_BP measured from the centre of mass.
   Vec3 point(const Vec3& p_BP) const { return p + q * p_BP; }
   /// p_BP of a world point.
-  Vec3 local(const Vec3& p_WP) const { return q.conjugate() * (p_WP - p); }
+  Vec3 local(const Vec3& p_WP) const { return q.conjugate() * Vec3(p_WP - p); }
 };
 
 /// Composition of poses, X_WB = X_WA X_AB.

@@ -32,4 +32,11 @@ void AxisTable::relocate(int joint, const Relocation& to) {
   }
 }
 
+void AxisTable::copy_properties(const AxisTable& from) { properties_ = from.properties_; }
+
+std::span<const AxisProperties> AxisTable::properties_of(JointId joint) const {
+  const int count = count_of(joint);
+  return {properties_.data() + starts_[joint.index], static_cast<std::size_t>(count)};
+}
+
 }  // namespace taut::detail

@@ -23,15 +23,12 @@ class AxisTable {
   const AxisProperties& properties(int axis) const { return properties_[axis]; }
   AxisProperties& properties(int axis) { return properties_[axis]; }
   /// Those of a joint.  @throws std::invalid_argument if there is no such one.
-  std::span<const AxisProperties> properties_of(JointId joint) const {
-    const int count = count_of(joint);
-    return {properties_.data() + starts_[joint.index], static_cast<std::size_t>(count)};
-  }
+  std::span<const AxisProperties> properties_of(JointId joint) const;
 
   /// The axes of the next joint, with the limits that they have from the start.
   void add_joint(std::vector<AxisInfo> axes);
   /// Same properties as those of a table with the same axes.
-  void copy_properties(const AxisTable& from) { properties_ = from.properties_; }
+  void copy_properties(const AxisTable& from);
   /// The axes of a joint are of the bodies that carry its own.
   void relocate(int joint, const Relocation& to);
 

@@ -2,7 +2,6 @@
 
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/state/state.h"
@@ -22,23 +21,15 @@ class BodyTable {
   int checked(BodyId id) const { return index_of(id, masses_.size(), "body"); }
 
   const NameTable& names() const { return names_; }
-  std::span<const MassProperties> masses() const { return masses_; }  ///< of all bodies
-  std::span<const char> fixed() const { return fixed_; }              ///< which never move
+  const std::vector<MassProperties>& masses() const { return masses_; }  ///< of all bodies
+  std::span<const char> fixed() const { return fixed_; }                 ///< which never move
   const MassProperties& mass(int body) const { return masses_[body]; }
   bool is_fixed(int body) const { return fixed_[body]; }
 
   /// @throws std::invalid_argument if the name is taken.
-  void add(std::string name, const MassProperties& mass, bool fixed) {
-    names_.add(std::move(name));
-    masses_.push_back(mass);
-    fixed_.push_back(fixed);
-    moving_count_ += !fixed;
-  }
+  void add(std::string name, const MassProperties& mass, bool fixed);
   void set_mass(int body, const MassProperties& mass) { masses_[body] = mass; }
-  void set_fixed(int body, bool fixed) {
-    moving_count_ += static_cast<int>(is_fixed(body)) - static_cast<int>(fixed);
-    fixed_[body] = fixed;
-  }
+  void set_fixed(int body, bool fixed);
 
  private:
   NameTable names_{"body"};

@@ -13,7 +13,7 @@ namespace taut::detail {
 /// The joints of a World that can break, in ascending order, with what they bear.
 class BreakableJoints {
  public:
-  std::span<const std::pair<JointId, BreakLimits>> all() const { return joints_; }
+  const std::vector<std::pair<JointId, BreakLimits>>& all() const { return joints_; }
   void set(JointId id, std::optional<BreakLimits> limits);  ///< nullopt: it never breaks
 
  private:

@@ -21,4 +21,8 @@ void CollisionRules::set_joints(const JointTable& joints) {
     if (joints.is_attached(j)) add_joint(joints[j]);
 }
 
+void CollisionRules::set(BodyId a, BodyId b, bool allowed) { overrides_.set(a, b, allowed); }
+
+void CollisionRules::copy_overrides(const CollisionRules& from) { overrides_ = from.overrides_; }
+
 }  // namespace taut::detail

@@ -14,8 +14,8 @@ class CollisionRules {
  public:
   bool allow(BodyId a, BodyId b) const;
   const PairTable<BodyId, bool>& overrides() const { return overrides_; }  ///< as set
-  void set(BodyId a, BodyId b, bool allowed) { overrides_.set(a, b, allowed); }
-  void copy_overrides(const CollisionRules& from) { overrides_ = from.overrides_; }
+  void set(BodyId a, BodyId b, bool allowed);
+  void copy_overrides(const CollisionRules& from);
 
   void add_joint(const Joint& joint);
   /// The joints are these now, without those that are out.

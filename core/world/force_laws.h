@@ -25,7 +25,7 @@ class ForceLaws {
   int checked(ForceId id) const;
   const std::vector<Law>& all() const { return laws_; }
   const Force& operator[](int law) const { return *laws_[law]; }
-  std::span<const ForceId> springs() const { return springs_; }  ///< those that have rows, in their order
+  const std::vector<ForceId>& springs() const { return springs_; }  ///< those that have rows, in their order
   bool depend_on_velocity(Springs springs) const { return traits(springs).velocity; }  ///< any of them
   bool are_dissipative(Springs springs) const { return traits(springs).dissipative; }  ///< any of them
 

@@ -28,4 +28,8 @@ MaterialId MaterialTable::add(std::string name, const Material& material) {
   return {count() - 1};
 }
 
+void MaterialTable::set_pair(MaterialId a, MaterialId b, const Material& material) {
+  pairs_.set(a, b, material);
+}
+
 }  // namespace taut::detail

@@ -27,7 +27,7 @@ class MaterialTable {
   /// @throws std::invalid_argument for an empty name or one that is taken, and for what check_material()
   /// refuses.
   MaterialId add(std::string name, const Material& material);
-  void set_pair(MaterialId a, MaterialId b, const Material& material) { pairs_.set(a, b, material); }
+  void set_pair(MaterialId a, MaterialId b, const Material& material);
 
  private:
   int find(std::string_view name) const;  // count() if there is none

@@ -22,4 +22,8 @@ void ShapeTable::move(int shape, BodyId body, const Pose& pose) {
   shapes_[shape].pose.q.normalize();
 }
 
+void ShapeTable::add(ShapeRecord shape) { shapes_.push_back(std::move(shape)); }
+
+void ShapeTable::set_pair(ShapeId a, ShapeId b, const Material& material) { pairs_.set(a, b, material); }
+
 }  // namespace taut::detail

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <span>
-#include <utility>
 #include <vector>
 
 #include "core/world/pair_table.h"
@@ -16,12 +14,12 @@ class ShapeTable {
   /// Index of a shape.  @throws std::invalid_argument if there is no such one.
   int checked(ShapeId id) const;
   const ShapeRecord& operator[](int shape) const { return shapes_[shape]; }
-  std::span<const ShapeRecord> all() const { return shapes_; }
+  const std::vector<ShapeRecord>& all() const { return shapes_; }
   const PairTable<ShapeId, Material>& pairs() const { return pairs_; }  ///< as set
 
-  void add(ShapeRecord shape) { shapes_.push_back(std::move(shape)); }
+  void add(ShapeRecord shape);
   void set_material(int shape, const Material& material, MaterialId named);
-  void set_pair(ShapeId a, ShapeId b, const Material& material) { pairs_.set(a, b, material); }
+  void set_pair(ShapeId a, ShapeId b, const Material& material);
   /// All materials as in a table of the same shapes.
   void copy_materials(const ShapeTable& from);
   /// A shape moves with another body now, at X_BS.

@@ -67,7 +67,7 @@ class World {
   /// @throws std::invalid_argument for a missing joint or what check_joint() refuses.
   void set_break(JointId id, std::optional<BreakLimits> limits);
   /// The joints that can break, in ascending order.
-  std::span<const std::pair<JointId, BreakLimits>> breakable() const { return breakable_.all(); }
+  std::span<const std::pair<JointId, BreakLimits>> breakable() const;
   /// Elasticity of a joint; nullopt: rigid.  Rows that become soft or rigid are a change of topology.
   /// @throws std::invalid_argument for a missing joint or what check_joint() refuses.
   void set_compliance(JointId id, std::optional<JointCompliance> compliance);
@@ -262,7 +262,7 @@ class World {
     return forces_.depend_on_velocity(springs);
   }
   /// The force laws that are springs between two bodies, in the order of their ids.
-  std::span<const ForceId> springs() const { return forces_.springs(); }
+  std::span<const ForceId> springs() const;
   /// Adds the force laws that are not conservative, which `wrenches` need not be zeroed for, and returns the
   /// potential energy that these state (of a spring with a damper, for instance) [J].
   double add_dissipative_forces(const State& state, std::span<Wrench> wrenches,

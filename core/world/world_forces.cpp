@@ -81,4 +81,6 @@ double World::spring_energy(const State& state) const {
   return energy;
 }
 
+std::span<const ForceId> World::springs() const { return forces_.springs(); }
+
 }  // namespace taut

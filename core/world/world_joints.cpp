@@ -123,4 +123,6 @@ void World::attach(JointId id) {
   ++versions_.topology;
 }
 
+std::span<const std::pair<JointId, BreakLimits>> World::breakable() const { return breakable_.all(); }
+
 }  // namespace taut

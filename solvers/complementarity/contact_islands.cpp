@@ -43,7 +43,7 @@ std::vector<SystemPart> ContactIslands::partition() {
   const auto moves = [&](int body) { return !system_.mass()[body].fixed; };
   const auto sides_of = [&](int j) {
     const Rows::JointRows& joint = rows.joints()[j];
-    return rows.sides().subspan(joint.first_side, joint.row_count > 0 ? joint.side_count : 0);
+    return std::span(rows.sides()).subspan(joint.first_side, joint.row_count > 0 ? joint.side_count : 0);
   };
   const int joints = static_cast<int>(rows.joints().size()), contacts = rows.contact_count();
   std::vector<int> first_body(joints, -1);

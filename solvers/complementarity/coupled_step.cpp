@@ -75,7 +75,7 @@ void CoupledStep::add_coupling(const Coupling& coupling, const Eigen::VectorXd& 
     const double slope = coupling.projection.coupling(k);
     if (slope == 0) continue;
     const Rows::JointRows& contact = rows.joints()[rows.contact_joint(k)];
-    const auto sides = rows.sides().subspan(contact.first_side, contact.side_count);
+    const auto sides = std::span(rows.sides()).subspan(contact.first_side, contact.side_count);
     const auto row_of = [&](const auto& side, int row) {
       return Eigen::Map<const Six>(turned + side.whole + 6 * row);
     };

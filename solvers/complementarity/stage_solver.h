@@ -65,7 +65,7 @@ class StageSolver {
   void renew_effective_masses() { model_.system.effective_masses(effective_mass_); }
   std::span<const double> effective_mass() const { return effective_mass_; }  ///< 1 / S_rr
   std::vector<RowLaw>& laws() { return laws_; }
-  std::span<const RowLaw> laws() const { return laws_; }
+  const std::vector<RowLaw>& laws() const { return laws_; }
   /// Laws of the rows of joints that have none of their own.
   void set_equalities();
   /// Tells the system which rows will have to be factored if the segments stay what they are.

@@ -60,8 +60,9 @@ void StepLimit::update(const State& state, std::span<const double> force_multipl
       system_.rows().stiffness(state, force_multipliers, stiffness, chunk);
       const int settled = chunk.settled_begin, count = chunk.settled_end - settled;
       if (leaves_out_) clear_held_bodies(settled, chunk.settled_end);
-      omega_ = std::max(omega_, fastest_transverse_frequency(system_.mass_roots().subspan(settled, count),
-                                                             stiffness.subspan(settled, count)));
+      omega_ = std::max(omega_,
+                        fastest_transverse_frequency(std::span(system_.mass_roots()).subspan(settled, count),
+                                                     stiffness.subspan(settled, count)));
     }
     if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
       step_ = settings_.max_tension_number / omega_;
@@ -75,8 +76,8 @@ BodyId StepLimit::stiffest() const {
   BodyId stiffest;
   double largest = 0;
   for (int b = 0; b < world_.body_count(); ++b) {
-    const double omega =
-        fastest_transverse_frequency(system_.mass_roots().subspan(b, 1), std::span(stiffness_).subspan(b, 1));
+    const double omega = fastest_transverse_frequency(std::span(system_.mass_roots()).subspan(b, 1),
+                                                      std::span(stiffness_).subspan(b, 1));
     if (omega > largest) largest = omega, stiffest = {b};
   }
   return stiffest;

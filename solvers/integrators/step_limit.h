@@ -36,7 +36,7 @@ class StepLimit {
   /// Bodies that friction holds to the ground were left out.
   bool leaves_out_bodies() const { return leaves_out_; }
   /// Of each body, geometric stiffness K of the loads.
-  std::span<const StiffnessBlocks> stiffness() const { return stiffness_; }
+  const std::vector<StiffnessBlocks>& stiffness() const { return stiffness_; }
   /// The body whose tension asks for the shortest step.
   BodyId stiffest() const;
 

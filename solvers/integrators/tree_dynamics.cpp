@@ -5,12 +5,48 @@
 
 #include "core/base/check.h"
 #include "core/constraints/rows.h"
+#include "solvers/system/mass_matrix.h"
 
 namespace taut {
 
-TreeDynamics::TreeDynamics(const World& world)
-    : world_(world), rows_(std::make_unique<const Rows>(world, Rows::AxisRows::kLeftOut)), mass_(world) {
-  std::vector<char> reached(world.body_count(), 0), used(rows_->joints().size(), 0);
+class TreeDynamics::Impl {
+ public:
+  explicit Impl(const World& world);
+  int freedoms(const State& state) const;
+  std::vector<Twist> recursive(const State& state) const;
+  std::vector<Twist> lagrangian(const State& state) const;
+
+ private:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Subspace = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+
+  /// A moving body and the joint to its parent; row_count 0: none, it is free.
+  struct Branch {
+    int body = 0, parent = 0;
+    int first_row = 0, row_count = 0;
+    int offset = 0, parent_offset = 0;  ///< of the two sides in the Jacobian values
+  };
+  /// (1) in one state.
+  struct Motion {
+    Matrix6 X = Matrix6::Zero();
+    Vector6 c = Vector6::Zero();
+    Subspace S = Matrix6::Identity();
+  };
+  void check_joint(int joint) const;
+  void grow(int root, std::vector<char>& reached, std::vector<char>& used);
+  std::vector<Motion> motions(const State& state) const;
+  void inertias(const State& state, std::vector<Matrix6>& inertia, std::vector<Vector6>& bias) const;
+
+  const World& world_;
+  Rows rows_;
+  MassMatrix mass_;
+  std::vector<Branch> branches_;  // parents before their children
+};
+
+TreeDynamics::Impl::Impl(const World& world)
+    : world_(world), rows_(world, Rows::AxisRows::kLeftOut), mass_(world) {
+  std::vector<char> reached(world.body_count(), 0), used(rows_.joints().size(), 0);
   for (std::size_t j = 0; j < used.size(); ++j) check_joint(static_cast<int>(j));
   for (int b = 0; b < world.body_count(); ++b) reached[b] = mass_[b].fixed;
   for (int b = 0; b < world.body_count(); ++b)
@@ -23,11 +59,9 @@ TreeDynamics::TreeDynamics(const World& world)
   }
 }
 
-TreeDynamics::~TreeDynamics() = default;
-
-void TreeDynamics::check_joint(int j) const {
+void TreeDynamics::Impl::check_joint(int j) const {
   const JointId id{j};
-  const Rows::JointRows& joint = rows_->joints()[j];
+  const Rows::JointRows& joint = rows_.joints()[j];
   if (joint.row_count == 0 && !world_.is_attached(id)) return;
   if (joint.side_count > 2) fail("joint", "must have two bodies in a tree", world_.name(id));
   if (world_.compliance(id)) fail("joint", "must not be soft in a tree", world_.name(id));
@@ -36,14 +70,14 @@ void TreeDynamics::check_joint(int j) const {
 }
 
 /// All that hangs on a body, breadth first.
-void TreeDynamics::grow(int root, std::vector<char>& reached, std::vector<char>& used) {
+void TreeDynamics::Impl::grow(int root, std::vector<char>& reached, std::vector<char>& used) {
   std::vector<int> bodies{root};
   for (std::size_t at = 0; at < bodies.size(); ++at)
-    for (int s : rows_->sides_of(bodies[at])) {
-      const Rows::Side& side = rows_->sides()[s];
-      const Rows::JointRows& joint = rows_->joints()[side.block];
+    for (int s : rows_.sides_of(bodies[at])) {
+      const Rows::Side& side = rows_.sides()[s];
+      const Rows::JointRows& joint = rows_.joints()[side.block];
       if (used[side.block] || joint.row_count == 0) continue;
-      const Rows::Side& other = rows_->sides()[s == joint.first_side ? s + 1 : joint.first_side];
+      const Rows::Side& other = rows_.sides()[s == joint.first_side ? s + 1 : joint.first_side];
       used[side.block] = 1;
       if (reached[other.body])
         fail("joint", "closes a loop, which a tree has not", world_.name(std::get<JointId>(joint.owner)));
@@ -54,12 +88,12 @@ void TreeDynamics::grow(int root, std::vector<char>& reached, std::vector<char>&
     }
 }
 
-std::vector<TreeDynamics::Motion> TreeDynamics::motions(const State& state) const {
+std::vector<TreeDynamics::Impl::Motion> TreeDynamics::Impl::motions(const State& state) const {
   using Block = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>>;
   const Configuration at(state);
-  std::vector<double> jacobian(rows_->jacobian_size()), gamma(rows_->row_count());
-  rows_->jacobian(at, jacobian);
-  rows_->bias(at, state.twists, gamma);
+  std::vector<double> jacobian(rows_.jacobian_size()), gamma(rows_.row_count());
+  rows_.jacobian(at, jacobian);
+  rows_.bias(at, state.twists, gamma);
   std::vector<Motion> motions(branches_.size());
   for (std::size_t k = 0; k < branches_.size(); ++k) {
     const Branch& branch = branches_[k];
@@ -75,15 +109,15 @@ std::vector<TreeDynamics::Motion> TreeDynamics::motions(const State& state) cons
   return motions;
 }
 
-int TreeDynamics::freedoms(const State& state) const {
+int TreeDynamics::Impl::freedoms(const State& state) const {
   int sum = 0;
   for (const Motion& motion : motions(state)) sum += static_cast<int>(motion.S.cols());
   return sum;
 }
 
 /// M and ω × Iω − f, by body.
-void TreeDynamics::inertias(const State& state, std::vector<Matrix6>& inertia,
-                            std::vector<Vector6>& bias) const {
+void TreeDynamics::Impl::inertias(const State& state, std::vector<Matrix6>& inertia,
+                                  std::vector<Vector6>& bias) const {
   const int bodies = world_.body_count();
   std::vector<Wrench> forces(bodies);
   world_.forces(state, forces);
@@ -99,7 +133,7 @@ void TreeDynamics::inertias(const State& state, std::vector<Matrix6>& inertia,
   }
 }
 
-std::vector<Twist> TreeDynamics::recursive(const State& state) const {
+std::vector<Twist> TreeDynamics::Impl::recursive(const State& state) const {
   const std::vector<Motion> motion = motions(state);
   std::vector<Matrix6> inertia;
   std::vector<Vector6> bias, a(world_.body_count(), Vector6::Zero());
@@ -130,7 +164,7 @@ std::vector<Twist> TreeDynamics::recursive(const State& state) const {
   return result;
 }
 
-std::vector<Twist> TreeDynamics::lagrangian(const State& state) const {
+std::vector<Twist> TreeDynamics::Impl::lagrangian(const State& state) const {
   const std::vector<Motion> motion = motions(state);
   std::vector<Matrix6> inertia;
   std::vector<Vector6> bias;
@@ -163,5 +197,15 @@ std::vector<Twist> TreeDynamics::lagrangian(const State& state) const {
   for (int b = 0; b < bodies; ++b) result[b] = {a.segment<3>(6 * b), a.segment<3>(6 * b + 3)};
   return result;
 }
+
+TreeDynamics::TreeDynamics(const World& world) : impl_(std::make_unique<const Impl>(world)) {}
+
+TreeDynamics::~TreeDynamics() = default;
+
+int TreeDynamics::freedoms(const State& state) const { return impl_->freedoms(state); }
+
+std::vector<Twist> TreeDynamics::recursive(const State& state) const { return impl_->recursive(state); }
+
+std::vector<Twist> TreeDynamics::lagrangian(const State& state) const { return impl_->lagrangian(state); }
 
 }  // namespace taut

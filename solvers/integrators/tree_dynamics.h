@@ -4,11 +4,8 @@
 #include <vector>
 
 #include "core/world/world.h"
-#include "solvers/system/mass_matrix.h"
 
 namespace taut {
-
-class Rows;
 
 /// Accelerations of a world whose joints form trees, in reduced coordinates: references for the multipliers,
 /// with no S and no λ in them.
@@ -36,31 +33,8 @@ class TreeDynamics {
   std::vector<Twist> lagrangian(const State& state) const;
 
  private:
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  using Subspace = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
-
-  /// A moving body and the joint to its parent; row_count 0: none, it is free.
-  struct Branch {
-    int body = 0, parent = 0;
-    int first_row = 0, row_count = 0;
-    int offset = 0, parent_offset = 0;  ///< of the two sides in the Jacobian values
-  };
-  /// (1) in one state.
-  struct Motion {
-    Matrix6 X = Matrix6::Zero();
-    Vector6 c = Vector6::Zero();
-    Subspace S = Matrix6::Identity();
-  };
-  void check_joint(int joint) const;
-  void grow(int root, std::vector<char>& reached, std::vector<char>& used);
-  std::vector<Motion> motions(const State& state) const;
-  void inertias(const State& state, std::vector<Matrix6>& inertia, std::vector<Vector6>& bias) const;
-
-  const World& world_;
-  std::unique_ptr<const Rows> rows_;
-  MassMatrix mass_;
-  std::vector<Branch> branches_;  // parents before their children
+  class Impl;
+  std::unique_ptr<const Impl> impl_;
 };
 
 }  // namespace taut

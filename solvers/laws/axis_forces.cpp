@@ -184,4 +184,9 @@ void AxisForces::clear_reports() {
   impacts_.clear();
 }
 
+bool AxisForces::only_springs() const {
+  return std::all_of(table_.rows().begin(), table_.rows().end(),
+                     [](const auto& row) { return row.spring.index >= 0; });
+}
+
 }  // namespace taut

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <map>
 #include <span>
 #include <vector>
@@ -37,10 +36,7 @@ class AxisForces {
 
   bool empty() const { return axes_.empty(); }
   /// No row but those of springs between bodies, whose forces follow from the state.
-  bool only_springs() const {
-    return std::all_of(table_.rows().begin(), table_.rows().end(),
-                       [](const auto& row) { return row.spring.index >= 0; });
-  }
+  bool only_springs() const;
   /// The present force of each such row, in place of its entry.
   void spring_forces(std::span<const double> theta, std::span<const double> rates,
                      std::span<double> lambda) const;
@@ -134,7 +130,7 @@ class AxisForces {
 
   /// Sums over the sub-steps since clear_reports(), with impulses in place of mean forces; in the order of
   /// Rows::axis_rows().
-  std::span<const AxisReport> reports() const { return work_.reports(); }
+  const std::vector<AxisReport>& reports() const { return work_.reports(); }
   void clear_reports();
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).

@@ -25,7 +25,7 @@ class AxisTable {
   AxisTable(const World& world, const Rows& rows);
 
   std::size_t size() const { return rows_.size(); }
-  std::span<const Rows::AxisRow> rows() const { return rows_; }
+  const std::vector<Rows::AxisRow>& rows() const { return rows_; }
   int row(std::size_t i) const { return rows_[i].row; }
   AxisId id(std::size_t i) const { return rows_[i].axis; }
   bool angular(std::size_t i) const { return angular_[i]; }

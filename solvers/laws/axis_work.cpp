@@ -25,6 +25,12 @@ void add_impulse(AxisReport& report, const AxisImpulse& impulse, double rate) {
 
 }  // namespace
 
+AxisWork::AxisWork(std::size_t axes) : reports_(axes), reports_before_(axes), first_kick_(axes) {}
+
+void AxisWork::begin() { reports_before_ = reports_; }
+
+void AxisWork::roll_back() { reports_ = reports_before_; }
+
 void AxisWork::clear() { std::fill(reports_.begin(), reports_.end(), AxisReport{}); }
 
 void AxisWork::clear_first_kick() { std::fill(first_kick_.begin(), first_kick_.end(), AxisReport{}); }

@@ -15,12 +15,12 @@ class Archive;
 /// place of mean forces.
 class AxisWork {
  public:
-  explicit AxisWork(std::size_t axes) : reports_(axes), reports_before_(axes), first_kick_(axes) {}
+  explicit AxisWork(std::size_t axes);
 
   void clear();
   /// A sub-step begins; roll_back() takes back what is added from then on.
-  void begin() { reports_before_ = reports_; }
-  void roll_back() { reports_ = reports_before_; }
+  void begin();
+  void roll_back();
   /// Impulses λ of the first kick, during which the axes moved with `rates` on the mean, by the laws of its
   /// rates w: added with the second.
   void record_first_kick(const AxisTable& table, std::span<const AxisLaw> axes,
@@ -33,7 +33,7 @@ class AxisWork {
   void add_kicks(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> lambda,
                  std::span<const double> w, std::span<const double> rates);
 
-  std::span<const AxisReport> reports() const { return reports_; }
+  const std::vector<AxisReport>& reports() const { return reports_; }
   std::span<AxisReport> reports() { return reports_; }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).

@@ -23,7 +23,7 @@ class Breaking {
   /// positive, or at once without the joints in overloaded().
   bool check(const ConstraintSystem& system, const State& end, std::span<const double> impulses, double h);
   double time_to_break() const { return time_to_break_; }
-  std::span<const JointId> overloaded() const { return overloaded_; }
+  const std::vector<JointId>& overloaded() const { return overloaded_; }
   /// Joints whose time has come with the end of an accepted sub-step; moves them to overloaded().
   bool due(double time);
   bool any_due() const { return !due_.empty(); }
@@ -37,7 +37,7 @@ class Breaking {
     for (int r : rows_) values[r] = 0;
   }
   bool any() const { return !rows_.empty() || !events_.empty(); }
-  std::span<const BreakEvent> events() const { return events_; }
+  const std::vector<BreakEvent>& events() const { return events_; }
   /// Loads jump: no interpolation between sub-steps across this.
   void forget_loads() { has_loads_ = false; }
 

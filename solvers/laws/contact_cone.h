@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <span>
 
@@ -12,8 +13,10 @@ using Vec2 = Eigen::Vector2d;
 
 /// The point of the disc |x| ≤ radius that is nearest to x.
 inline Vec2 into_disc(const Vec2& x, double radius) {
-  const double size = x.norm();
-  return size > radius ? Vec2(radius / size * x) : x;
+  const double size = std::sqrt(x[0] * x[0] + x[1] * x[1]);
+  if (!(size > radius)) return x;
+  const double scale = radius / size;
+  return {scale * x[0], scale * x[1]};
 }
 
 /// Where the point of the cone |x_t| ≤ μ x_n is that is nearest to one with x_n = `normal` and |x_t| =
@@ -31,14 +34,12 @@ inline NearestOnCone nearest_on_cone(double normal, double size, double mu) {
 
 /// The point of the cone |x_t| ≤ μ x_n that is nearest to x = (x_n, x_t).
 inline Vec3 into_cone(const Vec3& x, double mu) {
-  const Vec2 tangent = x.tail<2>();
-  const double size = tangent.norm();
+  const double size = std::sqrt(x[1] * x[1] + x[2] * x[2]);
   const auto [region, on] = nearest_on_cone(x[0], size, mu);
   if (region == NearestOnCone::Region::kWithin) return x;
   if (region == NearestOnCone::Region::kApex) return Vec3::Zero();
-  Vec3 nearest;
-  nearest << on, mu * on / size * tangent;
-  return nearest;
+  const double scale = mu * on / size;
+  return {on, scale * x[1], scale * x[2]};
 }
 
 /// What the impulses of a contact of a stage may be, about those that the first kick gave: with the normal
@@ -59,7 +60,7 @@ struct ContactCone {
     std::fill(y.begin(), y.end(), 0.0);
     if (!works) return;
     const auto in_disc = [&](int r, const Vec2& given, double bound) {
-      const Vec2 tau = into_disc(given + Vec2(x[r], x[r + 1]), bound);
+      const Vec2 tau = into_disc({given[0] + x[r], given[1] + x[r + 1]}, bound);
       y[r] = tau[0] - given[0];
       y[r + 1] = tau[1] - given[1];
     };

@@ -23,7 +23,7 @@ class ContactForces final : public ContactLaws {
   bool empty() const { return !wanted_ || table_.set.empty(); }
   /// Some are there: touching or near.
   bool any() const {
-    const auto places = table_.set.places();
+    const auto& places = table_.set.places();
     return wanted_ &&
            std::any_of(places.begin(), places.end(), [](const auto& place) { return place.active; });
   }

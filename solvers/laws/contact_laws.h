@@ -45,7 +45,7 @@ class ContactLaws : public ContactRows {
     friction_.take_over(lambda, w, rate_tolerance);
   }
   double residual() const { return friction_.residual(); }
-  std::span<const Turn> turns() const { return friction_.turns(); }
+  const std::vector<Turn>& turns() const { return friction_.turns(); }
   void turned(ConstraintSystem& system) { friction_.turned(system); }
 
   StickSearch& stick_search() { return stick_search_; }

@@ -132,4 +132,9 @@ double relative_contact_residual(const ContactRows& contacts, int k, std::span<c
   return largest;
 }
 
+double DiscState::residual(double bound) const {
+  const Vec2 slipped = tau - slip / (root * root + softness);
+  return root * (tau - into_disc(slipped, bound)).norm();
+}
+
 }  // namespace taut

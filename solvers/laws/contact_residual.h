@@ -14,10 +14,7 @@ struct DiscState {
   double root = 1, softness = 0;                 ///< √S of its rows, the larger one, and compliance
 
   /// Distance of τ from Coulomb's answer to it and the slip, P(τ − u/S) [√J].
-  double residual(double bound) const {
-    const Vec2 slipped = tau - slip / (root * root + softness);
-    return root * (tau - into_disc(slipped, bound)).norm();
-  }
+  double residual(double bound) const;
 };
 DiscState sliding_state(const ContactRows& contacts, int k, std::span<const double> lambda,
                         std::span<const double> w);

@@ -35,9 +35,9 @@ class ContactSet {
 
   /// No two shapes of the world can touch.
   bool empty() const { return empty_; }
-  std::span<const Place> places() const { return places_; }
+  const std::vector<Place>& places() const { return places_; }
   /// Contacts of bodies that sleep, as they were.
-  std::span<const Place> resting() const { return resting_; }
+  const std::vector<Place>& resting() const { return resting_; }
   std::vector<Rows::ContactPlace> rows() const;
 
   /// Contacts at a state, and those that could come about within `horizon` [s] (contact_finder.h), put into

@@ -40,7 +40,7 @@ class FrictionLinearization {
     int place;
     double cos, sin;
   };
-  std::span<const Turn> turns() const { return turns_; }
+  const std::vector<Turn>& turns() const { return turns_; }
   /// The turns have been made in everything that has a row: now in J and in the discs.
   void turned(ConstraintSystem& system);
 

@@ -56,7 +56,7 @@ class MultifrontalFactor final : public Factor {
     int map_begin = 0, map_pivot_end = 0, map_end = 0;  ///< runs contribution → parent's front rows
     int column_begin = 0, column_end = 0;               ///< in columns_
   };
-  std::span<const Front> fronts() const { return fronts_; }
+  const std::vector<Front>& fronts() const { return fronts_; }
 
  private:
   // A block column of A and its runs: `width` scalar columns, `length` numbers each, from `place` on.

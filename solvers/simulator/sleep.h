@@ -31,7 +31,7 @@ class Sleep {
   /// keeps going, become candidates() in place of those before.
   void choose_candidates(const World& world, const Rows& rows, std::span<const ContactSet::Place> places);
   void forget_candidates() { candidates_.clear(), candidate_twists_.clear(); }
-  std::span<const BodyId> candidates() const { return candidates_; }
+  const std::vector<BodyId>& candidates() const { return candidates_; }
   /// The candidates stay where they are from now on.
   void put_to_sleep(World& world);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constraints/six_vector.h"
 #include "solvers/system/delassus_matrix.h"
 
 namespace taut {
@@ -54,7 +55,8 @@ void LinearizedRows::take_values(LinearizedRows& whole, const SystemPart& part) 
   auto to = rows_.sides().begin();
   for (int j : part.joints) {
     const Rows::JointRows& joint = whole.rows_.joints()[j];
-    for (const Rows::Side& from : whole.rows_.sides().subspan(joint.first_side, joint.side_count)) {
+    for (const Rows::Side& from :
+         std::span(whole.rows_.sides()).subspan(joint.first_side, joint.side_count)) {
       std::copy_n(whole.jacobian_.begin() + from.offset, from.value_count(), jacobian_.begin() + to->offset);
       std::copy_n(W.begin() + from.whole, 6 * from.row_count, weighted_.begin() + to->whole);
       ++to;

@@ -60,12 +60,12 @@ class LinearizedRows {
   }
   /// The roots of M⁻¹ at these poses …
   void set_mass(std::span<const Pose> poses);
-  std::span<const InverseMassRoot> mass_roots() const { return roots_; }
+  const std::vector<InverseMassRoot>& mass_roots() const { return roots_; }
   const InverseMassRoot& inverse_mass(int body) const { return roots_[body]; }
   /// … and until the next set_mass(), others for S in their place, one a body, for the caller to fill.
   std::span<FullMassRoot> use_full_roots();
   /// Those others; empty: not in use.
-  std::span<const FullMassRoot> full_roots() const { return full_roots_; }
+  const std::vector<FullMassRoot>& full_roots() const { return full_roots_; }
 
   /// W = J A.
   std::span<const double> weighted() {

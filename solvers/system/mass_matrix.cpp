@@ -41,4 +41,19 @@ MassMatrix::MassMatrix(const MassMatrix& whole, std::span<const int> bodies) {
   }
 }
 
+Vec3 MassMatrix::angular_velocity(int body, const Pose& pose, const Vec3& L) const {
+  const Mat3 R = principal_axes(body, pose);
+  return R * bodies_[body].inverse_moments.cwiseProduct(R.transpose() * L);
+}
+
+Vec3 MassMatrix::angular_momentum(int body, const Pose& pose, const Vec3& w) const {
+  const Mat3 R = principal_axes(body, pose);
+  return R * inertias_[body].moments.cwiseProduct(R.transpose() * w);
+}
+
+Wrench MassMatrix::momentum(int body, const Pose& pose, const Twist& V) const {
+  if (bodies_[body].fixed) return {};
+  return {angular_momentum(body, pose, V.w), inertias_[body].mass * V.v};
+}
+
 }  // namespace taut

@@ -41,20 +41,11 @@ class MassMatrix {
                                    : (pose.q * inertias_[body].q_BP).toRotationMatrix();
   }
   /// ω = I_W⁻¹ L.
-  Vec3 angular_velocity(int body, const Pose& pose, const Vec3& L) const {
-    const Mat3 R = principal_axes(body, pose);
-    return R * bodies_[body].inverse_moments.cwiseProduct(R.transpose() * L);
-  }
+  Vec3 angular_velocity(int body, const Pose& pose, const Vec3& L) const;
   /// L = I_W ω.
-  Vec3 angular_momentum(int body, const Pose& pose, const Vec3& w) const {
-    const Mat3 R = principal_axes(body, pose);
-    return R * inertias_[body].moments.cwiseProduct(R.transpose() * w);
-  }
+  Vec3 angular_momentum(int body, const Pose& pose, const Vec3& w) const;
   /// (I_W ω, m v); zero for fixed bodies.
-  Wrench momentum(int body, const Pose& pose, const Twist& V) const {
-    if (bodies_[body].fixed) return {};
-    return {angular_momentum(body, pose, V.w), inertias_[body].mass * V.v};
-  }
+  Wrench momentum(int body, const Pose& pose, const Twist& V) const;
 
  private:
   std::vector<Body> bodies_;
