@@ -69,12 +69,10 @@ struct ActiveSetOutcome {
   int least_index_rounds = 0;  ///< of the rounds, those that moved one row only (Murty)
   int descent_rounds = 0;      ///< of the fall-back, 0 if pivoting found the solution
   int factorizations = 0;
-  /// max_r √S_rr |λ_r − λ*_r| / scale, where λ*_r is what row r by itself would answer to the others, and
-  /// scale the largest of √S_rr |λ_r|, |b_r| / √S_rr and |w_k| / √S_rr [√J]: 0 exactly at a solution.
-  /// Rows whose rate is off by no more than ActiveSetSettings::rate_tolerance do not count.
+  /// The largest natural residual over the largest of √S_rr |λ_r|, |b_r| / √S_rr and |w_k| / √S_rr [√J].  Rows
+  /// whose rate is off by no more than ActiveSetSettings::rate_tolerance do not count.
   double residual = 0;
-  int worst_row = -1;           ///< the row with that residual
-  double natural_residual = 0;  ///< the same with all rows
+  int worst_row = -1;  ///< the row with that residual
 
   bool ok() const { return status == ActiveSetStatus::kSolved; }
 };

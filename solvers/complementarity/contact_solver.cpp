@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "solvers/common/max_abs.h"
+#include "solvers/laws/natural_residual.h"
 
 namespace taut {
 
@@ -25,7 +26,8 @@ double ContactSolver::distance(const StageProblem& problem, double rate_toleranc
   }
   if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
-    error = std::max(error, laws[r].natural_residual(1 / inertia[r], lambda[r], w[r], rate_tolerance));
+    error =
+        std::max(error, natural_residual(laws[r], 1 / inertia[r], lambda[r], w[r]).beyond(rate_tolerance));
   }
   error = std::max(error, contact_residual(contacts_, lambda, w, rate_tolerance));
   return error == 0 ? 0 : error / scale;

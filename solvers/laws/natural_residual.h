@@ -1,0 +1,36 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/laws/row_law.h"
+
+namespace taut {
+
+/// How far an impulse is from its law, the one measure of that: the distance to what the law by itself
+/// answers to it and its rate, λ* = prox_S(λ − w/S) with S = S_rr.  0 where the law is met, and nowhere else.
+///                                                           (solvers/complementarity, "Natural residual")
+struct NaturalResidual {
+  double size = 0;  ///< √S |λ − λ*| [√J]
+  double rate = 0;  ///< S |λ − λ*|, by how much the rate is off [m/s or rad/s]
+
+  NaturalResidual() = default;
+  /// Of an impulse that is `off` = λ − λ* from the answer, with s = S_rr.
+  NaturalResidual(double s, double off) : size(std::sqrt(s) * std::abs(off)), rate(s * std::abs(off)) {}
+
+  /// The size, 0 where the rate is right to the tolerance.
+  double beyond(double rate_tolerance) const { return rate <= rate_tolerance ? 0 : size; }
+};
+
+/// Of a row at λ and w.
+inline NaturalResidual natural_residual(const RowLaw& law, double s, double lambda, double w) {
+  return {s, lambda - law.project(s, lambda, w)};
+}
+
+/// What residuals are compared with: the size of an impulse, and of that which would stop the rate b [√J].
+inline double impulse_scale(double s, double lambda, double b) {
+  const double root = std::sqrt(s);
+  return std::max(root * std::abs(lambda), std::abs(b) / root);
+}
+
+}  // namespace taut
