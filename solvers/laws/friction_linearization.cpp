@@ -49,21 +49,20 @@ double FrictionLinearization::renew(int k, std::span<const double> lambda, std::
   ContactTable::Point& point = contacts_.point(k);
   const Material& material = contacts_.place(k).material;
   const double normal = contacts_.pressure(k, lambda);
-  double residual = renew_disc(k, point.sliding, sliding_state(contacts_, k, lambda, w),
-                               contacts_.friction_bound(k, normal), contacts_.sticks(k), rate_tolerance);
-  if (!contacts_.has_twist(k)) return residual;
-  residual = std::max(residual, spinning_residual(contacts_, k, lambda, w));
+  const double sliding = renew_disc(k, point.sliding, sliding_state(contacts_, k, lambda, w),
+                                    contacts_.friction_bound(k, normal), contacts_.sticks(k), rate_tolerance);
+  if (!contacts_.has_twist(k)) return sliding;
+  const double spinning = natural_residual(contacts_, k, lambda, w).spinning.size;
   point.spin_bound = material.spinning_friction * normal;
-  return std::max(residual, renew_disc(k, point.rolling, rolling_state(contacts_, k, lambda, w),
-                                       material.rolling_friction * normal, false, rate_tolerance));
+  const double rolling = renew_disc(k, point.rolling, rolling_state(contacts_, k, lambda, w),
+                                    material.rolling_friction * normal, false, rate_tolerance);
+  return std::max({sliding, spinning, rolling});
 }
 
 /// `stuck`: it is that of a contact that sticks.
 double FrictionLinearization::renew_disc(int k, ContactTable::Disc& disc, const DiscState& state,
                                          double bound, bool stuck, double rate_tolerance) {
-  const double root = state.root;
-  double residual = state.residual(bound);
-  if ((root + state.softness / root) * residual <= rate_tolerance) residual = 0;
+  const double root = std::sqrt(state.s), residual = state.residual(bound).beyond(rate_tolerance);
   disc.bound = bound;
   const double speed = state.slip.norm();
   const bool rests = speed <= std::max(rate_tolerance, (stuck ? kStill : kTolerance) * scale_ * root);

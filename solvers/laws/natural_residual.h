@@ -12,11 +12,12 @@ namespace taut {
 ///                                                           (solvers/complementarity, "Natural residual")
 struct NaturalResidual {
   double size = 0;  ///< √S |λ − λ*| [√J]
-  double rate = 0;  ///< S |λ − λ*|, by how much the rate is off [m/s or rad/s]
+  double rate = 0;  ///< (S + c) |λ − λ*|, by how much the rate is off [m/s or rad/s]
 
   NaturalResidual() = default;
-  /// Of an impulse that is `off` = λ − λ* from the answer, with s = S_rr.
-  NaturalResidual(double s, double off) : size(std::sqrt(s) * std::abs(off)), rate(s * std::abs(off)) {}
+  /// Of impulses that are `off` = |λ − λ*| from the answer, with s = S_rr and the compliance c of their law.
+  NaturalResidual(double s, double off, double compliance = 0)
+      : size(std::sqrt(s) * std::abs(off)), rate((s + compliance) * std::abs(off)) {}
 
   /// The size, 0 where the rate is right to the tolerance.
   double beyond(double rate_tolerance) const { return rate <= rate_tolerance ? 0 : size; }
