@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "solvers/common/max_abs.h"
-#include "solvers/laws/natural_residual.h"
 
 namespace taut {
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/laws/natural_residual.h"
-
 namespace taut {
 
 InteriorOutcome InteriorPoint::solve(std::span<const RowLaw> laws, std::span<const double> b,

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "solvers/complementarity/contact_solver_tuning.h"
-
 namespace taut {
 namespace {
 
@@ -52,14 +50,14 @@ bool StagePrimal::solve_axes(StageAttempt& attempt) {
 /// What is nearly solved, on the segments of the guess or by some steps of Newton; else λ is the guess.
 bool StagePrimal::solve_near(StageAttempt& attempt) {
   const std::span<double> lambda = attempt.stage.lambda;
-  const double rate_tolerance = attempt.rate_tolerance, held = ContactSolverTuning::kHeld;
+  const double rate_tolerance = attempt.rate_tolerance;
   if (!(contact_solver_.distance(attempt.problem(), rate_tolerance) <= Tuning::kNewtonRange)) return false;
-  const double tolerance = attempt.stage.near ? Tuning::kMendedExactly : held;
+  const double tolerance = attempt.stage.near ? Tuning::kMendedExactly : kMetResidual;
   guess_.assign(lambda.begin(), lambda.end());
   if (solve_on_segments(attempt, {tolerance, rate_tolerance}) && exact(attempt)) return true;
   std::copy(guess_.begin(), guess_.end(), lambda.begin());
   const NewtonLimits few{.tolerance = tolerance,
-                         .most = held,
+                         .most = kMetResidual,
                          .rate_tolerance = rate_tolerance,
                          .iterations = Tuning::kFewSteps};
   if (solve_by_newton(attempt, few) && exact(attempt)) return true;
@@ -73,7 +71,7 @@ bool StagePrimal::solve_by_interior_point(StageAttempt& attempt) {
       interior_.solve(attempt.laws, attempt.b, attempt.stage.lambda, attempt.w, {}, attempt.report.times);
   attempt.add(record_of(outcome));
   if (outcome.converged && exact(attempt)) return true;
-  const NewtonLimits limits{.most = ContactSolverTuning::kHeld, .rate_tolerance = attempt.rate_tolerance};
+  const NewtonLimits limits{.most = kMetResidual, .rate_tolerance = attempt.rate_tolerance};
   return solve_by_newton(attempt, limits) && exact(attempt);
 }
 

@@ -12,12 +12,12 @@ constexpr double kReturnRate = 1;
 }  // namespace
 
 bool in_flight(const AxisLimits& limits, double theta0, bool at_lower) {
-  return at_lower ? theta0 > limits.lower + kAxisTouch : theta0 < limits.upper - kAxisTouch;
+  return at_lower ? theta0 > limits.lower + kTouch : theta0 < limits.upper - kTouch;
 }
 
 void AxisLimitLaw::bound_position(const AxisLimits& limits, const AxisImpact& impact, double theta0,
                                   double h) {
-  const double fastest = std::max(kReturnRate, kAxisTouch / h);
+  const double fastest = std::max(kReturnRate, kTouch / h);
   if (!impact.sought() || !impact.at_lower)
     lower_at = std::clamp((limits.lower - theta0) / h, -kUnreachedRate, fastest);
   if (!impact.sought() || impact.at_lower)
@@ -29,8 +29,8 @@ void AxisLimitLaw::bound_velocity(const AxisLimits& limits, const AxisImpact& im
   // Newton's law of impact with the rate just before, or else that before the step.  An impact that is due
   // happens even if a gap of order h³ is left.
   const double bounce = -limits.restitution * (impact.due() ? impact.rate : rate0);
-  const bool at_lower = theta1 <= limits.lower + kAxisTouch || (impact.due() && impact.at_lower);
-  const bool at_upper = theta1 >= limits.upper - kAxisTouch || (impact.due() && !impact.at_lower);
+  const bool at_lower = theta1 <= limits.lower + kTouch || (impact.due() && impact.at_lower);
+  const bool at_upper = theta1 >= limits.upper - kTouch || (impact.due() && !impact.at_lower);
   if (at_lower) lower_at = jolt ? bounce : std::max(0.0, bounce);
   if (at_upper) upper_at = jolt ? bounce : std::min(0.0, bounce);
   // Both kicks together are the impulse that must not pull.  With Λ ≥ 0 ⊥ θ̇⁺ + e θ̇⁻ ≥ 0 and one e for all
@@ -42,7 +42,7 @@ void AxisLimitLaw::bound_velocity(const AxisLimits& limits, const AxisImpact& im
 
 void AxisLimitLaw::bound_single_kick(const AxisLimits& limits, double theta, double rate0) {
   const double bounce = -limits.restitution * rate0;
-  const bool at_lower = theta <= limits.lower + kAxisTouch, at_upper = theta >= limits.upper - kAxisTouch;
+  const bool at_lower = theta <= limits.lower + kTouch, at_upper = theta >= limits.upper - kTouch;
   if (at_lower) lower_at = bounce;
   if (at_upper) upper_at = bounce;
   if (at_lower && at_upper) lower_at = upper_at = 0;  // locked between both

@@ -27,7 +27,7 @@ bool AxisMotorLaw::aim_position(const AxisMotor& motor, const AxisStep& step, do
 
 bool AxisMotorLaw::aim_velocity(const AxisMotor& motor, const AxisStep& step, double theta1) {
   const MotionPoint target = target_at(motor, step.end_time);
-  const double left = target.value - theta1, back = std::abs(left) <= kAxisTouch ? 0 : left / step.h;
+  const double left = target.value - theta1, back = std::abs(left) <= kTouch ? 0 : left / step.h;
   return aim(motor, target.rate + back);
 }
 

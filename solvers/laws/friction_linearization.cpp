@@ -7,8 +7,6 @@
 namespace taut {
 namespace {
 
-/// Distance from Coulomb's law that is accepted, relative to the largest impulse.
-constexpr double kTolerance = 1e-9;
 /// A contact that sticks has not slipped by less than this, relative to all impulses: what may be left of the
 /// laws where they are met.
 constexpr double kStill = 1e-6;
@@ -27,7 +25,7 @@ bool FrictionLinearization::adapt(std::span<const double> lambda, std::span<cons
   for (int k = 0; k < contacts_.count(); ++k)
     if (contacts_.works(k) && scale_ != 0)
       residual_ = std::max(residual_, renew(k, lambda, w, rate_tolerance) / scale_);
-  if (residual_ > kTolerance) return true;
+  if (residual_ > kMetResidual) return true;
   mark_stretched();
   return false;
 }
@@ -65,15 +63,15 @@ double FrictionLinearization::renew_disc(int k, ContactTable::Disc& disc, const 
   const double root = std::sqrt(state.s), residual = state.residual(bound).beyond(rate_tolerance);
   disc.bound = bound;
   const double speed = state.slip.norm();
-  const bool rests = speed <= std::max(rate_tolerance, (stuck ? kStill : kTolerance) * scale_ * root);
-  if (rests && state.tau.norm() <= bound * (1 + kTolerance) + (stuck ? kStill * scale_ / root : 0)) {
+  const bool rests = speed <= std::max(rate_tolerance, (stuck ? kStill : kMetResidual) * scale_ * root);
+  if (rests && state.tau.norm() <= bound * (1 + kMetResidual) + (stuck ? kStill * scale_ / root : 0)) {
     disc.slips = false;
     return residual;
   }
   disc.slips = true;
   disc.direction = rests ? Vec2(-state.tau.normalized()) : Vec2(state.slip / speed);
   disc.weight = rests ? 0 : bound / speed;
-  if (residual > kTolerance * scale_) ask_for_turn(k, disc);
+  if (residual > kMetResidual * scale_) ask_for_turn(k, disc);
   return residual;
 }
 

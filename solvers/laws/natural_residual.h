@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "solvers/laws/row_law.h"
 
@@ -27,6 +28,15 @@ struct NaturalResidual {
 inline NaturalResidual natural_residual(const RowLaw& law, double s, double lambda, double w) {
   return {s, lambda - law.project(s, lambda, w)};
 }
+
+/// Laws are met if no residual is larger than this part of the scale of all …
+inline constexpr double kMetResidual = 1e-9;
+/// … or, where there are contacts and that is not to be had, than this: what dependent rows contradict each
+/// other by.
+inline constexpr double kMetContactResidual = 1e-8;
+
+/// Round-off of impulses, poses and twists, relative.
+inline constexpr double kRelativeRoundOff = 16 * std::numeric_limits<double>::epsilon();
 
 /// What residuals are compared with: the size of an impulse, and of that which would stop the rate b [√J].
 inline double impulse_scale(double s, double lambda, double b) {
