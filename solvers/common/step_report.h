@@ -171,9 +171,9 @@ struct SubstepReport {
   SolverCounts counts;                  ///< what the solvers did
   double tension_number = 0;            ///< largest ω h of the sub-steps taken
   double complementarity_residual = 0;  ///< largest of the active sets of the step, relative (active_set.h)
-  /// The natural map of the laws of axes and contacts at the impulses and rates that each stage ended with,
-  /// no tolerance taken off, over the size of both: at most 1e-9 on success, 1e-8 in steps with contacts
-  /// (solvers/complementarity, "Natural residual").  Joints have `gap` and `velocity_residual`.
+  /// The natural residual of the laws of axes and contacts at the impulses and rates that each stage ended
+  /// with, no tolerance taken off, over the size of both: at most 1e-9 on success, 1e-8 in steps with
+  /// contacts (solvers/complementarity, "Natural residual").  Joints have `gap` and `velocity_residual`.
   double natural_residual = 0;
   StageTimes times;  ///< where the time went
   StepWorks works;   ///< of what acted, with Settings::report_energy

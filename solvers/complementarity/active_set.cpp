@@ -228,7 +228,7 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
   double rate_slack = Tuning::kDecision * scale_, impulse_slack = rate_slack;
   if (impulses_to_decide_by(problem) && system_.singular()) {
     // Round-off in the null space is magnified by 1 / ε.
-    const double noise = Tuning::kNoise / system_.factored_shift();
+    const double noise = kRelativeRoundOff / system_.factored_shift();
     double largest = 0;
     for (std::size_t r = 0; r < states_.size(); ++r)
       largest = std::max(largest, root_[r] * std::abs(decision_[r]));
@@ -254,15 +254,12 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
 }
 
 void ActiveSet::measure(const Problem& problem, ActiveSetOutcome& outcome) {
-  outcome.residual = outcome.natural_residual = std::isfinite(scale_) ? 0 : scale_;
+  outcome.residual = std::isfinite(scale_) ? 0 : scale_;
   for (std::size_t r = 0; r < states_.size() && std::isfinite(scale_); ++r) {
-    const double own = root_[r] * root_[r], lambda = problem.lambda[r];
-    const double error = std::abs(lambda - problem.laws[r].project(own, lambda, problem.w[r]));
-    if (root_[r] * error > outcome.natural_residual * scale_)
-      outcome.natural_residual = root_[r] * error / scale_;
-    if (own * error <= problem.settings.rate_tolerance) continue;
-    if (root_[r] * error <= outcome.residual * scale_) continue;
-    outcome.residual = root_[r] * error / scale_;
+    const double off = natural_residual(problem.laws[r], root_[r] * root_[r], problem.lambda[r], problem.w[r])
+                           .beyond(problem.settings.rate_tolerance);
+    if (off <= outcome.residual * scale_) continue;
+    outcome.residual = off / scale_;
     outcome.worst_row = static_cast<int>(r);
   }
 }

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <limits>
 #include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "solvers/complementarity/projected_gauss_seidel.h"
+#include "solvers/laws/natural_residual.h"
 #include "solvers/laws/row_law.h"
 #include "solvers/system/constraint_system.h"
 #include "solvers/system/row_updates.h"
@@ -32,8 +32,6 @@ struct ActiveSetTuning {
   /// A multiplier or rate outside its segment by less than this part of the scale stays: a tenth of the
   /// default tolerance of the residual.
   static constexpr double kDecision = 1e-10;
-  /// Round-off of impulses in the null space, which is magnified by 1 / ε.
-  static constexpr double kNoise = 16 * std::numeric_limits<double>::epsilon();
   /// Free rows are refined until they are this near to their targets, as a part of the scale, or stay where
   /// they are.
   static constexpr double kRefined = 1e-12;
@@ -52,9 +50,9 @@ struct ActiveSetTuning {
 };
 
 struct ActiveSetSettings {
-  double tolerance = 1e-9;    ///< of the natural residual, see ActiveSetOutcome
-  double rate_tolerance = 0;  ///< rates that are off by less than this [m/s or rad/s] count as right
-  bool update_factor = true;  ///< a few changed rows go through RowUpdates instead of a new factor
+  double tolerance = kMetResidual;  ///< of the natural residual, see ActiveSetOutcome
+  double rate_tolerance = 0;        ///< rates that are off by less than this [m/s or rad/s] count as right
+  bool update_factor = true;        ///< a few changed rows go through RowUpdates instead of a new factor
   /// Impulses in the null space of dependent rows stay as in the guess, instead of those of least norm.
   bool keep_null_space = false;
   int max_rounds = -1;            ///< of pivoting; −1: 60, and one more for every fourth bounded row
@@ -69,12 +67,10 @@ struct ActiveSetOutcome {
   int least_index_rounds = 0;  ///< of the rounds, those that moved one row only (Murty)
   int descent_rounds = 0;      ///< of the fall-back, 0 if pivoting found the solution
   int factorizations = 0;
-  /// max_r √S_rr |λ_r − λ*_r| / scale, where λ*_r is what row r by itself would answer to the others, and
-  /// scale the largest of √S_rr |λ_r|, |b_r| / √S_rr and |w_k| / √S_rr [√J]: 0 exactly at a solution.
-  /// Rows whose rate is off by no more than ActiveSetSettings::rate_tolerance do not count.
+  /// The largest natural residual over the largest of √S_rr |λ_r|, |b_r| / √S_rr and |w_k| / √S_rr [√J]. Rows
+  /// whose rate is off by no more than ActiveSetSettings::rate_tolerance do not count.
   double residual = 0;
-  int worst_row = -1;           ///< the row with that residual
-  double natural_residual = 0;  ///< the same with all rows
+  int worst_row = -1;  ///< the row with that residual
 
   bool ok() const { return status == ActiveSetStatus::kSolved; }
 };

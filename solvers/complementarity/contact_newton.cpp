@@ -51,8 +51,7 @@ void ContactNewton::read_scales(ContactProblem& problem) {
   double scale = 0;
   for (int r = 0; r < n; ++r) {
     diagonal_[r] = diagonal_[r] > 0 ? 1 / diagonal_[r] : 1;
-    const double root = std::sqrt(diagonal_[r]);
-    scale = std::max({scale, root * std::abs(problem.lambda[r]), std::abs(problem.b[r]) / root});
+    scale = std::max(scale, impulse_scale(diagonal_[r], problem.lambda[r], problem.b[r]));
   }
   problem.diagonal = diagonal_;
   problem.target = target_;
@@ -176,16 +175,17 @@ bool ContactNewton::holds_joints(std::span<const RowLaw> laws, std::span<const d
   return open <= Tuning::kClosed * rate_tolerance;
 }
 
-/// The natural map at λ, with its w, over the size of impulses; infinite if λ is.  What is left of equalities
-/// after some rounds is what dependent ones contradict each other by.
+/// The natural residual at λ, with its w, over the size of impulses; infinite if λ is.  What is left of
+/// equalities after some rounds is what dependent ones contradict each other by.
 double ContactNewton::law_error(const ContactProblem& problem, double rate_tolerance, int rounds) const {
   if (!std::isfinite(max_abs(problem.lambda))) return std::numeric_limits<double>::infinity();
   if (problem.scale == 0) return 0;
   double error = contact_residual(problem.contacts, problem.lambda, problem.w, rate_tolerance);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
     if (rounds > Tuning::kEqualityRounds && !problem.laws[r].bounded()) continue;
-    error = std::max(error, problem.laws[r].natural_residual(problem.diagonal[r], problem.lambda[r],
-                                                             problem.w[r], rate_tolerance));
+    error = std::max(error,
+                     natural_residual(problem.laws[r], problem.diagonal[r], problem.lambda[r], problem.w[r])
+                         .beyond(rate_tolerance));
   }
   return error / problem.scale;
 }

@@ -11,6 +11,7 @@
 #include "solvers/complementarity/proximal_round.h"
 #include "solvers/complementarity/stage_problem.h"
 #include "solvers/laws/contact_laws.h"
+#include "solvers/laws/natural_residual.h"
 #include "solvers/laws/row_law.h"
 #include "solvers/system/constraint_system.h"
 
@@ -19,7 +20,7 @@ namespace taut {
 /// When the iteration ends: the residual that is sought, and what is enough if that takes long; errors of
 /// rates below `rate_tolerance` [m/s or rad/s] do not count.
 struct NewtonLimits {
-  double tolerance = 1e-9, most = 1e-8, rate_tolerance = 0;
+  double tolerance = kMetResidual, most = kMetContactResidual, rate_tolerance = 0;
   int iterations = 500;
   bool near = false;  ///< the guess is nearly right
   /// Ends where rounds no longer lower the slip of contacts that share a load: they do not hold.
@@ -30,7 +31,7 @@ struct NewtonLimits {
 struct NewtonOutcome {
   int iterations = 0;  ///< Newton steps: a factorisation and a back-solve each
   int rounds = 0;      ///< of the proximal iteration
-  /// Natural map at the end, over the size of impulses, the largest |λ| √S_rr and |b| / √S_rr [√J].
+  /// Natural residual at the end, over the size of impulses, the largest |λ| √S_rr and |b| / √S_rr [√J].
   double residual = 0;
   bool converged = false;  ///< else λ and w are those of the best round in which joints were closed, if any
 };

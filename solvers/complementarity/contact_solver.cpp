@@ -25,7 +25,8 @@ double ContactSolver::distance(const StageProblem& problem, double rate_toleranc
   }
   if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
-    error = std::max(error, laws[r].natural_residual(1 / inertia[r], lambda[r], w[r], rate_tolerance));
+    error =
+        std::max(error, natural_residual(laws[r], 1 / inertia[r], lambda[r], w[r]).beyond(rate_tolerance));
   }
   error = std::max(error, contact_residual(contacts_, lambda, w, rate_tolerance));
   return error == 0 ? 0 : error / scale;
@@ -34,7 +35,7 @@ double ContactSolver::distance(const StageProblem& problem, double rate_toleranc
 bool ContactSolver::rests(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
   if (!contacts_.rest() || !contacts_.is_clear(problem.lambda)) return false;
   system_.rates(problem.lambda, problem.b, problem.w);
-  return meets_laws(problem, Tuning::kHeld, rate_tolerance, record) ||
+  return meets_laws(problem, kMetResidual, rate_tolerance, record) ||
          rests_locked(problem, rate_tolerance, record);
 }
 
@@ -63,7 +64,7 @@ bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolera
       locked_.solve(locked_laws_, problem.b, held_, problem.w,
                     {.rate_tolerance = rate_tolerance, .softness = Tuning::kLockedSoftness}, record.times);
   record.iterations += outcome.iterations;
-  if (!meets_laws(locked, NewtonLimits().most, rate_tolerance, record)) return false;
+  if (!meets_laws(locked, kMetContactResidual, rate_tolerance, record)) return false;
   std::copy(held_.begin(), held_.end(), problem.lambda.begin());
   return true;
 }
@@ -117,7 +118,7 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
       // What holds by the normality law holds by Coulomb's where it does not slip at all.
       search.end(true);
       const double off = distance(problem, rate_tolerance);
-      if (off <= NewtonLimits().most) {
+      if (off <= kMetContactResidual) {
         record.residual = std::max(record.residual, off);
         return true;
       }
@@ -144,7 +145,7 @@ bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tol
   }
   contacts_.take_over(problem.lambda, problem.w, rate_tolerance);
   if (!(residual <= inexact) || !std::isfinite(max_abs(problem.lambda))) return false;
-  if (residual > NewtonLimits().most)
+  if (residual > kMetContactResidual)
     record.loose = residual;
   else
     record.residual = std::max(record.residual, residual);

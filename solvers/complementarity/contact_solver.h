@@ -27,8 +27,8 @@ class ContactSolver {
   /// For other rows of the system.
   void reset() { iteration_.reset(); }
 
-  /// The natural map at λ, whose rates are w, over the largest impulse; errors of rates within the tolerance
-  /// do not count.
+  /// The natural residual at λ, whose rates are w, over the largest impulse; errors of rates within the
+  /// tolerance do not count.
   double distance(const StageProblem& problem, double rate_tolerance) const;
   /// True if nothing comes together and λ meets the laws as it is, or after one linear solve in which all
   /// that presses is locked; w becomes its rates.

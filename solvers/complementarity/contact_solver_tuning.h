@@ -5,9 +5,8 @@ namespace taut {
 /// Constants of the methods for stages with contacts beside those of ContactNewtonTuning.  Without a unit:
 /// parts of the largest impulse, and counts.  (solvers/complementarity, "Ladder", "Islands")
 struct ContactSolverTuning {
-  /// Impulses of before are taken over if they are off their laws by no more than this part, and mended where
-  /// they are by no more than that.
-  static constexpr double kHeld = 1e-9, kNear = 1e-3;
+  /// Impulses of before that do not meet their laws are mended where they are off by no more than this part.
+  static constexpr double kNear = 1e-3;
   /// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
   /// more than that part of the largest.  Measured: 100 sweeps take twice the Newton steps; a sweep costs
   /// 1/25 of one, and 300 reduce a residual of 0.5 to 1e-4 (solvers/HISTORY.md, "Complementarity").

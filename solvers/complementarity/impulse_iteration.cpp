@@ -8,6 +8,7 @@
 #include <queue>
 
 #include "core/base/interruption.h"
+#include "solvers/laws/natural_residual.h"
 
 namespace taut {
 namespace {
@@ -92,7 +93,7 @@ double ImpulseIteration::relax_row(const Problem& problem, int row) {
   if (!(own_[row] > 0)) return 0;
   const double by = next_of(problem, row) - problem.lambda[row];
   if (by != 0) change(problem, row, by);
-  return std::sqrt(own_[row]) * std::abs(by);
+  return NaturalResidual(own_[row], by).size;
 }
 
 /// Normal, sliding, spinning and rolling friction in turn, each with the normal impulse of then.
@@ -104,7 +105,7 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
   const auto give = [&](int r, double s, double to) {
     const double by = (cone.works ? to : 0) - problem.lambda[r];
     if (by != 0) change(problem, r, by);
-    largest = std::max(largest, std::sqrt(s) * std::abs(by));
+    largest = std::max(largest, NaturalResidual(s, by).size);
   };
   const auto asked = [&](int r, double s, double softness) {
     const double off = rate(problem, r) + softness * problem.lambda[r] - target_[r];
@@ -198,8 +199,8 @@ double ImpulseIteration::violation(const Problem& problem, int block) {
   if (!system_.rows().is_contact(first)) {
     for (int r = first; r < first + rows.row_count; ++r)
       if (own_[r] > 0)
-        largest =
-            std::max(largest, problem.laws[r].natural_residual(own_[r], problem.lambda[r], rate(problem, r)));
+        largest = std::max(
+            largest, natural_residual(problem.laws[r], own_[r], problem.lambda[r], rate(problem, r)).size);
     return largest;
   }
   for (int r = first; r < first + rows.row_count; ++r) {

@@ -37,8 +37,7 @@ void InteriorPoint::begin(const Problem& problem) {
   scale_ = 0;
   for (std::size_t r = 0; r < n; ++r) {
     own_[r] = own_[r] > 0 ? 1 / own_[r] : 1;
-    const double root = std::sqrt(own_[r]);
-    scale_ = std::max({scale_, root * std::abs(problem.lambda[r]), std::abs(problem.b[r]) / root});
+    scale_ = std::max(scale_, impulse_scale(own_[r], problem.lambda[r], problem.b[r]));
     if (problem.laws[r].bounded()) add_elements(problem.laws[r], static_cast<int>(r));
   }
   system_.apply_Wt(problem.lambda, v_);
@@ -175,14 +174,15 @@ void InteriorPoint::move(const Problem& problem, double length) {
   update_impulses(problem);
 }
 
-/// w of the impulses themselves, which v is only on the way to, and the natural map over the size of both.
+/// w of the impulses themselves, which v is only on the way to, and the natural residual over the size of
+/// impulses.
 double InteriorPoint::law_error(const Problem& problem) {
   system_.rates(problem.lambda, problem.b, problem.w);
   double error = 0, scale = 0;
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const double s = own_[r], lambda = problem.lambda[r];
-    scale = std::max({scale, std::sqrt(s) * std::abs(lambda), std::abs(problem.b[r]) / std::sqrt(s)});
-    const double off = problem.laws[r].natural_residual(s, lambda, problem.w[r]);
+    scale = std::max(scale, impulse_scale(s, lambda, problem.b[r]));
+    const double off = natural_residual(problem.laws[r], s, lambda, problem.w[r]).size;
     if (std::isnan(off)) return off;
     error = std::max(error, off);
   }

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "solvers/laws/natural_residual.h"
 #include "solvers/laws/row_law.h"
 #include "solvers/system/constraint_system.h"
 
@@ -20,7 +21,7 @@ struct InteriorPointTuning {
 
 /// When it ends.
 struct InteriorLimits {
-  double tolerance = 1e-9;  ///< of the natural map over the size of impulses
+  double tolerance = kMetResidual;  ///< of the natural residual over the size of impulses
   int iterations = 60;
 };
 

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "solvers/laws/natural_residual.h"
 #include "solvers/laws/row_law.h"
 #include "solvers/system/constraint_system.h"
 
@@ -24,8 +25,8 @@ struct PrimalDualTuning {
 
 /// When it ends.
 struct PrimalDualLimits {
-  double tolerance = 1e-9;    ///< of the natural map over the size of impulses
-  double rate_tolerance = 0;  ///< errors of rates below this do not count [m/s or rad/s]
+  double tolerance = kMetResidual;  ///< of the natural residual over the size of impulses
+  double rate_tolerance = 0;        ///< errors of rates below this do not count [m/s or rad/s]
   int iterations = 8;
   double softness = 1e-6;  ///< Σ over S_rr
 };
@@ -62,7 +63,7 @@ class PrimalDualActiveSet {
  private:
   using Tuning = PrimalDualTuning;
 
-  /// The natural map over all rows [√J].
+  /// The natural residual over all rows [√J].
   struct Error {
     double largest = 0, counted = 0;  ///< of all rows, and of those beyond the tolerance of rates
     double scale = 0;                 ///< size of impulses

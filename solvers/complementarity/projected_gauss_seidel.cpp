@@ -1,9 +1,9 @@
 #include "solvers/complementarity/projected_gauss_seidel.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/interruption.h"
+#include "solvers/laws/natural_residual.h"
 
 namespace taut {
 
@@ -21,7 +21,7 @@ GaussSeidelOutcome ProjectedGaussSeidel::solve(std::span<const RowLaw> laws, std
       const double change = next - lambda[r];
       lambda[r] = next;
       impulses_.add(row, change);
-      outcome.residual = std::max(outcome.residual, std::sqrt(own) * std::abs(change));
+      outcome.residual = std::max(outcome.residual, NaturalResidual(own, change).size);
     }
     ++outcome.sweeps;
     outcome.converged = outcome.residual <= tolerance;

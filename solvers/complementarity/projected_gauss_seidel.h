@@ -9,7 +9,7 @@ namespace taut {
 
 struct GaussSeidelOutcome {
   int sweeps = 0;
-  double residual = 0;     ///< largest √S_rr |change of λ_r| in the last sweep [√J]
+  double residual = 0;  ///< largest natural residual in the last sweep, of each row before its change [√J]
   bool converged = false;  ///< residual within the tolerance
 };
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "solvers/complementarity/contact_solver_tuning.h"
-
 namespace taut {
 namespace {
 
@@ -55,14 +53,14 @@ bool StagePrimal::solve_axes(const StageAttempt& attempt, StageRecord& record) {
 /// What is nearly solved, on the segments of the guess or by some steps of Newton; else λ is the guess.
 bool StagePrimal::solve_near(const StageAttempt& attempt, StageRecord& record) {
   const std::span<double> lambda = attempt.stage.lambda;
-  const double rate_tolerance = attempt.rate_tolerance, held = ContactSolverTuning::kHeld;
+  const double rate_tolerance = attempt.rate_tolerance;
   if (!(contact_solver_.distance(attempt.problem(), rate_tolerance) <= Tuning::kNewtonRange)) return false;
-  const double tolerance = attempt.stage.near ? Tuning::kMendedExactly : held;
+  const double tolerance = attempt.stage.near ? Tuning::kMendedExactly : kMetResidual;
   guess_.assign(lambda.begin(), lambda.end());
   if (solve_on_segments(attempt, {tolerance, rate_tolerance}, record) && exact(attempt)) return true;
   std::copy(guess_.begin(), guess_.end(), lambda.begin());
   const NewtonLimits few{.tolerance = tolerance,
-                         .most = held,
+                         .most = kMetResidual,
                          .rate_tolerance = rate_tolerance,
                          .iterations = Tuning::kFewSteps};
   if (contact_solver_.solve_by_newton(attempt.problem(), few, record) && exact(attempt)) return true;
@@ -76,7 +74,7 @@ bool StagePrimal::solve_by_interior_point(const StageAttempt& attempt, StageReco
       interior_.solve(attempt.laws, attempt.b, attempt.stage.lambda, attempt.w, {}, record.times);
   add_to(record, outcome);
   if (outcome.converged && exact(attempt)) return true;
-  const NewtonLimits limits{.most = ContactSolverTuning::kHeld, .rate_tolerance = attempt.rate_tolerance};
+  const NewtonLimits limits{.most = kMetResidual, .rate_tolerance = attempt.rate_tolerance};
   return contact_solver_.solve_by_newton(attempt.problem(), limits, record) && exact(attempt);
 }
 

@@ -26,7 +26,7 @@ struct StageSolution {
 struct StageRecord {
   StageTimes times;
   int iterations = 0;   ///< Newton steps
-  double residual = 0;  ///< largest natural map of what was taken as met, relative
+  double residual = 0;  ///< largest natural residual of what was taken as met, relative
   double loose = 0;     ///< the same beyond 1e-8, where that may be taken
 
   void add(const StageRecord& other) {

@@ -21,11 +21,11 @@ void StageResidual::begin_velocities(std::span<const Twist> twists) {
 }
 
 double StageResidual::natural_tolerance() const {
-  return contacts_.any() ? Tuning::kContactResidual : Tuning::kAxisResidual;
+  return contacts_.any() ? kMetContactResidual : kMetResidual;
 }
 
 bool StageResidual::exact(const StageSolution& solution) const {
-  return contacts_.any() || natural(solution) <= Tuning::kAxisResidual;
+  return contacts_.any() || natural(solution) <= kMetResidual;
 }
 
 double StageResidual::exact_rate_tolerance() const {
@@ -59,7 +59,7 @@ double StageResidual::natural(const StageSolution& solution) const {
   const Noise noise = rate_noise();
   double largest = relative_contact_residual(
       contacts_, solution.lambda, solution.w, size,
-      {contact_noise_.angular / Tuning::kAxisResidual, contact_noise_.linear / Tuning::kAxisResidual});
+      {contact_noise_.angular / kMetResidual, contact_noise_.linear / kMetResidual});
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
     const double off = of_row(axis.row, solution, size, noise);
     if (!(off <= largest)) largest = off;
@@ -87,8 +87,7 @@ double StageResidual::of_row(int r, const StageSolution& solution, double scale,
   const auto& [laws, b, inertia, lambda, w] = solution;
   const double root = inertia[r] > 0 ? std::sqrt(inertia[r]) : 1, own = 1 / (root * root);
   const double off = std::abs(lambda[r] - laws[r].project(own, lambda[r], w[r])) / root;
-  const double least =
-      root * (system_.rows().row(r).angular ? noise.angular : noise.linear) / Tuning::kAxisResidual;
+  const double least = root * (system_.rows().row(r).angular ? noise.angular : noise.linear) / kMetResidual;
   return off == 0 ? 0 : off / std::max(scale, least);  // of a world at rest without loads all three are
 }
 
@@ -99,8 +98,8 @@ StageResidual::Noise StageResidual::rate_noise() const {
     angular = std::max(angular, twist.w.squaredNorm());
     linear = std::max(linear, twist.v.squaredNorm());
   }
-  return {Tuning::kRateRoundOff * (std::sqrt(angular) + 1 / h_),
-          Tuning::kRateRoundOff * (std::sqrt(linear) + size_ / h_)};
+  return {kRelativeRoundOff * (std::sqrt(angular) + 1 / h_),
+          kRelativeRoundOff * (std::sqrt(linear) + size_ / h_)};
 }
 
 }  // namespace taut

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <limits>
-
 namespace taut {
 
 /// Constants of the ladder that stages go down, and of what counts as solved.  Without a unit: parts and
@@ -12,17 +10,11 @@ struct StageTuning {
   /// Part of the tolerance of velocities up to which rates of a stage count as right.
   static constexpr double kRatePart = 0.1;
 
-  // What is met: the natural residual.
-  /// Of the laws of axes: stages of cranes and robot arms ended with up to 5.5e-8 before it was looked at
-  /// (solvers/HISTORY.md, "Complementarity").
-  static constexpr double kAxisResidual = 1e-9;
-  /// Where there are contacts: what dependent rows contradict each other by.
-  static constexpr double kContactResidual = 1e-8;
+  // What is met, beside the natural residual.
   /// Impulses on a level of their law are right to this part of the largest.
   static constexpr double kLevelTolerance = 1e-9;
-  /// Round-off of poses and twists, relative, and how many times what it makes of rates is let be where
-  /// contacts are off their laws.
-  static constexpr double kRateRoundOff = 16 * std::numeric_limits<double>::epsilon();
+  /// How many times what round-off of poses and twists makes of rates is let be where contacts are off their
+  /// laws.
   static constexpr double kNoises = 10;
 
   // Warm start.

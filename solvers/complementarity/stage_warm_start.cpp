@@ -38,10 +38,10 @@ StageWarmStart::Trial StageWarmStart::accept(StageAttempt& attempt) {
   std::copy(attempt.stage.rates.begin(), attempt.stage.rates.end(), attempt.w.begin());
   double off = contact_solver_.distance(attempt.problem(), tolerance);
   if (!is_near_enough(attempt, off)) return Trial::kMissed;
-  if (off > Tuning::kHeld) {
+  if (off > kMetResidual) {
     held_.assign(lambda.begin(), lambda.end());
     off = contact_solver_.sweep(attempt.problem(held_), StageTuning::kMendingSweeps, tolerance);
-    if (off > Tuning::kHeld) return Trial::kMissed;
+    if (off > kMetResidual) return Trial::kMissed;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
   return try_impulses(attempt, lambda, off);
@@ -62,11 +62,11 @@ bool StageWarmStart::gives_to_gone_contacts(std::span<const double> lambda) cons
 bool StageWarmStart::is_near_enough(const StageAttempt& attempt, double off) const {
   const bool rubs = model_.friction_dominated();
   // Newton is as fast through the bodies.
-  if (off > Tuning::kNear || (model_.system.uses_primal_system() && off > (rubs ? 0 : Tuning::kHeld)))
+  if (off > Tuning::kNear || (model_.system.uses_primal_system() && off > (rubs ? 0 : kMetResidual)))
     return false;
   // Sweeps bring impulses through contacts, but hardly along chains of joints.
   const int joint_rows = model_.system.rows().first_contact_row();
-  if (off > Tuning::kHeld && 2 * joint_rows > model_.system.row_count()) return false;
+  if (off > kMetResidual && 2 * joint_rows > model_.system.row_count()) return false;
   return !rubs ||
          contact_solver_.newton().holds_joints(attempt.laws, attempt.w, attempt.warm_start_tolerance);
 }
@@ -78,7 +78,7 @@ StageWarmStart::Trial StageWarmStart::try_impulses(StageAttempt& attempt, std::s
   if (model_.move_laws(attempt.problem(lambda), tolerance)) return Trial::kLawsMoved;
   ContactForces& contacts = model_.contacts;
   contacts.take_over(lambda, attempt.w, tolerance);
-  if (!(contacts.residual() <= Tuning::kHeld) || contacts.slips_where_it_held() ||
+  if (!(contacts.residual() <= kMetResidual) || contacts.slips_where_it_held() ||
       !residual_.exact(attempt.solution(lambda)))
     return Trial::kMissed;
   pivoting_.take_segments(attempt.solution(lambda));
@@ -107,7 +107,7 @@ StageWarmStart::Trial StageWarmStart::solve_all_sticking(StageAttempt& attempt) 
   settings.max_rounds = settings.max_descent_rounds = 0;
   (void)pivoting_.active_set().solve(held_laws_, attempt.b, held_, attempt.w, attempt.report.times, settings);
   const double off = contact_solver_.distance(attempt.problem(held_), tolerance);
-  const Trial trial = off <= Tuning::kHeld ? try_impulses(attempt, held_, off) : Trial::kMissed;
+  const Trial trial = off <= kMetResidual ? try_impulses(attempt, held_, off) : Trial::kMissed;
   if (trial == Trial::kMet)
     std::copy(held_.begin(), held_.end(), lambda.begin());
   else

@@ -91,8 +91,8 @@ bool AxisImpacts::any(const AxisTable& table, std::span<const AxisLaw> axes,
     if (!table.has_rigid_limit(i)) continue;
     const AxisLimits& limits = *table.properties(i).limits;
     const double theta = theta1[table.row(i)], rate0 = axes[i].start.rate;
-    if (impacts_[i].due() || (theta <= limits.lower + kAxisTouch && rate0 < -kJolt) ||
-        (theta >= limits.upper - kAxisTouch && rate0 > kJolt))
+    if (impacts_[i].due() || (theta <= limits.lower + kTouch && rate0 < -kJolt) ||
+        (theta >= limits.upper - kTouch && rate0 > kJolt))
       return true;
   }
   return false;

@@ -33,8 +33,7 @@ bool AxisMotorLaw::set_position(const AxisStage& stage) {
 bool AxisMotorLaw::set_velocity(const AxisStage& stage) {
   if (!stage.p.motor) return true;
   const MotionPoint target = target_at(*stage.p.motor, stage.step.end_time);
-  const double left = target.value - stage.theta,
-               back = std::abs(left) <= kAxisTouch ? 0 : left / stage.step.h;
+  const double left = target.value - stage.theta, back = std::abs(left) <= kTouch ? 0 : left / stage.step.h;
   return aim(*stage.p.motor, target.rate + back);
 }
 

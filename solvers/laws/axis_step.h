@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cmath>
+#include "solvers/laws/law_constants.h"
 
 namespace taut {
 
@@ -34,13 +34,5 @@ inline AxisStroke stroke(const AxisStep& step, const AxisStart& start, double w)
   return {step.h, start.theta, start.theta + step.h * ((1 - step.weight) * start.rate + step.weight * w),
           step.weight * step.h, step.weight};
 }
-
-/// A limit is touched within this distance [m or rad]; positions are closed to less.
-inline constexpr double kAxisTouch = 1e-9;
-/// A step of a law that no rate comes to [m/s or rad/s].
-inline constexpr double kUnreachedRate = 1e12;
-/// Rates this near to a step of the law are on it, relative to 1 + |w|.
-inline constexpr double kOnStep = 1e-9;
-inline bool on_step(double w, double at) { return std::abs(w - at) <= kOnStep * (1 + std::abs(w)); }
 
 }  // namespace taut

@@ -101,8 +101,8 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
     if (point.slip && (place.slip - *point.slip).norm() > kRestingSlip)
       point.slipped += 0.5 * table_.h * (place.slip - *point.slip);
     point.slip.reset();
-    point.touching = place.active && (point.gap <= ContactTable::kTouch || point.pressed ||
-                                      table_.impacts[k].stage == Impact::Stage::kDue);
+    point.touching = place.active &&
+                     (point.gap <= kTouch || point.pressed || table_.impacts[k].stage == Impact::Stage::kDue);
     // A first guess: both kicks alike, and the slip along t₁.
     for (Disc* disc : {&point.sliding, &point.rolling}) {
       disc->bound *= 2;
@@ -169,7 +169,7 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     const int row = first_row(k);
     // What starts at rest holds with static friction.
     const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
-    point.stuck = point.stuck || (point.fresh && point.gap <= ContactTable::kTouch && rests);
+    point.stuck = point.stuck || (point.fresh && point.gap <= kTouch && rests);
     point.fresh = point.broken = point.pressed = false;
     point.back = point.spin_given = 0;
     point.sliding.given = point.rolling.given = Vec2::Zero();

@@ -18,11 +18,11 @@ bool ContactImpacts::seek(std::span<const double> w) {
     const ContactTable::Point& point = table_.points[k];
     ContactTable::Impact& impact = table_.impacts[k];
     if (!point.active || table_.set.places()[k].material.restitution == 0 || impact.spent ||
-        impact.stage != ContactTable::Impact::Stage::kNone || point.gap <= ContactTable::kTouch ||
+        impact.stage != ContactTable::Impact::Stage::kNone || point.gap <= kTouch ||
         point.approach > -table_.resting_speed || contacts_.spring(k).impact_is_seen())
       continue;
     const double stop = -point.gap / table_.h;
-    if (w[contacts_.first_row(k)] > stop + 1e-9 * (1 + std::abs(stop))) continue;
+    if (w[contacts_.first_row(k)] > stop + kOnStep * (1 + std::abs(stop))) continue;
     impact.stage = ContactTable::Impact::Stage::kSought;
     any = true;
   }

@@ -8,56 +8,78 @@
 namespace taut {
 namespace {
 
+double squared(double root) { return root * root; }
+
 DiscState disc_state(const ContactRows& contacts, int row, const Vec2& given,
                      const ContactTable::SlipLaw& law, std::span<const double> lambda,
                      std::span<const double> w) {
   const Vec2 impulse(lambda[row], lambda[row + 1]);
   return {given + impulse, Vec2(w[row], w[row + 1]) + law.softness * impulse - law.target,
-          std::max(contacts.root(row), contacts.root(row + 1)), law.softness};
+          squared(std::max(contacts.root(row), contacts.root(row + 1))), law.softness};
 }
 
-double normal_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
-                       std::span<const double> w) {
+NaturalResidual normal_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
+                                std::span<const double> w) {
   const int row = contacts.first_row(k);
-  const double root = contacts.root(row);
+  const double s = squared(contacts.root(row));
   const ContactTable::NormalLaw law = normal_law(contacts, k);
   const double normal = contacts.point(k).back + lambda[row];
   const double off = w[row] + law.softness * lambda[row] - law.target;
-  const double own = root * root + law.softness;
-  return root * std::abs(normal - std::clamp(normal - off / own, 0.0, law.most));
+  return {s, normal - std::clamp(normal - off / (s + law.softness), 0.0, law.most), law.softness};
+}
+
+/// Of a disc, with the rate that its first row would take it for.
+NaturalResidual disc_residual(const ContactRows& contacts, int row, const DiscState& disc, double bound) {
+  NaturalResidual of = disc.residual(bound);
+  const double root = contacts.root(row);
+  of.rate = (root + disc.softness / root) * of.size;
+  return of;
+}
+
+NaturalResidual sliding_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
+                                 std::span<const double> w) {
+  return disc_residual(contacts, contacts.first_row(k) + ContactRows::kSlidingRow,
+                       sliding_state(contacts, k, lambda, w),
+                       contacts.friction_bound(k, contacts.pressure(k, lambda)));
 }
 
 /// A contact that begins or ceases to slip in this stage was asked to return by what it had slipped, or not
-/// to slip: it is by the smaller of both that its law is met.
-double sliding_residual_either_way(const ContactRows& contacts, int k, std::span<const double> lambda,
-                                   std::span<const double> w) {
-  const double bound = contacts.friction_bound(k, contacts.pressure(k, lambda));
-  const double as_told = sliding_state(contacts, k, lambda, w).residual(bound);
-  if (contacts.compliance(k) > 0) return as_told;
+/// to slip: what it was not asked.
+NaturalResidual other_sliding_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
+                                       std::span<const double> w) {
   ContactTable::Disc other = contacts.point(k).sliding;
   other.slips = !other.slips;
-  const int row = contacts.first_row(k) + ContactRows::kSlidingRow;
-  return std::min(as_told,
-                  disc_state(contacts, row, other.given, other.rigid_law(), lambda, w).residual(bound));
+  return disc_state(contacts, contacts.first_row(k) + ContactRows::kSlidingRow, other.given,
+                    other.rigid_law(), lambda, w)
+      .residual(contacts.friction_bound(k, contacts.pressure(k, lambda)));
 }
 
-double rolling_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
-                        std::span<const double> w) {
+NaturalResidual spinning_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
+                                  std::span<const double> w) {
+  const int row = contacts.first_row(k) + ContactRows::kSpinRow;
+  const double bound = contacts.place(k).material.spinning_friction * contacts.pressure(k, lambda);
+  const double s = squared(contacts.root(row)), spin = contacts.point(k).spin_given + lambda[row];
+  return {s, spin - std::clamp(spin - w[row] / s, -bound, bound)};
+}
+
+NaturalResidual rolling_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
+                                 std::span<const double> w) {
   const double arm = contacts.place(k).material.rolling_friction;
-  return rolling_state(contacts, k, lambda, w).residual(arm * contacts.pressure(k, lambda));
+  return disc_residual(contacts, contacts.first_row(k) + ContactRows::kRollingRow,
+                       rolling_state(contacts, k, lambda, w), arm * contacts.pressure(k, lambda));
 }
 
-/// Distance of the three impulses from the normality law of the cone of static friction.
-double normality_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
-                          std::span<const double> w) {
+/// Of the three impulses and the normality law of the cone of static friction.
+NaturalResidual cone_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
+                              std::span<const double> w) {
   const ContactTable::Point& point = contacts.point(k);
   const int row = contacts.first_row(k);
   const Vec2& given = point.sliding.given;
   const Vec2& target = point.sliding.target;
-  const double root = std::max({contacts.root(row), contacts.root(row + 1), contacts.root(row + 2)});
+  const double s = squared(std::max({contacts.root(row), contacts.root(row + 1), contacts.root(row + 2)}));
   const Vec3 impulse(point.back + lambda[row], given[0] + lambda[row + 1], given[1] + lambda[row + 2]);
   const Vec3 off(w[row] - normal_law(contacts, k).target, w[row + 1] - target[0], w[row + 2] - target[1]);
-  return root * (impulse - into_cone(impulse - off / (root * root), contacts.friction_bound(k, 1))).norm();
+  return {s, (impulse - into_cone(impulse - off / s, contacts.friction_bound(k, 1))).norm()};
 }
 
 }  // namespace
@@ -75,35 +97,30 @@ DiscState rolling_state(const ContactRows& contacts, int k, std::span<const doub
                     lambda, w);
 }
 
-double spinning_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
-                         std::span<const double> w) {
-  const int row = contacts.first_row(k) + ContactRows::kSpinRow;
-  const double bound = contacts.place(k).material.spinning_friction * contacts.pressure(k, lambda);
-  const double root = contacts.root(row), spin = contacts.point(k).spin_given + lambda[row];
-  return root * std::abs(spin - std::clamp(spin - w[row] / (root * root), -bound, bound));
+ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
+                                 std::span<const double> w) {
+  ContactResidual of;
+  if (!contacts.works(k)) return of;
+  if (contacts.shares(k)) {
+    of.cone = cone_residual(contacts, k, lambda, w);
+  } else {
+    of.normal = normal_residual(contacts, k, lambda, w);
+    of.sliding = sliding_residual(contacts, k, lambda, w);
+  }
+  if (!contacts.has_twist(k)) return of;
+  of.spinning = spinning_residual(contacts, k, lambda, w);
+  of.rolling = rolling_residual(contacts, k, lambda, w);
+  return of;
 }
 
 double contact_residual(const ContactRows& contacts, std::span<const double> lambda,
                         std::span<const double> w, double rate_tolerance) {
   double largest = 0;
-  const auto add = [&](double residual, int row, double softness = 0) {
-    const double root = contacts.root(row);
-    if (!((root + softness / root) * residual <= rate_tolerance)) largest = std::max(largest, residual);
-  };
   for (int k = 0; k < contacts.count(); ++k) {
-    if (!contacts.works(k)) continue;
-    const int row = contacts.first_row(k);
-    if (contacts.shares(k)) {
-      largest = std::max(largest, normality_residual(contacts, k, lambda, w));
-    } else {
-      const DiscState sliding = sliding_state(contacts, k, lambda, w);
-      const double bound = contacts.friction_bound(k, contacts.pressure(k, lambda));
-      add(normal_residual(contacts, k, lambda, w), row, normal_law(contacts, k).softness);
-      add(sliding.residual(bound), row + ContactRows::kSlidingRow, sliding.softness);
-    }
-    if (!contacts.has_twist(k)) continue;
-    add(spinning_residual(contacts, k, lambda, w), row + ContactRows::kSpinRow);
-    add(rolling_residual(contacts, k, lambda, w), row + ContactRows::kRollingRow);
+    const ContactResidual of = natural_residual(contacts, k, lambda, w);
+    largest =
+        std::max({largest, of.cone.size, of.normal.beyond(rate_tolerance), of.sliding.beyond(rate_tolerance),
+                  of.spinning.beyond(rate_tolerance), of.rolling.beyond(rate_tolerance)});
   }
   return largest;
 }
@@ -116,25 +133,28 @@ double relative_contact_residual(const ContactRows& contacts, std::span<const do
   return largest;
 }
 
+/// It is by the smaller of both that the law of a contact that begins or ceases to slip is met.
 double relative_contact_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                  std::span<const double> w, double scale, const RateSize& least) {
-  if (!contacts.works(k)) return 0;
-  const int row = contacts.first_row(k);
+  const ContactResidual of = natural_residual(contacts, k, lambda, w);
   double largest = 0;
-  const auto add = [&](double residual, int r, double rate) {
-    if (residual > 0) largest = std::max(largest, residual / std::max(scale, rate / contacts.root(r)));
+  const auto add = [&](double residual, int behind, double rate) {
+    if (!(residual > 0)) return;
+    const double least_size = rate / contacts.root(contacts.first_row(k) + behind);
+    largest = std::max(largest, residual / std::max(scale, least_size));
   };
-  add(normal_residual(contacts, k, lambda, w), row, least.linear);
-  add(sliding_residual_either_way(contacts, k, lambda, w), row + ContactRows::kSlidingRow, least.linear);
-  if (!contacts.has_twist(k)) return largest;
-  add(spinning_residual(contacts, k, lambda, w), row + ContactRows::kSpinRow, least.angular);
-  add(rolling_residual(contacts, k, lambda, w), row + ContactRows::kRollingRow, least.angular);
+  double sliding = of.sliding.size;
+  if (sliding > 0 && contacts.compliance(k) == 0)
+    sliding = std::min(sliding, other_sliding_residual(contacts, k, lambda, w).size);
+  add(of.normal.size, 0, least.linear);
+  add(sliding, ContactRows::kSlidingRow, least.linear);
+  add(of.spinning.size, ContactRows::kSpinRow, least.angular);
+  add(of.rolling.size, ContactRows::kRollingRow, least.angular);
   return largest;
 }
 
-double DiscState::residual(double bound) const {
-  const Vec2 slipped = tau - slip / (root * root + softness);
-  return root * (tau - into_disc(slipped, bound)).norm();
+NaturalResidual DiscState::residual(double bound) const {
+  return {s, (tau - into_disc(tau - slip / (s + softness), bound)).norm(), softness};
 }
 
 }  // namespace taut

@@ -3,30 +3,35 @@
 #include <span>
 
 #include "solvers/laws/contact_rows.h"
+#include "solvers/laws/natural_residual.h"
 
-// The natural residual of contacts, ‖λ − prox(λ − (w − t)/Σ)‖ √S with Σ = S_rr + compliance [√J]: how far
-// impulses are from what Signorini's and Coulomb's laws answer to them and their rates.
+// The natural residual of contacts: how far impulses are from what Signorini's and Coulomb's laws answer to
+// them and their rates, λ* = prox(λ − (w − t)/(S + c)) with the compliance c of the contact.
+//                                                           (solvers/complementarity, "Natural residual")
 namespace taut {
 
 /// A disc of a contact at a solution of a stage.
 struct DiscState {
   Vec2 tau = Vec2::Zero(), slip = Vec2::Zero();  ///< impulse of both kicks and rate off the law's target
-  double root = 1, softness = 0;                 ///< √S of its rows, the larger one, and compliance
+  double s = 1, softness = 0;                    ///< S_rr of its rows, the larger one, and compliance
 
-  /// Distance of τ from Coulomb's answer to it and the slip, P(τ − u/S) [√J].
-  double residual(double bound) const;
+  NaturalResidual residual(double bound) const;  ///< of τ at the slip
 };
 DiscState sliding_state(const ContactRows& contacts, int k, std::span<const double> lambda,
                         std::span<const double> w);
 DiscState rolling_state(const ContactRows& contacts, int k, std::span<const double> lambda,
                         std::span<const double> w);
 
-/// Of the spinning row of contact k [√J].
-double spinning_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
-                         std::span<const double> w);
+/// Of each law of a contact.
+struct ContactResidual {
+  NaturalResidual normal, sliding, spinning, rolling;
+  NaturalResidual cone;  ///< in place of normal and sliding where it shares (stick_search.h)
+};
+/// Of contact k; of one that does not work, 0.
+ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
+                                 std::span<const double> w);
 
-/// Largest natural residual of contacts [√J]; 0 where rates are met to the tolerance.  Of contacts that share
-/// (stick_search.h) it is the distance from the normality law of their cone.
+/// The largest of contacts [√J]; 0 where rates are met to the tolerance, but for those that share.
 double contact_residual(const ContactRows& contacts, std::span<const double> lambda,
                         std::span<const double> w, double rate_tolerance);
 
@@ -34,7 +39,7 @@ double contact_residual(const ContactRows& contacts, std::span<const double> lam
 struct RateSize {
   double angular = 0, linear = 0;
 };
-/// The same at the end of a stage, with nothing taken off, over `scale` [√J], or what it takes to change a
+/// The largest at the end of a stage, with nothing taken off, over `scale` [√J], or what it takes to change a
 /// rate by `least` if that is more.
 double relative_contact_residual(const ContactRows& contacts, std::span<const double> lambda,
                                  std::span<const double> w, double scale, const RateSize& least);

@@ -31,7 +31,7 @@ double damping_ratio(double restitution) {
 ContactTable::NormalLaw ContactSpring::position_law(double gap, double restitution) const {
   const double damping = damping_ratio(restitution);
   const double a = gap >= 0 ? h : 0.5 * h + damping * std::max(2 * period(), 0.5 * h);
-  return {.target = std::clamp(-gap / a, -ContactTable::kNever, ContactTable::kNever),
+  return {.target = std::clamp(-gap / a, -kUnreachedRate, kUnreachedRate),
           .softness = 2 * compliance / (h * a)};
 }
 

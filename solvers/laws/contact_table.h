@@ -7,15 +7,13 @@
 #include "solvers/common/settings.h"
 #include "solvers/laws/contact_cone.h"
 #include "solvers/laws/contact_set.h"
+#include "solvers/laws/law_constants.h"
 
 namespace taut {
 
 /// All contacts of a world, by their places: what they are in the present stage of a step, and what they
 /// remember.
 struct ContactTable {
-  static constexpr double kTouch = 1e-9;  ///< a contact is touched within this distance [m]
-  static constexpr double kNever = 1e12;  ///< a step of a law that no rate comes to [m/s]
-
   /// Along the normal, with the impulse λ of this stage and Λ = λ + what was given before: w + softness λ ≥
   /// target, 0 ≤ Λ ≤ most; between these bounds of Λ there is equality, and at the upper one w + softness λ ≤
   /// target.

@@ -7,8 +7,6 @@
 namespace taut {
 namespace {
 
-/// Distance from Coulomb's law that is accepted, relative to the largest impulse.
-constexpr double kTolerance = 1e-9;
 /// A contact that sticks has not slipped by less than this, relative to all impulses: what may be left of the
 /// laws where they are met.
 constexpr double kStill = 1e-6;
@@ -27,7 +25,7 @@ bool FrictionLinearization::adapt(std::span<const double> lambda, std::span<cons
   for (int k = 0; k < contacts_.count(); ++k)
     if (contacts_.works(k) && scale_ != 0)
       residual_ = std::max(residual_, renew(k, lambda, w, rate_tolerance) / scale_);
-  if (residual_ > kTolerance) return true;
+  if (residual_ > kMetResidual) return true;
   mark_stretched();
   return false;
 }
@@ -49,32 +47,31 @@ double FrictionLinearization::renew(int k, std::span<const double> lambda, std::
   ContactTable::Point& point = contacts_.point(k);
   const Material& material = contacts_.place(k).material;
   const double normal = contacts_.pressure(k, lambda);
-  double residual = renew_disc(k, point.sliding, sliding_state(contacts_, k, lambda, w),
-                               contacts_.friction_bound(k, normal), contacts_.sticks(k), rate_tolerance);
-  if (!contacts_.has_twist(k)) return residual;
-  residual = std::max(residual, spinning_residual(contacts_, k, lambda, w));
+  const double sliding = renew_disc(k, point.sliding, sliding_state(contacts_, k, lambda, w),
+                                    contacts_.friction_bound(k, normal), contacts_.sticks(k), rate_tolerance);
+  if (!contacts_.has_twist(k)) return sliding;
+  const double spinning = natural_residual(contacts_, k, lambda, w).spinning.size;
   point.spin_bound = material.spinning_friction * normal;
-  return std::max(residual, renew_disc(k, point.rolling, rolling_state(contacts_, k, lambda, w),
-                                       material.rolling_friction * normal, false, rate_tolerance));
+  const double rolling = renew_disc(k, point.rolling, rolling_state(contacts_, k, lambda, w),
+                                    material.rolling_friction * normal, false, rate_tolerance);
+  return std::max({sliding, spinning, rolling});
 }
 
 /// `stuck`: it is that of a contact that sticks.
 double FrictionLinearization::renew_disc(int k, ContactTable::Disc& disc, const DiscState& state,
                                          double bound, bool stuck, double rate_tolerance) {
-  const double root = state.root;
-  double residual = state.residual(bound);
-  if ((root + state.softness / root) * residual <= rate_tolerance) residual = 0;
+  const double root = std::sqrt(state.s), residual = state.residual(bound).beyond(rate_tolerance);
   disc.bound = bound;
   const double speed = state.slip.norm();
-  const bool rests = speed <= std::max(rate_tolerance, (stuck ? kStill : kTolerance) * scale_ * root);
-  if (rests && state.tau.norm() <= bound * (1 + kTolerance) + (stuck ? kStill * scale_ / root : 0)) {
+  const bool rests = speed <= std::max(rate_tolerance, (stuck ? kStill : kMetResidual) * scale_ * root);
+  if (rests && state.tau.norm() <= bound * (1 + kMetResidual) + (stuck ? kStill * scale_ / root : 0)) {
     disc.slips = false;
     return residual;
   }
   disc.slips = true;
   disc.direction = rests ? Vec2(-state.tau.normalized()) : Vec2(state.slip / speed);
   disc.weight = rests ? 0 : bound / speed;
-  if (residual > kTolerance * scale_) ask_for_turn(k, disc);
+  if (residual > kMetResidual * scale_) ask_for_turn(k, disc);
   return residual;
 }
 

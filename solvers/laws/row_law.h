@@ -91,18 +91,8 @@ struct RowLaw {
     }
     return on_level(steps, s, beta);
   }
-  /// λ* that the row by itself answers to λ and w = s λ + β, of which λ − λ* is the natural map.
+  /// λ* that the row by itself answers to λ and w = s λ + β (natural_residual.h).
   double project(double s, double lambda, double w) const { return resolve(s, w - s * lambda).lambda; }
-
-  /// The natural residual √s |λ − λ*| [√J] at λ and w, with s = S_rr.
-  double natural_residual(double s, double lambda, double w) const {
-    return std::sqrt(s) * std::abs(lambda - project(s, lambda, w));
-  }
-  /// The same, 0 where s |λ − λ*|, what it would change w by, is within the tolerance of rates.
-  double natural_residual(double s, double lambda, double w, double rate_tolerance) const {
-    const double off = std::abs(lambda - project(s, lambda, w));
-    return s * off <= rate_tolerance ? 0 : std::sqrt(s) * off;
-  }
 
   /// The segment on which λ = `lambda` lies; corners count as levels.
   int segment_at(double lambda) const {

@@ -21,8 +21,7 @@ double bounce(const ContactRows& contacts, int k) {
 /// Bodies may come together by their gap in a step, and bodies inside each other part slowly.
 double closing_rate(const ContactRows& contacts, int k) {
   const double h = contacts.table().h;
-  return std::clamp(-contacts.point(k).gap / h, -ContactTable::kNever,
-                    std::max(kReturnSpeed, ContactTable::kTouch / h));
+  return std::clamp(-contacts.point(k).gap / h, -kUnreachedRate, std::max(kReturnSpeed, kTouch / h));
 }
 
 }  // namespace

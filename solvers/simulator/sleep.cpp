@@ -4,15 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "solvers/laws/law_constants.h"
+
 namespace taut {
 namespace {
 
 /// Forces are the same if they differ by less than this part.
 constexpr double kSameForce = 1e-9;
-/// A body may be this much faster by the end of a step than it was before …
+/// A body may be this much faster by the end of a step than it was before.
 constexpr double kFaster = 2;
-/// … and then comes this near without touching [m].
-constexpr double kTouch = 1e-9;
 
 }  // namespace
 
