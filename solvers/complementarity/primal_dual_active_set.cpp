@@ -47,13 +47,14 @@ PrimalDualActiveSet::Error PrimalDualActiveSet::choose_segments(std::span<const 
   double sum = 0;
   for (std::size_t r = 0; r < laws.size(); ++r) {
     const RowLaw::Point answer = laws[r].resolve(own_[r], w[r] - own_[r] * lambda[r]);
-    const double root = std::sqrt(own_[r]), off = root * std::abs(lambda[r] - answer.lambda);
+    const NaturalResidual off(own_[r], lambda[r] - answer.lambda);
+    const double size = std::sqrt(own_[r]) * std::abs(lambda[r]);
     // Not where λ is: interior points leave all rows between their bounds, also those that slide.
     segments_[r] = answer.segment;
-    error.scale = std::max(error.scale, root * std::abs(lambda[r]));
-    sum += off + root * std::abs(lambda[r]);
-    error.largest = std::max(error.largest, off);
-    if (!(root * off <= rate_tolerance)) error.counted = std::max(error.counted, off);
+    error.scale = std::max(error.scale, size);
+    sum += off.size + size;
+    error.largest = std::max(error.largest, off.size);
+    error.counted = std::max(error.counted, off.beyond(rate_tolerance));
   }
   error.finite = std::isfinite(sum);  // a maximum passes over what is not a number
   return error;

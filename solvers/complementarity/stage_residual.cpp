@@ -85,8 +85,8 @@ double StageResidual::scale(const StageSolution& solution) const {
 
 double StageResidual::of_row(int r, const StageSolution& solution, double scale, const Noise& noise) const {
   const auto& [laws, b, inertia, lambda, w] = solution;
-  const double root = inertia[r] > 0 ? std::sqrt(inertia[r]) : 1, own = 1 / (root * root);
-  const double off = std::abs(lambda[r] - laws[r].project(own, lambda[r], w[r])) / root;
+  const double own = inertia[r] > 0 ? 1 / inertia[r] : 1, root = 1 / std::sqrt(own);
+  const double off = natural_residual(laws[r], own, lambda[r], w[r]).size;
   const double least = root * (system_.rows().row(r).angular ? noise.angular : noise.linear) / kMetResidual;
   return off == 0 ? 0 : off / std::max(scale, least);  // of a world at rest without loads all three are
 }
