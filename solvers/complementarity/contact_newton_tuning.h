@@ -3,20 +3,24 @@
 namespace taut {
 
 /// Constants of the Newton method for contacts.  Without a unit: parts and counts; ρ is Σ over S_rr.  What
-/// was measured is in solvers/HISTORY.md, "Complementarity", under "Many contacts"; the rest is chosen.
-/// (solvers/complementarity, "Many contacts")
+/// was measured is in solvers/HISTORY.md, "Complementarity", under "Many contacts"; the rest is chosen.  What
+/// half and twice of each change is in benchmarks/results/tuning.md, and here where it is more than twice the
+/// work of a scene. (solvers/complementarity, "Many contacts")
 struct ContactNewtonTuning {
   // ρ of rounds that lag the slip or the radius: it falls from the first by the factor to the least.
+  // kRhoFactor: twice takes 16 times the steps of a chain over a cylinder.
   static constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-5;
   /// ρ of equalities: less than all others, so that contacts give way where they and joints ask for slightly
-  /// different rates.
+  /// different rates.  Half and twice: 6 and 13 times the steps of a chain over a cylinder.
   static constexpr double kEqualityRho = 1e-9;
   /// ρ with nothing lagged, at first: so many times the residual of the guess, from kNearRho to kFirstRho.
+  /// kNearRho: half and twice take 2.4 times the factorisations and 2.2 times the back-solves of card houses.
   static constexpr double kRhoOfResidual = 100, kNearRho = 1e-4;
 
   // Ends of a round.
   /// Newton's equation is met to this part of the residual of the round before (or of itself, if that is
-  /// more), and never better than to the second, of the scale: round-off.
+  /// more), and never better than to the second, of the scale: round-off.  kForcing: half takes 15 times
+  /// the steps of a chain over a cylinder.
   static constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
   /// Gradients below this part of the scale may be round-off, and are if so many steps do not halve them.
   static constexpr double kDescentRoundOff = 1e-8;
@@ -24,11 +28,11 @@ struct ContactNewtonTuning {
   /// Newton steps of a round with something lagged.
   static constexpr int kStepsPerRound = 40;
   /// Newton steps of a round with nothing lagged, and how far its gradient may grow.  Measured: 40 steps take
-  /// up to twice as many in all.
+  /// up to twice as many in all.  kBlowUp: half takes 2.3 times the factorisations of a card house.
   static constexpr int kCoupledSteps = 20;
   static constexpr double kBlowUp = 10;
   /// Trials of the line search; a step is taken whole if the slope at its end is at most this part of that at
-  /// its start.
+  /// its start.  Twice: 2.3 times the steps of a marble run, and residuals above 1e-8 of a chain on a floor.
   static constexpr int kSearches = 12;
   static constexpr double kSlope = 0.5;
 
@@ -44,7 +48,8 @@ struct ContactNewtonTuning {
   static constexpr int kPatience = 12;
   /// Rounds may need no Newton step: so many for each that is allowed.
   static constexpr int kRoundsOfAStep = 10;
-  /// After so many rounds the slip of contacts that can hold falls to less than this part in each.
+  /// After so many rounds the slip of contacts that can hold falls to less than this part in each.  Half of
+  /// either: 12 and 24 times the steps of a chain over a cylinder.
   static constexpr int kRoundsToHold = 3;
   static constexpr double kSlowSlip = 0.97;
 
@@ -67,11 +72,13 @@ struct ContactNewtonTuning {
   static constexpr double kWorse = 3, kProgress = 0.5;
   /// How ρ falls after a round that went well (to kWell of the residual) or fast (to kFast, and ρ by as
   /// much), and grows after one that was taken back.  Measured: to 0.05 or 0.1 in place of kDown takes twice
-  /// the steps and leaves some stages unsolved.
+  /// the steps and leaves some stages unsolved.  Half and twice take up to 4 and 3 times the factorisations
+  /// of kDown, 2.6 and 5.4 times those of kFast, in stacks and card houses.
   static constexpr double kDown = 0.3, kUp = 3, kWell = 0.7, kFast = 0.1;
   /// Its bounds.  Measured: 1e-9 as the least takes no fewer steps; 1e-6 fails where bodies wedge.
   static constexpr double kLeastCoupledRho = 1e-8, kMostRho = 1e-2;
-  /// Rounds that must go well after one that was taken back, before ρ falls again.
+  /// Rounds that must go well after one that was taken back, before ρ falls again.  Half takes 3 times the
+  /// factorisations of a card house.
   static constexpr int kHold = 3;
   /// Every so many rounds the residual must have fallen to kProgress.
   static constexpr int kLook = 12;

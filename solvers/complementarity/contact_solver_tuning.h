@@ -3,17 +3,21 @@
 namespace taut {
 
 /// Constants of the methods for stages with contacts beside those of ContactNewtonTuning.  Without a unit:
-/// parts of the largest impulse, and counts.  (solvers/complementarity, "Ladder", "Islands")
+/// parts of the largest impulse, and counts.  What half and twice of each change is in
+/// benchmarks/results/tuning.md, and here where it is more than twice the work of a scene.
+/// (solvers/complementarity, "Ladder", "Islands")
 struct ContactSolverTuning {
   /// Impulses of before that do not meet their laws are mended where they are off by no more than this part.
   static constexpr double kNear = 1e-3;
   /// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
   /// more than that part of the largest.  Measured: 100 sweeps take twice the Newton steps; a sweep costs
-  /// 1/25 of one, and 300 reduce a residual of 0.5 to 1e-4 (solvers/HISTORY.md, "Complementarity").
+  /// 1/25 of one, and 300 reduce a residual of 0.5 to 1e-4 (solvers/HISTORY.md, "Complementarity"). Half: 6.5
+  /// times the factorisations of a wall.
   static constexpr int kFirstSweeps = 300;
   static constexpr double kSwept = 1e-10;
   /// Σ over S_rr where contacts are locked: impulses that mend what dependent rows contradict each other by
-  /// are at most so many times larger.
+  /// are at most so many times larger.  Half and twice: 13 and 2 times the factorisations of a wall and of a
+  /// card house.
   static constexpr double kLockedSoftness = 1e-2;
   /// Sweeps where Newton's method was not enough.
   static constexpr int kLastSweeps = 1000;

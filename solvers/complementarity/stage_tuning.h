@@ -3,11 +3,14 @@
 namespace taut {
 
 /// Constants of the ladder that stages go down, and of what counts as solved.  Without a unit: parts and
-/// counts.  (solvers/complementarity, "Ladder", "Natural residual")
+/// counts.  What half and twice of each change is in benchmarks/results/tuning.md, and here where it breaks
+/// something or is more than twice the work of a scene.  (solvers/complementarity, "Ladder", "Natural
+/// residual")
 struct StageTuning {
   /// Solves more where contacts met their laws within a tolerance of rates only.
   static constexpr int kExactSolves = 2;
-  /// Part of the tolerance of velocities up to which rates of a stage count as right.
+  /// Part of the tolerance of velocities up to which rates of a stage count as right.  Twice: 3 times the
+  /// factorisations of a card house.
   static constexpr double kRatePart = 0.1;
 
   // What is met, beside the natural residual.
