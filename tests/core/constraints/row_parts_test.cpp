@@ -66,7 +66,8 @@ TEST(RowParts, DistanceIsConsistent) {
     const Pose A = random.pose();
     Pose B = random.pose();
     B.p += Vec3(5, 0, 0);  // derivatives grow like powers of 1/|d|; keep the points apart
-    check_rows(joint(Distance{random.vector(), random.vector(), random.uniform(0.5, 3)}), A, B, random);
+    check_rows(joint(row_parts::Distance{random.vector(), random.vector(), random.uniform(0.5, 3)}), A, B,
+               random);
   }
 }
 
@@ -129,7 +130,7 @@ TEST(RowParts, BodyFrameResidualsDoNotChangeUnderRigidMotion) {
     expect_unchanged(PointInPlane{random.vector(), random.unit(), random.vector()});
     expect_unchanged(Perpendicular{random.unit(), random.unit()});
     expect_unchanged(Orientation{random.rotation(), random.rotation()});
-    expect_unchanged(Distance{random.vector(), random.vector(), 1});
+    expect_unchanged(row_parts::Distance{random.vector(), random.vector(), 1});
     // The point's residual is a world vector and turns along.
     const RowChecker point(joint(Point{random.vector(), random.vector()}));
     EXPECT_LT((point.residual(transformed(R, t, A), transformed(R, t, B)) -
@@ -141,7 +142,7 @@ TEST(RowParts, BodyFrameResidualsDoNotChangeUnderRigidMotion) {
 
 /// Where the points of a distance coincide there is no direction; nothing may become infinite or NaN.
 TEST(RowParts, DistanceStaysFiniteAtZero) {
-  const RowChecker rows(joint(Distance{Vec3(1, 0, 0), Vec3(-1, 0, 0), 0.5}));
+  const RowChecker rows(joint(row_parts::Distance{Vec3(1, 0, 0), Vec3(-1, 0, 0), 0.5}));
   const Pose A{}, B{Quat::Identity(), Vec3(2, 0, 0)};
   const Twist V_A{}, V_B{Vec3(0, 0, 1), Vec3(1, 2, 3)};
   EXPECT_EQ(rows.residual(A, B)[0], -0.5);
@@ -160,7 +161,8 @@ TEST(RowParts, RowsHaveNames) {
   EXPECT_EQ(point.rows().row_name(2), "translation along world z");
   const RowChecker orientation(joint(Orientation{Quat::Identity(), Quat::Identity()}));
   EXPECT_EQ(orientation.rows().row_name(1), "rotation about joint y");
-  EXPECT_EQ(RowChecker(joint(Distance{Vec3::Zero(), Vec3::Zero(), 1})).rows().row_name(0), "distance");
+  EXPECT_EQ(RowChecker(joint(row_parts::Distance{Vec3::Zero(), Vec3::Zero(), 1})).rows().row_name(0),
+            "distance");
 }
 
 /// A point with one mistake of the author's choice.

@@ -57,7 +57,7 @@ std::vector<Case> tabulated() {
   return cases;
 }
 
-class TabulatedScene : public testing::TestWithParam<Case> {};
+class TabulatedScene : public ::testing::TestWithParam<Case> {};
 
 TEST_P(TabulatedScene, HasTheCountsAndTheDurationOfTheTable) {
   const Scene scene = build_scene(GetParam().scene, GetParam().parameters);
@@ -82,7 +82,7 @@ TEST_P(TabulatedScene, StartsWithAllJointsClosed) {
   EXPECT_LT(gap.radians, 1e-12);
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, TabulatedScene, testing::ValuesIn(tabulated()));
+INSTANTIATE_TEST_SUITE_P(Catalogue, TabulatedScene, ::testing::ValuesIn(tabulated()));
 
 TEST(SceneBuilders, UseTheDurationOfTheNextSmallerTabulatedSize) {
   EXPECT_EQ(build_scene("chain", {{"n", 3}}).duration, 5);

@@ -41,7 +41,7 @@ VectorXd random_rates(int n, std::mt19937& random) {
 
 /// Small problems with up to six bounded rows against every combination of segments: repeated joints, slopes,
 /// updates of the factor.
-class ActiveSetSmall : public testing::TestWithParam<std::tuple<double, bool, bool>> {};
+class ActiveSetSmall : public ::testing::TestWithParam<std::tuple<double, bool, bool>> {};
 
 TEST_P(ActiveSetSmall, AgreesWithTheEnumerationOfAllPieces) {
   const auto [repeated, slopes, update] = GetParam();
@@ -88,7 +88,8 @@ TEST_P(ActiveSetSmall, AgreesWithTheEnumerationOfAllPieces) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ActiveSetSmall,
-                         testing::Combine(testing::Values(0.0, 0.4), testing::Bool(), testing::Bool()));
+                         ::testing::Combine(::testing::Values(0.0, 0.4), ::testing::Bool(),
+                                            ::testing::Bool()));
 
 /// Limits alone are a linear complementarity problem; up to 40 of them, more than bodies have freedoms.
 TEST(ActiveSet, AgreesWithLemkeOnLimits) {

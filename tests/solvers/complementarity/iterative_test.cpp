@@ -24,8 +24,8 @@ Settings with(Solver solver, int iterations, double relaxation = 1) {
   return settings;
 }
 
-class Iterative : public testing::TestWithParam<Solver> {};
-INSTANTIATE_TEST_SUITE_P(Solvers, Iterative, testing::ValuesIn(kIterative), [](const auto& solver) {
+class Iterative : public ::testing::TestWithParam<Solver> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, Iterative, ::testing::ValuesIn(kIterative), [](const auto& solver) {
   return std::string(solver.param == Solver::kGaussSeidel ? "gauss_seidel"
                      : solver.param == Solver::kPairwise  ? "pairwise"
                                                           : "propagation");

@@ -51,7 +51,7 @@ VectorXd reachable(const MatrixXd& S, const std::vector<double>& states, std::mt
 }
 
 /// Independent, then with repeated joints: singular, two back-solves through the shifted factor.
-class RowStates : public testing::TestWithParam<double> {};
+class RowStates : public ::testing::TestWithParam<double> {};
 
 TEST_P(RowStates, SolveOnlyOnTheRowsThatAreLeft) {
   std::mt19937 random(21);
@@ -124,8 +124,8 @@ TEST_P(RowStates, UpdatesOfAFactorAreAsGoodAsANewOne) {
   EXPECT_GT(updated, (GetParam() > 0 ? 1 : 20) * refused) << refused;
 }
 
-INSTANTIATE_TEST_SUITE_P(Independent, RowStates, testing::Values(0.0));
-INSTANTIATE_TEST_SUITE_P(Repeated, RowStates, testing::Values(0.4));
+INSTANTIATE_TEST_SUITE_P(Independent, RowStates, ::testing::Values(0.0));
+INSTANTIATE_TEST_SUITE_P(Repeated, RowStates, ::testing::Values(0.4));
 
 TEST(RowStates, ABudgetOfBackSolvesIsKept) {
   std::mt19937 random(23);

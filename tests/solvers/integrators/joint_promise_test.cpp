@@ -78,7 +78,7 @@ std::string name_of(const Promise& promise) {
 
 std::ostream& operator<<(std::ostream& out, const Promise& promise) { return out << name_of(promise); }
 
-class JointPromise : public testing::TestWithParam<Promise> {};
+class JointPromise : public ::testing::TestWithParam<Promise> {};
 
 /// At every step: joints closed to 1e-9 m and rad by the report and by the poses that the user gets, one
 /// analysis for all, and energy.
@@ -141,7 +141,7 @@ TEST(WeakDirections, AGridSwingsOnWhereMendingOvershoots) {
 }
 #endif
 
-INSTANTIATE_TEST_SUITE_P(Scenes, JointPromise, testing::ValuesIn(promises()),
+INSTANTIATE_TEST_SUITE_P(Scenes, JointPromise, ::testing::ValuesIn(promises()),
                          [](const auto& promise) { return name_of(promise.param); });
 
 }  // namespace

@@ -178,7 +178,7 @@ double turn_in_groove(double part, double time) {
   Simulator simulator(world);
   while (world.time() < time) {
     EXPECT_TRUE(simulator.step(1e-3).ok()) << simulator.report().message;
-    if (testing::Test::HasFailure()) break;
+    if (::testing::Test::HasFailure()) break;
   }
   EXPECT_LT((world.pose(roller).p - start).norm(), 1e-9);
   return world.pose(roller).q.angularDistance(along);

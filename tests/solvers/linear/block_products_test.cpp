@@ -17,7 +17,7 @@ constexpr int kMostRows = 13;  // more than three strips of four
 constexpr double kUntouched = 7;
 constexpr double kRoundOff = 1e-15;
 
-class BlockProductsTest : public testing::TestWithParam<const FrontKernels*> {
+class BlockProductsTest : public ::testing::TestWithParam<const FrontKernels*> {
  protected:
   void SetUp() override {
     if (GetParam() == nullptr) GTEST_SKIP() << "this processor runs the portable kernels only";
@@ -123,7 +123,7 @@ const FrontKernels* fast_kernels() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kernels, BlockProductsTest,
-                         testing::Values(&portable_front_kernels(), fast_kernels()),
+                         ::testing::Values(&portable_front_kernels(), fast_kernels()),
                          [](const auto& test) { return std::string(test.index == 0 ? "Portable" : "Fast"); });
 
 }  // namespace

@@ -155,7 +155,7 @@ Edges grid_edges(int width, int height) {
   return edges;
 }
 
-class MultifrontalFactorTest : public testing::TestWithParam<const FrontKernels*> {
+class MultifrontalFactorTest : public ::testing::TestWithParam<const FrontKernels*> {
  protected:
   void SetUp() override {
     if (GetParam() == nullptr) GTEST_SKIP() << "kernels not built, or not for this processor";
@@ -374,7 +374,7 @@ const FrontKernels* fast_kernels() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kernels, MultifrontalFactorTest,
-                         testing::Values(&portable_front_kernels(), fast_kernels()),
+                         ::testing::Values(&portable_front_kernels(), fast_kernels()),
                          [](const auto& test) { return std::string(test.index == 0 ? "Portable" : "Fast"); });
 
 }  // namespace

@@ -65,7 +65,7 @@ struct OrderCase {
   double order, dt;
 };
 
-class IntegratorOrder : public testing::TestWithParam<OrderCase> {};
+class IntegratorOrder : public ::testing::TestWithParam<OrderCase> {};
 
 /// Large-amplitude pendulum against elliptic functions; the half order of leeway is for steps that are not
 /// yet asymptotic.
@@ -80,13 +80,13 @@ TEST_P(IntegratorOrder, IsTheNominalOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, IntegratorOrder,
-                         testing::Values(OrderCase{"rattle", Integrator::kRattle, 2, 0.01},
-                                         OrderCase{"rattle4", Integrator::kRattle4, 4, 0.02},
-                                         OrderCase{"rattle6", Integrator::kRattle6, 6, 0.05},
-                                         OrderCase{"rattle8", Integrator::kRattle8, 8, 0.1},
-                                         OrderCase{"force_euler", Integrator::kForceEuler, 1, 0.005},
-                                         OrderCase{"force_runge_kutta", Integrator::kForceRungeKutta, 4,
-                                                   0.02}),
+                         ::testing::Values(OrderCase{"rattle", Integrator::kRattle, 2, 0.01},
+                                           OrderCase{"rattle4", Integrator::kRattle4, 4, 0.02},
+                                           OrderCase{"rattle6", Integrator::kRattle6, 6, 0.05},
+                                           OrderCase{"rattle8", Integrator::kRattle8, 8, 0.1},
+                                           OrderCase{"force_euler", Integrator::kForceEuler, 1, 0.005},
+                                           OrderCase{"force_runge_kutta", Integrator::kForceRungeKutta, 4,
+                                                     0.02}),
                          [](const auto& order_case) { return std::string(order_case.param.name); });
 
 TEST(Rattle, KeepsTheEnergyOfADoublePendulumForAMillionSteps) {
@@ -373,7 +373,7 @@ struct CureCase {
   double largest_gap;
 };
 
-class Cure : public testing::TestWithParam<CureCase> {};
+class Cure : public ::testing::TestWithParam<CureCase> {};
 
 /// Two seconds of a double pendulum with the force-level scheme at 1 ms: what each cure is worth.
 TEST_P(Cure, HoldsTheJointsAsWellAsItCan) {
@@ -393,11 +393,11 @@ TEST_P(Cure, HoldsTheJointsAsWellAsItCan) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Cure,
-                         testing::Values(CureCase{"none", DriftCure::kNone, 0.2},
-                                         CureCase{"baumgarte", DriftCure::kBaumgarte, 2e-4},
-                                         CureCase{"velocity_impulse", DriftCure::kVelocityImpulse, 2e-4},
-                                         CureCase{"position_push", DriftCure::kPositionPush, 2e-4},
-                                         CureCase{"penalty", DriftCure::kPenalty, 2e-2}),
+                         ::testing::Values(CureCase{"none", DriftCure::kNone, 0.2},
+                                           CureCase{"baumgarte", DriftCure::kBaumgarte, 2e-4},
+                                           CureCase{"velocity_impulse", DriftCure::kVelocityImpulse, 2e-4},
+                                           CureCase{"position_push", DriftCure::kPositionPush, 2e-4},
+                                           CureCase{"penalty", DriftCure::kPenalty, 2e-2}),
                          [](const auto& cure) { return std::string(cure.param.name); });
 
 TEST(Settings, BadOnesAreRefusedByName) {

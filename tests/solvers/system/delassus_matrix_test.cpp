@@ -85,7 +85,7 @@ MatrixXd shifted(MatrixXd S, double shift) {
   return S;
 }
 
-class DelassusMatrixTest : public testing::TestWithParam<SymmetricMatrix::Triangle> {};
+class DelassusMatrixTest : public ::testing::TestWithParam<SymmetricMatrix::Triangle> {};
 
 TEST_P(DelassusMatrixTest, IsTheDenseProductForBothRootsWithAndWithoutShift) {
   std::mt19937 random(5);
@@ -179,8 +179,8 @@ TEST(ConstraintSystemPieces, linearizing_and_assembling_at_once_makes_the_same_b
 }
 
 INSTANTIATE_TEST_SUITE_P(Triangles, DelassusMatrixTest,
-                         testing::Values(SymmetricMatrix::Triangle::kLower,
-                                         SymmetricMatrix::Triangle::kUpper),
+                         ::testing::Values(SymmetricMatrix::Triangle::kLower,
+                                           SymmetricMatrix::Triangle::kUpper),
                          [](const auto& test) { return test.index == 0 ? "Lower" : "Upper"; });
 
 }  // namespace
