@@ -42,7 +42,7 @@ double force_on(const Simulator& simulator, BodyId body) {
   return force;
 }
 
-bool same(const State& a, const State& b) {
+bool equal_bits(const State& a, const State& b) {
   for (std::size_t i = 0; i < a.poses.size(); ++i)
     if (a.poses[i].p != b.poses[i].p || a.poses[i].q.coeffs() != b.poses[i].q.coeffs()) return false;
   return true;
@@ -65,7 +65,7 @@ TEST(Sleep, a_stack_at_rest_sleeps_and_its_contacts_still_bear_it) {
   }
   const State then = world.state();
   advance(simulator, 1);
-  EXPECT_TRUE(same(then, world.state()));
+  EXPECT_TRUE(equal_bits(then, world.state()));
 }
 
 #ifdef TAUT_COUNTS_ALLOCATIONS
@@ -344,7 +344,7 @@ TEST(Sleep, is_repeatable_and_ends_with_its_simulator) {
     return world;
   };
   World first = run(), second = run();
-  EXPECT_TRUE(same(first.state(), second.state()));
+  EXPECT_TRUE(equal_bits(first.state(), second.state()));
   Simulator other(first, sleeping(false));
   ASSERT_TRUE(other.step(kStep).ok());
   EXPECT_EQ(first.asleep_count(), 0);
