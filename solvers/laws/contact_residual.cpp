@@ -153,8 +153,4 @@ double relative_contact_residual(const ContactRows& contacts, int k, std::span<c
   return largest;
 }
 
-NaturalResidual DiscState::residual(double bound) const {
-  return {s, (tau - into_disc(tau - slip / (s + softness), bound)).norm(), softness};
-}
-
 }  // namespace taut

@@ -15,7 +15,10 @@ struct DiscState {
   Vec2 tau = Vec2::Zero(), slip = Vec2::Zero();  ///< impulse of both kicks and rate off the law's target
   double s = 1, softness = 0;                    ///< S_rr of its rows, the larger one, and compliance
 
-  NaturalResidual residual(double bound) const;  ///< of τ at the slip
+  /// Of τ at the slip.
+  NaturalResidual residual(double bound) const {
+    return {s, (tau - into_disc(tau - slip / (s + softness), bound)).norm(), softness};
+  }
 };
 DiscState sliding_state(const ContactRows& contacts, int k, std::span<const double> lambda,
                         std::span<const double> w);
