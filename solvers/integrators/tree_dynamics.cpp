@@ -20,8 +20,6 @@ class TreeDynamics::Impl {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Subspace = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
-  /// Of no more than six rows and columns: the compiler makes no blocked products for it.
-  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 
   /// A moving body and the joint to its parent; row_count 0: none, it is free.
   struct Branch {
@@ -66,7 +64,6 @@ void TreeDynamics::Impl::check_joint(int j) const {
   const Rows::JointRows& joint = rows_.joints()[j];
   if (joint.row_count == 0 && !world_.is_attached(id)) return;
   if (joint.side_count > 2) fail("joint", "must have two bodies in a tree", world_.name(id));
-  if (joint.row_count > 6) fail("joint", "must have at most six rows in a tree", world_.name(id));
   if (world_.compliance(id)) fail("joint", "must not be soft in a tree", world_.name(id));
   if (world_.has_axis_properties(id))
     fail("joint", "must have no limits, motor, friction or spring in a tree", world_.name(id));
@@ -92,7 +89,7 @@ void TreeDynamics::Impl::grow(int root, std::vector<char>& reached, std::vector<
 }
 
 std::vector<TreeDynamics::Impl::Motion> TreeDynamics::Impl::motions(const State& state) const {
-  using Block = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, 6, 6>>;
+  using Block = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>>;
   const Configuration at(state);
   std::vector<double> jacobian(rows_.jacobian_size()), gamma(rows_.row_count());
   rows_.jacobian(at, jacobian);
@@ -103,9 +100,8 @@ std::vector<TreeDynamics::Impl::Motion> TreeDynamics::Impl::motions(const State&
     if (branch.row_count == 0) continue;
     const Block J_b(jacobian.data() + branch.offset, branch.row_count, 6);
     const Block J_p(jacobian.data() + branch.parent_offset, branch.row_count, 6);
-    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>> bias(
-        gamma.data() + branch.first_row, branch.row_count);
-    const Eigen::JacobiSVD<Small> svd(J_b, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::Map<const Eigen::VectorXd> bias(gamma.data() + branch.first_row, branch.row_count);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J_b, Eigen::ComputeFullU | Eigen::ComputeFullV);
     motions[k].X = -svd.solve(J_p);
     motions[k].c = -svd.solve(bias);
     motions[k].S = svd.matrixV().rightCols(6 - svd.rank());
@@ -142,13 +138,13 @@ std::vector<Twist> TreeDynamics::Impl::recursive(const State& state) const {
   std::vector<Matrix6> inertia;
   std::vector<Vector6> bias, a(world_.body_count(), Vector6::Zero());
   inertias(state, inertia, bias);
-  std::vector<Eigen::LLT<Small>> own(branches_.size());  // Sᵀ I S of the articulated bodies
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> own(branches_.size());  // Sᵀ I S of the articulated bodies
   for (std::size_t k = branches_.size(); k-- > 0;) {
     const Branch& branch = branches_[k];
     const auto& [X, c, S] = motion[k];
     const Matrix6& I = inertia[branch.body];
     const Vector6 p = bias[branch.body] + I * c;
-    const Subspace U = I * S;
+    const Eigen::MatrixXd U = I * S;
     own[k].compute(S.transpose() * U);
     if (branch.row_count == 0) continue;
     // What the parent feels of it, whatever its own speeds do.

@@ -19,8 +19,8 @@ namespace taut {
 class TreeDynamics {
  public:
   /// The world must live on, with the topology that it has.
-  /// @throws std::invalid_argument for a joint that closes a loop or has more than two bodies or six rows, is
-  /// soft, or has limits, a motor, friction or a spring on an axis.
+  /// @throws std::invalid_argument for a joint that closes a loop or has more than two bodies, is soft, or
+  /// has limits, a motor, friction or a spring on an axis.
   explicit TreeDynamics(const World& world);
   ~TreeDynamics();
 
