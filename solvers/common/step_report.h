@@ -159,8 +159,7 @@ struct StepWorks {
   double flow = 0;         ///< kinetic energy that is gained between kicks, where free flow is approximate
 };
 
-/// What the sub-steps of a step come to.  A sub-step adds to a copy of what those before it have come to,
-/// which takes the place of that afterwards, with the works of a sub-step that is kept only.
+/// What the sub-steps of a step come to.  Each adds to it; works are those of sub-steps that are kept.
 struct SubstepReport {
   Status status = Status::kSuccess;  ///< how the step ended
   std::string message;               ///< empty on success

@@ -155,18 +155,15 @@ void ContactIslands::solve(Island& island, const StageProblem& whole, const Limi
   gather(island, whole, scratch);
   island.record = {};
   const StageProblem problem{island.laws, island.b, island.inertia, island.lambda, island.w};
-  island.done =
-      island.solver->rests(problem, limits.warm_start_tolerance, island.record) ||
-      island.solver->solve_by_newton(problem, limits.newton, island.record) ||
-      island.solver->solve_by_sweeps(problem, limits.newton.rate_tolerance, limits.inexact, island.record);
+  island.done = island.solver->rests(problem, limits.warm_start_tolerance, island.record) ||
+                island.solver->solve(problem, limits.newton, limits.inexact, island.record);
 }
 
 bool ContactIslands::solve(const StageProblem& problem, const Limits& limits, StageRecord& record) {
   find();
   if (islands_.size() <= 1)
     return (system_.uses_primal_system() && whole_.rests(problem, limits.warm_start_tolerance, record)) ||
-           whole_.solve_by_newton(problem, limits.newton, record) ||
-           whole_.solve_by_sweeps(problem, limits.newton.rate_tolerance, limits.inexact, record);
+           whole_.solve(problem, limits.newton, limits.inexact, record);
   (void)system_.weighted();  // made now, and not by each of the threads
   const auto work = [&](int task, int worker) {
     solve(*islands_[order_[task]], problem, limits, scratch_[worker]);

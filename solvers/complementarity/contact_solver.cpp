@@ -69,6 +69,12 @@ bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolera
   return true;
 }
 
+bool ContactSolver::solve(const StageProblem& problem, const NewtonLimits& limits, double inexact,
+                          StageRecord& record) {
+  return solve_by_newton(problem, limits, record) ||
+         solve_by_sweeps(problem, limits.rate_tolerance, inexact, record);
+}
+
 double ContactSolver::sweep(const StageProblem& problem, int sweeps, double rate_tolerance) {
   (void)iteration().solve(contacts_, problem.laws, problem.b, problem.lambda, problem.w, {.sweeps = sweeps},
                           {});
@@ -132,6 +138,8 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
   return false;
 }
 
+/// Where Newton's method has given up: its best round, or what Gauss–Seidel makes of that if it is better, if
+/// it is good enough.  Gauss–Seidel on contacts comes near from anywhere, and no further.
 bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tolerance, double inexact,
                                     StageRecord& record) {
   if (inexact == 0 || contacts_.count() == 0) return false;

@@ -33,12 +33,10 @@ class ContactSolver {
   /// True if nothing comes together and λ meets the laws as it is, or after one linear solve in which all
   /// that presses is locked; w becomes its rates.
   bool rests(const StageProblem& problem, double rate_tolerance, StageRecord& record);
+  /// `inexact`: a residual that may be taken in the end; 0: none beyond that of Newton's method.
+  bool solve(const StageProblem& problem, const NewtonLimits& limits, double inexact, StageRecord& record);
   /// Newton's method, and friction that holds; λ is what it may start from.
   bool solve_by_newton(const StageProblem& problem, const NewtonLimits& limits, StageRecord& record);
-  /// Where Newton's method has given up: its best round, or what Gauss–Seidel makes of that if it is better,
-  /// if it is within `inexact`.  Gauss–Seidel on contacts comes near from anywhere, and no further.
-  bool solve_by_sweeps(const StageProblem& problem, double rate_tolerance, double inexact,
-                       StageRecord& record);
   /// From a solution in which contacts slip that stuck: true, and another one, if there is one in which they
   /// hold.  Else they are let go, and λ and w stay as they are.
   bool search_sticking_solution(const StageProblem& problem, double rate_tolerance, StageRecord& record);
@@ -59,6 +57,8 @@ class ContactSolver {
   bool meets_laws(const StageProblem& problem, double tolerance, double rate_tolerance, StageRecord& record);
   bool rests_locked(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   void sweep_guess(const StageProblem& problem, double rate_tolerance);
+  bool solve_by_sweeps(const StageProblem& problem, double rate_tolerance, double inexact,
+                       StageRecord& record);
 
   ConstraintSystem& system_;
   ContactLaws& contacts_;

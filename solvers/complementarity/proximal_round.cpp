@@ -49,8 +49,7 @@ double ProximalRound::distance_to_centre(const ContactProblem& problem) const {
 bool ProximalRound::minimize(const ContactProblem& problem, const LaggedFriction& lagged, double tolerance,
                              int most, int& steps, StageTimes& times) {
   const bool coupled = lagged.holds_nothing();
-  read_impulses(problem, lagged, 0);
-  projection_.project(problem, metric_.sigma(), lagged, centre_);
+  project(problem, lagged, 0);
   GradientHistory history;
   for (int step = 0;; ++step) {
     read_gradient();
@@ -66,14 +65,14 @@ bool ProximalRound::minimize(const ContactProblem& problem, const LaggedFriction
   }
 }
 
-/// x at the present velocities and `length` of the step.
-void ProximalRound::read_impulses(const ContactProblem& problem, const LaggedFriction& lagged,
-                                  double length) {
+/// y and P' of x at the present velocities and `length` of the step.
+void ProximalRound::project(const ContactProblem& problem, const LaggedFriction& lagged, double length) {
   const std::span<const double> sigma = metric_.sigma(), carry = metric_.carry(), shift = lagged.shift();
   const std::span<double> x = projection_.x();
   for (std::size_t r = 0; r < x.size(); ++r)
     x[r] = carry[r] * centre_[r] -
            (base_[r] + rates_[r] + length * rates_of_step_[r] - problem.target[r] + shift[r]) / sigma[r];
+  projection_.project(problem, sigma, lagged, centre_);
 }
 
 /// The gradient δv − Wᵀ (y − λ̄).
@@ -106,8 +105,7 @@ void ProximalRound::search(const ContactProblem& problem, const LaggedFriction& 
   const double along = step_.dot(v_), square = step_.squaredNorm();
   const auto slope_at = [&](double length) {
     double slope = along + length * square;
-    read_impulses(problem, lagged, length);
-    projection_.project(problem, metric_.sigma(), lagged, centre_);
+    project(problem, lagged, length);
     const std::span<const double> y = projection_.y();
     for (std::size_t r = 0; r < y.size(); ++r) slope -= rates_of_step_[r] * (y[r] - centre_[r]);
     return slope;

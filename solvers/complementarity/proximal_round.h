@@ -46,7 +46,7 @@ class ProximalRound {
  private:
   using Tuning = ContactNewtonTuning;
 
-  void read_impulses(const ContactProblem& problem, const LaggedFriction& lagged, double length);
+  void project(const ContactProblem& problem, const LaggedFriction& lagged, double length);
   void read_gradient();
   bool find_step(const LaggedFriction& lagged, StageTimes& times);
   void search(const ContactProblem& problem, const LaggedFriction& lagged);

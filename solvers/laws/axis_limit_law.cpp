@@ -11,8 +11,6 @@ constexpr double kReturnRate = 1;
 
 }  // namespace
 
-bool has_rigid_limit(const AxisProperties& p) { return p.limits && p.limits->compliance == 0; }
-
 bool in_flight(const AxisLimits& limits, double theta0, bool at_lower) {
   return at_lower ? theta0 > limits.lower + kTouch : theta0 < limits.upper - kTouch;
 }
@@ -65,7 +63,7 @@ bool AxisLimitLaw::set_single_kick(const AxisStage& stage) {
 }
 
 void AxisLimitLaw::add_to(RowLaw& law, const AxisProperties& p) const {
-  if (!p.limits || p.limits->compliance > 0) return;
+  if (!has_rigid_limit(p)) return;
   if (std::isfinite(p.limits->lower)) {
     law = law + RowLaw::lower_limit(lower_at);
     for (int k = 1; k <= law.steps; ++k) law.level[k] -= lower_back;

@@ -17,7 +17,7 @@ struct AxisImpact {
 };
 
 /// It has limits without compliance.
-bool has_rigid_limit(const AxisProperties& p);
+inline bool has_rigid_limit(const AxisProperties& p) { return p.limits && p.limits->compliance == 0; }
 /// The step began away from the limit.
 bool in_flight(const AxisLimits& limits, double theta0, bool at_lower);
 

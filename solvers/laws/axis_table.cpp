@@ -20,7 +20,7 @@ bool AxisTable::refresh() {
     from_own_[i] = 0;
     if (rows_[i].axis.axis < 0) read_spring(i);
     const AxisProperties& p = properties(i);
-    any_rigid_limit_ = any_rigid_limit_ || (p.limits && p.limits->compliance == 0);
+    any_rigid_limit_ = any_rigid_limit_ || taut::has_rigid_limit(p);
     any_load_ = any_load_ || (p.friction && p.friction->per_load != 0);
     any_spring_ = any_spring_ || p.spring || has_soft_limit(p);
   }

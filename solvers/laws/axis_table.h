@@ -6,6 +6,7 @@
 
 #include "core/constraints/rows.h"
 #include "core/world/world.h"
+#include "solvers/laws/axis_limit_law.h"
 
 namespace taut {
 
@@ -46,9 +47,7 @@ class AxisTable {
   /// The axes and softened rows of a joint give no force any more.
   void release(JointId joint);
   bool released(std::size_t i) const { return released_[i]; }
-  bool has_rigid_limit(std::size_t i) const {
-    return !released_[i] && properties(i).limits && properties(i).limits->compliance == 0;
-  }
+  bool has_rigid_limit(std::size_t i) const { return !released_[i] && taut::has_rigid_limit(properties(i)); }
   /// A motor of any force.
   bool has_unbounded_motor(std::size_t i) const;
 

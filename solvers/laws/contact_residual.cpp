@@ -8,24 +8,23 @@
 namespace taut {
 namespace {
 
-double squared(double root) { return root * root; }
-
 DiscState disc_state(const ContactRows& contacts, int row, const Vec2& given,
                      const ContactTable::SlipLaw& law, std::span<const double> lambda,
                      std::span<const double> w) {
   const Vec2 impulse(lambda[row], lambda[row + 1]);
   return {given + impulse, Vec2(w[row], w[row + 1]) + law.softness * impulse - law.target,
-          squared(std::max(contacts.root(row), contacts.root(row + 1))), law.softness};
+          std::max(contacts.root(row), contacts.root(row + 1)), law.softness};
 }
 
 NaturalResidual normal_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                 std::span<const double> w) {
   const int row = contacts.first_row(k);
-  const double s = squared(contacts.root(row));
+  const double root = contacts.root(row);
   const ContactTable::NormalLaw law = normal_law(contacts, k);
   const double normal = contacts.point(k).back + lambda[row];
   const double off = w[row] + law.softness * lambda[row] - law.target;
-  return {s, normal - std::clamp(normal - off / (s + law.softness), 0.0, law.most), law.softness};
+  const double own = root * root + law.softness;
+  return {root, own, normal - std::clamp(normal - off / own, 0.0, law.most)};
 }
 
 /// Of a disc, with the rate that its first row would take it for.
@@ -54,14 +53,6 @@ NaturalResidual other_sliding_residual(const ContactRows& contacts, int k, std::
       .residual(contacts.friction_bound(k, contacts.pressure(k, lambda)));
 }
 
-NaturalResidual spinning_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
-                                  std::span<const double> w) {
-  const int row = contacts.first_row(k) + ContactRows::kSpinRow;
-  const double bound = contacts.place(k).material.spinning_friction * contacts.pressure(k, lambda);
-  const double s = squared(contacts.root(row)), spin = contacts.point(k).spin_given + lambda[row];
-  return {s, spin - std::clamp(spin - w[row] / s, -bound, bound)};
-}
-
 NaturalResidual rolling_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                  std::span<const double> w) {
   const double arm = contacts.place(k).material.rolling_friction;
@@ -76,10 +67,11 @@ NaturalResidual cone_residual(const ContactRows& contacts, int k, std::span<cons
   const int row = contacts.first_row(k);
   const Vec2& given = point.sliding.given;
   const Vec2& target = point.sliding.target;
-  const double s = squared(std::max({contacts.root(row), contacts.root(row + 1), contacts.root(row + 2)}));
+  const double root = std::max({contacts.root(row), contacts.root(row + 1), contacts.root(row + 2)});
+  const double own = root * root;
   const Vec3 impulse(point.back + lambda[row], given[0] + lambda[row + 1], given[1] + lambda[row + 2]);
   const Vec3 off(w[row] - normal_law(contacts, k).target, w[row + 1] - target[0], w[row + 2] - target[1]);
-  return {s, (impulse - into_cone(impulse - off / s, contacts.friction_bound(k, 1))).norm()};
+  return {root, own, (impulse - into_cone(impulse - off / own, contacts.friction_bound(k, 1))).norm()};
 }
 
 }  // namespace
@@ -95,6 +87,15 @@ DiscState rolling_state(const ContactRows& contacts, int k, std::span<const doub
   const ContactTable::Disc& disc = contacts.point(k).rolling;
   return disc_state(contacts, contacts.first_row(k) + ContactRows::kRollingRow, disc.given, disc.rigid_law(),
                     lambda, w);
+}
+
+NaturalResidual spinning_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
+                                  std::span<const double> w) {
+  const int row = contacts.first_row(k) + ContactRows::kSpinRow;
+  const double bound = contacts.place(k).material.spinning_friction * contacts.pressure(k, lambda);
+  const double root = contacts.root(row), own = root * root;
+  const double spin = contacts.point(k).spin_given + lambda[row];
+  return {root, own, spin - std::clamp(spin - w[row] / own, -bound, bound)};
 }
 
 ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<const double> lambda,

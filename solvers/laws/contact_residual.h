@@ -13,11 +13,12 @@ namespace taut {
 /// A disc of a contact at a solution of a stage.
 struct DiscState {
   Vec2 tau = Vec2::Zero(), slip = Vec2::Zero();  ///< impulse of both kicks and rate off the law's target
-  double s = 1, softness = 0;                    ///< S_rr of its rows, the larger one, and compliance
+  double root = 1, softness = 0;                 ///< √S_rr of its rows, the larger one, and compliance
 
   /// Of τ at the slip.
   NaturalResidual residual(double bound) const {
-    return {s, (tau - into_disc(tau - slip / (s + softness), bound)).norm(), softness};
+    const double own = root * root + softness;
+    return {root, own, (tau - into_disc(tau - slip / own, bound)).norm()};
   }
 };
 DiscState sliding_state(const ContactRows& contacts, int k, std::span<const double> lambda,
@@ -33,6 +34,10 @@ struct ContactResidual {
 /// Of contact k; of one that does not work, 0.
 ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                  std::span<const double> w);
+
+/// Of the spinning row of contact k alone.
+NaturalResidual spinning_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
+                                  std::span<const double> w);
 
 /// The largest of contacts [√J]; 0 where rates are met to the tolerance, but for those that share.
 double contact_residual(const ContactRows& contacts, std::span<const double> lambda,

@@ -16,9 +16,11 @@ struct NaturalResidual {
   double rate = 0;  ///< (S + c) |λ − λ*|, by how much the rate is off [m/s or rad/s]
 
   NaturalResidual() = default;
-  /// Of impulses that are `off` = |λ − λ*| from the answer, with s = S_rr and the compliance c of their law.
-  NaturalResidual(double s, double off, double compliance = 0)
-      : size(std::sqrt(s) * std::abs(off)), rate((s + compliance) * std::abs(off)) {}
+  /// Of impulses that are `off` = |λ − λ*| from the answer, with root = √S and own = S + c.
+  NaturalResidual(double root, double own, double off)
+      : size(root * std::abs(off)), rate(own * std::abs(off)) {}
+  /// The same without compliance, with s = S.
+  NaturalResidual(double s, double off) : NaturalResidual(std::sqrt(s), s, off) {}
 
   /// The size, 0 where the rate is right to the tolerance.
   double beyond(double rate_tolerance) const { return rate <= rate_tolerance ? 0 : size; }

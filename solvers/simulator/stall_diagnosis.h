@@ -9,8 +9,7 @@ namespace taut {
 Contradiction contradiction_from(const Inquiry& asked, const State& state, double horizon);
 
 /// Why a scheme of impulses, as all that can stall are, could not do a step in sub-steps as short as allowed:
-/// of the causes that
-/// (solvers/diagnosis, "A step that failed") lists the first that is found ends the step.
+/// of the causes that (solvers/diagnosis, "A step that failed") lists the first that is found ends the step.
 class StallDiagnosis {
  public:
   explicit StallDiagnosis(const Inquiry& asked);

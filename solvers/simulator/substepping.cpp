@@ -22,13 +22,11 @@ Scheme::Outcome Substepping::advance(Scheme& scheme, double dt, StepReport& repo
   const bool hard = division_.hard();
   scheme.accept_inexact(hard ? settings_.inexact_tolerance : 0, hard);
   bool forgot = false;
-  SubstepReport& so_far = report;
   while (!substeps.done()) {
     detail::poll_interrupt();
-    substep_ = so_far;
-    const Scheme::Outcome outcome = scheme.advance(substeps.next(scheme.step_limit()), substep_);
-    if (outcome != kDone) substep_.works = so_far.works;
-    so_far = substep_;
+    const StepWorks kept = report.works;
+    const Scheme::Outcome outcome = scheme.advance(substeps.next(scheme.step_limit()), report);
+    if (outcome != kDone) report.works = kept;
     if (outcome == kNotFinite || outcome == kBlind) return outcome;
     if (outcome == kDone)
       substeps.accept();

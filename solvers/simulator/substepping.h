@@ -28,7 +28,6 @@ class Substepping {
 
   const Settings& settings_;
   StepDivision division_;
-  SubstepReport substep_;  // the present one
   double remaining_ = 0;
 };
 
