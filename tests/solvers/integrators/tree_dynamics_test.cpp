@@ -9,6 +9,7 @@
 #include "core/joints/joints.h"
 #include "scenes/builders/scene.h"
 #include "solvers/simulator/simulator.h"
+#include "solvers/system/mass_matrix.h"
 #include "tests/core/random_state.h"
 
 namespace taut::tree_dynamics_test {
