@@ -74,6 +74,8 @@ struct AxisKey {
   const char* key;
   Property (*read)(const JsonNode& node);
 };
+template <typename Property>
+AxisKey(const char*, Property (*)(const JsonNode&)) -> AxisKey<Property>;
 constexpr std::tuple kAxisKeys{AxisKey{"limits", read_limits}, AxisKey{"motor", read_motor},
                                AxisKey{"friction", read_friction}, AxisKey{"spring", read_spring}};
 
