@@ -33,7 +33,8 @@ bool StageWarmStart::may_rest() const {
 /// The impulses of before at once, or after some sweeps of Gauss–Seidel.
 StageWarmStart::Trial StageWarmStart::accept(StageAttempt& attempt) {
   const std::span<double> lambda = attempt.stage.lambda;
-  if (gives_to_gone_contacts(lambda)) return Trial::kMissed;
+  // Contacts that are gone, or are let through, give nothing from now on.
+  if (!model_.contacts.is_clear(lambda)) return Trial::kMissed;
   const double tolerance = attempt.warm_start_tolerance;
   std::copy(attempt.stage.rates.begin(), attempt.stage.rates.end(), attempt.w.begin());
   double off = contact_solver_.distance(attempt.problem(), tolerance);
@@ -45,17 +46,6 @@ StageWarmStart::Trial StageWarmStart::accept(StageAttempt& attempt) {
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
   return try_impulses(attempt, lambda, off);
-}
-
-/// Contacts that are gone, as where bodies may no longer collide, give nothing from now on.
-bool StageWarmStart::gives_to_gone_contacts(std::span<const double> lambda) const {
-  const std::span<const ContactSet::Place> places = model_.contacts.set().places();
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const auto given = lambda.begin() + model_.contacts.first_row(static_cast<int>(k));
-    const int count = places[k].at.row_count();
-    if (!places[k].active && std::any_of(given, given + count, [](double l) { return l != 0; })) return true;
-  }
-  return false;
 }
 
 /// Impulses that are off by this part are right, or are soon made so by sweeps.

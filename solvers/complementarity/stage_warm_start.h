@@ -42,7 +42,6 @@ class StageWarmStart {
   Trial accept(StageAttempt& attempt);
   Trial solve_all_sticking(StageAttempt& attempt);
   bool is_near_enough(const StageAttempt& attempt, double off) const;
-  bool gives_to_gone_contacts(std::span<const double> lambda) const;
   Trial try_impulses(StageAttempt& attempt, std::span<double> lambda, double off);
 
   StageModel model_;

@@ -9,6 +9,7 @@
 #include "solvers/complementarity/stage_solver.h"
 #include "solvers/integrators/contact_pattern.h"
 #include "solvers/integrators/force_iteration.h"
+#include "solvers/integrators/impact_stage.h"
 #include "solvers/integrators/kick_works.h"
 #include "solvers/integrators/multiplier_guess.h"
 #include "solvers/integrators/multiplier_prediction.h"
@@ -92,6 +93,7 @@ class ImpulseScheme : public Scheme {
   MultiplierPrediction prediction_;
   VelocityProjection projection_;
   ContactPattern contact_pattern_;
+  ImpactStage impact_stage_;
   ForceIteration force_iteration_;
   std::vector<Wrench> last_forces_;  // of the pass before
 

@@ -63,7 +63,7 @@ Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
   if (!contacts_.empty()) find_contacts();
   if (blind()) return take_back(Outcome::kBlind, report);
   factorize_end(report);  // S(q₁)
-  if (!close_velocities(h, report))
+  if (!close_velocities(h, report) || (contacts_.strikes() && !strike(report)))
     return take_back(Outcome::kStalled, report);  // kick, J V = 0 and the laws
   if (!phase_.finite()) return Outcome::kNotFinite;
   if (breaking_.possible() && break_joints(h, report)) return Outcome::kOverload;
@@ -74,6 +74,7 @@ Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
 /// The prediction of λ and the laws of the first kick, with geometric stiffness at its end if that is wanted.
 void Rattle::begin_step(double h, SubstepReport& report) {
   stages_.begin_advance();
+  impact_stage_.begin();
   force_iteration_.begin();
   tension_.end();
   if (settings_.tension == TensionPolicy::kImplicit &&
@@ -122,9 +123,7 @@ void Rattle::factorize_end(SubstepReport& report) {
 void Rattle::finish(double h, SubstepReport& report) {
   system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
   if (bounded()) finish_laws(report.works);
-  if (settings_.report_energy)
-    works_.add({phase_.state, phase_.kicked, phase_.momenta, system_.jacobian(), values_.mu}, phase_.forces,
-               h, report.works);
+  if (settings_.report_energy) account_for_end(h, report.works);
   keep_multipliers(h);
   if (breaking_.any_due() && breaking_.due(phase_.state.time)) {
     release_overloaded();
@@ -300,8 +299,7 @@ bool Rattle::close_velocities(double h, SubstepReport& report) {
     } else {
       for (int b = 0; b < world_.body_count(); ++b)
         if (system_.inverse_mass(b).moves()) phase_.second_kick(b, h);
-      if (!(stages_.iterative() ? stabilize_velocities(report) : project_bounded_momenta(report)))
-        return false;
+      if (!project_bounded_momenta(report)) return false;
     }
     if (!phase_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.

@@ -59,7 +59,11 @@ class Rattle : public ImpulseScheme {
   // The velocity stage.
   bool close_velocities(double h, SubstepReport& report);
   bool project_bounded_momenta(SubstepReport& report);
-  bool stabilize_velocities(SubstepReport& report);
+  bool meet_velocity_laws(SubstepReport& report);
+  bool sweep_velocities(const StageSolver::Stage& stage, SubstepReport& report);
+  void take_off_absorbed();
+  bool velocities_hold(SubstepReport& report);
+  bool strike(SubstepReport& report);
   void begin_velocities();
   void renew_velocity_laws();
 
@@ -69,6 +73,7 @@ class Rattle : public ImpulseScheme {
   void keep_multipliers(double h);
   void keep_first_kick();
   void account_for_kick(double h, StepWorks& works);
+  void account_for_end(double h, StepWorks& works);
   void restore(SubstepReport& report);
 
   ImplicitTension tension_;

@@ -148,11 +148,33 @@ void Rattle::begin_velocities() {
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
 bool Rattle::project_bounded_momenta(SubstepReport& report) {
   begin_velocities();
-  const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
-  if (!axes_.finite() || !stages_.solve_velocities({values_.mu, values_.rates, renew}, report)) return false;
+  if (!axes_.finite() || !meet_velocity_laws(report)) return false;
   take_impulses();
+  return velocities_hold(report);
+}
+
+bool Rattle::meet_velocity_laws(SubstepReport& report) {
+  const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
+  const StageSolver::Stage stage{values_.mu, values_.rates, renew};
+  return stages_.iterative() ? sweep_velocities(stage, report) : stages_.solve_velocities(stage, report);
+}
+
+/// What momenta leave of the rates that they had to have is within the tolerance; sweeps have none.
+bool Rattle::velocities_hold(SubstepReport& report) {
+  take_off_absorbed();
   note_velocities(report);
+  if (stages_.iterative()) return std::isfinite(report.velocity_residual);
   return report.velocity_residual <= settings_.velocity_tolerance || give_up(values_.mu, values_.rates);
+}
+
+/// Impacts at the end of the step, after its velocities are closed without them.
+bool Rattle::strike(SubstepReport& report) {
+  return impact_stage_.strike([&] {
+    renew_velocity_laws();
+    if (!meet_velocity_laws(report)) return false;
+    impact_stage_.take_impulses();
+    return velocities_hold(report);
+  });
 }
 
 /// The first kick for the books, at the pose where it acted.

@@ -37,19 +37,15 @@ bool Rattle::stabilize_positions(double h, SubstepReport& report) {
 }
 
 /// μ that takes J V + φ_t towards 0 and the other rows towards their laws.
-bool Rattle::stabilize_velocities(SubstepReport& report) {
+bool Rattle::sweep_velocities(const StageSolver::Stage& stage, SubstepReport& report) {
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
-  begin_velocities();
-  const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
-  const double tolerance = 0.1 * settings_.velocity_tolerance;
-  if (!stages_.iterate({values_.mu, values_.rates, renew}, settings_.iterations, tolerance, absorbed_,
-                       report))
-    return false;
-  take_impulses();
-  for (int b = 0; b < world_.body_count(); ++b)
+  return stages_.iterate(stage, settings_.iterations, 0.1 * settings_.velocity_tolerance, absorbed_, report);
+}
+
+/// Bodies that sweeps have held fast did not take in all of the impulses.
+void Rattle::take_off_absorbed() {
+  for (int b = 0; b < static_cast<int>(absorbed_.size()); ++b)
     if (system_.inverse_mass(b).moves()) phase_.momenta[b] = phase_.momenta[b] - absorbed_[b];
-  note_velocities(report);
-  return std::isfinite(report.velocity_residual);
 }
 
 }  // namespace taut

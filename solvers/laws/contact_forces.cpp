@@ -162,7 +162,7 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     const ContactSet::Place& place = table_.set.places()[k];
-    point.live = point.active;
+    point.live = point.active && table_.impacts[k].stage == Impact::Stage::kNone;
     if (!point.active) continue;
     point.gap = place.contact.gap;
     point.approach = rates[first_row(k)];
@@ -217,6 +217,7 @@ void ContactForces::begin_impulses(std::span<const double> rates, std::span<cons
     if (!point.active) continue;
     const int row = first_row(k);
     point.approach = rates[row];
+    point.bounce = -table_.set.places()[k].material.restitution * point.approach;
     const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
     point.stuck = point.stuck || (point.fresh && rests);
     point.fresh = false;
@@ -282,7 +283,11 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
   table_.in_velocities = true;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
-    point.live = point.active && point.touching;
+    Impact& impact = table_.impacts[k];
+    // Also what has met unseen, as where faces turn.
+    if (point.touching && !point.pressed && meets(k, rates[first_row(k)])) impact.stage = Impact::Stage::kDue;
+    point.live = point.active && point.touching && impact.stage == Impact::Stage::kNone;
+    point.bounce = 0;
     if (!point.active) continue;
     if (point.fresh) point.approach = rates[first_row(k)];
     const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
@@ -295,13 +300,51 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
   set_spring_laws();
 }
 
+/// A rigid contact with restitution that comes together faster than the resting speed.
+bool ContactForces::meets(int k, double rate) const {
+  return point(k).active && place(k).material.restitution > 0 && compliance(k) == 0 &&
+         rate < -table_.resting_speed;
+}
+
+bool ContactForces::strikes() const {
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (impact(k).stage == Impact::Stage::kDue && point(k).active && point(k).touching) return true;
+  return false;
+}
+
+bool ContactForces::come_together(std::span<const double> rates) const {
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (point(k).live && compliance(k) == 0 && rates[first_row(k)] < -table_.resting_speed) return true;
+  return false;
+}
+
+double ContactForces::largest_restitution() const {
+  double largest = 0;
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (table_.impacts[k].stage == Impact::Stage::kDue)
+      largest = std::max(largest, place(k).material.restitution);
+  return largest;
+}
+
+void ContactForces::begin_impact(std::span<const double> rates, double part) {
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    Point& point = table_.points[k];
+    point.live = point.active && point.touching;
+    if (!point.live) continue;
+    point.approach = rates[first_row(k)];
+    const bool slow = point.approach >= -table_.resting_speed;
+    const double e = slow ? 0 : part * place(k).material.restitution;
+    point.bounce = -(point.approach > 0 ? 1 : e) * point.approach;
+  }
+}
+
 void ContactForces::finish(std::span<const double> mu, std::span<const double> rates, double time) {
   struck_ = false;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     Impact& impact = table_.impacts[k];
     if (impact.stage == Impact::Stage::kDue) {
-      struck_ = impact.spent = true;
+      struck_ = true;
       point.impact_time = time;
     }
     impact.stage = Impact::Stage::kNone;

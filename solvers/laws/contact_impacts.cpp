@@ -6,24 +6,24 @@
 namespace taut {
 namespace {
 
-/// Times of impact looked for in one step; more impacts end with their sub-step.
+/// Times of impact looked for in one step; more happen at the end of their sub-step.
 constexpr int kMostContactImpacts = 16;
 
 }  // namespace
 
 bool ContactImpacts::seek(std::span<const double> w) {
-  if (count_ >= kMostContactImpacts) return false;
   bool any = false;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
-    const ContactTable::Point& point = table_.points[k];
+    ContactTable::Point& point = table_.points[k];
     ContactTable::Impact& impact = table_.impacts[k];
-    if (!point.active || table_.set.places()[k].material.restitution == 0 || impact.spent ||
-        impact.stage != ContactTable::Impact::Stage::kNone || point.gap <= kTouch ||
-        point.approach > -table_.resting_speed || contacts_.spring(k).impact_is_seen())
+    if (!point.live || table_.set.places()[k].material.restitution == 0 || impact.spent ||
+        contacts_.spring(k).impact_is_seen())
       continue;
     const double stop = -point.gap / table_.h;
+    if (std::min(point.approach, stop) > -table_.resting_speed) continue;
     if (w[contacts_.first_row(k)] > stop + kOnStep * (1 + std::abs(stop))) continue;
     impact.stage = ContactTable::Impact::Stage::kSought;
+    point.live = false;
     any = true;
   }
   if (any) ++count_;
@@ -48,7 +48,7 @@ double ContactImpacts::crossing(int k, double w) const {
 double ContactImpacts::first(std::span<const double> w) const {
   double earliest = table_.h;
   for (int k = 0; k < std::ssize(table_.points); ++k)
-    if (table_.impacts[k].stage == ContactTable::Impact::Stage::kSought)
+    if (table_.impacts[k].stage == ContactTable::Impact::Stage::kSought && count_ <= kMostContactImpacts)
       earliest = std::min(earliest, crossing(k, w[contacts_.first_row(k)]));
   return earliest;
 }
@@ -56,13 +56,9 @@ double ContactImpacts::first(std::span<const double> w) const {
 void ContactImpacts::take(double until, std::span<const double> w) {
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     ContactTable::Impact& impact = table_.impacts[k];
-    if (impact.stage != ContactTable::Impact::Stage::kSought) {
-      impact.stage = ContactTable::Impact::Stage::kNone;
-      continue;
-    }
-    const double mean = w[contacts_.first_row(k)], s = crossing(k, mean);
-    impact.stage = s <= until ? ContactTable::Impact::Stage::kDue : ContactTable::Impact::Stage::kNone;
-    impact.rate = table_.points[k].approach + 2 * (mean - table_.points[k].approach) * s / table_.h;
+    const bool due = impact.stage == ContactTable::Impact::Stage::kSought &&
+                     crossing(k, w[contacts_.first_row(k)]) <= until;
+    impact.stage = due ? ContactTable::Impact::Stage::kDue : ContactTable::Impact::Stage::kNone;
   }
 }
 

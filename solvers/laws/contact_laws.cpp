@@ -37,7 +37,7 @@ void ContactLaws::position_laws(std::span<RowLaw> laws) const {
   for (int k = 0; k < count(); ++k) {
     const int row = first_row(k);
     std::fill_n(laws.begin() + row, row_count(k), RowLaw::none());
-    if (!point(k).active || impact(k).stage == Impact::Stage::kSought) continue;
+    if (!point(k).live) continue;
     laws[row] = RowLaw::lower_limit(normal_law(*this, k).target);
     friction_laws(k, laws);
   }

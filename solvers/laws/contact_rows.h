@@ -47,7 +47,7 @@ class ContactRows {
   /// Along row r of the contact.
   ContactSpring spring(int k, int r = 0) const { return {compliance(k), root_[first_row_[k] + r], table_.h}; }
 
-  bool works(int k) const { return point(k).live && impact(k).stage != Impact::Stage::kSought; }
+  bool works(int k) const { return point(k).live; }
   bool presses(int k, std::span<const double> lambda) const {
     return works(k) && point(k).back + lambda[first_row_[k]] > 0;
   }

@@ -40,6 +40,7 @@ struct ContactTable {
     NormalLaw soft;  ///< of a compliant contact in this stage
     bool active = false, live = false, touching = false, pressed = false;
     double gap = 0, approach = 0;
+    double bounce = 0;  ///< least normal rate at the end of a velocity stage [m/s]
     bool fresh = true;  ///< has not been through a begin()
     double back = 0;    ///< normal impulse of the first kick
     bool stuck = false, broken = false, stick_candidate = false;
@@ -53,9 +54,9 @@ struct ContactTable {
     bool slid = false;
   };
   struct Impact {
+    /// Let through to see when it meets; let through until it strikes at the end of this step.
     enum class Stage { kNone, kSought, kDue } stage = Stage::kNone;
-    double rate = 0;
-    bool spent = false;
+    bool spent = false;  ///< not looked for again in this step
   };
 
   ContactTable(const World& world, const Settings& settings)

@@ -8,16 +8,6 @@ namespace {
 /// Bodies that start inside each other come apart at no more than this speed [m/s].
 constexpr double kReturnSpeed = 1;
 
-/// Newton's law of impact: the least normal rate after it.
-double bounce(const ContactRows& contacts, int k) {
-  const ContactTable::Impact& impact = contacts.impact(k);
-  const double restitution = contacts.place(k).material.restitution;
-  const double before = contacts.point(k).approach;
-  if (contacts.table().single_kick) return -restitution * before;
-  const double approach = impact.stage == ContactTable::Impact::Stage::kDue ? impact.rate : before;
-  return approach < -contacts.table().resting_speed ? -restitution * approach : 0;
-}
-
 /// Bodies may come together by their gap in a step, and bodies inside each other part slowly.
 double closing_rate(const ContactRows& contacts, int k) {
   const double h = contacts.table().h;
@@ -29,7 +19,7 @@ double closing_rate(const ContactRows& contacts, int k) {
 ContactTable::NormalLaw normal_law(const ContactRows& contacts, int k) {
   const bool strikes = contacts.impact(k).stage == ContactTable::Impact::Stage::kDue;
   if (contacts.compliance(k) > 0 && !strikes) return contacts.point(k).soft;
-  return {.target = contacts.table().in_velocities ? bounce(contacts, k) : closing_rate(contacts, k)};
+  return {.target = contacts.table().in_velocities ? contacts.point(k).bounce : closing_rate(contacts, k)};
 }
 
 ContactTable::NormalLaw spring_law(const ContactRows& contacts, int k) {

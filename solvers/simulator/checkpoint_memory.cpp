@@ -136,12 +136,12 @@ void ContactForces::transfer(Archive& archive) {
   const auto disc = [&](Disc& d) { archive(d.bound, d.slips, d.direction, d.weight, d.given, d.target); };
   const auto point = [&](Point& p) {
     archive(p.soft.target, p.soft.softness, p.soft.most, p.active, p.live, p.touching, p.pressed, p.gap,
-            p.approach, p.fresh, p.back, p.stuck, p.broken, p.stick_candidate, p.slipped, p.slip, p.first,
+            p.approach, p.bounce, p.fresh, p.back, p.stuck, p.broken, p.stick_candidate, p.slipped, p.slip, p.first,
             p.first_torque, p.spin_bound, p.spin_given, p.impulse, p.torque, p.impact_time, p.slid);
     disc(p.sliding), disc(p.rolling);
   };
   archive.each(table_.points, point);
-  archive.each(table_.impacts, [&](Impact& i) { archive(i.stage, i.rate, i.spent); });
+  archive.each(table_.impacts, [&](Impact& i) { archive(i.stage, i.spent); });
   archive.each(resting_points_, point);
   archive(departed_, work_, struck_);
   impacts_.transfer(archive);

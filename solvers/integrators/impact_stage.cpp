@@ -1,0 +1,98 @@
+#include "solvers/integrators/impact_stage.h"
+
+#include <cmath>
+
+namespace taut {
+namespace {
+
+/// Rounds of impacts at one time; in the last nothing bounces.
+constexpr int kMostRounds = 20;
+/// Energy that a round may seem to give by the tolerance of rates, as part of the works of its impulses.
+constexpr double kNoWork = 1e-9;
+/// Solves that look for a restitution with which impacts and friction together give no energy.
+constexpr int kRestitutionSolves = 12;
+/// Part of the energy that it is found to.
+constexpr double kRestitutionAccuracy = 1e-6;
+
+}  // namespace
+
+bool ImpactStage::strike(const Solve& solve) {
+  struck_ = true;
+  momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
+  mu_ = values_.mu;
+  for (int round = 1; round <= kMostRounds; ++round) {
+    round_mu_ = values_.mu;
+    round_rates_ = values_.rates;
+    if (!solve_round(round < kMostRounds ? 1 : 0, solve)) return false;
+    if (energy() > 0 && !limit_restitution(solve)) return false;
+    if (!contacts_.come_together(values_.rates)) break;
+  }
+  return true;
+}
+
+/// From the start of the round, with this part of restitution.
+bool ImpactStage::solve_round(double part, const Solve& solve) {
+  values_.mu = round_mu_;
+  values_.rates = round_rates_;
+  contacts_.begin_impact(round_rates_, part);
+  return solve();
+}
+
+/// Newton's law with friction has given energy (Kane's paradox).  Sought is the part of restitution with
+/// which the round takes (1 − e²) of what it takes without restitution, as it would without friction: e is
+/// then energetic, as Stronge's.  Regula falsi, Illinois; the last part that is not above is taken.
+bool ImpactStage::limit_restitution(const Solve& solve) {
+  double high = 1, above = energy();
+  if (!solve_round(0, solve)) return false;
+  const double e = contacts_.largest_restitution(), plastic = energy(), wanted = (1 - e * e) * plastic;
+  double low = 0, below = plastic - wanted, last = 0;
+  above -= wanted;
+  for (int k = 0; k < kRestitutionSolves && below < kRestitutionAccuracy * plastic; ++k) {
+    const double part = (low * above - high * below) / (above - below);
+    if (!solve_round(part, solve)) return false;
+    last = part;
+    const double off = energy() - wanted;
+    if (off > 0) {
+      high = part, above = off, below *= 0.5;
+    } else {
+      low = part, below = off, above *= 0.5;
+    }
+  }
+  return last == low || solve_round(low, solve);
+}
+
+/// What the impulses of the round have given so far [J]; 0 if that is in the tolerance.
+double ImpactStage::energy() const {
+  double given = 0, size = 0;
+  for (std::size_t r = 0; r < round_mu_.size(); ++r) {
+    const double impulse = values_.mu[r] - round_mu_[r];
+    given += 0.5 * impulse * (round_rates_[r] + values_.rates[r]);
+    size += std::abs(impulse) * (std::abs(round_rates_[r]) + std::abs(values_.rates[r]));
+  }
+  return std::abs(given) > kNoWork * size ? given : 0;
+}
+
+std::span<const double> ImpactStage::impulses() {
+  impulses_.resize(mu_.size());
+  for (std::size_t r = 0; r < mu_.size(); ++r) impulses_[r] = values_.mu[r] - mu_[r];
+  return impulses_;
+}
+
+void ImpactStage::take_impulses() {
+  const std::span<const double> given = impulses();
+  for (int b = 0; b < static_cast<int>(momenta_.size()); ++b)
+    if (system_.inverse_mass(b).moves())
+      phase_.momenta[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), given);
+}
+
+void ImpactStage::mean_rates(KickWorks& works, std::span<double> out) {
+  works.mean_rates(phase_.kicked, momenta(), system_.jacobian(), out);
+  if (!struck_) return;
+  impact_rates_.resize(out.size());
+  works.mean_rates(momenta_, phase_.momenta, system_.jacobian(), impact_rates_);
+  const std::span<const double> given = impulses();
+  for (std::size_t r = 0; r < out.size(); ++r)
+    if (values_.mu[r] != 0) out[r] = (mu_[r] * out[r] + given[r] * impact_rates_[r]) / values_.mu[r];
+}
+
+}  // namespace taut

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "solvers/integrators/kick_works.h"
+#include "solvers/integrators/phase.h"
+#include "solvers/integrators/row_values.h"
+#include "solvers/laws/contact_forces.h"
+#include "solvers/system/constraint_system.h"
+
+namespace taut {
+
+/// Impacts of contacts at the end of a step of RATTLE, after its velocity stage, which they were left out of:
+/// impulses Jᵀ(q₁) Λ in no time, with which all contacts that are touched obey Newton's law against the rates
+/// w⁻ at the end of that stage.  Those at one time are simultaneous; what comes together by them strikes in a
+/// next round.  No round gives energy: without friction by the law itself, with friction by a lesser
+/// restitution where Newton's would.                                          (solvers/laws, "Impacts")
+class ImpactStage {
+ public:
+  /// All of them must outlive it.
+  ImpactStage(const ConstraintSystem& system, ContactForces& contacts, Phase& phase, RowValues& values)
+      : system_(system), contacts_(contacts), phase_(phase), values_(values) {}
+
+  /// Renews the laws of velocities, meets them from μ and its rates on, and follows with take_impulses() and
+  /// the rates that momenta have then.  False if that fails.
+  using Solve = std::function<bool()>;
+
+  /// A velocity stage begins.
+  void begin() { struck_ = false; }
+  /// Strikes what is due, from momenta p⁻, impulses μ and rates w⁻ of the velocity stage.
+  bool strike(const Solve& solve);
+  /// The momenta that μ leads to.
+  void take_impulses();
+
+  bool struck() const { return struck_; }
+  /// Momenta between the velocity stage and the impacts; those of the end if there are none.
+  std::span<const Wrench> momenta() const { return struck_ ? momenta_ : phase_.momenta; }
+  /// Impulses μ of the velocity stage, and those that impacts add to them.
+  std::span<const double> mu() const { return struck_ ? mu_ : values_.mu; }
+  std::span<const double> impulses();
+  /// The rates at which all of μ does the work of the second kick and of the impacts.
+  void mean_rates(KickWorks& works, std::span<double> out);
+
+ private:
+  bool solve_round(double part, const Solve& solve);
+  bool limit_restitution(const Solve& solve);
+  double energy() const;
+
+  const ConstraintSystem& system_;
+  ContactForces& contacts_;
+  Phase& phase_;
+  RowValues& values_;
+  bool struck_ = false;
+  std::vector<Wrench> momenta_;
+  std::vector<double> mu_, impulses_, impact_rates_;
+  std::vector<double> round_mu_, round_rates_;  // at the start of a round
+};
+
+}  // namespace taut
