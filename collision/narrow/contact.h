@@ -1,11 +1,23 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/world/shape.h"
 
 namespace taut {
+
+/// The surface of a body around a contact point: a ball rolled over a core whose facing point moves by H dn
+/// when the direction it faces turns by dn.
+struct LocalSurface {
+  /// In place of the infinite radius of flat directions [m].
+  static constexpr double kFlat = 1e9;
+  double ball = 0;  ///< radius [m]
+  Mat3 radii =
+      Mat3::Zero();  ///< H, radii of curvature [m], world axes, symmetric, across the normal; 0: a corner
+};
 
 /// Point P of body A faces point Q of body B:  p_WQ − p_WP = gap · normal.
 /// The normal points from A to B, so a contact impulse λ ≥ 0 puts +λ·normal on B at Q and −λ·normal on A at
@@ -17,6 +29,7 @@ struct Contact {
   Vec3 normal = Vec3::UnitZ();                    ///< unit, world axes
   double gap = 0;                                 ///< [m]; negative: penetration
   std::uint64_t feature = 0;  ///< unique within the pair; the same for the same contact in the next call
+  LocalSurface surface_A, surface_B;  ///< around P and Q: how the gap changes as bodies turn
 };
 
 /// So many pairs of shapes near each other, or contacts, that what they would cost has no bound: they lie in

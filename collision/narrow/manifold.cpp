@@ -16,6 +16,45 @@ struct Frame {
   Vec3 lift(double x, double y, double height) const { return x * u + y * v + height * n; }
 };
 
+Meeting meeting_of(std::uint64_t id) { return static_cast<Meeting>(id >> 60); }
+
+/// Alignment from which on a polygon is what a direction sees, and not one of its edges or corners.
+constexpr double kFaceOn = 1 - 1e-8;
+
+/// What a body shows in the unit direction d, in its own frame: at a corner of its feature, and elsewhere on
+/// it.
+struct Surroundings {
+  LocalSurface corner, whole;
+
+  Surroundings(const Convex& body, const Feature& feature, const Vec3& d) {
+    corner.ball = whole.ball = body.radius;
+    const Mat3 across = Mat3::Identity() - d * d.transpose();
+    const Mat3 round = across * body.support_derivative(d) * across;
+    if (feature.disc > 0) corner.radii = round;  // rolls along its rim
+    Vec3 on_ridge, edge;
+    if (feature.points.size() == 2) {
+      edge = feature.points[1].p - feature.points[0].p;
+      whole.radii = along_edge(edge, d, feature.rounding - body.radius);
+    } else if (feature.points.size() > 2 && feature.normal.dot(d) > kFaceOn) {
+      whole.radii = LocalSurface::kFlat * across;
+    } else if (feature.points.size() > 2 && body.ridge(d, on_ridge, edge)) {
+      whole.radii = along_edge(edge, d, 0);
+    } else {
+      whole.radii = round;
+    }
+  }
+  void to_frame(const Mat3& R) {
+    for (Mat3* H : {&corner.radii, &whole.radii}) *H = R * *H * R.transpose();
+  }
+  bool is_flat() const { return whole.radii.trace() > LocalSurface::kFlat * 1.5; }
+
+ private:
+  static Mat3 along_edge(const Vec3& edge, const Vec3& d, double rounding) {
+    const Vec3 e = (edge - d.dot(edge) * d).normalized(), f = d.cross(e);
+    return LocalSurface::kFlat * e * e.transpose() + std::max(0.0, rounding) * f * f.transpose();
+  }
+};
+
 /// Height along n of the plane through `point` with the normal m, over (x, y).
 double plane_height(const Frame& frame, const Vec3& point, const Vec3& m, double x, double y) {
   const Vec3 foot = frame.lift(x, y, 0);
@@ -25,10 +64,12 @@ double plane_height(const Frame& frame, const Vec3& point, const Vec3& m, double
 /// Collects contact points.  Cores are rounded off here.
 class Collector {
  public:
-  Collector(const Convex& A, const Convex& B, const Frame& frame, double s, double cutoff,
-            std::vector<ManifoldPoint>& out)
+  Collector(const Convex& A, const Convex& B, const Surroundings& on_A, const Surroundings& on_B,
+            const Frame& frame, double s, double cutoff, std::vector<ManifoldPoint>& out)
       : r_A_(A.radius),
         r_B_(B.radius),
+        on_A_(on_A),
+        on_B_(on_B),
         frame_(frame),
         s_(s),
         cutoff_(cutoff),
@@ -42,7 +83,7 @@ class Collector {
     if (gap > cutoff_) return;
     deepest_ = std::min(deepest_, gap);
     const Vec3 P = p + r_A_ * frame_.n;
-    out_.push_back({P, P + gap * frame_.n, frame_.n, gap, id});
+    out_.push_back({P, P + gap * frame_.n, frame_.n, gap, id, surface_A(id), surface_B(id)});
   }
   /// Points with a normal of their own: two rounded cores beside each other.
   void add_free(const Vec3& p, const Vec3& q, std::uint64_t id) {
@@ -53,7 +94,7 @@ class Collector {
     if (gap > cutoff_) return;
     deepest_ = std::min(deepest_, gap);
     const Vec3 n = d / length;
-    out_.push_back({p + r_A_ * n, q - r_B_ * n, n, gap, id});
+    out_.push_back({p + r_A_ * n, q - r_B_ * n, n, gap, id, surface_A(id), surface_B(id)});
   }
 
   /// What the deepest point may lack of the depth s.
@@ -73,7 +114,21 @@ class Collector {
   }
 
  private:
+  /// Of edges that cross on two faces, one is a corner on the other face.
+  const LocalSurface& surface_A(std::uint64_t id) const {
+    const Meeting meeting = meeting_of(id);
+    const bool corner = meeting == Meeting::kVertexA || (meeting == Meeting::kEdges && on_B_.is_flat());
+    return corner ? on_A_.corner : on_A_.whole;
+  }
+  const LocalSurface& surface_B(std::uint64_t id) const {
+    const Meeting meeting = meeting_of(id);
+    const bool corner =
+        meeting == Meeting::kVertexB || (meeting == Meeting::kEdges && on_A_.is_flat() && !on_B_.is_flat());
+    return corner ? on_B_.corner : on_B_.whole;
+  }
+
   double r_A_, r_B_;
+  const Surroundings &on_A_, &on_B_;
   const Frame& frame_;
   double s_, cutoff_, size_;
   std::vector<ManifoldPoint>& out_;
@@ -299,10 +354,12 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
   const Vec3 n_B = -(X.R.transpose() * frame.n);
   A.feature(frame.n, a);
   B.feature(n_B, b);
+  Surroundings on_A(A, a, frame.n), on_B(B, b, n_B);
+  on_B.to_frame(X.R);
   to_frame_of_A(b, X);
   const double core_s = separation.s + A.radius + B.radius;
   const double smaller = std::min(A.extent, B.extent), slack = 1e-9 * smaller, near = 1e-5 * smaller;
-  Collector collect(A, B, frame, separation.s, cutoff, out);
+  Collector collect(A, B, on_A, on_B, frame, separation.s, cutoff, out);
   const std::size_t first = out.size();
   const std::size_t count_A = a.points.size(), count_B = b.points.size();
   const std::uint64_t deepest = contact_id(Meeting::kDeepest, 0, 0);
@@ -336,7 +393,12 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
   // the body that has only one there.
   Vec3 on_ridge, edge;
   Vec3 p = A.support(frame.n);
-  if (A.ridge(frame.n, on_ridge, edge)) p = X.p + X.R * B.support(n_B) - core_s * frame.n;
+  const bool of_B = A.ridge(frame.n, on_ridge, edge);
+  if (of_B) p = X.p + X.R * B.support(n_B) - core_s * frame.n;
+  if (of_B)
+    on_B.whole.radii = X.R * B.support_derivative(n_B) * X.R.transpose();
+  else
+    on_A.whole.radii = A.support_derivative(frame.n);
   const auto beside = [&](const ManifoldPoint& other) {
     return (other.p - p - A.radius * frame.n).norm() < 10 * near;
   };

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "collision/narrow/contact.h"
 #include "collision/narrow/separation.h"
 
 namespace taut::detail {
@@ -13,6 +14,7 @@ struct ManifoldPoint {
   Vec3 n;      ///< from A to B
   double gap;  ///< n·(q − p)
   std::uint64_t id;
+  LocalSurface surface_A{}, surface_B{};  ///< in the frame of A, too
 };
 
 /// What a contact point is the meeting of; with the ids of the two things it makes the id of the contact.

@@ -51,7 +51,7 @@ class Rattle : public ImpulseScheme {
   void begin_bounds(double h);
   void try_positions(double h);
   void kick_and_drift(double h, const Configuration& end);
-  void contact_rates();
+  void contact_rates(double h);
   void renew_position_laws();
   bool keep_pace(double error, double last, double h, SubstepReport& report);
   double time_of_impact(double h, SubstepReport& report);

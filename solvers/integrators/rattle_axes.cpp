@@ -5,6 +5,7 @@
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
 #include "solvers/integrators/rattle.h"
+#include "solvers/laws/contact_drift.h"
 
 // The two stages of a step with limits, motors, friction and springs: the same Newton and the same projection
 // as without them, with an active set in place of each solve.  (solvers/laws, "Axes")
@@ -33,7 +34,7 @@ void Rattle::try_positions(double h) {
   kick_and_drift(h, phase_.end_of_step(h));
   for (int r = 0; r < system_.row_count(); ++r)
     values_.rates[r] = (values_.phi[r] - values_.start_theta[r]) / h;
-  if (!contacts_.empty()) contact_rates();
+  if (!contacts_.empty()) contact_rates(h);
   projection_.clear_loose_rows(values_.phi);
   renew_position_laws();
 }
@@ -83,8 +84,9 @@ Rattle::PositionError Rattle::position_error(double h, int iteration, SubstepRep
     try_positions(h);
   }
   if (iteration == 0 || !axes_.finite()) return {};
-  const double open =
-      stages_.law_error(values_.lambda, values_.rates, h) / (settings_.position_tolerance - slack_);
+  const double open = std::max(stages_.law_error(values_.lambda, values_.rates, h),
+                               h * contacts_.curved_off(values_.lambda, values_.rates, stages_.rates())) /
+                      (settings_.position_tolerance - slack_);
   const double laws = stages_.laws_off(values_.lambda, values_.rates);
   return {laws <= open ? open : laws, open <= 1 && !contacts_.empty()};
 }
@@ -184,12 +186,12 @@ void Rattle::keep_first_kick() {
   contacts_.record_first_kick(values_.lambda, values_.rates, values_.kick_rates);
 }
 
-/// Rates of the contact rows in the drift: J(q₀) M⁻¹ p.  The momenta stay, so that is what counts, and not
-/// how far points have come that were in contact at the start.
-void Rattle::contact_rates() {
+/// Mean rates of the contact rows in the drift.
+void Rattle::contact_rates(double h) {
   works_.mean_rates(phase_.kicked, phase_.kicked, start_jacobian_.get(), values_.kick_rates);
-  std::copy(values_.kick_rates.begin() + system_.rows().first_contact_row(), values_.kick_rates.end(),
-            values_.rates.begin() + system_.rows().first_contact_row());
+  const int first = system_.rows().first_contact_row();
+  std::copy(values_.kick_rates.begin() + first, values_.kick_rates.end(), values_.rates.begin() + first);
+  drift_rates(contacts_, {system_.mass(), phase_.state.poses, phase_.poses, phase_.kicked, h}, values_.rates);
 }
 
 }  // namespace taut

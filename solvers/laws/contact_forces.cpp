@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "solvers/laws/contact_drift.h"
+
 namespace taut {
 namespace {
 
@@ -97,10 +99,6 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
     Point& point = table_.points[k];
     point.active = place.active;
     point.gap = place.contact.gap;
-    // Where it ends the drift it slips at another rate than where it began it: the mean is what it slipped.
-    if (point.slip && (place.slip - *point.slip).norm() > kRestingSlip)
-      point.slipped += 0.5 * table_.h * (place.slip - *point.slip);
-    point.slip.reset();
     point.touching = place.active &&
                      (point.gap <= kTouch || point.pressed || table_.impacts[k].stage == Impact::Stage::kDue);
     // A first guess: both kicks alike, and the slip along t₁.
@@ -250,6 +248,7 @@ void ContactForces::accumulate_work(int k, std::span<const double> lambda, std::
   }
   point.first = impulse;
   point.first_torque = torque;
+  point.first_normal = frame.n;
   point.impulse += impulse;
   point.torque += torque;
 }
@@ -262,13 +261,11 @@ void ContactForces::record_first_kick(std::span<const double> lambda, std::span<
     const int row = first_row(k);
     accumulate_work(k, lambda, rates);
     point.pressed = lambda[row] > 0;
-    point.slip.reset();
     // The slip of this step while it holds: what is left of the target.
     if (!point.sliding.slips && point.pressed) {
       const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
       const Vec3 slip = w[row + 1] * frame.t1 + w[row + 2] * frame.t2;
       point.slipped += table_.h * slip;
-      if (compliance(k) == 0) point.slip = slip;
     } else if (const double C = compliance(k); C > 0 && point.pressed) {
       const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
       point.slipped = -2 * C / table_.h * (lambda[row + 1] * frame.t1 + lambda[row + 2] * frame.t2);
@@ -276,6 +273,21 @@ void ContactForces::record_first_kick(std::span<const double> lambda, std::span<
       point.slipped = Vec3::Zero();
     }
   }
+}
+
+/// What the first kick gave along the normal of then and across it, in the directions of now.
+void ContactForces::take_first_kick(int k) {
+  Point& point = table_.points[k];
+  const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
+  const auto across = [&](const Vec3& v) {
+    const Vec3& n = point.first_normal;
+    const Vec3 now = carried(v - n.dot(v) * n, n, frame.n);
+    return Vec2(frame.t1.dot(now), frame.t2.dot(now));
+  };
+  point.back = std::max(0.0, point.first_normal.dot(point.first));
+  point.spin_given = point.first_normal.dot(point.first_torque);
+  point.sliding.given = across(point.first);
+  point.rolling.given = across(point.first_torque);
 }
 
 void ContactForces::begin_velocities(std::span<const double> rates, std::span<const double> inertia) {
@@ -290,11 +302,7 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     point.bounce = 0;
     if (!point.active) continue;
     if (point.fresh) point.approach = rates[first_row(k)];
-    const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
-    point.back = std::max(0.0, frame.n.dot(point.first));
-    point.sliding.given = Vec2(frame.t1.dot(point.first), frame.t2.dot(point.first));
-    point.rolling.given = Vec2(frame.t1.dot(point.first_torque), frame.t2.dot(point.first_torque));
-    point.spin_given = frame.n.dot(point.first_torque);
+    take_first_kick(k);
     point.sliding.target = point.rolling.target = Vec2::Zero();
   }
   set_spring_laws();

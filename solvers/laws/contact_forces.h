@@ -102,6 +102,7 @@ class ContactForces final : public ContactLaws {
 
  private:
   bool meets(int k, double rate) const;
+  void take_first_kick(int k);
   void remap();
   void take_up_recalled(const World& world);
   void remember(double h);

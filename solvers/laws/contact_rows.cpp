@@ -60,6 +60,18 @@ double ContactRows::shared_slip(std::span<const double> w) const {
   return largest;
 }
 
+double ContactRows::curved_off(std::span<const double> lambda, std::span<const double> w,
+                               std::span<const double> linear) const {
+  double off = 0;
+  for (int k = 0; k < count(); ++k) {
+    if (!presses(k, lambda)) continue;
+    const int rows = point(k).sliding.slips ? kSlidingRow : kSpinRow;
+    for (int r = first_row_[k]; r < first_row_[k] + rows; ++r)
+      off = std::max(off, std::abs(w[r] - linear[r]));
+  }
+  return off;
+}
+
 void ContactRows::clear_idle(std::span<double> lambda) const {
   for (int k = 0; k < count(); ++k)
     if (!works(k)) std::fill_n(lambda.begin() + first_row_[k], row_count(k), 0.0);

@@ -45,8 +45,8 @@ struct ContactTable {
     double back = 0;    ///< normal impulse of the first kick
     bool stuck = false, broken = false, stick_candidate = false;
     Vec3 slipped = Vec3::Zero();                             ///< since it sticks [m]
-    std::optional<Vec3> slip;                                ///< at the start of a drift in which it held
     Vec3 first = Vec3::Zero(), first_torque = Vec3::Zero();  ///< of the first kick on B
+    Vec3 first_normal = Vec3::UnitZ();                       ///< along which it was
     double spin_bound = std::numeric_limits<double>::infinity(), spin_given = 0;
     Disc sliding, rolling;
     Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();  ///< since clear_reports()

@@ -24,7 +24,8 @@ void transfer_fields(Archive& archive, Material& m) {
           m.compliance);
 }
 void transfer_fields(Archive& archive, Contact& c) {
-  archive(c.a, c.b, c.A, c.B, c.p_AP, c.p_BQ, c.normal, c.gap, c.feature);
+  archive(c.a, c.b, c.A, c.B, c.p_AP, c.p_BQ, c.normal, c.gap, c.feature, c.surface_A.ball, c.surface_A.radii,
+          c.surface_B.ball, c.surface_B.radii);
 }
 void transfer_fields(Archive& archive, ContactReport& r) {
   archive(r.contact, r.force, r.torque, r.normal_force, r.sliding, r.impact_time);
@@ -136,8 +137,9 @@ void ContactForces::transfer(Archive& archive) {
   const auto disc = [&](Disc& d) { archive(d.bound, d.slips, d.direction, d.weight, d.given, d.target); };
   const auto point = [&](Point& p) {
     archive(p.soft.target, p.soft.softness, p.soft.most, p.active, p.live, p.touching, p.pressed, p.gap,
-            p.approach, p.bounce, p.fresh, p.back, p.stuck, p.broken, p.stick_candidate, p.slipped, p.slip, p.first,
-            p.first_torque, p.spin_bound, p.spin_given, p.impulse, p.torque, p.impact_time, p.slid);
+            p.approach, p.bounce, p.fresh, p.back, p.stuck, p.broken, p.stick_candidate, p.slipped, p.first,
+            p.first_torque, p.first_normal, p.spin_bound, p.spin_given, p.impulse, p.torque, p.impact_time,
+            p.slid);
     disc(p.sliding), disc(p.rolling);
   };
   archive.each(table_.points, point);

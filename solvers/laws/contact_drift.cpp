@@ -1,0 +1,122 @@
+#include "solvers/laws/contact_drift.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+/// Newton's method for the normal; of corners, edges and faces it takes two.
+constexpr int kNormalSteps = 4;
+/// It is done when the normal turns by less [rad].
+constexpr double kNormalFound = 1e-12;
+/// The expansion of curved surfaces ends where the normal turns by more in one step [rad].
+constexpr double kFarTurn = 0.5;
+/// What moves less against each other than this part of its arms has rates that stay as they are.
+constexpr double kStill = 1e-9;
+
+/// Across n.
+Vec3 tangent(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
+
+/// The solution δ ⟂ m of (H + s 1) δ = g.
+Vec3 solve_across(const Mat3& H, double s, const Vec3& m, const Vec3& g) {
+  const Vec3 u = m.unitOrthogonal(), v = m.cross(u);
+  const double a = u.dot(H * u) + s, b = u.dot(H * v), c = v.dot(H * v) + s;
+  const double x = u.dot(g), y = v.dot(g), determinant = a * c - b * b;
+  if (!(determinant > 0)) return Vec3::Zero();
+  return (c * x - b * y) / determinant * u + (a * y - b * x) / determinant * v;
+}
+
+struct BodyEnds {
+  Pose start, end;
+  Mat3 turn;
+  Twist V;  ///< at the end
+};
+
+BodyEnds ends_of(const ContactDrift& drift, int b) {
+  BodyEnds ends{drift.start[b], drift.start[b], Mat3::Identity(), {Vec3::Zero(), Vec3::Zero()}};
+  if (drift.mass[b].fixed) return ends;
+  ends.end = drift.end[b];
+  ends.turn = (ends.end.q * ends.start.q.conjugate()).toRotationMatrix();
+  ends.V = {drift.mass.angular_velocity(b, ends.end, drift.momenta[b].torque),
+            drift.mass[b].inverse_mass * drift.momenta[b].force};
+  return ends;
+}
+
+/// They neither turn nor slip against each other by more than round-off.
+bool is_still(const Contact& contact, const BodyEnds& A, const BodyEnds& B) {
+  const Vec3 a = A.end.q * contact.p_AP, b = B.end.q * contact.p_BQ;
+  const Vec3 way = (B.end.p - A.end.p) - (B.start.p - A.start.p) + (b - B.start.q * contact.p_BQ) -
+                   (a - A.start.q * contact.p_AP);
+  const double arms = a.norm() + b.norm();
+  const double turned = (A.turn - Mat3::Identity()).norm() + (B.turn - Mat3::Identity()).norm();
+  return turned <= kStill && way.norm() <= kStill * arms;
+}
+
+}  // namespace
+
+/// The gap is the largest over unit vectors m of
+///     m·D − ½ uᵀ H_A u − ½ wᵀ H_B w − r_A − r_B,   u = m − n_A, w = m − n_B across the normals,
+/// D from the core of A to that of B: the support functions of both, about the normals that turn with them.
+MovedContact moved_contact(const Contact& contact, const Pose& A, const Pose& B, const Mat3& turn_A,
+                           const Mat3& turn_B) {
+  const LocalSurface &on_A = contact.surface_A, &on_B = contact.surface_B;
+  const Vec3 n_A = turn_A * contact.normal, n_B = turn_B * contact.normal;
+  const Mat3 H_A = turn_A * on_A.radii * turn_A.transpose(), H_B = turn_B * on_B.radii * turn_B.transpose();
+  const Vec3 a = A.q * contact.p_AP - on_A.ball * n_A, b = B.q * contact.p_BQ + on_B.ball * n_B;
+  const Vec3 D = B.p - A.p + b - a;
+  Vec3 m = (n_A + n_B).normalized();
+  for (int k = 0; k < kNormalSteps; ++k) {
+    const Vec3 g = D - H_A * tangent(m, n_A) - H_B * tangent(m, n_B);
+    const Vec3 turn = solve_across(H_A + H_B, std::max(0.0, m.dot(D)), m, g);
+    const double far = turn.norm();
+    m = (m + std::min(1.0, kFarTurn / far) * turn).normalized();
+    if (!(far > kNormalFound)) break;
+  }
+  const Vec3 u = tangent(m, n_A), w = tangent(m, n_B);
+  MovedContact moved;
+  moved.normal = m;
+  moved.gap = m.dot(D) - 0.5 * u.dot(H_A * u) - 0.5 * w.dot(H_B * w) - on_A.ball - on_B.ball;
+  // From the side that is less flat, where the place is known better.
+  if (H_A.trace() <= H_B.trace()) {
+    moved.P = a + H_A * u + on_A.ball * m;
+    moved.Q = A.p + moved.P + moved.gap * m - B.p;
+  } else {
+    moved.Q = b - H_B * w - on_B.ball * m;
+    moved.P = B.p + moved.Q - moved.gap * m - A.p;
+  }
+  return moved;
+}
+
+void drift_rates(const ContactRows& contacts, const ContactDrift& drift, std::span<double> rates) {
+  for (int k = 0; k < contacts.count(); ++k) {
+    if (!contacts.point(k).active) continue;
+    const Contact& contact = contacts.place(k).contact;
+    const row_parts::ContactFrame& frame = contacts.place(k).point.frame;
+    const BodyEnds A = ends_of(drift, contact.A.index), B = ends_of(drift, contact.B.index);
+    if (is_still(contact, A, B)) continue;
+    const Mat3 still = Mat3::Identity();
+    const MovedContact now = moved_contact(contact, A.end, B.end, A.turn, B.turn);
+    const MovedContact then = moved_contact(contact, A.start, B.start, still, still);
+    const Vec3 n = frame.n, m = now.normal;
+    const auto at_end = [&](const Vec3& rate) { return carried(tangent(rate, m), m, n); };
+    const Vec3 half = 0.5 * now.gap * m;
+    const Vec3 slip = at_end(B.V.at(now.Q - half) - A.V.at(now.P + half)), turning = B.V.w - A.V.w;
+    const int row = contacts.first_row(k);
+    rates[row] = (now.gap - then.gap) / drift.h;
+    const Vec3 rolling = at_end(turning);
+    for (int i : {1, 2}) {
+      double& sliding = rates[row + i];
+      sliding = 0.5 * (sliding + frame.direction(i).dot(slip));
+      if (!contacts.has_twist(k)) continue;
+      double& roll = rates[row + ContactRows::kSpinRow + i];
+      roll = 0.5 * (roll + frame.direction(i).dot(rolling));
+    }
+    if (contacts.has_twist(k)) {
+      double& spin = rates[row + ContactRows::kSpinRow];
+      spin = 0.5 * (spin + m.dot(turning));
+    }
+  }
+}
+
+}  // namespace taut
