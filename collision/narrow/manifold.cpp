@@ -18,6 +18,9 @@ struct Frame {
 
 Meeting meeting_of(std::uint64_t id) { return static_cast<Meeting>(id >> 60); }
 
+/// Sine of the angle from which on edges that cross say all of how two bodies touch.
+constexpr double kCrossing = 0.2;
+
 /// Alignment from which on a polygon is what a direction sees, and not one of its edges or corners.
 constexpr double kFaceOn = 1 - 1e-8;
 
@@ -25,33 +28,35 @@ constexpr double kFaceOn = 1 - 1e-8;
 /// it.
 struct Surroundings {
   LocalSurface corner, whole;
+  Vec3 edge = Vec3::Zero();  ///< its unit direction across d, if it shows one
 
   Surroundings(const Convex& body, const Feature& feature, const Vec3& d) {
     corner.ball = whole.ball = body.radius;
     const Mat3 across = Mat3::Identity() - d * d.transpose();
     const Mat3 round = across * body.support_derivative(d) * across;
     if (feature.disc > 0) corner.radii = round;  // rolls along its rim
-    Vec3 on_ridge, edge;
+    Vec3 on_ridge, ridge;
     if (feature.points.size() == 2) {
-      edge = feature.points[1].p - feature.points[0].p;
-      whole.radii = along_edge(edge, d, feature.rounding - body.radius);
+      whole.radii = along_edge(feature.points[1].p - feature.points[0].p, d, feature.rounding - body.radius);
     } else if (feature.points.size() > 2 && feature.normal.dot(d) > kFaceOn) {
       whole.radii = LocalSurface::kFlat * across;
-    } else if (feature.points.size() > 2 && body.ridge(d, on_ridge, edge)) {
-      whole.radii = along_edge(edge, d, 0);
+    } else if (feature.points.size() > 2 && body.ridge(d, on_ridge, ridge)) {
+      whole.radii = along_edge(ridge, d, 0);
     } else {
       whole.radii = round;
     }
   }
   void to_frame(const Mat3& R) {
     for (Mat3* H : {&corner.radii, &whole.radii}) *H = R * *H * R.transpose();
+    edge = R * edge;
   }
   bool is_flat() const { return whole.radii.trace() > LocalSurface::kFlat * 1.5; }
 
  private:
-  static Mat3 along_edge(const Vec3& edge, const Vec3& d, double rounding) {
-    const Vec3 e = (edge - d.dot(edge) * d).normalized(), f = d.cross(e);
-    return LocalSurface::kFlat * e * e.transpose() + std::max(0.0, rounding) * f * f.transpose();
+  Mat3 along_edge(const Vec3& direction, const Vec3& d, double rounding) {
+    edge = (direction - d.dot(direction) * d).normalized();
+    const Vec3 f = d.cross(edge);
+    return LocalSurface::kFlat * edge * edge.transpose() + std::max(0.0, rounding) * f * f.transpose();
   }
 };
 
@@ -114,17 +119,18 @@ class Collector {
   }
 
  private:
-  /// Of edges that cross on two faces, one is a corner on the other face.
+  /// Of edges that cross on a face, or hardly cross, one has a corner on the other.
   const LocalSurface& surface_A(std::uint64_t id) const {
     const Meeting meeting = meeting_of(id);
-    const bool corner = meeting == Meeting::kVertexA || (meeting == Meeting::kEdges && on_B_.is_flat());
-    return corner ? on_A_.corner : on_A_.whole;
+    return meeting == Meeting::kVertexA || (meeting == Meeting::kEdges && on_B_.is_flat()) ? on_A_.corner
+                                                                                           : on_A_.whole;
   }
   const LocalSurface& surface_B(std::uint64_t id) const {
     const Meeting meeting = meeting_of(id);
-    const bool corner =
-        meeting == Meeting::kVertexB || (meeting == Meeting::kEdges && on_A_.is_flat() && !on_B_.is_flat());
-    return corner ? on_B_.corner : on_B_.whole;
+    const bool crossing = on_A_.edge.cross(on_B_.edge).norm() > kCrossing;
+    return meeting == Meeting::kVertexB || (meeting == Meeting::kEdges && !on_B_.is_flat() && !crossing)
+               ? on_B_.corner
+               : on_B_.whole;
   }
 
   double r_A_, r_B_;
@@ -178,7 +184,7 @@ void meet_segments(const Feature& a, const Feature& b, const Frame& f, bool roun
   const bool sharp_parallel = rounding == 0 && lo < hi && std::abs(cross) < 1e-6 * std::sqrt(aa * bb);
   if (sharp_parallel) at_end(lo, w_lo), at_end(hi, w_hi), excess_lo = excess_hi = 0;
   // Of lines that cross at more than 0.2 rad the crossing says it all.
-  if (std::abs(cross) > 0.2 * std::sqrt(aa * bb)) excess_lo = excess_hi = 1e300;
+  if (std::abs(cross) > kCrossing * std::sqrt(aa * bb)) excess_lo = excess_hi = 1e300;
   // Where the ends are as deep as the crossing, that is not needed.
   const bool beside = std::max(excess_lo, excess_hi) <= out.depth_slack();
   // Nearest points of two segments in the plane: the crossing, or an end of one of them.

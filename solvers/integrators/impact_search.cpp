@@ -9,8 +9,8 @@ constexpr double kStrikeTogether = 1e-3;
 
 }  // namespace
 
-bool ImpactSearch::begin(std::span<const double> rates) {
-  const bool axis = axes_.seek_impacts(rates), contact = contacts_.impacts().seek(rates);
+bool ImpactSearch::begin(std::span<const double> lambda, std::span<const double> rates) {
+  const bool axis = axes_.seek_impacts(rates), contact = contacts_.impacts().seek(lambda);
   return axis || contact;
 }
 

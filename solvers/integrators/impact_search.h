@@ -15,9 +15,9 @@ class ImpactSearch {
   /// Both must outlive it.
   ImpactSearch(AxisForces& axes, ContactForces& contacts) : axes_(axes), contacts_(contacts) {}
 
-  /// True if a solution of the position stage, with these rates of the rows, has impacts: their laws let them
-  /// through now.
-  bool begin(std::span<const double> rates);
+  /// True if a solution of the position stage, with these impulses and rates of the rows, has impacts: their
+  /// laws let them through now.
+  bool begin(std::span<const double> lambda, std::span<const double> rates);
   /// The length of the sub-step that ends with the first of them [s], from the rates without them in a step
   /// of h; those at that time are due then.
   double first(double h, std::span<const double> rates);

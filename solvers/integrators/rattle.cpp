@@ -54,7 +54,7 @@ Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
                       : bounded()         ? close_bounded_positions(h, report)
                                           : close_joint_positions(h, report);
   if (!closed) return reject(Outcome::kStalled, report);  // kick, drift, φ(q₁) = 0 and the laws
-  if (bounded() && impacts_.begin(values_.rates)) {
+  if (bounded() && impacts_.begin(values_.lambda, values_.rates)) {
     time_to_event_ = time_of_impact(h, report);
     return Outcome::kImpact;
   }

@@ -11,7 +11,7 @@ constexpr int kMostContactImpacts = 16;
 
 }  // namespace
 
-bool ContactImpacts::seek(std::span<const double> w) {
+bool ContactImpacts::seek(std::span<const double> lambda) {
   bool any = false;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     ContactTable::Point& point = table_.points[k];
@@ -19,9 +19,8 @@ bool ContactImpacts::seek(std::span<const double> w) {
     if (!point.live || table_.set.places()[k].material.restitution == 0 || impact.spent ||
         contacts_.spring(k).impact_is_seen())
       continue;
-    const double stop = -point.gap / table_.h;
-    if (std::min(point.approach, stop) > -table_.resting_speed) continue;
-    if (w[contacts_.first_row(k)] > stop + kOnStep * (1 + std::abs(stop))) continue;
+    if (!(lambda[contacts_.first_row(k)] > 0)) continue;
+    if (std::min(point.approach, -point.gap / table_.h) > -table_.resting_speed) continue;
     impact.stage = ContactTable::Impact::Stage::kSought;
     point.live = false;
     any = true;

@@ -16,8 +16,9 @@ class ContactImpacts {
   /// Of all contacts of a table.
   ContactImpacts(ContactTable& table, const ContactRows& contacts) : table_(table), contacts_(contacts) {}
 
-  /// Leaves out contacts that close their gap in this step with rates w.  True if there are any.
-  bool seek(std::span<const double> w);
+  /// Leaves out contacts that close their gap in this step, and press with impulses λ.  True if there are
+  /// any.
+  bool seek(std::span<const double> lambda);
   /// When the first of them closes [s from the start of the step]; h if none does.
   double first(std::span<const double> w) const;
   /// The step ends with the impacts of those that close until then [s].
