@@ -200,7 +200,7 @@ bool find_separation(const Convex& A, const Convex& B, const Relative& X, double
   if (best.s > best.cutoff) return false;
   // Curved bodies may be apart although the climb, with GJK's 1e-6 rad, has not seen it yet.
   const bool doubtful = (A.curved() || B.curved()) && best.s > -1e-4 * pair.size();
-  if (best.s > apart || doubtful || (radii > 0 && best.s > 1e-12 * pair.size())) {
+  if (best.s > apart || doubtful || (radii > 0 && best.s > -1e-12 * pair.size())) {
     Vec3 n;
     if (shortest_direction(A, B, X, Vec3::Zero(), best.n, n, best.s > apart) && best.try_direction(n))
       return false;
