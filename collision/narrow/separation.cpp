@@ -38,6 +38,25 @@ struct Best {
   }
 };
 
+/// A core without volume, a point or a segment about the origin along z.
+bool is_thin(const Convex& body) {
+  return body.kind == Convex::Kind::kPoint || body.kind == Convex::Kind::kSegment;
+}
+
+/// From core to core along the shortest line, of two that are thin: no face and no cross product of edges
+/// separates segments in one plane.
+Vec3 between_thin(const Pair& pair) {
+  const double a = pair.A.half.z(), b = pair.B.half.z();
+  const Vec3 e = Vec3::UnitZ(), f = pair.X.R.col(2), D = pair.X.p;
+  // Nearest places t e and D + w f of the lines, held on the segments in turn.
+  const double ef = e.dot(f), sine2 = e.cross(f).squaredNorm();
+  double t = sine2 > 1e-14 ? std::clamp((D.dot(e) - D.dot(f) * ef) / sine2, -a, a) : 0;
+  double w = std::clamp((t * e - D).dot(f), -b, b);
+  t = std::clamp((D + w * f).dot(e), -a, a);
+  w = std::clamp((t * e - D).dot(f), -b, b);
+  return D + w * f - t * e;
+}
+
 /// Directions that separate polytopes if any do: normals of faces, cross products of edges; and for round
 /// bodies the lines between centres, across the axes.  True if the pair is found to be far apart.
 bool try_candidates(Best& best) {
@@ -53,6 +72,10 @@ bool try_candidates(Best& best) {
   for (const Vec3& f : B.face_normals)
     if (try_it(-(X.R * f))) return true;
   if (best.try_direction(between.normalized())) return true;
+  if (is_thin(A) && is_thin(B)) {
+    const Vec3 line = between_thin(best.pair);
+    if (line.norm() > 1e-12 * best.pair.size() && best.try_direction(line.normalized())) return true;
+  }
   for (int side = 0; side < 2; ++side) {
     if (!(side == 0 ? A : B).curved()) continue;
     const Vec3 axis = side == 0 ? Vec3(Vec3::UnitZ()) : Vec3(X.R.col(2));
@@ -200,7 +223,8 @@ bool find_separation(const Convex& A, const Convex& B, const Relative& X, double
   if (best.s > best.cutoff) return false;
   // Curved bodies may be apart although the climb, with GJK's 1e-6 rad, has not seen it yet.
   const bool doubtful = (A.curved() || B.curved()) && best.s > -1e-4 * pair.size();
-  if (best.s > apart || doubtful || (radii > 0 && best.s > -1e-12 * pair.size())) {
+  const bool thin = is_thin(A) && is_thin(B);  // the shortest line is among the candidates
+  if (!thin && (best.s > apart || doubtful || (radii > 0 && best.s > -1e-12 * pair.size()))) {
     Vec3 n;
     if (shortest_direction(A, B, X, Vec3::Zero(), best.n, n, best.s > apart) && best.try_direction(n))
       return false;
