@@ -242,8 +242,8 @@ void ContactFinder::Impl::find_pair(int a, int b, const State& state, double hor
     contact.normal = R_WA * point.n;
     contact.gap = point.gap;
     contact.feature = point.id;
-    contact.surface_A = {point.surface_A.ball, R_WA * point.surface_A.radii * R_WA.transpose()};
-    contact.surface_B = {point.surface_B.ball, R_WA * point.surface_B.radii * R_WA.transpose()};
+    contact.surface_A = point.surface_A.turned(R_WA);
+    contact.surface_B = point.surface_B.turned(R_WA);
     contact.p_AP = item_a.X_BS.point(point.p);
     // Q in the frame of shape b first: world coordinates would lose digits far from the origin.
     contact.p_BQ = item_b.X_BS.point(X_ab.R.transpose() * (point.q - X_ab.p));

@@ -10,13 +10,16 @@
 namespace taut {
 
 /// The surface of a body around a contact point: a ball rolled over a core whose facing point moves by H dn
-/// when the direction it faces turns by dn.
+/// when the direction it faces turns by dn, or along a circle.  World axes.
 struct LocalSurface {
   /// In place of the infinite radius of flat directions [m].
   static constexpr double kFlat = 1e9;
-  double ball = 0;  ///< radius [m]
-  Mat3 radii =
-      Mat3::Zero();  ///< H, radii of curvature [m], world axes, symmetric, across the normal; 0: a corner
+  double ball = 0;            ///< radius [m]
+  Mat3 radii = Mat3::Zero();  ///< H, radii of curvature [m], symmetric, across the normal; 0: a corner
+  Vec3 rim = Vec3::Zero();    ///< the core is a circle: its axis times its radius [m], else 0
+
+  /// In axes that R turns to.
+  LocalSurface turned(const Mat3& R) const { return {ball, R * radii * R.transpose(), R * rim}; }
 };
 
 /// Point P of body A faces point Q of body B:  p_WQ − p_WP = gap · normal.

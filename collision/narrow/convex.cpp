@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kRidgeTolerance = 1e-4;
 constexpr int kRimPoints = 8;
+/// A disc that leans by less stands on points that are fixed in it, and does not roll on its rim [rad].
+constexpr double kUprightRim = 0.02;
 
 /// Where the rim of radius r is farthest in the direction d; on the axis if d is along it.
 Vec3 rim_point(double r, double z, const Vec3& d) {
@@ -167,6 +169,22 @@ Mat3 Convex::support_derivative(const Vec3& d) const {
   if (!on_rim || across == 0) return Mat3::Zero();
   const Vec3 tangent = Vec3(-d.y(), d.x(), 0) / across;
   return half.x() / across * tangent * tangent.transpose();
+}
+
+LocalSurface Convex::around(const Vec3& d) const {
+  LocalSurface at{radius, support_derivative(d)};
+  const bool on_rim = at.radii.trace() > 0 && kind != Kind::kEllipsoid;
+  if (on_rim && std::hypot(d.x(), d.y()) > kUprightRim) at.rim = half.x() * Vec3::UnitZ();
+  if (kind != Kind::kEllipsoid) at.radii.setZero();
+  return at;
+}
+
+LocalSurface Convex::around(const Vec3& d, int corner) const {
+  const bool deepest = corner == kTopRim + kRimPoints || corner == kBottomRim + kRimPoints ||
+                       corner == kBottomEnd || (corner == kTopEnd && kind == Kind::kCylinder);
+  const bool round =
+      kind == Kind::kEllipsoid || ((kind == Kind::kCylinder || kind == Kind::kCone) && deepest);
+  return round ? around(d) : LocalSurface{radius};
 }
 
 void Convex::feature(const Vec3& d, Feature& out) const {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "collision/narrow/contact.h"
 #include "core/math/convex_hull.h"
 #include "core/world/shape.h"
 
@@ -51,6 +52,10 @@ struct Convex {
   Vec3 support(const Vec3& d) const;
   /// ∂support/∂d for a unit d; zero at corners.
   Mat3 support_derivative(const Vec3& d) const;
+  /// What is around the corner of a feature that faces the unit d.
+  LocalSurface around(const Vec3& d, int corner) const;
+  /// What is around the point farthest along d that has no corner, as on an ellipsoid or a rim.
+  LocalSurface around(const Vec3& d) const;
   /// The feature of the core that faces the unit vector d.
   void feature(const Vec3& d, Feature& out) const;
   /// All points of the core that can touch a plane with the outward normal −d.

@@ -30,8 +30,7 @@ void half_space_contacts(const Convex& a, const Relative& X_ab, double cutoff, N
   const Plane plane(X_ab);
   if (plane.h.dot(a.support(-plane.h) - plane.p) - a.radius > cutoff) return;
   a.plane_points(-plane.h, scratch.points);
-  const LocalSurface around{a.radius, a.support_derivative(-plane.h)};
-  for (const FeaturePoint& x : scratch.points) plane.add(x.p, around, x.id, cutoff, out);
+  for (const FeaturePoint& x : scratch.points) plane.add(x.p, a.around(-plane.h, x.id), x.id, cutoff, out);
 }
 
 void surface_half_space_contacts(const Surface& a, const Relative& X_ab, double cutoff,

@@ -16,7 +16,13 @@ struct Frame {
   Vec3 lift(double x, double y, double height) const { return x * u + y * v + height * n; }
 };
 
+constexpr std::uint64_t kSide = (std::uint64_t{1} << 30) - 1;
 Meeting meeting_of(std::uint64_t id) { return static_cast<Meeting>(id >> 60); }
+std::uint64_t of_A(std::uint64_t id) { return id >> 30 & kSide; }
+std::uint64_t of_B(std::uint64_t id) { return id & kSide; }
+
+/// Radii of curvature below this part of both bodies together are none.
+constexpr double kSharp = 1e-3;
 
 /// Sine of the angle from which on edges that cross say all of how two bodies touch.
 constexpr double kCrossing = 0.2;
@@ -24,40 +30,44 @@ constexpr double kCrossing = 0.2;
 /// Alignment from which on a polygon is what a direction sees, and not one of its edges or corners.
 constexpr double kFaceOn = 1 - 1e-8;
 
-/// What a body shows in the unit direction d, in its own frame: at a corner of its feature, and elsewhere on
-/// it.
-struct Surroundings {
-  LocalSurface corner, whole;
-  Vec3 edge = Vec3::Zero();  ///< its unit direction across d, if it shows one
-
-  Surroundings(const Convex& body, const Feature& feature, const Vec3& d) {
-    corner.ball = whole.ball = body.radius;
-    const Mat3 across = Mat3::Identity() - d * d.transpose();
-    const Mat3 round = across * body.support_derivative(d) * across;
-    if (feature.disc > 0) corner.radii = round;  // rolls along its rim
+/// What a body shows in the unit direction d, in its own frame, turned to another by R.
+class Surroundings {
+ public:
+  Surroundings(const Convex& body, const Feature& feature, const Vec3& d, const Mat3& R)
+      : body_(body), d_(d), R_(R), face_(feature.points.size() > 2 && feature.normal.dot(d) > kFaceOn) {
     Vec3 on_ridge, ridge;
-    if (feature.points.size() == 2) {
-      whole.radii = along_edge(feature.points[1].p - feature.points[0].p, d, feature.rounding - body.radius);
-    } else if (feature.points.size() > 2 && feature.normal.dot(d) > kFaceOn) {
-      whole.radii = LocalSurface::kFlat * across;
-    } else if (feature.points.size() > 2 && body.ridge(d, on_ridge, ridge)) {
-      whole.radii = along_edge(ridge, d, 0);
-    } else {
-      whole.radii = round;
-    }
+    if (face_)
+      whole_.radii = LocalSurface::kFlat * (Mat3::Identity() - d * d.transpose());
+    else if (feature.points.size() == 2)
+      along_edge(feature.points[1].p - feature.points[0].p, feature.rounding - body.radius);
+    else if (feature.points.size() > 2 && feature.disc == 0 && body.ridge(d, on_ridge, ridge))
+      along_edge(ridge, 0);
+    else
+      whole_ = body.around(d);
+    whole_.ball = body.radius;
   }
-  void to_frame(const Mat3& R) {
-    for (Mat3* H : {&corner.radii, &whole.radii}) *H = R * *H * R.transpose();
-    edge = R * edge;
-  }
-  bool is_flat() const { return whole.radii.trace() > LocalSurface::kFlat * 1.5; }
+
+  bool is_face() const { return face_; }
+  /// Unit direction of the edge that it shows, else 0.
+  Vec3 edge() const { return R_ * edge_; }
+  LocalSurface whole() const { return whole_.turned(R_); }
+  LocalSurface corner(std::uint64_t id) const { return body_.around(d_, static_cast<int>(id)).turned(R_); }
+  /// Where the body has no corner, edge or face.
+  LocalSurface smooth() const { return body_.around(d_).turned(R_); }
 
  private:
-  Mat3 along_edge(const Vec3& direction, const Vec3& d, double rounding) {
-    edge = (direction - d.dot(direction) * d).normalized();
-    const Vec3 f = d.cross(edge);
-    return LocalSurface::kFlat * edge * edge.transpose() + std::max(0.0, rounding) * f * f.transpose();
+  void along_edge(const Vec3& direction, double rounding) {
+    edge_ = (direction - d_.dot(direction) * d_).normalized();
+    const Vec3 f = d_.cross(edge_);
+    whole_.radii =
+        LocalSurface::kFlat * edge_ * edge_.transpose() + std::max(0.0, rounding) * f * f.transpose();
   }
+
+  const Convex& body_;
+  Vec3 d_, edge_ = Vec3::Zero();
+  Mat3 R_;
+  bool face_;
+  LocalSurface whole_;
 };
 
 /// Height along n of the plane through `point` with the normal m, over (x, y).
@@ -88,7 +98,7 @@ class Collector {
     if (gap > cutoff_) return;
     deepest_ = std::min(deepest_, gap);
     const Vec3 P = p + r_A_ * frame_.n;
-    out_.push_back({P, P + gap * frame_.n, frame_.n, gap, id, surface_A(id), surface_B(id)});
+    push({P, P + gap * frame_.n, frame_.n, gap, id, surface_A(id), surface_B(id)});
   }
   /// Points with a normal of their own: two rounded cores beside each other.
   void add_free(const Vec3& p, const Vec3& q, std::uint64_t id) {
@@ -99,7 +109,15 @@ class Collector {
     if (gap > cutoff_) return;
     deepest_ = std::min(deepest_, gap);
     const Vec3 n = d / length;
-    out_.push_back({p + r_A_ * n, q - r_B_ * n, n, gap, id, surface_A(id), surface_B(id)});
+    push({p + r_A_ * n, q - r_B_ * n, n, gap, id, surface_A(id), surface_B(id)});
+  }
+
+  /// The deepest place, where only B, or only A, has a point of its own.
+  void add_beside(const Vec3& p, const Vec3& q, std::uint64_t id, bool of_B) {
+    const std::size_t first = out_.size();
+    add(p, q, id);
+    if (out_.size() > first)
+      (of_B ? out_[first].surface_B : out_[first].surface_A) = (of_B ? on_B_ : on_A_).smooth();
   }
 
   /// What the deepest point may lack of the depth s.
@@ -119,18 +137,30 @@ class Collector {
   }
 
  private:
-  /// Of edges that cross on a face, or hardly cross, one has a corner on the other.
-  const LocalSurface& surface_A(std::uint64_t id) const {
-    const Meeting meeting = meeting_of(id);
-    return meeting == Meeting::kVertexA || (meeting == Meeting::kEdges && on_B_.is_flat()) ? on_A_.corner
-                                                                                           : on_A_.whole;
+  /// Corners and edges alone leave the normal free: it turns with the body whose face it is across then.
+  void push(ManifoldPoint point) {
+    const Mat3 H = point.surface_A.radii + point.surface_B.radii;
+    const double xx = frame_.u.dot(H * frame_.u), yy = frame_.v.dot(H * frame_.v),
+                 xy = frame_.u.dot(H * frame_.v);
+    const double least = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);
+    if (least + r_A_ + r_B_ < kSharp * size_) {
+      LocalSurface& face = on_A_.is_face() ? point.surface_A : point.surface_B;
+      face.radii = LocalSurface::kFlat * (Mat3::Identity() - point.n * point.n.transpose());
+    }
+    out_.push_back(point);
   }
-  const LocalSurface& surface_B(std::uint64_t id) const {
+
+  /// Of edges that cross on a face, or hardly cross, one has a corner on the other.
+  LocalSurface surface_A(std::uint64_t id) const {
     const Meeting meeting = meeting_of(id);
-    const bool crossing = on_A_.edge.cross(on_B_.edge).norm() > kCrossing;
-    return meeting == Meeting::kVertexB || (meeting == Meeting::kEdges && !on_B_.is_flat() && !crossing)
-               ? on_B_.corner
-               : on_B_.whole;
+    if (meeting == Meeting::kVertexA) return on_A_.corner(of_A(id));
+    return meeting == Meeting::kEdges && on_B_.is_face() ? LocalSurface{r_A_} : on_A_.whole();
+  }
+  LocalSurface surface_B(std::uint64_t id) const {
+    const Meeting meeting = meeting_of(id);
+    if (meeting == Meeting::kVertexB) return on_B_.corner(of_B(id));
+    const bool crossing = on_B_.is_face() || on_A_.edge().cross(on_B_.edge()).norm() > kCrossing;
+    return meeting == Meeting::kEdges && !crossing ? LocalSurface{r_B_} : on_B_.whole();
   }
 
   double r_A_, r_B_;
@@ -342,7 +372,6 @@ void to_frame_of_A(Feature& feature, const Relative& X) {
 }  // namespace
 
 std::uint64_t contact_id(Meeting meeting, std::uint64_t of_A, std::uint64_t of_B) {
-  constexpr std::uint64_t kSide = (std::uint64_t{1} << 30) - 1;
   return static_cast<std::uint64_t>(meeting) << 60 | (of_A & kSide) << 30 | (of_B & kSide);
 }
 
@@ -360,8 +389,7 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
   const Vec3 n_B = -(X.R.transpose() * frame.n);
   A.feature(frame.n, a);
   B.feature(n_B, b);
-  Surroundings on_A(A, a, frame.n), on_B(B, b, n_B);
-  on_B.to_frame(X.R);
+  const Surroundings on_A(A, a, frame.n, Mat3::Identity()), on_B(B, b, n_B, X.R);
   to_frame_of_A(b, X);
   const double core_s = separation.s + A.radius + B.radius;
   const double smaller = std::min(A.extent, B.extent), slack = 1e-9 * smaller, near = 1e-5 * smaller;
@@ -401,15 +429,11 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
   Vec3 p = A.support(frame.n);
   const bool of_B = A.ridge(frame.n, on_ridge, edge);
   if (of_B) p = X.p + X.R * B.support(n_B) - core_s * frame.n;
-  if (of_B)
-    on_B.whole.radii = X.R * B.support_derivative(n_B) * X.R.transpose();
-  else
-    on_A.whole.radii = A.support_derivative(frame.n);
   const auto beside = [&](const ManifoldPoint& other) {
     return (other.p - p - A.radius * frame.n).norm() < 10 * near;
   };
   out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), beside), out.end());
-  collect.add(p, p + core_s * frame.n, deepest);
+  collect.add_beside(p, p + core_s * frame.n, deepest, of_B);
 }
 
 void reduce(std::vector<ManifoldPoint>& points, std::size_t first, std::size_t most, ManifoldScratch& work) {

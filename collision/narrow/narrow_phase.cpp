@@ -15,7 +15,7 @@ void exchange(std::vector<ManifoldPoint>& points, std::size_t first, const Relat
     const Vec3 p = X.p + X.R * point.q, q = X.p + X.R * point.p;
     point.p = p, point.q = q, point.n = -(X.R * point.n);
     std::swap(point.surface_A, point.surface_B);
-    for (Mat3* H : {&point.surface_A.radii, &point.surface_B.radii}) *H = X.R * *H * X.R.transpose();
+    point.surface_A = point.surface_A.turned(X.R), point.surface_B = point.surface_B.turned(X.R);
   }
 }
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <cstdio>
+#include <cstdlib>
 
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
@@ -58,6 +60,7 @@ bool Rattle::close_bounded_positions(double h, SubstepReport& report) {
   int exact = 0;  // solves for the laws alone
   for (int iteration = 0;; ++iteration) {
     const PositionError at = position_error(h, iteration, report);
+    if (getenv("DBG")) fprintf(stderr, "t=%g h=%g it=%d err=%g closed=%d newton=%d curved=%g law_off=%g\n", phase_.state.time, h, iteration, at.error, at.closed, report.newton_iterations, iteration?h * contacts_.curved_off(values_.lambda, values_.rates, stages_.rates()):0, iteration?stages_.laws_off(values_.lambda, values_.rates):0);
     if (!axes_.finite()) return false;
     if (at.error <= 1) break;
     if (at.is_hopeless(iteration, settings_)) return give_up(values_.lambda, values_.rates);

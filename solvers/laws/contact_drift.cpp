@@ -27,6 +27,44 @@ Vec3 solve_across(const Mat3& H, double s, const Vec3& m, const Vec3& g) {
   return (c * x - b * y) / determinant * u + (a * y - b * x) / determinant * v;
 }
 
+/// The core of a surface on a body that has turned: how its point farthest along a unit d goes on as d turns
+/// from the outward normal n.
+struct Core {
+  double ball;
+  Vec3 n, rim;
+  Mat3 H;
+
+  Core(const LocalSurface& surface, const Mat3& turn, const Vec3& normal)
+      : ball(surface.ball),
+        n(turn * normal),
+        rim(turn * surface.rim),
+        H(turn * surface.radii * turn.transpose()) {}
+
+  bool is_rim() const { return !rim.isZero(0); }
+  /// R times the direction in the plane of the circle, or as it is.
+  Vec3 on_circle(const Vec3& d) const {
+    const double radius = rim.norm();
+    const Vec3 out = tangent(d, rim / radius);
+    const double length = out.norm();
+    return length > 0 ? Vec3(radius / length * out) : Vec3::Zero();
+  }
+  Vec3 shift(const Vec3& d) const {
+    return is_rim() ? Vec3(on_circle(d) - on_circle(n)) : Vec3(H * tangent(d, n));
+  }
+  /// d · shift(d), of a curved surface with its fall of the second order.
+  double height(const Vec3& d) const {
+    const Vec3 u = tangent(d, n);
+    return is_rim() ? d.dot(shift(d)) : 0.5 * u.dot(H * u);
+  }
+  Mat3 radii(const Vec3& d) const {
+    if (!is_rim()) return H;
+    const Vec3 along = rim.cross(d);  // of length R sin
+    const double radius = rim.norm(), across = along.norm();
+    return across > 0 ? Mat3(radius * radius / (across * across * across) * along * along.transpose())
+                      : Mat3::Zero();
+  }
+};
+
 struct BodyEnds {
   Pose start, end;
   Mat3 turn;
@@ -55,35 +93,32 @@ bool is_still(const Contact& contact, const BodyEnds& A, const BodyEnds& B) {
 
 }  // namespace
 
-/// The gap is the largest over unit vectors m of
-///     m·D − ½ uᵀ H_A u − ½ wᵀ H_B w − r_A − r_B,   u = m − n_A, w = m − n_B across the normals,
-/// D from the core of A to that of B: the support functions of both, about the normals that turn with them.
+/// The gap is the largest over unit vectors m of  m·D(m) − r_A − r_B,  D from the point of A's core farthest
+/// along m to that of B's farthest against it.
 MovedContact moved_contact(const Contact& contact, const Pose& A, const Pose& B, const Mat3& turn_A,
                            const Mat3& turn_B) {
-  const LocalSurface &on_A = contact.surface_A, &on_B = contact.surface_B;
-  const Vec3 n_A = turn_A * contact.normal, n_B = turn_B * contact.normal;
-  const Mat3 H_A = turn_A * on_A.radii * turn_A.transpose(), H_B = turn_B * on_B.radii * turn_B.transpose();
-  const Vec3 a = A.q * contact.p_AP - on_A.ball * n_A, b = B.q * contact.p_BQ + on_B.ball * n_B;
-  const Vec3 D = B.p - A.p + b - a;
-  Vec3 m = (n_A + n_B).normalized();
+  const Core on_A(contact.surface_A, turn_A, contact.normal),
+      on_B(contact.surface_B, turn_B, -contact.normal);
+  const Vec3 a = A.q * contact.p_AP - on_A.ball * on_A.n, b = B.q * contact.p_BQ - on_B.ball * on_B.n;
+  const Vec3 between = B.p - A.p + b - a;
+  Vec3 m = (on_A.n - on_B.n).normalized();
   for (int k = 0; k < kNormalSteps; ++k) {
-    const Vec3 g = D - H_A * tangent(m, n_A) - H_B * tangent(m, n_B);
-    const Vec3 turn = solve_across(H_A + H_B, std::max(0.0, m.dot(D)), m, g);
+    const Vec3 D = between + on_B.shift(-m) - on_A.shift(m);
+    const Vec3 turn = solve_across(on_A.radii(m) + on_B.radii(-m), std::max(0.0, m.dot(between)), m, D);
     const double far = turn.norm();
     m = (m + std::min(1.0, kFarTurn / far) * turn).normalized();
     if (!(far > kNormalFound)) break;
   }
-  const Vec3 u = tangent(m, n_A), w = tangent(m, n_B);
   MovedContact moved;
   moved.normal = m;
-  moved.gap = m.dot(D) - 0.5 * u.dot(H_A * u) - 0.5 * w.dot(H_B * w) - on_A.ball - on_B.ball;
+  moved.gap = m.dot(between) - on_A.height(m) - on_B.height(-m) - on_A.ball - on_B.ball;
   // From the side that is less flat, where the place is known better.
-  if (H_A.trace() <= H_B.trace()) {
-    moved.P = a + H_A * u + on_A.ball * m;
-    moved.Q = A.p + moved.P + moved.gap * m - B.p;
+  if (on_A.H.trace() <= on_B.H.trace()) {
+    moved.P = a + on_A.shift(m) + on_A.ball * m;
+    moved.Q = moved.P + moved.gap * m - (B.p - A.p);
   } else {
-    moved.Q = b - H_B * w - on_B.ball * m;
-    moved.P = B.p + moved.Q - moved.gap * m - A.p;
+    moved.Q = b + on_B.shift(-m) - on_B.ball * m;
+    moved.P = moved.Q - moved.gap * m + (B.p - A.p);
   }
   return moved;
 }
