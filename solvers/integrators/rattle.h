@@ -52,6 +52,7 @@ class Rattle : public ImpulseScheme {
   void try_positions(double h);
   void kick_and_drift(double h, const Configuration& end);
   void contact_rates(double h);
+  void take_linear_rates();
   void renew_position_laws();
   bool keep_pace(double error, double last, double h, SubstepReport& report);
   double time_of_impact(double h, SubstepReport& report);

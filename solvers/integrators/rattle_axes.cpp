@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <cstdio>
-#include <cstdlib>
 
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
@@ -60,7 +58,6 @@ bool Rattle::close_bounded_positions(double h, SubstepReport& report) {
   int exact = 0;  // solves for the laws alone
   for (int iteration = 0;; ++iteration) {
     const PositionError at = position_error(h, iteration, report);
-    if (getenv("DBG")) fprintf(stderr, "t=%g h=%g it=%d err=%g closed=%d newton=%d curved=%g law_off=%g\n", phase_.state.time, h, iteration, at.error, at.closed, report.newton_iterations, iteration?h * contacts_.curved_off(values_.lambda, values_.rates, stages_.rates()):0, iteration?stages_.laws_off(values_.lambda, values_.rates):0);
     if (!axes_.finite()) return false;
     if (at.error <= 1) break;
     if (at.is_hopeless(iteration, settings_)) return give_up(values_.lambda, values_.rates);
@@ -87,11 +84,19 @@ Rattle::PositionError Rattle::position_error(double h, int iteration, SubstepRep
     try_positions(h);
   }
   if (iteration == 0 || !axes_.finite()) return {};
-  const double open = std::max(stages_.law_error(values_.lambda, values_.rates, h),
-                               h * contacts_.curved_off(values_.lambda, values_.rates, stages_.rates())) /
-                      (settings_.position_tolerance - slack_);
+  const double tolerance = settings_.position_tolerance - slack_;
+  const double curved = h * contacts_.curved_off(values_.lambda, values_.rates, stages_.rates()) / tolerance;
+  if (curved <= 1) take_linear_rates();
+  const double open =
+      std::max(stages_.law_error(values_.lambda, values_.rates, h) / tolerance, curved > 1 ? curved : 0);
   const double laws = stages_.laws_off(values_.lambda, values_.rates);
   return {laws <= open ? open : laws, open <= 1 && !contacts_.empty()};
+}
+
+/// Of contacts whose surfaces have turned as the last solve was told: the rates that it met their laws with.
+void Rattle::take_linear_rates() {
+  const int first = system_.rows().first_contact_row();
+  std::copy(stages_.rates().begin() + first, stages_.rates().end(), values_.rates.begin() + first);
 }
 
 /// False; those who miss these laws most are named.

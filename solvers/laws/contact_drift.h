@@ -36,6 +36,6 @@ MovedContact moved_contact(const Contact& contact, const Pose& A, const Pose& B,
 /// Mean rates of contact rows in a drift, in place of J(q₀) M⁻¹ p: along the normal what the gap has changed,
 /// across it and about it the mean of the rates at both ends.  Where bodies hardly turn and slip they stay as
 /// they are.                                                                     (solvers/laws, "Contacts")
-void drift_rates(const ContactRows& contacts, const ContactDrift& drift, std::span<double> rates);
+void drift_rates(ContactRows& contacts, const ContactDrift& drift, std::span<double> rates);
 
 }  // namespace taut

@@ -67,7 +67,7 @@ double ContactRows::curved_off(std::span<const double> lambda, std::span<const d
     if (!presses(k, lambda)) continue;
     const int rows = point(k).sliding.slips ? kSlidingRow : kSpinRow;
     for (int r = first_row_[k]; r < first_row_[k] + rows; ++r)
-      off = std::max(off, std::abs(w[r] - linear[r]));
+      if (const double own = std::abs(w[r] - linear[r]); !(own <= point(k).curved)) off = std::max(off, own);
   }
   return off;
 }

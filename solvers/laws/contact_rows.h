@@ -80,7 +80,7 @@ class ContactRows {
   /// The largest slip of those that stick at rates w [m/s].
   double shared_slip(std::span<const double> w) const;
   /// Of rates w of contacts that press or hold, how far they are from the linear ones that a stage was solved
-  /// with [m/s].
+  /// with [m/s]; 0 where that is enough.
   double curved_off(std::span<const double> lambda, std::span<const double> w,
                     std::span<const double> linear) const;
   /// Zeroes a guess in the rows of contacts that give nothing in this stage.

@@ -41,6 +41,7 @@ struct ContactTable {
     bool active = false, live = false, touching = false, pressed = false;
     double gap = 0, approach = 0;
     double bounce = 0;  ///< least normal rate at the end of a velocity stage [m/s]
+    double curved = 0;  ///< what is enough for the rates of a drift [m/s]
     bool fresh = true;  ///< has not been through a begin()
     double back = 0;    ///< normal impulse of the first kick
     bool stuck = false, broken = false, stick_candidate = false;
