@@ -9,17 +9,20 @@
 
 namespace taut {
 
-/// The surface of a body around a contact point: a ball rolled over a core whose facing point moves by H dn
-/// when the direction it faces turns by dn, or along a circle.  World axes.
+/// The surface of a body around a contact point: a ball rolled over a core.  World axes.  The point of the
+/// core that faces a unit d moves with d as that of an ellipsoid, Q d/√(dᵀQ d), or if Q is 0 by H across the
+/// normal.
 struct LocalSurface {
   /// In place of the infinite radius of flat directions [m].
   static constexpr double kFlat = 1e9;
-  double ball = 0;            ///< radius [m]
-  Mat3 radii = Mat3::Zero();  ///< H, radii of curvature [m], symmetric, across the normal; 0: a corner
-  Vec3 rim = Vec3::Zero();    ///< the core is a circle: its axis times its radius [m], else 0
+  double ball = 0;              ///< radius [m]
+  Mat3 radii = Mat3::Zero();    ///< H, radii of curvature [m], symmetric, across the normal; 0: a corner
+  Mat3 squares = Mat3::Zero();  ///< Q [m²], of an ellipsoid or the circle of a rim: squares of its half axes
 
   /// In axes that R turns to.
-  LocalSurface turned(const Mat3& R) const { return {ball, R * radii * R.transpose(), R * rim}; }
+  LocalSurface turned(const Mat3& R) const {
+    return {ball, R * radii * R.transpose(), R * squares * R.transpose()};
+  }
 };
 
 /// Point P of body A faces point Q of body B:  p_WQ − p_WP = gap · normal.

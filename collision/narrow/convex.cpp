@@ -172,10 +172,12 @@ Mat3 Convex::support_derivative(const Vec3& d) const {
 }
 
 LocalSurface Convex::around(const Vec3& d) const {
-  LocalSurface at{radius, support_derivative(d)};
-  const bool on_rim = at.radii.trace() > 0 && kind != Kind::kEllipsoid;
-  if (on_rim && std::hypot(d.x(), d.y()) > kUprightRim) at.rim = half.x() * Vec3::UnitZ();
-  if (kind != Kind::kEllipsoid) at.radii.setZero();
+  const bool rim = kind == Kind::kCylinder || (kind == Kind::kCone && support(d).z() < 0);
+  LocalSurface at{radius};
+  if (kind == Kind::kEllipsoid)
+    at.squares = half.cwiseAbs2().asDiagonal();
+  else if (rim && std::hypot(d.x(), d.y()) > kUprightRim)
+    at.squares = (half.x() * half.x() * Vec3(1, 1, 0)).asDiagonal();
   return at;
 }
 

@@ -139,7 +139,8 @@ class Collector {
  private:
   /// Corners and edges alone leave the normal free: it turns with the body whose face it is across then.
   void push(ManifoldPoint point) {
-    const Mat3 H = point.surface_A.radii + point.surface_B.radii;
+    const Mat3 H = point.surface_A.radii + point.surface_A.squares / size_ + point.surface_B.radii +
+                   point.surface_B.squares / size_;
     const double xx = frame_.u.dot(H * frame_.u), yy = frame_.v.dot(H * frame_.v),
                  xy = frame_.u.dot(H * frame_.v);
     const double least = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);

@@ -7,7 +7,7 @@ namespace {
 
 /// Rounds of impacts at one time; in the last nothing bounces.
 constexpr int kMostRounds = 20;
-/// Energy that a round may seem to give by the tolerance of rates, as part of the works of its impulses.
+/// Energy that a round may seem to give by the tolerance of rates, as part of the kinetic energy.
 constexpr double kNoWork = 1e-9;
 /// Solves that look for a restitution with which impacts and friction together give no energy.
 constexpr int kRestitutionSolves = 12;
@@ -20,8 +20,10 @@ bool ImpactStage::strike(const Solve& solve) {
   struck_ = true;
   momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
   mu_ = values_.mu;
+  frames_.clear();
+  for (const ContactSet::Place& place : contacts_.set().places()) frames_.push_back(place.point.frame);
   for (int round = 1; round <= kMostRounds; ++round) {
-    round_mu_ = values_.mu;
+    round_momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
     round_rates_ = values_.rates;
     if (!solve_round(round < kMostRounds ? 1 : 0, solve)) return false;
     if (energy() > 0 && !limit_restitution(solve)) return false;
@@ -30,10 +32,8 @@ bool ImpactStage::strike(const Solve& solve) {
   return true;
 }
 
-/// From the start of the round, with this part of restitution.
+/// With this part of restitution, against the rates at the start of the round.
 bool ImpactStage::solve_round(double part, const Solve& solve) {
-  values_.mu = round_mu_;
-  values_.rates = round_rates_;
   contacts_.begin_impact(round_rates_, part);
   return solve();
 }
@@ -61,14 +61,12 @@ bool ImpactStage::limit_restitution(const Solve& solve) {
   return last == low || solve_round(low, solve);
 }
 
-/// What the impulses of the round have given so far [J]; 0 if that is in the tolerance.
+/// What the round has given so far [J]; 0 if that is in the tolerance.
 double ImpactStage::energy() const {
-  double given = 0, size = 0;
-  for (std::size_t r = 0; r < round_mu_.size(); ++r) {
-    const double impulse = values_.mu[r] - round_mu_[r];
-    given += 0.5 * impulse * (round_rates_[r] + values_.rates[r]);
-    size += std::abs(impulse) * (std::abs(round_rates_[r]) + std::abs(values_.rates[r]));
-  }
+  double given = 0;
+  works_.add_between(round_momenta_, phase_.momenta, given);
+  double size = 0;
+  works_.add_between(zero_, phase_.momenta, size);
   return std::abs(given) > kNoWork * size ? given : 0;
 }
 
@@ -78,18 +76,28 @@ std::span<const double> ImpactStage::impulses() {
   return impulses_;
 }
 
-void ImpactStage::take_impulses() {
-  const std::span<const double> given = impulses();
-  for (int b = 0; b < static_cast<int>(momenta_.size()); ++b)
-    if (system_.inverse_mass(b).moves())
-      phase_.momenta[b] = momenta_[b] + system_.rows().wrench_on(b, system_.jacobian(), given);
+/// Tangents that solving has turned: μ in those of now.
+void ImpactStage::turn_tangents() {
+  const auto& places = contacts_.set().places();
+  for (std::size_t k = 0; k < frames_.size(); ++k) {
+    const row_parts::ContactFrame& now = places[k].point.frame;
+    const int row = contacts_.first_row(static_cast<int>(k)),
+              last = row + contacts_.row_count(static_cast<int>(k));
+    for (int r = row + ContactRows::kSlidingRow; r < last;
+         r += ContactRows::kRollingRow - ContactRows::kSlidingRow) {
+      const Vec3 across = mu_[r] * frames_[k].t1 + mu_[r + 1] * frames_[k].t2;
+      mu_[r] = now.t1.dot(across), mu_[r + 1] = now.t2.dot(across);
+    }
+    frames_[k] = now;
+  }
 }
 
-void ImpactStage::mean_rates(KickWorks& works, std::span<double> out) {
-  works.mean_rates(phase_.kicked, momenta(), system_.jacobian(), out);
+void ImpactStage::mean_rates(std::span<double> out) {
+  works_.mean_rates(phase_.kicked, momenta(), system_.jacobian(), out);
   if (!struck_) return;
+  turn_tangents();
   impact_rates_.resize(out.size());
-  works.mean_rates(momenta_, phase_.momenta, system_.jacobian(), impact_rates_);
+  works_.mean_rates(momenta_, phase_.momenta, system_.jacobian(), impact_rates_);
   const std::span<const double> given = impulses();
   for (std::size_t r = 0; r < out.size(); ++r)
     if (values_.mu[r] != 0) out[r] = (mu_[r] * out[r] + given[r] * impact_rates_[r]) / values_.mu[r];

@@ -20,19 +20,23 @@ namespace taut {
 class ImpactStage {
  public:
   /// All of them must outlive it.
-  ImpactStage(const ConstraintSystem& system, ContactForces& contacts, Phase& phase, RowValues& values)
-      : system_(system), contacts_(contacts), phase_(phase), values_(values) {}
+  ImpactStage(const ConstraintSystem& system, ContactForces& contacts, Phase& phase, RowValues& values,
+              KickWorks& works)
+      : system_(system),
+        contacts_(contacts),
+        phase_(phase),
+        values_(values),
+        works_(works),
+        zero_(phase.momenta.size()) {}
 
-  /// Renews the laws of velocities, meets them from μ and its rates on, and follows with take_impulses() and
-  /// the rates that momenta have then.  False if that fails.
+  /// Renews the laws of velocities, meets them from μ and its rates on, and follows with the momenta and
+  /// rates that μ leads to.  False if that fails.
   using Solve = std::function<bool()>;
 
   /// A velocity stage begins.
   void begin() { struck_ = false; }
   /// Strikes what is due, from momenta p⁻, impulses μ and rates w⁻ of the velocity stage.
   bool strike(const Solve& solve);
-  /// The momenta that μ leads to.
-  void take_impulses();
 
   bool struck() const { return struck_; }
   /// Momenta between the velocity stage and the impacts; those of the end if there are none.
@@ -41,21 +45,26 @@ class ImpactStage {
   std::span<const double> mu() const { return struck_ ? mu_ : values_.mu; }
   std::span<const double> impulses();
   /// The rates at which all of μ does the work of the second kick and of the impacts.
-  void mean_rates(KickWorks& works, std::span<double> out);
+  void mean_rates(std::span<double> out);
 
  private:
   bool solve_round(double part, const Solve& solve);
   bool limit_restitution(const Solve& solve);
   double energy() const;
+  void turn_tangents();
 
   const ConstraintSystem& system_;
   ContactForces& contacts_;
   Phase& phase_;
   RowValues& values_;
+  KickWorks& works_;
+  std::vector<Wrench> zero_;
   bool struck_ = false;
   std::vector<Wrench> momenta_;
   std::vector<double> mu_, impulses_, impact_rates_;
-  std::vector<double> round_mu_, round_rates_;  // at the start of a round
+  std::vector<row_parts::ContactFrame> frames_;  // of mu_
+  std::vector<Wrench> round_momenta_;            // at the start of a round
+  std::vector<double> round_rates_;
 };
 
 }  // namespace taut

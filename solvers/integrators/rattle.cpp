@@ -45,6 +45,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
 
 void Rattle::start(const State& state, SubstepReport& report) {
   ImpulseScheme::start(state, report);
+  flattened_ = false;
   size_ = system_size(phase_.state.poses);
 }
 
@@ -63,7 +64,7 @@ Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
   if (!contacts_.empty()) find_contacts();
   if (blind()) return take_back(Outcome::kBlind, report);
   factorize_end(report);  // S(q₁)
-  if (!close_velocities(h, report) || (contacts_.strikes() && !strike(report)))
+  if (!close_velocities(h, report) || (contacts_.strikes() && !strike(h, report)))
     return take_back(Outcome::kStalled, report);  // kick, J V = 0 and the laws
   if (!phase_.finite()) return Outcome::kNotFinite;
   if (breaking_.possible() && break_joints(h, report)) return Outcome::kOverload;
@@ -130,6 +131,7 @@ void Rattle::finish(double h, SubstepReport& report) {
     if (!stages_.iterative()) system_.factorize(report.times);
   }
   ++report.substeps;
+  flattened_ = false;
   stages_.report_residuals(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit();
@@ -139,6 +141,7 @@ void Rattle::finish(double h, SubstepReport& report) {
 Scheme::Outcome Rattle::reject(Outcome outcome, SubstepReport& report) {
   impacts_.end();
   restore(report);
+  flattened_ = flattened_ || outcome == Outcome::kStalled;
   return outcome;
 }
 
@@ -297,8 +300,7 @@ bool Rattle::close_velocities(double h, SubstepReport& report) {
     if (!bounded()) {
       project_momenta(h, report);
     } else {
-      for (int b = 0; b < world_.body_count(); ++b)
-        if (system_.inverse_mass(b).moves()) phase_.second_kick(b, h);
+      start_second_kick(h);
       if (!project_bounded_momenta(report)) return false;
     }
     if (!phase_.forces_depend_on_velocity()) return true;

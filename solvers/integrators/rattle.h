@@ -49,9 +49,9 @@ class Rattle : public ImpulseScheme {
   void finish_position_laws();
   bool stabilize_positions(double h, SubstepReport& report);
   void begin_bounds(double h);
-  void try_positions(double h);
+  void try_positions(double h, bool near);
   void kick_and_drift(double h, const Configuration& end);
-  void contact_rates(double h);
+  void contact_rates(double h, bool near);
   void take_linear_rates();
   void renew_position_laws();
   bool keep_pace(double error, double last, double h, SubstepReport& report);
@@ -64,8 +64,9 @@ class Rattle : public ImpulseScheme {
   bool sweep_velocities(const StageSolver::Stage& stage, SubstepReport& report);
   void take_off_absorbed();
   bool velocities_hold(SubstepReport& report);
-  bool strike(SubstepReport& report);
+  bool strike(double h, SubstepReport& report);
   void begin_velocities();
+  void start_second_kick(double h);
   void renew_velocity_laws();
 
   // The end of the step.
@@ -83,6 +84,7 @@ class Rattle : public ImpulseScheme {
   ImpactSearch impacts_;
   double size_ = 1;                    // of the whole system at the start [m]
   double slack_ = 0;                   // of gaps and places where friction holds, which is left [m or rad]
+  bool flattened_ = false;             // contacts are taken as planes, since the sub-step failed as they are
   bool prediction_missed_ = false;     // multipliers were far from their prediction
   std::vector<Wrench> raw_kick_;       // before the filter of implicit stiffness
   std::vector<Wrench> absorbed_;       // momentum that bodies held fast did not take in this stage

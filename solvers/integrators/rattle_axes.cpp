@@ -30,11 +30,11 @@ void Rattle::begin_bounds(double h) {
 }
 
 /// Where the present λ leads to: q₁, φ(q₁), the mean rates and their laws.
-void Rattle::try_positions(double h) {
+void Rattle::try_positions(double h, bool near) {
   kick_and_drift(h, phase_.end_of_step(h));
   for (int r = 0; r < system_.row_count(); ++r)
     values_.rates[r] = (values_.phi[r] - values_.start_theta[r]) / h;
-  if (!contacts_.empty()) contact_rates(h);
+  if (!contacts_.empty()) contact_rates(h, near);
   projection_.clear_loose_rows(values_.phi);
   renew_position_laws();
 }
@@ -67,6 +67,7 @@ bool Rattle::close_bounded_positions(double h, SubstepReport& report) {
     }
     if (!at.closed && !keep_pace(at.error, last, h, report)) return give_up(values_.lambda, values_.rates);
     last = at.error;
+    if (!at.closed) contacts_.hold_again();
     const Stopwatch watch(report.times.positions);
     const StageSolver::Stage stage{values_.lambda, values_.rates, renew, start_jacobian_.kept_contacts(),
                                    iteration > 0};
@@ -81,7 +82,7 @@ bool Rattle::close_bounded_positions(double h, SubstepReport& report) {
 Rattle::PositionError Rattle::position_error(double h, int iteration, SubstepReport& report) {
   if (iteration == 0 || !(stages_.friction_dominated() && stages_.rested())) {  // else λ is the same
     const Stopwatch watch(report.times.positions);
-    try_positions(h);
+    try_positions(h, iteration > 0);
   }
   if (iteration == 0 || !axes_.finite()) return {};
   const double tolerance = settings_.position_tolerance - slack_;
@@ -178,13 +179,19 @@ bool Rattle::velocities_hold(SubstepReport& report) {
 }
 
 /// Impacts at the end of the step, after its velocities are closed without them.
-bool Rattle::strike(SubstepReport& report) {
+bool Rattle::strike(double h, SubstepReport& report) {
   return impact_stage_.strike([&] {
     renew_velocity_laws();
     if (!meet_velocity_laws(report)) return false;
-    impact_stage_.take_impulses();
+    start_second_kick(h);
+    take_impulses();
     return velocities_hold(report);
   });
+}
+
+void Rattle::start_second_kick(double h) {
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (system_.inverse_mass(b).moves()) phase_.second_kick(b, h);
 }
 
 /// The first kick for the books, at the pose where it acted.
@@ -194,11 +201,14 @@ void Rattle::keep_first_kick() {
   contacts_.record_first_kick(values_.lambda, values_.rates, values_.kick_rates);
 }
 
-/// Mean rates of the contact rows in the drift.
-void Rattle::contact_rates(double h) {
+/// Mean rates of the contact rows in the drift.  Far from the solution they are linear where contacts hold:
+/// many that hold one body agree about its motion only as rigid bodies move.
+void Rattle::contact_rates(double h, bool near) {
   works_.mean_rates(phase_.kicked, phase_.kicked, start_jacobian_.get(), values_.kick_rates);
   const int first = system_.rows().first_contact_row();
   std::copy(values_.kick_rates.begin() + first, values_.kick_rates.end(), values_.rates.begin() + first);
+  // Sweeps do not follow, and in a step that failed with it nothing else does.
+  if (stages_.iterative() || flattened_ || (!near && contacts_.any_hold())) return;
   drift_rates(contacts_, {system_.mass(), phase_.state.poses, phase_.poses, phase_.kicked, h}, values_.rates);
 }
 

@@ -22,7 +22,7 @@ bool Rattle::stabilize_positions(double h, SubstepReport& report) {
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
   const StageSolver::Renew renew = [this] { renew_position_laws(); };
   for (int left = settings_.iterations;; left -= kSweepsPerPass) {
-    try_positions(h);
+    try_positions(h, false);
     if (!std::isfinite(max_abs(values_.phi)) || !axes_.finite()) return false;
     if (left <= 0) break;
     const double tolerance = 0.1 * settings_.position_tolerance / h;

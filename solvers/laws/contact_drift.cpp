@@ -36,37 +36,34 @@ Vec3 solve_across(const Mat3& H, double s, const Vec3& m, const Vec3& g) {
 /// from the outward normal n.
 struct Core {
   double ball;
-  Vec3 n, rim;
-  Mat3 H;
+  Vec3 n;
+  Mat3 H, Q;
 
   Core(const LocalSurface& surface, const Mat3& turn, const Vec3& normal)
       : ball(surface.ball),
         n(turn * normal),
-        rim(turn * surface.rim),
-        H(turn * surface.radii * turn.transpose()) {}
+        H(turn * surface.radii * turn.transpose()),
+        Q(turn * surface.squares * turn.transpose()) {}
 
-  bool is_rim() const { return !rim.isZero(0); }
-  /// R times the direction in the plane of the circle, or as it is.
-  Vec3 on_circle(const Vec3& d) const {
-    const double radius = rim.norm();
-    const Vec3 out = tangent(d, rim / radius);
-    const double length = out.norm();
-    return length > 0 ? Vec3(radius / length * out) : Vec3::Zero();
+  bool is_quadric() const { return Q.trace() > 0; }
+  Vec3 farthest(const Vec3& d) const {
+    const Vec3 q = Q * d;
+    const double height = std::sqrt(std::max(0.0, d.dot(q)));
+    return height > 0 ? Vec3(q / height) : Vec3::Zero();
   }
   Vec3 shift(const Vec3& d) const {
-    return is_rim() ? Vec3(on_circle(d) - on_circle(n)) : Vec3(H * tangent(d, n));
+    return is_quadric() ? Vec3(farthest(d) - farthest(n)) : Vec3(H * tangent(d, n));
   }
-  /// d · shift(d), of a curved surface with its fall of the second order.
+  /// d · shift(d), of H with the fall of the second order.
   double height(const Vec3& d) const {
     const Vec3 u = tangent(d, n);
-    return is_rim() ? d.dot(shift(d)) : 0.5 * u.dot(H * u);
+    return is_quadric() ? d.dot(shift(d)) : 0.5 * u.dot(H * u);
   }
   Mat3 radii(const Vec3& d) const {
-    if (!is_rim()) return H;
-    const Vec3 along = rim.cross(d);  // of length R sin
-    const double radius = rim.norm(), across = along.norm();
-    return across > 0 ? Mat3(radius * radius / (across * across * across) * along * along.transpose())
-                      : Mat3::Zero();
+    if (!is_quadric()) return H;
+    const Vec3 q = Q * d;
+    const double height = std::sqrt(std::max(0.0, d.dot(q)));
+    return height > 0 ? Mat3(Q / height - q * q.transpose() / (height * height * height)) : Mat3::Zero();
   }
 };
 
@@ -86,14 +83,17 @@ BodyEnds ends_of(const ContactDrift& drift, int b) {
   return ends;
 }
 
-/// They neither turn nor slip against each other by more than round-off.
+bool is_flat(const LocalSurface& surface) { return surface.radii.trace() > 1.5 * LocalSurface::kFlat; }
+
+/// J(q₀) gives the rates to round-off: bodies do not turn, and slip on a plane or not at all.
 bool is_still(const Contact& contact, const BodyEnds& A, const BodyEnds& B) {
+  const double turned = (A.turn - Mat3::Identity()).norm() + (B.turn - Mat3::Identity()).norm();
+  if (turned > kStill) return false;
+  if (is_flat(contact.surface_A) || is_flat(contact.surface_B)) return true;
   const Vec3 a = A.end.q * contact.p_AP, b = B.end.q * contact.p_BQ;
   const Vec3 way = (B.end.p - A.end.p) - (B.start.p - A.start.p) + (b - B.start.q * contact.p_BQ) -
                    (a - A.start.q * contact.p_AP);
-  const double arms = a.norm() + b.norm();
-  const double turned = (A.turn - Mat3::Identity()).norm() + (B.turn - Mat3::Identity()).norm();
-  return turned <= kStill && way.norm() <= kStill * arms;
+  return way.norm() <= kStill * (a.norm() + b.norm());
 }
 
 }  // namespace

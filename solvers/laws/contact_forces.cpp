@@ -233,18 +233,24 @@ void ContactForces::roll_back(bool moved_on) {
   departed_.resize(departed_before_);
 }
 
-/// Impulses of rows as world vectors, and their work.
+/// Impulses of rows as world vectors, and the work of those that take energy: of normals that stop an
+/// approach, and of friction that slips.  What else contacts do is the work of ideal constraints.
 void ContactForces::accumulate_work(int k, std::span<const double> lambda, std::span<const double> rates) {
   Point& point = table_.points[k];
   const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
+  const bool all = table_.single_kick || compliance(k) > 0;
+  const bool stops = all || point.approach < -table_.resting_speed;
+  const bool slides = all || point.sliding.slips, rolls = all || point.rolling.slips;
   const int row = first_row(k);
   Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();
   for (int i = 0; i < 3; ++i) {
     impulse += lambda[row + i] * frame.direction(i);
-    (i == 0 ? work_.normal : work_.friction) += lambda[row + i] * rates[row + i];
+    const double work = lambda[row + i] * rates[row + i];
+    if (i == 0 && stops) work_.normal += work;
+    if (i > 0 && slides) work_.friction += work;
     if (!has_twist(k)) continue;
-    torque += lambda[row + 3 + i] * frame.direction(i);
-    work_.friction += lambda[row + 3 + i] * rates[row + 3 + i];
+    torque += lambda[row + kSpinRow + i] * frame.direction(i);
+    if (i == 0 || rolls) work_.friction += lambda[row + kSpinRow + i] * rates[row + kSpinRow + i];
   }
   point.first = impulse;
   point.first_torque = torque;
@@ -306,6 +312,15 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     point.sliding.target = point.rolling.target = Vec2::Zero();
   }
   set_spring_laws();
+}
+
+bool ContactForces::any_hold() const {
+  return std::any_of(table_.points.begin(), table_.points.end(),
+                     [](const Point& point) { return point.active && point.stuck; });
+}
+
+void ContactForces::hold_again() {
+  for (Point& point : table_.points) point.broken = false;
 }
 
 /// A rigid contact with restitution that comes together faster than the resting speed.

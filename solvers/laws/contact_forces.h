@@ -66,6 +66,10 @@ class ContactForces final : public ContactLaws {
   /// Back to begin(), over a move_on() if there was one.
   void roll_back(bool moved_on);
 
+  /// Some held at the end of the last step.
+  bool any_hold() const;
+  /// Contacts that let go of static friction in this stage may hold as before: its rates were others.
+  void hold_again();
   /// Between them: what the first kick gave, in the directions of now.  `rates`: J V without the impulses of
   /// the second.
   void begin_velocities(std::span<const double> rates, std::span<const double> inertia);

@@ -23,7 +23,7 @@ void transfer_fields(Archive& archive, Material& m) {
   archive(m.restitution, m.static_friction, m.dynamic_friction, m.rolling_friction, m.spinning_friction,
           m.compliance);
 }
-void transfer_fields(Archive& archive, LocalSurface& s) { archive(s.ball, s.radii, s.rim); }
+void transfer_fields(Archive& archive, LocalSurface& s) { archive(s.ball, s.radii, s.squares); }
 void transfer_fields(Archive& archive, Contact& c) {
   archive(c.a, c.b, c.A, c.B, c.p_AP, c.p_BQ, c.normal, c.gap, c.feature, c.surface_A, c.surface_B);
 }

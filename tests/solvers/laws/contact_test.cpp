@@ -44,15 +44,14 @@ void run(Simulator& simulator, double dt, int steps) {
   }
 }
 
-/// Coulomb's law for all contacts of the last step.
-void expect_in_cones(const Simulator& simulator, double friction) {
+/// Coulomb's law for all contacts of the last step, in which normals turn by as much as this.
+void expect_in_cones(const Simulator& simulator, double friction, double turn = 1e-3) {
   double largest = 0;
   for (const ContactReport& contact : simulator.contacts()) largest = std::max(largest, contact.normal_force);
   for (const ContactReport& contact : simulator.contacts()) {
     EXPECT_GE(contact.normal_force, -1e-8 * largest);
     const Vec3 tangent = contact.force - contact.normal_force * contact.contact.normal;
-    // Means over a step in which the normal may turn a little.
-    EXPECT_LE(tangent.norm(), (friction + 1e-3) * contact.normal_force + 1e-6 * largest);
+    EXPECT_LE(tangent.norm(), (friction + turn) * contact.normal_force + 1e-6 * largest);
   }
 }
 

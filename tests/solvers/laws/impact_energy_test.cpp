@@ -1,0 +1,270 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "core/joints/joints.h"
+#include "core/world/diagnostics.h"
+#include "solvers/simulator/simulator.h"
+
+/// No impact creates energy, whatever the step, the shapes and the number of contacts; e = 1 without friction
+/// keeps it.  Energies are recomputed from masses, poses and twists.
+namespace taut::impact_energy_test {
+namespace {
+
+constexpr double kG = 9.81;
+
+Material material(double restitution, double friction = 0) {
+  Material m;
+  m.static_friction = m.dynamic_friction = friction;
+  m.restitution = restitution;
+  return m;
+}
+
+BodyId add(World& world, const Shape& shape, MassProperties mass, const Pose& pose, const Twist& twist,
+           const Material& m) {
+  const BodyId body = world.add_body({.name = std::string("b").append(std::to_string(world.body_count())),
+                                      .mass = std::move(mass),
+                                      .pose = pose,
+                                      .twist = twist});
+  world.add_shape(body, shape, {}, m);
+  return body;
+}
+
+BodyId add_ball(World& world, double radius, const Vec3& p, const Twist& twist, const Material& m) {
+  return add(world, Sphere{radius}, MassProperties::sphere(radius, 1), {.p = p}, twist, m);
+}
+
+BodyId add_box(World& world, const Vec3& size, const Pose& pose, const Twist& twist, const Material& m) {
+  return add(world, Box{size}, MassProperties::box(size, 1), pose, twist, m);
+}
+
+/// T + V of the bodies, by hand.
+double energy(const World& world) {
+  double sum = 0;
+  for (int b = 1; b < world.body_count(); ++b) {
+    const MassProperties& mass = world.mass_properties(BodyId{b});
+    const Pose& pose = world.pose(BodyId{b});
+    const Twist& V = world.twist(BodyId{b});
+    const Vec3 w = pose.q.conjugate() * V.w;
+    sum += 0.5 * mass.mass() * V.v.squaredNorm() + 0.5 * w.dot(mass.inertia_B() * w) -
+           mass.mass() * world.gravity().dot(pose.p);
+  }
+  return sum;
+}
+
+struct Course {
+  double end = 0, most = 0;  ///< E/E₀ − 1 at the end, and the largest at any time
+};
+
+/// Steps a world; in none of them do contacts or friction give energy.
+Course run(World& world, double dt, double time, double resting_speed = 1e-4) {
+  Settings settings;
+  settings.resting_speed = resting_speed;
+  Simulator simulator(world, settings);
+  const double start = energy(world);
+  Course course;
+  for (int i = 0; i * dt < time * (1 - 1e-12); ++i) {
+    const StepReport& report = simulator.step(dt);
+    EXPECT_TRUE(report.advanced()) << "step " << i << ": " << report.message;
+    if (!report.advanced()) break;
+    EXPECT_LE(report.ledger.contacts + report.ledger.friction, 1e-8 * start) << "step " << i;
+    course.end = energy(world) / start - 1;
+    course.most = std::max(course.most, course.end);
+  }
+  return course;
+}
+
+Quat random_turn(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);
+  return Quat(w, x, y, z).normalized();
+}
+Vec3 random_vector(std::mt19937& random, double most) {
+  std::uniform_real_distribution<double> uniform(-most, most);
+  const double x = uniform(random), y = uniform(random), z = uniform(random);
+  return {x, y, z};
+}
+
+/// Six planes with free space inside ±half.
+void add_walls(World& world, double half, const Material& m) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3 inward = -side * Vec3::Unit(axis);
+      world.add_shape(kGround, HalfSpace{},
+                      {.q = Quat::FromTwoVectors(Vec3::UnitZ(), inward), .p = side * half * Vec3::Unit(axis)},
+                      m);
+    }
+}
+
+TEST(ImpactEnergy, of_a_smooth_box_that_tumbles_on_a_smooth_floor_is_kept) {
+  double largest = 0, last = 0;
+  for (const double dt : {4e-3, 2e-3, 1e-3, 5e-4}) {
+    World world;
+    world.add_shape(kGround, HalfSpace{}, {}, material(1));
+    add_box(world, {0.3, 0.2, 0.1}, {.q = Quat(0.9, 0.3, -0.2, 0.25).normalized(), .p = {0, 0, 1}},
+            {.w = {2, 1, -3}, .v = {0.3, 0, 0}}, material(1));
+    const Course course = run(world, dt, 4);
+    EXPECT_NEAR(course.end, 0, 1e-3) << dt;
+    EXPECT_LE(course.most, 1e-3) << dt;
+    last = std::max(course.most, std::abs(course.end));
+    largest = std::max(largest, last);
+  }
+  EXPECT_LE(last, largest / 16);  // that of the split rotation between impacts, of order 2
+}
+
+TEST(ImpactEnergy, of_two_balls_off_centre_is_kept_and_they_part_along_the_line_of_centres) {
+  World world;
+  world.set_gravity(Vec3::Zero());
+  const BodyId a = add_ball(world, 0.1, {-0.5, 0.19, 0}, {.w = Vec3::Zero(), .v = {3, 0, 0}}, material(1));
+  const BodyId b = add_ball(world, 0.1, {0, 0, 0}, {.w = Vec3::Zero(), .v = Vec3::Zero()}, material(1));
+  EXPECT_NEAR(run(world, 1e-3, 0.4).end, 0, 1e-12);
+  // sin of the angle between the line of centres and x is 0.19/0.2.
+  const double s = 0.95, c2 = 1 - s * s;
+  EXPECT_NEAR(world.twist(b).v.x(), 3 * c2, 1e-6);
+  EXPECT_NEAR(world.twist(a).v.x(), 3 * s * s, 1e-6);
+}
+
+TEST(ImpactEnergy, of_a_break_of_fifteen_balls_that_touch_is_kept) {
+  World world;
+  world.set_gravity(Vec3::Zero());
+  const double r = 0.0286;
+  for (int row = 0; row < 5; ++row)
+    for (int k = 0; k <= row; ++k)
+      add_ball(world, r, {row * r * std::sqrt(3.0), (2 * k - row) * r, 0}, {Vec3::Zero(), Vec3::Zero()},
+               material(1));
+  add_ball(world, r, {-0.5, 0.003, 0}, {.w = Vec3::Zero(), .v = {5, 0, 0}}, material(1));
+  const Course course = run(world, 1e-3, 0.5, 1e-9);
+  EXPECT_NEAR(course.end, 0, 1e-9);
+}
+
+struct Gas {
+  bool boxes;
+  double dt;
+};
+class ImpactGas : public ::testing::TestWithParam<Gas> {};
+
+TEST_P(ImpactGas, keeps_its_energy) {
+  std::mt19937 random(7);
+  World world;
+  world.set_gravity(Vec3::Zero());
+  add_walls(world, 0.5, material(1));
+  for (int i = 0; i < 27; ++i) {
+    const Vec3 p = 0.3 * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    const Quat q = random_turn(random);
+    const Vec3 w = random_vector(random, 5), v = random_vector(random, 1.5);
+    if (GetParam().boxes)
+      add_box(world, {0.12, 0.09, 0.07}, {.q = q, .p = p}, {.w = w, .v = v}, material(1));
+    else
+      add_ball(world, 0.07, p, {.w = w, .v = v}, material(1));
+  }
+  const Course course = run(world, GetParam().dt, 1);
+  EXPECT_NEAR(course.end, 0, 1e-3);
+  EXPECT_LE(course.most, 1e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, ImpactGas,
+                         ::testing::Values(Gas{false, 4e-3}, Gas{false, 1e-3}, Gas{true, 4e-3},
+                                           Gas{true, 1e-3}),
+                         [](const auto& gas) {
+                           return std::string(gas.param.boxes ? "boxes_" : "balls_")
+                               .append(std::to_string(int(1e6 * gas.param.dt)))
+                               .append("us");
+                         });
+
+struct Oblique {
+  double restitution, friction;
+};
+class ObliqueImpact : public ::testing::TestWithParam<Oblique> {};
+
+/// J_n = (1 + e) m v_n and J_t = min(μ J_n, 2/7 m |v_t|) for a sphere.
+TEST_P(ObliqueImpact, of_a_ball_is_that_of_the_closed_form) {
+  const auto [e, mu] = GetParam();
+  const double vx = 1.5, vz = -2, r = 0.1;
+  World world;
+  world.set_gravity(Vec3::Zero());
+  world.add_shape(kGround, HalfSpace{}, {}, material(e, mu));
+  const BodyId ball = add_ball(world, r, {0, 0, 0.1503}, {.w = {0, 4, 0}, .v = {vx, 0, vz}}, material(e, mu));
+  run(world, 1e-3, 0.05);
+  const double slip = vx - 4 * r;  // of the lowest point
+  const double friction = std::min(mu * (1 + e) * -vz, 2.0 / 7 * std::abs(slip));
+  // Without restitution the impact begins with the step, as far above the floor as the ball is then.
+  const double tolerance = e > 0 ? 1e-8 : 1e-3;
+  EXPECT_NEAR(world.twist(ball).v.z(), -e * vz, 1e-8);
+  EXPECT_NEAR(world.twist(ball).v.x(), vx - std::copysign(friction, slip), tolerance);
+}
+
+/// Rods and boxes that strike with a corner: Newton's law with friction would give energy in some of these.
+TEST_P(ObliqueImpact, of_rods_and_boxes_never_gives_energy) {
+  const auto [e, mu] = GetParam();
+  std::mt19937 random(11);
+  for (int i = 0; i < 12; ++i) {
+    World world;
+    world.add_shape(kGround, HalfSpace{}, {}, material(e, mu));
+    const Vec3 size = i % 2 == 0 ? Vec3(0.8, 0.02, 0.02) : Vec3(0.3, 0.2, 0.1);
+    const Quat q = random_turn(random);
+    const Vec3 w = random_vector(random, 6), v = random_vector(random, 3);
+    add_box(world, size, {.q = q, .p = {0, 0, 0.6}}, {.w = w, .v = v - Vec3(0, 0, 2)}, material(e, mu));
+    const Course course = run(world, 2e-3, 0.6, 1e-3);
+    EXPECT_LE(course.most, 2e-4) << i;  // of the flow between impacts
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Materials, ObliqueImpact,
+                         ::testing::Values(Oblique{0, 0}, Oblique{0, 0.3}, Oblique{0, 1}, Oblique{0.3, 0.1},
+                                           Oblique{0.3, 1}, Oblique{0.7, 0}, Oblique{0.7, 0.3},
+                                           Oblique{0.7, 1}, Oblique{1, 0.1}, Oblique{1, 0.3}, Oblique{1, 1}));
+
+/// Painlevé's rod: its end on a rough floor, sliding.
+TEST(ImpactEnergy, of_a_rod_that_slides_on_a_rough_floor_never_grows) {
+  for (const double degrees : {25.0, 40.0, 55.0, 70.0})
+    for (const double mu : {0.4, 1.0, 1.5}) {
+      const double angle = degrees * std::numbers::pi / 180, half = 0.5;
+      World world;
+      world.add_shape(kGround, HalfSpace{}, {}, material(0.5, mu));
+      const Quat q(Eigen::AngleAxisd(-angle, Vec3::UnitY()));
+      const BodyId rod = world.add_body({.name = "rod",
+                                         .mass = MassProperties::box({1, 0.01, 0.01}, 1),
+                                         .pose = {.q = q, .p = {0, 0, half * std::sin(angle) + 0.02}},
+                                         .twist = {.w = {0, 1, 0}, .v = {-2, 0, -1}}});
+      world.add_shape(rod, Capsule{0.005, 0.99},
+                      {.q = Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitY()))},
+                      material(0.5, mu));
+      EXPECT_LE(run(world, 1e-3, 0.5, 1e-3).most, 1e-5) << degrees << "°, " << mu;
+    }
+}
+
+/// Chains of capsules, elastic and not, and one body that strikes with two materials at once.
+TEST(ImpactEnergy, of_chains_and_of_bodies_of_two_materials_never_grows) {
+  for (const double e : {0.0, 0.5, 1.0})
+    for (const double mu : {0.0, 0.4}) {
+      World world;
+      world.add_shape(kGround, HalfSpace{}, {}, material(e, mu));
+      BodyId last = kGround;
+      for (int i = 0; i < 5; ++i) {
+        const BodyId link = world.add_body({.name = std::string("link").append(std::to_string(i)),
+                                            .mass = MassProperties::box({0.2, 0.04, 0.04}, 1),
+                                            .pose = {.p = {0.2 * i, 0.01 * i, 0.3 + 0.03 * i}}});
+        world.add_shape(link, Capsule{0.02, 0.15},
+                        {.q = Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitY()))},
+                        material(e, mu));
+        if (i > 0)
+          world.add(std::string("pin").append(std::to_string(i)),
+                    Ball::at(world, last, link, Vec3(0.2 * i - 0.1, 0.01 * i - 0.005, 0.285 + 0.03 * i)));
+        last = link;
+      }
+      EXPECT_LE(run(world, 2e-3, 1, 1e-3).most, 5e-4) << e << ", " << mu;  // of the flow, of order 2
+    }
+  World world;
+  world.add_shape(kGround, HalfSpace{}, {}, material(1));
+  const BodyId body =
+      add_box(world, {0.1, 0.1, 0.1}, {.p = {0, 0, 0.5}}, {.w = {0, 0.4, 0}, .v = {0, 0, -1}}, material(0.2));
+  world.add_shape(body, Sphere{0.05}, {.p = {0.3, 0, 0}}, material(0.9));
+  world.add_shape(body, Sphere{0.05}, {.p = {-0.3, 0, 0}}, material(0.1));
+  EXPECT_LE(run(world, 2e-3, 1, 1e-3).most, 2e-4);
+}
+
+}  // namespace
+}  // namespace taut::impact_energy_test
