@@ -145,8 +145,9 @@ class Collector {
                  xy = frame_.u.dot(H * frame_.v);
     const double least = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);
     if (least + r_A_ + r_B_ < kSharp * size_) {
-      LocalSurface& face = on_A_.is_face() ? point.surface_A : point.surface_B;
-      face.radii = LocalSurface::kFlat * (Mat3::Identity() - point.n * point.n.transpose());
+      const LocalSurface flat{0, LocalSurface::kFlat * (Mat3::Identity() - point.n * point.n.transpose())};
+      point.surface_A = on_A_.is_face() ? flat : LocalSurface{};
+      point.surface_B = on_A_.is_face() ? LocalSurface{} : flat;
     }
     out_.push_back(point);
   }
