@@ -18,7 +18,7 @@ constexpr double kFarTurn = 0.5;
 /// tumble; double: no difference in orders.
 constexpr double kCurvedPart = 0.05;
 /// What moves less against each other than this part of its arms has rates that stay as they are.
-constexpr double kStill = 1e-9;
+constexpr double kHardlyMoves = 1e-9;
 
 /// Across n.
 Vec3 tangent(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
@@ -88,12 +88,12 @@ bool is_flat(const LocalSurface& surface) { return surface.radii.trace() > 1.5 *
 /// J(q₀) gives the rates to round-off: bodies do not turn, and slip on a plane or not at all.
 bool is_still(const Contact& contact, const BodyEnds& A, const BodyEnds& B) {
   const double turned = (A.turn - Mat3::Identity()).norm() + (B.turn - Mat3::Identity()).norm();
-  if (turned > kStill) return false;
+  if (turned > kHardlyMoves) return false;
   if (is_flat(contact.surface_A) || is_flat(contact.surface_B)) return true;
   const Vec3 a = A.end.q * contact.p_AP, b = B.end.q * contact.p_BQ;
   const Vec3 way = (B.end.p - A.end.p) - (B.start.p - A.start.p) + (b - B.start.q * contact.p_BQ) -
                    (a - A.start.q * contact.p_AP);
-  return way.norm() <= kStill * (a.norm() + b.norm());
+  return way.norm() <= kHardlyMoves * (a.norm() + b.norm());
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace taut {
 namespace {
 
-/// δ of (solvers/laws, Eq. 6) where the step resolves the spring: a face on a face then has one division of
+/// δ of (solvers/laws, Eq. 8) where the step resolves the spring: a face on a face then has one division of
 /// its second kick for speeds that differ by round-off.
 constexpr double kGivingWay = 0.1;
 
