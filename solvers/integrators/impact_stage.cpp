@@ -34,7 +34,7 @@ bool ImpactStage::strike(const Solve& solve) {
 
 /// With this part of restitution, against the rates at the start of the round.
 bool ImpactStage::solve_round(double part, const Solve& solve) {
-  contacts_.begin_impact(round_rates_, part);
+  restitution_ = contacts_.begin_impact(round_rates_, part);
   return solve();
 }
 
@@ -44,7 +44,7 @@ bool ImpactStage::solve_round(double part, const Solve& solve) {
 bool ImpactStage::limit_restitution(const Solve& solve) {
   double high = 1, above = energy();
   if (!solve_round(0, solve)) return false;
-  const double e = contacts_.largest_restitution(), plastic = energy(), wanted = (1 - e * e) * plastic;
+  const double e = restitution_, plastic = energy(), wanted = (1 - e * e) * plastic;
   double low = 0, below = plastic - wanted, last = 0;
   above -= wanted;
   for (int k = 0; k < kRestitutionSolves && below < kRestitutionAccuracy * plastic; ++k) {

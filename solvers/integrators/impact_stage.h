@@ -65,6 +65,7 @@ class ImpactStage {
   std::vector<row_parts::ContactFrame> frames_;  // of mu_
   std::vector<Wrench> round_momenta_;            // at the start of a round
   std::vector<double> round_rates_;
+  double restitution_ = 0;  // the largest of the round
 };
 
 }  // namespace taut

@@ -47,4 +47,9 @@ bool Phase::finite() const {
   return near && std::isfinite(sum);
 }
 
+void Phase::second_kick(double h) {
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (system_.inverse_mass(b).moves()) second_kick(b, h);
+}
+
 }  // namespace taut

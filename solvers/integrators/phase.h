@@ -27,6 +27,8 @@ class Phase {
   bool forces_depend_on_velocity() const { return world_.forces_depend_on_velocity(springs_); }
   /// p + h/2 f of body b, at the end of the drift.
   void second_kick(int b, double h) { momenta[b] = kicked[b] + 0.5 * h * forces[b]; }
+  /// Of all bodies that move.
+  void second_kick(double h);
   /// What a step of h from the present state leads to: `poses` at its end while it is tried (h ≠ 0); or, once
   /// it is accepted (h = 0), the new state, while `poses` are still the old ones at which the axes hold.
   Configuration end_of_step(double h) const;

@@ -124,7 +124,14 @@ void Rattle::factorize_end(SubstepReport& report) {
 void Rattle::finish(double h, SubstepReport& report) {
   system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
   if (bounded()) finish_laws(report.works);
-  if (settings_.report_energy) account_for_end(h, report.works);
+  if (settings_.report_energy) {
+    const std::span<const double> J = system_.jacobian();
+    works_.add({phase_.state, phase_.kicked, impact_stage_.momenta(), J, impact_stage_.mu()}, phase_.forces,
+               h, report.works);
+    if (impact_stage_.struck())
+      works_.add({phase_.state, impact_stage_.momenta(), phase_.momenta, J, impact_stage_.impulses()},
+                 phase_.forces, 0, report.works);
+  }
   keep_multipliers(h);
   if (breaking_.any_due() && breaking_.due(phase_.state.time)) {
     release_overloaded();
@@ -141,7 +148,7 @@ void Rattle::finish(double h, SubstepReport& report) {
 Scheme::Outcome Rattle::reject(Outcome outcome, SubstepReport& report) {
   impacts_.end();
   restore(report);
-  flattened_ = flattened_ || outcome == Outcome::kStalled;
+  if (outcome == Outcome::kStalled) flattened_ = true;
   return outcome;
 }
 
@@ -300,7 +307,7 @@ bool Rattle::close_velocities(double h, SubstepReport& report) {
     if (!bounded()) {
       project_momenta(h, report);
     } else {
-      start_second_kick(h);
+      phase_.second_kick(h);
       if (!project_bounded_momenta(report)) return false;
     }
     if (!phase_.forces_depend_on_velocity()) return true;

@@ -52,7 +52,6 @@ class Rattle : public ImpulseScheme {
   void try_positions(double h, bool near);
   void kick_and_drift(double h, const Configuration& end);
   void contact_rates(double h, bool near);
-  void take_linear_rates();
   void renew_position_laws();
   bool keep_pace(double error, double last, double h, SubstepReport& report);
   double time_of_impact(double h, SubstepReport& report);
@@ -61,12 +60,9 @@ class Rattle : public ImpulseScheme {
   bool close_velocities(double h, SubstepReport& report);
   bool project_bounded_momenta(SubstepReport& report);
   bool meet_velocity_laws(SubstepReport& report);
-  bool sweep_velocities(const StageSolver::Stage& stage, SubstepReport& report);
-  void take_off_absorbed();
   bool velocities_hold(SubstepReport& report);
   bool strike(double h, SubstepReport& report);
   void begin_velocities();
-  void start_second_kick(double h);
   void renew_velocity_laws();
 
   // The end of the step.
@@ -75,7 +71,6 @@ class Rattle : public ImpulseScheme {
   void keep_multipliers(double h);
   void keep_first_kick();
   void account_for_kick(double h, StepWorks& works);
-  void account_for_end(double h, StepWorks& works);
   void restore(SubstepReport& report);
 
   ImplicitTension tension_;

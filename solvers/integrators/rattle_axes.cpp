@@ -87,17 +87,14 @@ Rattle::PositionError Rattle::position_error(double h, int iteration, SubstepRep
   if (iteration == 0 || !axes_.finite()) return {};
   const double tolerance = settings_.position_tolerance - slack_;
   const double curved = h * contacts_.curved_off(values_.lambda, values_.rates, stages_.rates()) / tolerance;
-  if (curved <= 1) take_linear_rates();
+  if (curved <= 1) {  // surfaces have turned as the last solve was told: laws are judged by its rates
+    const int first = system_.rows().first_contact_row();
+    std::copy(stages_.rates().begin() + first, stages_.rates().end(), values_.rates.begin() + first);
+  }
   const double open =
       std::max(stages_.law_error(values_.lambda, values_.rates, h) / tolerance, curved > 1 ? curved : 0);
   const double laws = stages_.laws_off(values_.lambda, values_.rates);
   return {laws <= open ? open : laws, open <= 1 && !contacts_.empty()};
-}
-
-/// Of contacts whose surfaces have turned as the last solve was told: the rates that it met their laws with.
-void Rattle::take_linear_rates() {
-  const int first = system_.rows().first_contact_row();
-  std::copy(stages_.rates().begin() + first, stages_.rates().end(), values_.rates.begin() + first);
 }
 
 /// False; those who miss these laws most are named.
@@ -164,15 +161,19 @@ bool Rattle::project_bounded_momenta(SubstepReport& report) {
   return velocities_hold(report);
 }
 
+/// By sweeps, bodies that are held fast do not take in all of the impulses.
 bool Rattle::meet_velocity_laws(SubstepReport& report) {
   const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
   const StageSolver::Stage stage{values_.mu, values_.rates, renew};
-  return stages_.iterative() ? sweep_velocities(stage, report) : stages_.solve_velocities(stage, report);
+  if (!stages_.iterative()) return stages_.solve_velocities(stage, report);
+  std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
+  return stages_.iterate(stage, settings_.iterations, 0.1 * settings_.velocity_tolerance, absorbed_, report);
 }
 
 /// What momenta leave of the rates that they had to have is within the tolerance; sweeps have none.
 bool Rattle::velocities_hold(SubstepReport& report) {
-  take_off_absorbed();
+  for (int b = 0; b < static_cast<int>(absorbed_.size()); ++b)
+    if (system_.inverse_mass(b).moves()) phase_.momenta[b] = phase_.momenta[b] - absorbed_[b];
   note_velocities(report);
   if (stages_.iterative()) return std::isfinite(report.velocity_residual);
   return report.velocity_residual <= settings_.velocity_tolerance || give_up(values_.mu, values_.rates);
@@ -183,15 +184,10 @@ bool Rattle::strike(double h, SubstepReport& report) {
   return impact_stage_.strike([&] {
     renew_velocity_laws();
     if (!meet_velocity_laws(report)) return false;
-    start_second_kick(h);
+    phase_.second_kick(h);
     take_impulses();
     return velocities_hold(report);
   });
-}
-
-void Rattle::start_second_kick(double h) {
-  for (int b = 0; b < world_.body_count(); ++b)
-    if (system_.inverse_mass(b).moves()) phase_.second_kick(b, h);
 }
 
 /// The first kick for the books, at the pose where it acted.

@@ -47,14 +47,4 @@ void Rattle::account_for_kick(double h, StepWorks& works) {
   works_.add_between(raw_kick_, phase_.kicked, works.stiffness);
 }
 
-/// The second kick, and the impacts that follow it.
-void Rattle::account_for_end(double h, StepWorks& works) {
-  const std::span<const double> J = system_.jacobian();
-  works_.add({phase_.state, phase_.kicked, impact_stage_.momenta(), J, impact_stage_.mu()}, phase_.forces, h,
-             works);
-  if (impact_stage_.struck())
-    works_.add({phase_.state, impact_stage_.momenta(), phase_.momenta, J, impact_stage_.impulses()},
-               phase_.forces, 0, works);
-}
-
 }  // namespace taut

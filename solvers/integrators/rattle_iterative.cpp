@@ -36,16 +36,4 @@ bool Rattle::stabilize_positions(double h, SubstepReport& report) {
   return true;
 }
 
-/// μ that takes J V + φ_t towards 0 and the other rows towards their laws.
-bool Rattle::sweep_velocities(const StageSolver::Stage& stage, SubstepReport& report) {
-  std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
-  return stages_.iterate(stage, settings_.iterations, 0.1 * settings_.velocity_tolerance, absorbed_, report);
-}
-
-/// Bodies that sweeps have held fast did not take in all of the impulses.
-void Rattle::take_off_absorbed() {
-  for (int b = 0; b < static_cast<int>(absorbed_.size()); ++b)
-    if (system_.inverse_mass(b).moves()) phase_.momenta[b] = phase_.momenta[b] - absorbed_[b];
-}
-
 }  // namespace taut

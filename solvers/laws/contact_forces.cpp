@@ -12,6 +12,19 @@ namespace {
 /// Tangents slower than this at the start of a step are first tried as sticking [m/s].
 constexpr double kRestingSlip = 1e-9;
 
+/// What the first kick gave along the normal of then and across it, in the directions of now.
+void take_first_kick(const row_parts::ContactFrame& frame, ContactTable::Point& point) {
+  const auto across = [&](const Vec3& v) {
+    const Vec3& n = point.first_normal;
+    const Vec3 now = carried(v - n.dot(v) * n, n, frame.n);
+    return Vec2(frame.t1.dot(now), frame.t2.dot(now));
+  };
+  point.back = std::max(0.0, point.first_normal.dot(point.first));
+  point.spin_given = point.first_normal.dot(point.first_torque);
+  point.sliding.given = across(point.first);
+  point.rolling.given = across(point.first_torque);
+}
+
 }  // namespace
 
 ContactForces::ContactForces(const World& world, const Settings& settings)
@@ -281,21 +294,6 @@ void ContactForces::record_first_kick(std::span<const double> lambda, std::span<
   }
 }
 
-/// What the first kick gave along the normal of then and across it, in the directions of now.
-void ContactForces::take_first_kick(int k) {
-  Point& point = table_.points[k];
-  const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
-  const auto across = [&](const Vec3& v) {
-    const Vec3& n = point.first_normal;
-    const Vec3 now = carried(v - n.dot(v) * n, n, frame.n);
-    return Vec2(frame.t1.dot(now), frame.t2.dot(now));
-  };
-  point.back = std::max(0.0, point.first_normal.dot(point.first));
-  point.spin_given = point.first_normal.dot(point.first_torque);
-  point.sliding.given = across(point.first);
-  point.rolling.given = across(point.first_torque);
-}
-
 void ContactForces::begin_velocities(std::span<const double> rates, std::span<const double> inertia) {
   set_inertia(inertia);
   table_.in_velocities = true;
@@ -303,12 +301,14 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     Point& point = table_.points[k];
     Impact& impact = table_.impacts[k];
     // Also what has met unseen, as where faces turn.
-    if (point.touching && !point.pressed && meets(k, rates[first_row(k)])) impact.stage = Impact::Stage::kDue;
+    const bool bounces = point.active && place(k).material.restitution > 0 && compliance(k) == 0;
+    if (bounces && point.touching && !point.pressed && rates[first_row(k)] < -table_.resting_speed)
+      impact.stage = Impact::Stage::kDue;
     point.live = point.active && point.touching && impact.stage == Impact::Stage::kNone;
     point.bounce = 0;
     if (!point.active) continue;
     if (point.fresh) point.approach = rates[first_row(k)];
-    take_first_kick(k);
+    take_first_kick(place(k).point.frame, point);
     point.sliding.target = point.rolling.target = Vec2::Zero();
   }
   set_spring_laws();
@@ -323,12 +323,6 @@ void ContactForces::hold_again() {
   for (Point& point : table_.points) point.broken = false;
 }
 
-/// A rigid contact with restitution that comes together faster than the resting speed.
-bool ContactForces::meets(int k, double rate) const {
-  return point(k).active && place(k).material.restitution > 0 && compliance(k) == 0 &&
-         rate < -table_.resting_speed;
-}
-
 bool ContactForces::strikes() const {
   for (int k = 0; k < std::ssize(table_.points); ++k)
     if (impact(k).stage == Impact::Stage::kDue && point(k).active && point(k).touching) return true;
@@ -341,24 +335,19 @@ bool ContactForces::come_together(std::span<const double> rates) const {
   return false;
 }
 
-double ContactForces::largest_restitution() const {
+double ContactForces::begin_impact(std::span<const double> rates, double part) {
   double largest = 0;
-  for (int k = 0; k < std::ssize(table_.points); ++k)
-    if (table_.impacts[k].stage == Impact::Stage::kDue)
-      largest = std::max(largest, place(k).material.restitution);
-  return largest;
-}
-
-void ContactForces::begin_impact(std::span<const double> rates, double part) {
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     point.live = point.active && point.touching;
     if (!point.live) continue;
     point.approach = rates[first_row(k)];
+    const double restitution = place(k).material.restitution;
     const bool slow = point.approach >= -table_.resting_speed;
-    const double e = slow ? 0 : part * place(k).material.restitution;
-    point.bounce = -(point.approach > 0 ? 1 : e) * point.approach;
+    point.bounce = -(point.approach > 0 ? 1 : slow ? 0 : part * restitution) * point.approach;
+    if (impact(k).stage == Impact::Stage::kDue) largest = std::max(largest, restitution);
   }
+  return largest;
 }
 
 void ContactForces::finish(std::span<const double> mu, std::span<const double> rates, double time) {

@@ -77,11 +77,10 @@ class ContactForces final : public ContactLaws {
   bool strikes() const;
   /// They strike after it: with its rates w⁻, velocity_laws() ask for w ≥ −e w⁻ with this part of each e, in
   /// all contacts that are touched.  One that parts may come together as fast as it parted, so that no normal
-  /// impulse gives energy.
-  void begin_impact(std::span<const double> rates, double part);
+  /// impulse gives energy.  Returns the largest e of those that strike.
+  double begin_impact(std::span<const double> rates, double part);
   /// Some that are touched do at these rates, faster than the resting speed.
   bool come_together(std::span<const double> rates) const;
-  double largest_restitution() const;  ///< of those that strike
   /// Moreau–Jean between begin_single_kick() and velocity_laws(): `rates` J V before the step.  Contacts that
   /// are touched have Newton's law of impact w ≥ −e w⁻ however slow they are.
   void begin_impulses(std::span<const double> rates, std::span<const double> inertia);
@@ -105,8 +104,6 @@ class ContactForces final : public ContactLaws {
   void transfer(Archive& archive);
 
  private:
-  bool meets(int k, double rate) const;
-  void take_first_kick(int k);
   void remap();
   void take_up_recalled(const World& world);
   void remember(double h);
