@@ -247,13 +247,14 @@ void ContactForces::roll_back(bool moved_on) {
 }
 
 /// Impulses of rows as world vectors, and the work of those that take energy: of normals that stop an
-/// approach, and of friction that slips.  What else contacts do is the work of ideal constraints.
+/// approach, and of friction that slips or comes with them.  What else contacts do is the work of ideal
+/// constraints.
 void ContactForces::accumulate_work(int k, std::span<const double> lambda, std::span<const double> rates) {
   Point& point = table_.points[k];
   const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
   const bool all = table_.single_kick || compliance(k) > 0;
   const bool stops = all || point.approach < -table_.resting_speed;
-  const bool slides = all || point.sliding.slips, rolls = all || point.rolling.slips;
+  const bool slides = stops || point.sliding.slips, rolls = stops || point.rolling.slips;
   const int row = first_row(k);
   Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();
   for (int i = 0; i < 3; ++i) {

@@ -57,6 +57,7 @@ double energy(const World& world) {
 
 struct Course {
   double end = 0, most = 0;  ///< E/E₀ − 1 at the end, and the largest at any time
+  double booked = 0;         ///< work of contacts and friction in the ledger, over E₀
 };
 
 /// Steps a world; in none of them do contacts or friction give energy.
@@ -71,6 +72,7 @@ Course run(World& world, double dt, double time, double resting_speed = 1e-4) {
     EXPECT_TRUE(report.advanced()) << "step " << i << ": " << report.message;
     if (!report.advanced()) break;
     EXPECT_LE(report.ledger.contacts + report.ledger.friction, 1e-8 * start) << "step " << i;
+    course.booked += (report.ledger.contacts + report.ledger.friction) / start;
     course.end = energy(world) / start - 1;
     course.most = std::max(course.most, course.end);
   }
@@ -187,7 +189,8 @@ TEST_P(ObliqueImpact, of_a_ball_is_that_of_the_closed_form) {
   world.set_gravity(Vec3::Zero());
   world.add_shape(kGround, HalfSpace{}, {}, material(e, mu));
   const BodyId ball = add_ball(world, r, {0, 0, 0.1503}, {.w = {0, 4, 0}, .v = {vx, 0, vz}}, material(e, mu));
-  run(world, 1e-3, 0.05);
+  const Course course = run(world, 1e-3, 0.05);
+  EXPECT_NEAR(course.booked, course.end, 1e-9);
   const double slip = vx - 4 * r;  // of the lowest point
   const double friction = std::min(mu * (1 + e) * -vz, 2.0 / 7 * std::abs(slip));
   // Without restitution the impact begins with the step, as far above the floor as the ball is then.
