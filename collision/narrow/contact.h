@@ -19,6 +19,9 @@ struct LocalSurface {
   Mat3 radii = Mat3::Zero();    ///< H, radii of curvature [m], symmetric, across the normal; 0: a corner
   Mat3 squares = Mat3::Zero();  ///< Q [m²], of an ellipsoid or the circle of a rim: squares of its half axes
 
+  /// Around a point of a face with the unit normal n.
+  static LocalSurface flat(const Vec3& n) { return {0, kFlat * (Mat3::Identity() - n * n.transpose())}; }
+  bool is_flat() const { return radii.trace() > 1.5 * kFlat; }
   /// In axes that R turns to.
   LocalSurface turned(const Mat3& R) const {
     return {ball, R * radii * R.transpose(), R * squares * R.transpose()};
@@ -35,7 +38,7 @@ struct Contact {
   Vec3 normal = Vec3::UnitZ();                    ///< unit, world axes
   double gap = 0;                                 ///< [m]; negative: penetration
   std::uint64_t feature = 0;  ///< unique within the pair; the same for the same contact in the next call
-  LocalSurface surface_A, surface_B;  ///< around P and Q: how the gap changes as bodies turn
+  LocalSurface surface_A{}, surface_B{};  ///< around P and Q: how the gap changes as bodies turn
 };
 
 /// So many pairs of shapes near each other, or contacts, that what they would cost has no bound: they lie in

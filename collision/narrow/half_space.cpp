@@ -17,9 +17,8 @@ struct Plane {
     const double gap = h.dot(x - p) - r;
     if (gap > cutoff) return;
     const Vec3 P = x - r * h;
-    const LocalSurface flat{0, LocalSurface::kFlat * (Mat3::Identity() - h * h.transpose())};
     out.push_back({P, P - gap * h, -h, gap, contact_id(Meeting::kVertexA, static_cast<std::uint64_t>(id), 0),
-                   around, flat});
+                   around, LocalSurface::flat(h)});
   }
 };
 

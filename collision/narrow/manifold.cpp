@@ -16,11 +16,6 @@ struct Frame {
   Vec3 lift(double x, double y, double height) const { return x * u + y * v + height * n; }
 };
 
-constexpr std::uint64_t kSide = (std::uint64_t{1} << 30) - 1;
-Meeting meeting_of(std::uint64_t id) { return static_cast<Meeting>(id >> 60); }
-std::uint64_t of_A(std::uint64_t id) { return id >> 30 & kSide; }
-std::uint64_t of_B(std::uint64_t id) { return id & kSide; }
-
 /// Radii of curvature below this part of both bodies together are none.
 constexpr double kSharp = 1e-3;
 
@@ -37,7 +32,7 @@ class Surroundings {
       : body_(body), d_(d), R_(R), face_(feature.points.size() > 2 && feature.normal.dot(d) > kFaceOn) {
     Vec3 on_ridge, ridge;
     if (face_)
-      whole_.radii = LocalSurface::kFlat * (Mat3::Identity() - d * d.transpose());
+      whole_ = LocalSurface::flat(d);
     else if (feature.points.size() == 2)
       along_edge(feature.points[1].p - feature.points[0].p, feature.rounding - body.radius);
     else if (feature.points.size() > 2 && feature.disc == 0 && body.ridge(d, on_ridge, ridge))
@@ -145,9 +140,8 @@ class Collector {
                  xy = frame_.u.dot(H * frame_.v);
     const double least = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);
     if (least + r_A_ + r_B_ < kSharp * size_) {
-      const LocalSurface flat{0, LocalSurface::kFlat * (Mat3::Identity() - point.n * point.n.transpose())};
-      point.surface_A = on_A_.is_face() ? flat : LocalSurface{};
-      point.surface_B = on_A_.is_face() ? LocalSurface{} : flat;
+      point.surface_A = point.surface_B = {};
+      (on_A_.is_face() ? point.surface_A : point.surface_B) = LocalSurface::flat(point.n);
     }
     out_.push_back(point);
   }
@@ -155,12 +149,12 @@ class Collector {
   /// Of edges that cross on a face, or hardly cross, one has a corner on the other.
   LocalSurface surface_A(std::uint64_t id) const {
     const Meeting meeting = meeting_of(id);
-    if (meeting == Meeting::kVertexA) return on_A_.corner(of_A(id));
+    if (meeting == Meeting::kVertexA) return on_A_.corner(side_A(id));
     return meeting == Meeting::kEdges && on_B_.is_face() ? LocalSurface{r_A_} : on_A_.whole();
   }
   LocalSurface surface_B(std::uint64_t id) const {
     const Meeting meeting = meeting_of(id);
-    if (meeting == Meeting::kVertexB) return on_B_.corner(of_B(id));
+    if (meeting == Meeting::kVertexB) return on_B_.corner(side_B(id));
     const bool crossing = on_B_.is_face() || on_A_.edge().cross(on_B_.edge()).norm() > kCrossing;
     return meeting == Meeting::kEdges && !crossing ? LocalSurface{r_B_} : on_B_.whole();
   }
@@ -373,8 +367,19 @@ void to_frame_of_A(Feature& feature, const Relative& X) {
 
 }  // namespace
 
+namespace {
+
+constexpr int kSideBits = 30;
+constexpr std::uint64_t kSide = (std::uint64_t{1} << kSideBits) - 1;
+
+}  // namespace
+
+Meeting meeting_of(std::uint64_t id) { return static_cast<Meeting>(id >> 2 * kSideBits); }
+std::uint64_t side_A(std::uint64_t id) { return id >> kSideBits & kSide; }
+std::uint64_t side_B(std::uint64_t id) { return id & kSide; }
+
 std::uint64_t contact_id(Meeting meeting, std::uint64_t of_A, std::uint64_t of_B) {
-  return static_cast<std::uint64_t>(meeting) << 60 | (of_A & kSide) << 30 | (of_B & kSide);
+  return static_cast<std::uint64_t>(meeting) << 2 * kSideBits | (of_A & kSide) << kSideBits | (of_B & kSide);
 }
 
 std::uint64_t edge_id(int corner, int other) {

@@ -21,6 +21,10 @@ struct ManifoldPoint {
 enum class Meeting : std::uint64_t { kVertexA = 1, kVertexB = 2, kEdges = 3, kDeepest = 4 };
 /// 4 bits of meeting, 30 bits for each side.
 std::uint64_t contact_id(Meeting meeting, std::uint64_t of_A, std::uint64_t of_B);
+/// What an id is made of.  @{
+Meeting meeting_of(std::uint64_t id);
+std::uint64_t side_A(std::uint64_t id);
+std::uint64_t side_B(std::uint64_t id);  /// @}
 /// The id of an edge between two corners.
 std::uint64_t edge_id(int corner, int other);
 

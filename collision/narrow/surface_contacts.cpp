@@ -32,10 +32,9 @@ Verdict judge(const Surface& surface, int t, const Vec3& n) {
 
 /// Puts the triangle's number into the ids of its contacts: eight codes per triangle, corners 0–2, edges 3–5.
 void name_triangle(std::vector<ManifoldPoint>& points, std::size_t first, int t) {
-  constexpr std::uint64_t kSide = (std::uint64_t{1} << 30) - 1;
   for (std::size_t i = first; i < points.size(); ++i) {
-    const auto meeting = static_cast<Meeting>(points[i].id >> 60);
-    const std::uint64_t of_A = points[i].id >> 30 & kSide, of_B = points[i].id & kSide;
+    const Meeting meeting = meeting_of(points[i].id);
+    const std::uint64_t of_A = side_A(points[i].id), of_B = side_B(points[i].id);
     std::uint64_t code = meeting == Meeting::kVertexA ? of_A : 7;
     if (meeting == Meeting::kEdges) code = of_A == edge_id(0, 1) ? 3 : of_A == edge_id(1, 2) ? 4 : 5;
     points[i].id = contact_id(meeting, 8 * static_cast<std::uint64_t>(t) + code, of_B);
@@ -47,8 +46,8 @@ void name_triangle(std::vector<ManifoldPoint>& points, std::size_t first, int t)
 void drop_inner_points(const Surface& surface, int t, std::vector<ManifoldPoint>& points, std::size_t first) {
   const auto flat = [&](std::uint64_t edge) { return surface.edges[t][edge] == EdgeKind::kFlat; };
   const auto inner = [&](const ManifoldPoint& point) {
-    const auto meeting = static_cast<Meeting>(point.id >> 60);
-    const std::uint64_t code = point.id >> 30 & 7;
+    const Meeting meeting = meeting_of(point.id);
+    const std::uint64_t code = side_A(point.id) & 7;
     if (meeting == Meeting::kEdges) return flat(code - 3);
     return meeting == Meeting::kVertexA && flat(code) && flat((code + 2) % 3);
   };

@@ -65,4 +65,12 @@ Quat rotation_between(const Vec3& from, const Vec3& to);
 /// Unit vector along the part of v across the unit vector `axis`; any across it where that vanishes.
 Vec3 across(const Vec3& v, const Vec3& axis);
 
+/// The part of v across the unit vector n.
+inline Vec3 tangential(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
+
+/// rotation_between(m, n) v of unit vectors m and n that are not opposite, and of a v across m.
+inline Vec3 carried(const Vec3& v, const Vec3& m, const Vec3& n) {
+  return v - n.dot(v) / (1 + n.dot(m)) * (n + m);
+}
+
 }  // namespace taut

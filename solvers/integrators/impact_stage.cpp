@@ -65,9 +65,7 @@ bool ImpactStage::limit_restitution(const Solve& solve) {
 double ImpactStage::energy() const {
   double given = 0;
   works_.add_between(round_momenta_, phase_.momenta, given);
-  double size = 0;
-  works_.add_between(zero_, phase_.momenta, size);
-  return std::abs(given) > kNoWork * size ? given : 0;
+  return std::abs(given) > kNoWork * works_.kinetic_energy(phase_.momenta) ? given : 0;
 }
 
 std::span<const double> ImpactStage::impulses() {

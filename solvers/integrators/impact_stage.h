@@ -22,12 +22,7 @@ class ImpactStage {
   /// All of them must outlive it.
   ImpactStage(const ConstraintSystem& system, ContactForces& contacts, Phase& phase, RowValues& values,
               KickWorks& works)
-      : system_(system),
-        contacts_(contacts),
-        phase_(phase),
-        values_(values),
-        works_(works),
-        zero_(phase.momenta.size()) {}
+      : system_(system), contacts_(contacts), phase_(phase), values_(values), works_(works) {}
 
   /// Renews the laws of velocities, meets them from μ and its rates on, and follows with the momenta and
   /// rates that μ leads to.  False if that fails.
@@ -58,7 +53,6 @@ class ImpactStage {
   Phase& phase_;
   RowValues& values_;
   KickWorks& works_;
-  std::vector<Wrench> zero_;
   bool struck_ = false;
   std::vector<Wrench> momenta_;
   std::vector<double> mu_, impulses_, impact_rates_;

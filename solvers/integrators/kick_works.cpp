@@ -43,6 +43,12 @@ void KickWorks::add_between(std::span<const Wrench> from, std::span<const Wrench
   with_mean_twists(from, to, [&](int b, const Twist& V) { work += dot(to[b] - from[b], V); });
 }
 
+double KickWorks::kinetic_energy(std::span<const Wrench> momenta) const {
+  double energy = 0;
+  with_mean_twists(momenta, momenta, [&](int b, const Twist& V) { energy += 0.5 * dot(momenta[b], V); });
+  return energy;
+}
+
 void KickWorks::mean_rates(std::span<const Wrench> from, std::span<const Wrench> to,
                            std::span<const double> jacobian, std::span<double> out) {
   for (int b = 0; b < world_.body_count(); ++b) mean_twists_[b] = mean_twist(b, from[b], to[b]);

@@ -28,6 +28,8 @@ class KickWorks {
   void add(const Kick& kick, std::span<const Wrench> forces, double h, StepWorks& works);
   /// Adds the work of an impulse from → to by itself.
   void add_between(std::span<const Wrench> from, std::span<const Wrench> to, double& work) const;
+  /// Σ ½ pᵀ M⁻¹ p
+  double kinetic_energy(std::span<const Wrench> momenta) const;
   /// J ½ M⁻¹ (p₀ + p₁), mean rates of the rows.
   void mean_rates(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const double> jacobian,
                   std::span<double> out);

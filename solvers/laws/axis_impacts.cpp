@@ -3,26 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/laws/time_of_meeting.h"
+
 namespace taut {
 namespace {
 
 /// Slower impacts do not move others [m/s or rad/s].
 constexpr double kJolt = 1e-6;
-/// Times of impact looked for in one step; more impacts end with their sub-step.
-constexpr int kMostAxisImpacts = 16;
-
-/// Root of  θ₀ + θ̇₀ s + (w − θ̇₀) s²/h = θ_lim  in (0, h]; h if the axis does not get there.
+/// When the axis gets to the limit; h if it does not.
 double crossing(const AxisLimits& limits, bool at_lower, const AxisStart& start, double w, double h) {
   const double sign = at_lower ? 1 : -1;
   const double gap = sign * (start.theta - (at_lower ? limits.lower : limits.upper));
-  const auto gap_at = [&](double s) { return gap + sign * (start.rate * s + (w - start.rate) * s * s / h); };
-  double low = 0, high = h;
-  if (gap_at(high) >= 0) return h;
-  for (int k = 0; k < 60; ++k) {
-    const double middle = 0.5 * (low + high);
-    (gap_at(middle) > 0 ? low : high) = middle;
-  }
-  return high;
+  return time_of_meeting(gap, sign * start.rate, sign * w, h);
 }
 
 }  // namespace
@@ -33,7 +25,7 @@ void AxisImpacts::clear() {
 }
 
 bool AxisImpacts::seek(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> w) {
-  if (!table.any_rigid_limit() || count_ >= kMostAxisImpacts) return false;
+  if (!table.any_rigid_limit() || count_ >= kMostImpacts) return false;
   bool any = false;
   for (std::size_t i = 0; i < impacts_.size(); ++i) {
     AxisImpact& impact = impacts_[i];

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/math/so3.h"
+
 namespace taut {
 namespace {
 
@@ -13,15 +15,11 @@ constexpr int kNormalSteps = 4;
 constexpr double kNormalFound = 1e-12;
 /// The expansion of curved surfaces ends where the normal turns by more in one step [rad].
 constexpr double kFarTurn = 0.5;
-/// Part of the third-order error of a drift up to which Newton's method closes gaps that surfaces open as
-/// they turn: what they open in the second order, times the turn.  Half: one iteration more in heaps that
-/// tumble; double: no difference in orders.
+/// Newton's method closes gaps that surfaces open as they turn to this part of what they open in the second
+/// order, times the turn: a part of the third-order error of a drift.
 constexpr double kCurvedPart = 0.05;
 /// What moves less against each other than this part of its arms has rates that stay as they are.
 constexpr double kHardlyMoves = 1e-9;
-
-/// Across n.
-Vec3 tangent(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
 
 /// The solution δ ⟂ m of (H + s 1) δ = g.
 Vec3 solve_across(const Mat3& H, double s, const Vec3& m, const Vec3& g) {
@@ -52,11 +50,11 @@ struct Core {
     return height > 0 ? Vec3(q / height) : Vec3::Zero();
   }
   Vec3 shift(const Vec3& d) const {
-    return is_quadric() ? Vec3(farthest(d) - farthest(n)) : Vec3(H * tangent(d, n));
+    return is_quadric() ? Vec3(farthest(d) - farthest(n)) : Vec3(H * tangential(d, n));
   }
   /// d · shift(d), of H with the fall of the second order.
   double height(const Vec3& d) const {
-    const Vec3 u = tangent(d, n);
+    const Vec3 u = tangential(d, n);
     return is_quadric() ? d.dot(shift(d)) : 0.5 * u.dot(H * u);
   }
   Mat3 radii(const Vec3& d) const {
@@ -83,13 +81,11 @@ BodyEnds ends_of(const ContactDrift& drift, int b) {
   return ends;
 }
 
-bool is_flat(const LocalSurface& surface) { return surface.radii.trace() > 1.5 * LocalSurface::kFlat; }
-
 /// J(q₀) gives the rates to round-off: bodies do not turn, and slip on a plane or not at all.
 bool is_still(const Contact& contact, const BodyEnds& A, const BodyEnds& B) {
   const double turned = (A.turn - Mat3::Identity()).norm() + (B.turn - Mat3::Identity()).norm();
   if (turned > kHardlyMoves) return false;
-  if (is_flat(contact.surface_A) || is_flat(contact.surface_B)) return true;
+  if (contact.surface_A.is_flat() || contact.surface_B.is_flat()) return true;
   const Vec3 a = A.end.q * contact.p_AP, b = B.end.q * contact.p_BQ;
   const Vec3 way = (B.end.p - A.end.p) - (B.start.p - A.start.p) + (b - B.start.q * contact.p_BQ) -
                    (a - A.start.q * contact.p_AP);
@@ -141,7 +137,7 @@ void drift_rates(ContactRows& contacts, const ContactDrift& drift, std::span<dou
     const MovedContact now = moved_contact(contact, A.end, B.end, A.turn, B.turn);
     const MovedContact then = moved_contact(contact, A.start, B.start, still, still);
     const Vec3 n = frame.n, m = now.normal;
-    const auto at_end = [&](const Vec3& rate) { return carried(tangent(rate, m), m, n); };
+    const auto at_end = [&](const Vec3& rate) { return carried(tangential(rate, m), m, n); };
     const Vec3 half = 0.5 * now.gap * m;
     const Vec3 slip = at_end(B.V.at(now.Q - half) - A.V.at(now.P + half)), turning = B.V.w - A.V.w;
     const int row = contacts.first_row(k);

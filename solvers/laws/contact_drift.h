@@ -8,11 +8,6 @@
 
 namespace taut {
 
-/// A vector across the unit vector m, turned with it on the shortest way to n.
-inline Vec3 carried(const Vec3& s, const Vec3& m, const Vec3& n) {
-  return s - n.dot(s) / (1 + n.dot(m)) * (n + m);
-}
-
 /// Bodies that drift from poses q₀ to q₁ in h, with momenta p.
 struct ContactDrift {
   const MassMatrix& mass;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "solvers/laws/contact_drift.h"
+#include "core/math/so3.h"
 
 namespace taut {
 namespace {
@@ -16,7 +16,7 @@ constexpr double kRestingSlip = 1e-9;
 void take_first_kick(const row_parts::ContactFrame& frame, ContactTable::Point& point) {
   const auto across = [&](const Vec3& v) {
     const Vec3& n = point.first_normal;
-    const Vec3 now = carried(v - n.dot(v) * n, n, frame.n);
+    const Vec3 now = carried(tangential(v, n), n, frame.n);
     return Vec2(frame.t1.dot(now), frame.t2.dot(now));
   };
   point.back = std::max(0.0, point.first_normal.dot(point.first));

@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/laws/time_of_meeting.h"
+
 namespace taut {
-namespace {
-
-/// Times of impact looked for in one step; more happen at the end of their sub-step.
-constexpr int kMostContactImpacts = 16;
-
-}  // namespace
 
 bool ContactImpacts::seek(std::span<const double> lambda) {
   bool any = false;
@@ -29,25 +25,16 @@ bool ContactImpacts::seek(std::span<const double> lambda) {
   return any;
 }
 
-/// Root of  gap + w₀ s + (w − w₀) s²/h = 0  in (0, h]; h if the points do not meet.
+/// When the points of contact k meet; h if they do not.
 double ContactImpacts::crossing(int k, double w) const {
   const ContactTable::Point& point = table_.points[k];
-  const auto gap_at = [&](double s) {
-    return point.gap + point.approach * s + (w - point.approach) * s * s / table_.h;
-  };
-  double low = 0, high = table_.h;
-  if (gap_at(high) >= 0) return table_.h;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (gap_at(middle) > 0 ? low : high) = middle;
-  }
-  return high;
+  return time_of_meeting(point.gap, point.approach, w, table_.h);
 }
 
 double ContactImpacts::first(std::span<const double> w) const {
   double earliest = table_.h;
   for (int k = 0; k < std::ssize(table_.points); ++k)
-    if (table_.impacts[k].stage == ContactTable::Impact::Stage::kSought && count_ <= kMostContactImpacts)
+    if (table_.impacts[k].stage == ContactTable::Impact::Stage::kSought && count_ <= kMostImpacts)
       earliest = std::min(earliest, crossing(k, w[contacts_.first_row(k)]));
   return earliest;
 }

@@ -7,6 +7,8 @@
 #include <set>
 #include <tuple>
 
+#include "core/math/so3.h"
+
 namespace taut {
 namespace {
 
@@ -302,7 +304,6 @@ void ContactSet::fill(int index, const Contact& contact, bool parted, const Worl
   const Twist &V_A = state.twists[place.at.a], &V_B = state.twists[place.at.b];
   const Vec3 r_A = A.q * contact.p_AP, r_B = B.q * contact.p_BQ;
   const Vec3 rate = V_B.at(r_B) - V_A.at(r_A);
-  place.slip = rate - contact.normal.dot(rate) * contact.normal;
   place.contact = contact;
   place.unused = 0;
   place.material = world.contact_material(contact.a, contact.b);
@@ -310,7 +311,7 @@ void ContactSet::fill(int index, const Contact& contact, bool parted, const Worl
   if (parting_[place.at.a] || parting_[place.at.b]) place.material.compliance = 0;
   place.point.p_AP = contact.p_AP;
   place.point.p_BQ = contact.p_BQ;
-  place.point.frame = frame_of(contact.normal, place.slip, place.point.frame.t1);
+  place.point.frame = frame_of(contact.normal, tangential(rate, contact.normal), place.point.frame.t1);
 }
 
 }  // namespace taut

@@ -28,7 +28,6 @@ class ContactSet {
     Material material;                ///< of the pair; rigid while one of its bodies is parted from any
     bool parted = false;              ///< its bodies were in each other when they met
     row_parts::ContactPoint point{};  ///< its rows
-    Vec3 slip = Vec3::Zero();         ///< of B along A at the last find() [m/s]
   };
 
   ContactSet(const World& world, const ContactSettings& settings);

@@ -102,7 +102,7 @@ void AxisForces::transfer(Archive& archive) {
 
 void ContactSet::transfer(Archive& archive, const World& world) {
   const auto place = [&](Place& p) {
-    archive(p.at, p.active, p.unused, p.contact, p.material, p.parted, p.point, p.slip);
+    archive(p.at, p.active, p.unused, p.contact, p.material, p.parted, p.point);
     require_bodies(world, p.at);
     if (!p.active && p.contact.a.index < 0) return;  // never used
     require_shape(world, p.contact.a), require_shape(world, p.contact.b);

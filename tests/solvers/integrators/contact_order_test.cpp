@@ -5,6 +5,7 @@
 
 #include "core/joints/joints.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/solvers/contact_bodies.h"
 #include "tests/solvers/integrators/measured_order.h"
 
 /// With contact on curved surfaces steps are of order 2 between events, and bodies stay out of each other.
@@ -13,21 +14,7 @@ namespace {
 
 constexpr double kG = 9.81;
 
-Material rubbing(double friction) {
-  Material m;
-  m.static_friction = m.dynamic_friction = friction;
-  return m;
-}
-
-BodyId add(World& world, const Shape& shape, const MassProperties& mass, const Pose& pose, const Twist& twist,
-           double friction) {
-  const BodyId body = world.add_body({.name = std::string("b").append(std::to_string(world.body_count())),
-                                      .mass = mass,
-                                      .pose = pose,
-                                      .twist = twist});
-  world.add_shape(body, shape, {}, rubbing(friction));
-  return body;
-}
+using testing::add_solid, testing::rubbing;
 
 /// Down a fixed sphere of 1 m without friction: θ̈ = g sin θ / R about the sum R of the radii.
 TEST(ContactOrder, of_a_ball_that_slides_down_a_dome_is_2) {
@@ -47,9 +34,9 @@ TEST(ContactOrder, of_a_ball_that_slides_down_a_dome_is_2) {
   for (const double dt : {4e-3, 2e-3, 1e-3}) {
     World world;
     world.add_shape(kGround, Sphere{1}, {}, rubbing(0));
-    const BodyId ball =
-        add(world, Sphere{0.1}, MassProperties::sphere(0.1, 1),
-            {.p = {R * std::sin(start), 0, R * std::cos(start)}}, {Vec3::Zero(), Vec3::Zero()}, 0);
+    const BodyId ball = add_solid(world, Sphere{0.1}, MassProperties::sphere(0.1, 1),
+                                  {.p = {R * std::sin(start), 0, R * std::cos(start)}},
+                                  {Vec3::Zero(), Vec3::Zero()}, rubbing(0));
     Simulator simulator(world);
     for (int i = 0; i < std::lround(time / dt); ++i) {
       ASSERT_TRUE(simulator.step(dt).ok());
@@ -72,8 +59,8 @@ World rolling_disc() {
   const Quat q(Eigen::AngleAxisd(-lean, Vec3::UnitX()));
   const double z = r * std::sin(lean) + half * std::cos(lean);
   const Vec3 w(0, 8.5, 4.3), arm(0, half * std::sin(lean) - r * std::cos(lean), z);
-  add(world, Cylinder{r, 2 * half}, MassProperties::cylinder(r, 2 * half, 1.5), {.q = q, .p = {0, 0, z}},
-      {.w = w, .v = w.cross(arm)}, 3);
+  add_solid(world, Cylinder{r, 2 * half}, MassProperties::cylinder(r, 2 * half, 1.5),
+            {.q = q, .p = {0, 0, z}}, {.w = w, .v = w.cross(arm)}, rubbing(3));
   return world;
 }
 
@@ -119,8 +106,9 @@ World rocking_ellipsoid(const Rocker& rocker) {
   const Vec3 w = rocker.friction > 0 ? Vec3(0, 0, 0.7) : Vec3(0, 0, 2);
   const Vec3 contact = -(q * Vec3(square.cwiseProduct(n) / height));
   const Vec3 v = rocker.friction > 0 ? Vec3(-w.cross(contact)) : Vec3::Zero();
-  add(world, Ellipsoid{r}, MassProperties(1.0, Mat3(moments.asDiagonal())), {.q = q, .p = {0, 0, height}},
-      {.w = w, .v = {v.x(), v.y(), -w.cross(contact).z()}}, rocker.friction);
+  add_solid(world, Ellipsoid{r}, MassProperties(1.0, Mat3(moments.asDiagonal())),
+            {.q = q, .p = {0, 0, height}}, {.w = w, .v = {v.x(), v.y(), -w.cross(contact).z()}},
+            rubbing(rocker.friction));
   return world;
 }
 
@@ -151,8 +139,8 @@ TEST(ContactOrder, of_a_box_that_tips_about_its_edge_is_2) {
     const Quat q(Eigen::AngleAxisd(angle, Vec3::UnitY()));
     const Vec3 half(0.1, 0.15, 0.2);
     const Vec3 edge = q * Vec3(half.x(), 0, -half.z()), w(0, 0.5, 0);
-    add(world, Box{2 * half}, MassProperties::box(2 * half, 1), {.q = q, .p = {0, 0, -edge.z()}},
-        {.w = w, .v = -w.cross(edge)}, 2);
+    add_solid(world, Box{2 * half}, MassProperties::box(2 * half, 1), {.q = q, .p = {0, 0, -edge.z()}},
+              {.w = w, .v = -w.cross(edge)}, rubbing(2));
     return world;
   });
   EXPECT_GE(order, 1.9);
@@ -169,8 +157,8 @@ TEST(ContactOrder, of_a_ball_on_a_turntable_is_2) {
     world.add_shape(table, Cylinder{2, 0.1}, {}, rubbing(1));
     world.add("axle", Hinge::at(world, kGround, table, Vec3::Zero(), Vec3::UnitZ()));
     // Rolling where the table moves with 3·0.4 m/s.
-    add(world, Sphere{0.1}, MassProperties::sphere(0.1, 1), {.p = {0.4, 0, 0.1}},
-        {.w = {-8, 0, 0}, .v = {0, 1.2 + 0.8, 0}}, 1);
+    add_solid(world, Sphere{0.1}, MassProperties::sphere(0.1, 1), {.p = {0.4, 0, 0.1}},
+              {.w = {-8, 0, 0}, .v = {0, 1.2 + 0.8, 0}}, rubbing(1));
     return world;
   });
   EXPECT_GE(order, 1.9);

@@ -7,6 +7,7 @@
 #include "core/joints/joints.h"
 #include "core/world/diagnostics.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/solvers/contact_bodies.h"
 
 /// Contacts in a step against closed forms and laws.
 namespace taut::contact_test {
@@ -14,11 +15,7 @@ namespace {
 
 constexpr double kG = 9.81;
 
-Material rubbing(double friction) {
-  Material material;
-  material.static_friction = material.dynamic_friction = friction;
-  return material;
-}
+using testing::rubbing;
 
 BodyId add_box(World& world, const std::string& name, const Vec3& size, const Vec3& position,
                const Material& material = {}, double density = 1000) {

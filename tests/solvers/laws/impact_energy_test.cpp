@@ -8,6 +8,7 @@
 #include "core/joints/joints.h"
 #include "core/world/diagnostics.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/solvers/contact_bodies.h"
 
 /// No impact creates energy, whatever the step, the shapes and the number of contacts; e = 1 without friction
 /// keeps it.  Energies are recomputed from masses, poses and twists.
@@ -16,29 +17,14 @@ namespace {
 
 constexpr double kG = 9.81;
 
-Material material(double restitution, double friction = 0) {
-  Material m;
-  m.static_friction = m.dynamic_friction = friction;
-  m.restitution = restitution;
-  return m;
-}
-
-BodyId add(World& world, const Shape& shape, MassProperties mass, const Pose& pose, const Twist& twist,
-           const Material& m) {
-  const BodyId body = world.add_body({.name = std::string("b").append(std::to_string(world.body_count())),
-                                      .mass = std::move(mass),
-                                      .pose = pose,
-                                      .twist = twist});
-  world.add_shape(body, shape, {}, m);
-  return body;
-}
+using testing::add_solid, testing::rubbing;
 
 BodyId add_ball(World& world, double radius, const Vec3& p, const Twist& twist, const Material& m) {
-  return add(world, Sphere{radius}, MassProperties::sphere(radius, 1), {.p = p}, twist, m);
+  return add_solid(world, Sphere{radius}, MassProperties::sphere(radius, 1), {.p = p}, twist, m);
 }
 
 BodyId add_box(World& world, const Vec3& size, const Pose& pose, const Twist& twist, const Material& m) {
-  return add(world, Box{size}, MassProperties::box(size, 1), pose, twist, m);
+  return add_solid(world, Box{size}, MassProperties::box(size, 1), pose, twist, m);
 }
 
 /// T + V of the bodies, by hand.
@@ -105,9 +91,9 @@ TEST(ImpactEnergy, of_a_smooth_box_that_tumbles_on_a_smooth_floor_is_kept) {
   double largest = 0, last = 0;
   for (const double dt : {4e-3, 2e-3, 1e-3, 5e-4}) {
     World world;
-    world.add_shape(kGround, HalfSpace{}, {}, material(1));
+    world.add_shape(kGround, HalfSpace{}, {}, rubbing(0, 1));
     add_box(world, {0.3, 0.2, 0.1}, {.q = Quat(0.9, 0.3, -0.2, 0.25).normalized(), .p = {0, 0, 1}},
-            {.w = {2, 1, -3}, .v = {0.3, 0, 0}}, material(1));
+            {.w = {2, 1, -3}, .v = {0.3, 0, 0}}, rubbing(0, 1));
     const Course course = run(world, dt, 4);
     EXPECT_NEAR(course.end, 0, 1e-3) << dt;
     EXPECT_LE(course.most, 1e-3) << dt;
@@ -120,8 +106,8 @@ TEST(ImpactEnergy, of_a_smooth_box_that_tumbles_on_a_smooth_floor_is_kept) {
 TEST(ImpactEnergy, of_two_balls_off_centre_is_kept_and_they_part_along_the_line_of_centres) {
   World world;
   world.set_gravity(Vec3::Zero());
-  const BodyId a = add_ball(world, 0.1, {-0.5, 0.19, 0}, {.w = Vec3::Zero(), .v = {3, 0, 0}}, material(1));
-  const BodyId b = add_ball(world, 0.1, {0, 0, 0}, {.w = Vec3::Zero(), .v = Vec3::Zero()}, material(1));
+  const BodyId a = add_ball(world, 0.1, {-0.5, 0.19, 0}, {.w = Vec3::Zero(), .v = {3, 0, 0}}, rubbing(0, 1));
+  const BodyId b = add_ball(world, 0.1, {0, 0, 0}, {.w = Vec3::Zero(), .v = Vec3::Zero()}, rubbing(0, 1));
   EXPECT_NEAR(run(world, 1e-3, 0.4).end, 0, 1e-12);
   // sin of the angle between the line of centres and x is 0.19/0.2.
   const double s = 0.95, c2 = 1 - s * s;
@@ -136,8 +122,8 @@ TEST(ImpactEnergy, of_a_break_of_fifteen_balls_that_touch_is_kept) {
   for (int row = 0; row < 5; ++row)
     for (int k = 0; k <= row; ++k)
       add_ball(world, r, {row * r * std::sqrt(3.0), (2 * k - row) * r, 0}, {Vec3::Zero(), Vec3::Zero()},
-               material(1));
-  add_ball(world, r, {-0.5, 0.003, 0}, {.w = Vec3::Zero(), .v = {5, 0, 0}}, material(1));
+               rubbing(0, 1));
+  add_ball(world, r, {-0.5, 0.003, 0}, {.w = Vec3::Zero(), .v = {5, 0, 0}}, rubbing(0, 1));
   const Course course = run(world, 1e-3, 0.5, 1e-9);
   EXPECT_NEAR(course.end, 0, 1e-9);
 }
@@ -152,15 +138,15 @@ TEST_P(ImpactGas, keeps_its_energy) {
   std::mt19937 random(7);
   World world;
   world.set_gravity(Vec3::Zero());
-  add_walls(world, 0.5, material(1));
+  add_walls(world, 0.5, rubbing(0, 1));
   for (int i = 0; i < 27; ++i) {
     const Vec3 p = 0.3 * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     const Quat q = random_turn(random);
     const Vec3 w = random_vector(random, 5), v = random_vector(random, 1.5);
     if (GetParam().boxes)
-      add_box(world, {0.12, 0.09, 0.07}, {.q = q, .p = p}, {.w = w, .v = v}, material(1));
+      add_box(world, {0.12, 0.09, 0.07}, {.q = q, .p = p}, {.w = w, .v = v}, rubbing(0, 1));
     else
-      add_ball(world, 0.07, p, {.w = w, .v = v}, material(1));
+      add_ball(world, 0.07, p, {.w = w, .v = v}, rubbing(0, 1));
   }
   const Course course = run(world, GetParam().dt, 1);
   EXPECT_NEAR(course.end, 0, 1e-3);
@@ -187,8 +173,8 @@ TEST_P(ObliqueImpact, of_a_ball_is_that_of_the_closed_form) {
   const double vx = 1.5, vz = -2, r = 0.1;
   World world;
   world.set_gravity(Vec3::Zero());
-  world.add_shape(kGround, HalfSpace{}, {}, material(e, mu));
-  const BodyId ball = add_ball(world, r, {0, 0, 0.1503}, {.w = {0, 4, 0}, .v = {vx, 0, vz}}, material(e, mu));
+  world.add_shape(kGround, HalfSpace{}, {}, rubbing(mu, e));
+  const BodyId ball = add_ball(world, r, {0, 0, 0.1503}, {.w = {0, 4, 0}, .v = {vx, 0, vz}}, rubbing(mu, e));
   const Course course = run(world, 1e-3, 0.05);
   EXPECT_NEAR(course.booked, course.end, 1e-9);
   const double slip = vx - 4 * r;  // of the lowest point
@@ -205,11 +191,11 @@ TEST_P(ObliqueImpact, of_rods_and_boxes_never_gives_energy) {
   std::mt19937 random(11);
   for (int i = 0; i < 12; ++i) {
     World world;
-    world.add_shape(kGround, HalfSpace{}, {}, material(e, mu));
+    world.add_shape(kGround, HalfSpace{}, {}, rubbing(mu, e));
     const Vec3 size = i % 2 == 0 ? Vec3(0.8, 0.02, 0.02) : Vec3(0.3, 0.2, 0.1);
     const Quat q = random_turn(random);
     const Vec3 w = random_vector(random, 6), v = random_vector(random, 3);
-    add_box(world, size, {.q = q, .p = {0, 0, 0.6}}, {.w = w, .v = v - Vec3(0, 0, 2)}, material(e, mu));
+    add_box(world, size, {.q = q, .p = {0, 0, 0.6}}, {.w = w, .v = v - Vec3(0, 0, 2)}, rubbing(mu, e));
     const Course course = run(world, 2e-3, 0.6, 1e-3);
     EXPECT_LE(course.most, 2e-4) << i;  // of the flow between impacts
   }
@@ -226,7 +212,7 @@ TEST(ImpactEnergy, of_a_rod_that_slides_on_a_rough_floor_never_grows) {
     for (const double mu : {0.4, 1.0, 1.5}) {
       const double angle = degrees * std::numbers::pi / 180, half = 0.5;
       World world;
-      world.add_shape(kGround, HalfSpace{}, {}, material(0.5, mu));
+      world.add_shape(kGround, HalfSpace{}, {}, rubbing(mu, 0.5));
       const Quat q(Eigen::AngleAxisd(-angle, Vec3::UnitY()));
       const BodyId rod = world.add_body({.name = "rod",
                                          .mass = MassProperties::box({1, 0.01, 0.01}, 1),
@@ -234,7 +220,7 @@ TEST(ImpactEnergy, of_a_rod_that_slides_on_a_rough_floor_never_grows) {
                                          .twist = {.w = {0, 1, 0}, .v = {-2, 0, -1}}});
       world.add_shape(rod, Capsule{0.005, 0.99},
                       {.q = Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitY()))},
-                      material(0.5, mu));
+                      rubbing(mu, 0.5));
       EXPECT_LE(run(world, 1e-3, 0.5, 1e-3).most, 1e-5) << degrees << "°, " << mu;
     }
 }
@@ -244,7 +230,7 @@ TEST(ImpactEnergy, of_chains_and_of_bodies_of_two_materials_never_grows) {
   for (const double e : {0.0, 0.5, 1.0})
     for (const double mu : {0.0, 0.4}) {
       World world;
-      world.add_shape(kGround, HalfSpace{}, {}, material(e, mu));
+      world.add_shape(kGround, HalfSpace{}, {}, rubbing(mu, e));
       BodyId last = kGround;
       for (int i = 0; i < 5; ++i) {
         const BodyId link = world.add_body({.name = std::string("link").append(std::to_string(i)),
@@ -252,7 +238,7 @@ TEST(ImpactEnergy, of_chains_and_of_bodies_of_two_materials_never_grows) {
                                             .pose = {.p = {0.2 * i, 0.01 * i, 0.3 + 0.03 * i}}});
         world.add_shape(link, Capsule{0.02, 0.15},
                         {.q = Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitY()))},
-                        material(e, mu));
+                        rubbing(mu, e));
         if (i > 0)
           world.add(std::string("pin").append(std::to_string(i)),
                     Ball::at(world, last, link, Vec3(0.2 * i - 0.1, 0.01 * i - 0.005, 0.285 + 0.03 * i)));
@@ -261,11 +247,11 @@ TEST(ImpactEnergy, of_chains_and_of_bodies_of_two_materials_never_grows) {
       EXPECT_LE(run(world, 2e-3, 1, 1e-3).most, 5e-4) << e << ", " << mu;  // of the flow, of order 2
     }
   World world;
-  world.add_shape(kGround, HalfSpace{}, {}, material(1));
-  const BodyId body =
-      add_box(world, {0.1, 0.1, 0.1}, {.p = {0, 0, 0.5}}, {.w = {0, 0.4, 0}, .v = {0, 0, -1}}, material(0.2));
-  world.add_shape(body, Sphere{0.05}, {.p = {0.3, 0, 0}}, material(0.9));
-  world.add_shape(body, Sphere{0.05}, {.p = {-0.3, 0, 0}}, material(0.1));
+  world.add_shape(kGround, HalfSpace{}, {}, rubbing(0, 1));
+  const BodyId body = add_box(world, {0.1, 0.1, 0.1}, {.p = {0, 0, 0.5}}, {.w = {0, 0.4, 0}, .v = {0, 0, -1}},
+                              rubbing(0, 0.2));
+  world.add_shape(body, Sphere{0.05}, {.p = {0.3, 0, 0}}, rubbing(0, 0.9));
+  world.add_shape(body, Sphere{0.05}, {.p = {-0.3, 0, 0}}, rubbing(0, 0.1));
   EXPECT_LE(run(world, 2e-3, 1, 1e-3).most, 2e-4);
 }
 
