@@ -1,4 +1,4 @@
-/// The program: taut run | replay | check | list | accuracy | bench.
+/// The program: taut run | replay | check | list | accuracy | friction | bench.
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -10,6 +10,7 @@
 #include "scenes/program/accuracy_command.h"
 #include "scenes/program/bench_command.h"
 #include "scenes/program/check_command.h"
+#include "scenes/program/friction_command.h"
 #include "scenes/program/list_command.h"
 #include "scenes/program/replay_command.h"
 #include "scenes/program/run_command.h"
@@ -22,6 +23,7 @@ namespace {
 struct Arguments {
   taut::RunOptions run;
   taut::AccuracyOptions accuracy;
+  taut::FrictionOptions friction;
   std::string list_name;
   std::string check_scene;
   bool check_all = false;
@@ -145,6 +147,19 @@ void add_accuracy(CLI::App& app, Arguments& arguments) {
     study.excludes(of_cases);
 }
 
+void add_friction(CLI::App& app, taut::FrictionOptions& options) {
+  CLI::App& friction = *app.add_subcommand(
+      "friction", "solve problems of frictional contact, w = W r + q, from files of Siconos or FCLIB");
+  friction.add_option("files", options.files, "text, or HDF5; local (W, q, mu) or global (M, H, f, b, mu)")
+      ->required();
+  friction.add_option("--accuracy", options.accuracy, "largest residual of a solution, default 1e-8");
+  add_output(friction, "--json", options.json, "write JSON, without FILE in place of the table");
+  friction
+      .add_option("--solution", options.solution_folder,
+                  "write the impulses, a contact a line, normal first, as FILE.txt")
+      ->type_name("DIR");
+}
+
 void add_bench(CLI::App& app, taut::BenchOptions& options) {
   CLI::App& bench = *app.add_subcommand(
       "bench", "the scenes in all engines that are installed, and the benchmark programs");
@@ -182,6 +197,7 @@ void add_others(CLI::App& app, Arguments& arguments) {
   check.add_flag("--all", arguments.check_all, "name all redundant rows, not the first 20 only");
   CLI::App& list = *app.add_subcommand("list", "list the scenes with their parameters");
   list.add_option("scene", arguments.list_name, "only this one");
+  add_friction(app, arguments.friction);
   add_bench(app, arguments.bench);
 }
 
@@ -204,6 +220,7 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
     return taut::kExitSuccess;
   }
   if (app.got_subcommand("accuracy")) return taut::accuracy_command(arguments.accuracy);
+  if (app.got_subcommand("friction")) return taut::friction_command(arguments.friction);
   return taut::bench_command(arguments.bench);
 }
 

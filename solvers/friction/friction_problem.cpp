@@ -1,0 +1,76 @@
+#include "solvers/friction/friction_problem.h"
+
+#include <Eigen/SparseLU>
+
+#include "core/base/check.h"
+#include "solvers/friction/scaled_friction.h"
+
+namespace taut {
+namespace {
+
+void require_entries(const char* name, Eigen::Index is, Eigen::Index wanted) {
+  if (is != wanted)
+    fail(name, std::string("must have ").append(std::to_string(wanted)).append(" entries"), is);
+}
+
+void require_matrix(const char* name, const FrictionProblem::Matrix& A, Eigen::Index rows,
+                    Eigen::Index columns) {
+  if (A.rows() != rows || A.cols() != columns)
+    fail(
+        name,
+        std::string("must be of ").append(std::to_string(rows)).append(" × ").append(std::to_string(columns)),
+        std::to_string(A.rows()).append(" × ").append(std::to_string(A.cols())));
+  for (int k = 0; k < A.outerSize(); ++k)
+    for (FrictionProblem::Matrix::InnerIterator at(A, k); at; ++at) require_finite(name, at.value());
+}
+
+void require_friction(const Eigen::VectorXd& mu, int equalities) {
+  if (equalities < 0) fail("equalities", "must not be negative", equalities);
+  for (const double value : mu) require_not_negative("mu", value);
+}
+
+}  // namespace
+
+void FrictionProblem::require_valid() const {
+  require_friction(mu, equalities);
+  require_matrix("W", W, rows(), rows());
+  require_entries("q", q.size(), rows());
+  require_all_finite("q", q);
+}
+
+FrictionProblem GlobalFrictionProblem::condensed() const {
+  require_friction(mu, equalities);
+  const Eigen::Index m = M.rows(), n = equalities + 3 * mu.size();
+  require_matrix("M", M, m, m);
+  require_matrix("H", H, m, n);
+  require_entries("f", f.size(), m);
+  require_entries("b", b.size(), n);
+  require_all_finite("f", f);
+  require_all_finite("b", b);
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> factor;
+  factor.compute(M);
+  if (factor.info() != Eigen::Success) fail("M", "must be invertible", factor.lastErrorMessage());
+  FrictionProblem problem{.W = {}, .q = b, .mu = mu, .equalities = equalities};
+  const Eigen::SparseMatrix<double> by_columns = H, X = factor.solve(by_columns);
+  problem.W = FrictionProblem::Matrix(H.transpose() * X);
+  problem.W.prune(0.0, 0.0);
+  if (m > 0) problem.q += H.transpose() * factor.solve(f);
+  return problem;
+}
+
+FrictionErrors friction_errors(const FrictionProblem& problem, const Eigen::VectorXd& r) {
+  problem.require_valid();
+  require_entries("r", r.size(), problem.rows());
+  require_all_finite("r", r);
+  const ScaledFriction scaled(problem);
+  FrictionErrors errors = scaled.errors(scaled.own(r));
+  // Tangents of contacts without friction are not among the unknowns.
+  for (int k = 0; k < problem.contacts(); ++k)
+    if (problem.mu[k] < ScaledFriction::kNoFriction)
+      for (const int row : {problem.equalities + 3 * k + 1, problem.equalities + 3 * k + 2})
+        if (r[row] != 0)
+          errors.impulses = errors.rates = errors.map = std::numeric_limits<double>::infinity();
+  return errors;
+}
+
+}  // namespace taut

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/math/so3.h"
+#include "solvers/friction/friction_problem.h"
+
+namespace taut {
+
+/// A friction problem with one unit, √J: r ← √d r and u ← u/√d with d = mean diagonal of a block, so that the
+/// mean diagonal of each is 1.  Rows are equalities, then normals of contacts without friction, then cones.
+class ScaledFriction {
+ public:
+  static constexpr double kNoFriction = 1e-9;  ///< below it a contact has no tangents
+
+  enum class Law { kEquality, kUnilateral, kCone };
+  struct Block {
+    Law law;
+    int first, size;  ///< of its rows: 1, or 3 of a cone
+    double mu = 0;
+  };
+
+  explicit ScaledFriction(const FrictionProblem& problem);
+
+  int rows() const { return static_cast<int>(q_.size()); }
+  const std::vector<Block>& blocks() const { return blocks_; }
+  const Eigen::VectorXd& q() const { return q_; }
+  double largest_q() const { return largest_q_; }
+
+  /// W: columns and values of a row.  Rows of a block have the same columns, which are those of whole blocks.
+  std::span<const int> columns(int row) const { return {columns_.data() + start_[row], row_length(row)}; }
+  std::span<const double> values(int row) const { return {values_.data() + start_[row], row_length(row)}; }
+  /// Where the block that begins at this row stands among its columns.
+  int diagonal(const Block& block) const { return diagonal_[block.first]; }
+  /// W of the block with itself.
+  Mat3 own_matrix(const Block& cone) const;
+
+  Eigen::VectorXd rates(const Eigen::VectorXd& r) const;  ///< W r + q
+  /// Impulses of the problem as these rows, and the other way round.  @{
+  Eigen::VectorXd own(const Eigen::VectorXd& r) const;
+  Eigen::VectorXd given(const Eigen::VectorXd& r) const;  /// @}
+
+  FrictionErrors errors(const Eigen::VectorXd& r) const;
+
+  /// P_K(x), of all blocks.
+  Eigen::VectorXd project(const Eigen::VectorXd& x) const;
+  /// Whether d of the problem, with d_N ≥ 0 and d_T = 0, shows that no impulses meet the laws:  Wᵀ d = 0 and
+  /// d·q < 0, so that d·u < 0 whatever the impulses, while u_N ≥ 0 and equalities have u = 0.
+  bool excludes(const Eigen::VectorXd& d) const;
+
+ private:
+  std::size_t row_length(int row) const { return start_[row + 1] - start_[row]; }
+  void lay_out(const FrictionProblem& problem);
+  void find_units(const FrictionProblem& problem);
+  std::vector<std::vector<int>> neighbours(const FrictionProblem& problem,
+                                           const std::vector<int>& row_of) const;
+  void take_matrix(const FrictionProblem& problem);
+
+  int given_rows_ = 0;
+  std::vector<int> given_row_;  ///< of each row
+  std::vector<Block> blocks_;
+  std::vector<int> start_, columns_, diagonal_;
+  std::vector<double> values_, root_;  ///< root_ = √d of each row
+  Eigen::VectorXd q_;
+  double largest_q_ = 0, norm_ = 0, given_norm_of_q_ = 0;
+};
+
+}  // namespace taut

@@ -1,0 +1,33 @@
+#include "solvers/linear/unsymmetric_factor.h"
+
+#include <Eigen/SparseLU>
+
+namespace taut {
+
+struct UnsymmetricFactor::Parts {
+  Eigen::SparseMatrix<double> matrix;
+  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> factor;
+};
+
+UnsymmetricFactor::UnsymmetricFactor() : parts_(std::make_unique<Parts>()) {}
+UnsymmetricFactor::~UnsymmetricFactor() = default;
+
+bool UnsymmetricFactor::factorize(const RowMatrix& A) {
+  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  if (A.size() == 0) return false;
+  parts_->matrix = Eigen::Map<const Rows>(A.size(), A.size(), static_cast<Eigen::Index>(A.values.size()),
+                                          A.row_start.data(), A.column.data(), A.values.data());
+  parts_->factor.compute(parts_->matrix);
+  return parts_->factor.info() == Eigen::Success;
+}
+
+bool UnsymmetricFactor::solve(std::span<const double> b, std::span<double> x) const {
+  const Eigen::Map<const Eigen::VectorXd> right(b.data(), static_cast<Eigen::Index>(b.size()));
+  Eigen::Map<Eigen::VectorXd> solution(x.data(), static_cast<Eigen::Index>(x.size()));
+  solution = parts_->factor.solve(right);
+  const Eigen::VectorXd left = right - parts_->matrix * solution;
+  solution += parts_->factor.solve(left);
+  return solution.allFinite();
+}
+
+}  // namespace taut
