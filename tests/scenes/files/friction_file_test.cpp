@@ -62,25 +62,29 @@ TEST_P(FrictionCorpus, IsSolved) {
   EXPECT_LE(natural_map(file.problem, result.r), 1e-8);
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, FrictionCorpus, ::testing::ValuesIn(problems()), [](const auto& info) {
-  std::string name = info.param;
+std::string test_name(const ::testing::TestParamInfo<std::string>& file) {
+  std::string name = file.param;
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
   return name;
-});
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, FrictionCorpus, ::testing::ValuesIn(problems()), test_name);
 
 /// The same problem dense, in blocks and global with M = 1.
 TEST(FrictionFile, FormsOfOneProblemAreTheSame) {
   // Column by column.
   const std::string dense = "3\n1\n0 3 3\n3 3\n 2 0.5 0  0.25 1 0  0 0 1\n-1 3 4\n0.5\n";
-  const std::string blocks = "3 1  1 3 3  1 1 1  3 3  2 1  0 1  0  0   2 0.5 0  0.25 1 0  0 0 1   -1 3 4   0.5   1";
+  const std::string blocks =
+      "3 1  1 3 3  1 1 1  3 3  2 1  0 1  0  0   2 0.5 0  0.25 1 0  0 0 1   -1 3 4   0.5   1";
   const FrictionFile a = parse_friction_text(dense, "dense"), b = parse_friction_text(blocks, "blocks");
   EXPECT_EQ(a.form, "local");
   EXPECT_EQ(a.problem.W.coeff(1, 0), 0.5);  // ∂u_1/∂r_0
   EXPECT_EQ(a.problem.W.coeff(0, 1), 0.25);
   EXPECT_EQ((a.problem.W - b.problem.W).norm(), 0);
   EXPECT_EQ((a.problem.q - b.problem.q).norm(), 0);
-  const std::string global = "3 1 0 3 3 3 3 2 0 0 0 2 0 0 0 2 0 3 3 3 3 1 0 0 0 1 0 0 0 1  2 0 0  -2 3 4  0.5";
+  const std::string global =
+      "3 1 0 3 3 3 3 2 0 0 0 2 0 0 0 2 0 3 3 3 3 1 0 0 0 1 0 0 0 1  2 0 0  -2 3 4  0.5";
   const FrictionFile c = parse_friction_text(global, "global");
   EXPECT_EQ(c.form, "global");
   EXPECT_LE((Eigen::Matrix3d(c.problem.W) - 0.5 * Eigen::Matrix3d::Identity()).norm(), 1e-15);
@@ -117,8 +121,10 @@ TEST(FrictionFile, SaysWhatIsWrongAndBelievesNoCount) {
   EXPECT_TRUE(message(good + " 1 1 1").starts_with("p.dat: "));
   EXPECT_TRUE(message("3 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 -1 0 0 -0.5").find("mu") != std::string::npos);
   // Indices of blocks that lead elsewhere.
-  EXPECT_TRUE(message("3 1  1 3 3  1 1 1  3 3  2 1  0 1  7  0   1 0 0 0 1 0 0 0 1   -1 3 4   0.5").starts_with("p.dat: "));
-  EXPECT_TRUE(message("3 1  1 3 3  1 1 1  3 3  2 1  0 5  0  0   1 0 0 0 1 0 0 0 1   -1 3 4   0.5").starts_with("p.dat: "));
+  EXPECT_TRUE(message("3 1  1 3 3  1 1 1  3 3  2 1  0 1  7  0   1 0 0 0 1 0 0 0 1   -1 3 4   0.5")
+                  .starts_with("p.dat: "));
+  EXPECT_TRUE(message("3 1  1 3 3  1 1 1  3 3  2 1  0 5  0  0   1 0 0 0 1 0 0 0 1   -1 3 4   0.5")
+                  .starts_with("p.dat: "));
 }
 
 /// Damaged HDF5 is refused, wherever it is cut.

@@ -23,8 +23,8 @@ FrictionProblem one_contact(const Eigen::Vector3d& q, double mu) {
   return problem_of(0.5 * Eigen::Matrix3d::Identity(), q, Vector::Constant(1, mu));
 }
 
-/// How far impulses and rates are from Signorini's and Coulomb's law as they are taught, in r and u = W r + q:
-/// no negative ones, not both, within the cone, and against the slip where there is one.
+/// How far impulses and rates are from Signorini's and Coulomb's law as they are taught, in r and u = W r +
+/// q: no negative ones, not both, within the cone, and against the slip where there is one.
 double law_error(const FrictionProblem& problem, const Vector& r) {
   const Vector u = problem.W * r + problem.q;
   double error = 0;
@@ -46,8 +46,8 @@ TEST(Friction, OfOnePointIsThatOfTheLaws) {
     EXPECT_EQ(result.status, FrictionStatus::kSolved);
     return Eigen::Vector3d(result.r);
   };
-  EXPECT_LE(impulses({1, 2, 3}, 0.5).norm(), 1e-15);                                    // leaves
-  EXPECT_LE((impulses({-1, 0.3, 0}, 0.5) - Eigen::Vector3d(2, -0.6, 0)).norm(), 1e-9);  // sticks
+  EXPECT_LE(impulses({1, 2, 3}, 0.5).norm(), 1e-15);                                     // leaves
+  EXPECT_LE((impulses({-1, 0.3, 0}, 0.5) - Eigen::Vector3d(2, -0.6, 0)).norm(), 1e-9);   // sticks
   EXPECT_LE((impulses({-1, 3, 4}, 0.5) - Eigen::Vector3d(2, -0.6, -0.8)).norm(), 1e-9);  // slides
   EXPECT_LE((impulses({-1, 3, 4}, 0) - Eigen::Vector3d(2, 0, 0)).norm(), 1e-9);          // smooth
 }
@@ -58,7 +58,8 @@ TEST(Friction, OfALeaningRodIsThatOfItsSlip) {
   Eigen::Matrix3d W;
   W << 2, 0.9, 0, 0.9, 1.5, 0, 0, 0, 1;
   const double mu = 0.4;
-  const FrictionResult result = solve_friction(problem_of(W, Eigen::Vector3d(-1, 5, 0), Vector::Constant(1, mu)));
+  const FrictionResult result =
+      solve_friction(problem_of(W, Eigen::Vector3d(-1, 5, 0), Vector::Constant(1, mu)));
   ASSERT_EQ(result.status, FrictionStatus::kSolved);
   const double normal = 1 / (2 - mu * 0.9);
   EXPECT_LE((result.r - Eigen::Vector3d(normal, -mu * normal, 0)).norm(), 1e-9);
@@ -83,7 +84,8 @@ TEST(Friction, OfRandomSystemsMeetsTheLaws) {
     }
     for (double& m : mu) m = world % 5 == 0 ? 0 : 1.2 * part(random);
     const Eigen::MatrixXd A = J * root.asDiagonal();
-    // What the bodies do by themselves can be stopped: equalities and normals are then never in contradiction.
+    // What the bodies do by themselves can be stopped: equalities and normals are then never in
+    // contradiction.
     const FrictionProblem problem = problem_of(A * A.transpose(), J * v, mu, equalities);
     const FrictionResult result = solve_friction(problem);
     if (result.status == FrictionStatus::kNoSolution) continue;
@@ -108,8 +110,8 @@ TEST(Friction, BetweenWallsThatCloseHasNoSolution) {
   EXPECT_LT(d.dot(problem.q), 0);
   EXPECT_GE(std::min(d[0], d[3]), 0);
   // With a compliance there is one.
-  const FrictionProblem soft = problem_of(J * J.transpose() + 0.1 * Eigen::MatrixXd::Identity(6, 6), q,
-                                          Vector::Constant(2, 0.5));
+  const FrictionProblem soft =
+      problem_of(J * J.transpose() + 0.1 * Eigen::MatrixXd::Identity(6, 6), q, Vector::Constant(2, 0.5));
   const FrictionResult softened = solve_friction(soft);
   EXPECT_EQ(softened.status, FrictionStatus::kSolved);
   EXPECT_LE(law_error(soft, softened.r), 1e-8);
@@ -153,7 +155,8 @@ TEST(Friction, IsMeasuredWithoutUnits) {
 
 TEST(Friction, RefusesWhatIsNoProblem) {
   FrictionProblem good = one_contact({-1, 0, 0}, 0.5);
-  const auto message = [](const FrictionProblem& problem, const Vector* guess = nullptr, double accuracy = 1e-8) {
+  const auto message = [](const FrictionProblem& problem, const Vector* guess = nullptr,
+                          double accuracy = 1e-8) {
     try {
       solve_friction(problem, {.accuracy = accuracy}, guess);
     } catch (const std::invalid_argument& error) {
