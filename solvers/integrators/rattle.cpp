@@ -308,7 +308,8 @@ bool Rattle::close_velocities(double h, SubstepReport& report) {
       project_momenta(h, report);
     } else {
       phase_.second_kick(h);
-      if (!project_bounded_momenta(report)) return false;
+      begin_velocities();
+      if (!axes_.finite() || !project_bounded_momenta(h, report)) return false;
     }
     if (!phase_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.

@@ -58,7 +58,7 @@ class Rattle : public ImpulseScheme {
 
   // The velocity stage.
   bool close_velocities(double h, SubstepReport& report);
-  bool project_bounded_momenta(SubstepReport& report);
+  bool project_bounded_momenta(double h, SubstepReport& report);
   bool meet_velocity_laws(SubstepReport& report);
   bool velocities_hold(SubstepReport& report);
   bool strike(double h, SubstepReport& report);

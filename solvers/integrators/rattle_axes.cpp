@@ -152,12 +152,18 @@ void Rattle::begin_velocities() {
   add_rates_of_guess();
 }
 
-/// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes.
-bool Rattle::project_bounded_momenta(SubstepReport& report) {
-  begin_velocities();
-  if (!axes_.finite() || !meet_velocity_laws(report)) return false;
-  take_impulses();
-  return velocities_hold(report);
+/// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes, and the momenta that it
+/// leads to.  What rounding leaves of the rates, with very different inertias, is met once more from there.
+bool Rattle::project_bounded_momenta(double h, SubstepReport& report) {
+  for (const bool again : {false, true}) {
+    if (again) renew_velocity_laws();
+    if (!meet_velocity_laws(report)) return false;
+    phase_.second_kick(h);
+    take_impulses();
+    if (velocities_hold(report)) return true;
+    if (stages_.iterative()) break;
+  }
+  return give_up(values_.mu, values_.rates);
 }
 
 /// By sweeps, bodies that are held fast do not take in all of the impulses.
@@ -175,17 +181,14 @@ bool Rattle::velocities_hold(SubstepReport& report) {
     if (system_.inverse_mass(b).moves()) phase_.momenta[b] = phase_.momenta[b] - absorbed_[b];
   note_velocities(report);
   if (stages_.iterative()) return std::isfinite(report.velocity_residual);
-  return report.velocity_residual <= settings_.velocity_tolerance || give_up(values_.mu, values_.rates);
+  return report.velocity_residual <= settings_.velocity_tolerance;
 }
 
 /// Impacts at the end of the step, after its velocities are closed without them.
 bool Rattle::strike(double h, SubstepReport& report) {
   return impact_stage_.strike([&] {
     renew_velocity_laws();
-    if (!meet_velocity_laws(report)) return false;
-    phase_.second_kick(h);
-    take_impulses();
-    return velocities_hold(report);
+    return project_bounded_momenta(h, report);
   });
 }
 
