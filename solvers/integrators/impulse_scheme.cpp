@@ -126,6 +126,7 @@ void ImpulseScheme::begin(double dt) {
   std::fill(values_.impulses.begin(), values_.impulses.end(), 0.0);
   axes_.clear_reports();
   contacts_.clear_reports();
+  flattened_ = false;
 }
 
 bool ImpulseScheme::drop_guess() {

@@ -96,6 +96,8 @@ class ImpulseScheme : public Scheme {
   ImpactStage impact_stage_;
   ForceIteration force_iteration_;
   std::vector<Wrench> last_forces_;  // of the pass before
+  /// For the rest of the step contacts are planes, since a sub-step failed with surfaces as they are.
+  bool flattened_ = false;
 
  private:
   void predict_forces();

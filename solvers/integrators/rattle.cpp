@@ -45,7 +45,6 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
 
 void Rattle::start(const State& state, SubstepReport& report) {
   ImpulseScheme::start(state, report);
-  flattened_ = false;
   size_ = system_size(phase_.state.poses);
 }
 
@@ -138,7 +137,6 @@ void Rattle::finish(double h, SubstepReport& report) {
     if (!stages_.iterative()) system_.factorize(report.times);
   }
   ++report.substeps;
-  flattened_ = false;
   stages_.report_residuals(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit();

@@ -79,7 +79,6 @@ class Rattle : public ImpulseScheme {
   ImpactSearch impacts_;
   double size_ = 1;                    // of the whole system at the start [m]
   double slack_ = 0;                   // of gaps and places where friction holds, which is left [m or rad]
-  bool flattened_ = false;             // contacts are taken as planes, since the sub-step failed as they are
   bool prediction_missed_ = false;     // multipliers were far from their prediction
   std::vector<Wrench> raw_kick_;       // before the filter of implicit stiffness
   std::vector<Wrench> absorbed_;       // momentum that bodies held fast did not take in this stage
