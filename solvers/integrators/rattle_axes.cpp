@@ -11,6 +11,15 @@
 // as without them, with an active set in place of each solve.  (solvers/laws, "Axes")
 namespace taut {
 
+namespace {
+
+/// After so many solves gaps that surfaces open as they turn are closed if they are to so many times the
+/// tolerance: many contacts that wedge a body share their load anew in each solve, by what laws are met to.
+constexpr int kManySolves = 3;
+constexpr double kLateCurved = 10;
+
+}  // namespace
+
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
   size_ = system_size(phase_.state.poses);
@@ -86,7 +95,8 @@ Rattle::PositionError Rattle::position_error(double h, int iteration, SubstepRep
   }
   if (iteration == 0 || !axes_.finite()) return {};
   const double tolerance = settings_.position_tolerance - slack_;
-  const double curved = h * contacts_.curved_off(values_.lambda, values_.rates, stages_.rates()) / tolerance;
+  double curved = h * contacts_.curved_off(values_.lambda, values_.rates, stages_.rates()) / tolerance;
+  if (iteration > kManySolves) curved /= kLateCurved;
   if (curved <= 1) {  // surfaces have turned as the last solve was told: laws are judged by its rates
     const int first = system_.rows().first_contact_row();
     std::copy(stages_.rates().begin() + first, stages_.rates().end(), values_.rates.begin() + first);

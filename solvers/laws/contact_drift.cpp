@@ -13,7 +13,8 @@ namespace {
 constexpr int kNormalSteps = 4;
 /// It is done when the normal turns by less [rad].
 constexpr double kNormalFound = 1e-12;
-/// The expansion of curved surfaces ends where the normal turns by more in one step [rad].
+/// The expansion of curved surfaces ends where the normal turns by more in one step [rad]; a contact whose
+/// normal turns by more in the drift, as that of edges that hardly cross, is that of planes.
 constexpr double kFarTurn = 0.5;
 /// Newton's method closes gaps that surfaces open as they turn to this part of what they open in the second
 /// order, times the turn: a part of the third-order error of a drift.
@@ -137,6 +138,7 @@ void drift_rates(ContactRows& contacts, const ContactDrift& drift, std::span<dou
     const MovedContact now = moved_contact(contact, A.end, B.end, A.turn, B.turn);
     const MovedContact then = moved_contact(contact, A.start, B.start, still, still);
     const Vec3 n = frame.n, m = now.normal;
+    if ((m - n).norm() > kFarTurn) continue;
     const auto at_end = [&](const Vec3& rate) { return carried(tangential(rate, m), m, n); };
     const Vec3 half = 0.5 * now.gap * m;
     const Vec3 slip = at_end(B.V.at(now.Q - half) - A.V.at(now.P + half)), turning = B.V.w - A.V.w;
