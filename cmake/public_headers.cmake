@@ -1,7 +1,7 @@
-# public_headers(RESULT FIRST): FIRST and every header of this tree that it includes, directly or not; paths relative to
-# the tree.  These are what is installed, so that the interface is what taut.h names and what that needs.
-function(public_headers result first)
-  set(todo ${first})
+# public_headers(RESULT FIRST…): these and every header of this tree that they include, directly or not; paths relative to
+# the tree.  These are what is installed, so that the interface is what taut.h and headers beside it name, and what that needs.
+function(public_headers result)
+  set(todo ${ARGN})
   set(found "")
   while(todo)
     list(POP_FRONT todo header)

@@ -21,7 +21,7 @@ struct LocalSurface {
 
   /// Around a point of a face with the unit normal n.
   static LocalSurface flat(const Vec3& n) { return {0, kFlat * (Mat3::Identity() - n * n.transpose())}; }
-  bool is_flat() const { return radii.trace() > 1.5 * kFlat; }
+  bool is_flat() const { return radii.trace() > 1.5 * kFlat; }  ///< around a point of a face
   /// In axes that R turns to.
   LocalSurface turned(const Mat3& R) const {
     return {ball, R * radii * R.transpose(), R * squares * R.transpose()};

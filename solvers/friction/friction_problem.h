@@ -11,15 +11,15 @@ namespace taut {
 ///     K* ∋ u + μ |u_T| n  ⊥  r ∈ K = {|r_T| ≤ μ r_N}                       (solvers/friction, Eq. 2)
 /// W is positive semidefinite but for round-off of whoever wrote it; it need not be symmetric.
 struct FrictionProblem {
-  using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;  ///< compressed rows
 
   Matrix W;            ///< n × n, n = equalities + 3 contacts; [1/kg] for impulses of points [N·s]
   Eigen::VectorXd q;   ///< n; rates without impulses [m/s]
   Eigen::VectorXd mu;  ///< coefficient of friction of each contact, not negative
-  int equalities = 0;
+  int equalities = 0;  ///< rows before those of contacts
 
-  int rows() const { return equalities + 3 * contacts(); }
-  int contacts() const { return static_cast<int>(mu.size()); }
+  int rows() const { return equalities + 3 * contacts(); }      ///< n
+  int contacts() const { return static_cast<int>(mu.size()); }  ///< of three rows each
 
   /// @throws std::invalid_argument naming what has another size, is not finite or negative.
   void require_valid() const;
@@ -57,7 +57,7 @@ struct FrictionErrors {
   bool met(double tolerance) const {
     return impulses <= tolerance && std::max(rates, map) <= std::max(tolerance, round_off);
   }
-  double largest() const { return std::max({impulses, rates, map}); }
+  double largest() const { return std::max({impulses, rates, map}); }  ///< of the three
 };
 
 /// @throws std::invalid_argument as the problem's require_valid(), or if r has another size.

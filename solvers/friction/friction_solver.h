@@ -21,17 +21,20 @@ enum class FrictionStatus {
 
 /// Rungs of the ladder, in their order.                                   (solvers/friction, "Rungs")
 enum class FrictionRung { kGuess, kSweeps, kInteriorPoint, kManySweeps, kPath };
+/// Their names, as in reports.
 inline constexpr std::array<const char*, 5> kFrictionRungNames{"guess", "sweeps", "interior point",
                                                                "many sweeps", "path"};
 
+/// What solve_friction() has found, and what that took.
 struct FrictionResult {
-  FrictionStatus status = FrictionStatus::kInexact;
-  Eigen::VectorXd r;                         ///< impulses, in the rows of the problem
-  FrictionErrors errors;                     ///< of them
-  FrictionRung rung = FrictionRung::kGuess;  ///< the one whose impulses these are
-  std::array<int, 5> tried{};                ///< how often each rung was
-  int factorisations = 0, sweeps = 0;
-  double seconds = 0;
+  FrictionStatus status = FrictionStatus::kInexact;  ///< how it ended
+  Eigen::VectorXd r;                                 ///< impulses, in the rows of the problem
+  FrictionErrors errors;                             ///< of them
+  FrictionRung rung = FrictionRung::kGuess;          ///< the one whose impulses these are
+  std::array<int, 5> tried{};                        ///< how often each rung was
+  int factorisations = 0;                            ///< of Newton's and of interior points' matrices
+  int sweeps = 0;                                    ///< over all blocks
+  double seconds = 0;                                ///< of wall time
   /// d with W d = 0, d_N ≥ 0, d_T = 0 and d·q < 0, where there is no solution: normals that close however
   /// large the impulses.
   std::optional<Eigen::VectorXd> certificate;

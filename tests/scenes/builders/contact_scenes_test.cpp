@@ -269,8 +269,8 @@ void bears_its_weight(Scene& scene, double compliance, int settling, int steps) 
 }
 
 // Each contact gives way by its force times the compliance of both, and the ground carries all bodies.
-// Newton's method has a guess that its sweeps brought near: 37 steps a step until all sleep, without
-// sweeps 77.
+// Newton's method has a guess that its sweeps brought near.  While bodies tumble a stage is solved until the
+// gaps are closed that their surfaces open as they turn: 77 steps a step until all sleep, 37 with planes.
 TEST(Pile, of_stiff_bodies_comes_to_rest_and_falls_asleep) {
   constexpr double kCompliance = 5e-10;
   constexpr int kBodies = 40, kMostSteps = 10 * 240;
@@ -285,7 +285,7 @@ TEST(Pile, of_stiff_bodies_comes_to_rest_and_falls_asleep) {
     newton += simulator.report().counts.contact_iterations;
   }
   EXPECT_EQ(simulator.report().asleep, kBodies);
-  EXPECT_LT(newton, 60 * steps);
+  EXPECT_LT(newton, 100 * steps);
   bears_its_weight(scene, kCompliance, 24, 20);
 }
 

@@ -115,8 +115,8 @@ TEST(FrictionFile, SaysWhatIsWrongAndBelievesNoCount) {
     EXPECT_TRUE(message(good.substr(0, size)).starts_with("p.dat: ")) << size;
   EXPECT_TRUE(message("3 2000000000").starts_with("p.dat: "));
   EXPECT_TRUE(message("3 1 1 3 3 2000000000 1 1 3").starts_with("p.dat: "));
-  EXPECT_TRUE(message("3 1 2 3 3").find("storage") != std::string::npos);
-  EXPECT_TRUE(message("4 1 0 3 3").find("dimension") != std::string::npos);
+  EXPECT_TRUE(message("3 1 2 3 3 0 0 0 0 0 0").find("storage") != std::string::npos);
+  EXPECT_TRUE(message("4 1 0 3 3 3 3 1").find("dimension") != std::string::npos);
   EXPECT_TRUE(message("3 1 0 3 3 3 3 1 0 x").find("(value: x)") != std::string::npos);
   EXPECT_TRUE(message(good + " 1 1 1").starts_with("p.dat: "));
   EXPECT_TRUE(message("3 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 -1 0 0 -0.5").find("mu") != std::string::npos);
