@@ -11,6 +11,7 @@
 #include "scenes/support/format.h"
 #include "scenes/support/output_file.h"
 #include "scenes/support/printable.h"
+#include "solvers/common/setting_names.h"
 #include "solvers/friction/friction_solver.h"
 
 namespace taut {
@@ -19,17 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 using OrderedJson = nlohmann::ordered_json;
 
-const char* status_name(FrictionStatus status) {
-  switch (status) {
-    case FrictionStatus::kSolved:
-      return "solved";
-    case FrictionStatus::kNoSolution:
-      return "no solution";
-    case FrictionStatus::kInexact:
-      return "inexact";
-  }
-  return "";
-}
+constexpr std::pair<const char*, FrictionStatus> kStatusNames[] = {
+    {"solved", FrictionStatus::kSolved},
+    {"no solution", FrictionStatus::kNoSolution},
+    {"inexact", FrictionStatus::kInexact},
+};
 
 /// Of the row with the largest residual.
 std::string row_name(const FrictionProblem& problem, int row) {
@@ -46,7 +41,7 @@ OrderedJson json_of(const std::string& name, const FrictionFile& file, const Fri
           {"dimension", file.dimension},
           {"contacts", file.problem.contacts()},
           {"equalities", file.problem.equalities},
-          {"status", status_name(result.status)},
+          {"status", name_of(result.status, kStatusNames)},
           {"residual",
            {{"impulses", result.errors.impulses},
             {"rates", result.errors.rates},
@@ -78,10 +73,11 @@ std::string equalities_text(const FrictionProblem& problem, const Eigen::VectorX
 }
 
 std::string line_of(const std::string& name, const FrictionFile& file, const FrictionResult& result) {
-  return format(
-      "%-44s %8d  %-11s  %9.1e  %9.1e  %-14s  %6d  %9.2f\n", printable(name).c_str(), file.problem.contacts(),
-      status_name(result.status), result.errors.impulses, std::max(result.errors.rates, result.errors.map),
-      kFrictionRungNames[static_cast<int>(result.rung)], result.factorisations, 1e3 * result.seconds);
+  return format("%-44s %8d  %-11s  %9.1e  %9.1e  %-14s  %6d  %9.2f\n", printable(name).c_str(),
+                file.problem.contacts(), name_of(result.status, kStatusNames), result.errors.impulses,
+                std::max(result.errors.rates, result.errors.map),
+                kFrictionRungNames[static_cast<int>(result.rung)], result.factorisations,
+                1e3 * result.seconds);
 }
 
 std::string advice_for(const std::string& name, const FrictionFile& file, const FrictionResult& result) {

@@ -21,7 +21,7 @@ struct Rung {
 };
 
 void newton_from_guess(const ScaledFriction& problem, const Vector& start, BestImpulses& best) {
-  FrictionNewton{.gamma = 100, .rho = 1e-6, .steps = 8, .patience = 4}.solve(problem, start, best);
+  FrictionNewton{.steps = 8, .patience = 4}.solve(problem, start, best);
 }
 
 /// Sweeps find what sticks and slides, Newton finishes; where it does not, its last iterate is swept.
