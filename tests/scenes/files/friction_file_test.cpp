@@ -32,7 +32,7 @@ std::vector<std::string> problems() {
 /// |r − P(r − ρ û)| / (ρ |q|), ρ = 1/|W|, as it is written in papers; dense.
 double natural_map(const FrictionProblem& problem, const Vector& r) {
   const Eigen::MatrixXd W(problem.W);
-  const double rho = 1 / Eigen::JacobiSVD<Eigen::MatrixXd>(W).singularValues()[0];
+  const double rho = 1 / Eigen::BDCSVD<Eigen::MatrixXd>(W).singularValues()[0];
   const Vector u = W * r + problem.q;
   double sum = 0;
   for (int k = 0; k < problem.contacts(); ++k) {
