@@ -259,8 +259,8 @@ TEST(Manifold, NoDirectionNearbySeparatesMore) {
     const double distance = (i % 3 == 2 ? 0.1 : i % 3 == 1 ? 0.1 : 0.15) + (i / 3 % 2 == 1 ? 0.1 : 0.15);
     const Pose X_A{random.rotation(), Vec3::Zero()};
     const double aside = i % 2 == 0 ? 0 : std::pow(10, random.uniform(-6, -2));
-    const Vec3 off(std::sqrt(distance * distance - aside * aside) - std::pow(10, random.uniform(-7, -3)),
-                   aside, random.uniform(-0.3, 0.3));
+    const double along = random.uniform(-0.3, 0.3), deep = std::pow(10, random.uniform(-7, -3));
+    const Vec3 off(std::sqrt(distance * distance - aside * aside) - deep, aside, along);
     const Quat q = exp_so3(turn * Vec3(1, random.uniform(-1e-3, 1e-3), 0)) * exp_so3(i * Vec3::UnitZ());
     const ShapePair pair(a, X_A, b, {X_A.q * q, X_A.q * off});
     const auto contacts = pair.contacts(1e-3);

@@ -15,7 +15,9 @@ namespace taut::testing {
 /// Farthest point of a shape along d, written down once more, for oracles.
 inline Vec3 support_point(const Shape& shape, const Vec3& d) {
   const double across = std::hypot(d.x(), d.y());
-  const auto rim = [&](double r, double z) { return Vec3(r * d.x() / across, r * d.y() / across, z); };
+  const auto rim = [&](double r, double z) {  // any point of it where all are as far
+    return across > 0 ? Vec3(r * d.x() / across, r * d.y() / across, z) : Vec3(r, 0, z);
+  };
   const auto sign = [](double x) { return x < 0 ? -1.0 : 1.0; };
   if (const auto* s = std::get_if<Sphere>(&shape)) return s->radius * d.normalized();
   if (const auto* s = std::get_if<Box>(&shape))

@@ -50,7 +50,8 @@ TEST_P(ActiveSetSmall, AgreesWithTheEnumerationOfAllPieces) {
   settings.update_factor = update;
   int solved = 0, contradictions = 0, soft = 0, fallbacks = 0, pivots = 0;
   for (int problem = 0; problem < 1500; ++problem) {
-    const World world = random_world(integer(random, 1, 4), integer(random, 2, 8), repeated, random);
+    const int joints = integer(random, 2, 8), bodies = integer(random, 1, 4);
+    const World world = random_world(bodies, joints, repeated, random);
     Solver solver(world);
     const int n = solver.system.row_count();
     const MatrixXd S = dense_system(world);
@@ -96,7 +97,8 @@ TEST(ActiveSet, AgreesWithLemkeOnLimits) {
   std::mt19937 random(5);
   int solved = 0, contradictions = 0, lost = 0;
   for (int problem = 0; problem < 300; ++problem) {
-    const World world = random_world(integer(random, 2, 8), integer(random, 5, 40), 0.2, random);
+    const int joints = integer(random, 5, 40), bodies = integer(random, 2, 8);
+    const World world = random_world(bodies, joints, 0.2, random);
     Solver solver(world);
     const int n = solver.system.row_count();
     const MatrixXd S = dense_system(world);
@@ -142,7 +144,8 @@ TEST(ActiveSet, SatisfiesEveryLawOnLargerProblems) {
   std::mt19937 random(9);
   int least_index = 0, fallbacks = 0, solved = 0;
   for (int problem = 0; problem < 300; ++problem) {
-    const World world = random_world(integer(random, 4, 10), integer(random, 10, 40), 0.2, random);
+    const int joints = integer(random, 10, 40), bodies = integer(random, 4, 10);
+    const World world = random_world(bodies, joints, 0.2, random);
     Solver solver(world);
     const int n = solver.system.row_count();
     const MatrixXd S = dense_system(world);

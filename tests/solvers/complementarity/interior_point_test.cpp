@@ -37,7 +37,8 @@ TEST(InteriorPoint, AgreesWithTheEnumerationOfAllPieces) {
   std::mt19937 random(77);
   int solved = 0, missed = 0, most = 0;
   for (int problem = 0; problem < 600; ++problem) {
-    const World world = random_world(integer(random, 1, 4), integer(random, 2, 8), 0.3, random);
+    const int joints = integer(random, 2, 8), bodies = integer(random, 1, 4);
+    const World world = random_world(bodies, joints, 0.3, random);
     Interior interior(world);
     const int n = interior.system.row_count();
     const MatrixXd S = dense_system(world);

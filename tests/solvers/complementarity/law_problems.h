@@ -38,9 +38,9 @@ inline World random_world(int bodies, int joints, double repeated, std::mt19937&
     const double size = uniform(random, 0.2, 1);
     spec.mass = MassProperties::box(Vec3(size, 0.7 * size, 1.3 * size), std::pow(10, uniform(random, -1, 1)));
     spec.pose.p = 2 * random_vector(random);
-    spec.pose.q = Quat(Eigen::Vector4d(uniform(random, 0.1, 1), uniform(random, -1, 1),
-                                       uniform(random, -1, 1), uniform(random, -1, 1)))
-                      .normalized();
+    const double w = uniform(random, -1, 1), z = uniform(random, -1, 1), y = uniform(random, -1, 1),
+                 x = uniform(random, 0.1, 1);
+    spec.pose.q = Quat(Eigen::Vector4d(x, y, z, w)).normalized();
     world.add_body(spec);
   }
   struct Made {

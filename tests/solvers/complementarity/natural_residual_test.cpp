@@ -53,7 +53,8 @@ World random_mechanism(int bodies, int loops, std::mt19937& random) {
   };
   std::vector<Hinged> hinges;
   for (int i = 0; i < bodies; ++i) {
-    const Vec3 size(uniform(random, 0.2, 1), uniform(random, 0.2, 1), uniform(random, 0.2, 1));
+    const double z = uniform(random, 0.2, 1), y = uniform(random, 0.2, 1), x = uniform(random, 0.2, 1);
+    const Vec3 size(x, y, z);
     const BodyId b = world.add_body({.mass = MassProperties::box(size, std::pow(10, uniform(random, -1, 1))),
                                      .pose = {.p = 2 * random_vector(random)}});
     const int below = integer(random, 0, i);  // 0: the ground
@@ -145,7 +146,8 @@ TEST(NaturalResidual, IsThatOfTheDenseProblemOfBothStages) {
   const double h = 5e-3;
   int measured = 0;
   for (int mechanism = 0; mechanism < 100; ++mechanism) {
-    World world = random_mechanism(integer(random, 1, 6), integer(random, 0, 1), random);
+    const int loops = integer(random, 0, 1), bodies = integer(random, 1, 6);
+    World world = random_mechanism(bodies, loops, random);
     for (int b = 1; b <= world.body_count() - 1; ++b)
       world.set_twist(BodyId{b}, {random_vector(random), random_vector(random)});
     if (Rows(world).axis_rows().empty()) continue;
@@ -168,7 +170,8 @@ TEST(NaturalResidual, IsThatOfTheDenseProblemOfBothStages) {
 TEST(NaturalResidual, IsAtMost1e9InEveryStepOfRandomMechanisms) {
   std::mt19937 random(5);
   for (int mechanism = 0; mechanism < 150; ++mechanism) {
-    World world = random_mechanism(integer(random, 1, 8), integer(random, 0, 3), random);
+    const int loops = integer(random, 0, 3), bodies = integer(random, 1, 8);
+    World world = random_mechanism(bodies, loops, random);
     Simulator simulator(world);
     for (int i = 0; i < 60; ++i) {
       const StepReport& report = simulator.step(5e-3);
@@ -182,7 +185,8 @@ TEST(NaturalResidual, IsAtMost1e9InEveryStepOfRandomMechanisms) {
 TEST(RobustResidual, IsAtMost1e9WhereShapesDoNotTouch) {
   std::mt19937 random(5);
   for (int mechanism = 0; mechanism < 150; ++mechanism) {
-    World world = random_mechanism(integer(random, 1, 8), integer(random, 0, 3), random);
+    const int loops = integer(random, 0, 3), bodies = integer(random, 1, 8);
+    World world = random_mechanism(bodies, loops, random);
     world.add_shape(BodyId{1}, Sphere{0.01});
     world.add_shape(kGround, Sphere{0.01}, {.p = {0, 0, 1000}});
     Simulator simulator(world);

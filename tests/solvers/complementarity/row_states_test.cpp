@@ -57,7 +57,8 @@ TEST_P(RowStates, SolveOnlyOnTheRowsThatAreLeft) {
   std::mt19937 random(21);
   int singular = 0;
   for (int problem = 0; problem < 300; ++problem) {
-    const World world = random_world(integer(random, 4, 6), integer(random, 3, 10), GetParam(), random);
+    const int joints = integer(random, 3, 10), bodies = integer(random, 4, 6);
+    const World world = random_world(bodies, joints, GetParam(), random);
     ConstraintSystem system = system_of(world);
     const MatrixXd S = dense_system(world);
     const int n = system.row_count();
@@ -93,7 +94,8 @@ TEST_P(RowStates, UpdatesOfAFactorAreAsGoodAsANewOne) {
   std::mt19937 random(22);
   int updated = 0, refused = 0;
   for (int problem = 0; problem < 300; ++problem) {
-    const World world = random_world(integer(random, 4, 6), integer(random, 3, 10), GetParam(), random);
+    const int joints = integer(random, 3, 10), bodies = integer(random, 4, 6);
+    const World world = random_world(bodies, joints, GetParam(), random);
     ConstraintSystem system = system_of(world);
     const MatrixXd S = dense_system(world);
     const int n = system.row_count();
