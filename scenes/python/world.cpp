@@ -1,0 +1,399 @@
+#include "core/world/world.h"
+
+#include <nanobind/stl/variant.h>
+
+#include "core/world/diagnostics.h"
+#include "scenes/python/access.h"
+#include "scenes/python/arrays.h"
+#include "scenes/python/parts.h"
+
+namespace taut::python {
+namespace {
+
+const auto kBody = nb::arg("body"), kJoint = nb::arg("joint"), kAxis = nb::arg("axis");
+
+void bind_making(nb::class_<World>& c) {
+  c.def(
+       "add_body",
+       [](World& world, const std::string& name, const MassProperties& mass, const Pose& pose,
+          const Twist& twist, bool fixed) {
+         begin_change(world);
+         return world.add_body({.name = name, .mass = mass, .pose = pose, .twist = twist, .fixed = fixed});
+       },
+       nb::arg("name") = "", nb::arg("mass") = MassProperties(1.0, Vec3(1, 1, 1)), nb::arg("pose") = Pose(),
+       nb::arg("twist") = Twist(), nb::arg("fixed") = false,
+       "Adds a body; its frame sits at the centre of mass.  An empty name is replaced by a free one.")
+      .def(
+          "add",
+          [](World& world, std::string name, std::shared_ptr<Joint> joint) {
+            begin_change(world);
+            return world.add_joint(std::move(name), std::move(joint));
+          },
+          nb::arg("name"), nb::arg("joint"),
+          "Adds a joint: world.add(\"elbow\", Ball.at(world, upper, lower, p)).")
+      .def(
+          "add_force",
+          [](World& world, std::shared_ptr<Force> force) {
+            begin_change(world);
+            return world.add_force(std::shared_ptr<const Force>(std::move(force)));
+          },
+          nb::arg("force"), "Adds a force law.")
+      .def(
+          "set_force",
+          [](World& world, ForceId id, std::shared_ptr<Force> force) {
+            begin_change(world);
+            world.set_force(id, std::move(force));
+          },
+          nb::arg("id"), nb::arg("force"),
+          "Replaces a force law, for instance to change its value between steps.")
+      .def(
+          "append",
+          [](World& world, const World& other, const std::string& prefix, const Pose& placement) {
+            if (&world == &other)
+              throw std::invalid_argument("append: a world cannot be appended to itself; append a copy");
+            require_askable(other);
+            begin_change(world);
+            world.append(other, prefix, placement);
+          },
+          nb::arg("other"), nb::arg("prefix") = "", nb::arg("placement") = Pose(),
+          "Adds all that another world has, every name with the prefix, moved as a whole by the placement "
+          "X_WF.")
+      .def(
+          "copy",
+          [](const World& world) {
+            require_askable(world);
+            return World(world);
+          },
+          "An independent world that shares joints and force laws, which never change.")
+      .def("__copy__",
+           [](const World& world) {
+             require_askable(world);
+             return World(world);
+           })
+      .def(
+          "__deepcopy__",
+          [](const World& world, nb::handle) {
+            require_askable(world);
+            return World(world);
+          },
+          nb::arg("memo"));
+}
+
+void bind_joints_of_world(nb::class_<World>& c) {
+  c.def("set_break", changing(&World::set_break), kJoint, nb::arg("limits").none(),
+        "Strength of a joint; None: it never breaks.")
+      .def("set_compliance", changing(&World::set_compliance), kJoint, nb::arg("compliance").none(),
+           "Elasticity of a joint; None: rigid.")
+      .def("compliance", asking(&World::compliance), kJoint, "None: rigid.")
+      .def("detach", changing(&World::detach), kJoint,
+           "Takes a joint out; it keeps id, name, axes and properties.")
+      .def("attach", changing(&World::attach), kJoint, "Puts a joint back, closed where it was made to be.")
+      .def("is_attached", asking(&World::is_attached), kJoint)
+      .def(
+          "joint_type", [](const World& world, JointId id) { return std::string(world.joint(id).type()); },
+          kJoint, "As \"hinge\".")
+      .def(
+          "joint_bodies",
+          [](const World& world, JointId id) {
+            const auto bodies = world.joint(id).bodies();
+            return std::vector<BodyId>(bodies.begin(), bodies.end());
+          },
+          kJoint, "A, B and further ones.")
+      .def(
+          "anchor",
+          [](const World& world, JointId id) {
+            require_askable(world);
+            const Joint& joint = world.joint(id);
+            return Vec3(world.pose(joint.b()).point(joint.reaction_point_B()));
+          },
+          kJoint, "The world point [m] about which the torque of its reaction is.");
+}
+
+void bind_axes_of_world(nb::class_<World>& c) {
+  c.def("axis", &World::axis, kJoint, nb::arg("name"), "A free axis by name.")
+      .def(
+          "axes",
+          [](const World& world, JointId joint) {
+            std::vector<std::string> names;
+            for (int k = 0; k < world.axis_count(joint); ++k)
+              names.push_back(world.axis_info({joint, k}).name);
+            return names;
+          },
+          kJoint, "Names of the free axes of a joint.")
+      .def("axis_index", &World::axis_index, kAxis, "Index of an axis in the arrays of a state.")
+      .def(
+          "axis_properties",
+          [](const World& world, AxisId axis) {
+            require_askable(world);
+            return AxisProperties(world.axis_properties(axis));
+          },
+          kAxis, "What acts along it; a copy.")
+      .def("set_limits", changing(&World::set_limits), kAxis, nb::arg("limits").none(),
+           "None takes them away.")
+      .def("set_motor", changing(&World::set_motor), kAxis, nb::arg("motor").none(), "None takes it away.")
+      .def("set_friction", changing(&World::set_friction), kAxis, nb::arg("friction").none(),
+           "None takes it away.")
+      .def("set_spring", changing(&World::set_spring), kAxis, nb::arg("spring").none(), "None takes it away.")
+      .def("set_motor_target", changing(&World::set_motor_target), kAxis, nb::arg("target"),
+           "A new target for a motor that is there.")
+      .def("axis_value", asking(&World::axis_value), kAxis,
+           "θ [rad or m] in the present state, with its turns.")
+      .def("axis_rate", asking(&World::axis_rate), kAxis, "θ̇ [rad/s or m/s].")
+      .def("set_axis_turns", changing(&World::set_axis_turns), kAxis, nb::arg("value"),
+           "Says how many turns an angle has made: the value next to this one that fits the poses is kept.");
+}
+
+void bind_shapes_of_world(nb::class_<World>& c) {
+  using SetShape = void (World::*)(ShapeId, const Material&);
+  using SetNamed = void (World::*)(ShapeId, MaterialId);
+  using OfShapes = void (World::*)(ShapeId, ShapeId, const Material&);
+  using OfMaterials = void (World::*)(MaterialId, MaterialId, const Material&);
+  c.def(
+       "add_shape",
+       [](World& world, BodyId body, const Shape& shape, const Pose& pose, const Material& material,
+          CollisionFilter filter) {
+         begin_change(world);
+         return world.add_shape(body, shape, pose, material, filter);
+       },
+       kBody, nb::arg("shape"), nb::arg("pose") = Pose(), nb::arg("material") = Material(),
+       nb::arg("filter") = CollisionFilter(),
+       "Gives a body a shape at the pose X_BS in its frame; several shapes on one body are a compound.")
+      .def(
+          "shape", [](const World& world, ShapeId id) { return ShapeRecord(world.shape(id)); }, nb::arg("id"),
+          "As added; a copy.")
+      .def("set_material", changing(static_cast<SetShape>(&World::set_material)), nb::arg("shape"),
+           nb::arg("material"))
+      .def("set_material", changing(static_cast<SetNamed>(&World::set_material)), nb::arg("shape"),
+           nb::arg("material"))
+      .def("add_material", changing(&World::add_material), nb::arg("name"), nb::arg("material"),
+           "A material with a name, which shapes can share and pairs can refer to.")
+      .def(
+          "material", [](const World& world, std::string_view name) { return world.material(name); },
+          nb::arg("name"), "The id of a material by name.")
+      .def("set_contact_material", changing(static_cast<OfShapes>(&World::set_contact_material)),
+           nb::arg("a"), nb::arg("b"), nb::arg("material"))
+      .def("set_contact_material", changing(static_cast<OfMaterials>(&World::set_contact_material)),
+           nb::arg("a"), nb::arg("b"), nb::arg("material"))
+      .def("contact_material", &World::contact_material, nb::arg("a"), nb::arg("b"),
+           "As set for a pair, or combined().")
+      .def("set_collision", changing(&World::set_collision), nb::arg("a"), nb::arg("b"),
+           nb::arg("may_collide"),
+           "Whether two bodies may touch, in place of the rule that bodies with a common joint do not.")
+      .def(
+          "may_collide", [](const World& world, BodyId a, BodyId b) { return world.may_collide(a, b); },
+          nb::arg("a"), nb::arg("b"));
+}
+
+void bind_names(nb::class_<World>& c) {
+  c.def("body", &World::body, nb::arg("name"), "A body by name.")
+      .def(
+          "joint", [](const World& world, std::string_view name) { return world.joint(name); },
+          nb::arg("name"), "A joint by name.")
+      .def("has_body", &World::has_body, nb::arg("name"))
+      .def("has_joint", &World::has_joint, nb::arg("name"))
+      .def(
+          "name", [](const World& world, BodyId id) { return world.name(id); }, nb::arg("id"))
+      .def(
+          "name", [](const World& world, JointId id) { return world.name(id); }, nb::arg("id"))
+      .def(
+          "name", [](const World& world, MaterialId id) { return world.name(id); }, nb::arg("id"))
+      .def(
+          "mass_properties",
+          [](const World& world, BodyId id) { return MassProperties(world.mass_properties(id)); }, kBody)
+      .def("is_fixed", &World::is_fixed, kBody)
+      .def_prop_ro("body_count", &World::body_count, "With the ground.")
+      .def_prop_ro("moving_body_count", &World::moving_body_count)
+      .def_prop_ro("joint_count", &World::joint_count, "Detached ones too.")
+      .def_prop_ro("force_count", &World::force_count, "Without gravity.")
+      .def_prop_ro("shape_count", &World::shape_count)
+      .def(
+          "bodies",
+          [](const World& world) {
+            std::vector<BodyId> ids;
+            for (int b = 0; b < world.body_count(); ++b) ids.push_back({b});
+            return ids;
+          },
+          "All of them, the ground first.")
+      .def(
+          "joints",
+          [](const World& world) {
+            std::vector<JointId> ids;
+            for (int j = 0; j < world.joint_count(); ++j) ids.push_back({j});
+            return ids;
+          },
+          "All of them.");
+}
+
+void bind_state_of_world(nb::class_<World>& c) {
+  c.def(
+       "pose",
+       [](const World& world, BodyId id) {
+         require_askable(world);
+         return Pose(world.pose(id));
+       },
+       kBody, "X_WB; a copy.")
+      .def(
+          "twist",
+          [](const World& world, BodyId id) {
+            require_askable(world);
+            return Twist(world.twist(id));
+          },
+          kBody, "V_WB; a copy.")
+      .def("set_pose", changing(&World::set_pose), kBody, nb::arg("pose"),
+           "Moves a body, also a fixed one, between steps.")
+      .def("set_twist", changing(&World::set_twist), kBody, nb::arg("twist"))
+      .def_prop_ro(
+          "state",
+          [](const World& world) {
+            require_askable(world);
+            return State(world.state());
+          },
+          "The whole state; a copy, whose arrays can be written to.")
+      .def("set_state", changing(&World::set_state), nb::arg("state"),
+           "The whole state at once, bit for bit.")
+      .def_prop_rw("time", asking(&World::time), changing(&World::set_time), "[s].")
+      .def_prop_rw(
+          "gravity", [](const World& world) { return Vec3(world.gravity()); }, changing(&World::set_gravity),
+          "Gravitational acceleration [m/s²], (0, 0, −9.81) at first.")
+      .def("is_asleep", asking(&World::is_asleep), kBody)
+      .def("wake", changing(&World::wake), kBody,
+           "The body moves again, and with the next step all that fell asleep with it.")
+      .def("wake_all", changing(&World::wake_all));
+}
+
+/// An answer for which force laws or motions may be called, which must not change the world meanwhile.
+template <typename Answer>
+auto held(Answer answer) {
+  return [answer](const World& world) {
+    const StepScope scope(const_cast<World&>(world));
+    return answer(world);
+  };
+}
+
+/// A read-only array of the present state that shows it for good.
+template <typename Item>
+ReadOnlyArray shown(const World& world, const std::vector<Item>& items, std::size_t columns,
+                    std::size_t first) {
+  require_askable(world);
+  return view(std::span(items), columns, first, keep(share_state(world)));
+}
+
+void bind_arrays(nb::class_<World>& c) {
+  c.def_prop_ro(
+       "positions", [](const World& w) { return shown(w, w.state().poses, 3, 4); }, kOwned,
+       "Positions of the centres of mass of all bodies, n×3 [m], row 0 the ground.  Read-only, without a "
+       "copy; it goes "
+       "on showing this instant when the world moves on.")
+      .def_prop_ro(
+          "twists", [](const World& w) { return shown(w, w.state().twists, 6, 0); }, kOwned,
+          "n×6: angular velocity x, y, z [rad/s], then velocity of the centre of mass x, y, z [m/s], world "
+          "axes.  "
+          "Read-only, without a copy, of this instant.")
+      .def_prop_ro(
+          "poses_xyzw", [](const World& w) { return shown(w, w.state().poses, 7, 0); }, kOwned,
+          "n×7 as they are stored: quaternion x, y, z, w (scalar last, as SciPy has it), then position x, y, "
+          "z [m].  "
+          "Read-only, without a copy, of this instant.")
+      .def_prop_ro(
+          "poses",
+          [](const World& w) {
+            require_askable(w);
+            return owning(pose_rows(w.state().poses, true), 7);
+          },
+          kOwned, "n×7: quaternion w, x, y, z, then position x, y, z [m]; a copy, since w is stored last.")
+      .def_prop_ro(
+          "quaternions",
+          [](const World& w) {
+            require_askable(w);
+            return owning(pose_rows(w.state().poses, false), 4);
+          },
+          kOwned, "n×4, w, x, y, z; a copy.")
+      .def_prop_ro(
+          "axis_values",
+          [](const World& w) {
+            require_askable(w);
+            const auto& axes = w.state().axes;
+            const std::size_t shape[] = {axes.size()};
+            return ReadOnlyArray(axes.data(), 1, shape, keep(share_state(w)));
+          },
+          kOwned,
+          "One value per free axis [rad or m] at axis_index(), as solvers keep them: those of axes with "
+          "properties are up to "
+          "date.  Read-only, without a copy, of this instant.");
+}
+
+void bind_energies_of_world(nb::class_<World>& c) {
+  c.def("forces", held([](const World& world) {
+          std::vector<double> rows(6 * world.body_count());
+          world.forces(world.state(), {reinterpret_cast<Wrench*>(rows.data()),
+                                       static_cast<std::size_t>(world.body_count())});
+          return owning(std::move(rows), 6);
+        }),
+        "Sum of gravity and all force laws on each body, n×6: torque about its centre of mass [N·m], then "
+        "force [N], world axes.")
+      .def(
+          "kinetic_energy",
+          [](const World& world) {
+            require_askable(world);
+            return kinetic_energy(world, world.state());
+          },
+          "[J].")
+      .def("potential_energy", held([](const World& world) { return world.potential_energy(world.state()); }),
+           "Of gravity, force laws, springs, soft limits and soft joints [J].")
+      .def("spring_energy", held([](const World& world) { return world.spring_energy(world.state()); }),
+           "The part of it in springs [J].")
+      .def(
+          "linear_momentum",
+          [](const World& world) {
+            require_askable(world);
+            return linear_momentum(world, world.state());
+          },
+          "Σ m v [N·s].")
+      .def(
+          "angular_momentum",
+          [](const World& world, const Vec3& about) {
+            require_askable(world);
+            return angular_momentum(world, world.state(), about);
+          },
+          nb::arg("about") = Vec3(0, 0, 0), "Of all bodies about a world point [N·m·s].")
+      .def(
+          "validate",
+          [](World& world, double gap_tolerance) {
+            const StepScope scope(world);
+            std::vector<std::pair<std::string, std::string>> problems;
+            for (const Problem& p : world.validate(gap_tolerance))
+              problems.emplace_back(p.subject, p.message);
+            return problems;
+          },
+          nb::arg("gap_tolerance") = 1e-6,
+          "What a simulation would trip over: pairs of a subject and a message.");
+}
+
+}  // namespace
+
+void bind_world(nb::module_& m) {
+  nb::class_<Joint>(m, "Joint",
+                    "A joint between body A and body B, and for some types further bodies; immutable.  "
+                    "World.add() adds it.");
+  nb::class_<Force>(m, "Force", "A force law f(q, V, t).  World.add_force() adds it.");
+  nb::class_<World> world(
+      m, "World",
+      "What exists: bodies, joints, forces, gravity, and their present state.  It owns everything and never "
+      "steps; "
+      "ids stay good, since nothing is ever removed.  What raises leaves the world as it was.  SI units.");
+  world.def(nb::init<>());
+  bind_making(world);
+  bind_joints_of_world(world);
+  bind_axes_of_world(world);
+  bind_shapes_of_world(world);
+  bind_names(world);
+  bind_state_of_world(world);
+  bind_arrays(world);
+  bind_energies_of_world(world);
+  world.def("__repr__", [](const World& w) {
+    return "<World: " + std::to_string(w.body_count()) + " bodies, " + std::to_string(w.joint_count()) +
+           " joints>";
+  });
+}
+
+}  // namespace taut::python
