@@ -69,9 +69,9 @@ void bind_film(nb::module_& m) {
       "a file it can be read later by Recording and `taut replay`.  A scene gives drawings and probes.")
       .def(
           "__init__",
-          [](Film* it, nb::typed<nb::object, Session> simulator, const Scene* scene,
-             const std::filesystem::path& file, double frames_per_second) {
-            new (it) Film(std::move(simulator), scene, file.string(), frames_per_second);
+          [](Film* it, Session& simulator, const Scene* scene, const std::filesystem::path& file,
+             double frames_per_second) {
+            new (it) Film(nb::find(simulator), scene, file.string(), frames_per_second);
           },
           nb::arg("simulator"), nb::arg("scene").none() = nb::none(), nb::arg("file") = "",
           nb::arg("frames_per_second") = 60)

@@ -115,13 +115,10 @@ void bind_whole_state(nb::module_& m) {
           "written to.")
       .def_prop_rw(
           "quaternions", [](const State& s) { return owning(pose_rows(s.poses, false), 4); },
-          [](State& s, nb::ndarray<const double, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu> rows) {
-            if (rows.shape(0) != s.poses.size())
+          [](State& s, const std::vector<Quat>& rows) {
+            if (rows.size() != s.poses.size())
               throw std::invalid_argument("quaternions: must be one row per body");
-            for (std::size_t i = 0; i < s.poses.size(); ++i) {
-              const double* const q = rows.data() + 4 * i;
-              s.poses[i].q = Quat(q[0], q[1], q[2], q[3]);
-            }
+            for (std::size_t i = 0; i < rows.size(); ++i) s.poses[i].q = rows[i];
           },
           kOwned, "n×4, w, x, y, z: a copy; assign to it to change them.")
       .def_prop_ro(
