@@ -135,6 +135,15 @@ void bind_curve(nb::module_& m) {
           "As given.");
 }
 
+/// A property that may be None, as a copy: what is there may go.
+template <typename Owner, typename Value>
+void def_optional(nb::class_<Owner>& c, const char* name, std::optional<Value> Owner::*member) {
+  c.def_prop_rw(
+      name, [member](const Owner& it) { return it.*member; },
+      [member](Owner& it, std::optional<Value> value) { it.*member = std::move(value); },
+      nb::for_setter(nb::arg("value").none()), "A copy, or None.");
+}
+
 void bind_limits_and_motor(nb::module_& m) {
   nb::class_<AxisLimits>(
       m, "AxisLimits",
@@ -182,8 +191,8 @@ void bind_limits_and_motor(nb::module_& m) {
       .def_rw("mode", &AxisMotor::mode)
       .def_rw("target", &AxisMotor::target)
       .def_rw("max_force", &AxisMotor::max_force)
-      .def_rw("max_speed", &AxisMotor::max_speed)
-      .def_rw("force_of_speed", &AxisMotor::force_of_speed, nb::arg().none());
+      .def_rw("max_speed", &AxisMotor::max_speed);
+  def_optional(motor, "force_of_speed", &AxisMotor::force_of_speed);
 }
 
 void bind_friction_and_spring(nb::module_& m) {
@@ -204,10 +213,11 @@ void bind_friction_and_spring(nb::module_& m) {
       .def_rw("dynamic_friction", &AxisFriction::dynamic_friction)
       .def_rw("viscous", &AxisFriction::viscous)
       .def_rw("per_load", &AxisFriction::per_load);
-  nb::class_<AxisSpring>(
+  nb::class_<AxisSpring> spring(
       m, "AxisSpring",
       "Spring and damper along an axis: force −stiffness (θ − rest) − damping θ̇, each by a table if it has "
-      "one: −table(θ − rest) − damping_table(θ̇).")
+      "one: −table(θ − rest) − damping_table(θ̇).");
+  spring
       .def(
           "__init__",
           [](AxisSpring* it, double stiffness, double damping, double rest, std::optional<Curve> table,
@@ -218,9 +228,9 @@ void bind_friction_and_spring(nb::module_& m) {
           nb::arg("table") = nb::none(), nb::arg("damping_table") = nb::none())
       .def_rw("stiffness", &AxisSpring::stiffness)
       .def_rw("damping", &AxisSpring::damping)
-      .def_rw("rest", &AxisSpring::rest)
-      .def_rw("table", &AxisSpring::table, nb::arg().none())
-      .def_rw("damping_table", &AxisSpring::damping_table, nb::arg().none());
+      .def_rw("rest", &AxisSpring::rest);
+  def_optional(spring, "table", &AxisSpring::table);
+  def_optional(spring, "damping_table", &AxisSpring::damping_table);
   nb::class_<AxisProperties>(m, "AxisProperties",
                              "All that acts along one axis; None where there is nothing.")
       .def_ro("spring", &AxisProperties::spring)

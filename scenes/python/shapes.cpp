@@ -145,7 +145,10 @@ void bind_placed(nb::module_& m) {
             new (it) PlacedShape{std::move(shape), pose, density};
           },
           nb::arg("shape"), nb::arg("pose") = Pose(), nb::arg("density") = 1000)
-      .def_rw("shape", &PlacedShape::shape)
+      // A copy: another shape in its place may be of another type.
+      .def_prop_rw(
+          "shape", [](const PlacedShape& it) { return it.shape; },
+          [](PlacedShape& it, Shape shape) { it.shape = std::move(shape); }, "A copy.")
       .def_rw("pose", &PlacedShape::pose)
       .def_rw("density", &PlacedShape::density);
   nb::class_<ShapeRecord>(m, "ShapeRecord", "A shape as the World holds it; a copy.")

@@ -289,3 +289,17 @@ def test_materials():
     assert world.may_collide(a, b)
     world.set_collision(a, b, False)
     assert not world.may_collide(a, b)
+
+
+def test_parts_of_values_outlive_what_takes_their_place():
+    placed = taut.PlacedShape(taut.ConvexHull([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]))
+    hull = placed.shape
+    placed.shape = taut.Sphere(1)
+    assert len(hull.points) == 4 and type(placed.shape) is taut.Sphere
+    spring = taut.AxisSpring(table=taut.Curve([(0, 0), (1, 1)]))
+    table = spring.table
+    spring.table = None
+    assert table.points == [(0, 0), (1, 1)] and spring.table is None
+    motor = taut.AxisMotor(force_of_speed=table)
+    motor.force_of_speed = None
+    assert motor.force_of_speed is None and table.held(7.0) == 1
