@@ -233,10 +233,38 @@ void bind_friction_and_spring(nb::module_& m) {
   def_optional(spring, "damping_table", &AxisSpring::damping_table);
   nb::class_<AxisProperties>(m, "AxisProperties",
                              "All that acts along one axis; None where there is nothing.")
+      .def(
+          "__init__",
+          [](AxisProperties* it, std::optional<AxisSpring> spring, std::optional<AxisFriction> friction,
+             std::optional<AxisMotor> motor, std::optional<AxisLimits> limits) {
+            new (it) AxisProperties{std::move(spring), friction, std::move(motor), limits};
+          },
+          nb::arg("spring") = nb::none(), nb::arg("friction") = nb::none(), nb::arg("motor") = nb::none(),
+          nb::arg("limits") = nb::none())
       .def_ro("spring", &AxisProperties::spring)
       .def_ro("friction", &AxisProperties::friction)
       .def_ro("motor", &AxisProperties::motor)
       .def_ro("limits", &AxisProperties::limits);
+}
+
+void bind_erp_and_cfm(nb::module_& m) {
+  m.def(
+      "from_erp_cfm",
+      [](double erp, double cfm, double dt) {
+        const ComplianceDamping spring = from_erp_cfm(erp, cfm, dt);
+        return std::pair(spring.compliance, spring.damping);
+      },
+      nb::arg("erp"), nb::arg("cfm"), nb::arg("dt"),
+      "(compliance, damping) of the spring and damper that error reduction and constraint force mixing stand "
+      "for at a step of "
+      "dt: erp = h k/(h k + c), cfm = 1/(h k + c).");
+  m.def(
+      "to_erp_cfm",
+      [](double compliance, double damping, double dt) {
+        const ErpCfm both = to_erp_cfm({compliance, damping}, dt);
+        return std::pair(both.erp, both.cfm);
+      },
+      nb::arg("compliance"), nb::arg("damping"), nb::arg("dt"), "(erp, cfm): the inverse of from_erp_cfm().");
 }
 
 void bind_joint_properties(nb::module_& m) {
@@ -278,6 +306,7 @@ void bind_axes(nb::module_& m) {
   bind_limits_and_motor(m);
   bind_friction_and_spring(m);
   bind_joint_properties(m);
+  bind_erp_and_cfm(m);
 }
 
 }  // namespace taut::python

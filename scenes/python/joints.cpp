@@ -55,6 +55,13 @@ void bind_point_joints(nb::module_& m) {
       m, "PointOnCurve",
       "Point Q of B stays on a twice continuously differentiable spline fixed in A, free to turn.  Free "
       "axis: parameter, where Q is on the curve; rounds of a closed curve are counted.")
+      .def(
+          "__init__",
+          [](PointOnCurve* it, BodyId a, BodyId b, const std::vector<double>& parameters,
+             const std::vector<Vec3>& points, const Vec3& p_BQ,
+             bool closed) { new (it) PointOnCurve(a, b, CubicSpline<3>(parameters, points, closed), p_BQ); },
+          kA, kB, nb::arg("parameters"), nb::arg("points_A"), nb::arg("p_BQ"), nb::arg("closed") = false,
+          "The spline through points of A at increasing parameters.")
       .def_static("through", &PointOnCurve::through, kWorld, kA, kB, nb::arg("points_W"), nb::arg("p_b_W"),
                   nb::arg("closed") = false,
                   "The curve through world points in the present pose of A; a closed one must end with its "
@@ -70,6 +77,13 @@ void bind_axis_joints(nb::module_& m) {
                            "where at() made the joint.")
       .def(nb::init<BodyId, BodyId, const Vec3&, const Vec3&, const Vec3&, const Vec3&>(), kA, kB,
            nb::arg("p_AP"), nb::arg("axis_A"), nb::arg("p_BQ"), nb::arg("axis_B"), kParts)
+      .def(nb::init<BodyId, BodyId, const Vec3&, const Vec3&, const Vec3&, const Vec3&, const Vec3&,
+                    const Vec3&>(),
+           kA, kB, nb::arg("p_AP"), nb::arg("axis_A"), nb::arg("reference_A"), nb::arg("p_BQ"),
+           nb::arg("axis_B"), nb::arg("reference_B"),
+           "The angle is 0 where the references, unit vectors across the axes, point the same way.")
+      .def("zeroed", &Hinge::zeroed, nb::arg("A"), nb::arg("B"),
+           "A copy whose angles are 0 in these poses of A and B.")
       .def_static("at", &Hinge::at, kWorld, kA, kB, kPoint, nb::arg("axis_W"), kAt);
   nb::class_<Slider, Joint>(m, "Slider",
                             "B moves along an axis of A without turning:  φ = (u·d, v·d, 2 vec q_FG) ∈ ℝ⁵ "
@@ -86,16 +100,27 @@ void bind_axis_joints(nb::module_& m) {
       "displacement [m].")
       .def(nb::init<BodyId, BodyId, const Vec3&, const Vec3&, const Vec3&, const Vec3&>(), kA, kB,
            nb::arg("p_AP"), nb::arg("axis_A"), nb::arg("p_BQ"), nb::arg("axis_B"), kParts)
+      .def("zeroed", &Cylindrical::zeroed, nb::arg("A"), nb::arg("B"),
+           "A copy whose angles are 0 in these poses of A and B.")
       .def_static("at", &Cylindrical::at, kWorld, kA, kB, kPoint, nb::arg("axis_W"), kAt);
   nb::class_<Screw, Joint>(
       m, "Screw",
       "B turns about an axis of A and moves along it by `pitch` [m] per turn, negative for a left-handed "
       "thread.  Free axis: angle [rad].")
+      .def(nb::init<BodyId, BodyId, const Vec3&, const Vec3&, const Vec3&, const Vec3&, const Vec3&,
+                    const Vec3&, double>(),
+           kA, kB, nb::arg("p_AP"), nb::arg("axis_A"), nb::arg("reference_A"), nb::arg("p_BQ"),
+           nb::arg("axis_B"), nb::arg("reference_B"), nb::arg("pitch"),
+           "The angle is 0 where the references, unit vectors across the axes, point the same way.")
       .def_static("at", &Screw::at, kWorld, kA, kB, kPoint, nb::arg("axis_W"), nb::arg("pitch"), kAt);
   nb::class_<Planar, Joint>(m, "Planar",
                             "B slides on a plane of A and turns about its normal:  φ ∈ ℝ³ [m, rad, rad].  "
                             "Free axes: x, y [m], angle "
                             "[rad].")
+      .def(nb::init<BodyId, BodyId, const Vec3&, const Vec3&, const Vec3&, const Vec3&, const Vec3&,
+                    const Vec3&>(),
+           kA, kB, nb::arg("p_AP"), nb::arg("normal_A"), nb::arg("x_A"), nb::arg("p_BQ"), nb::arg("normal_B"),
+           nb::arg("x_B"), "Points from the centres of mass [m], normal and x direction of either body.")
       .def_static("at", &Planar::at, kWorld, kA, kB, kPoint, nb::arg("normal_W"), nb::arg("x_W"), kAt);
   nb::class_<Universal, Joint>(m, "Universal",
                                "Cardan joint: P of A stays on Q of B, axis a of A perpendicular to axis b of "
@@ -103,6 +128,8 @@ void bind_axis_joints(nb::module_& m) {
                                "[m, m, m, rad].  Free axes: angle_1, angle_2, swing, swing_1, swing_2 [rad].")
       .def(nb::init<BodyId, BodyId, const Vec3&, const Vec3&, const Vec3&, const Vec3&>(), kA, kB,
            nb::arg("p_AP"), nb::arg("axis_A"), nb::arg("p_BQ"), nb::arg("axis_B"), kParts)
+      .def("zeroed", &Universal::zeroed, nb::arg("A"), nb::arg("B"),
+           "A copy whose angles are 0 in these poses of A and B.")
       .def_static("at", &Universal::at, kWorld, kA, kB, kPoint, nb::arg("axis_a_W"), nb::arg("axis_b_W"),
                   kAt);
   nb::class_<Hinge2, Joint>(
@@ -112,6 +139,8 @@ void bind_axis_joints(nb::module_& m) {
       "about that and spins about its own.  Free axes: travel [m], steering, spin [rad].")
       .def(nb::init<BodyId, BodyId, const Vec3&, const Vec3&, const Vec3&, const Vec3&>(), kA, kB,
            nb::arg("p_AP"), nb::arg("steering_A"), nb::arg("p_BQ"), nb::arg("spin_B"), kParts)
+      .def("zeroed", &Hinge2::zeroed, nb::arg("A"), nb::arg("B"),
+           "A copy whose angles are 0 in these poses of A and B.")
       .def_static("at", &Hinge2::at, kWorld, kA, kB, kPoint, nb::arg("steering_W"), nb::arg("spin_W"), kAt);
 }
 
@@ -129,6 +158,15 @@ void bind_held_joints(nb::module_& m) {
                             "rotations about the axes "
                             "of F locked.  Free axes: x, y, z [m], angle_x, angle_y, angle_z [rad] where "
                             "free, 0 where at() made it.")
+      .def(
+          "__init__",
+          [](SixDof* it, BodyId a, BodyId b, const Vec3& p_AF, const Quat& q_AF, const Vec3& p_BG,
+             const Quat& q_BG, const std::array<bool, 3>& translation, const std::array<bool, 3>& rotation) {
+            new (it) SixDof(a, b, p_AF, q_AF, p_BG, q_BG, {translation, rotation});
+          },
+          kA, kB, nb::arg("p_AF"), nb::arg("q_AF"), nb::arg("p_BG"), nb::arg("q_BG"), nb::arg("translation"),
+          nb::arg("rotation"),
+          "Points from the centres of mass [m] and orientations of the frames (w, x, y, z), in body axes.")
       .def_static(
           "at",
           [](const World& world, BodyId a, BodyId b, const Vec3& p_W, const Quat& q_WF,
@@ -172,6 +210,15 @@ void bind_wires(nb::module_& m) {
                             "A wire from A over points of a third body C to B keeps its length:  φ = |p_C1 − "
                             "p_A| + ratio |p_B − p_C2| "
                             "− L [m].  −λ [N] is the tension on the side of A.")
+      .def(
+          "__init__",
+          [](Pulley* it, const std::vector<std::pair<BodyId, Vec3>>& points, double length, double ratio) {
+            if (points.size() != 4) throw std::invalid_argument("pulley: must have four points");
+            const std::vector<WirePoint> w = wire_points(points);
+            new (it) Pulley(w[0], w[1], w[2], w[3], length, ratio);
+          },
+          nb::arg("points"), nb::arg("length"), nb::arg("ratio") = 1,
+          "Four points, of A, twice of C, and of B, as pairs of a body and p_BP [m].")
       .def_static("at", &Pulley::at, kWorld, kA, nb::arg("p_a_W"), nb::arg("c"), nb::arg("p_c1_W"),
                   nb::arg("p_c2_W"), kB, nb::arg("p_b_W"), nb::arg("ratio") = 1,
                   "The wire through four world points, with the length that it has there.");

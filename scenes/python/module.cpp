@@ -19,6 +19,7 @@ NB_MODULE(_taut, m) {
   bind_reports(m);
   bind_simulator(m);
   bind_matrices(m);
+  bind_analysis(m);
   bind_scenes(m);
   bind_recording(m);
 }

@@ -16,6 +16,7 @@ void bind_reports(nb::module_& m);
 void bind_world(nb::module_& m);
 void bind_settings(nb::module_& m);
 void bind_simulator(nb::module_& m);
+void bind_analysis(nb::module_& m);
 void bind_matrices(nb::module_& m);
 void bind_scenes(nb::module_& m);
 void bind_recording(nb::module_& m);

@@ -185,6 +185,11 @@ void bind_axis_and_contact(nb::module_& m) {
 }
 
 void bind_step_report(nb::module_& m) {
+  nb::class_<Crowd>(
+      m, "Crowd",
+      "So many pairs of shapes near each other, or contacts, that what they would cost has no bound.")
+      .def_ro("most", &Crowd::most, "So many are taken on; there are more.")
+      .def_ro("shapes", &Crowd::shapes, "Those with most of them, at most four.");
   nb::class_<StepReport> report(m, "StepReport",
                                 "The proof of quality of one step; a copy that stays as it is.");
   report.def("ok", &StepReport::ok, "Status.SUCCESS.")
@@ -223,6 +228,11 @@ void bind_step_report(nb::module_& m) {
       .def_ro("rank", &StepReport::rank, "With Settings.report_rank, else None.")
       .def_ro("breaks", &StepReport::breaks, "Joints that broke, in the order in which they did.")
       .def_ro("contradiction", &StepReport::contradiction)
+      .def_ro("crowd", &StepReport::crowd, "With Status.CROWDED.")
+      .def(
+          "dependent_row_names",
+          [](const StepReport& it, const World& world) { return names_of(it.dependent_rows, world); },
+          nb::arg("world"), "Of dependent_rows, good while the world's topology is that of the step.")
       .def_ro("unsupported", &StepReport::unsupported, "Pairs of shapes that pass through each other.")
       .def_ro("unsupported_pairs", &StepReport::unsupported_pairs)
       .def_ro("missing_threads", &StepReport::missing_threads)

@@ -2,6 +2,7 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/variant.h>
 
+#include "collision/contact_finder.h"
 #include "collision/mesh/mesh_file.h"
 #include "core/world/material.h"
 #include "core/world/shape.h"
@@ -162,6 +163,16 @@ void bind_placed(nb::module_& m) {
       .def_ro("centre", &Solid::centre, "Centre of mass in that frame [m].")
       .def_ro("parts", &Solid::parts,
               "The parts with poses from the centre of mass, as World.add_shape() wants them.");
+  nb::class_<SolidProperties>(m, "SolidProperties",
+                              "Volume integrals of a uniform solid of density 1, in the frame of its shape.")
+      .def_ro("volume", &SolidProperties::volume, "[m³].")
+      .def_ro("centre", &SolidProperties::centre, "[m].")
+      .def_ro("inertia", &SolidProperties::inertia, "About the centre, 3×3 [m⁵].");
+  m.def("solid_properties", &solid_properties, nb::arg("shape"),
+        "Closed forms for the primitives, exact sums for hulls and closed meshes.");
+  m.def(
+      "have_contacts", &have_contacts, nb::arg("a"), nb::arg("b"),
+      "Whether there are contacts between two shapes; not between two surfaces of triangles or two grounds.");
   m.def(
       "solid_of", [](const std::vector<PlacedShape>& parts) { return solid_of(parts); }, nb::arg("parts"),
       "Sum of the parts by their densities; where they overlap, the overlap counts twice.");

@@ -134,6 +134,34 @@ void bind_answers(nb::class_<Session>& c) {
           "The fixed joints that are not solved, because their bodies move as one.");
 }
 
+void bind_stretches(nb::module_& m, nb::class_<Session>& c) {
+  nb::class_<ContactStretch>(m, "ContactStretch",
+                             "The spring of a compliant contact across its normal, which no pose shows.")
+      .def(
+          "__init__",
+          [](ContactStretch* it, ShapeId a, ShapeId b, const Vec3& p_AP, const Vec3& stretch, bool holds) {
+            new (it) ContactStretch{a, b, p_AP, stretch, holds};
+          },
+          nb::arg("a"), nb::arg("b"), nb::arg("p_AP"), nb::arg("stretch"), nb::arg("holds") = true)
+      .def_ro("a", &ContactStretch::a)
+      .def_ro("b", &ContactStretch::b)
+      .def_ro("p_AP", &ContactStretch::p_AP, "Where the contact is, in the frame of a's body [m].")
+      .def_ro("stretch", &ContactStretch::stretch, "Of B along A, world axes [m].")
+      .def_ro("holds", &ContactStretch::holds, "By static friction.");
+  c.def(
+       "contact_stretches",
+       [](Session& s) { return s.ask([](Simulator& sim) { return sim.contact_stretches(); }); },
+       "What a state needs besides World.state, so that a heap of compliant contacts which is put back goes "
+       "on standing.")
+      .def(
+          "set_contact_stretches",
+          [](Session& s, std::vector<ContactStretch> stretches) {
+            s.ask([&](Simulator& sim) { sim.set_contact_stretches(std::move(stretches)); });
+          },
+          nb::arg("stretches"),
+          "The next step starts with contacts stretched so, and with all bodies awake.");
+}
+
 void bind_checkpoints(nb::module_& m, nb::class_<Session>& c) {
   nb::class_<Checkpoint>(m, "Checkpoint",
                          "All that a simulation needs to go on, to the last bit, as if it had never stopped. "
@@ -175,6 +203,7 @@ void bind_simulator(nb::module_& m) {
       "time.");
   bind_steps(simulator);
   bind_answers(simulator);
+  bind_stretches(m, simulator);
   bind_checkpoints(m, simulator);
 }
 

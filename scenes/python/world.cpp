@@ -184,6 +184,53 @@ void bind_shapes_of_world(nb::class_<World>& c) {
           nb::arg("a"), nb::arg("b"));
 }
 
+void bind_rest(nb::class_<World>& c) {
+  c.def_prop_ro(
+       "breakable",
+       [](const World& world) {
+         std::vector<std::pair<JointId, BreakLimits>> found(world.breakable().begin(),
+                                                            world.breakable().end());
+         return found;
+       },
+       "The joints that can break, with their strengths.")
+      .def(
+          "detach_all_but",
+          [](World& world, const std::vector<JointId>& joints) {
+            begin_change(world);
+            world.detach_all_but(joints);
+          },
+          nb::arg("joints"), "Takes out all joints but these and those whose axes they couple.")
+      .def_prop_ro("detached_count", asking(&World::detached_count))
+      .def("has_axis_properties", asking(&World::has_axis_properties), kJoint)
+      .def("set_axis_properties", changing(&World::set_axis_properties), kAxis, nb::arg("properties"),
+           "Sets all that acts along an axis at once.")
+      .def("axis_label", &World::axis_label, kAxis, "As \"elbow angle\", for messages.")
+      .def(
+          "spring_energy_of",
+          [](World& world, JointId joint) {
+            const StepScope scope(world);
+            return world.spring_energy_of(joint, world.state());
+          },
+          kJoint, "In the springs, soft limits and compliance of one joint [J].")
+      .def(
+          "may_collide", [](const World& world, ShapeId a, ShapeId b) { return world.may_collide(a, b); },
+          nb::arg("a"), nb::arg("b"),
+          "Whether two shapes may touch: their bodies may, and their filters agree.")
+      .def(
+          "material", [](const World& world, MaterialId id) { return Material(world.material(id)); },
+          nb::arg("id"), "Its values; a copy.")
+      .def_prop_ro("material_count", &World::material_count, "With a name.")
+      .def("moves", asking(&World::moves), kBody, "Neither fixed nor asleep.")
+      .def("wake_count", asking(&World::wake_count), kBody, "How often a body was woken.")
+      .def_prop_ro("asleep_count", asking(&World::asleep_count))
+      .def(
+          "springs",
+          [](const World& world) {
+            return std::vector<ForceId>(world.springs().begin(), world.springs().end());
+          },
+          "The force laws that are springs between two bodies.");
+}
+
 void bind_names(nb::class_<World>& c) {
   c.def("body", &World::body, nb::arg("name"), "A body by name.")
       .def(
@@ -386,6 +433,7 @@ void bind_world(nb::module_& m) {
   bind_joints_of_world(world);
   bind_axes_of_world(world);
   bind_shapes_of_world(world);
+  bind_rest(world);
   bind_names(world);
   bind_state_of_world(world);
   bind_arrays(world);
