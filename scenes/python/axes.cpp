@@ -187,7 +187,11 @@ void bind_limits_and_motor(nb::module_& m) {
           },
           nb::arg("mode") = AxisMotor::Mode::kVelocity, nb::arg("target") = 0,
           nb::arg("max_force") = kUnlimited, nb::arg("max_speed") = kUnlimited,
-          nb::arg("force_of_speed") = nb::none(), nb::arg("trajectory") = nb::none())
+          nb::arg("force_of_speed") = nb::none(), nb::arg("trajectory") = nb::none(),
+          nb::sig("def __init__(self, mode: Mode = ..., target: float = 0.0, "
+                  "max_force: float = float('inf'), max_speed: float = float('inf'), force_of_speed: Curve | "
+                  "None = None, trajectory: Motion | collections.abc.Callable[[float], tuple[float, float, "
+                  "float]] | None = None) -> None"))
       .def_rw("mode", &AxisMotor::mode)
       .def_rw("target", &AxisMotor::target)
       .def_rw("max_force", &AxisMotor::max_force)
@@ -213,11 +217,11 @@ void bind_friction_and_spring(nb::module_& m) {
       .def_rw("dynamic_friction", &AxisFriction::dynamic_friction)
       .def_rw("viscous", &AxisFriction::viscous)
       .def_rw("per_load", &AxisFriction::per_load);
-  nb::class_<AxisSpring> spring(
+  nb::class_<AxisSpring> spring_type(
       m, "AxisSpring",
       "Spring and damper along an axis: force −stiffness (θ − rest) − damping θ̇, each by a table if it has "
       "one: −table(θ − rest) − damping_table(θ̇).");
-  spring
+  spring_type
       .def(
           "__init__",
           [](AxisSpring* it, double stiffness, double damping, double rest, std::optional<Curve> table,
@@ -229,8 +233,8 @@ void bind_friction_and_spring(nb::module_& m) {
       .def_rw("stiffness", &AxisSpring::stiffness)
       .def_rw("damping", &AxisSpring::damping)
       .def_rw("rest", &AxisSpring::rest);
-  def_optional(spring, "table", &AxisSpring::table);
-  def_optional(spring, "damping_table", &AxisSpring::damping_table);
+  def_optional(spring_type, "table", &AxisSpring::table);
+  def_optional(spring_type, "damping_table", &AxisSpring::damping_table);
   nb::class_<AxisProperties>(m, "AxisProperties",
                              "All that acts along one axis; None where there is nothing.")
       .def(

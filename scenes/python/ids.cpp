@@ -25,7 +25,7 @@ void bind_id(nb::module_& m, const char* name, const char* doc) {
       .def("__hash__", [](const Id& id) { return std::hash<int>()(id.index); })
       .def("__repr__",
            [name](const Id& id) { return std::string(name) + "(" + std::to_string(id.index) + ")"; })
-      .def(nb::self == nb::self)
+      .def(nb::self == nb::self, nb::sig("def __eq__(self, arg: object, /) -> bool"))
       .def(nb::self < nb::self);
 }
 
@@ -51,7 +51,7 @@ void bind_ids(nb::module_& m) {
       .def_ro("axis", &AxisId::axis, "Its place among those of the joint.")
       .def("__hash__", [](const AxisId& id) { return std::hash<long>()(1000L * id.joint.index + id.axis); })
       .def("__repr__", text_of)
-      .def(nb::self == nb::self)
+      .def(nb::self == nb::self, nb::sig("def __eq__(self, arg: object, /) -> bool"))
       .def(nb::self < nb::self);
 }
 

@@ -183,7 +183,9 @@ void bind_held_joints(nb::module_& m) {
           [](PoseDriver* it, BodyId a, BodyId b, const BoundPoseMotion& motion) {
             new (it) PoseDriver(a, b, motion.function);
           },
-          kA, kB, nb::arg("motion"));
+          kA, kB, nb::arg("motion"),
+          nb::sig("def __init__(self, a: BodyId, b: BodyId, motion: PoseMotion | "
+                  "collections.abc.Callable[[float], tuple[Pose, Twist, Twist]]) -> None"));
 }
 
 std::vector<WirePoint> wire_points(const std::vector<std::pair<BodyId, Vec3>>& pairs) {
@@ -242,7 +244,9 @@ void bind_couplings(nb::module_& m) {
           [](Driver* it, const World& world, AxisId axis, const BoundMotion& motion) {
             new (it) Driver(world, axis, motion.function);
           },
-          kWorld, nb::arg("axis"), nb::arg("motion"));
+          kWorld, nb::arg("axis"), nb::arg("motion"),
+          nb::sig("def __init__(self, world: World, axis: AxisId, motion: Motion | "
+                  "collections.abc.Callable[[float], tuple[float, float, float]]) -> None"));
 }
 
 }  // namespace

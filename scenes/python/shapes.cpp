@@ -119,7 +119,8 @@ void bind_material(nb::module_& m) {
       .def_rw("spinning_friction", &Material::spinning_friction)
       .def_rw("compliance", &Material::compliance)
       .def(
-          "__eq__", [](const Material& a, const Material& b) { return a == b; }, nb::is_operator());
+          "__eq__", [](const Material& a, const Material& b) { return a == b; }, nb::is_operator(),
+          nb::sig("def __eq__(self, arg: object, /) -> bool"));
   m.def("combined", &combined, nb::arg("a"), nb::arg("b"),
         "The material of the contact between two: the lower restitution, the geometric mean of the Coulomb "
         "coefficients, the "

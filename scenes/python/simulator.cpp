@@ -180,7 +180,8 @@ void bind_checkpoints(nb::module_& m, nb::class_<Session>& c) {
              new (&it) Checkpoint(Checkpoint::from_bytes(std::string(bytes.c_str(), bytes.size())));
            })
       .def(
-          "__eq__", [](const Checkpoint& a, const Checkpoint& b) { return a == b; }, nb::is_operator())
+          "__eq__", [](const Checkpoint& a, const Checkpoint& b) { return a == b; }, nb::is_operator(),
+          nb::sig("def __eq__(self, arg: object, /) -> bool"))
       .def("__hash__", [](const Checkpoint& it) { return std::hash<std::string>()(it.bytes()); });
   c.def(
        "checkpoint", [](Session& s) { return s.ask([](Simulator& sim) { return sim.checkpoint(); }); },

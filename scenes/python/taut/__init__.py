@@ -9,10 +9,10 @@ import pathlib
 
 from . import _taut
 from ._taut import *  # noqa: F403
-from ._taut import __version__
 from .display import show
 from .running import simulate
 
+__version__: str = vars(_taut)["__version__"]
 __all__ = [*(name for name in vars(_taut) if not name.startswith("_")), "__version__", "show", "simulate"]
 
 _three = pathlib.Path(__file__).parent / "three"

@@ -22,15 +22,16 @@ def simulate(
     A scene has a duration, a dt and settings of its own; else these are 1 s and 1/240 s.  Ends, with a warning, behind a step
     that has not advanced; `film.simulator.report` says why.  With a file the recording is kept.
     """
-    scene = what if isinstance(what, Scene) else None
+    scene = None
     if isinstance(what, Simulator):
         if settings is not None:
             raise ValueError("simulate: a simulator has its settings already")
         simulator = what
-    elif scene is not None:
-        simulator = Simulator(scene.world, settings or scene.settings)
-    else:
+    elif isinstance(what, World):
         simulator = Simulator(what, settings or Settings())
+    else:
+        scene = what
+        simulator = Simulator(scene.world, settings or scene.settings)
     dt = dt if dt is not None else scene.dt if scene else 1 / 240
     duration = duration if duration is not None else scene.duration if scene else 1.0
     if not dt > 0:
