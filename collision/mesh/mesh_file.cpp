@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cctype>
+#include <filesystem>
 #include <map>
 #include <tuple>
 
@@ -41,19 +42,18 @@ class MeshBuilder {
 
 }  // namespace
 
-TriangleMesh read_mesh(const std::filesystem::path& file, double scale) {
+TriangleMesh read_mesh(const std::string& file, double scale) {
   require_positive("mesh scale", scale);
-  const std::string name = "mesh file " + file.string();
+  const std::string name = "mesh file " + file;
   const std::string extension = lower_extension(file);
   if (extension != ".obj" && extension != ".stl") fail(name, "must be .obj or .stl", extension);
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) fail(name, "there is no such file", file.string());
+  if (!std::filesystem::is_regular_file(file, error)) fail(name, "there is no such file", file);
   if (const auto size = std::filesystem::file_size(file, error); size > kMostMeshBytes)
     fail(name, "is too long: at most " + std::to_string(kMostMeshBytes) + " bytes are read", size);
 
   Assimp::Importer importer;
-  const aiScene* scene =
-      importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices);
+  const aiScene* scene = importer.ReadFile(file, aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (!scene || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE))
     fail(name, "cannot be read", importer.GetErrorString());
   MeshBuilder builder;
@@ -72,7 +72,7 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double scale) {
       builder.mesh.triangles.push_back(triangle);
     }
   }
-  if (builder.mesh.triangles.empty()) fail(name, "has no triangles", file.string());
+  if (builder.mesh.triangles.empty()) fail(name, "has no triangles", file);
   try {
     check_shape(builder.mesh);
   } catch (const std::invalid_argument& bad) {

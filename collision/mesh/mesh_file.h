@@ -1,6 +1,6 @@
 #pragma once
 
-#include <filesystem>
+#include <string>
 
 #include "core/world/shape.h"
 
@@ -12,6 +12,6 @@ namespace taut {
 /// of them: an error of 6e-8 of their size.
 /// @throws std::invalid_argument naming the file if it is missing, is neither .obj nor .stl, cannot be read
 /// as such, or has no triangles; for a scale that is not positive; and for what check_shape() refuses.
-TriangleMesh read_mesh(const std::filesystem::path& file, double scale = 1);
+TriangleMesh read_mesh(const std::string& file, double scale = 1);
 
 }  // namespace taut

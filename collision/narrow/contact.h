@@ -20,12 +20,10 @@ struct LocalSurface {
   Mat3 squares = Mat3::Zero();  ///< Q [m²], of an ellipsoid or the circle of a rim: squares of its half axes
 
   /// Around a point of a face with the unit normal n.
-  static LocalSurface flat(const Vec3& n) { return {0, kFlat * (Mat3::Identity() - n * n.transpose())}; }
-  bool is_flat() const { return radii.trace() > 1.5 * kFlat; }  ///< around a point of a face
+  static LocalSurface flat(const Vec3& n);
+  bool is_flat() const;  ///< around a point of a face
   /// In axes that R turns to.
-  LocalSurface turned(const Mat3& R) const {
-    return {ball, R * radii * R.transpose(), R * squares * R.transpose()};
-  }
+  LocalSurface turned(const Mat3& R) const;
 };
 
 /// Point P of body A faces point Q of body B:  p_WQ − p_WP = gap · normal.

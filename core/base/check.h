@@ -1,37 +1,39 @@
 #pragma once
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
-#include <string>
 #include <string_view>
-#include <vector>
+#include <type_traits>
 
 namespace taut {
 
-/// Error policy: bad input throws std::invalid_argument with the name of the thing, what is wrong and the
-/// offending value.  Numerical outcomes are never exceptions; they are a Status in a StepReport.
-template <typename Value>
-[[noreturn]] void fail(std::string_view name, std::string_view problem, const Value& value) {
-  std::ostringstream message;
-  message.precision(17);
-  message << name << ": " << problem << " (value: " << value << ")";
-  throw std::invalid_argument(message.str());
-}
-
 namespace detail {
-/// As fail(); `values` row by row.
+[[noreturn]] void fail_text(std::string_view name, std::string_view problem, std::string_view value);
+[[noreturn]] void fail_number(std::string_view name, std::string_view problem, double value);
+[[noreturn]] void fail_count(std::string_view name, std::string_view problem, long long value);
+/// `values` row by row.
 [[noreturn]] void fail_matrix(std::string_view name, std::string_view problem, const double* values, int rows,
                               int columns);
+bool all_finite(const double* values, long count);
+double length(const double* values, long count);
 }  // namespace detail
+
+/// Error policy: bad input throws std::invalid_argument with the name of the thing, what is wrong and the
+/// offending value, a number or a text.  Numerical outcomes are never exceptions; they are a Status in a
+/// StepReport.
+template <typename Value>
+[[noreturn]] void fail(std::string_view name, std::string_view problem, const Value& value) {
+  if constexpr (std::is_floating_point_v<Value>)
+    detail::fail_number(name, problem, value);
+  else if constexpr (std::is_integral_v<Value>)
+    detail::fail_count(name, problem, static_cast<long long>(value));
+  else
+    detail::fail_text(name, problem, value);
+}
 
 /// As fail(), for an Eigen vector, which is written as a row, or matrix, written as its transpose.
 template <typename Matrix>
 [[noreturn]] void fail_with(std::string_view name, std::string_view problem, const Matrix& matrix) {
-  std::vector<double> values;
-  for (int c = 0; c < matrix.cols(); ++c)
-    for (int r = 0; r < matrix.rows(); ++r) values.push_back(matrix(r, c));
-  detail::fail_matrix(name, problem, values.data(), static_cast<int>(matrix.cols()),
+  detail::fail_matrix(name, problem, matrix.data(), static_cast<int>(matrix.cols()),
                       static_cast<int>(matrix.rows()));
 }
 
@@ -50,7 +52,7 @@ inline void require_not_negative(std::string_view name, double value) {  ///< re
 /// Refuses an Eigen vector or matrix with an entry that is not finite, as fail_with().
 template <typename Matrix>
 void require_all_finite(std::string_view name, const Matrix& matrix) {
-  if (!matrix.allFinite()) fail_with(name, "must be finite", matrix);
+  if (!detail::all_finite(matrix.data(), matrix.size())) fail_with(name, "must be finite", matrix);
 }
 
 /// By how much lengths may differ from 1 and cosines from 0; nothing is normalised behind the user's back.
@@ -58,7 +60,8 @@ inline constexpr double kUnitTolerance = 1e-9;
 template <typename Vector>
 void require_unit(std::string_view name, const Vector& direction) {  ///< of length 1 to kUnitTolerance
   require_all_finite(name, direction);
-  if (std::abs(direction.norm() - 1) > kUnitTolerance) fail_with(name, "must have length 1", direction);
+  if (std::abs(detail::length(direction.data(), direction.size()) - 1) > kUnitTolerance)
+    fail_with(name, "must have length 1", direction);
 }
 
 /// Refuses what is no unit vector perpendicular to `axis` (both to kUnitTolerance), as fail_with().

@@ -38,31 +38,11 @@ class Ball final : public Joint {
   }
   /// This joint with free axes: z of F and G along a world direction, swing and twist 0 in the present poses.
   /// @throws std::invalid_argument if the direction is not of unit length.
-  Ball with_axes(const World& world, const Vec3& axis_W) const {
-    require_unit("ball axis", axis_W);
-    Mat3 R;
-    Vec3 x, y;
-    complete_frame(axis_W, x, y);
-    R << x, y, axis_W;
-    const Quat q_WF(R);
-    return with_axes((world.pose(a()).q.conjugate() * q_WF).normalized(),
-                     (world.pose(b()).q.conjugate() * q_WF).normalized());
-  }
+  Ball with_axes(const World& world, const Vec3& axis_W) const;
 
   std::string_view type() const override { return "ball"; }
   void append_rows(RowSink& rows) const override { rows.add(row_parts::Point{p_AP_, p_BQ_}); }
-  void append_axes(AxisSink& axes) const override {
-    if (!frames_) return;
-    const Vec3 x_A = frames_->q_AF * Vec3::UnitX(), y_A = frames_->q_AF * Vec3::UnitY(),
-               z_A = frames_->q_AF * Vec3::UnitZ(), z_B = frames_->q_BG * Vec3::UnitZ();
-    axes.add("swing", row_parts::Swing{z_A, z_B, {.turns = {2, 3}, .components = {5, 6}}});
-    axes.add("twist", row_parts::TwistAngle{frames_->q_AF, frames_->q_BG});
-    axes.add("turn_x", row_parts::Turn{x_A});
-    axes.add("turn_y", row_parts::Turn{y_A});
-    axes.add("turn_z", row_parts::Turn{z_A});
-    axes.add("swing_x", row_parts::SwingComponent{z_A, z_B, x_A});
-    axes.add("swing_y", row_parts::SwingComponent{z_A, z_B, y_A});
-  }
+  void append_axes(AxisSink& axes) const override;
   Vec3 reaction_point_B() const override { return p_BQ_; }
 
  private:

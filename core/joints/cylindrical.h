@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/check.h"
+#include "core/constraints/parallel_part.h"
 #include "core/world/world.h"
 
 namespace taut {
@@ -8,6 +9,7 @@ namespace taut {
 /// Cylindrical joint: B turns about an axis of A and slides along it.               (core/joints, Eq. 7)
 ///   φ = (u·d, v·d, u·b, v·b) ∈ ℝ⁴ [m, m, rad, rad], with d = p_WQ − p_WP and u, v, a an orthonormal frame
 ///   of A.
+/// Where a and b point more than a right angle apart, φ₃,₄ is their angle: opposite axes are open by π.
 /// λ₁, λ₂ are the forces on B at Q along u and v; λ₃, λ₄ the torques that keep the axes together.
 /// Free axes `angle` [rad] about a and `displacement` a·d [m], both 0 in the pose where at() made the joint;
 /// from the constructor the angle is 0 as for Hinge.
@@ -45,8 +47,7 @@ class Cylindrical final : public Joint {
     complete_frame(axis_A_, u, v);
     rows.add(row_parts::PointInPlane{p_AP_, u, p_BQ_});
     rows.add(row_parts::PointInPlane{p_AP_, v, p_BQ_});
-    rows.add(row_parts::Perpendicular{u, axis_B_});
-    rows.add(row_parts::Perpendicular{v, axis_B_});
+    rows.add(row_parts::Parallel{u, v, axis_B_});
   }
   void append_axes(AxisSink& axes) const override {
     axes.add("angle", row_parts::Angle{axis_A_, reference_A_, reference_B_});

@@ -21,7 +21,7 @@ class Fixed final : public Joint {
   /// The joint at world point p_W that keeps the bodies' present poses.
   static Fixed at(const World& world, BodyId a, BodyId b, const Vec3& p_W) {
     const Pose &A = world.pose(a), &B = world.pose(b);
-    return {a, b, A.local(p_W), B.local(p_W), (A.q.conjugate() * B.q).normalized()};
+    return {a, b, A.local(p_W), B.local(p_W), relative(A.q, B.q)};
   }
 
   std::string_view type() const override { return "fixed"; }

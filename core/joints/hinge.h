@@ -1,12 +1,14 @@
 #pragma once
 
 #include "core/base/check.h"
+#include "core/constraints/parallel_part.h"
 #include "core/world/world.h"
 
 namespace taut {
 
 /// Hinge: point P of A stays on point Q of B and axis a of A along axis b of B.         (core/joints, Eq. 2)
 ///   φ = (p_WQ − p_WP, u·b, v·b) ∈ ℝ⁵, with u, v, a an orthonormal frame of A [m, m, m, rad, rad].
+/// Where a and b point more than a right angle apart, φ₄,₅ is their angle: opposite axes are open by π.
 /// λ₁₋₃ is the force on B at Q in world axes; λ₄, λ₅ the torques that keep the axes together.
 /// Free axis `angle` [rad]: turn of B against A about a, 0 in the pose where at() made the joint; without
 /// references, where the frames that complete_frame() makes of the two axes agree. (core/constraints, Eq. 9)
@@ -53,8 +55,7 @@ class Hinge final : public Joint {
     Vec3 u, v;
     complete_frame(axis_A_, u, v);
     rows.add(row_parts::Point{p_AP_, p_BQ_});
-    rows.add(row_parts::Perpendicular{u, axis_B_});
-    rows.add(row_parts::Perpendicular{v, axis_B_});
+    rows.add(row_parts::Parallel{u, v, axis_B_});
   }
   void append_axes(AxisSink& axes) const override {
     axes.add("angle", row_parts::Angle{axis_A_, reference_A_, reference_B_});

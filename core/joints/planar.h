@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/check.h"
+#include "core/constraints/parallel_part.h"
 #include "core/world/world.h"
 
 namespace taut {
@@ -8,6 +9,7 @@ namespace taut {
 /// Planar joint: B slides on a plane of A and turns about its normal.                (core/joints, Eq. 9)
 ///   φ = (n·d, u·b, v·b) ∈ ℝ³ [m, rad, rad], with d = p_WQ − p_WP, u, v, n an orthonormal frame of A and b
 ///   the normal fixed in B.
+/// Where n and b point more than a right angle apart, φ₂,₃ is their angle: opposite normals are open by π.
 /// λ₁ is the force on B at Q along n; λ₂, λ₃ the torques that keep the normals together.
 /// Free axes `x` = u·d, `y` = v·d [m] and `angle` [rad] about n from u to the direction of B that is along u
 /// in the pose where at() made the joint; all three are 0 there.
@@ -45,8 +47,7 @@ class Planar final : public Joint {
   std::string_view type() const override { return "planar"; }
   void append_rows(RowSink& rows) const override {
     rows.add(row_parts::PointInPlane{p_AP_, normal_A_, p_BQ_});
-    rows.add(row_parts::Perpendicular{x_A_, normal_B_});
-    rows.add(row_parts::Perpendicular{normal_A_.cross(x_A_), normal_B_});
+    rows.add(row_parts::Parallel{x_A_, normal_A_.cross(x_A_), normal_B_});
   }
   void append_axes(AxisSink& axes) const override {
     axes.add("x", row_parts::Displacement{{p_AP_, x_A_, p_BQ_}});

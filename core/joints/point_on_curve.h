@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/base/check.h"
 #include "core/constraints/curve_part.h"
 #include "core/world/world.h"
 
@@ -16,24 +15,12 @@ class PointOnCurve final : public Joint {
  public:
   /// Spline through points of A; p_BQ from the centre of mass, in body axes.
   /// @throws std::invalid_argument if the point is not finite or the curve stands still somewhere.
-  PointOnCurve(BodyId a, BodyId b, CubicSpline<3> curve_A, const Vec3& p_BQ)
-      : Joint(a, b), curve_(std::make_shared<const BodyCurve>(std::move(curve_A))), p_BQ_(p_BQ) {
-    require_all_finite("point-on-curve anchor on B", p_BQ);
-  }
+  PointOnCurve(BodyId a, BodyId b, CubicSpline<3> curve_A, const Vec3& p_BQ);
   /// The curve through world points in the present pose of A; their distances are the steps of the parameter.
   /// A closed curve must end with its first point.
   /// @throws std::invalid_argument also as CubicSpline.
   static PointOnCurve through(const World& world, BodyId a, BodyId b, const std::vector<Vec3>& points_W,
-                              const Vec3& p_b_W, bool closed = false) {
-    std::vector<double> parameters;
-    std::vector<Vec3> points_A;
-    for (std::size_t i = 0; i < points_W.size(); ++i) {
-      parameters.push_back(i == 0 ? 0 : parameters.back() + (points_W[i] - points_W[i - 1]).norm());
-      const bool last = closed && i + 1 == points_W.size() && points_W[i] == points_W[0];
-      points_A.push_back(last ? points_A[0] : world.pose(a).local(points_W[i]));
-    }
-    return {a, b, CubicSpline<3>(parameters, points_A, closed), world.pose(b).local(p_b_W)};
-  }
+                              const Vec3& p_b_W, bool closed = false);
 
   std::string_view type() const override { return "point_on_curve"; }
   void append_rows(RowSink& rows) const override { rows.add(row_parts::PointOnCurve{curve_, p_BQ_}); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/check.h"
+#include "core/constraints/parallel_part.h"
 #include "core/world/world.h"
 
 namespace taut {
@@ -53,8 +54,7 @@ class Screw final : public Joint {
     complete_frame(axis_A_, u, v);
     rows.add(row_parts::PointInPlane{p_AP_, u, p_BQ_});
     rows.add(row_parts::PointInPlane{p_AP_, v, p_BQ_});
-    rows.add(row_parts::Perpendicular{u, axis_B_});
-    rows.add(row_parts::Perpendicular{v, axis_B_});
+    rows.add(row_parts::Parallel{u, v, axis_B_});
     rows.add(row_parts::Screw{{{p_AP_, axis_A_, p_BQ_}}, angle(), pitch_});
   }
   void append_axes(AxisSink& axes) const override { axes.add("angle", angle()); }

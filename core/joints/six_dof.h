@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/base/check.h"
+#include "core/constraints/parallel_part.h"
 #include "core/world/world.h"
 
 namespace taut {
@@ -36,13 +37,7 @@ class SixDof final : public Joint {
                    const Locks& locks) {
     require_unit("six-DOF orientation", q_WF.coeffs());
     const Pose &A = world.pose(a), &B = world.pose(b);
-    return {a,
-            b,
-            A.local(p_W),
-            (A.q.conjugate() * q_WF).normalized(),
-            B.local(p_W),
-            (B.q.conjugate() * q_WF).normalized(),
-            locks};
+    return {a, b, A.local(p_W), relative(A.q, q_WF), B.local(p_W), relative(B.q, q_WF), locks};
   }
 
   std::string_view type() const override { return "six_dof"; }
@@ -53,10 +48,7 @@ class SixDof final : public Joint {
     if (locked == 3) rows.add(row_parts::Orientation{q_AF_, q_BG_});
     for (int k = 0; k < 3; ++k) {
       const int i = (k + 1) % 3, j = (k + 2) % 3;
-      if (locked == 2 && !locks_.rotation[k]) {
-        rows.add(row_parts::Perpendicular{F(i), G(k)});
-        rows.add(row_parts::Perpendicular{F(j), G(k)});
-      }
+      if (locked == 2 && !locks_.rotation[k]) rows.add(row_parts::Parallel{F(i), F(j), G(k)});
       if (locked == 1 && locks_.rotation[k]) rows.add(row_parts::Perpendicular{F(i), G(j)});
     }
   }

@@ -24,7 +24,7 @@ class Slider final : public Joint {
   static Slider at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& axis_W) {
     require_unit("slider axis", axis_W);
     const Pose &A = world.pose(a), &B = world.pose(b);
-    return {a, b, A.local(p_W), A.q.conjugate() * axis_W, B.local(p_W), (A.q.conjugate() * B.q).normalized()};
+    return {a, b, A.local(p_W), A.q.conjugate() * axis_W, B.local(p_W), relative(A.q, B.q)};
   }
 
   std::string_view type() const override { return "slider"; }

@@ -9,6 +9,8 @@ void complete_frame(const Vec3& z, Vec3& x, Vec3& y) {
   y = z.cross(x);
 }
 
+Quat relative(const Quat& q_WA, const Quat& q_WF) { return (q_WA.conjugate() * q_WF).normalized(); }
+
 Quat rotation_between(const Vec3& from, const Vec3& to) { return Quat::FromTwoVectors(from, to); }
 
 Vec3 across(const Vec3& v, const Vec3& axis) {

@@ -18,6 +18,9 @@ inline Mat3 skew(const Vec3& v) {
   return m;
 }
 
+/// Orientation of F in A from those of both in W, q_WA* q_WF, of unit length.
+Quat relative(const Quat& q_WA, const Quat& q_WF);
+
 /// q v q*.  Written out in scalars: Eigen's goes through the stack in pieces of another width than it comes
 /// back in, for which the processor waits longer than the product takes.
 inline Vec3 rotate(const Quat& q, const Vec3& v) {

@@ -43,7 +43,7 @@ MassProperties::MassProperties(double mass, const Mat3& inertia_B)
   require_all_finite("inertia", inertia_B);
   const double scale = inertia_B.cwiseAbs().maxCoeff();
   if ((inertia_B - inertia_B.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale)
-    fail("inertia", "must be symmetric", inertia_B);
+    fail_with("inertia", "must be symmetric", inertia_B);
   if (inertia_B_.isDiagonal(0)) {
     moments_ = inertia_B_.diagonal();
   } else {

@@ -12,6 +12,7 @@ void StageResidual::begin_positions(double h, double size, std::span<const Twist
   h_ = h;
   size_ = size;
   twists_ = twists;
+  start_ = round_off_of(twists);
   note_round_off();
 }
 
@@ -91,15 +92,21 @@ double StageResidual::of_row(int r, const StageSolution& solution, double scale,
   return off == 0 ? 0 : off / std::max(scale, least);  // of a world at rest without loads all three are
 }
 
-/// What round-off makes of rates in this stage: of poses if they are of positions.
+/// What round-off makes of rates in this stage: of poses if they are of positions, and of the speeds that the
+/// step began with, of which impulses may have left next to nothing.
 StageResidual::Noise StageResidual::rate_noise() const {
+  const Noise now = round_off_of(twists_);
+  return {std::max(now.angular, start_.angular) + kRelativeRoundOff / h_,
+          std::max(now.linear, start_.linear) + kRelativeRoundOff * (size_ / h_)};
+}
+
+StageResidual::Noise StageResidual::round_off_of(std::span<const Twist> twists) {
   double angular = 0, linear = 0;
-  for (const Twist& twist : twists_) {
+  for (const Twist& twist : twists) {
     angular = std::max(angular, twist.w.squaredNorm());
     linear = std::max(linear, twist.v.squaredNorm());
   }
-  return {kRelativeRoundOff * (std::sqrt(angular) + 1 / h_),
-          kRelativeRoundOff * (std::sqrt(linear) + size_ / h_)};
+  return {kRelativeRoundOff * std::sqrt(angular), kRelativeRoundOff * std::sqrt(linear)};
 }
 
 }  // namespace taut

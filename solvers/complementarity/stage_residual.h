@@ -56,11 +56,13 @@ class StageResidual {
   using Tuning = StageTuning;
 
   Noise rate_noise() const;
+  static Noise round_off_of(std::span<const Twist> twists);
 
   const ConstraintSystem& system_;
   const ContactForces& contacts_;
   double h_ = 0, size_ = 1;  // over which rates are differences of poses, of a system of this size [m]
   std::span<const Twist> twists_;
+  Noise start_;          // of the speeds that the position stage began with
   Noise contact_noise_;  // rate_noise() of the position stage
 };
 

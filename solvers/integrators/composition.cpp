@@ -23,35 +23,36 @@ constexpr double kOrder8[] = {
     -0.39590389413323757733623154, 0.15884190655515560089621075,  -0.38947496264484728640807860,
     0.56116298177510838456196441,  0.13020248308889008087881763};
 
+constexpr double kWhole[] = {1};
+
 std::span<const double> fractions_of(Integrator integrator) {
   switch (integrator) {
     case Integrator::kRattle4:
       return kOrder4;
     case Integrator::kRattle6:
       return kOrder6;
-    default:
+    case Integrator::kRattle8:
       return kOrder8;
+    default:
+      return kWhole;
   }
 }
 
 }  // namespace
 
-Composition::Composition(const World& world, ConstraintSystem& system, const Settings& settings)
-    : Rattle(world, system, settings), fractions_(fractions_of(settings.integrator)) {
+Composition::Composition(Integrator integrator) : fractions_(fractions_of(integrator)) {
   for (double fraction : fractions_) longest_ = std::max(longest_, std::abs(fraction));
 }
 
-Scheme::Outcome Composition::advance(double h, SubstepReport& report) {
-  using enum Outcome;
-  before_ = state();
-  impulses_before_.assign(impulses().begin(), impulses().end());
+Scheme::Outcome Composition::advance(Scheme& scheme, double h, SubstepReport& report) {
+  using enum Scheme::Outcome;
+  if (fractions_.size() == 1) return scheme.advance(h, report);
+  before_ = scheme.state();
+  impulses_before_.assign(scheme.impulses().begin(), scheme.impulses().end());
   for (double fraction : fractions_) {
-    const Outcome outcome = Rattle::advance(fraction * h, report);
+    const Scheme::Outcome outcome = scheme.advance(fraction * h, report);
     if (outcome == kDone) continue;
-    if (outcome != kNotFinite && outcome != kBlind) {
-      start(before_, report);
-      values_.impulses.assign(impulses_before_.begin(), impulses_before_.end());
-    }
+    if (outcome != kNotFinite && outcome != kBlind) scheme.go_back(before_, impulses_before_, report);
     return outcome;
   }
   return kDone;

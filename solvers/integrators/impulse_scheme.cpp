@@ -95,6 +95,11 @@ void ImpulseScheme::restart(const State& state, SubstepReport& report) {
   take(before);
 }
 
+void ImpulseScheme::go_back(const State& state, std::span<const double> impulses, SubstepReport& report) {
+  start(state, report);
+  values_.impulses.assign(impulses.begin(), impulses.end());
+}
+
 void ImpulseScheme::prepare(double horizon, std::vector<ContactStretch> stretches, Scheme* old) {
   contact_pattern_.set_horizon(horizon);
   contact_pattern_.recall(std::move(stretches));
@@ -188,13 +193,6 @@ void ImpulseScheme::add_rates_of_guess() {
 /// Where rates stay, the next prediction does not lean on μ.
 void ImpulseScheme::project_momenta(double h, SubstepReport& report) {
   if (!projection_.project(h, report)) prediction_.start_from_zero();
-}
-
-/// The momenta that μ leads to.
-void ImpulseScheme::take_impulses() {
-  for (int b = 0; b < world_.body_count(); ++b)
-    if (system_.inverse_mass(b).moves())
-      phase_.momenta[b] = phase_.momenta[b] + system_.rows().wrench_on(b, system_.jacobian(), values_.mu);
 }
 
 /// What is left of the rates that they had to have.

@@ -32,6 +32,7 @@ class ImpulseScheme : public Scheme {
   /// Takes over a state: factors S there, makes velocities tangent and estimates the multipliers.
   void start(const State& state, SubstepReport& report) override;
   void restart(const State& state, SubstepReport& report) override;
+  void go_back(const State& state, std::span<const double> impulses, SubstepReport& report) override;
   void begin(double dt) override;
   void accept_inexact(double residual, bool soon) override { stages_.accept_inexact(residual, soon); }
   bool drop_guess() override;
@@ -75,7 +76,6 @@ class ImpulseScheme : public Scheme {
   void linearize_and_factorize(SubstepReport& report);
   void add_rates_of_guess();
   void project_momenta(double h, SubstepReport& report);
-  void take_impulses();
   void note_velocities(SubstepReport& report);
   ForceIteration::Fixed renew_kick_forces(const State& at);
   void finish_laws(StepWorks& works);

@@ -168,7 +168,7 @@ bool MoreauJean::solve_stage(SubstepReport& report) {
   stages_.residual().note_round_off();
   const StageSolver::Renew renew = [this] { renew_laws(); };
   if (!stages_.solve_velocities({values_.mu, values_.rates, renew}, report)) return false;
-  take_impulses();
+  phase_.add_impulses(values_.mu);
   note_velocities(report);
   return report.velocity_residual <= settings_.velocity_tolerance;
 }

@@ -17,6 +17,12 @@ void Phase::twists_from(std::span<const Wrench> momenta_now) {
     if (system_.inverse_mass(b).moves()) state.twists[b] = system_.inverse_mass(b).twist(momenta_now[b]);
 }
 
+void Phase::add_impulses(std::span<const double> mu) {
+  for (int b = 0; b < world_.body_count(); ++b)
+    if (system_.inverse_mass(b).moves())
+      momenta[b] = momenta[b] + system_.rows().wrench_on(b, system_.jacobian(), mu);
+}
+
 Configuration Phase::end_of_step(double h) const {
   if (h == 0) return {state.poses, state.time, state.axes, poses};
   return {poses, state.time + h, state.axes, state.poses};

@@ -29,6 +29,8 @@ class Phase {
   void second_kick(int b, double h) { momenta[b] = kicked[b] + 0.5 * h * forces[b]; }
   /// Of all bodies that move.
   void second_kick(double h);
+  /// p + Jᵀμ, with the Jacobian of the system.
+  void add_impulses(std::span<const double> mu);
   /// What a step of h from the present state leads to: `poses` at its end while it is tried (h ≠ 0); or, once
   /// it is accepted (h = 0), the new state, while `poses` are still the old ones at which the axes hold.
   Configuration end_of_step(double h) const;

@@ -169,7 +169,7 @@ bool Rattle::project_bounded_momenta(double h, SubstepReport& report) {
     if (again) renew_velocity_laws();
     if (!meet_velocity_laws(report)) return false;
     phase_.second_kick(h);
-    take_impulses();
+    phase_.add_impulses(values_.mu);
     if (velocities_hold(report)) return true;
     if (stages_.iterative()) break;
   }

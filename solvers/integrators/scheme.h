@@ -16,7 +16,7 @@ namespace taut {
 class Archive;
 
 /// A scheme of time integration, as the simulator sees it: it starts at a state and advances it by steps.
-/// RATTLE, Moreau–Jean, the force level and compositions are such schemes.  What acts beside joints is empty
+/// RATTLE, Moreau–Jean and the force level are such schemes.  What acts beside joints is empty
 /// where the settings exclude it, as for the force level.  (solvers/integrators)
 class Scheme {
  public:
@@ -39,6 +39,10 @@ class Scheme {
   virtual void start(const State& state, SubstepReport& report) = 0;
   /// The same in the pattern that there is, which keeps what is known of contacts and friction.
   virtual void restart(const State& state, SubstepReport& report) { start(state, report); }
+  /// Back at a state of the same step, from which on impulses were these.
+  virtual void go_back(const State& state, std::span<const double> /*impulses*/, SubstepReport& report) {
+    start(state, report);
+  }
   /// After start(): what held and how in that scheme, with the forces as a guess.
   virtual void inherit(const Scheme& /*old*/) {}
   /// Nothing is known of contacts and axes of bodies that were moved (one entry a body).

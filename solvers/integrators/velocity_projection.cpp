@@ -1,5 +1,6 @@
 #include "solvers/integrators/velocity_projection.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -13,6 +14,17 @@ constexpr int kMaxVelocityPasses = 6;
 /// to that part of itself in so many sub-steps in a row.
 constexpr double kMostLeftOver = 0.2, kAlike = 0.05;
 constexpr int kSteady = 20;
+/// Rates [m/s, rad/s] that are left behind: a taut row without sag has some that no finite impulse takes
+/// away.
+constexpr double kLeftBehind = 1e-6;
+/// Conjugate gradients end after so many steps, or where so little is left of what they started with, in the
+/// norm of S_ε⁻¹.
+constexpr int kMaxConjugate = 60;
+constexpr double kDescended = 1e-20;
+/// Energy may grow by this part.
+constexpr double kRoundOff = 1e-9;
+/// Passes after them, since their steps along weak directions, which are long, leave round-off along others.
+constexpr int kLastPasses = 3;
 
 }  // namespace
 
@@ -32,25 +44,91 @@ void VelocityProjection::clear_loose_rows(std::span<double> rows) const {
 
 bool VelocityProjection::project(double h, SubstepReport& report) {
   const std::vector<double>& rates = values_.joint_rates;
-  std::vector<double>&mu = values_.mu, &delta = values_.delta;
-  std::fill(mu.begin(), mu.end(), 0.0);
+  std::fill(values_.mu.begin(), values_.mu.end(), 0.0);
   twists_and_rates([this, h](int b) {
     if (h != 0) phase_.second_kick(b, h);
   });
   for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
     const double sum = pass > 0 && steady_count_ >= kSteady ? 1 / (1 - contraction_) : 1;
-    for (int r = 0; r < system_.row_count(); ++r) delta[r] = -sum * rates[r];
     if (pass == 1) last_rates_ = rates;
-    system_.solve_shifted(delta);
-    twists_and_rates([this, &delta](int b) {
-      phase_.momenta[b] = phase_.momenta[b] + system_.rows().wrench_on(b, system_.jacobian(), delta);
-    });
-    for (int r = 0; r < system_.row_count(); ++r) mu[r] += delta[r];
+    const bool closed = refine(sum, report);
     if (pass == 1) watch_contraction(sum);
-    report.velocity_residual = max_abs(rates);
-    if (report.velocity_residual <= settings_.velocity_tolerance) return true;
+    if (closed) return true;
   }
+  if (report.velocity_residual > kLeftBehind) mend(report);
   return false;
+}
+
+/// μ ← μ − `sum` S_ε⁻¹ (J V + φ_t).
+/// @returns whether rates are within their tolerance then.
+bool VelocityProjection::refine(double sum, SubstepReport& report) {
+  std::vector<double>& delta = values_.delta;
+  for (int r = 0; r < system_.row_count(); ++r) delta[r] = -sum * values_.joint_rates[r];
+  system_.solve_shifted(delta);
+  push(delta, 1);
+  for (int r = 0; r < system_.row_count(); ++r) values_.mu[r] += delta[r];
+  report.velocity_residual = max_abs(values_.joint_rates);
+  return report.velocity_residual <= settings_.velocity_tolerance;
+}
+
+/// Conjugate gradients and passes after them; given up if rates are no less then, or if bodies have gained
+/// energy, as no projection gives them: round-off of large impulses that dependent rows have shared out.
+void VelocityProjection::mend(SubstepReport& report) {
+  const std::vector<Wrench> momenta = phase_.momenta;
+  const std::vector<double> mu = values_.mu;
+  const double left = report.velocity_residual, energy = doubled_kinetic_energy();
+  descend(report);
+  for (int pass = 0; pass < kLastPasses; ++pass)
+    if (refine(1, report)) break;
+  const bool gained =
+      !system_.rows().depends_on_time() && doubled_kinetic_energy() > energy * (1 + kRoundOff);
+  if (report.velocity_residual < left && !gained) return;
+  phase_.momenta = momenta;
+  values_.mu = mu;
+  twists_and_rates([](int) {});
+  report.velocity_residual = left;
+}
+
+double VelocityProjection::doubled_kinetic_energy() const {
+  double sum = 0;
+  for (int b = 0; b < std::ssize(phase_.momenta); ++b)
+    if (system_.inverse_mass(b).moves()) sum += dot(phase_.momenta[b], phase_.state.twists[b]);
+  return sum;
+}
+
+/// What the passes have left, of several directions that rows hold weakly, by conjugate gradients on
+/// S μ = −(J V + φ_t) with S_ε⁻¹ before it: as many steps as there are such directions.
+void VelocityProjection::descend(SubstepReport& report) {
+  const int rows = system_.row_count();
+  const Eigen::Map<const Eigen::VectorXd> rates(values_.joint_rates.data(), rows);
+  Eigen::Map<Eigen::VectorXd> along(values_.delta.data(), rows), mu(values_.mu.data(), rows);
+  Eigen::VectorXd before = Eigen::VectorXd::Zero(rows), ascent(rows);
+  along.setZero();
+  double first = 0, height = 0;  // −(J V + φ_t)·S_ε⁻¹ (J V + φ_t), at first and now
+  for (int step = 0; step < kMaxConjugate; ++step) {
+    ascent = -rates;
+    system_.solve_shifted({ascent.data(), static_cast<std::size_t>(rows)});
+    const double keep = step > 0 ? std::max(ascent.dot(before - rates) / height, 0.0) : 0;
+    height = -ascent.dot(rates);
+    if (step == 0) first = height;
+    if (!(height > kDescended * first)) return;
+    along = ascent + keep * along;
+    before = rates;
+    push(values_.delta, 1);
+    const double curvature = along.dot(rates - before);
+    const double length = curvature > 0 ? -along.dot(before) / curvature : 0;
+    push(values_.delta, length - 1);
+    mu += length * along;
+    report.velocity_residual = max_abs(values_.joint_rates);
+    if (report.velocity_residual <= settings_.velocity_tolerance || !(curvature > 0)) return;
+  }
+}
+
+/// p += `by` Jᵀ δ.
+void VelocityProjection::push(std::span<const double> delta, double by) {
+  twists_and_rates([this, delta, by](int b) {
+    phase_.momenta[b] = phase_.momenta[b] + by * system_.rows().wrench_on(b, system_.jacobian(), delta);
+  });
 }
 
 /// Momenta as `change` makes them of each body that moves, then twists and J V + φ_t: each joint as soon as

@@ -37,6 +37,11 @@ class VelocityProjection {
  private:
   template <typename Change>
   void twists_and_rates(Change change);
+  void push(std::span<const double> delta, double by);
+  bool refine(double sum, SubstepReport& report);
+  void mend(SubstepReport& report);
+  double doubled_kinetic_energy() const;
+  void descend(SubstepReport& report);
   void watch_contraction(double sum);
 
   ConstraintSystem& system_;

@@ -13,10 +13,10 @@ UnsymmetricFactor::UnsymmetricFactor() : parts_(std::make_unique<Parts>()) {}
 UnsymmetricFactor::~UnsymmetricFactor() = default;
 
 bool UnsymmetricFactor::factorize(const RowMatrix& A) {
-  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  using RowMajor = Eigen::SparseMatrix<double, Eigen::RowMajor>;
   if (A.size() == 0) return false;
-  parts_->matrix = Eigen::Map<const Rows>(A.size(), A.size(), static_cast<Eigen::Index>(A.values.size()),
-                                          A.row_start.data(), A.column.data(), A.values.data());
+  parts_->matrix = Eigen::Map<const RowMajor>(A.size(), A.size(), static_cast<Eigen::Index>(A.values.size()),
+                                              A.row_start.data(), A.column.data(), A.values.data());
   parts_->factor.compute(parts_->matrix);
   return parts_->factor.info() == Eigen::Success;
 }

@@ -2,9 +2,9 @@
 
 #include "core/state/same_state.h"
 #include "solvers/common/setting_checks.h"
-#include "solvers/integrators/composition.h"
 #include "solvers/integrators/force_level.h"
 #include "solvers/integrators/moreau_jean.h"
+#include "solvers/integrators/rattle.h"
 
 namespace taut {
 
@@ -41,10 +41,8 @@ std::unique_ptr<Scheme> Stepper::make_scheme() {
   std::unique_ptr<ImpulseScheme> scheme;
   if (settings_.integrator == Integrator::kMoreauJean)
     scheme = std::make_unique<MoreauJean>(world_, *system_, settings_);
-  else if (settings_.integrator == Integrator::kRattle)
-    scheme = std::make_unique<Rattle>(world_, *system_, settings_);
   else
-    scheme = std::make_unique<Composition>(world_, *system_, settings_);
+    scheme = std::make_unique<Rattle>(world_, *system_, settings_);
   scheme->stages().culprits().name_by(named_);
   return scheme;
 }

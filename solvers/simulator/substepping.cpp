@@ -15,8 +15,9 @@ constexpr double kHardPart = 0.6;
 
 Scheme::Outcome Substepping::advance(Scheme& scheme, double dt, StepReport& report) {
   using enum Scheme::Outcome;
+  const auto step_limit = [&] { return composition_.step_limit(scheme); };
   scheme.begin(dt);
-  const double needed = std::clamp(std::ceil(dt / scheme.step_limit() - Substeps::kCountRoundOff), 1.0,
+  const double needed = std::clamp(std::ceil(dt / step_limit() - Substeps::kCountRoundOff), 1.0,
                                    double(settings_.max_substeps));
   Substeps substeps(dt, division_.choose(needed), settings_.max_substeps);
   const bool hard = division_.hard();
@@ -25,13 +26,13 @@ Scheme::Outcome Substepping::advance(Scheme& scheme, double dt, StepReport& repo
   while (!substeps.done()) {
     detail::poll_interrupt();
     const StepWorks kept = report.works;
-    const Scheme::Outcome outcome = scheme.advance(substeps.next(scheme.step_limit()), report);
+    const Scheme::Outcome outcome = composition_.advance(scheme, substeps.next(step_limit()), report);
     if (outcome != kDone) report.works = kept;
     if (outcome == kNotFinite || outcome == kBlind) return outcome;
     if (outcome == kDone)
       substeps.accept();
     else if (outcome == kUnstable)
-      substeps.shorten(scheme.step_limit());
+      substeps.shorten(step_limit());
     else if (outcome == kStalled)
       forgot = after_stall(scheme, substeps, hard, forgot);
     else  // something happens

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "solvers/common/settings.h"
-#include "solvers/integrators/scheme.h"
+#include "solvers/integrators/composition.h"
 #include "solvers/simulator/step_division.h"
 #include "solvers/simulator/substeps.h"
 
@@ -12,7 +12,7 @@ namespace taut {
 class Substepping {
  public:
   /// `settings` live as long.
-  explicit Substepping(const Settings& settings) : settings_(settings) {}
+  explicit Substepping(const Settings& settings) : settings_(settings), composition_(settings.integrator) {}
 
   /// kDone; kStalled, kUnstable: sub-steps would have to be shorter than allowed, at last since laws or
   /// joints were not met, or for tension; kNotFinite, kBlind: as Scheme::advance().
@@ -27,6 +27,7 @@ class Substepping {
   bool after_stall(Scheme& scheme, Substeps& substeps, bool hard, bool forgot) const;
 
   const Settings& settings_;
+  Composition composition_;
   StepDivision division_;
   double remaining_ = 0;
 };

@@ -90,6 +90,7 @@ class Judge {
   std::vector<Twist> twists_before_;
   double least_energy_ = 0, first_potential_ = 0, energy_scale_ = 0, angle_scale_ = 0;
   double size_ = 0, total_mass_ = 0;
+  double internal_push_ = 0;  ///< of the tables of springs between bodies [N]
   int steps_ = 0;
 };
 

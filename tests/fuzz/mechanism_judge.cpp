@@ -93,6 +93,8 @@ Judge::Judge(const Json& scene) {
   for (const Json& force : forces_) {
     const std::string type = force["type"];
     if (type != "spring-damper" || force["a"] == "ground") is_free = false;
+    for (const Json& point : force.value("table", Json::array()))
+      internal_push_ = std::max(internal_push_, std::abs(point[1].get<double>()));
     if (type == "torque" || force.value("follows_body", false) || force.contains("table")) conserves = false;
   }
   // Iterative solvers meet laws as far as they come, and what falls asleep is stopped.
@@ -222,7 +224,7 @@ double Judge::gap_of(const Tie& t, const World& world) const {
   const Vec3 d = B.point(t.p_B) - A.point(t.p_A);
   const Vec3 a = A.q * t.axis_A, b = B.q * t.axis_B;
   const auto turn = [&] { return turn_between(A.q * t.q_AB, B.q); };
-  const auto tilt = [&] { return a.cross(b).norm(); };
+  const auto tilt = [&] { return std::atan2(a.cross(b).norm(), a.dot(b)); };
   if (t.type == "ball") return d.norm();
   if (t.type == "hinge") return std::max(d.norm(), tilt());
   if (t.type == "slider") return std::max(off_axis(d, a).norm(), turn());
@@ -330,8 +332,8 @@ Judge::Momentum Judge::momentum(const State& state) const {
 
 std::optional<Violation> Judge::judge_momentum(const World& world, const StepReport& report, double dt) {
   const Momentum now = momentum(world.state());
-  // Round-off of positions is a motion, too.
-  const double noise = 1e-14 * total_mass_ * size_ / dt;
+  // Round-off of positions is a motion, too, and what springs push with cancels to round-off.
+  const double noise = 1e-14 * total_mass_ * size_ / dt + 1e-15 * internal_push_ * dt;
   // So is what happens within joints, which are closed to 1e-10 m in each sub-step, in mechanisms that cannot
   // move.
   const double jammed = 1e-10 * total_mass_ * size_ / dt * std::max(1, report.substeps);

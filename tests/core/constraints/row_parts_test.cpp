@@ -1,5 +1,6 @@
-#include "core/constraints/row_parts.h"
+#include <numbers>
 
+#include "core/constraints/parallel_part.h"
 #include "tests/core/constraints/row_checker.h"
 
 namespace taut::row_parts_test {
@@ -57,6 +58,31 @@ TEST(RowParts, PerpendicularIsConsistent) {
   for (int i = 0; i < kTrials; ++i) {
     const Pose A = random.pose(), B = random.pose();
     check_rows(joint(Perpendicular{random.unit(), random.unit()}), A, B, random);
+  }
+}
+
+/// Directions within a right angle and beyond.
+TEST(RowParts, ParallelIsConsistent) {
+  Random random(31);
+  for (int i = 0; i < kTrials; ++i) {
+    const Pose A = random.pose(), B = random.pose();
+    Vec3 u, v;
+    complete_frame(random.unit(), u, v);
+    check_rows(joint(Parallel{u, v, random.unit()}), A, B, random);
+  }
+}
+
+/// The length of φ grows from 0 to π with the angle, but for a jump from 1 to π/2 at a right angle:
+/// directions that point opposite ways are not parallel.
+TEST(RowParts, ParallelIsOpenByHalfATurnWhereDirectionsAreOpposite) {
+  constexpr double kPi = std::numbers::pi;
+  const Pose A;
+  for (const double angle : {0.0, 1e-3, 1.0, 1.6, 2.0, 3.0, kPi - 1e-5, kPi - 1e-7, kPi}) {
+    Pose B;
+    B.q = Quat(Eigen::AngleAxisd(angle, Vec3(0.6, 0.8, 0)));
+    double phi[2];
+    Parallel{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}.residual(A, B, phi);
+    EXPECT_NEAR(std::hypot(phi[0], phi[1]), angle < kPi / 2 ? std::sin(angle) : angle, 2e-7) << angle;
   }
 }
 
@@ -129,6 +155,7 @@ TEST(RowParts, BodyFrameResidualsDoNotChangeUnderRigidMotion) {
     };
     expect_unchanged(PointInPlane{random.vector(), random.unit(), random.vector()});
     expect_unchanged(Perpendicular{random.unit(), random.unit()});
+    expect_unchanged(Parallel{Vec3::UnitX(), Vec3::UnitY(), random.unit()});
     expect_unchanged(Orientation{random.rotation(), random.rotation()});
     expect_unchanged(row_parts::Distance{random.vector(), random.vector(), 1});
     // The point's residual is a world vector and turns along.

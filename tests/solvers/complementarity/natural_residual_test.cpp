@@ -7,9 +7,11 @@
 
 #include "core/constraints/rows.h"
 #include "core/joints/joints.h"
+#include "scenes/files/scene_file.h"
 #include "solvers/integrators/rattle.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/solvers/complementarity/law_problems.h"
+#include "tests/source_dir.h"
 
 // The natural residual that a step reports is that of the laws as they stand, and small enough for a success.
 namespace taut::natural_residual_test {
@@ -191,6 +193,18 @@ TEST(RobustResidual, IsAtMost1e9WhereShapesDoNotTouch) {
       ASSERT_LE(report.natural_residual, 1e-9) << mechanism << " step " << i;
     }
   }
+}
+
+/// A step that takes all speed from bodies leaves that of round-off, which is no measure of what is left.
+TEST(RobustResidual, OfBodiesThatCameToRestIsThatOfTheSpeedsOfBefore) {
+  Scene scene = load_scene_file(testing::source_dir() + "/tests/adversary/rest_after_impact.json");
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 10; ++i) {
+    const StepReport& report = simulator.step(scene.dt);
+    ASSERT_TRUE(report.ok()) << report.message;
+    EXPECT_LE(report.natural_residual, 1e-8) << "step " << i;
+  }
+  EXPECT_LT(simulator.report().kinetic_energy, 1e-20);
 }
 
 }  // namespace
