@@ -103,7 +103,14 @@ std::string filled(std::string_view page, const std::vector<std::pair<std::strin
   }
 }
 
+fs::path& own_three_folder() {
+  static fs::path folder;
+  return folder;
+}
+
 }  // namespace
+
+void set_three_folder(std::filesystem::path folder) { own_three_folder() = std::move(folder); }
 
 std::filesystem::path find_three() {
   std::vector<fs::path> places;
@@ -113,6 +120,7 @@ std::filesystem::path find_three() {
     std::error_code error;
     const fs::path program = fs::read_symlink("/proc/self/exe", error);
     places = {program.parent_path().parent_path() / "share/taut/three", TAUT_THREE_DIR};
+    if (!own_three_folder().empty()) places.insert(places.begin(), own_three_folder());
   }
   for (const fs::path& place : places)
     if (fs::exists(place / kModules[1].file) && fs::exists(place / kModules[0].file)) return place;

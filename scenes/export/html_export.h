@@ -7,6 +7,8 @@
 
 namespace taut {
 
+/// Where find_three() looks before other places, for those who bring it along.
+void set_three_folder(std::filesystem::path folder);
 /// The folder of the package three.js: $TAUT_THREE, or where the build or the installation has put it.
 /// @throws std::invalid_argument if it is nowhere, saying how to get it.
 std::filesystem::path find_three();

@@ -19,12 +19,12 @@ constexpr double kGapTolerance = 1e-6;
 
 /// What a probe's quantity belongs to.
 enum class Subject { kBodyPoint, kBody, kJoint, kAxis, kWorld };
-struct QuantityInfo {
+struct NamedQuantity {
   Probe::Quantity quantity;
   Subject subject;
 };
 using Quantity = Probe::Quantity;
-constexpr std::pair<const char*, QuantityInfo> kQuantities[] = {
+constexpr std::pair<const char*, NamedQuantity> kQuantities[] = {
     {"position", {Quantity::kPosition, Subject::kBodyPoint}},
     {"velocity", {Quantity::kVelocity, Subject::kBodyPoint}},
     {"orientation", {Quantity::kOrientation, Subject::kBody}},
@@ -218,7 +218,7 @@ void SceneReader::read_probe(const JsonNode& node) {
   const auto quantity = object.required("quantity");
   if (!quantity) return;
   const std::size_t before_quantity = problems_.size();
-  const QuantityInfo info = quantity->choice(kQuantities);
+  const NamedQuantity info = quantity->choice(kQuantities);
   BodyReference body;
   if (problems_.size() != before_quantity) return;
   probe.quantity = info.quantity;

@@ -1,0 +1,316 @@
+#include <nanobind/stl/array.h>
+
+#include "core/state/axis.h"
+#include "core/world/joint_properties.h"
+#include "scenes/python/callbacks.h"
+#include "scenes/python/parts.h"
+
+namespace taut::python {
+namespace {
+
+Motion motion_that_calls(nb::callable function) {
+  return [held = HeldObject(std::move(function))](double time) {
+    const nb::gil_scoped_acquire gil;
+    const nb::object result = held.get()(time);
+    std::tuple<double, double, double> point;
+    if (!nb::try_cast(result, point))
+      throw nb::type_error("a motion must return (value, rate, acceleration)");
+    return MotionPoint{std::get<0>(point), std::get<1>(point), std::get<2>(point)};
+  };
+}
+
+PoseMotion pose_motion_that_calls(nb::callable function) {
+  return [held = HeldObject(std::move(function))](double time) {
+    const nb::gil_scoped_acquire gil;
+    const nb::object result = held.get()(time);
+    std::tuple<Pose, Twist, Twist> point;
+    if (!nb::try_cast(result, point))
+      throw nb::type_error(
+          "a motion of a pose must return (Pose, Twist of velocities, Twist of accelerations)");
+    return PosePoint{std::get<0>(point), std::get<1>(point), std::get<2>(point)};
+  };
+}
+
+void bind_motions(nb::module_& m) {
+  nb::class_<BoundMotion>(
+      m, "Motion",
+      "A function of time f(t) with its first two derivatives.  Wherever one is wanted, a callable that "
+      "returns (value, rate, acceleration) will do.")
+      .def(
+          "__init__",
+          [](BoundMotion* motion, nb::callable function) {
+            new (motion) BoundMotion{motion_that_calls(std::move(function))};
+          },
+          nb::arg("function"))
+      .def(
+          "__call__",
+          [](const BoundMotion& motion, double time) {
+            const MotionPoint at = motion.function(time);
+            return std::tuple(at.value, at.rate, at.acceleration);
+          },
+          nb::arg("time"), "(f, ḟ, f̈) at a time [s].");
+  nb::implicitly_convertible<nb::callable, BoundMotion>();
+  m.def(
+      "linear_motion",
+      [](double value, double rate, double start) { return BoundMotion{linear_motion(value, rate, start)}; },
+      nb::arg("value"), nb::arg("rate"), nb::arg("start") = 0, "f(t) = value + rate (t − start).");
+  m.def(
+      "harmonic_motion",
+      [](double mean, double amplitude, double omega, double phase) {
+        return BoundMotion{harmonic_motion(mean, amplitude, omega, phase)};
+      },
+      nb::arg("mean"), nb::arg("amplitude"), nb::arg("omega"), nb::arg("phase") = 0,
+      "f(t) = mean + amplitude sin(omega t + phase), omega [rad/s], phase [rad].");
+  m.def(
+      "spline_motion",
+      [](const std::vector<double>& times, const std::vector<double>& values) {
+        return BoundMotion{spline_motion(times, values)};
+      },
+      nb::arg("times"), nb::arg("values"),
+      "A cubic spline through (time, value), with straight lines before and after it.");
+  m.def(
+      "speed_motion",
+      [](const Curve& speed, double value) { return BoundMotion{speed_motion(speed, value)}; },
+      nb::arg("speed"), nb::arg("value"),
+      "A velocity given by points (linear between them, held beyond): `value` at the first point, then its "
+      "exact integral.");
+
+  nb::class_<BoundPoseMotion>(
+      m, "PoseMotion",
+      "A pose as a function of time, of one body relative to another.  Wherever one is wanted, a "
+      "callable that returns (pose, velocity, acceleration) will do: Pose, Twist (ω, ṗ) and Twist (ω̇, "
+      "p̈) in the axes of the other body.")
+      .def(
+          "__init__",
+          [](BoundPoseMotion* motion, nb::callable function) {
+            new (motion) BoundPoseMotion{pose_motion_that_calls(std::move(function))};
+          },
+          nb::arg("function"))
+      .def(
+          "__call__",
+          [](const BoundPoseMotion& motion, double time) {
+            const PosePoint at = motion.function(time);
+            return std::tuple(at.pose, at.velocity, at.acceleration);
+          },
+          nb::arg("time"), "(pose, velocity, acceleration) at a time [s].");
+  nb::implicitly_convertible<nb::callable, BoundPoseMotion>();
+  m.def(
+      "pose_motion",
+      [](const std::array<std::optional<BoundMotion>, 3>& position,
+         const std::vector<std::pair<Vec3, BoundMotion>>& turns, const Quat& orientation) {
+        std::array<Motion, 3> along;
+        for (int i = 0; i < 3; ++i)
+          if (position[i]) along[i] = position[i]->function;
+        std::vector<Turning> turnings;
+        for (const auto& [axis, angle] : turns) turnings.push_back({axis, angle.function});
+        return BoundPoseMotion{pose_motion(along, std::move(turnings), orientation)};
+      },
+      nb::arg("position"), nb::arg("turns") = std::vector<std::pair<Vec3, BoundMotion>>(),
+      nb::arg("orientation") = Quat(1, 0, 0, 0),
+      "p(t) along the axes of the other body, and q(t) = exp(a₁ θ₁(t)) exp(a₂ θ₂(t)) … orientation (w, x, y, "
+      "z).  "
+      "`position`: three motions or None (0); `turns`: pairs of a unit axis and a motion of its angle.");
+}
+
+void bind_curve(nb::module_& m) {
+  nb::class_<Curve>(m, "Curve", "A function given by points (x, y) with increasing x, linear between them.")
+      .def(
+          "__init__",
+          [](Curve* curve, const std::vector<std::pair<double, double>>& points) {
+            std::vector<Curve::Point> all;
+            for (const auto& [x, y] : points) all.push_back({x, y});
+            new (curve) Curve(std::move(all));
+          },
+          nb::arg("points"))
+      .def("held", &Curve::held, nb::arg("x"), "Value at x, held constant beyond the ends.")
+      .def("extended", &Curve::extended, nb::arg("x"),
+           "Value at x, where the first and last piece go on beyond the ends.")
+      .def_prop_ro(
+          "points",
+          [](const Curve& curve) {
+            std::vector<std::pair<double, double>> points;
+            for (const Curve::Point& p : curve.points()) points.emplace_back(p.x, p.y);
+            return points;
+          },
+          "As given.");
+}
+
+/// A property that may be None, as a copy: what is there may go.
+template <typename Owner, typename Value>
+void def_optional(nb::class_<Owner>& c, const char* name, std::optional<Value> Owner::*member) {
+  c.def_prop_rw(
+      name, [member](const Owner& it) { return it.*member; },
+      [member](Owner& it, std::optional<Value> value) { it.*member = std::move(value); },
+      nb::for_setter(nb::arg("value").none()), "A copy, or None.");
+}
+
+void bind_limits_and_motor(nb::module_& m) {
+  nb::class_<AxisLimits>(
+      m, "AxisLimits",
+      "lower ≤ θ ≤ upper [rad or m], angles with their turns.  An impact reverses the rate by the factor of "
+      "restitution.  With a compliance [rad/(N·m) or m/N] the limit is a spring with a damper [N·m·s/rad or "
+      "N·s/m] that act beyond it.")
+      .def(
+          "__init__",
+          [](AxisLimits* it, double lower, double upper, double restitution, double compliance,
+             double damping) {
+            new (it) AxisLimits{lower, upper, restitution, compliance, damping};
+          },
+          nb::arg("lower") = -kUnlimited, nb::arg("upper") = kUnlimited, nb::arg("restitution") = 0,
+          nb::arg("compliance") = 0, nb::arg("damping") = 0)
+      .def_rw("lower", &AxisLimits::lower)
+      .def_rw("upper", &AxisLimits::upper)
+      .def_rw("restitution", &AxisLimits::restitution)
+      .def_rw("compliance", &AxisLimits::compliance)
+      .def_rw("damping", &AxisLimits::damping);
+
+  nb::class_<AxisMotor> motor(
+      m, "AxisMotor",
+      "Drives an axis with at most the available force [N·m or N]: VELOCITY keeps θ̇ = target, POSITION θ "
+      "= target, TRAJECTORY θ = trajectory(t).  `max_speed` is how fast the latter two go to their "
+      "target; `force_of_speed` is |θ̇| → available force.");
+  nb::enum_<AxisMotor::Mode>(motor, "Mode", "What the motor keeps.")
+      .value("VELOCITY", AxisMotor::Mode::kVelocity)
+      .value("POSITION", AxisMotor::Mode::kPosition)
+      .value("TRAJECTORY", AxisMotor::Mode::kTrajectory);
+  motor
+      .def(
+          "__init__",
+          [](AxisMotor* it, AxisMotor::Mode mode, double target, double max_force, double max_speed,
+             std::optional<Curve> force_of_speed, std::optional<BoundMotion> trajectory) {
+            new (it) AxisMotor{mode,
+                               target,
+                               max_force,
+                               max_speed,
+                               std::move(force_of_speed),
+                               trajectory ? trajectory->function : Motion()};
+          },
+          nb::arg("mode") = AxisMotor::Mode::kVelocity, nb::arg("target") = 0,
+          nb::arg("max_force") = kUnlimited, nb::arg("max_speed") = kUnlimited,
+          nb::arg("force_of_speed") = nb::none(), nb::arg("trajectory") = nb::none(),
+          nb::sig("def __init__(self, mode: Mode = ..., target: float = 0.0, "
+                  "max_force: float = float('inf'), max_speed: float = float('inf'), force_of_speed: Curve | "
+                  "None = None, trajectory: Motion | collections.abc.Callable[[float], tuple[float, float, "
+                  "float]] | None = None) -> None"))
+      .def_rw("mode", &AxisMotor::mode)
+      .def_rw("target", &AxisMotor::target)
+      .def_rw("max_force", &AxisMotor::max_force)
+      .def_rw("max_speed", &AxisMotor::max_speed);
+  def_optional(motor, "force_of_speed", &AxisMotor::force_of_speed);
+}
+
+void bind_friction_and_spring(nb::module_& m) {
+  nb::class_<AxisFriction>(
+      m, "AxisFriction",
+      "Coulomb and viscous friction: sticks up to `static_friction` [N·m or N], then slides with "
+      "`dynamic_friction`; −`viscous` θ̇ besides.  Both also grow by `per_load` times the force [N] that the "
+      "joint's translation rows carry.")
+      .def(
+          "__init__",
+          [](AxisFriction* it, double static_friction, double dynamic_friction, double viscous,
+             double per_load) {
+            new (it) AxisFriction{static_friction, dynamic_friction, viscous, per_load};
+          },
+          nb::arg("static_friction") = 0, nb::arg("dynamic_friction") = 0, nb::arg("viscous") = 0,
+          nb::arg("per_load") = 0)
+      .def_rw("static_friction", &AxisFriction::static_friction)
+      .def_rw("dynamic_friction", &AxisFriction::dynamic_friction)
+      .def_rw("viscous", &AxisFriction::viscous)
+      .def_rw("per_load", &AxisFriction::per_load);
+  nb::class_<AxisSpring> spring_type(
+      m, "AxisSpring",
+      "Spring and damper along an axis: force −stiffness (θ − rest) − damping θ̇, each by a table if it has "
+      "one: −table(θ − rest) − damping_table(θ̇).");
+  spring_type
+      .def(
+          "__init__",
+          [](AxisSpring* it, double stiffness, double damping, double rest, std::optional<Curve> table,
+             std::optional<Curve> damping_table) {
+            new (it) AxisSpring{stiffness, damping, rest, std::move(table), std::move(damping_table)};
+          },
+          nb::arg("stiffness") = 0, nb::arg("damping") = 0, nb::arg("rest") = 0,
+          nb::arg("table") = nb::none(), nb::arg("damping_table") = nb::none())
+      .def_rw("stiffness", &AxisSpring::stiffness)
+      .def_rw("damping", &AxisSpring::damping)
+      .def_rw("rest", &AxisSpring::rest);
+  def_optional(spring_type, "table", &AxisSpring::table);
+  def_optional(spring_type, "damping_table", &AxisSpring::damping_table);
+  nb::class_<AxisProperties>(m, "AxisProperties",
+                             "All that acts along one axis; None where there is nothing.")
+      .def(
+          "__init__",
+          [](AxisProperties* it, std::optional<AxisSpring> spring, std::optional<AxisFriction> friction,
+             std::optional<AxisMotor> motor, std::optional<AxisLimits> limits) {
+            new (it) AxisProperties{std::move(spring), friction, std::move(motor), limits};
+          },
+          nb::arg("spring") = nb::none(), nb::arg("friction") = nb::none(), nb::arg("motor") = nb::none(),
+          nb::arg("limits") = nb::none())
+      .def_ro("spring", &AxisProperties::spring)
+      .def_ro("friction", &AxisProperties::friction)
+      .def_ro("motor", &AxisProperties::motor)
+      .def_ro("limits", &AxisProperties::limits);
+}
+
+void bind_erp_and_cfm(nb::module_& m) {
+  m.def(
+      "from_erp_cfm",
+      [](double erp, double cfm, double dt) {
+        const ComplianceDamping spring = from_erp_cfm(erp, cfm, dt);
+        return std::pair(spring.compliance, spring.damping);
+      },
+      nb::arg("erp"), nb::arg("cfm"), nb::arg("dt"),
+      "(compliance, damping) of the spring and damper that error reduction and constraint force mixing stand "
+      "for at a step of "
+      "dt: erp = h k/(h k + c), cfm = 1/(h k + c).");
+  m.def(
+      "to_erp_cfm",
+      [](double compliance, double damping, double dt) {
+        const ErpCfm both = to_erp_cfm({compliance, damping}, dt);
+        return std::pair(both.erp, both.cfm);
+      },
+      nb::arg("compliance"), nb::arg("damping"), nb::arg("dt"), "(erp, cfm): the inverse of from_erp_cfm().");
+}
+
+void bind_joint_properties(nb::module_& m) {
+  nb::class_<BreakLimits>(
+      m, "BreakLimits",
+      "The joint leaves when the force [N] or the torque about its anchor on B [N·m] of its reaction on B "
+      "exceeds one of these, on the mean over a sub-step.")
+      .def(
+          "__init__",
+          [](BreakLimits* it, double force, double torque) {
+            new (it) BreakLimits{force, torque};
+          },
+          nb::arg("force") = kUnlimited, nb::arg("torque") = kUnlimited)
+      .def_rw("force", &BreakLimits::force)
+      .def_rw("torque", &BreakLimits::torque);
+  nb::class_<JointCompliance>(
+      m, "JointCompliance",
+      "The rows of a joint give way as springs [m/N, rad/(N·m)] and dampers [N·s/m, N·m·s/rad]; 0: rigid, "
+      "infinite: damper only.")
+      .def(
+          "__init__",
+          [](JointCompliance* it, double translation, double rotation, double translation_damping,
+             double rotation_damping) {
+            new (it) JointCompliance{translation, rotation, translation_damping, rotation_damping};
+          },
+          nb::arg("translation") = 0, nb::arg("rotation") = 0, nb::arg("translation_damping") = 0,
+          nb::arg("rotation_damping") = 0)
+      .def_rw("translation", &JointCompliance::translation)
+      .def_rw("rotation", &JointCompliance::rotation)
+      .def_rw("translation_damping", &JointCompliance::translation_damping)
+      .def_rw("rotation_damping", &JointCompliance::rotation_damping);
+}
+
+}  // namespace
+
+void bind_axes(nb::module_& m) {
+  bind_motions(m);
+  bind_curve(m);
+  bind_limits_and_motor(m);
+  bind_friction_and_spring(m);
+  bind_joint_properties(m);
+  bind_erp_and_cfm(m);
+}
+
+}  // namespace taut::python

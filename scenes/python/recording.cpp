@@ -1,0 +1,163 @@
+#include "scenes/recording/recording.h"
+
+#include <nanobind/stl/filesystem.h>
+
+#include "scenes/export/exports.h"
+#include "scenes/export/html_export.h"
+#include "scenes/python/arrays.h"
+#include "scenes/python/film.h"
+#include "scenes/python/parts.h"
+
+namespace taut::python {
+namespace {
+
+std::string page_of(RecordingReader& reader) {
+  if (reader.frame_count() == 0) throw std::invalid_argument("page: there are no frames to show");
+  return html_page(reader).text;
+}
+
+/// Writes what a recording is turned into.
+void export_to(RecordingReader& reader, const std::string& html, const std::string& gltf,
+               const std::string& plot, const std::string& csv, const std::string& vtk_folder) {
+  const ExportFiles files{html, gltf, vtk_folder, plot, csv};
+  check_exports(files);
+  const ExportOutcome outcome = export_recording(reader, files);
+  if (!outcome.errors.empty()) throw std::runtime_error(outcome.errors.front());
+}
+
+const auto kHtml = nb::arg("html") = "", kGltf = nb::arg("gltf") = "", kPlot = nb::arg("plot") = "",
+           kCsv = nb::arg("csv") = "", kVtk = nb::arg("vtk_folder") = "";
+constexpr const char* kExportDoc =
+    "Writes a page, a glTF animation, curves (SVG), numbers (CSV) or series for ParaView; \"\": not.";
+
+nb::dict frame_columns(const Frame& frame) {
+  std::vector<double> reactions, twists;
+  for (const JointSample& joint : frame.joints) {
+    reactions.insert(reactions.end(), joint.wrench.torque.begin(), joint.wrench.torque.end());
+    reactions.insert(reactions.end(), joint.wrench.force.begin(), joint.wrench.force.end());
+  }
+  for (const Twist& V : frame.twists) {
+    twists.insert(twists.end(), V.w.begin(), V.w.end());
+    twists.insert(twists.end(), V.v.begin(), V.v.end());
+  }
+  nb::dict columns;
+  columns["time"] = frame.time;
+  columns["poses"] = owning(pose_rows(frame.poses, true), 7);
+  columns["twists"] = owning(std::move(twists), 6);
+  columns["reactions"] = owning(std::move(reactions), 6);
+  columns["tensions"] = owning(std::vector<double>(frame.tensions));
+  columns["scalars"] = owning(std::vector<double>(frame.scalars));
+  return columns;
+}
+
+/// Frames × bodies × 3.
+Array all_positions(RecordingReader& reader) {
+  auto values = std::make_unique<std::vector<double>>();
+  const std::size_t bodies = reader.header().bodies.size();
+  for (int i = 0; i < reader.frame_count(); ++i)
+    for (const Pose& X : reader.frame(i).poses) values->insert(values->end(), X.p.begin(), X.p.end());
+  const std::size_t shape[] = {static_cast<std::size_t>(reader.frame_count()), bodies, 3};
+  double* const data = values->data();
+  return Array(data, 3, shape, keep(std::move(values)));
+}
+
+void bind_film(nb::module_& m) {
+  nb::class_<Film>(
+      m, "Film",
+      "The recording of a simulation that goes on: call sample() after each step.  In a notebook it shows "
+      "itself.  With "
+      "a file it can be read later by Recording and `taut replay`.  A scene gives drawings and probes.")
+      .def(
+          "__init__",
+          [](Film* it, Session& simulator, const Scene* scene, const std::filesystem::path& file,
+             double frames_per_second) {
+            new (it) Film(nb::find(simulator), scene, file.string(), frames_per_second);
+          },
+          nb::arg("simulator"), nb::arg("scene").none() = nb::none(), nb::arg("file") = "",
+          nb::arg("frames_per_second") = 60)
+      .def("sample", &Film::sample, nb::arg("now") = false,
+           "Takes a frame if the next instant k / frames_per_second has come, or with `now` if there is none "
+           "of this instant; "
+           "whether it did.")
+      .def("finish", &Film::finish, nb::arg("status") = "success", nb::arg("message") = "",
+           "Ends the recording.")
+      .def_prop_ro("simulator", &Film::simulator)
+      .def_prop_ro("frame_count", &Film::frame_count)
+      .def_prop_ro("file", &Film::file)
+      .def(
+          "page",
+          [](Film& film) {
+            RecordingReader reader = film.reader();
+            return page_of(reader);
+          },
+          "One self-contained page (HTML) that shows what was taken so far.")
+      .def(
+          "export",
+          [](Film& film, const std::string& html, const std::string& gltf, const std::string& plot,
+             const std::string& csv, const std::string& vtk_folder) {
+            RecordingReader reader = film.reader();
+            export_to(reader, html, gltf, plot, csv, vtk_folder);
+          },
+          kHtml, kGltf, kPlot, kCsv, kVtk, kExportDoc);
+}
+
+}  // namespace
+
+void bind_recording(nb::module_& m) {
+  bind_film(m);
+  nb::class_<RecordingReader>(m, "Recording",
+                              "Reads a recording file, also one that was cut short or damaged.")
+      .def(
+          "__init__",
+          [](RecordingReader* it, const std::filesystem::path& file) { new (it) RecordingReader(file); },
+          nb::arg("file"))
+      .def_prop_ro("scene", [](const RecordingReader& it) { return it.header().scene; })
+      .def_prop_ro("body_names",
+                   [](const RecordingReader& it) {
+                     std::vector<std::string> names;
+                     for (const RecordedBody& body : it.header().bodies) names.push_back(body.name);
+                     return names;
+                   })
+      .def_prop_ro("joint_names",
+                   [](const RecordingReader& it) {
+                     std::vector<std::string> names;
+                     for (const RecordedJoint& joint : it.header().joints) names.push_back(joint.name);
+                     return names;
+                   })
+      .def_prop_ro("scalar_names",
+                   [](const RecordingReader& it) {
+                     std::vector<std::string> names;
+                     for (const RecordedScalar& scalar : it.header().scalars) names.push_back(scalar.name);
+                     return names;
+                   })
+      .def_prop_ro("frame_count", &RecordingReader::frame_count)
+      .def("__len__", &RecordingReader::frame_count)
+      .def_prop_ro(
+          "times",
+          [](const RecordingReader& it) {
+            std::vector<double> times;
+            for (int i = 0; i < it.frame_count(); ++i) times.push_back(it.time(i));
+            return owning(std::move(times));
+          },
+          kOwned, "Of all frames [s].")
+      .def(
+          "frame", [](RecordingReader& it, int index) { return frame_columns(it.frame(index)); },
+          nb::arg("index"),
+          "time [s], poses n×7 (quaternion w, x, y, z, position x, y, z [m]), twists n×6 (angular velocity, "
+          "velocity), reactions of "
+          "joints n×6 (torque, force on B), tensions of springs [N], scalars.",
+          nb::sig("def frame(self, index: int) -> dict[str, typing.Any]"))
+      .def("positions", &all_positions, "Of all bodies in all frames: frames × n × 3 [m].")
+      .def_prop_ro(
+          "status",
+          [](const RecordingReader& it) { return it.end() ? it.end()->status : std::string("no end"); },
+          "How the run ended.")
+      .def_prop_ro("damage", &RecordingReader::damage, "What is wrong with the file; \"\" if it is whole.")
+      .def("page", &page_of, "One self-contained page (HTML).")
+      .def("export", &export_to, kHtml, kGltf, kPlot, kCsv, kVtk, kExportDoc);
+  m.def(
+      "_set_three_folder", [](const std::filesystem::path& folder) { set_three_folder(folder); },
+      nb::arg("folder"));
+}
+
+}  // namespace taut::python

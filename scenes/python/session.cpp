@@ -1,0 +1,79 @@
+#include "scenes/python/session.h"
+
+#include "core/base/check.h"
+
+namespace taut::python {
+namespace {
+
+/// Between two questions; each takes the GIL.
+constexpr std::chrono::milliseconds kPeriod{20};
+
+bool is_main_thread() {
+  static const unsigned long main =
+      nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
+  return PyThread_get_thread_ident() == main;
+}
+
+}  // namespace
+
+void KeyboardQuestion::begin() {
+  yes_ = false;
+  error_.reset();
+  main_ = is_main_thread();
+  owner_ = std::this_thread::get_id();
+  next_ = std::chrono::steady_clock::now() + kPeriod;
+}
+
+bool KeyboardQuestion::ask() {
+  if (yes_) return true;
+  if (!main_ || std::this_thread::get_id() != owner_) return false;  // only there are signals handled
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return false;
+  next_ = now + kPeriod;
+  const nb::gil_scoped_acquire gil;
+  if (PyErr_CheckSignals() == 0) return false;
+  error_ = std::make_unique<nb::python_error>();  // takes it
+  yes_ = true;
+  return true;
+}
+
+void KeyboardQuestion::raise_if_asked() {
+  if (!yes_) return;
+  yes_ = false;
+  const std::unique_ptr<nb::python_error> error = std::move(error_);
+  throw nb::python_error(*error);
+}
+
+Session::Session(World& world, const Settings& settings) : world_(world), simulator_(world, settings) {
+  simulator_.set_interrupt([question = keyboard_.get()] { return question->ask(); });
+}
+
+template <typename Work>
+StepReport Session::without_gil(Work work) {
+  const StepScope scope(world_);
+  keyboard_->begin();
+  {
+    const nb::gil_scoped_release released;
+    work();
+  }
+  keyboard_->raise_if_asked();
+  return simulator_.report();
+}
+
+StepReport Session::step(double dt) {
+  return without_gil([&] { simulator_.step(dt); });
+}
+
+StepReport Session::run(long steps, double dt) {
+  if (steps < 1) fail("run steps", "must be positive", steps);
+  return without_gil([&] {
+    for (long i = 0; i < steps && simulator_.step(dt).advanced() && !keyboard_->ask(); ++i)
+      ;
+  });
+}
+
+StepReport Session::assemble() {
+  return without_gil([&] { simulator_.assemble(); });
+}
+
+}  // namespace taut::python

@@ -1,0 +1,233 @@
+"""Steps, reports, checkpoints, interruptions and threads."""
+
+import os
+import pickle
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from conftest import chain, pendulum
+
+import taut
+
+
+def bits(world):
+    return world.poses.tobytes() + world.twists.tobytes()
+
+
+def test_reports():
+    world, _, _ = pendulum()
+    simulator = taut.Simulator(world, taut.Settings(report_rank=True))
+    report = simulator.step(1e-3)
+    assert report.ok() and report.advanced() and report.status == taut.Status.SUCCESS and report.message == ""
+    assert report.time == pytest.approx(1e-3) and report.dt == 1e-3 and world.time == report.time
+    assert max(report.gap.metres, report.gap.radians) < 1e-9
+    assert report.substeps >= 1 and report.counts.factorizations >= 1 and report.times.total > 0
+    assert report.rank.freedoms == 1 and report.rank.rows == 5
+    simulator.step(1e-3)
+    assert report.time == pytest.approx(1e-3)  # a copy
+    assert simulator.report.time == pytest.approx(2e-3)
+    assert "success" in repr(report)
+    assert "multifrontal" in simulator.solver_description.lower()
+
+
+def test_numerical_outcomes_are_statuses():
+    world = taut.World()
+    a = world.add_body(pose=taut.Pose(p=[1, 0, 0]))
+    for length in (1.0, 2.0):
+        world.add("", taut.Distance(taut.GROUND, a, [0, 0, 0], [0, 0, 0], length))
+    simulator = taut.Simulator(world)
+    before = bits(world)
+    report = simulator.step(1e-3)
+    assert not report.advanced() and report.status in (taut.Status.CONTRADICTION, taut.Status.NOT_CONVERGED)
+    assert report.message and bits(world) == before
+    if report.status == taut.Status.CONTRADICTION:
+        assert report.contradiction and report.contradiction.names(world)
+
+
+def test_settings_are_checked_and_copied():
+    world = chain(2)
+    for wrong in ({"threads": -1}, {"threads": 10**6}, {"position_tolerance": float("nan")}, {"theta": 7.0}):
+        with pytest.raises(ValueError):
+            taut.Simulator(world, taut.Settings(**wrong))
+    with pytest.raises(TypeError, match="no setting"):
+        taut.Settings(tolerance=1)
+    with pytest.raises(TypeError):
+        taut.Settings(integrator="rattle")
+    settings = taut.Settings(threads=1, integrator=taut.Integrator.MOREAU_JEAN)
+    simulator = taut.Simulator(world, settings)
+    settings.threads = -5
+    simulator.settings.erp = 77
+    assert simulator.settings.threads == 1 and simulator.settings.erp == 0.8
+    assert simulator.step(1e-3).ok()
+
+
+@pytest.mark.parametrize("dt", [0, -1, float("nan"), float("inf")])
+def test_bad_steps(dt):
+    simulator = taut.Simulator(chain(2))
+    with pytest.raises(ValueError):
+        simulator.step(dt)
+    with pytest.raises(ValueError):
+        simulator.run(3, dt)
+    with pytest.raises(ValueError):
+        simulator.run(0, 1e-3)
+    assert simulator.step(1e-3).ok()
+
+
+@pytest.mark.parametrize("name, parameters", [("net", {"n": 6}), ("pile", {"n": 6}), ("car", {}), ("suspension-bridge", {"n": 8})])
+def test_checkpoints_resume_bit_for_bit(name, parameters):
+    scene = taut.build_scene(name, **parameters)
+    simulator = taut.Simulator(scene.world, scene.settings)
+    simulator.run(40, scene.dt)
+    checkpoint = simulator.checkpoint()
+    simulator.run(60, scene.dt)
+    end = bits(scene.world)
+
+    simulator.restore(checkpoint)
+    simulator.run(60, scene.dt)
+    assert bits(scene.world) == end
+
+    other = taut.build_scene(name, **parameters)
+    again = taut.Simulator(other.world, other.settings)
+    again.restore(pickle.loads(pickle.dumps(checkpoint)))
+    again.run(60, other.dt)
+    assert bits(other.world) == end
+    assert taut.Checkpoint.from_bytes(checkpoint.to_bytes()) == checkpoint
+
+
+def test_bad_checkpoints():
+    simulator = taut.Simulator(chain(3))
+    simulator.step(1e-3)
+    data = simulator.checkpoint().to_bytes()
+    for wrong in (b"", b"nonsense", data[:-1], data[:100] + bytes([data[100] ^ 1]) + data[101:]):
+        with pytest.raises(ValueError):
+            taut.Checkpoint.from_bytes(wrong)
+    other = taut.Simulator(chain(4))
+    other.step(1e-3)
+    with pytest.raises(ValueError):
+        other.restore(simulator.checkpoint())
+    assert other.step(1e-3).ok()
+
+
+def test_steps_and_runs_have_the_same_bits():
+    one, two = chain(10), chain(10)
+    taut.Simulator(one).run(50, 1e-3)
+    simulator = taut.Simulator(two)
+    for _ in range(50):
+        simulator.step(1e-3)
+    assert bits(one) == bits(two)
+
+
+def test_assemble():
+    world, rod, _ = pendulum()
+    world.set_pose(rod, taut.Pose(p=[0.6, 0.1, 0]))
+    assert taut.gaps(world).max() > 0.1
+    simulator = taut.Simulator(world)
+    assert simulator.assemble().ok()
+    assert taut.gaps(world).max() < 1e-9
+
+
+def test_another_thread_runs_during_a_step():
+    scene = taut.build_scene("net", n=40)
+    simulator = taut.Simulator(scene.world, scene.settings)
+    inside, counted = threading.Event(), []
+
+    def count():
+        inside.wait()
+        while inside.is_set():
+            counted.append(time.perf_counter())
+            time.sleep(1e-3)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    start = time.perf_counter()
+    inside.set()
+    simulator.run(5, scene.dt)  # one call
+    inside.clear()
+    end = time.perf_counter()
+    thread.join()
+    assert sum(start < t < end for t in counted) > 5
+    gaps = np.diff([start, *(t for t in counted if start < t < end), end])
+    assert gaps.max() < 0.5 * (end - start)
+
+
+def test_other_threads_are_refused_while_a_step_runs():
+    scene = taut.build_scene("net", n=40)
+    world, simulator = scene.world, taut.Simulator(scene.world, scene.settings)
+    second = taut.Simulator(world, scene.settings)
+    errors, stepping = [], threading.Event()
+
+    def step():
+        stepping.set()
+        simulator.run(10, scene.dt)
+
+    thread = threading.Thread(target=step)
+    thread.start()
+    stepping.wait()
+    attempts = [
+        lambda: world.positions, lambda: world.pose(taut.GROUND), lambda: world.add_body(), lambda: world.copy(),
+        lambda: world.kinetic_energy(), lambda: world.wake_all(), lambda: taut.jacobian(world), lambda: simulator.step(1e-3),
+        lambda: second.step(1e-3), lambda: simulator.report, lambda: simulator.checkpoint(),
+    ]
+    time.sleep(0.02)
+    for attempt in attempts:
+        if not thread.is_alive():
+            break
+        try:
+            attempt()
+        except RuntimeError as error:
+            errors.append(str(error))
+    thread.join()
+    assert len(errors) >= 3 and all("another thread" in error for error in errors)
+    assert simulator.step(scene.dt).advanced()
+
+
+def test_two_worlds_in_two_threads():
+    def work(end):
+        world = chain(40)
+        taut.Simulator(world, taut.Settings(threads=1)).run(200, 1e-3)
+        end.append(bits(world))
+
+    end = []
+    threads = [threading.Thread(target=work, args=(end,)) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert end[0] == end[1]
+
+
+@pytest.fixture
+def ctrl_c_raises():
+    """What runs in the background may be told to ignore Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_ends_a_long_run(ctrl_c_raises):
+    scene = taut.build_scene("net", n=30)
+    simulator = taut.Simulator(scene.world, scene.settings)
+    timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    start = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        simulator.run(10**5, scene.dt)
+    assert time.perf_counter() - start < 10
+    timer.join()
+    state = bits(scene.world)
+    assert np.isfinite(scene.world.positions).all() and scene.world.time > 0
+    assert simulator.step(scene.dt).advanced() and bits(scene.world) != state
+
+
+def test_threads_do_not_change_bits():
+    def end(threads):
+        scene = taut.build_scene("pile", n=10)
+        settings = scene.settings
+        settings.threads = threads
+        taut.Simulator(scene.world, settings).run(100, scene.dt)
+        return bits(scene.world)
+
+    assert end(1) == end(2)
