@@ -77,12 +77,14 @@ double slip_under(double part, unsigned seed) {
   const Material material{.static_friction = kStatic, .dynamic_friction = 0.4};
   World world;
   world.add_shape(kGround, HalfSpace{}, {}, material);
-  const Vec3 size(between(0.2, 1), between(0.2, 1), between(0.05, 0.6));
+  const double height = between(0.05, 0.6), width = between(0.2, 1), length = between(0.2, 1);
+  const Vec3 size(length, width, height);
   const double mass = between(0.5, 10);
   const BodyId box = world.add_body(
       {.mass = MassProperties::box(size, mass), .pose = {Quat::Identity(), {0, 0, 0.5 * size.z()}}});
   world.add_shape(box, Box{size}, {}, material);
-  const Vec3 pole(between(-1, 1), between(-1, 1), -0.5 * size.z());
+  const double pole_y = between(-1, 1), pole_x = between(-1, 1);
+  const Vec3 pole(pole_x, pole_y, -0.5 * size.z());
   double share[4], sum = 0;
   for (double& s : share) sum += s = between(0.1, 1);
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
