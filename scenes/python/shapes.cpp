@@ -2,6 +2,8 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/variant.h>
 
+#include <filesystem>
+
 #include "collision/contact_finder.h"
 #include "collision/mesh/mesh_file.h"
 #include "core/world/material.h"
@@ -92,9 +94,12 @@ void bind_surfaces(nb::module_& m) {
       .def_rw("dx", &HeightField::dx)
       .def_rw("dy", &HeightField::dy)
       .def_rw("heights", &HeightField::heights);
-  m.def("read_mesh", &read_mesh, nb::arg("file"), nb::arg("scale") = 1,
-        "Reads a TriangleMesh from an OBJ or STL file; coordinates are multiplied by `scale` (1e-3 for "
-        "millimetres).");
+  m.def(
+      "read_mesh",
+      [](const std::filesystem::path& file, double scale) { return read_mesh(file.string(), scale); },
+      nb::arg("file"), nb::arg("scale") = 1,
+      "Reads a TriangleMesh from an OBJ or STL file; coordinates are multiplied by `scale` (1e-3 for "
+      "millimetres).");
 }
 
 void bind_material(nb::module_& m) {
