@@ -35,12 +35,7 @@ void bind_contact_finder(nb::module_& m) {
 Array tree_accelerations(World& world, bool lagrangian) {
   const StepScope scope(world);
   const TreeDynamics tree(world);
-  std::vector<double> rows;
-  for (const Twist& a : lagrangian ? tree.lagrangian(world.state()) : tree.recursive(world.state())) {
-    rows.insert(rows.end(), a.w.begin(), a.w.end());
-    rows.insert(rows.end(), a.v.begin(), a.v.end());
-  }
-  return owning(std::move(rows), 6);
+  return twist_array(lagrangian ? tree.lagrangian(world.state()) : tree.recursive(world.state()));
 }
 
 /// Of anything that scipy.sparse.csr_array takes.

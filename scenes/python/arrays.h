@@ -45,6 +45,12 @@ nb::ndarray<nb::numpy, Value> owning(std::vector<Value> values, std::size_t colu
   return nb::ndarray<nb::numpy, Value>(data, columns == 0 ? 1 : 2, shape, keep(std::move(held)));
 }
 
+/// n×6: angular, then linear.
+inline Array twist_array(const std::vector<Twist>& twists) {
+  const auto* const first = reinterpret_cast<const double*>(twists.data());
+  return owning(std::vector<double>(first, first + 6 * twists.size()), 6);
+}
+
 /// Quaternions w, x, y, z of poses, and with `positions` x, y, z behind them.
 std::vector<double> pose_rows(std::span<const Pose> poses, bool positions);
 

@@ -8,27 +8,28 @@
 namespace taut::python {
 namespace {
 
-Motion motion_that_calls(nb::callable function) {
-  return [held = HeldObject(std::move(function))](double time) {
+/// A function of time that calls one of Python, which returns the parts of a Point, or else raises
+/// `complaint`.
+template <typename Point, typename... Parts>
+auto that_calls(nb::callable function, const char* complaint) {
+  return [held = HeldObject(std::move(function)), complaint](double time) {
     const nb::gil_scoped_acquire gil;
     const nb::object result = held.get()(time);
-    std::tuple<double, double, double> point;
-    if (!nb::try_cast(result, point))
-      throw nb::type_error("a motion must return (value, rate, acceleration)");
-    return MotionPoint{std::get<0>(point), std::get<1>(point), std::get<2>(point)};
+    std::tuple<Parts...> parts;
+    if (!nb::try_cast(result, parts)) throw nb::type_error(complaint);
+    return std::apply([](const Parts&... part) { return Point{part...}; }, parts);
   };
 }
 
+Motion motion_that_calls(nb::callable function) {
+  return that_calls<MotionPoint, double, double, double>(std::move(function),
+                                                         "a motion must return (value, rate, acceleration)");
+}
+
 PoseMotion pose_motion_that_calls(nb::callable function) {
-  return [held = HeldObject(std::move(function))](double time) {
-    const nb::gil_scoped_acquire gil;
-    const nb::object result = held.get()(time);
-    std::tuple<Pose, Twist, Twist> point;
-    if (!nb::try_cast(result, point))
-      throw nb::type_error(
-          "a motion of a pose must return (Pose, Twist of velocities, Twist of accelerations)");
-    return PosePoint{std::get<0>(point), std::get<1>(point), std::get<2>(point)};
-  };
+  return that_calls<PosePoint, Pose, Twist, Twist>(
+      std::move(function),
+      "a motion of a pose must return (Pose, Twist of velocities, Twist of accelerations)");
 }
 
 void bind_motions(nb::module_& m) {

@@ -126,14 +126,8 @@ std::vector<std::pair<double, nb::object>> modes(World& world) {
     fail("natural_modes", "takes at most 300 moving bodies", world.moving_body_count());
   if (Rows(world).row_count() == 0) fail("natural_modes", "needs a world with joints", world.joint_count());
   std::vector<std::pair<double, nb::object>> found;
-  for (const Mode& mode : natural_modes(world)) {
-    std::vector<double> rows;
-    for (const Twist& V : mode.shape) {
-      rows.insert(rows.end(), V.w.begin(), V.w.end());
-      rows.insert(rows.end(), V.v.begin(), V.v.end());
-    }
-    found.emplace_back(mode.omega, nb::cast(owning(std::move(rows), 6)));
-  }
+  for (const Mode& mode : natural_modes(world))
+    found.emplace_back(mode.omega, nb::cast(twist_array(mode.shape)));
   return found;
 }
 

@@ -31,19 +31,15 @@ constexpr const char* kExportDoc =
     "Writes a page, a glTF animation, curves (SVG), numbers (CSV) or series for ParaView; \"\": not.";
 
 nb::dict frame_columns(const Frame& frame) {
-  std::vector<double> reactions, twists;
+  std::vector<double> reactions;
   for (const JointSample& joint : frame.joints) {
     reactions.insert(reactions.end(), joint.wrench.torque.begin(), joint.wrench.torque.end());
     reactions.insert(reactions.end(), joint.wrench.force.begin(), joint.wrench.force.end());
   }
-  for (const Twist& V : frame.twists) {
-    twists.insert(twists.end(), V.w.begin(), V.w.end());
-    twists.insert(twists.end(), V.v.begin(), V.v.end());
-  }
   nb::dict columns;
   columns["time"] = frame.time;
   columns["poses"] = owning(pose_rows(frame.poses, true), 7);
-  columns["twists"] = owning(std::move(twists), 6);
+  columns["twists"] = twist_array(frame.twists);
   columns["reactions"] = owning(std::move(reactions), 6);
   columns["tensions"] = owning(std::vector<double>(frame.tensions));
   columns["scalars"] = owning(std::vector<double>(frame.scalars));
