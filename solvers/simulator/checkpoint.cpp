@@ -13,7 +13,7 @@
 namespace taut {
 namespace {
 
-constexpr std::string_view kMark = "taut-checkpoint/4\n";
+constexpr std::string_view kMark = "taut-checkpoint/5\n";
 constexpr std::size_t kSumBytes = 8;
 
 std::uint64_t checksum(std::string_view bytes) {

@@ -241,10 +241,13 @@ void Breaking::transfer(Archive& archive) {
 void Sleep::transfer(Archive& archive, World& world) {
   if (!enabled()) return;
   read_bodies(world);
-  std::vector<char> seen(stirs_.size());
-  for (std::size_t b = 0; b < seen.size(); ++b)
-    seen[b] = stirs_[b] == world.wake_count({static_cast<int>(b)});
-  archive.sized(quiet_), archive.sized(seen), archive.sized(island_of_);
+  std::vector<char> seen(stirs_.size()),
+      asleep(stirs_.size());  // those of an island may have been woken since
+  for (int b = 0; b < std::ssize(seen); ++b) {
+    seen[b] = stirs_[b] == world.wake_count({b});
+    asleep[b] = world.is_asleep({b});
+  }
+  archive.sized(quiet_), archive.sized(seen), archive.sized(asleep), archive.sized(island_of_);
   archive(islands_);
   archive.sized(forces_then_);
   const int bodies = static_cast<int>(quiet_.size());
@@ -253,7 +256,7 @@ void Sleep::transfer(Archive& archive, World& world) {
   for (int island : island_of_) Archive::index(island, -1, static_cast<int>(islands_.size()));
   if (!archive.reads()) return;
   for (int b = 0; b < bodies; ++b)
-    if (island_of_[b] >= 0) world.put_to_sleep({b});
+    if (asleep[b]) world.put_to_sleep({b});
   for (int b = 0; b < bodies; ++b) stirs_[b] = world.wake_count({b}) - !seen[b];
 }
 
