@@ -101,7 +101,7 @@ class ContactForces final : public ContactLaws {
   void clear_reports();
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
-  void transfer(Archive& archive);
+  void transfer(Archive& archive, const World& world);
 
  private:
   void remap();

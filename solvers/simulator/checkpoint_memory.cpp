@@ -56,8 +56,15 @@ constexpr int kSegments = 2 * RowLaw::kMaxSteps + 1;
 
 void require_shape(const World& world, ShapeId shape) { Archive::index(shape.index, 0, world.shape_count()); }
 
-void require_bodies(const World& world, const Rows::ContactPlace& at) {
-  for (int body : {at.a, at.b}) Archive::index(body, 0, world.body_count());
+void require_bodies(const World& world, int a, int b) {
+  for (int body : {a, b}) Archive::index(body, 0, world.body_count());
+}
+
+bool has_shapes(const Contact& contact) { return contact.a.index >= 0 && contact.b.index >= 0; }
+
+void require_contact(const World& world, const Contact& contact) {
+  require_bodies(world, contact.A.index, contact.B.index);
+  require_shape(world, contact.a), require_shape(world, contact.b);
 }
 
 }  // namespace
@@ -103,16 +110,16 @@ void AxisForces::transfer(Archive& archive) {
 void ContactSet::transfer(Archive& archive, const World& world) {
   const auto place = [&](Place& p) {
     archive(p.at, p.active, p.unused, p.contact, p.material, p.parted, p.point);
-    require_bodies(world, p.at);
-    if (!p.active && p.contact.a.index < 0) return;  // never used
-    require_shape(world, p.contact.a), require_shape(world, p.contact.b);
+    require_bodies(world, p.at.a, p.at.b);
+    require_bodies(world, p.contact.A.index, p.contact.B.index);
+    if (p.active || has_shapes(p.contact)) require_contact(world, p.contact);  // else never used
   };
   archive.each(places_, place);
   archive.each(resting_, place);
   archive(parts_);
   std::vector<Contact> contacts = finder_.contacts();
   archive(contacts);
-  for (const Contact& contact : contacts) require_shape(world, contact.a), require_shape(world, contact.b);
+  for (const Contact& contact : contacts) require_contact(world, contact);
   if (!archive.reads()) return;
   finder_.recall(std::move(contacts));
   before_ = places_;
@@ -133,7 +140,7 @@ void ContactLaws::transfer_residuals(Archive& archive) {
 
 void ContactImpacts::transfer(Archive& archive) { archive(count_); }
 
-void ContactForces::transfer(Archive& archive) {
+void ContactForces::transfer(Archive& archive, const World& world) {
   const auto disc = [&](Disc& d) { archive(d.bound, d.slips, d.direction, d.weight, d.given, d.target); };
   const auto point = [&](Point& p) {
     archive(p.soft.target, p.soft.softness, p.soft.most, p.active, p.live, p.touching, p.pressed, p.gap,
@@ -146,12 +153,15 @@ void ContactForces::transfer(Archive& archive) {
   archive.each(table_.impacts, [&](Impact& i) { archive(i.stage, i.spent); });
   archive.each(resting_points_, point);
   archive(departed_, work_, struck_);
+  for (const ContactReport& report : departed_) require_contact(world, report.contact);
   impacts_.transfer(archive);
   archive(table_.h, table_.in_velocities, table_.single_kick);
   Archive::require(table_.points.size() == table_.set.places().size() &&
                        table_.impacts.size() == table_.points.size() &&
                        resting_points_.size() == table_.set.resting().size(),
                    "it has other contacts");
+  for (std::size_t k = 0; k < table_.points.size(); ++k)
+    Archive::require(!table_.points[k].active || has_shapes(table_.set.places()[k].contact));
   transfer_residuals(archive);
   before_ = table_.points;
   impacts_before_ = table_.impacts;
@@ -260,7 +270,10 @@ void Sleep::transfer(Archive& archive, World& world) {
   for (int b = 0; b < bodies; ++b) stirs_[b] = world.wake_count({b}) - !seen[b];
 }
 
-void SleepingLoads::transfer(Archive& archive) { archive(reactions_, axes_, contacts_); }
+void SleepingLoads::transfer(Archive& archive) {
+  archive(reactions_, axes_, contacts_);
+  for (const ContactReport& report : contacts_) require_contact(source_, report.contact);
+}
 
 void WeldReactions::transfer(Archive& archive) {
   if (loads_) archive(start_);
@@ -371,7 +384,7 @@ void ImpulseScheme::transfer(Archive& archive) {
   if (!contacts_.empty()) {
     contacts_.table().set.transfer(archive, world_);
     if (archive.reads()) contact_pattern_.renew();
-    contacts_.transfer(archive);
+    contacts_.transfer(archive, world_);
     if (archive.reads()) contacts_.give_points(system_);
   }
   axes_.transfer(archive);
