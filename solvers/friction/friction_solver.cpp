@@ -64,25 +64,36 @@ constexpr Rung kRungs[] = {
     {FrictionRung::kPath, path_and_newton},
 };
 
-/// d of FrictionResult::certificate, if there is one: where normals close whatever the impulses, those of
-/// W + ε 1 without friction grow as 1/ε along it.
-std::optional<Vector> contradiction(const FrictionProblem& problem) {
+/// The nearest d with W d = 0, d_N ≥ 0, d_T = 0 to `direction`, to O(ε²) of what moves: ε r → d as ε → 0 for
+/// the impulses r of (W + ε) r − direction without friction, in scaled rows; twice, since the second time
+/// there is only O(ε) left to take away.
+Vector into_null_cone(const FrictionProblem& problem, const Vector& units, Vector direction,
+                      BestImpulses& spent) {
   constexpr double kCompliance = 1e-10;
-  FrictionProblem smooth = problem;
-  smooth.mu.setZero();
-  const double size = problem.W.diagonal().maxCoeff();
-  FrictionProblem::Matrix softness(problem.rows(), problem.rows());
-  softness.setIdentity();
-  smooth.W += kCompliance * size * softness;
-  const ScaledFriction scaled(smooth);
-  BestImpulses best(scaled, 1e-8);
-  for (const Rung& rung : kRungs)
-    if (!best.met()) rung.climb(scaled, best.r(), best);
-  const Vector r = scaled.given(best.r());
-  const double largest = r.size() > 0 ? r.cwiseAbs().maxCoeff() : 0;
+  FrictionProblem soft = problem;
+  soft.mu.setZero();
+  for (int i = 0; i < problem.rows(); ++i) soft.W.coeffRef(i, i) += kCompliance * units[i];
+  for (int pass = 0; pass < 2; ++pass) {
+    soft.q = -direction;
+    const ScaledFriction scaled(soft);
+    BestImpulses best(scaled, 1e-8);
+    sweeps_and_newton(scaled, best.r(), best);
+    if (!best.met()) interior_point_and_newton(scaled, best.r(), best);
+    spent.factorisations += best.factorisations;
+    spent.sweeps += best.sweeps;
+    direction = kCompliance * scaled.given(best.r()).cwiseProduct(units);
+  }
+  return direction.cwiseQuotient(units);
+}
+
+/// d of FrictionResult::certificate, if there is one: what is nearest to −q of all that moves nothing.
+std::optional<Vector> contradiction(const FrictionProblem& problem, const ScaledFriction& scaled,
+                                    BestImpulses& spent) {
+  Vector d = into_null_cone(problem, scaled.units(), -problem.q, spent);
+  const double largest = d.size() > 0 ? d.cwiseAbs().maxCoeff() : 0;
   if (!(largest > 0)) return std::nullopt;
-  const Vector d = r / largest;
-  return ScaledFriction(problem).excludes(d) ? std::optional(d) : std::nullopt;
+  d /= largest;
+  return scaled.excludes(d) ? std::optional(d) : std::nullopt;
 }
 
 }  // namespace
@@ -104,6 +115,9 @@ FrictionResult solve_friction(const FrictionProblem& problem, const FrictionSett
   for (const Rung& rung : kRungs) {
     if (best.met()) break;
     if (rung.name == FrictionRung::kGuess && !guess) continue;
+    // Before what takes long, and would be in vain.
+    if (rung.name == FrictionRung::kManySweeps && (result.certificate = contradiction(problem, scaled, best)))
+      break;
     const double before = best.off();
     ++result.tried[static_cast<int>(rung.name)];
     rung.climb(scaled, start, best);
@@ -111,7 +125,7 @@ FrictionResult solve_friction(const FrictionProblem& problem, const FrictionSett
   }
   if (best.met())
     result.status = FrictionStatus::kSolved;
-  else if ((result.certificate = contradiction(problem)))
+  else if (result.certificate)
     result.status = FrictionStatus::kNoSolution;
   result.r = scaled.given(best.r());
   result.errors = best.errors();

@@ -44,7 +44,8 @@ ScaledFriction::ScaledFriction(const FrictionProblem& problem) : given_rows_(pro
   lay_out(problem);
   find_units(problem);
   take_matrix(problem);
-  norm_ = spectral_norm(problem.W);
+  const double norm = spectral_norm(problem.W);
+  norm_ = norm > 0 ? norm : 1;
   given_norm_of_q_ = problem.q.norm();
 }
 
@@ -155,6 +156,12 @@ Vector ScaledFriction::project(const Vector& x) const {
     else if (block.law == Law::kCone)
       y.segment<3>(block.first) = into_cone(x.segment<3>(block.first), block.mu);
   return y;
+}
+
+Vector ScaledFriction::units() const {
+  Vector units = Vector::Ones(given_rows_);
+  for (int i = 0; i < rows(); ++i) units[given_row_[i]] = root_[i] * root_[i];
+  return units;
 }
 
 FrictionErrors ScaledFriction::errors(const Vector& r) const {
