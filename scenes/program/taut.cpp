@@ -108,6 +108,9 @@ void add_run(CLI::App& app, Arguments& arguments) {
                  "of the recording and what is made from it, default 60; 0: every step")
       ->type_name("NUMBER");
   add_exports(run, options.exports);
+  run.add_option("--dump-stages", options.stages_folder,
+                 "write the friction problem of each step's last stages with contacts, for `taut friction`")
+      ->type_name("DIR");
   run.add_flag("--quiet", options.quiet, "print nothing but errors");
 }
 

@@ -171,6 +171,37 @@ TEST(Friction, OfBodiesThatDoNotMoveHasNoSolutionIfTheyClose) {
       FrictionStatus::kNoSolution);
 }
 
+/// Eliminated, one of three equalities being the sum of the others, contacts have the impulses that they have
+/// beside them, and W is that of dense algebra.
+TEST(Friction, OfContactsWhoseJointsHoldIsTheSameWithoutThem) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd J(9, 12);
+  for (double& value : J.reshaped()) value = normal(random);
+  J.row(2) = J.row(0) + J.row(1);
+  Vector v(12);
+  for (double& value : v) value = normal(random);
+  const Eigen::MatrixXd W = J * J.transpose();
+  const FrictionProblem beside = problem_of(W, J * v, Vector::Constant(2, 0.4), 3);
+  const FrictionProblem alone = beside.without_equalities();
+  EXPECT_EQ(alone.equalities, 0);
+  ASSERT_EQ(alone.rows(), 6);
+  const Eigen::MatrixXd inverse = W.topLeftCorner(3, 3).completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd exact =
+      W.bottomRightCorner(6, 6) - W.bottomLeftCorner(6, 3) * inverse * W.topRightCorner(3, 6);
+  EXPECT_LE((Eigen::MatrixXd(alone.W) - exact).norm(), 1e-12 * exact.norm());
+  const FrictionResult with = solve_friction(beside), without = solve_friction(alone);
+  ASSERT_EQ(with.status, FrictionStatus::kSolved);
+  ASSERT_EQ(without.status, FrictionStatus::kSolved);
+  EXPECT_LE((with.r.tail(6) - without.r).norm(), 1e-7 * without.r.norm());
+  // One that asks for nothing, of bodies that do not move, changes nothing.
+  Eigen::MatrixXd wider = Eigen::MatrixXd::Zero(10, 10);
+  wider.bottomRightCorner(9, 9) = W;
+  const Vector q = (Vector(10) << 0, beside.q).finished();
+  const FrictionProblem fixed = problem_of(wider, q, beside.mu, 4).without_equalities();
+  EXPECT_LE((Eigen::MatrixXd(fixed.W) - exact).norm(), 1e-12 * exact.norm());
+}
+
 TEST(Friction, FromItsOwnSolutionCostsNothing) {
   const FrictionProblem problem = one_contact({-1, 3, 4}, 0.5);
   const FrictionResult cold = solve_friction(problem);
