@@ -171,6 +171,8 @@ void add_bench(CLI::App& app, taut::BenchOptions& options) {
       "--work", options.work,
       "taut alone, nets, bridges, chains and grids of all sizes: stages, fill, operations, memory");
   bench.add_flag("--contact", options.contact, "only the scenes with contact, in all engines");
+  bench.add_flag("--friction", options.friction,
+                 "only friction problems, in taut's solver and those of Siconos; more files after --");
   bench.add_option("--only", options.only, "scenes, or benchmark programs, with this in their name");
   bench
       .add_option("--results", options.results,
