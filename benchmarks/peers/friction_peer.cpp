@@ -25,7 +25,7 @@ constexpr double kAccuracy = 1e-8;
 /// q is moved by this part of it.
 constexpr double kMove = 0.01;
 /// Solves that are over sooner [s] are made again, so many times at most, and the fastest counts.
-constexpr double kShort = 0.1;
+constexpr double kShort = 0.5;
 constexpr int kMaxTurns = 5;
 const std::string kStage = "stage:";
 

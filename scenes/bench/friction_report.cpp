@@ -282,7 +282,7 @@ std::string friction_page(const BenchResults& results, const std::string& comman
                  problems.size(), excluded);
   text +=
       "Each run is a process of its own with " + format("%g", results.value("limit_s", 0.0)) +
-      " s of processor time, on one thread; what is over sooner than 0.1 s is made up to five times, and "
+      " s of processor time, on one thread; what is over sooner than 0.5 s is made up to five times, and "
       "the fastest counts. Whoever solves, all are judged by the three residuals of solvers/friction, none "
       "above 1e-8 or what round-off makes of it. Siconos' tolerance is of an error that depends on units: "
       "it is 1e-8, 1e-10, 1e-12 and 1e-14 in turn until the residuals are met, and only the last run is "

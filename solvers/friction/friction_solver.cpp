@@ -24,13 +24,23 @@ void newton_from_guess(const ScaledFriction& problem, const Vector& start, BestI
   FrictionNewton{.steps = 8, .patience = 4}.solve(problem, start, best);
 }
 
+/// So many sweeps at most; fewer where they do by themselves.
+Vector sweep_until_right(const ScaledFriction& problem, Vector r, int times, BestImpulses& best) {
+  constexpr int kBetweenLooks = 10;
+  for (int done = 0; done < times; done += kBetweenLooks) {
+    r = sweep(problem, r, kBetweenLooks);
+    best.sweeps += kBetweenLooks;
+    if (best.offer(r) <= best.accuracy() / 100) break;
+  }
+  return r;
+}
+
 /// Sweeps find what sticks and slides, Newton finishes; where it does not, its last iterate is swept.
 void alternate(const ScaledFriction& problem, Vector r, std::initializer_list<double> gammas, int times,
                BestImpulses& best) {
   constexpr int kSweeps = 100;
   for (int i = 0; i < times && !best.met(); ++i) {
-    best.sweeps += kSweeps;
-    r = sweep(problem, r, kSweeps);
+    r = sweep_until_right(problem, r, kSweeps, best);
     const double gamma = gammas.begin()[i % gammas.size()];
     r = FrictionNewton{.gamma = gamma, .rho = 1e-4, .steps = 6, .memory = 10, .patience = 5}.solve(problem, r,
                                                                                                    best);

@@ -9,7 +9,7 @@ namespace taut {
 namespace {
 
 /// One contact by itself: fixed points of r ← P(r − γ û), to this part of r.
-constexpr int kLocalSteps = 60;
+constexpr int kLocalSteps = 10;
 constexpr double kLocalAccuracy = 1e-13;
 
 /// Its impulses, from r and u on; B is W of the contact.
