@@ -14,14 +14,15 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// What a rung does with a start; it offers what it finds to `best`.
+/// What a rung does from `r` on, which it may leave elsewhere for those after it; it offers what it finds to
+/// `best`.
 struct Rung {
   FrictionRung name;
-  void (*climb)(const ScaledFriction& problem, const Vector& start, BestImpulses& best);
+  void (*climb)(const ScaledFriction& problem, Vector& r, BestImpulses& best);
 };
 
-void newton_from_guess(const ScaledFriction& problem, const Vector& start, BestImpulses& best) {
-  FrictionNewton{.steps = 8, .patience = 4}.solve(problem, start, best);
+void newton_from_guess(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
+  FrictionNewton{.steps = 8, .patience = 4}.solve(problem, r, best);
 }
 
 /// So many sweeps at most; fewer where they do by themselves.
@@ -36,34 +37,34 @@ Vector sweep_until_right(const ScaledFriction& problem, Vector r, int times, Bes
 }
 
 /// Sweeps find what sticks and slides, Newton finishes; where it does not, its last iterate is swept.
-void alternate(const ScaledFriction& problem, Vector r, std::initializer_list<double> gammas, int times,
+void alternate(const ScaledFriction& problem, Vector& r, std::initializer_list<double> gammas, int times,
                BestImpulses& best) {
   constexpr int kSweeps = 100;
   for (int i = 0; i < times && !best.met(); ++i) {
     r = sweep_until_right(problem, r, kSweeps, best);
     const double gamma = gammas.begin()[i % gammas.size()];
-    r = FrictionNewton{.gamma = gamma, .rho = 1e-4, .steps = 6, .memory = 10, .patience = 5}.solve(problem, r,
-                                                                                                   best);
+    r = FrictionNewton{.gamma = gamma, .rho = 1e-4, .steps = 10, .memory = 10, .patience = 8}.solve(problem,
+                                                                                                    r, best);
   }
 }
 
-void sweeps_and_newton(const ScaledFriction& problem, const Vector& start, BestImpulses& best) {
-  alternate(problem, start, {30}, 3, best);
+void sweeps_and_newton(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
+  alternate(problem, r, {30}, 3, best);
 }
 
-void interior_point_and_newton(const ScaledFriction& problem, const Vector&, BestImpulses& best) {
+void interior_point_and_newton(const ScaledFriction& problem, Vector&, BestImpulses& best) {
   const Vector r = interior_point(problem, best);
   FrictionNewton{.gamma = 30, .memory = 10}.solve(problem, r, best);
 }
 
-void path_and_newton(const ScaledFriction& problem, const Vector&, BestImpulses& best) {
+void path_and_newton(const ScaledFriction& problem, Vector&, BestImpulses& best) {
   const Vector r = follow_path(problem, best);
   FrictionNewton{.gamma = 30, .memory = 10}.solve(problem, r, best);
 }
 
 /// γ in turn: no single one ends with all problems, and where one goes in a circle the next one leaves it.
-void many_sweeps_and_newton(const ScaledFriction& problem, const Vector& start, BestImpulses& best) {
-  alternate(problem, start, {100, 10, 1}, 60, best);
+void many_sweeps_and_newton(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
+  alternate(problem, r, {100, 10, 1}, 60, best);
 }
 
 constexpr Rung kRungs[] = {
@@ -79,7 +80,7 @@ constexpr Rung kRungs[] = {
 /// there is only O(ε) left to take away.
 Vector into_null_cone(const FrictionProblem& problem, const Vector& units, Vector direction,
                       BestImpulses& spent) {
-  constexpr double kCompliance = 1e-10;
+  constexpr double kCompliance = 1e-10, kNothing = 1e-8;
   FrictionProblem soft = problem;
   soft.mu.setZero();
   for (int i = 0; i < problem.rows(); ++i) soft.W.coeffRef(i, i) += kCompliance * units[i];
@@ -87,11 +88,14 @@ Vector into_null_cone(const FrictionProblem& problem, const Vector& units, Vecto
     soft.q = -direction;
     const ScaledFriction scaled(soft);
     BestImpulses best(scaled, 1e-8);
-    sweeps_and_newton(scaled, best.r(), best);
-    if (!best.met()) interior_point_and_newton(scaled, best.r(), best);
+    Vector r = best.r();
+    sweeps_and_newton(scaled, r, best);
+    if (!best.met()) interior_point_and_newton(scaled, r, best);
     spent.factorisations += best.factorisations;
     spent.sweeps += best.sweeps;
+    const double size = direction.norm();
     direction = kCompliance * scaled.given(best.r()).cwiseProduct(units);
+    if (direction.norm() <= kNothing * size) return Vector::Zero(problem.rows());
   }
   return direction.cwiseQuotient(units);
 }
