@@ -25,7 +25,8 @@ void newton_from_guess(const ScaledFriction& problem, Vector& r, BestImpulses& b
   FrictionNewton{.steps = 8, .patience = 4}.solve(problem, r, best);
 }
 
-/// So many sweeps at most; fewer where they do by themselves.
+/// So many sweeps at most, fewer where they are right by themselves, which is looked at now and then: it
+/// costs as much as one.
 Vector sweep_until_right(const ScaledFriction& problem, Vector r, int times, BestImpulses& best) {
   constexpr int kBetweenLooks = 10;
   for (int done = 0; done < times; done += kBetweenLooks) {
@@ -80,7 +81,8 @@ constexpr Rung kRungs[] = {
 /// there is only O(ε) left to take away.
 Vector into_null_cone(const FrictionProblem& problem, const Vector& units, Vector direction,
                       BestImpulses& spent) {
-  constexpr double kCompliance = 1e-10, kNothing = 1e-8;
+  constexpr double kCompliance = 1e-10;  // ε
+  constexpr double kNothing = 1e-8;      // of `direction`: what is left of it where all moves, to O(ε)
   FrictionProblem soft = problem;
   soft.mu.setZero();
   for (int i = 0; i < problem.rows(); ++i) soft.W.coeffRef(i, i) += kCompliance * units[i];
