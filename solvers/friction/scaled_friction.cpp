@@ -17,6 +17,19 @@ constexpr double kLeastOwnPart = 1e-14;
 /// |W|₂ by the power method on WᵀW.
 constexpr int kPowerSteps = 100;
 
+/// W x or Wᵀ x on this thread: Eigen's own product of a large matrix in rows starts threads for it, which
+/// takes longer than the product where other work keeps them waiting.
+Vector product(const FrictionProblem::Matrix& W, const Vector& x, bool transposed) {
+  Vector y = Vector::Zero(transposed ? W.cols() : W.rows());
+  for (int i = 0; i < W.outerSize(); ++i)
+    for (FrictionProblem::Matrix::InnerIterator at(W, i); at; ++at)
+      if (transposed)
+        y[at.col()] += at.value() * x[i];
+      else
+        y[i] += at.value() * x[at.col()];
+  return y;
+}
+
 /// The largest singular value.
 double spectral_norm(const FrictionProblem::Matrix& W) {
   Vector x = Vector::Ones(W.cols());
@@ -25,11 +38,11 @@ double spectral_norm(const FrictionProblem::Matrix& W) {
   for (int k = 0; k < kPowerSteps; ++k) {
     const double size = x.norm();
     if (!(size > 0)) return norm;
-    const Vector y = W * (x / size);
+    const Vector y = product(W, x / size, false);
     const double now = y.norm();
     if (std::abs(now - norm) <= 1e-9 * now) return now;
     norm = std::max(norm, now);
-    x = W.transpose() * y;
+    x = product(W, y, true);
   }
   return norm;
 }
