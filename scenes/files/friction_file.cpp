@@ -3,12 +3,14 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <set>
 #include <string_view>
 #include <vector>
 
 #include "core/base/check.h"
 #include "scenes/files/friction_hdf5.h"
 #include "scenes/files/scene_file.h"
+#include "scenes/support/format.h"
 
 namespace taut {
 namespace {
@@ -166,6 +168,26 @@ bool is_hdf5(const std::filesystem::path& file) {
   return in.read(start, sizeof start) && std::string_view(start, sizeof start) == kMagic;
 }
 
+/// Which blocks of contacts W has, by rows.
+struct BlockPattern {
+  std::vector<int> start{0}, column;
+
+  explicit BlockPattern(const Matrix& W) {
+    for (int k = 0; 3 * k < W.rows(); ++k) {
+      std::set<int> met;
+      for (int i = 3 * k; i < 3 * k + 3; ++i)
+        for (Matrix::InnerIterator at(W, i); at; ++at) met.insert(static_cast<int>(at.col()) / 3);
+      column.insert(column.end(), met.begin(), met.end());
+      start.push_back(static_cast<int>(column.size()));
+    }
+  }
+};
+
+void append_numbers(std::string& text, const Vector& values) {
+  for (const double value : values) text += format("%.17g ", value);
+  text += '\n';
+}
+
 }  // namespace
 
 FrictionProblem with_second_tangents(const Matrix& W, const Vector& q, const Vector& mu, int equalities) {
@@ -213,6 +235,34 @@ FrictionFile parse_friction_text(std::string_view text, const std::string& name)
   if (numbers.left() > 1) fail(name, "goes on behind its end", numbers.left());
   file.problem.require_valid();
   return file;
+}
+
+std::string friction_text(const FrictionProblem& problem) {
+  problem.require_valid();
+  if (problem.equalities > 0) fail("equalities", "have no place in the text form", problem.equalities);
+  const int contacts = problem.contacts(), rows = problem.rows();
+  const BlockPattern blocks(problem.W);
+  std::string text = format("3\n%d\n1 %d %d\n%d %d %d\n", contacts, rows, rows,
+                            static_cast<int>(blocks.column.size()), contacts, contacts);
+  for (int twice = 0; twice < 2; ++twice) {
+    for (int k = 0; k < contacts; ++k) text += format("%d ", 3 * k + 3);
+    text += '\n';
+  }
+  text += format("%d %d\n", contacts + 1, static_cast<int>(blocks.column.size()));
+  for (const auto* list : {&blocks.start, &blocks.column}) {
+    for (const int index : *list) text += format("%d ", index);
+    text += '\n';
+  }
+  for (int k = 0, b = 0; k < contacts; ++k)
+    for (; b < blocks.start[k + 1]; ++b) {
+      text += format("%d\n", b);
+      const Eigen::Matrix3d block =
+          Matrix(problem.W.middleRows(3 * k, 3)).middleCols(3 * blocks.column[b], 3);
+      append_numbers(text, Eigen::Map<const Vector>(block.data(), 9));
+    }
+  append_numbers(text, problem.q);
+  append_numbers(text, problem.mu);
+  return text;
 }
 
 FrictionFile read_friction_file(const std::filesystem::path& file) {

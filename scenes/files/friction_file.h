@@ -22,6 +22,10 @@ FrictionFile read_friction_file(const std::filesystem::path& file);
 /// The text form by itself, `name` for messages.
 FrictionFile parse_friction_text(std::string_view text, const std::string& name);
 
+/// A problem without equalities in that text form: local, in blocks of contacts, every number as it is.
+/// @throws std::invalid_argument if there are equalities, or as the problem's require_valid().
+std::string friction_text(const FrictionProblem& problem);
+
 /// Whether this build reads HDF5.
 bool reads_hdf5();
 

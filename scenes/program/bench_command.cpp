@@ -13,6 +13,7 @@
 #include "scenes/bench/bench_report.h"
 #include "scenes/bench/work_report.h"
 #include "scenes/files/scene_file.h"
+#include "scenes/program/bench_friction.h"
 #include "scenes/program/run_command.h"
 #include "scenes/recording/recorder.h"
 #include "scenes/support/child_process.h"
@@ -135,7 +136,7 @@ void write(const fs::path& file, const std::string& text) {
 
 std::string command_of(const BenchOptions& options) {
   return std::string("taut bench") + (options.quick ? " --quick" : "") + (options.work ? " --work" : "") +
-         (options.contact ? " --contact" : "") +
+         (options.contact ? " --contact" : "") + (options.friction ? " --friction" : "") +
          (options.only.empty() ? "" : " --only '" + options.only + "'") +
          (options.limit > 0 ? " --limit " + shortest(options.limit) : "");
 }
@@ -301,6 +302,13 @@ int bench_command(const BenchOptions& options) {
                                                    : fs::path(options.build_dir);
   const fs::path folder = build / "benchmarks";
   if (options.work && options.contact) fail("--work", "is of joints alone, so not for", "--contact");
+  if (options.friction && (options.work || options.contact))
+    fail("--friction", "is of problems without scenes, so not for", options.work ? "--work" : "--contact");
+  if (options.friction) {
+    const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
+    return bench_friction(options, folder / "peers", out, command_of(options)) == 0 ? kExitSuccess
+                                                                                    : kExitFailure;
+  }
   if (options.work) return run_work(folder, build, options) == 0 ? kExitSuccess : kExitFailure;
   const bool engines_only = options.quick || options.contact || !options.compare.empty();
   const std::vector<fs::path> programs =

@@ -17,6 +17,7 @@
 #include "scenes/program/run_recording.h"
 #include "scenes/program/run_report.h"
 #include "scenes/program/run_settings.h"
+#include "scenes/program/stage_dump.h"
 #include "scenes/program/start_warnings.h"
 #include "scenes/recording/gap_meter.h"
 #include "scenes/recording/recorder.h"
@@ -53,10 +54,11 @@ class Outputs {
     require_writable("--poses", options.poses_file);
     require_writable("--save", options.save_file);
     require_writable("--record", options.record_file);
+    require_writable_folder("--dump-stages", options.stages_folder);
     check_exports(options.exports);
   }
 
-  Outputs(const RunOptions& options, const Scene& scene) {
+  Outputs(const RunOptions& options, const Scene& scene, Simulator& simulator) {
     if (!options.csv_file.empty()) {
       csv_.emplace(options.csv_file, OutputFile::Way::kStreamed);
       if (!csv_->error().empty()) fail("--csv", "cannot write the file", csv_->error());
@@ -67,6 +69,10 @@ class Outputs {
     if (!options.record_file.empty() || options.exports.any())
       recording_ = std::make_unique<RunRecording>(scene, options.record_file, options.exports,
                                                   options.frames_per_second.value_or(kFramesPerSecond));
+    if (!options.stages_folder.empty()) {
+      stages_ = std::make_unique<StageDump>(options.stages_folder);
+      stages_->watch(simulator);
+    }
   }
 
   void header(const Recorder& recorder) {
@@ -74,6 +80,10 @@ class Outputs {
     csv_->out() << "time";
     for (const std::string& column : recorder.columns()) csv_->out() << ',' << csv_field(column);
     csv_->out() << '\n';
+  }
+  /// Of a step, whatever became of it.
+  void stages(std::int64_t step) {
+    if (stages_) note_unwritten(stages_->write(step));
   }
   void sample(Recorder& recorder, Simulator& simulator) {
     if (poses_) poses_->record(simulator.world());
@@ -154,6 +164,7 @@ class Outputs {
   std::optional<OutputFile> csv_;
   std::unique_ptr<PoseTrace> poses_;
   std::unique_ptr<RunRecording> recording_;
+  std::unique_ptr<StageDump> stages_;
   std::vector<std::string> errors_;
   std::string save_file_;
   Clock::time_point last_save_ = Clock::now();
@@ -198,6 +209,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     const auto start = Clock::now();
     const StepReport& report = simulator.step(record.dt);
     const double seconds = seconds_since(start);
+    outputs.stages(i + 1);
     if (report.status == Status::kInterrupted) {
       record.add(report, seconds, {}, 0);
       if (!before.empty()) simulator.restore(before);
@@ -300,7 +312,7 @@ int run_command(const RunOptions& options) {
   record.solver = simulator.solver_description();
   record.start(scene, meter.row_count(), total_energy(scene.world, scene.world.state()));
   add_warnings(record, scene.world, scene.settings);
-  Outputs outputs(options, scene);
+  Outputs outputs(options, scene, simulator);
 
   const auto start = Clock::now();
   std::vector<double> last;

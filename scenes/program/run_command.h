@@ -30,6 +30,7 @@ struct RunOptions {
   std::optional<double> theta;
   bool sleep = false, merge_fixed_joints = false;              ///< also if the scene does not say so
   std::string report_file, csv_file, poses_file, record_file;  ///< empty: none
+  std::string stages_folder;                ///< for the friction problems of its stages; empty: none
   std::string from_file, save_file;         ///< the state to start from, and where it goes to; empty: none
   std::optional<double> poses_interval;     ///< [s]; 0 or not given: every step
   ExportFiles exports;                      ///< made from the recording; its csv is not used

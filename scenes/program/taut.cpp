@@ -108,6 +108,9 @@ void add_run(CLI::App& app, Arguments& arguments) {
                  "of the recording and what is made from it, default 60; 0: every step")
       ->type_name("NUMBER");
   add_exports(run, options.exports);
+  run.add_option("--dump-stages", options.stages_folder,
+                 "write the friction problem of each step's last stages with contacts, for `taut friction`")
+      ->type_name("DIR");
   run.add_flag("--quiet", options.quiet, "print nothing but errors");
 }
 
@@ -168,6 +171,8 @@ void add_bench(CLI::App& app, taut::BenchOptions& options) {
       "--work", options.work,
       "taut alone, nets, bridges, chains and grids of all sizes: stages, fill, operations, memory");
   bench.add_flag("--contact", options.contact, "only the scenes with contact, in all engines");
+  bench.add_flag("--friction", options.friction,
+                 "only friction problems, in taut's solver and those of Siconos; more files after --");
   bench.add_option("--only", options.only, "scenes, or benchmark programs, with this in their name");
   bench
       .add_option("--results", options.results,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "solvers/common/move_rows.h"
+#include "solvers/complementarity/contact_stage.h"
 
 namespace taut {
 
@@ -62,7 +63,9 @@ bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport
   if (verdict == StageVerdict::kNext) verdict = pivoting_.solve(attempt);
   if (verdict == StageVerdict::kNext) verdict = primal_.solve(attempt);
   accuracy_.take(attempt.inexact_residual);
-  return verdict == StageVerdict::kMet;
+  const bool met = verdict == StageVerdict::kMet;
+  detail::StageWatchScope::tell(model_, attempt.solution(stage.lambda), met);
+  return met;
 }
 
 bool StageSolver::solve_velocities(const Stage& stage, SubstepReport& report) {

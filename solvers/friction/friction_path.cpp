@@ -11,7 +11,8 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-constexpr int kMostPathSteps = 400;
+/// Two of two random stages that 400 leave end within 1,800.
+constexpr int kMostPathSteps = 4000;
 /// √(z_T² + smooth²) at τ = 1, of √(y·z).  0: the curve has kinks, and none of six hard problems is solved.
 constexpr double kSmoothSlip = 0.1;
 /// Steps start within kOnPath of the curve and end within kNearPath; else they are shortened, eight times at

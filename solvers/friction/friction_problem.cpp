@@ -29,6 +29,35 @@ void require_friction(const Eigen::VectorXd& mu, int equalities) {
   for (const double value : mu) require_not_negative("mu", value);
 }
 
+/// A⁺ b of positive semidefinite A, for b in its range: solved with A + ε diag A, which leaves O(ε), and from
+/// there once more, which leaves O(ε²).
+class PseudoInverse {
+ public:
+  using Columns = Eigen::SparseMatrix<double>;
+
+  explicit PseudoInverse(const Columns& A) : A_(A) {
+    constexpr double kShift = 1e-9;
+    Columns shifted = A;
+    const Eigen::VectorXd diagonal = A.diagonal();
+    const double largest = diagonal.cwiseAbs().maxCoeff();
+    // Rows that move nothing ask for nothing.
+    for (int i = 0; i < A.rows(); ++i)
+      shifted.coeffRef(i, i) += diagonal[i] > 0 ? kShift * diagonal[i] : largest > 0 ? largest : 1;
+    factor_.compute(shifted);
+    if (factor_.info() != Eigen::Success)
+      fail("W", "must be positive semidefinite among equalities", factor_.lastErrorMessage());
+  }
+  template <typename Right>
+  Right of(const Right& b) const {
+    const Right first = factor_.solve(b), left = b - A_ * first;
+    return first + Right(factor_.solve(left));
+  }
+
+ private:
+  Columns A_;
+  Eigen::SparseLU<Columns> factor_;
+};
+
 }  // namespace
 
 void FrictionProblem::require_valid() const {
@@ -36,6 +65,21 @@ void FrictionProblem::require_valid() const {
   require_matrix("W", W, rows(), rows());
   require_entries("q", q.size(), rows());
   require_all_finite("q", q);
+}
+
+FrictionProblem FrictionProblem::without_equalities() const {
+  require_valid();
+  if (equalities == 0) return *this;
+  using Columns = Eigen::SparseMatrix<double>;
+  const int n = 3 * contacts();
+  const Columns all = W;
+  const Columns W_ee = all.topLeftCorner(equalities, equalities), W_ec = all.topRightCorner(equalities, n);
+  const Matrix W_ce = W.bottomRows(n).leftCols(equalities);
+  const PseudoInverse inverse(W_ee);
+  FrictionProblem alone{.W = {}, .q = q.tail(n), .mu = mu};
+  alone.W = Matrix(all.bottomRightCorner(n, n)) - Matrix(W_ce * inverse.of(W_ec));
+  alone.q -= W_ce * inverse.of(Eigen::VectorXd(q.head(equalities)));
+  return alone;
 }
 
 FrictionProblem GlobalFrictionProblem::condensed() const {

@@ -23,6 +23,10 @@ struct FrictionProblem {
 
   /// @throws std::invalid_argument naming what has another size, is not finite or negative.
   void require_valid() const;
+  /// The contacts alone, whose joints hold:  W = W_cc − W_ce W_ee⁺ W_ec,  q = q_c − W_ce W_ee⁺ q_e,  with
+  /// e the equalities, which may depend on each other.
+  /// @throws std::invalid_argument as require_valid().
+  FrictionProblem without_equalities() const;
 };
 
 /// The same before the bodies are eliminated:  M v = H r + f,  u = Hᵀ v + b.

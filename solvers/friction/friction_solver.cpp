@@ -14,46 +14,58 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// What a rung does with a start; it offers what it finds to `best`.
+/// What a rung does from `r` on, which it may leave elsewhere for those after it; it offers what it finds to
+/// `best`.
 struct Rung {
   FrictionRung name;
-  void (*climb)(const ScaledFriction& problem, const Vector& start, BestImpulses& best);
+  void (*climb)(const ScaledFriction& problem, Vector& r, BestImpulses& best);
 };
 
-void newton_from_guess(const ScaledFriction& problem, const Vector& start, BestImpulses& best) {
-  FrictionNewton{.steps = 8, .patience = 4}.solve(problem, start, best);
+void newton_from_guess(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
+  FrictionNewton{.steps = 8, .patience = 4}.solve(problem, r, best);
+}
+
+/// So many sweeps at most, fewer where they are right by themselves, which is looked at now and then: it
+/// costs as much as one.
+Vector sweep_until_right(const ScaledFriction& problem, Vector r, int times, BestImpulses& best) {
+  constexpr int kBetweenLooks = 10;
+  for (int done = 0; done < times; done += kBetweenLooks) {
+    r = sweep(problem, r, kBetweenLooks);
+    best.sweeps += kBetweenLooks;
+    if (best.offer(r) <= best.accuracy() / 100) break;
+  }
+  return r;
 }
 
 /// Sweeps find what sticks and slides, Newton finishes; where it does not, its last iterate is swept.
-void alternate(const ScaledFriction& problem, Vector r, std::initializer_list<double> gammas, int times,
+void alternate(const ScaledFriction& problem, Vector& r, std::initializer_list<double> gammas, int times,
                BestImpulses& best) {
   constexpr int kSweeps = 100;
   for (int i = 0; i < times && !best.met(); ++i) {
-    best.sweeps += kSweeps;
-    r = sweep(problem, r, kSweeps);
+    r = sweep_until_right(problem, r, kSweeps, best);
     const double gamma = gammas.begin()[i % gammas.size()];
-    r = FrictionNewton{.gamma = gamma, .rho = 1e-4, .steps = 6, .memory = 10, .patience = 5}.solve(problem, r,
-                                                                                                   best);
+    r = FrictionNewton{.gamma = gamma, .rho = 1e-4, .steps = 10, .memory = 10, .patience = 8}.solve(problem,
+                                                                                                    r, best);
   }
 }
 
-void sweeps_and_newton(const ScaledFriction& problem, const Vector& start, BestImpulses& best) {
-  alternate(problem, start, {30}, 3, best);
+void sweeps_and_newton(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
+  alternate(problem, r, {30}, 3, best);
 }
 
-void interior_point_and_newton(const ScaledFriction& problem, const Vector&, BestImpulses& best) {
+void interior_point_and_newton(const ScaledFriction& problem, Vector&, BestImpulses& best) {
   const Vector r = interior_point(problem, best);
   FrictionNewton{.gamma = 30, .memory = 10}.solve(problem, r, best);
 }
 
-void path_and_newton(const ScaledFriction& problem, const Vector&, BestImpulses& best) {
+void path_and_newton(const ScaledFriction& problem, Vector&, BestImpulses& best) {
   const Vector r = follow_path(problem, best);
   FrictionNewton{.gamma = 30, .memory = 10}.solve(problem, r, best);
 }
 
 /// γ in turn: no single one ends with all problems, and where one goes in a circle the next one leaves it.
-void many_sweeps_and_newton(const ScaledFriction& problem, const Vector& start, BestImpulses& best) {
-  alternate(problem, start, {100, 10, 1}, 60, best);
+void many_sweeps_and_newton(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
+  alternate(problem, r, {100, 10, 1}, 60, best);
 }
 
 constexpr Rung kRungs[] = {
@@ -64,25 +76,40 @@ constexpr Rung kRungs[] = {
     {FrictionRung::kPath, path_and_newton},
 };
 
-/// d of FrictionResult::certificate, if there is one: where normals close whatever the impulses, those of
-/// W + ε 1 without friction grow as 1/ε along it.
-std::optional<Vector> contradiction(const FrictionProblem& problem) {
-  constexpr double kCompliance = 1e-10;
-  FrictionProblem smooth = problem;
-  smooth.mu.setZero();
-  const double size = problem.W.diagonal().maxCoeff();
-  FrictionProblem::Matrix softness(problem.rows(), problem.rows());
-  softness.setIdentity();
-  smooth.W += kCompliance * size * softness;
-  const ScaledFriction scaled(smooth);
-  BestImpulses best(scaled, 1e-8);
-  for (const Rung& rung : kRungs)
-    if (!best.met()) rung.climb(scaled, best.r(), best);
-  const Vector r = scaled.given(best.r());
-  const double largest = r.size() > 0 ? r.cwiseAbs().maxCoeff() : 0;
+/// The nearest d with W d = 0, d_N ≥ 0, d_T = 0 to `direction`, to O(ε²) of what moves: ε r → d as ε → 0 for
+/// the impulses r of (W + ε) r − direction without friction, in scaled rows; twice, since the second time
+/// there is only O(ε) left to take away.
+Vector into_null_cone(const FrictionProblem& problem, const Vector& units, Vector direction,
+                      BestImpulses& spent) {
+  constexpr double kCompliance = 1e-10;  // ε
+  constexpr double kNothing = 1e-8;      // of `direction`: what is left of it where all moves, to O(ε)
+  FrictionProblem soft = problem;
+  soft.mu.setZero();
+  for (int i = 0; i < problem.rows(); ++i) soft.W.coeffRef(i, i) += kCompliance * units[i];
+  for (int pass = 0; pass < 2; ++pass) {
+    soft.q = -direction;
+    const ScaledFriction scaled(soft);
+    BestImpulses best(scaled, 1e-8);
+    Vector r = best.r();
+    sweeps_and_newton(scaled, r, best);
+    if (!best.met()) interior_point_and_newton(scaled, r, best);
+    spent.factorisations += best.factorisations;
+    spent.sweeps += best.sweeps;
+    const double size = direction.norm();
+    direction = kCompliance * scaled.given(best.r()).cwiseProduct(units);
+    if (direction.norm() <= kNothing * size) return Vector::Zero(problem.rows());
+  }
+  return direction.cwiseQuotient(units);
+}
+
+/// d of FrictionResult::certificate, if there is one: what is nearest to −q of all that moves nothing.
+std::optional<Vector> contradiction(const FrictionProblem& problem, const ScaledFriction& scaled,
+                                    BestImpulses& spent) {
+  Vector d = into_null_cone(problem, scaled.units(), -problem.q, spent);
+  const double largest = d.size() > 0 ? d.cwiseAbs().maxCoeff() : 0;
   if (!(largest > 0)) return std::nullopt;
-  const Vector d = r / largest;
-  return ScaledFriction(problem).excludes(d) ? std::optional(d) : std::nullopt;
+  d /= largest;
+  return scaled.excludes(d) ? std::optional(d) : std::nullopt;
 }
 
 }  // namespace
@@ -104,6 +131,9 @@ FrictionResult solve_friction(const FrictionProblem& problem, const FrictionSett
   for (const Rung& rung : kRungs) {
     if (best.met()) break;
     if (rung.name == FrictionRung::kGuess && !guess) continue;
+    // Before what takes long, and would be in vain.
+    if (rung.name == FrictionRung::kManySweeps && (result.certificate = contradiction(problem, scaled, best)))
+      break;
     const double before = best.off();
     ++result.tried[static_cast<int>(rung.name)];
     rung.climb(scaled, start, best);
@@ -111,7 +141,7 @@ FrictionResult solve_friction(const FrictionProblem& problem, const FrictionSett
   }
   if (best.met())
     result.status = FrictionStatus::kSolved;
-  else if ((result.certificate = contradiction(problem)))
+  else if (result.certificate)
     result.status = FrictionStatus::kNoSolution;
   result.r = scaled.given(best.r());
   result.errors = best.errors();

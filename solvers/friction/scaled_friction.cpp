@@ -17,6 +17,19 @@ constexpr double kLeastOwnPart = 1e-14;
 /// |W|₂ by the power method on WᵀW.
 constexpr int kPowerSteps = 100;
 
+/// W x or Wᵀ x on this thread: Eigen's own product of a large matrix in rows starts threads for it, which
+/// takes longer than the product where other work keeps them waiting.
+Vector product(const FrictionProblem::Matrix& W, const Vector& x, bool transposed) {
+  Vector y = Vector::Zero(transposed ? W.cols() : W.rows());
+  for (int i = 0; i < W.outerSize(); ++i)
+    for (FrictionProblem::Matrix::InnerIterator at(W, i); at; ++at)
+      if (transposed)
+        y[at.col()] += at.value() * x[i];
+      else
+        y[i] += at.value() * x[at.col()];
+  return y;
+}
+
 /// The largest singular value.
 double spectral_norm(const FrictionProblem::Matrix& W) {
   Vector x = Vector::Ones(W.cols());
@@ -25,11 +38,11 @@ double spectral_norm(const FrictionProblem::Matrix& W) {
   for (int k = 0; k < kPowerSteps; ++k) {
     const double size = x.norm();
     if (!(size > 0)) return norm;
-    const Vector y = W * (x / size);
+    const Vector y = product(W, x / size, false);
     const double now = y.norm();
     if (std::abs(now - norm) <= 1e-9 * now) return now;
     norm = std::max(norm, now);
-    x = W.transpose() * y;
+    x = product(W, y, true);
   }
   return norm;
 }
@@ -44,7 +57,8 @@ ScaledFriction::ScaledFriction(const FrictionProblem& problem) : given_rows_(pro
   lay_out(problem);
   find_units(problem);
   take_matrix(problem);
-  norm_ = spectral_norm(problem.W);
+  const double norm = spectral_norm(problem.W);
+  norm_ = norm > 0 ? norm : 1;
   given_norm_of_q_ = problem.q.norm();
 }
 
@@ -155,6 +169,12 @@ Vector ScaledFriction::project(const Vector& x) const {
     else if (block.law == Law::kCone)
       y.segment<3>(block.first) = into_cone(x.segment<3>(block.first), block.mu);
   return y;
+}
+
+Vector ScaledFriction::units() const {
+  Vector units = Vector::Ones(given_rows_);
+  for (int i = 0; i < rows(); ++i) units[given_row_[i]] = root_[i] * root_[i];
+  return units;
 }
 
 FrictionErrors ScaledFriction::errors(const Vector& r) const {

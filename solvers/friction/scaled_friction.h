@@ -27,6 +27,8 @@ class ScaledFriction {
   const std::vector<Block>& blocks() const { return blocks_; }
   const Eigen::VectorXd& q() const { return q_; }
   double largest_q() const { return largest_q_; }
+  /// d of the rows of the problem; 1 of those that are none here.
+  Eigen::VectorXd units() const;
 
   /// W: columns and values of a row.  Rows of a block have the same columns, which are those of whole blocks.
   std::span<const int> columns(int row) const { return {columns_.data() + start_[row], row_length(row)}; }
@@ -63,7 +65,8 @@ class ScaledFriction {
   std::vector<int> start_, columns_, diagonal_;
   std::vector<double> values_, root_;  ///< root_ = √d of each row
   Eigen::VectorXd q_;
-  double largest_q_ = 0, norm_ = 0, given_norm_of_q_ = 0;
+  double largest_q_ = 0, given_norm_of_q_ = 0;
+  double norm_ = 1;  ///< |W|₂, or 1 where nothing moves
 };
 
 }  // namespace taut

@@ -10,6 +10,7 @@
 #include "solvers/common/motion_sums.h"
 #include "solvers/common/setting_checks.h"
 #include "solvers/common/stopwatch.h"
+#include "solvers/complementarity/contact_stage.h"
 #include "solvers/diagnosis/contradiction.h"
 #include "solvers/diagnosis/rank_report.h"
 #include "solvers/integrators/close_joints.h"
@@ -41,6 +42,7 @@ void Simulator::Impl::step(double dt) {
   try {
     const Stopwatch watch(report_.times.total);
     const detail::InterruptScope scope(&interrupt_);
+    const detail::StageWatchScope watched(&stage_watch_);
     welds_.forget_means();
     if (settings_.report_energy) books_.begin(world_, bodies_.as_set(), report_);
     sleep_.put_to_sleep(world_);
@@ -404,6 +406,7 @@ Simulator::Impl& Simulator::impl() const {
   if (impl_->identity_ == impl_->source_.identity()) return *impl_;
   auto fresh = std::make_unique<Impl>(impl_->source_, impl_->settings_);
   fresh->interrupt_ = impl_->interrupt_;
+  fresh->stage_watch_ = impl_->stage_watch_;
   impl_ = std::move(fresh);
   return *impl_;
 }
@@ -423,6 +426,10 @@ const StepReport& Simulator::step(double dt) {
 const StepReport& Simulator::report() const { return impl_->report_; }
 
 void Simulator::set_interrupt(std::function<bool()> asked) { impl().interrupt_ = std::move(asked); }
+
+void Simulator::set_stage_watch(std::function<void(const ContactStage&)> watch) {
+  impl().stage_watch_ = std::move(watch);
+}
 
 Reaction Simulator::mean_reaction(JointId joint) const {
   (void)impl().source_.joint(joint);  // throws for an id that is not there

@@ -12,6 +12,8 @@
 
 namespace taut {
 
+struct ContactStage;
+
 /// Force and torque of a joint on its body B, world axes; A receives the opposite.
 struct Reaction {
   Vec3 force = Vec3::Zero();   ///< [N]
@@ -46,6 +48,10 @@ class Simulator {
   /// is kept as contact_stretches() had it.  It must be cheap, and safe to call from several threads at once;
   /// empty: nothing is asked.
   void set_interrupt(std::function<bool()> asked);
+  /// Told inside step() of each stage with contacts that is solved directly, as a friction problem
+  /// (solvers/complementarity/contact_stage.h), in the order in which they are: several a step, since
+  /// positions are closed by iterations.  What it throws comes through; empty: nothing is told.
+  void set_stage_watch(std::function<void(const ContactStage&)> watch);
 
   /// Mean reaction of a joint over the last step: the impulse that it gave, divided by dt.
   Reaction mean_reaction(JointId joint) const;

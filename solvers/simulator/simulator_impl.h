@@ -52,6 +52,7 @@ class Simulator::Impl {
   std::uint64_t identity_ = source_.identity();
   Settings settings_;
   std::function<bool()> interrupt_;
+  std::function<void(const ContactStage&)> stage_watch_;
   StepReport report_;
   Stepper stepper_;
 

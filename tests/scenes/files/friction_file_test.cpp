@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -89,6 +90,27 @@ TEST(FrictionFile, FormsOfOneProblemAreTheSame) {
   EXPECT_EQ(c.form, "global");
   EXPECT_LE((Eigen::Matrix3d(c.problem.W) - 0.5 * Eigen::Matrix3d::Identity()).norm(), 1e-15);
   EXPECT_LE((c.problem.q - Eigen::Vector3d(-1, 3, 4)).norm(), 1e-15);
+}
+
+/// What is written is read as it was, to the last bit, W with blocks that are not there and not symmetric.
+TEST(FrictionFile, IsReadAsItWasWritten) {
+  FrictionProblem problem{.W = {}, .q = Eigen::VectorXd(9), .mu = Eigen::VectorXd(3)};
+  problem.q << -1.0 / 3, 2, 1e-300, 4, -5e17, 6, 7, 0.1, -0.0;
+  problem.mu << 0, 0.3, 1.5;
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(9, 9);
+  for (int i = 0; i < 9; ++i)
+    for (int j = 0; j < 9; ++j)
+      if (i / 3 != 1 || j / 3 == 1) W(i, j) = (i == j ? 9 : 0) + 1.0 / (1 + i + 10 * j);
+  W(0, 8) = 0;
+  problem.W = W.sparseView(0, 0);
+  const FrictionFile read = parse_friction_text(friction_text(problem), "written");
+  EXPECT_EQ(read.form, "local");
+  EXPECT_EQ(Eigen::MatrixXd(read.problem.W), W);
+  EXPECT_EQ(read.problem.q, problem.q);
+  EXPECT_EQ(read.problem.mu, problem.mu);
+  problem.equalities = 3;
+  problem.mu.conservativeResize(2);
+  EXPECT_THROW(friction_text(problem), std::invalid_argument);
 }
 
 /// In the plane friction has one direction.

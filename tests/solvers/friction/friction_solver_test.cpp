@@ -117,6 +117,21 @@ TEST(Friction, BetweenWallsThatCloseHasNoSolution) {
   EXPECT_LE(law_error(soft, softened.r), 1e-8);
 }
 
+/// Nor is there one beside a body that is a thousand times as fast, and what shows it is found before rungs
+/// that take long.
+TEST(Friction, BetweenWallsThatCloseHasNoSolutionBesideFastBodies) {
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(9, 6);
+  J.topLeftCorner(6, 3) << 1, 0, 0, 0, 1, 0, 0, 0, 1, -1, 0, 0, 0, 1, 0, 0, 0, 1;
+  J.bottomRightCorner(3, 3).setIdentity();
+  const Vector q = (Vector(9) << -1, 0.1, 0, -1, 0.1, 0, -1e3, 2e3, 0).finished();
+  const FrictionResult result = solve_friction(problem_of(J * J.transpose(), q, Vector::Constant(3, 0.5)));
+  ASSERT_EQ(result.status, FrictionStatus::kNoSolution);
+  EXPECT_NEAR((*result.certificate)[0], 1, 1e-6);
+  EXPECT_NEAR((*result.certificate)[3], 1, 1e-6);
+  EXPECT_LE(std::abs((*result.certificate)[6]), 1e-9);
+  EXPECT_LE(result.factorisations, 200);
+}
+
 /// Equalities that exclude each other have no solution either.
 TEST(Friction, WithContradictoryEqualitiesHasNoSolution) {
   Eigen::MatrixXd J(5, 3);
@@ -124,6 +139,67 @@ TEST(Friction, WithContradictoryEqualitiesHasNoSolution) {
   const Vector q = (Vector(5) << 1, -1, -1, 0, 0).finished();
   EXPECT_EQ(solve_friction(problem_of(J * J.transpose(), q, Vector::Constant(1, 0.5), 2)).status,
             FrictionStatus::kNoSolution);
+}
+
+/// What no impulse moves closes however large it is: alone, and beside what can be stopped, in any unit.
+TEST(Friction, OfBodiesThatDoNotMoveHasNoSolutionIfTheyClose) {
+  const Vector closing = (Vector(3) << -1, 0.3, 0).finished(),
+               parting = (Vector(3) << 0.1, 0.3, 0).finished();
+  for (const double unit : {1e-12, 1.0, 1e6}) {
+    for (const double mu : {0.0, 0.5}) {
+      const FrictionProblem fixed =
+          problem_of(Eigen::Matrix3d::Zero(), unit * closing, Vector::Constant(1, mu));
+      const FrictionResult result = solve_friction(fixed);
+      ASSERT_EQ(result.status, FrictionStatus::kNoSolution) << unit << ' ' << mu;
+      EXPECT_LT(result.certificate->dot(fixed.q), 0);
+      EXPECT_EQ(result.certificate->tail(2).norm(), 0);
+    }
+    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(6, 6);
+    W.topLeftCorner(3, 3) = unit * Eigen::Matrix3d::Identity();
+    const Vector q = (Vector(6) << -2, 0.1, 0, closing).finished();
+    const FrictionProblem beside = problem_of(W, q, Vector::Constant(2, 0.5));
+    const FrictionResult stopped = solve_friction(beside);
+    ASSERT_EQ(stopped.status, FrictionStatus::kNoSolution) << unit;
+    EXPECT_LE((W * *stopped.certificate).norm(), 1e-6 * unit);
+    EXPECT_LT(stopped.certificate->dot(q), 0);
+  }
+  EXPECT_EQ(solve_friction(problem_of(Eigen::Matrix3d::Zero(), parting, Vector::Constant(1, 0.5))).status,
+            FrictionStatus::kSolved);
+  // A joint between bodies that do not move cannot be closed either.
+  EXPECT_EQ(
+      solve_friction(problem_of(Eigen::MatrixXd::Zero(1, 1), Vector::Constant(1, 2), Vector(), 1)).status,
+      FrictionStatus::kNoSolution);
+}
+
+/// Eliminated, one of three equalities being the sum of the others, contacts have the impulses that they have
+/// beside them, and W is that of dense algebra.
+TEST(Friction, OfContactsWhoseJointsHoldIsTheSameWithoutThem) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd J(9, 12);
+  for (double& value : J.reshaped()) value = normal(random);
+  J.row(2) = J.row(0) + J.row(1);
+  Vector v(12);
+  for (double& value : v) value = normal(random);
+  const Eigen::MatrixXd W = J * J.transpose();
+  const FrictionProblem beside = problem_of(W, J * v, Vector::Constant(2, 0.4), 3);
+  const FrictionProblem alone = beside.without_equalities();
+  EXPECT_EQ(alone.equalities, 0);
+  ASSERT_EQ(alone.rows(), 6);
+  const Eigen::MatrixXd inverse = W.topLeftCorner(3, 3).completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd exact =
+      W.bottomRightCorner(6, 6) - W.bottomLeftCorner(6, 3) * inverse * W.topRightCorner(3, 6);
+  EXPECT_LE((Eigen::MatrixXd(alone.W) - exact).norm(), 1e-12 * exact.norm());
+  const FrictionResult with = solve_friction(beside), without = solve_friction(alone);
+  ASSERT_EQ(with.status, FrictionStatus::kSolved);
+  ASSERT_EQ(without.status, FrictionStatus::kSolved);
+  EXPECT_LE((with.r.tail(6) - without.r).norm(), 1e-7 * without.r.norm());
+  // One that asks for nothing, of bodies that do not move, changes nothing.
+  Eigen::MatrixXd wider = Eigen::MatrixXd::Zero(10, 10);
+  wider.bottomRightCorner(9, 9) = W;
+  const Vector q = (Vector(10) << 0, beside.q).finished();
+  const FrictionProblem fixed = problem_of(wider, q, beside.mu, 4).without_equalities();
+  EXPECT_LE((Eigen::MatrixXd(fixed.W) - exact).norm(), 1e-12 * exact.norm());
 }
 
 TEST(Friction, FromItsOwnSolutionCostsNothing) {
