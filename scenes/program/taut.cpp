@@ -1,4 +1,4 @@
-/// The program: taut run | replay | check | list | accuracy | friction | bench.
+/// The program: taut run | replay | check | import | list | accuracy | friction | bench.
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -11,6 +11,7 @@
 #include "scenes/program/bench_command.h"
 #include "scenes/program/check_command.h"
 #include "scenes/program/friction_command.h"
+#include "scenes/program/import_command.h"
 #include "scenes/program/list_command.h"
 #include "scenes/program/replay_command.h"
 #include "scenes/program/run_command.h"
@@ -27,6 +28,7 @@ struct Arguments {
   std::string list_name;
   std::string check_scene;
   bool check_all = false;
+  std::string model, imported;
   std::string recording;
   taut::ExportFiles replay;
   bool replay_quietly = false;
@@ -35,7 +37,9 @@ struct Arguments {
 };
 
 void add_scene(CLI::App& command, std::string& scene, std::vector<std::string>& assignments) {
-  command.add_option("scene", scene, "name of a scene (see `taut list`), or a scene file")->required();
+  command
+      .add_option("scene", scene, "name of a scene (see `taut list`), a scene file, or a model: URDF or MJCF")
+      ->required();
   command.add_option("--set", assignments, "a parameter of the scene, key=value; may be repeated")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
@@ -195,6 +199,11 @@ void add_others(CLI::App& app, Arguments& arguments) {
       *app.add_subcommand("check", "look for mistakes in a scene; count freedoms, name redundant rows");
   add_scene(check, arguments.check_scene, arguments.check_assignments);
   check.add_flag("--all", arguments.check_all, "name all redundant rows, not the first 20 only");
+  CLI::App& import = *app.add_subcommand(
+      "import", "a model of a robot, URDF or MJCF, as a scene file; lists what has no counterpart");
+  import.add_option("model", arguments.model, "a .urdf or .xml file")->required();
+  import.add_option("-o,--output", arguments.imported, "scene file to write; default: the standard output")
+      ->type_name("FILE.json");
   CLI::App& list = *app.add_subcommand("list", "list the scenes with their parameters");
   list.add_option("scene", arguments.list_name, "only this one");
   add_friction(app, arguments.friction);
@@ -215,6 +224,7 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
       taut::add_parameter(parameters, assignment);
     return taut::check_command(arguments.check_scene, parameters, arguments.check_all);
   }
+  if (app.got_subcommand("import")) return taut::import_command(arguments.model, arguments.imported);
   if (app.got_subcommand("list")) {
     std::cout << taut::list_scenes(arguments.list_name);
     return taut::kExitSuccess;

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "scenes/import/mjcf_tree.h"
+
+namespace taut::model {
+
+/// What refers to bodies, joints and sites of a MJCF file: contact pairs, equalities, tendons, actuators,
+/// sensors.
+class MjcfRelations {
+ public:
+  MjcfRelations(XmlFiles& files, const MjcfDefaults& defaults, const MjcfCompiler& compiler,
+                const MjcfNames& names, RobotModel& model)
+      : files_(files), defaults_(defaults), compiler_(compiler), names_(names), model_(model) {}
+  void read(const pugi::xml_node& mujoco);
+
+ private:
+  void read_contact(const pugi::xml_node& node);
+  void read_equality(const pugi::xml_node& node);
+  void read_connect(const MjcfElement& connect, Loop loop);
+  void read_weld(const MjcfElement& weld, Loop loop);
+  void read_joint_equality(const MjcfElement& equality);
+  void read_tendon(const pugi::xml_node& node);
+  void read_spatial(const MjcfElement& tendon);
+  void read_actuator(const pugi::xml_node& node);
+  void act_on_joint(const MjcfElement& actuator, AxisLaw& law, double start);
+  void read_sensor(const pugi::xml_node& node);
+  bool frame_sensor(const MjcfElement& sensor, ModelProbe& probe);
+  LinkFrame object_of(const MjcfElement& sensor);
+
+  int body(const MjcfElement& element, const char* attribute) const;
+  LinkFrame site(const MjcfElement& element, const char* attribute) const;
+  AxisName joint(const MjcfElement& element, const char* attribute) const;
+  LinkAxis& axis(const AxisName& name) { return model_.links[name.link].axes[name.axis]; }
+  Pose pose(int link) const { return link == kWorld ? Pose{} : model_.links[link].X_WL; }
+  void note(const MjcfElement& element, const std::string& message) {
+    model_.notices.push_back({element.place(), message, 1});
+  }
+
+  XmlFiles& files_;
+  const MjcfDefaults& defaults_;
+  const MjcfCompiler& compiler_;
+  const MjcfNames& names_;
+  RobotModel& model_;
+};
+
+}  // namespace taut::model
