@@ -10,6 +10,7 @@
 #include "scenes/import/mjcf_reader.h"
 #include "scenes/import/rigid_groups.h"
 #include "scenes/import/scene_document.h"
+#include "scenes/import/sdf_reader.h"
 #include "scenes/import/urdf_reader.h"
 #include "scenes/import/xml_files.h"
 
@@ -36,6 +37,7 @@ std::vector<ImportNotice> gathered(std::vector<ImportNotice> notices) {
 model::RobotModel read_robot_model(model::XmlFiles& files, const pugi::xml_node& root) {
   const std::string_view format = root.name();
   if (format == "robot") return model::read_urdf(files, root);
+  if (format == "sdf") return model::read_sdf(files, root);
   if (format == "mujoco") return model::read_mjcf(files, root);
   files.fail(root,
              "is none of <robot>, <sdf> and <mujoco> (value: <" + std::string(format.substr(0, 60)) + ">)");

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/math/so3.h"
 #include "scenes/import/rigid_groups.h"
 #include "scenes/import/scene_document.h"
@@ -27,8 +29,9 @@ void SceneDocument::write_joints(SceneJson& document) {
     if (link.free || stands_still(model_, i)) continue;
     if (link.axes.empty()) write_fixed(joints, i);
     for (std::size_t k = 0; k < segments_[i].size(); ++k)
-      write_segment(joints, i, segments_[i][k], k == 0 ? body(link.parent) : between_[i][k - 1],
-                    k + 1 == segments_[i].size() ? bodies_[i] : between_[i][k]);
+      joints_[i].push_back(write_segment(joints, link, segments_[i][k],
+                                         k == 0 ? body(link.parent) : between_[i][k - 1],
+                                         k + 1 == segments_[i].size() ? bodies_[i] : between_[i][k]));
   }
   for (const Loop& loop : model_.loops) write_loop(joints, loop);
   for (const AxisRelation& relation : model_.relations) write_relation(joints, relation);
@@ -47,15 +50,14 @@ void SceneDocument::write_fixed(SceneJson& joints, int i) {
                     {"anchor", vector_json(link.X_WL.p)}});
 }
 
-void SceneDocument::write_segment(SceneJson& joints, int i, const JointSegment& segment, const std::string& a,
-                                  const std::string& b) {
-  const Link& link = model_.links[i];
+/// The joint of the name of its axes, or of the fallback; @returns its name.
+std::string SceneDocument::write_segment(SceneJson& joints, const Link& link, const JointSegment& segment,
+                                         const std::string& a, const std::string& b) {
   const LinkAxis& first = link.axes[segment.first];
   const auto axis_W = [&](int k) {
     return vector_json((link.X_WL.q * link.axes[segment.first + k].axis).normalized());
   };
-  const std::string name = unique(joint_names_, joined_names(link, segment), bodies_[i] + "_joint");
-  joints_[i].push_back(name);
+  const std::string name = unique(joint_names_, joined_names(link, segment), b + "_joint");
   SceneJson json{{"name", name}, {"type", segment.type}, {"a", a}, {"b", b}};
   if (segment.type == "universal") {
     json["frame"] = "world";
@@ -73,6 +75,7 @@ void SceneDocument::write_segment(SceneJson& joints, int i, const JointSegment& 
   }
   if (SceneJson axes = axes_json(link, segment); !axes.empty()) json["axes"] = std::move(axes);
   joints.push_back(std::move(json));
+  return name;
 }
 
 SceneJson SceneDocument::axes_json(const Link& link, const JointSegment& segment) {
@@ -114,6 +117,7 @@ void SceneDocument::write_loop(SceneJson& joints, const Loop& loop) {
   if (stands_still(model_, loop.a.link) && stands_still(model_, loop.b.link))
     return note(loop.place, "joins two bodies that never move: left out");
   if (loop.a.link == loop.b.link) return note(loop.place, "joins a body to itself: left out");
+  if (!loop.axes.empty()) return write_closing_joint(joints, loop);
   SceneJson json{{"name", unique(joint_names_, loop.name, "loop")},
                  {"type", loop.fixed ? "fixed" : "ball"},
                  {"a", body(loop.a.link)},
@@ -130,6 +134,18 @@ void SceneDocument::write_loop(SceneJson& joints, const Loop& loop) {
   open_ = open_ || (loop.active && (A.p - B.p).norm() > kOpen);
   if (!loop.active) json["attached"] = false;
   joints.push_back(std::move(json));
+}
+
+/// A joint of two links that others join as well.
+void SceneDocument::write_closing_joint(SceneJson& joints, const Loop& loop) {
+  Link link;
+  link.X_WL = pose(loop.b.link);
+  link.axes = loop.axes;
+  link.name = body(loop.b.link);
+  const std::vector<JointSegment> segments = joint_segments(link);
+  if (segments.size() > 1)
+    return note(loop.place, "closes a loop with axes that no single joint has: left out");
+  write_segment(joints, link, segments[0], body(loop.a.link), body(loop.b.link));
 }
 
 SceneJson SceneDocument::axis_reference(const AxisName& axis) const {
@@ -166,6 +182,10 @@ void SceneDocument::write_wire(SceneJson& document, const Wire& wire) {
   for (std::size_t k = 1; k < wire.points.size(); ++k)
     length += (world(wire.points[k]).p - world(wire.points[k - 1]).p).norm();
   const LinkFrame &a = wire.points.front(), &b = wire.points.back();
+  if (std::ranges::all_of(wire.points, [&](const LinkFrame& p) { return stands_still(model_, p.link); }))
+    return note(wire.place, "a wire between points that never move: left out");
+  if (std::ranges::all_of(wire.points, [&](const LinkFrame& p) { return p.link == a.link; }))
+    return note(wire.place, "a wire between points of one body: left out");
   const bool two = wire.points.size() == 2;
   const SceneJson ends{{"a", body(a.link)},
                        {"b", body(b.link)},

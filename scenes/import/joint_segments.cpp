@@ -33,13 +33,13 @@ std::optional<Vec3> meeting(const WorldAxis& a, const WorldAxis& b) {
 std::optional<JointSegment> single(const WorldAxis& a) {
   switch (a.kind) {
     case Kind::kHinge:
-      return JointSegment{"hinge", 0, 1, {"angle"}, a.anchor, {}};
+      return JointSegment{"hinge", 0, 1, {"angle"}, a.anchor, Quat::Identity()};
     case Kind::kSlide:
-      return JointSegment{"slider", 0, 1, {"displacement"}, a.anchor, {}};
+      return JointSegment{"slider", 0, 1, {"displacement"}, a.anchor, Quat::Identity()};
     case Kind::kScrew:
-      return JointSegment{"screw", 0, 1, {"angle"}, a.anchor, {}};
+      return JointSegment{"screw", 0, 1, {"angle"}, a.anchor, Quat::Identity()};
     case Kind::kBall:
-      return JointSegment{"ball", 0, 1, {}, a.anchor, {}};
+      return JointSegment{"ball", 0, 1, {}, a.anchor, Quat::Identity()};
   }
   return {};
 }
@@ -50,7 +50,7 @@ std::optional<JointSegment> pair(const WorldAxis& a, const WorldAxis& b) {
   const bool mixed = a.kind != b.kind && a.kind <= Kind::kSlide && b.kind <= Kind::kSlide;
   if (hinges && std::abs(a.axis.dot(b.axis)) < kSame)
     if (const auto point = meeting(a, b))
-      return JointSegment{"universal", 0, 2, {"angle_1", "angle_2"}, *point, {}};
+      return JointSegment{"universal", 0, 2, {"angle_1", "angle_2"}, *point, Quat::Identity()};
   if (!mixed || !same(a.axis, b.axis)) return {};
   const bool turns_first = a.kind == Kind::kHinge;
   return JointSegment{"cylindrical",
@@ -59,7 +59,7 @@ std::optional<JointSegment> pair(const WorldAxis& a, const WorldAxis& b) {
                       turns_first ? std::vector<std::string>{"angle", "displacement"}
                                   : std::vector<std::string>{"displacement", "angle"},
                       turns_first ? a.anchor : b.anchor,
-                      {}};
+                      Quat::Identity()};
 }
 
 /// The place of a direction among three; the first free place across what is there if it is new; −1: none.
@@ -92,7 +92,7 @@ std::optional<Quat> frame_of(std::array<std::optional<Vec3>, 3> f) {
 
 /// Slides across each other, and then at most two hinges, along the axes of one frame.
 std::optional<JointSegment> six_dof(std::span<const WorldAxis> axes) {
-  JointSegment segment{"six_dof", 0, static_cast<int>(axes.size()), {}, {}, {}};
+  JointSegment segment{"six_dof", 0, static_cast<int>(axes.size()), {}, Vec3::Zero(), Quat::Identity()};
   std::array<std::optional<Vec3>, 3> frame;
   std::vector<const WorldAxis*> hinges;
   for (const WorldAxis& a : axes)

@@ -26,6 +26,10 @@ LinkInertia sum(const LinkInertia& a, const LinkInertia& b) {
   return both;
 }
 
+LinkInertia difference(const LinkInertia& whole, const LinkInertia& part) {
+  return sum(whole, {-part.mass, part.centre, -part.inertia});
+}
+
 bool is_solid(const LinkInertia& inertia) {
   try {
     (void)MassProperties(inertia.mass, inertia.inertia);

@@ -8,6 +8,8 @@ namespace taut::model {
 LinkInertia in_frame(const Pose& X_AL, const LinkInertia& inertia_L);
 /// Both together, in the frame of both.
 LinkInertia sum(const LinkInertia& a, const LinkInertia& b);
+/// What is left of the whole without the part.
+LinkInertia difference(const LinkInertia& whole, const LinkInertia& part);
 /// Whether it can be a body: mass and principal moments positive, which obey the triangle inequality.
 bool is_solid(const LinkInertia& inertia);
 /// Of a uniform solid of density 1 [kg/m³], in the frame of the shape.

@@ -1,6 +1,5 @@
 #include "scenes/import/mjcf_reader.h"
 
-#include "scenes/import/mjcf_relations.h"
 #include "scenes/import/mjcf_tree.h"
 
 namespace taut::model {
@@ -31,14 +30,11 @@ void read_options(XmlFiles& files, const pugi::xml_node& mujoco, RobotModel& mod
 RobotModel read_mjcf(XmlFiles& files, const pugi::xml_node& mujoco) {
   RobotModel model;
   if (const char* name = files.find(mujoco, "model")) model.name = name;
-  const MjcfCompiler compiler = read_compiler(files, mujoco);
-  const MjcfDefaults defaults(files, mujoco);
   read_options(files, mujoco, model);
-  MjcfTree tree(files, mujoco, compiler, defaults, model);
-  const auto worlds = files.children(mujoco, "worldbody");
-  for (const pugi::xml_node& world : worlds) tree.read(world);
+  MjcfTree tree(files, mujoco, model);
+  tree.read_world();
   tree.finish();
-  MjcfRelations(files, defaults, compiler, tree.names(), model).read(mujoco);
+  tree.relate();
   return model;
 }
 

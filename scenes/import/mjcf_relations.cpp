@@ -5,32 +5,45 @@ namespace {
 
 Pose inverse_of(const Pose& X) { return {X.q.conjugate(), X.q.conjugate() * Vec3(-X.p)}; }
 
+/// Thrown where something names what a part without counterpart would have defined, or has several copies.
+struct NotThere {
+  std::string name;
+};
+
 /// The entry of a name that an attribute gives.
 template <typename Value>
-Value named(const MjcfElement& element, const std::map<std::string, Value>& entries, const char* attribute) {
+Value named(const MjcfElement& element, const std::map<std::string, Value>& entries, const char* attribute,
+            const MjcfNames& names) {
   const std::string name = element.files().required(element.node(), attribute);
   const auto found = entries.find(name);
-  if (found == entries.end())
-    element.fail(std::string("\"") + attribute + "\" names nothing that is there (value: " + name + ")");
-  return found->second;
+  if (found != entries.end()) return found->second;
+  if (names.lacks_some || names.copied.contains(name)) throw NotThere{name};
+  element.fail(std::string("\"") + attribute + "\" names nothing that is there (value: " + name + ")");
 }
 
 }  // namespace
 
 int MjcfRelations::body(const MjcfElement& e, const char* attribute) const {
-  return named(e, names_.bodies, attribute);
+  return named(e, names_.bodies, attribute, names_);
 }
 LinkFrame MjcfRelations::site(const MjcfElement& e, const char* attribute) const {
-  return named(e, names_.sites, attribute);
+  return named(e, names_.sites, attribute, names_);
 }
 AxisName MjcfRelations::joint(const MjcfElement& e, const char* attribute) const {
-  return named(e, names_.joints, attribute);
+  const std::string name = e.text(attribute);
+  if (names_.free_joints.contains(name)) throw NotThere{name};
+  return named(e, names_.joints, attribute, names_);
 }
 
 void MjcfRelations::read(const pugi::xml_node& mujoco) {
   const auto each = [&](const char* section, void (MjcfRelations::*read_one)(const pugi::xml_node&)) {
     for (const pugi::xml_node& part : files_.children(mujoco, section))
-      for (const pugi::xml_node& node : files_.children(part)) (this->*read_one)(node);
+      for (const pugi::xml_node& node : files_.children(part)) try {
+          (this->*read_one)(node);
+        } catch (const NotThere& missing) {
+          note(MjcfElement(files_, node), std::string("<") + node.name() + "> names \"" + missing.name +
+                                              "\", which has no counterpart, or several: left out");
+        }
   };
   each("contact", &MjcfRelations::read_contact);
   each("equality", &MjcfRelations::read_equality);
@@ -47,8 +60,8 @@ void MjcfRelations::read_contact(const pugi::xml_node& node) {
     model_.pairs.push_back({body(element, "body1"), body(element, "body2"), false});
   } else if (kind == "pair") {
     element.find("name");
-    const int a = named(element, names_.bodies_of_geoms, "geom1"),
-              b = named(element, names_.bodies_of_geoms, "geom2");
+    const auto geom = [&](const char* key) { return named(element, names_.bodies_of_geoms, key, names_); };
+    const int a = geom("geom1"), b = geom("geom2");
     model_.pairs.push_back({a, b, true});
     note(element,
          "<pair> of geoms: their bodies may touch, as far as the geoms' contype and conaffinity let them");
@@ -61,7 +74,7 @@ void MjcfRelations::read_equality(const pugi::xml_node& node) {
   const MjcfElement element(files_, node);
   if (kind == "joint") return read_joint_equality(element);
   Loop loop;
-  loop.name = element.text("name");
+  loop.name = name_of(element);
   loop.place = element.place();
   loop.active = element.flag("active", true);
   if (element.find("site1")) {
@@ -98,7 +111,7 @@ void MjcfRelations::read_weld(const MjcfElement& weld, Loop loop) {
 
 void MjcfRelations::read_joint_equality(const MjcfElement& equality) {
   AxisRelation relation;
-  relation.name = equality.text("name");
+  relation.name = name_of(equality);
   relation.place = equality.place();
   relation.active = equality.flag("active", true);
   relation.driven = joint(equality, "joint1");
@@ -123,7 +136,7 @@ void MjcfRelations::read_tendon(const pugi::xml_node& node) {
 /// A wire through sites.  What it wraps around has no counterpart.
 void MjcfRelations::read_spatial(const MjcfElement& tendon) {
   Wire wire;
-  wire.name = tendon.text("name");
+  wire.name = name_of(tendon);
   wire.place = tendon.place();
   for (const pugi::xml_node& point : files_.children(tendon.node())) {
     if (std::string_view(point.name()) != "site")
@@ -201,7 +214,8 @@ void MjcfRelations::read_sensor(const pugi::xml_node& node) {
   const MjcfElement sensor(files_, node);
   const std::string kind = node.name();
   ModelProbe probe;
-  probe.name = sensor.text("name", kind.c_str());
+  probe.name = name_of(sensor);
+  if (probe.name.empty()) probe.name = kind;
   probe.place = sensor.place();
   if (kind == "jointpos" || kind == "jointvel" || kind == "jointactuatorfrc" || kind == "jointlimitfrc") {
     probe.quantity = kind == "jointpos" || kind == "jointvel" ? "axis" : "axis-force";

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenes/import/mjcf_tree.h"
+#include "scenes/import/mjcf_names.h"
 
 namespace taut::model {
 
@@ -9,11 +9,21 @@ namespace taut::model {
 class MjcfRelations {
  public:
   MjcfRelations(XmlFiles& files, const MjcfDefaults& defaults, const MjcfCompiler& compiler,
-                const MjcfNames& names, RobotModel& model)
-      : files_(files), defaults_(defaults), compiler_(compiler), names_(names), model_(model) {}
+                const MjcfNames& names, std::string prefix, RobotModel& model)
+      : files_(files),
+        defaults_(defaults),
+        compiler_(compiler),
+        names_(names),
+        prefix_(std::move(prefix)),
+        model_(model) {}
   void read(const pugi::xml_node& mujoco);
 
  private:
+  /// In the whole; nameless things stay so.
+  std::string name_of(const MjcfElement& element) const {
+    const std::string name = element.text("name");
+    return name.empty() ? name : prefix_ + name;
+  }
   void read_contact(const pugi::xml_node& node);
   void read_equality(const pugi::xml_node& node);
   void read_connect(const MjcfElement& connect, Loop loop);
@@ -40,6 +50,7 @@ class MjcfRelations {
   const MjcfDefaults& defaults_;
   const MjcfCompiler& compiler_;
   const MjcfNames& names_;
+  std::string prefix_;  // of names in the whole
   RobotModel& model_;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scenes/import/link_inertia.h"
+#include "scenes/import/mjcf_relations.h"
 
 namespace taut::model {
 namespace {
@@ -26,14 +27,17 @@ LinkInertia bounded(LinkInertia inertia, const MjcfCompiler& compiler) {
 
 }  // namespace
 
-void MjcfTree::read(const pugi::xml_node& worldbody) { read_children(worldbody, {}); }
-
-void MjcfTree::count(const pugi::xml_node& node) {
-  if (++elements_ > kMostElements) files_.fail(node, "the model has more than 200,000 elements");
+void MjcfTree::read_all(const Where& where) {
+  for (const pugi::xml_node& world : files_.children(mujoco_, "worldbody")) read_children(world, where);
 }
 
-std::string MjcfTree::name_of(const MjcfElement& element, const Where& where) const {
+void MjcfTree::count(const pugi::xml_node& node) {
+  if (++model_.elements > kMostElements) files_.fail(node, "the model has more than 200,000 elements");
+}
+
+std::string MjcfTree::name_of(const MjcfElement& element, const Where& where) {
   const std::string name = element.text("name");
+  if (!name.empty() && !where.ending.empty()) names_.copied.insert(name);
   return name.empty() ? name : name + where.ending;
 }
 
@@ -49,7 +53,8 @@ void MjcfTree::read_child(const pugi::xml_node& node, const Where& where) {
   if (name == "replicate") return read_replicate(node, where);
   if (name == "geom") return read_geom_of(node, where);
   if (name == "site") return read_site(node, where);
-  if (name == "attach") files_.fail(node, "<attach> of another model has no counterpart");
+  if (name == "attach") return read_attach(node, where);
+  if (name == "flexcomp" || name == "composite" || name == "plugin") names_.lacks_some = true;
   if (where.link == kWorld) return;
   if (name == "joint" || name == "freejoint") return read_joint(node, where);
   if (name == "inertial") return read_inertial(node, where);
@@ -58,7 +63,8 @@ void MjcfTree::read_child(const pugi::xml_node& node, const Where& where) {
 void MjcfTree::read_body(const pugi::xml_node& node, const Where& where) {
   const MjcfElement element(files_, node);
   Link link;
-  link.name = name_of(element, where);
+  const std::string name = name_of(element, where);
+  link.name = name.empty() ? name : where.beginning + name;
   link.parent = where.link;
   link.place = files_.place(node);
   const Pose X_WP = where.link == kWorld ? Pose{} : model_.links[where.link].X_WL;
@@ -70,13 +76,14 @@ void MjcfTree::read_body(const pugi::xml_node& node, const Where& where) {
   Where inside{static_cast<int>(model_.links.size()),
                {},
                element.text("childclass", where.childclass.c_str()),
+               where.beginning,
                where.ending};
   if (!inside.childclass.empty() && !defaults_.has(inside.childclass) && inside.childclass != "main")
     files_.fail(node, "there is no default class of this name (value: " + inside.childclass + ")");
-  if (!link.name.empty() && !names_.bodies.try_emplace(link.name, inside.link).second)
-    files_.fail(node, "there is another body of this name (value: " + link.name + ")");
+  if (!name.empty() && !names_.bodies.try_emplace(name, inside.link).second)
+    files_.fail(node, "there is another body of this name (value: " + name + ")");
   model_.links.push_back(std::move(link));
-  has_inertial_.push_back(false);
+  links_.push_back(inside.link);
   for (const pugi::xml_node& child : files_.children(node, "inertial"))  // in front of the geoms
     read_inertial(child, inside);
   read_children(node, inside);
@@ -124,10 +131,11 @@ void MjcfTree::read_joint(const pugi::xml_node& node, const Where& where) {
   const std::string name = name_of(joint, where);
   if (type == "free") {
     link.free = true;
+    names_.free_joints.insert(name);
     return;
   }
   LinkAxis axis;
-  axis.name = name;
+  axis.name = name.empty() ? name : where.beginning + name;
   axis.place = files_.place(node);
   axis.kind = type == "hinge"   ? LinkAxis::Kind::kHinge
               : type == "slide" ? LinkAxis::Kind::kSlide
@@ -172,10 +180,10 @@ void MjcfTree::read_law(LinkAxis& axis, const MjcfElement& joint) {
 }
 
 void MjcfTree::read_inertial(const pugi::xml_node& node, const Where& where) {
-  if (has_inertial_[where.link]) return;
+  if (has_inertial_.contains(where.link)) return;
   const MjcfElement element(files_, node);
   if (compiler_.inertia_from_geoms == MjcfCompiler::FromGeoms::kYes) return;
-  has_inertial_[where.link] = true;
+  has_inertial_.insert(where.link);
   LinkInertia inertia;
   files_.required(node, "mass");
   inertia.mass = not_negative(files_, node, "mass", element.number("mass", 0));
@@ -202,7 +210,7 @@ void MjcfTree::read_geom_of(const pugi::xml_node& node, const Where& where) {
     shapes.push_back(std::move(*geom.shape));
   }
   const bool in_groups = geom.group >= compiler_.first_group && geom.group <= compiler_.last_group;
-  if (where.link == kWorld || has_inertial_[where.link] || !geom.weighs || !in_groups ||
+  if (where.link == kWorld || has_inertial_.contains(where.link) || !geom.weighs || !in_groups ||
       compiler_.inertia_from_geoms == MjcfCompiler::FromGeoms::kNo)
     return;
   Link& link = model_.links[where.link];
@@ -227,12 +235,20 @@ void MjcfTree::read_site(const pugi::xml_node& node, const Where& where) {
 
 void MjcfTree::finish() {
   double total = 0;
-  for (Link& link : model_.links) {
+  for (int i : links_) {
+    Link& link = model_.links[i];
     link.inertia = bounded(link.inertia, compiler_);
     total += link.inertia.mass;
   }
   if (compiler_.total_mass > 0 && total > 0)
-    for (Link& link : model_.links) link.inertia = scaled(link.inertia, compiler_.total_mass / total);
+    for (int i : links_)
+      model_.links[i].inertia = scaled(model_.links[i].inertia, compiler_.total_mass / total);
+  for (const auto& attached : attached_) attached->finish();
+}
+
+void MjcfTree::relate() {
+  MjcfRelations(files_, defaults_, compiler_, names_, prefix_, model_).read(mujoco_);
+  for (const auto& attached : attached_) attached->relate();
 }
 
 }  // namespace taut::model

@@ -51,6 +51,20 @@ class Fusion {
       if (!is_solid(model_.links[target].inertia)) target = first_solid < 0 ? root : first_solid;
       into_[i] = target;
     }
+    for (int i : members)
+      if (into_[i] == i && !is_solid(inertia_with_parts(i, members))) {  // only all together are a body
+        for (int member : members) into_[member] = root;
+        return;
+      }
+  }
+
+  LinkInertia inertia_with_parts(int whole, const std::vector<int>& members) const {
+    LinkInertia all;
+    for (int i : members)
+      if (into_[i] == whole)
+        all = sum(
+            all, in_frame(inverse(model_.links[whole].X_WL) * model_.links[i].X_WL, model_.links[i].inertia));
+    return all;
   }
 
   void require_solid(int root, const std::vector<int>& members) const {

@@ -80,11 +80,13 @@ struct LinkFrame {
   Pose X_LF;
 };
 
-/// Closes a loop: origins of both frames meet; `fixed`: axes as well.
+/// Closes a loop: origins of both frames meet; `fixed`: axes as well.  With axes it is the joint that has
+/// them, where both links are.
 struct Loop {
   std::string name;
   LinkFrame a, b;
   bool fixed = false;
+  std::vector<LinkAxis> axes;  ///< in the frame of the link of b
   bool active = true;
   ModelPlace place;
 };
@@ -142,6 +144,8 @@ struct RobotModel {
   std::vector<ModelProbe> probes;
   std::vector<LinkPair> pairs;
   std::vector<ImportNotice> notices;
+  std::size_t models = 0;  ///< of the file that are read already
+  int elements = 0;        ///< of the file that were read, with their copies
 };
 
 }  // namespace taut::model

@@ -7,9 +7,11 @@
 namespace taut::model {
 namespace {
 
-/// Share of a link's mass that each body between its joints has: a scene has no joints without a body between
-/// them.
-constexpr double kShare = 1e-4;
+/// A scene has no two joints without a body between them.  Such a body takes this share of the mass of the
+/// link behind it, at the point of the joint between both, where it moves as it would with the link, and so
+/// changes nothing; and this share of its inertia, which does not turn with the link, and so changes the
+/// motion by about as much.
+constexpr double kShareOfMass = 1e-2, kShareOfInertia = 1e-3;
 constexpr int kMostClasses = 32;
 
 }  // namespace
@@ -61,9 +63,9 @@ void SceneDocument::name_bodies() {
     for (std::size_t k = 1; k < segments_[i].size(); ++k)
       between_[i].push_back(unique(body_names_, bodies_[i] + "_" + std::to_string(k), ""));
     if (!between_[i].empty())
-      note(
-          model_.links[i].place,
-          "\"" + bodies_[i] + "\" has axes that no single joint has: a part of 1e-4 of it lies between them");
+      note(model_.links[i].place, "\"" + bodies_[i] +
+                                      "\" has axes that no single joint has: 1e-2 of its mass and 1e-3 of "
+                                      "its inertia are a body between them");
   }
 }
 
@@ -155,14 +157,30 @@ SceneJson SceneDocument::body_json(const std::string& name, const Link& link,
   return json;
 }
 
+std::vector<LinkInertia> SceneDocument::shares_between(std::size_t i) const {
+  const Link& link = model_.links[i];
+  std::vector<LinkInertia> shares;
+  for (std::size_t k = 1; k < segments_[i].size(); ++k)
+    shares.push_back({kShareOfMass * link.inertia.mass, link.X_WL.local(segments_[i][k].anchor),
+                      kShareOfInertia * link.inertia.inertia});
+  return shares;
+}
+
 void SceneDocument::write_bodies(SceneJson& document) {
   SceneJson& bodies = document["bodies"] = SceneJson::array();
   for (std::size_t i = 0; i < model_.links.size(); ++i) {
-    const Link& link = model_.links[i];
-    for (const std::string& name : between_[i])
-      bodies.push_back(body_json(name, link, scaled(link.inertia, kShare)));
-    const double rest = 1 - kShare * static_cast<double>(between_[i].size());
-    SceneJson json = body_json(bodies_[i], link, scaled(link.inertia, rest));
+    Link& link = model_.links[i];
+    std::vector<LinkInertia> shares = shares_between(i);
+    LinkInertia rest = link.inertia;
+    for (const LinkInertia& share : shares) rest = difference(rest, share);
+    if (!is_solid(rest) && !shares.empty()) {  // the joint is too far away
+      for (LinkInertia& share : shares) share = scaled(link.inertia, kShareOfInertia);
+      rest = scaled(link.inertia, 1 - kShareOfInertia * static_cast<double>(shares.size()));
+    }
+    link.inertia = rest;
+    for (std::size_t k = 0; k < shares.size(); ++k)
+      bodies.push_back(body_json(between_[i][k], link, shares[k]));
+    SceneJson json = body_json(bodies_[i], link, link.inertia);
     if (stands_still(model_, static_cast<int>(i))) json["fixed"] = true;
     if (!link.shapes.empty()) json["shapes"] = shapes_json(link.shapes, link.inertia.centre);
     bodies.push_back(std::move(json));

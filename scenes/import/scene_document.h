@@ -36,6 +36,7 @@ class SceneDocument {
   SceneJson body_json(const std::string& name, const Link& link, const LinkInertia& inertia) const;
   SceneJson shapes_json(const std::vector<LinkShape>& shapes, const Vec3& centre) const;
   void write_bodies(SceneJson& document);
+  std::vector<LinkInertia> shares_between(std::size_t link) const;
   void gather_surfaces();
   void gather_classes();
   void write_materials(SceneJson& document) const;
@@ -51,12 +52,13 @@ class SceneDocument {
   // joint_document.cpp
   void write_joints(SceneJson& document);
   void write_fixed(SceneJson& joints, int link);
-  void write_segment(SceneJson& joints, int link, const JointSegment& segment, const std::string& a,
-                     const std::string& b);
+  std::string write_segment(SceneJson& joints, const Link& link, const JointSegment& segment,
+                            const std::string& a, const std::string& b);
   SceneJson axes_json(const Link& link, const JointSegment& segment);
   SceneJson axis_json(const LinkAxis& axis) const;
   void ball_axes(SceneJson& axes, const LinkAxis& axis);
   void write_loop(SceneJson& joints, const Loop& loop);
+  void write_closing_joint(SceneJson& joints, const Loop& loop);
   void write_relation(SceneJson& joints, const AxisRelation& relation);
   SceneJson axis_reference(const AxisName& axis) const;
   void write_wire(SceneJson& document, const Wire& wire);

@@ -182,22 +182,34 @@ class UrdfReader {
     return shapes;
   }
 
+  /// Files have shapes of size 0 for places without one.
   std::optional<Shape> shape_of(const pugi::xml_node& geometry) {
     const auto size = [&](const pugi::xml_node& node, const char* key) {
-      return positive(files_, node, key, required_number(files_, node, key));
+      return not_negative(files_, node, key, required_number(files_, node, key));
     };
+    std::optional<Shape> shape;
+    double least = 0;
     if (const auto box = files_.child(geometry, "box")) {
       const Vec3 edges = vector(files_, box, "size", Vec3::Zero());
-      positive(files_, box, "size", edges.minCoeff());
-      return Box{edges};
+      least = not_negative(files_, box, "size", edges.minCoeff());
+      shape = Box{edges};
+    } else if (const auto sphere = files_.child(geometry, "sphere")) {
+      least = size(sphere, "radius");
+      shape = Sphere{least};
+    } else if (const auto round = files_.child(geometry, "cylinder")) {
+      const Cylinder cylinder{size(round, "radius"), size(round, "length")};
+      least = std::min(cylinder.radius, cylinder.length);
+      shape = cylinder;
+    } else if (const auto capsule = files_.child(geometry, "capsule")) {
+      shape = Capsule{least = size(capsule, "radius"), size(capsule, "length")};
+    } else if (const auto mesh = files_.child(geometry, "mesh")) {
+      return hull_of(mesh);
+    } else {
+      files_.fail(geometry, "<geometry> has none of box, sphere, cylinder, capsule and mesh");
     }
-    if (const auto sphere = files_.child(geometry, "sphere")) return Sphere{size(sphere, "radius")};
-    if (const auto round = files_.child(geometry, "cylinder"))
-      return Cylinder{size(round, "radius"), size(round, "length")};
-    if (const auto capsule = files_.child(geometry, "capsule"))
-      return Capsule{size(capsule, "radius"), size(capsule, "length")};
-    if (const auto mesh = files_.child(geometry, "mesh")) return hull_of(mesh);
-    files_.fail(geometry, "<geometry> has none of box, sphere, cylinder, capsule and mesh");
+    if (least > 0) return shape;
+    note(geometry, "<geometry> of size 0: left out");
+    return {};
   }
 
   std::optional<Shape> hull_of(const pugi::xml_node& mesh) {

@@ -44,7 +44,7 @@ pugi::xml_node too_deep(const pugi::xml_node& root) {
 }  // namespace
 
 struct XmlFiles::File {
-  std::filesystem::path path;
+  std::filesystem::path path, folder;
   std::vector<std::ptrdiff_t> lines;
   pugi::xml_document document;
 };
@@ -55,9 +55,23 @@ XmlFiles::~XmlFiles() = default;
 pugi::xml_node XmlFiles::open(const std::filesystem::path& path) { return parse(read_text_file(path), path); }
 
 pugi::xml_node XmlFiles::parse(std::string_view text, const std::filesystem::path& path) {
+  return parse_as_part(text, path, path.parent_path());
+}
+
+pugi::xml_node XmlFiles::open_model(const pugi::xml_node& node, const std::string& name) {
+  const std::filesystem::path path = folder(node) / name;
+  if (files_.size() >= kMostFiles) fail(node, "too many files are named");
+  if (!std::filesystem::is_regular_file(path))
+    fail(node, "the model file cannot be read (value: " + path.string() + ")");
+  return open(path);
+}
+
+pugi::xml_node XmlFiles::parse_as_part(std::string_view text, const std::filesystem::path& path,
+                                       const std::filesystem::path& folder) {
   files_.push_back(std::make_unique<File>());
   File& file = *files_.back();
   file.path = path;
+  file.folder = folder;
   file.lines = line_starts(text);
   const pugi::xml_parse_result parsed = file.document.load_buffer(text.data(), text.size());
   if (!parsed)
@@ -80,9 +94,7 @@ ModelPlace XmlFiles::place(const pugi::xml_node& node) const {
   return {file.path.string(), line_at(file.lines, std::max<std::ptrdiff_t>(node.offset_debug(), 0))};
 }
 
-std::filesystem::path XmlFiles::folder(const pugi::xml_node& node) const {
-  return file_of(node).path.parent_path();
-}
+std::filesystem::path XmlFiles::folder(const pugi::xml_node& node) const { return file_of(node).folder; }
 
 std::vector<pugi::xml_node> XmlFiles::children(const pugi::xml_node& node) {
   std::vector<pugi::xml_node> result;
@@ -101,15 +113,16 @@ void XmlFiles::expand(const pugi::xml_node& node, std::vector<pugi::xml_node>& r
     }
     auto found = included_.find(child.hash_value());
     if (found == included_.end()) {
-      const std::filesystem::path path = files_.front()->path.parent_path() / required(child, "file");
+      const std::filesystem::path path = folder(child) / required(child, "file");
       for (const auto& file : files_)
-        if (file->path.lexically_normal() == path.lexically_normal())
+        if (file->path.lexically_normal() == path.lexically_normal() && file->folder == folder(child))
           fail(child, "the file is included already (value: " + path.string() + ")");
       if (files_.size() >= kMostFiles) fail(child, "too many files are included");
       if (!std::filesystem::is_regular_file(path))
         fail(child, "the included file cannot be read (value: " + path.string() + ")");
       used_.insert(child.hash_value());
-      found = included_.emplace(child.hash_value(), open(path)).first;
+      found = included_.emplace(child.hash_value(), parse_as_part(read_text_file(path), path, folder(child)))
+                  .first;
     }
     expand(found->second, result);
   }

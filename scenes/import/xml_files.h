@@ -34,9 +34,12 @@ class XmlFiles {
   pugi::xml_node open(const std::filesystem::path& path);
   /// The same from a text, which comes from `path`.
   pugi::xml_node parse(std::string_view text, const std::filesystem::path& path);
+  /// A model that this element names, beside its own file.
+  pugi::xml_node open_model(const pugi::xml_node& node, const std::string& name);
 
   ModelPlace place(const pugi::xml_node& node) const;
-  /// Where files are that this element names.
+  /// Where files are that this element names: that of the model, also for elements of a file that it
+  /// includes.
   std::filesystem::path folder(const pugi::xml_node& node) const;
   /// The element's children; in place of <include file=""> what the file has in its outermost element.
   std::vector<pugi::xml_node> children(const pugi::xml_node& node);
@@ -59,6 +62,8 @@ class XmlFiles {
 
  private:
   struct File;
+  pugi::xml_node parse_as_part(std::string_view text, const std::filesystem::path& path,
+                               const std::filesystem::path& folder);
   const File& file_of(const pugi::xml_node& node) const;
   void expand(const pugi::xml_node& node, std::vector<pugi::xml_node>& result);
 
