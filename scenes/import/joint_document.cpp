@@ -84,6 +84,9 @@ SceneJson SceneDocument::axes_json(const Link& link, const JointSegment& segment
     ball_axes(axes, link.axes[segment.first]);
     return axes;
   }
+  for (int k = segment.first; k < segment.first + segment.count; ++k)
+    if (const LinkAxis& axis = link.axes[k]; axis.start < axis.law.lower || axis.start > axis.law.upper)
+      note(axis.place, "\"" + axis.name + "\" starts beyond its limits: it returns to them");
   for (int k = 0; k < segment.count; ++k)
     if (SceneJson axis = axis_json(link.axes[segment.first + k]); !axis.empty())
       axes[segment.keys[k]] = std::move(axis);
@@ -109,7 +112,11 @@ void SceneDocument::ball_axes(SceneJson& axes, const LinkAxis& axis) {
   }
   if (axis.law.upper < kNoLimit || axis.law.lower > -kNoLimit)
     note(axis.place, "a limit of the whole angle of a ball joint: has no counterpart");
-  if (axis.law.stiffness > 0) note(axis.place, "the stiffness of a ball joint: has no counterpart");
+  if (axis.law.stiffness == 0) return;
+  for (const char* bend : {"swing", "twist"})
+    axes[bend]["spring"] = {{"stiffness", axis.law.stiffness}, {"rest", 0}};
+  note(axis.place,
+       "the stiffness of a ball joint: that of swing and of twist, which is the same for small angles");
 }
 
 void SceneDocument::write_loop(SceneJson& joints, const Loop& loop) {
@@ -205,7 +212,11 @@ void SceneDocument::write_wire(SceneJson& document, const Wire& wire) {
   }
   if (wire.stiffness == 0 && wire.damping == 0) return;
   if (!two) return note(wire.place, "the spring of a wire through several points: has no counterpart");
-  SceneJson json{{"type", "spring-damper"}, {"stiffness", wire.stiffness}, {"rest_length", wire.rest}};
+  SceneJson json{{"type", "spring-damper"}, {"rest_length", wire.rest}};
+  if (wire.slack > 0)
+    json["table"] = {{-1, -wire.stiffness}, {0, 0}, {wire.slack, 0}, {wire.slack + 1, wire.stiffness}};
+  else
+    json["stiffness"] = wire.stiffness;
   if (wire.damping > 0) json["damping"] = wire.damping;
   json.update(ends);
   document["forces"].push_back(std::move(json));

@@ -41,8 +41,8 @@ void MjcfRelations::read(const pugi::xml_node& mujoco) {
       for (const pugi::xml_node& node : files_.children(part)) try {
           (this->*read_one)(node);
         } catch (const NotThere& missing) {
-          note(MjcfElement(files_, node), std::string("<") + node.name() + "> names \"" + missing.name +
-                                              "\", which has no counterpart, or several: left out");
+          leave_out(MjcfElement(files_, node), std::string("<") + node.name() + "> names \"" + missing.name +
+                                                   "\", which has no counterpart, or several: left out");
         }
   };
   each("contact", &MjcfRelations::read_contact);
@@ -71,6 +71,7 @@ void MjcfRelations::read_contact(const pugi::xml_node& node) {
 void MjcfRelations::read_equality(const pugi::xml_node& node) {
   const std::string_view kind = node.name();
   if (kind != "connect" && kind != "weld" && kind != "joint") return;
+  files_.accept(node);
   const MjcfElement element(files_, node);
   if (kind == "joint") return read_joint_equality(element);
   Loop loop;
@@ -120,7 +121,7 @@ void MjcfRelations::read_joint_equality(const MjcfElement& equality) {
     relation.driving = joint(equality, "joint2");
     relation.ratio = poly[1];
     if (poly[2] != 0 || poly[3] != 0 || poly[4] != 0 || poly[1] == 0)
-      return note(equality, "a relation of joints that is not linear: has no counterpart");
+      return leave_out(equality, "a relation of joints that is not linear: has no counterpart");
     if (poly[0] != 0)
       note(equality, "\"polycoef\": the relation holds as at the start, without its constant");
   } else {
@@ -130,7 +131,12 @@ void MjcfRelations::read_joint_equality(const MjcfElement& equality) {
 }
 
 void MjcfRelations::read_tendon(const pugi::xml_node& node) {
-  if (std::string_view(node.name()) == "spatial") read_spatial(defaults_.element(node, ""));
+  files_.accept(node);
+  if (std::string_view(node.name()) == "spatial")
+    read_spatial(defaults_.element(node, ""));
+  else
+    leave_out(MjcfElement(files_, node),
+              "<" + std::string(node.name()) + ">: this tendon has no counterpart");
 }
 
 /// A wire through sites.  What it wraps around has no counterpart.
@@ -139,8 +145,9 @@ void MjcfRelations::read_spatial(const MjcfElement& tendon) {
   wire.name = name_of(tendon);
   wire.place = tendon.place();
   for (const pugi::xml_node& point : files_.children(tendon.node())) {
+    files_.accept(point);
     if (std::string_view(point.name()) != "site")
-      return note(tendon, "a tendon with <" + std::string(point.name()) + ">: has no counterpart");
+      return leave_out(tendon, "a tendon with <" + std::string(point.name()) + ">: has no counterpart");
     wire.points.push_back(site(MjcfElement(files_, point), "site"));
   }
   if (wire.points.size() < 2) tendon.fail("a tendon needs two sites");
@@ -159,12 +166,11 @@ void MjcfRelations::read_spatial(const MjcfElement& tendon) {
   if (!damping.empty()) wire.damping = not_negative(files_, tendon.node(), "damping", damping[0]);
   const auto rest = tendon.numbers("springlength");
   wire.rest = rest.empty() || rest[0] < 0 ? length : rest[0];
-  if (rest.size() > 1 && rest[1] > rest[0])
-    note(tendon, "\"springlength\" with two numbers: the first is taken");
+  if (rest.size() > 1 && rest[1] > rest[0] && rest[0] >= 0) wire.slack = rest[1] - rest[0];
   if (stiffness.size() > 1 || damping.size() > 1)
     note(tendon, "stiffness or damping of a tendon that is no constant");
   if (wire.longest == kNoLimit && wire.stiffness == 0 && wire.damping == 0)
-    return note(tendon, "a tendon that neither limits nor pulls by itself: left out");
+    return leave_out(tendon, "a tendon that neither limits nor pulls by itself: left out");
   model_.wires.push_back(std::move(wire));
 }
 
@@ -176,7 +182,7 @@ void MjcfRelations::read_actuator(const pugi::xml_node& node) {
       kind == "general" || kind == "motor" || kind == "position" || kind == "velocity" || kind == "damper";
   const char* attribute = node.attribute("joint") ? "joint" : "jointinparent";
   if (!known || !node.attribute(attribute))
-    return note(actuator, "<" + kind + "> \"" + name + "\": has no counterpart: it does nothing");
+    return leave_out(actuator, "<" + kind + "> \"" + name + "\": has no counterpart: it does nothing");
   const AxisName on = joint(actuator, attribute);
   note(actuator, "<" + kind + "> \"" + name + "\": acts as with a control of 0");
   act_on_joint(actuator, axis(on).law, axis(on).start);
@@ -227,7 +233,7 @@ void MjcfRelations::read_sensor(const pugi::xml_node& node) {
     probe.quantity = kind == "gyro" ? "angular-velocity" : "velocity";
     probe.at = site(sensor, "site");
   } else if (!frame_sensor(sensor, probe)) {
-    return note(sensor, "<" + kind + ">: this sensor has no counterpart");
+    return leave_out(sensor, "<" + kind + ">: this sensor has no counterpart");
   }
   if (kind == "force" || kind == "torque" || kind == "velocimeter" || kind == "gyro" || kind == "framequat")
     note(sensor, "<" + kind + ">: the probe is in world axes" + (kind == "framequat" ? ", of the body" : ""));

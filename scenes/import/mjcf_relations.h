@@ -45,6 +45,11 @@ class MjcfRelations {
   void note(const MjcfElement& element, const std::string& message) {
     model_.notices.push_back({element.place(), message, 1});
   }
+  /// With all that is in it.
+  void leave_out(const MjcfElement& element, const std::string& message) {
+    files_.accept_all(element.node());
+    note(element, message);
+  }
 
   XmlFiles& files_;
   const MjcfDefaults& defaults_;

@@ -48,6 +48,9 @@ void MjcfTree::read_children(const pugi::xml_node& parent, const Where& where) {
 void MjcfTree::read_child(const pugi::xml_node& node, const Where& where) {
   const std::string_view name = node.name();
   count(node);
+  if (name == "body" || name == "frame" || name == "replicate" || name == "geom" || name == "site" ||
+      name == "attach" || name == "joint" || name == "freejoint" || name == "inertial")
+    files_.accept(node);
   if (name == "body") return read_body(node, where);
   if (name == "frame") return read_frame(node, where);
   if (name == "replicate") return read_replicate(node, where);
@@ -167,7 +170,7 @@ void MjcfTree::read_law(LinkAxis& axis, const MjcfElement& joint) {
   law.rest = unit * joint.number("springref", 0);
   law.friction = first("frictionloss");
   if (const auto pair = joint.numbers("springdamper", {0, 0}); pair[0] > 0 || pair[1] > 0)
-    note(joint.node(), "\"springdamper\": has no counterpart");
+    note(joint.node(), "\"springdamper\", which depends on the mass that moves: has no counterpart");
   if (joint.number("armature", 0) != 0)
     note(joint.node(), "\"armature\": has no counterpart, and is left out");
   const auto range = joint.numbers("range", {0, 0});

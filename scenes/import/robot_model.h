@@ -111,7 +111,8 @@ struct Wire {
   std::string name;
   std::vector<LinkFrame> points;
   double longest = kNoLimit;
-  double stiffness = 0, damping = 0, rest = 0;
+  double stiffness = 0, damping = 0;
+  double rest = 0, slack = 0;  ///< the spring is at rest from this length on, over this much more
   ModelPlace place;
 };
 

@@ -3,11 +3,17 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include "scenes/files/scene_file.h"
 
 namespace taut::model {
 namespace {
+
+/// Names of what a model looks like.
+const std::set<std::string_view> kLooks = {
+    "rgba",  "material", "texture",  "light",    "camera",    "visual", "statistic", "skin",    "ambient",
+    "color", "diffuse",  "emissive", "specular", "headlight", "group",  "width",     "texcoord"};
 
 /// Places at which lines begin.
 std::vector<std::ptrdiff_t> line_starts(std::string_view text) {
@@ -164,21 +170,22 @@ void XmlFiles::accept_all(const pugi::xml_node& node) { accepted_.insert(node.ha
 
 std::vector<ImportNotice> XmlFiles::unread() const {
   std::map<std::string, ImportNotice> found;
-  const auto note = [&](const std::string& name, const pugi::xml_node& node) {
-    const auto [entry, added] =
-        found.try_emplace(name, ImportNotice{place(node), name + ": has no counterpart"});
+  const auto note = [&](const std::string& name, const pugi::xml_node& node, std::string_view what) {
+    const auto [entry, added] = found.try_emplace(
+        name, ImportNotice{place(node), name + (kLooks.contains(what) ? ": only looks, left out"
+                                                                      : ": has no counterpart")});
     if (!added) ++entry->second.count;
   };
   const auto visit = [&](const auto& self, const pugi::xml_node& node) -> void {
     for (const pugi::xml_attribute& attribute : node.attributes())
       if (!used_.contains(attribute.hash_value()) && !std::string_view(attribute.name()).starts_with("xmlns"))
-        note(std::string("<") + node.name() + "> \"" + attribute.name() + '"', node);
+        note(std::string("<") + node.name() + "> \"" + attribute.name() + '"', node, attribute.name());
     for (const pugi::xml_node& child : node.children()) {
       if (child.type() != pugi::node_element || accepted_.contains(child.hash_value())) continue;
       if (used_.contains(child.hash_value()))
         self(self, child);
       else
-        note(std::string("<") + child.name() + '>', child);
+        note(std::string("<") + child.name() + '>', child, child.name());
     }
   };
   for (const auto& file : files_) visit(visit, file->document.document_element());

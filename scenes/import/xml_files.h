@@ -51,6 +51,8 @@ class XmlFiles {
   /// The attribute's text, which counts as read; null if there is none.
   const char* find(const pugi::xml_node& node, const char* attribute);
   const char* required(const pugi::xml_node& node, const char* attribute);
+  /// The element counts as read; its attributes that nobody asks for do not.
+  void accept(const pugi::xml_node& node) { used_.insert(node.hash_value()); }
   /// The element counts as read, with all that is in it.
   void accept_all(const pugi::xml_node& node);
   [[noreturn]] void fail(const pugi::xml_node& node, const std::string& message) const {
