@@ -38,7 +38,7 @@ struct Arguments {
 
 void add_scene(CLI::App& command, std::string& scene, std::vector<std::string>& assignments) {
   command
-      .add_option("scene", scene, "name of a scene (see `taut list`), a scene file, or a model: URDF or MJCF")
+      .add_option("scene", scene, "name of a scene (see `taut list`), a scene file, or a model: URDF, SDF, MJCF")
       ->required();
   command.add_option("--set", assignments, "a parameter of the scene, key=value; may be repeated")
       ->allow_extra_args(false)
@@ -200,8 +200,8 @@ void add_others(CLI::App& app, Arguments& arguments) {
   add_scene(check, arguments.check_scene, arguments.check_assignments);
   check.add_flag("--all", arguments.check_all, "name all redundant rows, not the first 20 only");
   CLI::App& import = *app.add_subcommand(
-      "import", "a model of a robot, URDF or MJCF, as a scene file; lists what has no counterpart");
-  import.add_option("model", arguments.model, "a .urdf or .xml file")->required();
+      "import", "a model of a robot, URDF, SDF or MJCF, as a scene file; lists what has no counterpart");
+  import.add_option("model", arguments.model, "a .urdf, .sdf or .xml file")->required();
   import.add_option("-o,--output", arguments.imported, "scene file to write; default: the standard output")
       ->type_name("FILE.json");
   CLI::App& list = *app.add_subcommand("list", "list the scenes with their parameters");

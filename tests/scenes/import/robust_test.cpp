@@ -53,14 +53,13 @@ TEST(RobustImport, WhatIsNoModelIsRefused) {
 }
 
 TEST(RobustImport, FilesThatIncludeEachOtherAreRefused) {
-  const testing::TemporaryFolder folder;
-  std::ofstream(folder.file("a.xml")) << "<mujoco><include file='b.xml'/></mujoco>";
-  std::ofstream(folder.file("b.xml")) << "<mujoco><include file='a.xml'/></mujoco>";
-  std::ofstream(folder.file("c.xml"))
+  std::ofstream(testing::temporary("a.xml")) << "<mujoco><include file='b.xml'/></mujoco>";
+  std::ofstream(testing::temporary("b.xml")) << "<mujoco><include file='a.xml'/></mujoco>";
+  std::ofstream(testing::temporary("c.xml"))
       << "<mujoco model='c'><asset><model name='c' file='c.xml'/></asset><worldbody>"
          "<attach model='c' prefix='p'/></worldbody></mujoco>";
-  EXPECT_THROW((void)import_model(folder.file("a.xml")), ImportError);
-  EXPECT_THROW((void)import_model(folder.file("c.xml")), ImportError);
+  EXPECT_THROW((void)import_model(testing::temporary("a.xml")), ImportError);
+  EXPECT_THROW((void)import_model(testing::temporary("c.xml")), ImportError);
 }
 
 /// A byte in each hundred of a file is another.
@@ -89,15 +88,15 @@ TEST(RobustImport, DamagedFilesLoadOrAreRefused) {
 }
 
 TEST(ImportProgram, WritesASceneThatRuns) {
-  const testing::TemporaryFolder folder;
   const std::string model =
       (testing::model_folder() / "urdf/drake_iiwa_description_urdf_iiwa14_spheres_dense_collision.urdf")
           .string();
-  const testing::Outcome written = testing::run_program({"import", model, "-o", folder.file("scene.json")});
+  const testing::Outcome written =
+      testing::run_program({"import", model, "-o", testing::temporary("scene.json")});
   EXPECT_EQ(written.exit_status, 0) << written.err;
   EXPECT_NE(written.err.find(model + ":"), std::string::npos);
   EXPECT_NE(written.err.find("<transmission>: has no counterpart"), std::string::npos) << written.err;
-  EXPECT_EQ(testing::run_program({"run", folder.file("scene.json"), "--steps", "2"}).exit_status, 0);
+  EXPECT_EQ(testing::run_program({"run", testing::temporary("scene.json"), "--steps", "2"}).exit_status, 0);
   EXPECT_EQ(testing::run_program({"run", model, "--steps", "2"}).exit_status, 0);
   EXPECT_EQ(testing::run_program({"run", model, "--steps", "2", "--csv", model}).exit_status, 2);
   const testing::Outcome checked = testing::run_program({"check", model});

@@ -97,7 +97,7 @@ TEST(ImportUrdf, MimicIsAGearThatStartsAtItsOffset) {
   const Vec3 down = scene.world.pose(scene.world.body("b")).q * Vec3(0, 0, -1);
   EXPECT_LT((down - Vec3(-std::sin(0.5), 0, -std::cos(0.5))).norm(), 1e-14);
   Simulator simulator(scene.world);
-  scene.world.add_force(std::make_shared<BodyTorque>(scene.world.body("a"), Vec3(0, 1, 0)));
+  scene.world.add_force(BodyTorque(scene.world.body("a"), Vec3(0, 1, 0), false));
   Simulator turned(scene.world);
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(turned.step(1e-3).ok());
   const Vec3 w_a = scene.world.twist(scene.world.body("a")).w,
