@@ -178,8 +178,7 @@ class MjcfWriter {
     std::set<BodyId> with_shapes;
     for (int s = 0; s < world_.shape_count(); ++s) with_shapes.insert(world_.shape(ShapeId{s}).body);
     constexpr std::size_t kMostBodies = 2000;
-    if (with_shapes.size() > kMostBodies)
-      {
+    if (with_shapes.size() > kMostBodies) {
       notices_.emplace_back("more than 2000 bodies: who may not touch whom is left out");
       return;
     }

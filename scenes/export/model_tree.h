@@ -18,12 +18,12 @@ struct TreeAxis {
 
 /// A body and what joins it to its parent.
 struct TreeBody {
-  BodyId body, parent;         ///< the ground is the parent of what is free or fixed
-  JointId joint{-1};           ///< none: fixed to the ground, or free
-  bool free = false;           ///< nothing joins it to the parent
-  bool ball = false;           ///< its joint is a ball joint
+  BodyId body, parent;           ///< the ground is the parent of what is free or fixed
+  JointId joint{-1};             ///< none: fixed to the ground, or free
+  bool free = false;             ///< nothing joins it to the parent
+  bool ball = false;             ///< its joint is a ball joint
   std::vector<TreeAxis> axes{};  ///< the first next to the parent; translations stand in front
-  Vec3 anchor = Vec3::Zero();  ///< point of the joint, world [m]
+  Vec3 anchor = Vec3::Zero();    ///< point of the joint, world [m]
 };
 
 /// A world as trees of bodies, which is what formats of robots can say.
