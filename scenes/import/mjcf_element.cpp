@@ -97,7 +97,7 @@ Vec3 MjcfElement::vector(const char* attribute, const Vec3& fallback) const {
 }
 
 bool MjcfElement::flag(const char* attribute, bool fallback) const {
-  const std::string_view found = text(attribute, "auto");
+  const std::string found = text(attribute, "auto");
   return found == "auto" ? fallback : found == "true" || found == "enable";
 }
 

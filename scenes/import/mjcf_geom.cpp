@@ -65,13 +65,39 @@ int bits(const MjcfElement& geom, const char* key) {
 }
 
 /// Mass, by `mass` or `density`, of a shape in the frame of the body.
-LinkInertia weight(const MjcfElement& geom, const LinkShape& shape) {
-  const LinkInertia unit = inertia_of_shape(shape.shape);
+LinkInertia weight(const MjcfElement& geom, const LinkShape& shape, const LinkInertia& unit) {
   const char* given = geom.find("mass");
   const double density = geom.number("density", 1000);
   const double factor = given ? exactly(geom.files(), geom.node(), "mass", given, 1)[0] / unit.mass : density;
   not_negative(geom.files(), geom.node(), given ? "mass" : "density", factor);
   return in_frame(shape.X_LS, scaled(unit, factor));
+}
+
+/// Corners and triangles of a mesh, from a file or in place; without triangles it is the hull of its corners.
+TriangleMesh triangles_of(const MjcfElement& mesh, const MjcfCompiler& compiler) {
+  const Vec3 scale = mesh.vector("scale", Vec3::Ones());
+  const std::filesystem::path file(mesh.text("file"));
+  if (!file.empty()) {
+    const std::filesystem::path in_folder =
+        std::filesystem::path(compiler.mesh_folder) / (compiler.strip_path ? file.filename() : file);
+    return scaled_mesh(mesh.files().folder(mesh.node()), in_folder.string(), scale);
+  }
+  const std::vector<double> v = mesh.numbers("vertex"), corners = mesh.numbers("face");
+  if (v.empty())
+    fail("mesh", "has neither file nor vertices", mesh.text("builtin", mesh.text("name").c_str()));
+  TriangleMesh result;
+  for (std::size_t i = 0; i + 2 < v.size(); i += 3)
+    result.vertices.push_back(Vec3(v[i], v[i + 1], v[i + 2]).cwiseProduct(scale));
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    std::array<int, 3> triangle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!(corners[i + k] >= 0 && corners[i + k] < static_cast<double>(result.vertices.size())))
+        mesh.fail("\"face\" names a vertex that is not there");
+      triangle[scale.prod() < 0 ? 2 - k : k] = static_cast<int>(corners[i + k]);
+    }
+    result.triangles.push_back(triangle);
+  }
+  return result;
 }
 
 }  // namespace
@@ -87,25 +113,19 @@ MjcfMeshes::MjcfMeshes(XmlFiles& files, const MjcfDefaults& defaults, const Mjcf
 }
 
 MjcfMeshes::Mesh MjcfMeshes::read(const MjcfElement& mesh, const MjcfCompiler& compiler) const {
-  const Vec3 scale = mesh.vector("scale", Vec3::Ones());
-  const std::string file = mesh.text("file");
   Mesh result;
   try {
-    if (!file.empty()) {
-      const std::filesystem::path name(file);
-      const std::filesystem::path in_folder =
-          std::filesystem::path(compiler.mesh_folder) / (compiler.strip_path ? name.filename() : name);
-      result.hull = mesh_hull(mesh.files().folder(mesh.node()), in_folder.string(), scale);
-    } else {
-      const std::vector<double> v = mesh.numbers("vertex");
-      for (std::size_t i = 0; i + 2 < v.size(); i += 3)
-        result.hull.points.push_back(Vec3(v[i], v[i + 1], v[i + 2]).cwiseProduct(scale));
-      if (v.empty())
-        fail("mesh", "has neither file nor vertices", mesh.text("builtin", mesh.text("name").c_str()));
-      check_shape(result.hull);
-    }
     const char *at = mesh.find("refpos"), *turned = mesh.find("refquat");
-    if (at || turned) fail("mesh", "is moved by refpos or refquat", file);
+    if (at || turned) fail("mesh", "is moved by refpos or refquat", mesh.text("name"));
+    const TriangleMesh triangles = triangles_of(mesh, compiler);
+    result.hull.points = triangles.vertices;
+    check_shape(result.hull);
+    const std::string kind = mesh.text("inertia", "legacy");
+    if (kind == "shell") fail("mesh", "a mass of the surface has no counterpart", mesh.text("name"));
+    result.inertia =
+        triangles.triangles.empty() || kind == "convex"
+            ? inertia_of_shape(result.hull)
+            : mesh_inertia(triangles, kind == "exact" ? MeshVolume::kExact : MeshVolume::kLegacy);
   } catch (const ImportError&) {
     throw;
   } catch (const std::invalid_argument& error) {
@@ -114,11 +134,11 @@ MjcfMeshes::Mesh MjcfMeshes::read(const MjcfElement& mesh, const MjcfCompiler& c
   return result;
 }
 
-ConvexHull MjcfMeshes::hull(const std::string& name) const {
+const MjcfMeshes::Mesh& MjcfMeshes::mesh(const std::string& name) const {
   const auto found = meshes_.find(name);
   if (found == meshes_.end()) fail("mesh", "there is none of this name", name);
   if (!found->second.problem.empty()) throw std::invalid_argument(found->second.problem);
-  return found->second.hull;
+  return found->second;
 }
 
 MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const MjcfMeshes& meshes) {
@@ -139,19 +159,21 @@ MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const 
       result.weighs = false;
       geom.find("size");
     } else if (type == "mesh") {
-      shape.shape = meshes.hull(mesh);
+      shape.shape = meshes.mesh(mesh).hull;
     } else if (type == "hfield" || type == "sdf") {
       result.weighs = type == "sdf";
       fail("geom", "has no counterpart", type);
     } else if (!mesh.empty()) {
-      (void)meshes.hull(mesh);
+      (void)meshes.mesh(mesh);
       fail("geom", "a primitive that is fitted to a mesh has no counterpart", mesh);
     } else {
       const auto found = primitive(geom, type, ends);
       if (!found) geom.fail("unknown type of geom (value: " + type + ")");
       shape.shape = *found;
     }
-    if (result.weighs) result.inertia = weight(geom, shape);
+    if (result.weighs)
+      result.inertia =
+          weight(geom, shape, type == "mesh" ? meshes.mesh(mesh).inertia : inertia_of_shape(shape.shape));
     result.shape = std::move(shape);
   } catch (const ImportError&) {
     throw;

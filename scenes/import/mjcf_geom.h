@@ -16,19 +16,20 @@ struct MjcfGeom {
   int group = 0;
 };
 
-/// Meshes by name, as convex hulls, which is how geoms collide.
+/// Meshes by name, as convex hulls, which is how geoms collide, with the masses that MJCF gives them.
 class MjcfMeshes {
  public:
   MjcfMeshes(XmlFiles& files, const MjcfDefaults& defaults, const MjcfCompiler& compiler,
              const pugi::xml_node& mujoco);
-  /// @throws std::invalid_argument if there is no such mesh, or it cannot be read.
-  ConvexHull hull(const std::string& name) const;
-
- private:
   struct Mesh {
     ConvexHull hull;
+    LinkInertia inertia;  ///< of density 1
     std::string problem;
   };
+  /// @throws std::invalid_argument if there is no such mesh, or it cannot be read or weighed.
+  const Mesh& mesh(const std::string& name) const;
+
+ private:
   Mesh read(const MjcfElement& mesh, const MjcfCompiler& compiler) const;
   std::map<std::string, Mesh> meshes_;
 };

@@ -119,8 +119,9 @@ class SdfModelReader {
     }
     if (const pugi::xml_node tensor = files_.child(node, "inertia")) {
       const auto moment = [&](const char* key, double fallback) { return value(tensor, key, fallback); };
+      const double xx = moment("ixx", 1), yy = moment("iyy", 1), zz = moment("izz", 1);
       const double xy = moment("ixy", 0), xz = moment("ixz", 0), yz = moment("iyz", 0);
-      result.inertia << moment("ixx", 1), xy, xz, xy, moment("iyy", 1), yz, xz, yz, moment("izz", 1);
+      result.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     }
     return in_frame(raw_pose(node), result);
   }

@@ -160,8 +160,9 @@ class UrdfReader {
     LinkInertia result;
     if (mass) result.mass = not_negative(files_, mass, "value", required_number(files_, mass, "value"));
     const auto moment = [&](const char* key) { return tensor ? required_number(files_, tensor, key) : 0.0; };
+    const double xx = moment("ixx"), yy = moment("iyy"), zz = moment("izz");
     const double xy = moment("ixy"), xz = moment("ixz"), yz = moment("iyz");
-    result.inertia << moment("ixx"), xy, xz, xy, moment("iyy"), yz, xz, yz, moment("izz");
+    result.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     return in_frame(X, result);
   }
 

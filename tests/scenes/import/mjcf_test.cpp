@@ -219,6 +219,31 @@ TEST(ImportMjcf, CompilerSettlesMasses) {
               1e-14);
 }
 
+/// An L of four unit cubes; MuJoCo 4.0 counts its hollow twice unless told otherwise.
+TEST(ImportMjcf, MeshesWeighAsTheyAreToldTo) {
+  const auto mass = [](const std::string& kind) {
+    const ImportedModel model =
+        imported("<asset><mesh name='L' " + kind +
+                 " vertex='0 0 0 2 0 0 2 1 0 1 1 0 1 3 0 0 3 0 0 0 1 2 0 1 2 1 1 1 1 1 1 3 1 0 3 1' face='0 "
+                 "2 1 6 7 8 0 3 2 6 8 9 0 4 3 "
+                 "6 9 10 0 5 4 6 10 11 0 1 7 0 7 6 1 2 8 1 8 7 2 3 9 2 9 8 3 4 10 3 10 9 4 5 11 4 11 10 5 0 "
+                 "6 5 6 11'/></asset>"
+                 "<worldbody><body><freejoint/><geom type='mesh' mesh='L' density='1'/></body></worldbody>");
+    const Scene scene = scene_of(model);
+    return std::pair(scene.world.mass_properties(BodyId{1}), scene.world.pose(BodyId{1}).p);
+  };
+  Mat3 exact, legacy;
+  exact << 3 + 5.0 / 12, 0.75, 0, 0.75, 1 + 5.0 / 12, 0, 0, 0, 4 + 1.0 / 6;
+  legacy << 3.43066, 0.76779, 0, 0.76779, 1.4862, 0, 0, 0, 4.23405;
+  EXPECT_NEAR(mass("inertia='exact'").first.mass(), 4, 1e-14);
+  EXPECT_LT((mass("inertia='exact'").second - Vec3(0.75, 1.25, 0.5)).norm(), 1e-14);
+  EXPECT_LT((mass("inertia='exact'").first.inertia_B() - exact).norm(), 1e-14);
+  EXPECT_NEAR(mass("inertia='convex'").first.mass(), 5, 1e-14);
+  EXPECT_NEAR(mass("").first.mass(), 4.161340544083907, 1e-6);  // in single precision there
+  EXPECT_LT((mass("").second - Vec3(0.77519666, 1.24201082, 0.5)).norm(), 1e-6);
+  EXPECT_LT((mass("").first.inertia_B() - legacy).norm(), 2e-5);
+}
+
 TEST(ImportMjcf, WhatIsWrongIsNamedWithFileAndLine) {
   const auto body = [](const std::string& inside) {
     return "<worldbody><body>" + inside + "</body></worldbody>";
