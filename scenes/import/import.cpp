@@ -11,6 +11,7 @@
 #include "scenes/import/rigid_groups.h"
 #include "scenes/import/scene_document.h"
 #include "scenes/import/sdf_reader.h"
+#include "scenes/import/start_overlaps.h"
 #include "scenes/import/urdf_reader.h"
 #include "scenes/import/xml_files.h"
 
@@ -50,6 +51,11 @@ ImportedModel import_root(model::XmlFiles& files, const pugi::xml_node& root,
   model::fuse_links_without_mass(robot);
   ImportedModel result;
   result.document = model::SceneDocument(robot).write();
+  if (std::string_view(root.name()) == "robot")
+    for (const auto& [a, b] : model::forbid_overlaps(result.document, file.string()))
+      robot.notices.push_back(
+          {files.place(root),
+           "\"" + a + "\" and \"" + b + "\" are in each other at the start: they do not touch", 1});
   for (ImportNotice& notice : files.unread()) robot.notices.push_back(std::move(notice));
   result.notices = gathered(std::move(robot.notices));
   return result;

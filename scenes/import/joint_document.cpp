@@ -35,6 +35,7 @@ void SceneDocument::write_joints(SceneJson& document) {
   }
   for (const Loop& loop : model_.loops) write_loop(joints, loop);
   for (const AxisRelation& relation : model_.relations) write_relation(joints, relation);
+  write_armatures(document["bodies"], joints);
   document["joints"] = std::move(joints);
   for (const Wire& wire : model_.wires) write_wire(document, wire);
 }
@@ -182,6 +183,46 @@ void SceneDocument::write_relation(SceneJson& joints, const AxisRelation& relati
   }
   if (!relation.active) json["attached"] = false;
   joints.push_back(std::move(json));
+}
+
+void SceneDocument::write_armatures(SceneJson& bodies, SceneJson& joints) {
+  for (int i = 0; i < static_cast<int>(model_.links.size()); ++i)
+    for (int k = 0; k < static_cast<int>(model_.links[i].axes.size()); ++k)
+      if (model_.links[i].axes[k].armature > 0 && !stands_still(model_, i))
+        write_armature(bodies, joints, {i, k});
+}
+
+/// A mass on a slide of the ground, across gravity, that goes 1 m as the axis goes 1 rad or 1 m: ½ a θ̇².
+void SceneDocument::write_armature(SceneJson& bodies, SceneJson& joints, const AxisName& name) {
+  const LinkAxis& axis = model_.links[name.link].axes[name.axis];
+  const SceneJson reference = axis_reference(name);
+  if (reference.empty()) return;
+  const std::string body =
+      unique(body_names_, (axis.name.empty() ? bodies_[name.link] : axis.name) + "_armature", "");
+  const std::string slide = unique(joint_names_, body + "_slide", ""),
+                    tie = unique(joint_names_, body + "_tie", "");
+  const Vec3 at = pose(name.link).point(axis.anchor);
+  Vec3 across, other;
+  complete_frame(model_.gravity.isZero(0) ? Vec3(Vec3::UnitZ()) : Vec3(model_.gravity.normalized()), across,
+                 other);
+  constexpr double kGyration = 0.05;  // [m], of what never turns
+  const Vec3 moments = Vec3::Constant(axis.armature * kGyration * kGyration);
+  bodies.push_back({{"name", body},
+                    {"mass", axis.armature},
+                    {"inertia", vector_json(moments)},
+                    {"position", vector_json(at)}});
+  joints.push_back({{"name", slide},
+                    {"type", "slider"},
+                    {"a", ground_},
+                    {"b", body},
+                    {"anchor", vector_json(at)},
+                    {"axis", vector_json(across)}});
+  joints.push_back({{"name", tie},
+                    {"type", "gear"},
+                    {"driving", reference},
+                    {"driven", {{"joint", slide}, {"axis", "displacement"}}},
+                    {"ratio", 1}});
+  note(axis.place, "\"armature\": a body of this mass on a slide of the ground goes along with the axis");
 }
 
 void SceneDocument::write_wire(SceneJson& document, const Wire& wire) {

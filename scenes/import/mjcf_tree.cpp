@@ -171,8 +171,9 @@ void MjcfTree::read_law(LinkAxis& axis, const MjcfElement& joint) {
   law.friction = first("frictionloss");
   if (const auto pair = joint.numbers("springdamper", {0, 0}); pair[0] > 0 || pair[1] > 0)
     note(joint.node(), "\"springdamper\", which depends on the mass that moves: has no counterpart");
-  if (joint.number("armature", 0) != 0)
-    note(joint.node(), "\"armature\": has no counterpart, and is left out");
+  axis.armature = not_negative(files_, joint.node(), "armature", joint.number("armature", 0));
+  if (axis.kind == LinkAxis::Kind::kBall && axis.armature > 0)
+    note(joint.node(), "\"armature\" of a ball joint: has no counterpart");
   const auto range = joint.numbers("range", {0, 0});
   const bool given = range[0] != 0 || range[1] != 0;
   if (!joint.flag("limited", compiler_.autolimits && given)) return;

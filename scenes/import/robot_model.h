@@ -57,6 +57,7 @@ struct LinkAxis {
   Vec3 axis = Vec3::UnitZ();   ///< of unit length, likewise
   double start = 0;            ///< value at the start, in the terms of the file; the scene's is 0 there
   double pitch = 0;            ///< of a screw [m per turn]
+  double armature = 0;         ///< inertia of the motion by itself [kg m² or kg]
   AxisLaw law;
   ModelPlace place;
 };

@@ -60,6 +60,8 @@ class SceneDocument {
   void write_loop(SceneJson& joints, const Loop& loop);
   void write_closing_joint(SceneJson& joints, const Loop& loop);
   void write_relation(SceneJson& joints, const AxisRelation& relation);
+  void write_armatures(SceneJson& bodies, SceneJson& joints);
+  void write_armature(SceneJson& bodies, SceneJson& joints, const AxisName& name);
   SceneJson axis_reference(const AxisName& axis) const;
   void write_wire(SceneJson& document, const Wire& wire);
   void write_probes(SceneJson& document);

@@ -7,7 +7,7 @@ not matter here and may be missing: pictures of textures; in URDF also shapes (i
 and with links that are fixed to each other kept apart.
 
 Of models without deformable parts and loops also where centres of mass of bodies are at the start and after TIME, by RK4 with steps of 1e-4 s, without
-contacts, limits, dry friction, armature and air, with controls of 0; the root of a URDF is held.  Models of few
+contacts, limits, dry friction, air, and armature of ball joints, with controls of 0; the root of a URDF is held.  Models of few
 bodies set off with velocities.
 """
 import json, pathlib, re, shutil, sys, tempfile
@@ -69,7 +69,9 @@ def motion(model):
     model.opt.enableflags = 0
     model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, STEP
     model.opt.density = model.opt.viscosity = 0
-    model.dof_armature[:] = model.tendon_armature[:] = model.body_gravcomp[:] = 0
+    model.tendon_armature[:] = model.body_gravcomp[:] = 0
+    scalar = [model.jnt_type[j] >= 2 for j in model.dof_jntid]  # slides and hinges
+    model.dof_armature[:] *= scalar
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     names = [model.body(b).name for b in range(1, model.nbody) if model.body_weldid[b] != 0]

@@ -122,6 +122,20 @@ TEST(ImportUrdf, ALinkWithoutMassIsAPartOfWhatItIsFixedTo) {
   EXPECT_TRUE(notes(model, "\"base\" has no parent and is free"));
 }
 
+TEST(ImportUrdf, LinksThatAreInEachOtherAtTheStartDoNotTouch) {
+  const std::string ball = "<collision><geometry><sphere radius='0.3'/></geometry></collision>";
+  const auto at = [](const std::string& x) { return "<origin xyz='" + x + " 0 0'/><axis xyz='0 1 0'/>"; };
+  const ImportedModel model = imported(
+      link("world", "") + link("a", kBar + ball) + link("b") + link("c", kBar + ball) +
+      link("d", kBar + ball) + joint("i", "continuous", "world", "a") + joint("j", "continuous", "a", "b") +
+      joint("k", "continuous", "b", "c", at("0.5")) + joint("l", "continuous", "b", "d", at("-1")));
+  const Scene scene = parse_scene(model.document.dump(), "r.urdf");
+  const auto body = [&](const char* name) { return scene.world.body(name); };
+  EXPECT_FALSE(scene.world.may_collide(body("a"), body("c")));
+  EXPECT_TRUE(scene.world.may_collide(body("a"), body("d")));
+  EXPECT_TRUE(notes(model, "\"a\" and \"c\" are in each other at the start"));
+}
+
 TEST(ImportUrdf, PlanarAndFloatingJoints) {
   const Scene scene = scene_of(link("world", "") + link("p") + link("f") +
                                joint("j", "planar", "world", "p", "<axis xyz='0 0 1'/>") +
