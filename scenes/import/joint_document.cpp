@@ -226,40 +226,50 @@ void SceneDocument::write_armature(SceneJson& bodies, SceneJson& joints, const A
 }
 
 void SceneDocument::write_wire(SceneJson& document, const Wire& wire) {
+  if (std::ranges::all_of(wire.points, [&](const LinkFrame& p) { return stands_still(model_, p.link); }))
+    return note(wire.place, "a wire between points that never move: left out");
+  if (std::ranges::all_of(wire.points, [&](const LinkFrame& p) { return p.link == wire.points[0].link; }))
+    return note(wire.place, "a wire between points of one body: left out");
+  if (wire.longest < kNoLimit) write_rope(document, wire);
+  if (wire.stiffness > 0 || wire.damping > 0) write_wire_spring(document, wire);
+}
+
+SceneJson SceneDocument::wire_ends(const Wire& wire) const {
+  const LinkFrame &a = wire.points.front(), &b = wire.points.back();
+  return {{"a", body(a.link)},
+          {"b", body(b.link)},
+          {"frame", "world"},
+          {"anchor_a", vector_json(world(a).p)},
+          {"anchor_b", vector_json(world(b).p)}};
+}
+
+void SceneDocument::write_rope(SceneJson& document, const Wire& wire) {
   double length = 0;
   for (std::size_t k = 1; k < wire.points.size(); ++k)
     length += (world(wire.points[k]).p - world(wire.points[k - 1]).p).norm();
-  const LinkFrame &a = wire.points.front(), &b = wire.points.back();
-  if (std::ranges::all_of(wire.points, [&](const LinkFrame& p) { return stands_still(model_, p.link); }))
-    return note(wire.place, "a wire between points that never move: left out");
-  if (std::ranges::all_of(wire.points, [&](const LinkFrame& p) { return p.link == a.link; }))
-    return note(wire.place, "a wire between points of one body: left out");
-  const bool two = wire.points.size() == 2;
-  const SceneJson ends{{"a", body(a.link)},
-                       {"b", body(b.link)},
-                       {"frame", "world"},
-                       {"anchor_a", vector_json(world(a).p)},
-                       {"anchor_b", vector_json(world(b).p)}};
-  if (wire.longest < kNoLimit) {
-    SceneJson json{
-        {"name", unique(joint_names_, wire.name, "rope")}, {"type", "rope"}, {"length", wire.longest}};
-    if (two) json.update(ends);
-    if (!two) json["frame"] = "world";
+  open_ = open_ || length > wire.longest + kOpen;
+  const std::string name = unique(joint_names_, wire.name, "rope");
+  SceneJson json{{"name", name}, {"type", "rope"}, {"length", wire.longest}};
+  if (wire.points.size() == 2) {
+    json.update(wire_ends(wire));
+  } else {
+    json["frame"] = "world";
     for (const LinkFrame& point : wire.points)
-      if (!two)
-        json["points"].push_back({{"body", body(point.link)}, {"point", vector_json(world(point).p)}});
-    open_ = open_ || length > wire.longest + kOpen;
-    document["joints"].push_back(std::move(json));
+      json["points"].push_back({{"body", body(point.link)}, {"point", vector_json(world(point).p)}});
   }
-  if (wire.stiffness == 0 && wire.damping == 0) return;
-  if (!two) return note(wire.place, "the spring of a wire through several points: has no counterpart");
+  document["joints"].push_back(std::move(json));
+}
+
+void SceneDocument::write_wire_spring(SceneJson& document, const Wire& wire) {
+  if (wire.points.size() > 2)
+    return note(wire.place, "the spring of a wire through several points: has no counterpart");
   SceneJson json{{"type", "spring-damper"}, {"rest_length", wire.rest}};
   if (wire.slack > 0)
     json["table"] = {{-1, -wire.stiffness}, {0, 0}, {wire.slack, 0}, {wire.slack + 1, wire.stiffness}};
   else
     json["stiffness"] = wire.stiffness;
   if (wire.damping > 0) json["damping"] = wire.damping;
-  json.update(ends);
+  json.update(wire_ends(wire));
   document["forces"].push_back(std::move(json));
 }
 

@@ -21,6 +21,12 @@ bool gives(std::string_view in_class, std::string_view element) {
   return kActuators.contains(in_class) && kActuators.contains(element);
 }
 
+Quat from_axes(const Vec3& x, const Vec3& y) {
+  Mat3 R;
+  R << x, y, x.cross(y);
+  return Quat(R);
+}
+
 bool yes(XmlFiles& files, const pugi::xml_node& node, const char* attribute, bool fallback) {
   const char* text = files.find(node, attribute);
   return text ? std::string_view(text) == "true" : fallback;
@@ -105,6 +111,16 @@ Pose MjcfElement::pose(const MjcfCompiler& compiler) const {
   return {orientation(compiler), vector("pos", Vec3::Zero())};
 }
 
+Quat from_euler(const Vec3& angles, const MjcfCompiler& compiler) {
+  Quat q = Quat::Identity();
+  for (int i = 0; i < 3; ++i) {
+    const char letter = compiler.eulerseq[i];
+    const Quat turn = exp_so3(angles[i] * compiler.angle * Vec3::Unit(std::tolower(letter) - 'x'));
+    q = std::islower(static_cast<unsigned char>(letter)) ? q * turn : turn * q;
+  }
+  return q.normalized();
+}
+
 Quat z_to(const Vec3& direction) {
   const Vec3 z = direction.normalized(), axis = Vec3::UnitZ().cross(z);
   if (axis.norm() < 1e-15) return z.z() > 0 ? Quat(1, 0, 0, 0) : Quat(0, 1, 0, 0);
@@ -122,10 +138,7 @@ Quat MjcfElement::orientation(const MjcfCompiler& compiler) const {
   if (const char* found = find("xyaxes")) {
     const auto v = exact("xyaxes", found, 6);
     const Vec3 x = direction(*files_, node_, "xyaxes", {v[0], v[1], v[2]}), second(v[3], v[4], v[5]);
-    const Vec3 y = direction(*files_, node_, "xyaxes", second - second.dot(x) * x);
-    Mat3 R;
-    R << x, y, x.cross(y);
-    return Quat(R);
+    return from_axes(x, direction(*files_, node_, "xyaxes", second - second.dot(x) * x));
   }
   if (const char* found = find("zaxis")) {
     const auto v = exact("zaxis", found, 3);
@@ -133,13 +146,7 @@ Quat MjcfElement::orientation(const MjcfCompiler& compiler) const {
   }
   if (const char* found = find("euler")) {
     const auto v = exact("euler", found, 3);
-    Quat q = Quat::Identity();
-    for (int i = 0; i < 3; ++i) {  // small letters turn with the body, capitals do not
-      const char letter = compiler.eulerseq[i];
-      const Quat turn = exp_so3(v[i] * compiler.angle * Vec3::Unit(std::tolower(letter) - 'x'));
-      q = std::islower(static_cast<unsigned char>(letter)) ? q * turn : turn * q;
-    }
-    return q.normalized();
+    return from_euler({v[0], v[1], v[2]}, compiler);
   }
   if (const char* found = find("quat")) {
     const auto v = exact("quat", found, 4);

@@ -78,6 +78,8 @@ class MjcfDefaults {
   std::string top_ = "main";
 };
 
+/// Three turns in the order of the compiler: about axes that turn along (small letters) or stay (capitals).
+Quat from_euler(const Vec3& angles, const MjcfCompiler& compiler);
 /// The rotation that takes z to a direction, as MJCF has it.
 Quat z_to(const Vec3& direction);
 

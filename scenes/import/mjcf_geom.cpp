@@ -141,10 +141,34 @@ const MjcfMeshes::Mesh& MjcfMeshes::mesh(const std::string& name) const {
   return found->second;
 }
 
+namespace {
+
+/// @throws std::invalid_argument for what has no counterpart.
+Shape shape_of(const MjcfElement& geom, const std::string& type, const std::optional<Ends>& ends,
+               const MjcfMeshes& meshes) {
+  const std::string mesh = geom.text("mesh");
+  if (type == "plane") {
+    geom.find("size");
+    return HalfSpace{};
+  }
+  if (type == "mesh") return meshes.mesh(mesh).hull;
+  if (type == "hfield" || type == "sdf") fail("geom", "has no counterpart", type);
+  if (!mesh.empty()) {
+    (void)meshes.mesh(mesh);
+    fail("geom", "a primitive that is fitted to a mesh has no counterpart", mesh);
+  }
+  const auto found = primitive(geom, type, ends);
+  if (!found) geom.fail("unknown type of geom (value: " + type + ")");
+  return *found;
+}
+
+}  // namespace
+
 MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const MjcfMeshes& meshes) {
   MjcfGeom result;
   const std::string mesh = geom.text("mesh"), type = geom.text("type", mesh.empty() ? "sphere" : "mesh");
   result.group = static_cast<int>(std::clamp(geom.number("group", 0), -1e6, 1e6));
+  result.weighs = type != "plane" && type != "hfield";
   const auto ends = type == "mesh" || type == "sphere" ? std::optional<Ends>() : ends_of(geom);
   LinkShape shape;
   shape.X_LS = geom.pose(compiler);
@@ -154,23 +178,7 @@ MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const 
   shape.affinity_bits = bits(geom, "conaffinity");
   shape.name = geom.text("name");
   try {
-    if (type == "plane") {
-      shape.shape = HalfSpace{};
-      result.weighs = false;
-      geom.find("size");
-    } else if (type == "mesh") {
-      shape.shape = meshes.mesh(mesh).hull;
-    } else if (type == "hfield" || type == "sdf") {
-      result.weighs = type == "sdf";
-      fail("geom", "has no counterpart", type);
-    } else if (!mesh.empty()) {
-      (void)meshes.mesh(mesh);
-      fail("geom", "a primitive that is fitted to a mesh has no counterpart", mesh);
-    } else {
-      const auto found = primitive(geom, type, ends);
-      if (!found) geom.fail("unknown type of geom (value: " + type + ")");
-      shape.shape = *found;
-    }
+    shape.shape = shape_of(geom, type, ends, meshes);
     if (result.weighs)
       result.inertia =
           weight(geom, shape, type == "mesh" ? meshes.mesh(mesh).inertia : inertia_of_shape(shape.shape));

@@ -151,27 +151,31 @@ void MjcfRelations::read_spatial(const MjcfElement& tendon) {
     wire.points.push_back(site(MjcfElement(files_, point), "site"));
   }
   if (wire.points.size() < 2) tendon.fail("a tendon needs two sites");
-  double length = 0;
-  for (std::size_t k = 1; k < wire.points.size(); ++k)
-    length += (pose(wire.points[k].link).point(wire.points[k].X_LF.p) -
-               pose(wire.points[k - 1].link).point(wire.points[k - 1].X_LF.p))
-                  .norm();
   const auto range = tendon.numbers("range", {0, 0});
   if (tendon.flag("limited", compiler_.autolimits && (range[0] != 0 || range[1] != 0))) {
     wire.longest = positive(files_, tendon.node(), "range", range[1]);
     if (range[0] > 0) note(tendon, "the least length of a tendon: has no counterpart");
   }
-  const auto stiffness = tendon.numbers("stiffness"), damping = tendon.numbers("damping");
-  if (!stiffness.empty()) wire.stiffness = not_negative(files_, tendon.node(), "stiffness", stiffness[0]);
-  if (!damping.empty()) wire.damping = not_negative(files_, tendon.node(), "damping", damping[0]);
-  const auto rest = tendon.numbers("springlength");
-  wire.rest = rest.empty() || rest[0] < 0 ? length : rest[0];
-  if (rest.size() > 1 && rest[1] > rest[0] && rest[0] >= 0) wire.slack = rest[1] - rest[0];
-  if (stiffness.size() > 1 || damping.size() > 1)
-    note(tendon, "stiffness or damping of a tendon that is no constant");
+  read_spring(tendon, wire);
   if (wire.longest == kNoLimit && wire.stiffness == 0 && wire.damping == 0)
     return leave_out(tendon, "a tendon that neither limits nor pulls by itself: left out");
   model_.wires.push_back(std::move(wire));
+}
+
+/// At rest at the length that it starts with, unless it says so.
+void MjcfRelations::read_spring(const MjcfElement& tendon, Wire& wire) {
+  const auto at = [&](const LinkFrame& point) { return pose(point.link).point(point.X_LF.p); };
+  double length = 0;
+  for (std::size_t k = 1; k < wire.points.size(); ++k)
+    length += (at(wire.points[k]) - at(wire.points[k - 1])).norm();
+  const auto stiffness = tendon.numbers("stiffness"), damping = tendon.numbers("damping");
+  if (!stiffness.empty()) wire.stiffness = not_negative(files_, tendon.node(), "stiffness", stiffness[0]);
+  if (!damping.empty()) wire.damping = not_negative(files_, tendon.node(), "damping", damping[0]);
+  if (stiffness.size() > 1 || damping.size() > 1)
+    note(tendon, "stiffness or damping of a tendon that is no constant: its first number is taken");
+  const auto rest = tendon.numbers("springlength");
+  wire.rest = rest.empty() || rest[0] < 0 ? length : rest[0];
+  if (rest.size() > 1 && rest[1] > rest[0] && rest[0] >= 0) wire.slack = rest[1] - rest[0];
 }
 
 /// With a control of 0: what is left is a law of the joint.

@@ -31,6 +31,7 @@ class MjcfRelations {
   void read_joint_equality(const MjcfElement& equality);
   void read_tendon(const pugi::xml_node& node);
   void read_spatial(const MjcfElement& tendon);
+  void read_spring(const MjcfElement& tendon, Wire& wire);
   void read_actuator(const pugi::xml_node& node);
   void act_on_joint(const MjcfElement& actuator, AxisLaw& law, double start);
   void read_sensor(const pugi::xml_node& node);

@@ -109,12 +109,7 @@ void MjcfTree::read_replicate(const pugi::xml_node& node, const Where& where) {
   const int digits = static_cast<int>(std::to_string(static_cast<int>(copies) - 1).size());
   Vec3 p = Vec3::Zero();
   for (int i = 0; i < static_cast<int>(copies); ++i) {
-    Quat q = Quat::Identity();
-    for (int k = 0; k < 3; ++k) {
-      const char letter = compiler_.eulerseq[k];
-      const Quat turn = exp_so3(i * euler[k] * compiler_.angle * Vec3::Unit(std::tolower(letter) - 'x'));
-      q = std::islower(static_cast<unsigned char>(letter)) ? q * turn : turn * q;
-    }
+    const Quat q = from_euler(i * euler, compiler_);
     Where copy = where;
     copy.X_LF = where.X_LF * Pose{q, p};
     std::string number = std::to_string(i);

@@ -64,6 +64,9 @@ class SceneDocument {
   void write_armature(SceneJson& bodies, SceneJson& joints, const AxisName& name);
   SceneJson axis_reference(const AxisName& axis) const;
   void write_wire(SceneJson& document, const Wire& wire);
+  SceneJson wire_ends(const Wire& wire) const;
+  void write_rope(SceneJson& document, const Wire& wire);
+  void write_wire_spring(SceneJson& document, const Wire& wire);
   void write_probes(SceneJson& document);
   SceneJson probe_json(const ModelProbe& probe, bool& known) const;
 
