@@ -19,7 +19,7 @@ std::vector<BodyId> bodies_of(const World& world, const AxisCoupling::Terms& ter
 }  // namespace
 
 AxisCoupling::AxisCoupling(const World& world, const std::string& name, const Terms& terms)
-    : Joint(bodies_of(world, terms)) {
+    : Joint(bodies_of(world, terms)), terms_(terms) {
   for (const auto& [axis, factor] : terms) {
     require_finite(name + " factor of " + world.axis_label(axis), factor);
     if (factor == 0) fail(name + " factor of " + world.axis_label(axis), "must not be 0", factor);

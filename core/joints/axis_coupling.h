@@ -26,6 +26,8 @@ class AxisCoupling : public Joint {
   Vec3 reaction_point_B() const override { return Vec3::Zero(); }
   int axes_needed() const override { return axes_needed_; }
   std::vector<JointId> couples() const override { return couples_; }
+  /// Its axes, by their ids in the world that it was made for, and their factors.
+  const Terms& terms() const { return terms_; }
 
  protected:
   row_parts::Coupling coupling_;  ///< its one row
@@ -33,6 +35,7 @@ class AxisCoupling : public Joint {
  private:
   int axes_needed_ = 0;
   std::vector<JointId> couples_;
+  Terms terms_;
 };
 
 }  // namespace taut

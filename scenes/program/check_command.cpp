@@ -2,7 +2,7 @@
 
 #include <iostream>
 
-#include "scenes/files/scene_source.h"
+#include "scenes/import/import.h"
 #include "scenes/program/run_command.h"
 #include "scenes/program/run_settings.h"
 #include "scenes/program/start_warnings.h"
@@ -57,7 +57,8 @@ void add_contradiction(std::vector<Problem>& problems, const World& world, const
 }  // namespace
 
 int check_command(const std::string& name, const std::map<std::string, double>& parameters, bool all) {
-  Scene scene = open_scene(name, parameters);
+  std::vector<ImportNotice> notices;
+  Scene scene = open_scene_or_model(name, parameters, &notices);
   World& world = scene.world;
   RunOptions options;
   options.scene = name;
@@ -66,6 +67,7 @@ int check_command(const std::string& name, const std::map<std::string, double>& 
   std::vector<std::string> warnings = settings_without_effect(scene.settings, sources);
   for (std::string& warning : start_warnings(world, scene.settings, scene.dt))
     warnings.push_back(std::move(warning));
+  for (const ImportNotice& notice : notices) warnings.push_back(notice.text());
   Simulator simulator(world, scene.settings);
   std::vector<Problem> problems;
   if (scene.assemble) {

@@ -11,6 +11,7 @@
 #include "scenes/export/pose_trace.h"
 #include "scenes/files/scene_source.h"
 #include "scenes/files/state_file.h"
+#include "scenes/import/import.h"
 #include "scenes/program/interrupt.h"
 #include "scenes/program/progress_bar.h"
 #include "scenes/program/run_record.h"
@@ -147,7 +148,7 @@ class Outputs {
   }
   static void check_distinct(const RunOptions& options) {
     std::vector<NamedFile> inputs;
-    if (is_scene_file(options.scene)) inputs.push_back({"the scene", options.scene});
+    if (is_scene_or_model_file(options.scene)) inputs.push_back({"the scene", options.scene});
     if (options.from_file != options.save_file) inputs.push_back({"--from", options.from_file});
     require_distinct({{"--report", options.report_file},
                       {"--csv", options.csv_file},
@@ -174,8 +175,13 @@ class Outputs {
 std::pair<Scene, SavedMemory> prepared_scene(const RunOptions& options) {
   if (options.dt) require_positive("--dt", *options.dt);
   if (options.time) require_positive("--time", *options.time);
-  Scene scene = open_scene(options.scene, options.parameters);
-  if (!is_scene_file(options.scene)) scene.name = options.scene;  // `bridge`, not what it is short for
+  std::vector<ImportNotice> notices;
+  Scene scene = open_scene_or_model(options.scene, options.parameters, &notices);
+  if (!notices.empty() && !options.quiet)
+    std::cerr << "taut: " << notices.size() << " kinds of things in " << options.scene
+              << " are not, or not as they are, in the scene; `taut import` lists them\n";
+  if (!is_scene_or_model_file(options.scene))
+    scene.name = options.scene;  // `bridge`, not what it is short for
   SavedMemory memory;
   if (!options.from_file.empty()) memory = load_state_file(scene.world, options.from_file);
   if (options.dt) scene.dt = *options.dt;

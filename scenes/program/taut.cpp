@@ -1,4 +1,4 @@
-/// The program: taut run | replay | check | list | accuracy | friction | bench.
+/// The program: taut run | replay | check | import | export | list | accuracy | friction | bench.
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -10,7 +10,9 @@
 #include "scenes/program/accuracy_command.h"
 #include "scenes/program/bench_command.h"
 #include "scenes/program/check_command.h"
+#include "scenes/program/export_command.h"
 #include "scenes/program/friction_command.h"
+#include "scenes/program/import_command.h"
 #include "scenes/program/list_command.h"
 #include "scenes/program/replay_command.h"
 #include "scenes/program/run_command.h"
@@ -27,15 +29,20 @@ struct Arguments {
   std::string list_name;
   std::string check_scene;
   bool check_all = false;
+  std::string model, imported;
+  std::string export_scene, exported;
   std::string recording;
   taut::ExportFiles replay;
   bool replay_quietly = false;
   taut::BenchOptions bench;
-  std::vector<std::string> run_assignments, check_assignments;
+  std::vector<std::string> run_assignments, check_assignments, export_assignments;
 };
 
 void add_scene(CLI::App& command, std::string& scene, std::vector<std::string>& assignments) {
-  command.add_option("scene", scene, "name of a scene (see `taut list`), or a scene file")->required();
+  command
+      .add_option("scene", scene,
+                  "name of a scene (see `taut list`), a scene file, or a model: URDF, SDF, MJCF")
+      ->required();
   command.add_option("--set", assignments, "a parameter of the scene, key=value; may be repeated")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
@@ -200,6 +207,17 @@ void add_others(CLI::App& app, Arguments& arguments) {
       *app.add_subcommand("check", "look for mistakes in a scene; count freedoms, name redundant rows");
   add_scene(check, arguments.check_scene, arguments.check_assignments);
   check.add_flag("--all", arguments.check_all, "name all redundant rows, not the first 20 only");
+  CLI::App& import = *app.add_subcommand(
+      "import", "a model of a robot, URDF, SDF or MJCF, as a scene file; lists what has no counterpart");
+  import.add_option("model", arguments.model, "a .urdf, .sdf or .xml file")->required();
+  import.add_option("-o,--output", arguments.imported, "scene file to write; default: the standard output")
+      ->type_name("FILE.json");
+  CLI::App& as_model =
+      *app.add_subcommand("export", "a scene as a model, URDF or MJCF; lists what has no counterpart");
+  add_scene(as_model, arguments.export_scene, arguments.export_assignments);
+  as_model.add_option("-o,--output", arguments.exported, "model to write: .urdf, or .xml for MJCF")
+      ->required()
+      ->type_name("FILE");
   CLI::App& list = *app.add_subcommand("list", "list the scenes with their parameters");
   list.add_option("scene", arguments.list_name, "only this one");
   add_friction(app, arguments.friction);
@@ -214,12 +232,18 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
   }
   if (app.got_subcommand("replay"))
     return taut::replay_command(arguments.recording, arguments.replay, arguments.replay_quietly);
-  if (app.got_subcommand("check")) {
-    std::map<std::string, double> parameters;
-    for (const std::string& assignment : arguments.check_assignments)
-      taut::add_parameter(parameters, assignment);
-    return taut::check_command(arguments.check_scene, parameters, arguments.check_all);
-  }
+  const auto parameters = [](const std::vector<std::string>& assignments) {
+    std::map<std::string, double> values;
+    for (const std::string& assignment : assignments) taut::add_parameter(values, assignment);
+    return values;
+  };
+  if (app.got_subcommand("check"))
+    return taut::check_command(arguments.check_scene, parameters(arguments.check_assignments),
+                               arguments.check_all);
+  if (app.got_subcommand("export"))
+    return taut::export_command(arguments.export_scene, parameters(arguments.export_assignments),
+                                arguments.exported);
+  if (app.got_subcommand("import")) return taut::import_command(arguments.model, arguments.imported);
   if (app.got_subcommand("list")) {
     std::cout << taut::list_scenes(arguments.list_name);
     return taut::kExitSuccess;

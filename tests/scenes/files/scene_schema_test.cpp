@@ -9,7 +9,9 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include "scenes/import/import.h"
 #include "tests/scenes/files/scene_bad_cases.h"
+#include "tests/scenes/import/corpus_checker.h"
 #include "tests/source_dir.h"
 
 /// The schema says the same as the reader, as far as a schema can.
@@ -67,6 +69,13 @@ TEST(SceneSchema, AcceptsTheShippedScenes) {
     ++count;
   }
   EXPECT_GE(count, 6);
+}
+
+TEST(SceneSchema, AcceptsImportedModels) {
+  for (const std::string& name : testing::model_files()) try {
+      EXPECT_EQ(objections(import_model(testing::model_folder() / name).document), "") << name;
+    } catch (const std::invalid_argument&) {  // refused
+    }
 }
 
 TEST(SceneSchema, RejectsWhatASchemaCanSee) {

@@ -1,0 +1,165 @@
+#include "scenes/export/model_tree.h"
+
+#include <algorithm>
+#include <deque>
+#include <sstream>
+
+#include "scenes/recording/recorder.h"
+
+namespace taut {
+namespace {
+
+/// The direction of an axis, by how its rate depends on the velocity of one of its bodies.
+Vec3 axis_direction(World& still, AxisId axis, BodyId moved, bool angular) {
+  Vec3 direction;
+  for (int i = 0; i < 3; ++i) {
+    Twist twist;
+    (angular ? twist.w : twist.v) = Vec3::Unit(i);
+    still.set_twist(moved, twist);
+    direction[i] = still.axis_rate(axis);
+  }
+  still.set_twist(moved, {});
+  return direction;
+}
+
+/// Joints whose axes follow each other from A to B.
+bool is_chain(std::string_view type) {
+  constexpr std::string_view kChains[] = {"hinge", "slider", "cylindrical", "planar", "universal", "six_dof"};
+  return std::find(std::begin(kChains), std::end(kChains), type) != std::end(kChains);
+}
+
+class TreeBuilder {
+ public:
+  explicit TreeBuilder(const World& world)
+      : world_(world), still_(world), reached_(world.body_count(), false) {
+    for (int b = 1; b < world.body_count(); ++b)
+      if (!world.is_fixed(BodyId{b})) still_.set_twist(BodyId{b}, {});
+    joints_of_.resize(world.body_count());
+    used_.resize(world.joint_count(), false);
+    for (int j = 0; j < world.joint_count(); ++j)
+      if (world.joint(JointId{j}).couples().empty() && world.is_attached(JointId{j}))
+        for (BodyId body : world.joint(JointId{j}).bodies()) joints_of_[body.index].push_back({j});
+  }
+
+  ModelTree build() {
+    for (int b = 0; b < world_.body_count(); ++b)
+      if (b == 0 || world_.is_fixed(BodyId{b})) reach({.body = {b}, .parent = kGround});
+    grow();
+    for (int b = 1; b < world_.body_count(); ++b) {
+      if (reached_[b]) continue;
+      reach({.body = {b}, .parent = kGround, .free = true});
+      grow();
+    }
+    for (int j = 0; j < world_.joint_count(); ++j)
+      if (!used_[j]) tree_.others.push_back({j});
+    return std::move(tree_);
+  }
+
+ private:
+  void reach(TreeBody body) {
+    reached_[body.body.index] = true;
+    waiting_.push_back(body.body);
+    if (body.body != kGround) tree_.bodies.push_back(std::move(body));
+  }
+  void grow() {
+    while (!waiting_.empty()) {
+      const BodyId from = waiting_.front();
+      waiting_.pop_front();
+      for (JointId id : joints_of_[from.index]) try_joint(from, id);
+    }
+  }
+  void try_joint(BodyId from, JointId id) {
+    const Joint& joint = world_.joint(id);
+    if (used_[id.index] || joint.bodies().size() != 2) return;
+    const BodyId to = joint.a() == from ? joint.b() : joint.a();
+    if (reached_[to.index]) return;
+    TreeBody body{.body = to, .parent = from, .joint = id};
+    body.anchor = world_.pose(joint.b()).point(joint.reaction_point_B());
+    body.ball = joint.type() == "ball";
+    const bool chain = is_chain(joint.type()), turned = joint.a() == to;
+    if (!chain && !body.ball && joint.type() != "fixed") return;
+    if (chain && !read_axes(body, turned)) return;
+    used_[id.index] = true;
+    reach(std::move(body));
+  }
+  /// Of a chain from child to parent only one axis is the same the other way round.
+  bool read_axes(TreeBody& body, bool turned) {
+    const bool universal = world_.joint(body.joint).type() == "universal";
+    const int count = universal ? 2 : world_.axis_count(body.joint);
+    if (turned && count > 1) return false;
+    for (int k = 0; k < count; ++k) {
+      const AxisId id{body.joint, k};
+      const bool angular = world_.axis_info(id).angular;
+      const Vec3 along = axis_direction(still_, id, body.body, angular);
+      body.axes.push_back({id, angular, along.normalized()});
+    }
+    std::stable_partition(body.axes.begin(), body.axes.end(),
+                          [](const TreeAxis& axis) { return !axis.angular; });
+    return true;
+  }
+
+  const World& world_;
+  World still_;
+  ModelTree tree_;
+  std::vector<std::vector<JointId>> joints_of_;  // by body
+  std::vector<bool> used_, reached_;
+  std::deque<BodyId> waiting_;
+};
+
+}  // namespace
+
+ModelTree model_tree(const World& world) { return TreeBuilder(world).build(); }
+
+AxisWords axis_words(const World& world, AxisId axis, std::vector<std::string>& notices) {
+  const AxisProperties& properties = world.axis_properties(axis);
+  const std::string label = world.axis_label(axis);
+  AxisWords result;
+  result.value = world.axis_value(axis);
+  if (const auto& limits = properties.limits) {
+    if (limits->lower > -kUnlimited) result.lower = limits->lower;
+    if (limits->upper < kUnlimited) result.upper = limits->upper;
+    if (limits->restitution > 0 || limits->compliance > 0)
+      notices.push_back(label + ": restitution and compliance of limits have no counterpart");
+  }
+  if (const auto& spring = properties.spring) {
+    if (spring->table || spring->damping_table)
+      notices.push_back(label + ": a spring or damper by a table has no counterpart");
+    result.stiffness = spring->stiffness, result.rest = spring->rest, result.damping = spring->damping;
+  }
+  if (const auto& friction = properties.friction) {
+    result.friction = friction->static_friction;
+    result.damping += friction->viscous;
+    if (friction->per_load > 0 || friction->dynamic_friction != friction->static_friction)
+      notices.push_back(label + ": friction by load, or other in motion than at rest, has no counterpart");
+  }
+  if (properties.motor) notices.push_back(label + ": a motor has no counterpart");
+  return result;
+}
+
+void note_what_no_model_has(const World& world, std::vector<std::string>& notices) {
+  bool moves = false, bounces = false, gives = false;
+  for (int b = 1; b < world.body_count(); ++b)
+    moves = moves || !world.twist(BodyId{b}).v.isZero(0) || !world.twist(BodyId{b}).w.isZero(0);
+  for (int s = 0; s < world.shape_count(); ++s) {
+    const Material& material = world.shape(ShapeId{s}).material;
+    bounces = bounces || material.restitution > 0;
+    gives = gives || material.compliance > 0;
+  }
+  if (moves) notices.emplace_back("velocities at the start have no counterpart");
+  if (bounces) notices.emplace_back("restitution of contacts has no counterpart");
+  if (gives) notices.emplace_back("compliance of contacts has no counterpart");
+  for (int j = 0; j < world.joint_count(); ++j)
+    if (!world.is_attached(JointId{j}))
+      notices.push_back(world.name(JointId{j}) + ": a joint that is detached is left out");
+}
+
+std::string words(double value) { return shortest(value); }
+std::string words(const Vec3& v) { return words(v.x()) + ' ' + words(v.y()) + ' ' + words(v.z()); }
+
+std::string xml_text(const pugi::xml_document& document) {
+  std::ostringstream text;
+  document.save(text, "  ", pugi::format_indent | pugi::format_no_declaration);
+  return text.str();
+}
+
+}  // namespace taut

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+#include <pugixml.hpp>
+#include <string>
+#include <vector>
+
+#include "core/world/world.h"
+
+namespace taut {
+
+/// A free axis of the joint between a body and its parent.
+struct TreeAxis {
+  AxisId id;
+  bool angular = true;
+  Vec3 direction = Vec3::UnitZ();  ///< of the motion against the parent, world axes
+};
+
+/// A body and what joins it to its parent.
+struct TreeBody {
+  BodyId body, parent;           ///< the ground is the parent of what is free or fixed
+  JointId joint{-1};             ///< none: fixed to the ground, or free
+  bool free = false;             ///< nothing joins it to the parent
+  bool ball = false;             ///< its joint is a ball joint
+  std::vector<TreeAxis> axes{};  ///< the first next to the parent; translations stand in front
+  Vec3 anchor = Vec3::Zero();    ///< point of the joint, world [m]
+};
+
+/// A world as trees of bodies, which is what formats of robots can say.
+struct ModelTree {
+  std::vector<TreeBody> bodies;  ///< all but the ground, parents first
+  std::vector<JointId> others;   ///< joints that are not in the trees
+};
+ModelTree model_tree(const World& world);
+
+/// What the present values, limits and laws of an axis are; without what a linear spring and constant
+/// friction say.
+struct AxisWords {
+  double value = 0;
+  std::optional<double> lower, upper;
+  double stiffness = 0, rest = 0, damping = 0, friction = 0;
+};
+/// What cannot be said is added to the notices.
+AxisWords axis_words(const World& world, AxisId axis, std::vector<std::string>& notices);
+
+/// What a format cannot say of bodies, materials and forces as such: velocities, restitution, compliance.
+void note_what_no_model_has(const World& world, std::vector<std::string>& notices);
+
+/// "0.1 0 -2", read back bit for bit.  @{
+std::string words(const Vec3& v);
+std::string words(double value);  /// @}
+
+/// A document as text.
+std::string xml_text(const pugi::xml_document& document);
+
+}  // namespace taut

@@ -1,0 +1,269 @@
+#include "scenes/import/mjcf_relations.h"
+
+namespace taut::model {
+namespace {
+
+Pose inverse_of(const Pose& X) { return {X.q.conjugate(), X.q.conjugate() * Vec3(-X.p)}; }
+
+/// Thrown where something names what a part without counterpart would have defined, or has several copies.
+struct NotThere {
+  std::string name;
+};
+
+/// The entry of a name that an attribute gives.
+template <typename Value>
+Value named(const MjcfElement& element, const std::map<std::string, Value>& entries, const char* attribute,
+            const MjcfNames& names) {
+  const std::string name = element.files().required(element.node(), attribute);
+  const auto found = entries.find(name);
+  if (found != entries.end()) return found->second;
+  if (names.lacks_some || names.copied.contains(name)) throw NotThere{name};
+  element.fail(std::string("\"") + attribute + "\" names nothing that is there (value: " + name + ")");
+}
+
+}  // namespace
+
+int MjcfRelations::body(const MjcfElement& e, const char* attribute) const {
+  return named(e, names_.bodies, attribute, names_);
+}
+LinkFrame MjcfRelations::site(const MjcfElement& e, const char* attribute) const {
+  return named(e, names_.sites, attribute, names_);
+}
+AxisName MjcfRelations::joint(const MjcfElement& e, const char* attribute) const {
+  const std::string name = e.text(attribute);
+  if (names_.free_joints.contains(name)) throw NotThere{name};
+  return named(e, names_.joints, attribute, names_);
+}
+
+void MjcfRelations::read(const pugi::xml_node& mujoco) {
+  const auto each = [&](const char* section, void (MjcfRelations::*read_one)(const pugi::xml_node&)) {
+    for (const pugi::xml_node& part : files_.children(mujoco, section))
+      for (const pugi::xml_node& node : files_.children(part)) try {
+          (this->*read_one)(node);
+        } catch (const NotThere& missing) {
+          leave_out(MjcfElement(files_, node), std::string("<") + node.name() + "> names \"" + missing.name +
+                                                   "\", which has no counterpart, or several: left out");
+        }
+  };
+  each("contact", &MjcfRelations::read_contact);
+  each("equality", &MjcfRelations::read_equality);
+  each("tendon", &MjcfRelations::read_tendon);
+  each("actuator", &MjcfRelations::read_actuator);
+  each("sensor", &MjcfRelations::read_sensor);
+}
+
+void MjcfRelations::read_contact(const pugi::xml_node& node) {
+  const MjcfElement element = defaults_.element(node, "");
+  const std::string_view kind = node.name();
+  if (kind == "exclude") {
+    element.find("name");
+    model_.pairs.push_back({body(element, "body1"), body(element, "body2"), false});
+  } else if (kind == "pair") {
+    element.find("name");
+    const auto geom = [&](const char* key) { return named(element, names_.bodies_of_geoms, key, names_); };
+    const int a = geom("geom1"), b = geom("geom2");
+    model_.pairs.push_back({a, b, true});
+    note(element,
+         "<pair> of geoms: their bodies may touch, as far as the geoms' contype and conaffinity let them");
+  }
+}
+
+void MjcfRelations::read_equality(const pugi::xml_node& node) {
+  const std::string_view kind = node.name();
+  if (kind != "connect" && kind != "weld" && kind != "joint") return;
+  files_.accept(node);
+  const MjcfElement element(files_, node);
+  if (kind == "joint") return read_joint_equality(element);
+  Loop loop;
+  loop.name = name_of(element);
+  loop.place = element.place();
+  loop.active = element.flag("active", true);
+  if (element.find("site1")) {
+    loop.a = site(element, "site1");
+    loop.b = site(element, "site2");
+    loop.fixed = kind == "weld";
+    model_.loops.push_back(std::move(loop));
+    return;
+  }
+  loop.a.link = body(element, "body1");
+  if (element.find("body2")) loop.b.link = body(element, "body2");
+  kind == "connect" ? read_connect(element, std::move(loop)) : read_weld(element, std::move(loop));
+}
+
+/// The anchor is a point of the first body; the second one has it where it is at the start.
+void MjcfRelations::read_connect(const MjcfElement& connect, Loop loop) {
+  files_.required(connect.node(), "anchor");
+  loop.a.X_LF.p = connect.vector("anchor", Vec3::Zero());
+  loop.b.X_LF = inverse_of(pose(loop.b.link)) * pose(loop.a.link) * loop.a.X_LF;
+  model_.loops.push_back(std::move(loop));
+}
+
+/// `relpose` is the pose of the second body in the first; as at the start if its quaternion is 0 or missing.
+void MjcfRelations::read_weld(const MjcfElement& weld, Loop loop) {
+  loop.fixed = true;
+  const auto v = weld.numbers("relpose", {0, 1, 0, 0, 0, 0, 0});
+  const Quat q(v[3], v[4], v[5], v[6]);
+  Pose X_12 = inverse_of(pose(loop.a.link)) * pose(loop.b.link);
+  if (q.norm() > 1e-12) X_12 = {q.normalized(), Vec3(v[0], v[1], v[2])};
+  weld.find("anchor");  // of a rigid joint all points do
+  loop.a.X_LF = X_12;
+  model_.loops.push_back(std::move(loop));
+}
+
+void MjcfRelations::read_joint_equality(const MjcfElement& equality) {
+  AxisRelation relation;
+  relation.name = name_of(equality);
+  relation.place = equality.place();
+  relation.active = equality.flag("active", true);
+  relation.driven = joint(equality, "joint1");
+  const auto poly = equality.numbers("polycoef", {0, 1, 0, 0, 0});
+  if (equality.find("joint2")) {
+    relation.driving = joint(equality, "joint2");
+    relation.ratio = poly[1];
+    if (poly[2] != 0 || poly[3] != 0 || poly[4] != 0 || poly[1] == 0)
+      return leave_out(equality, "a relation of joints that is not linear: has no counterpart");
+    if (poly[0] != 0)
+      note(equality, "\"polycoef\": the relation holds as at the start, without its constant");
+  } else {
+    relation.value = axis(relation.driven).start + poly[0];
+  }
+  model_.relations.push_back(std::move(relation));
+}
+
+void MjcfRelations::read_tendon(const pugi::xml_node& node) {
+  files_.accept(node);
+  if (std::string_view(node.name()) == "spatial")
+    read_spatial(defaults_.element(node, ""));
+  else
+    leave_out(MjcfElement(files_, node),
+              "<" + std::string(node.name()) + ">: this tendon has no counterpart");
+}
+
+/// A wire through sites.  What it wraps around has no counterpart.
+void MjcfRelations::read_spatial(const MjcfElement& tendon) {
+  Wire wire;
+  wire.name = name_of(tendon);
+  wire.place = tendon.place();
+  for (const pugi::xml_node& point : files_.children(tendon.node())) {
+    files_.accept(point);
+    if (std::string_view(point.name()) != "site")
+      return leave_out(tendon, "a tendon with <" + std::string(point.name()) + ">: has no counterpart");
+    wire.points.push_back(site(MjcfElement(files_, point), "site"));
+  }
+  if (wire.points.size() < 2) tendon.fail("a tendon needs two sites");
+  const auto range = tendon.numbers("range", {0, 0});
+  if (tendon.flag("limited", compiler_.autolimits && (range[0] != 0 || range[1] != 0))) {
+    wire.longest = positive(files_, tendon.node(), "range", range[1]);
+    if (range[0] > 0) note(tendon, "the least length of a tendon: has no counterpart");
+  }
+  read_spring(tendon, wire);
+  if (wire.longest == kNoLimit && wire.stiffness == 0 && wire.damping == 0)
+    return leave_out(tendon, "a tendon that neither limits nor pulls by itself: left out");
+  model_.wires.push_back(std::move(wire));
+}
+
+/// At rest at the length that it starts with, unless it says so.
+void MjcfRelations::read_spring(const MjcfElement& tendon, Wire& wire) {
+  const auto at = [&](const LinkFrame& point) { return pose(point.link).point(point.X_LF.p); };
+  double length = 0;
+  for (std::size_t k = 1; k < wire.points.size(); ++k)
+    length += (at(wire.points[k]) - at(wire.points[k - 1])).norm();
+  const auto stiffness = tendon.numbers("stiffness"), damping = tendon.numbers("damping");
+  if (!stiffness.empty()) wire.stiffness = not_negative(files_, tendon.node(), "stiffness", stiffness[0]);
+  if (!damping.empty()) wire.damping = not_negative(files_, tendon.node(), "damping", damping[0]);
+  if (stiffness.size() > 1 || damping.size() > 1)
+    note(tendon, "stiffness or damping of a tendon that is no constant: its first number is taken");
+  const auto rest = tendon.numbers("springlength");
+  wire.rest = rest.empty() || rest[0] < 0 ? length : rest[0];
+  if (rest.size() > 1 && rest[1] > rest[0] && rest[0] >= 0) wire.slack = rest[1] - rest[0];
+}
+
+/// With a control of 0: what is left is a law of the joint.
+void MjcfRelations::read_actuator(const pugi::xml_node& node) {
+  const MjcfElement actuator = defaults_.element(node, "");
+  const std::string kind = node.name(), name = actuator.text("name");
+  const bool known =
+      kind == "general" || kind == "motor" || kind == "position" || kind == "velocity" || kind == "damper";
+  const char* attribute = node.attribute("joint") ? "joint" : "jointinparent";
+  if (!known || !node.attribute(attribute))
+    return leave_out(actuator, "<" + kind + "> \"" + name + "\": has no counterpart: it does nothing");
+  const AxisName on = joint(actuator, attribute);
+  note(actuator, "<" + kind + "> \"" + name + "\": acts as with a control of 0");
+  act_on_joint(actuator, axis(on).law, axis(on).start);
+}
+
+/// force = gear (bias₀ + bias₁ gear q + bias₂ gear q̇), with the bias of the kind.
+void MjcfRelations::act_on_joint(const MjcfElement& actuator, AxisLaw& law, double start) {
+  const std::string kind = actuator.node().name();
+  const double gear = actuator.numbers("gear", {1, 0, 0, 0, 0, 0})[0];
+  double constant = 0, stiffness = 0, damping = 0;
+  if (kind == "position") {
+    stiffness = actuator.number("kp", 1);
+    damping = actuator.number("kv", 0);
+  } else if (kind == "velocity") {
+    damping = actuator.number("kv", 1);
+  } else if (kind == "general" && actuator.text("biastype", "none") == "affine") {
+    std::vector<double> bias = actuator.numbers("biasprm");
+    bias.resize(std::max<std::size_t>(bias.size(), 3), 0.0);
+    constant = bias[0], stiffness = -bias[1], damping = -bias[2];
+  } else if (kind == "general" && actuator.text("biastype", "none") != "none") {
+    note(actuator, "\"biastype\": has no counterpart: it does nothing");
+  }
+  stiffness *= gear * gear;
+  damping *= gear * gear;
+  if (stiffness < 0 || damping < 0 || (constant != 0 && stiffness == 0))
+    return note(actuator, "a bias that is no spring: has no counterpart");
+  const double rest = stiffness > 0 ? gear * constant / stiffness : start;
+  if (law.stiffness + stiffness > 0)
+    law.rest = (law.stiffness * law.rest + stiffness * rest) / (law.stiffness + stiffness);
+  law.stiffness += stiffness;
+  law.damping += damping;
+}
+
+void MjcfRelations::read_sensor(const pugi::xml_node& node) {
+  const MjcfElement sensor(files_, node);
+  const std::string kind = node.name();
+  ModelProbe probe;
+  probe.name = name_of(sensor);
+  if (probe.name.empty()) probe.name = kind;
+  probe.place = sensor.place();
+  if (kind == "jointpos" || kind == "jointvel" || kind == "jointactuatorfrc" || kind == "jointlimitfrc") {
+    probe.quantity = kind == "jointpos" || kind == "jointvel" ? "axis" : "axis-force";
+    probe.axis = joint(sensor, "joint");
+  } else if (kind == "force" || kind == "torque") {
+    probe.quantity = "reaction-" + kind;
+    probe.at = site(sensor, "site");
+  } else if (kind == "velocimeter" || kind == "gyro") {
+    probe.quantity = kind == "gyro" ? "angular-velocity" : "velocity";
+    probe.at = site(sensor, "site");
+  } else if (!frame_sensor(sensor, probe)) {
+    return leave_out(sensor, "<" + kind + ">: this sensor has no counterpart");
+  }
+  if (kind == "force" || kind == "torque" || kind == "velocimeter" || kind == "gyro" || kind == "framequat")
+    note(sensor, "<" + kind + ">: the probe is in world axes" + (kind == "framequat" ? ", of the body" : ""));
+  model_.probes.push_back(std::move(probe));
+}
+
+bool MjcfRelations::frame_sensor(const MjcfElement& sensor, ModelProbe& probe) {
+  static const std::map<std::string_view, std::string> kQuantityOf = {{"framepos", "position"},
+                                                                      {"framequat", "orientation"},
+                                                                      {"framelinvel", "velocity"},
+                                                                      {"frameangvel", "angular-velocity"}};
+  const auto found = kQuantityOf.find(sensor.node().name());
+  const std::string type = sensor.text("objtype");
+  if (found == kQuantityOf.end() || sensor.node().attribute("reftype")) return false;
+  if (type != "body" && type != "xbody" && type != "site") return false;
+  probe.quantity = found->second;
+  probe.at = object_of(sensor);
+  return true;
+}
+
+LinkFrame MjcfRelations::object_of(const MjcfElement& sensor) {
+  const std::string type = sensor.text("objtype");
+  if (type == "site") return site(sensor, "objname");
+  const int link = body(sensor, "objname");
+  if (type == "xbody" || link == kWorld) return {link, {}};
+  return {link, {Quat::Identity(), model_.links[link].inertia.centre}};
+}
+
+}  // namespace taut::model

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "scenes/import/mjcf_names.h"
+
+namespace taut::model {
+
+/// What refers to bodies, joints and sites of a MJCF file: contact pairs, equalities, tendons, actuators,
+/// sensors.
+class MjcfRelations {
+ public:
+  MjcfRelations(XmlFiles& files, const MjcfDefaults& defaults, const MjcfCompiler& compiler,
+                const MjcfNames& names, std::string prefix, RobotModel& model)
+      : files_(files),
+        defaults_(defaults),
+        compiler_(compiler),
+        names_(names),
+        prefix_(std::move(prefix)),
+        model_(model) {}
+  void read(const pugi::xml_node& mujoco);
+
+ private:
+  /// In the whole; nameless things stay so.
+  std::string name_of(const MjcfElement& element) const {
+    const std::string name = element.text("name");
+    return name.empty() ? name : prefix_ + name;
+  }
+  void read_contact(const pugi::xml_node& node);
+  void read_equality(const pugi::xml_node& node);
+  void read_connect(const MjcfElement& connect, Loop loop);
+  void read_weld(const MjcfElement& weld, Loop loop);
+  void read_joint_equality(const MjcfElement& equality);
+  void read_tendon(const pugi::xml_node& node);
+  void read_spatial(const MjcfElement& tendon);
+  void read_spring(const MjcfElement& tendon, Wire& wire);
+  void read_actuator(const pugi::xml_node& node);
+  void act_on_joint(const MjcfElement& actuator, AxisLaw& law, double start);
+  void read_sensor(const pugi::xml_node& node);
+  bool frame_sensor(const MjcfElement& sensor, ModelProbe& probe);
+  LinkFrame object_of(const MjcfElement& sensor);
+
+  int body(const MjcfElement& element, const char* attribute) const;
+  LinkFrame site(const MjcfElement& element, const char* attribute) const;
+  AxisName joint(const MjcfElement& element, const char* attribute) const;
+  LinkAxis& axis(const AxisName& name) { return model_.links[name.link].axes[name.axis]; }
+  Pose pose(int link) const { return link == kWorld ? Pose{} : model_.links[link].X_WL; }
+  void note(const MjcfElement& element, const std::string& message) {
+    model_.notices.push_back({element.place(), message, 1});
+  }
+  /// With all that is in it.
+  void leave_out(const MjcfElement& element, const std::string& message) {
+    files_.accept_all(element.node());
+    note(element, message);
+  }
+
+  XmlFiles& files_;
+  const MjcfDefaults& defaults_;
+  const MjcfCompiler& compiler_;
+  const MjcfNames& names_;
+  std::string prefix_;  // of names in the whole
+  RobotModel& model_;
+};
+
+}  // namespace taut::model

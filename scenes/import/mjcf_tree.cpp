@@ -1,0 +1,253 @@
+#include "scenes/import/mjcf_tree.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/import/link_inertia.h"
+#include "scenes/import/mjcf_relations.h"
+
+namespace taut::model {
+namespace {
+
+/// Copies of <replicate> in copies are many; a scene has some thousand bodies.
+constexpr int kMostElements = 200'000;
+
+/// The inertia with principal moments as <compiler> wants them.
+LinkInertia bounded(LinkInertia inertia, const MjcfCompiler& compiler) {
+  inertia.mass = std::max(inertia.mass, compiler.bound_mass);
+  if (!compiler.balance_inertia && compiler.bound_inertia <= 0) return inertia;
+  const Eigen::SelfAdjointEigenSolver<Mat3> principal(inertia.inertia);
+  Vec3 moments = principal.eigenvalues();
+  if (compiler.bound_inertia > 0) moments = moments.cwiseMax(compiler.bound_inertia);
+  if (compiler.balance_inertia && moments[0] + moments[1] < moments[2]) moments.setConstant(moments.mean());
+  inertia.inertia = principal.eigenvectors() * moments.asDiagonal() * principal.eigenvectors().transpose();
+  return inertia;
+}
+
+}  // namespace
+
+void MjcfTree::read_all(const Where& where) {
+  for (const pugi::xml_node& world : files_.children(mujoco_, "worldbody")) read_children(world, where);
+}
+
+void MjcfTree::count(const pugi::xml_node& node) {
+  if (++model_.elements > kMostElements) files_.fail(node, "the model has more than 200,000 elements");
+}
+
+std::string MjcfTree::name_of(const MjcfElement& element, const Where& where) {
+  const std::string name = element.text("name");
+  if (!name.empty() && !where.ending.empty()) names_.copied.insert(name);
+  return name.empty() ? name : name + where.ending;
+}
+
+void MjcfTree::read_children(const pugi::xml_node& parent, const Where& where) {
+  for (const pugi::xml_node& node : files_.children(parent)) read_child(node, where);
+}
+
+void MjcfTree::read_child(const pugi::xml_node& node, const Where& where) {
+  const std::string_view name = node.name();
+  count(node);
+  if (name == "body" || name == "frame" || name == "replicate" || name == "geom" || name == "site" ||
+      name == "attach" || name == "joint" || name == "freejoint" || name == "inertial")
+    files_.accept(node);
+  if (name == "body") return read_body(node, where);
+  if (name == "frame") return read_frame(node, where);
+  if (name == "replicate") return read_replicate(node, where);
+  if (name == "geom") return read_geom_of(node, where);
+  if (name == "site") return read_site(node, where);
+  if (name == "attach") return read_attach(node, where);
+  if (name == "flexcomp" || name == "composite" || name == "plugin") names_.lacks_some = true;
+  if (where.link == kWorld) return;
+  if (name == "joint" || name == "freejoint") return read_joint(node, where);
+  if (name == "inertial") return read_inertial(node, where);
+}
+
+void MjcfTree::read_body(const pugi::xml_node& node, const Where& where) {
+  const MjcfElement element(files_, node);
+  Link link;
+  const std::string name = name_of(element, where);
+  link.name = name.empty() ? name : where.beginning + name;
+  link.parent = where.link;
+  link.place = files_.place(node);
+  const Pose X_WP = where.link == kWorld ? Pose{} : model_.links[where.link].X_WL;
+  link.X_WL = X_WP * where.X_LF * element.pose(compiler_);
+  link.X_WL.q.normalize();
+  if (!link.X_WL.p.allFinite()) files_.fail(node, "the position is not finite");
+  if (element.flag("mocap", false))
+    note(node, "\"" + link.name + "\" is moved by motion capture: it stays where it is");
+  Where inside{static_cast<int>(model_.links.size()),
+               {},
+               element.text("childclass", where.childclass.c_str()),
+               where.beginning,
+               where.ending};
+  if (!inside.childclass.empty() && !defaults_.has(inside.childclass) && inside.childclass != "main")
+    files_.fail(node, "there is no default class of this name (value: " + inside.childclass + ")");
+  if (!name.empty() && !names_.bodies.try_emplace(name, inside.link).second)
+    files_.fail(node, "there is another body of this name (value: " + name + ")");
+  model_.links.push_back(std::move(link));
+  links_.push_back(inside.link);
+  for (const pugi::xml_node& child : files_.children(node, "inertial"))  // in front of the geoms
+    read_inertial(child, inside);
+  read_children(node, inside);
+}
+
+void MjcfTree::read_frame(const pugi::xml_node& node, Where where) {
+  const MjcfElement element(files_, node);
+  where.X_LF = where.X_LF * element.pose(compiler_);
+  where.childclass = element.text("childclass", where.childclass.c_str());
+  element.find("name");
+  read_children(node, where);
+}
+
+/// Copies of the children, each moved against the one before.
+void MjcfTree::read_replicate(const pugi::xml_node& node, const Where& where) {
+  const MjcfElement element(files_, node);
+  const double copies = element.number("count", 0);
+  if (!(copies >= 1 && copies <= kMostElements)) files_.fail(node, "\"count\" must be from 1 to 200000");
+  const Vec3 offset = element.vector("offset", Vec3::Zero()), euler = element.vector("euler", Vec3::Zero());
+  const int digits = static_cast<int>(std::to_string(static_cast<int>(copies) - 1).size());
+  Vec3 p = Vec3::Zero();
+  for (int i = 0; i < static_cast<int>(copies); ++i) {
+    const Quat q = from_euler(i * euler, compiler_);
+    Where copy = where;
+    copy.X_LF = where.X_LF * Pose{q, p};
+    std::string number = std::to_string(i);
+    number.insert(0, static_cast<std::size_t>(digits) - number.size(), '0');
+    copy.ending = element.text("sep") + number + where.ending;
+    read_children(node, copy);
+    p += q * offset;
+    count(node);
+  }
+}
+
+void MjcfTree::read_joint(const pugi::xml_node& node, const Where& where) {
+  Link& link = model_.links[where.link];
+  const MjcfElement joint = defaults_.element(node, where.childclass);
+  const std::string type =
+      std::string_view(node.name()) == "freejoint" ? "free" : joint.text("type", "hinge");
+  const std::string name = name_of(joint, where);
+  if (type == "free") {
+    link.free = true;
+    names_.free_joints.insert(name);
+    return;
+  }
+  LinkAxis axis;
+  axis.name = name.empty() ? name : where.beginning + name;
+  axis.place = files_.place(node);
+  axis.kind = type == "hinge"   ? LinkAxis::Kind::kHinge
+              : type == "slide" ? LinkAxis::Kind::kSlide
+              : type == "ball"
+                  ? LinkAxis::Kind::kBall
+                  : (joint.fail("unknown type of joint (value: " + type + ")"), LinkAxis::Kind::kHinge);
+  axis.anchor = where.X_LF.point(joint.vector("pos", Vec3::Zero()));
+  if (axis.kind != LinkAxis::Kind::kBall)
+    axis.axis = where.X_LF.q * direction(files_, node, "axis", joint.vector("axis", Vec3::UnitZ()));
+  else
+    joint.find("axis");
+  read_law(axis, joint);
+  if (!name.empty()) names_.joints[name] = {where.link, static_cast<int>(link.axes.size())};
+  link.axes.push_back(std::move(axis));
+}
+
+void MjcfTree::read_law(LinkAxis& axis, const MjcfElement& joint) {
+  const double unit = axis.kind == LinkAxis::Kind::kSlide ? 1 : compiler_.angle;
+  axis.start = unit * joint.number("ref", 0);
+  AxisLaw& law = axis.law;
+  const auto first = [&](const char* key) {
+    const std::vector<double> found = joint.numbers(key);
+    if (found.size() > 1 && std::any_of(found.begin() + 1, found.end(), [](double x) { return x != 0; }))
+      note(joint.node(), std::string("\"") + key + "\" that is no constant: its first number is taken");
+    return found.empty() ? 0.0 : not_negative(files_, joint.node(), key, found[0]);
+  };
+  law.stiffness = first("stiffness");
+  law.damping = first("damping");
+  law.rest = unit * joint.number("springref", 0);
+  law.friction = first("frictionloss");
+  if (const auto pair = joint.numbers("springdamper", {0, 0}); pair[0] > 0 || pair[1] > 0)
+    note(joint.node(), "\"springdamper\", which depends on the mass that moves: has no counterpart");
+  axis.armature = not_negative(files_, joint.node(), "armature", joint.number("armature", 0));
+  if (axis.kind == LinkAxis::Kind::kBall && axis.armature > 0)
+    note(joint.node(), "\"armature\" of a ball joint: has no counterpart");
+  const auto range = joint.numbers("range", {0, 0});
+  const bool given = range[0] != 0 || range[1] != 0;
+  if (!joint.flag("limited", compiler_.autolimits && given)) return;
+  if (!(range[0] < range[1]) && axis.kind != LinkAxis::Kind::kBall)
+    joint.fail("\"range\" must be two numbers that increase");
+  law.lower = unit * range[0];
+  law.upper = unit * range[1];
+}
+
+void MjcfTree::read_inertial(const pugi::xml_node& node, const Where& where) {
+  if (has_inertial_.contains(where.link)) return;
+  const MjcfElement element(files_, node);
+  if (compiler_.inertia_from_geoms == MjcfCompiler::FromGeoms::kYes) return;
+  has_inertial_.insert(where.link);
+  LinkInertia inertia;
+  files_.required(node, "mass");
+  inertia.mass = not_negative(files_, node, "mass", element.number("mass", 0));
+  const std::vector<double> full = element.numbers("fullinertia");
+  if (full.size() == 6)
+    inertia.inertia << full[0], full[3], full[4], full[3], full[1], full[5], full[4], full[5], full[2];
+  else if (!full.empty())
+    element.fail("\"fullinertia\" must have 6 numbers");
+  else
+    inertia.inertia = element.vector("diaginertia", Vec3::Zero()).asDiagonal();
+  Link& link = model_.links[where.link];
+  link.inertia = in_frame(where.X_LF * element.pose(compiler_), inertia);
+}
+
+void MjcfTree::read_geom_of(const pugi::xml_node& node, const Where& where) {
+  const MjcfElement element = defaults_.element(node, where.childclass);
+  MjcfGeom geom = read_geom(element, compiler_, meshes_);
+  const std::string name = name_of(element, where);
+  if (!name.empty()) names_.bodies_of_geoms[name] = where.link;
+  if (!geom.shape) note(node, "<geom>: its shape is left out: " + geom.problem);
+  if (geom.shape) {
+    geom.shape->X_LS = where.X_LF * geom.shape->X_LS;
+    auto& shapes = where.link == kWorld ? model_.ground_shapes : model_.links[where.link].shapes;
+    shapes.push_back(std::move(*geom.shape));
+  }
+  const bool in_groups = geom.group >= compiler_.first_group && geom.group <= compiler_.last_group;
+  if (where.link == kWorld || has_inertial_.contains(where.link) || !geom.weighs || !in_groups ||
+      compiler_.inertia_from_geoms == MjcfCompiler::FromGeoms::kNo)
+    return;
+  Link& link = model_.links[where.link];
+  const bool weightless =
+      !geom.problem.empty() && (element.text("mass") == "0" || element.text("density") == "0");
+  if (!geom.problem.empty() && !weightless && link.unknown_mass.empty())
+    link.unknown_mass = "the mass of \"" + link.name + "\" is not known: " + geom.problem;
+  link.inertia = sum(link.inertia, in_frame(where.X_LF, geom.inertia));
+}
+
+void MjcfTree::read_site(const pugi::xml_node& node, const Where& where) {
+  const MjcfElement element = defaults_.element(node, where.childclass);
+  Pose pose = element.pose(compiler_);
+  if (const char* ends = element.find("fromto")) {
+    const auto v = exactly(files_, node, "fromto", ends, 6);
+    const Vec3 from(v[0], v[1], v[2]), to(v[3], v[4], v[5]);
+    pose = {z_to(from - to), (from + to) / 2};
+  }
+  const std::string name = name_of(element, where);
+  if (!name.empty()) names_.sites[name] = {where.link, where.X_LF * pose};
+}
+
+void MjcfTree::finish() {
+  double total = 0;
+  for (int i : links_) {
+    Link& link = model_.links[i];
+    link.inertia = bounded(link.inertia, compiler_);
+    total += link.inertia.mass;
+  }
+  if (compiler_.total_mass > 0 && total > 0)
+    for (int i : links_)
+      model_.links[i].inertia = scaled(model_.links[i].inertia, compiler_.total_mass / total);
+  for (const auto& attached : attached_) attached->finish();
+}
+
+void MjcfTree::relate() {
+  MjcfRelations(files_, defaults_, compiler_, names_, prefix_, model_).read(mujoco_);
+  for (const auto& attached : attached_) attached->relate();
+}
+
+}  // namespace taut::model

@@ -1,0 +1,179 @@
+#include "scenes/import/rigid_groups.h"
+
+#include <Eigen/Eigenvalues>
+#include <map>
+#include <sstream>
+
+#include "scenes/import/link_inertia.h"
+
+namespace taut::model {
+namespace {
+
+bool is_fixed(const Link& link) { return !link.free && link.axes.empty(); }
+
+/// The link nearest to the world that this one is fixed to.
+int root_of(const RobotModel& model, int link) {
+  while (is_fixed(model.links[link]) && model.links[link].parent != kWorld) link = model.links[link].parent;
+  return link;
+}
+
+Pose inverse(const Pose& X) { return {X.q.conjugate(), X.q.conjugate() * Vec3(-X.p)}; }
+
+class Fusion {
+ public:
+  explicit Fusion(RobotModel& model) : model_(model), into_(model.links.size()) {
+    for (int i = 0; i < static_cast<int>(into_.size()); ++i) into_[i] = i;
+  }
+
+  void run() {
+    std::map<int, std::vector<int>> groups;
+    for (int i = 0; i < static_cast<int>(into_.size()); ++i)
+      if (const int root = root_of(model_, i); !is_fixed(model_.links[root])) groups[root].push_back(i);
+    for (const auto& [root, members] : groups) choose(root, members);
+    for (const auto& [root, members] : groups) move_joint(root, members);
+    for (int i = 0; i < static_cast<int>(into_.size()); ++i)
+      if (into_[i] != i) fuse(i, into_[i]);
+    redirect();
+    remove();
+  }
+
+ private:
+  /// Which member each of them is to become a part of.
+  void choose(int root, const std::vector<int>& members) {
+    require_solid(root, members);
+    int first_solid = -1;
+    for (int i : members)
+      if (first_solid < 0 && is_solid(model_.links[i].inertia)) first_solid = i;
+    for (int i : members) {
+      if (is_solid(model_.links[i].inertia)) continue;
+      int target = i;
+      while (target != root && !is_solid(model_.links[target].inertia)) target = model_.links[target].parent;
+      if (!is_solid(model_.links[target].inertia)) target = first_solid < 0 ? root : first_solid;
+      into_[i] = target;
+    }
+    for (int i : members)
+      if (into_[i] == i && !is_solid(inertia_with_parts(i, members))) {  // only all together are a body
+        for (int member : members) into_[member] = root;
+        return;
+      }
+  }
+
+  LinkInertia inertia_with_parts(int whole, const std::vector<int>& members) const {
+    LinkInertia all;
+    for (int i : members)
+      if (into_[i] == whole)
+        all = sum(
+            all, in_frame(inverse(model_.links[whole].X_WL) * model_.links[i].X_WL, model_.links[i].inertia));
+    return all;
+  }
+
+  void require_solid(int root, const std::vector<int>& members) const {
+    const Link& link = model_.links[root];
+    LinkInertia all;
+    for (int i : members)
+      if (!model_.links[i].unknown_mass.empty())
+        throw ImportError(model_.links[i].place, model_.links[i].unknown_mass);
+    for (int i : members)
+      all = sum(all, in_frame(inverse(link.X_WL) * model_.links[i].X_WL, model_.links[i].inertia));
+    if (is_solid(all)) return;
+    std::ostringstream message;
+    message.precision(6);
+    message << "\"" << link.name << "\" moves, and ";
+    if (!(all.mass > 0))
+      message << "has no mass (value: " << all.mass << " kg)";
+    else
+      message << "its inertia is that of no body: positive principal moments, none larger than the sum of "
+                 "the others"
+              << " (value: "
+              << Vec3(Eigen::SelfAdjointEigenSolver<Mat3>(all.inertia).eigenvalues()).transpose()
+              << " kg m²)";
+    throw ImportError(link.place, message.str());
+  }
+
+  /// Where the root of a group goes into a member, the member takes over what joins the group to its parent.
+  void move_joint(int root, const std::vector<int>& members) {
+    const int target = into_[root];
+    if (target == root || members.empty()) return;
+    Link &from = model_.links[root], &to = model_.links[target];
+    const Pose X_TR = inverse(to.X_WL) * from.X_WL;
+    to.axes = std::move(from.axes);
+    from.axes.clear();
+    for (LinkAxis& axis : to.axes) axis.anchor = X_TR.point(axis.anchor), axis.axis = X_TR.q * axis.axis;
+    to.parent = from.parent;
+    to.free = from.free;
+    to.joint_name = from.joint_name;
+  }
+
+  void fuse(int part, int whole) {
+    Link &from = model_.links[part], &to = model_.links[whole];
+    const Pose X = inverse(to.X_WL) * from.X_WL;
+    to.inertia = sum(to.inertia, in_frame(X, from.inertia));
+    for (LinkShape& shape : from.shapes) {
+      shape.X_LS = X * shape.X_LS;
+      to.shapes.push_back(std::move(shape));
+    }
+    model_.notices.push_back(
+        {from.place,
+         "\"" + from.name + "\" has no mass and inertia of a body: it is part of \"" + to.name + "\"", 1});
+  }
+
+  /// What named a link that is a part now names the whole.
+  void redirect() {
+    for (int i = 0; i < static_cast<int>(into_.size()); ++i) {
+      int& parent = model_.links[i].parent;
+      if (parent != kWorld && into_[parent] != i) parent = into_[parent];
+    }
+    const auto frame = [&](LinkFrame& f) {
+      if (f.link == kWorld || into_[f.link] == f.link) return;
+      f.X_LF = inverse(model_.links[into_[f.link]].X_WL) * model_.links[f.link].X_WL * f.X_LF;
+      f.link = into_[f.link];
+    };
+    for (Loop& loop : model_.loops) frame(loop.a), frame(loop.b);
+    for (Wire& wire : model_.wires)
+      for (LinkFrame& point : wire.points) frame(point);
+    for (ModelProbe& probe : model_.probes) frame(probe.at);
+    for_each_index([&](int& link) { link = link == kWorld ? kWorld : into_[link]; });
+  }
+
+  template <typename Function>
+  void for_each_index(Function function) {
+    for (AxisRelation& relation : model_.relations) {
+      function(relation.driven.link);
+      if (relation.driving) function(relation.driving->link);
+    }
+    for (ModelProbe& probe : model_.probes)
+      if (probe.axis) function(probe.axis->link);
+    for (LinkPair& pair : model_.pairs) function(pair.a), function(pair.b);
+  }
+
+  void remove() {
+    std::vector<int> now(into_.size(), kWorld);
+    std::vector<Link> kept;
+    for (std::size_t i = 0; i < into_.size(); ++i) {
+      if (into_[i] != static_cast<int>(i)) continue;
+      now[i] = static_cast<int>(kept.size());
+      kept.push_back(std::move(model_.links[i]));
+    }
+    const auto index = [&](int& link) { link = link == kWorld ? kWorld : now[link]; };
+    for (Link& link : kept) index(link.parent);
+    model_.links = std::move(kept);
+    for (Loop& loop : model_.loops) index(loop.a.link), index(loop.b.link);
+    for (Wire& wire : model_.wires)
+      for (LinkFrame& point : wire.points) index(point.link);
+    for (ModelProbe& probe : model_.probes) index(probe.at.link);
+    for_each_index(index);
+  }
+
+  RobotModel& model_;
+  std::vector<int> into_;  // by link: what it becomes a part of; itself: it stays
+};
+
+}  // namespace
+
+void fuse_links_without_mass(RobotModel& model) { Fusion(model).run(); }
+
+bool stands_still(const RobotModel& model, int link) {
+  return link == kWorld || is_fixed(model.links[root_of(model, link)]);
+}
+
+}  // namespace taut::model

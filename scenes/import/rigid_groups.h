@@ -1,0 +1,15 @@
+#pragma once
+
+#include "scenes/import/robot_model.h"
+
+namespace taut::model {
+
+/// Gives what moves a mass: a link without one, or with one that no body can have, becomes part of a link
+/// that it is fixed to.  Each gets a notice.  Afterwards parents need not stand in front of their children.
+/// @throws ImportError if links that move together have no mass, or an inertia that no body can have.
+void fuse_links_without_mass(RobotModel& model);
+
+/// Whether the link never moves: it is fixed to the world, or to what is.
+bool stands_still(const RobotModel& model, int link);
+
+}  // namespace taut::model

@@ -1,0 +1,153 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/state/state.h"
+#include "core/world/shape.h"
+#include "scenes/import/notice.h"
+
+/// What URDF, SDF and MJCF have in common: links in a tree, axes between them, loops and relations.
+/// Frames: L of a link, W of the world.  SI units, angles in rad.
+namespace taut::model {
+
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+inline constexpr int kWorld = -1;  ///< in place of the index of a link
+
+/// Mass [kg], its centre [m] and the inertia about the centre [kg m²], in the axes of a link.
+struct LinkInertia {
+  double mass = 0;
+  Vec3 centre = Vec3::Zero();
+  Mat3 inertia = Mat3::Zero();
+};
+
+/// Coulomb's coefficient and lever arms [m].  Two surfaces have the larger of each, as far as the larger
+/// number of directions goes: 1 none, 3 sliding, 4 spinning as well, 6 rolling as well.
+struct Surface {
+  int directions = 3;
+  double sliding = 0.5, spinning = 0, rolling = 0;
+  auto operator<=>(const Surface&) const = default;
+};
+
+/// A collision shape.
+struct LinkShape {
+  Shape shape;
+  Pose X_LS;
+  Surface surface;
+  int type_bits = 1,
+      affinity_bits = 1;  ///< two shapes touch if one's type shares a bit with the other's affinity
+  std::string name;
+};
+
+/// What acts along an axis at rest; forces [N or N·m].
+struct AxisLaw {
+  double lower = -kNoLimit, upper = kNoLimit;
+  double stiffness = 0, rest = 0, damping = 0;
+  double friction = 0;
+};
+
+/// One motion of a link against its parent.  Several follow each other, the first next to the parent.
+struct LinkAxis {
+  enum class Kind { kHinge, kSlide, kBall, kScrew };
+  Kind kind = Kind::kHinge;
+  std::string name;
+  Vec3 anchor = Vec3::Zero();  ///< at the start, in the link's frame
+  Vec3 axis = Vec3::UnitZ();   ///< of unit length, likewise
+  double start = 0;            ///< value at the start, in the terms of the file; the scene's is 0 there
+  double pitch = 0;            ///< of a screw [m per turn]
+  double armature = 0;         ///< inertia of the motion by itself [kg m² or kg]
+  AxisLaw law;
+  ModelPlace place;
+};
+
+struct Link {
+  std::string name;
+  int parent = kWorld;
+  bool free = false;  ///< not joined to the parent
+  Pose X_WL;          ///< at the start
+  LinkInertia inertia;
+  std::string unknown_mass;  ///< why its mass cannot be computed, with file and line; empty: it is known
+  std::vector<LinkShape> shapes;
+  std::vector<LinkAxis> axes;  ///< none: fixed to the parent
+  std::string joint_name;      ///< of what holds it fixed
+  ModelPlace place;
+};
+
+/// A frame of a link, or of the world.
+struct LinkFrame {
+  int link = kWorld;
+  Pose X_LF;
+};
+
+/// Closes a loop: origins of both frames meet; `fixed`: axes as well.  With axes it is the joint that has
+/// them, where both links are.
+struct Loop {
+  std::string name;
+  LinkFrame a, b;
+  bool fixed = false;
+  std::vector<LinkAxis> axes;  ///< in the frame of the link of b
+  bool active = true;
+  ModelPlace place;
+};
+
+/// Names an axis by the link that has it.
+struct AxisName {
+  int link = kWorld, axis = 0;
+};
+
+/// driven = ratio · driving + constant; no driving axis: driven stays at `value`.
+struct AxisRelation {
+  std::string name;
+  AxisName driven;
+  std::optional<AxisName> driving;
+  double ratio = 1, value = 0;
+  bool active = true;
+  ModelPlace place;
+};
+
+/// A wire through points of links: at most `longest` long, or with a spring.
+struct Wire {
+  std::string name;
+  std::vector<LinkFrame> points;
+  double longest = kNoLimit;
+  double stiffness = 0, damping = 0;
+  double rest = 0, slack = 0;  ///< the spring is at rest from this length on, over this much more
+  ModelPlace place;
+};
+
+/// Something to record: of an axis, or of a point or the joint of a link.
+struct ModelProbe {
+  std::string name, quantity;  ///< as in a scene file
+  LinkFrame at;
+  std::optional<AxisName> axis;
+  ModelPlace place;
+};
+
+/// Two links that may, or may not, touch.
+struct LinkPair {
+  int a = kWorld, b = kWorld;
+  bool collide = false;
+};
+
+struct RobotModel {
+  std::string name;
+  Vec3 gravity = Vec3(0, 0, -9.81);
+  double dt = 1.0 / 240;
+  bool contacts = true;
+  /// What is joined to the ground, or by a loop, touches it all the same.
+  bool joined_touch = false;
+  std::vector<LinkShape> ground_shapes;
+  std::vector<Link> links;  ///< parents first
+  std::vector<Loop> loops;
+  std::vector<AxisRelation> relations;
+  std::vector<Wire> wires;
+  std::vector<ModelProbe> probes;
+  std::vector<LinkPair> pairs;
+  std::vector<ImportNotice> notices;
+  std::size_t models = 0;  ///< of the file that are read already
+  int elements = 0;        ///< of the file that were read, with their copies
+};
+
+}  // namespace taut::model

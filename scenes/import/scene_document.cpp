@@ -1,0 +1,190 @@
+#include "scenes/import/scene_document.h"
+
+#include "scenes/files/shape_json.h"
+#include "scenes/import/link_inertia.h"
+#include "scenes/import/rigid_groups.h"
+
+namespace taut::model {
+namespace {
+
+/// A scene has no two joints without a body between them.  Such a body takes this share of the mass of the
+/// link behind it, at the point of the joint between both, where it moves as it would with the link, and so
+/// changes nothing; and this share of its inertia, which does not turn with the link, and so changes the
+/// motion by about as much.
+constexpr double kShareOfMass = 1e-2, kShareOfInertia = 1e-3;
+constexpr int kMostClasses = 32;
+
+}  // namespace
+
+SceneJson vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+SceneJson quaternion_json(const Quat& q) {
+  const Quat unit = q.normalized();
+  return {unit.w(), unit.x(), unit.y(), unit.z()};
+}
+
+std::string SceneDocument::unique(std::set<std::string>& taken, const std::string& name,
+                                  const std::string& fallback) {
+  const std::string stem = name.empty() ? fallback : name;
+  std::string result = stem;
+  for (int i = 2; !taken.insert(result).second; ++i) result = stem + '_' + std::to_string(i);
+  return result;
+}
+
+SceneJson SceneDocument::write() {
+  SceneJson document{{"format", "taut-scene/1"}};
+  if (!model_.name.empty()) document["name"] = model_.name;
+  document["gravity"] = vector_json(model_.gravity);
+  document["dt"] = model_.dt;
+  if (!model_.contacts) document["settings"] = {{"contacts", false}};
+  name_bodies();
+  gather_surfaces();
+  gather_classes();
+  write_materials(document);
+  if (!model_.ground_shapes.empty())
+    document["ground"] = {{"shapes", shapes_json(model_.ground_shapes, Vec3::Zero())}};
+  write_bodies(document);
+  write_joints(document);
+  write_pairs(document);
+  write_probes(document);
+  if (open_) document["assemble"] = true;
+  return document;
+}
+
+void SceneDocument::name_bodies() {
+  for (const Link& link : model_.links) {
+    bodies_.push_back(unique(body_names_, link.name, "link"));
+    if (!link.name.empty() && bodies_.back() != link.name)
+      note(link.place,
+           "\"" + link.name + "\" is the name of another body: it is called \"" + bodies_.back() + "\"");
+    segments_.push_back(joint_segments(link));
+  }
+  for (std::size_t i = 0; i < model_.links.size(); ++i) {
+    between_.emplace_back();
+    for (std::size_t k = 1; k < segments_[i].size(); ++k)
+      between_[i].push_back(unique(body_names_, bodies_[i] + "_" + std::to_string(k), ""));
+    if (!between_[i].empty())
+      note(model_.links[i].place, "\"" + bodies_[i] +
+                                      "\" has axes that no single joint has: 1e-2 of its mass and 1e-3 of "
+                                      "its inertia are a body between them");
+  }
+}
+
+void SceneDocument::gather_surfaces() {
+  const auto add = [&](const std::vector<LinkShape>& shapes) {
+    for (const LinkShape& shape : shapes)
+      surfaces_.try_emplace(shape.surface, "surface_" + std::to_string(surfaces_.size() + 1));
+  };
+  add(model_.ground_shapes);
+  for (const Link& link : model_.links) add(link.shapes);
+}
+
+void SceneDocument::gather_classes() {
+  const auto add = [&](const LinkShape& shape, const ModelPlace& place) {
+    classes_.try_emplace({shape.type_bits, shape.affinity_bits}, static_cast<int>(classes_.size()));
+    if (classes_.size() > kMostClasses)
+      throw ImportError(place, "more than 32 kinds of shapes that touch different others");
+  };
+  for (const LinkShape& shape : model_.ground_shapes) add(shape, {});
+  for (const Link& link : model_.links)
+    for (const LinkShape& shape : link.shapes) add(shape, link.place);
+}
+
+/// The classes that touch this one, as bits.
+std::uint32_t SceneDocument::partners(int contact_class) const {
+  std::pair<int, int> mine;
+  for (const auto& [bits, index] : classes_)
+    if (index == contact_class) mine = bits;
+  std::uint32_t result = 0;
+  for (const auto& [bits, index] : classes_)
+    if ((mine.first & bits.second) || (bits.first & mine.second)) result |= std::uint32_t{1} << index;
+  return result;
+}
+
+/// Materials by surface, and what holds between two of them.
+void SceneDocument::write_materials(SceneJson& document) const {
+  if (surfaces_.empty()) return;
+  const auto material = [](int directions, double sliding, double spinning, double rolling) {
+    SceneJson json{{"static_friction", directions < 3 ? 0 : sliding},
+                   {"dynamic_friction", directions < 3 ? 0 : sliding}};
+    if (directions >= 4 && spinning > 0) json["spinning_friction"] = spinning;
+    if (directions >= 6 && rolling > 0) json["rolling_friction"] = rolling;
+    return json;
+  };
+  const auto both = [&](const Surface& a, const Surface& b) {
+    return material(std::max(a.directions, b.directions), std::max(a.sliding, b.sliding),
+                    std::max(a.spinning, b.spinning), std::max(a.rolling, b.rolling));
+  };
+  for (const auto& [surface, name] : surfaces_) document["materials"][name] = both(surface, surface);
+  for (auto a = surfaces_.begin(); a != surfaces_.end(); ++a)
+    for (auto b = std::next(a); b != surfaces_.end(); ++b)
+      document["material_pairs"].push_back(
+          {{"a", a->second}, {"b", b->second}, {"material", both(a->first, b->first)}});
+}
+
+SceneJson SceneDocument::shapes_json(const std::vector<LinkShape>& shapes, const Vec3& centre) const {
+  SceneJson list = SceneJson::array();
+  const auto bits = [](std::uint32_t set) {
+    SceneJson json = SceneJson::array();
+    for (int i = 0; i < kMostClasses; ++i)
+      if (set >> i & 1) json.push_back(i);
+    return json;
+  };
+  for (const LinkShape& shape : shapes) {
+    SceneJson json(shape_to_json(shape.shape));
+    if (const Vec3 p = shape.X_LS.p - centre; !p.isZero(0)) json["position"] = vector_json(p);
+    if (!shape.X_LS.q.vec().isZero(0)) json["orientation"] = quaternion_json(shape.X_LS.q);
+    json["material"] = surfaces_.at(shape.surface);
+    const int index = classes_.at({shape.type_bits, shape.affinity_bits});
+    if (classes_.size() > 1 || partners(index) == 0) {
+      json["groups"] = SceneJson::array({index});
+      json["collides_with"] = bits(partners(index));
+    }
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+SceneJson SceneDocument::body_json(const std::string& name, const Link& link,
+                                   const LinkInertia& inertia) const {
+  SceneJson json{{"name", name}};
+  const Mat3& I = inertia.inertia;
+  if (is_solid(inertia)) {
+    json["mass"] = inertia.mass;
+    json["inertia"] = {vector_json(I.row(0)), vector_json(I.row(1)), vector_json(I.row(2))};
+  }
+  json["position"] = vector_json(link.X_WL.point(inertia.centre));
+  if (!link.X_WL.q.vec().isZero(0)) json["orientation"] = quaternion_json(link.X_WL.q);
+  return json;
+}
+
+std::vector<LinkInertia> SceneDocument::shares_between(std::size_t i) const {
+  const Link& link = model_.links[i];
+  std::vector<LinkInertia> shares;
+  for (std::size_t k = 1; k < segments_[i].size(); ++k)
+    shares.push_back({kShareOfMass * link.inertia.mass, link.X_WL.local(segments_[i][k].anchor),
+                      kShareOfInertia * link.inertia.inertia});
+  return shares;
+}
+
+void SceneDocument::write_bodies(SceneJson& document) {
+  SceneJson& bodies = document["bodies"] = SceneJson::array();
+  for (std::size_t i = 0; i < model_.links.size(); ++i) {
+    Link& link = model_.links[i];
+    std::vector<LinkInertia> shares = shares_between(i);
+    LinkInertia rest = link.inertia;
+    for (const LinkInertia& share : shares) rest = difference(rest, share);
+    if (!is_solid(rest) && !shares.empty()) {  // the joint is too far away
+      for (LinkInertia& share : shares) share = scaled(link.inertia, kShareOfInertia);
+      rest = scaled(link.inertia, 1 - kShareOfInertia * static_cast<double>(shares.size()));
+    }
+    link.inertia = rest;
+    for (std::size_t k = 0; k < shares.size(); ++k)
+      bodies.push_back(body_json(between_[i][k], link, shares[k]));
+    SceneJson json = body_json(bodies_[i], link, link.inertia);
+    if (stands_still(model_, static_cast<int>(i))) json["fixed"] = true;
+    if (!link.shapes.empty()) json["shapes"] = shapes_json(link.shapes, link.inertia.centre);
+    bodies.push_back(std::move(json));
+  }
+}
+
+}  // namespace taut::model

@@ -1,0 +1,32 @@
+#include "scenes/program/import_command.h"
+
+#include <iostream>
+
+#include "scenes/files/scene_file.h"
+#include "scenes/import/import.h"
+#include "scenes/program/run_command.h"
+#include "scenes/support/output_file.h"
+
+namespace taut {
+
+int import_command(const std::string& model, const std::string& output) {
+  require_distinct({{"--output", output}}, {{"the model", model}});
+  require_writable("--output", output);
+  const ImportedModel imported = import_model(model);
+  const std::string text = imported.document.dump(1) + '\n';
+  const Scene scene = parse_scene(text, output.empty() ? model : output);
+  for (const ImportNotice& notice : imported.notices) std::cerr << notice.text() << '\n';
+  std::cerr << "taut: " << scene.world.moving_body_count() << " moving bodies, " << scene.world.joint_count()
+            << " joints, " << scene.world.shape_count() << " shapes; " << imported.notices.size()
+            << " notices\n";
+  if (output.empty()) {
+    std::cout << text;
+    return kExitSuccess;
+  }
+  const std::string error = write_output(output, text);
+  if (error.empty()) return kExitSuccess;
+  std::cerr << "taut: could not write " << error << '\n';
+  return kExitFailure;
+}
+
+}  // namespace taut

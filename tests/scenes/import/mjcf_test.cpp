@@ -1,0 +1,268 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "scenes/files/scene_file.h"
+#include "scenes/import/import.h"
+#include "solvers/simulator/simulator.h"
+
+// What MJCF says, and what the scene has.
+namespace taut::mjcf_test {
+namespace {
+
+ImportedModel imported(const std::string& inside) {
+  return import_model_text("<mujoco>\n" + inside + "\n</mujoco>", "m.xml");
+}
+ImportedModel world(const std::string& bodies) { return imported("<worldbody>" + bodies + "</worldbody>"); }
+Scene scene_of(const ImportedModel& model) { return parse_scene(model.document.dump(), "m.xml"); }
+
+bool notes(const ImportedModel& model, const std::string& what) {
+  for (const ImportNotice& notice : model.notices)
+    if (notice.text().find(what) != std::string::npos) return true;
+  return false;
+}
+
+void expect_refused(const std::string& inside, const std::string& message) {
+  try {
+    (void)imported(inside);
+    ADD_FAILURE() << "is not refused: " << message;
+  } catch (const ImportError& error) {
+    EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).rfind("m.xml:", 0), 0u) << error.what();
+  }
+}
+
+const std::string kBall = "<geom size='.1' mass='2'/>";
+
+TEST(ImportMjcf, OrientationsInAllWays) {
+  const auto turned = [](const std::string& how, const std::string& compiler = "") {
+    const ImportedModel model =
+        imported(compiler + "<worldbody><body " + how + "><freejoint/>" + kBall + "</body></worldbody>");
+    const Scene scene = scene_of(model);
+    return scene.world.pose(BodyId{1}).q.toRotationMatrix();
+  };
+  Mat3 quarter;  // about z
+  quarter << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  EXPECT_LT((turned("quat='1 0 0 1'") - quarter).norm(), 1e-15);
+  EXPECT_LT((turned("axisangle='0 0 2 90'") - quarter).norm(), 1e-15);
+  EXPECT_LT((turned("euler='0 0 90'") - quarter).norm(), 1e-15);
+  EXPECT_LT((turned("xyaxes='0 1 0 -1 1 0'") - quarter).norm(), 1e-15);
+  EXPECT_LT((turned("euler='0 0 1.5707963267948966'", "<compiler angle='radian'/>") - quarter).norm(), 1e-15);
+  Mat3 z_is_x;
+  z_is_x << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+  EXPECT_LT((turned("zaxis='3 0 0'") - z_is_x).norm(), 1e-15);
+  const Mat3 moving = turned("euler='90 90 0'"),
+             fixed = turned("euler='90 90 0'", "<compiler eulerseq='XYZ'/>");
+  EXPECT_LT((moving * Vec3(Vec3::UnitZ()) - Vec3(1, 0, 0)).norm(), 1e-15);
+  EXPECT_LT((fixed * Vec3(Vec3::UnitZ()) - Vec3(0, -1, 0)).norm(), 1e-15);
+}
+
+TEST(ImportMjcf, ClassesGiveAttributesDownTheTree) {
+  const ImportedModel model = imported(
+      "<default><geom density='500'/><default class='heavy'><geom density='4000'/><default "
+      "class='small'><geom size='.05'/>"
+      "</default></default></default><worldbody>"
+      "<body name='a'><freejoint/><geom size='.1'/></body>"
+      "<body name='b' childclass='small'><freejoint/><geom/></body>"
+      "<body name='c' childclass='small'><freejoint/><geom class='heavy' size='.1'/></body></worldbody>");
+  const Scene scene = scene_of(model);
+  const double volume = 4 * std::numbers::pi / 3e3;
+  const auto mass = [&](const char* name) {
+    return scene.world.mass_properties(scene.world.body(name)).mass();
+  };
+  EXPECT_NEAR(mass("a"), 500 * volume, 1e-12);
+  EXPECT_NEAR(mass("b"), 4000 * volume / 8, 1e-12);
+  EXPECT_NEAR(mass("c"), 4000 * volume, 1e-12);
+}
+
+TEST(ImportMjcf, JointsOfOneBodyAreAsFewAsPossible) {
+  const auto types = [](const std::string& joints) {
+    const ImportedModel model = world("<body name='b'>" + joints + kBall + "</body>");
+    std::string text;
+    for (const auto& joint : model.document["joints"]) text += joint["type"].get<std::string>() + " ";
+    (void)scene_of(model);
+    return text + std::to_string(model.document["bodies"].size());
+  };
+  const std::string x = "axis='1 0 0'/>", y = "axis='0 1 0'/>", z = "axis='0 0 1'/>", hinge = "<joint ",
+                    slide = "<joint type='slide' ";
+  EXPECT_EQ(types(hinge + x), "hinge 1");
+  EXPECT_EQ(types(slide + x), "slider 1");
+  EXPECT_EQ(types("<joint type='ball'/>"), "ball 1");
+  EXPECT_EQ(types(hinge + x + hinge + y), "universal 1");
+  EXPECT_EQ(types(hinge + x + slide + x), "cylindrical 1");
+  EXPECT_EQ(types(slide + x + slide + y), "six_dof 1");
+  EXPECT_EQ(types(slide + y + slide + x + hinge + z), "six_dof 1");
+  EXPECT_EQ(types(slide + x + slide + y + slide + z + hinge + y + hinge + x), "six_dof universal 2");
+  EXPECT_EQ(types(hinge + x + hinge + y + hinge + z), "universal hinge 2");
+  EXPECT_EQ(types(hinge + x + "<joint axis='1 1 0'/>"), "hinge hinge 2");
+  EXPECT_EQ(types(hinge + x + "<joint pos='0 0 .1' axis='0 1 0'/>"), "hinge hinge 2");
+  EXPECT_EQ(types("<freejoint/>"), "1");
+}
+
+TEST(ImportMjcf, ValuesOfAxesAreThoseOfTheFileLessTheReference) {
+  const ImportedModel model = world(
+      "<body><joint name='j' range='-30 60' ref='15' stiffness='3' springref='45' damping='.5' "
+      "frictionloss='.25'/>" +
+      kBall + "</body>");
+  const auto& axis = model.document["joints"][0]["axes"]["angle"];
+  const double degree = std::numbers::pi / 180;
+  EXPECT_NEAR(axis["limits"]["lower"].get<double>(), -45 * degree, 1e-15);
+  EXPECT_NEAR(axis["limits"]["upper"].get<double>(), 45 * degree, 1e-15);
+  EXPECT_NEAR(axis["spring"]["rest"].get<double>(), 30 * degree, 1e-15);
+  EXPECT_EQ(axis["spring"]["stiffness"], 3);
+  EXPECT_EQ(axis["spring"]["damping"], 0.5);
+  EXPECT_EQ(axis["friction"]["static"], 0.25);
+}
+
+TEST(ImportMjcf, ContactTypesAndAffinitiesDecideWhoTouches) {
+  Scene scene = scene_of(world(
+      "<geom type='plane' size='1 1 1' contype='1' conaffinity='0'/>"
+      "<body name='on' pos='0 0 .2'><freejoint/><geom size='.1' contype='0' conaffinity='1'/></body>"
+      "<body name='through' pos='1 0 .2'><freejoint/><geom size='.1' contype='1' conaffinity='0'/></body>"));
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(simulator.step(1e-3).ok());
+  EXPECT_NEAR(scene.world.pose(scene.world.body("on")).p.z(), 0.1, 1e-3);
+  EXPECT_LT(scene.world.pose(scene.world.body("through")).p.z(), -0.5);
+}
+
+TEST(ImportMjcf, FrictionIsTheLargerOfBoth) {
+  const ImportedModel model = world(
+      "<geom type='plane' size='1 1 1' friction='.2'/>"
+      "<body><freejoint/><geom size='.1' friction='.7 .01 .001' condim='6'/></body>");
+  const auto& between = model.document["material_pairs"][0]["material"];
+  EXPECT_EQ(between["dynamic_friction"], 0.7);
+  EXPECT_EQ(between["spinning_friction"], 0.01);
+  EXPECT_EQ(between["rolling_friction"], 0.001);
+}
+
+TEST(ImportMjcf, ConnectWeldAndJointEqualities) {
+  const ImportedModel model = imported(
+      "<worldbody><body name='a'><joint name='i' axis='0 1 0'/><geom size='.1' pos='0 0 -1'/></body>"
+      "<body name='b' pos='1 0 0'><joint name='j' axis='0 1 0'/><geom size='.1' pos='0 0 -1'/></body>"
+      "<body name='c' pos='2 0 0'><freejoint/><geom size='.1'/></body></worldbody><equality>"
+      "<connect name='u' body1='a' body2='b' anchor='0 0 -1'/><weld name='v' body1='b' body2='c' "
+      "active='false'/>"
+      "<joint name='w' joint1='j' joint2='i' polycoef='0 -3 0 0 0'/></equality>");
+  const Scene scene = scene_of(model);
+  EXPECT_EQ(scene.world.joint(scene.world.joint("u")).type(), "ball");
+  EXPECT_EQ(scene.world.joint(scene.world.joint("v")).type(), "fixed");
+  EXPECT_FALSE(scene.world.is_attached(scene.world.joint("v")));
+  EXPECT_EQ(scene.world.joint(scene.world.joint("w")).type(), "gear");
+  EXPECT_EQ(model.document["joints"][4]["ratio"], -3);
+  EXPECT_FALSE(scene.assemble);
+}
+
+TEST(ImportMjcf, SitesThatAreApartAreBroughtTogether) {
+  const ImportedModel model = imported(
+      "<worldbody><site name='s' pos='0 0 1'/><body name='a' pos='.2 0 0'><freejoint/><geom size='.1'/><site "
+      "name='t' pos='0 0 1'/>"
+      "</body></worldbody><equality><weld site1='s' site2='t'/></equality>");
+  Scene scene = scene_of(model);
+  ASSERT_TRUE(scene.assemble);
+  Simulator simulator(scene.world, scene.settings);
+  ASSERT_TRUE(simulator.assemble().ok());
+  EXPECT_LT(scene.world.pose(scene.world.body("a")).p.norm(), 1e-9);
+}
+
+TEST(ImportMjcf, ActuatorsActAsWithAControlOfZero) {
+  const ImportedModel model =
+      imported("<worldbody><body><joint name='j' axis='0 1 0' ref='0' stiffness='1' springref='0'/>" + kBall +
+               "</body></worldbody>"
+               "<actuator><position name='p' joint='j' kp='4' kv='.5' gear='2'/><motor name='m' "
+               "joint='j'/></actuator>");
+  const auto& spring = model.document["joints"][0]["axes"]["angle"]["spring"];
+  EXPECT_EQ(spring["stiffness"], 17);
+  EXPECT_EQ(spring["damping"], 2);
+  EXPECT_TRUE(notes(model, "<motor> \"m\": acts as with a control of 0"));
+}
+
+TEST(ImportMjcf, TendonsOfSitesAreRopesAndSprings) {
+  const ImportedModel model =
+      imported("<worldbody><site name='s'/><body pos='0 0 -1' name='b'><freejoint/>" + kBall +
+               "<site name='t'/></body></worldbody><tendon>"
+               "<spatial name='rope' range='0 2'><site site='s'/><site site='t'/></spatial>"
+               "<spatial name='spring' stiffness='10' damping='1' springlength='.5'><site site='s'/><site "
+               "site='t'/></spatial></tendon>");
+  EXPECT_EQ(model.document["joints"][0]["type"], "rope");
+  EXPECT_EQ(model.document["joints"][0]["length"], 2);
+  EXPECT_EQ(model.document["forces"][0]["rest_length"], 0.5);
+  (void)scene_of(model);
+}
+
+TEST(ImportMjcf, SensorsAreProbes) {
+  const ImportedModel model = imported(
+      "<worldbody><body name='b'><joint name='j'/><geom size='.1' pos='1 0 0'/><site name='s' pos='0 0 "
+      "1'/></body></worldbody><sensor>"
+      "<jointpos name='angle' joint='j'/><framepos name='tip' objtype='site' objname='s'/><force "
+      "site='s'/><magnetometer site='s'/></sensor>");
+  const Scene scene = scene_of(model);
+  ASSERT_EQ(scene.probes.size(), 3u);
+  EXPECT_EQ(scene.probes[0].name, "angle");
+  EXPECT_LT((scene.probes[1].point_B - Vec3(-1, 0, 1)).norm(), 1e-15);
+  EXPECT_TRUE(notes(model, "<magnetometer>: this sensor has no counterpart"));
+}
+
+TEST(ImportMjcf, CompilerSettlesMasses) {
+  const auto mass = [](const std::string& compiler, const std::string& body) {
+    const ImportedModel model =
+        imported("<compiler " + compiler + "/><worldbody><body><freejoint/>" + body + "</body></worldbody>");
+    const Scene scene = scene_of(model);
+    return scene.world.mass_properties(BodyId{1});
+  };
+  EXPECT_NEAR(mass("settotalmass='5'", kBall).mass(), 5, 1e-14);
+  EXPECT_NEAR(mass("boundmass='3'", kBall).mass(), 3, 1e-14);
+  const std::string skew = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 4'/>";
+  EXPECT_NEAR(mass("balanceinertia='true'", skew).principal_moments()[0], 2, 1e-14);
+  EXPECT_NEAR(mass("inertiafromgeom='true'", skew + kBall).mass(), 2, 1e-14);
+  EXPECT_NEAR(mass("inertiagrouprange='1 2'", kBall + "<geom size='.1' mass='7' group='1'/>").mass(), 7,
+              1e-14);
+}
+
+/// An L of four unit cubes; MuJoCo 4.0 counts its hollow twice unless told otherwise.
+TEST(ImportMjcf, MeshesWeighAsTheyAreToldTo) {
+  const auto mass = [](const std::string& kind) {
+    const ImportedModel model =
+        imported("<asset><mesh name='L' " + kind +
+                 " vertex='0 0 0 2 0 0 2 1 0 1 1 0 1 3 0 0 3 0 0 0 1 2 0 1 2 1 1 1 1 1 1 3 1 0 3 1' face='0 "
+                 "2 1 6 7 8 0 3 2 6 8 9 0 4 3 "
+                 "6 9 10 0 5 4 6 10 11 0 1 7 0 7 6 1 2 8 1 8 7 2 3 9 2 9 8 3 4 10 3 10 9 4 5 11 4 11 10 5 0 "
+                 "6 5 6 11'/></asset>"
+                 "<worldbody><body><freejoint/><geom type='mesh' mesh='L' density='1'/></body></worldbody>");
+    const Scene scene = scene_of(model);
+    return std::pair(scene.world.mass_properties(BodyId{1}), scene.world.pose(BodyId{1}).p);
+  };
+  Mat3 exact, legacy;
+  exact << 3 + 5.0 / 12, 0.75, 0, 0.75, 1 + 5.0 / 12, 0, 0, 0, 4 + 1.0 / 6;
+  legacy << 3.43066, 0.76779, 0, 0.76779, 1.4862, 0, 0, 0, 4.23405;
+  EXPECT_NEAR(mass("inertia='exact'").first.mass(), 4, 1e-14);
+  EXPECT_LT((mass("inertia='exact'").second - Vec3(0.75, 1.25, 0.5)).norm(), 1e-14);
+  EXPECT_LT((mass("inertia='exact'").first.inertia_B() - exact).norm(), 1e-14);
+  EXPECT_NEAR(mass("inertia='convex'").first.mass(), 5, 1e-14);
+  EXPECT_NEAR(mass("").first.mass(), 4.161340544083907, 1e-6);  // in single precision there
+  EXPECT_LT((mass("").second - Vec3(0.77519666, 1.24201082, 0.5)).norm(), 1e-6);
+  EXPECT_LT((mass("").first.inertia_B() - legacy).norm(), 2e-5);
+}
+
+TEST(ImportMjcf, WhatIsWrongIsNamedWithFileAndLine) {
+  const auto body = [](const std::string& inside) {
+    return "<worldbody><body>" + inside + "</body></worldbody>";
+  };
+  expect_refused(body("<joint/>"), "m.xml:2: \"\" moves, and has no mass (value: 0 kg)");
+  expect_refused(body("<joint/><geom/>"), "\"size\" must have 1 number(s)");
+  expect_refused(body("<joint/><geom size='-1'/>"), "\"size\" must be positive (value: -1)");
+  expect_refused(body("<joint type='screw'/>" + kBall), "unknown type of joint (value: screw)");
+  expect_refused(body("<joint range='1 0'/>" + kBall), "\"range\" must be two numbers that increase");
+  expect_refused(body("<joint/><geom class='no' size='.1'/>"),
+                 "there is no default class of this name (value: no)");
+  expect_refused(body("<joint/><geom type='mesh' mesh='no'/>"), "there is none of this name (value: no)");
+  expect_refused("<equality><connect body1='no' anchor='0 0 0'/></equality>",
+                 "names nothing that is there (value: no)");
+  expect_refused("<include file='no.xml'/>", "the included file cannot be read");
+  expect_refused("<compiler eulerseq='xy'/>", "must be three of x, y, z (value: xy)");
+  expect_refused("<worldbody><replicate count='1e9'><geom size='.1'/></replicate></worldbody>",
+                 "from 1 to 200000");
+}
+
+}  // namespace
+}  // namespace taut::mjcf_test
