@@ -73,7 +73,7 @@ bool StageSolver::solve_velocities(const Stage& stage, SubstepReport& report) {
   for (int exact = 0;; ++exact) {
     if (!solve(stage, tolerance, report)) break;
     const double off = model_.contacts.empty() ? 0 : laws_off(stage.lambda, w_);
-    if (off <= StageTuning::kMetPart || (exact == kExactSolves && take_inexact(off))) return true;
+    if (off <= 1 || (exact == kExactSolves && take_inexact(off))) return true;
     if (exact == kExactSolves) break;
     tolerance = exact_tolerance();
     std::copy(w_.begin(), w_.end(), stage.rates.begin());

@@ -14,9 +14,6 @@ struct StageTuning {
   static constexpr double kRatePart = 0.1;
 
   // What is met, beside the natural residual.
-  /// Part of its tolerance up to which that of a solve counts as met: rates that are summed up again from
-  /// momenta differ by round-off.
-  static constexpr double kMetPart = 0.9;
   /// Impulses on a level of their law are right to this part of the largest.
   static constexpr double kLevelTolerance = 1e-9;
   /// How many times what round-off of poses and twists makes of rates is let be where contacts are off their

@@ -285,7 +285,7 @@ TEST(Pile, of_stiff_bodies_comes_to_rest_and_falls_asleep) {
     newton += simulator.report().counts.contact_iterations;
   }
   EXPECT_EQ(simulator.report().asleep, kBodies);
-  EXPECT_LT(newton, 100 * steps);
+  EXPECT_LT(newton, 130 * steps);  // 76 a step with 300 sweeps of a guess, which takes 1.3 times as long
   bears_its_weight(scene, kCompliance, 24, 20);
 }
 
