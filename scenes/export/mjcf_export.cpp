@@ -12,7 +12,7 @@ namespace {
 Pose seen_from(const Pose& X_WA, const Pose& X_WB) {
   return {(X_WA.q.conjugate() * X_WB.q).normalized(), X_WA.local(X_WB.p)};
 }
-std::string words(const Quat& q) { return taut::words(q.w()) + ' ' + taut::words(Vec3(q.vec())); }
+std::string quat_words(const Quat& q) { return taut::words(q.w()) + ' ' + taut::words(Vec3(q.vec())); }
 
 /// The sizes of a shape as a geom; nothing for those without counterpart.
 struct GeomOfShape {
@@ -81,7 +81,7 @@ class MjcfWriter {
 
   static void place(pugi::xml_node node, const Pose& pose) {
     node.append_attribute("pos") = taut::words(pose.p).c_str();
-    if (!pose.q.vec().isZero(0)) node.append_attribute("quat") = words(pose.q).c_str();
+    if (!pose.q.vec().isZero(0)) node.append_attribute("quat") = quat_words(pose.q).c_str();
   }
 
   static void write_inertia(pugi::xml_node body, const MassProperties& mass) {
