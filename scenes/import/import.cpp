@@ -44,6 +44,15 @@ model::RobotModel read_robot_model(model::XmlFiles& files, const pugi::xml_node&
              "is none of <robot>, <sdf> and <mujoco> (value: <" + std::string(format.substr(0, 60)) + ">)");
 }
 
+/// Names and files may have bytes that a scene file cannot.
+void require_utf8(const nlohmann::ordered_json& document, const ModelPlace& place) {
+  try {
+    (void)document.dump();
+  } catch (const nlohmann::ordered_json::type_error&) {
+    throw ImportError(place, "names and values must be UTF-8");
+  }
+}
+
 ImportedModel import_root(model::XmlFiles& files, const pugi::xml_node& root,
                           const std::filesystem::path& file) {
   model::RobotModel robot = read_robot_model(files, root);
@@ -51,6 +60,7 @@ ImportedModel import_root(model::XmlFiles& files, const pugi::xml_node& root,
   model::fuse_links_without_mass(robot);
   ImportedModel result;
   result.document = model::SceneDocument(robot).write();
+  require_utf8(result.document, files.place(root));
   if (std::string_view(root.name()) == "robot")
     for (const auto& [a, b] : model::forbid_overlaps(result.document, file.string()))
       robot.notices.push_back(
