@@ -158,10 +158,11 @@ void SceneDocument::write_closing_joint(SceneJson& joints, const Loop& loop) {
 
 SceneJson SceneDocument::axis_reference(const AxisName& axis) const {
   const auto& segments = segments_[axis.link];
-  for (std::size_t s = 0; s < segments.size(); ++s) {
+  const auto& joints = joints_[axis.link];  // none where a link has become one body with another
+  for (std::size_t s = 0; s < std::min(segments.size(), joints.size()); ++s) {
     const int k = axis.axis - segments[s].first;
     if (k >= 0 && k < static_cast<int>(segments[s].keys.size()))
-      return {{"joint", joints_[axis.link][s]}, {"axis", segments[s].keys[k]}};
+      return {{"joint", joints[s]}, {"axis", segments[s].keys[k]}};
   }
   return {};
 }
