@@ -11,8 +11,8 @@ struct ContactSolverTuning {
   static constexpr double kNear = 1e-3;
   /// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
   /// more than that part of the largest.  A sweep costs 1/8 of a Newton step.  Measured on piles of 40 to 100
-  /// bodies, a wall and a tank: 300, 150, 75, 40, 20 and no sweeps take 15.2, 11.7, 10.1, 9.6, 10.7 and 17.5 s
-  /// (solvers/HISTORY.md, "Complementarity").
+  /// bodies, a wall and a tank: 300, 150, 75, 40, 20 and no sweeps take 15.2, 11.7, 10.1, 9.6, 10.7 and 17.5
+  /// s (solvers/HISTORY.md, "Complementarity").
   static constexpr int kFirstSweeps = 50;
   static constexpr double kSwept = 1e-10;
   /// Σ over S_rr where contacts are locked: impulses that mend what dependent rows contradict each other by
