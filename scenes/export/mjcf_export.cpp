@@ -12,7 +12,7 @@ namespace {
 Pose seen_from(const Pose& X_WA, const Pose& X_WB) {
   return {(X_WA.q.conjugate() * X_WB.q).normalized(), X_WA.local(X_WB.p)};
 }
-std::string quat_words(const Quat& q) { return taut::words(q.w()) + ' ' + taut::words(Vec3(q.vec())); }
+std::string quat_words(const Quat& q) { return words(q.w()) + ' ' + words(Vec3(q.vec())); }
 
 /// The sizes of a shape as a geom; nothing for those without counterpart.
 struct GeomOfShape {
@@ -22,15 +22,15 @@ struct GeomOfShape {
     node.append_attribute("type") = type;
     if (!size.empty()) node.append_attribute("size") = size.c_str();
   }
-  bool operator()(const Sphere& s) const { return set("sphere", taut::words(s.radius)), true; }
-  bool operator()(const Box& s) const { return set("box", taut::words(Vec3(s.size / 2))), true; }
+  bool operator()(const Sphere& s) const { return set("sphere", words(s.radius)), true; }
+  bool operator()(const Box& s) const { return set("box", words(Vec3(s.size / 2))), true; }
   bool operator()(const Capsule& s) const {
-    return set("capsule", taut::words(s.radius) + ' ' + taut::words(s.length / 2)), true;
+    return set("capsule", words(s.radius) + ' ' + words(s.length / 2)), true;
   }
   bool operator()(const Cylinder& s) const {
-    return set("cylinder", taut::words(s.radius) + ' ' + taut::words(s.length / 2)), true;
+    return set("cylinder", words(s.radius) + ' ' + words(s.length / 2)), true;
   }
-  bool operator()(const Ellipsoid& s) const { return set("ellipsoid", taut::words(s.radii)), true; }
+  bool operator()(const Ellipsoid& s) const { return set("ellipsoid", words(s.radii)), true; }
   bool operator()(const HalfSpace&) const { return set("plane", "0 0 1"), true; }
   bool operator()(const ConvexHull&) const { return set("mesh", ""), true; }
   template <typename Other>
@@ -49,8 +49,8 @@ class MjcfWriter {
     root_.append_attribute("model") = scene_.name.c_str();
     root_.append_child("compiler").append_attribute("angle") = "radian";
     pugi::xml_node option = root_.append_child("option");
-    option.append_attribute("timestep") = taut::words(scene_.dt).c_str();
-    option.append_attribute("gravity") = taut::words(world_.gravity()).c_str();
+    option.append_attribute("timestep") = words(scene_.dt).c_str();
+    option.append_attribute("gravity") = words(world_.gravity()).c_str();
     if (!scene_.settings.contacts) option.append_child("flag").append_attribute("contact") = "disable";
     asset_ = root_.append_child("asset");
     nodes_[0] = root_.append_child("worldbody");
@@ -80,7 +80,7 @@ class MjcfWriter {
   }
 
   static void place(pugi::xml_node node, const Pose& pose) {
-    node.append_attribute("pos") = taut::words(pose.p).c_str();
+    node.append_attribute("pos") = words(pose.p).c_str();
     if (!pose.q.vec().isZero(0)) node.append_attribute("quat") = quat_words(pose.q).c_str();
   }
 
@@ -88,9 +88,9 @@ class MjcfWriter {
     pugi::xml_node node = body.append_child("inertial");
     const Mat3& I = mass.inertia_B();
     node.append_attribute("pos") = "0 0 0";
-    node.append_attribute("mass") = taut::words(mass.mass()).c_str();
+    node.append_attribute("mass") = words(mass.mass()).c_str();
     node.append_attribute("fullinertia") =
-        (taut::words(Vec3(I.diagonal())) + ' ' + taut::words(Vec3(I(0, 1), I(0, 2), I(1, 2)))).c_str();
+        (words(Vec3(I.diagonal())) + ' ' + words(Vec3(I(0, 1), I(0, 2), I(1, 2)))).c_str();
   }
 
   void write_joint(pugi::xml_node node, const TreeBody& body) {
@@ -99,7 +99,7 @@ class MjcfWriter {
       pugi::xml_node joint = node.append_child("joint");
       joint.append_attribute("name") = name.c_str();
       joint.append_attribute("type") = type;
-      joint.append_attribute("pos") = taut::words(X_WB.local(body.anchor)).c_str();
+      joint.append_attribute("pos") = words(X_WB.local(body.anchor)).c_str();
       return joint;
     };
     if (body.ball) {
@@ -112,7 +112,7 @@ class MjcfWriter {
       const std::string name = body.axes.size() == 1 ? world_.name(body.joint) : world_.axis_label(axis.id);
       names_[axis.id] = name;
       pugi::xml_node joint = add(name, axis.angular ? "hinge" : "slide");
-      joint.append_attribute("axis") = taut::words(Vec3(X_WB.q.conjugate() * axis.direction)).c_str();
+      joint.append_attribute("axis") = words(Vec3(X_WB.q.conjugate() * axis.direction)).c_str();
       write_law(joint, axis_words(world_, axis.id, notices_));
     }
   }
@@ -120,7 +120,7 @@ class MjcfWriter {
   static void write_law(pugi::xml_node joint, const AxisWords& law) {
     constexpr double kFar = 1e10;  // in place of one limit of two
     const auto set = [&](const char* key, double value) {
-      if (value != 0) joint.append_attribute(key) = taut::words(value).c_str();
+      if (value != 0) joint.append_attribute(key) = words(value).c_str();
     };
     set("ref", law.value);
     set("stiffness", law.stiffness);
@@ -130,7 +130,7 @@ class MjcfWriter {
     if (!law.lower && !law.upper) return;
     joint.append_attribute("limited") = "true";
     joint.append_attribute("range") =
-        (taut::words(law.lower.value_or(-kFar)) + ' ' + taut::words(law.upper.value_or(kFar))).c_str();
+        (words(law.lower.value_or(-kFar)) + ' ' + words(law.upper.value_or(kFar))).c_str();
   }
 
   void write_shapes(BodyId body) {
@@ -153,7 +153,7 @@ class MjcfWriter {
 
   std::string mesh(const ConvexHull& hull) {
     std::string name = "hull_" + std::to_string(++meshes_), corners;
-    for (const Vec3& point : hull.points) corners += (corners.empty() ? "" : "  ") + taut::words(point);
+    for (const Vec3& point : hull.points) corners += (corners.empty() ? "" : "  ") + words(point);
     pugi::xml_node node = asset_.append_child("mesh");
     node.append_attribute("name") = name.c_str();
     node.append_attribute("vertex") = corners.c_str();
@@ -163,7 +163,7 @@ class MjcfWriter {
   static void write_surface(pugi::xml_node geom, const ShapeRecord& record) {
     const Material& m = record.material;
     geom.append_attribute("friction") =
-        taut::words(Vec3(m.dynamic_friction, m.spinning_friction, m.rolling_friction)).c_str();
+        words(Vec3(m.dynamic_friction, m.spinning_friction, m.rolling_friction)).c_str();
     geom.append_attribute("condim") = m.rolling_friction > 0    ? 6
                                       : m.spinning_friction > 0 ? 4
                                       : m.dynamic_friction > 0  ? 3
@@ -216,7 +216,7 @@ class MjcfWriter {
       node.append_attribute("body1") = body_name(joint.a()).c_str();
       node.append_attribute("body2") = body_name(joint.b()).c_str();
       if (std::string_view(kind) == "connect")
-        node.append_attribute("anchor") = taut::words(world_.pose(joint.a()).local(point)).c_str();
+        node.append_attribute("anchor") = words(world_.pose(joint.a()).local(point)).c_str();
     };
     if (joint.type() == "fixed") return add("weld", anchor);
     add("connect", anchor);
@@ -247,7 +247,7 @@ class MjcfWriter {
     node.append_attribute("name") = world_.name(id).c_str();
     node.append_attribute("joint1") = names_.at(terms[1].first).c_str();
     node.append_attribute("joint2") = names_.at(terms[0].first).c_str();
-    node.append_attribute("polycoef") = ("0 " + taut::words(ratio) + " 0 0 0").c_str();
+    node.append_attribute("polycoef") = ("0 " + words(ratio) + " 0 0 0").c_str();
     return true;
   }
 
@@ -258,7 +258,7 @@ class MjcfWriter {
       const std::string site_name = name + " " + std::to_string(++sites_);
       pugi::xml_node site = nodes_[point.body.index].append_child("site");
       site.append_attribute("name") = site_name.c_str();
-      site.append_attribute("pos") = taut::words(point.p_BP).c_str();
+      site.append_attribute("pos") = words(point.p_BP).c_str();
       node.append_child("site").append_attribute("site") = site_name.c_str();
     }
     return node;
@@ -284,7 +284,7 @@ class MjcfWriter {
     const auto& limits = world_.axis_properties(axis).limits ? world_.axis_properties(axis).limits
                                                              : world_.axis_info(axis).limits;
     node.append_attribute("limited") = "true";
-    node.append_attribute("range") = ("0 " + taut::words(limits ? limits->upper : length(points))).c_str();
+    node.append_attribute("range") = ("0 " + words(limits ? limits->upper : length(points))).c_str();
   }
 
   void write_force(ForceId id) {
@@ -293,9 +293,9 @@ class MjcfWriter {
       return notices_.push_back("force " + std::to_string(id.index) + ": has no counterpart");
     pugi::xml_node node =
         line({{spring->a, spring->p_AP}, {spring->b, spring->p_BQ}}, "spring_" + std::to_string(id.index));
-    node.append_attribute("stiffness") = taut::words(spring->law.stiffness).c_str();
-    node.append_attribute("damping") = taut::words(spring->law.damping).c_str();
-    node.append_attribute("springlength") = taut::words(spring->law.rest).c_str();
+    node.append_attribute("stiffness") = words(spring->law.stiffness).c_str();
+    node.append_attribute("damping") = words(spring->law.damping).c_str();
+    node.append_attribute("springlength") = words(spring->law.rest).c_str();
   }
 
   const Scene& scene_;

@@ -174,7 +174,7 @@ void Simulator::restore(const Checkpoint& checkpoint) {
     world.set_state(state);
     attach(with_gone);
     auto fresh = std::make_unique<Impl>(world, settings);
-    fresh->interrupt_ = impl_->interrupt_;
+    fresh->hooks_ = impl_->hooks_;
     if (remembers) {
       fresh->transfer(archive, gone);
       Archive::require(archive.at_end());

@@ -111,8 +111,10 @@ void ContactSet::transfer(Archive& archive, const World& world) {
   const auto place = [&](Place& p) {
     archive(p.at, p.active, p.unused, p.contact, p.material, p.parted, p.point);
     require_bodies(world, p.at.a, p.at.b);
-    require_bodies(world, p.contact.A.index, p.contact.B.index);
-    if (p.active || has_shapes(p.contact)) require_contact(world, p.contact);  // else never used
+    if (p.active || has_shapes(p.contact))
+      require_contact(world, p.contact);
+    else  // never used
+      require_bodies(world, p.contact.A.index, p.contact.B.index);
   };
   archive.each(places_, place);
   archive.each(resting_, place);
@@ -251,8 +253,8 @@ void Breaking::transfer(Archive& archive) {
 void Sleep::transfer(Archive& archive, World& world) {
   if (!enabled()) return;
   read_bodies(world);
-  std::vector<char> seen(stirs_.size()),
-      asleep(stirs_.size());  // those of an island may have been woken since
+  std::vector<char> seen(stirs_.size());
+  std::vector<char> asleep(stirs_.size());  // those of an island may have been woken since
   for (int b = 0; b < std::ssize(seen); ++b) {
     seen[b] = stirs_[b] == world.wake_count({b});
     asleep[b] = world.is_asleep({b});

@@ -41,8 +41,8 @@ void Simulator::Impl::step(double dt) {
   report_.dt = horizon_ = dt;
   try {
     const Stopwatch watch(report_.times.total);
-    const detail::InterruptScope scope(&interrupt_);
-    const detail::StageWatchScope watched(&stage_watch_);
+    const detail::InterruptScope scope(&hooks_.interrupt);
+    const detail::StageWatchScope watched(&hooks_.stage_watch);
     welds_.forget_means();
     if (settings_.report_energy) books_.begin(world_, bodies_.as_set(), report_);
     sleep_.put_to_sleep(world_);
@@ -303,7 +303,7 @@ void Simulator::Impl::bring_up_to_date(double h) {
 /// is: whoever catches it takes back what was done.
 Simulator::Impl::Before Simulator::Impl::begin_undoable() {
   undo_.begin();
-  const bool any = interrupt_ || !recalled_.empty();
+  const bool any = hooks_.interrupt || !recalled_.empty();
   return {substepping_.division(), any ? contact_stretches() : std::vector<ContactStretch>()};
 }
 
@@ -362,7 +362,7 @@ void Simulator::Impl::assemble() {
   begin_report();
   try {
     const Stopwatch watch(report_.times.total);
-    const detail::InterruptScope scope(&interrupt_);
+    const detail::InterruptScope scope(&hooks_.interrupt);
     close_all_joints();
     bodies_.publish();
   } catch (...) {
@@ -405,8 +405,7 @@ Simulator::~Simulator() = default;
 Simulator::Impl& Simulator::impl() const {
   if (impl_->identity_ == impl_->source_.identity()) return *impl_;
   auto fresh = std::make_unique<Impl>(impl_->source_, impl_->settings_);
-  fresh->interrupt_ = impl_->interrupt_;
-  fresh->stage_watch_ = impl_->stage_watch_;
+  fresh->hooks_ = impl_->hooks_;
   impl_ = std::move(fresh);
   return *impl_;
 }
@@ -417,7 +416,7 @@ const StepReport& Simulator::step(double dt) {
   const detail::FlushToZero mode;
   impl().step(dt);
   if (impl().settings_.report_rank && impl().report_.advanced()) try {
-      const detail::InterruptScope scope(&impl().interrupt_);
+      const detail::InterruptScope scope(&impl().hooks_.interrupt);
       impl().report_.rank = analyze_rank();
     } catch (const detail::Interrupted&) {  // the step is done
     }
@@ -425,10 +424,10 @@ const StepReport& Simulator::step(double dt) {
 }
 const StepReport& Simulator::report() const { return impl_->report_; }
 
-void Simulator::set_interrupt(std::function<bool()> asked) { impl().interrupt_ = std::move(asked); }
+void Simulator::set_interrupt(std::function<bool()> asked) { impl().hooks_.interrupt = std::move(asked); }
 
 void Simulator::set_stage_watch(std::function<void(const ContactStage&)> watch) {
-  impl().stage_watch_ = std::move(watch);
+  impl().hooks_.stage_watch = std::move(watch);
 }
 
 Reaction Simulator::mean_reaction(JointId joint) const {

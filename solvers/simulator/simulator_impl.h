@@ -51,8 +51,12 @@ class Simulator::Impl {
   World& world_ = bodies_.world();    // that is stepped
   std::uint64_t identity_ = source_.identity();
   Settings settings_;
-  std::function<bool()> interrupt_;
-  std::function<void(const ContactStage&)> stage_watch_;
+  /// What a step calls: one that is made anew for the same Simulator has it, too.
+  struct Hooks {
+    std::function<bool()> interrupt;
+    std::function<void(const ContactStage&)> stage_watch;
+  };
+  Hooks hooks_;
   StepReport report_;
   Stepper stepper_;
 

@@ -6,10 +6,13 @@
 #include "scenes/files/scene_file.h"
 #include "scenes/import/import.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/scenes/import/text_checks.h"
 
 // What MJCF says, and what the scene has.
 namespace taut::mjcf_test {
 namespace {
+
+using testing::notes;
 
 ImportedModel imported(const std::string& inside) {
   return import_model_text("<mujoco>\n" + inside + "\n</mujoco>", "m.xml");
@@ -17,20 +20,8 @@ ImportedModel imported(const std::string& inside) {
 ImportedModel world(const std::string& bodies) { return imported("<worldbody>" + bodies + "</worldbody>"); }
 Scene scene_of(const ImportedModel& model) { return parse_scene(model.document.dump(), "m.xml"); }
 
-bool notes(const ImportedModel& model, const std::string& what) {
-  for (const ImportNotice& notice : model.notices)
-    if (notice.text().find(what) != std::string::npos) return true;
-  return false;
-}
-
 void expect_refused(const std::string& inside, const std::string& message) {
-  try {
-    (void)imported(inside);
-    ADD_FAILURE() << "is not refused: " << message;
-  } catch (const ImportError& error) {
-    EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
-    EXPECT_EQ(std::string(error.what()).rfind("m.xml:", 0), 0u) << error.what();
-  }
+  testing::expect_refused([&] { return imported(inside); }, message, "m.xml:");
 }
 
 const std::string kBall = "<geom size='.1' mass='2'/>";

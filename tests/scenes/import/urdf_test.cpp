@@ -6,10 +6,13 @@
 #include "scenes/files/scene_file.h"
 #include "scenes/import/import.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/scenes/import/text_checks.h"
 
 // What URDF says, and what the scene has.
 namespace taut::urdf_test {
 namespace {
+
+using testing::notes;
 
 const std::string kBar =
     "<inertial><origin xyz='0 0 -0.5'/><mass value='2'/>"
@@ -28,20 +31,8 @@ std::string robot(const std::string& inside) { return "<robot name='r'>\n" + ins
 ImportedModel imported(const std::string& inside) { return import_model_text(robot(inside), "r.urdf"); }
 Scene scene_of(const std::string& inside) { return parse_scene(imported(inside).document.dump(), "r.urdf"); }
 
-bool notes(const ImportedModel& model, const std::string& what) {
-  for (const ImportNotice& notice : model.notices)
-    if (notice.text().find(what) != std::string::npos) return true;
-  return false;
-}
-
 void expect_refused(const std::string& inside, const std::string& message) {
-  try {
-    (void)imported(inside);
-    ADD_FAILURE() << "is not refused: " << message;
-  } catch (const ImportError& error) {
-    EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
-    EXPECT_EQ(std::string(error.what()).rfind("r.urdf:", 0), 0u) << error.what();
-  }
+  testing::expect_refused([&] { return imported(inside); }, message, "r.urdf:");
 }
 
 TEST(ImportUrdf, APendulumSwingsWithItsPeriod) {

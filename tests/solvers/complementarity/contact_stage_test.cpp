@@ -99,6 +99,18 @@ TEST(ContactStage, OfARestingSphereIsThatOfItsMass) {
   EXPECT_EQ(told, before);
 }
 
+TEST(ContactStage, IsToldToTheSameWatchAfterRestore) {
+  Scene scene = build_scene("stack", {{"n", 2}});
+  Simulator simulator(scene.world, scene.settings);
+  int told = 0;
+  simulator.set_stage_watch([&](const ContactStage&) { ++told; });
+  ASSERT_TRUE(simulator.step(scene.dt).ok());
+  simulator.restore(simulator.checkpoint());
+  told = 0;
+  ASSERT_TRUE(simulator.step(scene.dt).ok());
+  EXPECT_GT(told, 0);
+}
+
 TEST(ContactStage, LetsThroughWhatItsWatchThrows) {
   Scene scene = build_scene("stack", {{"n", 2}});
   Simulator simulator(scene.world, scene.settings);
