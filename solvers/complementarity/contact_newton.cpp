@@ -21,14 +21,13 @@ NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& st
     const double tolerance =
         std::max(Tuning::kForcing * std::min(progress.residual, Tuning::kForcing), Tuning::kLeastGradient) *
         problem.scale;
-    const bool met =
-        round_.minimize(problem, lagged_, tolerance, limits.iterations, outcome.iterations, record.times);
+    const bool met = round_.minimize(problem, tolerance, limits.iterations, outcome.iterations, record.times);
     read_rates(problem);
     outcome.residual = law_error(problem, limits.rate_tolerance, outcome.rounds);
-    if (outcome.residual > Tuning::kGrowth * progress.residual) lagged_.forget();
-    if (ends(problem, limits, met || lagged_.holds_nothing(), progress, outcome)) break;
-    next_round(problem, met, outcome.residual, progress);
+    if (ends(problem, limits, progress, outcome)) break;
+    if (!next_round(problem, met, outcome, progress)) break;
   }
+  if (!outcome.converged && best_.restore(problem.lambda, problem.w)) outcome.residual = best_.residual();
   contacts.take_over(stage.lambda, stage.w, limits.rate_tolerance);
   record.iterations += outcome.iterations;
   if (outcome.converged) record.residual = std::max(record.residual, outcome.residual);
@@ -58,49 +57,37 @@ void ContactNewton::read_scales(ContactProblem& problem) {
   problem.scale = scale;
 }
 
-/// From the guess and its rates.  Compliant contacts and heaps begin with nothing lagged.
+/// From the guess and its rates.
 ContactNewton::Progress ContactNewton::begin_rounds(const ContactProblem& problem,
                                                     const NewtonLimits& limits) {
-  soft_ = problem.contacts.soft();
-  const bool coupled = soft_ || is_heap();
   best_.begin(problem.lambda.size());
   coupled_.reserve(problem.lambda.size());
-  rounds_of_lag_ = 0;
-  last_lagged_ = Lag::kSlip;
-  lagged_.begin(problem, coupled ? Lag::kNothing : Lag::kSlip);
   round_.begin(problem);
-  Progress progress;
-  if (!coupled) return progress;
   const double off = law_error(problem, limits.rate_tolerance, 0);
+  coupled_.begin(round_.y(), off);
+  Progress progress;
   progress.rho = limits.near ? Tuning::kNearRho
                              : std::clamp(Tuning::kRhoOfResidual * off, Tuning::kNearRho, Tuning::kFirstRho);
-  if (!soft_) progress.residual = off;
-  begin_coupled(off);
+  if (!problem.contacts.soft()) progress.residual = off;
   return progress;
 }
 
-void ContactNewton::begin_coupled(double residual) {
-  round_.reserve_coupled();
-  rounds_of_lag_ = 0;
-  coupled_.begin(round_.y(), residual);
-}
-
-/// True if λ and w are good enough, or will not become so: then they are those of the best round.  `usable`:
-/// the round did not end with values that are not finite.
-bool ContactNewton::ends(const ContactProblem& problem, const NewtonLimits& limits, bool usable,
-                         Progress& progress, NewtonOutcome& outcome) {
+/// True if λ and w, or those of the best round, which they are then, are good enough, or will not become so.
+bool ContactNewton::ends(const ContactProblem& problem, const NewtonLimits& limits, Progress& progress,
+                         NewtonOutcome& outcome) {
   const double enough = sufficient_residual(limits, progress, outcome);
   const bool closed = holds_joints(problem.laws, problem.w, limits.rate_tolerance);
-  outcome.converged = usable && outcome.residual <= enough && (closed || outcome.rounds > Tuning::kPatience);
+  outcome.converged = outcome.residual <= enough && (closed || outcome.rounds > Tuning::kPatience);
   if (outcome.converged) return true;
   if (closed) best_.offer(problem.lambda, problem.w, outcome.residual);
-  outcome.converged = best_.residual() <= enough;
-  const bool in_vain = slips_in_vain(problem, limits, outcome.rounds, progress);
-  const bool spent =
-      outcome.iterations >= limits.iterations || outcome.rounds >= Tuning::kRoundsOfAStep * limits.iterations;
-  if (!outcome.converged && usable && !in_vain && !spent) return false;
-  if (best_.restore(problem.lambda, problem.w)) outcome.residual = best_.residual();
-  return true;
+  if (best_.residual() <= enough) {
+    outcome.converged = best_.restore(problem.lambda, problem.w);
+    outcome.residual = best_.residual();
+    return true;
+  }
+  return slips_in_vain(problem, limits, outcome.rounds, progress) ||
+         outcome.iterations >= limits.iterations ||
+         outcome.rounds >= Tuning::kRoundsOfAStep * limits.iterations;
 }
 
 /// The residual that is sought, or the one that is enough where rounds are slow or many.
@@ -120,45 +107,19 @@ bool ContactNewton::slips_in_vain(const ContactProblem& problem, const NewtonLim
   return rounds > Tuning::kRoundsToHold && progress.slip > Tuning::kSlowSlip * before;
 }
 
-/// What a round leaves to the next: λ̄ = y, what is lagged, and with something lagged a lower ρ if λ̄ was
-/// further off than that.
-void ContactNewton::next_round(const ContactProblem& problem, bool met, double residual, Progress& progress) {
-  const bool was_coupled = lagged_.holds_nothing();
-  const Lag lag = next_lag(problem, met, residual, progress.rho);
-  if (was_coupled)
-    progress.residual = coupled_.kept_residual();
-  else if (met)
-    progress.residual = residual;
-  const double off_centre = round_.distance_to_centre(problem);
-  round_.start(problem);
-  if (lag == Lag::kNothing)
-    lagged_.hold_nothing();
-  else if (off_centre > lagged_.advance(problem, round_.y(), lag))
-    progress.rho = std::max(Tuning::kRhoFactor * progress.rho, Tuning::kLeastRho);
-}
-
-/// Rounds with nothing lagged as long as they go well; then with the lagged slip or radius, and so on.
-Lag ContactNewton::next_lag(const ContactProblem& problem, bool met, double residual, double& rho) {
-  ++rounds_of_lag_;
-  if (lagged_.holds_nothing()) return after_coupled(problem, met, residual, rho);
-  if (rounds_of_lag_ < (soft_ ? Tuning::kSoftTurns : Tuning::kTurns)) return lagged_.lag();
-  begin_coupled(residual);
-  rho = std::max(rho, Tuning::kNearRho);
-  return Lag::kNothing;
-}
-
-/// After a round with nothing lagged, which is taken back if it did not go well.
-Lag ContactNewton::after_coupled(const ContactProblem& problem, bool met, double residual, double& rho) {
+/// λ̄ = y and ρ for the next round; a round that did not go well is taken back.  False if rounds go no
+/// further.
+bool ContactNewton::next_round(const ContactProblem& problem, bool met, const NewtonOutcome& outcome,
+                               Progress& progress) {
   bool goes_on = true;
-  if (!coupled_.keep(round_.y(), met, residual, rho)) {
+  if (!coupled_.keep(round_.y(), met, outcome.residual, progress.rho)) {
     round_.set_y(coupled_.kept());
     read_rates(problem);
-    goes_on = coupled_.grow(rho);
+    goes_on = coupled_.grow(progress.rho);
   }
-  if (goes_on && coupled_.progress(rounds_of_lag_)) return Lag::kNothing;
-  rounds_of_lag_ = 0;
-  last_lagged_ = last_lagged_ == Lag::kSlip ? Lag::kRadius : Lag::kSlip;
-  return last_lagged_;
+  progress.residual = coupled_.kept_residual();
+  round_.start(problem);
+  return goes_on && coupled_.progress(outcome.rounds);
 }
 
 /// λ and w of y.

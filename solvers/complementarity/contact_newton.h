@@ -7,7 +7,6 @@
 #include "solvers/complementarity/contact_newton_tuning.h"
 #include "solvers/complementarity/contact_problem.h"
 #include "solvers/complementarity/coupled_rounds.h"
-#include "solvers/complementarity/lagged_friction.h"
 #include "solvers/complementarity/proximal_round.h"
 #include "solvers/complementarity/stage_problem.h"
 #include "solvers/laws/contact_laws.h"
@@ -38,15 +37,13 @@ struct NewtonOutcome {
 
 /// w = S λ + b with Coulomb's law in each contact and the law of each other row, through the bodies:
 ///
-///     rounds    λ̄ ← λ = P(λ̄ − Σ⁻¹ (b + W v − t + s)),   s = μ |u_t| along the normals
-///     Newton    v − Wᵀ P(λ̄ − Σ⁻¹ (b + W v − t + s)) = 0   for the velocities v = Wᵀ λ
+///     rounds    λ̄ ← λ = P(λ̄ − Σ⁻¹ (b + W v − t))
+///     Newton    v − Wᵀ P(λ̄ − Σ⁻¹ (b + W v − t)) = 0   for the velocities v = Wᵀ λ
 ///
-/// P is the projection onto what the laws allow: Coulomb's cone, or a row's own answer.  With s held fast in
-/// a round (LaggedFriction) each of them (ProximalRound) is a convex problem [Cadoux2009].  The rounds are
-/// the proximal point iteration [Rockafellar1976], which takes away what Σ gave.  S may be singular.  Heaps
-/// and compliant contacts begin with rounds that hold nothing fast and have the Σ for which they end
-/// (CoupledRounds); all else comes to them where s does not settle.  (solvers/complementarity, "Many
-/// contacts")
+/// P is what the laws answer: a row's own, and of a contact its normal's, then in the disc whose radius
+/// follows from that.  The rounds (ProximalRound) are the proximal point iteration [Rockafellar1976], which
+/// takes away what Σ gave, with the Σ for which they end (CoupledRounds).  S may be singular.
+/// (solvers/complementarity, "Many contacts")
 class ContactNewton {
  public:
   explicit ContactNewton(ConstraintSystem& system) : system_(system), round_(system) {}
@@ -57,7 +54,7 @@ class ContactNewton {
 
   /// The rates w meet the equalities of joints, to some times the tolerance of rates.
   bool holds_joints(std::span<const RowLaw> laws, std::span<const double> w, double rate_tolerance) const;
-  /// Contacts are all that there is, or very many: rounds that hold nothing fast come first.
+  /// Contacts are all that there is, or very many: sweeps of the guess pay.
   bool is_heap() const;
 
  private:
@@ -72,28 +69,21 @@ class ContactNewton {
 
   void read_scales(ContactProblem& problem);
   Progress begin_rounds(const ContactProblem& problem, const NewtonLimits& limits);
-  void begin_coupled(double residual);
-  bool ends(const ContactProblem& problem, const NewtonLimits& limits, bool usable, Progress& progress,
+  bool ends(const ContactProblem& problem, const NewtonLimits& limits, Progress& progress,
             NewtonOutcome& outcome);
   double sufficient_residual(const NewtonLimits& limits, const Progress& progress,
                              const NewtonOutcome& outcome) const;
   bool slips_in_vain(const ContactProblem& problem, const NewtonLimits& limits, int rounds,
                      Progress& progress) const;
-  void next_round(const ContactProblem& problem, bool met, double residual, Progress& progress);
-  Lag next_lag(const ContactProblem& problem, bool met, double residual, double& rho);
-  Lag after_coupled(const ContactProblem& problem, bool met, double residual, double& rho);
+  bool next_round(const ContactProblem& problem, bool met, const NewtonOutcome& outcome, Progress& progress);
   void read_rates(const ContactProblem& problem) const;
   double law_error(const ContactProblem& problem, double rate_tolerance, int rounds) const;
 
   ConstraintSystem& system_;
   std::vector<double> diagonal_, target_;  // S_rr, t
   ProximalRound round_;
-  LaggedFriction lagged_;
   CoupledRounds coupled_;
-  BestRound best_;                // of those in which joints were closed
-  bool soft_ = false;             // a contact is compliant
-  int rounds_of_lag_ = 0;         // since what is lagged changed
-  Lag last_lagged_ = Lag::kSlip;  // where something was
+  BestRound best_;  // of those in which joints were closed
 };
 
 }  // namespace taut

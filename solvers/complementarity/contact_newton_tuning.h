@@ -7,15 +7,12 @@ namespace taut {
 /// half and twice of each change is in benchmarks/results/tuning.md, and here where it is more than twice the
 /// work of a scene. (solvers/complementarity, "Many contacts")
 struct ContactNewtonTuning {
-  // ρ of rounds that lag the slip or the radius: it falls from the first by the factor to the least.
-  // kRhoFactor: twice takes 16 times the steps of a chain over a cylinder.
-  static constexpr double kFirstRho = 1e-2, kRhoFactor = 0.1, kLeastRho = 1e-5;
   /// ρ of equalities: less than all others, so that contacts give way where they and joints ask for slightly
   /// different rates.  Half and twice: 6 and 13 times the steps of a chain over a cylinder.
   static constexpr double kEqualityRho = 1e-9;
-  /// ρ with nothing lagged, at first: so many times the residual of the guess, from kNearRho to kFirstRho.
+  /// ρ at first: so many times the residual of the guess, from kNearRho to kFirstRho.
   /// kNearRho: half and twice take 2.4 times the factorisations and 2.2 times the back-solves of card houses.
-  static constexpr double kRhoOfResidual = 100, kNearRho = 1e-4;
+  static constexpr double kRhoOfResidual = 100, kNearRho = 1e-4, kFirstRho = 1e-2;
 
   // Ends of a round.
   /// Newton's equation is met to this part of the residual of the round before (or of itself, if that is
@@ -25,11 +22,9 @@ struct ContactNewtonTuning {
   /// Gradients below this part of the scale may be round-off, and are if so many steps do not halve them.
   static constexpr double kDescentRoundOff = 1e-8;
   static constexpr int kStuck = 2;
-  /// Newton steps of a round with something lagged.
-  static constexpr int kStepsPerRound = 40;
-  /// Newton steps of a round with nothing lagged, and how far its gradient may grow.  Measured: 40 steps take
+  /// Newton steps of a round, and how far its gradient may grow.  Measured: 40 steps take
   /// up to twice as many in all.  kBlowUp: half takes 2.3 times the factorisations of a card house.
-  static constexpr int kCoupledSteps = 20;
+  static constexpr int kStepsPerRound = 20;
   static constexpr double kBlowUp = 10;
   /// Trials of the line search; a step is taken whole if the slope at its end is at most this part of that at
   /// its start.  Twice: 2.3 times the steps of a marble run, and residuals above 1e-8 of a chain on a floor.
@@ -53,20 +48,7 @@ struct ContactNewtonTuning {
   static constexpr int kRoundsToHold = 3;
   static constexpr double kSlowSlip = 0.97;
 
-  // Extrapolation of what is lagged [Walker2011].
-  /// Rounds that it uses.
-  static constexpr int kMemory = 6;
-  /// A residual that grows by more than this ends it.
-  static constexpr double kGrowth = 5;
-  /// After so many rounds it goes this part of the way, and forgets every so many rounds.
-  static constexpr int kManyRounds = 20, kPeriod = 10;
-  static constexpr double kMixing = 0.5;
-  /// Part of the trace of its equations that is added to their diagonal.
-  static constexpr double kRegularization = 1e-13;
-
-  // Rounds with nothing lagged.
-  /// Such rounds are tried again after so many with something lagged, with compliant contacts and without.
-  static constexpr int kSoftTurns = 3, kTurns = 25;
+  // How rounds go on.
   /// A round is kept if its Newton method ended and the residual grew by no more than kWorse, or if the
   /// residual fell to kProgress anyway.
   static constexpr double kWorse = 3, kProgress = 0.5;

@@ -12,11 +12,10 @@ void ContactProjection::begin(std::span<const double> lambda) {
   coupling_.assign(system_.rows().contact_count(), 0.0);
 }
 
-void ContactProjection::project(const ContactProblem& problem, std::span<const double> sigma,
-                                const LaggedFriction& lagged, std::span<const double> centre) {
+void ContactProjection::project(const ContactProblem& problem, std::span<const double> sigma) {
   const Rows& rows = system_.rows();
   for (int r = 0; r < rows.first_contact_row(); ++r) project_row(problem.laws[r], sigma[r], r);
-  for (int k = 0; k < rows.contact_count(); ++k) project_contact(problem, lagged, centre, k);
+  for (int k = 0; k < rows.contact_count(); ++k) project_contact(problem, k);
 }
 
 void ContactProjection::project_row(const RowLaw& law, double sigma, int r) {
@@ -30,10 +29,9 @@ void ContactProjection::project_row(const RowLaw& law, double sigma, int r) {
   slope_[r] = RowLaw::is_vertical(point.segment) ? 1 : law.slope * sigma / (1 + law.slope * sigma);
 }
 
-/// The nearest point of Coulomb's cone |Λ_t| ≤ μ Λ_n, or of an interval of the normal and a disc whose radius
-/// is given or follows from it; then of the spin's interval and the rolling disc.
-void ContactProjection::project_contact(const ContactProblem& problem, const LaggedFriction& lagged,
-                                        std::span<const double> centre, int k) {
+/// The nearest point of an interval of the normal and of a disc whose radius follows from it, or of the cone
+/// |Λ_t| ≤ μ Λ_n where contacts share a load; then of the spin's interval and the rolling disc.
+void ContactProjection::project_contact(const ContactProblem& problem, int k) {
   const ContactLaws::Cone cone = problem.contacts.cone(k);
   const int row = problem.contacts.first_row(k), count = problem.contacts.row_count(k);
   coupling_[k] = 0;
@@ -42,21 +40,18 @@ void ContactProjection::project_contact(const ContactProblem& problem, const Lag
     std::fill_n(slope_.begin() + row, count, 0.0);
     return;
   }
-  const bool coupled = lagged.holds_nothing();
   const double given = cone.normal_given + x_[row];
   const Vec2 tangent = cone.sliding_given + Vec2(x_[row + kSlidingRow], x_[row + kSlidingRow + 1]);
-  if (lagged.by_radius(cone)) {
-    const double normal = std::clamp(given, 0.0, cone.most);
+  if (cone.shares) {
+    project_cone(k, cone, given, tangent);
+  } else {
+    const double normal = std::clamp(given, 0.0, cone.most), radius = cone.sliding * normal;
     y_[row] = normal - cone.normal_given;
     slope_[row] = normal == given ? 1 : 0;
-    const double radius = coupled ? cone.sliding * normal : lagged.radius(k);
-    if (coupled && tangent.norm() > radius) coupling_[k] = cone.sliding * slope_[row];
+    if (tangent.norm() > radius) coupling_[k] = cone.sliding * slope_[row];
     project_disc(k, kSlidingRow, cone.sliding_given, radius);
-  } else {
-    project_cone(k, cone, given, tangent);
   }
-  if (cone.twist)
-    project_twist(cone, std::max(0.0, cone.normal_given + (coupled ? y_[row] : centre[row])), k);
+  if (cone.twist) project_twist(cone, std::max(0.0, cone.normal_given + y_[row]), k);
 }
 
 /// The cone itself, in three rows of a contact whose impulses with what was given are these.

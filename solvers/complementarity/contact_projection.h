@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "solvers/complementarity/contact_problem.h"
-#include "solvers/complementarity/lagged_friction.h"
 #include "solvers/system/constraint_system.h"
 
 namespace taut {
@@ -20,10 +19,8 @@ class ContactProjection {
   void begin(std::span<const double> lambda);
   /// x, to be written to before project().
   std::span<double> x() { return x_; }
-  /// y and P' of x.  Arms of spinning and rolling friction follow the normal impulses of `centre`, or with
-  /// nothing lagged those of y.
-  void project(const ContactProblem& problem, std::span<const double> sigma, const LaggedFriction& lagged,
-               std::span<const double> centre);
+  /// y and P' of x.
+  void project(const ContactProblem& problem, std::span<const double> sigma);
 
   const std::vector<double>& y() const { return y_; }
   /// y from outside, as that of an earlier round.
@@ -32,7 +29,7 @@ class ContactProjection {
   std::span<double> slope() { return slope_; }
   /// W in the rows in which P' is diagonal, laid out like W.
   std::span<const double> turned() const { return turned_; }
-  /// ∂y_t/∂y_n of contact k along its slip, with nothing lagged; else 0.
+  /// ∂y_t/∂y_n of contact k along its slip; 0 where it sticks, or shares a load by the law of the cone.
   double coupling(int k) const { return coupling_[k]; }
 
  private:
@@ -40,8 +37,7 @@ class ContactProjection {
                        kRollingRow = ContactLaws::kRollingRow;
 
   void project_row(const RowLaw& law, double sigma, int row);
-  void project_contact(const ContactProblem& problem, const LaggedFriction& lagged,
-                       std::span<const double> centre, int k);
+  void project_contact(const ContactProblem& problem, int k);
   void project_cone(int k, const ContactLaws::Cone& cone, double normal, const Vec2& tangent);
   void project_twist(const ContactLaws::Cone& cone, double normal, int k);
   void project_disc(int k, int first, const Vec2& given, double radius);

@@ -27,6 +27,7 @@ void ProximalRound::begin(const ContactProblem& problem) {
   for (auto* values : {&base_, &change_, &rates_, &rates_of_step_}) values->assign(n, 0.0);
   for (auto* values : {&v_, &gradient_, &step_}) values->setZero(6 * system_.rows().body_count());
   metric_.begin(n);
+  coupled_step_.reserve(gradient_.size());
   projection_.begin(problem.lambda);
   start(problem);
 }
@@ -38,18 +39,9 @@ void ProximalRound::start(const ContactProblem& problem) {
   std::fill(rates_.begin(), rates_.end(), 0.0);
 }
 
-double ProximalRound::distance_to_centre(const ContactProblem& problem) const {
-  const std::span<const double> sigma = metric_.sigma(), carry = metric_.carry(), y = projection_.y();
-  double off = 0;
-  for (std::size_t r = 0; r < y.size(); ++r)
-    off = std::max(off, carry[r] * sigma[r] * std::abs(y[r] - centre_[r]) / std::sqrt(problem.diagonal[r]));
-  return off;
-}
-
-bool ProximalRound::minimize(const ContactProblem& problem, const LaggedFriction& lagged, double tolerance,
-                             int most, int& steps, StageTimes& times) {
-  const bool coupled = lagged.holds_nothing();
-  project(problem, lagged, 0);
+bool ProximalRound::minimize(const ContactProblem& problem, double tolerance, int most, int& steps,
+                             StageTimes& times) {
+  project(problem, 0);
   GradientHistory history;
   for (int step = 0;; ++step) {
     read_gradient();
@@ -57,22 +49,22 @@ bool ProximalRound::minimize(const ContactProblem& problem, const LaggedFriction
     if (!std::isfinite(size)) return false;
     history.add(size, problem.scale);
     if (size <= tolerance || history.stuck == Tuning::kStuck) return true;
-    if (coupled && (step == Tuning::kCoupledSteps || size > Tuning::kBlowUp * history.first)) return false;
-    if (step == Tuning::kStepsPerRound || steps >= most) return !coupled;
+    if (step == Tuning::kStepsPerRound || size > Tuning::kBlowUp * history.first || steps >= most)
+      return false;
     ++steps;
-    if (!find_step(lagged, times)) return false;
-    search(problem, lagged);
+    if (!find_step(times)) return false;
+    search(problem);
   }
 }
 
 /// y and P' of x at the present velocities and `length` of the step.
-void ProximalRound::project(const ContactProblem& problem, const LaggedFriction& lagged, double length) {
-  const std::span<const double> sigma = metric_.sigma(), carry = metric_.carry(), shift = lagged.shift();
+void ProximalRound::project(const ContactProblem& problem, double length) {
+  const std::span<const double> sigma = metric_.sigma(), carry = metric_.carry();
   const std::span<double> x = projection_.x();
   for (std::size_t r = 0; r < x.size(); ++r)
     x[r] = carry[r] * centre_[r] -
-           (base_[r] + rates_[r] + length * rates_of_step_[r] - problem.target[r] + shift[r]) / sigma[r];
-  projection_.project(problem, sigma, lagged, centre_);
+           (base_[r] + rates_[r] + length * rates_of_step_[r] - problem.target[r]) / sigma[r];
+  projection_.project(problem, sigma);
 }
 
 /// The gradient δv − Wᵀ (y − λ̄).
@@ -83,29 +75,25 @@ void ProximalRound::read_gradient() {
   gradient_ = v_ - gradient_;
 }
 
-/// Newton's step with the primal matrix 1 + Wᵀ D W, D = P' Σ⁻¹, and where nothing is lagged with its
-/// coupling, too.  False if that cannot be factored.
-bool ProximalRound::find_step(const LaggedFriction& lagged, StageTimes& times) {
+/// Newton's step with the primal matrix 1 + Wᵀ D W, D = P' Σ⁻¹, and what friction that follows normal
+/// impulses adds to it.  False if it cannot be factored.
+bool ProximalRound::find_step(StageTimes& times) {
   const std::span<const double> sigma = metric_.sigma();
   const std::span<double> D = projection_.slope();
   for (std::size_t r = 0; r < D.size(); ++r) D[r] /= sigma[r];
   if (!system_.factorize_bodies(projection_.turned(), D, times)) return false;
-  if (lagged.holds_nothing()) {
-    coupled_step_.solve(projection_, sigma, gradient_, step_);
-  } else {
-    step_ = -gradient_;
-    system_.solve_bodies(span_of(step_));
-  }
+  coupled_step_.solve(projection_, sigma, gradient_, step_);
   system_.apply_W(span_of(step_), rates_of_step_);
   return true;
 }
 
-/// How far along the step: where the slope of the convex function is about 0.  Leaves y and P' of there.
-void ProximalRound::search(const ContactProblem& problem, const LaggedFriction& lagged) {
+/// How far along the step: where F along it, the slope of the function if there is one, is about 0.  Leaves
+/// y and P' of there.
+void ProximalRound::search(const ContactProblem& problem) {
   const double along = step_.dot(v_), square = step_.squaredNorm();
   const auto slope_at = [&](double length) {
     double slope = along + length * square;
-    project(problem, lagged, length);
+    project(problem, length);
     const std::span<const double> y = projection_.y();
     for (std::size_t r = 0; r < y.size(); ++r) slope -= rates_of_step_[r] * (y[r] - centre_[r]);
     return slope;

@@ -12,14 +12,14 @@
 
 namespace taut {
 
-/// One round of the proximal point iteration, about a centre λ̄ with a metric Σ and what is lagged:
+/// One round of the proximal point iteration, about a centre λ̄ with a metric Σ:
 ///
-///     F(v) = v − Wᵀ y = 0,   y = prox_Σ(λ̄ − Σ⁻¹ (b + W v − t + s))
+///     F(v) = v − Wᵀ y = 0,   y = prox_Σ(λ̄ − Σ⁻¹ (b + W v − t))
 ///
-/// for the velocities v = Wᵀ λ.  With s or radii held fast F is the gradient of a strictly convex function
-/// that is piecewise smooth: a semismooth Newton method [QiSun1993] with line search meets it from anywhere.
-/// With nothing held fast there is no such function.  Works with δv = v − Wᵀ λ̄, so that round-off is that of
-/// small numbers.  (solvers/complementarity, Eq. 3)
+/// for the velocities v = Wᵀ λ, by a semismooth Newton method [QiSun1993] with line search.  Where no contact
+/// slips F is the gradient of a strictly convex function that is piecewise smooth; where friction follows the
+/// normal impulse there is no such function.  Works with δv = v − Wᵀ λ̄, so that round-off is that of small
+/// numbers.  (solvers/complementarity, Eq. 3)
 class ProximalRound {
  public:
   explicit ProximalRound(ConstraintSystem& system)
@@ -27,29 +27,24 @@ class ProximalRound {
 
   /// The first round starts from λ and its rates w.
   void begin(const ContactProblem& problem);
-  /// Steps with nothing lagged allocate nothing from now on.
-  void reserve_coupled() { coupled_step_.reserve(gradient_.size()); }
   /// The next round starts from λ̄ = y and its rates w.
   void start(const ContactProblem& problem);
   void set_metric(const ContactProblem& problem, double rho) { metric_.set(system_.rows(), problem, rho); }
   /// Lowers |F| to the tolerance [√J], in at most as many Newton steps as `most` has beyond `steps`, which is
-  /// counted on.  False if a value is not finite, or with nothing lagged if the tolerance is not reached.
-  bool minimize(const ContactProblem& problem, const LaggedFriction& lagged, double tolerance, int most,
-                int& steps, StageTimes& times);
+  /// counted on.  False if a value is not finite, or the tolerance is not reached.
+  bool minimize(const ContactProblem& problem, double tolerance, int most, int& steps, StageTimes& times);
 
   const std::vector<double>& y() const { return projection_.y(); }
   /// Back to the y of an earlier round.
   void set_y(std::span<const double> y) { projection_.set_y(y); }
-  /// How far y is from the centre [√J].
-  double distance_to_centre(const ContactProblem& problem) const;
 
  private:
   using Tuning = ContactNewtonTuning;
 
-  void project(const ContactProblem& problem, const LaggedFriction& lagged, double length);
+  void project(const ContactProblem& problem, double length);
   void read_gradient();
-  bool find_step(const LaggedFriction& lagged, StageTimes& times);
-  void search(const ContactProblem& problem, const LaggedFriction& lagged);
+  bool find_step(StageTimes& times);
+  void search(const ContactProblem& problem);
 
   ConstraintSystem& system_;
   ContactProjection projection_;

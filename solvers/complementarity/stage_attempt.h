@@ -21,9 +21,6 @@ struct Stage {
 
   std::span<double> lambda, rates;
   const Renew& renew;
-  /// Where contact rows of J(q₀) are kept beside the system's own, if they are: turned tangents turn there,
-  /// too.
-  std::span<double> contact_jacobian{};
   bool near = false;  ///< this stage was solved at a neighbouring state
 };
 

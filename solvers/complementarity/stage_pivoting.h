@@ -21,10 +21,9 @@ class Archive;
 /// active set")
 class StagePivoting {
  public:
-  StagePivoting(const StageModel& model, const StageResidual& residual, ContactSolver& contact_solver,
-                StageCulprits& culprits);
+  StagePivoting(const StageModel& model, const StageResidual& residual, StageCulprits& culprits);
 
-  /// Left to the next rung where S is not formed, contacts are compliant, or it was given up lately, and then
+  /// Left to the next rung where there are contacts, S is not formed, or it was given up lately, and then
   /// from the guess.
   StageVerdict solve(StageAttempt& attempt);
 
@@ -45,23 +44,17 @@ class StagePivoting {
 
  private:
   using Tuning = StageTuning;
-  enum class Sticking { kNoneNeeded, kFound, kLetGo };
 
   bool left_to_bodies();
-  ActiveSetSettings settings(double rate_tolerance) const;
   bool has_many_bounded_rows() const;
   StageVerdict pivot(StageAttempt& attempt);
   StageVerdict finish(StageAttempt& attempt) const;
   StageVerdict give_up(StageAttempt& attempt, bool next_too);
   StageVerdict after_stall(StageAttempt& attempt, bool polishes);
   StageVerdict jam(StageAttempt& attempt);
-  bool is_out_of_patience(int solve, bool met, double& earlier) const;
-  Sticking search_sticking(StageAttempt& attempt);
-  void turn_contacts(StageAttempt& attempt);
 
   StageModel model_;
   const StageResidual& residual_;
-  ContactSolver& contact_solver_;
   StageCulprits& culprits_;
   std::optional<ActiveSet> active_;
   ActiveSetOutcome outcome_;

@@ -14,7 +14,7 @@ StageSolver::StageSolver(const World& world, ConstraintSystem& system, AxisForce
       residual_(system, contacts),
       culprits_(world, model_),
       contact_solver_(system, contacts),
-      pivoting_(model_, residual_, contact_solver_, culprits_),
+      pivoting_(model_, residual_, culprits_),
       warm_start_(model_, residual_, contact_solver_, pivoting_),
       primal_(model_, residual_, contact_solver_, pivoting_, culprits_) {
   const int rows = system.row_count();

@@ -28,13 +28,8 @@ struct StageTuning {
   // Active set.
   /// More solves of a stage, because friction let go or velocities were not yet exact.
   static constexpr int kMaxAxisSolves = 40;
-  /// With contacts, their friction is looked at every so many solves: if it has not come nearer to Coulomb's
-  /// law by the factor, Newton's method takes over, for so many stages.
-  static constexpr int kFrictionPatience = 4;
-  static constexpr double kFrictionProgress = 0.2;
+  /// So many stages go straight to the bodies after one that stalled.
   static constexpr int kPrimalStagesInARow = 60;
-  /// Rounds of an active set with contacts, which has a fall-back of its own.
-  static constexpr int kContactRounds = 30;
   /// Bounded rows from which on an active set that stalls is not descended from: the bodies are faster.
   static constexpr int kManyRows = 60;
 

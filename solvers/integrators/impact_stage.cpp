@@ -20,8 +20,6 @@ bool ImpactStage::strike(const Solve& solve) {
   struck_ = true;
   momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
   mu_ = values_.mu;
-  frames_.clear();
-  for (const ContactSet::Place& place : contacts_.set().places()) frames_.push_back(place.point.frame);
   for (int round = 1; round <= kMostRounds; ++round) {
     round_momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
     round_rates_ = values_.rates;
@@ -74,26 +72,9 @@ std::span<const double> ImpactStage::impulses() {
   return impulses_;
 }
 
-/// Tangents that solving has turned: μ in those of now.
-void ImpactStage::turn_tangents() {
-  const auto& places = contacts_.set().places();
-  for (std::size_t k = 0; k < frames_.size(); ++k) {
-    const row_parts::ContactFrame& now = places[k].point.frame;
-    const int row = contacts_.first_row(static_cast<int>(k)),
-              last = row + contacts_.row_count(static_cast<int>(k));
-    for (int r = row + ContactRows::kSlidingRow; r < last;
-         r += ContactRows::kRollingRow - ContactRows::kSlidingRow) {
-      const Vec3 across = mu_[r] * frames_[k].t1 + mu_[r + 1] * frames_[k].t2;
-      mu_[r] = now.t1.dot(across), mu_[r + 1] = now.t2.dot(across);
-    }
-    frames_[k] = now;
-  }
-}
-
 void ImpactStage::mean_rates(std::span<double> out) {
   works_.mean_rates(phase_.kicked, momenta(), system_.jacobian(), out);
   if (!struck_) return;
-  turn_tangents();
   impact_rates_.resize(out.size());
   works_.mean_rates(momenta_, phase_.momenta, system_.jacobian(), impact_rates_);
   const std::span<const double> given = impulses();

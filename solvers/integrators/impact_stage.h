@@ -46,7 +46,6 @@ class ImpactStage {
   bool solve_round(double part, const Solve& solve);
   bool limit_restitution(const Solve& solve);
   double energy() const;
-  void turn_tangents();
 
   const ConstraintSystem& system_;
   ContactForces& contacts_;
@@ -56,8 +55,7 @@ class ImpactStage {
   bool struck_ = false;
   std::vector<Wrench> momenta_;
   std::vector<double> mu_, impulses_, impact_rates_;
-  std::vector<row_parts::ContactFrame> frames_;  // of mu_
-  std::vector<Wrench> round_momenta_;            // at the start of a round
+  std::vector<Wrench> round_momenta_;  // at the start of a round
   std::vector<double> round_rates_;
   double restitution_ = 0;  // the largest of the round
 };

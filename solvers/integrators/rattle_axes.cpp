@@ -78,8 +78,7 @@ bool Rattle::close_bounded_positions(double h, SubstepReport& report) {
     last = at.error;
     if (!at.closed) contacts_.hold_again();
     const Stopwatch watch(report.times.positions);
-    const StageSolver::Stage stage{values_.lambda, values_.rates, renew, start_jacobian_.kept_contacts(),
-                                   iteration > 0};
+    const StageSolver::Stage stage{values_.lambda, values_.rates, renew, iteration > 0};
     const double tolerance = at.closed ? stages_.exact_tolerance() : 0.1 * settings_.position_tolerance / h;
     if (!stages_.solve(stage, tolerance, report)) return give_up(values_.lambda, stages_.rates());
     ++report.newton_iterations;

@@ -19,11 +19,6 @@ std::size_t StartJacobian::contact_offset() const {
   return rows.sides()[rows.joints()[rows.contact_joint(0)].first_side].offset;
 }
 
-std::span<double> StartJacobian::kept_contacts() {
-  if (!replaced_) return {};
-  return std::span(kept_).subspan(contact_offset());
-}
-
 void StartJacobian::mix_into_system() {
   std::span<double> J = system_.change_jacobian();
   for (std::size_t i = 0; i < J.size(); ++i) J[i] = 0.5 * (J[i] + kept_[i]);

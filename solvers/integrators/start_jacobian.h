@@ -18,8 +18,6 @@ class StartJacobian {
   /// To be called before it gets another one in this step.
   void keep();
   std::span<const double> get() const { return replaced_ ? kept_ : system_.jacobian(); }
-  /// The part of contacts, which are the last rows, of what was kept; empty if the system has it.
-  std::span<double> kept_contacts();
   /// The system's is that of the mean of J(q₀) and J(q₁), but for contacts, which belong to the start.
   void mix_into_system();
   /// The system has J(q₀) again, or another step begins with the Jacobian that it has.

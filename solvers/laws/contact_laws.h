@@ -22,7 +22,6 @@ class Archive;
 class ContactLaws : public ContactRows {
  public:
   using Cone = ContactCone;
-  using Turn = FrictionLinearization::Turn;
 
   explicit ContactLaws(ContactTable& table) : ContactRows(table) {}
   ContactLaws(const ContactLaws&) = delete;
@@ -38,15 +37,10 @@ class ContactLaws : public ContactRows {
   void targets(std::span<double> target) const;
 
   // Friction by row laws (friction_linearization.h).
-  bool adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
-    return friction_.adapt(lambda, w, rate_tolerance);
-  }
   void take_over(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
     friction_.take_over(lambda, w, rate_tolerance);
   }
   double residual() const { return friction_.residual(); }
-  const std::vector<Turn>& turns() const { return friction_.turns(); }
-  void turned(ConstraintSystem& system) { friction_.turned(system); }
 
   StickSearch& stick_search() { return stick_search_; }
   bool weakened() const { return stick_search_.weakened(); }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace taut {
 namespace {
@@ -10,24 +9,17 @@ namespace {
 /// A contact that sticks has not slipped by less than this, relative to all impulses: what may be left of the
 /// laws where they are met.
 constexpr double kStill = 1e-6;
-/// Slip that turned by more than this (sine) gets its own tangents.
-constexpr double kArmTurn = 0.05;
-/// Smallest component of a direction that counts as half way between the tangents.
-constexpr double kHalfWay = 0.6;
 
 }  // namespace
 
-bool FrictionLinearization::adapt(std::span<const double> lambda, std::span<const double> w,
-                                  double rate_tolerance) {
-  turns_.clear();
+void FrictionLinearization::take_over(std::span<const double> lambda, std::span<const double> w,
+                                      double rate_tolerance) {
   scale_ = size_of(lambda);
   residual_ = 0;
   for (int k = 0; k < contacts_.count(); ++k)
     if (contacts_.works(k) && scale_ != 0)
       residual_ = std::max(residual_, renew(k, lambda, w, rate_tolerance) / scale_);
-  if (residual_ > kMetResidual) return true;
-  mark_stretched();
-  return false;
+  if (residual_ <= kMetResidual) mark_stretched();
 }
 
 /// The largest impulse in a normal or tangent [√J].
@@ -71,28 +63,7 @@ double FrictionLinearization::renew_disc(int k, ContactTable::Disc& disc, const 
   disc.slips = true;
   disc.direction = rests ? Vec2(-state.tau.normalized()) : Vec2(state.slip / speed);
   disc.weight = rests ? 0 : bound / speed;
-  if (residual > kMetResidual * scale_) ask_for_turn(k, disc);
   return residual;
-}
-
-/// The slip along t₁; the impulse of a disc that holds half way between t₁ and t₂.
-void FrictionLinearization::ask_for_turn(int k, const ContactTable::Disc& disc) {
-  const Vec2& d = disc.direction;
-  if (disc.weight > 0 && std::abs(d[1]) > kArmTurn)
-    turns_.push_back({k, d[0], d[1]});
-  else if (disc.weight == 0 && std::min(std::abs(d[0]), std::abs(d[1])) < kHalfWay)
-    turns_.push_back({k, std::numbers::sqrt2 / 2 * (d[0] + d[1]), std::numbers::sqrt2 / 2 * (d[1] - d[0])});
-}
-
-void FrictionLinearization::turned(ConstraintSystem& system) {
-  for (const Turn& turn : turns_) {
-    system.turn_tangents(turn.place, contacts_.contact_point(turn.place), turn.cos, turn.sin);
-    for (ContactTable::Disc* disc :
-         {&contacts_.point(turn.place).sliding, &contacts_.point(turn.place).rolling})
-      for (Vec2* v : {&disc->direction, &disc->given, &disc->target})
-        *v = Vec2(turn.cos * v->x() + turn.sin * v->y(), turn.cos * v->y() - turn.sin * v->x());
-  }
-  turns_.clear();
 }
 
 /// Compliant contacts that slip where the laws are met have let go.

@@ -19,30 +19,12 @@ class FrictionLinearization {
  public:
   explicit FrictionLinearization(ContactRows& contacts) : contacts_(contacts) {}
 
-  /// Compares a solution of a stage with Coulomb's law.  True if radius, slip or stick of a contact is not
-  /// what the laws had: then they are renewed, and the stage must be solved again.
-  bool adapt(std::span<const double> lambda, std::span<const double> w, double rate_tolerance);
-  /// Radii and slips as they are at this solution.
-  void take_over(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
-    (void)adapt(lambda, w, rate_tolerance);
-    turns_.clear();
-  }
-  /// The largest distance from Coulomb's law at the last adapt(), relative.
+  /// Radii and slips as they are at this solution of a stage.
+  void take_over(std::span<const double> lambda, std::span<const double> w, double rate_tolerance);
+  /// How far the solution before was from Coulomb's law with the radii and slips of then, relative.
   double residual() const { return residual_; }
   /// After the table was put back to what it was when the residual was this.
-  void restore(double residual) {
-    residual_ = residual;
-    turns_.clear();
-  }
-
-  /// Tangents that are better turned: place and the direction (cos, sin) of the new t₁ in the old frame.
-  struct Turn {
-    int place;
-    double cos, sin;
-  };
-  const std::vector<Turn>& turns() const { return turns_; }
-  /// The turns have been made in everything that has a row: now in J and in the discs.
-  void turned(ConstraintSystem& system);
+  void restore(double residual) { residual_ = residual; }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);
@@ -52,11 +34,9 @@ class FrictionLinearization {
   double renew(int k, std::span<const double> lambda, std::span<const double> w, double rate_tolerance);
   double renew_disc(int k, ContactTable::Disc& disc, const DiscState& state, double bound, bool stuck,
                     double rate_tolerance);
-  void ask_for_turn(int k, const ContactTable::Disc& disc);
   void mark_stretched();
 
   ContactRows& contacts_;
-  std::vector<Turn> turns_;
   double residual_ = 0, scale_ = 0;
 };
 

@@ -71,24 +71,6 @@ void LinearizedRows::clear_bounded_rows(std::span<double> values) const {
   std::fill(values.begin() + rows_.first_contact_row(), values.end(), 0.0);
 }
 
-void LinearizedRows::turn_tangents(int place, row_parts::ContactPoint& point, double cos, double sin) {
-  const Vec3 t1 = cos * point.frame.t1 + sin * point.frame.t2;
-  point.frame.t2 = cos * point.frame.t2 - sin * point.frame.t1;
-  point.frame.t1 = t1;
-  rows_.set_contact(place, point);
-  ++version_;
-  const Rows::JointRows& rows = rows_.joints()[rows_.contact_joint(place)];
-  for (int s = rows.first_side; s < rows.first_side + rows.side_count; ++s)
-    for (int first = 1; first < rows.row_count; first += 3) {
-      double* J1 = jacobian_.data() + rows_.sides()[s].offset + 6 * first;
-      for (int k = 0; k < 6; ++k) {
-        const double a = J1[k], b = J1[6 + k];
-        J1[k] = cos * a + sin * b;
-        J1[6 + k] = cos * b - sin * a;
-      }
-    }
-}
-
 void LinearizedRows::linearize(const Configuration& at) {
   rows_.jacobian(at, jacobian_);
   ++linearization_, ++version_;

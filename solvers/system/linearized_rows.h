@@ -34,8 +34,6 @@ class LinearizedRows {
 
   /// Contact `place` from the next linearize() on.
   void set_contact(int place, const row_parts::ContactPoint& point) { rows_.set_contact(place, point); }
-  /// Turns the tangents of a contact place by an angle (cos, sin) about its normal, in J and from now on.
-  void turn_tangents(int place, row_parts::ContactPoint& point, double cos, double sin);
 
   /// J at these poses, for drivers at this time.
   void linearize(const Configuration& at);
