@@ -39,19 +39,19 @@ double FrictionLinearization::renew(int k, std::span<const double> lambda, std::
   ContactTable::Point& point = contacts_.point(k);
   const Material& material = contacts_.place(k).material;
   const double normal = contacts_.pressure(k, lambda);
-  const double sliding = renew_disc(k, point.sliding, sliding_state(contacts_, k, lambda, w),
+  const double sliding = renew_disc(point.sliding, sliding_state(contacts_, k, lambda, w),
                                     contacts_.friction_bound(k, normal), contacts_.sticks(k), rate_tolerance);
   if (!contacts_.has_twist(k)) return sliding;
   const double spinning = spinning_residual(contacts_, k, lambda, w).size;
   point.spin_bound = material.spinning_friction * normal;
-  const double rolling = renew_disc(k, point.rolling, rolling_state(contacts_, k, lambda, w),
+  const double rolling = renew_disc(point.rolling, rolling_state(contacts_, k, lambda, w),
                                     material.rolling_friction * normal, false, rate_tolerance);
   return std::max({sliding, spinning, rolling});
 }
 
 /// `stuck`: it is that of a contact that sticks.
-double FrictionLinearization::renew_disc(int k, ContactTable::Disc& disc, const DiscState& state,
-                                         double bound, bool stuck, double rate_tolerance) {
+double FrictionLinearization::renew_disc(ContactTable::Disc& disc, const DiscState& state, double bound,
+                                         bool stuck, double rate_tolerance) {
   const double root = state.root, residual = state.residual(bound).beyond(rate_tolerance);
   disc.bound = bound;
   const double speed = state.slip.norm();
