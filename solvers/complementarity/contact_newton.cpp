@@ -11,6 +11,7 @@ namespace taut {
 NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& stage,
                                    const NewtonLimits& limits, StageRecord& record) {
   ContactProblem problem{contacts, stage.laws, stage.b, stage.lambda, stage.w, {}, {}};
+  contacts.clear_idle(stage.lambda);
   read_scales(problem);
   system_.rates(stage.lambda, stage.b, stage.w);
   NewtonOutcome outcome;
@@ -24,8 +25,7 @@ NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& st
     const bool met = round_.minimize(problem, tolerance, limits.iterations, outcome.iterations, record.times);
     read_rates(problem);
     outcome.residual = law_error(problem, limits.rate_tolerance, outcome.rounds);
-    if (ends(problem, limits, progress, outcome)) break;
-    if (!next_round(problem, met, outcome, progress)) break;
+    if (ends(problem, limits, progress, outcome) || !next_round(problem, met, outcome, progress)) break;
   }
   if (!outcome.converged && best_.restore(problem.lambda, problem.w)) outcome.residual = best_.residual();
   contacts.take_over(stage.lambda, stage.w, limits.rate_tolerance);

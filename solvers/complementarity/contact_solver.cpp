@@ -17,19 +17,23 @@ ImpulseIteration& ContactSolver::iteration() {
 }
 
 double ContactSolver::distance(const StageProblem& problem, double rate_tolerance) const {
+  double scale = 0;
+  for (std::size_t r = 0; r < problem.lambda.size(); ++r)
+    scale = std::max(scale, std::abs(problem.lambda[r]) / std::sqrt(problem.inertia[r]));
+  const double error = law_error(problem, rate_tolerance);
+  return error == 0 ? 0 : error / scale;
+}
+
+/// The natural residual [√J]; infinite if a value is not finite.
+double ContactSolver::law_error(const StageProblem& problem, double rate_tolerance) const {
   const auto& [laws, b, inertia, lambda, w] = problem;
-  double error = 0, scale = 0, sum = 0;
-  for (std::size_t r = 0; r < lambda.size(); ++r) {
-    scale = std::max(scale, std::abs(lambda[r]) / std::sqrt(inertia[r]));
-    sum += std::abs(lambda[r]) + std::abs(w[r]);
-  }
+  double error = 0, sum = 0;
+  for (std::size_t r = 0; r < lambda.size(); ++r) sum += std::abs(lambda[r]) + std::abs(w[r]);
   if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
     error =
         std::max(error, natural_residual(laws[r], 1 / inertia[r], lambda[r], w[r]).beyond(rate_tolerance));
-  }
-  error = std::max(error, contact_residual(contacts_, lambda, w, rate_tolerance));
-  return error == 0 ? 0 : error / scale;
+  return std::max(error, contact_residual(contacts_, lambda, w, rate_tolerance));
 }
 
 bool ContactSolver::rests(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
@@ -143,15 +147,20 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
 bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tolerance, double inexact,
                                     StageRecord& record) {
   if (inexact == 0 || contacts_.count() == 0) return false;
-  const double best = distance(problem, rate_tolerance);
+  const double best = law_error(problem, rate_tolerance);
   held_.assign(problem.lambda.begin(), problem.lambda.end());
-  double residual = sweep(problem, Tuning::kLastSweeps, rate_tolerance);
-  if (!(residual < best) || !newton_.holds_joints(problem.laws, problem.w, rate_tolerance)) {
-    residual = best;
+  (void)sweep(problem, Tuning::kLastSweeps, rate_tolerance);
+  double error = law_error(problem, rate_tolerance);
+  if (!(error < best) || !newton_.holds_joints(problem.laws, problem.w, rate_tolerance)) {
+    error = best;
     std::copy(held_.begin(), held_.end(), problem.lambda.begin());
     system_.rates(problem.lambda, problem.b, problem.w);
   }
   contacts_.take_over(problem.lambda, problem.w, rate_tolerance);
+  double scale = 0;  // also of impulses that vanish in the end
+  for (std::size_t r = 0; r < problem.lambda.size(); ++r)
+    scale = std::max(scale, impulse_scale(1 / problem.inertia[r], problem.lambda[r], problem.b[r]));
+  const double residual = error == 0 ? 0 : error / scale;
   if (!(residual <= inexact) || !std::isfinite(max_abs(problem.lambda))) return false;
   if (residual > kMetContactResidual)
     record.loose = residual;

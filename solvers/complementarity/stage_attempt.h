@@ -21,7 +21,8 @@ struct Stage {
 
   std::span<double> lambda, rates;
   const Renew& renew;
-  bool near = false;  ///< this stage was solved at a neighbouring state
+  bool near = false;   ///< this stage was solved at a neighbouring state
+  bool exact = false;  ///< laws are to be met to what round-off allows, where they can
 };
 
 /// The system of stages, and the axes and contacts whose laws its rows have.

@@ -27,6 +27,7 @@ StagePrimal::StagePrimal(const StageModel& model, const StageResidual& residual,
 StageVerdict StagePrimal::solve(StageAttempt& attempt) {
   const std::span<double> lambda = attempt.stage.lambda;
   NewtonLimits limits{.rate_tolerance = attempt.rate_tolerance, .near = attempt.stage.near};
+  if (attempt.stage.exact) limits.tolerance = Tuning::kMendedExactly;
   if (attempt.budget.reduced) limits.iterations = Tuning::kReducedSteps;
   const ContactIslands::Limits of_islands{limits, attempt.warm_start_tolerance, attempt.budget.inexact};
   for (int solve = 0; solve < Tuning::kMaxMendings; ++solve) {

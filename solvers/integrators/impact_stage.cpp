@@ -20,19 +20,25 @@ bool ImpactStage::strike(const Solve& solve) {
   struck_ = true;
   momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
   mu_ = values_.mu;
+  mean_rates_.resize(mu_.size());
+  works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), mean_rates_);
+  contacts_.book(mu_, mean_rates_);
   for (int round = 1; round <= kMostRounds; ++round) {
     round_momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
     round_rates_ = values_.rates;
+    round_mu_ = values_.mu;
     if (!solve_round(round < kMostRounds ? 1 : 0, solve)) return false;
     if (energy() > 0 && !limit_restitution(solve)) return false;
+    book_round();
     if (!contacts_.come_together(values_.rates)) break;
   }
+  contacts_.end_impacts();
   return true;
 }
 
 /// With this part of restitution, against the rates at the start of the round.
 bool ImpactStage::solve_round(double part, const Solve& solve) {
-  restitution_ = contacts_.begin_impact(round_rates_, part);
+  restitution_ = contacts_.begin_impact(round_rates_, round_mu_, part);
   return solve();
 }
 
@@ -66,6 +72,15 @@ double ImpactStage::energy() const {
   return std::abs(given) > kNoWork * works_.kinetic_energy(phase_.momenta) ? given : 0;
 }
 
+void ImpactStage::book_round() {
+  impulses_.resize(mu_.size());
+  for (std::size_t r = 0; r < mu_.size(); ++r) {
+    impulses_[r] = values_.mu[r] - round_mu_[r];
+    mean_rates_[r] = 0.5 * (round_rates_[r] + values_.rates[r]);
+  }
+  contacts_.book_impact(impulses_, mean_rates_);
+}
+
 std::span<const double> ImpactStage::impulses() {
   impulses_.resize(mu_.size());
   for (std::size_t r = 0; r < mu_.size(); ++r) impulses_[r] = values_.mu[r] - mu_[r];
@@ -75,11 +90,11 @@ std::span<const double> ImpactStage::impulses() {
 void ImpactStage::mean_rates(std::span<double> out) {
   works_.mean_rates(phase_.kicked, momenta(), system_.jacobian(), out);
   if (!struck_) return;
-  impact_rates_.resize(out.size());
-  works_.mean_rates(momenta_, phase_.momenta, system_.jacobian(), impact_rates_);
+  mean_rates_.resize(out.size());
+  works_.mean_rates(momenta_, phase_.momenta, system_.jacobian(), mean_rates_);
   const std::span<const double> given = impulses();
   for (std::size_t r = 0; r < out.size(); ++r)
-    if (values_.mu[r] != 0) out[r] = (mu_[r] * out[r] + given[r] * impact_rates_[r]) / values_.mu[r];
+    if (values_.mu[r] != 0) out[r] = (mu_[r] * out[r] + given[r] * mean_rates_[r]) / values_.mu[r];
 }
 
 }  // namespace taut

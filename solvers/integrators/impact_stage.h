@@ -45,6 +45,7 @@ class ImpactStage {
  private:
   bool solve_round(double part, const Solve& solve);
   bool limit_restitution(const Solve& solve);
+  void book_round();
   double energy() const;
 
   const ConstraintSystem& system_;
@@ -54,9 +55,9 @@ class ImpactStage {
   KickWorks& works_;
   bool struck_ = false;
   std::vector<Wrench> momenta_;
-  std::vector<double> mu_, impulses_, impact_rates_;
+  std::vector<double> mu_, impulses_, mean_rates_;
   std::vector<Wrench> round_momenta_;  // at the start of a round
-  std::vector<double> round_rates_;
+  std::vector<double> round_rates_, round_mu_;
   double restitution_ = 0;  // the largest of the round
 };
 

@@ -178,7 +178,7 @@ bool Rattle::project_bounded_momenta(double h, SubstepReport& report) {
 /// By sweeps, bodies that are held fast do not take in all of the impulses.
 bool Rattle::meet_velocity_laws(SubstepReport& report) {
   const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
-  const StageSolver::Stage stage{values_.mu, values_.rates, renew};
+  const StageSolver::Stage stage{values_.mu, values_.rates, renew, false, impact_stage_.struck()};
   if (!stages_.iterative()) return stages_.solve_velocities(stage, report);
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
   return stages_.iterate(stage, settings_.iterations, 0.1 * settings_.velocity_tolerance, absorbed_, report);

@@ -58,10 +58,8 @@ void AxisImpacts::take(double until, const AxisTable& table, std::span<const Axi
                        std::span<const double> w, double h) {
   for (std::size_t i = 0; i < impacts_.size(); ++i) {
     AxisImpact& impact = impacts_[i];
-    if (!impact.sought()) {
-      impact.stage = AxisImpact::Stage::kNone;
-      continue;
-    }
+    if (impact.stage == AxisImpact::Stage::kNone)
+      continue;  // one that was due goes on to be if it comes first
     const double mean = w[table.row(i)], rate0 = axes[i].start.rate;
     const double s = crossing(*table.properties(i).limits, impact.at_lower, axes[i].start, mean, h);
     impact.stage = s <= until ? AxisImpact::Stage::kDue : AxisImpact::Stage::kNone;

@@ -11,10 +11,11 @@ namespace {
 
 /// Newton's method for the normal; of corners, edges and faces it takes two.
 constexpr int kNormalSteps = 4;
-/// It is done when the normal turns by less [rad].
-constexpr double kNormalFound = 1e-12;
+/// It is done when the normal turns by less [rad], and has found none if it turns by more than the second at
+/// the end.
+constexpr double kNormalFound = 1e-12, kNormalLost = 1e-6;
 /// The expansion of curved surfaces ends where the normal turns by more in one step [rad]; a contact whose
-/// normal turns by more in the drift, as that of edges that hardly cross, is that of planes.
+/// normal turns by more in the drift, or is lost, as that of edges that hardly cross, is that of planes.
 constexpr double kFarTurn = 0.5;
 /// Newton's method closes gaps that surfaces open as they turn to this part of what they open in the second
 /// order, times the turn: a part of the third-order error of a drift.
@@ -104,14 +105,16 @@ MovedContact moved_contact(const Contact& contact, const Pose& A, const Pose& B,
   const Vec3 a = A.q * contact.p_AP - on_A.ball * on_A.n, b = B.q * contact.p_BQ - on_B.ball * on_B.n;
   const Vec3 between = B.p - A.p + b - a;
   Vec3 m = (on_A.n - on_B.n).normalized();
+  double far = 0;
   for (int k = 0; k < kNormalSteps; ++k) {
     const Vec3 D = between + on_B.shift(-m) - on_A.shift(m);
     const Vec3 turn = solve_across(on_A.radii(m) + on_B.radii(-m), std::max(0.0, m.dot(between)), m, D);
-    const double far = turn.norm();
+    far = turn.norm();
     m = (m + std::min(1.0, kFarTurn / far) * turn).normalized();
     if (!(far > kNormalFound)) break;
   }
   MovedContact moved;
+  moved.found = far <= kNormalLost;
   moved.normal = m;
   moved.gap = m.dot(between) - on_A.height(m) - on_B.height(-m) - on_A.ball - on_B.ball;
   // From the side that is less flat, where the place is known better.
@@ -138,7 +141,7 @@ void drift_rates(ContactRows& contacts, const ContactDrift& drift, std::span<dou
     const MovedContact now = moved_contact(contact, A.end, B.end, A.turn, B.turn);
     const MovedContact then = moved_contact(contact, A.start, B.start, still, still);
     const Vec3 n = frame.n, m = now.normal;
-    if ((m - n).norm() > kFarTurn) continue;
+    if (!now.found || (m - n).norm() > kFarTurn) continue;
     const auto at_end = [&](const Vec3& rate) { return carried(tangential(rate, m), m, n); };
     const Vec3 half = 0.5 * now.gap * m;
     const Vec3 slip = at_end(B.V.at(now.Q - half) - A.V.at(now.P + half)), turning = B.V.w - A.V.w;

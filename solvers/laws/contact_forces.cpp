@@ -25,6 +25,17 @@ void take_first_kick(const row_parts::ContactFrame& frame, ContactTable::Point& 
   point.rolling.given = across(point.first_torque);
 }
 
+/// The laws are those of what impulses add to these, in the rows of the contact.
+void count_from(std::span<const double> before, ContactTable::Point& point) {
+  constexpr int kSliding = ContactRows::kSlidingRow, kSpin = ContactRows::kSpinRow,
+                kRolling = ContactRows::kRollingRow;
+  point.back = -before[0];
+  point.sliding.given = -Vec2(before[kSliding], before[kSliding + 1]);
+  if (std::ssize(before) == 3) return;
+  point.spin_given = -before[kSpin];
+  point.rolling.given = -Vec2(before[kRolling], before[kRolling + 1]);
+}
+
 }  // namespace
 
 ContactForces::ContactForces(const World& world, const Settings& settings)
@@ -249,22 +260,39 @@ void ContactForces::roll_back(bool moved_on) {
 /// Impulses of rows as world vectors, and the work of those that take energy: of normals that stop an
 /// approach, and of friction that slips or comes with them.  What else contacts do is the work of ideal
 /// constraints.
-void ContactForces::accumulate_work(int k, std::span<const double> lambda, std::span<const double> rates) {
-  Point& point = table_.points[k];
-  const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
-  const bool all = table_.single_kick || compliance(k) > 0;
+/// Of all that a contact gives, or of what stops an approach and what slips.
+void ContactForces::book(int k, std::span<const double> lambda, std::span<const double> rates, bool all) {
+  const Point& point = table_.points[k];
   const bool stops = all || point.approach < -table_.resting_speed;
   const bool slides = stops || point.sliding.slips, rolls = stops || point.rolling.slips;
+  const int row = first_row(k);
+  const auto work = [&](int r) { return lambda[row + r] * rates[row + r]; };
+  if (stops) work_.normal += work(0);
+  if (slides) work_.friction += work(kSlidingRow) + work(kSlidingRow + 1);
+  if (!has_twist(k)) return;
+  work_.friction += work(kSpinRow);
+  if (rolls) work_.friction += work(kRollingRow) + work(kRollingRow + 1);
+}
+
+void ContactForces::book(std::span<const double> lambda, std::span<const double> rates) {
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (table_.points[k].active) book(k, lambda, rates, table_.single_kick || compliance(k) > 0);
+}
+
+void ContactForces::book_impact(std::span<const double> impulses, std::span<const double> rates) {
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (table_.points[k].live) book(k, impulses, rates, true);
+}
+
+/// Impulse and torque on B.
+void ContactForces::keep_impulse(int k, std::span<const double> lambda) {
+  Point& point = table_.points[k];
+  const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
   const int row = first_row(k);
   Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();
   for (int i = 0; i < 3; ++i) {
     impulse += lambda[row + i] * frame.direction(i);
-    const double work = lambda[row + i] * rates[row + i];
-    if (i == 0 && stops) work_.normal += work;
-    if (i > 0 && slides) work_.friction += work;
-    if (!has_twist(k)) continue;
-    torque += lambda[row + kSpinRow + i] * frame.direction(i);
-    if (i == 0 || rolls) work_.friction += lambda[row + kSpinRow + i] * rates[row + kSpinRow + i];
+    if (has_twist(k)) torque += lambda[row + kSpinRow + i] * frame.direction(i);
   }
   point.first = impulse;
   point.first_torque = torque;
@@ -275,11 +303,12 @@ void ContactForces::accumulate_work(int k, std::span<const double> lambda, std::
 
 void ContactForces::record_first_kick(std::span<const double> lambda, std::span<const double> w,
                                       std::span<const double> rates) {
+  book(lambda, rates);
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     if (!point.active) continue;
     const int row = first_row(k);
-    accumulate_work(k, lambda, rates);
+    keep_impulse(k, lambda);
     point.pressed = lambda[row] > 0;
     // The slip of this step while it holds: what is left of the target.
     if (!point.sliding.slips && point.pressed) {
@@ -336,12 +365,15 @@ bool ContactForces::come_together(std::span<const double> rates) const {
   return false;
 }
 
-double ContactForces::begin_impact(std::span<const double> rates, double part) {
+double ContactForces::begin_impact(std::span<const double> rates, std::span<const double> before,
+                                   double part) {
   double largest = 0;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     point.live = point.active && point.touching;
     if (!point.live) continue;
+    if (compliance(k) == 0 || impact(k).stage == Impact::Stage::kDue)
+      count_from(before.subspan(first_row(k), row_count(k)), point);
     point.approach = rates[first_row(k)];
     const double restitution = place(k).material.restitution;
     const bool slow = point.approach >= -table_.resting_speed;
@@ -351,7 +383,12 @@ double ContactForces::begin_impact(std::span<const double> rates, double part) {
   return largest;
 }
 
-void ContactForces::finish(std::span<const double> mu, std::span<const double> rates, double time) {
+void ContactForces::end_impacts() {
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (point(k).active) take_first_kick(place(k).point.frame, point(k));
+}
+
+void ContactForces::finish(std::span<const double> mu, double time) {
   struck_ = false;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
@@ -366,7 +403,7 @@ void ContactForces::finish(std::span<const double> mu, std::span<const double> r
       struck_ = true;
       point.impact_time = time;
     }
-    accumulate_work(k, mu, rates);
+    keep_impulse(k, mu);
     const int row = first_row(k);
     const bool pressed = point.touching && point.back + mu[row] > 0;
     const bool held = pressed && !point.sliding.slips;

@@ -76,9 +76,12 @@ class ContactForces final : public ContactLaws {
   /// Contacts strike at the end of this step; they are left out of its velocity stage.
   bool strikes() const;
   /// They strike after it: with its rates w⁻, velocity_laws() ask for w ≥ −e w⁻ with this part of each e, in
-  /// all contacts that are touched.  One that parts may come together as fast as it parted, so that no normal
-  /// impulse gives energy.  Returns the largest e of those that strike.
-  double begin_impact(std::span<const double> rates, double part);
+  /// all contacts that are touched, and the laws are those of what is added to the impulses `before`.  One
+  /// that parts may come together as fast as it parted, so that no normal impulse gives energy.  Returns the
+  /// largest e of those that strike.
+  double begin_impact(std::span<const double> rates, std::span<const double> before, double part);
+  /// The laws are those of the whole kick again.
+  void end_impacts();
   /// Some that are touched do at these rates, faster than the resting speed.
   bool come_together(std::span<const double> rates) const;
   /// Moreau–Jean between begin_single_kick() and velocity_laws(): `rates` J V before the step.  Contacts that
@@ -92,8 +95,12 @@ class ContactForces final : public ContactLaws {
   /// move_on().
   void record_first_kick(std::span<const double> lambda, std::span<const double> w,
                          std::span<const double> rates);
-  /// Books the second, and takes over the state of friction.
-  void finish(std::span<const double> mu, std::span<const double> rates, double time);
+  /// Books works of impulses of a kick, during which the rows moved with `rates` on the mean.
+  void book(std::span<const double> lambda, std::span<const double> rates);
+  /// The same of a round of impacts: of all contacts that may strike.
+  void book_impact(std::span<const double> impulses, std::span<const double> rates);
+  /// After the second kick: its impulses, and the state of friction.
+  void finish(std::span<const double> mu, double time);
 
   /// Sums since clear_reports(), with impulses in place of forces.
   std::vector<ContactReport> reports() const;
@@ -108,7 +115,8 @@ class ContactForces final : public ContactLaws {
   void take_up_recalled(const World& world);
   void remember(double h);
   void aim_discs(int place, std::span<const double> rates);
-  void accumulate_work(int place, std::span<const double> lambda, std::span<const double> rates);
+  void book(int place, std::span<const double> lambda, std::span<const double> rates, bool all);
+  void keep_impulse(int place, std::span<const double> lambda);
   void keep_report(int place);
 
   bool wanted_;

@@ -42,10 +42,9 @@ double ContactImpacts::first(std::span<const double> w) const {
 void ContactImpacts::take(double until, std::span<const double> w) {
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     ContactTable::Impact& impact = table_.impacts[k];
-    // What was due at the end of the step goes on to be if that is the end of the next.
-    const bool due = impact.stage == ContactTable::Impact::Stage::kSought
-                         ? crossing(k, w[contacts_.first_row(k)]) <= until
-                         : impact.stage == ContactTable::Impact::Stage::kDue && until >= table_.h;
+    // What was due at the end of a longer step goes on to be if it closes until then, too.
+    const bool due =
+        impact.stage != ContactTable::Impact::Stage::kNone && crossing(k, w[contacts_.first_row(k)]) <= until;
     impact.stage = due ? ContactTable::Impact::Stage::kDue : ContactTable::Impact::Stage::kNone;
   }
 }

@@ -57,7 +57,8 @@ Course run(World& world, double dt, double time, double resting_speed = 1e-4) {
     const StepReport& report = simulator.step(dt);
     EXPECT_TRUE(report.advanced()) << "step " << i << ": " << report.message;
     if (!report.advanced()) break;
-    EXPECT_LE(report.ledger.contacts + report.ledger.friction, 1e-8 * start) << "step " << i;
+    EXPECT_LE(report.ledger.contacts + report.ledger.friction, 1e-8 * start)
+        << "step " << i << ": " << report.ledger.contacts << " and " << report.ledger.friction;
     course.booked += (report.ledger.contacts + report.ledger.friction) / start;
     course.end = energy(world) / start - 1;
     course.most = std::max(course.most, course.end);
@@ -229,6 +230,7 @@ TEST(ImpactEnergy, of_a_rod_that_slides_on_a_rough_floor_never_grows) {
 TEST(ImpactEnergy, of_chains_and_of_bodies_of_two_materials_never_grows) {
   for (const double e : {0.0, 0.5, 1.0})
     for (const double mu : {0.0, 0.4}) {
+      SCOPED_TRACE(std::string("e ").append(std::to_string(e)).append(", mu ").append(std::to_string(mu)));
       World world;
       world.add_shape(kGround, HalfSpace{}, {}, rubbing(mu, e));
       BodyId last = kGround;
