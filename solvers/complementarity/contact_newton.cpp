@@ -66,8 +66,7 @@ ContactNewton::Progress ContactNewton::begin_rounds(const ContactProblem& proble
   const double off = law_error(problem, limits.rate_tolerance, 0);
   coupled_.begin(round_.y(), off);
   Progress progress;
-  progress.rho = limits.near ? Tuning::kNearRho
-                             : std::clamp(Tuning::kRhoOfResidual * off, Tuning::kNearRho, Tuning::kFirstRho);
+  progress.rho = std::clamp(Tuning::kRhoOfResidual * off, Tuning::kNearRho, Tuning::kFirstRho);
   if (!problem.contacts.soft()) progress.residual = off;
   return progress;
 }

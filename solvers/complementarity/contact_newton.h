@@ -21,7 +21,6 @@ namespace taut {
 struct NewtonLimits {
   double tolerance = kMetResidual, most = kMetContactResidual, rate_tolerance = 0;
   int iterations = 500;
-  bool near = false;  ///< the guess is nearly right
   /// Ends where rounds no longer lower the slip of contacts that share a load: they do not hold.
   bool holding = false;
 };

@@ -50,20 +50,22 @@ struct ContactNewtonTuning {
 
   // How rounds go on.
   /// A round is kept if its Newton method ended and the residual grew by no more than kWorse, or if the
-  /// residual fell to kProgress anyway.
-  static constexpr double kWorse = 3, kProgress = 0.5;
+  /// residual fell to kWell anyway.
+  static constexpr double kWorse = 3;
   /// How ρ falls after a round that went well (to kWell of the residual) or fast (to kFast, and ρ by as
   /// much), and grows after one that was taken back.  Measured: to 0.05 or 0.1 in place of kDown takes twice
   /// the steps and leaves some stages unsolved.  Half and twice take up to 4 and 3 times the factorisations
   /// of kDown, 2.6 and 5.4 times those of kFast, in stacks and card houses.
   static constexpr double kDown = 0.3, kUp = 3, kWell = 0.7, kFast = 0.1;
-  /// Its bounds.  Measured: 1e-9 as the least takes no fewer steps; 1e-6 fails where bodies wedge.
-  static constexpr double kLeastCoupledRho = 1e-8, kMostRho = 1e-2;
+  /// Its bounds.  Measured: 1e-9 as the least takes no fewer steps; 1e-6 fails where bodies wedge; with 1e-2
+  /// as the most, a pile of 1000 that goes on from a file is given up.
+  static constexpr double kLeastCoupledRho = 1e-8, kMostRho = 1;
   /// Rounds that must go well after one that was taken back, before ρ falls again.  Half takes 3 times the
   /// factorisations of a card house.
   static constexpr int kHold = 3;
   /// Every so many rounds the residual must have fallen to kProgress.
   static constexpr int kLook = 12;
+  static constexpr double kProgress = 0.5;
   /// Part of the coupling N that is kept at least, where with all of it the step does not go down.
   static constexpr double kLeastPart = 0.25;
 

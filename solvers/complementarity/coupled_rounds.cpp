@@ -12,7 +12,7 @@ void CoupledRounds::begin(std::span<const double> y, double residual) {
 
 bool CoupledRounds::keep(std::span<const double> y, bool met, double residual, double& rho) {
   const bool went_well =
-      (met && residual <= Tuning::kWorse * kept_residual_) || residual <= Tuning::kProgress * kept_residual_;
+      (met && residual <= Tuning::kWorse * kept_residual_) || residual <= Tuning::kWell * kept_residual_;
   if (!went_well) return false;
   const bool well = residual <= Tuning::kWell * kept_residual_,
              fast = residual <= Tuning::kFast * kept_residual_;

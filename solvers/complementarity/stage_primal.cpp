@@ -26,7 +26,7 @@ StagePrimal::StagePrimal(const StageModel& model, const StageResidual& residual,
 
 StageVerdict StagePrimal::solve(StageAttempt& attempt) {
   const std::span<double> lambda = attempt.stage.lambda;
-  NewtonLimits limits{.rate_tolerance = attempt.rate_tolerance, .near = attempt.stage.near};
+  NewtonLimits limits{.rate_tolerance = attempt.rate_tolerance};
   if (attempt.stage.exact) limits.tolerance = Tuning::kMendedExactly;
   if (attempt.budget.reduced) limits.iterations = Tuning::kReducedSteps;
   const ContactIslands::Limits of_islands{limits, attempt.warm_start_tolerance, attempt.budget.inexact};
