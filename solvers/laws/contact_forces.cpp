@@ -174,7 +174,7 @@ void ContactForces::remember(double h) {
   table_.in_velocities = false;
   before_ = table_.points;
   impacts_before_ = table_.impacts;
-  work_before_ = work_;
+  works_.keep();
   departed_before_ = departed_.size();
 }
 
@@ -253,37 +253,13 @@ void ContactForces::roll_back(bool moved_on) {
     table_.impacts = impacts_before_;
   }
   table_.points = before_;
-  work_ = work_before_;
+  works_.roll_back();
   departed_.resize(departed_before_);
 }
 
 /// Impulses of rows as world vectors, and the work of those that take energy: of normals that stop an
 /// approach, and of friction that slips or comes with them.  What else contacts do is the work of ideal
 /// constraints.
-/// Of all that a contact gives, or of what stops an approach and what slips.
-void ContactForces::book(int k, std::span<const double> lambda, std::span<const double> rates, bool all) {
-  const Point& point = table_.points[k];
-  const bool stops = all || point.approach < -table_.resting_speed;
-  const bool slides = stops || point.sliding.slips, rolls = stops || point.rolling.slips;
-  const int row = first_row(k);
-  const auto work = [&](int r) { return lambda[row + r] * rates[row + r]; };
-  if (stops) work_.normal += work(0);
-  if (slides) work_.friction += work(kSlidingRow) + work(kSlidingRow + 1);
-  if (!has_twist(k)) return;
-  work_.friction += work(kSpinRow);
-  if (rolls) work_.friction += work(kRollingRow) + work(kRollingRow + 1);
-}
-
-void ContactForces::book(std::span<const double> lambda, std::span<const double> rates) {
-  for (int k = 0; k < std::ssize(table_.points); ++k)
-    if (table_.points[k].active) book(k, lambda, rates, table_.single_kick || compliance(k) > 0);
-}
-
-void ContactForces::book_impact(std::span<const double> impulses, std::span<const double> rates) {
-  for (int k = 0; k < std::ssize(table_.points); ++k)
-    if (table_.points[k].live) book(k, impulses, rates, true);
-}
-
 /// Impulse and torque on B.
 void ContactForces::keep_impulse(int k, std::span<const double> lambda) {
   Point& point = table_.points[k];
@@ -303,7 +279,7 @@ void ContactForces::keep_impulse(int k, std::span<const double> lambda) {
 
 void ContactForces::record_first_kick(std::span<const double> lambda, std::span<const double> w,
                                       std::span<const double> rates) {
-  book(lambda, rates);
+  works_.book_kick(lambda, rates);
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     if (!point.active) continue;
@@ -448,7 +424,7 @@ std::vector<ContactReport> ContactForces::reports() const {
 
 void ContactForces::clear_reports() {
   departed_.clear();
-  work_ = {};
+  works_.clear();
   for (Point& point : table_.points) {
     point.impulse = point.torque = Vec3::Zero();
     point.impact_time.reset();

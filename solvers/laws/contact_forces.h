@@ -9,6 +9,7 @@
 #include "solvers/common/settings.h"
 #include "solvers/laws/contact_impacts.h"
 #include "solvers/laws/contact_laws.h"
+#include "solvers/laws/contact_works.h"
 
 namespace taut {
 
@@ -95,16 +96,12 @@ class ContactForces final : public ContactLaws {
   /// move_on().
   void record_first_kick(std::span<const double> lambda, std::span<const double> w,
                          std::span<const double> rates);
-  /// Books works of impulses of a kick, during which the rows moved with `rates` on the mean.
-  void book(std::span<const double> lambda, std::span<const double> rates);
-  /// The same of a round of impacts: of all contacts that may strike.
-  void book_impact(std::span<const double> impulses, std::span<const double> rates);
   /// After the second kick: its impulses, and the state of friction.
   void finish(std::span<const double> mu, double time);
 
   /// Sums since clear_reports(), with impulses in place of forces.
   std::vector<ContactReport> reports() const;
-  const ContactWork& work() const { return work_; }
+  ContactWorks& works() { return works_; }
   void clear_reports();
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
@@ -115,7 +112,6 @@ class ContactForces final : public ContactLaws {
   void take_up_recalled(const World& world);
   void remember(double h);
   void aim_discs(int place, std::span<const double> rates);
-  void book(int place, std::span<const double> lambda, std::span<const double> rates, bool all);
   void keep_impulse(int place, std::span<const double> lambda);
   void keep_report(int place);
 
@@ -131,7 +127,7 @@ class ContactForces final : public ContactLaws {
   std::vector<char> goes_on_;
   std::vector<Point> point_scratch_;
   std::vector<Impact> impact_scratch_;
-  ContactWork work_, work_before_;
+  ContactWorks works_{*this};
   std::size_t departed_before_ = 0;
   bool struck_ = false;
 };

@@ -11,10 +11,9 @@ namespace taut {
 
 class Archive;
 
-/// Coulomb's law as laws of rows: squares for discs that hold, and for discs that slip a level along the slip
-/// and a slope across it.  The radius of a disc follows from the normal impulse, and the way in which it is
-/// crossed from the slip: both are renewed by each solution of a stage, in the table of contacts, until they
-/// agree.                                                        (solvers/complementarity, "The active set")
+/// Radii of discs, which follow from normal impulses, and how discs are crossed, which follows from the slip:
+/// both are taken from each solution of a stage into the table of contacts, for geometric stiffness, for laws
+/// of rows where all contacts hold, and for what a contact remembers.
 class FrictionLinearization {
  public:
   explicit FrictionLinearization(ContactRows& contacts) : contacts_(contacts) {}

@@ -1,0 +1,30 @@
+#include "solvers/laws/contact_works.h"
+
+namespace taut {
+
+void ContactWorks::book_kick(std::span<const double> lambda, std::span<const double> rates) {
+  for (int k = 0; k < contacts_.count(); ++k)
+    if (contacts_.point(k).active)
+      book(k, lambda, rates, contacts_.table().single_kick || contacts_.compliance(k) > 0);
+}
+
+void ContactWorks::book_impact(std::span<const double> impulses, std::span<const double> rates) {
+  for (int k = 0; k < contacts_.count(); ++k)
+    if (contacts_.works(k)) book(k, impulses, rates, true);
+}
+
+void ContactWorks::book(int k, std::span<const double> lambda, std::span<const double> rates, bool all) {
+  constexpr int kSliding = ContactRows::kSlidingRow, kSpin = ContactRows::kSpinRow,
+                kRolling = ContactRows::kRollingRow;
+  const ContactTable::Point& point = contacts_.point(k);
+  const bool stops = all || point.approach < -contacts_.table().resting_speed;
+  const int row = contacts_.first_row(k);
+  const auto work = [&](int r) { return lambda[row + r] * rates[row + r]; };
+  if (stops) sum_.normal += work(0);
+  if (stops || point.sliding.slips) sum_.friction += work(kSliding) + work(kSliding + 1);
+  if (!contacts_.has_twist(k)) return;
+  sum_.friction += work(kSpin);
+  if (stops || point.rolling.slips) sum_.friction += work(kRolling) + work(kRolling + 1);
+}
+
+}  // namespace taut

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <span>
+
+#include "solvers/common/contact_report.h"
+#include "solvers/laws/contact_rows.h"
+
+namespace taut {
+
+/// The books of contacts: works of their impulses [J] since clear(), each impulse at the mean rate of its row
+/// in a kick.
+class ContactWorks {
+ public:
+  explicit ContactWorks(const ContactRows& contacts) : contacts_(contacts) {}
+
+  /// Impulses of a kick, during which the rows moved with `rates` on the mean: of what stops an approach and
+  /// of what slips.  What presses or holds is an ideal constraint.
+  void book_kick(std::span<const double> lambda, std::span<const double> rates);
+  /// Impulses of a round of impacts, all of those that may strike: in it what holds takes part in what
+  /// bounces.
+  void book_impact(std::span<const double> impulses, std::span<const double> rates);
+  const ContactWork& sum() const { return sum_; }
+
+  /// A step begins.
+  void keep() { before_ = sum_; }
+  /// Back to its beginning.
+  void roll_back() { sum_ = before_; }
+  void clear() { sum_ = {}; }
+
+ private:
+  void book(int k, std::span<const double> lambda, std::span<const double> rates, bool all);
+
+  const ContactRows& contacts_;
+  ContactWork sum_, before_;
+};
+
+}  // namespace taut
