@@ -227,7 +227,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     record.add(report, seconds, gap, energy);
     record.note_breaks(report, world);
     for (const std::string& warning : record.note_detection(report, world)) warn(warning);
-    if (!report.advanced()) {
+    if (!report.ok()) {
       return note_failure(record, report, world,
                           "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s");
     }

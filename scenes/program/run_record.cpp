@@ -40,10 +40,10 @@ void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, do
   max_tension_number = std::max(max_tension_number, report.tension_number);
   pivots += report.counts.pivots;
   contact_iterations += report.counts.contact_iterations;
-  if (!report.advanced()) return;  // the world has not moved: no step, and nothing below is of its state
+  if (!report.ok()) return;  // the world has not moved: no step, and nothing below is of its state
 
   ++steps;
-  inexact_steps += !report.ok();
+  inexact_steps += !report.exact();
   asleep = report.asleep;
   step_times.push_back(seconds);
   simulated_time = report.time - start_time;

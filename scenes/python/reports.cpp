@@ -192,8 +192,11 @@ void bind_step_report(nb::module_& m) {
       .def_ro("shapes", &Crowd::shapes, "Those with most of them, at most four.");
   nb::class_<StepReport> report(m, "StepReport",
                                 "The proof of quality of one step; a copy that stays as it is.");
-  report.def("ok", &StepReport::ok, "Status.SUCCESS.")
-      .def("advanced", &StepReport::advanced, "The world has moved on: after success, or inexactly.")
+  report
+      .def("ok", &StepReport::ok,
+           "The step was taken and the world has moved on, for loops: Status.SUCCESS or INEXACT.")
+      .def("exact", &StepReport::exact,
+           "The step was taken and all laws are met to their tolerances: Status.SUCCESS.")
       .def("energy", &StepReport::energy, "Kinetic, potential and springs' [J].")
       .def_ro("status", &StepReport::status)
       .def_ro("message", &StepReport::message, "Empty on success.")

@@ -67,7 +67,7 @@ StepReport Session::step(double dt) {
 StepReport Session::run(long steps, double dt) {
   if (steps < 1) fail("run steps", "must be positive", steps);
   return without_gil([&] {
-    for (long i = 0; i < steps && simulator_.step(dt).advanced() && !keyboard_->ask(); ++i)
+    for (long i = 0; i < steps && simulator_.step(dt).ok() && !keyboard_->ask(); ++i)
       ;
   });
 }

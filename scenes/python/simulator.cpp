@@ -46,7 +46,7 @@ void bind_steps(nb::class_<Session>& c) {
   c.def(nb::init<World&, const Settings&>(), nb::arg("world"), nb::arg("settings") = Settings(),
         nb::keep_alive<1, 2>())
       .def("step", &Session::step, nb::arg("dt"),
-           "One step of dt [s], without the GIL.  The world moves to its end if the report has advanced(), "
+           "One step of dt [s], without the GIL.  The world moves to its end if the report is ok(), "
            "or stays where it "
            "was.  What a force law raises comes through, and so does Ctrl-C as KeyboardInterrupt; world, "
            "report and what comes "

@@ -192,13 +192,13 @@ void Simulator::restore(const Checkpoint& checkpoint) {
 /// that is worth keeping: before the first step, and after one that failed.
 bool Simulator::Impl::settle() {
   welds_.solve_means_of_old_source(stepper_, report_.dt);
-  if (!stepper_.has_state() || !stepper_.is_started() || !report_.advanced() || report_.dt == 0) return false;
+  if (!stepper_.has_state() || !stepper_.is_started() || !report_.ok() || report_.dt == 0) return false;
   const bool unchanged = recalled_.empty() && end_versions_ == versions();
   if (unchanged) return true;
   StepReport kept = report_;
   bring_up_to_date(horizon_);
   bodies_.publish();
-  const bool good = report_.advanced();
+  const bool good = report_.ok();
   report_ = std::move(kept);
   end_versions_ = versions();
   return good;

@@ -23,8 +23,8 @@ struct Reaction {
 /// Advances a World in time.
 ///
 ///     Simulator simulator(world);
-///     for (...) if (const StepReport& r = simulator.step(1e-3); !r.advanced()) throw
-///     std::runtime_error(r.message);
+///     while (world.time() < 1)
+///       if (!simulator.step(1e-3).ok()) throw std::runtime_error(simulator.report().message);
 class Simulator {
  public:
   /// @throws std::invalid_argument if a setting is out of range.
@@ -34,7 +34,7 @@ class Simulator {
 
   /// One step of dt [s].  A world that was assigned to (world = other) is another one, and the simulator
   /// starts anew.  What a force law throws comes through; world, report and what comes next are then as
-  /// before the call. The world's state moves to the end of the step if StepReport::advanced(), or stays
+  /// before the call. The world's state moves to the end of the step if StepReport::ok(), or stays
   /// where it was.  The report lives until the next call.
   /// @throws std::invalid_argument if dt is not finite and positive, or for axes with properties, contacts or
   /// joints that break and an integrator other than kRattle; kMoreauJean lacks joints that break and
