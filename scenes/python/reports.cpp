@@ -248,6 +248,26 @@ void bind_step_report(nb::module_& m) {
       });
 }
 
+void bind_run_report(nb::module_& m) {
+  nb::class_<RunReport>(m, "RunReport", "What many steps came to.")
+      .def("ok", &RunReport::ok, "The end was reached.")
+      .def("exact", &RunReport::exact, "The end was reached by steps that all met their laws.")
+      .def_ro("last", &RunReport::last, "Of the last step, or the one that failed.")
+      .def_ro("steps", &RunReport::steps, "That were taken.")
+      .def_ro("inexact_steps", &RunReport::inexact_steps, "With Status.INEXACT, among them.")
+      .def_ro("gap", &RunReport::gap, "Largest of the steps taken.")
+      .def_ro("penetration", &RunReport::penetration, "Largest of the steps taken [m].")
+      .def_ro("natural_residual", &RunReport::natural_residual, "Largest of the steps taken, relative.")
+      .def("__repr__", [](const RunReport& it) {
+        std::ostringstream text;
+        text << "<RunReport: " << it.steps << " steps, " << it.inexact_steps << " inexact, "
+             << to_string(it.last.status) << " at t = " << it.last.time << " s";
+        if (!it.last.message.empty()) text << ": " << it.last.message;
+        text << '>';
+        return text.str();
+      });
+}
+
 }  // namespace
 
 void bind_reports(nb::module_& m) {
@@ -258,6 +278,7 @@ void bind_reports(nb::module_& m) {
   bind_rank(m);
   bind_axis_and_contact(m);
   bind_step_report(m);
+  bind_run_report(m);
 }
 
 }  // namespace taut::python

@@ -34,6 +34,7 @@ Simulator::Impl::Impl(World& world, const Settings& settings)
 
 void Simulator::Impl::step(double dt) {
   require_positive("step dt", dt);
+  const StepLoads::Acting loads(source_, loads_);
   bodies_.follow();
   choose_sleepers(dt);
   Before before = begin_undoable();
@@ -54,7 +55,7 @@ void Simulator::Impl::step(double dt) {
     take_back(std::move(before));
     report_thrown();
   }
-  if (!report_.ok()) stay_where_it_was();
+  report_.ok() ? loads_.clear() : stay_where_it_was();
   end_versions_ = versions();
   if (stepper_.made()) report_detection(stepper_.scheme(), report_);
   report_.asleep = source_.asleep_count();

@@ -120,6 +120,56 @@ def test_steps_and_runs_have_the_same_bits():
     assert bits(one) == bits(two)
 
 
+def test_run_until_ends_at_the_time():
+    one, two = chain(10), chain(10)
+    run = taut.Simulator(one).run_until(0.35, 0.1)
+    assert one.time == 0.35 and run.last.time == 0.35 and run.steps == 4 and run.inexact_steps == 0
+    assert run.ok() and run.exact() and run.last.ok() and run.last.dt == pytest.approx(0.05)
+    assert run.last.gap.metres <= run.gap.metres < 1e-9 and "4 steps" in repr(run)
+    simulator = taut.Simulator(two)
+    for dt in (0.1, 0.1, 0.1, 0.35 - (0.1 + 0.1 + 0.1)):
+        simulator.step(dt)
+    assert bits(one) == bits(two)
+    for t, h in ((0.1, 0.1), (float("nan"), 0.1), (1, 0), (1, -0.1), (1, float("inf"))):
+        with pytest.raises(ValueError, match="run_until"):
+            simulator.run_until(t, h)
+
+
+def test_run_until_ends_with_a_step_that_fails():
+    world = chain(2)
+
+    def trouble(state, wrenches):
+        if state.time > 0.035:
+            wrenches[1, 3] = float("nan")
+
+    world.add_force(taut.ForceCallback(trouble))
+    run = taut.Simulator(world).run_until(0.1, 0.01)
+    assert not run.ok() and run.steps == 3 and run.last.status == taut.Status.NOT_FINITE
+    assert world.time == pytest.approx(0.03) and "not finite" in repr(run)
+
+
+def test_a_force_for_one_step():
+    world = taut.World()
+    world.gravity = [0, 0, 0]
+    bob = world.add_body("bob", taut.MassProperties(2.0, [1, 1, 1]))
+    simulator = taut.Simulator(world)
+    simulator.apply_force(bob, taut.Wrench(torque=[0, 0, 3], force=[4, 0, 0]))
+    simulator.apply_force(bob, p_BP=[0, 1, 0], force=[0, 0, 8])  # they add up; torque (8, 0, 0)
+    other = taut.World()
+    other.gravity = [0, 0, 0]
+    other.add_body("bob", taut.MassProperties(2.0, [1, 1, 1]))
+    again = taut.Simulator(other)
+    again.restore(pickle.loads(pickle.dumps(simulator.checkpoint())))
+    for _ in range(2):
+        assert simulator.step(0.01).exact() and again.step(0.01).exact()
+        assert world.twists[bob] == pytest.approx([0.08, 0, 0.03, 0.02, 0, 0.04], abs=1e-4)  # the body turns a little
+        assert world.twists[bob, 3:] == pytest.approx([0.02, 0, 0.04])
+    assert bits(other) == bits(world)
+    for wrong in ({"wrench": taut.Wrench(force=[float("nan"), 0, 0])}, {"p_BP": [0, 0, 0], "force": [float("inf"), 0, 0]}):
+        with pytest.raises(ValueError, match="bob"):
+            simulator.apply_force(bob, **wrong)
+
+
 def test_assemble():
     world, rod, _ = pendulum()
     world.set_pose(rod, taut.Pose(p=[0.6, 0.1, 0]))
@@ -129,7 +179,11 @@ def test_assemble():
     assert taut.gaps(world).max() < 1e-9
 
 
-def test_another_thread_runs_during_a_step():
+@pytest.mark.parametrize("run", [
+    lambda simulator, steps, dt: simulator.run(steps, dt),
+    lambda simulator, steps, dt: simulator.run_until(steps * dt, dt),
+])
+def test_another_thread_runs_during_a_step(run):
     scene = taut.build_scene("net", n=40)
     simulator = taut.Simulator(scene.world, scene.settings)
     inside, counted = threading.Event(), []
@@ -144,7 +198,7 @@ def test_another_thread_runs_during_a_step():
     thread.start()
     start = time.perf_counter()
     inside.set()
-    simulator.run(5, scene.dt)  # one call
+    run(simulator, 5, scene.dt)  # one call
     inside.clear()
     end = time.perf_counter()
     thread.join()
@@ -207,14 +261,18 @@ def ctrl_c_raises():
     signal.signal(signal.SIGINT, before)
 
 
-def test_ctrl_c_ends_a_long_run(ctrl_c_raises):
+@pytest.mark.parametrize("run", [
+    lambda simulator, steps, dt: simulator.run(steps, dt),
+    lambda simulator, steps, dt: simulator.run_until(steps * dt, dt),
+])
+def test_ctrl_c_ends_a_long_run(ctrl_c_raises, run):
     scene = taut.build_scene("net", n=30)
     simulator = taut.Simulator(scene.world, scene.settings)
     timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
     timer.start()
     start = time.perf_counter()
     with pytest.raises(KeyboardInterrupt):
-        simulator.run(10**5, scene.dt)
+        run(simulator, 10**5, scene.dt)
     assert time.perf_counter() - start < 10
     timer.join()
     state = bits(scene.world)
