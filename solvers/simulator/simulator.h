@@ -62,8 +62,8 @@ class Simulator {
   RunReport run_until(double t, double h);
   /// A wrench about the centre of mass of a body, world axes [N·m, N], during the next step alone: constant
   /// in world axes over its sub-steps.  Several calls add up.  It wakes the body, is among `forces` of the
-  /// ledger and in checkpoints, and does nothing to a fixed body.  It is gone with a step that is ok(); one
-  /// that fails keeps it for the next try.
+  /// ledger and in checkpoints, and does nothing to a fixed body.  It is gone with a step that is ok(), of
+  /// run_until() with the first; one that fails keeps it for the next try.
   /// @throws std::invalid_argument, with the name of the body, for a value that is not finite.
   void apply_force(BodyId body, const Wrench& wrench);
   /// The same of a force f [N], world axes, at point P of the body: the wrench (r × f, f) with r = R_WB p_BP
