@@ -43,7 +43,7 @@ void contacts(benchmark::State& state, const Case& c) {
   Simulator simulator(scene.world, scene.settings);
   const double settled = scene.world.time() + c.settling;
   while (scene.world.time() < settled)
-    if (!simulator.step(kStep).advanced()) return state.SkipWithError(simulator.report().message.c_str());
+    if (!simulator.step(kStep).ok()) return state.SkipWithError(simulator.report().message.c_str());
   std::vector<double> times;
   double inexact = 0, points = 0, pivots = 0, newton = 0, analyses = 0, factorizations = 0, residual = 0,
          penetration = 0;
@@ -52,8 +52,8 @@ void contacts(benchmark::State& state, const Case& c) {
     const StepReport& report = simulator.step(kStep);
     times.push_back(cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - start);
     state.SetIterationTime(times.back());
-    if (!report.advanced()) return state.SkipWithError(report.message.c_str());
-    inexact += !report.ok();
+    if (!report.ok()) return state.SkipWithError(report.message.c_str());
+    inexact += !report.exact();
     points += report.contacts, pivots += report.counts.pivots, newton += report.counts.contact_iterations;
     analyses += report.counts.analyses, factorizations += report.counts.factorizations;
     residual = std::max(residual, report.complementarity_residual);

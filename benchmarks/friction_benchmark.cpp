@@ -34,8 +34,8 @@ void friction(benchmark::State& state, const Case& c) {
     free_times.push_back(cpu_seconds_of([&] { without.step(kStep); }));
     state.SetIterationTime(times.back());
     const StepReport& report = with.report();
-    if (!report.ok()) return state.SkipWithError(report.message.c_str());
-    if (!without.report().ok()) return state.SkipWithError(without.report().message.c_str());
+    if (!report.exact()) return state.SkipWithError(report.message.c_str());
+    if (!without.report().exact()) return state.SkipWithError(without.report().message.c_str());
     factorizations += report.counts.factorizations, backsolves += report.counts.backsolves;
     substeps += report.substeps, free_substeps += without.report().substeps;
     residual = std::max(residual, report.complementarity_residual);

@@ -53,12 +53,12 @@ class Run {
  public:
   Run(const std::string& scene, int n, FactorChoice factor)
       : scene_(build_scene(scene, {{"n", n}})), simulator_(scene_.world, with(factor)) {
-    for (int i = 0; i < kWarmUp && ok_; ++i) ok_ = simulator_.step(kStep).ok();
+    for (int i = 0; i < kWarmUp && ok_; ++i) ok_ = simulator_.step(kStep).exact();
   }
 
-  void pass_by() { ok_ = simulator_.step(kStep).ok() && ok_; }  ///< a step that does not count
+  void pass_by() { ok_ = simulator_.step(kStep).exact() && ok_; }  ///< a step that does not count
   void step() {
-    times_.push_back(cpu_seconds_of([&] { ok_ = simulator_.step(kStep).ok() && ok_; }));
+    times_.push_back(cpu_seconds_of([&] { ok_ = simulator_.step(kStep).exact() && ok_; }));
     const StepReport& report = simulator_.report();
     const StageTimes& t = report.times;
     substeps_ += report.substeps;

@@ -98,7 +98,7 @@ Json motion_json(Scene& scene, double time, double limit) {
     steps.push_back(benchmarks::cpu_seconds_of([&] { (void)simulator.step(kStep); }));
     spent += steps.back();
     const StepReport& r = simulator.report();
-    if (!r.ok()) return {{"failed", r.message}};
+    if (!r.exact()) return {{"failed", r.message}};
     gap = std::max(gap, r.gap.metres);
     angle = std::max(angle, r.gap.radians);
     drift = std::max(drift, std::abs(total_energy(scene.world, scene.world.state()) - start) / scale);

@@ -29,7 +29,7 @@ class TautEngine final : public Engine {
  public:
   TautEngine(const System& system, const Method& method, double dt)
       : world_(*system.world), simulator_(world_, settings_of(method)), dt_(dt) {}
-  void step() override { ok_ = simulator_.step(dt_).ok(); }
+  void step() override { ok_ = simulator_.step(dt_).exact(); }
   void read(State& state) override { state = world_.state(); }
   std::string trouble() const override { return ok_ ? "" : simulator_.report().message; }
 

@@ -326,7 +326,7 @@ std::vector<std::shared_ptr<const Force>> MergedWorld::carried_laws(const World&
            std::none_of(bodies.begin(), bodies.end(), [&](BodyId body) { return is_carried(body); });
   };
   std::vector<std::shared_ptr<const Force>> laws, conservative, others;
-  for (const auto& law : source.forces_.all()) {
+  for (const auto& law : source.forces_.acting()) {
     if (groups_.empty() || is_apart(*law))
       laws.push_back(law);
     else if (const LineSpring* spring = law->spring())
@@ -354,7 +354,7 @@ double MergedWorld::held_potential(const World& source) const {
 }
 
 void MergedWorld::make_forces(const World& source) {
-  source_laws_ = source.forces_.all();
+  source_laws_ = source.forces_.acting();
   std::vector<std::shared_ptr<const Force>> laws = carried_laws(source);
   if (const double held = held_potential(source); held != 0)
     laws.push_back(std::make_shared<HeldWeight>(held));

@@ -50,11 +50,20 @@ void ForceLaws::replace(std::vector<Law> laws, const ForceLaws& like) {
   for (int f = 0; f < count(); ++f)
     if (has_rows(*laws_[f])) springs_.push_back({f});
   all_ = like.all_, without_springs_ = like.without_springs_;
+  if (like.passing_) all_.dissipative = without_springs_.dissipative = true;
+  passing_ = nullptr;
+}
+
+std::vector<ForceLaws::Law> ForceLaws::acting() const {
+  std::vector<Law> laws = laws_;
+  if (passing_) laws.push_back(passing_);
+  return laws;
 }
 
 void ForceLaws::accumulate(const State& state, std::span<Wrench> wrenches, Springs springs) const {
   for (const Law& law : laws_)
     if (springs == Springs::kIncluded || !has_rows(*law)) law->accumulate(state, wrenches);
+  if (passing_) passing_->accumulate(state, wrenches);
 }
 
 double ForceLaws::accumulate_dissipative(const State& state, std::span<Wrench> wrenches,
@@ -65,6 +74,7 @@ double ForceLaws::accumulate_dissipative(const State& state, std::span<Wrench> w
     law->accumulate(state, wrenches);
     energy += law->potential_energy(state);
   }
+  if (passing_) passing_->accumulate(state, wrenches);
   return energy;
 }
 

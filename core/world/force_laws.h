@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/state/force.h"
@@ -27,11 +28,17 @@ class ForceLaws {
   const Force& operator[](int law) const { return *laws_[law]; }
   const std::vector<ForceId>& springs() const { return springs_; }  ///< those that have rows, in their order
   bool depend_on_velocity(Springs springs) const { return traits(springs).velocity; }  ///< any of them
-  bool are_dissipative(Springs springs) const { return traits(springs).dissipative; }  ///< any of them
+  bool are_dissipative(Springs springs) const {  ///< any of them, or what passes
+    return passing_ || traits(springs).dissipative;
+  }
 
   void add(Law law);
   void set(int index, Law law);
-  /// Other laws that come to the same as those of `like`, and are of the same kinds together.
+  /// One more that acts for a while, is not conservative, has no id and does not count; null: none.
+  void set_passing(Law law) { passing_ = std::move(law); }
+  /// All laws that act, and what passes behind them.
+  std::vector<Law> acting() const;
+  /// Other laws that come to the same as those that act in `like`, and are of the same kinds together.
   void replace(std::vector<Law> laws, const ForceLaws& like);
 
   /// Adds the wrenches of the laws [N·m, N].
@@ -51,6 +58,7 @@ class ForceLaws {
   void classify(int index);
 
   std::vector<Law> laws_;
+  Law passing_;
   std::vector<ForceId> springs_;
   Traits all_, without_springs_;
 };

@@ -313,6 +313,7 @@ class World {
 
   friend class Rows;
   friend class MergedWorld;
+  friend class PassingLoads;
   friend class Sleep;
   detail::WorldVersions versions_;
   detail::BodyTable bodies_;

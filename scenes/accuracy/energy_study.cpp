@@ -31,7 +31,7 @@ EnergyRun run(const Method& method, long steps, double dt) {
   for (long i = 0; i < steps; ++i) {
     {
       const Stopwatch watch(result.wall_time);
-      if (!simulator.step(dt).ok()) result.failed = simulator.report().message;
+      if (!simulator.step(dt).exact()) result.failed = simulator.report().message;
     }
     if (!result.failed.empty()) break;
     ++result.steps;

@@ -41,7 +41,7 @@ MethodRun run(const Mechanism& mechanism, const Method& method, double dt, doubl
   for (long i = 1; i <= steps; ++i) {
     {
       const Stopwatch watch(wall);
-      if (!simulator.step(dt).ok()) result.failed = simulator.report().message;
+      if (!simulator.step(dt).exact()) result.failed = simulator.report().message;
     }
     if (!result.failed.empty()) break;
     const Gap gap = meter.largest(scene.world);

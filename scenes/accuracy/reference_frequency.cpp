@@ -62,7 +62,7 @@ double simulated_frequency(Case c, const Mode& mode, const Settings& settings, d
   std::vector<double> crossings;
   double before = scale;
   while (crossings.size() < 2) {
-    if (!simulator.step(dt).ok() || simulator.world().time() > 20 / mode.omega) return 0;
+    if (!simulator.step(dt).exact() || simulator.world().time() > 20 / mode.omega) return 0;
     double x = 0;
     for (std::size_t b = 0; b < mode.shape.size(); ++b)
       x += mode.momentum[b].torque.dot(simulator.world().state().twists[b].w) +

@@ -102,7 +102,7 @@ void Session::apply_impulses() {
         R * mass.inertia_B().inverse() * R.transpose() * (pose.q * impulse.p_BP).cross(impulse.impulse);
     world.set_twist(impulse.body, twist);
   }
-  if (!simulator_.assemble().ok()) result_.failed = "impulse: " + simulator_.report().message;
+  if (!simulator_.assemble().exact()) result_.failed = "impulse: " + simulator_.report().message;
 }
 
 void Session::run() {
@@ -116,7 +116,7 @@ void Session::run() {
 bool Session::step(double dt) {
   const StepReport& report = simulator_.step(dt);
   ++result_.steps;
-  if (!report.ok()) {
+  if (!report.exact()) {
     result_.failed = "step to t = " + std::to_string(simulator_.world().time() + dt) +
                      " s: " + std::string(to_string(report.status)) + ": " + report.message;
     return false;

@@ -18,6 +18,7 @@
 #include "scenes/program/run_recording.h"
 #include "scenes/program/run_report.h"
 #include "scenes/program/run_settings.h"
+#include "scenes/program/run_summary.h"
 #include "scenes/program/stage_dump.h"
 #include "scenes/program/start_warnings.h"
 #include "scenes/recording/gap_meter.h"
@@ -226,8 +227,10 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     const Gap gap = meter.largest(world);
     record.add(report, seconds, gap, energy);
     record.note_breaks(report, world);
+    record.note_inexact(report, world);
+    if (report.ok()) record.note_axes(simulator);
     for (const std::string& warning : record.note_detection(report, world)) warn(warning);
-    if (!report.advanced()) {
+    if (!report.ok()) {
       return note_failure(record, report, world,
                           "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s");
     }
@@ -338,7 +341,8 @@ int run_command(const RunOptions& options) {
 
   warn_of_open_joints(record, simulator.settings().integrator);
   outputs.finish(options, simulator, record, recorder, last);
-  if (!options.quiet) std::cout << run_table(record) << std::flush;
+  if (!options.quiet) std::cout << run_summary(record, how_to_see(options)) << std::flush;
+  if (options.verbose) std::cout << run_details(record) << std::flush;
   if (record.status != "success") std::cerr << "taut: " << record.status << ": " << record.message << '\n';
   return !outputs.errors().empty() && record.status == "success" ? kExitFailure : exit_status(record);
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "scenes/builders/scene.h"
 #include "scenes/export/exports.h"
@@ -35,7 +36,8 @@ struct RunOptions {
   std::optional<double> poses_interval;     ///< [s]; 0 or not given: every step
   ExportFiles exports;                      ///< made from the recording; its csv is not used
   std::optional<double> frames_per_second;  ///< of the recording, 60 if not given; 0: every step
-  bool quiet = false;
+  bool quiet = false, verbose = false;
+  std::vector<std::string> words;  ///< what was typed after `taut run`, for how_to_see(); may be empty
 };
 
 /// Runs a scene and writes what was asked for.

@@ -5,6 +5,7 @@
 
 #include "core/base/fnv1a.h"
 #include "scenes/support/format.h"
+#include "solvers/common/setting_checks.h"
 #include "solvers/simulator/simulator.h"
 
 namespace taut {
@@ -24,6 +25,13 @@ void RunRecord::start(const Scene& source, int rows, double energy) {
     energy_scale = kinetic_energy(source.world, state) + std::abs(source.world.potential_energy(state));
     has_scale = energy_scale > 0;
   }
+  has_works = source.settings.report_energy && !is_force_level(source.settings.integrator);
+  for (int j = 0; j < joints; ++j)
+    for (int k = 0; k < source.world.axis_count({j}); ++k) {
+      const AxisId axis{{j}, k};
+      const AxisProperties& its = source.world.axis_properties(axis);
+      if (its.limits || its.motor) axes.push_back({.axis = axis, .label = source.world.axis_label(axis)});
+    }
 }
 
 void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, double energy) {
@@ -40,10 +48,10 @@ void RunRecord::add(const StepReport& report, double seconds, const Gap& gap, do
   max_tension_number = std::max(max_tension_number, report.tension_number);
   pivots += report.counts.pivots;
   contact_iterations += report.counts.contact_iterations;
-  if (!report.advanced()) return;  // the world has not moved: no step, and nothing below is of its state
+  if (!report.ok()) return;  // the world has not moved: no step, and nothing below is of its state
 
   ++steps;
-  inexact_steps += !report.ok();
+  inexact_steps += !report.exact();
   asleep = report.asleep;
   step_times.push_back(seconds);
   simulated_time = report.time - start_time;
@@ -87,6 +95,34 @@ void RunRecord::add_ledger(const StepReport& report) {
   ledger += report.ledger;
   const double error = report.ledger.start + report.ledger.total() - report.energy();
   max_ledger_error = std::max(max_ledger_error, std::abs(error));
+  max_unexplained = std::max(max_unexplained, std::abs(ledger.unexplained()));
+  max_kinetic_energy = std::max(max_kinetic_energy, report.kinetic_energy);
+}
+
+void RunRecord::note_inexact(const StepReport& report, const World& world) {
+  if (!report.ok() || report.exact() || report.complementarity_residual < worst.residual) return;
+  worst = {report.time, report.complementarity_residual, {}};
+  for (const Culprit& culprit : report.culprits) worst.culprits.push_back(name_of(culprit, world));
+}
+
+void RunRecord::note_axes(const Simulator& simulator) {
+  for (AxisEvents& events : axes) {
+    const AxisReport report = simulator.axis_report(events.axis);
+    events.at_limit = report.at_limit, events.saturated = report.saturated;
+    events.limit_steps += report.at_limit, events.saturated_steps += report.saturated;
+  }
+}
+
+double RunRecord::balance_scale() const {
+  double scale = std::max(energy_scale, max_kinetic_energy);
+  for (const LedgerTerm& term : kLedgerTerms)
+    if (!term.stored) scale = std::max(scale, std::abs(ledger.*term.amount));
+  return scale;
+}
+
+double RunRecord::relative_unexplained() const {
+  const double scale = balance_scale();
+  return scale > 0 ? max_unexplained / scale : 0;
 }
 
 void RunRecord::note_breaks(const StepReport& report, const World& world) {

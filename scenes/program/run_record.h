@@ -53,11 +53,31 @@ struct RunRecord {
   std::uint64_t reactions = 0;  ///< reactions_fingerprint() at the end
 
   double initial_energy = 0, final_energy = 0, energy_scale = 0;  ///< [J]
-  bool has_scale = true;        ///< else the scale is the largest kinetic energy so far
-  double max_energy_drift = 0;  ///< largest |E(t) − E(0)| [J]
+  bool has_scale = true;          ///< else the scale is the largest kinetic energy so far
+  double max_energy_drift = 0;    ///< largest |E(t) − E(0)| [J]
+  double max_kinetic_energy = 0;  ///< [J]
+  bool has_works = true;          ///< the ledger knows works: not at force level, nor without report_energy
+  /// Largest |E(t) − E(0) − Σ works of all that acts| [J]: what the method alone has done to the energy.
+  double max_unexplained = 0;
   double stiffness_work = 0;    ///< [J]
   EnergyLedger ledger;          ///< sums over all steps, from the start of the first
   double max_ledger_error = 0;  ///< largest |E_start + ledger − E_end| of a step [J]
+
+  /// What the limits and the motor of a free axis came to.
+  struct AxisEvents {
+    AxisId axis{};
+    std::string label;
+    std::int64_t limit_steps = 0, saturated_steps = 0;
+    bool at_limit = false, saturated = false;  ///< in the last step
+  };
+  std::vector<AxisEvents> axes;  ///< those that have limits or a motor
+
+  /// The step that missed its laws most, if any did.
+  struct WorstStep {
+    double time = 0, residual = 0;
+    std::vector<std::string> culprits;  ///< by name, those with the largest share first
+  };
+  WorstStep worst;
 
   struct Break {
     std::string joint, with;  ///< that it left with, or empty
@@ -90,6 +110,10 @@ struct RunRecord {
   std::vector<std::string> note_detection(const StepReport& report, const World& world);
 
   void add_ledger(const StepReport& report);
+  /// Who missed the laws of an inexact step, if none missed them more before.
+  void note_inexact(const StepReport& report, const World& world);
+  /// Axes at limits, and motors that give all they have.
+  void note_axes(const Simulator& simulator);
   /// Joints that broke in a step, by name.
   void note_breaks(const StepReport& report, const World& world);
   /// Who holds redundant rows, and whose reactions are not unique, by name.
@@ -101,6 +125,10 @@ struct RunRecord {
   /// 0 ≤ p ≤ 1, linear between order statistics; 0 if there were no steps.
   double step_time_quantile(double p) const;
   double relative_energy_drift() const { return energy_scale > 0 ? max_energy_drift / energy_scale : 0; }
+  /// What max_unexplained is judged by [J]: the largest of energy_scale, the kinetic energy, and the work of
+  /// any kind.
+  double balance_scale() const;
+  double relative_unexplained() const;
 };
 
 /// FNV-1a over the bits of time, poses and twists: equal for equal states and nothing else that matters.

@@ -56,6 +56,19 @@ OrderedJson breaks_json(const std::vector<RunRecord::Break>& breaks) {
   return list;
 }
 
+/// Those that were at a limit, or whose motor gave all it has.
+OrderedJson axis_events_json(const std::vector<RunRecord::AxisEvents>& axes) {
+  OrderedJson list = OrderedJson::array();
+  for (const RunRecord::AxisEvents& axis : axes)
+    if (axis.limit_steps + axis.saturated_steps > 0)
+      list.push_back({{"axis", axis.label},
+                      {"steps_at_limit", axis.limit_steps},
+                      {"at_limit", axis.at_limit},
+                      {"steps_saturated", axis.saturated_steps},
+                      {"saturated", axis.saturated}});
+  return list;
+}
+
 OrderedJson held_json(const std::vector<RunRecord::Held>& rows) {
   OrderedJson list = OrderedJson::array();
   for (const RunRecord::Held& row : rows) list.push_back({{"row", row.row}, {"held_by", row.by}});
@@ -145,10 +158,18 @@ OrderedJson run_report(const RunRecord& r, const Recorder& recorder, const std::
                       {"scale", r.energy_scale},
                       {"max_drift", r.max_energy_drift},
                       {"max_drift_rel", r.relative_energy_drift()},
+                      {"works_known", r.has_works},
+                      {"max_unexplained", r.max_unexplained},
+                      {"max_unexplained_rel", r.relative_unexplained()},
                       {"stiffness_work", r.stiffness_work},
                       {"ledger", ledger_json(r.ledger)},
                       {"max_ledger_error", r.max_ledger_error}};
   report["breaks"] = breaks_json(r.breaks);
+  report["axes"] = axis_events_json(r.axes);
+  report["worst_step"] = r.inexact_steps == 0 ? OrderedJson()
+                                              : OrderedJson{{"time_s", r.worst.time},
+                                                            {"residual", r.worst.residual},
+                                                            {"culprits", r.worst.culprits}};
   report["redundant_rows"] = r.redundant_rows;
   report["rows_already_held"] = held_json(r.rows_already_held);
   report["reactions_not_unique"] = r.reactions_not_unique;
@@ -162,11 +183,8 @@ OrderedJson run_report(const RunRecord& r, const Recorder& recorder, const std::
   return report;
 }
 
-std::string run_table(const RunRecord& r) {
-  std::string parameters;
-  for (const auto& [key, value] : r.parameters) parameters += " " + key + "=" + shortest(value);
+std::string run_details(const RunRecord& r) {
   std::vector<std::pair<const char*, std::string>> lines{
-      {"scene", r.scene + parameters},
       {"bodies", format("%d", r.bodies)},
       {"joints", format("%d (%d rows)", r.joints, r.constraint_rows)},
       {"integrator", r.integrator},
@@ -177,7 +195,6 @@ std::string run_table(const RunRecord& r) {
       {"time per step",
        "median " + duration(r.median_step_time()) + ", p95 " + duration(r.step_time_quantile(0.95))},
       {"phases", share_of_phases(r.phases)},
-      {"max joint error", format("%.2e m, %.2e rad", r.max_gap.metres, r.max_gap.radians)},
       {"max joint velocity error", format("%.2e", r.max_velocity_residual)},
       {"energy drift", format("%.2e of %.6g J", r.relative_energy_drift(), r.energy_scale)},
       {"factorisations",
@@ -186,22 +203,13 @@ std::string run_table(const RunRecord& r) {
       {"sub-steps", per_step(r.substeps, r.steps) + format(", at most %d", r.max_substeps)},
       {"redundant rows", format("at most %d", r.max_rank_deficiency)},
   };
-  if (r.max_contacts > 0)
-    lines.emplace_back("contacts", format("at most %d, penetration %.2e m, at the end %.2e m", r.max_contacts,
-                                          r.max_penetration, r.final_penetration));
   if (!r.breaks.empty()) lines.emplace_back("broken joints", breaks_text(r.breaks));
-  if (r.asleep > 0) lines.emplace_back("asleep", format("%d bodies at the end", r.asleep));
   if (r.max_contacts > 0 || r.pivots > 0 || r.contact_iterations > 0)
     lines.emplace_back("complementarity", format("residual %.2e, ", r.max_natural_residual) + "pivots " +
                                               per_step(r.pivots, r.steps) + ", Newton iterations " +
                                               per_step(r.contact_iterations, r.steps));
-  lines.emplace_back("status", r.message.empty() ? r.status : r.status + ": " + r.message);
-  if (!r.contradiction.empty())
-    lines.emplace_back("cannot hold together",
-                       list_of(r.contradiction) + format(" (%.3g is left)", r.contradiction_residual));
   std::string table;
   for (const auto& [name, value] : lines) table += format("%-26s", name) + value + "\n";
-  for (const std::string& warning : r.warnings) table += format("%-26s", "warning") + warning + "\n";
   return table;
 }
 

@@ -13,7 +13,7 @@ namespace taut {
 nlohmann::ordered_json run_report(const RunRecord& record, const Recorder& recorder,
                                   const std::vector<double>& values, const State& final_state);
 
-/// The same for reading, as a table of two columns.
-std::string run_table(const RunRecord& record);
+/// What the summary (run_summary.h) leaves out, as a table of two columns: sizes, methods, times, counts.
+std::string run_details(const RunRecord& record);
 
 }  // namespace taut

@@ -118,7 +118,10 @@ void add_run(CLI::App& app, Arguments& arguments) {
   run.add_option("--dump-stages", options.stages_folder,
                  "write the friction problem of each step's last stages with contacts, for `taut friction`")
       ->type_name("DIR");
-  run.add_flag("--quiet", options.quiet, "print nothing but errors");
+  CLI::Option& quiet = *run.add_flag("--quiet", options.quiet, "print nothing but errors");
+  run.add_flag("--verbose", options.verbose,
+               "print sizes, solver, times, counts and phases after the eight lines of the summary")
+      ->excludes(&quiet);
 }
 
 /// A file, or nothing for the standard output.
@@ -224,10 +227,12 @@ void add_others(CLI::App& app, Arguments& arguments) {
   add_bench(app, arguments.bench);
 }
 
-int dispatch(const CLI::App& app, Arguments& arguments) {
+/// `words` is what was typed after the name of the command.
+int dispatch(const CLI::App& app, Arguments& arguments, const std::vector<std::string>& words) {
   if (app.got_subcommand("run")) {
     for (const std::string& assignment : arguments.run_assignments)
       taut::add_parameter(arguments.run.parameters, assignment);
+    arguments.run.words = words;
     return taut::run_command(arguments.run);
   }
   if (app.got_subcommand("replay"))
@@ -273,7 +278,7 @@ int run_program(int argc, char** argv) {
     return app.exit(error) == 0 ? taut::kExitSuccess : taut::kExitUsage;
   }
   try {
-    return dispatch(app, arguments);
+    return dispatch(app, arguments, {argv + 2, argv + argc});
   } catch (const std::invalid_argument& error) {
     std::cerr << "taut: " << error.what() << '\n';
     return taut::kExitUsage;

@@ -192,8 +192,11 @@ void bind_step_report(nb::module_& m) {
       .def_ro("shapes", &Crowd::shapes, "Those with most of them, at most four.");
   nb::class_<StepReport> report(m, "StepReport",
                                 "The proof of quality of one step; a copy that stays as it is.");
-  report.def("ok", &StepReport::ok, "Status.SUCCESS.")
-      .def("advanced", &StepReport::advanced, "The world has moved on: after success, or inexactly.")
+  report
+      .def("ok", &StepReport::ok,
+           "The step was taken and the world has moved on, for loops: Status.SUCCESS or INEXACT.")
+      .def("exact", &StepReport::exact,
+           "The step was taken and all laws are met to their tolerances: Status.SUCCESS.")
       .def("energy", &StepReport::energy, "Kinetic, potential and springs' [J].")
       .def_ro("status", &StepReport::status)
       .def_ro("message", &StepReport::message, "Empty on success.")
@@ -245,6 +248,26 @@ void bind_step_report(nb::module_& m) {
       });
 }
 
+void bind_run_report(nb::module_& m) {
+  nb::class_<RunReport>(m, "RunReport", "What many steps came to.")
+      .def("ok", &RunReport::ok, "The end was reached.")
+      .def("exact", &RunReport::exact, "The end was reached by steps that all met their laws.")
+      .def_ro("last", &RunReport::last, "Of the last step, or the one that failed.")
+      .def_ro("steps", &RunReport::steps, "That were taken.")
+      .def_ro("inexact_steps", &RunReport::inexact_steps, "With Status.INEXACT, among them.")
+      .def_ro("gap", &RunReport::gap, "Largest of the steps taken.")
+      .def_ro("penetration", &RunReport::penetration, "Largest of the steps taken [m].")
+      .def_ro("natural_residual", &RunReport::natural_residual, "Largest of the steps taken, relative.")
+      .def("__repr__", [](const RunReport& it) {
+        std::ostringstream text;
+        text << "<RunReport: " << it.steps << " steps, " << it.inexact_steps << " inexact, "
+             << to_string(it.last.status) << " at t = " << it.last.time << " s";
+        if (!it.last.message.empty()) text << ": " << it.last.message;
+        text << '>';
+        return text.str();
+      });
+}
+
 }  // namespace
 
 void bind_reports(nb::module_& m) {
@@ -255,6 +278,7 @@ void bind_reports(nb::module_& m) {
   bind_rank(m);
   bind_axis_and_contact(m);
   bind_step_report(m);
+  bind_run_report(m);
 }
 
 }  // namespace taut::python

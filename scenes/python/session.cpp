@@ -49,31 +49,36 @@ Session::Session(World& world, const Settings& settings) : world_(world), simula
 }
 
 template <typename Work>
-StepReport Session::without_gil(Work work) {
+auto Session::without_gil(Work work) {
   const StepScope scope(world_);
   keyboard_->begin();
-  {
+  auto result = [&] {
     const nb::gil_scoped_release released;
-    work();
-  }
+    return work();
+  }();
   keyboard_->raise_if_asked();
-  return simulator_.report();
+  return result;
 }
 
 StepReport Session::step(double dt) {
-  return without_gil([&] { simulator_.step(dt); });
+  return without_gil([&] { return StepReport(simulator_.step(dt)); });
 }
 
 StepReport Session::run(long steps, double dt) {
   if (steps < 1) fail("run steps", "must be positive", steps);
   return without_gil([&] {
-    for (long i = 0; i < steps && simulator_.step(dt).advanced() && !keyboard_->ask(); ++i)
+    for (long i = 0; i < steps && simulator_.step(dt).ok() && !keyboard_->ask(); ++i)
       ;
+    return StepReport(simulator_.report());
   });
 }
 
+RunReport Session::run_until(double t, double h) {
+  return without_gil([&] { return simulator_.run_until(t, h); });
+}
+
 StepReport Session::assemble() {
-  return without_gil([&] { simulator_.assemble(); });
+  return without_gil([&] { return StepReport(simulator_.assemble()); });
 }
 
 }  // namespace taut::python

@@ -37,6 +37,7 @@ class Session {
   StepReport step(double dt);
   /// Up to so many steps; ends behind the first that has not advanced.
   StepReport run(long steps, double dt);
+  RunReport run_until(double t, double h);
   StepReport assemble();
 
   /// An answer of the simulator, with the GIL.
@@ -48,8 +49,9 @@ class Session {
   }
 
  private:
+  /// What the work returns.
   template <typename Work>
-  StepReport without_gil(Work work);
+  auto without_gil(Work work);
 
   World& world_;
   std::unique_ptr<KeyboardQuestion> keyboard_ = std::make_unique<KeyboardQuestion>();

@@ -46,7 +46,7 @@ void bind_steps(nb::class_<Session>& c) {
   c.def(nb::init<World&, const Settings&>(), nb::arg("world"), nb::arg("settings") = Settings(),
         nb::keep_alive<1, 2>())
       .def("step", &Session::step, nb::arg("dt"),
-           "One step of dt [s], without the GIL.  The world moves to its end if the report has advanced(), "
+           "One step of dt [s], without the GIL.  The world moves to its end if the report is ok(), "
            "or stays where it "
            "was.  What a force law raises comes through, and so does Ctrl-C as KeyboardInterrupt; world, "
            "report and what comes "
@@ -55,6 +55,29 @@ void bind_steps(nb::class_<Session>& c) {
            "Up to so many steps of dt [s] without the GIL, in one call; ends behind the first that has not "
            "advanced.  Returns "
            "the report of the last.")
+      .def("run_until", &Session::run_until, nb::arg("t"), nb::arg("h"),
+           "Steps of h until the time is t [s], to the last bit, without the GIL: the last step is shorter, "
+           "or "
+           "longer by up to a millionth of h where that saves a tiny one.  Ends with the first step that is "
+           "not "
+           "ok().  Returns a RunReport.")
+      .def(
+          "apply_force",
+          [](Session& s, BodyId body, const Wrench& wrench) {
+            s.ask([&](Simulator& sim) { sim.apply_force(body, wrench); });
+          },
+          nb::arg("body"), nb::arg("wrench"),
+          "A wrench about the centre of mass, world axes, during the next step alone, constant over its "
+          "sub-steps.  Several calls add up.  It wakes the body.  It is gone with a step that is ok(); one "
+          "that "
+          "fails keeps it.")
+      .def(
+          "apply_force",
+          [](Session& s, BodyId body, const Vec3& p_BP, const Vec3& force) {
+            s.ask([&](Simulator& sim) { sim.apply_force(body, p_BP, force); });
+          },
+          nb::arg("body"), nb::arg("p_BP"), nb::arg("force"),
+          "The same of a force [N], world axes, at a point of the body, by how the body is turned now.")
       .def("assemble", &Session::assemble,
            "Closes all joints from the present pose by the smallest mass-weighted move; velocities are made "
            "tangent.")

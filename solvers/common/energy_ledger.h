@@ -33,6 +33,9 @@ struct EnergyLedger {
   /// E_end − E_start by what is stored; total() but for round-off.
   double change() const { return kinetic + potential + springs; }
   double total() const;  ///< E_end − E_start by what acted
+  /// The part of total() that no motor, driver, friction, limit, contact, damper, force or break explains,
+  /// but the method: stabilisation + stiffness + integration.
+  double unexplained() const { return stabilisation + stiffness + integration; }
 };
 
 /// A term of the ledger.

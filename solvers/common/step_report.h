@@ -221,9 +221,10 @@ struct StepReport : SubstepReport {
   /// Threads that Settings::threads asks for and that could not be started: the others did their work.
   int missing_threads = 0;
 
-  bool ok() const { return status == Status::kSuccess; }  ///< kSuccess
-  /// The world has moved on: after success, or inexactly.
-  bool advanced() const { return ok() || status == Status::kInexact; }
+  /// The step was taken and the world has moved on, for loops: kSuccess or kInexact.
+  bool ok() const { return exact() || status == Status::kInexact; }
+  /// The step was taken and all laws are met to their tolerances: kSuccess.
+  bool exact() const { return status == Status::kSuccess; }
   double energy() const { return kinetic_energy + potential_energy + spring_energy; }  ///< [J]
 };
 

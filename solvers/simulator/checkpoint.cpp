@@ -13,7 +13,7 @@
 namespace taut {
 namespace {
 
-constexpr std::string_view kMark = "taut-checkpoint/5\n";
+constexpr std::string_view kMark = "taut-checkpoint/6\n";
 constexpr std::size_t kSumBytes = 8;
 
 std::uint64_t checksum(std::string_view bytes) {
@@ -133,6 +133,7 @@ Checkpoint Simulator::checkpoint() {
   if (remembers)
     for (const BreakEvent& event : own.stepper_.scheme().breaking().events()) gone[event.joint.index] = 1;
   archive(model, method, state, attached, gone, remembers);
+  own.loads_.transfer(archive, world);
   if (remembers) own.transfer(archive, {});
   return Checkpoint::of_payload(archive.bytes());
 }
@@ -148,6 +149,7 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   State state;
   std::vector<char> attached, gone;
   bool remembers = false;
+  StepLoads loads;
   archive(model, method, state, attached, gone, remembers);
   const Method own(settings);
   require_same("integrator", method.integrator == own.integrator);
@@ -158,6 +160,7 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   Archive::require(model == model_of(world), "it is of another world");
   Archive::require(std::ssize(attached) == world.joint_count() && gone.size() == attached.size(),
                    "it has other joints");
+  loads.transfer(archive, world);
 
   const State before = world.state();
   std::vector<char> attached_before;
@@ -175,6 +178,7 @@ void Simulator::restore(const Checkpoint& checkpoint) {
     attach(with_gone);
     auto fresh = std::make_unique<Impl>(world, settings);
     fresh->hooks_ = impl_->hooks_;
+    fresh->loads_ = std::move(loads);
     if (remembers) {
       fresh->transfer(archive, gone);
       Archive::require(archive.at_end());
@@ -192,13 +196,13 @@ void Simulator::restore(const Checkpoint& checkpoint) {
 /// that is worth keeping: before the first step, and after one that failed.
 bool Simulator::Impl::settle() {
   welds_.solve_means_of_old_source(stepper_, report_.dt);
-  if (!stepper_.has_state() || !stepper_.is_started() || !report_.advanced() || report_.dt == 0) return false;
+  if (!stepper_.has_state() || !stepper_.is_started() || !report_.ok() || report_.dt == 0) return false;
   const bool unchanged = recalled_.empty() && end_versions_ == versions();
   if (unchanged) return true;
   StepReport kept = report_;
   bring_up_to_date(horizon_);
   bodies_.publish();
-  const bool good = report_.advanced();
+  const bool good = report_.ok();
   report_ = std::move(kept);
   end_versions_ = versions();
   return good;

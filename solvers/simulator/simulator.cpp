@@ -34,6 +34,7 @@ Simulator::Impl::Impl(World& world, const Settings& settings)
 
 void Simulator::Impl::step(double dt) {
   require_positive("step dt", dt);
+  const StepLoads::Acting loads(source_, loads_);
   bodies_.follow();
   choose_sleepers(dt);
   Before before = begin_undoable();
@@ -49,12 +50,12 @@ void Simulator::Impl::step(double dt) {
     while (!advance_to_end(dt))
       ;
     bodies_.end_step();
-    if (report_.advanced()) bodies_.publish();
+    if (report_.ok()) bodies_.publish();
   } catch (...) {
     take_back(std::move(before));
     report_thrown();
   }
-  if (!report_.advanced()) stay_where_it_was();
+  report_.ok() ? loads_.clear() : stay_where_it_was();
   end_versions_ = versions();
   if (stepper_.made()) report_detection(stepper_.scheme(), report_);
   report_.asleep = source_.asleep_count();
@@ -70,7 +71,7 @@ void Simulator::Impl::choose_sleepers(double dt) {
   }
   wake_islands(dt);
   sleep_.forget_candidates();
-  if (!stepper_.knows_topology() || !report_.advanced() || report_.dt == 0) return;
+  if (!stepper_.knows_topology() || !report_.ok() || report_.dt == 0) return;
   sleep_.choose_candidates(world_, stepper_.system().rows(), stepper_.places());
   if (!sleep_.candidates().empty()) note_loads_of_sleepers();
 }
@@ -415,7 +416,7 @@ Simulator::Simulator(Simulator&&) noexcept = default;
 const StepReport& Simulator::step(double dt) {
   const detail::FlushToZero mode;
   impl().step(dt);
-  if (impl().settings_.report_rank && impl().report_.advanced()) try {
+  if (impl().settings_.report_rank && impl().report_.ok()) try {
       const detail::InterruptScope scope(&impl().hooks_.interrupt);
       impl().report_.rank = analyze_rank();
     } catch (const detail::Interrupted&) {  // the step is done

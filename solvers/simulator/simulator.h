@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,11 +21,24 @@ struct Reaction {
   Vec3 torque = Vec3::Zero();  ///< about the joint's anchor on B [N·m]
 };
 
+/// What many steps came to.
+struct RunReport {
+  StepReport last;                 ///< of the last step, or the one that failed
+  std::int64_t steps = 0;          ///< that were taken
+  std::int64_t inexact_steps = 0;  ///< with Status::kInexact, among them
+  Gap gap;                         ///< largest of the steps taken
+  double penetration = 0;          ///< likewise [m]
+  double natural_residual = 0;     ///< likewise, relative
+
+  bool ok() const { return last.ok(); }                              ///< the end was reached
+  bool exact() const { return last.exact() && inexact_steps == 0; }  ///< … by exact steps alone
+};
+
 /// Advances a World in time.
 ///
 ///     Simulator simulator(world);
-///     for (...) if (const StepReport& r = simulator.step(1e-3); !r.advanced()) throw
-///     std::runtime_error(r.message);
+///     while (world.time() < 1)
+///       if (!simulator.step(1e-3).ok()) throw std::runtime_error(simulator.report().message);
 class Simulator {
  public:
   /// @throws std::invalid_argument if a setting is out of range.
@@ -34,12 +48,27 @@ class Simulator {
 
   /// One step of dt [s].  A world that was assigned to (world = other) is another one, and the simulator
   /// starts anew.  What a force law throws comes through; world, report and what comes next are then as
-  /// before the call. The world's state moves to the end of the step if StepReport::advanced(), or stays
+  /// before the call. The world's state moves to the end of the step if StepReport::ok(), or stays
   /// where it was.  The report lives until the next call.
   /// @throws std::invalid_argument if dt is not finite and positive, or for axes with properties, contacts or
   /// joints that break and an integrator other than kRattle; kMoreauJean lacks joints that break and
   /// compliant contacts only.
   const StepReport& step(double dt);
+  /// Steps of h until the time is t [s], to the last bit: the last step is shorter, or longer by up to a
+  /// millionth of h where that saves a tiny one.  Ends with the first step that is not ok(), so also with one
+  /// that set_interrupt() has ended.  Nothing is done if it is t already.
+  /// @throws std::invalid_argument if t is not finite or has passed, h is not finite and positive, or there
+  /// are more than 1e12 steps; and as step().
+  RunReport run_until(double t, double h);
+  /// A wrench about the centre of mass of a body, world axes [N·m, N], during the next step alone: constant
+  /// in world axes over its sub-steps.  Several calls add up.  It wakes the body, is among `forces` of the
+  /// ledger and in checkpoints, and does nothing to a fixed body.  It is gone with a step that is ok(), of
+  /// run_until() with the first; one that fails keeps it for the next try.
+  /// @throws std::invalid_argument, with the name of the body, for a value that is not finite.
+  void apply_force(BodyId body, const Wrench& wrench);
+  /// The same of a force f [N], world axes, at point P of the body: the wrench (r × f, f) with r = R_WB p_BP
+  /// as the body is turned now.
+  void apply_force(BodyId body, const Vec3& p_BP, const Vec3& force);
   const StepReport& report() const;  ///< of the last step() or assemble()
 
   /// Asked now and then inside step() and assemble(), between sub-steps, iterations and parts of a long

@@ -13,6 +13,7 @@
 #include "solvers/simulator/simulator.h"
 #include "solvers/simulator/sleep.h"
 #include "solvers/simulator/sleeping_loads.h"
+#include "solvers/simulator/step_loads.h"
 #include "solvers/simulator/step_quality.h"
 #include "solvers/simulator/step_undo.h"
 #include "solvers/simulator/stepper.h"
@@ -59,6 +60,7 @@ class Simulator::Impl {
   Hooks hooks_;
   StepReport report_;
   Stepper stepper_;
+  StepLoads loads_;
 
  private:
   /// Versions of both worlds.

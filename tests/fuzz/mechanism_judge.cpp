@@ -461,7 +461,7 @@ std::optional<Violation> Judge::judge(const World& world, const StepReport& repo
   for (const Twist& V : world.state().twists)
     if (!V.v.allFinite() || !V.w.allFinite()) return Violation{"finite", "a twist is not finite"};
   // Met to 1e-8 by the rates of the solve; those of the report are summed up from momenta.
-  if (meets_laws_ && report.ok() && !(report.natural_residual <= 1.01e-8))
+  if (meets_laws_ && report.exact() && !(report.natural_residual <= 1.01e-8))
     return Violation{"natural residual", text("%.3g with success", report.natural_residual)};
   if (auto bad = judge_gaps(world, report)) return bad;
   if (auto bad = judge_momentum(world, report, dt)) return bad;

@@ -96,7 +96,7 @@ bool step(Run& run, Simulator& simulator, const World& world, double dt, Judge* 
   alarm(0);
   run.status = report.status;
   ++run.steps;
-  if (report.advanced()) {
+  if (report.ok()) {
     if (judge) run.violation = judge->judge(world, report, dt);
     return !run.violation;
   }

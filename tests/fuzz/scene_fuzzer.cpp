@@ -68,8 +68,8 @@ void step(Scene& scene) {
     for (int i = 0; i < 2; ++i) {
       const StepReport& report = simulator.step(scene.dt);
       if (!is_finite(scene.world)) found("the state is not finite; the step said " + report.message);
-      if (!report.ok() && report.message.empty()) found("a step failed without a word");
-      if (!report.advanced()) return;
+      if (!report.exact() && report.message.empty()) found("a step failed without a word");
+      if (!report.ok()) return;
     }
   } catch (const std::invalid_argument&) {  // settings that do not go with the scene
   }

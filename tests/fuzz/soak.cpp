@@ -123,12 +123,12 @@ Result soak(const SoakScene& what, long steps, double seconds, const std::string
     result.longest = std::max(result.longest, std::chrono::duration<double>(now - last).count());
     result.seconds = before + std::chrono::duration<double>(now - start).count();
     last = now;
-    if (!report.advanced()) {
+    if (!report.ok()) {
       result.failed = report.message.empty() ? "failed" : report.message;
       break;
     }
     ++result.steps;
-    if (!report.ok()) ++result.inexact;
+    if (!report.exact()) ++result.inexact;
     result.gap = std::max({result.gap, report.gap.metres, report.gap.radians});
     if (result.steps % 500 == 0) memory.push_back(resident_megabytes());
     if (!file.empty() && now - saved > std::chrono::minutes(1)) {

@@ -43,7 +43,7 @@ def simulate(
     status, message = "success", ""
     for _ in range(round(duration / dt)):
         report = simulator.step(dt)
-        if not report.advanced():
+        if not report.ok():
             status, message = report.status.name.lower().replace("_", " "), report.message
             warnings.warn(f"the simulation ended at t = {simulator.world.time:.6g} s: {message}", stacklevel=2)
             break

@@ -25,7 +25,7 @@ struct Drive {
     const int steps = static_cast<int>(std::lround(duration / scene.dt));
     for (int i = 0; i < steps; ++i) {
       const StepReport& report = simulator.step(scene.dt);
-      ASSERT_TRUE(report.ok()) << "step " << i << ": " << report.message;
+      ASSERT_TRUE(report.exact()) << "step " << i << ": " << report.message;
       ASSERT_LE(report.natural_residual, 1e-8) << "step " << i;
       const Gap gap = meter.largest(scene.world);
       ASSERT_LE(std::max(gap.metres, gap.radians), 1e-9) << "step " << i;

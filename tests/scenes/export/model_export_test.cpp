@@ -26,9 +26,9 @@ double difference(Scene a, Scene b) {
     scene.settings.contacts = false;
     Simulator simulator(scene.world, scene.settings);
     if (scene.assemble) {
-      EXPECT_TRUE(simulator.assemble().ok());
+      EXPECT_TRUE(simulator.assemble().exact());
     }
-    for (int i = 0; i < 200; ++i) EXPECT_TRUE(simulator.step(1e-3).ok()) << simulator.report().message;
+    for (int i = 0; i < 200; ++i) EXPECT_TRUE(simulator.step(1e-3).exact()) << simulator.report().message;
   };
   run(a), run(b);
   double largest = 0;

@@ -451,7 +451,7 @@ TEST(ShippedScenes, Run) {
     Simulator simulator(scene.world, scene.settings);
     for (int i = 0; i < 50; ++i) {
       const StepReport& report = simulator.step(scene.dt);
-      ASSERT_TRUE(report.ok()) << path << " step " << i << ": " << report.message;
+      ASSERT_TRUE(report.exact()) << path << " step " << i << ": " << report.message;
       // The tolerance is that of one row, the gap the norm of up to three.
       EXPECT_LE(report.gap.metres, std::sqrt(3.0) * scene.settings.position_tolerance) << path;
     }

@@ -77,12 +77,12 @@ TEST_P(MovedBlock, MovesAsTheBuildersScene) {
   World own_world = built.world;
   Simulator own(own_world, built.settings), moved(merged.world, merged.settings);
   if (built.assemble) {
-    ASSERT_TRUE(own.assemble().ok());
-    ASSERT_TRUE(moved.assemble().ok());
+    ASSERT_TRUE(own.assemble().exact());
+    ASSERT_TRUE(moved.assemble().exact());
   }
   for (int i = 0; i < 80; ++i) {
-    ASSERT_TRUE(own.step(built.dt / 4).ok()) << own.report().message;
-    ASSERT_TRUE(moved.step(built.dt / 4).ok()) << moved.report().message;
+    ASSERT_TRUE(own.step(built.dt / 4).exact()) << own.report().message;
+    ASSERT_TRUE(moved.step(built.dt / 4).exact()) << moved.report().message;
   }
 
   EXPECT_LT(worst_distance(own.world(), moved.world(), placement), sensitive ? 5e-6 : 1e-7);

@@ -144,7 +144,7 @@ TEST(SceneShapes, DriversMoveTheFrameOfTheFile) {
   const BodyId arm = world.body("arm");
   EXPECT_EQ(world.pose(arm).p, Vec3(2, 2, 3));
   Simulator simulator(world);
-  for (int i = 0; i < 100; ++i) ASSERT_TRUE(simulator.step(0.01).ok()) << simulator.report().message;
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(simulator.step(0.01).exact()) << simulator.report().message;
   // 1e-9: the solver's tolerance.
   EXPECT_LT((world.pose(arm).p - Vec3(1 + std::cos(2), 2 + std::sin(2), 3)).norm(), 1e-9);
 }
@@ -232,7 +232,7 @@ void slides_as_with(double mu, const std::string& materials) {
   World world = world_of(cube_on_slope(alpha, materials));
   const Vec3 start = world.pose(world.body("cube")).p;
   Simulator simulator(world);
-  for (int i = 0; i < 50; ++i) ASSERT_TRUE(simulator.step(dt).ok()) << simulator.report().message;
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(simulator.step(dt).exact()) << simulator.report().message;
   const double t = 50 * dt, a = std::max(0.0, g * (std::sin(alpha) - mu * std::cos(alpha)));
   // 1 %: the start of sliding is resolved to one step of fifty; 1e-6 of the angle in the text.
   EXPECT_NEAR((world.pose(world.body("cube")).p - start).norm(), 0.5 * a * t * t,
@@ -275,7 +275,7 @@ TEST(ShippedScenes, MarblesFallThroughTheFunnelOntoTheRamp) {
   Simulator simulator(scene.world, scene.settings);
   double energy = 1e9;
   for (int i = 0; i < 250; ++i) {
-    ASSERT_TRUE(simulator.step(scene.dt).ok()) << simulator.report().message;
+    ASSERT_TRUE(simulator.step(scene.dt).exact()) << simulator.report().message;
     // 1e-5 J of about 0.6 J: at impacts the order of the method is lost for a step.
     EXPECT_LT(simulator.report().energy(), energy + 1e-5) << i;
     energy = simulator.report().energy();

@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 /// The state of a scene after some steps.
 World moved(Scene scene, int steps) {
   Simulator simulator(scene.world, scene.settings);
-  for (int i = 0; i < steps; ++i) EXPECT_TRUE(simulator.step(scene.dt).ok());
+  for (int i = 0; i < steps; ++i) EXPECT_TRUE(simulator.step(scene.dt).exact());
   return scene.world;
 }
 

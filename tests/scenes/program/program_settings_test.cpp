@@ -165,7 +165,7 @@ TEST(ProgramStart, BodiesInEachOtherAreNamed) {
   expect_words(check.out, {"warning: bodies are in each other at the start, by up to 0.25 m: low and high"});
   const Outcome run = run_program({"run", file, "--time", "1"});
   EXPECT_EQ(run.exit_status, 0) << run.err;
-  expect_words(run.out + run.err, {"low and high (0.25)", "penetration 2.4"});
+  expect_words(run.out + run.err, {"low and high (0.25)", "at most 2.4"});
 }
 
 /// v = (0, 3, 0), ω = 0: with an impulse P along y at the pivot v = 3 + P/2 and ω = −0.5 P/0.5, and there 0 =

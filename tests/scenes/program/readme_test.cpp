@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <regex>
+#include <sstream>
+
+#include "tests/run_program.h"
 #include "tests/source_dir.h"
 #include "tests/temporary.h"
 
@@ -12,6 +16,23 @@ TEST(Readme, ItsExampleIsTheProgramOfTheOutsideProject) {
   EXPECT_NE(read_text(testing::source_dir() + "/README.md").find("```cpp\n" + example + "```\n"),
             std::string::npos)
       << "README.md must contain tests/outside/bridge.cpp to the letter";
+}
+
+/// Numbers as #: they are those of another machine.
+std::string without_numbers(const std::string& text) {
+  return std::regex_replace(text, std::regex(R"(-?\d+(\.\d+)?(e[-+]\d+)?)"), "#");
+}
+
+TEST(Readme, ItShowsWhatTheFirstCommandPrints) {
+  const Outcome run = run_program({"run", "bridge"});
+  ASSERT_EQ(run.exit_status, 0) << run.err;
+  std::string shown;
+  std::istringstream in(run.out);
+  for (std::string line; std::getline(in, line);) shown += "    " + line + "\n";
+  EXPECT_NE(without_numbers(read_text(source_dir() + "/README.md")).find(without_numbers(shown)),
+            std::string::npos)
+      << "README.md must show the output of `taut run bridge`, with other numbers at most:\n"
+      << run.out;
 }
 
 }  // namespace

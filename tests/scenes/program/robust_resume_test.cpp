@@ -59,7 +59,7 @@ class RobustResume : public ::testing::TestWithParam<Resumed> {
   static void step(Simulator& simulator, double dt, int steps) {
     for (int i = 0; i < steps; ++i) {
       const StepReport& report = simulator.step(dt);
-      ASSERT_TRUE(report.advanced()) << i << ": " << report.message;
+      ASSERT_TRUE(report.ok()) << i << ": " << report.message;
     }
   }
 };
@@ -146,14 +146,14 @@ TEST_F(RobustCheckpoint, OfAStepInWhichAJointBreaksGoesOnToTheSameBits) {
     change(a.settings, with), change(b.settings, with);
     Simulator first(a.world, a.settings);
     int steps = 0;
-    while (first.step(1e-3).advanced() && first.report().breaks.empty()) ASSERT_LT(++steps, 5000);
-    ASSERT_TRUE(first.report().ok()) << first.report().message;
+    while (first.step(1e-3).ok() && first.report().breaks.empty()) ASSERT_LT(++steps, 5000);
+    ASSERT_TRUE(first.report().exact()) << first.report().message;
     const Checkpoint there = first.checkpoint();
     Simulator second(b.world, b.settings);
     second.restore(there);
     EXPECT_FALSE(b.world.is_attached(JointId{3}));
     for (int i = 0; i < 30; ++i) {
-      ASSERT_TRUE(first.step(1e-3).ok() && second.step(1e-3).ok());
+      ASSERT_TRUE(first.step(1e-3).exact() && second.step(1e-3).exact());
       ASSERT_TRUE(same(a.world.state(), b.world.state())) << with << ", step " << i;
     }
   }
@@ -162,7 +162,7 @@ TEST_F(RobustCheckpoint, OfAStepInWhichAJointBreaksGoesOnToTheSameBits) {
 TEST_F(RobustCheckpoint, IsReadFromAStreamAndRefusesWhatIsDamaged) {
   Scene scene = open_scene("stack", {{"n", 3}});
   Simulator simulator(scene.world, scene.settings);
-  for (int i = 0; i < 5; ++i) ASSERT_TRUE(simulator.step(scene.dt).ok());
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(simulator.step(scene.dt).exact());
   const Checkpoint there = simulator.checkpoint();
   std::stringstream stream;
   stream << there << "what follows";
@@ -185,7 +185,8 @@ TEST_F(RobustCheckpoint, IsReadFromAStreamAndRefusesWhatIsDamaged) {
 TEST_F(RobustCheckpoint, OfAnotherWorldOrMethodIsRefusedAndChangesNothing) {
   Scene scene = open_scene("stack", {{"n", 3}}), other = open_scene("stack", {{"n", 4}});
   Simulator simulator(scene.world, scene.settings), of_other(other.world, other.settings);
-  for (int i = 0; i < 5; ++i) ASSERT_TRUE(simulator.step(scene.dt).ok() && of_other.step(other.dt).ok());
+  for (int i = 0; i < 5; ++i)
+    ASSERT_TRUE(simulator.step(scene.dt).exact() && of_other.step(other.dt).exact());
   const State before = scene.world.state();
   EXPECT_THROW(simulator.restore(of_other.checkpoint()), std::invalid_argument);
   Settings moreau = scene.settings;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/program/run_report.h"
+#include "scenes/program/run_summary.h"
 #include "scenes/recording/recorder.h"
 
 namespace taut::run_record_test {
@@ -41,10 +42,11 @@ TEST(RunRecord, CountsWhatWasDone) {
 TEST(RunRecord, ItsTableSpeaksOfContactsWhereThereAreSome) {
   RunRecord record;
   record.add(StepReport{}, 0.01, {}, 0);
-  EXPECT_EQ(run_table(record).find("complementarity"), std::string::npos);
+  EXPECT_EQ(run_details(record).find("complementarity"), std::string::npos);
+  EXPECT_NE(run_summary(record, "").find("no contacts"), std::string::npos);
   record.add(step_of(Status::kSuccess, 0.1, 1e-10), 0.01, {}, 5);
-  EXPECT_NE(run_table(record).find("complementarity"), std::string::npos);
-  EXPECT_NE(run_table(record).find("contacts"), std::string::npos);
+  EXPECT_NE(run_details(record).find("complementarity"), std::string::npos);
+  EXPECT_NE(run_summary(record, "").find("at most 3 contacts"), std::string::npos);
 }
 
 }  // namespace

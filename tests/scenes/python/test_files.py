@@ -70,8 +70,8 @@ def test_scene_files(file):
     scene = taut.load_scene(file)
     simulator = taut.Simulator(scene.world, scene.settings)
     if scene.assemble:
-        assert simulator.assemble().ok()
-    assert simulator.run(3, scene.dt).advanced()
+        assert simulator.assemble().exact()
+    assert simulator.run(3, scene.dt).ok()
 
 
 def test_wrong_scene_files(tmp_path):
@@ -186,7 +186,7 @@ def test_simulate_says_why_it_ended():
         world.add("", taut.Distance(taut.GROUND, body, [0, 0, 0], [0, 0, 0], length))
     with pytest.warns(UserWarning, match="ended at"):
         film = taut.simulate(world, 0.1)
-    assert not film.simulator.report.advanced()
+    assert not film.simulator.report.ok()
     with pytest.raises(ValueError):
         taut.simulate(world, 0.1, dt=0)
 

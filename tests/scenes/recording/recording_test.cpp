@@ -300,7 +300,7 @@ TEST(FrameSampler, TakesWrenchesGapsAndProbesFromTheSimulator) {
   EXPECT_GT(start.joints[0].wrench.force.z(), 0.1);
   EXPECT_LT(start.joints[0].wrench.force.z(), 0.4 * 9.81);
 
-  for (int i = 0; i < 20; ++i) ASSERT_TRUE(simulator.step(0.005).ok());
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(simulator.step(0.005).exact());
   sampler.set_contact_source([](const Simulator& s, std::vector<ContactSample>& contacts) {
     contacts.push_back({{0}, {1}, s.world().pose(BodyId{1}).p, {0, 0, 1}, {0, 0, 7}});
   });
@@ -354,7 +354,7 @@ TEST(FrameSampler, ABrokenJointIsDetachedAndNotOpen) {
   Simulator simulator(world, scene.settings);
   FrameSampler sampler(scene);
   EXPECT_TRUE(sampler.sample(simulator).joints[0].attached);
-  for (int i = 0; i < 50; ++i) ASSERT_TRUE(simulator.step(0.01).ok());
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(simulator.step(0.01).exact());
   const Frame frame = sampler.sample(simulator);
   EXPECT_LT(frame.poses[1].p.z(), -1);  // ½ g (0.5 s)² = 1.23 m
   EXPECT_FALSE(frame.joints[0].attached);

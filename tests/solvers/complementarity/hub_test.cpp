@@ -57,7 +57,7 @@ TEST(Hub, BearsWhatLiesOnIt) {
   World world = tray_of(kSide);
   Simulator simulator(world);
   for (int i = 0; i < 10; ++i) {
-    ASSERT_TRUE(simulator.step(1.0 / 240).ok()) << simulator.report().message;
+    ASSERT_TRUE(simulator.step(1.0 / 240).exact()) << simulator.report().message;
     ASSERT_LE(simulator.report().natural_residual, 1e-8);
   }
   EXPECT_EQ(simulator.report().contacts, 4 * (kSide * kSide + 1));

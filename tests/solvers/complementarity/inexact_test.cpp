@@ -82,11 +82,11 @@ TEST(Inexact, AStepGoesOnAndSaysHowFarOffItIs) {
   int inexact = 0;
   for (int i = 0; i < 4; ++i) {
     const StepReport& report = simulator.step(scene.dt);
-    ASSERT_TRUE(report.advanced()) << report.message;
+    ASSERT_TRUE(report.ok()) << report.message;
     EXPECT_NEAR(scene.world.time(), (i + 1) * scene.dt, 1e-12);
     EXPECT_LE(report.gap.metres, 1e-9);
     EXPECT_LE(report.velocity_residual, 1e-8);
-    if (report.ok()) {
+    if (report.exact()) {
       EXPECT_LE(report.complementarity_residual, 1e-8);
     } else {
       ++inexact;
@@ -109,8 +109,8 @@ TEST(RobustMessages, ContactsThatMissTheirLawsMostAreNamed) {
     if (fails) scene.settings.inexact_tolerance = 0, scene.settings.max_substeps = 2;
     Simulator simulator(scene.world, scene.settings);
     StepReport report;
-    for (int i = 0; i < 4 && report.ok(); ++i) report = simulator.step(scene.dt);
-    ASSERT_EQ(report.advanced(), !fails) << report.message;
+    for (int i = 0; i < 4 && report.exact(); ++i) report = simulator.step(scene.dt);
+    ASSERT_EQ(report.ok(), !fails) << report.message;
     ASSERT_FALSE(report.culprits.empty());
     for (std::size_t i = 0; i < report.culprits.size(); ++i) {
       const Culprit& culprit = report.culprits[i];
@@ -133,7 +133,7 @@ TEST(Inexact, NothingInexactIsTakenIfItIsNotWanted) {
   const State before = scene.world.state();
   const StepReport& report = simulator.step(scene.dt);
   EXPECT_EQ(report.status, Status::kNotConverged);
-  EXPECT_FALSE(report.advanced());
+  EXPECT_FALSE(report.ok());
   for (std::size_t b = 0; b < before.poses.size(); ++b)
     EXPECT_EQ(before.poses[b].p, scene.world.pose(BodyId{static_cast<int>(b)}).p);
 }

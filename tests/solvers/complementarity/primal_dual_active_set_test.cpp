@@ -50,11 +50,11 @@ TEST(PrimalDualActiveSet, FollowsRatesThatChangeALittle) {
 TEST(PrimalDualActiveSet, LetsARubbingNetRest) {
   Scene scene = build_scene("net-friction", {{"n", 8}, {"friction", 10}});
   Simulator simulator(scene.world, scene.settings);
-  for (int step = 0; step < 5; ++step) ASSERT_TRUE(simulator.step(scene.dt).ok());
+  for (int step = 0; step < 5; ++step) ASSERT_TRUE(simulator.step(scene.dt).exact());
   const std::vector<Pose> poses = scene.world.state().poses;
   for (int step = 0; step < 200; ++step) {
     const StepReport& report = simulator.step(scene.dt);
-    ASSERT_TRUE(report.ok()) << report.message;
+    ASSERT_TRUE(report.exact()) << report.message;
     EXPECT_EQ(report.counts.factorizations, 0) << step;
     EXPECT_LE(report.gap.metres, 1e-10) << step;
     EXPECT_LE(report.complementarity_residual, 1e-9) << step;
@@ -69,7 +69,7 @@ TEST(PrimalDualActiveSet, LetsARubbingNetRest) {
       scene.world.set_friction(scene.world.axis(JointId{j}, turn), AxisFriction{1e-3, 1e-3, 0});
   for (int step = 0; step < 10; ++step) {
     const StepReport& report = simulator.step(scene.dt);
-    ASSERT_TRUE(report.ok()) << report.message;
+    ASSERT_TRUE(report.exact()) << report.message;
     EXPECT_LE(report.gap.metres, 1e-9) << step;
     EXPECT_LE(report.complementarity_residual, 1e-9) << step;
     EXPECT_NEAR(report.energy() - report.ledger.start, report.ledger.total(), 1e-12) << step;

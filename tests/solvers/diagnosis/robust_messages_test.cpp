@@ -50,7 +50,7 @@ TEST(RobustMessages, AForceLawThatGivesNoNumberIsNamed) {
         },
         false));
     Simulator simulator(world, {.integrator = integrator});
-    ASSERT_TRUE(simulator.step(0.01).ok());
+    ASSERT_TRUE(simulator.step(0.01).exact());
     const StepReport& report = simulator.step(0.01);
     expect_blame(report, Status::kNotFinite, Culprit::Kind::kForce, {"what force law 1 gives is not finite"});
     EXPECT_EQ(report.culprits[0].force, ForceId{1});
@@ -112,7 +112,7 @@ TEST(RobustMessages, WhatIsLeftOfRatesNamesTheJoint) {
     Scene scene = load_scene_file(testing::source_dir() + "/tests/adversary/" + name + ".json");
     Simulator simulator(scene.world, scene.settings);
     StepReport report;
-    for (int i = 0; i < 20 && report.ok(); ++i) report = simulator.step(scene.dt);
+    for (int i = 0; i < 20 && report.exact(); ++i) report = simulator.step(scene.dt);
     expect_blame(report, Status::kNotConverged, Culprit::Kind::kJoint,
                  {"joints and laws could not be met together", joint, "round-off of large impulses"});
   }

@@ -22,7 +22,7 @@ inline double order_of(const std::function<World()>& make,
     settings.max_rotation = 10;
     Simulator simulator(world, settings);
     for (int i = 0; i < steps; ++i) {
-      EXPECT_TRUE(simulator.step(0.4 / steps).ok()) << simulator.report().message;
+      EXPECT_TRUE(simulator.step(0.4 / steps).exact()) << simulator.report().message;
       if (check) check(world, simulator);
     }
     Eigen::VectorXd p(3 * (world.body_count() - 1));

@@ -16,7 +16,7 @@ constexpr double kG = 9.81;
 void run(Simulator& simulator, double dt, int steps) {
   for (int i = 0; i < steps; ++i) {
     const StepReport& r = simulator.step(dt);
-    ASSERT_TRUE(r.ok()) << "step " << i << ": " << r.message;
+    ASSERT_TRUE(r.exact()) << "step " << i << ": " << r.message;
     ASSERT_LE(r.complementarity_residual, 1e-9);
     ASSERT_LE(std::max(r.gap.metres, r.gap.radians), 1e-9);
     ASSERT_NEAR(r.ledger.start + r.ledger.total(), r.energy(), 1e-11 * (1 + std::abs(r.energy()))) << i;
@@ -97,7 +97,7 @@ TEST(BallTwist, ThatLosesItsMeaningIsNamed) {
   arm.world.set_twist(arm.rod, {w, w.cross(q * Vec3(0.5, 0, 0))});
   arm.world.set_motor(arm.axis("twist"), AxisMotor{.target = 1});
   Simulator simulator(arm.world);
-  for (int i = 0; i < 100 && simulator.report().ok(); ++i) (void)simulator.step(2e-3);
+  for (int i = 0; i < 100 && simulator.report().exact(); ++i) (void)simulator.step(2e-3);
   EXPECT_EQ(simulator.report().status, Status::kNotConverged);
   EXPECT_NE(simulator.report().message.find("ball shoulder twist is next to"), std::string::npos)
       << simulator.report().message;

@@ -55,8 +55,8 @@ Course run(World& world, double dt, double time, double resting_speed = 1e-4) {
   Course course;
   for (int i = 0; i * dt < time * (1 - 1e-12); ++i) {
     const StepReport& report = simulator.step(dt);
-    EXPECT_TRUE(report.advanced()) << "step " << i << ": " << report.message;
-    if (!report.advanced()) break;
+    EXPECT_TRUE(report.ok()) << "step " << i << ": " << report.message;
+    if (!report.ok()) break;
     EXPECT_LE(report.ledger.contacts + report.ledger.friction, 1e-8 * start)
         << "step " << i << ": " << report.ledger.contacts << " and " << report.ledger.friction;
     course.booked += (report.ledger.contacts + report.ledger.friction) / start;

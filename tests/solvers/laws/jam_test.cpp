@@ -41,7 +41,7 @@ TEST(Jam, AMotorOfBoundedForceStallsWhereTheWedgeLocks) {
     wedge.world.set_motor(wedge.pressed, AxisMotor{.target = 0.1, .max_force = 50});
     Simulator simulator(wedge.world);
     for (int i = 0; i < 50; ++i) {
-      ASSERT_TRUE(simulator.step(1e-3).ok()) << mu << ": " << simulator.report().message;
+      ASSERT_TRUE(simulator.step(1e-3).exact()) << mu << ": " << simulator.report().message;
       ASSERT_LE(simulator.report().natural_residual, 1e-9);
     }
     const bool locks = mu > 1 / std::numbers::sqrt3;
@@ -89,7 +89,7 @@ TEST(Jam, AWedgeJustBelowItsLimitMovesWithTheFrictionOfItsLoad) {
     wedge.world.set_motor(wedge.pressed, AxisMotor{.target = 0.1});
     Simulator simulator(wedge.world);
     for (int i = 0; i < 10; ++i) {
-      ASSERT_TRUE(simulator.step(1e-3).ok()) << part << ": " << simulator.report().message;
+      ASSERT_TRUE(simulator.step(1e-3).exact()) << part << ": " << simulator.report().message;
       ASSERT_LE(simulator.report().natural_residual, 1e-9);
       const double load = simulator.mean_reaction(wedge.guide).force.tail<2>().norm();
       EXPECT_NEAR(simulator.axis_report(wedge.guided).force.friction, -mu * load, 1e-6 * mu * load);
@@ -137,7 +137,7 @@ TEST(Jam, AThreadJustBelowItsLimitTurns) {
     Spindle s(part);
     Simulator simulator(s.world);
     for (int i = 0; i < 10; ++i) {
-      ASSERT_TRUE(simulator.step(1e-3).ok()) << part << ": " << simulator.report().message;
+      ASSERT_TRUE(simulator.step(1e-3).exact()) << part << ": " << simulator.report().message;
       ASSERT_LE(simulator.report().natural_residual, 1e-9);
       const double load = simulator.mean_reaction(s.thread).force.norm();
       EXPECT_NEAR(simulator.axis_report(s.angle).force.friction, -s.per_load * load,

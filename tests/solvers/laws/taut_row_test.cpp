@@ -37,7 +37,7 @@ TEST(TautRow, ThatHasALoadAcrossIsNamedFromPinToPin) {
     Row row(n);
     Simulator simulator(row.world);
     for (int i = 0; i < 40; ++i)
-      if (!simulator.step(1e-3).advanced()) break;
+      if (!simulator.step(1e-3).ok()) break;
     const StepReport& report = simulator.report();
     ASSERT_EQ(report.status, Status::kContradiction) << n << ": " << report.message;
     EXPECT_TRUE(report.contradiction.bounds.empty() && report.contradiction.contacts.empty());
@@ -62,7 +62,7 @@ TEST(TautRow, ThatHasALoadAcrossIsNamedFromPinToPin) {
 TEST(TautRow, WithoutItsLastPinSwings) {
   Row row(100, false);
   Simulator simulator(row.world);
-  for (int i = 0; i < 40; ++i) ASSERT_TRUE(simulator.step(1e-3).ok()) << simulator.report().message;
+  for (int i = 0; i < 40; ++i) ASSERT_TRUE(simulator.step(1e-3).exact()) << simulator.report().message;
 }
 
 }  // namespace

@@ -14,12 +14,12 @@ void expect_none(const std::string& name, const std::map<std::string, double>& p
                  int steps) {
   Scene scene = build_scene(name, parameters);
   Simulator simulator(scene.world, scene.settings);
-  for (int i = 0; i < 5; ++i) ASSERT_TRUE(simulator.step(dt).ok());
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(simulator.step(dt).exact());
   for (int i = 5; i < steps; ++i) {
     const long before = allocation_count();
     const StepReport& report = simulator.step(dt);
     const long count = allocation_count() - before;
-    ASSERT_TRUE(report.ok()) << report.message;
+    ASSERT_TRUE(report.exact()) << report.message;
     ASSERT_EQ(count, 0) << name << ", step " << i << " of " << report.substeps << " sub-steps, "
                         << report.counts.refactorizations << " factorisations at an iterate";
   }

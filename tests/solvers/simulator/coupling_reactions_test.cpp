@@ -155,7 +155,7 @@ TEST(CouplingReaction, OfAPoseDriverIsWhatNewtonAndEulerMiss) {
     const SixNumbers expected = t.missing_wrench(b);
     expect_wrench(about_centre(t.world, simulator, lead, b), expected);
     // The mean over a short step is the present one but for its change in that time.
-    ASSERT_TRUE(simulator.step(1e-5).ok()) << simulator.report().message;
+    ASSERT_TRUE(simulator.step(1e-5).exact()) << simulator.report().message;
     const Reaction mean = simulator.mean_reaction(lead);
     EXPECT_LT((mean.force - expected.tail(3)).norm() + (mean.torque - expected.head(3)).norm(),
               1e-3 * (1 + expected.norm()));

@@ -38,8 +38,8 @@ inline Derivatives derivatives(const std::function<Pose(double)>& pose) {
     const SixNumbers ahead = from_now(h), back = from_now(-h);
     return Derivatives{(ahead - back) / (2 * h), (ahead + back) / (h * h)};
   };
-  constexpr double kStep = 4e-3;
-  const Derivatives coarse = of_step(kStep), fine = of_step(kStep / 2);
+  constexpr double kDifference = 4e-3;
+  const Derivatives coarse = of_step(kDifference), fine = of_step(kDifference / 2);
   return {(4 * fine.first - coarse.first) / 3, (4 * fine.second - coarse.second) / 3};
 }
 

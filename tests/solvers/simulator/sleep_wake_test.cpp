@@ -44,7 +44,7 @@ TEST(SleepWake, a_support_that_is_moved_in_the_step_before_sleep) {
   {
     World trial = world;
     Simulator simulator(trial, sleeping());
-    for (; trial.asleep_count() == 0; ++last_awake) ASSERT_TRUE(simulator.step(kStep).ok());
+    for (; trial.asleep_count() == 0; ++last_awake) ASSERT_TRUE(simulator.step(kStep).exact());
   }
   Simulator simulator(world, sleeping());
   advance(simulator, last_awake - 1);
@@ -132,7 +132,7 @@ TEST(SleepWake, what_is_touched_unforeseen) {
     double sum = 0;
     const double start = world.potential_energy(world.state()) + kinetic_energy(world, world.state());
     for (int i = 0; i < 490; ++i) {
-      EXPECT_TRUE(simulator.step(kStep).ok()) << simulator.report().message;
+      EXPECT_TRUE(simulator.step(kStep).exact()) << simulator.report().message;
       if (i == 470) {
         EXPECT_EQ(world.asleep_count(), sleep ? 2 : 0);
       }
@@ -227,7 +227,7 @@ TEST(Memory, of_contacts_over_forces_that_are_set_in_each_step) {
       Simulator simulator(world, settings);
       for (int i = 0; i < 2000; ++i) {
         world.set_force(load, push(block, {3, 0, 0}));
-        ASSERT_TRUE(simulator.step(1e-3).ok()) << simulator.report().message;
+        ASSERT_TRUE(simulator.step(1e-3).exact()) << simulator.report().message;
       }
       EXPECT_EQ(simulator.report().substeps > 1, spin > 1);
       EXPECT_LT(std::abs(world.pose(block).p.x()), 10 * deflection(1e-5, 3)) << merge << ' ' << spin;

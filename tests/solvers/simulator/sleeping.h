@@ -32,7 +32,7 @@ inline BodyId add_box(World& world, const Vec3& p, Material material = {}) {
 
 inline void advance(Simulator& simulator, int steps, double dt = kStep) {
   for (int i = 0; i < steps; ++i)
-    ASSERT_TRUE(simulator.step(dt).ok()) << "step " << i << ": " << simulator.report().message;
+    ASSERT_TRUE(simulator.step(dt).exact()) << "step " << i << ": " << simulator.report().message;
 }
 
 }  // namespace taut::testing

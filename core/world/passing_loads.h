@@ -1,0 +1,26 @@
+#pragma once
+
+#include <span>
+
+#include "core/state/state.h"
+
+namespace taut {
+
+class World;
+
+/// A wrench on a body about its centre of mass, world axes [N·m, N].
+struct BodyLoad {
+  BodyId body;    ///< it acts on
+  Wrench wrench;  ///< constant in world axes
+};
+
+/// What acts on bodies of a World beside gravity and its force laws for a while, as for one step
+/// (Simulator::apply_force()); it is no force with an id, and no part of the world as it is saved or
+/// appended.
+class PassingLoads {
+ public:
+  /// These act from now on, in place of those before; none: nothing does.  A new state version.
+  static void set(World& world, std::span<const BodyLoad> loads);
+};
+
+}  // namespace taut
