@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 
 #include "core/base/check.h"
@@ -23,42 +22,7 @@ std::string shown(const nlohmann::json& value) {
   return text.substr(0, cut) + "...";
 }
 
-/// Least number of insertions, deletions and replacements that turn one into the other (Levenshtein).
-std::size_t edit_distance(std::string_view from, std::string_view to) {
-  std::vector<std::size_t> row(to.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < to.size(); ++j) {
-      const std::size_t replaced = diagonal + (from[i] != to[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
-
-std::string did_you_mean(std::string_view given, const std::vector<std::string>& candidates) {
-  // One slip in a short word, two in a longer one.
-  if (given.size() > 64) return "";
-  std::size_t best = given.size() < 3 ? 1 : given.size() == 3 ? 2 : 3;
-  const std::string* nearest = nullptr;
-  for (const std::string& candidate : candidates) {
-    if (candidate.size() > given.size() + 3) continue;
-    const std::size_t distance = edit_distance(given, candidate);
-    if (distance < best) best = distance, nearest = &candidate;
-  }
-  return nearest ? "; did you mean \"" + *nearest + "\"?" : "";
-}
-
-std::string quoted_list(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list.append(list.empty() ? "\"" : ", \"").append(name).append("\"");
-  return list;
-}
 
 void JsonNode::problem(std::string message) const { problem(std::move(message), shown(*value_)); }
 

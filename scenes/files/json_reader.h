@@ -13,15 +13,11 @@
 
 #include "core/math/so3.h"
 #include "scenes/files/json_document.h"
+#include "scenes/support/suggestion.h"
 
 /// A reader of JSON values that goes on after an error: what is wrong is added to a list with its path, and a
 /// harmless value is returned in its place.
 namespace taut {
-
-/// ` ; did you mean "mass"?` if one of the candidates is near, else nothing.
-std::string did_you_mean(std::string_view given, const std::vector<std::string>& candidates);
-/// `"a", "b", "c"`
-std::string quoted_list(const std::vector<std::string>& names);
 
 /// One value of the document.
 class JsonNode {

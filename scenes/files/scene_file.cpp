@@ -5,6 +5,7 @@
 
 #include "scenes/files/json_document.h"
 #include "scenes/files/scene_reader.h"
+#include "scenes/support/suggestion.h"
 
 namespace taut {
 namespace {
@@ -30,6 +31,8 @@ std::string read_text_file(const std::filesystem::path& path) {
       "the file is too long: at most " + std::to_string(kMostTextBytes) + " bytes are read";
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found)
+    refuse("there is no such file" + did_you_mean_file(path));
   std::ifstream file;
   if (!std::filesystem::is_directory(status)) file.open(path, std::ios::binary);
   if (!file.is_open()) refuse("the file cannot be read");

@@ -1,12 +1,15 @@
-/// The program: taut run | replay | check | import | export | list | accuracy | friction | bench.
+/// The program: taut run | replay | check | import | export | list | accuracy | friction |
+/// bench.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <iostream>
 #include <system_error>
 
 #include "scenes/files/scene_source.h"
+#include "scenes/import/import.h"
 #include "scenes/program/accuracy_command.h"
 #include "scenes/program/bench_command.h"
 #include "scenes/program/check_command.h"
@@ -17,6 +20,7 @@
 #include "scenes/program/replay_command.h"
 #include "scenes/program/run_command.h"
 #include "scenes/support/output_file.h"
+#include "scenes/support/suggestion.h"
 #include "solvers/common/setting_names.h"
 
 namespace {
@@ -52,15 +56,20 @@ template <typename Choice, std::size_t count>
 void add_choice(CLI::App& command, const std::string& option, std::optional<Choice>& value,
                 const std::pair<const char*, Choice> (&names)[count], const std::string& description) {
   std::string all;
-  for (const auto& [name, choice] : names) all += std::string(all.empty() ? "" : "|") + name;
+  std::vector<std::string> known;
+  for (const auto& [name, choice] : names) {
+    all += std::string(all.empty() ? "" : "|") + name;
+    known.emplace_back(name);
+  }
   command
       .add_option_function<std::string>(
           option,
-          [&value, &names, option, all](const std::string& text) {
+          [&value, &names, option, all, known](const std::string& text) {
             for (const auto& [name, choice] : names)
               if (name == text) value = choice;
             if (!value)
-              throw CLI::ValidationError(option, "must be one of " + all + " (value: " + text + ")");
+              throw CLI::ValidationError(option, "must be one of " + all + taut::did_you_mean(text, known) +
+                                                     " (value: " + text + ")");
           },
           description)
       ->type_name(all);
@@ -253,6 +262,32 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
   return taut::bench_command(arguments.bench);
 }
 
+/// Nothing, or a sentence on the command that may be meant.
+std::string meant_command(const CLI::App& app, const std::string& given) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  if (std::string meant = taut::did_you_mean(given, names); !meant.empty()) return meant;
+  const bool scene = taut::is_scene_or_model_file(given) ||
+                     std::ranges::any_of(taut::scene_catalogue(),
+                                         [&](const taut::SceneInfo& info) { return info.name == given; });
+  return scene ? "; did you mean \"taut run " + given + "\"?" : "";
+}
+
+/// What may be meant by options that the command does not have, a line each.
+void suggest_options(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& given : command->remaining())
+      if (given.starts_with("--"))
+        if (const std::string name = given.substr(0, given.find('=')),
+            meant = taut::did_you_mean(name, names);
+            !meant.empty())
+          std::cerr << "taut: there is no option " << name << meant << '\n';
+  }
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app("taut: rigid multibody systems with very many joints, solved directly", "taut");
   app.set_version_flag("--version", "taut " TAUT_VERSION);
@@ -266,10 +301,13 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::RequiredError& error) {
     // CLI11 asks for a command even where one was given that it does not know.
     const bool unknown = app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-';
-    if (unknown) std::cerr << "taut: unknown command '" << argv[1] << "'\n";
+    if (unknown)
+      std::cerr << "taut: unknown command \"" << argv[1] << '"' << meant_command(app, argv[1]) << '\n';
+    suggest_options(app);
     app.exit(error);
     return taut::kExitUsage;
   } catch (const CLI::ParseError& error) {
+    suggest_options(app);
     return app.exit(error) == 0 ? taut::kExitSuccess : taut::kExitUsage;
   }
   try {
