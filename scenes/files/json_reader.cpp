@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "core/base/check.h"
+#include "scenes/files/synonyms.h"
 
 namespace taut {
 namespace {
@@ -20,6 +21,12 @@ std::string shown(const nlohmann::json& value) {
   std::size_t cut = kShownLength;
   while (cut > 0 && (static_cast<unsigned char>(text[cut]) & 0xC0) == 0x80) --cut;  // not within a character
   return text.substr(0, cut) + "...";
+}
+
+/// What a name of the format may stand for: the one of something that others call so, or one spelt alike.
+std::string meant_name(const std::string& given, const std::vector<std::string>& known) {
+  const std::string other = called_here(given, known);
+  return other.empty() ? did_you_mean(given, known) : other;
 }
 
 }  // namespace
@@ -172,7 +179,7 @@ std::vector<std::pair<std::string, JsonNode>> JsonNode::members() const {
 
 void JsonNode::not_a_choice(const std::vector<std::string>& names) const {
   problem("must be one of " + quoted_list(names) +
-          (value_->is_string() ? did_you_mean(value_->get_ref<const std::string&>(), names) : ""));
+          (value_->is_string() ? meant_name(value_->get_ref<const std::string&>(), names) : ""));
 }
 
 JsonObject::JsonObject(const JsonNode& node) : node_(node), is_object_(node.json().is_object()) {
@@ -224,7 +231,7 @@ void JsonObject::reject_unknown_keys() const {
   for (const auto& [key, value] : node_.json().items())
     if (!known_.contains(key))
       JsonNode(value, child_path(node_.path(), key), node_.problems())
-          .problem("unknown key; known here are " + quoted_list(known) + did_you_mean(key, known));
+          .problem("unknown key; known here are " + quoted_list(known) + meant_name(key, known));
 }
 
 }  // namespace taut
