@@ -1,4 +1,4 @@
-/// The program: taut run | replay | check | import | export | list | accuracy | friction |
+/// The program: taut run | replay | check | new | schema | import | export | list | accuracy | friction |
 /// bench.
 
 #include <CLI/CLI.hpp>
@@ -17,6 +17,7 @@
 #include "scenes/program/friction_command.h"
 #include "scenes/program/import_command.h"
 #include "scenes/program/list_command.h"
+#include "scenes/program/new_command.h"
 #include "scenes/program/replay_command.h"
 #include "scenes/program/run_command.h"
 #include "scenes/support/output_file.h"
@@ -30,6 +31,7 @@ struct Arguments {
   taut::RunOptions run;
   taut::AccuracyOptions accuracy;
   taut::FrictionOptions friction;
+  taut::NewOptions fresh;
   std::string list_name;
   std::string check_scene;
   bool check_all = false;
@@ -216,6 +218,12 @@ void add_others(CLI::App& app, Arguments& arguments) {
       *app.add_subcommand("check", "look for mistakes in a scene; count freedoms, name redundant rows");
   add_scene(check, arguments.check_scene, arguments.check_assignments);
   check.add_flag("--all", arguments.check_all, "name all redundant rows, not the first 20 only");
+  CLI::App& fresh = *app.add_subcommand("new", "write a commented scene file to begin with");
+  fresh.add_option("file", arguments.fresh.file, "scene file to write, .json");
+  fresh.add_option("--template", arguments.fresh.name, "one of --list; default: machine")->type_name("NAME");
+  fresh.add_flag("--list", arguments.fresh.list, "list the templates");
+  fresh.add_flag("--force", arguments.fresh.force, "write over a file that is there");
+  app.add_subcommand("schema", "print the JSON Schema of scene files, for editors");
   CLI::App& import = *app.add_subcommand(
       "import", "a model of a robot, URDF, SDF or MJCF, as a scene file; lists what has no counterpart");
   import.add_option("model", arguments.model, "a .urdf, .sdf or .xml file")->required();
@@ -253,6 +261,8 @@ int dispatch(const CLI::App& app, Arguments& arguments) {
     return taut::export_command(arguments.export_scene, parameters(arguments.export_assignments),
                                 arguments.exported);
   if (app.got_subcommand("import")) return taut::import_command(arguments.model, arguments.imported);
+  if (app.got_subcommand("new")) return taut::new_command(arguments.fresh);
+  if (app.got_subcommand("schema")) return taut::schema_command();
   if (app.got_subcommand("list")) {
     std::cout << taut::list_scenes(arguments.list_name);
     return taut::kExitSuccess;
