@@ -11,6 +11,13 @@ namespace taut {
 namespace {
 
 constexpr std::size_t kShownLength = 60;
+/// Directions whose length differs from 1 by no more than this are numbers with few digits; with more they
+/// may be a mistake.  Three decimals, as in 0.707, are as good as 7e-4.
+constexpr double kSilentlyOfUnitLength = 1e-3;
+/// A quaternion whose first number is so small and whose last one so large is a turn by 170° or more as w, x,
+/// y, z, about an axis near z, but one by no more than 91° as x, y, z, w, which is met
+/// more often.
+constexpr double kHardlyAnyW = 0.08, kMostly = 0.7;
 
 /// The value as the file has it, shortened.
 std::string shown(const nlohmann::json& value) {
@@ -37,6 +44,10 @@ void JsonNode::problem(std::string message, std::string value) const {
   problems_->push_back({path_, std::move(message), std::move(value)});
 }
 
+void JsonNode::warning(std::string message) const {
+  problems_->warnings.push_back({path_, std::move(message), shown(*value_)});
+}
+
 /// "inertia: must be symmetric (value: ...)", with the file's own value, and the name only if the path does
 /// not end in it.
 void JsonNode::problem_of_core(std::string_view what) const {
@@ -56,7 +67,7 @@ double JsonNode::number() const {
     problem("must be a number");
     return 0;
   }
-  const double number = value_->get<double>();
+  const double number = unit_ * value_->get<double>();
   if (std::isfinite(number)) return number;
   problem("must be finite");
   return 0;
@@ -112,7 +123,7 @@ std::vector<double> JsonNode::numbers(std::size_t count, const char* expected) c
     return result;
   }
   for (std::size_t i = 0; i < count; ++i)
-    result[i] = JsonNode((*value_)[i], child_path(path_, std::to_string(i)), *problems_).number();
+    result[i] = JsonNode((*value_)[i], child_path(path_, std::to_string(i)), *problems_, unit_).number();
   return result;
 }
 
@@ -141,17 +152,46 @@ Vec3 JsonNode::positive_vector() const {
   return Vec3::Ones();
 }
 
+/// The numbers, divided by their length where the World would not take them as they are; the first axis
+/// if there are problems beyond the first `before`, or they have no direction.
+Eigen::VectorXd JsonNode::of_unit_length(const std::vector<double>& values, std::size_t before) const {
+  Eigen::VectorXd v = Eigen::VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size()));
+  const double length = v.stableNorm();
+  if (problems_->size() == before && length > 0) {
+    if (std::abs(length - 1) <= kUnitTolerance) return v;
+    if (std::abs(length - 1) > kSilentlyOfUnitLength) {
+      std::ostringstream message;
+      message << "has length " << length << " and is taken with length 1";
+      warning(message.str());
+    }
+    v /= v.lpNorm<Eigen::Infinity>();  // its square might be too large or too small for a number
+    return v.normalized();
+  }
+  if (problems_->size() == before) problem("must not be 0: it has no direction");
+  return Eigen::VectorXd::Unit(v.size(), 0);
+}
+
 Vec3 JsonNode::unit_vector() const {
   const std::size_t before = problems_->size();
   const Vec3 v = vector();
-  if (std::abs(v.norm() - 1) <= kUnitTolerance) return v;
-  if (problems_->size() == before) {
-    std::ostringstream message;
-    message.precision(10);
-    message << "must have length 1 to " << kUnitTolerance << ", its length is " << v.norm();
-    problem(message.str());
+  return of_unit_length({v.x(), v.y(), v.z()}, before);
+}
+
+Quat JsonNode::quaternion() const {
+  const std::size_t before = problems_->size();
+  const std::vector<double> given = numbers(4, "a quaternion of 4 numbers w, x, y, z");
+  const Eigen::VectorXd q = of_unit_length(given, before);
+  problems_->has_w_first = problems_->has_w_first || std::abs(q[0]) >= kMostly;
+  if (std::abs(q[0]) <= kHardlyAnyW && q[3] >= kMostly) {
+    const nlohmann::json& v = *value_;
+    problems_->perhaps_w_last.push_back(
+        {path_,
+         "is half a turn or nearly so, as quaternions are w, x, y, z here; if x, y, z, w is meant, write " +
+             nlohmann::json{v[3], v[0], v[1], v[2]}.dump() +
+             ", and else an axis with an angle, which says so",
+         shown(v)});
   }
-  return Vec3::UnitZ();
+  return {q[0], q[1], q[2], q[3]};
 }
 
 std::vector<JsonNode> JsonNode::items(const char* expected) const {
@@ -186,52 +226,71 @@ JsonObject::JsonObject(const JsonNode& node) : node_(node), is_object_(node.json
   if (!is_object_) node.problem("must be an object");
 }
 
-std::optional<JsonNode> JsonObject::find(const char* key) {
-  known_.insert(key);
+std::optional<JsonNode> JsonObject::find(JsonKey key) {
+  known_.insert(key.name);
+  const auto plain = at(key.name);
+  if (!key.angle) return plain;
+  const std::string other = std::string(key.name) + "_deg";
+  known_.insert(other);
+  in_degrees_.insert(other);
+  const auto in_degrees = at(other);
+  if (!in_degrees) return plain;
+  if (plain && doubled_.insert(other).second)
+    in_degrees->problem(quoted_list({key.name}) + " is given as well");
+  return JsonNode(in_degrees->json(), in_degrees->path(), node_.problems(), kDegree);
+}
+
+std::optional<JsonNode> JsonObject::at(const std::string& key) const {
   if (!is_object_) return std::nullopt;
   const auto found = node_.json().find(key);
   if (found == node_.json().end()) return std::nullopt;
   return JsonNode(*found, child_path(node_.path(), key), node_.problems());
 }
 
-std::optional<JsonNode> JsonObject::required(const char* key) {
-  auto member = find(key);
-  if (!member && is_object_) node_.problem(quoted_list({key}) + " is missing", "");
-  return member;
+std::optional<JsonNode> JsonObject::required(JsonKey key) {
+  auto found = find(key);
+  if (!found && is_object_) node_.problem(quoted_list({key.name}) + " is missing", "");
+  return found;
 }
 
-std::optional<JsonNode> JsonObject::one_of(std::initializer_list<const char*> keys,
+std::optional<JsonNode> JsonObject::one_of(std::initializer_list<JsonKey> keys,
                                            std::initializer_list<const char*> or_else) {
   std::optional<JsonNode> first;
-  std::vector<std::string> names(keys.begin(), keys.end());
-  for (const char* key : keys) {
-    auto member = find(key);
-    if (!member) continue;
+  std::vector<std::string> names;
+  for (const JsonKey& key : keys) names.emplace_back(key.name);
+  for (const JsonKey& key : keys) {
+    auto found = find(key);
+    if (!found) continue;
     if (first)
-      member->problem("only one of " + quoted_list(names) + " may be given");
+      found->problem("only one of " + quoted_list(names) + " may be given");
     else
-      first = member;
+      first = found;
   }
   names.insert(names.end(), or_else.begin(), or_else.end());
   if (!first && is_object_) node_.problem("one of " + quoted_list(names) + " is missing", "");
   return first;
 }
 
-void JsonObject::needs_any_of(std::initializer_list<const char*> keys) {
-  if (!is_object_ || std::any_of(keys.begin(), keys.end(), [&](const char* key) { return find(key); }))
+void JsonObject::needs_any_of(std::initializer_list<JsonKey> keys) {
+  if (!is_object_ || std::any_of(keys.begin(), keys.end(), [&](const JsonKey& key) { return find(key); }))
     return;
   for (const auto& [key, value] : node_.json().items())
     if (!known_.contains(key)) return;  // a wrong name of one of them
-  node_.problem("at least one of " + quoted_list({keys.begin(), keys.end()}) + " is missing", "");
+  std::vector<std::string> names;
+  for (const JsonKey& key : keys) names.emplace_back(key.name);
+  node_.problem("at least one of " + quoted_list(names) + " is missing", "");
 }
 
 void JsonObject::reject_unknown_keys() const {
   if (!is_object_ || accepts_all_) return;
   const std::vector<std::string> known(known_.begin(), known_.end());
+  std::vector<std::string> shown_names;  // without those of the same angles in degrees
+  for (const std::string& name : known)
+    if (!in_degrees_.contains(name)) shown_names.push_back(name);
   for (const auto& [key, value] : node_.json().items())
     if (!known_.contains(key))
       JsonNode(value, child_path(node_.path(), key), node_.problems())
-          .problem("unknown key; known here are " + quoted_list(known) + meant_name(key, known));
+          .problem("unknown key; known here are " + quoted_list(shown_names) + meant_name(key, known));
 }
 
 }  // namespace taut

@@ -37,11 +37,11 @@ const std::vector<Synonyms>& synonyms() {
       {"rack_and_pinion", {"rackpinion", "rack"}},
       {"driver", {"actuator", "servo", "motion", "motor", "prescribed"}},
       // Shapes.
-      {"box", {"cuboid", "cube", "brick", "block", "rectangle"}},
+      {"box", {"cuboid", "cube", "brick", "block", "rectangle", "beam"}},
       {"sphere", {"ball", "globe"}},
       {"half_space", {"plane", "floor", "infiniteplane", "halfspace"}, ", all that is below its z = 0"},
       {"cylinder", {"disk", "disc", "wheel"}, ", along z"},
-      {"rod", {"bar", "stick", "beam", "pole"}, ", along x"},
+      {"rod", {"bar", "stick", "pole"}, ", along x"},
       {"convex_hull", {"convex", "hull", "polyhedron", "convexmesh"}},
       {"triangle_mesh", {"mesh", "trimesh", "concave", "obj", "stl"}},
       {"height_field", {"heightmap", "terrain", "hfield", "heightfield"}},
@@ -108,6 +108,7 @@ const std::vector<Synonyms>& synonyms() {
       {"gravity", {"g", "gravitation"}},
       {"bodies", {"links", "rigidbodies", "objects", "body", "parts"}},
       {"joints", {"constraints", "joint", "connections"}},
+      {"cables", {"ropes", "chains", "cable", "rope", "wires"}},
       {"forces", {"loads", "springs", "force", "actuators"}},
       {"probes", {"sensors", "outputs", "measurements", "sensor"}},
       {"settings", {"options", "option", "solver", "config", "parameters"}},
@@ -124,7 +125,7 @@ const std::vector<Synonyms>& synonyms() {
   return all;
 }
 
-std::string plain(std::string_view name) {
+std::string without_marks(std::string_view name) {
   std::string result;
   for (unsigned char c : name)
     if (c != '-' && c != '_' && c != ' ') result += static_cast<char>(std::tolower(c));
@@ -134,7 +135,7 @@ std::string plain(std::string_view name) {
 }  // namespace
 
 std::string called_here(std::string_view given, const std::vector<std::string>& known) {
-  const std::string name = plain(given);
+  const std::string name = without_marks(given);
   for (const Synonyms& entry : synonyms()) {
     if (std::find(entry.elsewhere.begin(), entry.elsewhere.end(), name) == entry.elsewhere.end()) continue;
     if (std::find(known.begin(), known.end(), entry.here) == known.end()) continue;

@@ -36,7 +36,7 @@ std::size_t slips(std::string_view from, std::string_view to) {
 }
 
 /// Index of the nearest candidate; that of none if none is near.
-std::size_t nearest(std::string_view given, const std::vector<std::string>& candidates) {
+std::size_t nearest_index(std::string_view given, const std::vector<std::string>& candidates) {
   // One slip in a short word, two in a longer one.
   std::size_t best = given.size() < 3 ? 1 : given.size() == 3 ? 2 : 3, index = candidates.size();
   if (given.size() > kLongestGuess) return index;
@@ -52,7 +52,7 @@ std::size_t nearest(std::string_view given, const std::vector<std::string>& cand
 }  // namespace
 
 std::string did_you_mean(std::string_view given, const std::vector<std::string>& candidates) {
-  const std::size_t i = nearest(given, candidates);
+  const std::size_t i = nearest_index(given, candidates);
   return i < candidates.size() ? "; did you mean \"" + candidates[i] + "\"?" : "";
 }
 
@@ -66,7 +66,7 @@ std::string did_you_mean_file(const std::filesystem::path& missing) {
        entry.increment(error))
     if (!entry->is_directory(error)) names.push_back(entry->path().filename().string());
   std::sort(names.begin(), names.end());  // a folder has no order
-  const std::size_t i = nearest(missing.filename().string(), names);
+  const std::size_t i = nearest_index(missing.filename().string(), names);
   return i < names.size() ? "; did you mean \"" + (folder / names[i]).string() + "\"?" : "";
 }
 
