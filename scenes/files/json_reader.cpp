@@ -30,10 +30,12 @@ std::string shown(const nlohmann::json& value) {
   return text.substr(0, cut) + "...";
 }
 
-/// What a name of the format may stand for: the one of something that others call so, or one spelt alike.
-std::string meant_name(const std::string& given, const std::vector<std::string>& known) {
-  const std::string other = called_here(given, known);
-  return other.empty() ? did_you_mean(given, known) : other;
+/// What is known, and which of it is meant by a name of the format: that of something which others call so,
+/// or one that is spelt alike.
+std::string known_names(const char* before, const std::vector<std::string>& known, const std::string& given,
+                        const std::vector<std::string>& candidates) {
+  if (std::string other = called_here(given, candidates); !other.empty()) return other;
+  return before + quoted_list(known) + did_you_mean(given, candidates);
 }
 
 }  // namespace
@@ -218,8 +220,9 @@ std::vector<std::pair<std::string, JsonNode>> JsonNode::members() const {
 }
 
 void JsonNode::not_a_choice(const std::vector<std::string>& names) const {
-  problem("must be one of " + quoted_list(names) +
-          (value_->is_string() ? meant_name(value_->get_ref<const std::string&>(), names) : ""));
+  const std::string given = value_->is_string() ? value_->get<std::string>() : "";
+  const std::string known = known_names("must be one of ", names, given, names);
+  problem(known.starts_with("; ") ? "is not known" + known : known);
 }
 
 JsonObject::JsonObject(const JsonNode& node) : node_(node), is_object_(node.json().is_object()) {
@@ -235,7 +238,7 @@ std::optional<JsonNode> JsonObject::find(JsonKey key) {
   in_degrees_.insert(other);
   const auto in_degrees = at(other);
   if (!in_degrees) return plain;
-  if (plain && doubled_.insert(other).second)
+  if (plain && reported_.insert(other).second)
     in_degrees->problem(quoted_list({key.name}) + " is given as well");
   return JsonNode(in_degrees->json(), in_degrees->path(), node_.problems(), kDegree);
 }
@@ -249,8 +252,20 @@ std::optional<JsonNode> JsonObject::at(const std::string& key) const {
 
 std::optional<JsonNode> JsonObject::required(JsonKey key) {
   auto found = find(key);
-  if (!found && is_object_) node_.problem(quoted_list({key.name}) + " is missing", "");
+  if (!found) missing({key.name}, quoted_list({key.name}) + " is missing");
   return found;
+}
+
+/// A problem of what is not there; or of what is there in its place, under the name that others have for it.
+void JsonObject::missing(const std::vector<std::string>& names, const std::string& message) {
+  if (!is_object_) return;
+  for (const auto& [key, value] : node_.json().items())
+    if (const std::string other = called_here(key, names); !other.empty() && !known_.contains(key)) {
+      if (reported_.insert(key).second)
+        JsonNode(value, child_path(node_.path(), key), node_.problems()).problem("unknown key" + other);
+      return;
+    }
+  node_.problem(message, "");
 }
 
 std::optional<JsonNode> JsonObject::one_of(std::initializer_list<JsonKey> keys,
@@ -267,7 +282,7 @@ std::optional<JsonNode> JsonObject::one_of(std::initializer_list<JsonKey> keys,
       first = found;
   }
   names.insert(names.end(), or_else.begin(), or_else.end());
-  if (!first && is_object_) node_.problem("one of " + quoted_list(names) + " is missing", "");
+  if (!first) missing(names, "one of " + quoted_list(names) + " is missing");
   return first;
 }
 
@@ -288,9 +303,9 @@ void JsonObject::reject_unknown_keys() const {
   for (const std::string& name : known)
     if (!in_degrees_.contains(name)) shown_names.push_back(name);
   for (const auto& [key, value] : node_.json().items())
-    if (!known_.contains(key))
+    if (!known_.contains(key) && !reported_.contains(key))
       JsonNode(value, child_path(node_.path(), key), node_.problems())
-          .problem("unknown key; known here are " + quoted_list(shown_names) + meant_name(key, known));
+          .problem("unknown key" + known_names("; known here are ", shown_names, key, known));
 }
 
 }  // namespace taut

@@ -175,10 +175,11 @@ class JsonObject {
 
  private:
   std::optional<JsonNode> at(const std::string& key) const;
+  void missing(const std::vector<std::string>& names, const std::string& message);
 
   JsonNode node_;
   bool is_object_, accepts_all_ = false;
-  std::set<std::string> known_, in_degrees_, doubled_;
+  std::set<std::string> known_, in_degrees_, reported_;
 };
 
 }  // namespace taut

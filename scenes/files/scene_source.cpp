@@ -7,6 +7,7 @@
 
 #include "core/base/check.h"
 #include "scenes/files/scene_file.h"
+#include "scenes/support/suggestion.h"
 
 namespace taut {
 
@@ -35,6 +36,8 @@ void refuse_wrong_ending(const std::string& given) {
   } else if (!is_builder(given)) {
     if (is_there(given + ".json"))
       fail("scene", "there is none of this name; did you mean the file \"" + given + ".json\"?", given);
+    if (const std::string file = did_you_mean_file(given); given.find('.') != given.npos && !file.empty())
+      fail("scene", "there is none of this name, and no such file" + file, given);
     if (is_there(given))
       fail("scene",
            "there is none of this name; a scene file ends in .json, or has a / in its name: ./" + given,

@@ -303,8 +303,6 @@ int run_command(const RunOptions& options) {
   Outputs::check(options);
 
   record.warnings = scene.warnings;
-  for (const std::string& warning : scene.warnings)
-    warn(warning);  // with its place, which an editor jumps to
   for (std::string& warning : settings_without_effect(scene.settings, sources))
     record.warnings.push_back(std::move(warning));
   if (options.poses_interval && options.poses_file.empty())

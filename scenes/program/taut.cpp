@@ -311,8 +311,11 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::RequiredError& error) {
     // CLI11 asks for a command even where one was given that it does not know.
     const bool unknown = app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-';
-    if (unknown)
-      std::cerr << "taut: unknown command \"" << argv[1] << '"' << meant_command(app, argv[1]) << '\n';
+    if (unknown) {
+      std::cerr << "taut: unknown command \"" << argv[1] << '"' << meant_command(app, argv[1])
+                << "\ntaut --help shows all\n";
+      return taut::kExitUsage;
+    }
     suggest_options(app);
     app.exit(error);
     return taut::kExitUsage;

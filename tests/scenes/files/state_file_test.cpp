@@ -67,7 +67,7 @@ TEST(StateFile, NamesAllThatIsWrong) {
     {"name": "nobody", )" + body +
                            R"(, {"name": "ground", )" + body + R"(, {"name": "head", )" + body +
                            R"(, {"name": "head", )" + body + R"(,
-    {"name": "pelvis", "position": [0, 0], "orientation": [1, 1, 0, 0], "velocity": [0, 0, 0], "spin": 1}],
+    {"name": "pelvis", "position": [0, 0], "orientation": [1, 1, 0, 0], "velocity": [0, 0, 0], "tint": 1}],
     "axes": [{"joint": "neck", "axis": "sideways", "value": 0}, {"joint": "gill", "axis": "angle", "value": 0}],
     "detached": ["gill"], "more": 1, "contacts": [
     {"a": {"body": "head", "shape": 7}, "b": {"body": "gill", "shape": 0}, "point": [0, 0, 0], "stretch": [0, 0, 0]},

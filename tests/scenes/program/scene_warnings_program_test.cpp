@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "tests/run_program.h"
@@ -16,7 +17,7 @@ TEST(ProgramWarnings, OfSceneFilesHaveTheirLine) {
  "joints": [{"name": "post", "type": "hinge", "a": "ground", "b": "door", "anchor": [0, 0, 0], "axis": [0, 0, 3],
    "axes": {"angle": {"limits": {"lower": -90, "upper": 90}}}}]})");
   const std::vector<std::string> expected{
-      file + ":3:105: /joints/0/axis of \"post\": has length 3 and is taken with length 1 (value: [0,0,3])",
+      file + ":3:104: /joints/0/axis of \"post\": has length 3 and is taken with length 1 (value: [0,0,3])",
       file +
           ":4:43: /joints/0/axes/angle/limits/lower of \"post\": is 14.3 turns, since it is in radians; if "
           "degrees "
@@ -28,9 +29,10 @@ TEST(ProgramWarnings, OfSceneFilesHaveTheirLine) {
   const nlohmann::json written = nlohmann::json::parse(read_text(report));
   for (const std::string& warning : expected) {
     EXPECT_NE(check.out.find("warning: " + warning), std::string::npos) << warning << "\n" << check.out;
-    EXPECT_NE(run.err.find("taut: warning: " + warning), std::string::npos) << warning << "\n" << run.err;
-    EXPECT_NE(written["warnings"].dump().find(nlohmann::json(warning).dump().substr(1, 60)),
-              std::string::npos);
+    EXPECT_NE(run.out.find(" " + warning), std::string::npos) << warning << "\n" << run.out;
+    EXPECT_TRUE(std::ranges::any_of(written["warnings"], [&](const nlohmann::json& each) {
+      return each.get<std::string>().starts_with(warning);
+    })) << warning;
   }
 }
 

@@ -44,6 +44,7 @@ TEST(ProgramSuggestions, OfFiles) {
 TEST(ProgramSuggestions, OfCommandsAndOptions) {
   expect_hint({"rnu", "bridge"}, R"(unknown command "rnu"; did you mean "run"?)");
   expect_hint({"bridge"}, R"(unknown command "bridge"; did you mean "taut run bridge"?)");
+  EXPECT_EQ(run_program({"rnu"}).err.find("subcommand is required"), std::string::npos);
   expect_hint({"fly"}, "unknown command \"fly\"\n");
   expect_hint({"run", "bridge", "--tmie", "3"}, R"(there is no option --tmie; did you mean "--time"?)");
   expect_hint({"run", "bridge", "--tmie=3"}, R"(there is no option --tmie; did you mean "--time"?)");
