@@ -14,7 +14,10 @@ namespace {
 
 std::string lines(const std::string& file_name, const std::vector<SceneFileProblem>& problems) {
   std::string all;
-  for (const SceneFileProblem& problem : problems) all += (all.empty() ? "" : "\n") + problem.text(file_name);
+  for (const SceneFileProblem& problem : problems) {
+    if (!all.empty()) all += '\n';
+    all += problem.text(file_name);
+  }
   return all;
 }
 

@@ -87,7 +87,7 @@ void SceneReader::note_far_anchors() const {
     const double from_a = far_from(balls[anchor.a.index], anchor.p_AP);
     const double from_b = far_from(balls[anchor.b.index], anchor.p_BQ);
     if (from_a == 0 || from_b == 0) continue;
-    const auto name = [&](BodyId body) { return "\"" + scene_.world.name(body) + "\""; };
+    const auto name = [&](BodyId body) { return quoted_list({scene_.world.name(body)}); };
     anchor.node.slip(format("has its anchor %.3g m outside ", from_a) + name(anchor.a) +
                      format(" and %.3g m outside ", from_b) + name(anchor.b) +
                      "; points are in the world, unless \"frame\" is \"body\"");

@@ -44,6 +44,7 @@ inline std::vector<BadScene> bad_ends() {
       {cable(R"("from": [0, 0, 0], "to": [1, 0, 0], "radius": 0.01, "density": 1000, "links": 2)"),
        "/cables/0", R"("name" is missing)", ""},
       {sound_cable(R"("links": 0)"), "/cables/0/links", "must be a positive whole number", "0"},
+      {sound_cable(R"("links": 100001)"), "/cables/0/links", "must be at most 100000", "100001"},
       {sound_cable(R"("links": 2, "mass": 1)"), "/cables/0/density",
        R"(only one of "mass", "density" may be given)", "1000"},
       {sound_cable(R"("links": 2, "length": 0.9)"), "/cables/0/length",
