@@ -121,6 +121,9 @@ const std::vector<Synonyms>& synonyms() {
       {"ratio", {"multiplier", "gearratio"}},
       {"displacement", {"translation", "distance"}},
       {"angle", {"rotation", "theta"}},
+      {"from", {"start", "begin", "p1", "point1", "end1", "fromto"}},
+      {"to", {"end", "stop", "p2", "point2", "end2", "fromto"}},
+      {"links", {"n", "segments", "count", "elements", "pieces"}},
   };
   return all;
 }

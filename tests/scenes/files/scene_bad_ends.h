@@ -30,6 +30,8 @@ inline std::vector<BadScene> bad_ends() {
        R"(unknown key; known here are "collides_with", "from", "groups", "material", "radius", "to")", "1"},
       {rod_body(sound + R"(, "material": "ice")"), at + "/material", "there is no material of this name",
        R"("ice")", false},
+      {rod_body(R"("start": [0, 0, 0], "to": [1, 0, 0], "radius": 0.1)"), at + "/start",
+       R"(unknown key; "start" is called "from" here)", "[0,0,0]"},
       {rod_body(sound, ""), "/bodies/0", R"(one of "mass", "density" is missing)", ""},
       {rod_body(sound, R"("mass": 1, "density": 1, )"), "/bodies/0/density",
        R"(only one of "mass", "density" may be given)", "1"},
