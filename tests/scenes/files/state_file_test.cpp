@@ -80,7 +80,7 @@ TEST(StateFile, NamesAllThatIsWrong) {
                                "/bodies/3/name: is given twice",
                                "/bodies/4/position: ",
                                "/bodies/4/orientation: ",
-                               "/bodies/4/spin: ",
+                               "/bodies/4/tint: ",
                                "/bodies/4: ",
                                "/axes/0/axis: ",
                                "/axes/1/joint: there is no joint",

@@ -32,7 +32,7 @@ TEST(ProgramNew, ListsItsTemplates) {
 /// Without a warning, so that a beginner's own mistakes are the only ones.
 TEST(ProgramNew, WritesScenesThatAreFineAndRun) {
   for (const std::string& name : listed_templates()) {
-    const std::string file = temporary(name + ".json"), report = temporary(name + "_report.json");
+    const std::string file = temporary("new_" + name + ".json"), report = temporary("new_report.json");
     const Outcome written = run_program({"new", file, "--template", name});
     ASSERT_EQ(written.exit_status, 0) << written.err;
     EXPECT_NE(written.out.find("wrote " + file), std::string::npos) << written.out;
