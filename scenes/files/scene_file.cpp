@@ -12,6 +12,9 @@
 namespace taut {
 namespace {
 
+/// Longer names are left out of messages.
+constexpr std::size_t kLongestShownName = 60;
+
 std::string lines(const std::string& file_name, const std::vector<SceneFileProblem>& problems) {
   std::string all;
   for (const SceneFileProblem& problem : problems) {
@@ -26,11 +29,11 @@ std::string lines(const std::string& file_name, const std::vector<SceneFileProbl
 std::string name_on_the_way(const nlohmann::json& document, const std::string& path) {
   std::string name;
   const nlohmann::json* at = &document;
-  const std::size_t last = path.rfind('/');
   for (std::size_t begin = 1; begin < path.size();) {
     const std::size_t end = std::min(path.find('/', begin), path.size());
     const std::string token = path.substr(begin, end - begin);  // names of items stand below arrays only
-    if (at->is_array() && token.find_first_not_of("0123456789") == token.npos && token.size() < 10) {
+    if (at->is_array() && !token.empty() && token.find_first_not_of("0123456789") == token.npos &&
+        token.size() < 10) {
       const std::size_t index = std::stoul(token);
       if (index >= at->size()) return name;
       at = &(*at)[index];
@@ -43,7 +46,9 @@ std::string name_on_the_way(const nlohmann::json& document, const std::string& p
     }
     begin = end + 1;
   }
-  return path.substr(last) == "/name" ? "" : name;  // the value says it
+  const bool fits_a_line = name.size() <= kLongestShownName &&
+                           std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20; });
+  return path.ends_with("/name") || !fits_a_line ? "" : name;  // its own value says it
 }
 
 void add_names(const nlohmann::json& document, std::vector<SceneFileProblem>& problems) {

@@ -118,6 +118,11 @@ TEST(SceneFile, SaysTheLineAndTheNameOfWhatIsWrong) {
   EXPECT_EQ(message_of("{\"format\": \"taut-scene/1\", \"bodies\": [{\"fixed\": true, \"position\": 1}]}"),
             "arm.json:1:67: /bodies/0/position: must be an array of 3 numbers (value: 1)");
   EXPECT_EQ(message_of("{\n\"format\": \"taut-scene/1\",\n\"dt\": NaN}").substr(0, 15), "arm.json:3:7: s");
+  // A name that would break the line, or fill it, is left out.
+  for (const std::string& name : {std::string("a\\nb"), std::string(1000, 'x')})
+    EXPECT_EQ(message_of(R"({"format": "taut-scene/1", "bodies": [{"name": ")" + name + R"(", "fixed": true,
+"position": 1}]})"),
+              "arm.json:2:13: /bodies/0/position: must be an array of 3 numbers (value: 1)");
   // A name that the message has already.
   const std::string open = message_of(
       R"({"format": "taut-scene/1", "bodies": [{"name": "arm", "mass": 1, "inertia": [1, 1, 1]}], "joints": [
