@@ -7,6 +7,8 @@ set(TAUT_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/taut)
 install(TARGETS taut EXPORT taut-targets)
 if(TAUT_BUILD_PROGRAM)
   install(TARGETS taut_program)
+  # For editors; `taut new` names it in the scenes that it writes.
+  install(FILES ${TAUT_SCENE_SCHEMA} DESTINATION ${CMAKE_INSTALL_DATADIR}/taut)
   # What a page needs of three.js, where the installed program looks for it; nothing if npm did not get it.
   foreach(file build/three.core.js build/three.module.js examples/jsm/controls/OrbitControls.js LICENSE)
     get_filename_component(folder ${file} DIRECTORY)

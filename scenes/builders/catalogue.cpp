@@ -15,6 +15,7 @@
 #include "scenes/builders/suspension_bridge.h"
 #include "scenes/builders/tank.h"
 #include "scenes/builders/vehicle_bridge.h"
+#include "scenes/support/suggestion.h"
 
 namespace taut {
 namespace {
@@ -28,18 +29,25 @@ std::vector<SceneInfo> collect() {
   return all;
 }
 
-/// "a, b, c" of the names in a list.
+/// Refuses a name that is none of the list's: with the one that may be meant, or else with all that there
+/// are.
 template <typename List>
-std::string names_of(const List& list) {
-  std::string names;
-  for (const auto& item : list) names += (names.empty() ? "" : ", ") + item.name;
-  return names;
+[[noreturn]] void refuse_name(const std::string& what, const std::string& name, const List& list) {
+  std::vector<std::string> names;
+  std::string all;
+  for (const auto& item : list) {
+    names.push_back(item.name);
+    all += (all.empty() ? "" : ", ") + item.name;
+  }
+  std::string instead = did_you_mean(name, names);
+  if (instead.empty()) instead = all.empty() ? ", and no other" : ", but " + all;
+  fail(what, "there is none of this name" + instead, name);
 }
 
 const SceneInfo& find_scene(const std::string& name) {
   for (const SceneInfo& info : scene_catalogue())
     if (info.name == name) return info;
-  fail("scene", "there is none of this name, but " + names_of(scene_catalogue()), name);
+  refuse_name("scene", name, scene_catalogue());
 }
 
 void check_value(const std::string& scene, const ParameterInfo& info, double value) {
@@ -66,8 +74,7 @@ Scene build_scene(const std::string& name, const std::map<std::string, double>& 
   std::map<std::string, double> all;
   for (const ParameterInfo& parameter : info.parameters) all[parameter.name] = parameter.default_value;
   for (const auto& [key, value] : parameters) {
-    if (!all.contains(key))
-      fail("parameter of " + name, "there is none of this name, but " + names_of(info.parameters), key);
+    if (!all.contains(key)) refuse_name("parameter of " + name, key, info.parameters);
     all[key] = value;
   }
   for (const ParameterInfo& parameter : info.parameters) check_value(name, parameter, all[parameter.name]);

@@ -57,6 +57,7 @@ struct Scene {
   std::vector<Drawing> drawings;  ///< bodies without one are drawn by their collision shapes or their inertia
   /// Joints may be open at the start: call Simulator::assemble() before the first step.
   bool assemble = false;
+  std::vector<std::string> warnings;  ///< what is strange in the file that it was read from, a line each
 };
 
 /// One parameter of a builder.

@@ -1,10 +1,12 @@
 #pragma once
 
-#include <string_view>
+#include "scenes/support/embedded_text.h"
 
 namespace taut {
 
-/// The text of a file of scenes/export/viewer, which the build puts into the program; empty if there is none.
-std::string_view viewer_source(std::string_view name);
+/// The files of scenes/export/viewer.
+std::span<const EmbeddedText> viewer_texts();
+/// One of them; empty if there is none of that name.
+inline std::string_view viewer_source(std::string_view name) { return text_of(viewer_texts(), name); }
 
 }  // namespace taut

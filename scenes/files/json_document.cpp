@@ -4,6 +4,8 @@
 #include <limits>
 #include <map>
 
+#include "scenes/files/json_positions.h"
+
 namespace taut {
 namespace {
 
@@ -12,12 +14,12 @@ using Json = nlohmann::json;
 /// More numbers out of range than this and the rest is not looked for.
 constexpr std::size_t kMaxOverflows = 100;
 
-/// "line 3, column 5" of a byte, both counted from 1.
-std::string place(std::string_view text, std::size_t byte) {
-  const std::string_view before = text.substr(0, std::min(byte, text.size()));
-  const std::size_t line_start = before.rfind('\n') == before.npos ? 0 : before.rfind('\n') + 1;
-  return "line " + std::to_string(1 + std::count(before.begin(), before.end(), '\n')) + ", column " +
-         std::to_string(1 + before.size() - line_start);
+/// A problem of the syntax, at a byte.
+SceneFileProblem syntax_problem(std::string_view text, std::size_t byte, std::string message,
+                                std::string value = "") {
+  TextPlace place;
+  place.advance(text, byte);
+  return {"", std::move(message), std::move(value), "", place.line, place.column};
 }
 
 /// The parser's own words without its prefix "[json.exception...] parse error at line 1, column 2: ".
@@ -70,7 +72,8 @@ class DocumentBuilder {
       overflow_end = position;
       overflow_token = last_token;
     } else {
-      problems_.push_back({place(text_, position == 0 ? 0 : position - 1), parser_message(error.what()), ""});
+      problems_.push_back(
+          syntax_problem(text_, position == 0 ? 0 : position - 1, parser_message(error.what())));
     }
     return false;
   }
@@ -166,7 +169,7 @@ std::optional<Json> parse_json(std::string_view text, Problems& problems) {
     const std::string& token = builder.overflow_token;
     const std::size_t begin = builder.overflow_end - token.size();
     if (overflows.size() == kMaxOverflows || readable.compare(begin, token.size(), token) != 0) {
-      problems.push_back({place(text, begin), "must be finite", token});
+      problems.push_back(syntax_problem(text, begin, "must be finite", token));
       return std::nullopt;
     }
     const double infinity = std::numeric_limits<double>::infinity();

@@ -10,7 +10,14 @@
 
 namespace taut {
 
-using Problems = std::vector<SceneFileProblem>;
+/// What is wrong with a document; beside it what is only strange, which no reading waits for.
+struct Problems : std::vector<SceneFileProblem> {
+  std::vector<SceneFileProblem> warnings;
+  bool by_hand = true;  ///< somebody has written it, who may have slipped
+  /// Quaternions that look like x, y, z, w; warnings unless others show that the file has w in front.
+  std::vector<SceneFileProblem> perhaps_w_last;
+  bool has_w_first = false;
+};
 
 /// Deepest nesting of arrays and objects that is read; a scene needs 6.
 inline constexpr int kMaxJsonDepth = 64;

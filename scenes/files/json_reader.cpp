@@ -2,15 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 
 #include "core/base/check.h"
+#include "scenes/files/synonyms.h"
 
 namespace taut {
 namespace {
 
 constexpr std::size_t kShownLength = 60;
+/// Directions whose length differs from 1 by no more than this are numbers with few digits; with more they
+/// may be a mistake.  Three decimals, as in 0.707, are as good as 7e-4.
+constexpr double kSilentlyOfUnitLength = 1e-3;
+/// A quaternion whose first number is so small and whose last one so large is a turn by 170° or more as w, x,
+/// y, z, about an axis near z, but one by no more than 91° as x, y, z, w, which is met
+/// more often.
+constexpr double kHardlyAnyW = 0.08, kMostly = 0.7;
 
 /// The value as the file has it, shortened.
 std::string shown(const nlohmann::json& value) {
@@ -23,47 +30,24 @@ std::string shown(const nlohmann::json& value) {
   return text.substr(0, cut) + "...";
 }
 
-/// Least number of insertions, deletions and replacements that turn one into the other (Levenshtein).
-std::size_t edit_distance(std::string_view from, std::string_view to) {
-  std::vector<std::size_t> row(to.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < to.size(); ++j) {
-      const std::size_t replaced = diagonal + (from[i] != to[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
+/// What is known, and which of it is meant by a name of the format: that of something which others call so,
+/// or one that is spelt alike.
+std::string known_names(const char* before, const std::vector<std::string>& known, const std::string& given,
+                        const std::vector<std::string>& candidates) {
+  if (std::string other = called_here(given, candidates); !other.empty()) return other;
+  return before + quoted_list(known) + did_you_mean(given, candidates);
 }
 
 }  // namespace
-
-std::string did_you_mean(std::string_view given, const std::vector<std::string>& candidates) {
-  // One slip in a short word, two in a longer one.
-  if (given.size() > 64) return "";
-  std::size_t best = given.size() < 3 ? 1 : given.size() == 3 ? 2 : 3;
-  const std::string* nearest = nullptr;
-  for (const std::string& candidate : candidates) {
-    if (candidate.size() > given.size() + 3) continue;
-    const std::size_t distance = edit_distance(given, candidate);
-    if (distance < best) best = distance, nearest = &candidate;
-  }
-  return nearest ? "; did you mean \"" + *nearest + "\"?" : "";
-}
-
-std::string quoted_list(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list.append(list.empty() ? "\"" : ", \"").append(name).append("\"");
-  return list;
-}
 
 void JsonNode::problem(std::string message) const { problem(std::move(message), shown(*value_)); }
 
 void JsonNode::problem(std::string message, std::string value) const {
   problems_->push_back({path_, std::move(message), std::move(value)});
+}
+
+void JsonNode::warning(std::string message) const {
+  problems_->warnings.push_back({path_, std::move(message), shown(*value_)});
 }
 
 /// "inertia: must be symmetric (value: ...)", with the file's own value, and the name only if the path does
@@ -85,7 +69,7 @@ double JsonNode::number() const {
     problem("must be a number");
     return 0;
   }
-  const double number = value_->get<double>();
+  const double number = unit_ * value_->get<double>();
   if (std::isfinite(number)) return number;
   problem("must be finite");
   return 0;
@@ -141,7 +125,7 @@ std::vector<double> JsonNode::numbers(std::size_t count, const char* expected) c
     return result;
   }
   for (std::size_t i = 0; i < count; ++i)
-    result[i] = JsonNode((*value_)[i], child_path(path_, std::to_string(i)), *problems_).number();
+    result[i] = JsonNode((*value_)[i], child_path(path_, std::to_string(i)), *problems_, unit_).number();
   return result;
 }
 
@@ -170,17 +154,46 @@ Vec3 JsonNode::positive_vector() const {
   return Vec3::Ones();
 }
 
+/// The numbers, divided by their length where the World would not take them as they are; the first axis
+/// if there are problems beyond the first `before`, or they have no direction.
+Eigen::VectorXd JsonNode::of_unit_length(const std::vector<double>& values, std::size_t before) const {
+  Eigen::VectorXd v = Eigen::VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size()));
+  const double length = v.stableNorm();
+  if (problems_->size() == before && length > 0) {
+    if (std::abs(length - 1) <= kUnitTolerance) return v;
+    if (std::abs(length - 1) > kSilentlyOfUnitLength) {
+      std::ostringstream message;
+      message << "has length " << length << " and is taken with length 1";
+      warning(message.str());
+    }
+    v /= v.lpNorm<Eigen::Infinity>();  // its square might be too large or too small for a number
+    return v.normalized();
+  }
+  if (problems_->size() == before) problem("must not be 0: it has no direction");
+  return Eigen::VectorXd::Unit(v.size(), 0);
+}
+
 Vec3 JsonNode::unit_vector() const {
   const std::size_t before = problems_->size();
   const Vec3 v = vector();
-  if (std::abs(v.norm() - 1) <= kUnitTolerance) return v;
-  if (problems_->size() == before) {
-    std::ostringstream message;
-    message.precision(10);
-    message << "must have length 1 to " << kUnitTolerance << ", its length is " << v.norm();
-    problem(message.str());
+  return of_unit_length({v.x(), v.y(), v.z()}, before);
+}
+
+Quat JsonNode::quaternion() const {
+  const std::size_t before = problems_->size();
+  const std::vector<double> given = numbers(4, "a quaternion of 4 numbers w, x, y, z");
+  const Eigen::VectorXd q = of_unit_length(given, before);
+  problems_->has_w_first = problems_->has_w_first || std::abs(q[0]) >= kMostly;
+  if (std::abs(q[0]) <= kHardlyAnyW && q[3] >= kMostly) {
+    const nlohmann::json& v = *value_;
+    problems_->perhaps_w_last.push_back(
+        {path_,
+         "is half a turn or nearly so, as quaternions are w, x, y, z here; if x, y, z, w is meant, write " +
+             nlohmann::json{v[3], v[0], v[1], v[2]}.dump() +
+             ", and else an axis with an angle, which says so",
+         shown(v)});
   }
-  return Vec3::UnitZ();
+  return {q[0], q[1], q[2], q[3]};
 }
 
 std::vector<JsonNode> JsonNode::items(const char* expected) const {
@@ -207,60 +220,92 @@ std::vector<std::pair<std::string, JsonNode>> JsonNode::members() const {
 }
 
 void JsonNode::not_a_choice(const std::vector<std::string>& names) const {
-  problem("must be one of " + quoted_list(names) +
-          (value_->is_string() ? did_you_mean(value_->get_ref<const std::string&>(), names) : ""));
+  const std::string given = value_->is_string() ? value_->get<std::string>() : "";
+  const std::string known = known_names("must be one of ", names, given, names);
+  problem(known.starts_with("; ") ? "is not known" + known : known);
 }
 
 JsonObject::JsonObject(const JsonNode& node) : node_(node), is_object_(node.json().is_object()) {
   if (!is_object_) node.problem("must be an object");
 }
 
-std::optional<JsonNode> JsonObject::find(const char* key) {
-  known_.insert(key);
+std::optional<JsonNode> JsonObject::find(JsonKey key) {
+  known_.insert(key.name);
+  const auto plain = at(key.name);
+  if (!key.angle) return plain;
+  const std::string other = std::string(key.name) + "_deg";
+  known_.insert(other);
+  in_degrees_.insert(other);
+  const auto in_degrees = at(other);
+  if (!in_degrees) return plain;
+  if (plain && reported_.insert(other).second)
+    in_degrees->problem(quoted_list({key.name}) + " is given as well");
+  return JsonNode(in_degrees->json(), in_degrees->path(), node_.problems(), kDegree);
+}
+
+std::optional<JsonNode> JsonObject::at(const std::string& key) const {
   if (!is_object_) return std::nullopt;
   const auto found = node_.json().find(key);
   if (found == node_.json().end()) return std::nullopt;
   return JsonNode(*found, child_path(node_.path(), key), node_.problems());
 }
 
-std::optional<JsonNode> JsonObject::required(const char* key) {
-  auto member = find(key);
-  if (!member && is_object_) node_.problem(quoted_list({key}) + " is missing", "");
-  return member;
+std::optional<JsonNode> JsonObject::required(JsonKey key) {
+  auto found = find(key);
+  if (!found) missing({key.name}, quoted_list({key.name}) + " is missing");
+  return found;
 }
 
-std::optional<JsonNode> JsonObject::one_of(std::initializer_list<const char*> keys,
+/// A problem of what is not there; or of what is there in its place, under the name that others have for it.
+void JsonObject::missing(const std::vector<std::string>& names, const std::string& message) {
+  if (!is_object_) return;
+  for (const auto& [key, value] : node_.json().items())
+    if (const std::string other = called_here(key, names); !other.empty() && !known_.contains(key)) {
+      if (reported_.insert(key).second)
+        JsonNode(value, child_path(node_.path(), key), node_.problems()).problem("unknown key" + other);
+      return;
+    }
+  node_.problem(message, "");
+}
+
+std::optional<JsonNode> JsonObject::one_of(std::initializer_list<JsonKey> keys,
                                            std::initializer_list<const char*> or_else) {
   std::optional<JsonNode> first;
-  std::vector<std::string> names(keys.begin(), keys.end());
-  for (const char* key : keys) {
-    auto member = find(key);
-    if (!member) continue;
+  std::vector<std::string> names;
+  for (const JsonKey& key : keys) names.emplace_back(key.name);
+  for (const JsonKey& key : keys) {
+    auto found = find(key);
+    if (!found) continue;
     if (first)
-      member->problem("only one of " + quoted_list(names) + " may be given");
+      found->problem("only one of " + quoted_list(names) + " may be given");
     else
-      first = member;
+      first = found;
   }
   names.insert(names.end(), or_else.begin(), or_else.end());
-  if (!first && is_object_) node_.problem("one of " + quoted_list(names) + " is missing", "");
+  if (!first) missing(names, "one of " + quoted_list(names) + " is missing");
   return first;
 }
 
-void JsonObject::needs_any_of(std::initializer_list<const char*> keys) {
-  if (!is_object_ || std::any_of(keys.begin(), keys.end(), [&](const char* key) { return find(key); }))
+void JsonObject::needs_any_of(std::initializer_list<JsonKey> keys) {
+  if (!is_object_ || std::any_of(keys.begin(), keys.end(), [&](const JsonKey& key) { return find(key); }))
     return;
   for (const auto& [key, value] : node_.json().items())
     if (!known_.contains(key)) return;  // a wrong name of one of them
-  node_.problem("at least one of " + quoted_list({keys.begin(), keys.end()}) + " is missing", "");
+  std::vector<std::string> names;
+  for (const JsonKey& key : keys) names.emplace_back(key.name);
+  node_.problem("at least one of " + quoted_list(names) + " is missing", "");
 }
 
 void JsonObject::reject_unknown_keys() const {
   if (!is_object_ || accepts_all_) return;
   const std::vector<std::string> known(known_.begin(), known_.end());
+  std::vector<std::string> shown_names;  // without those of the same angles in degrees
+  for (const std::string& name : known)
+    if (!in_degrees_.contains(name)) shown_names.push_back(name);
   for (const auto& [key, value] : node_.json().items())
-    if (!known_.contains(key))
+    if (!known_.contains(key) && !reported_.contains(key))
       JsonNode(value, child_path(node_.path(), key), node_.problems())
-          .problem("unknown key; known here are " + quoted_list(known) + did_you_mean(key, known));
+          .problem("unknown key" + known_names("; known here are ", shown_names, key, known));
 }
 
 }  // namespace taut

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <exception>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <span>
@@ -13,29 +14,48 @@
 
 #include "core/math/so3.h"
 #include "scenes/files/json_document.h"
+#include "scenes/support/suggestion.h"
 
 /// A reader of JSON values that goes on after an error: what is wrong is added to a list with its path, and a
 /// harmless value is returned in its place.
 namespace taut {
 
-/// ` ; did you mean "mass"?` if one of the candidates is near, else nothing.
-std::string did_you_mean(std::string_view given, const std::vector<std::string>& candidates);
-/// `"a", "b", "c"`
-std::string quoted_list(const std::vector<std::string>& names);
+/// A key of an object.  That of an angle, or of what is an angle per time, can also be given with "_deg" at
+/// its end: then its numbers are in degrees.
+struct JsonKey {
+  JsonKey(const char* of) : name(of) {}
+  const char* name;
+  bool angle = false;
+};
+/// The key of an angle, if that is what it is.
+inline JsonKey in_angles(const char* name, bool is_angle = true) {
+  JsonKey key(name);
+  key.angle = is_angle;
+  return key;
+}
+inline constexpr double kDegree = std::numbers::pi / 180;  ///< [rad]
 
 /// One value of the document.
 class JsonNode {
  public:
-  JsonNode(const nlohmann::json& value, std::string path, Problems& problems)
-      : value_(&value), path_(std::move(path)), problems_(&problems) {}
+  /// @param unit what its number, or the numbers of its vector, are multiplied by
+  JsonNode(const nlohmann::json& value, std::string path, Problems& problems, double unit = 1)
+      : value_(&value), path_(std::move(path)), problems_(&problems), unit_(unit) {}
 
   const std::string& path() const { return path_; }
   const nlohmann::json& json() const { return *value_; }
   bool is_array() const { return value_->is_array(); }
+  double unit() const { return unit_; }
 
   /// Adds a problem of this value.
   void problem(std::string message) const;
   void problem(std::string message, std::string value) const;
+  /// Adds what is strange about this value, and no problem.
+  void warning(std::string message) const;
+  /// The same of what is right, but may be a slip of the hand that has written it.
+  void slip(std::string message) const {
+    if (problems_->by_hand) warning(std::move(message));
+  }
   Problems& problems() const { return *problems_; }
   /// Runs `function`; what it throws as bad input becomes a problem of this value.
   template <typename Function>
@@ -72,7 +92,11 @@ class JsonNode {
   std::string string() const;  ///< not empty
   Vec3 vector() const;
   Vec3 positive_vector() const;
+  /// A direction, of length 1 whatever it has in the file: what is not within 1e-3 of it gets a warning, and
+  /// 0 is a problem.
   Vec3 unit_vector() const;
+  /// A rotation as w, x, y, z, likewise.
+  Quat quaternion() const;
   /// Entries of an array; of anything else none, and a problem.
   std::vector<JsonNode> items(const char* expected = "an array") const;
   /// Entries of an object of any keys, by key; of anything else none, and a problem.
@@ -101,45 +125,48 @@ class JsonNode {
   void not_a_choice(const std::vector<std::string>& names) const;
 
  private:
+  Eigen::VectorXd of_unit_length(const std::vector<double>& values, std::size_t before) const;
   double number_that(bool (*fits)(double), const char* expected) const;
   void problem_of_core(std::string_view what) const;
 
   const nlohmann::json* value_;
   std::string path_;
   Problems* problems_;
+  double unit_;
 };
 
-/// The members of an object.  Every key that is asked for is thereby a known key.
+/// The members of an object.  Every key that is asked for is thereby a known key, an angle's also with
+/// "_deg"; both are a problem.
 class JsonObject {
  public:
   /// Anything but an object is a problem and reads like an empty one.
   explicit JsonObject(const JsonNode& node);
 
   const JsonNode& node() const { return node_; }
-  std::optional<JsonNode> find(const char* key);
+  std::optional<JsonNode> find(JsonKey key);
   /// Like find, but a missing key is a problem.
-  std::optional<JsonNode> required(const char* key);
+  std::optional<JsonNode> required(JsonKey key);
 
   /// The member's value, or `fallback` if it is not there.
   template <typename Value>
-  Value get(const char* key, Value (JsonNode::*read)() const, Value fallback) {
+  Value get(JsonKey key, Value (JsonNode::*read)() const, Value fallback) {
     const auto member = find(key);
     return member ? ((*member).*read)() : fallback;
   }
   /// The member's value; if it is not there, a problem and `harmless`.
   template <typename Value>
-  Value get_required(const char* key, Value (JsonNode::*read)() const, Value harmless) {
+  Value get_required(JsonKey key, Value (JsonNode::*read)() const, Value harmless) {
     const auto member = required(key);
     return member ? ((*member).*read)() : harmless;
   }
   /// Which of the keys is there; none or more than one is a problem.  `or_else`: what could be in their
   /// place.
-  std::optional<JsonNode> one_of(std::initializer_list<const char*> keys,
+  std::optional<JsonNode> one_of(std::initializer_list<JsonKey> keys,
                                  std::initializer_list<const char*> or_else = {});
 
   /// At least one of these keys must be there, as the object has no effect without them.  To be called when
   /// all known keys have been asked for; silent if there are unknown ones, which are problems themselves.
-  void needs_any_of(std::initializer_list<const char*> keys);
+  void needs_any_of(std::initializer_list<JsonKey> keys);
 
   /// To be called when all known keys have been asked for.
   void reject_unknown_keys() const;
@@ -147,9 +174,12 @@ class JsonObject {
   void accept_all_keys() { accepts_all_ = true; }
 
  private:
+  std::optional<JsonNode> at(const std::string& key) const;
+  void missing(const std::vector<std::string>& names, const std::string& message);
+
   JsonNode node_;
   bool is_object_, accepts_all_ = false;
-  std::set<std::string> known_;
+  std::set<std::string> known_, in_degrees_, reported_;
 };
 
 }  // namespace taut

@@ -32,6 +32,7 @@ class PairKeys {
   Pair points() {
     Pair p = pair("anchor", "anchor_a", "anchor_b", &JsonNode::vector, local_point);
     if (in_body_) p.a -= a.centre, p.b -= b.centre;
+    anchors = p;
     return p;
   }
   /// A point of B only: "anchor" in the world's frame or "anchor_b".
@@ -99,6 +100,7 @@ class PairKeys {
   }
 
   const BodyReference a, b;
+  std::optional<Pair> anchors;  ///< what points() has read
 
  private:
   using ToLocal = Vec3 (*)(const Pose&, const Vec3&);

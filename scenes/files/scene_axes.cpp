@@ -8,42 +8,45 @@
 namespace taut {
 namespace {
 
-double number_or(JsonObject& object, const char* key, double fallback) {
+double number_or(JsonObject& object, JsonKey key, double fallback) {
   return object.get(key, &JsonNode::number, fallback);
 }
 
-AxisLimits read_limits(const JsonNode& node) {
+// `angular`: the axis is an angle, so that keys along it can also be given in degrees.
+
+AxisLimits read_limits(const JsonNode& node, bool angular) {
   JsonObject keys(node);
   AxisLimits limits;
-  limits.lower = number_or(keys, "lower", limits.lower);
-  limits.upper = number_or(keys, "upper", limits.upper);
+  limits.lower = number_or(keys, in_angles("lower", angular), limits.lower);
+  limits.upper = number_or(keys, in_angles("upper", angular), limits.upper);
   limits.restitution = keys.get("restitution", &JsonNode::not_negative, 0.0);
   limits.compliance = keys.get("compliance", &JsonNode::not_negative, 0.0);
   limits.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
-  keys.needs_any_of({"lower", "upper"});
+  keys.needs_any_of({in_angles("lower", angular), in_angles("upper", angular)});
   keys.reject_unknown_keys();
   return limits;
 }
 
-AxisMotor read_motor(const JsonNode& node) {
+AxisMotor read_motor(const JsonNode& node, bool angular) {
   JsonObject keys(node);
   AxisMotor motor;
-  const auto target = keys.one_of({"velocity", "position", "trajectory"});
-  if (target && target->path().ends_with("trajectory")) {
-    motor.mode = AxisMotor::Mode::kTrajectory;
-    motor.trajectory = read_motion(*target);
-  } else if (target) {
-    if (target->path().ends_with("position")) motor.mode = AxisMotor::Mode::kPosition;
+  const JsonKey velocity = in_angles("velocity", angular), position = in_angles("position", angular);
+  const auto target = keys.one_of({velocity, position, "trajectory"});
+  if (target && (keys.find(velocity) || keys.find(position))) {  // the first one that is there
+    if (!keys.find(velocity)) motor.mode = AxisMotor::Mode::kPosition;
     motor.target = target->number();
+  } else if (target) {
+    motor.mode = AxisMotor::Mode::kTrajectory;
+    motor.trajectory = read_motion(*target, angular);
   }
   motor.max_force = keys.get("max_force", &JsonNode::not_negative, motor.max_force);
-  motor.max_speed = keys.get("max_speed", &JsonNode::positive, motor.max_speed);
-  motor.force_of_speed = read_curve(keys, "force_of_speed");
+  motor.max_speed = keys.get(in_angles("max_speed", angular), &JsonNode::positive, motor.max_speed);
+  motor.force_of_speed = read_curve(keys, in_angles("force_of_speed", angular));
   keys.reject_unknown_keys();
   return motor;
 }
 
-AxisFriction read_friction(const JsonNode& node) {
+AxisFriction read_friction(const JsonNode& node, bool) {
   JsonObject keys(node);
   AxisFriction friction;
   friction.static_friction = keys.get("static", &JsonNode::not_negative, 0.0);
@@ -55,15 +58,16 @@ AxisFriction read_friction(const JsonNode& node) {
   return friction;
 }
 
-AxisSpring read_spring(const JsonNode& node) {
+AxisSpring read_spring(const JsonNode& node, bool angular) {
   JsonObject keys(node);
   AxisSpring spring;
+  const JsonKey table = in_angles("table", angular), damping_table = in_angles("damping_table", angular);
   spring.stiffness = keys.get("stiffness", &JsonNode::not_negative, 0.0);
   spring.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
-  spring.rest = number_or(keys, "rest", 0);
-  spring.table = read_curve(keys, "table");
-  spring.damping_table = read_curve(keys, "damping_table");
-  keys.needs_any_of({"stiffness", "damping", "table", "damping_table"});
+  spring.rest = number_or(keys, in_angles("rest", angular), 0);
+  spring.table = read_curve(keys, table);
+  spring.damping_table = read_curve(keys, damping_table);
+  keys.needs_any_of({"stiffness", "damping", table, damping_table});
   keys.reject_unknown_keys();
   return spring;
 }
@@ -72,10 +76,10 @@ AxisSpring read_spring(const JsonNode& node) {
 template <typename Property>
 struct AxisKey {
   const char* key;
-  Property (*read)(const JsonNode& node);
+  Property (*read)(const JsonNode& node, bool angular);
 };
 template <typename Property>
-AxisKey(const char*, Property (*)(const JsonNode&)) -> AxisKey<Property>;
+AxisKey(const char*, Property (*)(const JsonNode&, bool)) -> AxisKey<Property>;
 constexpr std::tuple kAxisKeys{AxisKey{"limits", read_limits}, AxisKey{"motor", read_motor},
                                AxisKey{"friction", read_friction}, AxisKey{"spring", read_spring}};
 
@@ -110,31 +114,34 @@ BreakLimits read_break(const JsonNode& node) {
 
 }  // namespace
 
-Motion read_motion(const JsonNode& node) {
+Motion read_motion(const JsonNode& node, bool angular) {
   JsonObject keys(node);
-  const auto kind = keys.one_of({"linear", "harmonic", "spline", "speeds"});
+  const JsonKey spline = in_angles("spline", angular), speeds = in_angles("speeds", angular);
+  const auto kind = keys.one_of({"linear", "harmonic", spline, speeds});
   Motion motion;
   if (!kind) return motion;
   const std::size_t before = node.problems().size();
   if (kind->path().ends_with("linear")) {
     JsonObject of(*kind);
-    const double value = number_or(of, "value", 0), start = number_or(of, "start", 0);
-    const double rate = of.get_required("rate", &JsonNode::number, 0.0);
+    const double value = number_or(of, in_angles("value", angular), 0), start = number_or(of, "start", 0);
+    const double rate = of.get_required(in_angles("rate", angular), &JsonNode::number, 0.0);
     of.reject_unknown_keys();
     motion = linear_motion(value, rate, start);
   } else if (kind->path().ends_with("harmonic")) {
     JsonObject of(*kind);
-    const double mean = number_or(of, "mean", 0), phase = number_or(of, "phase", 0);
-    const double amplitude = of.get_required("amplitude", &JsonNode::number, 0.0);
-    const double omega = of.get_required("omega", &JsonNode::number, 0.0);
+    const double mean = number_or(of, in_angles("mean", angular), 0);
+    const double phase = number_or(of, in_angles("phase"), 0);
+    const double amplitude = of.get_required(in_angles("amplitude", angular), &JsonNode::number, 0.0);
+    const double omega = of.get_required(in_angles("omega"), &JsonNode::number, 0.0);
     of.reject_unknown_keys();
     motion = harmonic_motion(mean, amplitude, omega, phase);
   } else {
-    const std::vector<Curve::Point> points = read_curve_points(*kind);
-    const bool speeds = kind->path().ends_with("speeds");
-    const double value = speeds ? number_or(keys, "value", 0) : 0;
+    std::vector<Curve::Point> points = read_curve_points(*kind);
+    for (Curve::Point& p : points) p.y *= kind->unit();
+    const bool by_speed = !keys.find(spline);
+    const double value = by_speed ? number_or(keys, in_angles("value", angular), 0) : 0;
     kind->guard_if_sound(before, [&] {
-      if (speeds) {
+      if (by_speed) {
         motion = speed_motion(Curve(points), value);
         return;
       }
@@ -156,12 +163,13 @@ std::vector<Curve::Point> read_curve_points(const JsonNode& node) {
   return points;
 }
 
-std::optional<Curve> read_curve(JsonObject& object, const char* key) {
+std::optional<Curve> read_curve(JsonObject& object, JsonKey key) {
   const auto node = object.find(key);
   if (!node) return {};
   std::optional<Curve> curve;
   const std::size_t before = node->problems().size();
-  const std::vector<Curve::Point> points = read_curve_points(*node);
+  std::vector<Curve::Point> points = read_curve_points(*node);
+  for (Curve::Point& p : points) p.x *= node->unit();
   node->guard_if_sound(before, [&] { curve = Curve(points); });
   return curve;
 }
@@ -169,21 +177,22 @@ std::optional<Curve> read_curve(JsonObject& object, const char* key) {
 void SceneReader::read_axes(const JsonNode& node, JointId joint) {
   for (const auto& [name, axis_node] : node.members()) {
     JsonObject keys(axis_node);
-    const auto start = keys.find("value");
+    std::optional<AxisId> id;
+    if (joint.index >= 0) axis_node.guard([&, &name = name] { id = scene_.world.axis(joint, name); });
+    const bool angular = !id || scene_.world.axis_info(*id).angular;
+    const auto start = keys.find(in_angles("value", angular));
     const std::size_t before_values = problems_.size();
     std::vector<std::function<void(AxisId)>> setters;
     const auto read = [&](const auto& property) {
       if (const auto child = keys.find(property.key))
-        setters.push_back([this, child, value = std::optional(property.read(*child))](AxisId id) {
-          child->guard([&] { scene_.world.set_property(id, value); });
+        setters.push_back([this, child, value = std::optional(property.read(*child, angular))](AxisId of) {
+          child->guard([&] { scene_.world.set_property(of, value); });
         });
     };
+    if (id && angular && scene_.world.joint(joint).type() != "screw") note_many_turns(keys);
     std::apply([&](const auto&... properties) { (read(properties), ...); }, kAxisKeys);
     const double start_value = start ? start->number() : 0;
     keys.reject_unknown_keys();
-    if (joint.index < 0) continue;
-    std::optional<AxisId> id;
-    axis_node.guard([&, &name = name] { id = scene_.world.axis(joint, name); });
     if (!id || problems_.size() != before_values) continue;
     for (const auto& set : setters) set(*id);
     if (start) start->guard([&] { scene_.world.set_axis_turns(*id, start_value); });
@@ -242,7 +251,8 @@ std::shared_ptr<const Joint> read_differential(const SceneReader& reader, JsonOb
 std::shared_ptr<const Joint> read_driver(const SceneReader& reader, JsonObject& joint) {
   const auto axis = reader.required_axis(joint, "of");
   const auto motion_node = joint.required("motion");
-  const Motion motion = motion_node ? read_motion(*motion_node) : Motion();
+  const bool angular = !axis || reader.world().axis_info(*axis).angular;
+  const Motion motion = motion_node ? read_motion(*motion_node, angular) : Motion();
   if (!axis || !motion) return nullptr;
   return std::make_shared<Driver>(reader.world(), *axis, motion);
 }

@@ -37,6 +37,8 @@ void read_inertia(const JsonNode& node, double mass, MassProperties& result) {
   if (node.problems().size() == before) node.guard([&] { result = MassProperties(mass, inertia); });
 }
 
+}  // namespace
+
 /// The mass and its centre from the collision shapes: with one density for all, one for each, or scaled to a
 /// mass.
 FileMass mass_of_shapes(JsonObject& body, const std::vector<FileShape>& shapes) {
@@ -65,22 +67,6 @@ FileMass mass_of_shapes(JsonObject& body, const std::vector<FileShape>& shapes) 
     });
   return result;
 }
-
-Quat read_quaternion(const JsonNode& node) {
-  const std::size_t before = node.problems().size();
-  const std::vector<double> q = node.numbers(4, "a quaternion of 4 numbers w, x, y, z");
-  const double norm = Eigen::Vector4d(q[0], q[1], q[2], q[3]).norm();
-  if (std::abs(norm - 1) <= kUnitTolerance) return Quat(q[0], q[1], q[2], q[3]);
-  if (node.problems().size() == before) {
-    std::ostringstream message;
-    message.precision(10);
-    message << "must be a quaternion of length 1 to " << kUnitTolerance << ", its length is " << norm;
-    node.problem(message.str());
-  }
-  return Quat::Identity();
-}
-
-}  // namespace
 
 FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& shapes) {
   std::optional<JsonNode> mass_node = body.find("mass"), density = body.find("density");
@@ -119,12 +105,11 @@ FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& s
 }
 
 Quat read_orientation(const JsonNode& node) {
-  if (node.is_array()) return read_quaternion(node);
+  if (node.is_array()) return node.quaternion();
   if (!node.json().is_object()) {
     node.problem("must be a quaternion [w, x, y, z], an axis with an angle, or roll, pitch and yaw");
     return Quat::Identity();
   }
-  constexpr double kDegree = std::numbers::pi / 180;
   JsonObject object(node);
   Quat q = Quat::Identity();
   if (object.find("rpy_deg") || object.find("rpy_rad")) {
@@ -152,24 +137,37 @@ void SceneReader::read_body(const JsonNode& node) {
   if (name) spec.name = name->string();
   spec.fixed = body.get("fixed", &JsonNode::boolean, false);
   const auto shape_list = body.find("shapes");
-  const std::vector<FileShape> shapes = shape_list ? read_shapes(*shape_list) : std::vector<FileShape>();
-  const FileMass mass = read_mass(body, spec.fixed, shapes);
+  const std::optional<BodyByEnds> ends = read_body_by_ends(body);
+  std::vector<FileShape> shapes;
+  if (ends && ends->sound)
+    shapes = {ends->shape};
+  else if (shape_list && !ends)
+    shapes = read_shapes(*shape_list);
+  const auto mass_node = body.find("mass"), density_node = body.find("density");
+  const bool needs_mass = !spec.fixed || mass_node || density_node;
+  FileMass mass;
+  if (!ends)
+    mass = read_mass(body, spec.fixed, shapes);
+  else if (needs_mass)
+    mass = ends->sound ? mass_of_shapes(body, shapes) : FileMass{};
   spec.mass = mass.properties;
   const std::size_t before_pose = problems_.size();
   const auto position = body.find("position"), orientation = body.find("orientation");
-  if (position) spec.pose.p = position->vector();
-  if (orientation) spec.pose.q = read_orientation(*orientation);
+  if (position && !ends) spec.pose.p = position->vector();
+  if (orientation && !ends) spec.pose.q = read_orientation(*orientation);
   bool placed = node.json().is_object() && problems_.size() == before_pose;
+  if (ends) spec.pose = ends->pose, placed = ends->placed;
   spec.pose.p += spec.pose.q * mass.centre;
   spec.twist.v = body.get("velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
-  spec.twist.w = body.get("angular_velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
-  if (const auto in_body_axes = body.find("angular_velocity_body")) {
-    if (body.find("angular_velocity")) in_body_axes->problem("angular_velocity is given as well");
+  spec.twist.w = body.get(in_angles("angular_velocity"), &JsonNode::vector, Vec3(Vec3::Zero()));
+  if (const auto in_body_axes = body.find(in_angles("angular_velocity_body"))) {
+    if (body.find(in_angles("angular_velocity"))) in_body_axes->problem("angular_velocity is given as well");
     spec.twist.w = spec.pose.q * in_body_axes->vector();
   }
   const std::size_t before_keys = problems_.size();
   body.reject_unknown_keys();
-  if (problems_.size() != before_keys && !(position && orientation)) placed = false;  // one may be misspelt
+  if (problems_.size() != before_keys && !(position && orientation) && !ends)
+    placed = false;  // one may be misspelt
   if (spec.fixed && !(spec.twist.v.isZero(0) && spec.twist.w.isZero(0)))
     node.problem("a fixed body cannot have a velocity");
 

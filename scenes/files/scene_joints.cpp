@@ -59,6 +59,10 @@ struct JointReader {
   std::shared_ptr<const Joint> (*pair)(PairKeys& k);  ///< a joint of two bodies; null: …
   JointFromKeys other = nullptr;                      ///< … one of axes, or of "points"
 };
+/// Those that turn about a point, which is therefore on both bodies, or near them.
+bool turns_about_a_point(std::string_view type) {
+  return type == "ball" || type == "hinge" || type == "universal" || type == "hinge2";
+}
 constexpr std::pair<const char*, JointReader> kJointTypes[] = {
     {"ball", {read_ball}},
     {"hinge", {[](PairKeys& k) {
@@ -146,6 +150,9 @@ void SceneReader::read_joint(const JsonNode& node) {
     joint.reject_unknown_keys();
     bodies_found = keys.a.found && keys.b.found;
     bodies_placed = keys.a.placed && keys.b.placed;
+    if (made && bodies_placed && keys.a.shaped && keys.b.shaped && keys.anchors &&
+        turns_about_a_point(made->type()))
+      anchors_.push_back({node, keys.a.id, keys.b.id, keys.anchors->a, keys.anchors->b});
     if (bodies_found) {
       if (keys.a.id == keys.b.id)
         joint.find("b")->problem("joins a body to itself");

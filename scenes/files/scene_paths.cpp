@@ -29,9 +29,10 @@ double section(const SceneReader& reader, const WirePoint& P, const WirePoint& Q
   return (world.pose(Q.body).point(Q.p_BP) - world.pose(P.body).point(P.p_BP)).norm();
 }
 
-/// A number or a motion, as a motion.
-Motion number_or_motion(const JsonNode& node) {
-  return node.json().is_number() ? linear_motion(node.number(), 0) : read_motion(node);
+/// A number or a motion, as a motion.  In degrees it must be a number: a motion has keys in degrees.
+Motion number_or_motion(const JsonNode& node, bool angular) {
+  const bool is_number = node.json().is_number() || node.unit() != 1;
+  return is_number ? linear_motion(node.number(), 0) : read_motion(node, angular);
 }
 
 /// "turns": [{"axis", "angle": motion}, ...].
@@ -41,7 +42,7 @@ std::vector<Turning> read_turns(const JsonNode& list) {
     JsonObject keys(item);
     Turning turn;
     turn.axis = keys.get_required("axis", &JsonNode::unit_vector, Vec3(Vec3::UnitZ()));
-    if (const auto angle = keys.required("angle")) turn.angle = number_or_motion(*angle);
+    if (const auto angle = keys.required(in_angles("angle"))) turn.angle = number_or_motion(*angle, true);
     keys.reject_unknown_keys();
     turns.push_back(std::move(turn));
   }
@@ -121,7 +122,7 @@ std::shared_ptr<const Joint> read_pose_driver(PairKeys& k) {
   if (const auto node = k.object().find("position")) {
     const std::vector<JsonNode> items = node->items("an array of 3 numbers or motions");
     if (items.size() != 3 && node->is_array()) node->problem("must be an array of 3 numbers or motions");
-    for (std::size_t i = 0; i < 3 && items.size() == 3; ++i) position[i] = number_or_motion(items[i]);
+    for (std::size_t i = 0; i < 3 && items.size() == 3; ++i) position[i] = number_or_motion(items[i], false);
   }
   return k.joint<PoseDriver>(between_centres(pose_motion(position, turns, q), k.a.centre, k.b.centre));
 }

@@ -104,12 +104,14 @@ Scene SceneReader::read(const nlohmann::json& document, const std::string& defau
   each("material_pairs", &SceneReader::read_material_pair);
   if (const auto ground = top.find("ground")) read_ground(*ground);
   each("bodies", &SceneReader::read_body);
+  each("cables", &SceneReader::read_cable);
   each("joints", &SceneReader::read_joint);
   each("pairs", &SceneReader::read_pair);
   each("forces", &SceneReader::read_force);
   each("probes", &SceneReader::read_probe);
   top.reject_unknown_keys();
   if (!scene_.assemble && knows_start_) check_gaps();
+  note_far_anchors();
   return std::move(scene_);
 }
 

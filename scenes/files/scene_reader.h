@@ -34,6 +34,14 @@ struct FileShape {
   CollisionFilter filter;
 };
 
+/// A body that is given by its ends: its one shape, and its frame with x from one to the other.
+struct BodyByEnds {
+  FileShape shape;
+  Pose pose;
+  bool placed = false;  ///< its ends are known
+  bool sound = false;   ///< no key has a problem
+};
+
 /// What the keys of a body say about its mass.
 struct FileMass {
   MassProperties properties{1, Vec3(1, 1, 1)};
@@ -42,6 +50,8 @@ struct FileMass {
 };
 /// mass or density, with inertia, shape or the collision shapes.  A fixed body needs none of them.
 FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& shapes);
+/// The same of a body whose only source of mass are these shapes.
+FileMass mass_of_shapes(JsonObject& body, const std::vector<FileShape>& shapes);
 
 /// Builds a Scene from a document.  A body or joint with problems is still entered under its name, with what
 /// is known of it, so that what refers to it is checked as well.
@@ -69,9 +79,14 @@ class SceneReader {
   void read_ground(const JsonNode& node);
   void read_body(const JsonNode& node);
   void refuse_name(const JsonNode& name);
+  /// "rod", "capsule" or "beam", if the body has one of them.
+  std::optional<BodyByEnds> read_body_by_ends(JsonObject& body) const;
+  void read_cable(const JsonNode& node);
   /// "shapes": those without problems.
   std::vector<FileShape> read_shapes(const JsonNode& list) const;
   std::optional<FileShape> read_shape_of_body(const JsonNode& node) const;
+  /// "material", "groups" and "collides_with".
+  void read_surface(JsonObject& keys, FileShape& shape) const;
   void add_shapes(BodyId body, const std::vector<FileShape>& shapes, const Vec3& centre);
   /// The name of a material, or one in place.
   Material material_of(const JsonNode& node) const;
@@ -85,6 +100,8 @@ class SceneReader {
   void read_force(const JsonNode& node);
   void read_probe(const JsonNode& node);
   void check_gaps();
+  void note_many_turns(JsonObject& axis) const;
+  void note_far_anchors() const;
   /// "axes" of a joint: limits, motor, friction and spring by axis; applied to the joint if it is there.
   void read_axes(const JsonNode& node, JointId joint);
   /// "compliance", "break" and "attached"; the same.
@@ -119,6 +136,13 @@ class SceneReader {
   bool knows_start_ = true;                          // "time" and "assemble"
   mutable bool knows_all_ = true;                    // that the item refers to which is being read
   std::vector<std::string> joint_paths_;             // by joint id; empty: its gap is not checked
+  /// The point of a joint that two bodies turn about, from the centre of mass of each, in its axes.
+  struct FileAnchor {
+    JsonNode node;
+    BodyId a, b;
+    Vec3 p_AP, p_BQ;
+  };
+  std::vector<FileAnchor> anchors_;
 };
 
 /// A joint or force by its keys; null if what it refers to has problems.
@@ -140,12 +164,12 @@ std::shared_ptr<const Joint> read_point_on_curve(PairKeys& keys);
 std::shared_ptr<const Joint> read_pose_driver(PairKeys& keys);
 
 /// {"linear": ...}, {"harmonic": ...}, {"spline": ...} or {"speeds": ...}: one of the motions of
-/// core/state/motion.h.
-Motion read_motion(const JsonNode& node);
-/// [[x, y], ...], x increasing.
+/// core/state/motion.h; of an angle, also in degrees.
+Motion read_motion(const JsonNode& node, bool angular);
+/// [[x, y], ...], x increasing; without regard to the unit of the node.
 std::vector<Curve::Point> read_curve_points(const JsonNode& node);
-/// A curve if the object has one by that key.
-std::optional<Curve> read_curve(JsonObject& object, const char* key);
+/// A curve if the object has one by that key, whose unit is that of x.
+std::optional<Curve> read_curve(JsonObject& object, JsonKey key);
 
 /// The "settings" object.
 Settings read_settings(const JsonNode& node, const Settings& defaults);

@@ -8,7 +8,7 @@ namespace taut {
 Settings read_settings(const JsonNode& node, const Settings& defaults) {
   Settings s = defaults;
   JsonObject object(node);
-  const auto number = [&](const char* key, double (JsonNode::*read)() const, double& value) {
+  const auto number = [&](JsonKey key, double (JsonNode::*read)() const, double& value) {
     value = object.get(key, read, value);
   };
   const auto integer = [&](const char* key, int& value) {
@@ -24,7 +24,7 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   integer("max_substeps", s.max_substeps);
   choice("tension", kTensionNames, s.tension);
   number("max_tension_number", &JsonNode::positive, s.max_tension_number);
-  number("max_rotation", &JsonNode::positive, s.max_rotation);
+  number(in_angles("max_rotation"), &JsonNode::positive, s.max_rotation);
   choice("drift_cure", kDriftCureNames, s.drift_cure);
   number("erp", &JsonNode::not_negative, s.erp);
   number("cfm", &JsonNode::not_negative, s.cfm);

@@ -86,15 +86,20 @@ std::optional<FileShape> SceneReader::read_shape_of_body(const JsonNode& node) c
   if (const auto orientation = keys.find("orientation")) pose.q = read_orientation(*orientation);
   result.placed.pose = {(pose.q * result.placed.pose.q).normalized(), pose.point(result.placed.pose.p)};
   if (result.density) result.placed.density = result.density->positive();
-  if (const auto material = keys.find("material")) {
-    result.material = material_of(*material);
-    if (material->json().is_string() && problems_.size() == before) result.named = named_material(*material);
-  }
-  result.filter.groups = read_groups(keys, "groups", result.filter.groups);
-  result.filter.mask = read_groups(keys, "collides_with", result.filter.mask);
+  read_surface(keys, result);
   keys.reject_unknown_keys();
   if (problems_.size() != before) return {};
   return result;
+}
+
+void SceneReader::read_surface(JsonObject& keys, FileShape& shape) const {
+  const std::size_t before = problems_.size();
+  if (const auto material = keys.find("material")) {
+    shape.material = material_of(*material);
+    if (material->json().is_string() && problems_.size() == before) shape.named = named_material(*material);
+  }
+  shape.filter.groups = read_groups(keys, "groups", shape.filter.groups);
+  shape.filter.mask = read_groups(keys, "collides_with", shape.filter.mask);
 }
 
 void SceneReader::add_shapes(BodyId body, const std::vector<FileShape>& shapes, const Vec3& centre) {

@@ -1,10 +1,13 @@
 #include "scenes/files/scene_source.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
 #include "core/base/check.h"
 #include "scenes/files/scene_file.h"
+#include "scenes/support/suggestion.h"
 
 namespace taut {
 
@@ -12,7 +15,40 @@ bool is_scene_file(const std::string& name_or_file) {
   return name_or_file.find('/') != std::string::npos || name_or_file.ends_with(".json");
 }
 
+namespace {
+
+bool is_there(const std::string& file) {
+  std::error_code error;
+  return std::filesystem::exists(file, error);
+}
+
+bool is_builder(const std::string& name) {
+  const std::vector<SceneInfo>& all = scene_catalogue();
+  return std::any_of(all.begin(), all.end(), [&](const SceneInfo& info) { return info.name == name; });
+}
+
+/// A name with an ending that it must not have, or the other way round.
+void refuse_wrong_ending(const std::string& given) {
+  if (is_scene_file(given)) {
+    const std::string stem = std::filesystem::path(given).stem().string();
+    if (!is_there(given) && is_builder(stem))
+      fail("scene", "there is no such file; did you mean the scene \"" + stem + "\"?", given);
+  } else if (!is_builder(given)) {
+    if (is_there(given + ".json"))
+      fail("scene", "there is none of this name; did you mean the file \"" + given + ".json\"?", given);
+    if (const std::string file = did_you_mean_file(given); given.find('.') != given.npos && !file.empty())
+      fail("scene", "there is none of this name, and no such file" + file, given);
+    if (is_there(given))
+      fail("scene",
+           "there is none of this name; a scene file ends in .json, or has a / in its name: ./" + given,
+           given);
+  }
+}
+
+}  // namespace
+
 Scene open_scene(const std::string& name_or_file, const std::map<std::string, double>& parameters) {
+  refuse_wrong_ending(name_or_file);
   if (!is_scene_file(name_or_file)) return build_scene(name_or_file, parameters);
   if (!parameters.empty())
     fail("--set", "a scene file has no parameters; edit " + name_or_file, parameters.begin()->first);

@@ -31,7 +31,14 @@ std::optional<TriangleMesh> read_file(JsonObject& keys, Folder folder,
   const std::string name = file->string();
   const double factor = scale ? scale->positive() : 1;
   TriangleMesh mesh;
-  if (file->problems().size() == before) file->guard([&] { mesh = read_mesh(*folder / name, factor); });
+  if (file->problems().size() == before)
+    file->guard([&] {
+      const std::filesystem::path path = *folder / name;
+      if (std::error_code error; !std::filesystem::exists(path, error))
+        if (const std::string nearby = did_you_mean_file(path); !nearby.empty())
+          return file->problem("there is no such file" + nearby);
+      mesh = read_mesh(path, factor);
+    });
   return mesh;
 }
 

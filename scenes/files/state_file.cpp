@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/state/same_state.h"
+#include "scenes/files/json_positions.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/files/scene_reader.h"
 #include "scenes/support/base64.h"
@@ -192,8 +193,12 @@ nlohmann::ordered_json state_json(const World& world, const SavedMemory& memory)
 
 SavedMemory apply_state(World& world, std::string_view text, const std::string& file_name) {
   Problems problems;
+  problems.by_hand = false;
   SavedMemory memory;
   if (const auto document = parse_json(text, problems)) memory = StateReader(world, problems).read(*document);
+  // Programs write states: what is only strange in a scene is wrong here.
+  problems.insert(problems.end(), problems.warnings.begin(), problems.warnings.end());
+  locate(text, problems);
   if (!problems.empty()) throw SceneFileError(file_name, std::move(problems));
   return memory;
 }

@@ -94,7 +94,7 @@ ImportedModel import_model_text(std::string_view text, const std::filesystem::pa
 Scene load_model_file(const std::filesystem::path& file, std::vector<ImportNotice>* notices) {
   ImportedModel imported = import_model(file);
   if (notices) notices->insert(notices->end(), imported.notices.begin(), imported.notices.end());
-  return parse_scene(imported.document.dump(), file.string());
+  return parse_scene(imported.document.dump(), file.string(), false);
 }
 
 Scene open_scene_or_model(const std::string& name_or_file, const std::map<std::string, double>& parameters,

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "scenes/files/scene_file.h"
+#include "scenes/support/suggestion.h"
 
 namespace taut::model {
 namespace {
@@ -68,7 +69,7 @@ pugi::xml_node XmlFiles::open_model(const pugi::xml_node& node, const std::strin
   const std::filesystem::path path = folder(node) / name;
   if (files_.size() >= kMostFiles) fail(node, "too many files are named");
   if (!std::filesystem::is_regular_file(path))
-    fail(node, "the model file cannot be read (value: " + path.string() + ")");
+    fail(node, "the model file cannot be read" + did_you_mean_file(path) + " (value: " + path.string() + ")");
   return open(path);
 }
 
@@ -125,7 +126,8 @@ void XmlFiles::expand(const pugi::xml_node& node, std::vector<pugi::xml_node>& r
           fail(child, "the file is included already (value: " + path.string() + ")");
       if (files_.size() >= kMostFiles) fail(child, "too many files are included");
       if (!std::filesystem::is_regular_file(path))
-        fail(child, "the included file cannot be read (value: " + path.string() + ")");
+        fail(child, "the included file cannot be read" + did_you_mean_file(path) +
+                        " (value: " + path.string() + ")");
       used_.insert(child.hash_value());
       found = included_.emplace(child.hash_value(), parse_as_part(read_text_file(path), path, folder(child)))
                   .first;

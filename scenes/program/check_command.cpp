@@ -64,7 +64,9 @@ int check_command(const std::string& name, const std::map<std::string, double>& 
   options.scene = name;
   const SettingSources sources(options, scene);
   require_compatible(scene, sources);
-  std::vector<std::string> warnings = settings_without_effect(scene.settings, sources);
+  std::vector<std::string> warnings = scene.warnings;
+  for (std::string& warning : settings_without_effect(scene.settings, sources))
+    warnings.push_back(std::move(warning));
   for (std::string& warning : start_warnings(world, scene.settings, scene.dt))
     warnings.push_back(std::move(warning));
   for (const ImportNotice& notice : notices) warnings.push_back(notice.text());

@@ -5,6 +5,7 @@
 #include "core/base/check.h"
 #include "scenes/builders/scene.h"
 #include "scenes/recording/recorder.h"
+#include "scenes/support/suggestion.h"
 
 namespace taut {
 namespace {
@@ -32,12 +33,15 @@ std::string parameter_line(const ParameterInfo& parameter) {
 
 std::string list_scenes(const std::string& name) {
   std::string text;
+  std::vector<std::string> names;
   for (const SceneInfo& scene : scene_catalogue()) {
+    names.push_back(scene.name);
     if (!name.empty() && scene.name != name) continue;
     text += scene.name + "\n    " + scene.description + "\n";
     for (const ParameterInfo& parameter : scene.parameters) text += parameter_line(parameter);
   }
-  if (text.empty()) fail("list", "there is no scene of that name; `taut list` shows all", name);
+  if (text.empty())
+    fail("list", "there is no scene of that name, see `taut list`" + did_you_mean(name, names), name);
   return text;
 }
 

@@ -305,7 +305,9 @@ int run_command(const RunOptions& options) {
   simulator.set_interrupt([] { return InterruptGuard::age() > kLongStep; });
   Outputs::check(options);
 
-  record.warnings = settings_without_effect(scene.settings, sources);
+  record.warnings = scene.warnings;
+  for (std::string& warning : settings_without_effect(scene.settings, sources))
+    record.warnings.push_back(std::move(warning));
   if (options.poses_interval && options.poses_file.empty())
     record.warnings.push_back("--poses-interval has no effect without --poses");
   if (options.frames_per_second && options.record_file.empty() && !options.exports.any())

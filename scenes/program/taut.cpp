@@ -1,12 +1,15 @@
-/// The program: taut run | replay | check | import | export | list | accuracy | friction | bench.
+/// The program: taut run | replay | check | new | schema | import | export | list | accuracy | friction |
+/// bench.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <iostream>
 #include <system_error>
 
 #include "scenes/files/scene_source.h"
+#include "scenes/import/import.h"
 #include "scenes/program/accuracy_command.h"
 #include "scenes/program/bench_command.h"
 #include "scenes/program/check_command.h"
@@ -14,9 +17,11 @@
 #include "scenes/program/friction_command.h"
 #include "scenes/program/import_command.h"
 #include "scenes/program/list_command.h"
+#include "scenes/program/new_command.h"
 #include "scenes/program/replay_command.h"
 #include "scenes/program/run_command.h"
 #include "scenes/support/output_file.h"
+#include "scenes/support/suggestion.h"
 #include "solvers/common/setting_names.h"
 
 namespace {
@@ -26,6 +31,7 @@ struct Arguments {
   taut::RunOptions run;
   taut::AccuracyOptions accuracy;
   taut::FrictionOptions friction;
+  taut::NewOptions fresh;
   std::string list_name;
   std::string check_scene;
   bool check_all = false;
@@ -52,15 +58,20 @@ template <typename Choice, std::size_t count>
 void add_choice(CLI::App& command, const std::string& option, std::optional<Choice>& value,
                 const std::pair<const char*, Choice> (&names)[count], const std::string& description) {
   std::string all;
-  for (const auto& [name, choice] : names) all += std::string(all.empty() ? "" : "|") + name;
+  std::vector<std::string> known;
+  for (const auto& [name, choice] : names) {
+    all += std::string(all.empty() ? "" : "|") + name;
+    known.emplace_back(name);
+  }
   command
       .add_option_function<std::string>(
           option,
-          [&value, &names, option, all](const std::string& text) {
+          [&value, &names, option, all, known](const std::string& text) {
             for (const auto& [name, choice] : names)
               if (name == text) value = choice;
             if (!value)
-              throw CLI::ValidationError(option, "must be one of " + all + " (value: " + text + ")");
+              throw CLI::ValidationError(option, "must be one of " + all + taut::did_you_mean(text, known) +
+                                                     " (value: " + text + ")");
           },
           description)
       ->type_name(all);
@@ -210,6 +221,12 @@ void add_others(CLI::App& app, Arguments& arguments) {
       *app.add_subcommand("check", "look for mistakes in a scene; count freedoms, name redundant rows");
   add_scene(check, arguments.check_scene, arguments.check_assignments);
   check.add_flag("--all", arguments.check_all, "name all redundant rows, not the first 20 only");
+  CLI::App& fresh = *app.add_subcommand("new", "write a commented scene file to begin with");
+  fresh.add_option("file", arguments.fresh.file, "scene file to write, .json");
+  fresh.add_option("--template", arguments.fresh.name, "one of --list; default: machine")->type_name("NAME");
+  fresh.add_flag("--list", arguments.fresh.list, "list the templates");
+  fresh.add_flag("--force", arguments.fresh.force, "write over a file that is there");
+  app.add_subcommand("schema", "print the JSON Schema of scene files, for editors");
   CLI::App& import = *app.add_subcommand(
       "import", "a model of a robot, URDF, SDF or MJCF, as a scene file; lists what has no counterpart");
   import.add_option("model", arguments.model, "a .urdf, .sdf or .xml file")->required();
@@ -249,6 +266,8 @@ int dispatch(const CLI::App& app, Arguments& arguments, const std::vector<std::s
     return taut::export_command(arguments.export_scene, parameters(arguments.export_assignments),
                                 arguments.exported);
   if (app.got_subcommand("import")) return taut::import_command(arguments.model, arguments.imported);
+  if (app.got_subcommand("new")) return taut::new_command(arguments.fresh);
+  if (app.got_subcommand("schema")) return taut::schema_command();
   if (app.got_subcommand("list")) {
     std::cout << taut::list_scenes(arguments.list_name);
     return taut::kExitSuccess;
@@ -256,6 +275,32 @@ int dispatch(const CLI::App& app, Arguments& arguments, const std::vector<std::s
   if (app.got_subcommand("accuracy")) return taut::accuracy_command(arguments.accuracy);
   if (app.got_subcommand("friction")) return taut::friction_command(arguments.friction);
   return taut::bench_command(arguments.bench);
+}
+
+/// Nothing, or a sentence on the command that may be meant.
+std::string meant_command(const CLI::App& app, const std::string& given) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  if (std::string meant = taut::did_you_mean(given, names); !meant.empty()) return meant;
+  const bool scene = taut::is_scene_or_model_file(given) ||
+                     std::ranges::any_of(taut::scene_catalogue(),
+                                         [&](const taut::SceneInfo& info) { return info.name == given; });
+  return scene ? "; did you mean \"taut run " + given + "\"?" : "";
+}
+
+/// What may be meant by options that the command does not have, a line each.
+void suggest_options(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& given : command->remaining())
+      if (given.starts_with("--"))
+        if (const std::string name = given.substr(0, given.find('=')),
+            meant = taut::did_you_mean(name, names);
+            !meant.empty())
+          std::cerr << "taut: there is no option " << name << meant << '\n';
+  }
 }
 
 int run_program(int argc, char** argv) {
@@ -271,10 +316,16 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::RequiredError& error) {
     // CLI11 asks for a command even where one was given that it does not know.
     const bool unknown = app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-';
-    if (unknown) std::cerr << "taut: unknown command '" << argv[1] << "'\n";
+    if (unknown) {
+      std::cerr << "taut: unknown command \"" << argv[1] << '"' << meant_command(app, argv[1])
+                << "\ntaut --help shows all\n";
+      return taut::kExitUsage;
+    }
+    suggest_options(app);
     app.exit(error);
     return taut::kExitUsage;
   } catch (const CLI::ParseError& error) {
+    suggest_options(app);
     return app.exit(error) == 0 ? taut::kExitSuccess : taut::kExitUsage;
   }
   try {

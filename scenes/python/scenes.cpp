@@ -86,6 +86,7 @@ void bind_scene(nb::module_& m) {
       .def_ro("parameters", &Scene::parameters, "As built; booleans are 0 or 1.")
       .def_prop_ro(
           "world", [](Scene& scene) -> World& { return scene.world; }, nb::rv_policy::reference_internal)
+      .def_ro("warnings", &Scene::warnings, "What is strange in the file that it was read from, a line each.")
       .def_rw("settings", &Scene::settings)
       .def_rw("dt", &Scene::dt, "[s].")
       .def_rw("duration", &Scene::duration, "[s].")

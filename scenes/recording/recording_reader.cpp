@@ -6,6 +6,7 @@
 #include "core/base/check.h"
 #include "scenes/recording/recording_chunk.h"
 #include "scenes/recording/recording_codec.h"
+#include "scenes/support/suggestion.h"
 
 namespace taut {
 
@@ -13,7 +14,8 @@ RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file
   std::error_code error;
   if (std::filesystem::is_regular_file(file, error)) in_.open(file, std::ios::binary);
   size_ = std::filesystem::file_size(file, error);
-  if (!in_.is_open() || error) fail("recording", "cannot read the file", file.string());
+  if (!in_.is_open() || error)
+    fail("recording", "cannot read the file" + did_you_mean_file(file), file.string());
   check_mark();
   scan();
   if (!has_header_)

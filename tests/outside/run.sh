@@ -13,7 +13,17 @@ rm -rf "$stage" "$stage-moved" "$build/outside"
 cmake --install "$build" --prefix "$stage" >/dev/null
 # An installed tree may be moved: nothing in it knows where it was.
 mv "$stage" "$stage-moved"
-stage=$stage-moved
+stage=$(cd "$stage-moved" && pwd -P)
+
+echo "== program"
+# Where there is a program, a scene that it begins names the installed schema.
+taut=$(find "$stage" -type f -name taut -path '*/bin/*')
+if [ -n "$taut" ]; then
+  "$taut" new "$stage/own.json" >/dev/null
+  grep -qF "\"$stage/share/taut/taut-scene.schema.json\"" "$stage/own.json"
+  "$taut" schema | cmp - "$stage/share/taut/taut-scene.schema.json"
+  "$taut" check "$stage/own.json" >/dev/null
+fi
 
 echo "== CMake"
 cmake -S "$here" -B "$build/outside" -G "$generator" -DCMAKE_PREFIX_PATH="$stage" -DCMAKE_CXX_COMPILER="$cxx" \

@@ -239,7 +239,11 @@ TEST(SceneCatalogue, RefusesBadInputAndSaysWhatIsAllowed) {
     for (const char* part : parts)
       EXPECT_NE(message.find(part), std::string::npos) << part << " is not in: " << message;
   };
-  expect(refusal("brigde", {}), {"brigde", "bridge-hinge", "net-flag", "chain"});
+  EXPECT_EQ(refusal("brigde", {}),
+            "scene: there is none of this name; did you mean \"bridge\"? (value: brigde)");
+  expect(refusal("trebuchet", {}),
+         {"trebuchet", "none of this name, but ", "bridge-hinge", "net-flag", "chain"});
+  expect(refusal("bridge-hinge", {{"trukc", 1}}), {"did you mean \"truck\"?"});
   expect(refusal("bridge-hinge", {{"m", 5}}),
          {"bridge-hinge", "none of this name", "n, truck", "(value: m)"});
   expect(refusal("chain", {{"n", 0}}), {"parameter n of chain", "from 1 to 1e+06", "(value: 0)"});

@@ -115,7 +115,7 @@ TEST(GeneratedNames, LookAsFewSizesShow) {
 
 TEST(SceneErrors, OfABlockThatIsPlacedNowhereHideItsGapsButNoPart) {
   EXPECT_EQ(problems_of(R"("generate": [{"builder": "chain", "prefix": "c/", "parameters": {"n": 2},
-      "orientation": [1, 1, 0, 0]}],
+      "orientation": [0, 0, 0, 0]}],
     "joints": [{"type": "ball", "a": "ground", "b": "c/rod_0", "frame": "body", "anchor_a": [7, 7, 7],
                 "anchor_b": [0, 0, 0]},
                {"type": "ball", "a": "c/ground", "b": "c/rod_0", "anchor": [0, 0, 0]},
@@ -152,7 +152,7 @@ TEST(SceneErrors, OfABodyHideGapsOnlyWhereItsPoseIsNotKnown) {
     EXPECT_EQ(gaps_beside(keys), with(gaps, {path})) << keys;
   for (const auto& [keys, path] : std::map<std::string, std::string>{
            {mass + R"("position": [0, 2])", "/bodies/1/position"},
-           {mass + R"("orientation": [1, 1, 0, 0], )" + there, "/bodies/1/orientation"},
+           {mass + R"("orientation": [0, 0, 0, 0], )" + there, "/bodies/1/orientation"},
            {mass + R"("positon": [0, 2, 0])", "/bodies/1/positon"}})  // it may be meant
     EXPECT_EQ(gaps_beside(keys), with(gap, {path})) << keys;
 }

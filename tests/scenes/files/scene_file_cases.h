@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdio>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -66,7 +68,19 @@ inline constexpr const char* kEverything = R"({
     {"name": "cylinder", "mass": 2, "shape": {"type": "cylinder", "radius": 0.1, "length": 2},
      "orientation": {"axis": [0, 0, 1], "angle_rad": 0.5}},
     {"name": "capsule", "mass": 2, "shape": {"type": "capsule", "radius": 0.1, "length": 2}},
-    {"name": "cone", "mass": 2, "shape": {"type": "cone", "radius": 0.1, "height": 2}}
+    {"name": "cone", "mass": 2, "shape": {"type": "cone", "radius": 0.1, "height": 2}},
+    {"name": "rod by ends", "density": 2, "rod": {"from": [20, 0, 0], "to": [20, 0, 2], "radius": 0.1, "material": "ice",
+     "groups": [2], "collides_with": [0, 2]}},
+    {"name": "capsule by ends", "mass": 2, "velocity": [1, 0, 0],
+     "capsule": {"from": [21, 0, 0], "to": [21, 3, 4], "radius": 0.1, "material": {"restitution": 0.5},
+     "groups": [2], "collides_with": []}},
+    {"name": "beam", "fixed": true, "beam": {"from": [22, 0, 0], "to": [22, 3, 0], "width": 0.1, "height": 0.3,
+     "up": [1, 0, 0], "material": "ice", "groups": [2], "collides_with": [0]}}
+  ],
+  "cables": [
+    {"name": "line", "from": [20, 0, 2], "to": [20, 4, 2], "links": 4, "radius": 0.01, "mass": 2, "length": 5,
+     "a": "rod by ends", "b": "ground", "material": "ice", "groups": [2], "collides_with": [0, 2]},
+    {"name": "free", "from": [30, 0, 2], "to": [30, 4, 2], "links": 2, "radius": 0.01, "density": 1000}
   ],
   "joints": [
     {"name": "ball", "type": "ball", "a": "ground", "b": "c/rod_0", "anchor": [0, 0, 0],
@@ -164,6 +178,53 @@ inline constexpr const char* kEverything = R"({
     {"name": "p13", "quantity": "axis-state", "axis": {"joint": "hinge2", "axis": "spin"}}
   ]
 })";
+
+/// Every angle that a file can give, with "_deg" for where "_deg" stands in the keys, and its number: the
+/// same scene in degrees and in radians.
+inline std::string every_angle(bool in_degrees) {
+  std::string text = R"({
+  "format": "taut-scene/1", "dt": 0.01, "settings": {"max_rotation@": #20#},
+  "bodies": [
+    {"name": "p", "mass": 1, "inertia": [1, 1, 1], "angular_velocity@": [#0#, #0#, #90#]},
+    {"name": "q", "mass": 1, "inertia": [1, 1, 1], "angular_velocity_body@": [#0#, #0#, #-45#]},
+    {"name": "r", "mass": 1, "inertia": [1, 1, 1]}],
+  "joints": [
+    {"name": "hinge", "type": "hinge", "a": "ground", "b": "p", "anchor": [0, 0, 0], "axis": [0, 0, 1],
+     "axes": {"angle": {"limits": {"lower@": #-90#, "upper@": #120#},
+       "motor": {"velocity@": #30#, "max_force": 2, "force_of_speed@": [[#0#, 3], [#60#, 1]]},
+       "spring": {"stiffness": 3, "rest@": #15#}, "value@": #360#}}},
+    {"name": "other", "type": "hinge", "a": "ground", "b": "q", "anchor": [0, 0, 0], "axis": [0, 0, 1],
+     "axes": {"angle": {"motor": {"position@": #30#, "max_force": 2, "max_speed@": #45#},
+       "spring": {"table@": [[#-30#, -2], [#0#, 0], [#30#, 3]], "damping_table@": [[#-60#, -1], [#60#, 1]]}}}},
+    {"name": "third", "type": "cylindrical", "a": "ground", "b": "r", "anchor": [0, 0, 0], "axis": [0, 0, 1],
+     "axes": {"displacement": {"limits": {"lower": -90, "upper": 90}},
+       "angle": {"motor": {"trajectory": {"spline@": [[0, #0#], [1, #90#]]}, "max_force": 1}}}},
+    {"type": "driver", "of": {"joint": "hinge", "axis": "angle"},
+     "motion": {"harmonic": {"mean@": #10#, "amplitude@": #20#, "omega@": #180#, "phase@": #90#}}},
+    {"type": "driver", "of": {"joint": "other", "axis": "angle"},
+     "motion": {"linear": {"value@": #5#, "rate@": #10#, "start": 0.5}}},
+    {"type": "driver", "of": {"joint": "third", "axis": "angle"},
+     "motion": {"speeds@": [[0, #0#], [1, #90#]], "value@": #45#}},
+    {"type": "pose_driver", "a": "ground", "b": "r", "turns": [
+     {"axis": [0, 0, 1], "angle": {"spline@": [[0, #0#], [1, #90#]]}}, {"axis": [1, 0, 0], "angle@": #30#}]}],
+  "assemble": true})";
+  std::string result;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '@') {
+      result += in_degrees ? "_deg" : "";
+    } else if (text[at] == '#') {
+      const std::size_t end = text.find('#', at + 1);
+      const double degrees = std::stod(text.substr(at + 1, end - at - 1));
+      char number[40];
+      std::snprintf(number, sizeof number, "%.17g", in_degrees ? degrees : degrees * std::numbers::pi / 180);
+      result += number;
+      at = end;
+    } else {
+      result += text[at];
+    }
+  }
+  return result;
+}
 
 /// A text with exactly one problem.
 struct BadScene {

@@ -280,7 +280,7 @@ TEST(SceneFile, ListsAllErrorsOfAFileAtOnce) {
     ],
     "joints": [
       {"type": "ball", "a": "ground", "b": "x", "anchor": [0, 0, 0]},
-      {"type": "hinge", "a": "c", "b": "c", "anchor": [0, 0, 0], "axis": [0, 0, 2]},
+      {"type": "hinge", "a": "c", "b": "c", "anchor": [0, 0, 0], "axis": [0, 0, 0]},
       {"name": "open", "type": "ball", "a": "ground", "b": "c", "frame": "world", "anchor_a": [0, 0, 0],
        "anchor_b": [0, 0.5, 0]}
     ]
@@ -291,20 +291,23 @@ TEST(SceneFile, ListsAllErrorsOfAFileAtOnce) {
   } catch (const SceneFileError& error) {
     EXPECT_STREQ(
         error.what(),
-        "bad.json: /bodies/3/inertia: this key is given twice in the same object\n"
-        "bad.json: /gravity/1: must be finite (value: inf)\n"
-        "bad.json: /dt: must be finite and positive (value: 0)\n"
-        "bad.json: /bodies/0/mass: must be finite and positive (value: -1)\n"
-        "bad.json: /bodies/1/inertia: principal moments must obey the triangle inequality (value: [1,1,3])\n"
-        "bad.json: /bodies/2/name: name is already taken by /bodies/0 (value: \"a\")\n"
-        "bad.json: /joints/0/b: there is no body of this name (value: \"x\")\n"
-        "bad.json: /joints/1/axis: must have length 1 to 1e-09, its length is 2 (value: [0,0,2])\n"
-        "bad.json: /joints/1/b: joins a body to itself (value: \"c\")\n"
-        "bad.json: /colour: unknown key; known here are \"$schema\", \"assemble\", \"bodies\", \"dt\", "
+        "bad.json:8:65: /bodies/3/inertia of \"c\": this key is given twice in the same object\n"
+        "bad.json:3:29: /gravity/1: must be finite (value: inf)\n"
+        "bad.json:3:11: /dt: must be finite and positive (value: 0)\n"
+        "bad.json:5:29: /bodies/0/mass of \"a\": must be finite and positive (value: -1)\n"
+        "bad.json:6:43: /bodies/1/inertia of \"b\": principal moments must obey the triangle inequality "
+        "(value: [1,1,3])\n"
+        "bad.json:7:16: /bodies/2/name: name is already taken by /bodies/0 (value: \"a\")\n"
+        "bad.json:11:44: /joints/0/b: there is no body of this name (value: \"x\")\n"
+        "bad.json:12:74: /joints/1/axis: must not be 0: it has no direction (value: [0,0,0])\n"
+        "bad.json:12:40: /joints/1/b: joins a body to itself (value: \"c\")\n"
+        "bad.json:3:50: /colour: unknown key; known here are \"$schema\", \"assemble\", \"bodies\", "
+        "\"cables\", \"dt\", "
         "\"duration\", \"energy_scale\", \"forces\", \"format\", \"generate\", \"gravity\", \"ground\", "
         "\"joints\", \"material_pairs\", \"materials\", \"name\", \"pairs\", \"probes\", \"settings\", "
         "\"time\" (value: 1)\n"
-        "bad.json: /joints/2: ball \"open\" must be closed at the start to 1e-06 m or rad, but has a gap; "
+        "bad.json:13:7: /joints/2: ball \"open\" must be closed at the start to 1e-06 m or rad, but has a "
+        "gap; "
         "\"assemble\": true lets the simulator close it (value: 0.5 m)");
     EXPECT_EQ(error.problems().size(), 11U);
   }
@@ -333,22 +336,25 @@ TEST(SceneFile, CommentsAndWholeNumbersAreAllowed) {
 
 TEST(SceneFile, SyntaxErrorsNameLineAndColumn) {
   struct Case {
-    std::string text, place;
+    std::string text;
+    int line, column;
   };
   const Case cases[] = {
-      {"{\n  \"format\": \"taut-scene/1\",\n  \"dt\": NaN\n}", "line 3, column 9"},
-      {"{\"dt\": 01}", "line 1, column 9"},
-      {"", "line 1, column 1"},
-      {"{\"dt\": 1", "line 1, column 9"},
-      {"{\"dt\": 1} x", "line 1, column 11"},
-      {"{\"dt\": 1,}", "line 1, column 10"},
-      {"{\"name\": \"\xff\"}", "line 1, column 11"},
-      {"/* never closed", "line 1, column 16"},
+      {"{\n  \"format\": \"taut-scene/1\",\n  \"dt\": NaN\n}", 3, 9},
+      {"{\"dt\": 01}", 1, 9},
+      {"", 1, 1},
+      {"{\"dt\": 1", 1, 9},
+      {"{\"dt\": 1} x", 1, 11},
+      {"{\"dt\": 1,}", 1, 10},
+      {"{\"name\": \"\xff\"}", 1, 11},
+      {"/* never closed", 1, 16},
   };
   for (const Case& c : cases) {
     const auto problems = problems_of(c.text);
     ASSERT_EQ(problems.size(), 1U) << c.text;
-    EXPECT_EQ(problems[0].path, c.place) << c.text << ": " << problems[0].message;
+    EXPECT_EQ(problems[0].line, c.line) << c.text << ": " << problems[0].message;
+    EXPECT_EQ(problems[0].column, c.column) << c.text << ": " << problems[0].message;
+    EXPECT_EQ(problems[0].path, "");
     EXPECT_TRUE(problems[0].message.starts_with("syntax error")) << problems[0].message;
   }
 }

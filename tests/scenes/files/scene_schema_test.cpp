@@ -58,6 +58,8 @@ std::string objections(const Json& document) {
 
 TEST(SceneSchema, AcceptsEveryKeyThatTheReaderKnows) {
   EXPECT_EQ(objections(parse(scene_file_cases::kEverything)), "");
+  for (bool in_degrees : {false, true})
+    EXPECT_EQ(objections(parse(scene_file_cases::every_angle(in_degrees))), "");
 }
 
 TEST(SceneSchema, AcceptsTheShippedScenes) {

@@ -102,7 +102,7 @@ TEST(ProgramSettings, OfAFileAreNamedByTheirPath) {
   const Outcome both = run_program({"check", file});
   EXPECT_EQ(both.exit_status, 2);
   expect_words(both.err,
-               {file + ": /settings/integrator: excludes \"solver\": \"pairwise\" of /settings/solver",
+               {file + ":1:100: /settings/integrator: excludes \"solver\": \"pairwise\" of /settings/solver",
                 "(value: \"rattle4\")", "/settings/tension: excludes", "(value: \"implicit\")"});
   write_text(file, text(R"("tension": "implicit")"));
   const Outcome mixed = run_program({"run", file, "--integrator", "moreau-jean"});

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "scenes/files/scene_file.h"
+
+namespace taut {
+
+/// A place in a text, counted on from its beginning.
+struct TextPlace {
+  int line = 1, column = 1;  ///< from 1; columns are characters of UTF-8
+  std::size_t byte = 0;
+  /// Goes on to a byte that is not before this one.
+  void advance(std::string_view text, std::size_t to);
+};
+
+/// Adds line and column to problems with a path, from a text that parse_json() has read: those where the
+/// value begins.  Paths that are not in the text stay without.
+void locate(std::string_view text, std::vector<SceneFileProblem>& problems);
+
+}  // namespace taut
