@@ -7,6 +7,8 @@
 
 namespace taut {
 
+class Archive;
+
 /// The books of contacts: works of their impulses [J] since clear(), each impulse at the mean rate of its row
 /// in a kick.
 class ContactWorks {
@@ -26,6 +28,9 @@ class ContactWorks {
   /// Back to its beginning.
   void roll_back() { sum_ = before_; }
   void clear() { sum_ = {}; }
+
+  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
 
  private:
   void book(int k, std::span<const double> lambda, std::span<const double> rates, bool all);

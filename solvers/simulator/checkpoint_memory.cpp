@@ -142,6 +142,8 @@ void ContactLaws::transfer_residuals(Archive& archive) {
 
 void ContactImpacts::transfer(Archive& archive) { archive(count_); }
 
+void ContactWorks::transfer(Archive& archive) { archive(sum_); }
+
 void ContactForces::transfer(Archive& archive, const World& world) {
   const auto disc = [&](Disc& d) { archive(d.bound, d.slips, d.direction, d.weight, d.given, d.target); };
   const auto point = [&](Point& p) {
@@ -154,7 +156,8 @@ void ContactForces::transfer(Archive& archive, const World& world) {
   archive.each(table_.points, point);
   archive.each(table_.impacts, [&](Impact& i) { archive(i.stage, i.spent); });
   archive.each(resting_points_, point);
-  archive(departed_, work_, struck_);
+  archive(departed_, struck_);
+  works_.transfer(archive);
   for (const ContactReport& report : departed_) require_contact(world, report.contact);
   impacts_.transfer(archive);
   archive(table_.h, table_.in_velocities, table_.single_kick);
