@@ -134,7 +134,11 @@ Checkpoint Simulator::checkpoint() {
     for (const BreakEvent& event : own.stepper_.scheme().breaking().events()) gone[event.joint.index] = 1;
   archive(model, method, state, attached, gone, remembers);
   if (remembers) own.transfer(archive, {});
-  return Checkpoint::of_payload(archive.bytes());
+  if (archive.is_sound()) return Checkpoint::of_payload(archive.bytes());
+  Archive bare;  // without memory, as after a step that failed
+  remembers = false;
+  bare(model, method, state, attached, gone, remembers);
+  return Checkpoint::of_payload(bare.bytes());
 }
 
 void Simulator::restore(const Checkpoint& checkpoint) {
