@@ -40,7 +40,8 @@ PositionProjection::PositionProjection(ConstraintSystem& system, const Settings&
       phase_(phase),
       values_(values),
       move_(phase.kicked.size()),
-      best_(phase.kicked.size()) {}
+      best_(phase.kicked.size()),
+      lambda_(values.lambda.size()) {}
 
 double PositionProjection::distance_to_closure(SubstepReport& report) {
   const Stopwatch watch(report.times.positions);
@@ -64,7 +65,7 @@ bool PositionProjection::close_light_bodies(double h, double far, const std::fun
                                             SubstepReport& report) {
   double gap = max_abs(values_.phi);
   if (gap <= settings_.position_tolerance) return false;  // what is open are long ways alone
-  const std::vector<double> lambda = values_.lambda;
+  lambda_ = values_.lambda;
   factorize_finely(report);
   for (double last = 2 * gap; system_.usable() && gap <= kSlow * last;) {
     const double way = distance_to_closure(report);
@@ -76,7 +77,7 @@ bool PositionProjection::close_light_bodies(double h, double far, const std::fun
     last = std::exchange(gap, max_abs(values_.phi));
     ++report.newton_iterations;
   }
-  values_.lambda = lambda;
+  values_.lambda = lambda_;
   drift();
   return false;
 }

@@ -44,6 +44,7 @@ class PositionProjection {
   RowValues& values_;
   std::vector<Wrench> move_;  // M times a move of the bodies
   std::vector<Pose> best_;
+  std::vector<double> lambda_;  // from before
 };
 
 }  // namespace taut
