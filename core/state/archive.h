@@ -26,8 +26,8 @@ namespace taut {
 ///     void transfer(Archive& archive) { archive(count_, impulses_); }
 ///
 /// and is saved and restored by that.  Numbers keep their bits; bytes are little-endian, without padding.
-/// What is read is not trusted: a count is believed only if as many bytes are there, numbers are infinite or
-/// within reach, and indices are for the reader to check, with require().
+/// What is read is not trusted: a count is believed only if as many bytes are there, numbers are not
+/// NaN, and indices are for the reader to check, with require().
 class Archive {
  public:
   /// To write to.
@@ -38,7 +38,7 @@ class Archive {
   bool reads() const { return reads_; }
   /// What has been written.
   const std::string& bytes() const { return written_; }
-  /// What has been written can be read: numbers are infinite or within reach.
+  /// What has been written can be read: none of it is NaN.
   bool is_sound() const { return sound_; }
   /// All has been read.
   bool at_end() const { return left_.empty(); }
@@ -73,9 +73,6 @@ class Archive {
   }
 
  private:
-  /// No state, impulse or energy of bodies within 1e30 [m, m/s, kg] is larger; products of two are finite.
-  static constexpr double kReach = 1e120;
-
   static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
 
   void raw(void* data, std::size_t size) {
@@ -91,9 +88,8 @@ class Archive {
   void numbers(Number* data, std::size_t count) {
     raw(data, count * sizeof(Number));
     if constexpr (std::is_floating_point_v<Number>) {
-      const auto good = [](Number x) { return std::abs(x) <= kReach || std::isinf(x); };
-      sound_ = sound_ && std::all_of(data, data + count, good);
-      require(sound_ || !reads_, "a number is beyond reach");
+      sound_ = sound_ && std::none_of(data, data + count, [](Number x) { return std::isnan(x); });
+      require(sound_ || !reads_, "a value is no number");
     }
   }
   template <typename Value>

@@ -14,10 +14,10 @@ std::string bytes_of(Value value) {
   return archive.bytes();
 }
 
-/// What a simulation remembers may be infinite, as the bound of a new contact.  NaN, and numbers whose
-/// products are infinite, are no memory: they made steps fail that went on from them.
-TEST(RobustArchive, NumbersBeyondReachAreNeitherReadNorSound) {
-  for (const double good : {0.0, -1e120, 1e-320, std::numeric_limits<double>::infinity()}) {
+/// What a simulation remembers may be infinite, as the bound of a new contact, or of any size, as a friction
+/// per slip of 1e178.  NaN is no memory.
+TEST(RobustArchive, NaNIsNeitherReadNorSound) {
+  for (const double good : {0.0, -1e300, 1e-320, std::numeric_limits<double>::infinity()}) {
     const std::string bytes = bytes_of(good);
     Archive archive(bytes);
     double read = 1;
@@ -25,8 +25,8 @@ TEST(RobustArchive, NumbersBeyondReachAreNeitherReadNorSound) {
     EXPECT_EQ(read, good);
     EXPECT_TRUE(archive.at_end());
   }
-  for (const double bad : {1e121, -1e300, std::numeric_limits<double>::quiet_NaN()}) {
-    SCOPED_TRACE(bad);
+  {
+    const double bad = std::numeric_limits<double>::quiet_NaN();
     double number = bad;
     Vec3 vector(1, bad, 2);
     std::vector<double> numbers{1, 2, bad};
