@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <cstring>
@@ -24,8 +26,8 @@ namespace taut {
 ///     void transfer(Archive& archive) { archive(count_, impulses_); }
 ///
 /// and is saved and restored by that.  Numbers keep their bits; bytes are little-endian, without padding.
-/// What is read is not trusted: a count is believed only if as many bytes are there, and indices are for the
-/// reader to check, with require().
+/// What is read is not trusted: a count is believed only if as many bytes are there, numbers are not
+/// NaN, and indices are for the reader to check, with require().
 class Archive {
  public:
   /// To write to.
@@ -36,6 +38,8 @@ class Archive {
   bool reads() const { return reads_; }
   /// What has been written.
   const std::string& bytes() const { return written_; }
+  /// What has been written can be read: none of it is NaN.
+  bool is_sound() const { return sound_; }
   /// All has been read.
   bool at_end() const { return left_.empty(); }
 
@@ -80,6 +84,14 @@ class Archive {
     if (size > 0) std::memcpy(data, left_.data(), size);
     left_.remove_prefix(size);
   }
+  template <typename Number>
+  void numbers(Number* data, std::size_t count) {
+    raw(data, count * sizeof(Number));
+    if constexpr (std::is_floating_point_v<Number>) {
+      sound_ = sound_ && std::none_of(data, data + count, [](Number x) { return std::isnan(x); });
+      require(sound_ || !reads_, "a value is no number");
+    }
+  }
   template <typename Value>
   requires(std::is_arithmetic_v<Value> || std::is_enum_v<Value>) void transfer(Value& value) {
     if constexpr (std::same_as<Value, bool>) {
@@ -87,7 +99,7 @@ class Archive {
       raw(&byte, 1);
       value = byte != 0;
     } else {
-      raw(&value, sizeof value);
+      numbers(&value, 1);
     }
   }
   template <typename Value>
@@ -100,9 +112,9 @@ class Archive {
   template <int Rows, int Columns>
   void transfer(Eigen::Matrix<double, Rows, Columns>& value) {
     static_assert(Rows > 0 && Columns > 0);
-    raw(value.data(), sizeof(double) * Rows * Columns);
+    numbers(value.data(), static_cast<std::size_t>(Rows * Columns));
   }
-  void transfer(Quat& value) { raw(value.coeffs().data(), 4 * sizeof(double)); }
+  void transfer(Quat& value) { numbers(value.coeffs().data(), 4); }
   void transfer(Pose& value) { (*this)(value.q, value.p); }
   void transfer(Twist& value) { (*this)(value.w, value.v); }
   void transfer(Wrench& value) { (*this)(value.torque, value.force); }
@@ -118,7 +130,7 @@ class Archive {
   void transfer(std::vector<Value>& values) {
     resize(values);
     if constexpr (std::is_arithmetic_v<Value>)
-      raw(values.data(), values.size() * sizeof(Value));
+      numbers(values.data(), values.size());
     else
       for (Value& value : values) transfer(value);
   }
@@ -155,7 +167,7 @@ class Archive {
     values.resize(static_cast<std::size_t>(size));
   }
 
-  bool reads_ = false;
+  bool reads_ = false, sound_ = true;
   std::string written_;
   std::string_view left_;
 };

@@ -170,9 +170,10 @@ void MjcfDefaults::read(const pugi::xml_node& node, const std::string& parent) {
   } else if (!given) {
     files_.fail(node, "a <default> within another needs a \"class\"");
   }
-  Class& entry = classes_[name];
-  if (entry.nodes.empty()) entry.parent = parent.empty() && name != top_ ? top_ : parent;
-  entry.nodes.push_back(node);
+  const auto [place, is_new] = classes_.try_emplace(name);
+  if (is_new) place->second.parent = parent.empty() && name != top_ ? top_ : parent;
+  for (const pugi::xml_node& child : files_.children(node))
+    if (std::string_view(child.name()) != "default") place->second.elements.push_back(child);
   for (const pugi::xml_node& child : files_.children(node, "default")) read(child, name);
 }
 
@@ -185,9 +186,8 @@ MjcfElement MjcfDefaults::element(const pugi::xml_node& node, const std::string&
   std::set<std::string> seen;
   for (auto found = classes_.find(name); found != classes_.end() && seen.insert(found->first).second;
        found = classes_.find(found->second.parent))
-    for (const pugi::xml_node& in_class : found->second.nodes)
-      for (const pugi::xml_node& child : files_.children(in_class))
-        if (gives(child.name(), node.name())) layers.push_back(child);
+    for (const pugi::xml_node& child : found->second.elements)
+      if (gives(child.name(), node.name())) layers.push_back(child);
   return MjcfElement(files_, node, std::move(layers));
 }
 

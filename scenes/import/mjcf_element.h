@@ -69,7 +69,7 @@ class MjcfDefaults {
  private:
   struct Class {
     std::string parent;
-    std::vector<pugi::xml_node> nodes;  // <default>, one or several
+    std::vector<pugi::xml_node> elements;  // in <default>, one or several, without those within them
   };
   void read(const pugi::xml_node& node, const std::string& parent);
 

@@ -22,11 +22,13 @@ SceneJson quaternion_json(const Quat& q) {
   return {unit.w(), unit.x(), unit.y(), unit.z()};
 }
 
-std::string SceneDocument::unique(std::set<std::string>& taken, const std::string& name,
-                                  const std::string& fallback) {
+std::string SceneDocument::unique(TakenNames& taken, const std::string& name, const std::string& fallback) {
   const std::string stem = name.empty() ? fallback : name;
+  const auto [place, is_new] = taken.try_emplace(stem, 1);
+  int& last = place->second;
   std::string result = stem;
-  for (int i = 2; !taken.insert(result).second; ++i) result = stem + '_' + std::to_string(i);
+  for (bool free = is_new; !free; free = taken.try_emplace(result, 1).second)
+    result = stem + '_' + std::to_string(++last);
   return result;
 }
 

@@ -2,7 +2,6 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
 
 #include "scenes/import/joint_segments.h"
@@ -21,9 +20,9 @@ class SceneDocument {
   SceneJson write();
 
  private:
+  using TakenNames = std::map<std::string, int>;  // with the last number behind each
   /// One that nothing of this kind has yet: `name`, or `fallback`, with a number if need be.
-  static std::string unique(std::set<std::string>& taken, const std::string& name,
-                            const std::string& fallback);
+  static std::string unique(TakenNames& taken, const std::string& name, const std::string& fallback);
   void name_bodies();
   void note(const ModelPlace& place, const std::string& message) {
     model_.notices.push_back({place, message, 1});
@@ -76,7 +75,7 @@ class SceneDocument {
   std::vector<std::vector<std::string>> between_;    // by link: bodies between its joints
   std::vector<std::vector<JointSegment>> segments_;  // by link
   std::vector<std::vector<std::string>> joints_;     // by link: names of the joints of its segments
-  std::set<std::string> body_names_{"ground"}, joint_names_, probe_names_;
+  TakenNames body_names_{{"ground", 1}}, joint_names_, probe_names_;
   std::map<Surface, std::string> surfaces_;
   std::map<std::pair<int, int>, int> classes_;  // by type and affinity
   bool open_ = false;                           // a joint is open at the start

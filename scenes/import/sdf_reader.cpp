@@ -82,7 +82,8 @@ class SdfModelReader {
 
   /// Links are placed in the model, joints in their child, unless the pose says otherwise.
   Pose pose_in_model(const pugi::xml_node& node, int depth = 0) {
-    if (depth > kMostFramesDeep) files_.fail(node, "frames are relative to each other in a circle");
+    if (depth > kMostFramesDeep)
+      files_.fail(node, "frames are relative to each other in a circle, or more than 200 deep");
     std::string base;
     if (std::string_view(node.name()) == "joint") base = text(node, "child");
     if (const char* attached = files_.find(node, "attached_to")) base = attached;

@@ -28,6 +28,7 @@ class ForceLevel final : public Scheme {
   /// One step of h > 0: kDone, or kNotFinite with the old state.
   [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
 
+  void set_time(double time) override { state_.time = time; }
   const State& state() const override { return state_; }
   BodyId not_finite() const override { return {not_finite_}; }
   std::span<const Wrench> momenta() const override;

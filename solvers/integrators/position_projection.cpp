@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <utility>
 
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
@@ -16,6 +17,12 @@ constexpr int kMaxMends = 10;
 /// Passes in a row that may widen the gap: where J itself is about to vanish the first move may be far too
 /// long, and the next ones still close it.
 constexpr int kOvershoots = 1;
+
+/// Longest move, in gaps, that closes joints which masses alone hold weakly: it is about as long as they. One
+/// of a direction that is weak by the places of the joints is gap/√σ, 1e4 gaps and more.
+constexpr double kLongWay = 30;
+/// Impulses are given up when an iteration leaves more than this part.
+constexpr double kSlow = 0.6;
 
 }  // namespace
 
@@ -33,7 +40,8 @@ PositionProjection::PositionProjection(ConstraintSystem& system, const Settings&
       phase_(phase),
       values_(values),
       move_(phase.kicked.size()),
-      best_(phase.kicked.size()) {}
+      best_(phase.kicked.size()),
+      lambda_(values.lambda.size()) {}
 
 double PositionProjection::distance_to_closure(SubstepReport& report) {
   const Stopwatch watch(report.times.positions);
@@ -44,19 +52,56 @@ double PositionProjection::distance_to_closure(SubstepReport& report) {
   return std::max(largest_displacement(mass, move_), largest_turn(mass, move_, phase_.poses));
 }
 
-bool PositionProjection::close(double h, SubstepReport& report) {
-  start_.keep();
+bool PositionProjection::close(double h, double far, const std::function<void()>& drift,
+                               SubstepReport& report) {
+  start_.keep();  // so that the step has its factor made again
+  return close_light_bodies(h, far, drift, report) || close_by_moves(h, report);
+}
+
+/// Rows that light bodies between heavy ones make weak hide no long way behind their gaps: they are closed by
+/// impulses as others are, with a factor that sees them.  Unlike moves these keep the angular momentum.
+/// @returns false, with λ as it was, where a gap hides a long way, or stays.
+bool PositionProjection::close_light_bodies(double h, double far, const std::function<void()>& drift,
+                                            SubstepReport& report) {
+  double gap = max_abs(values_.phi);
+  if (gap <= settings_.position_tolerance) return false;  // what is open are long ways alone
+  lambda_ = values_.lambda;
+  factorize_finely(report);
+  for (double last = 2 * gap; system_.usable() && gap <= kSlow * last;) {
+    const double way = distance_to_closure(report);
+    if (gap <= settings_.position_tolerance && way <= far) return true;
+    if (!(way <= kLongWay * gap)) break;
+    system_.project(values_.delta);
+    for (int r = 0; r < system_.row_count(); ++r) values_.lambda[r] -= values_.delta[r] / h;
+    drift();
+    last = std::exchange(gap, max_abs(values_.phi));
+    ++report.newton_iterations;
+  }
+  values_.lambda = lambda_;
+  drift();
+  return false;
+}
+
+void PositionProjection::factorize_finely(SubstepReport& report) {
+  system_.set_shift(kMendingShift);
+  system_.factorize(report.times);
+  system_.set_shift(kSteppingTolerance.shift);
+  ++report.counts.refactorizations;
+}
+
+/// Gauss–Newton, q₁ ← q₁ − M⁻¹Jᵀ S⁺ φ with all of it at the iterate.  It converges quadratically, also along
+/// directions that the rows hold weakly, where the fixed J(q₀) of the step's Newton does not: there
+/// J(q₁) − J(q₀) outweighs J itself.
+bool PositionProjection::close_by_moves(double h, SubstepReport& report) {
   std::vector<Pose>& poses = phase_.poses;
   std::vector<double>&phi = values_.phi, &delta = values_.delta;
   const Configuration end(poses, phase_.state.time + h, phase_.state.axes);
-  system_.set_shift(kMendingShift);
   double gap = max_abs(phi), best = gap;
   best_ = poses;
   for (int pass = 0, in_vain = 0; pass < kMaxMends && gap > kMended && in_vain <= kOvershoots; ++pass) {
     system_.linearize(end);
     system_.set_mass(poses);
-    system_.factorize(report.times);
-    ++report.counts.refactorizations;
+    factorize_finely(report);
     if (!system_.usable()) break;
     const Stopwatch watch(report.times.positions);
     for (int r = 0; r < system_.row_count(); ++r) delta[r] = -phi[r];
@@ -71,7 +116,6 @@ bool PositionProjection::close(double h, SubstepReport& report) {
       best_ = poses;
     }
   }
-  system_.set_shift(kSteppingTolerance.shift);
   system_.set_mass(phase_.state.poses);  // where the kick acts
   if (!(gap <= best)) {
     std::copy(best_.begin(), best_.end(), poses.begin());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -26,13 +27,16 @@ class PositionProjection {
   /// How far the bodies are from closed joints, to first order: the largest move in M⁻¹ Jᵀ S_ε⁻¹ φ [m or
   /// rad].  Leaves S_ε⁻¹ φ in values.delta.
   double distance_to_closure(SubstepReport& report);
-  /// Gauss–Newton on the positions alone, q₁ ← q₁ − M⁻¹Jᵀ S⁺ φ with all of it at the iterate.  It converges
-  /// quadratically, also along directions that the rows hold weakly, where the fixed J(q₀) of the step's
-  /// Newton does not: there J(q₁) − J(q₀) outweighs J itself.
+  /// Closes what the step's own Newton cannot: by impulses with a finer factor, or by moves of the bodies
+  /// alone. `drift` makes poses and φ of λ; `far`: the distance to closure [m or rad] that counts as none.
   /// @returns whether φ is within position_tolerance; poses and φ are the best that were found.
-  bool close(double h, SubstepReport& report);
+  bool close(double h, double far, const std::function<void()>& drift, SubstepReport& report);
 
  private:
+  bool close_light_bodies(double h, double far, const std::function<void()>& drift, SubstepReport& report);
+  bool close_by_moves(double h, SubstepReport& report);
+  void factorize_finely(SubstepReport& report);
+
   ConstraintSystem& system_;
   const Settings& settings_;
   StartJacobian& start_;
@@ -40,6 +44,7 @@ class PositionProjection {
   RowValues& values_;
   std::vector<Wrench> move_;  // M times a move of the bodies
   std::vector<Pose> best_;
+  std::vector<double> lambda_;  // from before
 };
 
 }  // namespace taut

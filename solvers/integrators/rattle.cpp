@@ -247,7 +247,8 @@ bool Rattle::close_joint_positions(double h, SubstepReport& report) {
     const bool in_vain = closed ? polished : (spent || gap > kSlowNewton * last) && weak && gap < kMendable;
     if (in_vain) {
       prediction_missed_ = false;
-      return weak_directions_.close(h, report);
+      const auto drift = [&] { kick_and_drift(h, phase_.end_of_step(h)), breaking_.clear_rows(values_.phi); };
+      return weak_directions_.close(h, kFarOpen * size_, drift, report);
     }
     if (!closed && (spent || !keep_pace(gap, last, h, report))) return false;
     polished = polished || closed;

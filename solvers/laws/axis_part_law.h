@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/state/axis.h"
 #include "solvers/common/axis_report.h"
@@ -75,11 +76,13 @@ struct AxisBoxLaw : AxisPartLaw {
     if (bound > 0) law = law + RowLaw::box(-bound, bound, at);
   }
   void share_beside(AxisImpulse& impulse, double& rest, double w) const {
-    if (bound > 0 && !on_step(w, at)) rest -= impulse.*kPart = w < at ? bound : -bound;
+    if (bound > 0 && !holds(w)) rest -= impulse.*kPart = w < at ? bound : -bound;
   }
   void share_on_step(AxisImpulse& impulse, double& rest, double w) const {
-    if (bound > 0 && on_step(w, at)) rest -= impulse.*kPart = std::clamp(rest, -bound, bound);
+    if (bound > 0 && holds(w)) rest -= impulse.*kPart = std::clamp(rest, -bound, bound);
   }
+  /// One without bound does whatever the rate is that an inexact solver has left.
+  bool holds(double w) const { return std::isinf(bound) || on_step(w, at); }
 };
 
 }  // namespace taut

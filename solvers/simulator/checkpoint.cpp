@@ -135,7 +135,11 @@ Checkpoint Simulator::checkpoint() {
   archive(model, method, state, attached, gone, remembers);
   own.loads_.transfer(archive, world);
   if (remembers) own.transfer(archive, {});
-  return Checkpoint::of_payload(archive.bytes());
+  if (archive.is_sound()) return Checkpoint::of_payload(archive.bytes());
+  Archive bare;  // without memory, as after a step that failed
+  remembers = false;
+  bare(model, method, state, attached, gone, remembers);
+  return Checkpoint::of_payload(bare.bytes());
 }
 
 void Simulator::restore(const Checkpoint& checkpoint) {

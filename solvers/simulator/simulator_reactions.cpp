@@ -76,7 +76,10 @@ Contradiction Simulator::Impl::contradiction(double horizon) {
 }
 
 std::string Simulator::Impl::solver_description() {
-  if (!stepper_.made()) bring_up_to_date(0);
+  if (!stepper_.made()) {
+    bring_up_to_date(0);
+    undo_.restore_state();  // joints that it has closed are for a step to close
+  }
   if (settings_.solver != Solver::kDirect)
     return "iterative impulses, " + std::to_string(settings_.iterations) + " sweeps a stage";
   return stepper_.system().factor().name() + ", " + blas_name() +

@@ -3,6 +3,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -33,6 +34,16 @@ void InputFile::set(std::string_view bytes) {
   if (ftruncate(descriptor_, 0) != 0 ||
       pwrite(descriptor_, bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
     found("the file in memory cannot be written");
+}
+
+bool is_finite(const World& world) {
+  for (int b = 0; b < world.body_count(); ++b) {
+    const Pose& pose = world.pose(BodyId{b});
+    const Twist& twist = world.twist(BodyId{b});
+    if (!pose.p.allFinite() || !pose.q.coeffs().allFinite() || !twist.v.allFinite() || !twist.w.allFinite())
+      return false;
+  }
+  return std::isfinite(world.time());
 }
 
 void found(const std::string& what) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/world/world.h"
+
 namespace taut::fuzz {
 
 /// The checkout: its scene files name mesh files beside them.
@@ -32,6 +34,8 @@ class InputFile {
 inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
+
+bool is_finite(const World& world);
 
 /// Ends the process with the message, so that libFuzzer keeps the input.
 [[noreturn]] void found(const std::string& what);

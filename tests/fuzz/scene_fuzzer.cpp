@@ -43,16 +43,6 @@ bool builds_much(std::string_view text) {
   return false;
 }
 
-bool is_finite(const World& world) {
-  for (int b = 0; b < world.body_count(); ++b) {
-    const Pose& pose = world.pose(BodyId{b});
-    const Twist& twist = world.twist(BodyId{b});
-    if (!pose.p.allFinite() || !pose.q.coeffs().allFinite() || !twist.v.allFinite() || !twist.w.allFinite())
-      return false;
-  }
-  return std::isfinite(world.time());
-}
-
 std::size_t corners_of(const World& world) {
   std::size_t corners = 0;
   for (int s = 0; s < world.shape_count(); ++s) {

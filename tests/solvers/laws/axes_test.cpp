@@ -390,5 +390,35 @@ TEST(Axes, MotorAgainstALimitStallsThere) {
   EXPECT_TRUE(report.at_limit);
 }
 
+/// Iterative solvers leave the rate of a motor without bound off its target: the report said an infinite
+/// force, and NaN where two of them met.
+TEST(RobustAxes, AMotorOfAnyForceReportsAFiniteOneByIterativeSolvers) {
+  for (const Solver solver : {Solver::kGaussSeidel, Solver::kPairwise, Solver::kPropagation}) {
+    World world;
+    BodyId last = kGround;
+    AxisId motor;
+    for (int i = 0; i < 4; ++i) {
+      const BodyId rod = world.add_body({.mass = MassProperties::box({1, 0.1, 0.1}, 1 + 10 * i),
+                                         .pose = {Quat::Identity(), {i + 0.5, 0, 0}}});
+      const JointId joint = world.add("", Hinge::at(world, last, rod, Vec3(i, 0, 0), Vec3::UnitY()));
+      if (i == 1) motor = world.axis(joint, "angle");
+      last = rod;
+    }
+    world.set_motor(motor, AxisMotor{.target = 3});
+    world.set_friction(motor, AxisFriction{0.5});
+    Settings settings;
+    settings.solver = solver;
+    settings.iterations = 3;
+    Simulator simulator(world, settings);
+    for (int i = 0; i < 20; ++i) {
+      ASSERT_TRUE(simulator.step(0.01).ok()) << simulator.report().message;
+      const AxisReport report = simulator.axis_report(motor);
+      EXPECT_TRUE(std::isfinite(report.force.motor)) << i;
+      EXPECT_TRUE(std::isfinite(report.work.motor)) << i;
+      EXPECT_LE(std::abs(report.force.friction), 0.5 * (1 + 1e-12)) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace taut::axes_test

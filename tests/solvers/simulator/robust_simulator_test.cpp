@@ -193,6 +193,25 @@ TEST(RobustFailure, OfAStepThatBeganByClosingJointsLeavesTheStateAsItWas) {
   step(simulator, 2);
 }
 
+/// A step closes joints that are open; a question about the solver before it does not.
+TEST(RobustFailure, ASolverIsDescribedWithoutMovingBodies) {
+  for (const bool merges : {false, true}) {
+    World world = pendulum(2);
+    Pose open = world.pose(BodyId{2});
+    open.p += Vec3(1e-3, 0, 0);
+    world.set_pose(BodyId{2}, open);
+    const World copy = world;
+    World other = world;
+    Settings settings;
+    settings.merge_fixed_joints = merges;
+    Simulator asked(world, settings), not_asked(other, settings);
+    EXPECT_FALSE(asked.solver_description().empty());
+    EXPECT_TRUE(same(world.state(), copy.state()));
+    step(asked, 2), step(not_asked, 2);
+    EXPECT_TRUE(same(world.state(), other.state()));
+  }
+}
+
 /// Throws at its n-th call, counting from now.
 struct Trap {
   int calls_left = -1;
