@@ -11,8 +11,8 @@ namespace {
 
 /// Newton's method for the normal; of corners, edges and faces it takes two.
 constexpr int kNormalSteps = 4;
-/// It is done when the normal turns by less [rad], and has found none if it turns by more than the second at
-/// the end.
+/// It is done when the normal turns by less [rad]; it has found none if it turns by more than the second at
+/// the end, or if the gap along it is less than that along the one it began with.
 constexpr double kNormalFound = 1e-12, kNormalLost = 1e-6;
 /// The expansion of curved surfaces ends where the normal turns by more in one step [rad]; a contact whose
 /// normal turns by more in the drift, or is lost, as that of edges that hardly cross, is that of planes.
@@ -104,7 +104,11 @@ MovedContact moved_contact(const Contact& contact, const Pose& A, const Pose& B,
       on_B(contact.surface_B, turn_B, -contact.normal);
   const Vec3 a = A.q * contact.p_AP - on_A.ball * on_A.n, b = B.q * contact.p_BQ - on_B.ball * on_B.n;
   const Vec3 between = B.p - A.p + b - a;
+  const auto gap_along = [&](const Vec3& m) {
+    return m.dot(between) - on_A.height(m) - on_B.height(-m) - on_A.ball - on_B.ball;
+  };
   Vec3 m = (on_A.n - on_B.n).normalized();
+  const double first = gap_along(m);
   double far = 0;
   for (int k = 0; k < kNormalSteps; ++k) {
     const Vec3 D = between + on_B.shift(-m) - on_A.shift(m);
@@ -114,9 +118,9 @@ MovedContact moved_contact(const Contact& contact, const Pose& A, const Pose& B,
     if (!(far > kNormalFound)) break;
   }
   MovedContact moved;
-  moved.found = far <= kNormalLost;
   moved.normal = m;
-  moved.gap = m.dot(between) - on_A.height(m) - on_B.height(-m) - on_A.ball - on_B.ball;
+  moved.gap = gap_along(m);
+  moved.found = far <= kNormalLost && moved.gap >= first - kNormalFound * (a.norm() + b.norm());
   // From the side that is less flat, where the place is known better.
   if (on_A.H.trace() <= on_B.H.trace()) {
     moved.P = a + on_A.shift(m) + on_A.ball * m;

@@ -19,7 +19,7 @@ struct ContactDrift {
 /// Where the surfaces that face each other in a contact are at other poses.
 struct MovedContact {
   double gap;   ///< [m]
-  bool found;   ///< the gap's normal: Newton's method came to an end
+  bool found;   ///< the normal along which the gap is largest
   Vec3 normal;  ///< from A to B
   Vec3 P, Q;    ///< from the centres of mass of A and of B, world axes
 };

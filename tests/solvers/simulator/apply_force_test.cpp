@@ -241,11 +241,12 @@ TEST(ApplyForce, ReportsOfTheStepStay) {
     double force = 0;
     for (const ContactReport& c : simulator.contacts()) force += c.normal_force;
     EXPECT_NEAR(force, 59.81, 1e-6) << asked;
-    EXPECT_NEAR(simulator.axis_report({axle, 0}).force.friction, -6, 1e-9) << asked;
+    // A stage with contacts meets its laws to 1e-9 of the largest impulse.
+    EXPECT_NEAR(simulator.axis_report({axle, 0}).force.friction, -6, 6e-8) << asked;
     (void)simulator.reaction(axle);
   }
   testing::advance(simulator, 1);
-  EXPECT_NEAR(simulator.axis_report({axle, 0}).force.friction, 0, 1e-9);
+  EXPECT_NEAR(simulator.axis_report({axle, 0}).force.friction, 0, 6e-8);
 }
 
 TEST(ApplyForce, RefusesWhatIsNotFiniteByName) {
