@@ -30,7 +30,8 @@ class Archive;
 ///
 /// A stage goes down a ladder: impulses of before as they are, or with one linear solve where contacts stick
 /// (StageWarmStart); without contacts the active set on the factor of S (StagePivoting); through the bodies
-/// (StagePrimal). The rungs remember what worked last. (solvers/complementarity, "Ladder", "Natural residual")
+/// (StagePrimal). The rungs remember what worked last. (solvers/complementarity, "Ladder", "Natural
+/// residual")
 class StageSolver {
  public:
   static constexpr int kExactSolves = StageTuning::kExactSolves;

@@ -36,6 +36,20 @@ void count_from(std::span<const double> before, ContactTable::Point& point) {
   point.rolling.given = -Vec2(before[kRolling], before[kRolling + 1]);
 }
 
+/// What a contact has given on B, from the impulses of its rows.
+void keep_impulse(std::span<const double> lambda, const row_parts::ContactFrame& frame,
+                  ContactTable::Point& point) {
+  const bool twist = std::ssize(lambda) > 3;
+  point.first = point.first_torque = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    point.first += lambda[i] * frame.direction(i);
+    if (twist) point.first_torque += lambda[ContactRows::kSpinRow + i] * frame.direction(i);
+  }
+  point.first_normal = frame.n;
+  point.impulse += point.first;
+  point.torque += point.first_torque;
+}
+
 }  // namespace
 
 ContactForces::ContactForces(const World& world, const Settings& settings)
@@ -260,23 +274,6 @@ void ContactForces::roll_back(bool moved_on) {
 /// Impulses of rows as world vectors, and the work of those that take energy: of normals that stop an
 /// approach, and of friction that slips or comes with them.  What else contacts do is the work of ideal
 /// constraints.
-/// Impulse and torque on B.
-void ContactForces::keep_impulse(int k, std::span<const double> lambda) {
-  Point& point = table_.points[k];
-  const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
-  const int row = first_row(k);
-  Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();
-  for (int i = 0; i < 3; ++i) {
-    impulse += lambda[row + i] * frame.direction(i);
-    if (has_twist(k)) torque += lambda[row + kSpinRow + i] * frame.direction(i);
-  }
-  point.first = impulse;
-  point.first_torque = torque;
-  point.first_normal = frame.n;
-  point.impulse += impulse;
-  point.torque += torque;
-}
-
 void ContactForces::record_first_kick(std::span<const double> lambda, std::span<const double> w,
                                       std::span<const double> rates) {
   works_.book_kick(lambda, rates);
@@ -284,7 +281,7 @@ void ContactForces::record_first_kick(std::span<const double> lambda, std::span<
     Point& point = table_.points[k];
     if (!point.active) continue;
     const int row = first_row(k);
-    keep_impulse(k, lambda);
+    keep_impulse(lambda.subspan(row, row_count(k)), place(k).point.frame, point);
     point.pressed = lambda[row] > 0;
     // The slip of this step while it holds: what is left of the target.
     if (!point.sliding.slips && point.pressed) {
@@ -379,8 +376,8 @@ void ContactForces::finish(std::span<const double> mu, double time) {
       struck_ = true;
       point.impact_time = time;
     }
-    keep_impulse(k, mu);
     const int row = first_row(k);
+    keep_impulse(mu.subspan(row, row_count(k)), place(k).point.frame, point);
     const bool pressed = point.touching && point.back + mu[row] > 0;
     const bool held = pressed && !point.sliding.slips;
     const bool stretched = compliance(k) > 0 ? pressed : held && point.stuck;

@@ -112,7 +112,6 @@ class ContactForces final : public ContactLaws {
   void take_up_recalled(const World& world);
   void remember(double h);
   void aim_discs(int place, std::span<const double> rates);
-  void keep_impulse(int place, std::span<const double> lambda);
   void keep_report(int place);
 
   bool wanted_;

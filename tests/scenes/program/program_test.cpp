@@ -415,7 +415,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Mistake{"nothing", {}, {"subcommand"}}, Mistake{"unknown_command", {"walk"}, {"walk"}},
         Mistake{"no_scene", {"run"}, {"scene"}},
-        Mistake{"unknown_scene", {"run", "brigde"}, {"brigde", "bridge-hinge"}},
+        Mistake{"unknown_scene", {"run", "brigde"}, {"brigde", "did you mean \"bridge\"?"}},
+        Mistake{"scene_like_no_other", {"run", "nonsense"}, {"nonsense", "bridge-hinge"}},
         Mistake{"unknown_scene_to_list", {"list", "brigde"}, {"brigde"}},
         Mistake{"unknown_scene_to_check", {"check", "brigde"}, {"brigde"}},
         Mistake{"unknown_option", {"run", "chain", "--fast"}, {"--fast"}},
