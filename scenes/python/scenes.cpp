@@ -130,8 +130,11 @@ void bind_sources(nb::module_& m) {
       nb::sig("def build_scene(name: str, **parameters: float) -> Scene"));
   m.def("load_scene", &load_scene_file, nb::arg("path"),
         "A scene file (JSON); mesh files are looked for in its folder.");
-  m.def("parse_scene", &parse_scene, nb::arg("text"), nb::arg("file_name") = "scene.json",
-        "The same for a text; its name is for messages, and mesh files are looked for in its folder.");
+  m.def(
+      "parse_scene", &parse_scene, nb::arg("text"), nb::arg("file_name") = "scene.json",
+      nb::arg("by_hand") = true,
+      "The same for a text; its name is for messages, and mesh files are looked for in its folder.  by_hand "
+      "False: a program has made it, and there are no warnings of slips of the hand.");
 }
 
 void bind_state_files(nb::module_& m) {
