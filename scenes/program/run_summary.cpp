@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "scenes/recording/recorder.h"
 #include "scenes/support/format.h"
 #include "solvers/common/report_names.h"
 
