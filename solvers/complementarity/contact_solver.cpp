@@ -149,7 +149,8 @@ bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tol
   if (inexact == 0 || contacts_.count() == 0) return false;
   const double best = law_error(problem, rate_tolerance);
   held_.assign(problem.lambda.begin(), problem.lambda.end());
-  (void)sweep(problem, Tuning::kLastSweeps, rate_tolerance);
+  (void)iteration().solve(contacts_, problem.laws, problem.b, problem.lambda, problem.w,
+                          {.sweeps = Tuning::kLastSweeps}, {});
   double error = law_error(problem, rate_tolerance);
   if (!(error < best) || !newton_.holds_joints(problem.laws, problem.w, rate_tolerance)) {
     error = best;

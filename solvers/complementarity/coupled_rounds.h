@@ -7,9 +7,9 @@
 
 namespace taut {
 
-/// How ρ goes with rounds that hold nothing fast.  There is no function that they descend, but a Σ for which
-/// they end, as a trust region has a radius: it grows after a round that did not, which is taken back, and
-/// falls again after some that did.  (solvers/complementarity, Eq. 6)
+/// How ρ goes from round to round.  There is no function that rounds descend, but a Σ for which they end, as
+/// a trust region has a radius: it grows after a round that did not, which is taken back, and falls again
+/// after some that did.  (solvers/complementarity, Eq. 6)
 class CoupledRounds {
  public:
   void reserve(std::size_t rows) { kept_.reserve(rows); }

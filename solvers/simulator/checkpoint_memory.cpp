@@ -327,13 +327,6 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
   archive(compliance_, factored_.usable);
   rank_.transfer_findings(archive, row_count());
   for (RowStates* states : {&states_, &factored_.states}) states->transfer(archive, row_count());
-  // Rows of contacts were turned with their tangents; those of joints follow from the poses.
-  const Rows& rows = this->rows();
-  const std::ptrdiff_t contacts = rows.contact_count() == 0
-                                      ? rows.jacobian_size()
-                                      : rows.sides()[rows.joints()[rows.contact_joint(0)].first_side].offset;
-  std::vector<double> turned(jacobian().begin() + contacts, jacobian().end());
-  archive.sized(turned);
   if (!archive.reads()) return;
 
   const RowStates states = states_;
@@ -341,7 +334,6 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
   const Factored factored = factored_;
   states_ = factored_.states;
   linearize_and_assemble(at);
-  if (!turned.empty()) std::copy(turned.begin(), turned.end(), change_jacobian().begin() + contacts);
   if (serves) {
     StageTimes times;
     if (has_bounded_rows() || uses_primal_system()) (void)weighted();
