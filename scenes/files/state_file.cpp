@@ -47,8 +47,10 @@ class StateReader {
       for (const JsonNode& contact : contacts->items("an array of contacts")) read_contact(contact);
     if (const auto memory = keys.find("memory")) read_memory(*memory);
     keys.reject_unknown_keys();
+    // Programs write states: what is only strange in a scene is wrong here.
+    problems_.insert(problems_.end(), problems_.warnings.begin(), problems_.warnings.end());
+    if (problems_.empty()) root.guard([&] { world_.set_state(state_); });
     if (!problems_.empty()) return {};
-    root.guard([&] { world_.set_state(state_); });
     for (const JointId joint : detached_) world_.detach(joint);
     return std::move(memory_);
   }
@@ -196,8 +198,6 @@ SavedMemory apply_state(World& world, std::string_view text, const std::string& 
   problems.by_hand = false;
   SavedMemory memory;
   if (const auto document = parse_json(text, problems)) memory = StateReader(world, problems).read(*document);
-  // Programs write states: what is only strange in a scene is wrong here.
-  problems.insert(problems.end(), problems.warnings.begin(), problems.warnings.end());
   locate(text, problems);
   if (!problems.empty()) throw SceneFileError(file_name, std::move(problems));
   return memory;

@@ -122,7 +122,6 @@ Checkpoint Simulator::checkpoint() {
   const detail::FlushToZero mode;
   Impl& own = impl();
   const World& world = own.source_;
-  Archive archive;
   std::uint64_t model = model_of(world);
   Method method(own.settings_);
   bool remembers = own.settle();
@@ -132,13 +131,17 @@ Checkpoint Simulator::checkpoint() {
   gone.assign(attached.size(), 0);
   if (remembers)
     for (const BreakEvent& event : own.stepper_.scheme().breaking().events()) gone[event.joint.index] = 1;
-  archive(model, method, state, attached, gone, remembers);
-  own.loads_.transfer(archive, world);
-  if (remembers) own.transfer(archive, {});
+  const auto write = [&](Archive& archive) {
+    archive(model, method, state, attached, gone, remembers);
+    own.loads_.transfer(archive, world);
+    if (remembers) own.transfer(archive, {});
+  };
+  Archive archive;
+  write(archive);
   if (archive.is_sound()) return Checkpoint::of_payload(archive.bytes());
   Archive bare;  // without memory, as after a step that failed
   remembers = false;
-  bare(model, method, state, attached, gone, remembers);
+  write(bare);
   return Checkpoint::of_payload(bare.bytes());
 }
 

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "core/state/same_state.h"
 #include "scenes/builders/scene.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/program/run_record.h"
@@ -96,6 +97,18 @@ TEST(StateFile, NamesAllThatIsWrong) {
     EXPECT_NE(problems.find(expected), std::string::npos) << expected << "\n" << problems;
   EXPECT_NE(problems_of("{").find("state.json:1:2: "), std::string::npos);
   EXPECT_NE(problems_of("[]").find("/"), std::string::npos);
+}
+
+TEST(StateFile, WhatIsRefusedForItsStrangenessChangesNothing) {
+  World world = build_scene("n-four-bar").world;
+  nlohmann::ordered_json state = state_json(world);
+  state["time"] = 7.0;
+  state["bodies"][0]["orientation"] = {1, 0, 0, 9};  // a warning in a scene
+  state["detached"] = {world.name(JointId{0})};
+  const State before = world.state();
+  EXPECT_THROW(apply_state(world, state.dump(), "state.json"), SceneFileError);
+  EXPECT_TRUE(same(world.state(), before));
+  EXPECT_TRUE(world.is_attached(JointId{0}));
 }
 
 /// A heap at rest is at rest in the run that goes on, and its state is the one that was read.
