@@ -21,6 +21,7 @@
 #include "scenes/program/replay_command.h"
 #include "scenes/program/run_command.h"
 #include "scenes/support/output_file.h"
+#include "scenes/support/printable_stream.h"
 #include "scenes/support/suggestion.h"
 #include "solvers/common/setting_names.h"
 
@@ -353,5 +354,6 @@ int status_after_output(int status) {
 
 int main(int argc, char** argv) {
   taut::reserve_standard_streams();
+  const taut::PrintableStream out(std::cout), err(std::cerr);
   return status_after_output(run_program(argc, argv));
 }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
+#include <sstream>
 
 #include "collision/mesh/mesh_file.h"
 #include "scenes/accuracy/reference_case.h"
@@ -17,6 +18,7 @@
 #include "scenes/recording/recording_reader.h"
 #include "scenes/support/byte_order.h"
 #include "scenes/support/printable.h"
+#include "scenes/support/printable_stream.h"
 #include "tests/run_program.h"
 #include "tests/scenes/recording/sample_recording.h"
 #include "tests/source_dir.h"
@@ -248,6 +250,36 @@ TEST(RobustInputs, AllFilesOfAStrangelyNamedRunAreSound) {
     ++count;
   }
   EXPECT_GT(count, 5);
+}
+
+/// Printed in any pieces: pictures of control characters, and everything else as it was.
+TEST(RobustInputs, WhatIsPrintedMovesNoCursor) {
+  const std::string text =
+                        "\x1b[2J a\tb\n\x07\x7f \xc2\x9b"
+                        "31m \xc2\xb5 \xe2\x82\xac \xc2",
+                    seen =
+                        "\u241b[2J a\tb\n\u2407\u2421 \ufffd"
+                        "31m \xc2\xb5 \xe2\x82\xac \xc2";
+  for (std::size_t piece = 1; piece <= text.size(); ++piece) {
+    std::ostringstream out;
+    {
+      const PrintableStream filter(out);
+      for (std::size_t at = 0; at < text.size(); at += piece) out << text.substr(at, piece) << std::flush;
+      out.put('\r');
+    }
+    EXPECT_EQ(out.str(), seen + "\u240d") << piece;
+  }
+  const std::string file = temporary("names.json");
+  std::ofstream(file) << R"({"format": "taut-scene/1", "bodies": [
+    {"name": "a\u001b[2J\u009b", "mass": 1, "inertia": [1, 1, 1]},
+    {"name": "b\u001b]0;title\u0007", "mass": 1, "inertia": [1, 1, 1], "position": [1, 0, 0]}],
+    "joints": [{"type": "ball", "a": "a\u001b[2J\u009b", "b": "b\u001b]0;title\u0007",
+                "a_point": [0, 0, 0], "b_point": [0, 0, 0]}]})";
+  for (const char* command : {"run", "check"}) {
+    const Outcome outcome = run_program({command, file, "--verbose"});
+    for (const char control : {'\x1b', '\x07', '\x9b'})
+      EXPECT_EQ((outcome.out + outcome.err).find(control), std::string::npos) << outcome.out << outcome.err;
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -116,6 +117,43 @@ TEST(RobustMessages, WhatIsLeftOfRatesNamesTheJoint) {
     expect_blame(report, Status::kNotConverged, Culprit::Kind::kJoint,
                  {"joints and laws could not be met together", joint, "round-off of large impulses"});
   }
+}
+
+/// n × n spheres on ball joints, the first row fixed, that swing across their plane, as in the scene
+/// joint-grid: each of its cells loses rank again and again.
+World swinging_grid(int n, std::optional<JointCompliance> compliance) {
+  World world;
+  const auto numbered = [](const char* what, int i, int k) {
+    return std::string(what).append(std::to_string(i)).append("_").append(std::to_string(k));
+  };
+  const auto id = [n](int row, int column) { return BodyId{1 + row * n + column}; };
+  const Vec3 right(0.5, 0, 0), down(0, -0.5, 0);
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < n; ++k)
+      world.add_body(
+          {.mass = MassProperties::sphere(0.4, 268), .pose = {.p = Vec3(k, -i, 0)}, .fixed = i == 0});
+  for (int i = 1; i < n; ++i)
+    for (int k = 0; k < n; ++k) {
+      world.add(numbered("v", i, k), Ball(id(i - 1, k), id(i, k), down, -down));
+      if (k > 0) world.add(numbered("h", i, k), Ball(id(i, k - 1), id(i, k), right, -right));
+    }
+  for (int j = 0; j < world.joint_count(); ++j) world.set_compliance({j}, compliance);
+  return world;
+}
+
+TEST(RobustMessages, RowsThatBecomeDependentAreNamedAndCompliancePassesThem) {
+  World rigid = swinging_grid(6, std::nullopt);
+  Simulator simulator(rigid);
+  for (int i = 0; i < 2400 && simulator.report().ok(); ++i) simulator.step(1. / 240);
+  const StepReport& report = simulator.report();
+  ASSERT_EQ(report.status, Status::kContradiction) << "it passes now: say so in robustness.md";
+  EXPECT_LT(report.contradiction.residual, 1e-8);
+  for (const char* part : {"ball ", "singular configuration", "1e-9 m/N"})
+    EXPECT_NE(report.message.find(part), std::string::npos) << report.message;
+
+  World soft = swinging_grid(6, JointCompliance{.translation = 1e-9});
+  Simulator passes(soft);
+  for (int i = 0; i < 2400; ++i) ASSERT_TRUE(passes.step(1. / 240).ok()) << i << passes.report().message;
 }
 
 }  // namespace
