@@ -25,9 +25,8 @@ void put(std::span<const double> part, std::span<const int> rows, std::span<doub
 ContactIslands::Island::Island(ContactForces& all, SystemPart p)
     : part(std::move(p)), contacts(all.table()) {}
 
-ContactIslands::ContactIslands(ConstraintSystem& system, ContactForces& contacts, ContactSolver& whole,
-                               int threads)
-    : system_(system), contacts_(contacts), whole_(whole), threads_(detail::thread_count(threads)) {
+ContactIslands::ContactIslands(ConstraintSystem& system, ContactForces& contacts, int threads)
+    : system_(system), contacts_(contacts), threads_(detail::thread_count(threads)) {
   scratch_.resize(threads_);
 }
 
@@ -136,7 +135,7 @@ void ContactIslands::make(Island& island, std::vector<int>& scratch) {
 }
 
 /// Rows of the island from those of the whole.
-void ContactIslands::gather(Island& island, const StageProblem& whole, std::vector<int>& scratch) {
+StageProblem ContactIslands::gather(Island& island, const StageProblem& whole, std::vector<int>& scratch) {
   const SystemPart& part = island.part;
   if (!island.own) make(island, scratch);
   if (island.weight_version < 0) island.contacts.choose(part.places, island.own->rows());
@@ -148,25 +147,16 @@ void ContactIslands::gather(Island& island, const StageProblem& whole, std::vect
   pick(std::span<const double>(whole.lambda), part.rows, island.lambda);
   island.w.resize(part.rows.size());
   island.contacts.set_inertia(island.inertia);
-}
-
-void ContactIslands::solve(Island& island, const StageProblem& whole, const Limits& limits,
-                           std::vector<int>& scratch) {
-  gather(island, whole, scratch);
   island.record = {};
-  const StageProblem problem{island.laws, island.b, island.inertia, island.lambda, island.w};
-  island.done = island.solver->rests(problem, limits.warm_start_tolerance, island.record) ||
-                island.solver->solve(problem, limits.newton, limits.inexact, island.record);
+  return {island.laws, island.b, island.inertia, island.lambda, island.w};
 }
 
-bool ContactIslands::solve(const StageProblem& problem, const Limits& limits, StageRecord& record) {
-  find();
-  if (islands_.size() <= 1)
-    return (system_.uses_primal_system() && whole_.rests(problem, limits.warm_start_tolerance, record)) ||
-           whole_.solve(problem, limits.newton, limits.inexact, record);
+bool ContactIslands::solve(const StageProblem& problem, ContactLimits limits, StageRecord& record) {
+  limits.warm_start = true;
   (void)system_.weighted();  // made now, and not by each of the threads
   const auto work = [&](int task, int worker) {
-    solve(*islands_[order_[task]], problem, limits, scratch_[worker]);
+    Island& island = *islands_[order_[task]];
+    island.done = island.solver->solve(gather(island, problem, scratch_[worker]), limits, island.record);
   };
   const int tasks = static_cast<int>(order_.size());
   if (parallel_)

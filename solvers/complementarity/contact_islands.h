@@ -22,21 +22,17 @@ class Archive;
 /// What one comes to depends on nothing but itself: the same bits with any number of threads.
 class ContactIslands {
  public:
-  /// `whole` solves where all is one island.
   /// @param threads 0: as many as the machine has.
-  ContactIslands(ConstraintSystem& system, ContactForces& contacts, ContactSolver& whole, int threads);
+  ContactIslands(ConstraintSystem& system, ContactForces& contacts, int threads);
 
   /// Threads that could not be started.
   int missing_threads() const { return pool_ ? pool_->missing() : 0; }
   /// The system has other rows.
   void forget_pattern() { known_ = false; }
-  struct Limits {
-    NewtonLimits newton;
-    double warm_start_tolerance = 0;  ///< of rates, at which impulses of before are taken as they are
-    double inexact = 0;               ///< residual that may be taken in the end
-  };
-  /// Solves all, each with its part of the problem.  False if one could not be solved.
-  bool solve(const StageProblem& problem, const Limits& limits, StageRecord& record);
+  /// All is one island, which is best solved as it is.
+  bool is_one() { return find(), islands_.size() <= 1; }
+  /// Solves all, each with its part of the problem, and with a warm start.  False if one could not be solved.
+  bool solve(const StageProblem& problem, ContactLimits limits, StageRecord& record);
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);
@@ -69,12 +65,10 @@ class ContactIslands {
   void plan();
   std::vector<SystemPart> partition();
   void make(Island& island, std::vector<int>& scratch);
-  void gather(Island& island, const StageProblem& whole, std::vector<int>& scratch);
-  void solve(Island& island, const StageProblem& whole, const Limits& limits, std::vector<int>& scratch);
+  StageProblem gather(Island& island, const StageProblem& whole, std::vector<int>& scratch);
 
   ConstraintSystem& system_;
   ContactForces& contacts_;
-  ContactSolver& whole_;
   int threads_;
   std::unique_ptr<detail::ThreadPool> pool_;  // made when there is work for it
   bool known_ = false, parallel_ = false;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "solvers/common/max_abs.h"
+#include "solvers/complementarity/slope_search.h"
 
 namespace taut {
 
@@ -16,17 +17,22 @@ NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& st
   system_.rates(stage.lambda, stage.b, stage.w);
   NewtonOutcome outcome;
   Progress progress = begin_rounds(problem, limits);
-  for (;;) {
+  const std::vector<double>& y = projection_.y();
+  do {
     ++outcome.rounds;
-    round_.set_metric(problem, progress.rho);
-    const double tolerance =
-        std::max(Tuning::kForcing * std::min(progress.residual, Tuning::kForcing), Tuning::kLeastGradient) *
-        problem.scale;
-    const bool met = round_.minimize(problem, tolerance, limits.iterations, outcome.iterations, record.times);
-    read_rates(problem);
+    round_.begin_steps(problem, progress.rho, progress.residual);                 // Σ = ρ S_rr
+    projection_.project(problem, round_.x(problem, 0), round_.sigma());           // y = prox_Σ(x)
+    while (round_.is_open(problem, y, limits.iterations - outcome.iterations)) {  // F = δv − Wᵀ (y − λ̄)
+      ++outcome.iterations;
+      if (!round_.find_step(projection_, record.times)) break;  // (1 + Wᵀ P' Σ⁻¹ W + N) step = −F
+      SlopeSearch search(round_.start_slope());
+      do projection_.project(problem, round_.x(problem, search.length()), round_.sigma());
+      while (search.goes_on(round_.slope(y, search.length())));
+      round_.move(search.length());
+    }
+    read_rates(problem, y);
     outcome.residual = law_error(problem, limits.rate_tolerance, outcome.rounds);
-    if (ends(problem, limits, progress, outcome) || !next_round(problem, met, outcome, progress)) break;
-  }
+  } while (!ends(problem, limits, progress, outcome) && next_round(problem, outcome, progress));
   if (!outcome.converged && best_.restore(problem.lambda, problem.w)) outcome.residual = best_.residual();
   contacts.take_over(stage.lambda, stage.w, limits.rate_tolerance);
   record.iterations += outcome.iterations;
@@ -62,9 +68,11 @@ ContactNewton::Progress ContactNewton::begin_rounds(const ContactProblem& proble
                                                     const NewtonLimits& limits) {
   best_.begin(problem.lambda.size());
   coupled_.reserve(problem.lambda.size());
-  round_.begin(problem);
+  projection_.begin(problem.lambda);
+  round_.resize();
+  round_.start(problem.lambda, problem.w);
   const double off = law_error(problem, limits.rate_tolerance, 0);
-  coupled_.begin(round_.y(), off);
+  coupled_.begin(problem.lambda, off);
   Progress progress;
   progress.rho = std::clamp(Tuning::kRhoOfResidual * off, Tuning::kNearRho, Tuning::kFirstRho);
   if (!problem.contacts.soft()) progress.residual = off;
@@ -108,22 +116,21 @@ bool ContactNewton::slips_in_vain(const ContactProblem& problem, const NewtonLim
 
 /// λ̄ = y and ρ for the next round; a round that did not go well is taken back.  False if rounds go no
 /// further.
-bool ContactNewton::next_round(const ContactProblem& problem, bool met, const NewtonOutcome& outcome,
+bool ContactNewton::next_round(const ContactProblem& problem, const NewtonOutcome& outcome,
                                Progress& progress) {
   bool goes_on = true;
-  if (!coupled_.keep(round_.y(), met, outcome.residual, progress.rho)) {
-    round_.set_y(coupled_.kept());
-    read_rates(problem);
+  if (!coupled_.keep(projection_.y(), round_.met(), outcome.residual, progress.rho)) {
+    read_rates(problem, coupled_.kept());
     goes_on = coupled_.grow(progress.rho);
   }
   progress.residual = coupled_.kept_residual();
-  round_.start(problem);
+  round_.start(problem.lambda, problem.w);
   return goes_on && coupled_.progress(outcome.rounds);
 }
 
 /// λ and w of y.
-void ContactNewton::read_rates(const ContactProblem& problem) const {
-  std::copy(round_.y().begin(), round_.y().end(), problem.lambda.begin());
+void ContactNewton::read_rates(const ContactProblem& problem, std::span<const double> y) const {
+  std::copy(y.begin(), y.end(), problem.lambda.begin());
   system_.rates(problem.lambda, problem.b, problem.w);
 }
 

@@ -45,7 +45,7 @@ struct NewtonOutcome {
 /// (solvers/complementarity, "Many contacts")
 class ContactNewton {
  public:
-  explicit ContactNewton(ConstraintSystem& system) : system_(system), round_(system) {}
+  explicit ContactNewton(ConstraintSystem& system) : system_(system), round_(system), projection_(system) {}
 
   /// S = W Wᵀ with the W that the system has.  The friction of `contacts` is that of the result from then on.
   NewtonOutcome solve(ContactLaws& contacts, const StageProblem& stage, const NewtonLimits& limits,
@@ -74,13 +74,14 @@ class ContactNewton {
                              const NewtonOutcome& outcome) const;
   bool slips_in_vain(const ContactProblem& problem, const NewtonLimits& limits, int rounds,
                      Progress& progress) const;
-  bool next_round(const ContactProblem& problem, bool met, const NewtonOutcome& outcome, Progress& progress);
-  void read_rates(const ContactProblem& problem) const;
+  bool next_round(const ContactProblem& problem, const NewtonOutcome& outcome, Progress& progress);
+  void read_rates(const ContactProblem& problem, std::span<const double> y) const;
   double law_error(const ContactProblem& problem, double rate_tolerance, int rounds) const;
 
   ConstraintSystem& system_;
   std::vector<double> diagonal_, target_;  // S_rr, t
   ProximalRound round_;
+  ContactProjection projection_;
   CoupledRounds coupled_;
   BestRound best_;  // of those in which joints were closed
 };

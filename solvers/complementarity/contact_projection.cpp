@@ -6,13 +6,15 @@
 namespace taut {
 
 void ContactProjection::begin(std::span<const double> lambda) {
-  for (auto* values : {&x_, &slope_}) values->assign(lambda.size(), 0.0);
+  slope_.assign(lambda.size(), 0.0);
   y_.assign(lambda.begin(), lambda.end());
   turned_.assign(system_.weighted().begin(), system_.weighted().end());
   coupling_.assign(system_.rows().contact_count(), 0.0);
 }
 
-void ContactProjection::project(const ContactProblem& problem, std::span<const double> sigma) {
+void ContactProjection::project(const ContactProblem& problem, std::span<const double> x,
+                                std::span<const double> sigma) {
+  x_ = x;
   const Rows& rows = system_.rows();
   for (int r = 0; r < rows.first_contact_row(); ++r) project_row(problem.laws[r], sigma[r], r);
   for (int k = 0; k < rows.contact_count(); ++k) project_contact(problem, k);

@@ -17,14 +17,10 @@ class ContactProjection {
 
   /// y = λ of the guess.
   void begin(std::span<const double> lambda);
-  /// x, to be written to before project().
-  std::span<double> x() { return x_; }
-  /// y and P' of x.
-  void project(const ContactProblem& problem, std::span<const double> sigma);
+  /// y and P' of x, which is looked at until the next call.
+  void project(const ContactProblem& problem, std::span<const double> x, std::span<const double> sigma);
 
   const std::vector<double>& y() const { return y_; }
-  /// y from outside, as that of an earlier round.
-  void set_y(std::span<const double> y) { y_.assign(y.begin(), y.end()); }
   /// The diagonal of P'; the caller may make D = P' Σ⁻¹ of it.
   std::span<double> slope() { return slope_; }
   /// W in the rows in which P' is diagonal, laid out like W.
@@ -45,7 +41,8 @@ class ContactProjection {
   int first_row(int k) const { return system_.rows().joints()[system_.rows().contact_joint(k)].first_row; }
 
   ConstraintSystem& system_;
-  std::vector<double> x_, y_, slope_, turned_, coupling_;
+  std::span<const double> x_;
+  std::vector<double> y_, slope_, turned_, coupling_;
 };
 
 }  // namespace taut

@@ -36,6 +36,20 @@ double ContactSolver::law_error(const StageProblem& problem, double rate_toleran
   return std::max(error, contact_residual(contacts_, lambda, w, rate_tolerance));
 }
 
+bool ContactSolver::solve(const StageProblem& problem, const ContactLimits& limits, StageRecord& record) {
+  const double rate_tolerance = limits.newton.rate_tolerance;
+  if (limits.warm_start && rests(problem, limits.warm_start_tolerance, record)) return true;
+  sweep_guess(problem, rate_tolerance);
+  for (int solve = 0;; ++solve) {
+    if (!newton_.solve(contacts_, problem, limits.newton, record).converged)
+      return solve_by_sweeps(problem, rate_tolerance, limits.inexact, record);
+    if (solve == Tuning::kMaxSolves || !contacts_.slips_where_it_held()) return true;
+    if (search_sticking_solution(problem, rate_tolerance, record) || !contacts_.weakened()) return true;
+  }
+}
+
+/// True if nothing comes together and λ meets the laws as it is, or after one linear solve in which all that
+/// presses is locked; w becomes its rates.
 bool ContactSolver::rests(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
   if (!contacts_.rest() || !contacts_.is_clear(problem.lambda)) return false;
   system_.rates(problem.lambda, problem.b, problem.w);
@@ -73,20 +87,17 @@ bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolera
   return true;
 }
 
-bool ContactSolver::solve(const StageProblem& problem, const NewtonLimits& limits, double inexact,
-                          StageRecord& record) {
-  return solve_by_newton(problem, limits, record) ||
-         solve_by_sweeps(problem, limits.rate_tolerance, inexact, record);
-}
-
 double ContactSolver::sweep(const StageProblem& problem, int sweeps, double rate_tolerance) {
   (void)iteration().solve(contacts_, problem.laws, problem.b, problem.lambda, problem.w, {.sweeps = sweeps},
                           {});
   return distance(problem, rate_tolerance);
 }
 
-/// A better guess for Newton's method: Gauss–Seidel, whose sweeps cost little, comes near from anywhere.
+/// A better guess for Newton's method: Gauss–Seidel, whose sweeps cost little, comes near from anywhere.  Of
+/// joints they cost more than they save.
 void ContactSolver::sweep_guess(const StageProblem& problem, double rate_tolerance) {
+  const bool with_joints = system_.rows().first_contact_row() > 0;
+  if (!newton_.is_heap() || (contacts_.soft() && with_joints)) return;
   system_.rates(problem.lambda, problem.b, problem.w);
   double size = 0;
   for (std::size_t r = 0; r < problem.b.size(); ++r)
@@ -101,18 +112,8 @@ void ContactSolver::sweep_guess(const StageProblem& problem, double rate_toleran
   if (distance(swept, rate_tolerance) < off) std::copy(held_.begin(), held_.end(), problem.lambda.begin());
 }
 
-bool ContactSolver::solve_by_newton(const StageProblem& problem, const NewtonLimits& limits,
-                                    StageRecord& record) {
-  const bool with_joints = system_.rows().first_contact_row() > 0;  // sweeps of them cost more than they save
-  if (newton_.is_heap() && !(contacts_.soft() && with_joints)) sweep_guess(problem, limits.rate_tolerance);
-  for (int solve = 0;; ++solve) {
-    if (!newton_.solve(contacts_, problem, limits, record).converged) return false;
-    if (solve == Tuning::kMaxSolves || !contacts_.slips_where_it_held()) return true;
-    if (search_sticking_solution(problem, limits.rate_tolerance, record) || !contacts_.weakened())
-      return true;
-  }
-}
-
+/// From a solution in which contacts slip that stuck: true, and another one, if there is one in which they
+/// hold.  Else they are let go, and λ and w stay as they are.
 bool ContactSolver::search_sticking_solution(const StageProblem& problem, double rate_tolerance,
                                              StageRecord& record) {
   const std::span<double> lambda = problem.lambda;

@@ -16,6 +16,14 @@ namespace taut {
 
 class Archive;
 
+/// What may be tried on a stage with contacts, and what is enough.
+struct ContactLimits {
+  NewtonLimits newton;
+  bool warm_start = false;          ///< impulses of before are tried as they are, and with contacts locked
+  double warm_start_tolerance = 0;  ///< of rates, for those
+  double inexact = 0;  ///< residual that may be taken in the end; 0: none beyond that of Newton's method
+};
+
 /// Stages with contacts, through the bodies: as impulses are where all rests, or with contacts locked, else
 /// by Newton's method, then with friction that holds where some division of the load allows it, or at last by
 /// sweeps.  For a whole system or an island of it.
@@ -30,16 +38,8 @@ class ContactSolver {
   /// The natural residual at λ, whose rates are w, over the largest impulse; errors of rates within the
   /// tolerance do not count.
   double distance(const StageProblem& problem, double rate_tolerance) const;
-  /// True if nothing comes together and λ meets the laws as it is, or after one linear solve in which all
-  /// that presses is locked; w becomes its rates.
-  bool rests(const StageProblem& problem, double rate_tolerance, StageRecord& record);
-  /// `inexact`: a residual that may be taken in the end; 0: none beyond that of Newton's method.
-  bool solve(const StageProblem& problem, const NewtonLimits& limits, double inexact, StageRecord& record);
-  /// Newton's method, and friction that holds; λ is what it may start from.
-  bool solve_by_newton(const StageProblem& problem, const NewtonLimits& limits, StageRecord& record);
-  /// From a solution in which contacts slip that stuck: true, and another one, if there is one in which they
-  /// hold.  Else they are let go, and λ and w stay as they are.
-  bool search_sticking_solution(const StageProblem& problem, double rate_tolerance, StageRecord& record);
+  /// λ is what it may start from, then with w the result; true if that is good enough.
+  bool solve(const StageProblem& problem, const ContactLimits& limits, StageRecord& record);
   /// Sweeps of Gauss–Seidel over λ and w; the distance that they leave.
   double sweep(const StageProblem& problem, int sweeps, double rate_tolerance);
   const ContactNewton& newton() const { return newton_; }
@@ -54,9 +54,11 @@ class ContactSolver {
  private:
   using Tuning = ContactSolverTuning;
 
+  bool rests(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   bool meets_laws(const StageProblem& problem, double tolerance, double rate_tolerance, StageRecord& record);
   bool rests_locked(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   void sweep_guess(const StageProblem& problem, double rate_tolerance);
+  bool search_sticking_solution(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   double law_error(const StageProblem& problem, double rate_tolerance) const;
   bool solve_by_sweeps(const StageProblem& problem, double rate_tolerance, double inexact,
                        StageRecord& record);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -12,47 +13,63 @@
 
 namespace taut {
 
-/// One round of the proximal point iteration, about a centre λ̄ with a metric Σ:
+/// One round of the proximal point iteration, about a centre λ̄ with a metric Σ: the terms of
 ///
-///     F(v) = v − Wᵀ y = 0,   y = prox_Σ(λ̄ − Σ⁻¹ (b + W v − t))
+///     F(v) = v − Wᵀ y = 0,   y = prox_Σ(x),   x = λ̄ − Σ⁻¹ (b + W v − t)
 ///
-/// for the velocities v = Wᵀ λ, by a semismooth Newton method [QiSun1993] with line search.  Where no contact
-/// slips F is the gradient of a strictly convex function that is piecewise smooth; where friction follows the
-/// normal impulse there is no such function.  Works with δv = v − Wᵀ λ̄, so that round-off is that of small
-/// numbers.  (solvers/complementarity, Eq. 3)
+/// for the velocities v = Wᵀ λ, and a semismooth Newton method on it [QiSun1993].  Where no contact slips F
+/// is the gradient of a strictly convex function that is piecewise smooth; where friction follows the normal
+/// impulse there is no such function.  Works with δv = v − Wᵀ λ̄, so that round-off is that of small numbers.
+/// y is the caller's, who has a ContactProjection.  (solvers/complementarity, Eq. 3)
 class ProximalRound {
  public:
-  explicit ProximalRound(ConstraintSystem& system)
-      : system_(system), projection_(system), coupled_step_(system) {}
+  explicit ProximalRound(ConstraintSystem& system) : system_(system), coupled_step_(system) {}
 
-  /// The first round starts from λ and its rates w.
-  void begin(const ContactProblem& problem);
-  /// The next round starts from λ̄ = y and its rates w.
-  void start(const ContactProblem& problem);
-  void set_metric(const ContactProblem& problem, double rho) { metric_.set(system_.rows(), problem, rho); }
-  /// Lowers |F| to the tolerance [√J], in at most as many Newton steps as `most` has beyond `steps`, which is
-  /// counted on.  False if a value is not finite, or the tolerance is not reached.
-  bool minimize(const ContactProblem& problem, double tolerance, int most, int& steps, StageTimes& times);
+  /// The rows are those that the system has now.
+  void resize();
+  /// The next round is about λ̄, which has the rates w.
+  void start(std::span<const double> centre, std::span<const double> w);
+  /// Newton's method begins, with Σ of ρ, to end at a part of the residual of the round before.
+  void begin_steps(const ContactProblem& problem, double rho, double residual);
 
-  const std::vector<double>& y() const { return projection_.y(); }
-  /// Back to the y of an earlier round.
-  void set_y(std::span<const double> y) { projection_.set_y(y); }
+  std::span<const double> sigma() const { return metric_.sigma(); }
+  /// x at the present velocities and `length` of the step.
+  std::span<const double> x(const ContactProblem& problem, double length);
+  /// F at the present velocities.  True if it is to be lowered by a Newton step, of which at most `left` are
+  /// allowed.
+  bool is_open(const ContactProblem& problem, std::span<const double> y, int left);
+  /// The last F was small enough, or as small as round-off allows.
+  bool met() const { return met_; }
+  /// Newton's step with the primal matrix 1 + Wᵀ D W, D = P' Σ⁻¹, which is left in the place of P', and what
+  /// friction that follows normal impulses adds to it.  False if it cannot be factored.
+  bool find_step(ContactProjection& projection, StageTimes& times);
+  /// F along the step, the slope of the function if there is one, at its begin and at a `length` of it where
+  /// the laws answer y.
+  double start_slope() const { return step_.dot(gradient_); }
+  double slope(std::span<const double> y, double length) const;
+  void move(double length);
 
  private:
   using Tuning = ContactNewtonTuning;
 
-  void project(const ContactProblem& problem, double length);
-  void read_gradient();
-  bool find_step(StageTimes& times);
-  void search(const ContactProblem& problem);
+  /// Sizes of F from step to step.
+  struct History {
+    double first = 0, least = std::numeric_limits<double>::infinity();
+    int looks = 0, stuck = 0;  // and steps since it fell, at round-off
+
+    void add(double size, double scale);
+  };
 
   ConstraintSystem& system_;
-  ContactProjection projection_;
   ProximalMetric metric_;
   CoupledStep coupled_step_;
-  std::vector<double> centre_, base_, change_;  // λ̄, b + S λ̄, y − λ̄
-  Eigen::VectorXd v_, gradient_, step_;         // δv, F, the Newton step
-  std::vector<double> rates_, rates_of_step_;   // W δv, W times the step
+  std::vector<double> centre_, base_, x_, change_;  // λ̄, b + S λ̄, x, y − λ̄
+  Eigen::VectorXd v_, gradient_, step_;             // δv, F, the Newton step
+  std::vector<double> rates_, rates_of_step_;       // W δv, W times the step
+  double along_ = 0, square_ = 0;                   // of the step with δv, and with itself
+  double tolerance_ = 0;                            // of F [√J]
+  History history_;
+  bool met_ = false;
 };
 
 }  // namespace taut

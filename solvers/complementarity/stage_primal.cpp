@@ -13,40 +13,7 @@ void add_to(StageRecord& record, const Outcome& outcome) {
 
 }  // namespace
 
-StagePrimal::StagePrimal(const StageModel& model, const StageResidual& residual,
-                         ContactSolver& contact_solver, StagePivoting& pivoting, StageCulprits& culprits)
-    : model_(model),
-      residual_(residual),
-      contact_solver_(contact_solver),
-      pivoting_(pivoting),
-      culprits_(culprits),
-      islands_(model.system, model.contacts, contact_solver, model.settings.threads),
-      interior_(model.system),
-      primal_dual_(model.system) {}
-
-StageVerdict StagePrimal::solve(StageAttempt& attempt) {
-  const std::span<double> lambda = attempt.stage.lambda;
-  NewtonLimits limits{.rate_tolerance = attempt.rate_tolerance};
-  if (attempt.stage.exact) limits.tolerance = Tuning::kMendedExactly;
-  if (attempt.budget.reduced) limits.iterations = Tuning::kReducedSteps;
-  const ContactIslands::Limits of_islands{limits, attempt.warm_start_tolerance, attempt.budget.inexact};
-  for (int solve = 0; solve < Tuning::kMaxMendings; ++solve) {
-    StageRecord record;
-    const bool solved = model_.contacts.empty() ? solve_axes(attempt, record)
-                                                : islands_.solve(attempt.problem(), of_islands, record);
-    attempt.add(record);
-    pivoting_.take_segments(attempt.solution(lambda));
-    if (!solved) break;
-    if (!model_.move_laws(attempt.problem(), attempt.rate_tolerance)) return StageVerdict::kMet;
-    if (solve == Tuning::kMaxMendings - 1) culprits_.find_jam(lambda, attempt.inertia);
-    attempt.stage.renew();
-  }
-  pivoting_.note_not_converged();
-  return StageVerdict::kFailed;
-}
-
-/// Many axes and no contacts.
-bool StagePrimal::solve_axes(const StageAttempt& attempt, StageRecord& record) {
+bool StagePrimal::solve(const StageAttempt& attempt, StageRecord& record) {
   model_.system.rates(attempt.stage.lambda, attempt.b, attempt.w);
   return solve_near(attempt, record) || solve_by_interior_point(attempt, record);
 }
@@ -64,7 +31,7 @@ bool StagePrimal::solve_near(const StageAttempt& attempt, StageRecord& record) {
                          .most = kMetResidual,
                          .rate_tolerance = rate_tolerance,
                          .iterations = Tuning::kFewSteps};
-  if (contact_solver_.solve_by_newton(attempt.problem(), few, record) && exact(attempt)) return true;
+  if (contact_solver_.solve(attempt.problem(), {.newton = few}, record) && exact(attempt)) return true;
   std::copy(guess_.begin(), guess_.end(), lambda.begin());
   return false;
 }
@@ -76,7 +43,7 @@ bool StagePrimal::solve_by_interior_point(const StageAttempt& attempt, StageReco
   add_to(record, outcome);
   if (outcome.converged && exact(attempt)) return true;
   const NewtonLimits limits{.most = kMetResidual, .rate_tolerance = attempt.rate_tolerance};
-  return contact_solver_.solve_by_newton(attempt.problem(), limits, record) && exact(attempt);
+  return contact_solver_.solve(attempt.problem(), {.newton = limits}, record) && exact(attempt);
 }
 
 bool StagePrimal::solve_on_segments(const StageAttempt& attempt, const PrimalDualLimits& limits,

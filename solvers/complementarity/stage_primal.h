@@ -3,13 +3,10 @@
 #include <span>
 #include <vector>
 
-#include "solvers/complementarity/contact_islands.h"
 #include "solvers/complementarity/contact_solver.h"
 #include "solvers/complementarity/interior_point.h"
 #include "solvers/complementarity/primal_dual_active_set.h"
 #include "solvers/complementarity/stage_attempt.h"
-#include "solvers/complementarity/stage_culprits.h"
-#include "solvers/complementarity/stage_pivoting.h"
 #include "solvers/complementarity/stage_residual.h"
 #include "solvers/complementarity/stage_tuning.h"
 
@@ -17,28 +14,25 @@ namespace taut {
 
 class Archive;
 
-/// Stages through the bodies, on the primal matrix: contacts island by island, axes by Newton's method on the
-/// segments of the guess or by interior points; again where static friction lets go or its load changes.
-/// (solvers/complementarity, "Ladder", "Many contacts", "Many axes with friction")
+/// Stages without contacts through the bodies, on the primal matrix: by Newton's method on the segments of
+/// the guess, or by interior points.  (solvers/complementarity, "Ladder", "Many axes with friction")
 class StagePrimal {
  public:
-  StagePrimal(const StageModel& model, const StageResidual& residual, ContactSolver& contact_solver,
-              StagePivoting& pivoting, StageCulprits& culprits);
+  StagePrimal(const StageModel& model, const StageResidual& residual, ContactSolver& contact_solver)
+      : model_(model),
+        residual_(residual),
+        contact_solver_(contact_solver),
+        interior_(model.system),
+        primal_dual_(model.system) {}
 
-  StageVerdict solve(StageAttempt& attempt);
+  bool solve(const StageAttempt& attempt, StageRecord& record);
 
-  /// The system has other rows.
-  void forget_pattern() { islands_.forget_pattern(); }
-  /// Threads that could not be started.
-  int missing_threads() const { return islands_.missing_threads(); }
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
-  void transfer_axes(Archive& archive) { primal_dual_.transfer(archive); }
-  void transfer_islands(Archive& archive) { islands_.transfer(archive); }
+  void transfer(Archive& archive) { primal_dual_.transfer(archive); }
 
  private:
   using Tuning = StageTuning;
 
-  bool solve_axes(const StageAttempt& attempt, StageRecord& record);
   bool solve_near(const StageAttempt& attempt, StageRecord& record);
   bool solve_by_interior_point(const StageAttempt& attempt, StageRecord& record);
   bool solve_on_segments(const StageAttempt& attempt, const PrimalDualLimits& limits, StageRecord& record);
@@ -49,9 +43,6 @@ class StagePrimal {
   StageModel model_;
   const StageResidual& residual_;
   ContactSolver& contact_solver_;
-  StagePivoting& pivoting_;
-  StageCulprits& culprits_;
-  ContactIslands islands_;
   InteriorPoint interior_;
   PrimalDualActiveSet primal_dual_;
   std::vector<double> guess_;

@@ -14,9 +14,10 @@ StageSolver::StageSolver(const World& world, ConstraintSystem& system, AxisForce
       residual_(system, contacts),
       culprits_(world, model_),
       contact_solver_(system, contacts),
+      islands_(system, contacts, settings.threads),
       pivoting_(model_, residual_, culprits_),
       warm_start_(model_, residual_, contact_solver_, pivoting_),
-      primal_(model_, residual_, contact_solver_, pivoting_, culprits_) {
+      primal_(model_, residual_, contact_solver_) {
   const int rows = system.row_count();
   b_.assign(rows, 0.0);
   for (auto* values : {&effective_mass_, &w_}) values->assign(bounded() ? rows : 0, 0.0);
@@ -27,7 +28,7 @@ void StageSolver::move_rows(std::span<const int> from) {
   for (auto* values : {&b_, &effective_mass_, &w_}) taut::move_rows(from, 0.0, *values);
   taut::move_rows(from, RowLaw::none(), laws_);
   contact_solver_.reset();
-  primal_.forget_pattern();
+  islands_.forget_pattern();
   pivoting_.move_rows(from, laws_);
 }
 
@@ -61,11 +62,43 @@ bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport
                        .report = report};
   StageVerdict verdict = warm_start_.solve(attempt);
   if (verdict == StageVerdict::kNext) verdict = pivoting_.solve(attempt);
-  if (verdict == StageVerdict::kNext) verdict = primal_.solve(attempt);
+  const ContactLimits limits = contact_limits(attempt);
+  for (int solve = 1; verdict == StageVerdict::kNext; ++solve) {  // again while friction lets go
+    StageRecord record;
+    const bool solved = model_.contacts.empty() ? primal_.solve(attempt, record)
+                        : islands_.is_one()     ? contact_solver_.solve(attempt.problem(), limits, record)
+                                                : islands_.solve(attempt.problem(), limits, record);
+    verdict = judge(attempt, record, solved, solve);
+  }
   accuracy_.take(attempt.inexact_residual);
   const bool met = verdict == StageVerdict::kMet;
   detail::StageWatchScope::tell(model_, attempt.solution(stage.lambda), met);
   return met;
+}
+
+/// The warm start of a whole system that factors S is StageWarmStart.
+ContactLimits StageSolver::contact_limits(const StageAttempt& attempt) const {
+  ContactLimits limits{.newton = {.rate_tolerance = attempt.rate_tolerance},
+                       .warm_start = model_.system.uses_primal_system(),
+                       .warm_start_tolerance = attempt.warm_start_tolerance,
+                       .inexact = attempt.budget.inexact};
+  if (attempt.stage.exact) limits.newton.tolerance = StageTuning::kMendedExactly;
+  if (attempt.budget.reduced) limits.newton.iterations = StageTuning::kReducedSteps;
+  return limits;
+}
+
+/// What a solve through the bodies has come to: where friction lets go the next one, with renewed laws.
+StageVerdict StageSolver::judge(StageAttempt& attempt, const StageRecord& record, bool solved, int solves) {
+  const std::span<double> lambda = attempt.stage.lambda;
+  attempt.add(record);
+  pivoting_.take_segments(attempt.solution(lambda));
+  if (solved && !model_.move_laws(attempt.problem(), attempt.rate_tolerance)) return StageVerdict::kMet;
+  const bool jams = solved && solves == StageTuning::kMaxMendings;
+  if (jams) culprits_.find_jam(lambda, attempt.inertia);
+  if (solved) attempt.stage.renew();
+  if (solved && !jams) return StageVerdict::kNext;
+  pivoting_.note_not_converged();
+  return StageVerdict::kFailed;
 }
 
 bool StageSolver::solve_velocities(const Stage& stage, SubstepReport& report) {

@@ -6,6 +6,7 @@
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
+#include "solvers/complementarity/contact_islands.h"
 #include "solvers/complementarity/contact_solver.h"
 #include "solvers/complementarity/stage_accuracy.h"
 #include "solvers/complementarity/stage_attempt.h"
@@ -29,9 +30,9 @@ class Archive;
 /// again with renewed laws until it stays.
 ///
 /// A stage goes down a ladder: impulses of before as they are, or with one linear solve where contacts stick
-/// (StageWarmStart); without contacts the active set on the factor of S (StagePivoting); through the bodies
-/// (StagePrimal). The rungs remember what worked last. (solvers/complementarity, "Ladder", "Natural
-/// residual")
+/// (StageWarmStart); without contacts the active set on the factor of S (StagePivoting), then through the
+/// bodies (StagePrimal); contacts through the bodies, island by island (ContactSolver). The rungs remember
+/// what worked last. (solvers/complementarity, "Ladder", "Natural residual")
 class StageSolver {
  public:
   static constexpr int kExactSolves = StageTuning::kExactSolves;
@@ -126,7 +127,7 @@ class StageSolver {
   /// How the last active set went.
   const ActiveSetOutcome& active_set_outcome() const { return pivoting_.outcome(); }
   /// Threads that could not be started.
-  int missing_threads() const { return primal_.missing_threads(); }
+  int missing_threads() const { return islands_.missing_threads(); }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);
@@ -134,6 +135,8 @@ class StageSolver {
 
  private:
   void rates_without(const Stage& stage);
+  ContactLimits contact_limits(const StageAttempt& attempt) const;
+  StageVerdict judge(StageAttempt& attempt, const StageRecord& record, bool solved, int solves);
   StageSolution solution(std::span<const double> lambda, std::span<const double> w) const {
     return {laws_, b_, effective_mass_, lambda, w};
   }
@@ -146,6 +149,7 @@ class StageSolver {
   StageAccuracy accuracy_;
   StageCulprits culprits_;
   ContactSolver contact_solver_;
+  ContactIslands islands_;
   StagePivoting pivoting_;
   StageWarmStart warm_start_;
   StagePrimal primal_;

@@ -44,18 +44,22 @@ Composition::Composition(Integrator integrator) : fractions_(fractions_of(integr
   for (double fraction : fractions_) longest_ = std::max(longest_, std::abs(fraction));
 }
 
-Scheme::Outcome Composition::advance(Scheme& scheme, double h, SubstepReport& report) {
-  using enum Scheme::Outcome;
-  if (fractions_.size() == 1) return scheme.advance(h, report);
+void Composition::begin(const Scheme& scheme) {
+  left_ = fractions_;
+  if (fractions_.size() == 1) return;
   before_ = scheme.state();
   impulses_before_.assign(scheme.impulses().begin(), scheme.impulses().end());
-  for (double fraction : fractions_) {
-    const Scheme::Outcome outcome = scheme.advance(fraction * h, report);
-    if (outcome == kDone) continue;
-    if (outcome != kNotFinite && outcome != kBlind) scheme.go_back(before_, impulses_before_, report);
-    return outcome;
-  }
-  return kDone;
+}
+
+double Composition::next() {
+  const double fraction = left_.front();
+  left_ = left_.subspan(1);
+  return fraction;
+}
+
+void Composition::give_up(Scheme& scheme, SubstepReport& report) {
+  left_ = {};
+  if (fractions_.size() > 1) scheme.go_back(before_, impulses_before_, report);
 }
 
 }  // namespace taut

@@ -358,9 +358,9 @@ void StageSolver::transfer(Archive& archive) {
 
 void StageSolver::transfer_factors(Archive& archive) {
   pivoting_.active_set().transfer(archive);
-  primal_.transfer_axes(archive);
+  primal_.transfer(archive);
   contact_solver_.transfer(archive);
-  primal_.transfer_islands(archive);
+  islands_.transfer(archive);
 }
 
 void MultiplierPrediction::transfer(Archive& archive) {

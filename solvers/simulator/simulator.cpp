@@ -32,34 +32,81 @@ Simulator::Impl::Impl(World& world, const Settings& settings)
       settings.integrator == Integrator::kMoreauJean ? DriftCure::kPositionPush : DriftCure::kBaumgarte;
 }
 
-void Simulator::Impl::step(double dt) {
+const StepReport& Simulator::step(double dt) {
+  const detail::FlushToZero mode;
   require_positive("step dt", dt);
-  const StepLoads::Acting loads(source_, loads_);
+  Impl& now = impl();
+  const StepLoads::Acting loads(now.source_, now.loads_);
+  Impl::Before before = now.begin_step(dt);
+  try {
+    const Stopwatch watch(now.report_.times.total);
+    const detail::InterruptScope scope(&now.hooks_.interrupt);
+    const detail::StageWatchScope watched(&now.hooks_.stage_watch);
+    now.fall_asleep();
+    while (now.start_advancing()) {
+      {
+        const World::Hold held = now.source_.hold();
+        Scheme& scheme = now.stepper_.scheme();
+        Substepping& substeps = now.substepping_;
+        for (substeps.begin(scheme, dt); substeps.goes_on();) {
+          const double h = substeps.next(scheme, now.report_);
+          substeps.react(scheme.advance(h, now.report_), scheme, now.report_);
+        }
+      }
+      if (now.finish_advancing(dt)) break;  // else once more, with bodies awake that it has touched
+    }
+    now.publish();
+  } catch (...) {
+    now.take_back(std::move(before));
+    now.report_thrown();
+  }
+  now.end_step();
+  return now.report_;
+}
+
+/// Follows the World and chooses bodies that may fall asleep; an empty report.
+Simulator::Impl::Before Simulator::Impl::begin_step(double dt) {
   bodies_.follow();
   choose_sleepers(dt);
   Before before = begin_undoable();
   begin_report();
   report_.dt = horizon_ = dt;
-  try {
-    const Stopwatch watch(report_.times.total);
-    const detail::InterruptScope scope(&hooks_.interrupt);
-    const detail::StageWatchScope watched(&hooks_.stage_watch);
-    welds_.forget_means();
-    if (settings_.report_energy) books_.begin(world_, bodies_.as_set(), report_);
-    sleep_.put_to_sleep(world_);
-    while (!advance_to_end(dt))
-      ;
-    bodies_.end_step();
-    if (report_.ok()) bodies_.publish();
-  } catch (...) {
-    take_back(std::move(before));
-    report_thrown();
-  }
+  return before;
+}
+
+/// … with the energies from before in the books.
+void Simulator::Impl::fall_asleep() {
+  welds_.forget_means();
+  if (settings_.report_energy) books_.begin(world_, bodies_.as_set(), report_);
+  sleep_.put_to_sleep(world_);
+}
+
+/// The user's World gets the new state.
+void Simulator::Impl::publish() {
+  bodies_.end_step();
+  if (report_.ok()) bodies_.publish();
+}
+
+/// What is the same however the step has ended.
+void Simulator::Impl::end_step() {
   report_.ok() ? loads_.clear() : stay_where_it_was();
   end_versions_ = versions();
   if (stepper_.made()) report_detection(stepper_.scheme(), report_);
   report_.asleep = source_.asleep_count();
   count_work();
+  if (!settings_.report_rank || !report_.ok()) return;
+  try {
+    const detail::InterruptScope scope(&hooks_.interrupt);
+    report_.rank = analyze_rank();
+  } catch (const detail::Interrupted&) {  // the step is done
+  }
+}
+
+RankReport Simulator::Impl::analyze_rank() const {
+  if (source_.asleep_count() == 0) return taut::analyze_rank(source_, settings_);
+  World awake = source_;
+  awake.wake_all();
+  return taut::analyze_rank(awake, settings_);
 }
 
 /// Before a step of dt, with all that the last one has left: islands wake, and bodies that may fall asleep
@@ -102,19 +149,26 @@ void Simulator::Impl::note_loads_of_sleepers() {
     if (is_tired(c.contact.A) || is_tired(c.contact.B)) sleeping_.note(c);
 }
 
+/// The integrator at the state of the world, and true if it can be there; what it is until the end of the
+/// step is not known.
+bool Simulator::Impl::start_advancing() {
+  const bool goes_on = stepper_.knows_state() && stepper_.knows_pattern();
+  refresh();
+  if (!report_.ok()) return false;
+  if (settings_.report_energy && stepper_.scheme().knows_works() && (!goes_on || restarted_))
+    books_.start(world_, stepper_.state());
+  restarted_ = false;  // else a question before the step has had it started
+  welds_.start_step(stepper_.state());
+  stepper_.forget_state();
+  return true;
+}
+
 /// False if bodies woke that the step has touched, or that it could not be done without: it must be taken
 /// again.
-bool Simulator::Impl::advance_to_end(double dt) {
-  start_step();
-  if (!report_.ok()) return true;
-  bool done = false;
-  {
-    const World::Hold held = source_.hold();
-    const Scheme::Outcome outcome = substepping_.advance(stepper_.scheme(), dt, report_);
-    report_.ledger.integration = report_.works.flow;
-    done = outcome == Scheme::Outcome::kDone;
-    if (!done) say_why(outcome);
-  }
+bool Simulator::Impl::finish_advancing(double dt) {
+  const bool done = substepping_.outcome() == Scheme::Outcome::kDone;
+  report_.ledger.integration = report_.works.flow;
+  if (!done) say_why(substepping_.outcome());
   if (sleep_.enabled() && sleep_.wake_after(world_, stepper_.scheme().contacts().reports(), done)) {
     stepper_.retake(done);
     forget_attempt();
@@ -127,20 +181,9 @@ bool Simulator::Impl::advance_to_end(double dt) {
   return true;
 }
 
-/// The integrator at the state of the world; what it is until the end of the step is not known.
-void Simulator::Impl::start_step() {
-  const bool goes_on = stepper_.knows_state() && stepper_.knows_pattern();
-  refresh();
-  if (!report_.ok()) return;
-  if (settings_.report_energy && stepper_.scheme().knows_works() && (!goes_on || restarted_))
-    books_.start(world_, stepper_.state());
-  restarted_ = false;  // else a question before the step has had it started
-  welds_.start_step(stepper_.state());
-  stepper_.forget_state();
-}
-
 /// … the step cannot be done.
 void Simulator::Impl::say_why(Scheme::Outcome outcome) {
+  const World::Hold held = source_.hold();
   const Inquiry asked = inquiry();
   if (outcome == Scheme::Outcome::kNotFinite)
     end_not_finite(asked);
@@ -413,16 +456,6 @@ Simulator::Impl& Simulator::impl() const {
 
 Simulator::Simulator(Simulator&&) noexcept = default;
 
-const StepReport& Simulator::step(double dt) {
-  const detail::FlushToZero mode;
-  impl().step(dt);
-  if (impl().settings_.report_rank && impl().report_.ok()) try {
-      const detail::InterruptScope scope(&impl().hooks_.interrupt);
-      impl().report_.rank = analyze_rank();
-    } catch (const detail::Interrupted&) {  // the step is done
-    }
-  return impl().report_;
-}
 const StepReport& Simulator::report() const { return impl_->report_; }
 
 void Simulator::set_interrupt(std::function<bool()> asked) { impl().hooks_.interrupt = std::move(asked); }
@@ -454,12 +487,7 @@ void Simulator::set_contact_stretches(std::vector<ContactStretch> stretches) {
   impl().set_contact_stretches(std::move(stretches));
 }
 
-RankReport Simulator::analyze_rank() {
-  if (impl().source_.asleep_count() == 0) return taut::analyze_rank(impl().source_, impl().settings_);
-  World awake = impl().source_;
-  awake.wake_all();
-  return taut::analyze_rank(awake, impl().settings_);
-}
+RankReport Simulator::analyze_rank() { return impl().analyze_rank(); }
 
 Contradiction Simulator::contradiction(double horizon) {
   require_not_negative("contradiction horizon", horizon);

@@ -24,13 +24,27 @@ namespace taut {
 
 class Archive;
 
-/// The steps of Simulator in their order (simulator.cpp), and its answers between them
+/// What Simulator::step() consists of (simulator.cpp), and the answers between steps
 /// (simulator_reactions.cpp).
 class Simulator::Impl {
  public:
   Impl(World& world, const Settings& settings);
 
-  void step(double dt);
+  // The steps of a step, in their order.
+  /// What is taken back beside the worlds if something is thrown.
+  struct Before {
+    StepDivision division;
+    std::vector<ContactStretch> stretches;
+  };
+  Before begin_step(double dt);
+  void fall_asleep();
+  bool start_advancing();
+  bool finish_advancing(double dt);
+  void publish();
+  void take_back(Before before);
+  void report_thrown();
+  void end_step();
+
   void assemble();
 
   // Questions between steps.
@@ -40,6 +54,7 @@ class Simulator::Impl {
   std::vector<ContactReport> contacts() const;
   std::vector<ContactStretch> contact_stretches() const;
   void set_contact_stretches(std::vector<ContactStretch> stretches);
+  RankReport analyze_rank() const;
   Contradiction contradiction(double horizon);
   std::string solver_description();
 
@@ -60,6 +75,7 @@ class Simulator::Impl {
   Hooks hooks_;
   StepReport report_;
   Stepper stepper_;
+  Substepping substepping_{settings_};
   StepLoads loads_;
 
  private:
@@ -71,24 +87,15 @@ class Simulator::Impl {
   };
   Versions versions() const;
 
-  /// What is taken back beside the worlds if something is thrown.
-  struct Before {
-    StepDivision division;
-    std::vector<ContactStretch> stretches;
-  };
   Before begin_undoable();
-  void take_back(Before before);
-  void report_thrown();
   void begin_report();
   void count_work();
   Inquiry inquiry() { return {source_, world_, welds_.any(), stepper_, settings_, report_}; }
 
-  // The steps of a step.
+  // What they consist of.
   void choose_sleepers(double dt);
   void note_loads_of_sleepers();
   void wake_islands(double h);
-  bool advance_to_end(double dt);
-  void start_step();
   void say_why(Scheme::Outcome outcome);
   void forget_attempt();
   bool welds_hold();
@@ -109,7 +116,6 @@ class Simulator::Impl {
 
   StepReport last_report_;  // while a step makes a new one
   double horizon_ = 0;      // the step to come
-  Substepping substepping_{settings_};
   StepUndo undo_{world_, source_};
   StepQuality quality_;
   EnergyAccounting books_{stepper_.force_springs()};

@@ -13,44 +13,64 @@ constexpr double kHardPart = 0.6;
 
 }  // namespace
 
-Scheme::Outcome Substepping::advance(Scheme& scheme, double dt, StepReport& report) {
-  using enum Scheme::Outcome;
-  const auto step_limit = [&] { return composition_.step_limit(scheme); };
+void Substepping::begin(Scheme& scheme, double dt) {
   scheme.begin(dt);
-  const double needed = std::clamp(std::ceil(dt / step_limit() - Substeps::kCountRoundOff), 1.0,
+  const double needed = std::clamp(std::ceil(dt / step_limit(scheme) - Substeps::kCountRoundOff), 1.0,
                                    double(settings_.max_substeps));
-  Substeps substeps(dt, division_.choose(needed), settings_.max_substeps);
-  const bool hard = division_.hard();
-  scheme.accept_inexact(hard ? settings_.inexact_tolerance : 0, hard);
-  bool forgot = false;
-  while (!substeps.done()) {
+  substeps_ = Substeps(dt, division_.choose(needed), settings_.max_substeps);
+  composition_.forget();
+  outcome_.reset();
+  hard_ = division_.hard();
+  forgot_ = false;
+  scheme.accept_inexact(hard_ ? settings_.inexact_tolerance : 0, hard_);
+}
+
+double Substepping::next(const Scheme& scheme, const SubstepReport& report) {
+  if (composition_.is_done()) {
     detail::poll_interrupt();
-    const StepWorks kept = report.works;
-    const Scheme::Outcome outcome = composition_.advance(scheme, substeps.next(step_limit()), report);
-    if (outcome != kDone) report.works = kept;
-    if (outcome == kNotFinite || outcome == kBlind) return outcome;
-    if (outcome == kDone)
-      substeps.accept();
-    else if (outcome == kUnstable)
-      substeps.shorten(step_limit());
-    else if (outcome == kStalled)
-      forgot = after_stall(scheme, substeps, hard, forgot);
-    else  // something happens
-      substeps.end_next_at(scheme.time_to_event());
-    remaining_ = substeps.remaining();
-    if (substeps.exhausted()) return outcome == kUnstable ? kUnstable : kStalled;
+    works_before_ = report.works;
+    h_ = substeps_.next(step_limit(scheme));
+    composition_.begin(scheme);
   }
-  division_.note_done(report.status);
-  return kDone;
+  return composition_.next() * h_;
+}
+
+void Substepping::react(Scheme::Outcome outcome, Scheme& scheme, SubstepReport& report) {
+  using enum Scheme::Outcome;
+  if (outcome == kDone) {
+    if (composition_.is_done()) accept(report.status);
+    return;
+  }
+  const bool lost = outcome == kNotFinite || outcome == kBlind;
+  if (!lost) composition_.give_up(scheme, report);
+  report.works = works_before_;
+  if (lost)
+    outcome_ = outcome;
+  else if (outcome == kUnstable)
+    substeps_.shorten(step_limit(scheme));
+  else if (outcome == kStalled)
+    after_stall(scheme);
+  else  // something happens
+    substeps_.end_next_at(scheme.time_to_event());
+  if (substeps_.exhausted()) outcome_ = outcome == kUnstable ? kUnstable : kStalled;
+}
+
+/// The sub-step is done, and the step with the last one.
+void Substepping::accept(Status status) {
+  substeps_.accept();
+  if (!substeps_.done()) return;
+  outcome_ = Scheme::Outcome::kDone;
+  division_.note_done(status);
 }
 
 /// Laws that could not be met: once more without impulses of contacts as a guess, then in shorter sub-steps,
-/// and inexactly.  Joints: in shorter ones.  Returns whether that guess has been tried.
-bool Substepping::after_stall(Scheme& scheme, Substeps& substeps, bool hard, bool forgot) const {
+/// and inexactly.  Joints: in shorter ones.
+void Substepping::after_stall(Scheme& scheme) {
   const bool laws = scheme.drop_guess();
-  if (!laws || forgot) substeps.shorten();
-  if (laws && (hard || substeps.below(kHardPart))) scheme.accept_inexact(settings_.inexact_tolerance, false);
-  return laws || forgot;
+  if (!laws || forgot_) substeps_.shorten();
+  if (laws && (hard_ || substeps_.below(kHardPart)))
+    scheme.accept_inexact(settings_.inexact_tolerance, false);
+  forgot_ = laws || forgot_;
 }
 
 }  // namespace taut

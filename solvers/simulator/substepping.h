@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "solvers/common/settings.h"
 #include "solvers/integrators/composition.h"
 #include "solvers/simulator/step_division.h"
@@ -7,29 +9,45 @@
 
 namespace taut {
 
-/// Covers a step by as many equal sub-steps of a scheme as tension, rotation and convergence ask for.
+/// Covers a step by as many equal sub-steps of a scheme as tension, rotation and convergence ask for: says
+/// how long each advance of the scheme is to be, and by what becomes of it which is next.
 /// (solvers/simulator, "Sub-steps")
 class Substepping {
  public:
   /// `settings` live as long.
   explicit Substepping(const Settings& settings) : settings_(settings), composition_(settings.integrator) {}
 
-  /// kDone; kStalled, kUnstable: sub-steps would have to be shorter than allowed, at last since laws or
-  /// joints were not met, or for tension; kNotFinite, kBlind: as Scheme::advance().
-  [[nodiscard]] Scheme::Outcome advance(Scheme& scheme, double dt, StepReport& report);
-  /// What the last advance() left to do [s].
-  double remaining() const { return remaining_; }
+  /// A step of dt [s] begins.
+  void begin(Scheme& scheme, double dt);
+  /// It has neither come to its end nor failed.
+  bool goes_on() const { return !outcome_; }
+  /// How long the next advance is [s]: a sub-step, or a stage of one.
+  double next(const Scheme& scheme, const SubstepReport& report);
+  /// Looks at what became of it; works of what is taken back are not reported.
+  void react(Scheme::Outcome outcome, Scheme& scheme, SubstepReport& report);
+
+  /// How the step ended.  kDone; kStalled, kUnstable: sub-steps would have to be shorter than allowed, at
+  /// last since laws or joints were not met, or for tension; kNotFinite, kBlind: as Scheme::advance().
+  Scheme::Outcome outcome() const { return *outcome_; }
+  /// What is left to do of it [s].
+  double remaining() const { return substeps_.remaining(); }
 
   /// What is remembered from step to step.
   StepDivision& division() { return division_; }
 
  private:
-  bool after_stall(Scheme& scheme, Substeps& substeps, bool hard, bool forgot) const;
+  double step_limit(const Scheme& scheme) const { return composition_.step_limit(scheme); }
+  void accept(Status status);
+  void after_stall(Scheme& scheme);
 
   const Settings& settings_;
   Composition composition_;
   StepDivision division_;
-  double remaining_ = 0;
+  std::optional<Scheme::Outcome> outcome_;
+  Substeps substeps_;
+  double h_ = 0;                        // of the present one [s]
+  StepWorks works_before_;              // … and the works before it
+  bool hard_ = false, forgot_ = false;  // laws may be met inexactly at once; impulses have been no guess once
 };
 
 }  // namespace taut

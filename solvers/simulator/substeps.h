@@ -11,6 +11,7 @@ class Substeps {
   /// A count of sub-steps that is above a whole number by less than this is that number.
   static constexpr double kCountRoundOff = 1e-9;
 
+  Substeps() = default;  ///< none
   /// As many as `count` of equal length, none shorter than dt / `most`.
   Substeps(double dt, double count, double most)
       : remaining_(dt), even_length_(dt / count), smallest_(dt / most) {}
@@ -35,7 +36,7 @@ class Substeps {
   bool exhausted() const { return limit_ < smallest_; }
 
  private:
-  double remaining_, even_length_, smallest_;
+  double remaining_ = 0, even_length_ = 0, smallest_ = 0;
   double limit_ = std::numeric_limits<double>::infinity(), event_ = 0;
   double count_ = 1, even_ = 0, h_ = 0;  // of the present one: those left, their equal length, and its own
 };
