@@ -15,6 +15,7 @@ NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& st
   contacts.clear_idle(stage.lambda);
   read_scales(problem);
   system_.rates(stage.lambda, stage.b, stage.w);
+  guess_.assign(stage.lambda.begin(), stage.lambda.end());
   NewtonOutcome outcome;
   Progress progress = begin_rounds(problem, limits);
   const std::vector<double>& y = projection_.y();
@@ -32,7 +33,7 @@ NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& st
     }
     read_rates(problem, y);
     outcome.residual = law_error(problem, limits.rate_tolerance, outcome.rounds);
-  } while (!ends(problem, limits, progress, outcome) && next_round(problem, outcome, progress));
+  } while (!ends(problem, limits, progress, outcome) && next_round(problem, limits, outcome, progress));
   if (!outcome.converged && best_.restore(problem.lambda, problem.w)) outcome.residual = best_.residual();
   contacts.take_over(stage.lambda, stage.w, limits.rate_tolerance);
   record.iterations += outcome.iterations;
@@ -116,16 +117,24 @@ bool ContactNewton::slips_in_vain(const ContactProblem& problem, const NewtonLim
 
 /// λ̄ = y and ρ for the next round; a round that did not go well is taken back.  False if rounds go no
 /// further.
-bool ContactNewton::next_round(const ContactProblem& problem, const NewtonOutcome& outcome,
-                               Progress& progress) {
+bool ContactNewton::next_round(const ContactProblem& problem, const NewtonLimits& limits,
+                               const NewtonOutcome& outcome, Progress& progress) {
   bool goes_on = true;
+  const bool stalls =
+      progress.rho <= Tuning::kRhoToYield && outcome.residual > Tuning::kStalled * progress.residual;
   if (!coupled_.keep(projection_.y(), round_.met(), outcome.residual, progress.rho)) {
     read_rates(problem, coupled_.kept());
     goes_on = coupled_.grow(progress.rho);
   }
   progress.residual = coupled_.kept_residual();
+  if (stalls && problem.contacts.let_yield(problem.lambda, problem.w, limits.most * problem.scale)) {
+    problem.contacts.targets(target_);
+    read_rates(problem, guess_);
+    progress = begin_rounds(problem, limits);
+    return true;
+  }
   round_.start(problem.lambda, problem.w);
-  return goes_on && coupled_.progress(outcome.rounds);
+  return goes_on && coupled_.progress();
 }
 
 /// λ and w of y.

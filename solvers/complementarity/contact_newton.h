@@ -74,12 +74,13 @@ class ContactNewton {
                              const NewtonOutcome& outcome) const;
   bool slips_in_vain(const ContactProblem& problem, const NewtonLimits& limits, int rounds,
                      Progress& progress) const;
-  bool next_round(const ContactProblem& problem, const NewtonOutcome& outcome, Progress& progress);
+  bool next_round(const ContactProblem& problem, const NewtonLimits& limits, const NewtonOutcome& outcome,
+                  Progress& progress);
   void read_rates(const ContactProblem& problem, std::span<const double> y) const;
   double law_error(const ContactProblem& problem, double rate_tolerance, int rounds) const;
 
   ConstraintSystem& system_;
-  std::vector<double> diagonal_, target_;  // S_rr, t
+  std::vector<double> diagonal_, target_, guess_;  // S_rr, t, λ at the start
   ProximalRound round_;
   ContactProjection projection_;
   CoupledRounds coupled_;

@@ -11,7 +11,7 @@ namespace taut {
 /// What the Newton method for contacts works on: w = S λ + b with the law of each row and contact, and the
 /// sizes by which all is measured, which stay the same during a solve.  All spans have one entry a row.
 struct ContactProblem {
-  const ContactLaws& contacts;
+  ContactLaws& contacts;
   std::span<const RowLaw> laws;
   std::span<const double> b;         ///< rates without λ [m/s or rad/s]
   std::span<double> lambda, w;       ///< a guess, then the result, and its rates

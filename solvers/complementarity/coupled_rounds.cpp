@@ -5,7 +5,7 @@
 namespace taut {
 
 void CoupledRounds::begin(std::span<const double> y, double residual) {
-  hold_ = 0;
+  hold_ = rounds_ = 0;
   kept_.assign(y.begin(), y.end());
   kept_residual_ = looked_residual_ = residual;
 }
@@ -34,8 +34,8 @@ bool CoupledRounds::grow(double& rho) {
   return true;
 }
 
-bool CoupledRounds::progress(int rounds) {
-  if (rounds % Tuning::kLook != 0) return true;
+bool CoupledRounds::progress() {
+  if (++rounds_ % Tuning::kLook != 0) return true;
   if (!(kept_residual_ <= Tuning::kProgress * looked_residual_)) return false;
   looked_residual_ = kept_residual_;
   return true;

@@ -19,8 +19,8 @@ class CoupledRounds {
   bool keep(std::span<const double> y, bool met, double residual, double& rho);
   /// After a round that is taken back: false if ρ can grow no more.
   bool grow(double& rho);
-  /// True if they go well enough to go on, after so many of them.
-  bool progress(int rounds);
+  /// True if they go well enough to go on, each time it is asked.
+  bool progress();
 
   /// Impulses of the last round that was kept, and their residual.
   std::span<const double> kept() const { return kept_; }
@@ -31,7 +31,7 @@ class CoupledRounds {
 
   std::vector<double> kept_;
   double kept_residual_ = 0, looked_residual_ = 0;  // and that of the last look at the progress
-  int hold_ = 0;                                    // rounds that are to go well before ρ falls again
+  int hold_ = 0, rounds_ = 0;  // rounds that are to go well before ρ falls again; rounds so far
 };
 
 }  // namespace taut

@@ -207,7 +207,7 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
     point.stuck = point.stuck || (point.fresh && point.gap <= kTouch && rests);
     point.fresh = point.broken = point.pressed = false;
-    point.back = point.spin_given = 0;
+    point.back = point.spin_given = point.yield = 0;
     point.sliding.given = point.rolling.given = Vec2::Zero();
     // What it has slipped since it sticks is taken back.
     const row_parts::ContactFrame& frame = place.point.frame;
@@ -238,7 +238,7 @@ void ContactForces::begin_single_kick(double h) {
   table_.single_kick = true;
   for (Point& point : table_.points) {
     point.broken = point.pressed = false;
-    point.back = point.spin_given = 0;
+    point.back = point.spin_given = point.yield = 0;
     point.first = point.first_torque = point.slipped = Vec3::Zero();
     for (Disc* disc : {&point.sliding, &point.rolling}) disc->given = disc->target = Vec2::Zero();
   }
@@ -250,6 +250,7 @@ void ContactForces::begin_impulses(std::span<const double> rates, std::span<cons
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     point.live = point.active && point.touching;
+    point.yield = 0;
     if (!point.active) continue;
     const int row = first_row(k);
     point.approach = rates[row];
@@ -308,7 +309,7 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     if (bounces && point.touching && !point.pressed && rates[first_row(k)] < -table_.resting_speed)
       impact.stage = Impact::Stage::kDue;
     point.live = point.active && point.touching && impact.stage == Impact::Stage::kNone;
-    point.bounce = 0;
+    point.bounce = point.yield = 0;
     if (!point.active) continue;
     if (point.fresh) point.approach = rates[first_row(k)];
     take_first_kick(place(k).point.frame, point);

@@ -6,6 +6,9 @@
 namespace taut {
 namespace {
 
+/// Compliance of contacts that yield, over S_rr, and how far they may in a step [m]: more contradicts.
+constexpr double kYield = 1e-6, kYieldWay = 1e-5;
+
 /// A box around `centre`, or just that if it has no width.
 RowLaw box_around(double centre, double half, double w) {
   if (!(centre - half < centre + half)) return RowLaw::constant(centre);
@@ -77,6 +80,19 @@ void ContactLaws::held_laws(std::span<const double> lambda, std::span<RowLaw> la
       laws[row + kSlidingRow + i] =
           holds ? RowLaw::equality(sliding.target[i]) : RowLaw::constant(-sliding.given[i]);
   }
+}
+
+bool ContactLaws::let_yield(std::span<const double> lambda, std::span<const double> w, double least) {
+  bool any = false;
+  for (int k = 0; k < count(); ++k) {
+    const int row = first_row(k);
+    const double way = (normal_law(*this, k).target - w[row]) * table().h;
+    if (!works(k) || compliance(k) > 0 || point(k).yield > 0 || !(way > 0 && way <= kYieldWay)) continue;
+    if (!(natural_residual(*this, k, lambda, w).normal.size > least)) continue;
+    point(k).yield = kYield * root(row) * root(row);
+    any = true;
+  }
+  return any;
 }
 
 void ContactLaws::targets(std::span<double> target) const {

@@ -44,6 +44,7 @@ struct ContactTable {
     double curved = 0;  ///< what is enough for the rates of a drift [m/s]
     bool fresh = true;  ///< has not been through a begin()
     double back = 0;    ///< normal impulse of the first kick
+    double yield = 0;   ///< compliance in this stage of a rigid contact that joints hold (let_yield())
     bool stuck = false, broken = false, stick_candidate = false;
     Vec3 slipped = Vec3::Zero();                             ///< since it sticks [m]
     Vec3 first = Vec3::Zero(), first_torque = Vec3::Zero();  ///< of the first kick on B

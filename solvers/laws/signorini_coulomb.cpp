@@ -19,7 +19,9 @@ double closing_rate(const ContactRows& contacts, int k) {
 ContactTable::NormalLaw normal_law(const ContactRows& contacts, int k) {
   const bool strikes = contacts.impact(k).stage == ContactTable::Impact::Stage::kDue;
   if (contacts.compliance(k) > 0 && !strikes) return contacts.point(k).soft;
-  return {.target = contacts.table().in_velocities ? contacts.point(k).bounce : closing_rate(contacts, k)};
+  const double yield = contacts.point(k).yield;
+  const double target = contacts.table().in_velocities ? contacts.point(k).bounce : closing_rate(contacts, k);
+  return {.target = yield > 0 ? std::min(target, 0.0) : target, .softness = yield};
 }
 
 ContactTable::NormalLaw spring_law(const ContactRows& contacts, int k) {

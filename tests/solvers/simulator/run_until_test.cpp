@@ -62,12 +62,12 @@ TEST(RunUntil, ItsStepsAreSingleOnes) {
   }
 }
 
-/// Boxes between rigid walls that are 1e-10 m too near to each other: laws that nothing meets.
+/// Boxes between rigid walls that are 2e-5 m too near to each other: laws that nothing meets.
 TEST(RunUntil, GoesOnThroughInexactStepsAndCountsThem) {
   World world;
   world.add_shape(kGround, HalfSpace{});
   for (int side : {-1, 1}) world.add_shape(kGround, Box{{1, 40, 10}}, {.p = Vec3(side, 0, 5)});
-  const Vec3 size(1 + 2e-10, 0.5, 0.5);
+  const Vec3 size(1 + 2e-5, 0.5, 0.5);
   for (int k = 0; k < 5; ++k) {
     const BodyId box = world.add_body({.mass = MassProperties::box(size, 1), .pose = {.p = Vec3(0, k, 1)}});
     world.add_shape(box, Box{size});
@@ -79,14 +79,14 @@ TEST(RunUntil, GoesOnThroughInexactStepsAndCountsThem) {
       last = rod;
     }
   }
-  Simulator simulator(world);
+  Simulator simulator(world, {.inexact_tolerance = 0.5});
   const RunReport run = simulator.run_until(4.0 / 240, 1.0 / 240);
   EXPECT_TRUE(run.ok()) << run.last.message;
   EXPECT_FALSE(run.exact());
   EXPECT_EQ(run.steps, 4);
   EXPECT_GT(run.inexact_steps, 0);
   EXPECT_GT(run.natural_residual, 1e-8);
-  EXPECT_GE(run.penetration, 0.9e-10);
+  EXPECT_GE(run.penetration, 0.9e-5);
 }
 
 TEST(RunUntil, EndsWithTheFirstStepThatFails) {
