@@ -12,12 +12,24 @@ void ContactProjection::begin(std::span<const double> lambda) {
   coupling_.assign(system_.rows().contact_count(), 0.0);
 }
 
+/// Of a contact the nearest point of an interval of the normal and of a disc whose radius follows from it, or
+/// of the cone |Λ_t| ≤ μ Λ_n where contacts share a load; then of the spin's interval and the rolling disc.
 void ContactProjection::project(const ContactProblem& problem, std::span<const double> x,
                                 std::span<const double> sigma) {
   x_ = x;
   const Rows& rows = system_.rows();
   for (int r = 0; r < rows.first_contact_row(); ++r) project_row(problem.laws[r], sigma[r], r);
-  for (int k = 0; k < rows.contact_count(); ++k) project_contact(problem, k);
+  for (int k = 0; k < rows.contact_count(); ++k) {
+    const ContactLaws::Cone cone = problem.contacts.cone(k);
+    coupling_[k] = 0;
+    if (!cone.works)
+      project_nothing(k, problem.contacts.row_count(k));
+    else if (cone.shares)
+      project_cone(k, cone);
+    else if (project_disc(k, kSlidingRow, cone.sliding_given, cone.sliding * project_normal(k, cone)))
+      coupling_[k] = cone.sliding * slope_[first_row(k)];
+    if (cone.works && cone.twist) project_twist(k, cone);
+  }
 }
 
 void ContactProjection::project_row(const RowLaw& law, double sigma, int r) {
@@ -31,35 +43,26 @@ void ContactProjection::project_row(const RowLaw& law, double sigma, int r) {
   slope_[r] = RowLaw::is_vertical(point.segment) ? 1 : law.slope * sigma / (1 + law.slope * sigma);
 }
 
-/// The nearest point of an interval of the normal and of a disc whose radius follows from it, or of the cone
-/// |Λ_t| ≤ μ Λ_n where contacts share a load; then of the spin's interval and the rolling disc.
-void ContactProjection::project_contact(const ContactProblem& problem, int k) {
-  const ContactLaws::Cone cone = problem.contacts.cone(k);
-  const int row = problem.contacts.first_row(k), count = problem.contacts.row_count(k);
-  coupling_[k] = 0;
-  if (!cone.works) {
-    std::fill_n(y_.begin() + row, count, 0.0);
-    std::fill_n(slope_.begin() + row, count, 0.0);
-    return;
-  }
-  const double given = cone.normal_given + x_[row];
-  const Vec2 tangent = cone.sliding_given + Vec2(x_[row + kSlidingRow], x_[row + kSlidingRow + 1]);
-  if (cone.shares) {
-    project_cone(k, cone, given, tangent);
-  } else {
-    const double normal = std::clamp(given, 0.0, cone.most), radius = cone.sliding * normal;
-    y_[row] = normal - cone.normal_given;
-    slope_[row] = normal == given ? 1 : 0;
-    if (tangent.norm() > radius) coupling_[k] = cone.sliding * slope_[row];
-    project_disc(k, kSlidingRow, cone.sliding_given, radius);
-  }
-  if (cone.twist) project_twist(cone, std::max(0.0, cone.normal_given + y_[row]), k);
+/// A contact that is let through.
+void ContactProjection::project_nothing(int k, int count) {
+  std::fill_n(y_.begin() + first_row(k), count, 0.0);
+  std::fill_n(slope_.begin() + first_row(k), count, 0.0);
 }
 
-/// The cone itself, in three rows of a contact whose impulses with what was given are these.
-void ContactProjection::project_cone(int k, const ContactLaws::Cone& cone, double normal,
-                                     const Vec2& tangent) {
+/// Returns the impulse with what was given.
+double ContactProjection::project_normal(int k, const ContactLaws::Cone& cone) {
   const int row = first_row(k);
+  const double given = cone.normal_given + x_[row], normal = std::clamp(given, 0.0, cone.most);
+  y_[row] = normal - cone.normal_given;
+  slope_[row] = normal == given ? 1 : 0;
+  return normal;
+}
+
+/// The cone itself, in three rows of a contact.
+void ContactProjection::project_cone(int k, const ContactLaws::Cone& cone) {
+  const int row = first_row(k);
+  const double normal = cone.normal_given + x_[row];
+  const Vec2 tangent = cone.sliding_given + Vec2(x_[row + kSlidingRow], x_[row + kSlidingRow + 1]);
   const double mu = cone.sliding, size = tangent.norm();
   const auto [region, on] = nearest_on_cone(normal, size, mu);
   if (region != NearestOnCone::Region::kSurface) {
@@ -85,17 +88,18 @@ void ContactProjection::project_cone(int k, const ContactLaws::Cone& cone, doubl
   turn_rows(k, mu, kSlidingRow, direction);
 }
 
-/// Spinning and rolling friction under a normal impulse.
-void ContactProjection::project_twist(const ContactLaws::Cone& cone, double normal, int k) {
+/// Spinning and rolling friction under the normal impulse that is there.
+void ContactProjection::project_twist(int k, const ContactLaws::Cone& cone) {
   const int row = first_row(k) + kSpinRow;
+  const double normal = std::max(0.0, cone.normal_given + y_[first_row(k)]);
   const double most = cone.spinning * normal, spin = cone.spin_given + x_[row];
   y_[row] = std::clamp(spin, -most, most) - cone.spin_given;
   slope_[row] = std::abs(spin) < most ? 1 : 0;
-  project_disc(k, kRollingRow, cone.rolling_given, cone.rolling * normal);
+  (void)project_disc(k, kRollingRow, cone.rolling_given, cone.rolling * normal);
 }
 
-/// A disc in two rows of a contact.
-void ContactProjection::project_disc(int k, int first, const Vec2& given, double radius) {
+/// A disc in two rows of a contact; true if x is beyond it.
+bool ContactProjection::project_disc(int k, int first, const Vec2& given, double radius) {
   const int row = first_row(k) + first;
   const Vec2 x = given + Vec2(x_[row], x_[row + 1]);
   const double size = x.norm();
@@ -106,6 +110,7 @@ void ContactProjection::project_disc(int k, int first, const Vec2& given, double
   slope_[row] = slips ? 0 : 1;
   slope_[row + 1] = slips ? radius / size : 1;
   turn_rows(k, 0, first, slips ? Vec2(x / size) : Vec2(Vec2::UnitX()));
+  return slips;
 }
 
 /// Rows of W in which P' is diagonal: tangents along `direction` and across it, the first one with the normal

@@ -33,10 +33,11 @@ class ContactProjection {
                        kRollingRow = ContactLaws::kRollingRow;
 
   void project_row(const RowLaw& law, double sigma, int row);
-  void project_contact(const ContactProblem& problem, int k);
-  void project_cone(int k, const ContactLaws::Cone& cone, double normal, const Vec2& tangent);
-  void project_twist(const ContactLaws::Cone& cone, double normal, int k);
-  void project_disc(int k, int first, const Vec2& given, double radius);
+  void project_nothing(int k, int count);
+  double project_normal(int k, const ContactLaws::Cone& cone);
+  void project_cone(int k, const ContactLaws::Cone& cone);
+  void project_twist(int k, const ContactLaws::Cone& cone);
+  bool project_disc(int k, int first, const Vec2& given, double radius);
   void turn_rows(int k, double mu, int first, const Vec2& direction);
   int first_row(int k) const { return system_.rows().joints()[system_.rows().contact_joint(k)].first_row; }
 

@@ -13,14 +13,14 @@
 
 namespace taut {
 
-/// One round of the proximal point iteration, about a centre λ̄ with a metric Σ: the terms of
+/// The terms of one round of the proximal point iteration, about a centre λ̄ with a metric Σ,
 ///
-///     F(v) = v − Wᵀ y = 0,   y = prox_Σ(x),   x = λ̄ − Σ⁻¹ (b + W v − t)
+///     F(v) = v − Wᵀ y = 0,   y = prox_Σ(x),   x = λ̄ − Σ⁻¹ (b + W v − t),
 ///
-/// for the velocities v = Wᵀ λ, and a semismooth Newton method on it [QiSun1993].  Where no contact slips F
-/// is the gradient of a strictly convex function that is piecewise smooth; where friction follows the normal
-/// impulse there is no such function.  Works with δv = v − Wᵀ λ̄, so that round-off is that of small numbers.
-/// y is the caller's, who has a ContactProjection.  (solvers/complementarity, Eq. 3)
+/// for the velocities v = Wᵀ λ, and of a semismooth Newton method on it [QiSun1993].  Where no contact slips
+/// F is the gradient of a convex function; where friction follows the normal impulse there is no such
+/// function. Works with δv = v − Wᵀ λ̄, so that round-off is that of small numbers.  (solvers/complementarity,
+/// Eq. 3)
 class ProximalRound {
  public:
   explicit ProximalRound(ConstraintSystem& system) : system_(system), coupled_step_(system) {}

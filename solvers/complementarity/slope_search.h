@@ -10,40 +10,29 @@ namespace taut {
 /// The whole step, if the slope is small or negative at its end; else by the Illinois method.
 class SlopeSearch {
  public:
-  explicit SlopeSearch(double start) : enough_(-Tuning::kSlope * start), slope_low_(start) {}
+  explicit SlopeSearch(double start) : enough_(-Tuning::kSlope * start), slope_{start, 0} {}
 
   /// The length to be tried, in steps; at the end the one that is taken.
   double length() const { return length_; }
   /// True if another length is to be tried, since the slope at this one is not good enough.
   bool goes_on(double slope) {
-    if (trials_++ == 0)
-      slope_high_ = slope;
-    else if (std::abs(slope) <= enough_)
-      return false;
-    else
-      narrow(slope);
-    if (trials_ > Tuning::kSearches || !(slope_high_ > enough_)) return false;
-    length_ = low_ + (high_ - low_) * slope_low_ / (slope_low_ - slope_high_);
+    const int end = trials_ == 0 || slope > 0;  // that moves
+    if (trials_ > 0 && std::abs(slope) <= enough_) return false;
+    if (trials_ > 0 && end == last_) slope_[1 - end] *= 0.5;  // the one that stays counts half
+    at_[end] = length_;
+    slope_[end] = slope;
+    last_ = end;
+    if (++trials_ > Tuning::kSearches || !(slope_[1] > enough_)) return false;
+    length_ = at_[0] + (at_[1] - at_[0]) * slope_[0] / (slope_[0] - slope_[1]);
     return true;
   }
 
  private:
   using Tuning = ContactNewtonTuning;
 
-  /// An end that stays counts half.
-  void narrow(double slope) {
-    const bool is_high = slope > 0;
-    (is_high ? high_ : low_) = length_;
-    (is_high ? slope_high_ : slope_low_) = slope;
-    if (is_high == last_was_high_) (is_high ? slope_low_ : slope_high_) *= 0.5;
-    last_was_high_ = is_high;
-  }
-
-  double enough_;
-  double low_ = 0, slope_low_, high_ = 1, slope_high_ = 0;  // the ends between which it is
+  double enough_, slope_[2], at_[2] = {0, 1};  // of the two ends between which it is
   double length_ = 1;
-  bool last_was_high_ = true;
-  int trials_ = 0;
+  int last_ = 1, trials_ = 0;
 };
 
 }  // namespace taut

@@ -11,17 +11,14 @@ StagePivoting::StagePivoting(const StageModel& model, const StageResidual& resid
   active_.emplace(model.system);
 }
 
-StageVerdict StagePivoting::solve(StageAttempt& attempt) {
-  return left_to_bodies() ? StageVerdict::kNext : pivot(attempt);
-}
-
 bool StagePivoting::left_to_bodies() {
   return !model_.contacts.empty() || model_.system.uses_primal_system() ||
          (primal_stages_left_ > 0 && primal_stages_left_-- > 0);
 }
 
 /// Solves with renewed laws until all agree.
-StageVerdict StagePivoting::pivot(StageAttempt& attempt) {
+StageVerdict StagePivoting::solve(StageAttempt& attempt) {
+  if (left_to_bodies()) return StageVerdict::kNext;
   const std::span<double> lambda = attempt.stage.lambda;
   ActiveSetSettings settings{.rate_tolerance = attempt.rate_tolerance};
   if (has_many_bounded_rows()) settings.max_descent_rounds = 0;  // the bodies are faster
@@ -32,24 +29,24 @@ StageVerdict StagePivoting::pivot(StageAttempt& attempt) {
     attempt.report.counts.pivots += outcome_.pivots;
     if (!outcome_.ok()) return after_stall(attempt, settings.rate_tolerance == 0);
     if (!model_.move_laws(attempt.problem(), attempt.rate_tolerance)) {
-      if (residual_.exact(attempt.solution(lambda))) return finish(attempt);
+      if (residual_.exact(attempt.solution(lambda))) {
+        double& worst = attempt.report.complementarity_residual;
+        worst = std::max(worst, outcome_.residual);
+        return StageVerdict::kMet;
+      }
       if (settings.rate_tolerance == 0) return give_up(attempt, false);
       settings.rate_tolerance = 0;  // it has let something pass
       continue;
     }
-    if (solve >= Tuning::kMaxAxisSolves) return jam(attempt);
+    if (solve >= Tuning::kMaxAxisSolves) break;
     attempt.stage.renew();
   }
+  culprits_.find_jam(lambda, attempt.inertia);
+  return StageVerdict::kFailed;
 }
 
 bool StagePivoting::has_many_bounded_rows() const {
   return std::ssize(model_.system.rows().axis_rows()) >= Tuning::kManyRows;
-}
-
-StageVerdict StagePivoting::finish(StageAttempt& attempt) const {
-  double& worst = attempt.report.complementarity_residual;
-  worst = std::max(worst, outcome_.residual);
-  return StageVerdict::kMet;
 }
 
 /// From the guess through the bodies, and the next stages at once if that is wanted.
@@ -65,11 +62,6 @@ StageVerdict StagePivoting::after_stall(StageAttempt& attempt, bool polishes) {
   const bool many = has_many_bounded_rows();
   if (!polishes && (!many || outcome_.status != ActiveSetStatus::kNotConverged)) return StageVerdict::kFailed;
   return give_up(attempt, many);
-}
-
-StageVerdict StagePivoting::jam(StageAttempt& attempt) {
-  culprits_.find_jam(attempt.stage.lambda, attempt.inertia);
-  return StageVerdict::kFailed;
 }
 
 void StagePivoting::take_segments(const StageSolution& solution) {

@@ -47,11 +47,8 @@ class StagePivoting {
 
   bool left_to_bodies();
   bool has_many_bounded_rows() const;
-  StageVerdict pivot(StageAttempt& attempt);
-  StageVerdict finish(StageAttempt& attempt) const;
   StageVerdict give_up(StageAttempt& attempt, bool next_too);
   StageVerdict after_stall(StageAttempt& attempt, bool polishes);
-  StageVerdict jam(StageAttempt& attempt);
 
   StageModel model_;
   const StageResidual& residual_;

@@ -25,7 +25,10 @@ bool StagePrimal::solve_near(const StageAttempt& attempt, StageRecord& record) {
   if (!(contact_solver_.distance(attempt.problem(), rate_tolerance) <= Tuning::kNewtonRange)) return false;
   const double tolerance = attempt.stage.near ? Tuning::kMendedExactly : kMetResidual;
   guess_.assign(lambda.begin(), lambda.end());
-  if (solve_on_segments(attempt, {tolerance, rate_tolerance}, record) && exact(attempt)) return true;
+  const PrimalDualOutcome outcome = primal_dual_.solve(attempt.laws, attempt.b, lambda, attempt.w,
+                                                       {tolerance, rate_tolerance}, record.times);
+  add_to(record, outcome);
+  if (outcome.converged && exact(attempt)) return true;
   std::copy(guess_.begin(), guess_.end(), lambda.begin());
   const NewtonLimits few{.tolerance = tolerance,
                          .most = kMetResidual,
@@ -44,14 +47,6 @@ bool StagePrimal::solve_by_interior_point(const StageAttempt& attempt, StageReco
   if (outcome.converged && exact(attempt)) return true;
   const NewtonLimits limits{.most = kMetResidual, .rate_tolerance = attempt.rate_tolerance};
   return contact_solver_.solve(attempt.problem(), {.newton = limits}, record) && exact(attempt);
-}
-
-bool StagePrimal::solve_on_segments(const StageAttempt& attempt, const PrimalDualLimits& limits,
-                                    StageRecord& record) {
-  const PrimalDualOutcome outcome =
-      primal_dual_.solve(attempt.laws, attempt.b, attempt.stage.lambda, attempt.w, limits, record.times);
-  add_to(record, outcome);
-  return outcome.converged;
 }
 
 }  // namespace taut

@@ -35,7 +35,6 @@ class StagePrimal {
 
   bool solve_near(const StageAttempt& attempt, StageRecord& record);
   bool solve_by_interior_point(const StageAttempt& attempt, StageRecord& record);
-  bool solve_on_segments(const StageAttempt& attempt, const PrimalDualLimits& limits, StageRecord& record);
   bool exact(const StageAttempt& attempt) const {
     return residual_.exact(attempt.solution(attempt.stage.lambda));
   }

@@ -7,6 +7,20 @@
 #include "solvers/complementarity/contact_stage.h"
 
 namespace taut {
+namespace {
+
+/// The warm start of a whole system that factors S is StageWarmStart.
+ContactLimits contact_limits(const StageAttempt& attempt, const ConstraintSystem& system) {
+  ContactLimits limits{.newton = {.rate_tolerance = attempt.rate_tolerance},
+                       .warm_start = system.uses_primal_system(),
+                       .warm_start_tolerance = attempt.warm_start_tolerance,
+                       .inexact = attempt.budget.inexact};
+  if (attempt.stage.exact) limits.newton.tolerance = StageTuning::kMendedExactly;
+  if (attempt.budget.reduced) limits.newton.iterations = StageTuning::kReducedSteps;
+  return limits;
+}
+
+}  // namespace
 
 StageSolver::StageSolver(const World& world, ConstraintSystem& system, AxisForces& axes,
                          ContactForces& contacts, const Settings& settings)
@@ -62,7 +76,7 @@ bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport
                        .report = report};
   StageVerdict verdict = warm_start_.solve(attempt);
   if (verdict == StageVerdict::kNext) verdict = pivoting_.solve(attempt);
-  const ContactLimits limits = contact_limits(attempt);
+  const ContactLimits limits = contact_limits(attempt, model_.system);
   for (int solve = 1; verdict == StageVerdict::kNext; ++solve) {  // again while friction lets go
     StageRecord record;
     const bool solved = model_.contacts.empty() ? primal_.solve(attempt, record)
@@ -74,17 +88,6 @@ bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport
   const bool met = verdict == StageVerdict::kMet;
   detail::StageWatchScope::tell(model_, attempt.solution(stage.lambda), met);
   return met;
-}
-
-/// The warm start of a whole system that factors S is StageWarmStart.
-ContactLimits StageSolver::contact_limits(const StageAttempt& attempt) const {
-  ContactLimits limits{.newton = {.rate_tolerance = attempt.rate_tolerance},
-                       .warm_start = model_.system.uses_primal_system(),
-                       .warm_start_tolerance = attempt.warm_start_tolerance,
-                       .inexact = attempt.budget.inexact};
-  if (attempt.stage.exact) limits.newton.tolerance = StageTuning::kMendedExactly;
-  if (attempt.budget.reduced) limits.newton.iterations = StageTuning::kReducedSteps;
-  return limits;
 }
 
 /// What a solve through the bodies has come to: where friction lets go the next one, with renewed laws.

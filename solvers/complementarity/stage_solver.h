@@ -123,7 +123,6 @@ class StageSolver {
   /// Who was furthest from the laws of a stage that could not be solved, or was solved inexactly, and who
   /// jams.
   StageCulprits& culprits() { return culprits_; }
-  const StageCulprits& culprits() const { return culprits_; }
   /// How the last active set went.
   const ActiveSetOutcome& active_set_outcome() const { return pivoting_.outcome(); }
   /// Threads that could not be started.
@@ -135,7 +134,6 @@ class StageSolver {
 
  private:
   void rates_without(const Stage& stage);
-  ContactLimits contact_limits(const StageAttempt& attempt) const;
   StageVerdict judge(StageAttempt& attempt, const StageRecord& record, bool solved, int solves);
   StageSolution solution(std::span<const double> lambda, std::span<const double> w) const {
     return {laws_, b_, effective_mass_, lambda, w};

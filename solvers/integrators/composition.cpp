@@ -44,8 +44,9 @@ Composition::Composition(Integrator integrator) : fractions_(fractions_of(integr
   for (double fraction : fractions_) longest_ = std::max(longest_, std::abs(fraction));
 }
 
-void Composition::begin(const Scheme& scheme) {
+void Composition::begin(const Scheme& scheme, double h) {
   left_ = fractions_;
+  h_ = h;
   if (fractions_.size() == 1) return;
   before_ = scheme.state();
   impulses_before_.assign(scheme.impulses().begin(), scheme.impulses().end());
@@ -54,7 +55,7 @@ void Composition::begin(const Scheme& scheme) {
 double Composition::next() {
   const double fraction = left_.front();
   left_ = left_.subspan(1);
-  return fraction;
+  return fraction * h_;
 }
 
 void Composition::give_up(Scheme& scheme, SubstepReport& report) {

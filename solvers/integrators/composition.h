@@ -16,22 +16,21 @@ class Composition {
   /// The integrator says of which order.
   explicit Composition(Integrator integrator);
 
-  /// A step begins from where the scheme is.
-  void begin(const Scheme& scheme);
-  /// No stage of it is left.
+  /// A step of h begins from where the scheme is.
+  void begin(const Scheme& scheme, double h);
+  /// No stage of it is left, or it is none of the present one any more.
   bool is_done() const { return left_.empty(); }
-  /// γ of the next stage.
+  void forget() { left_ = {}; }
+  /// γ h of the next stage.
   double next();
   /// A stage has failed: the scheme is where it was when the step began.
   void give_up(Scheme& scheme, SubstepReport& report);
-  /// No step has begun.
-  void forget() { left_ = {}; }
   /// The largest h whose longest stage respects the limit of the scheme [s].
   double step_limit(const Scheme& scheme) const { return scheme.step_limit() / longest_; }
 
  private:
   std::span<const double> fractions_, left_;  // γ, and of those stages that are still to be taken
-  double longest_ = 0;                        // |γ|
+  double longest_ = 0, h_ = 0;                // |γ|, and h
   State before_;
   std::vector<double> impulses_before_;
 };

@@ -164,9 +164,12 @@ void Rattle::begin_velocities() {
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes, and the momenta that it
 /// leads to.  What rounding leaves of the rates, with very different inertias, is met once more from there.
 bool Rattle::project_bounded_momenta(double h, SubstepReport& report) {
+  const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
+  const StageSolver::Stage stage{values_.mu, values_.rates, renew, false, impact_stage_.struck()};
   for (const bool again : {false, true}) {
     if (again) renew_velocity_laws();
-    if (!meet_velocity_laws(report)) return false;
+    if (!(stages_.iterative() ? sweep_velocities(stage, report) : stages_.solve_velocities(stage, report)))
+      return false;
     phase_.second_kick(h);
     phase_.add_impulses(values_.mu);
     if (velocities_hold(report)) return true;
@@ -175,11 +178,8 @@ bool Rattle::project_bounded_momenta(double h, SubstepReport& report) {
   return give_up(values_.mu, values_.rates);
 }
 
-/// By sweeps, bodies that are held fast do not take in all of the impulses.
-bool Rattle::meet_velocity_laws(SubstepReport& report) {
-  const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
-  const StageSolver::Stage stage{values_.mu, values_.rates, renew, false, impact_stage_.struck()};
-  if (!stages_.iterative()) return stages_.solve_velocities(stage, report);
+/// Bodies that are held fast do not take in all of the impulses.
+bool Rattle::sweep_velocities(const StageSolver::Stage& stage, SubstepReport& report) {
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
   return stages_.iterate(stage, settings_.iterations, 0.1 * settings_.velocity_tolerance, absorbed_, report);
 }

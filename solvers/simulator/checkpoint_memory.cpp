@@ -229,9 +229,13 @@ void PrimalDualActiveSet::transfer(Archive& archive) {
 }
 
 void ContactIslands::transfer(Archive& archive) {
-  bool known = is_known();
+  bool known = known_;
   archive(known);
-  if (archive.reads()) restore(known);
+  if (archive.reads()) {
+    islands_.clear();
+    known_ = false;
+    if (known) find();
+  }
   for (std::size_t i = 0; known && islands_.size() > 1 && i < islands_.size(); ++i) {
     Island& island = *islands_[i];
     bool solved = island.own != nullptr;

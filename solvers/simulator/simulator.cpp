@@ -22,6 +22,39 @@
 #include "solvers/simulator/stall_diagnosis.h"
 
 namespace taut {
+namespace {
+
+/// The step cannot be done.
+void say_why(const Substepping& substeps, const Inquiry& asked) {
+  using enum Scheme::Outcome;
+  const World::Hold held = asked.source.hold();
+  if (substeps.outcome() == kNotFinite)
+    end_not_finite(asked);
+  else if (substeps.outcome() == kBlind)
+    end_blind(asked);
+  else
+    StallDiagnosis(asked).end_step(substeps.remaining(), substeps.outcome() == kUnstable);
+}
+
+/// The report is that of a step which has not begun.
+void forget_attempt(StepReport& report) {
+  report.works = {};
+  report.status = Status::kSuccess;
+  report.message.clear();
+  report.contradiction = {};
+  report.crowd = {};
+  report.culprits.clear();
+}
+
+/// With all bodies awake.
+RankReport rank_of(const World& world, const Settings& settings) {
+  if (world.asleep_count() == 0) return analyze_rank(world, settings);
+  World awake = world;
+  awake.wake_all();
+  return analyze_rank(awake, settings);
+}
+
+}  // namespace
 
 Simulator::Impl::Impl(World& world, const Settings& settings)
     : bodies_(world, settings), settings_(settings), stepper_(world_, source_, settings_) {
@@ -55,10 +88,10 @@ const StepReport& Simulator::step(double dt) {
       }
       if (now.finish_advancing(dt)) break;  // else once more, with bodies awake that it has touched
     }
-    now.publish();
+    now.bodies_.end_step();
+    if (now.report_.ok()) now.bodies_.publish();
   } catch (...) {
-    now.take_back(std::move(before));
-    now.report_thrown();
+    now.give_up(std::move(before));
   }
   now.end_step();
   return now.report_;
@@ -81,12 +114,6 @@ void Simulator::Impl::fall_asleep() {
   sleep_.put_to_sleep(world_);
 }
 
-/// The user's World gets the new state.
-void Simulator::Impl::publish() {
-  bodies_.end_step();
-  if (report_.ok()) bodies_.publish();
-}
-
 /// What is the same however the step has ended.
 void Simulator::Impl::end_step() {
   report_.ok() ? loads_.clear() : stay_where_it_was();
@@ -97,16 +124,9 @@ void Simulator::Impl::end_step() {
   if (!settings_.report_rank || !report_.ok()) return;
   try {
     const detail::InterruptScope scope(&hooks_.interrupt);
-    report_.rank = analyze_rank();
+    report_.rank = rank_of(source_, settings_);
   } catch (const detail::Interrupted&) {  // the step is done
   }
-}
-
-RankReport Simulator::Impl::analyze_rank() const {
-  if (source_.asleep_count() == 0) return taut::analyze_rank(source_, settings_);
-  World awake = source_;
-  awake.wake_all();
-  return taut::analyze_rank(awake, settings_);
 }
 
 /// Before a step of dt, with all that the last one has left: islands wake, and bodies that may fall asleep
@@ -168,10 +188,10 @@ bool Simulator::Impl::start_advancing() {
 bool Simulator::Impl::finish_advancing(double dt) {
   const bool done = substepping_.outcome() == Scheme::Outcome::kDone;
   report_.ledger.integration = report_.works.flow;
-  if (!done) say_why(substepping_.outcome());
+  if (!done) say_why(substepping_, inquiry());
   if (sleep_.enabled() && sleep_.wake_after(world_, stepper_.scheme().contacts().reports(), done)) {
     stepper_.retake(done);
-    forget_attempt();
+    forget_attempt(report_);
     return false;
   }
   if (done && welds_hold())
@@ -179,28 +199,6 @@ bool Simulator::Impl::finish_advancing(double dt) {
   else
     stepper_.forget_step(), welds_.forget_step();
   return true;
-}
-
-/// … the step cannot be done.
-void Simulator::Impl::say_why(Scheme::Outcome outcome) {
-  const World::Hold held = source_.hold();
-  const Inquiry asked = inquiry();
-  if (outcome == Scheme::Outcome::kNotFinite)
-    end_not_finite(asked);
-  else if (outcome == Scheme::Outcome::kBlind)
-    end_blind(asked);
-  else
-    StallDiagnosis(asked).end_step(substepping_.remaining(), outcome == Scheme::Outcome::kUnstable);
-}
-
-/// The report is that of a step which has not begun.
-void Simulator::Impl::forget_attempt() {
-  report_.works = {};
-  report_.status = Status::kSuccess;
-  report_.message.clear();
-  report_.contradiction = {};
-  report_.crowd = {};
-  report_.culprits.clear();
 }
 
 /// False, and said so, if the members of merged bodies cannot be placed to the tolerance.
@@ -363,10 +361,11 @@ void Simulator::Impl::take_back(Before before) {
   bodies_.note_published();
 }
 
-/// While something thrown is handled: the report says that the user has asked to end early, or is the one of
-/// before again.
+/// While something thrown is handled: all is as it was before, and the report says that the user has asked to
+/// end early, or is the one of before again.
 /// @throws what was thrown, unless it was that.
-void Simulator::Impl::report_thrown() {
+void Simulator::Impl::give_up(Before before) {
+  take_back(std::move(before));
   try {
     throw;
   } catch (const detail::Interrupted&) {
@@ -410,8 +409,7 @@ void Simulator::Impl::assemble() {
     close_all_joints();
     bodies_.publish();
   } catch (...) {
-    take_back(std::move(before));
-    report_thrown();
+    give_up(std::move(before));
   }
   count_work();
 }
@@ -487,7 +485,7 @@ void Simulator::set_contact_stretches(std::vector<ContactStretch> stretches) {
   impl().set_contact_stretches(std::move(stretches));
 }
 
-RankReport Simulator::analyze_rank() { return impl().analyze_rank(); }
+RankReport Simulator::analyze_rank() { return rank_of(impl().source_, impl().settings_); }
 
 Contradiction Simulator::contradiction(double horizon) {
   require_not_negative("contradiction horizon", horizon);

@@ -40,9 +40,7 @@ class Simulator::Impl {
   void fall_asleep();
   bool start_advancing();
   bool finish_advancing(double dt);
-  void publish();
-  void take_back(Before before);
-  void report_thrown();
+  void give_up(Before before);
   void end_step();
 
   void assemble();
@@ -54,7 +52,6 @@ class Simulator::Impl {
   std::vector<ContactReport> contacts() const;
   std::vector<ContactStretch> contact_stretches() const;
   void set_contact_stretches(std::vector<ContactStretch> stretches);
-  RankReport analyze_rank() const;
   Contradiction contradiction(double horizon);
   std::string solver_description();
 
@@ -88,6 +85,7 @@ class Simulator::Impl {
   Versions versions() const;
 
   Before begin_undoable();
+  void take_back(Before before);
   void begin_report();
   void count_work();
   Inquiry inquiry() { return {source_, world_, welds_.any(), stepper_, settings_, report_}; }
@@ -96,8 +94,6 @@ class Simulator::Impl {
   void choose_sleepers(double dt);
   void note_loads_of_sleepers();
   void wake_islands(double h);
-  void say_why(Scheme::Outcome outcome);
-  void forget_attempt();
   bool welds_hold();
   void finish(double dt);
   void close_ledger();

@@ -29,10 +29,9 @@ double Substepping::next(const Scheme& scheme, const SubstepReport& report) {
   if (composition_.is_done()) {
     detail::poll_interrupt();
     works_before_ = report.works;
-    h_ = substeps_.next(step_limit(scheme));
-    composition_.begin(scheme);
+    composition_.begin(scheme, substeps_.next(step_limit(scheme)));
   }
-  return composition_.next() * h_;
+  return composition_.next();
 }
 
 void Substepping::react(Scheme::Outcome outcome, Scheme& scheme, SubstepReport& report) {

@@ -45,8 +45,7 @@ class Substepping {
   StepDivision division_;
   std::optional<Scheme::Outcome> outcome_;
   Substeps substeps_;
-  double h_ = 0;                        // of the present one [s]
-  StepWorks works_before_;              // … and the works before it
+  StepWorks works_before_;              // the present one
   bool hard_ = false, forgot_ = false;  // laws may be met inexactly at once; impulses have been no guess once
 };
 

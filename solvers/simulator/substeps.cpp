@@ -25,8 +25,6 @@ void Substeps::accept() {
   limit_ *= kGrow;
 }
 
-void Substeps::shorten() { limit_ = kShrink * even_; }
-
 void Substeps::shorten(double step_limit) { limit_ = std::min(kShrink * even_, step_limit); }
 
 }  // namespace taut

@@ -26,9 +26,8 @@ class Substeps {
   /// Something happens within it at that time [s], where the next one must end, which may be as short as it
   /// likes.
   void end_next_at(double time) { event_ = time; }
-  void shorten();
-  /// … and no longer than the scheme allows by now.
-  void shorten(double step_limit);
+  /// The scheme allows no more than `step_limit` by now.
+  void shorten(double step_limit = std::numeric_limits<double>::infinity());
 
   /// They are shorter than this part of what they were to be.
   bool below(double part) const { return limit_ < part * even_length_; }
