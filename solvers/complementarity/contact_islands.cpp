@@ -30,6 +30,12 @@ ContactIslands::ContactIslands(ConstraintSystem& system, ContactForces& contacts
   scratch_.resize(threads_);
 }
 
+void ContactIslands::restore(bool known) {
+  islands_.clear();
+  known_ = false;
+  if (known) find();
+}
+
 /// What connects moving bodies, in the order of their first bodies.
 std::vector<SystemPart> ContactIslands::partition() {
   const Rows& rows = system_.rows();

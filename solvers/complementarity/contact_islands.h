@@ -57,6 +57,10 @@ class ContactIslands {
     bool done = false;
   };
 
+  /// Islands are those of the present rows.
+  bool is_known() const { return known_; }
+  /// None are kept; those of the present rows are found if they were known.
+  void restore(bool known);
   void find();
   void plan();
   std::vector<SystemPart> partition();

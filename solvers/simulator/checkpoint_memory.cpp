@@ -229,13 +229,9 @@ void PrimalDualActiveSet::transfer(Archive& archive) {
 }
 
 void ContactIslands::transfer(Archive& archive) {
-  bool known = known_;
+  bool known = is_known();
   archive(known);
-  if (archive.reads()) {
-    islands_.clear();
-    known_ = false;
-    if (known) find();
-  }
+  if (archive.reads()) restore(known);
   for (std::size_t i = 0; known && islands_.size() > 1 && i < islands_.size(); ++i) {
     Island& island = *islands_[i];
     bool solved = island.own != nullptr;
