@@ -62,22 +62,18 @@ TEST(RunUntil, ItsStepsAreSingleOnes) {
   }
 }
 
-/// Boxes between rigid walls that are 2e-5 m too near to each other: laws that nothing meets.
+/// Boxes between rigid walls that are 6e-5 m too near to each other: laws that nothing meets.
 TEST(RunUntil, GoesOnThroughInexactStepsAndCountsThem) {
   World world;
   world.add_shape(kGround, HalfSpace{});
   for (int side : {-1, 1}) world.add_shape(kGround, Box{{1, 40, 10}}, {.p = Vec3(side, 0, 5)});
-  const Vec3 size(1 + 2e-5, 0.5, 0.5);
+  const Vec3 size(1 + 6e-5, 0.5, 0.5);
   for (int k = 0; k < 5; ++k) {
     const BodyId box = world.add_body({.mass = MassProperties::box(size, 1), .pose = {.p = Vec3(0, k, 1)}});
     world.add_shape(box, Box{size});
-    BodyId last = box;
-    for (int i = 0; i < 2; ++i) {  // a pendulum, which makes the boxes' laws a matter of other bodies
-      const BodyId rod =
-          world.add_body({.mass = MassProperties::rod(1, 0.02, 1), .pose = {.p = Vec3(0.5 + i, k, 1)}});
-      world.add("", Ball::at(world, last, rod, Vec3(i, k, 1)));
-      last = rod;
-    }
+    const BodyId top = world.add_body(  // which makes the boxes' laws a matter of other bodies
+        {.mass = MassProperties::box(Vec3(0.5, 0.5, 0.5), 1), .pose = {.p = Vec3(0, k, 1.5)}});
+    world.add_shape(top, Box{Vec3(0.5, 0.5, 0.5)});
   }
   Simulator simulator(world, {.inexact_tolerance = 0.5});
   const RunReport run = simulator.run_until(4.0 / 240, 1.0 / 240);
@@ -86,7 +82,7 @@ TEST(RunUntil, GoesOnThroughInexactStepsAndCountsThem) {
   EXPECT_EQ(run.steps, 4);
   EXPECT_GT(run.inexact_steps, 0);
   EXPECT_GT(run.natural_residual, 1e-8);
-  EXPECT_GE(run.penetration, 0.9e-5);
+  EXPECT_GE(run.penetration, 2.9e-5);
 }
 
 TEST(RunUntil, EndsWithTheFirstStepThatFails) {
