@@ -120,14 +120,15 @@ bool ContactNewton::slips_in_vain(const ContactProblem& problem, const NewtonLim
 bool ContactNewton::next_round(const ContactProblem& problem, const NewtonLimits& limits,
                                const NewtonOutcome& outcome, Progress& progress) {
   bool goes_on = true;
-  const bool stalls =
-      progress.rho <= Tuning::kRhoToYield && outcome.residual > Tuning::kStalled * progress.residual;
+  const bool stalls = round_.met() && progress.rho <= Tuning::kRhoToYield &&
+                      std::abs(outcome.residual / progress.residual - 1) < Tuning::kStalled;
   if (!coupled_.keep(projection_.y(), round_.met(), outcome.residual, progress.rho)) {
     read_rates(problem, coupled_.kept());
     goes_on = coupled_.grow(progress.rho);
   }
   progress.residual = coupled_.kept_residual();
-  if (stalls && problem.contacts.let_yield(problem.lambda, problem.w, limits.most * problem.scale)) {
+  if (stalls && problem.contacts.let_yield(problem.lambda, problem.w, limits.most * problem.scale,
+                                           Tuning::kTooMuch * problem.scale)) {
     problem.contacts.targets(target_);
     read_rates(problem, guess_);
     progress = begin_rounds(problem, limits);

@@ -60,9 +60,9 @@ struct ContactNewtonTuning {
   /// Its bounds.  Measured: 1e-9 as the least takes no fewer steps; 1e-6 fails where bodies wedge; with 1e-2
   /// as the most, a pile of 1000 that goes on from a file is given up.
   static constexpr double kLeastCoupledRho = 1e-8, kMostRho = 1;
-  /// Rigid contacts that are not met yield after a round with this ρ or less that leaves more than this part
-  /// of the residual: their effective mass is below 2e-7 of what they are without joints.
-  static constexpr double kRhoToYield = 1e-5, kStalled = 0.98;
+  /// Rigid contacts whose impulses have grown to more than so many times all that acts, yield after a round
+  /// with this ρ or less that has changed the residual by less than this part.
+  static constexpr double kTooMuch = 1.5, kRhoToYield = 1e-5, kStalled = 0.1;
   /// Rounds that must go well after one that was taken back, before ρ falls again.  Half takes 3 times the
   /// factorisations of a card house.
   static constexpr int kHold = 3;

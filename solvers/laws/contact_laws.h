@@ -35,13 +35,13 @@ class ContactLaws : public ContactRows {
   Cone cone(int k) const { return contact_cone(*this, k); }
   /// Rates that the cones ask for.
   void targets(std::span<double> target) const;
-  /// Rigid contacts that come together, by more than `least` [√J] of the natural residual, although impulses
-  /// have grown for that: joints hold their normals (bodies in one line, of which the first and the last
-  /// touch), no impulse changes their rate, and what they ask for contradicts the joints by terms of second
-  /// order.  For the rest of the stage they have a compliance of 1e-6 S_rr, unless
-  /// that let them come together by more than 1e-5 m in the step.
+  /// Rigid contacts that come together, by more than `least` [√J] of the natural residual, at impulses of
+  /// more than `most` [√J]: joints hold their normals (bodies in one line, of which the first and the last
+  /// touch), hardly an impulse changes their rate, and what they ask for contradicts the joints by terms of
+  /// second order.  For the rest of the stage they have a compliance of 1e-6 S_rr, unless that let them come
+  /// together by more than 1e-5 m in the step.
   /// @returns whether there are any that did not before.
-  bool let_yield(std::span<const double> lambda, std::span<const double> w, double least);
+  bool let_yield(std::span<const double> lambda, std::span<const double> w, double least, double most);
 
   // Friction by row laws (friction_linearization.h).
   void take_over(std::span<const double> lambda, std::span<const double> w, double rate_tolerance) {
