@@ -38,7 +38,8 @@ Json quantity(const std::string& name, Json time, Json value, double tolerance, 
   return json;
 }
 
-Json make_case(const std::string& level, Json setup, Json quantities) {
+/// A list of quantities is no Json: compilers differ in what Json{one} is, a list of one or that one itself.
+Json make_case(const std::string& level, Json setup, const std::vector<Json>& quantities) {
   setup["gravity"] = {0, 0, -kG};
   if (!setup.contains("joints")) setup["joints"] = Json::array();
   return {
@@ -191,7 +192,8 @@ TEST(Accuracy, GearsTakeAnyNumberOfWheelsAndAxesOfEitherSense) {
   double weight = 0;
   for (int i = 0; i < 3; ++i) weight += coef[i] * coef[i] / I[i];
   const double multiplier = -coef[0] * torque / I[0] / weight;
-  Json quantities = {quantity("m", 0.2, multiplier, 1e-9, {{"kind", "multiplier"}, {"joint", "gear"}})};
+  std::vector<Json> quantities = {
+      quantity("m", 0.2, multiplier, 1e-9, {{"kind", "multiplier"}, {"joint", "gear"}})};
   for (int i = 0; i < 3; ++i)
     quantities.push_back(quantity(std::string("w").append(std::to_string(i)), 0.2,
                                   0.2 * ((i == 0 ? torque : 0) + coef[i] * multiplier) / I[i], 1e-9,
@@ -249,7 +251,7 @@ TEST(Accuracy, WorldsOfContactCasesHaveTheirShapes) {
                      {{"name", "belt"}, {"shape", plane}, {"surface_velocity", {0, 2, 0}}}}},
                    {"contacts", {contact("ground", "box"), contact("belt", "rod"), contact("box", "feet")}}};
   const std::string file =
-      folder_with("shapes", {{"a.json", make_case("nonsmooth", setup, Json::array()).dump()}}) + "/a.json";
+      folder_with("shapes", {{"a.json", make_case("nonsmooth", setup, {}).dump()}}) + "/a.json";
   const Case c = load_case(file);
   ASSERT_EQ(c.pairs.size(), 3u);
   EXPECT_EQ(c.world.shape_count(), 6);
