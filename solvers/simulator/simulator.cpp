@@ -14,7 +14,6 @@
 #include "solvers/diagnosis/contradiction.h"
 #include "solvers/diagnosis/rank_report.h"
 #include "solvers/integrators/close_joints.h"
-#include "solvers/linear/cholmod_factor.h"
 #include "solvers/simulator/detection_report.h"
 #include "solvers/simulator/failure_advice.h"
 #include "solvers/simulator/not_finite.h"
@@ -462,56 +461,14 @@ void Simulator::set_stage_watch(std::function<void(const ContactStage&)> watch) 
   impl().hooks_.stage_watch = std::move(watch);
 }
 
-Reaction Simulator::mean_reaction(JointId joint) const {
-  (void)impl().source_.joint(joint);  // throws for an id that is not there
-  return impl().mean_reaction(joint);
-}
-
-Reaction Simulator::reaction(JointId joint) {
-  (void)impl().source_.joint(joint);
-  return impl().reaction(joint);
-}
-
-AxisReport Simulator::axis_report(AxisId axis) const {
-  (void)impl().source_.axis_index(axis);  // throws for an id that is not there
-  return impl().axis_report(axis);
-}
-
-std::vector<ContactReport> Simulator::contacts() const { return impl().contacts(); }
-
-std::vector<ContactStretch> Simulator::contact_stretches() const { return impl().contact_stretches(); }
-
-void Simulator::set_contact_stretches(std::vector<ContactStretch> stretches) {
-  impl().set_contact_stretches(std::move(stretches));
-}
-
 RankReport Simulator::analyze_rank() { return rank_of(impl().source_, impl().settings_); }
-
-Contradiction Simulator::contradiction(double horizon) {
-  require_not_negative("contradiction horizon", horizon);
-  return impl().contradiction(horizon);
-}
 
 const StepReport& Simulator::assemble() {
   impl().assemble();
   return impl().report_;
 }
 
-std::vector<JointId> Simulator::merged_joints() const {
-  std::vector<JointId> joints;
-  if (!impl().bodies_.merged()) return joints;
-  // Those that the next step will have, which is not taken in advance.
-  for (const MergedGroup& group : merged_groups(impl().source_, impl().settings_.position_tolerance))
-    for (const auto* welds : {&group.welds, &group.loops})
-      for (JointId weld : *welds)
-        if (weld.index >= 0) joints.push_back(weld);
-  std::sort(joints.begin(), joints.end());
-  return joints;
-}
-
 const World& Simulator::world() const { return impl_->source_; }
 const Settings& Simulator::settings() const { return impl_->settings_; }
-
-std::string Simulator::solver_description() const { return impl().solver_description(); }
 
 }  // namespace taut

@@ -86,4 +86,46 @@ std::string Simulator::Impl::solver_description() {
          (CholmodFactor::has_supernodal() ? "" : ", CHOLMOD without its GPL modules");
 }
 
+Reaction Simulator::mean_reaction(JointId joint) const {
+  (void)impl().source_.joint(joint);  // throws for an id that is not there
+  return impl().mean_reaction(joint);
+}
+
+Reaction Simulator::reaction(JointId joint) {
+  (void)impl().source_.joint(joint);
+  return impl().reaction(joint);
+}
+
+AxisReport Simulator::axis_report(AxisId axis) const {
+  (void)impl().source_.axis_index(axis);  // throws for an id that is not there
+  return impl().axis_report(axis);
+}
+
+std::vector<ContactReport> Simulator::contacts() const { return impl().contacts(); }
+
+std::vector<ContactStretch> Simulator::contact_stretches() const { return impl().contact_stretches(); }
+
+void Simulator::set_contact_stretches(std::vector<ContactStretch> stretches) {
+  impl().set_contact_stretches(std::move(stretches));
+}
+
+Contradiction Simulator::contradiction(double horizon) {
+  require_not_negative("contradiction horizon", horizon);
+  return impl().contradiction(horizon);
+}
+
+std::vector<JointId> Simulator::merged_joints() const {
+  std::vector<JointId> joints;
+  if (!impl().bodies_.merged()) return joints;
+  // Those that the next step will have, which is not taken in advance.
+  for (const MergedGroup& group : merged_groups(impl().source_, impl().settings_.position_tolerance))
+    for (const auto* welds : {&group.welds, &group.loops})
+      for (JointId weld : *welds)
+        if (weld.index >= 0) joints.push_back(weld);
+  std::sort(joints.begin(), joints.end());
+  return joints;
+}
+
+std::string Simulator::solver_description() const { return impl().solver_description(); }
+
 }  // namespace taut
