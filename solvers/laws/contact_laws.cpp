@@ -86,9 +86,10 @@ bool ContactLaws::let_yield(std::span<const double> lambda, std::span<const doub
                             double most) {
   bool any = false;
   for (int k = 0; k < count(); ++k) {
+    if (!works(k) || compliance(k) > 0 || point(k).yield > 0) continue;
     const int row = first_row(k);
     const double way = (normal_law(*this, k).target - w[row]) * table().h;
-    if (!works(k) || compliance(k) > 0 || point(k).yield > 0 || !(way > 0 && way <= kYieldWay)) continue;
+    if (!(way > 0 && way <= kYieldWay)) continue;
     if (!(root(row) * lambda[row] > most && natural_residual(*this, k, lambda, w).normal.size > least))
       continue;
     point(k).yield = kYield * root(row) * root(row);
