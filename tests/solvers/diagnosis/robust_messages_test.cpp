@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/joints/joints.h"
+#include "scenes/builders/scene.h"
 #include "scenes/files/scene_file.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/source_dir.h"
@@ -119,41 +119,22 @@ TEST(RobustMessages, WhatIsLeftOfRatesNamesTheJoint) {
   }
 }
 
-/// n × n spheres on ball joints, the first row fixed, that swing across their plane, as in the scene
-/// joint-grid: each of its cells loses rank again and again.
-World swinging_grid(int n, std::optional<JointCompliance> compliance) {
-  World world;
-  const auto numbered = [](const char* what, int i, int k) {
-    return std::string(what).append(std::to_string(i)).append("_").append(std::to_string(k));
-  };
-  const auto id = [n](int row, int column) { return BodyId{1 + row * n + column}; };
-  const Vec3 right(0.5, 0, 0), down(0, -0.5, 0);
-  for (int i = 0; i < n; ++i)
-    for (int k = 0; k < n; ++k)
-      world.add_body(
-          {.mass = MassProperties::sphere(0.4, 268), .pose = {.p = Vec3(k, -i, 0)}, .fixed = i == 0});
-  for (int i = 1; i < n; ++i)
-    for (int k = 0; k < n; ++k) {
-      world.add(numbered("v", i, k), Ball(id(i - 1, k), id(i, k), down, -down));
-      if (k > 0) world.add(numbered("h", i, k), Ball(id(i, k - 1), id(i, k), right, -right));
-    }
-  for (int j = 0; j < world.joint_count(); ++j) world.set_compliance({j}, compliance);
-  return world;
-}
-
+/// Each cell of a grid of rigid bodies on ball joints loses rank again and again as it swings across its
+/// plane.
 TEST(RobustMessages, RowsThatBecomeDependentAreNamedAndCompliancePassesThem) {
-  World rigid = swinging_grid(6, std::nullopt);
-  Simulator simulator(rigid);
-  for (int i = 0; i < 2400 && simulator.report().ok(); ++i) simulator.step(1. / 240);
+  Scene rigid = build_scene("joint-grid", {{"n", 6}, {"swing", 1}}), soft = rigid;
+  Simulator simulator(rigid.world, rigid.settings);
+  for (int i = 0; i < 2400 && simulator.report().ok(); ++i) simulator.step(rigid.dt);
   const StepReport& report = simulator.report();
   ASSERT_EQ(report.status, Status::kContradiction) << "it passes now: say so in robustness.md";
   EXPECT_LT(report.contradiction.residual, 1e-8);
   for (const char* part : {"ball ", "singular configuration", "1e-9 m/N"})
     EXPECT_NE(report.message.find(part), std::string::npos) << report.message;
 
-  World soft = swinging_grid(6, JointCompliance{.translation = 1e-9});
-  Simulator passes(soft);
-  for (int i = 0; i < 2400; ++i) ASSERT_TRUE(passes.step(1. / 240).ok()) << i << passes.report().message;
+  for (int j = 0; j < soft.world.joint_count(); ++j)
+    soft.world.set_compliance({j}, JointCompliance{.translation = 1e-9});
+  Simulator passes(soft.world, soft.settings);
+  for (int i = 0; i < 2400; ++i) ASSERT_TRUE(passes.step(soft.dt).ok()) << i << passes.report().message;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "core/joints/joints.h"
 #include "scenes/builders/scene.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/solvers/chain_on_floor.h"
 
 namespace taut::penetration_test {
 namespace {
@@ -171,19 +172,7 @@ void expect_true(World& world, const Settings& settings, double dt, int steps) {
 
 /// Ten capsules on ball joints fall on a floor and lie down in a line, their axes in one plane.
 TEST(Penetration, OfAChainOnAFloorIsThatOfItsCapsules) {
-  World world;
-  const Material rubber{.static_friction = 0.4, .dynamic_friction = 0.4};
-  world.add_shape(kGround, HalfSpace{}, {}, rubber);
-  BodyId last = kGround;
-  const Quat along_x = exp_so3(Vec3(0, std::numbers::pi / 2, 0));
-  for (int k = 0; k < 10; ++k) {
-    const BodySpec link{.mass = MassProperties::capsule(0.02, 0.16, Density{7800}),
-                        .pose = {along_x, Vec3(0.1 + 0.2 * k, 0, 1.2)}};
-    const BodyId body = world.add_body(link);
-    world.add_shape(body, Capsule{0.02, 0.16}, {}, rubber);
-    world.add("", Ball::at(world, last, body, Vec3(0.2 * k, 0, 1.2)));
-    last = body;
-  }
+  World world = testing::chain_on_floor(10, 0.4);
   expect_true(world, {}, 0.002, 2000);
 }
 
