@@ -24,7 +24,9 @@ class ForceLevel final : public Scheme {
   /// It drifts from where it is.
   bool closes_joints() const override { return false; }
   bool knows_works() const override { return false; }
-  void start(const State& state, SubstepReport& /*report*/) override { state_ = state; }
+  void start(const State& state, Velocities /*velocities*/, SubstepReport& /*report*/) override {
+    state_ = state;
+  }
   /// One step of h > 0: kDone, or kNotFinite with the old state.
   [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
 

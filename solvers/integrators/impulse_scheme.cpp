@@ -36,7 +36,7 @@ ImpulseScheme::ImpulseScheme(const World& world, ConstraintSystem& system, const
       impact_stage_(system, contacts_, phase_, values_, works_),
       last_forces_(world.body_count()) {}
 
-void ImpulseScheme::start(const State& state, SubstepReport& report) {
+void ImpulseScheme::start(const State& state, Velocities velocities, SubstepReport& report) {
   phase_.state = state;
   values_.residual_is_current = false;
   phase_.poses = state.poses;
@@ -56,7 +56,10 @@ void ImpulseScheme::start(const State& state, SubstepReport& report) {
     return start_axes();
   }
   const Stopwatch watch(report.times.velocities);
-  project_momenta(0, report);
+  if (velocities == Velocities::kGiven || ends_tangent())
+    project_momenta(0, report);
+  else
+    phase_.twists_from(phase_.momenta);
   phase_.find_forces();
   predict_forces();
   update_step_limit();
@@ -85,18 +88,18 @@ void ImpulseScheme::start_axes() {
   axes_.start(values_.phi, values_.rates);
 }
 
-void ImpulseScheme::restart(const State& state, SubstepReport& report) {
-  if (!bounded()) return start(state, report);
+void ImpulseScheme::restart(const State& state, Velocities velocities, SubstepReport& report) {
+  if (!bounded()) return start(state, velocities, report);
   const AxisForces axes = axes_;
   const MultiplierGuess before(system_.rows(), values_);
   contacts_.keep_memory();
-  start(state, report);
+  start(state, velocities, report);
   axes_.inherit(axes);
   take(before);
 }
 
 void ImpulseScheme::go_back(const State& state, std::span<const double> impulses, SubstepReport& report) {
-  start(state, report);
+  start(state, Velocities::kLeft, report);
   values_.impulses.assign(impulses.begin(), impulses.end());
 }
 

@@ -43,8 +43,8 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   if (stages_.iterative()) absorbed_.resize(world.body_count());
 }
 
-void Rattle::start(const State& state, SubstepReport& report) {
-  ImpulseScheme::start(state, report);
+void Rattle::start(const State& state, Velocities velocities, SubstepReport& report) {
+  ImpulseScheme::start(state, velocities, report);
   size_ = system_size(phase_.state.poses);
 }
 

@@ -24,7 +24,7 @@ class Rattle : public ImpulseScheme {
  public:
   Rattle(const World& world, ConstraintSystem& system, const Settings& settings);
 
-  void start(const State& state, SubstepReport& report) override;
+  void start(const State& state, Velocities velocities, SubstepReport& report) override;
   [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
   double time_to_event() const override { return time_to_event_; }
   void transfer(Archive& archive) override;

@@ -21,6 +21,8 @@ class Archive;
 class Scheme {
  public:
   enum class Outcome { kDone, kStalled, kUnstable, kImpact, kOverload, kNotFinite, kBlind };
+  /// Whose velocities a state has: the user's, which joints may forbid, or those that a step has ended with.
+  enum class Velocities { kGiven, kLeft };
 
   Scheme(const World& world, const Rows& rows, const Settings& settings)
       : axes_(world, rows), contacts_(world, settings), breaking_(world, rows) {}
@@ -36,12 +38,14 @@ class Scheme {
   /// changed, if there is one.
   virtual void prepare(double /*horizon*/, std::vector<ContactStretch> /*stretches*/, Scheme* /*old*/) {}
   /// Takes over a state.
-  virtual void start(const State& state, SubstepReport& report) = 0;
+  virtual void start(const State& state, Velocities velocities, SubstepReport& report) = 0;
   /// The same in the pattern that there is, which keeps what is known of contacts and friction.
-  virtual void restart(const State& state, SubstepReport& report) { start(state, report); }
+  virtual void restart(const State& state, Velocities velocities, SubstepReport& report) {
+    start(state, velocities, report);
+  }
   /// Back at a state of the same step, from which on impulses were these.
   virtual void go_back(const State& state, std::span<const double> /*impulses*/, SubstepReport& report) {
-    start(state, report);
+    start(state, Velocities::kLeft, report);
   }
   /// After start(): what held and how in that scheme, with the forces as a guess.
   virtual void inherit(const Scheme& /*old*/) {}

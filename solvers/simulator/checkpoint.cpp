@@ -7,6 +7,7 @@
 #include "core/base/check.h"
 #include "core/base/flush_to_zero.h"
 #include "core/base/fnv1a.h"
+#include "core/state/same_state.h"
 #include "solvers/simulator/checkpoint_memory.h"
 #include "solvers/simulator/simulator_impl.h"
 
@@ -238,6 +239,7 @@ void Simulator::Impl::transfer(Archive& archive, std::span<const char> gone) {
     for (int j = 0; j < std::ssize(gone); ++j)
       if (gone[j]) world_.detach({j}), source_.detach({j});
     stepper_.note_state();
+    if (same(world_.state(), stepper_.state())) stepper_.note_left();
     bodies_.note_published();
     end_versions_ = versions();
   }

@@ -224,6 +224,7 @@ void Simulator::Impl::finish(double dt) {
   stepper_.scheme().set_time(time);
   detach_broken();
   stepper_.note_state();
+  stepper_.note_left();
   report_.time = time;
   if (report_.status == Status::kInexact) report_.message += list_culprits(inquiry());
   quality_.measure(stepper_, report_);
@@ -251,6 +252,7 @@ void Simulator::Impl::close_ledger() {
 /// A step that failed: joints that were closed before it are open again, and the user's world is untouched.
 void Simulator::Impl::stay_where_it_was() {
   undo_.restore_state();
+  stepper_.note_restored();
   sleep_.restore_awake(world_);
   bodies_.note_published();
 }
@@ -319,11 +321,12 @@ void Simulator::Impl::start_scheme(bool goes_on, Stepper::Predecessor& old) {
   bodies_.refer_to_carriers(recalled_);
   scheme.prepare(horizon_, std::move(recalled_), old.scheme.get());
   recalled_.clear();
+  const auto velocities = stepper_.left_state() ? Scheme::Velocities::kLeft : Scheme::Velocities::kGiven;
   if (goes_on) {
     scheme.forget(stepper_.moved_bodies());
-    return scheme.restart(world_.state(), report_);
+    return scheme.restart(world_.state(), velocities, report_);
   }
-  scheme.start(world_.state(), report_);
+  scheme.start(world_.state(), velocities, report_);
   if (old.scheme) scheme.inherit(*old.scheme);
 }
 
@@ -344,6 +347,7 @@ void Simulator::Impl::bring_up_to_date(double h) {
 /// is: whoever catches it takes back what was done.
 Simulator::Impl::Before Simulator::Impl::begin_undoable() {
   undo_.begin();
+  stepper_.begin_undoable();
   const bool any = hooks_.interrupt || !recalled_.empty();
   return {substepping_.division(), any ? contact_stretches() : std::vector<ContactStretch>()};
 }
@@ -352,6 +356,7 @@ Simulator::Impl::Before Simulator::Impl::begin_undoable() {
 /// anything.
 void Simulator::Impl::take_back(Before before) {
   undo_.take_back();
+  stepper_.note_restored();
   sleep_.restore_awake(world_);
   substepping_.division() = before.division;
   recalled_ = std::move(before.stretches);

@@ -50,6 +50,14 @@ class Stepper {
   bool goes_on_with_new_forces();
   void note_started() { retaken_ = false; }
   void note_state() { state_version_ = world_.state_version(); }
+  /// … as a step has left it, whose velocities are those of the scheme.
+  void note_left() { left_version_ = world_.state_version(); }
+  bool left_state() const { return left_version_ == world_.state_version(); }
+  /// What is done from now on may be taken back; and it has been, so that the state is what it was.
+  void begin_undoable() { was_left_ = left_state(); }
+  void note_restored() {
+    if (was_left_) note_left();
+  }
   void forget_state() { state_version_ = -1; }
   /// The world still has the state from before, and all its joints: start from there again.
   void forget_step();
@@ -94,8 +102,10 @@ class Stepper {
   Springs springs_;  // among the rows
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<Scheme> scheme_;
-  std::int64_t topology_version_ = -1, geometry_version_ = -1, sleep_version_ = -1, state_version_ = -1;
+  std::int64_t topology_version_ = -1, geometry_version_ = -1, sleep_version_ = -1, state_version_ = -1,
+               left_version_ = -1;
   bool retaken_ = false;
+  bool was_left_ = false;
 };
 
 }  // namespace taut

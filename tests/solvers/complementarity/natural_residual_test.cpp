@@ -93,7 +93,7 @@ class Stages : public Rattle {
   Stages(World& world, ConstraintSystem& system, const Settings& settings)
       : Rattle(world, system, settings), mechanism_(world) {
     StepReport report;
-    start(world.state(), report);
+    start(world.state(), Velocities::kGiven, report);
   }
   double reported() const { return stages_.accuracy().natural(); }
 
