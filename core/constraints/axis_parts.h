@@ -78,17 +78,4 @@ struct Screw {
 
 }  // namespace row_parts
 
-extern template class detail::PartStore<row_parts::Angle>;
-extern template class detail::PartStore<row_parts::Displacement>;
-extern template class detail::PartStore<row_parts::Length>;
-extern template class detail::PartStore<row_parts::Screw>;
-extern template void RowSink::add(const row_parts::Angle&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::Angle&, Between);
-extern template void RowSink::add(const row_parts::Displacement&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::Displacement&, Between);
-extern template void RowSink::add(const row_parts::Length&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::Length&, Between);
-extern template void RowSink::add(const row_parts::Screw&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::Screw&, Between);
-
 }  // namespace taut

@@ -189,6 +189,20 @@ void Turn::bias(const Pose& A, const Pose&, const Twist& V_A, const Twist& V_B, 
 
 std::string Turn::row_name(int) const { return "turn about " + direction_name(a_A); }
 
+Swing Swing::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.q * a_A, X_CB.q * b_B, across};
+}
+
+SwingComponent SwingComponent::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.q * a_A, X_CB.q * b_B, X_CA.q * x_A};
+}
+
+TwistAngle TwistAngle::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.q * q_AF, X_CB.q * q_BG};
+}
+
+Turn Turn::carried(const Pose& X_CA, const Pose&) const { return {X_CA.q * a_A}; }
+
 }  // namespace row_parts
 
 template class detail::PartStore<row_parts::Swing>;

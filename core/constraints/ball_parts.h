@@ -19,7 +19,7 @@ struct Swing {
   Vec3 a_A, b_B;       ///< unit vectors a, b in axes of A, B
   SwingAxes across{};  ///< other axes of the joint
 
-  Swing carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * a_A, X_CB.q * b_B, across}; }
+  Swing carried(const Pose& X_CA, const Pose& X_CB) const;
   struct Directions {       ///< World axes.
     Vec3 a, b, j;           ///< j = a × b/|a × b|
     double sine = 0;        ///< |a × b|
@@ -47,9 +47,7 @@ struct SwingComponent {
   static constexpr bool kAngular = true;
   Vec3 a_A, b_B, x_A;  ///< unit vectors a, b and x ⟂ a in axes of A, B and A
 
-  SwingComponent carried(const Pose& X_CA, const Pose& X_CB) const {
-    return {X_CA.q * a_A, X_CB.q * b_B, X_CA.q * x_A};
-  }
+  SwingComponent carried(const Pose& X_CA, const Pose& X_CB) const;
   /// World axes; k is dh/dt over n·w, which is sin θ dθ/dt.
   struct Directions {
     Vec3 a, b, x, n;    ///< n = a × b
@@ -79,7 +77,7 @@ struct TwistAngle {
   static constexpr double period() { return 2 * 3.14159265358979323846; }
   Quat q_AF, q_BG;  ///< frame F in A and frame G in B, z along a and b
 
-  TwistAngle carried(const Pose& X_CA, const Pose& X_CB) const { return {X_CA.q * q_AF, X_CB.q * q_BG}; }
+  TwistAngle carried(const Pose& X_CA, const Pose& X_CB) const;
   struct Directions {      ///< q_FG and what follows from it.
     Mat3 R_WF;             ///< axes of F
     double s, x, y, z, D;  ///< q_FG = (s, x, y, z), D = s² + z²
@@ -109,7 +107,7 @@ struct Turn {
   static constexpr bool kAccumulates = true;
   Vec3 a_A;  ///< unit vector a in axes of A
 
-  Turn carried(const Pose& X_CA, const Pose&) const { return {X_CA.q * a_A}; }
+  Turn carried(const Pose& X_CA, const Pose&) const;
   double increment(const Pose& A_from, const Pose& B_from, const Pose& A, const Pose& B) const;  ///< of θ
   void jacobian(const Pose& A, const Pose&, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
   void bias(const Pose& A, const Pose&, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -119,18 +117,5 @@ struct Turn {
 };
 
 }  // namespace row_parts
-
-extern template class detail::PartStore<row_parts::Swing>;
-extern template class detail::PartStore<row_parts::SwingComponent>;
-extern template class detail::PartStore<row_parts::TwistAngle>;
-extern template class detail::PartStore<row_parts::Turn>;
-extern template void RowSink::add(const row_parts::Swing&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::Swing&, Between);
-extern template void RowSink::add(const row_parts::SwingComponent&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::SwingComponent&, Between);
-extern template void RowSink::add(const row_parts::TwistAngle&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::TwistAngle&, Between);
-extern template void RowSink::add(const row_parts::Turn&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::Turn&, Between);
 
 }  // namespace taut

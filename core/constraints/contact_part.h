@@ -50,7 +50,4 @@ struct ContactTwist {
 
 }  // namespace row_parts
 
-extern template class detail::PartStore<row_parts::ContactPoint>;
-extern template class detail::PartStore<row_parts::ContactTwist>;
-
 }  // namespace taut

@@ -184,6 +184,14 @@ Mat3 CurveParameter::hessian(const BodyCurve::Near& at) {
   return (mixed + mixed.transpose() + own * at.gradient * at.gradient.transpose()) / at.D;
 }
 
+PointOnCurve PointOnCurve::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {std::make_shared<const BodyCurve>(curve->carried(X_CA)), X_CB.point(p_BQ)};
+}
+
+CurveParameter CurveParameter::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {std::make_shared<const BodyCurve>(curve->carried(X_CA)), X_CB.point(p_BQ)};
+}
+
 }  // namespace row_parts
 
 template class detail::PartStore<row_parts::PointOnCurve>;

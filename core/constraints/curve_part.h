@@ -75,9 +75,7 @@ struct PointOnCurve {
   std::shared_ptr<const BodyCurve> curve;  ///< in axes of A
   Vec3 p_BQ;                               ///< from the centre of mass, axes of B [m]
 
-  PointOnCurve carried(const Pose& X_CA, const Pose& X_CB) const {
-    return {std::make_shared<const BodyCurve>(curve->carried(X_CA)), X_CB.point(p_BQ)};
-  }
+  PointOnCurve carried(const Pose& X_CA, const Pose& X_CB) const;
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<2> J_A, JacobianBlock<2> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -100,9 +98,7 @@ struct CurveParameter {
   std::shared_ptr<const BodyCurve> curve;  ///< in axes of A
   Vec3 p_BQ;                               ///< from the centre of mass, axes of B [m]
 
-  CurveParameter carried(const Pose& X_CA, const Pose& X_CB) const {
-    return {std::make_shared<const BodyCurve>(curve->carried(X_CA)), X_CB.point(p_BQ)};
-  }
+  CurveParameter carried(const Pose& X_CA, const Pose& X_CB) const;
   double period() const;
   void residual(const Pose& A, const Pose& B, double* s) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const;
@@ -117,11 +113,5 @@ struct CurveParameter {
 };
 
 }  // namespace row_parts
-
-extern template class detail::PartStore<row_parts::PointOnCurve>;
-extern template class detail::PartStore<row_parts::CurveParameter>;
-extern template void RowSink::add(const row_parts::PointOnCurve&, Between);
-extern template void RowSink::add(const row_parts::CurveParameter&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::CurveParameter&, Between);
 
 }  // namespace taut

@@ -78,6 +78,10 @@ void Parallel::stiffness(const Pose& A, const Pose& B, const double* lambda, Sti
 
 std::string Parallel::row_name(int i) const { return near_row(*this, i).row_name(0); }
 
+Parallel Parallel::carried(const Pose& X_CA, const Pose& X_CB) const {
+  return {X_CA.q * u_A, X_CA.q * v_A, X_CB.q * b_B};
+}
+
 }  // namespace row_parts
 
 template class detail::PartStore<row_parts::Parallel>;

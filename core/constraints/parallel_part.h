@@ -17,9 +17,7 @@ struct Parallel {
   static constexpr bool kAngular = true;
   Vec3 u_A, v_A, b_B;  ///< unit vectors, body axes; u ⟂ v
 
-  Parallel carried(const Pose& X_CA, const Pose& X_CB) const {
-    return {X_CA.q * u_A, X_CA.q * v_A, X_CB.q * b_B};
-  }
+  Parallel carried(const Pose& X_CA, const Pose& X_CB) const;
   void residual(const Pose& A, const Pose& B, double* phi) const;
   void jacobian(const Pose& A, const Pose& B, JacobianBlock<2> J_A, JacobianBlock<2> J_B) const;
   void bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const;
@@ -29,8 +27,5 @@ struct Parallel {
 };
 
 }  // namespace row_parts
-
-extern template class detail::PartStore<row_parts::Parallel>;
-extern template void RowSink::add(const row_parts::Parallel&, Between);
 
 }  // namespace taut

@@ -164,19 +164,4 @@ struct Stretch {
 
 }  // namespace row_parts
 
-extern template class detail::PartStore<row_parts::Point>;
-extern template class detail::PartStore<row_parts::CompactPoint>;
-extern template class detail::PartStore<row_parts::PointInPlane>;
-extern template class detail::PartStore<row_parts::Perpendicular>;
-extern template class detail::PartStore<row_parts::Orientation>;
-extern template class detail::PartStore<row_parts::Distance>;
-extern template void RowSink::add(const row_parts::Point&, Between);
-extern template void RowSink::add(const row_parts::PointInPlane&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::PointInPlane&, Between);
-extern template void RowSink::add(const row_parts::Perpendicular&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::Perpendicular&, Between);
-extern template void RowSink::add(const row_parts::Orientation&, Between);
-extern template void RowSink::add(const row_parts::Distance&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::Distance&, Between);
-
 }  // namespace taut

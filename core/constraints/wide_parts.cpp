@@ -157,6 +157,20 @@ Mat3 DrivenOrientation::rate_matrix(const Configuration& at, const PosePoint& ta
   return JacobianBlock<3>(values.data() + 18).leftCols<3>();
 }
 
+DrivenCoupling DrivenCoupling::relocated(const Relocation& to) const {
+  return {Coupling::relocated(to), motion};
+}
+
+DrivenPosition DrivenPosition::relocated(const Relocation& to) const {
+  return {to.body(body_a), to.body(body_b), motion, to.frame(BodyId{body_a}) * X_A,
+          to.frame(BodyId{body_b}) * X_B};
+}
+
+DrivenOrientation DrivenOrientation::relocated(const Relocation& to) const {
+  return {to.body(body_a), to.body(body_b), motion, to.frame(BodyId{body_a}) * X_A,
+          to.frame(BodyId{body_b}) * X_B};
+}
+
 }  // namespace row_parts
 
 template class detail::WideStore<row_parts::Coupling>;

@@ -48,7 +48,7 @@ struct DrivenCoupling : Coupling {
   void bias(const Configuration& at, std::span<const Twist> twists, double* gamma) const;
   void add_rate(const Configuration& at, double* out) const;
   std::string row_name(int) const;
-  DrivenCoupling relocated(const Relocation& to) const { return {Coupling::relocated(to), motion}; }
+  DrivenCoupling relocated(const Relocation& to) const;
 };
 
 /// B has a pose X*(t) = (q*, p*) relative to A.
@@ -71,10 +71,7 @@ struct DrivenPosition {
   void add_rate(const Configuration& at, double* out) const;
   void stiffness(const Configuration& at, const double* lambda, std::span<StiffnessBlocks> bodies) const;
   std::string row_name(int i) const;
-  DrivenPosition relocated(const Relocation& to) const {
-    return {to.body(body_a), to.body(body_b), motion, to.frame(BodyId{body_a}) * X_A,
-            to.frame(BodyId{body_b}) * X_B};
-  }
+  DrivenPosition relocated(const Relocation& to) const;
 };
 /// The rows of rotation of such a driver, φ = 2 vec(q*⁻¹ q_AB) ∈ ℝ³ [rad].
 struct DrivenOrientation {
@@ -95,10 +92,7 @@ struct DrivenOrientation {
   void add_rate(const Configuration& at, double* out) const;
   void stiffness(const Configuration&, const double*, std::span<StiffnessBlocks>) const {}
   std::string row_name(int i) const;
-  DrivenOrientation relocated(const Relocation& to) const {
-    return {to.body(body_a), to.body(body_b), motion, to.frame(BodyId{body_a}) * X_A,
-            to.frame(BodyId{body_b}) * X_B};
-  }
+  DrivenOrientation relocated(const Relocation& to) const;
 
  private:
   /// E R_FW with φ̇ = E R_FW (ω_B − ω_F).
@@ -106,16 +100,5 @@ struct DrivenOrientation {
 };
 
 }  // namespace row_parts
-
-extern template class detail::WideStore<row_parts::Coupling>;
-extern template class detail::WideStore<row_parts::DrivenCoupling>;
-extern template class detail::WideStore<row_parts::DrivenPosition>;
-extern template class detail::WideStore<row_parts::DrivenOrientation>;
-extern template void RowSink::add(const row_parts::Coupling&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::Coupling&, Between);
-extern template void RowSink::add(const row_parts::DrivenCoupling&, Between);
-extern template void AxisSink::add(std::string_view, const row_parts::DrivenCoupling&, Between);
-extern template void RowSink::add(const row_parts::DrivenPosition&, Between);
-extern template void RowSink::add(const row_parts::DrivenOrientation&, Between);
 
 }  // namespace taut

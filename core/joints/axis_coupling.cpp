@@ -38,4 +38,8 @@ AxisCoupling::AxisCoupling(const World& world, const std::string& name, const Te
   coupling_.is_angle = world.axis_info(terms.back().first).angular;
 }
 
+void AxisCoupling::append_rows(RowSink& rows) const { rows.add(coupling_); }
+
+Vec3 AxisCoupling::reaction_point_B() const { return Vec3::Zero(); }
+
 }  // namespace taut

@@ -22,8 +22,8 @@ class AxisCoupling : public Joint {
   /// @throws std::invalid_argument if an axis is not in the world or a factor not finite or 0.
   AxisCoupling(const World& world, const std::string& name, const Terms& terms);
 
-  void append_rows(RowSink& rows) const override { rows.add(coupling_); }
-  Vec3 reaction_point_B() const override { return Vec3::Zero(); }
+  void append_rows(RowSink& rows) const override;
+  Vec3 reaction_point_B() const override;
   int axes_needed() const override { return axes_needed_; }
   std::vector<JointId> couples() const override { return couples_; }
   /// Its axes, by their ids in the world that it was made for, and their factors.

@@ -27,4 +27,23 @@ void Ball::append_axes(AxisSink& axes) const {
   axes.add("swing_y", row_parts::SwingComponent{z_A, z_B, y_A});
 }
 
+Ball::Ball(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ) : Joint(a, b), p_AP_(p_AP), p_BQ_(p_BQ) {
+  require_all_finite("ball anchor on A", p_AP);
+  require_all_finite("ball anchor on B", p_BQ);
+}
+
+Ball Ball::at(const World& world, BodyId a, BodyId b, const Vec3& p_W) {
+  return {a, b, world.pose(a).local(p_W), world.pose(b).local(p_W)};
+}
+
+Ball Ball::with_axes(const Quat& q_AF, const Quat& q_BG) const {
+  require_unit("ball frame on A", q_AF.coeffs());
+  require_unit("ball frame on B", q_BG.coeffs());
+  Ball joint = *this;
+  joint.frames_ = Frames{q_AF, q_BG};
+  return joint;
+}
+
+void Ball::append_rows(RowSink& rows) const { rows.add(row_parts::Point{p_AP_, p_BQ_}); }
+
 }  // namespace taut

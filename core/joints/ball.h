@@ -18,30 +18,19 @@ class Ball final : public Joint {
  public:
   /// Points from the centres of mass, in body axes; for the ground, in world axes.
   /// @throws std::invalid_argument if a point is not finite.
-  Ball(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ) : Joint(a, b), p_AP_(p_AP), p_BQ_(p_BQ) {
-    require_all_finite("ball anchor on A", p_AP);
-    require_all_finite("ball anchor on B", p_BQ);
-  }
+  Ball(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ);
   /// The joint that holds A and B together at world point p_W in their present poses.
-  static Ball at(const World& world, BodyId a, BodyId b, const Vec3& p_W) {
-    return {a, b, world.pose(a).local(p_W), world.pose(b).local(p_W)};
-  }
+  static Ball at(const World& world, BodyId a, BodyId b, const Vec3& p_W);
   /// This joint with free axes: z of the frames F in A and G in B are the directions of swing and twist,
   /// which are 0 where F and G agree; turns are about x, y, z of F.
   /// @throws std::invalid_argument if an orientation is not of unit length.
-  Ball with_axes(const Quat& q_AF, const Quat& q_BG) const {
-    require_unit("ball frame on A", q_AF.coeffs());
-    require_unit("ball frame on B", q_BG.coeffs());
-    Ball joint = *this;
-    joint.frames_ = Frames{q_AF, q_BG};
-    return joint;
-  }
+  Ball with_axes(const Quat& q_AF, const Quat& q_BG) const;
   /// This joint with free axes: z of F and G along a world direction, swing and twist 0 in the present poses.
   /// @throws std::invalid_argument if the direction is not of unit length.
   Ball with_axes(const World& world, const Vec3& axis_W) const;
 
   std::string_view type() const override { return "ball"; }
-  void append_rows(RowSink& rows) const override { rows.add(row_parts::Point{p_AP_, p_BQ_}); }
+  void append_rows(RowSink& rows) const override;
   void append_axes(AxisSink& axes) const override;
   Vec3 reaction_point_B() const override { return p_BQ_; }
 

@@ -14,21 +14,14 @@ class Distance final : public Joint {
   /// Points from the centres of mass, in body axes.
   /// @throws std::invalid_argument if a point is not finite or the length not positive (use a ball joint for
   /// 0).
-  Distance(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double length)
-      : Joint(a, b), p_AP_(p_AP), p_BQ_(p_BQ), length_(length) {
-    require_all_finite("distance anchor on A", p_AP);
-    require_all_finite("distance anchor on B", p_BQ);
-    require_positive("distance length", length);
-  }
+  Distance(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double length);
   /// The rod between two world points of A and B in their present poses.
-  static Distance between(const World& world, BodyId a, BodyId b, const Vec3& p_a_W, const Vec3& p_b_W) {
-    return {a, b, world.pose(a).local(p_a_W), world.pose(b).local(p_b_W), (p_b_W - p_a_W).norm()};
-  }
+  static Distance between(const World& world, BodyId a, BodyId b, const Vec3& p_a_W, const Vec3& p_b_W);
 
   std::string_view type() const override { return "distance"; }
-  void append_rows(RowSink& rows) const override { rows.add(row_parts::Distance{p_AP_, p_BQ_, length_}); }
+  void append_rows(RowSink& rows) const override;
   Vec3 reaction_point_B() const override { return p_BQ_; }
-  std::vector<WirePoint> course() const override { return {{a(), p_AP_}, {b(), p_BQ_}}; }
+  std::vector<WirePoint> course() const override;
 
  private:
   Vec3 p_AP_, p_BQ_;

@@ -10,13 +10,9 @@ namespace taut {
 class Driver final : public AxisCoupling {
  public:
   /// @throws std::invalid_argument if the axis is missing or the motion cannot be called.
-  Driver(const World& world, AxisId axis, Motion motion) : AxisCoupling(world, "driver", {{axis, 1}}) {
-    if (!motion) fail("driver of " + world.axis_label(axis), "needs a motion", "null");
-    coupling_.offset = 0;
-    driven_ = {coupling_, std::move(motion)};
-  }
+  Driver(const World& world, AxisId axis, Motion motion);
   std::string_view type() const override { return "driver"; }
-  void append_rows(RowSink& rows) const override { rows.add(driven_); }
+  void append_rows(RowSink& rows) const override;
 
  private:
   row_parts::DrivenCoupling driven_;
@@ -28,15 +24,10 @@ class Driver final : public AxisCoupling {
 class PoseDriver final : public Joint {
  public:
   /// @throws std::invalid_argument if the motion cannot be called.
-  PoseDriver(BodyId a, BodyId b, PoseMotion motion) : Joint(a, b), motion_(std::move(motion)) {
-    if (!motion_) fail("pose driver", "needs a motion", "null");
-  }
+  PoseDriver(BodyId a, BodyId b, PoseMotion motion);
   std::string_view type() const override { return "pose_driver"; }
-  void append_rows(RowSink& rows) const override {
-    rows.add(row_parts::DrivenPosition{a().index, b().index, motion_});
-    rows.add(row_parts::DrivenOrientation{a().index, b().index, motion_});
-  }
-  Vec3 reaction_point_B() const override { return Vec3::Zero(); }
+  void append_rows(RowSink& rows) const override;
+  Vec3 reaction_point_B() const override;
 
  private:
   PoseMotion motion_;

@@ -12,25 +12,14 @@ class Fixed final : public Joint {
  public:
   /// Points from the centres of mass; q_AB the orientation of B in A that is kept.
   /// @throws std::invalid_argument if a point is not finite or q_AB not of unit length.
-  Fixed(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, const Quat& q_AB)
-      : Joint(a, b), p_AP_(p_AP), p_BQ_(p_BQ), q_AB_(q_AB) {
-    require_all_finite("fixed anchor on A", p_AP);
-    require_all_finite("fixed anchor on B", p_BQ);
-    require_unit("fixed orientation of B in A", q_AB.coeffs());
-  }
+  Fixed(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, const Quat& q_AB);
   /// The joint at world point p_W that keeps the bodies' present poses.
-  static Fixed at(const World& world, BodyId a, BodyId b, const Vec3& p_W) {
-    const Pose &A = world.pose(a), &B = world.pose(b);
-    return {a, b, A.local(p_W), B.local(p_W), relative(A.q, B.q)};
-  }
+  static Fixed at(const World& world, BodyId a, BodyId b, const Vec3& p_W);
 
   std::string_view type() const override { return "fixed"; }
-  void append_rows(RowSink& rows) const override {
-    rows.add(row_parts::Point{p_AP_, p_BQ_});
-    rows.add(row_parts::Orientation{q_AB_, Quat::Identity()});
-  }
+  void append_rows(RowSink& rows) const override;
   Vec3 reaction_point_B() const override { return p_BQ_; }
-  std::optional<Pose> rigid_pose() const override { return Pose{q_AB_, p_AP_ - q_AB_ * p_BQ_}; }
+  std::optional<Pose> rigid_pose() const override;
 
  private:
   Vec3 p_AP_, p_BQ_;

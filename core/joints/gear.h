@@ -12,10 +12,7 @@ namespace taut {
 class Gear final : public AxisCoupling {
  public:
   /// @throws std::invalid_argument if an axis is missing, both are the same, or the ratio is not finite or 0.
-  Gear(const World& world, AxisId driving, AxisId driven, double ratio)
-      : AxisCoupling(world, "gear", {{driving, -ratio}, {driven, 1}}) {
-    if (driving == driven) fail("gear", "couples an axis to itself", world.axis_label(driving));
-  }
+  Gear(const World& world, AxisId driving, AxisId driven, double ratio);
   std::string_view type() const override { return "gear"; }
 };
 

@@ -21,4 +21,10 @@ PointOnCurve PointOnCurve::through(const World& world, BodyId a, BodyId b, const
   return {a, b, CubicSpline<3>(parameters, points_A, closed), world.pose(b).local(p_b_W)};
 }
 
+void PointOnCurve::append_rows(RowSink& rows) const { rows.add(row_parts::PointOnCurve{curve_, p_BQ_}); }
+
+void PointOnCurve::append_axes(AxisSink& axes) const {
+  axes.add("parameter", row_parts::CurveParameter{curve_, p_BQ_});
+}
+
 }  // namespace taut

@@ -23,10 +23,8 @@ class PointOnCurve final : public Joint {
                               const Vec3& p_b_W, bool closed = false);
 
   std::string_view type() const override { return "point_on_curve"; }
-  void append_rows(RowSink& rows) const override { rows.add(row_parts::PointOnCurve{curve_, p_BQ_}); }
-  void append_axes(AxisSink& axes) const override {
-    axes.add("parameter", row_parts::CurveParameter{curve_, p_BQ_});
-  }
+  void append_rows(RowSink& rows) const override;
+  void append_axes(AxisSink& axes) const override;
   Vec3 reaction_point_B() const override { return p_BQ_; }
   const BodyCurve& curve() const { return *curve_; }  ///< fixed in A
 

@@ -13,28 +13,13 @@ class PointOnLine final : public Joint {
  public:
   /// Points from the centres of mass and a unit axis, in body axes.
   /// @throws std::invalid_argument if a point is not finite or the axis not of unit length.
-  PointOnLine(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ)
-      : Joint(a, b), p_AP_(p_AP), axis_A_(axis_A), p_BQ_(p_BQ) {
-    require_all_finite("point-on-line anchor on A", p_AP);
-    require_all_finite("point-on-line anchor on B", p_BQ);
-    require_unit("point-on-line axis on A", axis_A);
-  }
+  PointOnLine(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ);
   /// The joint along the world line through p_W in the bodies' present poses.
-  static PointOnLine at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& axis_W) {
-    require_unit("point-on-line axis", axis_W);
-    return {a, b, world.pose(a).local(p_W), world.pose(a).q.conjugate() * axis_W, world.pose(b).local(p_W)};
-  }
+  static PointOnLine at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& axis_W);
 
   std::string_view type() const override { return "point_on_line"; }
-  void append_rows(RowSink& rows) const override {
-    Vec3 u, v;
-    complete_frame(axis_A_, u, v);
-    rows.add(row_parts::PointInPlane{p_AP_, u, p_BQ_});
-    rows.add(row_parts::PointInPlane{p_AP_, v, p_BQ_});
-  }
-  void append_axes(AxisSink& axes) const override {
-    axes.add("displacement", row_parts::Displacement{{p_AP_, axis_A_, p_BQ_}});
-  }
+  void append_rows(RowSink& rows) const override;
+  void append_axes(AxisSink& axes) const override;
   Vec3 reaction_point_B() const override { return p_BQ_; }
 
  private:

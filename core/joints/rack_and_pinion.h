@@ -12,13 +12,7 @@ class RackAndPinion final : public AxisCoupling {
   /// A negative radius [m] drives the rack the other way.
   /// @throws std::invalid_argument if an axis is missing, the pinion's is no angle or the rack's no
   /// displacement, or the radius is not finite or 0.
-  RackAndPinion(const World& world, AxisId pinion, AxisId rack, double radius)
-      : AxisCoupling(world, "rack and pinion", {{pinion, -radius}, {rack, 1}}) {
-    if (!world.axis_info(pinion).angular)
-      fail("rack and pinion", "the pinion's axis must be an angle", world.axis_label(pinion));
-    if (world.axis_info(rack).angular)
-      fail("rack and pinion", "the rack's axis must be a displacement", world.axis_label(rack));
-  }
+  RackAndPinion(const World& world, AxisId pinion, AxisId rack, double radius);
   std::string_view type() const override { return "rack_and_pinion"; }
 };
 

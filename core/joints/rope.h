@@ -12,30 +12,15 @@ class Rope final : public Joint {
  public:
   /// @throws std::invalid_argument if there are fewer than two points or bodies, a point is not finite, or
   /// the length not positive or the restitution not from 0 to 1.
-  Rope(const std::vector<WirePoint>& points, double length, double restitution = 0)
-      : Joint(detail::wire_bodies("rope", points)),
-        points_(points),
-        way_(detail::wire_length("rope", points, std::vector<double>(points.size(), 1), bodies())),
-        limits_{-kUnlimited, length, restitution} {
-    require_positive("rope length", length);
-    check_axis("rope length", limits_);
-    for (const WirePoint& p : points)
-      if (p.body == b()) point_B_ = p.p_BP;
-  }
+  Rope(const std::vector<WirePoint>& points, double length, double restitution = 0);
   /// A rope between a point of A and one of B.
-  Rope(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double length, double restitution = 0)
-      : Rope({{a, p_AP}, {b, p_BQ}}, length, restitution) {}
+  Rope(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double length, double restitution = 0);
   /// A rope that is just taut between two world points of A and B in their present poses.
-  static Rope between(const World& world, BodyId a, BodyId b, const Vec3& p_a_W, const Vec3& p_b_W) {
-    return {a, b, world.pose(a).local(p_a_W), world.pose(b).local(p_b_W), (p_b_W - p_a_W).norm()};
-  }
+  static Rope between(const World& world, BodyId a, BodyId b, const Vec3& p_a_W, const Vec3& p_b_W);
 
   std::string_view type() const override { return "rope"; }
   void append_rows(RowSink&) const override {}
-  void append_axes(AxisSink& axes) const override {
-    axes.add("length", way_);
-    axes.limit(limits_);
-  }
+  void append_axes(AxisSink& axes) const override;
   Vec3 reaction_point_B() const override { return point_B_; }
   std::vector<WirePoint> course() const override { return points_; }
 

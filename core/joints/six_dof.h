@@ -25,56 +25,20 @@ class SixDof final : public Joint {
   /// Points from the centres of mass and orientations of the frames, in body axes.
   /// @throws std::invalid_argument if a point is not finite or an orientation not of unit length.
   SixDof(BodyId a, BodyId b, const Vec3& p_AF, const Quat& q_AF, const Vec3& p_BG, const Quat& q_BG,
-         const Locks& locks)
-      : Joint(a, b), p_AF_(p_AF), p_BG_(p_BG), q_AF_(q_AF), q_BG_(q_BG), locks_(locks) {
-    require_all_finite("six-DOF anchor on A", p_AF);
-    require_all_finite("six-DOF anchor on B", p_BG);
-    require_unit("six-DOF orientation on A", q_AF.coeffs());
-    require_unit("six-DOF orientation on B", q_BG.coeffs());
-  }
+         const Locks& locks);
   /// The joint with both frames at (p_W, q_WF) in the bodies' present poses.
   static SixDof at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Quat& q_WF,
-                   const Locks& locks) {
-    require_unit("six-DOF orientation", q_WF.coeffs());
-    const Pose &A = world.pose(a), &B = world.pose(b);
-    return {a, b, A.local(p_W), relative(A.q, q_WF), B.local(p_W), relative(B.q, q_WF), locks};
-  }
+                   const Locks& locks);
 
   std::string_view type() const override { return "six_dof"; }
-  void append_rows(RowSink& rows) const override {
-    for (int i = 0; i < 3; ++i)
-      if (locks_.translation[i]) rows.add(row_parts::PointInPlane{p_AF_, F(i), p_BG_});
-    const int locked = locked_rotations();
-    if (locked == 3) rows.add(row_parts::Orientation{q_AF_, q_BG_});
-    for (int k = 0; k < 3; ++k) {
-      const int i = (k + 1) % 3, j = (k + 2) % 3;
-      if (locked == 2 && !locks_.rotation[k]) rows.add(row_parts::Parallel{F(i), F(j), G(k)});
-      if (locked == 1 && locks_.rotation[k]) rows.add(row_parts::Perpendicular{F(i), G(j)});
-    }
-  }
-  void append_axes(AxisSink& axes) const override {
-    static constexpr const char* kAlong[] = {"x", "y", "z"};
-    static constexpr const char* kAbout[] = {"angle_x", "angle_y", "angle_z"};
-    for (int i = 0; i < 3; ++i)
-      if (!locks_.translation[i]) axes.add(kAlong[i], row_parts::Displacement{{p_AF_, F(i), p_BG_}});
-    const int locked = locked_rotations();
-    for (int k = 0; k < 3; ++k) {
-      const int i = (k + 1) % 3, j = (k + 2) % 3;
-      if (locked == 2 && !locks_.rotation[k]) axes.add(kAbout[k], row_parts::Angle{F(k), F(i), G(i)});
-      if (locked == 1 && locks_.rotation[k]) {
-        axes.add(kAbout[i], row_parts::Angle{F(i), F(j), G(j)});
-        axes.add(kAbout[j], row_parts::Angle{-G(j), G(i), F(i)}, {1, 0});
-      }
-    }
-  }
+  void append_rows(RowSink& rows) const override;
+  void append_axes(AxisSink& axes) const override;
   Vec3 reaction_point_B() const override { return p_BG_; }
 
  private:
-  int locked_rotations() const {
-    return int{locks_.rotation[0]} + int{locks_.rotation[1]} + int{locks_.rotation[2]};
-  }
-  Vec3 F(int i) const { return q_AF_ * Vec3::Unit(i); }
-  Vec3 G(int i) const { return q_BG_ * Vec3::Unit(i); }
+  int locked_rotations() const;
+  Vec3 F(int i) const;
+  Vec3 G(int i) const;
 
   Vec3 p_AF_, p_BG_;
   Quat q_AF_, q_BG_;

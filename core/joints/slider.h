@@ -13,31 +13,13 @@ class Slider final : public Joint {
  public:
   /// Points from the centres of mass, unit axis in A, q_AB the orientation of B in A that is kept.
   /// @throws std::invalid_argument if a point is not finite, the axis or q_AB not of unit length.
-  Slider(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ, const Quat& q_AB)
-      : Joint(a, b), p_AP_(p_AP), axis_A_(axis_A), p_BQ_(p_BQ), q_AB_(q_AB) {
-    require_all_finite("slider anchor on A", p_AP);
-    require_all_finite("slider anchor on B", p_BQ);
-    require_unit("slider axis on A", axis_A);
-    require_unit("slider orientation of B in A", q_AB.coeffs());
-  }
+  Slider(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ, const Quat& q_AB);
   /// The joint along the world line through p_W in the bodies' present poses.
-  static Slider at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& axis_W) {
-    require_unit("slider axis", axis_W);
-    const Pose &A = world.pose(a), &B = world.pose(b);
-    return {a, b, A.local(p_W), A.q.conjugate() * axis_W, B.local(p_W), relative(A.q, B.q)};
-  }
+  static Slider at(const World& world, BodyId a, BodyId b, const Vec3& p_W, const Vec3& axis_W);
 
   std::string_view type() const override { return "slider"; }
-  void append_rows(RowSink& rows) const override {
-    Vec3 u, v;
-    complete_frame(axis_A_, u, v);
-    rows.add(row_parts::PointInPlane{p_AP_, u, p_BQ_});
-    rows.add(row_parts::PointInPlane{p_AP_, v, p_BQ_});
-    rows.add(row_parts::Orientation{q_AB_, Quat::Identity()});
-  }
-  void append_axes(AxisSink& axes) const override {
-    axes.add("displacement", row_parts::Displacement{{p_AP_, axis_A_, p_BQ_}});
-  }
+  void append_rows(RowSink& rows) const override;
+  void append_axes(AxisSink& axes) const override;
   Vec3 reaction_point_B() const override { return p_BQ_; }
 
  private:

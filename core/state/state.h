@@ -38,9 +38,9 @@ struct Pose {
   Vec3 p = Vec3::Zero();      ///< p_WB [m]
 
   /// p_WP of a point fixed in the body, p_BP measured from the centre of mass.
-  Vec3 point(const Vec3& p_BP) const { return p + q * p_BP; }
+  Vec3 point(const Vec3& p_BP) const { return p + rotate(q, p_BP); }
   /// p_BP of a world point.
-  Vec3 local(const Vec3& p_WP) const { return q.conjugate() * Vec3(p_WP - p); }
+  Vec3 local(const Vec3& p_WP) const { return rotate(q.conjugate(), p_WP - p); }
 };
 
 /// Composition of poses, X_WB = X_WA X_AB.

@@ -30,4 +30,9 @@ std::set<int> JointTable::with_coupled(std::span<const JointId> joints) const {
   return all;
 }
 
+bool JointTable::is_attached(int joint) const { return !detached_.contains(joint); }
+void JointTable::replace(int joint, std::shared_ptr<const Joint> by) { joints_[joint] = std::move(by); }
+void JointTable::detach(int joint) { detached_.insert(joint); }
+void JointTable::attach(int joint) { detached_.erase(joint); }
+
 }  // namespace taut::detail

@@ -24,7 +24,7 @@ class JointTable {
   const NameTable& names() const { return names_; }
   const Joint& operator[](int joint) const { return *joints_[joint]; }
   const std::shared_ptr<const Joint>& shared(int joint) const { return joints_[joint]; }
-  bool is_attached(int joint) const { return !detached_.contains(joint); }
+  bool is_attached(int joint) const;
   const std::set<int>& detached() const { return detached_; }  ///< by index, in ascending order
   /// Joints that couple an axis of this one, in ascending order.
   std::vector<JointId> coupled_to(JointId id) const;
@@ -34,9 +34,9 @@ class JointTable {
 
   /// @throws std::invalid_argument if the name is taken.
   void add(std::string name, std::shared_ptr<const Joint> joint);
-  void replace(int joint, std::shared_ptr<const Joint> by) { joints_[joint] = std::move(by); }
-  void detach(int joint) { detached_.insert(joint); }
-  void attach(int joint) { detached_.erase(joint); }
+  void replace(int joint, std::shared_ptr<const Joint> by);
+  void detach(int joint);
+  void attach(int joint);
 
  private:
   NameTable names_{"joint"};

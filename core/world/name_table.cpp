@@ -24,4 +24,6 @@ void NameTable::add(std::string name) {
   names_.push_back(std::move(name));
 }
 
+bool NameTable::contains(std::string_view name) const { return index_of_name_.contains(std::string(name)); }
+
 }  // namespace taut::detail

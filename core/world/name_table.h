@@ -13,7 +13,7 @@ class NameTable {
   explicit NameTable(const char* kind) : kind_(kind) {}
 
   const std::string& operator[](int index) const { return names_[index]; }
-  bool contains(std::string_view name) const { return index_of_name_.contains(std::string(name)); }
+  bool contains(std::string_view name) const;
   /// @throws std::invalid_argument if there is none of this name.
   int index_of(std::string_view name) const;
   /// What to call the next thing in messages before it is added: its name, or body_3.

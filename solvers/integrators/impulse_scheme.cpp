@@ -56,7 +56,7 @@ void ImpulseScheme::start(const State& state, Velocities velocities, SubstepRepo
     return start_axes();
   }
   const Stopwatch watch(report.times.velocities);
-  if (velocities == Velocities::kGiven || ends_tangent())
+  if (velocities == Velocities::kGiven)
     project_momenta(0, report);
   else
     phase_.twists_from(phase_.momenta);

@@ -29,7 +29,7 @@ class ImpulseScheme : public Scheme {
  public:
   ImpulseScheme(const World& world, ConstraintSystem& system, const Settings& settings);
 
-  /// Takes over a state: factors S there, makes velocities tangent and estimates the multipliers.
+  /// Takes over a state: factors S there, makes given velocities tangent and estimates the multipliers.
   void start(const State& state, Velocities velocities, SubstepReport& report) override;
   void restart(const State& state, Velocities velocities, SubstepReport& report) override;
   void go_back(const State& state, std::span<const double> impulses, SubstepReport& report) override;
@@ -67,8 +67,6 @@ class ImpulseScheme : public Scheme {
   void transfer(Archive& archive) override;
 
  protected:
-  /// Steps end with velocities that are tangent at the state they end at.
-  virtual bool ends_tangent() const { return true; }
   /// Rows have laws of their own, or are to be solved one by one.
   bool bounded() const { return stages_.bounded(); }
   bool struck() const { return axes_.struck() || contacts_.struck(); }

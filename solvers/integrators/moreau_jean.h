@@ -32,10 +32,6 @@ class MoreauJean final : public ImpulseScheme {
   /// one.
   [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
 
- protected:
-  /// They are tangent at its middle.
-  bool ends_tangent() const override { return false; }
-
  private:
   void predict(double h);
   void go_to_middle(double h, SubstepReport& report);

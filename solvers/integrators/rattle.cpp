@@ -43,8 +43,9 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
   if (stages_.iterative()) absorbed_.resize(world.body_count());
 }
 
-void Rattle::start(const State& state, Velocities velocities, SubstepReport& report) {
-  ImpulseScheme::start(state, velocities, report);
+/// Its own velocities are tangent, too, but for what round-off has left since.
+void Rattle::start(const State& state, Velocities /*velocities*/, SubstepReport& report) {
+  ImpulseScheme::start(state, Velocities::kGiven, report);
   size_ = system_size(phase_.state.poses);
 }
 
