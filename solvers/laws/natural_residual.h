@@ -38,7 +38,7 @@ inline constexpr double kMetResidual = 1e-9;
 /// other by.  Half: steps of stacks are inexact.
 inline constexpr double kMetContactResidual = 1e-8;
 
-/// Round-off of impulses, poses and twists, relative.
+/// Round-off of impulses, poses and twists, as a part of them: 16 units of it.
 inline constexpr double kRelativeRoundOff = 16 * std::numeric_limits<double>::epsilon();
 
 /// What residuals are compared with: the size of an impulse, and of that which would stop the rate b [√J].
