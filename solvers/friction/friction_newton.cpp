@@ -15,7 +15,7 @@ using Vector = Eigen::VectorXd;
 /// Bounds of ρ, in units of the mean diagonal of a block: below the first it does nothing but for round-off,
 /// above the second steps are too short to be of use.
 constexpr double kLeastRho = 1e-11, kMostRho = 1e2;
-/// Steps are halved so often, at most.
+/// Steps are halved so often, at most.  Half: up to twice the sweeps.
 constexpr int kHalvings = 6;
 /// Part of |G| that a whole step should take away.
 constexpr double kDecrease = 0.1;

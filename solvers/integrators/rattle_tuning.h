@@ -36,7 +36,8 @@ struct RattleTuning {
   static constexpr double kLateCurved = 10;
 
   // Iterative solvers.
-  /// Sweeps after which positions are looked at again: rows are linear in impulses, positions are not.
+  /// Sweeps after which positions are looked at again: rows are linear in impulses, positions are
+  /// not.  Half: twice the position solves.
   static constexpr int kSweepsPerPass = 10;
 };
 

@@ -15,7 +15,8 @@ struct SwingTuning {
   static constexpr double kStraight = 1e-6;
   /// Swings above may come to π, where they have no components [rad].
   static constexpr double kFolded = 2.5;
-  /// Steps, at the rate of now, in which a swing may pass 0 or π.
+  /// Steps, at the rate of now, in which a swing may pass 0 or π.  Half: twice the sub-steps of swings
+  /// with friction.
   static constexpr double kSwingStepsAhead = 2;
   /// Directions of friction are right when a solve turns them by no more than this [rad], or after so many.
   static constexpr double kTurned = 1e-9;
