@@ -28,7 +28,7 @@ struct ContactNewtonTuning {
   static constexpr int kStepsPerRound = 20;
   static constexpr double kBlowUp = 10;
   /// Trials of the line search; a step is taken whole if the slope at its end is at most this part of that at
-  /// its start.
+  /// its start.  Twice: 2.1 times the back-solves of boxes squeezed between walls.
   static constexpr int kSearches = 12;
   static constexpr double kSlope = 0.5;
 

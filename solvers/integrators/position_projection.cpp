@@ -28,6 +28,7 @@ struct PositionProjectionTuning {
   static constexpr int kMaxMends = 10;
   /// Passes in a row that may leave more than the second, which is a part of the gap: where J itself is about
   /// to vanish the first move may be far too long, and the next ones still close it.
+  /// kInVain: half fails where a body of 5 t hangs on one of 1e-7 kg.
   static constexpr int kOvershoots = 1;
   static constexpr double kInVain = 0.9;
 };
