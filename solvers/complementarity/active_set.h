@@ -46,6 +46,8 @@ struct ActiveSetTuning {
   /// Columns of an update of the factor in place of a new one: the first number, and one more for every so
   /// many flops per entry of L.  Measured: a factorisation costs 6 back-solves for chains (9 flops per
   /// entry), 8 to 10 for nets (30 to 80); a column costs a little more than its back-solve.
+  /// kLeastColumns: half takes 3 times the factorisations of a small mechanism; it twice, or kFlopsOfAColumn
+  /// half, takes 4.3 times the back-solves of a car.
   static constexpr int kLeastColumns = 4;
   static constexpr double kFlopsOfAColumn = 16;
 };

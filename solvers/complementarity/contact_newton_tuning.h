@@ -8,26 +8,27 @@ namespace taut {
 /// work of a scene. (solvers/complementarity, "Many contacts")
 struct ContactNewtonTuning {
   /// ρ of equalities: less than all others, so that contacts give way where they and joints ask for slightly
-  /// different rates.  Half and twice: 6 and 13 times the steps of a chain over a cylinder.
+  /// different rates.
   static constexpr double kEqualityRho = 1e-9;
   /// ρ at first: so many times the residual of the guess, from kNearRho to kFirstRho.
-  /// kNearRho: half and twice take 2.4 times the factorisations and 2.2 times the back-solves of card houses.
+  /// kFirstRho: half and twice take 2.4 times the Newton steps of a card house, and down to a quarter of
+  /// those of stacks.
   static constexpr double kRhoOfResidual = 100, kNearRho = 1e-4, kFirstRho = 1e-2;
 
   // Ends of a round.
   /// Newton's equation is met to this part of the residual of the round before (or of itself, if that is
-  /// more), and never better than to the second, of the scale: round-off.  kForcing: half takes 15 times
-  /// the steps of a chain over a cylinder.
+  /// more), and never better than to the second, of the scale: round-off.
   static constexpr double kForcing = 0.01, kLeastGradient = 1e-13;
   /// Gradients below this part of the scale may be round-off, and are if so many steps do not halve them.
+  /// kStuck: half takes 2.5 times the Newton steps of shapes on a mesh.
   static constexpr double kDescentRoundOff = 1e-8;
   static constexpr int kStuck = 2;
   /// Newton steps of a round, and how far its gradient may grow.  Measured: 40 steps take
-  /// up to twice as many in all.  kBlowUp: half takes 2.3 times the factorisations of a card house.
+  /// up to twice as many in all.
   static constexpr int kStepsPerRound = 20;
   static constexpr double kBlowUp = 10;
   /// Trials of the line search; a step is taken whole if the slope at its end is at most this part of that at
-  /// its start.  Twice: 2.3 times the steps of a marble run, and residuals above 1e-8 of a chain on a floor.
+  /// its start.  Twice: 2.1 times the back-solves of boxes squeezed between walls.
   static constexpr int kSearches = 12;
   static constexpr double kSlope = 0.5;
 
@@ -43,8 +44,7 @@ struct ContactNewtonTuning {
   static constexpr int kPatience = 12;
   /// Rounds may need no Newton step: so many for each that is allowed.
   static constexpr int kRoundsOfAStep = 10;
-  /// After so many rounds the slip of contacts that can hold falls to less than this part in each.  Half of
-  /// either: 12 and 24 times the steps of a chain over a cylinder.
+  /// After so many rounds the slip of contacts that can hold falls to less than this part in each.
   static constexpr int kRoundsToHold = 3;
   static constexpr double kSlowSlip = 0.97;
 
@@ -54,8 +54,8 @@ struct ContactNewtonTuning {
   static constexpr double kWorse = 3;
   /// How ρ falls after a round that went well (to kWell of the residual) or fast (to kFast, and ρ by as
   /// much), and grows after one that was taken back.  Measured: to 0.05 or 0.1 in place of kDown takes twice
-  /// the steps and leaves some stages unsolved.  Half and twice take up to 4 and 3 times the factorisations
-  /// of kDown, 2.6 and 5.4 times those of kFast, in stacks and card houses.
+  /// the steps and leaves some stages unsolved.  kFast: half takes 3 times the factorisations of a card
+  /// house.
   static constexpr double kDown = 0.3, kUp = 3, kWell = 0.7, kFast = 0.1;
   /// Its bounds.  Measured: 1e-9 as the least takes no fewer steps; 1e-6 fails where bodies wedge; with 1e-2
   /// as the most, a pile of 1000 that goes on from a file is given up.
@@ -63,8 +63,7 @@ struct ContactNewtonTuning {
   /// Rigid contacts whose impulses have grown to more than so many times all that acts, yield after a round
   /// with this ρ or less that has changed the residual by less than this part.
   static constexpr double kTooMuch = 1.5, kRhoToYield = 1e-5, kStalled = 0.1;
-  /// Rounds that must go well after one that was taken back, before ρ falls again.  Half takes 3 times the
-  /// factorisations of a card house.
+  /// Rounds that must go well after one that was taken back, before ρ falls again.
   static constexpr int kHold = 3;
   /// Every so many rounds the residual must have fallen to kProgress.
   static constexpr int kLook = 12;

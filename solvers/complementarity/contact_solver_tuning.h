@@ -12,12 +12,13 @@ struct ContactSolverTuning {
   /// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
   /// more than that part of the largest.  A sweep costs 1/8 of a Newton step.  Measured on piles of 40 to 100
   /// bodies, a wall and a tank: 300, 150, 75, 40, 20 and no sweeps take 15.2, 11.7, 10.1, 9.6, 10.7 and 17.5
-  /// s (solvers/HISTORY.md, "Complementarity").
+  /// s (solvers/HISTORY.md, "Complementarity").  Twice: 2.4 times the back-solves of a card house, a quarter
+  /// of those of a wall.
   static constexpr int kFirstSweeps = 50;
   static constexpr double kSwept = 1e-10;
   /// Σ over S_rr where contacts are locked: impulses that mend what dependent rows contradict each other by
-  /// are at most so many times larger.  Half and twice: 13 and 2 times the factorisations of a wall and of a
-  /// card house.
+  /// are at most so many times larger.  Half and twice: 3.5 and 2.8 times the factorisations of a card
+  /// house.
   static constexpr double kLockedSoftness = 1e-2;
   /// Sweeps where Newton's method was not enough.
   static constexpr int kLastSweeps = 1000;

@@ -15,7 +15,7 @@ struct InteriorPointTuning {
   static constexpr double kEqualityRho = 1e-7;
   /// μ at the start over the mean power of the elements, and the least over the largest energy of one.
   static constexpr double kFirstMu = 0.1, kLeastMu = 1e-6;
-  /// Part of the way to the boundary that is gone.  Half: four times the factorisations of a net with
+  /// Part of the way to the boundary that is gone.  Half: 3.5 times the factorisations of a net with
   /// friction; twice fails.
   static constexpr double kInside = 0.995;
 };

@@ -7,7 +7,8 @@ namespace taut {
 /// something or is more than twice the work of a scene.  (solvers/complementarity, "Ladder", "Natural
 /// residual")
 struct StageTuning {
-  /// Solves more where contacts met their laws within a tolerance of rates only.
+  /// Solves more where contacts met their laws within a tolerance of rates only.  One
+  /// less: bodies that come to rest after an impact are solved inexactly.
   static constexpr int kExactSolves = 2;
   /// Part of the tolerance of velocities up to which rates of a stage count as right.  Twice: 3 times the
   /// factorisations of a card house.

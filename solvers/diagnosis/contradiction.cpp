@@ -20,6 +20,7 @@ using Verdict = ViolationSearch::Verdict;
 /// Members with less than this part of the largest share do not belong to the contradiction; and the same
 /// where that has left out too many.
 constexpr double kBlameShare = 1e-4, kSmallShare = 1e-9;
+/// Sets of more members are not made smaller: each trial is a search of its own.
 constexpr std::size_t kMinimalSetLimit = 200;
 
 /// Whoever can be left out: one of the three.

@@ -12,7 +12,7 @@ namespace {
 
 /// Joints with less than this part of the largest share are not named among those that hold a row.
 constexpr double kRowShare = 0.05;
-/// For worlds with more dependent rows than this only the first ones get their holders named: each costs a
+/// In worlds with more dependent rows than this only the first ones get their holders named: each costs a
 /// solve.
 constexpr std::size_t kMaxExplained = 200;
 /// Impulses below this part of the largest are no part of a self-stress.

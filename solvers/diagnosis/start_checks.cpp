@@ -15,10 +15,13 @@
 namespace taut {
 namespace {
 
-/// Rates below are left to a step, too; part of a sum that is no round-off of what was typed into a file.
-constexpr double kRateTolerance = 1e-9, kPart = 1e-6;
+/// Rates below are left to a step, too [m/s or rad/s].
+constexpr double kRateTolerance = 1e-9;
+/// Part of a sum that is no round-off of what was typed into a file, with some six digits.
+constexpr double kTypedPart = 1e-6;
+/// Solves that refine the impulses which would stop forbidden rates.
 constexpr int kPasses = 4;
-/// ω h at which the leapfrog and semi-implicit Euler begin to grow.
+/// ω h [rad] at which the leapfrog and semi-implicit Euler begin to grow.
 constexpr double kExplicitLimit = 2;
 
 /// J V + φ_t of the rows of joints that are off by more than round-off, 0 of all others.
@@ -38,7 +41,7 @@ std::vector<double> forbidden_rates(const Rows& rows, std::span<const double> J,
             block.head<3>().cwiseAbs().dot(V.w.cwiseAbs()) + block.tail<3>().cwiseAbs().dot(V.v.cwiseAbs());
       }
       const double rate = sum + driven[r];
-      if (parts > 0 && std::abs(rate) > std::max(kRateTolerance, kPart * (parts + std::abs(driven[r]))))
+      if (parts > 0 && std::abs(rate) > std::max(kRateTolerance, kTypedPart * (parts + std::abs(driven[r]))))
         rates[r] = rate;
     }
   return rates;

@@ -5,17 +5,26 @@
 #include <numeric>
 
 #include "solvers/common/max_abs.h"
+#include "solvers/integrators/body_moves.h"
 
 namespace taut {
 namespace {
 
-constexpr int kMostSteps = 80;
-/// δ, relative to rows of unit length.
-constexpr double kFirstDamping = 1e-6, kLeastDamping = 1e-9, kMostDamping = 1e6;
-/// Longest rotation of a body in one step [rad]; a step beyond that means nothing.
-constexpr double kMaxSearchTurn = 0.5;
-/// |Wᵀ D c| / √2f at which demands balance, and at which they do if the search comes no further.
-constexpr double kBalance = 1e-6, kNearBalance = 1e-3;
+/// Without a unit: parts and counts.  (solvers/diagnosis, "Contradiction")
+struct SearchTuning {
+  /// Steps at most.
+  static constexpr int kMostSteps = 80;
+  /// |Wᵀ D c| / √2f at which demands balance, and at which they do if the search comes no further.
+  static constexpr double kBalance = 1e-6, kNearBalance = 1e-3;
+
+  // Levenberg–Marquardt.
+  /// δ, relative to rows of unit length: at first, at least, and where it is given up.
+  static constexpr double kFirstDamping = 1e-6, kLeastDamping = 1e-9, kMostDamping = 1e6;
+  /// What f falls by over what its model says: a step is taken from kLeastGain on; δ grows kPoorTimes below
+  /// kPoorGain, falls kDampingTimes above kGoodGain, and grows as much where no step is taken.
+  static constexpr double kLeastGain = 1e-4, kPoorGain = 0.25, kGoodGain = 0.75;
+  static constexpr double kPoorTimes = 4, kDampingTimes = 8;
+};
 
 }  // namespace
 
@@ -49,19 +58,19 @@ void ViolationSearch::begin(std::vector<Demand> demands, int members, const Stat
 ViolationSearch::Verdict ViolationSearch::search(std::span<const char> wanted) {
   wanted_ = wanted;
   poses_ = start_.poses;
-  damping_ = kFirstDamping;
+  damping_ = SearchTuning::kFirstDamping;
   f_ = evaluate(poses_, wanted);
   excess_.swap(trial_excess_);
   largest_ = trial_largest_;
-  for (int k = 0; k < kMostSteps; ++k) {
+  for (int k = 0; k < SearchTuning::kMostSteps; ++k) {
     if (!std::isfinite(f_)) return Verdict::kUnknown;
     if (largest_ <= kClosed) return Verdict::kHolds;
     gather();
-    if (steepness_ <= kBalance) return Verdict::kExcluded;
+    if (steepness_ <= SearchTuning::kBalance) return Verdict::kExcluded;
     if (!step()) break;
   }
   if (largest_ <= kClosed) return Verdict::kHolds;
-  return steepness_ <= kNearBalance ? Verdict::kExcluded : Verdict::kUnknown;
+  return steepness_ <= SearchTuning::kNearBalance ? Verdict::kExcluded : Verdict::kUnknown;
 }
 
 /// f, trial_excess_ and trial_largest_ at these poses.
@@ -97,7 +106,7 @@ void ViolationSearch::gather() {
 
 /// False if no damping makes f smaller.
 bool ViolationSearch::step() {
-  for (; damping_ <= kMostDamping; damping_ *= 8)
+  for (; damping_ <= SearchTuning::kMostDamping; damping_ *= SearchTuning::kDampingTimes)
     if (try_step()) return true;
   return false;
 }
@@ -122,15 +131,16 @@ bool ViolationSearch::try_step() {
         Vec3::Map(gradient_.data() + 6 * b).dot(spin) + Vec3::Map(gradient_.data() + 6 * b + 3).dot(shift);
     length += spin.squaredNorm() + shift.squaredNorm();
   }
-  if (!(turn <= kMaxSearchTurn)) return false;
+  if (!(turn <= kLongestTurn)) return false;
   const double f = evaluate(trial_, wanted_), gain = (f_ - f) / (0.5 * (descent + damping_ * length));
-  if (!(gain > 1e-4)) return false;
+  if (!(gain > SearchTuning::kLeastGain)) return false;
   f_ = f;
   largest_ = trial_largest_;
   poses_.swap(trial_);
   excess_.swap(trial_excess_);
-  if (gain > 0.75) damping_ = std::max(kLeastDamping, damping_ / 8);
-  if (gain < 0.25) damping_ *= 4;
+  if (gain > SearchTuning::kGoodGain)
+    damping_ = std::max(SearchTuning::kLeastDamping, damping_ / SearchTuning::kDampingTimes);
+  if (gain < SearchTuning::kPoorGain) damping_ *= SearchTuning::kPoorTimes;
   return true;
 }
 

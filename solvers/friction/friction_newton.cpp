@@ -12,11 +12,12 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Below it ρ does nothing but for round-off.
+/// Bounds of ρ, in units of the mean diagonal of a block: below the first it does nothing but for round-off,
+/// above the second steps are too short to be of use.
 constexpr double kLeastRho = 1e-11, kMostRho = 1e2;
-/// Steps are halved so often.
+/// Steps are halved so often, at most.  Half: up to twice the sweeps.
 constexpr int kHalvings = 6;
-/// Of |G| that a whole step should take away.
+/// Part of |G| that a whole step should take away.
 constexpr double kDecrease = 0.1;
 
 /// A(x) of a cone and its derivative; where nothing presses both are 0.

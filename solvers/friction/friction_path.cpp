@@ -11,19 +11,30 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Two of two random stages that 400 leave end within 1,800.
-constexpr int kMostPathSteps = 4000;
-/// √(z_T² + smooth²) at τ = 1, of √(y·z).  0: the curve has kinks, and none of six hard problems is solved.
-constexpr double kSmoothSlip = 0.1;
-/// Steps start within kOnPath of the curve and end within kNearPath; else they are shortened, eight times at
-/// most, before the curve is returned to.
-constexpr double kOnPath = 0.5, kNearPath = 0.7, kShorter = 0.4;
-constexpr int kMostTries = 12, kShorterTries = 5;
-constexpr double kFirstStep = 0.7, kMostStep = 2, kLeastStep = 1e-3;
-/// From here on Newton is tried at each tenth of τ.
-constexpr double kFirstTry = 1e-3;
-/// The end, if Newton has not found one.
-constexpr double kLastTau = 1e-14;
+/// Without a unit: parts and counts; distances are those of Path::distance(), 1 at the boundary of the cones.
+/// (solvers/friction, "Path of last resort")
+struct FrictionPathTuning {
+  /// Steps at most, a factorisation each: two of two random stages that 400 leave end within 1,800.
+  static constexpr int kMostPathSteps = 4000;
+  /// √(z_T² + smooth²) at τ = 1, as a part of √(y·z).  0: the curve has kinks, and none of six hard problems
+  /// is solved.
+  static constexpr double kSmoothSlip = 0.1;
+  /// Steps start within kOnPath of the curve, or go back to it alone, and end within kNearPath.
+  static constexpr double kOnPath = 0.5, kNearPath = 0.7;
+  /// One that does not is tried again with this part of the way along the curve, after so many tries without
+  /// any, and then with halves of the way back, kMostTries in all.
+  static constexpr double kShorter = 0.4;
+  static constexpr int kShorterTries = 5, kMostTries = 12;
+  /// On the way back this part of the distance may be left.
+  static constexpr double kComesBack = 0.95;
+  /// Steps of log τ are no longer than a limit that doubles with each that is taken at once, and falls to
+  /// what one that is not has come to: at first, at most, at least.
+  static constexpr double kFirstStep = 0.7, kMostStep = 2, kLeastStep = 1e-3;
+  /// From this τ on Newton is tried at each tenth of it.
+  static constexpr double kFirstTry = 1e-3;
+  /// τ at the end, if Newton has not found one.
+  static constexpr double kLastTau = 1e-14;
+};
 
 /// A point of the curve, or near it, at log τ.
 struct OnPath {
@@ -39,7 +50,7 @@ class Path {
   explicit Path(const ScaledFriction& problem)
       : now_{InteriorPoints(problem)},
         centre_(now_.at.gap()),
-        smooth_(kSmoothSlip * std::sqrt(centre_)),
+        smooth_(Tuning::kSmoothSlip * std::sqrt(centre_)),
         first_residual_(now_.at.residual(smooth_)) {}
 
   const OnPath& now() const { return now_; }
@@ -61,20 +72,22 @@ class Path {
     const double aside = -newton.inner(back_y, back_z, along_y, along_z) / scale / length;
     const double off = distance(now_);
     double part = 1, ahead = 0;
-    if (off < kOnPath) ahead = now_.at.way(sign_ * along_y, sign_ * along_z, kNearPath, longest_);
-    for (int i = 0; i < kMostTries; ++i) {
+    if (off < Tuning::kOnPath)
+      ahead = now_.at.way(sign_ * along_y, sign_ * along_z, Tuning::kNearPath, longest_);
+    for (int i = 0; i < Tuning::kMostTries; ++i) {
       OnPath next = now_;
       const double move = part * aside + sign_ * ahead;
       const Vector dy = part * back_y + move * along_y, dz = part * back_z + move * along_z;
-      const double reach = next.at.way(dy, dz, 0.9, 1);
+      const double reach = next.at.way(dy, dz, InteriorPoints::kBoundary, 1);
       next.at.go(reach, dy, dz);
       next.log_tau += reach * move;
-      if (distance(next) < (ahead > 0 ? kNearPath : std::max(kNearPath, 0.95 * off))) {
+      if (distance(next) <
+          (ahead > 0 ? Tuning::kNearPath : std::max(Tuning::kNearPath, Tuning::kComesBack * off))) {
         now_.at.y = next.at.y;
         now_.at.z = next.at.z;
         now_.log_tau = next.log_tau;
-        longest_ =
-            i == 0 ? std::min(kMostStep, 2 * std::max(longest_, kLeastStep)) : std::max(kLeastStep, ahead);
+        longest_ = i == 0 ? std::min(Tuning::kMostStep, 2 * std::max(longest_, Tuning::kLeastStep))
+                          : std::max(Tuning::kLeastStep, ahead);
         if (ahead > 0) {
           last_y_ = sign_ * along_y;
           last_z_ = sign_ * along_z;
@@ -83,7 +96,7 @@ class Path {
         return true;
       }
       if (ahead > 0)
-        ahead = i < kShorterTries - 1 ? kShorter * ahead : 0;
+        ahead = i < Tuning::kShorterTries - 1 ? Tuning::kShorter * ahead : 0;
       else
         part /= 2;
     }
@@ -91,6 +104,8 @@ class Path {
   }
 
  private:
+  using Tuning = FrictionPathTuning;
+
   Vector residual(const OnPath& p) const {
     return p.at.residual(p.tau() * smooth_) - p.tau() * first_residual_;
   }
@@ -112,18 +127,19 @@ class Path {
   OnPath now_;
   double centre_, smooth_;
   Vector first_residual_;
-  double sign_ = -1, last_sign_ = -1, longest_ = kFirstStep;
+  double sign_ = -1, last_sign_ = -1, longest_ = Tuning::kFirstStep;
   Vector last_y_, last_z_;
 };
 
 }  // namespace
 
 Vector follow_path(const ScaledFriction& problem, BestImpulses& best) {
+  using Tuning = FrictionPathTuning;
   if (InteriorPoints(problem).cones() == 0) return best.r();
   Path path(problem);
   Vector nearest = best.r();
-  double least = std::numeric_limits<double>::infinity(), next_try = kFirstTry;
-  for (int i = 0; i < kMostPathSteps && path.now().tau() > kLastTau; ++i) {
+  double least = std::numeric_limits<double>::infinity(), next_try = Tuning::kFirstTry;
+  for (int i = 0; i < Tuning::kMostPathSteps && path.now().tau() > Tuning::kLastTau; ++i) {
     const Vector r = problem.project(path.now().at.impulses());
     if (const double off = best.offer(r); off < least) {
       least = off;

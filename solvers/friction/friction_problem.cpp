@@ -36,7 +36,7 @@ class PseudoInverse {
   using Columns = Eigen::SparseMatrix<double>;
 
   explicit PseudoInverse(const Columns& A) : A_(A) {
-    constexpr double kShift = 1e-9;
+    constexpr double kShift = 1e-9;  // ε, so that ε² is round-off
     Columns shifted = A;
     const Eigen::VectorXd diagonal = A.diagonal();
     const double largest = diagonal.cwiseAbs().maxCoeff();

@@ -28,7 +28,7 @@ void newton_from_guess(const ScaledFriction& problem, Vector& r, BestImpulses& b
 /// So many sweeps at most, fewer where they are right by themselves, which is looked at now and then: it
 /// costs as much as one.
 Vector sweep_until_right(const ScaledFriction& problem, Vector r, int times, BestImpulses& best) {
-  constexpr int kBetweenLooks = 10;
+  constexpr int kBetweenLooks = 10;  // sweeps; half takes up to twice as many
   for (int done = 0; done < times; done += kBetweenLooks) {
     r = sweep(problem, r, kBetweenLooks);
     best.sweeps += kBetweenLooks;
@@ -37,12 +37,14 @@ Vector sweep_until_right(const ScaledFriction& problem, Vector r, int times, Bes
   return r;
 }
 
-/// Sweeps find what sticks and slides, Newton finishes; where it does not, its last iterate is swept.
+/// Sweeps, so many at most, find what sticks and slides, Newton finishes; where it does not, its last iterate
+/// is swept.
 void alternate(const ScaledFriction& problem, Vector& r, std::initializer_list<double> gammas, int times,
                BestImpulses& best) {
-  constexpr int kSweeps = 100;
+  // Twice: up to 4 times the sweeps of easy problems, 0.4 of the factorisations of a rock pile.
+  constexpr int kSweepsBeforeNewton = 100;
   for (int i = 0; i < times && !best.met(); ++i) {
-    r = sweep_until_right(problem, r, kSweeps, best);
+    r = sweep_until_right(problem, r, kSweepsBeforeNewton, best);
     const double gamma = gammas.begin()[i % gammas.size()];
     r = FrictionNewton{.gamma = gamma, .rho = 1e-4, .steps = 10, .memory = 10, .patience = 8}.solve(problem,
                                                                                                     r, best);
@@ -81,11 +83,11 @@ constexpr Rung kRungs[] = {
 /// there is only O(ε) left to take away.
 Vector into_null_cone(const FrictionProblem& problem, const Vector& units, Vector direction,
                       BestImpulses& spent) {
-  constexpr double kCompliance = 1e-10;  // ε
-  constexpr double kNothing = 1e-8;      // of `direction`: what is left of it where all moves, to O(ε)
+  constexpr double kProbeCompliance = 1e-10;  // ε, as a part of the mean diagonal of a block
+  constexpr double kNothingLeft = 1e-8;       // part of `direction` that is left where all moves, to O(ε)
   FrictionProblem soft = problem;
   soft.mu.setZero();
-  for (int i = 0; i < problem.rows(); ++i) soft.W.coeffRef(i, i) += kCompliance * units[i];
+  for (int i = 0; i < problem.rows(); ++i) soft.W.coeffRef(i, i) += kProbeCompliance * units[i];
   for (int pass = 0; pass < 2; ++pass) {
     soft.q = -direction;
     const ScaledFriction scaled(soft);
@@ -96,8 +98,8 @@ Vector into_null_cone(const FrictionProblem& problem, const Vector& units, Vecto
     spent.factorisations += best.factorisations;
     spent.sweeps += best.sweeps;
     const double size = direction.norm();
-    direction = kCompliance * scaled.given(best.r()).cwiseProduct(units);
-    if (direction.norm() <= kNothing * size) return Vector::Zero(problem.rows());
+    direction = kProbeCompliance * scaled.given(best.r()).cwiseProduct(units);
+    if (direction.norm() <= kNothingLeft * size) return Vector::Zero(problem.rows());
   }
   return direction.cwiseQuotient(units);
 }

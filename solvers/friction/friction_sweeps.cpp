@@ -8,8 +8,8 @@
 namespace taut {
 namespace {
 
-/// One contact by itself: fixed points of r ← P(r − γ û), to this part of r, or so many steps: 60 take twice
-/// the time of all, and lead to the same.
+/// One contact by itself: fixed points of r ← P(r − γ û), for so many steps (60 take twice the time of all,
+/// and lead to the same), or until one changes less than this part of r, a little above round-off.
 constexpr int kLocalSteps = 10;
 constexpr double kLocalAccuracy = 1e-13;
 

@@ -10,10 +10,10 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Law = ScaledFriction::Law;
 
-/// Of the largest |q|, y and z at the start.  With both 1, two of 81 problems less are solved, with both 0.1
-/// twelve in place of six need the path.
+/// y and z at the start, as parts of the largest |q|.  With both 1, two of 81 problems less are solved, with
+/// both 0.1 twelve in place of six need the path.
 constexpr double kFirstImpulse = 1, kFirstRate = 0.1;
-/// Compliance that keeps the matrix regular, of equalities and of all.
+/// Compliance that keeps the matrix regular, of equalities and of all, as a part of the mean diagonal of W.
 constexpr double kEqualityCompliance = 1e-10, kCompliance = 1e-12;
 
 /// Products and quotients of the algebra of the cone |x_t| ≤ x_0.  @{

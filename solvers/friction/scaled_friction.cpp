@@ -6,6 +6,7 @@
 
 #include "core/base/check.h"
 #include "solvers/laws/contact_cone.h"
+#include "solvers/laws/natural_residual.h"
 
 namespace taut {
 namespace {
@@ -14,7 +15,7 @@ using Vector = Eigen::VectorXd;
 
 /// Blocks whose matrix is below this part of the largest have no unit of their own.
 constexpr double kLeastOwnPart = 1e-14;
-/// |W|₂ by the power method on WᵀW.
+/// Steps of the power method on WᵀW, for |W|₂.
 constexpr int kPowerSteps = 100;
 
 /// W x or Wᵀ x on this thread: Eigen's own product of a large matrix in rows starts threads for it, which
@@ -212,8 +213,7 @@ FrictionErrors ScaledFriction::errors(const Vector& r) const {
       lost_map += sum * sum * root * root;
     }
   }
-  constexpr double kRoundOff = 16 * std::numeric_limits<double>::epsilon(),
-                   kInfinite = std::numeric_limits<double>::infinity();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const auto part = [](double of, double all) { return all > 0 ? of / all : of > 0 ? kInfinite : 0; };
   FrictionErrors errors;
   errors.worst_row = worst;
@@ -221,12 +221,12 @@ FrictionErrors ScaledFriction::errors(const Vector& r) const {
   errors.rates = part(off, largest_q_);
   errors.map = part(std::sqrt(map) * norm_, given_norm_of_q_);
   errors.round_off =
-      kRoundOff * std::max(part(lost, largest_q_), part(std::sqrt(lost_map), given_norm_of_q_));
+      kRelativeRoundOff * std::max(part(lost, largest_q_), part(std::sqrt(lost_map), given_norm_of_q_));
   return errors;
 }
 
 bool ScaledFriction::excludes(const Vector& given) const {
-  // What is left of Wᵀ d for impulses that move nothing.
+  // What is left of Wᵀ d, as a part of |d| and of what d closes, for impulses that move nothing.
   constexpr double kMovesNothing = 1e-7;
   Vector d = own(given);
   for (const Block& block : blocks_) {

@@ -12,7 +12,7 @@ namespace taut {
 /// mean diagonal of each is 1.  Rows are equalities, then normals of contacts without friction, then cones.
 class ScaledFriction {
  public:
-  static constexpr double kNoFriction = 1e-9;  ///< below it a contact has no tangents
+  static constexpr double kNoFriction = 1e-9;  ///< μ below which a contact has no tangents
 
   enum class Law { kEquality, kUnilateral, kCone };
   struct Block {

@@ -10,6 +10,10 @@
 // bodies without joints.
 namespace taut {
 
+/// Longest rotation of a body in one step of Newton's method from poses that may be far from closed [rad]; a
+/// step beyond that means nothing.
+inline constexpr double kLongestTurn = 0.5;
+
 /// q ← q ⊕ scale M⁻¹ j.
 inline void move_bodies(const MassMatrix& mass, std::span<const Wrench> impulse, double scale,
                         std::span<Pose> poses) {

@@ -12,13 +12,25 @@
 namespace taut {
 namespace {
 
-constexpr int kMaxClosings = 60;
-/// Longest rotation of a body in one iteration [rad]; a Newton step beyond that means nothing.
-constexpr double kMaxClosingTurn = 0.5;
+/// Without a unit: parts and counts.
+struct ClosingTuning {
+  /// Newton steps at most, none of which turns a body by more than kLongestTurn.
+  static constexpr int kMaxClosings = 60;
+  /// It ends after so many steps more that leave more than the second, which is a part of the smallest gap.
+  static constexpr int kPatience = 10;
+  static constexpr double kInVain = 0.9;
 
-/// Joints with less than this part of the largest share do not belong to the contradiction.
-constexpr double kStuckShare = 1e-3;
-constexpr std::size_t kDenseSetLimit = 24;
+  // Messages.
+  /// Joints contradict each other if no motion takes away more than this part of the largest gap.
+  static constexpr double kStuckGap = 0.01;
+  /// Joints with less than this part of the largest share do not belong to the contradiction.
+  static constexpr double kStuckShare = 1e-3;
+  /// Sets of more joints are not made smaller: each trial costs a dense eigenvalue problem.
+  static constexpr std::size_t kDenseSetLimit = 24;
+  /// In that, eigenvalues below this part of the largest are 0, and a set contradicts itself if more than the
+  /// second, which is a part of |φ|, lies along their vectors.
+  static constexpr double kNoEigenvalue = 1e-9, kContradicting = 0.05;
+};
 
 /// A body whose inverse mass overflows is nowhere even if nothing pushes it.
 bool is_somewhere(const Pose& pose) { return within(pose.p) && pose.q.coeffs().allFinite(); }
@@ -53,11 +65,11 @@ bool contradict(const ConstraintSystem& system, std::span<const double> phi, con
     }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(W * W.transpose());
-  const double cutoff = 1e-9 * std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
+  const double cutoff = ClosingTuning::kNoEigenvalue * std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
   double stuck = 0;
   for (Eigen::Index k = 0; k < n; ++k)
     if (eigen.eigenvalues()[k] < cutoff) stuck += std::pow(eigen.eigenvectors().col(k).dot(r), 2);
-  return std::sqrt(stuck) > 0.05 * r.norm();
+  return std::sqrt(stuck) > ClosingTuning::kContradicting * r.norm();
 }
 
 /// Which limits hold while joints are closed: those that an axis was beyond, until they would pull.  Motors
@@ -107,7 +119,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Subs
   PassedLimits passed(system, limits);
   double best_gap = INFINITY;
   int since_best = 0;
-  for (int iteration = 0; iteration < kMaxClosings; ++iteration) {
+  for (int iteration = 0; iteration < ClosingTuning::kMaxClosings; ++iteration) {
     system.rows().update_axes(state, state.axes);
     system.rows().residual(state, phi);
     passed.read(system, phi);
@@ -116,11 +128,11 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Subs
       if (std::all_of(poses.begin(), poses.end(), is_somewhere)) return true;
       break;
     }
-    if (gap < 0.9 * best_gap) {
+    if (gap < ClosingTuning::kInVain * best_gap) {
       best_gap = gap;
       best = poses;
       since_best = 0;
-    } else if (!std::isfinite(gap) || ++since_best > 10) {
+    } else if (!std::isfinite(gap) || ++since_best > ClosingTuning::kPatience) {
       break;
     }
     system.linearize(state);
@@ -133,7 +145,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Subs
     system.rows().apply_transpose(system.jacobian(), delta, impulse);
     const double turn = largest_turn(system.mass(), impulse, poses);
     if (!std::isfinite(turn)) break;
-    move_bodies(system.mass(), impulse, std::min(1.0, kMaxClosingTurn / std::max(turn, 1e-300)), poses);
+    move_bodies(system.mass(), impulse, std::min(1.0, kLongestTurn / std::max(turn, 1e-300)), poses);
     ++report.newton_iterations;
   }
   poses = best;
@@ -168,14 +180,14 @@ Contradiction find_stuck_joints(const World& world, ConstraintSystem& system, co
     largest = std::max(largest, s);
     size = std::max(size, std::abs(phi[r]));
   }
-  if (!(largest > 0.01 * size)) return found;  // every part of the gap could be closed
+  if (!(largest > ClosingTuning::kStuckGap * size)) return found;  // every part of the gap could be closed
   found.residual = largest;
 
   std::vector<int> joints;
   for (int j = 0; j < world.joint_count(); ++j)
-    if (share[j] > kStuckShare * largest) joints.push_back(j);
+    if (share[j] > ClosingTuning::kStuckShare * largest) joints.push_back(j);
   std::stable_sort(joints.begin(), joints.end(), [&](int a, int b) { return share[a] > share[b]; });
-  if (joints.size() <= kDenseSetLimit) {
+  if (joints.size() <= ClosingTuning::kDenseSetLimit) {
     // Deletion filter, the least involved first: whoever is not needed for the contradiction goes.
     for (std::size_t k = joints.size(); k-- > 0;) {
       std::vector<int> rest = joints;

@@ -5,9 +5,12 @@
 namespace taut {
 namespace {
 
-/// A pass that takes away less than half of the change stalls it, as do so many passes.
-constexpr int kMaxForcePasses = 60;
+/// Forces are settled that change by no more than this part of the largest, a little above round-off.
 constexpr double kForceTolerance = 1e-12;
+/// A pass that leaves more than the second, which is a part of the change, stalls it, as do so many passes;
+/// halves come to 1e-12 in 40.
+constexpr int kMaxForcePasses = 60;
+constexpr double kSlowForces = 0.5;
 
 }  // namespace
 
@@ -21,7 +24,7 @@ ForceIteration::Fixed ForceIteration::look(std::span<const Wrench> forces, std::
     size = std::max({size, forces[b].force.cwiseAbs().maxCoeff(), forces[b].torque.cwiseAbs().maxCoeff()});
   }
   if (!(change > kForceTolerance * size)) return Fixed::kYes;
-  if (pass_ >= kMaxForcePasses || (pass_ > 0 && change > 0.5 * last_change_)) {
+  if (pass_ >= kMaxForcePasses || (pass_ > 0 && change > kSlowForces * last_change_)) {
     unsettled_ = most;
     return Fixed::kStalled;
   }

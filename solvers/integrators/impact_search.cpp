@@ -2,12 +2,9 @@
 
 #include <algorithm>
 
+#include "solvers/laws/law_constants.h"
+
 namespace taut {
-namespace {
-
-constexpr double kStrikeTogether = 1e-3;
-
-}  // namespace
 
 bool ImpactSearch::begin(std::span<const double> lambda, std::span<const double> rates) {
   const bool axis = axes_.seek_impacts(rates), contact = contacts_.impacts().seek(lambda);
@@ -15,12 +12,12 @@ bool ImpactSearch::begin(std::span<const double> lambda, std::span<const double>
 }
 
 double ImpactSearch::first(double h, std::span<const double> rates) {
-  const double together = kStrikeTogether * h;
+  const double together = kTogether * h;
   const double first =
       std::max(std::min(axes_.first_impact(rates), contacts_.impacts().first(rates)), together);
   axes_.take_impacts(first + together, rates);
   contacts_.impacts().take(first + together, rates);
-  return first > (1 - kStrikeTogether) * h ? h : first;
+  return first > (1 - kTogether) * h ? h : first;
 }
 
 void ImpactSearch::end() {

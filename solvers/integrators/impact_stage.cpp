@@ -5,13 +5,11 @@
 namespace taut {
 namespace {
 
-/// Rounds of impacts at one time; in the last nothing bounces.
+/// Rounds of impacts at one time, at most; in the last nothing bounces.
 constexpr int kMostRounds = 20;
-/// Energy that a round may seem to give by the tolerance of rates, as part of the kinetic energy.
-constexpr double kNoWork = 1e-9;
-/// Solves that look for a restitution with which impacts and friction together give no energy.
+/// Solves, at most, that look for a restitution with which impacts and friction together give no energy, and
+/// the part of the energy lost without restitution that it is found to.
 constexpr int kRestitutionSolves = 12;
-/// Part of the energy that it is found to.
 constexpr double kRestitutionAccuracy = 1e-6;
 
 }  // namespace
@@ -69,7 +67,7 @@ bool ImpactStage::limit_restitution(const Solve& solve) {
 double ImpactStage::energy() const {
   double given = 0;
   works_.add_between(round_momenta_, phase_.momenta, given);
-  return std::abs(given) > kNoWork * works_.kinetic_energy(phase_.momenta) ? given : 0;
+  return std::abs(given) > kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
 }
 
 void ImpactStage::book_round() {

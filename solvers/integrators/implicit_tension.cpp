@@ -10,7 +10,7 @@ namespace {
 /// Whether no eigenvalue of a symmetric K is negative but for round-off: the pivots of K + ε tr(K) 1₃ are
 /// positive.
 bool is_semidefinite(const Mat3& K) {
-  constexpr double kStiffnessRoundOff = 1e-14;
+  constexpr double kStiffnessRoundOff = 1e-14;  // ε: some 45 units of round-off
   const double shift = kStiffnessRoundOff * K.trace();
   const double a = K(0, 0) + shift, b = K(1, 0), c = K(2, 0);
   if (!(shift > 0 && a > 0)) return false;

@@ -10,7 +10,7 @@
 namespace taut {
 namespace {
 
-/// Forces that change by more than this part between steps ask for a new start.
+/// Forces that change by more than this part of the largest between steps ask for a new start.
 constexpr double kJump = 0.25;
 
 /// Springs that have rows are no force laws.

@@ -7,22 +7,31 @@
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
 #include "solvers/integrators/body_moves.h"
+#include "solvers/integrators/rattle_tuning.h"
 
 namespace taut {
 namespace {
 
-constexpr double kMended = 1e-13;
-constexpr double kMendingShift = 1e-12;
-constexpr int kMaxMends = 10;
-/// Passes in a row that may widen the gap: where J itself is about to vanish the first move may be far too
-/// long, and the next ones still close it.
-constexpr int kOvershoots = 1;
+/// Without a unit: parts and counts.  (solvers/integrators, "Weak directions")
+struct PositionProjectionTuning {
+  /// ε of S_ε, of the factor that sees directions which masses make weak: between the round-off of S and the
+  /// 1e-8 of the factor for stepping, which does not.
+  static constexpr double kMendingShift = 1e-12;
+  /// Longest move, in gaps, that closes joints which masses alone hold weakly: it is about as long as they.
+  /// One of a direction that is weak by the places of the joints is gap/√σ, 1e4 gaps and more.
+  static constexpr double kLongWay = 30;
 
-/// Longest move, in gaps, that closes joints which masses alone hold weakly: it is about as long as they. One
-/// of a direction that is weak by the places of the joints is gap/√σ, 1e4 gaps and more.
-constexpr double kLongWay = 30;
-/// Impulses are given up when an iteration leaves more than this part.
-constexpr double kSlow = 0.6;
+  // Moves without impulses.
+  /// Gaps [m or rad] that are closed: the round-off of poses a few hundred metres from the origin.
+  static constexpr double kMended = 1e-13;
+  /// Passes at most; they converge quadratically.
+  static constexpr int kMaxMends = 10;
+  /// Passes in a row that may leave more than the second, which is a part of the gap: where J itself is about
+  /// to vanish the first move may be far too long, and the next ones still close it.
+  /// kInVain: half fails where a body of 5 t hangs on one of 1e-7 kg.
+  static constexpr int kOvershoots = 1;
+  static constexpr double kInVain = 0.9;
+};
 
 }  // namespace
 
@@ -67,10 +76,10 @@ bool PositionProjection::close_light_bodies(double h, double far, const std::fun
   if (gap <= settings_.position_tolerance) return false;  // what is open are long ways alone
   lambda_ = values_.lambda;
   factorize_finely(report);
-  for (double last = 2 * gap; system_.usable() && gap <= kSlow * last;) {
+  for (double last = 2 * gap; system_.usable() && gap <= RattleTuning::kSlowNewton * last;) {
     const double way = distance_to_closure(report);
     if (gap <= settings_.position_tolerance && way <= far) return true;
-    if (!(way <= kLongWay * gap)) break;
+    if (!(way <= PositionProjectionTuning::kLongWay * gap)) break;
     system_.project(values_.delta);
     for (int r = 0; r < system_.row_count(); ++r) values_.lambda[r] -= values_.delta[r] / h;
     drift();
@@ -83,7 +92,7 @@ bool PositionProjection::close_light_bodies(double h, double far, const std::fun
 }
 
 void PositionProjection::factorize_finely(SubstepReport& report) {
-  system_.set_shift(kMendingShift);
+  system_.set_shift(PositionProjectionTuning::kMendingShift);
   system_.factorize(report.times);
   system_.set_shift(kSteppingTolerance.shift);
   ++report.counts.refactorizations;
@@ -98,7 +107,10 @@ bool PositionProjection::close_by_moves(double h, SubstepReport& report) {
   const Configuration end(poses, phase_.state.time + h, phase_.state.axes);
   double gap = max_abs(phi), best = gap;
   best_ = poses;
-  for (int pass = 0, in_vain = 0; pass < kMaxMends && gap > kMended && in_vain <= kOvershoots; ++pass) {
+  for (int pass = 0, in_vain = 0;
+       pass < PositionProjectionTuning::kMaxMends && gap > PositionProjectionTuning::kMended &&
+       in_vain <= PositionProjectionTuning::kOvershoots;
+       ++pass) {
     system_.linearize(end);
     system_.set_mass(poses);
     factorize_finely(report);
@@ -109,7 +121,7 @@ bool PositionProjection::close_by_moves(double h, SubstepReport& report) {
     system_.rows().apply_transpose(system_.jacobian(), delta, move_);
     move_bodies(system_.mass(), move_, 1, poses);
     system_.rows().residual(end, phi);
-    in_vain = max_abs(phi) < 0.9 * gap ? 0 : in_vain + 1;
+    in_vain = max_abs(phi) < PositionProjectionTuning::kInVain * gap ? 0 : in_vain + 1;
     gap = max_abs(phi);
     if (gap < best) {
       best = gap;

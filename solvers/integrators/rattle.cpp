@@ -7,28 +7,9 @@
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
 #include "solvers/integrators/free_flow.h"
+#include "solvers/integrators/rattle_tuning.h"
 
 namespace taut {
-namespace {
-
-/// Multipliers off their prediction by more than this part are checked against the tension limit before they
-/// are accepted.
-constexpr double kSurprise = 0.25;
-/// Leeway on the limit for such a check: the limit itself has a safety factor of about 3 against instability
-/// at ω h = 2.
-constexpr double kLeeway = 1.5;
-/// With dependent rows positions count as closed only if no body is further than this part of the size of the
-/// whole system from where its joints want it: a weakly held direction hides a long way behind a small gap.
-constexpr double kFarOpen = 1e-9;
-/// Gaps below this may be mended by moving the bodies, without an impulse.
-constexpr double kMendable = 1e-6;
-/// Newton is given up, or restarted with a fresh factor, when an iteration takes away less than this part.
-constexpr double kSlowNewton = 0.6;
-
-/// Part of the position tolerance that many rubbing axes leave alone.
-constexpr double kSlack = 0.25;
-
-}  // namespace
 
 Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& settings)
     : ImpulseScheme(world, system, settings),
@@ -38,7 +19,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       impacts_(axes_, contacts_),
       raw_kick_(world.body_count()) {
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
-  if (stages_.friction_dominated()) slack_ = kSlack * settings.position_tolerance;
+  if (stages_.friction_dominated()) slack_ = RattleTuning::kSlack * settings.position_tolerance;
   axes_.set_slack(slack_);
   if (stages_.iterative()) absorbed_.resize(world.body_count());
 }
@@ -95,7 +76,7 @@ bool Rattle::exceeds_tension_limit(double h) {
   if (settings_.tension != TensionPolicy::kSubstep || !prediction_missed_) return false;
   for (int r = 0; r < system_.row_count(); ++r) values_.force_multipliers[r] = 2 / h * values_.lambda[r];
   update_step_limit();
-  return std::abs(h) > kLeeway * limit_.step();
+  return std::abs(h) > RattleTuning::kLeeway * limit_.step();
 }
 
 /// The end of the drift is the state from now on; the books take the kick before it.
@@ -244,12 +225,15 @@ bool Rattle::close_joint_positions(double h, SubstepReport& report) {
     const bool closed = gap <= settings_.position_tolerance;
     const bool spent = iteration >= settings_.max_newton_iterations;
     const bool weak = system_.singular();
-    if (closed && (!weak || weak_directions_.distance_to_closure(report) <= kFarOpen * size_)) break;
-    const bool in_vain = closed ? polished : (spent || gap > kSlowNewton * last) && weak && gap < kMendable;
+    if (closed && (!weak || weak_directions_.distance_to_closure(report) <= RattleTuning::kFarOpen * size_))
+      break;
+    const bool in_vain =
+        closed ? polished
+               : (spent || gap > RattleTuning::kSlowNewton * last) && weak && gap < RattleTuning::kMendable;
     if (in_vain) {
       prediction_missed_ = false;
       const auto drift = [&] { kick_and_drift(h, phase_.end_of_step(h)), breaking_.clear_rows(values_.phi); };
-      return weak_directions_.close(h, kFarOpen * size_, drift, report);
+      return weak_directions_.close(h, RattleTuning::kFarOpen * size_, drift, report);
     }
     if (!closed && (spent || !keep_pace(gap, last, h, report))) return false;
     polished = polished || closed;
@@ -258,7 +242,7 @@ bool Rattle::close_joint_positions(double h, SubstepReport& report) {
     correction += correct_multipliers(h, closed);
     ++report.newton_iterations;
   }
-  prediction_missed_ = correction > kSurprise * max_abs(values_.lambda);
+  prediction_missed_ = correction > RattleTuning::kSurprise * max_abs(values_.lambda);
   values_.residual_is_current = true;
   return true;
 }
@@ -282,8 +266,8 @@ double Rattle::correct_multipliers(double h, bool from_closure) {
 /// h J(q₁) M⁻¹ J(q₀)ᵀ; S of the mean Jacobian is its symmetric neighbour of least error.
 /// @returns whether it is worth going on.
 bool Rattle::keep_pace(double error, double last, double h, SubstepReport& report) {
-  if (!(error > kSlowNewton * last)) return true;
-  if (start_jacobian_.is_replaced() || error > 10 * last) return false;
+  if (!(error > RattleTuning::kSlowNewton * last)) return true;
+  if (start_jacobian_.is_replaced() || error > RattleTuning::kDiverging * last) return false;
   start_jacobian_.keep();
   system_.linearize({phase_.poses, phase_.state.time + h, phase_.state.axes});
   start_jacobian_.mix_into_system();

@@ -5,20 +5,12 @@
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
 #include "solvers/integrators/rattle.h"
+#include "solvers/integrators/rattle_tuning.h"
 #include "solvers/laws/contact_drift.h"
 
 // The two stages of a step with limits, motors, friction and springs: the same Newton and the same projection
 // as without them, with an active set in place of each solve.  (solvers/laws, "Axes")
 namespace taut {
-
-namespace {
-
-/// After so many solves gaps that surfaces open as they turn are closed if they are to so many times the
-/// tolerance: many contacts that wedge a body share their load anew in each solve, by what laws are met to.
-constexpr int kManySolves = 3;
-constexpr double kLateCurved = 10;
-
-}  // namespace
 
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
@@ -95,7 +87,7 @@ Rattle::PositionError Rattle::position_error(double h, int iteration, SubstepRep
   if (iteration == 0 || !axes_.finite()) return {};
   const double tolerance = settings_.position_tolerance - slack_;
   double curved = h * contacts_.curved_off(values_.lambda, values_.rates, stages_.rates()) / tolerance;
-  if (iteration > kManySolves) curved /= kLateCurved;
+  if (iteration > RattleTuning::kManySolves) curved /= RattleTuning::kLateCurved;
   if (curved <= 1) {  // surfaces have turned as the last solve was told: laws are judged by its rates
     const int first = system_.rows().first_contact_row();
     std::copy(stages_.rates().begin() + first, stages_.rates().end(), values_.rates.begin() + first);

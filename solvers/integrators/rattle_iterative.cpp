@@ -4,30 +4,26 @@
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
 #include "solvers/integrators/rattle.h"
+#include "solvers/integrators/rattle_tuning.h"
 
 // The two stages of a step by iterative impulses, for comparison: what RATTLE calls λ is then the
 // pre-stabilisation of positions of [Weinstein2006], and μ the post-stabilisation of velocities.  Neither is
 // closed to a tolerance: the report says how open they are.  (solvers/complementarity, "Iterative impulses")
 namespace taut {
-namespace {
-
-/// Sweeps after which positions are looked at again: rows are linear in impulses, positions are not.
-constexpr int kSweepsPerPass = 10;
-
-}  // namespace
 
 /// λ that takes φ(q₁) towards 0 and the other rows towards their laws.
 bool Rattle::stabilize_positions(double h, SubstepReport& report) {
   const Stopwatch watch(report.times.positions);
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
   const StageSolver::Renew renew = [this] { renew_position_laws(); };
-  for (int left = settings_.iterations;; left -= kSweepsPerPass) {
+  for (int left = settings_.iterations;; left -= RattleTuning::kSweepsPerPass) {
     try_positions(h, false);
     if (!std::isfinite(max_abs(values_.phi)) || !axes_.finite()) return false;
     if (left <= 0) break;
     const double tolerance = 0.1 * settings_.position_tolerance / h;
     const StageSolver::Stage stage{values_.lambda, values_.rates, renew};
-    if (!stages_.iterate(stage, std::min(left, kSweepsPerPass), tolerance, absorbed_, report)) return false;
+    if (!stages_.iterate(stage, std::min(left, RattleTuning::kSweepsPerPass), tolerance, absorbed_, report))
+      return false;
     ++report.newton_iterations;
   }
   stages_.note_residual(values_.lambda, values_.rates);

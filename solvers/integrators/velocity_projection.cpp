@@ -5,30 +5,36 @@
 #include <cmath>
 
 #include "solvers/common/max_abs.h"
+#include "solvers/integrators/kick_works.h"
 
 namespace taut {
 namespace {
 
-constexpr int kMaxVelocityPasses = 6;
-/// A part of the rates that each pass leaves is summed up if it is no more than this, and has been the same
-/// to that part of itself in so many sub-steps in a row.
-constexpr double kMostLeftOver = 0.2, kAlike = 0.05;
-constexpr int kSteady = 20;
-/// Rates [m/s, rad/s] that are left behind: a taut row without sag has some that no finite impulse takes
-/// away.
-constexpr double kLeftBehind = 1e-6;
-/// Conjugate gradients end after so many steps, or where so little is left of what they started with, in the
-/// norm of S_ε⁻¹.
-constexpr int kMaxConjugate = 60;
-constexpr double kDescended = 1e-20;
-/// Energy may grow by this part.
-constexpr double kRoundOff = 1e-9;
-/// Impulses grow at most so many times.  Six passes give a direction that rows hold with σ the part 6 σ/ε of
-/// its impulse: those with σ < ε/18,000 are taken for dependent.  Light bodies between heavy ones need 1,100;
-/// rows that disagree are seen from 4,600 on.
-constexpr double kMostGrowth = 3000;
-/// Passes after them, since their steps along weak directions, which are long, leave round-off along others.
-constexpr int kLastPasses = 3;
+/// Without a unit: parts and counts.  (solvers/integrators, "RATTLE")
+struct VelocityProjectionTuning {
+  /// Passes with S_ε⁻¹ at most.
+  static constexpr int kMaxVelocityPasses = 6;
+  /// A part of the rates that each pass leaves is summed up if it is no more than this, and has been the same
+  /// to that part of itself in so many sub-steps in a row.
+  static constexpr double kMostLeftOver = 0.2, kAlike = 0.05;
+  static constexpr int kSteady = 20;
+
+  // Conjugate gradients, where passes are not enough.
+  /// Rates [m/s or rad/s] that are left behind: a taut row without sag has some that no finite impulse takes
+  /// away.
+  static constexpr double kLeftBehind = 1e-6;
+  /// They end after so many steps, or where this part is left of what they started with, in the square of the
+  /// norm of S_ε⁻¹: round-off.
+  static constexpr int kMaxConjugate = 60;
+  static constexpr double kDescended = 1e-20;
+  /// Impulses grow at most so many times.  Six passes give a direction that rows hold with σ the part 6 σ/ε
+  /// of its impulse: those with σ < ε/18,000 are taken for dependent.  Light bodies between heavy ones need
+  /// 1,100; rows that disagree are seen from 4,600 on.
+  static constexpr double kMostGrowth = 3000;
+  /// Passes after them, since their steps along weak directions, which are long, leave round-off along
+  /// others.
+  static constexpr int kLastPasses = 3;
+};
 
 }  // namespace
 
@@ -52,14 +58,15 @@ bool VelocityProjection::project(double h, SubstepReport& report) {
   twists_and_rates([this, h](int b) {
     if (h != 0) phase_.second_kick(b, h);
   });
-  for (int pass = 0; pass < kMaxVelocityPasses; ++pass) {
-    const double sum = pass > 0 && steady_count_ >= kSteady ? 1 / (1 - contraction_) : 1;
+  for (int pass = 0; pass < VelocityProjectionTuning::kMaxVelocityPasses; ++pass) {
+    const double sum =
+        pass > 0 && steady_count_ >= VelocityProjectionTuning::kSteady ? 1 / (1 - contraction_) : 1;
     if (pass == 1) last_rates_ = rates;
     const bool closed = refine(sum, report);
     if (pass == 1) watch_contraction(sum);
     if (closed) return true;
   }
-  if (report.velocity_residual > kLeftBehind) mend(report);
+  if (report.velocity_residual > VelocityProjectionTuning::kLeftBehind) mend(report);
   return false;
 }
 
@@ -83,11 +90,11 @@ void VelocityProjection::mend(SubstepReport& report) {
   const std::vector<double> mu = values_.mu;
   const double left = report.velocity_residual, energy = doubled_kinetic_energy();
   descend(report);
-  for (int pass = 0; pass < kLastPasses; ++pass)
+  for (int pass = 0; pass < VelocityProjectionTuning::kLastPasses; ++pass)
     if (refine(1, report)) break;
   const bool gained =
-      !system_.rows().depends_on_time() && doubled_kinetic_energy() > energy * (1 + kRoundOff);
-  const bool immense = max_abs(values_.mu) > kMostGrowth * max_abs(mu);
+      !system_.rows().depends_on_time() && doubled_kinetic_energy() > energy * (1 + kUnseenEnergy);
+  const bool immense = max_abs(values_.mu) > VelocityProjectionTuning::kMostGrowth * max_abs(mu);
   if (report.velocity_residual < left && !gained && !immense) return;
   phase_.momenta = momenta;
   values_.mu = mu;
@@ -111,13 +118,13 @@ void VelocityProjection::descend(SubstepReport& report) {
   Eigen::VectorXd before = Eigen::VectorXd::Zero(rows), ascent(rows);
   along.setZero();
   double first = 0, height = 0;  // −(J V + φ_t)·S_ε⁻¹ (J V + φ_t), at first and now
-  for (int step = 0; step < kMaxConjugate; ++step) {
+  for (int step = 0; step < VelocityProjectionTuning::kMaxConjugate; ++step) {
     ascent = -rates;
     system_.solve_shifted({ascent.data(), static_cast<std::size_t>(rows)});
     const double keep = step > 0 ? std::max(ascent.dot(before - rates) / height, 0.0) : 0;
     height = -ascent.dot(rates);
     if (step == 0) first = height;
-    if (!(height > kDescended * first)) return;
+    if (!(height > VelocityProjectionTuning::kDescended * first)) return;
     along = ascent + keep * along;
     before = rates;
     push(values_.delta, 1);
@@ -163,7 +170,8 @@ void VelocityProjection::watch_contraction(double sum) {
     after += last_rates_[r] * values_.joint_rates[r];
   }
   const double left = before > 0 ? 1 - (1 - after / before) / sum : 0;
-  const bool alike = left > 0 && left <= kMostLeftOver && std::abs(left - contraction_) <= kAlike * left;
+  const bool alike = left > 0 && left <= VelocityProjectionTuning::kMostLeftOver &&
+                     std::abs(left - contraction_) <= VelocityProjectionTuning::kAlike * left;
   steady_count_ = alike ? steady_count_ + 1 : 0;
   contraction_ = left;
 }

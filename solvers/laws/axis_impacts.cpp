@@ -10,6 +10,7 @@ namespace {
 
 /// Slower impacts do not move others [m/s or rad/s].
 constexpr double kJolt = 1e-6;
+
 /// When the axis gets to the limit; h if it does not.
 double crossing(const AxisLimits& limits, bool at_lower, const AxisStart& start, double w, double h) {
   const double sign = at_lower ? 1 : -1;

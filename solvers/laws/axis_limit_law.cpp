@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace taut {
-namespace {
-
-/// An axis that starts beyond its limit comes back at no more than this rate [m/s or rad/s].
-constexpr double kReturnRate = 1;
-
-}  // namespace
 
 bool in_flight(const AxisLimits& limits, double theta0, bool at_lower) {
   return at_lower ? theta0 > limits.lower + kTouch : theta0 < limits.upper - kTouch;

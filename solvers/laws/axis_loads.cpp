@@ -6,9 +6,10 @@
 namespace taut {
 namespace {
 
-/// Bounds of friction that grow with the load are right to this part.
+/// Bounds of friction that grow with the load are right to this part of themselves.
 constexpr double kLoadTolerance = 1e-10;
-/// Loads whose changes do not shrink to less than this part, or alternate, are extrapolated unless they grow.
+/// Loads whose changes do not shrink to less than this part in a solve, or alternate, are extrapolated unless
+/// they grow.
 constexpr double kSlowLoad = 0.3;
 
 /// Impulse of the translation rows of a joint [N·s].

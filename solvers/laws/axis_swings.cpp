@@ -9,17 +9,21 @@
 namespace taut {
 namespace {
 
-/// Swings that have no direction [rad].
-constexpr double kStraight = 1e-6;
-/// Swings that may come to π, where they have no components [rad].
-constexpr double kFolded = 2.5;
-/// Steps in which a swing may pass 0 or π.
-constexpr double kSwingStepsAhead = 2;
-/// Directions of friction are right to this part, after as many solves.
-constexpr double kTurned = 1e-9;
-constexpr int kMostTurns = 25;
-/// Friction that holds is within its disc to this part.
-constexpr double kDisc = 1e-9;
+/// (solvers/laws, "Axes")
+struct SwingTuning {
+  /// Swings below have no direction [rad].
+  static constexpr double kStraight = 1e-6;
+  /// Swings above may come to π, where they have no components [rad].
+  static constexpr double kFolded = 2.5;
+  /// Steps, at the rate of now, in which a swing may pass 0 or π.  Half: twice the sub-steps of swings
+  /// with friction.
+  static constexpr double kSwingStepsAhead = 2;
+  /// Directions of friction are right when a solve turns them by no more than this [rad], or after so many.
+  static constexpr double kTurned = 1e-9;
+  static constexpr int kMostTurns = 25;
+  /// Part of its bound by which friction that holds may be outside its disc: what laws are met to.
+  static constexpr double kDisc = 1e-9;
+};
 
 /// Two axes of the joint of axis i in the table, by their places in the joint; −1 for one that has no row.
 /// The rows of a joint are neighbours.
@@ -62,7 +66,8 @@ void AxisSwings::begin(AxisTable& table, std::span<AxisLaw> axes, double h) {
 void AxisSwings::begin(const Spring& swing, AxisTable& table, std::span<const AxisLaw> axes, double h) {
   const auto given = [&](int k) -> const auto& { return table.given(k).spring; };
   const AxisStart& start = axes[swing.axis].start;
-  const bool folded = start.theta + kSwingStepsAhead * std::abs(h * start.rate) > kFolded;
+  const bool folded =
+      start.theta + SwingTuning::kSwingStepsAhead * std::abs(h * start.rate) > SwingTuning::kFolded;
   table.own(swing.axis).spring = folded ? given(swing.axis) : std::nullopt;
   for (int k : swing.component)
     table.own(k).spring = folded ? given(k) : with_spring_of_swing(given(k), *given(swing.axis));
@@ -71,7 +76,8 @@ void AxisSwings::begin(const Spring& swing, AxisTable& table, std::span<const Ax
 /// Two rows share the friction: all of it for each of them until it is known to be too much together.
 void AxisSwings::begin(Friction& swing, AxisTable& table, std::span<AxisLaw> axes, double h) {
   AxisLaw &axis = axes[swing.axis], &x = axes[swing.turn[0]], &y = axes[swing.turn[1]];
-  swing.straight = axis.start.theta <= kStraight + kSwingStepsAhead * std::abs(h * axis.start.rate);
+  swing.straight = axis.start.theta <=
+                   SwingTuning::kStraight + SwingTuning::kSwingStepsAhead * std::abs(h * axis.start.rate);
   swing.solves = 0;
   const double rate = std::hypot(x.start.rate, y.start.rate);
   const bool held = x.friction.stuck && y.friction.stuck;
@@ -109,7 +115,7 @@ bool AxisSwings::turn(AxisTable& table, std::span<AxisLaw> axes, std::span<const
                       std::span<const double> w) {
   bool any = false;
   for (Friction& swing : frictions_) {
-    if (!swing.straight || table.released(swing.axis) || swing.solves >= kMostTurns) continue;
+    if (!swing.straight || table.released(swing.axis) || swing.solves >= SwingTuning::kMostTurns) continue;
     std::array<double, 2> force, rate;
     for (int t : {0, 1}) {
       const int axis = swing.turn[t], row = table.row(axis);
@@ -136,7 +142,7 @@ bool AxisSwings::turn(Friction& swing, std::span<AxisLaw> axes, const std::array
   std::array<double, 2> direction{std::abs(force[0]), std::abs(force[1])};
   const double size = std::hypot(direction[0], direction[1]), speed = std::hypot(slip[0], slip[1]);
   if (swing.share[0] == 1 && swing.share[1] == 1) {
-    if (size <= (1 + kDisc) * most) return false;  // it holds, or slips along x or y
+    if (size <= (1 + SwingTuning::kDisc) * most) return false;  // it holds, or slips along x or y
   } else {
     if (speed == 0) return false;  // it holds by what it has
     for (int t : {0, 1}) direction[t] = swing.share[t] + slip[t] / speed;
@@ -148,7 +154,7 @@ bool AxisSwings::turn(Friction& swing, std::span<AxisLaw> axes, const std::array
     swing.share[t] = direction[t] / length;
     axes[swing.turn[t]].friction.let_go();
   }
-  if (moved <= kTurned) return false;
+  if (moved <= SwingTuning::kTurned) return false;
   ++swing.solves;
   return true;
 }

@@ -3,18 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/laws/law_constants.h"
+
 namespace taut {
 namespace {
 
-/// Overloads that differ by less than this part break together, so that symmetric structures stay so.
-constexpr double kSameOverload = 1e-6;
-/// A load above its limit by no more than this part still holds.
-constexpr double kBreakLeeway = 1e-9;
-/// Parts of a sub-step next to its ends in which a break is at that end.
-constexpr double kBreakTogether = 1e-3;
-constexpr int kMostShortened = 4;
-/// A load that grows by more than this part from one sub-step to the next is no straight line.
-constexpr double kSmooth = 0.25;
+/// Without a unit: parts and counts.  (solvers/laws, "Breaking")
+struct BreakingTuning {
+  /// Overloads that differ by less than this part break together, so that symmetric structures stay so: above
+  /// what round-off and tolerances leave of their symmetry.
+  static constexpr double kSameOverload = 1e-6;
+  /// A load above its limit by no more than this part still holds: round-off.
+  static constexpr double kBreakLeeway = 1e-9;
+  /// Times, relative to 1 s or the time itself if that is more, that differ by less are the same.
+  static constexpr double kSameTime = 1e-9;
+  /// A sub-step ends at the first break in it so often in a row; then the break is at its start.
+  static constexpr int kMostShortened = 4;
+  /// A load that grows by more than this part from one sub-step to the next is no straight line.
+  static constexpr double kSmooth = 0.25;
+};
 
 }  // namespace
 
@@ -46,15 +53,15 @@ bool Breaking::check(const ConstraintSystem& system, const State& end, std::span
   overloaded_.clear();
   time_to_break_ = 0;
   const double worst = find_loads(system, end, impulses, h), first = first_break(h);
-  const bool within = first < (1 - kBreakTogether) * h;
-  if (worst <= 1 + kBreakLeeway && !within) {
+  const bool within = first < (1 - kTogether) * h;
+  if (worst <= 1 + BreakingTuning::kBreakLeeway && !within) {
     last_loads_ = loads_;
     last_h_ = h;
     has_loads_ = true;
     return false;
   }
   due_.clear();
-  if (within && first > kBreakTogether * h)
+  if (within && first > kTogether * h)
     shorten(first, end.time - h + first, h);
   else
     overload(worst, h);
@@ -67,7 +74,7 @@ double Breaking::find_loads(const ConstraintSystem& system, const State& end,
                             std::span<const double> impulses, double h) {
   const auto breakable = world_.breakable();
   loads_.assign(breakable.size(), {});
-  double worst = 1 + kBreakLeeway;
+  double worst = 1 + BreakingTuning::kBreakLeeway;
   for (std::size_t i = 0; i < breakable.size(); ++i) {
     if (is_out(breakable[i].first)) continue;
     loads_[i] = load_of(system, end, impulses, breakable[i], h);
@@ -79,9 +86,9 @@ double Breaking::find_loads(const ConstraintSystem& system, const State& end,
 /// The first time within the sub-step, from its start, at which a load comes to its limit; near its end if
 /// none does, or if loads are not to be interpolated.
 double Breaking::first_break(double h) const {
-  double first = (1 - kBreakTogether) * h;
-  const bool interpolate =
-      has_loads_ && last_loads_.size() == loads_.size() && due_.empty() && shortened_ < kMostShortened;
+  double first = (1 - kTogether) * h;
+  const bool interpolate = has_loads_ && last_loads_.size() == loads_.size() && due_.empty() &&
+                           shortened_ < BreakingTuning::kMostShortened;
   const auto breakable = world_.breakable();
   for (std::size_t i = 0; interpolate && i < breakable.size(); ++i)
     if (!is_out(breakable[i].first)) first = std::min(first, time_to_limit(i, h));
@@ -92,7 +99,7 @@ double Breaking::first_break(double h) const {
 void Breaking::shorten(double first, double time, double h) {
   time_to_break_ = first;
   due_time_ = time;
-  append_limited(first + kBreakTogether * h, h, due_);
+  append_limited(first + kTogether * h, h, due_);
   ++shortened_;
 }
 
@@ -101,9 +108,9 @@ void Breaking::shorten(double first, double time, double h) {
 void Breaking::overload(double worst, double h) {
   const auto breakable = world_.breakable();
   for (std::size_t i = 0; i < breakable.size(); ++i)
-    if (loads_[i].ratio >= (1 - kSameOverload) * std::max(1.0, worst))
+    if (loads_[i].ratio >= (1 - BreakingTuning::kSameOverload) * std::max(1.0, worst))
       overloaded_.push_back(breakable[i].first);
-  if (worst <= 1 + kBreakLeeway) append_limited(kBreakTogether * h, h, overloaded_);
+  if (worst <= 1 + BreakingTuning::kBreakLeeway) append_limited(kTogether * h, h, overloaded_);
 }
 
 /// Adds the joints whose loads come to their limits until then.
@@ -117,14 +124,16 @@ void Breaking::append_limited(double until, double h, std::vector<JointId>& join
 /// start of this one; h if it does not, or if the load jumped.
 double Breaking::time_to_limit(std::size_t i, double h) const {
   const double before = last_loads_[i].ratio, now = loads_[i].ratio;
-  if (!(before < 1 && now > before) || now - before > kSmooth * now) return h;
+  if (!(before < 1 && now > before) || now - before > BreakingTuning::kSmooth * now) return h;
   return std::clamp((1 - before) / (now - before) * 0.5 * (last_h_ + h) - 0.5 * last_h_, 0.0, h);
 }
 
 /// The rest of a step may have been cut otherwise in between.
 bool Breaking::due(double time) {
   overloaded_.clear();
-  if (!due_.empty() && std::abs(time - due_time_) <= 1e-9 * std::max(1.0, std::abs(time))) overloaded_ = due_;
+  if (!due_.empty() &&
+      std::abs(time - due_time_) <= BreakingTuning::kSameTime * std::max(1.0, std::abs(time)))
+    overloaded_ = due_;
   due_.clear();
   return !overloaded_.empty();
 }

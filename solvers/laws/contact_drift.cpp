@@ -9,19 +9,22 @@
 namespace taut {
 namespace {
 
-/// Newton's method for the normal; of corners, edges and faces it takes two.
-constexpr int kNormalSteps = 4;
-/// It is done when the normal turns by less [rad]; it has found none if it turns by more than the second at
-/// the end, or if the gap along it is less than that along the one it began with.
-constexpr double kNormalFound = 1e-12, kNormalLost = 1e-6;
-/// The expansion of curved surfaces ends where the normal turns by more in one step [rad]; a contact whose
-/// normal turns by more in the drift, or is lost, as that of edges that hardly cross, is that of planes.
-constexpr double kFarTurn = 0.5;
-/// Newton's method closes gaps that surfaces open as they turn to this part of what they open in the second
-/// order, times the turn: a part of the third-order error of a drift.
-constexpr double kCurvedPart = 0.05;
-/// What moves less against each other than this part of its arms has rates that stay as they are.
-constexpr double kHardlyMoves = 1e-9;
+/// (solvers/laws, "Contacts")
+struct DriftTuning {
+  /// Steps of Newton's method for the normal, at most; of corners, edges and faces it takes two.
+  static constexpr int kNormalSteps = 4;
+  /// It is done when the normal turns by less [rad]; it has found none if it turns by more than the second at
+  /// the end, or if the gap along it is less than that along the one it began with.
+  static constexpr double kNormalFound = 1e-12, kNormalLost = 1e-6;
+  /// The expansion of curved surfaces ends where the normal turns by more in one step [rad]; a contact whose
+  /// normal turns by more in the drift, or is lost, as that of edges that hardly cross, is that of planes.
+  static constexpr double kFarTurn = 0.5;
+  /// Newton's method closes gaps that surfaces open as they turn to this part of what they open in the second
+  /// order, times the turn: a part of the third-order error of a drift.
+  static constexpr double kCurvedPart = 0.05;
+  /// What moves less against each other than this part of its arms has rates that stay as they are.
+  static constexpr double kHardlyMoves = 1e-9;
+};
 
 /// The solution δ ⟂ m of (H + s 1) δ = g.
 Vec3 solve_across(const Mat3& H, double s, const Vec3& m, const Vec3& g) {
@@ -86,12 +89,12 @@ BodyEnds ends_of(const ContactDrift& drift, int b) {
 /// J(q₀) gives the rates to round-off: bodies do not turn, and slip on a plane or not at all.
 bool is_still(const Contact& contact, const BodyEnds& A, const BodyEnds& B) {
   const double turned = (A.turn - Mat3::Identity()).norm() + (B.turn - Mat3::Identity()).norm();
-  if (turned > kHardlyMoves) return false;
+  if (turned > DriftTuning::kHardlyMoves) return false;
   if (contact.surface_A.is_flat() || contact.surface_B.is_flat()) return true;
   const Vec3 a = A.end.q * contact.p_AP, b = B.end.q * contact.p_BQ;
   const Vec3 way = (B.end.p - A.end.p) - (B.start.p - A.start.p) + (b - B.start.q * contact.p_BQ) -
                    (a - A.start.q * contact.p_AP);
-  return way.norm() <= kHardlyMoves * (a.norm() + b.norm());
+  return way.norm() <= DriftTuning::kHardlyMoves * (a.norm() + b.norm());
 }
 
 }  // namespace
@@ -110,17 +113,18 @@ MovedContact moved_contact(const Contact& contact, const Pose& A, const Pose& B,
   Vec3 m = (on_A.n - on_B.n).normalized();
   const double first = gap_along(m);
   double far = 0;
-  for (int k = 0; k < kNormalSteps; ++k) {
+  for (int k = 0; k < DriftTuning::kNormalSteps; ++k) {
     const Vec3 D = between + on_B.shift(-m) - on_A.shift(m);
     const Vec3 turn = solve_across(on_A.radii(m) + on_B.radii(-m), std::max(0.0, m.dot(between)), m, D);
     far = turn.norm();
-    m = (m + std::min(1.0, kFarTurn / far) * turn).normalized();
-    if (!(far > kNormalFound)) break;
+    m = (m + std::min(1.0, DriftTuning::kFarTurn / far) * turn).normalized();
+    if (!(far > DriftTuning::kNormalFound)) break;
   }
   MovedContact moved;
   moved.normal = m;
   moved.gap = gap_along(m);
-  moved.found = far <= kNormalLost && moved.gap >= first - kNormalFound * (a.norm() + b.norm());
+  moved.found = far <= DriftTuning::kNormalLost &&
+                moved.gap >= first - DriftTuning::kNormalFound * (a.norm() + b.norm());
   // From the side that is less flat, where the place is known better.
   if (on_A.H.trace() <= on_B.H.trace()) {
     moved.P = a + on_A.shift(m) + on_A.ball * m;
@@ -145,13 +149,13 @@ void drift_rates(ContactRows& contacts, const ContactDrift& drift, std::span<dou
     const MovedContact now = moved_contact(contact, A.end, B.end, A.turn, B.turn);
     const MovedContact then = moved_contact(contact, A.start, B.start, still, still);
     const Vec3 n = frame.n, m = now.normal;
-    if (!now.found || (m - n).norm() > kFarTurn) continue;
+    if (!now.found || (m - n).norm() > DriftTuning::kFarTurn) continue;
     const auto at_end = [&](const Vec3& rate) { return carried(tangential(rate, m), m, n); };
     const Vec3 half = 0.5 * now.gap * m;
     const Vec3 slip = at_end(B.V.at(now.Q - half) - A.V.at(now.P + half)), turning = B.V.w - A.V.w;
     const int row = contacts.first_row(k);
     const double linear = std::exchange(rates[row], (now.gap - then.gap) / drift.h);
-    point.curved = kCurvedPart * (m - n).norm() * std::abs(rates[row] - linear);
+    point.curved = DriftTuning::kCurvedPart * (m - n).norm() * std::abs(rates[row] - linear);
     const Vec3 rolling = at_end(turning);
     for (int i : {1, 2}) {
       double& sliding = rates[row + i];

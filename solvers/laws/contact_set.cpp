@@ -12,19 +12,24 @@
 namespace taut {
 namespace {
 
-/// A contact is where one was before if in either body it is no further from it than this [m].
-constexpr double kSamePoint = 1e-4;
-/// Finds after which an unused place may be given up.
-constexpr int kKept = 200;
-/// Shapes that are parted are out of each other at this depth [m].
-constexpr double kOut = 1e-6;
-/// Tangents follow the slip above this speed [m/s].
-constexpr double kSlipSpeed = 1e-6;
+/// (solvers/laws, "Contacts")
+struct ContactSetTuning {
+  /// A contact is where one was before if in either body it is no further from it than this [m].
+  static constexpr double kSamePoint = 1e-4;
+  /// Finds after which an unused place may be given up: other places ask for another order of the factor.
+  static constexpr int kKept = 200;
+  /// Shapes that are parted are out of each other at this depth [m].
+  static constexpr double kOut = 1e-6;
+  /// Tangents follow the slip above this speed [m/s], and if no less than this part of it lies in the plane.
+  static constexpr double kSlipSpeed = 1e-6, kInPlane = 1e-3;
+  /// Worlds of more shapes than this are judged by the filters alone: pairs grow with the square.
+  static constexpr int kFewShapes = 200;
+  /// Shapes may overlap at the start by this part of the smaller body's radius of gyration; a spring may in
+  /// addition be pressed by so many times the smaller body's weight.
+  static constexpr double kOverlapPart = 0.01, kWeights = 100;
+};
 
 auto order_of(const Rows::ContactPlace& place) { return std::tuple(place.a, place.b, place.twist); }
-
-/// Worlds of more shapes than this are judged by the filters alone.
-constexpr int kFewShapes = 200;
 
 bool agree(const CollisionFilter& a, const CollisionFilter& b) {
   return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
@@ -32,7 +37,7 @@ bool agree(const CollisionFilter& a, const CollisionFilter& b) {
 
 bool can_touch(const World& world) {
   const int count = world.shape_count();
-  if (count > kFewShapes) {
+  if (count > ContactSetTuning::kFewShapes) {
     std::set<std::pair<std::uint32_t, std::uint32_t>> filters;
     for (int a = 0; a < count; ++a) {
       const CollisionFilter& filter = world.shape(ShapeId{a}).filter;
@@ -58,36 +63,37 @@ Rows::ContactPlace place_for(const World& world, const Contact& contact) {
 row_parts::ContactFrame frame_of(const Vec3& n, const Vec3& slip, const Vec3& last) {
   row_parts::ContactFrame frame;
   frame.n = n;
-  Vec3 along = slip.norm() > kSlipSpeed ? slip : last;
+  Vec3 along = slip.norm() > ContactSetTuning::kSlipSpeed ? slip : last;
   along -= n.dot(along) * n;
   // Written so that what is not a number, left by a step that failed, does not stay.
-  if (!(along.norm() >= 1e-3 * (slip.norm() > kSlipSpeed ? slip.norm() : 1))) along = n.unitOrthogonal();
+  if (!(along.norm() >=
+        ContactSetTuning::kInPlane * (slip.norm() > ContactSetTuning::kSlipSpeed ? slip.norm() : 1)))
+    along = n.unitOrthogonal();
   frame.t1 = along.normalized();
   frame.t2 = n.cross(frame.t1);
   return frame;
 }
 
-/// What a spring may be pressed at the start: a hundred times the smaller body's weight.
+/// How far a contact may be pressed at the start [m].
 double overlap_bound(const World& world, const Contact& contact) {
-  constexpr double kWeights = 100;
   double mass = std::numeric_limits<double>::infinity();
   for (const BodyId body : {contact.A, contact.B})
     if (world.moves(body)) mass = std::min(mass, world.mass_properties(body).mass());
   const double compliance = world.contact_material(contact.a, contact.b).compliance;
-  return overlap_depth(world, contact) + kWeights * compliance * mass * world.gravity().norm();
+  return overlap_depth(world, contact) +
+         ContactSetTuning::kWeights * compliance * mass * world.gravity().norm();
 }
 
 }  // namespace
 
 double overlap_depth(const World& world, const Contact& contact) {
-  constexpr double kPart = 0.01;
   double size = std::numeric_limits<double>::infinity();
   for (const BodyId body : {contact.A, contact.B}) {
     if (!world.moves(body)) continue;
     const MassProperties& mass = world.mass_properties(body);
     size = std::min(size, std::sqrt(mass.principal_moments().maxCoeff() / mass.mass()));
   }
-  return kPart * size;
+  return ContactSetTuning::kOverlapPart * size;
 }
 
 ContactSet::ContactSet(const World& world, const ContactSettings& settings)
@@ -182,7 +188,8 @@ int ContactSet::place_before(const World& world, const Contact& contact, Likenes
   const auto first = std::lower_bound(
       keys_.begin(), keys_.end(), contact,
       [](const Key& x, const Contact& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
-  double least = likeness == Likeness::kSameFeature ? std::numeric_limits<double>::infinity() : kSamePoint;
+  double least = likeness == Likeness::kSameFeature ? std::numeric_limits<double>::infinity()
+                                                    : ContactSetTuning::kSamePoint;
   int found = -1;
   for (auto key = first; key != keys_.end() && key->a == contact.a && key->b == contact.b; ++key) {
     const Place& place = places_[key->place];
@@ -209,14 +216,14 @@ void ContactSet::part_overlaps(const World& world, const std::vector<Contact>& c
     last = std::find_if(first, contacts.end(), [&](const Contact& c) { return !same_pair(c, *first); });
     const double depth =
         -std::min_element(first, last, [](const Contact& x, const Contact& y) { return x.gap < y.gap; })->gap;
-    if (!(depth > kOut) && !parts_) continue;
+    if (!(depth > ContactSetTuning::kOut) && !parts_) continue;
     auto key = std::lower_bound(keys_.begin(), keys_.end(), *first, [](const Key& x, const Contact& y) {
       return std::tie(x.a, x.b) < std::tie(y.a, y.b);
     });
     bool parted = (key == keys_.end() || !same_pair(*key, *first)) && depth > overlap_bound(world, *first);
     for (; key != keys_.end() && same_pair(*key, *first); ++key) {
       const Place& before = places_[key->place];
-      parted |= before.parted && std::max(depth, -before.contact.gap) > kOut;
+      parted |= before.parted && std::max(depth, -before.contact.gap) > ContactSetTuning::kOut;
     }
     if (!parted) continue;
     std::fill(parted_.begin() + (first - contacts.begin()), parted_.begin() + (last - contacts.begin()), 1);
@@ -239,7 +246,7 @@ int ContactSet::place_near(const World& world, ShapeId a, ShapeId b, const Vec3&
   auto it = std::lower_bound(by_pair_.begin(), by_pair_.end(), at, [](const auto& entry, const auto& wanted) {
     return order_of(entry.first) < order_of(wanted);
   });
-  double least = kSamePoint;
+  double least = ContactSetTuning::kSamePoint;
   int found = -1;
   for (; it != by_pair_.end() && it->first.a == at.a && it->first.b == at.b; ++it) {
     const Place& place = places_[it->second];
@@ -276,7 +283,7 @@ void ContactSet::rebuild() {
   std::vector<Place> kept, kept_before;
   std::vector<int> origin, moved;
   for (std::size_t k = 0; k < places_.size(); ++k) {
-    if (!places_[k].active && places_[k].unused > kKept && !before_[k].active) continue;
+    if (!places_[k].active && places_[k].unused > ContactSetTuning::kKept && !before_[k].active) continue;
     kept.push_back(places_[k]);
     kept_before.push_back(before_[k]);
     origin.push_back(places_[k].active ? origin_[k] : -1);

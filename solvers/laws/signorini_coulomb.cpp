@@ -5,13 +5,10 @@
 namespace taut {
 namespace {
 
-/// Bodies that start inside each other come apart at no more than this speed [m/s].
-constexpr double kReturnSpeed = 1;
-
 /// Bodies may come together by their gap in a step, and bodies inside each other part slowly.
 double closing_rate(const ContactRows& contacts, int k) {
   const double h = contacts.table().h;
-  return std::clamp(-contacts.point(k).gap / h, -kUnreachedRate, std::max(kReturnSpeed, kTouch / h));
+  return std::clamp(-contacts.point(k).gap / h, -kUnreachedRate, std::max(kReturnRate, kTouch / h));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace taut {
 namespace {
 
-/// Slip that is less than this part of the largest may end once others have been let go.
+/// Slip that is less than this part of the largest slip may end once others have been let go.
 constexpr double kSlips = 1e-2;
 /// Contacts that slip by more than this part of what all friction on one of their bodies could change are far
 /// from holding.

@@ -10,11 +10,11 @@
 namespace taut {
 namespace {
 
-/// An angle that changes by so much more than its bodies turn is next to where it has no value.
+/// An angle that changes by so many times what its bodies turn is next to where it has no value.
 constexpr double kSingular = 50;
 /// Rates that miss their tolerance by less than this part of what acts do so by round-off.
 constexpr double kRoundOffShare = 1e-9;
-/// Masses that differ by more are worth a word.
+/// Masses that differ by more times are worth a word.
 constexpr double kManyTimes = 1e4;
 
 double larger_gap(const Gap& gap) {

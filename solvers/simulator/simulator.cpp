@@ -45,6 +45,20 @@ void forget_attempt(StepReport& report) {
   report.culprits.clear();
 }
 
+bool is_finite_gap(const Gap& gap) { return std::isfinite(gap.metres + gap.radians); }
+
+/// Says why joints stay open at this state, the nearest to one that closes them that was found, with φ there.
+void end_open(const Inquiry& asked, const State& state, std::span<const double> phi,
+              const std::string& when) {
+  if (!is_finite_gap(max_gap(asked.stepper.system().rows(), phi)))
+    return asked.end_step(Status::kNotFinite,
+                          "a joint's gap is not finite" + when + widest_gap(asked, state, phi, 0));
+  Contradiction& found = asked.report.contradiction;
+  found = find_contradiction({.world = asked.world, .from = state, .bounds = false});
+  asked.end_step(found.empty() ? Status::kNotConverged : Status::kContradiction,
+                 "the joints cannot be closed" + when + widest_gap(asked, state, phi, 0));
+}
+
 /// With all bodies awake.
 RankReport rank_of(const World& world, const Settings& settings) {
   if (world.asleep_count() == 0) return analyze_rank(world, settings);
@@ -295,23 +309,16 @@ void Simulator::Impl::note_renewed() {
 /// Joints that are open beyond the tolerance are closed by the smallest move; false, and said so, if that
 /// cannot be.
 bool Simulator::Impl::close_at_start() {
-  const std::span<const double> phi = quality_.residual(stepper_.system().rows(), world_.state());
-  const Gap gap = max_gap(stepper_.system().rows(), phi);
-  const Inquiry asked = inquiry();
-  if (!std::isfinite(gap.metres + gap.radians)) {
-    asked.end_step(Status::kNotFinite,
-                   "a joint's gap is not finite at the start" + widest_gap(asked, world_.state(), phi, 0));
-    return false;
-  }
-  if (std::max(gap.metres, gap.radians) <= settings_.position_tolerance) return true;
   State state = world_.state();
-  if (close_joints(stepper_.system(), state, settings_.position_tolerance, report_)) {
+  const Rows& rows = stepper_.system().rows();
+  const Gap gap = max_gap(rows, quality_.residual(rows, state));
+  const bool finite = is_finite_gap(gap);
+  if (finite && std::max(gap.metres, gap.radians) <= settings_.position_tolerance) return true;
+  if (finite && close_joints(stepper_.system(), state, settings_.position_tolerance, report_)) {
     undo_.move_world(state);
     return true;
   }
-  report_.contradiction = find_contradiction({.world = world_, .from = state, .bounds = false});
-  asked.end_step(report_.contradiction.empty() ? Status::kNotConverged : Status::kContradiction,
-                 "the joints cannot be closed at the start" + widest_gap(asked, state));
+  end_open(inquiry(), state, quality_.residual(rows, state), " at the start");
   return false;
 }
 
@@ -432,15 +439,7 @@ void Simulator::Impl::close_all_joints() {
   }
   const Rows& rows = stepper_.system().rows();
   const std::span<const double> phi = quality_.residual(rows, state);
-  const Gap gap = max_gap(rows, phi);
-  const Inquiry asked = inquiry();
-  if (!std::isfinite(gap.metres + gap.radians)) {
-    asked.end_step(Status::kNotFinite, "a joint's gap is not finite" + widest_gap(asked, state, phi, 0));
-  } else if (report_.ok()) {
-    report_.contradiction = find_contradiction({.world = world_, .from = state, .bounds = false});
-    asked.end_step(report_.contradiction.empty() ? Status::kNotConverged : Status::kContradiction,
-                   "the joints cannot be closed" + widest_gap(asked, state));
-  }
+  if (report_.ok() || !is_finite_gap(max_gap(rows, phi))) end_open(inquiry(), state, phi, "");
 }
 
 Simulator::Simulator(World& world, const Settings& settings)

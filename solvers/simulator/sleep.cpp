@@ -9,9 +9,9 @@
 namespace taut {
 namespace {
 
-/// Forces are the same if they differ by less than this part.
+/// Forces are the same if they differ by less than this part of themselves and the weight.
 constexpr double kSameForce = 1e-9;
-/// A body may be this much faster by the end of a step than it was before.
+/// How many times faster bodies may come together by the end of a step than they did before.
 constexpr double kFaster = 2;
 
 }  // namespace

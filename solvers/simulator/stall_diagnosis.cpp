@@ -18,7 +18,8 @@ constexpr double kStepsAhead[] = {1, 4};
 /// Part of the tolerance that stuck joints must be open by: the step fails as soon as all of them are open by
 /// the whole of it, to a hair.
 constexpr double kStuckPart = 0.5;
-/// What an active set without a solution leaves at least, relative, where laws contradict each other.
+/// What an active set without a solution leaves at least, as a part of the largest impulse, where laws
+/// contradict each other.
 constexpr double kRoundOffResidual = 1e-6;
 
 std::vector<JointId> broken_joints(const Stepper& stepper) {

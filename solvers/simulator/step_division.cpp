@@ -2,15 +2,9 @@
 
 #include <algorithm>
 
+#include "solvers/simulator/substep_tuning.h"
+
 namespace taut {
-namespace {
-
-/// Steps in a row that ask for fewer sub-steps before there are fewer.
-constexpr int kQuietSteps = 300;
-/// Steps after one with inexact laws in which they may be inexact in any sub-step.
-constexpr int kHardSteps = 10;
-
-}  // namespace
 
 double StepDivision::choose(double needed) {
   if (needed >= substeps_) {
@@ -18,7 +12,7 @@ double StepDivision::choose(double needed) {
     quiet_ = 0;
   } else {
     most_substeps_ = quiet_ == 0 ? needed : std::max(most_substeps_, needed);
-    if (++quiet_ >= kQuietSteps) {
+    if (++quiet_ >= SubstepTuning::kQuietSteps) {
       substeps_ = most_substeps_;
       quiet_ = 0;
     }
@@ -27,7 +21,7 @@ double StepDivision::choose(double needed) {
 }
 
 void StepDivision::note_done(Status status) {
-  hard_steps_ = status == Status::kInexact ? kHardSteps : std::max(hard_steps_ - 1, 0);
+  hard_steps_ = status == Status::kInexact ? SubstepTuning::kHardSteps : std::max(hard_steps_ - 1, 0);
 }
 
 }  // namespace taut

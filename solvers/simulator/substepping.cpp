@@ -4,18 +4,13 @@
 #include <cmath>
 
 #include "core/base/interruption.h"
+#include "solvers/simulator/substep_tuning.h"
 
 namespace taut {
-namespace {
-
-/// Laws may be met inexactly in sub-steps below this part of the step.
-constexpr double kHardPart = 0.6;
-
-}  // namespace
 
 void Substepping::begin(Scheme& scheme, double dt) {
   scheme.begin(dt);
-  const double needed = std::clamp(std::ceil(dt / step_limit(scheme) - Substeps::kCountRoundOff), 1.0,
+  const double needed = std::clamp(std::ceil(dt / step_limit(scheme) - SubstepTuning::kCountRoundOff), 1.0,
                                    double(settings_.max_substeps));
   substeps_ = Substeps(dt, division_.choose(needed), settings_.max_substeps);
   composition_.forget();
@@ -67,7 +62,7 @@ void Substepping::accept(Status status) {
 void Substepping::after_stall(Scheme& scheme) {
   const bool laws = scheme.drop_guess();
   if (!laws || forgot_) substeps_.shorten();
-  if (laws && (hard_ || substeps_.below(kHardPart)))
+  if (laws && (hard_ || substeps_.below(SubstepTuning::kHardPart)))
     scheme.accept_inexact(settings_.inexact_tolerance, false);
   forgot_ = laws || forgot_;
 }

@@ -8,9 +8,6 @@ namespace taut {
 /// and one that ends at an impact.  (solvers/simulator, "Sub-steps")
 class Substeps {
  public:
-  /// A count of sub-steps that is above a whole number by less than this is that number.
-  static constexpr double kCountRoundOff = 1e-9;
-
   Substeps() = default;  ///< none
   /// As many as `count` of equal length, none shorter than dt / `most`.
   Substeps(double dt, double count, double most)

@@ -3,9 +3,11 @@
 namespace taut {
 namespace {
 
-/// Contact rows from which on the bodies may be the smaller system.
+/// Contact rows from which on the bodies may be the smaller system.  Half: 3.6 times the factorisations of a
+/// top-heavy stack, and up to 200 times the Newton steps of shapes at rest.
 constexpr int kManyContactRows = 150;
 /// Axes with Coulomb friction from which on the active set has to give way to solves through the bodies.
+/// Twice: 2.2 times the back-solves of a net with friction.
 constexpr int kManyRubbingAxes = 150;
 
 /// What the dense blocks of S alone cost in a factor: each body has one of all its rows, and each row is in

@@ -5,12 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "solvers/system/rank_estimate.h"
+
 namespace taut {
 namespace {
-
-/// A row that joins a regular factor and leaves less than this part of its own S_rr is left to a new
-/// factorisation, which will shift.
-constexpr double kDependentPivot = 1e-6;
 
 double dot(std::span<const double> a, std::span<const double> b) {
   double sum = 0;
@@ -107,11 +105,11 @@ bool RowUpdates::factor_complement() {
       // gram already holds −S_rr
       const double own = stretch * (diagonal_[changed_[i]] + states_[row]);
       entry(i, i) += own - diagonal_[changed_[i]];
-      smallest = system_.singular() ? 0 : kDependentPivot * own;
+      smallest = system_.singular() ? 0 : kSteppingTolerance.dependent * own;
     } else if (states_[row] != kMasked) {
       const double inverse = 1 / (stretch * (states_[row] - factored_state(row)));
       entry(i, i) -= inverse;
-      smallest = -kDependentPivot * inverse;
+      smallest = -kSteppingTolerance.dependent * inverse;
     }
     for (int k = 0; k < i; ++k) {
       double l = entry(i, k);

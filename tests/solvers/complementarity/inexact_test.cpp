@@ -7,6 +7,7 @@
 #include "core/joints/joints.h"
 #include "scenes/builders/scene.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/solvers/squeezed_boxes.h"
 #include "tests/source_dir.h"
 
 namespace taut::inexact_test {
@@ -42,24 +43,11 @@ Scene wedged_bodies() {
   return scene;
 }
 
-/// Boxes between two rigid walls that are nearer to each other than the boxes are wide: no motion meets the
-/// gaps of both sides, and no method the laws.
 Scene squeezed_boxes() {
-  constexpr double kOver = 3e-5;  // less is what contacts may yield
   Scene scene;
   scene.settings.inexact_tolerance = 0.5;
   scene.dt = 1.0 / 240;
-  scene.world.add_shape(kGround, HalfSpace{});
-  for (int side : {-1, 1}) scene.world.add_shape(kGround, Box{{1, 40, 10}}, {.p = Vec3(side, 0, 5)});
-  const Vec3 size(1 + 2 * kOver, 0.5, 0.5);
-  for (int k = 0; k < 5; ++k) {
-    const BodyId box =
-        scene.world.add_body({.mass = MassProperties::box(size, 1), .pose = {.p = Vec3(0, k, 1)}});
-    scene.world.add_shape(box, Box{size});
-    const BodyId top = scene.world.add_body(  // which makes the boxes' laws a matter of other bodies
-        {.mass = MassProperties::box(Vec3(0.5, 0.5, 0.5), 1), .pose = {.p = Vec3(0, k, 1.5)}});
-    scene.world.add_shape(top, Box{Vec3(0.5, 0.5, 0.5)});
-  }
+  testing::add_squeezed_boxes(scene.world);
   return scene;
 }
 

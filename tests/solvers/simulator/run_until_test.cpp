@@ -6,6 +6,7 @@
 #include "core/joints/joints.h"
 #include "scenes/builders/scene.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/solvers/squeezed_boxes.h"
 
 // Many steps in one call.
 namespace taut::run_until_test {
@@ -62,19 +63,10 @@ TEST(RunUntil, ItsStepsAreSingleOnes) {
   }
 }
 
-/// Boxes between rigid walls that are 6e-5 m too near to each other: laws that nothing meets.
+/// Laws that nothing meets.
 TEST(RunUntil, GoesOnThroughInexactStepsAndCountsThem) {
   World world;
-  world.add_shape(kGround, HalfSpace{});
-  for (int side : {-1, 1}) world.add_shape(kGround, Box{{1, 40, 10}}, {.p = Vec3(side, 0, 5)});
-  const Vec3 size(1 + 6e-5, 0.5, 0.5);
-  for (int k = 0; k < 5; ++k) {
-    const BodyId box = world.add_body({.mass = MassProperties::box(size, 1), .pose = {.p = Vec3(0, k, 1)}});
-    world.add_shape(box, Box{size});
-    const BodyId top = world.add_body(  // which makes the boxes' laws a matter of other bodies
-        {.mass = MassProperties::box(Vec3(0.5, 0.5, 0.5), 1), .pose = {.p = Vec3(0, k, 1.5)}});
-    world.add_shape(top, Box{Vec3(0.5, 0.5, 0.5)});
-  }
+  testing::add_squeezed_boxes(world);
   Simulator simulator(world, {.inexact_tolerance = 0.5});
   const RunReport run = simulator.run_until(4.0 / 240, 1.0 / 240);
   EXPECT_TRUE(run.ok()) << run.last.message;
