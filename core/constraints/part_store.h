@@ -16,8 +16,8 @@
 #include "core/state/state.h"
 
 /// What row parts (row_parts.h) are written in terms of, and arrays of parts of one kind with the place of
-/// their rows, which Rows is made of.  A header of parts declares the arrays of its own as compiled beside
-/// their bodies (extern template); for a part without that they are compiled where it is used.
+/// their rows, which Rows is made of.  They are compiled beside the bodies of the parts, or where a part from
+/// elsewhere is added to rows (core/constraints/rows.h).
 namespace taut {
 
 /// One row-major block of N rows by 6 columns (ω, v).
