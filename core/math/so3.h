@@ -70,15 +70,15 @@ Vec3 across(const Vec3& v, const Vec3& axis);
 
 /// The part of v across the unit vector n.
 inline Vec3 tangential(const Vec3& v, const Vec3& n) {
-  const double along = n[0] * v[0] + (n[1] * v[1] + n[2] * v[2]);
+  const double along = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
   return {v[0] - along * n[0], v[1] - along * n[1], v[2] - along * n[2]};
 }
 
 /// rotation_between(m, n) v of unit vectors m and n that are not opposite, and of a v across m.
 inline Vec3 carried(const Vec3& v, const Vec3& m, const Vec3& n) {
-  const double c =
-      (n[0] * v[0] + (n[1] * v[1] + n[2] * v[2])) / (1 + (n[0] * m[0] + (n[1] * m[1] + n[2] * m[2])));
-  return {v[0] - c * (n[0] + m[0]), v[1] - c * (n[1] + m[1]), v[2] - c * (n[2] + m[2])};
+  const double along = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
+  const double part = along / (1 + (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]));
+  return {v[0] - part * (n[0] + m[0]), v[1] - part * (n[1] + m[1]), v[2] - part * (n[2] + m[2])};
 }
 
 }  // namespace taut
