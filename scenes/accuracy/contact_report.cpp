@@ -14,37 +14,42 @@ using OrderedJson = nlohmann::ordered_json;
 /// null for what is not a number, which JSON does not have.
 OrderedJson number(double x) { return std::isfinite(x) ? OrderedJson(x) : OrderedJson(nullptr); }
 
-std::string milliseconds(double dt) { return format("%g ms", 1e3 * dt); }
-
+/// Truths of 0 are errors; others are read digit by digit.
 std::string measured_text(const Truth& truth, double measured) {
-  // Truths of 0 are errors; others are read digit by digit.
-  return format(truth.value == 0 && truth.comparison != Comparison::kConverges ? "%.2e" : "%.9g", measured);
+  if (std::isnan(measured)) return "not measured";
+  return format(truth.value == 0 && truth.comparison != Comparison::kConverges ? "%.2g" : "%.9g", measured);
 }
 
+std::string truth_text(const Truth& truth) {
+  if (truth.comparison == Comparison::kConverges) return truth.source;
+  const std::string value =
+      format("%s%.9g", truth.comparison == Comparison::kAtMost ? "at most " : "", truth.value);
+  return value == truth.source ? value : value + " (" + truth.source + ")";
+}
+
+/// what | truth | measured at each step | allowed | order
 std::string row_text(const TruthResult& row, const std::vector<double>& steps) {
   const Truth& truth = row.truth;
-  std::string text = format("  %-4s  ", to_string(row.verdict)) + truth.what + "\n        truth ";
-  if (truth.comparison != Comparison::kConverges)
-    text += format("%s%.9g (", truth.comparison == Comparison::kAtMost ? "at most " : "", truth.value) +
-            truth.source + "); ";
-  else
-    text += truth.source + "; ";
-  text += "measured";
+  std::string text =
+      format("  %-4s  ", to_string(row.verdict)) + truth.what + " | " + truth_text(truth) + " | ";
   for (std::size_t i = 0; i < steps.size(); ++i)
-    text += format("%s %s at ", i == 0 ? "" : ",", measured_text(truth, row.measured[i]).c_str()) +
-            milliseconds(steps[i]);
-  text += format("; allowed %.2g", row.allowed.front());
+    text += (i == 0 ? "" : " / ") + measured_text(truth, row.measured[i]);
+  text += format(" | within %.2g", row.allowed.front());
   if (truth.power > 0) text += format(" ... %.2g", row.allowed.back());
-  if (!std::isnan(row.order)) text += format("; order %.2f", row.order);
+  if (row.order > 0 && (truth.power > 0 || truth.order > 0)) text += format(" | order %.2f", row.order);
   if (truth.order > 0) text += format(" (at least %.2g)", truth.order);
+  if (!row.note.empty()) text += " | " + row.note;
   return text + '\n';
 }
 
 std::string case_heading(const ContactResult& result) {
-  std::string text = result.name + ": " + result.what + format("  (%.1f s)\n", result.wall_time);
+  std::string text = result.name + ": " + result.what + "; measured at";
+  for (std::size_t i = 0; i < result.steps.size(); ++i)
+    text += format("%s %g", i == 0 ? "" : " /", 1e3 * result.steps[i]);
+  text += format(" ms (%.1f s)\n", result.wall_time);
   for (std::size_t i = 0; i < result.laws.size(); ++i)
     if (!result.laws[i].failed.empty())
-      text += "  FAIL  at " + milliseconds(result.steps[i]) + ": " + result.laws[i].failed + '\n';
+      text += format("  FAIL  at %g ms: ", 1e3 * result.steps[i]) + result.laws[i].failed + '\n';
   return text;
 }
 
@@ -81,13 +86,14 @@ OrderedJson row_json(const TruthResult& row, const std::vector<double>& steps) {
 }
 
 OrderedJson law_json(const LawRecord& law, double dt) {
+  const auto worst = [](const WorstStep& step) {
+    return OrderedJson{{"work", step.work}, {"time", step.time}};
+  };
   OrderedJson json{{"dt", dt},
                    {"steps", law.steps},
                    {"inexact", law.inexact},
-                   {"most_work_of_contacts", law.contacts},
-                   {"at", law.contacts_time},
-                   {"most_work_of_friction", law.friction},
-                   {"friction_at", law.friction_time}};
+                   {"most_from_contacts", worst(law.contacts)},
+                   {"most_from_contacts_and_friction", worst(law.with_friction)}};
   if (!law.failed.empty()) json["failed"] = law.failed;
   return json;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -11,11 +12,16 @@
 /// `taut accuracy --contacts`: worlds with contact against closed forms and laws.
 namespace taut::reference {
 
+/// The step of a run that gave the most of something.
+struct WorstStep {
+  double work = std::numeric_limits<double>::quiet_NaN();  ///< over the energy at the start
+  double time = 0;                                         ///< at its end [s]
+};
+
 /// What the ledger and the status of the steps of a run say.
 struct LawRecord {
-  double contacts = -1e300;  ///< most that contacts gave in a step, over the energy at the start
-  double friction = -1e300;  ///< likewise friction
-  double contacts_time = 0, friction_time = 0;  ///< at the end of those steps [s]
+  WorstStep contacts{};       ///< what contacts gave by their normal impulses: never above 0
+  WorstStep with_friction{};  ///< and friction with them: never above 0
   long steps = 0, inexact = 0;
   std::string failed{};  ///< what the step said that failed, with its time; empty: none did
 };
@@ -42,7 +48,7 @@ class ContactCourse {
   World world_;
   double dt_;
   LawRecord& laws_;
-  double start_;
+  double start_, scale_;  ///< energy at the start [J], and its size with what moves then
   Simulator simulator_;
 };
 
@@ -68,7 +74,6 @@ struct Truth {
 struct ContactCase {
   std::string name, what;
   std::vector<double> steps;  ///< [s]
-  int quick_steps = 0;        ///< how many of them `--quick` takes
   std::vector<Truth> truths;
   /// A value for each truth, NaN if the run ended before.
   std::function<std::vector<double>(double dt, LawRecord& laws)> measure;
@@ -87,6 +92,7 @@ struct TruthResult {
       allowed{};                            ///< at each step; errors of kConverges: the last change
   double order = 0;                         ///< observed at the two shortest steps; NaN: none is seen
   Verdict verdict = Verdict::kNotMeasured;  ///< kPass or kFail
+  std::string note{};                       ///< where the worst was
 };
 struct ContactResult {
   std::string name, what;
@@ -99,7 +105,7 @@ struct ContactResult {
 };
 
 /// Runs a case at its steps, and compares.
-ContactResult run_contact_case(const ContactCase& wanted, bool quick = false);
+ContactResult run_contact_case(const ContactCase& wanted);
 /// The verdict on what was measured at these steps.
 TruthResult judge(const Truth& truth, const std::vector<double>& steps, const std::vector<double>& measured);
 

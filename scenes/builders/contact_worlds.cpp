@@ -130,7 +130,8 @@ World cradle(double gap) {
 
 World oblique_ball(const Oblique& ball, double restitution, double friction) {
   World world = floor_of(rubbing(friction, restitution));
-  add_ball(world, ball.radius, {0, 0, ball.radius + 3e-4},
+  world.set_gravity(Vec3::Zero());
+  add_ball(world, ball.radius, {0, 0, ball.radius + ball.height},
            {.w = {0, ball.spin, 0}, .v = {ball.speed_x, 0, ball.speed_z}}, rubbing(friction, restitution));
   return world;
 }

@@ -34,11 +34,12 @@ World ball_break();
 /// the first flies at the others at 2 m/s from 0.1 m.
 World cradle(double gap);
 
-/// A ball that strikes a floor obliquely, 0.3 mm above it at the start.
+/// A ball of 1 kg without weight that strikes a floor obliquely.
 struct Oblique {
   double speed_x = 1.5, speed_z = -2;  ///< [m/s]
   double spin = 4;                     ///< about y [rad/s]
-  double radius = 0.1;                 ///< [m]; 1 kg
+  double radius = 0.1;                 ///< [m]
+  double height = 3e-4;                ///< above the floor at the start [m]
 };
 World oblique_ball(const Oblique& ball, double restitution, double friction);
 /// A rod or a box, thrown at a floor with random turn, speed and spin.

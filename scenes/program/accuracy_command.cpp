@@ -153,8 +153,7 @@ int contacts_command(const AccuracyOptions& options) {
   if (cases.empty()) fail("--only", "is in the name of no case", options.only);
   check_outputs(options);
   const std::vector<ContactResult> results = run_all<ContactResult, ContactCase>(
-      cases, options.jobs, [&](const ContactCase& c) { return run_contact_case(c, options.quick); },
-      [](const ContactResult&) {});
+      cases, options.jobs, reference::run_contact_case, [](const ContactResult&) {});
   if (options.json != "-" && options.csv != "-") std::cout << contact_table(results, options.summary);
   bool good = write(options.json, options.json ? contact_json(results).dump(2) + '\n' : "");
   good = write(options.csv, options.csv ? contact_csv(results) : "") && good;

@@ -16,7 +16,6 @@ struct AccuracyOptions {
   int jobs = 0;           ///< cases that run at the same time; 0: as many as the machine has cores
   bool summary = false;   ///< a line per case in place of one per quantity
   bool contacts = false;  ///< worlds with contact against closed forms and laws, in place of the cases
-  bool quick = false;     ///< with `contacts`: without the finest steps
   std::string study;      ///< folder for the comparison of methods and the convergence study; empty: cases
   /// Files for JSON and CSV; "-" is the standard output, in place of the table; none: not written.
   std::optional<std::string> json, csv;

@@ -172,10 +172,9 @@ void add_accuracy(CLI::App& app, Arguments& arguments) {
     study.excludes(of_cases);
   CLI::Option& contacts = *accuracy.add_flag(
       "--contacts", options.contacts,
-      "in place of the cases: worlds with contact against closed forms and laws, in about two minutes");
+      "in place of the cases: worlds with contact against closed forms and laws, in less than a minute");
   for (const char* of_cases : {"--references", "--integrator", "--factor", "--study"})
     contacts.excludes(of_cases);
-  accuracy.add_flag("--quick", options.quick, "with --contacts: without the finest steps")->needs(&contacts);
 }
 
 void add_friction(CLI::App& app, taut::FrictionOptions& options) {
