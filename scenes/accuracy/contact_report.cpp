@@ -87,7 +87,7 @@ OrderedJson row_json(const TruthResult& row, const std::vector<double>& steps) {
 
 OrderedJson law_json(const LawRecord& law, double dt) {
   const auto worst = [](const WorstStep& step) {
-    return OrderedJson{{"work", step.work}, {"time", step.time}};
+    return OrderedJson{{"work", number(step.work)}, {"time", step.time}};
   };
   OrderedJson json{{"dt", dt},
                    {"steps", law.steps},

@@ -18,7 +18,8 @@ SurfacePoint on_ellipsoid(const Vec3& radii, const Vec3& centre, const Vec3& n);
 SurfacePoint on_rim(double radius, double half, const Vec3& n);
 
 /// A body that rolls without slip on the plane z = 0: three equations of Euler about the centre of mass, with
-/// the contact's force eliminated, in body axes.                                   (scenes/accuracy, Eq. 3)
+/// the contact's force eliminated, in body axes.                                   (scenes/accuracy/CONTACTS,
+/// Eq. 2)
 struct RollingBody {
   double mass = 1;
   Mat3 inertia = Mat3::Identity();

@@ -172,7 +172,7 @@ void add_accuracy(CLI::App& app, Arguments& arguments) {
     study.excludes(of_cases);
   CLI::Option& contacts = *accuracy.add_flag(
       "--contacts", options.contacts,
-      "in place of the cases: worlds with contact against closed forms and laws, in less than a minute");
+      "in place of the cases: worlds with contact against closed forms and laws, in about ten seconds");
   for (const char* of_cases : {"--references", "--integrator", "--factor", "--study"})
     contacts.excludes(of_cases);
 }

@@ -83,7 +83,10 @@ INSTANTIATE_TEST_SUITE_P(Cases, ContactTruth,
 
 /// A step that fails leaves rows that are not numbers, and no case is good with those.
 TEST(ContactTruths, OfARunThatFailsAreMissed) {
-  ContactCase broken{.name = "broken", .what = "fails", .steps = {1e-3}};
+  ContactCase broken;
+  broken.name = "broken";
+  broken.what = "fails";
+  broken.steps = {1e-3};
   broken.truths = {{.what = "x", .source = "0", .allowed = 1}};
   broken.measure = [](double, LawRecord& laws) {
     laws.failed = "step to t = 0 s: no";
@@ -96,7 +99,8 @@ TEST(ContactTruths, OfARunThatFailsAreMissed) {
   EXPECT_NE(table.find("at 1 ms: step to t = 0 s: no"), std::string::npos) << table;
   EXPECT_NE(table.find("not measured"), std::string::npos) << table;
   EXPECT_EQ(contact_json({result}).at("cases").at(0).at("rows").at(0).at("verdict"), "FAIL");
-  EXPECT_NO_THROW((void)Json::parse(contact_json({result}).dump()));
+  const Json read = Json::parse(contact_json({result}).dump());
+  EXPECT_TRUE(read.at("cases").at(0).at("rows").at(0).at("results").at(0).at("measured").is_null());
 }
 
 /// Contacts that give energy are found, and so is the step: a body is thrown into a run as by an impact.
@@ -131,7 +135,9 @@ TEST(RollingBody, KnowsPointsOfSurfaces) {
 /// A ball rolls straight on at one speed; with rolling friction of arm δ it slows by 5/7 g δ/r.
 TEST(RollingBody, OfABallIsStraight) {
   const double r = 0.1, speed = 0.5, arm = 1e-3;
-  RollingBody ball{.mass = 2, .inertia = 0.4 * 2 * r * r * Mat3::Identity(), .gravity = 9.81};
+  RollingBody ball;
+  ball.mass = 2;
+  ball.inertia = 0.4 * 2 * r * r * Mat3::Identity();
   ball.surface = [r](const Vec3& n) { return on_ellipsoid(Vec3::Constant(r), Vec3::Zero(), n); };
   const RollingState start{.pose = {.q = Quat::Identity(), .p = {0, 0, r}},
                            .twist = {.w = {0, speed / r, 0}, .v = {speed, 0, 0}}};
