@@ -4,12 +4,14 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <mutex>
 #include <thread>
 
 #include "core/base/check.h"
 #include "scenes/accuracy/accuracy_report.h"
+#include "scenes/accuracy/contact_report.h"
 #include "scenes/accuracy/convergence_study.h"
 #include "scenes/accuracy/energy_study.h"
 #include "scenes/accuracy/method_study.h"
@@ -62,25 +64,25 @@ CaseResult result_of(const fs::path& file, const reference::RunPlan& plan) {
   return result;
 }
 
-/// All files on several threads; prints tables in the order of the files.
-std::vector<CaseResult> run_all(const std::vector<fs::path>& files, const AccuracyOptions& options,
-                                bool print) {
-  std::vector<CaseResult> results(files.size());
-  std::vector<char> done(files.size());
+/// run(item) of all items on several threads; tell(result) in the order of the items, as they are done.
+template <typename Result, typename Item>
+std::vector<Result> run_all(const std::vector<Item>& items, int wanted_jobs,
+                            const std::function<Result(const Item&)>& run,
+                            const std::function<void(const Result&)>& tell) {
+  std::vector<Result> results(items.size());
+  std::vector<char> done(items.size());
   std::atomic<std::size_t> next{0};
-  std::size_t printed = 0;
-  std::mutex printing;
-  const reference::RunPlan plan = plan_of(options);
+  std::size_t told = 0;
+  std::mutex telling;
   const auto work = [&] {
-    for (std::size_t i = next++; i < files.size(); i = next++) {
-      results[i] = result_of(files[i], plan);
-      const std::lock_guard lock(printing);
+    for (std::size_t i = next++; i < items.size(); i = next++) {
+      results[i] = run(items[i]);
+      const std::lock_guard lock(telling);
       done[i] = 1;
-      for (; printed < files.size() && done[printed]; ++printed)
-        if (print) std::cout << accuracy_table(results[printed], options.summary) << std::flush;
+      for (; told < items.size() && done[told]; ++told) tell(results[told]);
     }
   };
-  const int jobs = options.jobs > 0 ? options.jobs : std::max(1, int(std::thread::hardware_concurrency()));
+  const int jobs = wanted_jobs > 0 ? wanted_jobs : std::max(1, int(std::thread::hardware_concurrency()));
   std::vector<std::thread> others;
   for (int i = 1; i < jobs; ++i) others.emplace_back(work);
   work();
@@ -134,23 +136,50 @@ int study_command(const fs::path& references, const fs::path& folder) {
   return kExitSuccess;
 }
 
+/// What can be said of the outputs before anything runs.
+void check_outputs(const AccuracyOptions& options) {
+  if (options.jobs < 0) fail("--jobs", "must not be negative", options.jobs);
+  if (options.json == "-" && options.csv == "-") fail("--json and --csv", "cannot both go to", "-");
+  require_distinct({{"--json", options.json.value_or("")}, {"--csv", options.csv.value_or("")}}, {});
+  if (options.json && *options.json != "-") require_writable("--json", *options.json);
+  if (options.csv && *options.csv != "-") require_writable("--csv", *options.csv);
+}
+
+/// What --contacts asks for.
+int contacts_command(const AccuracyOptions& options) {
+  using reference::ContactCase, reference::ContactResult;
+  std::vector<ContactCase> cases = reference::contact_cases();
+  std::erase_if(cases, [&](const ContactCase& c) { return c.name.find(options.only) == std::string::npos; });
+  if (cases.empty()) fail("--only", "is in the name of no case", options.only);
+  check_outputs(options);
+  const std::vector<ContactResult> results = run_all<ContactResult, ContactCase>(
+      cases, options.jobs, reference::run_contact_case, [](const ContactResult&) {});
+  if (options.json != "-" && options.csv != "-") std::cout << contact_table(results, options.summary);
+  bool good = write(options.json, options.json ? contact_json(results).dump(2) + '\n' : "");
+  good = write(options.csv, options.csv ? contact_csv(results) : "") && good;
+  for (const ContactResult& result : results) good = good && result.good();
+  return good ? kExitSuccess : kExitFailure;
+}
+
 }  // namespace
 
 int accuracy_command(const AccuracyOptions& options) {
+  if (options.contacts) return contacts_command(options);
   const fs::path folder = options.references.empty() ? default_references() : fs::path(options.references);
   if (!options.study.empty()) return study_command(folder, options.study);
-  if (options.jobs < 0) fail("--jobs", "must not be negative", options.jobs);
   std::vector<fs::path> files = reference::case_files(folder);
   if (files.empty()) fail("--references", "has no case files", folder.string());
   std::erase_if(files,
                 [&](const fs::path& f) { return f.stem().string().find(options.only) == std::string::npos; });
   if (files.empty()) fail("--only", "is in the name of no case", options.only);
-  if (options.json == "-" && options.csv == "-") fail("--json and --csv", "cannot both go to", "-");
-  require_distinct({{"--json", options.json.value_or("")}, {"--csv", options.csv.value_or("")}}, {});
-  if (options.json && *options.json != "-") require_writable("--json", *options.json);
-  if (options.csv && *options.csv != "-") require_writable("--csv", *options.csv);
+  check_outputs(options);
   const bool print = options.json != "-" && options.csv != "-";
-  const std::vector<CaseResult> results = run_all(files, options, print);
+  const reference::RunPlan plan = plan_of(options);
+  const std::vector<CaseResult> results = run_all<CaseResult, fs::path>(
+      files, options.jobs, [&](const fs::path& file) { return result_of(file, plan); },
+      [&](const CaseResult& result) {
+        if (print) std::cout << accuracy_table(result, options.summary) << std::flush;
+      });
   const reference::Totals totals = totals_of(results);
   if (print) std::cout << '\n' << accuracy_totals(totals);
   bool written = write(options.json, options.json ? accuracy_json(results).dump(2) + '\n' : "");

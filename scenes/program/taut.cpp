@@ -170,6 +170,11 @@ void add_accuracy(CLI::App& app, Arguments& arguments) {
   for (const char* of_cases :
        {"--only", "--integrator", "--factor", "--jobs", "--summary", "--json", "--csv"})
     study.excludes(of_cases);
+  CLI::Option& contacts = *accuracy.add_flag(
+      "--contacts", options.contacts,
+      "in place of the cases: worlds with contact against closed forms and laws, in about ten seconds");
+  for (const char* of_cases : {"--references", "--integrator", "--factor", "--study"})
+    contacts.excludes(of_cases);
 }
 
 void add_friction(CLI::App& app, taut::FrictionOptions& options) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kG = 9.81;
 
-using testing::add_solid, testing::rubbing;
+using namespace contact_worlds;
 
 /// Down a fixed sphere of 1 m without friction: θ̈ = g sin θ / R about the sum R of the radii.
 TEST(ContactOrder, of_a_ball_that_slides_down_a_dome_is_2) {
@@ -32,11 +32,8 @@ TEST(ContactOrder, of_a_ball_that_slides_down_a_dome_is_2) {
   }
   double last = 0;
   for (const double dt : {4e-3, 2e-3, 1e-3}) {
-    World world;
-    world.add_shape(kGround, Sphere{1}, {}, rubbing(0));
-    const BodyId ball = add_solid(world, Sphere{0.1}, MassProperties::sphere(0.1, 1),
-                                  {.p = {R * std::sin(start), 0, R * std::cos(start)}},
-                                  {Vec3::Zero(), Vec3::Zero()}, rubbing(0));
+    World world = ball_on_dome(start);
+    const BodyId ball{1};
     Simulator simulator(world);
     for (int i = 0; i < std::lround(time / dt); ++i) {
       ASSERT_TRUE(simulator.step(dt).exact());
@@ -49,19 +46,6 @@ TEST(ContactOrder, of_a_ball_that_slides_down_a_dome_is_2) {
     }
     last = error;
   }
-}
-
-/// On its rim, leaning and turning, without slip.
-World rolling_disc() {
-  World world;
-  world.add_shape(kGround, HalfSpace{}, {}, rubbing(3));
-  const double lean = 70 * std::numbers::pi / 180, r = 0.2, half = 0.02;
-  const Quat q(Eigen::AngleAxisd(-lean, Vec3::UnitX()));
-  const double z = r * std::sin(lean) + half * std::cos(lean);
-  const Vec3 w(0, 8.5, 4.3), arm(0, half * std::sin(lean) - r * std::cos(lean), z);
-  add_solid(world, Cylinder{r, 2 * half}, MassProperties::cylinder(r, 2 * half, 1.5),
-            {.q = q, .p = {0, 0, z}}, {.w = w, .v = w.cross(arm)}, rubbing(3));
-  return world;
 }
 
 /// How far the disc's lowest point is below the floor.

@@ -17,15 +17,7 @@ namespace {
 
 constexpr double kG = 9.81;
 
-using testing::add_solid, testing::rubbing;
-
-BodyId add_ball(World& world, double radius, const Vec3& p, const Twist& twist, const Material& m) {
-  return add_solid(world, Sphere{radius}, MassProperties::sphere(radius, 1), {.p = p}, twist, m);
-}
-
-BodyId add_box(World& world, const Vec3& size, const Pose& pose, const Twist& twist, const Material& m) {
-  return add_solid(world, Box{size}, MassProperties::box(size, 1), pose, twist, m);
-}
+using namespace contact_worlds;
 
 /// T + V of the bodies, by hand.
 double energy(const World& world) {
@@ -66,35 +58,10 @@ Course run(World& world, double dt, double time, double resting_speed = 1e-4) {
   return course;
 }
 
-Quat random_turn(std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);
-  return Quat(w, x, y, z).normalized();
-}
-Vec3 random_vector(std::mt19937& random, double most) {
-  std::uniform_real_distribution<double> uniform(-most, most);
-  const double x = uniform(random), y = uniform(random), z = uniform(random);
-  return {x, y, z};
-}
-
-/// Six planes with free space inside ±half.
-void add_walls(World& world, double half, const Material& m) {
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double side : {-1.0, 1.0}) {
-      const Vec3 inward = -side * Vec3::Unit(axis);
-      world.add_shape(kGround, HalfSpace{},
-                      {.q = Quat::FromTwoVectors(Vec3::UnitZ(), inward), .p = side * half * Vec3::Unit(axis)},
-                      m);
-    }
-}
-
 TEST(ImpactEnergy, of_a_smooth_box_that_tumbles_on_a_smooth_floor_is_kept) {
   double largest = 0, last = 0;
   for (const double dt : {4e-3, 2e-3, 1e-3, 5e-4}) {
-    World world;
-    world.add_shape(kGround, HalfSpace{}, {}, rubbing(0, 1));
-    add_box(world, {0.3, 0.2, 0.1}, {.q = Quat(0.9, 0.3, -0.2, 0.25).normalized(), .p = {0, 0, 1}},
-            {.w = {2, 1, -3}, .v = {0.3, 0, 0}}, rubbing(0, 1));
+    World world = tumbling_box();
     const Course course = run(world, dt, 4);
     EXPECT_NEAR(course.end, 0, 1e-3) << dt;
     EXPECT_LE(course.most, 1e-3) << dt;
@@ -105,10 +72,8 @@ TEST(ImpactEnergy, of_a_smooth_box_that_tumbles_on_a_smooth_floor_is_kept) {
 }
 
 TEST(ImpactEnergy, of_two_balls_off_centre_is_kept_and_they_part_along_the_line_of_centres) {
-  World world;
-  world.set_gravity(Vec3::Zero());
-  const BodyId a = add_ball(world, 0.1, {-0.5, 0.19, 0}, {.w = Vec3::Zero(), .v = {3, 0, 0}}, rubbing(0, 1));
-  const BodyId b = add_ball(world, 0.1, {0, 0, 0}, {.w = Vec3::Zero(), .v = Vec3::Zero()}, rubbing(0, 1));
+  World world = two_balls();
+  const BodyId a{1}, b{2};
   EXPECT_NEAR(run(world, 1e-3, 0.4).end, 0, 1e-12);
   // sin of the angle between the line of centres and x is 0.19/0.2.
   const double s = 0.95, c2 = 1 - s * s;
@@ -117,14 +82,7 @@ TEST(ImpactEnergy, of_two_balls_off_centre_is_kept_and_they_part_along_the_line_
 }
 
 TEST(ImpactEnergy, of_a_break_of_fifteen_balls_that_touch_is_kept) {
-  World world;
-  world.set_gravity(Vec3::Zero());
-  const double r = 0.0286;
-  for (int row = 0; row < 5; ++row)
-    for (int k = 0; k <= row; ++k)
-      add_ball(world, r, {row * r * std::sqrt(3.0), (2 * k - row) * r, 0}, {Vec3::Zero(), Vec3::Zero()},
-               rubbing(0, 1));
-  add_ball(world, r, {-0.5, 0.003, 0}, {.w = Vec3::Zero(), .v = {5, 0, 0}}, rubbing(0, 1));
+  World world = ball_break();
   const Course course = run(world, 1e-3, 0.5, 1e-9);
   EXPECT_NEAR(course.end, 0, 1e-9);
 }
@@ -136,19 +94,7 @@ struct Gas {
 class ImpactGas : public ::testing::TestWithParam<Gas> {};
 
 TEST_P(ImpactGas, keeps_its_energy) {
-  std::mt19937 random(7);
-  World world;
-  world.set_gravity(Vec3::Zero());
-  add_walls(world, 0.5, rubbing(0, 1));
-  for (int i = 0; i < 27; ++i) {
-    const Vec3 p = 0.3 * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    const Quat q = random_turn(random);
-    const Vec3 w = random_vector(random, 5), v = random_vector(random, 1.5);
-    if (GetParam().boxes)
-      add_box(world, {0.12, 0.09, 0.07}, {.q = q, .p = p}, {.w = w, .v = v}, rubbing(0, 1));
-    else
-      add_ball(world, 0.07, p, {.w = w, .v = v}, rubbing(0, 1));
-  }
+  World world = gas(GetParam().boxes);
   const Course course = run(world, GetParam().dt, 1);
   EXPECT_NEAR(course.end, 0, 1e-3);
   EXPECT_LE(course.most, 1e-3);
@@ -172,10 +118,8 @@ class ObliqueImpact : public ::testing::TestWithParam<Oblique> {};
 TEST_P(ObliqueImpact, of_a_ball_is_that_of_the_closed_form) {
   const auto [e, mu] = GetParam();
   const double vx = 1.5, vz = -2, r = 0.1;
-  World world;
-  world.set_gravity(Vec3::Zero());
-  world.add_shape(kGround, HalfSpace{}, {}, rubbing(mu, e));
-  const BodyId ball = add_ball(world, r, {0, 0, 0.1503}, {.w = {0, 4, 0}, .v = {vx, 0, vz}}, rubbing(mu, e));
+  World world = oblique_ball({.speed_x = vx, .speed_z = vz, .spin = 4, .radius = r, .height = 0.0503}, e, mu);
+  const BodyId ball{1};
   const Course course = run(world, 1e-3, 0.05);
   EXPECT_NEAR(course.booked, course.end, 1e-9);
   const double slip = vx - 4 * r;  // of the lowest point
@@ -191,12 +135,7 @@ TEST_P(ObliqueImpact, of_rods_and_boxes_never_gives_energy) {
   const auto [e, mu] = GetParam();
   std::mt19937 random(11);
   for (int i = 0; i < 12; ++i) {
-    World world;
-    world.add_shape(kGround, HalfSpace{}, {}, rubbing(mu, e));
-    const Vec3 size = i % 2 == 0 ? Vec3(0.8, 0.02, 0.02) : Vec3(0.3, 0.2, 0.1);
-    const Quat q = random_turn(random);
-    const Vec3 w = random_vector(random, 6), v = random_vector(random, 3);
-    add_box(world, size, {.q = q, .p = {0, 0, 0.6}}, {.w = w, .v = v - Vec3(0, 0, 2)}, rubbing(mu, e));
+    World world = thrown_box(random, i % 2 == 0, e, mu);
     const Course course = run(world, 2e-3, 0.6, 1e-3);
     EXPECT_LE(course.most, 2e-4) << i;  // of the flow between impacts
   }
@@ -211,17 +150,8 @@ INSTANTIATE_TEST_SUITE_P(Materials, ObliqueImpact,
 TEST(ImpactEnergy, of_a_rod_that_slides_on_a_rough_floor_never_grows) {
   for (const double degrees : {25.0, 40.0, 55.0, 70.0})
     for (const double mu : {0.4, 1.0, 1.5}) {
-      const double angle = degrees * std::numbers::pi / 180, half = 0.5;
-      World world;
-      world.add_shape(kGround, HalfSpace{}, {}, rubbing(mu, 0.5));
-      const Quat q(Eigen::AngleAxisd(-angle, Vec3::UnitY()));
-      const BodyId rod = world.add_body({.name = "rod",
-                                         .mass = MassProperties::box({1, 0.01, 0.01}, 1),
-                                         .pose = {.q = q, .p = {0, 0, half * std::sin(angle) + 0.02}},
-                                         .twist = {.w = {0, 1, 0}, .v = {-2, 0, -1}}});
-      world.add_shape(rod, Capsule{0.005, 0.99},
-                      {.q = Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitY()))},
-                      rubbing(mu, 0.5));
+      const double angle = degrees * std::numbers::pi / 180;
+      World world = sliding_rod({.angle = angle, .height = 0.015, .speed_z = -1, .spin = 1}, 0.5, mu);
       EXPECT_LE(run(world, 1e-3, 0.5, 1e-3).most, 1e-5) << degrees << "°, " << mu;
     }
 }
