@@ -33,11 +33,12 @@ ContactCase belt_case() {
   return {.name = "belt",
           .what = "a box on a belt, held back by a spring until it slips",
           .steps = {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4, 6.25e-5, 3.125e-5},
-          // Forces are means of steps, in each of which the spring pulls harder by rate · h.
+          // Forces are means of steps, in each of which the spring pulls harder by rate · h: one and a half
+          // of these are missing where it reaches the limit just as a step ends, as it does at most of them.
           .truths = {{.what = "largest force of friction, over mu_s m g",
                       .source = "1",
                       .value = 1,
-                      .allowed = 1.5 * belt.rate * 1e-3 / belt.limit,
+                      .allowed = 1.51 * belt.rate * 1e-3 / belt.limit,
                       .power = 1}},
           .measure = measure};
 }

@@ -74,7 +74,7 @@ TEST_P(ContactTruth, is_met_with_its_order) { expect_all_rows(run_contact_case(n
 INSTANTIATE_TEST_SUITE_P(Cases, ContactTruth,
                          ::testing::Values("tumbling-box", "gas-of-balls", "break", "cradle",
                                            "cradle-touching", "two-balls", "oblique", "dome", "bowl",
-                                           "roly-poly", "rattleback", "painleve", "dominoes"),
+                                           "roly-poly", "rattleback", "painleve", "dominoes", "belt"),
                          [](const auto& one) {
                            std::string name = one.param;
                            std::replace(name.begin(), name.end(), '-', '_');
