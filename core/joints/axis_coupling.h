@@ -1,9 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <utility>
 
-#include "core/base/check.h"
 #include "core/constraints/wide_parts.h"
 #include "core/world/world.h"
 

@@ -1,5 +1,6 @@
 #include "core/joints/ball.h"
 
+#include "core/base/check.h"
 #include "core/constraints/ball_parts.h"
 
 namespace taut {

@@ -2,8 +2,6 @@
 
 #include <optional>
 
-#include "core/base/check.h"
-#include "core/constraints/ball_parts.h"
 #include "core/world/world.h"
 
 namespace taut {

@@ -1,5 +1,8 @@
 #include "core/joints/cylindrical.h"
 
+#include "core/base/check.h"
+#include "core/constraints/parallel_part.h"
+
 namespace taut {
 
 Cylindrical::Cylindrical(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ,

@@ -1,5 +1,7 @@
 #include "core/joints/differential.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 Differential::Differential(const World& world, AxisId input, AxisId left, AxisId right)

@@ -1,5 +1,7 @@
 #include "core/joints/distance.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 Distance::Distance(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double length)

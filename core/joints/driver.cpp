@@ -1,5 +1,7 @@
 #include "core/joints/driver.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 Driver::Driver(const World& world, AxisId axis, Motion motion) : AxisCoupling(world, "driver", {{axis, 1}}) {

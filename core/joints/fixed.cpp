@@ -1,5 +1,7 @@
 #include "core/joints/fixed.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 Fixed::Fixed(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, const Quat& q_AB)

@@ -1,5 +1,7 @@
 #include "core/joints/gear.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 Gear::Gear(const World& world, AxisId driving, AxisId driven, double ratio)

@@ -1,5 +1,8 @@
 #include "core/joints/hinge.h"
 
+#include "core/base/check.h"
+#include "core/constraints/parallel_part.h"
+
 namespace taut {
 
 Hinge::Hinge(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ, const Vec3& axis_B)

@@ -1,7 +1,5 @@
 #pragma once
 
-#include "core/base/check.h"
-#include "core/constraints/parallel_part.h"
 #include "core/world/world.h"
 
 namespace taut {

@@ -1,5 +1,7 @@
 #include "core/joints/hinge2.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 Hinge2::Hinge2(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& steering_A, const Vec3& p_BQ,

@@ -1,5 +1,8 @@
 #include "core/joints/planar.h"
 
+#include "core/base/check.h"
+#include "core/constraints/parallel_part.h"
+
 namespace taut {
 
 Planar::Planar(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& normal_A, const Vec3& x_A, const Vec3& p_BQ,

@@ -1,5 +1,7 @@
 #include "core/joints/point_on_line.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 PointOnLine::PointOnLine(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ)

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/base/check.h"
 #include "core/world/world.h"
 
 namespace taut {

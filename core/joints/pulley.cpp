@@ -1,5 +1,7 @@
 #include "core/joints/pulley.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 Pulley::Pulley(WirePoint a, WirePoint c1, WirePoint c2, WirePoint b, double length, double ratio)

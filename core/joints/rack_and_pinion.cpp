@@ -1,5 +1,7 @@
 #include "core/joints/rack_and_pinion.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 RackAndPinion::RackAndPinion(const World& world, AxisId pinion, AxisId rack, double radius)

@@ -1,5 +1,7 @@
 #include "core/joints/rope.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 Rope::Rope(const std::vector<WirePoint>& points, double length, double restitution)

@@ -1,5 +1,8 @@
 #include "core/joints/screw.h"
 
+#include "core/base/check.h"
+#include "core/constraints/parallel_part.h"
+
 namespace taut {
 
 Screw::Screw(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& reference_A,

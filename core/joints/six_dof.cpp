@@ -1,5 +1,8 @@
 #include "core/joints/six_dof.h"
 
+#include "core/base/check.h"
+#include "core/constraints/parallel_part.h"
+
 namespace taut {
 
 SixDof::SixDof(BodyId a, BodyId b, const Vec3& p_AF, const Quat& q_AF, const Vec3& p_BG, const Quat& q_BG,

@@ -2,8 +2,6 @@
 
 #include <array>
 
-#include "core/base/check.h"
-#include "core/constraints/parallel_part.h"
 #include "core/world/world.h"
 
 namespace taut {

@@ -1,5 +1,7 @@
 #include "core/joints/slider.h"
 
+#include "core/base/check.h"
+
 namespace taut {
 
 Slider::Slider(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ, const Quat& q_AB)

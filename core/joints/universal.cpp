@@ -1,5 +1,8 @@
 #include "core/joints/universal.h"
 
+#include "core/base/check.h"
+#include "core/constraints/ball_parts.h"
+
 namespace taut {
 
 Universal::Universal(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& axis_A, const Vec3& p_BQ,

@@ -1,7 +1,5 @@
 #pragma once
 
-#include "core/base/check.h"
-#include "core/constraints/ball_parts.h"
 #include "core/world/world.h"
 
 namespace taut {

@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "core/constraints/ball_parts.h"
 #include "core/constraints/rows.h"
 #include "core/joints/joints.h"
 #include "tests/core/constraints/row_checker.h"
