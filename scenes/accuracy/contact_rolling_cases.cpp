@@ -63,11 +63,7 @@ ContactCase disc_case() {
   return {.name = "rolling-disc",
           .what = "a disc that rolls on its rim without slip, 20 s",
           .steps = {4e-3, 2e-3, 1e-3},
-          .truths = {{.what = "|E/E0 - 1|, largest at any time",
-                      .source = "rolling takes no energy",
-                      .allowed = 1e-6,
-                      .power = 2,
-                      .order = 1.9},
+          .truths = {energy_stays("rolling takes no energy", 1e-6, 2, 1.9),
                      {.what = "drift of E/E0, slope of the line of best fit times 20 s",
                       .source = "rolling takes no energy",
                       .allowed = 1e-6,
@@ -190,11 +186,7 @@ ContactCase roly_poly_case() {
                       .allowed = 1e-6,
                       .power = 2,
                       .order = 1.9},
-                     {.what = "|E/E0 - 1|, largest at any time",
-                      .source = "rolling takes no energy",
-                      .allowed = 2e-6,
-                      .power = 2,
-                      .order = 1.9}},
+                     energy_stays("rolling takes no energy", 2e-6, 2, 1.9)},
           .measure = measure};
 }
 
@@ -257,11 +249,7 @@ ContactCase rattleback_case() {
                       .value = truth.most,
                       .allowed = 0.1,
                       .power = 2},
-                     {.what = "E/E0 - 1, largest at any time",
-                      .source = "rolling gives no energy",
-                      .comparison = Comparison::kAtMost,
-                      .allowed = 1e-4,
-                      .power = 2}},
+                     energy_never_grows("rolling gives no energy", 1e-4, 2)},
           .measure = measure};
 }
 

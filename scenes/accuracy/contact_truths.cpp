@@ -82,6 +82,22 @@ bool ContactCourse::run(double time, const std::function<bool()>& each) {
   return true;
 }
 
+Truth energy_stays(const char* source, double allowed, int power, double order) {
+  return {.what = "|E/E0 - 1|, largest at any time",
+          .source = source,
+          .allowed = allowed,
+          .power = power,
+          .order = order};
+}
+
+Truth energy_never_grows(const char* source, double allowed, int power) {
+  return {.what = "E/E0 - 1, largest at any time",
+          .source = source,
+          .comparison = Comparison::kAtMost,
+          .allowed = allowed,
+          .power = power};
+}
+
 TruthResult judge(const Truth& truth, const std::vector<double>& steps, const std::vector<double>& measured) {
   TruthResult result{.truth = truth, .measured = measured};
   const bool converges = truth.comparison == Comparison::kConverges;

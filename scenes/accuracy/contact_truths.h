@@ -69,6 +69,9 @@ struct Truth {
   int power = 0;
   double order = 0;  ///< least order that is to be observed; 0: none is asked for
 };
+/// Of the largest |E/E₀ − 1| at any time where energy stays, and of E/E₀ − 1 where it may only be lost.  @{
+Truth energy_stays(const char* source, double allowed, int power, double order = 0);
+Truth energy_never_grows(const char* source, double allowed, int power);  /// @}
 
 /// A world, the steps that it is run with, longest first, and what is measured in each run.
 struct ContactCase {
