@@ -309,11 +309,11 @@ void Simulator::Impl::note_renewed() {
 /// Joints that are open beyond the tolerance are closed by the smallest move; false, and said so, if that
 /// cannot be.
 bool Simulator::Impl::close_at_start() {
-  State state = world_.state();
   const Rows& rows = stepper_.system().rows();
-  const Gap gap = max_gap(rows, quality_.residual(rows, state));
+  const Gap gap = max_gap(rows, quality_.residual(rows, world_.state()));
   const bool finite = is_finite_gap(gap);
   if (finite && std::max(gap.metres, gap.radians) <= settings_.position_tolerance) return true;
+  State state = world_.state();
   if (finite && close_joints(stepper_.system(), state, settings_.position_tolerance, report_)) {
     undo_.move_world(state);
     return true;
