@@ -28,7 +28,7 @@ struct Probe {
     kAxisPower,        ///< AxisReport::power [W]
     kAxisState,        ///< AxisReport: stuck, saturated, at a limit; 0 or 1
   };
-  std::string name;
+  std::string name{};
   Quantity quantity = Quantity::kPosition;
   BodyId body{};                ///< for the body quantities
   JointId joint{};              ///< for the joint quantities
@@ -45,19 +45,21 @@ struct Drawing {
 /// A world with what is needed to run it.  Shared by the program, the tests and the benchmarks.
 struct Scene {
   std::string name;
-  std::map<std::string, double> parameters;  ///< as built; booleans are 0 or 1
-  World world;
-  Settings settings;
-  std::set<std::string> given_settings;  ///< by name: what a scene file says, and does not leave to defaults
-  double dt = 1.0 / 240;                 ///< [s]
-  double duration = 1;                   ///< [s]
+  std::map<std::string, double> parameters{};  ///< as built; booleans are 0 or 1
+  World world{};
+  Settings settings{};
+  std::set<std::string>
+      given_settings{};   ///< by name: what a scene file says, and does not leave to defaults
+  double dt = 1.0 / 240;  ///< [s]
+  double duration = 1;    ///< [s]
   double energy_scale =
       0;  ///< E_scale by which energy drift is judged [J]; 0: kinetic + |potential| at the start
-  std::vector<Probe> probes;
-  std::vector<Drawing> drawings;  ///< bodies without one are drawn by their collision shapes or their inertia
+  std::vector<Probe> probes{};
+  std::vector<Drawing>
+      drawings{};  ///< bodies without one are drawn by their collision shapes or their inertia
   /// Joints may be open at the start: call Simulator::assemble() before the first step.
   bool assemble = false;
-  std::vector<std::string> warnings;  ///< what is strange in the file that it was read from, a line each
+  std::vector<std::string> warnings{};  ///< what is strange in the file that it was read from, a line each
 };
 
 /// One parameter of a builder.

@@ -9,7 +9,7 @@ namespace taut {
 
 /// Where a recording is to be turned into something else; empty: not at all.
 struct ExportFiles {
-  std::string html, gltf, vtk_folder, plot, csv;
+  std::string html{}, gltf{}, vtk_folder{}, plot{}, csv{};
 
   bool any() const { return !(html + gltf + vtk_folder + plot + csv).empty(); }
 };

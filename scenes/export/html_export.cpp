@@ -119,7 +119,8 @@ std::filesystem::path find_three() {
   } else {
     std::error_code error;
     const fs::path program = fs::read_symlink("/proc/self/exe", error);
-    places = {program.parent_path().parent_path() / "share/taut/three", TAUT_THREE_DIR};
+    places = {program.parent_path().parent_path() / "share/taut/three", fs::path(TAUT_SHARE_DIR) / "three",
+              TAUT_THREE_DIR};
     if (!own_three_folder().empty()) places.insert(places.begin(), own_three_folder());
   }
   for (const fs::path& place : places)

@@ -1,4 +1,5 @@
 #include "scenes/files/state_file.h"
+#include "scenes/files/state_json.h"
 
 #include <algorithm>
 #include <cmath>

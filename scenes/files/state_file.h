@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "core/world/world.h"
@@ -20,11 +19,6 @@ struct SavedMemory {
   ContactStretches stretches;  ///< for Simulator::set_contact_stretches()
   Checkpoint checkpoint;       ///< for Simulator::restore(); empty if the file has none
 };
-
-/// Time, poses and twists of all moving bodies, the values of free axes, which joints are detached, and how
-/// contacts are stretched (Simulator::contact_stretches()).  All numbers are written so that they are read
-/// back bit for bit.  With a checkpoint, a run that goes on from it is the run that was not interrupted.
-nlohmann::ordered_json state_json(const World& world, const SavedMemory& memory = {});
 
 /// Sets the world to that state.  Bodies that the text does not name, and axes, stay as they are.
 /// @throws SceneFileError, naming all that is wrong with its path: syntax, unknown keys, bodies, joints, axes

@@ -1,4 +1,5 @@
 #include "scenes/import/import.h"
+#include "scenes/import/imported_model.h"
 
 #include <algorithm>
 #include <map>
@@ -91,10 +92,14 @@ ImportedModel import_model_text(std::string_view text, const std::filesystem::pa
   return import_root(files, files.parse(text, file), file);
 }
 
-Scene load_model_file(const std::filesystem::path& file, std::vector<ImportNotice>* notices) {
-  ImportedModel imported = import_model(file);
+std::string model_scene_text(const std::filesystem::path& file, std::vector<ImportNotice>* notices) {
+  const ImportedModel imported = import_model(file);
   if (notices) notices->insert(notices->end(), imported.notices.begin(), imported.notices.end());
-  return parse_scene(imported.document.dump(), file.string(), false);
+  return imported.document.dump(1) + '\n';
+}
+
+Scene load_model_file(const std::filesystem::path& file, std::vector<ImportNotice>* notices) {
+  return parse_scene(model_scene_text(file, notices), file.string(), false);
 }
 
 Scene open_scene_or_model(const std::string& name_or_file, const std::map<std::string, double>& parameters,

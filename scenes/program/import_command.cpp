@@ -12,12 +12,12 @@ namespace taut {
 int import_command(const std::string& model, const std::string& output) {
   require_distinct({{"--output", output}}, {{"the model", model}});
   require_writable("--output", output);
-  const ImportedModel imported = import_model(model);
-  const std::string text = imported.document.dump(1) + '\n';
+  std::vector<ImportNotice> notices;
+  const std::string text = model_scene_text(model, &notices);
   const Scene scene = parse_scene(text, output.empty() ? model : output);
-  for (const ImportNotice& notice : imported.notices) std::cerr << notice.text() << '\n';
+  for (const ImportNotice& notice : notices) std::cerr << notice.text() << '\n';
   std::cerr << "taut: " << scene.world.moving_body_count() << " moving bodies, " << scene.world.joint_count()
-            << " joints, " << scene.world.shape_count() << " shapes; " << imported.notices.size()
+            << " joints, " << scene.world.shape_count() << " shapes; " << notices.size()
             << " notices\n";
   if (output.empty()) {
     std::cout << text;

@@ -1,15 +1,9 @@
 #pragma once
 
-#include <filesystem>
-#include <memory>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "scenes/export/exports.h"
-#include "scenes/recording/frame_sampler.h"
-#include "scenes/recording/recording_writer.h"
-#include "scenes/support/temporary_folder.h"
+#include "scenes/recording/film.h"
 
 namespace taut {
 
@@ -24,7 +18,7 @@ class RunRecording {
   RunRecording(const Scene& scene, const std::string& file, const ExportFiles& exports,
                double frames_per_second);
 
-  FrameSampler& sampler() { return sampler_; }
+  FrameSampler& sampler() { return film_.sampler(); }
   /// Takes a frame if the next instant k / frames_per_second has come (within half a microsecond).
   /// @returns what went wrong, once; "" as a rule.
   std::string sample(Simulator& simulator);
@@ -32,14 +26,8 @@ class RunRecording {
   ExportOutcome finish(Simulator& simulator, const std::string& status, const std::string& message);
 
  private:
-  void take(Simulator& simulator);
-
-  FrameSampler sampler_;
+  Film film_;
   ExportFiles exports_;
-  double interval_, next_ = 0, last_ = -1;
-  std::optional<TemporaryFolder> temporary_folder_;
-  std::filesystem::path file_;
-  std::optional<RecordingWriter> writer_;
   bool failed_ = false;
 };
 

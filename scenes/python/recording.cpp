@@ -58,40 +58,44 @@ Array all_positions(RecordingReader& reader) {
 }
 
 void bind_film(nb::module_& m) {
-  nb::class_<Film>(
+  nb::class_<SessionFilm>(
       m, "Film",
       "The recording of a simulation that goes on: call sample() after each step.  In a notebook it shows "
       "itself.  With "
       "a file it can be read later by Recording and `taut replay`.  A scene gives drawings and probes.")
       .def(
           "__init__",
-          [](Film* it, Session& simulator, const Scene* scene, const std::filesystem::path& file,
+          [](SessionFilm* it, Session& simulator, const Scene* scene, const std::filesystem::path& file,
              double frames_per_second) {
-            new (it) Film(nb::find(simulator), scene, file.string(), frames_per_second);
+            new (it) SessionFilm(nb::find(simulator), scene, file.string(), frames_per_second);
           },
           nb::arg("simulator"), nb::arg("scene").none() = nb::none(), nb::arg("file") = "",
           nb::arg("frames_per_second") = 60)
-      .def("sample", &Film::sample, nb::arg("now") = false,
+      .def("sample", &SessionFilm::sample, nb::arg("now") = false,
            "Takes a frame if the next instant k / frames_per_second has come, or with `now` if there is none "
            "of this instant; "
            "whether it did.")
-      .def("finish", &Film::finish, nb::arg("status") = "success", nb::arg("message") = "",
-           "Ends the recording.")
-      .def_prop_ro("simulator", &Film::simulator)
-      .def_prop_ro("frame_count", &Film::frame_count)
-      .def_prop_ro("file", &Film::file)
+      .def(
+          "finish",
+          [](SessionFilm& it, const std::string& status, const std::string& message) {
+            it.film().finish(status, message);
+          },
+          nb::arg("status") = "success", nb::arg("message") = "", "Ends the recording.")
+      .def_prop_ro("simulator", &SessionFilm::simulator)
+      .def_prop_ro("frame_count", [](SessionFilm& it) { return it.film().frame_count(); })
+      .def_prop_ro("file", [](SessionFilm& it) { return it.film().file(); })
       .def(
           "page",
-          [](Film& film) {
-            RecordingReader reader = film.reader();
+          [](SessionFilm& it) {
+            RecordingReader reader = it.film().reader();
             return page_of(reader);
           },
           "One self-contained page (HTML) that shows what was taken so far.")
       .def(
           "export",
-          [](Film& film, const std::string& html, const std::string& gltf, const std::string& plot,
+          [](SessionFilm& it, const std::string& html, const std::string& gltf, const std::string& plot,
              const std::string& csv, const std::string& vtk_folder) {
-            RecordingReader reader = film.reader();
+            RecordingReader reader = it.film().reader();
             export_to(reader, html, gltf, plot, csv, vtk_folder);
           },
           kHtml, kGltf, kPlot, kCsv, kVtk, kExportDoc);

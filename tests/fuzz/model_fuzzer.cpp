@@ -1,5 +1,5 @@
 #include "scenes/files/scene_file.h"
-#include "scenes/import/import.h"
+#include "scenes/import/imported_model.h"
 #include "tests/fuzz/input_file.h"
 
 // Texts of models of robots.  What is no model is refused with file and line; what is one is a document that

@@ -3,6 +3,7 @@
 #include "core/state/same_state.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/files/state_file.h"
+#include "scenes/files/state_json.h"
 #include "tests/fuzz/input_file.h"
 
 // Texts of state files, for a mechanism with axes and for bodies in contact.  What is refused leaves the

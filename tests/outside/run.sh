@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs a build of taut into a stage, then builds and runs the outside project against it: through CMake, and the
-# same source through pkg-config with nothing but the compiler.
+# Installs a build of taut into a stage, then builds and runs the outside project and the example programs against it:
+# through CMake, and one source through pkg-config with nothing but the compiler.
 #   run.sh BUILD_DIR [CXX [GENERATOR]]   GENERATOR as in cmake -G: a machine that built with Ninja need not have make
 set -eu
 here=$(cd "$(dirname "$0")" && pwd -P)
@@ -9,7 +9,7 @@ cxx=${2:-c++}
 generator=${3:-Ninja}
 stage=$build/stage
 
-rm -rf "$stage" "$stage-moved" "$build/outside"
+rm -rf "$stage" "$stage-moved" "$build/outside" "$build/outside-sources"
 cmake --install "$build" --prefix "$stage" >/dev/null
 # An installed tree may be moved: nothing in it knows where it was.
 mv "$stage" "$stage-moved"
@@ -31,6 +31,26 @@ cmake -S "$here" -B "$build/outside" -G "$generator" -DCMAKE_PREFIX_PATH="$stage
 cmake --build "$build/outside"
 "$build/outside/bridge"
 
+echo "== examples"
+# Those that make pages need three.js, installed or not.
+made=$build/outside/made
+mkdir -p "$made"
+three=$(find "$stage" -type d -path '*/share/taut/three')
+if [ -n "$three" ]; then
+  export TAUT_THREE="$three"
+  for example in pendulum ramp truss cart_pole go_on; do "$build/outside/$example" "$made"; done
+  "$build/outside/from_file" "$stage/share/taut/examples/four_bar.json" "$made" 1
+  for file in pendulum.html pendulum.svg from_file.glb from_file.xml; do test -s "$made/$file"; done
+else
+  echo "without three.js no pages"
+fi
+
+echo "== sources"
+# As a part of another project taut is configured with all that taut::io needs, and nothing else.
+cmake -S "$here" -B "$build/outside-sources" -G "$generator" -DFROM_SOURCES=ON -DCMAKE_CXX_COMPILER="$cxx" >/dev/null
+cmake --build "$build/outside-sources" --target help | grep -q 'taut_io'
+! cmake --build "$build/outside-sources" --target help | grep -qE 'taut_program|solvers_tests'
+
 echo "== pkg-config"
 PKG_CONFIG_PATH=$(dirname "$(find "$stage" -name taut.pc)")
 export PKG_CONFIG_PATH
@@ -38,3 +58,5 @@ libdir=$(pkg-config --variable=libdir taut)
 # shellcheck disable=SC2046  # the flags are words
 "$cxx" -std=c++20 -O2 $(pkg-config --cflags taut) "$here/bridge.cpp" $(pkg-config --libs taut) -o "$build/outside/bridge_pc"
 LD_LIBRARY_PATH=$libdir${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} "$build/outside/bridge_pc"
+"$cxx" -std=c++20 -O1 $(pkg-config --cflags taut-io) "$here/../../scenes/examples/go_on.cpp" $(pkg-config --libs taut-io) \
+  -o "$build/outside/go_on_pc"

@@ -6,7 +6,7 @@
 #include "scenes/export/mjcf_export.h"
 #include "scenes/export/urdf_export.h"
 #include "scenes/files/scene_file.h"
-#include "scenes/import/import.h"
+#include "scenes/import/imported_model.h"
 #include "solvers/simulator/simulator.h"
 
 // A scene that was a model in between moves as the scene.

@@ -9,7 +9,7 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
-#include "scenes/import/import.h"
+#include "scenes/import/imported_model.h"
 #include "tests/scenes/files/scene_bad_cases.h"
 #include "tests/scenes/import/corpus_checker.h"
 #include "tests/source_dir.h"

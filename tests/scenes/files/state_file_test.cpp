@@ -1,4 +1,5 @@
 #include "scenes/files/state_file.h"
+#include "scenes/files/state_json.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "scenes/files/scene_file.h"
-#include "scenes/import/import.h"
+#include "scenes/import/imported_model.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/sanitized.h"
 #include "tests/scenes/import/corpus_checker.h"

@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "scenes/files/scene_file.h"
-#include "scenes/import/import.h"
+#include "scenes/import/imported_model.h"
 #include "tests/run_program.h"
 #include "tests/scenes/import/corpus_checker.h"
 #include "tests/temporary.h"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "scenes/import/import.h"
+#include "scenes/import/imported_model.h"
 
 /// Of models that tests write as texts.
 namespace taut::testing {

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "scenes/files/scene_file.h"
-#include "scenes/import/import.h"
+#include "scenes/import/imported_model.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/scenes/import/text_checks.h"
 
