@@ -96,9 +96,9 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more
   /// (spin, two of rolling).
   struct ContactPlace {
-    int a = 0, b = 0;    ///< indices of the bodies A and B
-    bool twist = false;  ///< it has rows of rotation
-    int row_count() const { return twist ? 6 : 3; }
+    int a = 0, b = 0;                                ///< indices of the bodies A and B
+    bool twist = false;                              ///< it has rows of rotation
+    int row_count() const { return twist ? 6 : 3; }  ///< of the contact
     friend bool operator==(const ContactPlace&, const ContactPlace&) = default;
   };
 

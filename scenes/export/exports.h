@@ -9,8 +9,13 @@ namespace taut {
 
 /// Where a recording is to be turned into something else; empty: not at all.
 struct ExportFiles {
-  std::string html{}, gltf{}, vtk_folder{}, plot{}, csv{};
+  std::string html{};        ///< a page for any browser
+  std::string gltf{};        ///< an animation, binary glTF 2.0
+  std::string vtk_folder{};  ///< series for ParaView
+  std::string plot{};        ///< curves, SVG
+  std::string csv{};         ///< the scalars of all frames
 
+  /// There is something to write.
   bool any() const { return !(html + gltf + vtk_folder + plot + csv).empty(); }
 };
 
@@ -19,11 +24,13 @@ struct ExportFiles {
 /// naming the option.
 void check_exports(const ExportFiles& files);
 
-/// Writes all of them.  @returns what went wrong or had to be left out, one sentence each: nothing as a rule.
-/// @throws std::invalid_argument for a recording without frames.
+/// What went wrong or had to be left out, one sentence each: nothing as a rule.
 struct ExportOutcome {
-  std::vector<std::string> errors, notes;
+  std::vector<std::string> errors;  ///< what could not be written, and why
+  std::vector<std::string> notes;   ///< what was left out
 };
+/// Writes all of them.
+/// @throws std::invalid_argument for a recording without frames.
 ExportOutcome export_recording(RecordingReader& recording, const ExportFiles& files);
 
 }  // namespace taut

@@ -13,8 +13,9 @@ void set_three_folder(std::filesystem::path folder);
 /// @throws std::invalid_argument if it is nowhere, saying how to get it.
 std::filesystem::path find_three();
 
+/// A page, whole.
 struct HtmlPage {
-  std::string text;
+  std::string text;  ///< HTML
   std::string note;  ///< what was left out, or ""
 };
 

@@ -28,7 +28,9 @@ struct SceneFileProblem {
 class SceneFileError : public std::invalid_argument {
  public:
   SceneFileError(const std::string& file_name, std::vector<SceneFileProblem> problems);
-  const std::vector<SceneFileProblem>& problems() const { return problems_; }
+  const std::vector<SceneFileProblem>& problems() const {
+    return problems_;
+  }  ///< all, in the order of the file
 
  private:
   std::vector<SceneFileProblem> problems_;

@@ -12,6 +12,7 @@
 /// scenes/files/FORMAT.md describes the format.
 namespace taut {
 
+/// Springs of compliant contacts, as Simulator::contact_stretches() gives them.
 using ContactStretches = std::vector<ContactStretch>;
 
 /// What a state file has beside the state, for a simulator.

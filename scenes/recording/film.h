@@ -46,7 +46,9 @@ class Film {
 
   /// What frames are taken with, for those who know other contacts than the simulator's.
   FrameSampler& sampler() { return sampler_; }
+  /// Frames that were taken.
   int frame_count() const { return writer_->frame_count(); }
+  /// Of the recording.
   const std::filesystem::path& file() const { return file_; }
   /// What was taken so far; the file must still be there.
   /// @throws std::runtime_error if it cannot be written.

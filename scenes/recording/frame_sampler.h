@@ -30,6 +30,7 @@ class FrameSampler {
   /// In place of the contacts of the simulator that give a force.
   void set_contact_source(ContactSource source) { contacts_ = std::move(source); }
 
+  /// What is the same in all frames.
   RecordingHeader header(double frames_per_second) const;
   /// The present instant.  Wrenches are means over the last step; before the first one, those that the
   /// acceleration equation gives.

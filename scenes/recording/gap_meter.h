@@ -19,11 +19,12 @@ class GapMeter {
     evaluate(world);
     return max_gap(rows_, phi_);
   }
+  /// Of all joints, in the order of their ids.
   std::vector<Gap> all(const World& world) {
     evaluate(world);
     return joint_gaps(rows_, phi_);
   }
-  int row_count() const { return rows_.row_count(); }
+  int row_count() const { return rows_.row_count(); }  ///< of all joints
 
  private:
   void evaluate(const World& world) {

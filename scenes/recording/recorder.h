@@ -12,6 +12,7 @@
 
 namespace taut {
 
+/// Its name, as scene files have it.
 std::string_view to_string(Probe::Quantity quantity);
 /// "m", "N", ...; for a gap that of its first component.
 std::string_view unit(Probe::Quantity quantity);
@@ -23,7 +24,7 @@ class Recorder {
  public:
   explicit Recorder(std::vector<Probe> probes);
 
-  const std::vector<Probe>& probes() const { return probes_; }
+  const std::vector<Probe>& probes() const { return probes_; }  ///< as given
   /// One name per number: tip.x, or tip.velocity.x where several probes are called tip.
   const std::vector<std::string>& columns() const { return columns_; }
   /// The present values, one per column.

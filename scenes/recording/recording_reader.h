@@ -18,8 +18,10 @@ class RecordingReader {
   /// @throws std::invalid_argument if the file cannot be read, is no recording, or its header is not sound.
   explicit RecordingReader(const std::filesystem::path& file);
 
-  const RecordingHeader& header() const { return header_; }
+  const RecordingHeader& header() const { return header_; }  ///< what is the same in all frames
+  /// Sound ones.
   int frame_count() const { return static_cast<int>(times_.size()); }
+  /// Of a frame [s].  @throws std::out_of_range for one that is not there.
   double time(int frame) const { return times_.at(frame); }
   /// A frame, which lives until the next call.  Reading in order is fast.
   /// @throws std::out_of_range for a frame that is not there, std::runtime_error if the file was changed
@@ -30,7 +32,7 @@ class RecordingReader {
   const std::optional<RecordingEnd>& end() const { return end_; }
   /// What is wrong with the file, one sentence; "" if it is whole.
   const std::string& damage() const { return damage_; }
-  const std::filesystem::path& file() const { return file_; }
+  const std::filesystem::path& file() const { return file_; }  ///< that was opened
 
  private:
   struct Chunk {

@@ -28,7 +28,7 @@ class RecordingWriter {
   /// Writes waiting frames and the end, and closes the file.
   bool finish(const std::string& status, const std::string& message);
 
-  int frame_count() const { return frames_; }
+  int frame_count() const { return frames_; }  ///< that were appended
   /// What went wrong: "net.taut: No space left on device; it is cut short after 12 frames"; "" if nothing.
   const std::string& error() const { return error_; }
 

@@ -1,6 +1,7 @@
 // Pictures of pages for the README:  screenshots.mjs FOLDER [NAME...]
+import {execFileSync} from 'node:child_process';
 import path from 'node:path';
-import {launch, open, runScene, scrub, settle} from './browser.mjs';
+import {folder as temporary, launch, open, runScene, scrub, settle} from './browser.mjs';
 
 const [folder, ...chosen] = process.argv.slice(2);
 if (!folder) throw new Error('which folder?');
@@ -10,6 +11,14 @@ const kPhone = {viewport: {width: 390, height: 660}, isMobile: true, hasTouch: t
 const kDark = {colorScheme: 'dark'};
 const net = ['net-corners', '--set', 'n=40', '--time', '1', '--frames-per-second', '30'];
 const grid = ['joint-grid', '--set', 'n=100', '--set', 'swing=true', '--time', '1', '--frames-per-second', '30'];
+// The programs of scenes/examples, where tests/outside/run.sh has built them.
+const outside = path.join(path.dirname(process.env.TAUT_PROGRAM), 'outside');
+const example = (name, ...args) => {
+  execFileSync(path.join(outside, name), [...args, temporary], {stdio: 'inherit'});
+  return {page: path.join(temporary, `${name}.html`)};
+};
+const fourBar = new URL('../../../../scenes/examples/four_bar.json', import.meta.url).pathname;
+const kSmall = {viewport: {width: 600, height: 400}};
 const springs = new URL('../../../../scenes/examples/spring_mass.json', import.meta.url).pathname;
 
 // Name of the picture: the run, the instant [s], the window, and what is selected by name.
@@ -24,12 +33,18 @@ const kPictures = {
   'page-drag': {run: ['net-drag', '--set', 'bump=0.1', '--time', '4'], at: 3.6, window: kWide},
   'page-springs': {run: [springs, '--time', '2'], at: 0.3, window: kWide, select: 'spring_1'},
   'page-phone': {run: ['bridge', '--time', '2'], at: 0.27, window: kPhone, select: 'truck'},
+  'example-pendulum': {example: ['pendulum'], at: 0.3, window: kSmall},
+  'example-truss': {example: ['truss'], at: 0.5, window: kSmall},
+  'example-ramp': {example: ['ramp'], at: 0.6, window: kSmall},
+  'example-cart_pole': {example: ['cart_pole'], at: 0.2, window: kSmall},
+  'example-from_file': {example: ['from_file', fourBar], at: 0.5, window: kSmall},
+  'example-go_on': {example: ['go_on'], at: 0.45, window: kSmall},
 };
 
 const browser = await launch();
-for (const [name, {run, at, window, select}] of Object.entries(kPictures)) {
+for (const [name, {run, example: program, at, window, select}] of Object.entries(kPictures)) {
   if (chosen.length && !chosen.includes(name)) continue;
-  const {page} = await open(browser, runScene(...run).page, window);
+  const {page} = await open(browser, (run ? runScene(...run) : example(...program)).page, window);
   await scrub(page, at);
   if (select) {
     await page.keyboard.press('/');
