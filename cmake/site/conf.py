@@ -10,7 +10,7 @@ copyright = author
 with open(f"{root}/CMakeLists.txt") as lists:
     version = release = re.search(r"^project\(taut VERSION ([\d.]+)", lists.read(), re.M)[1]
 
-extensions = ["myst_parser", "breathe", "autoapi.extension", "sphinx_copybutton"]
+extensions = ["myst_parser", "autoapi.extension", "sphinx_copybutton"]
 root_doc = "index"
 nitpicky = False
 exclude_patterns = []
@@ -22,14 +22,7 @@ suppress_warnings = ["myst.header"]
 highlight_language = "text"  # indented blocks are equations and commands
 pygments_style = "friendly"
 
-# The reference of C++, from what doxygen has made of the public headers.
-breathe_projects = {"taut": f"{root}/build/doc/xml"}
-breathe_default_project = "taut"
-breathe_default_members = ("members",)
-breathe_show_include = False
-primary_domain = "cpp"
-
-# That of Python, from the stub of the module.
+# The reference of Python, from the stub of the module.
 autoapi_dirs = [f"{root}/build/site/python"]
 autoapi_root = "api/python"
 autoapi_file_patterns = ["*.pyi"]

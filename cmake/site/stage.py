@@ -60,7 +60,7 @@ class Stage:
         if path.endswith(".md"):
             return self.place(path)
         if path in self.headers:
-            return f"api/cpp/{path.removesuffix('.h')}.rst"
+            return f"api/cpp/{path.removesuffix('.h')}.md"
         self.linked.append(path)
         if path.endswith(FILES) and not path.startswith("scenes/examples/"):
             return path
