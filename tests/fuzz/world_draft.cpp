@@ -147,7 +147,7 @@ void WorldDraft::add_floor(double half) {
     constexpr int kPoints = 8;
     Json heights = Json::array();
     for (int i = 0; i < kPoints * kPoints; ++i) heights.push_back(-0.2 * size * random.uniform(0, 1));
-    const double d = 3 * half / (kPoints - 1);
+    const double d = 12 * half / (kPoints - 1);  // nobody comes to its edge
     add_ground({{"type", "height_field"},
                 {"nx", kPoints},
                 {"ny", kPoints},

@@ -323,11 +323,8 @@ void add_knots(WorldDraft& draft, int n, int m, const Pose& pose, double length,
     Json& joint =
         draft.add_joint(ropes ? "rope" : "distance", names[i + n * j], names[k + n * l], Vec3(0, 0, 0));
     joint.erase("anchor");
-    joint.update({{"frame", "body"},
-                  {"anchor_a", {0, 0, 0}},
-                  {"anchor_b", {0, 0, 0}},
-                  {"length", length * (1 + 1e-12)}});
-    if (!ropes) joint["length"] = (node(i, j) - node(k, l)).norm();
+    joint.update({{"frame", "world"}, {"anchor_a", json_of(node(i, j))}, {"anchor_b", json_of(node(k, l))}});
+    if (ropes) joint["length"] = length * (1 + 1e-12);
   };
   for (int j = 0; j < m; ++j)
     for (int i = 0; i < n; ++i) {
