@@ -30,6 +30,17 @@ Verdict judge(const Surface& surface, int t, const Vec3& n) {
   return verdict;
 }
 
+/// Whether n leans over a convex edge of triangle t.
+bool leans_over_convex_edge(const Surface& surface, int t, const Vec3& n) {
+  const auto& corner = surface.triangles[t];
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 edge = surface.vertices[corner[(i + 1) % 3]] - surface.vertices[corner[i]];
+    if (surface.edges[t][i] == EdgeKind::kConvex && n.dot(edge.normalized().cross(surface.normals[t])) > 1e-9)
+      return true;
+  }
+  return false;
+}
+
 /// Puts the triangle's number into the ids of its contacts: eight codes per triangle, corners 0–2, edges 3–5.
 void name_triangle(std::vector<ManifoldPoint>& points, std::size_t first, int t) {
   for (std::size_t i = first; i < points.size(); ++i) {
@@ -98,7 +109,10 @@ void surface_contacts(const Surface& surface, const Convex& b, const Relative& X
     if (separation.n.dot(f) < 1 - 1e-12) {
       const Verdict verdict = judge(surface, t, separation.n);
       if (verdict == Verdict::kLeaveToNeighbour) continue;
-      if (verdict == Verdict::kUseFace || separation.n.dot(f) < 0) separation = {f, s_face};
+      // Nearest is the way through the back, and a body that has sunk in is pushed out through the face; but
+      // the normals of sharp edges and corners, as those of a small mesh on a floor, look behind some faces.
+      const bool sunk = separation.n.dot(f) < 0 && !leans_over_convex_edge(surface, t, separation.n);
+      if (verdict == Verdict::kUseFace || sunk) separation = {f, s_face};
     }
     const bool face = separation.n.dot(f) > 1 - 1e-12;
     const std::size_t own = out.size();

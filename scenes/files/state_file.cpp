@@ -1,5 +1,4 @@
 #include "scenes/files/state_file.h"
-#include "scenes/files/state_json.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include "scenes/files/json_positions.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/files/scene_reader.h"
+#include "scenes/files/state_json.h"
 #include "scenes/support/base64.h"
 #include "scenes/support/output_file.h"
 

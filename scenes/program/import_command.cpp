@@ -17,8 +17,7 @@ int import_command(const std::string& model, const std::string& output) {
   const Scene scene = parse_scene(text, output.empty() ? model : output);
   for (const ImportNotice& notice : notices) std::cerr << notice.text() << '\n';
   std::cerr << "taut: " << scene.world.moving_body_count() << " moving bodies, " << scene.world.joint_count()
-            << " joints, " << scene.world.shape_count() << " shapes; " << notices.size()
-            << " notices\n";
+            << " joints, " << scene.world.shape_count() << " shapes; " << notices.size() << " notices\n";
   if (output.empty()) {
     std::cout << text;
     return kExitSuccess;

@@ -1,12 +1,9 @@
-#include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -19,6 +16,7 @@
 #include "solvers/common/setting_checks.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/fuzz/mechanism.h"
+#include "tests/fuzz/seed_guard.h"
 
 // Random mechanisms by seed, judged from outside:
 //   mechanisms --from 0 --count 1000 [--threads 2] [--limit 10] [--seconds S] [--keep FOLDER] [--open
@@ -36,16 +34,14 @@ using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-  std::uint64_t from = 0, count = 1000;
+  SeedRange seeds;
   int threads = 2, limit = 10;
-  double seconds = 0;  ///< 0: until all seeds are done
   std::string keep;
   std::set<std::string> open;  ///< oracles whose finds are told, but known and not mended yet
 };
 
 /// Shared with the process that runs the seeds.
 struct Shared {
-  std::uint64_t seed = 0;
   long runs = 0, steps = 0, refused = 0, found = 0, open = 0;
   std::array<std::array<long, 7>, 8> status{};  ///< how the last step ended, by what was asked for
   double longest = 0;                           ///< step [s]
@@ -170,60 +166,30 @@ void keep(const Json& json, const std::string& name, const Options& options) {
   std::ofstream(options.keep + "/" + name + ".json") << json.dump(1) << '\n';
 }
 
-void run_seeds(std::uint64_t from, std::uint64_t to, const Options& options) {
-  for (std::uint64_t seed = from; seed < to; ++seed) {
-    shared->seed = seed;
-    const Json json = make_mechanism(seed);
-    std::optional<Violation> bad;
-    try {
-      bad = examine(json, "seed " + std::to_string(seed), options);
-    } catch (const std::exception& error) {
-      bad = Violation{"exception", error.what()};
-    }
-    if (!bad) continue;
-    const bool known = options.open.contains(bad->oracle);
-    ++(known ? shared->open : shared->found);
-    std::printf("%s seed %llu: %s: %s\n", known ? "OPEN" : "FOUND", static_cast<unsigned long long>(seed),
-                bad->oracle.c_str(), bad->figures.c_str());
-    std::fflush(stdout);
-    if (!known) keep(json, "seed_" + std::to_string(seed), options);
+void run_seed(std::uint64_t seed, const Options& options) {
+  const Json json = make_mechanism(seed);
+  std::optional<Violation> bad;
+  try {
+    bad = examine(json, "seed " + std::to_string(seed), options);
+  } catch (const std::exception& error) {
+    bad = Violation{"exception", error.what()};
   }
+  if (!bad) return;
+  const bool known = options.open.contains(bad->oracle);
+  ++(known ? shared->open : shared->found);
+  std::printf("%s seed %llu: %s: %s\n", known ? "OPEN" : "FOUND", static_cast<unsigned long long>(seed),
+              bad->oracle.c_str(), bad->figures.c_str());
+  std::fflush(stdout);
+  if (!known) keep(json, "seed_" + std::to_string(seed), options);
 }
 
-/// Seeds from `from` up to `to` in other processes; after a crash with the next seed.
-long run_guarded(Options& options) {
-  long crashes = 0;
-  const auto start = Clock::now();
-  const std::uint64_t end = options.from + options.count;
-  std::uint64_t next = options.from;
-  while (next < end) {
-    if (options.seconds > 0 && std::chrono::duration<double>(Clock::now() - start).count() > options.seconds)
-      break;
-    const std::uint64_t to = std::min(end, next + 100);
-    std::fflush(stdout);
-    const pid_t child = fork();
-    if (child == 0) {
-      run_seeds(next, to, options);
-      std::fflush(stdout);
-      _exit(0);
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
-    next = to;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) continue;
-    const std::uint64_t seed = shared->seed;
-    const bool hung = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
-    ++crashes;
-    std::printf(
-        "FOUND seed %llu: %s\n", static_cast<unsigned long long>(seed),
-        hung
-            ? "hang: a step takes too long"
-            : (WIFSIGNALED(status) ? std::string("crash: ") + strsignal(WTERMSIG(status)) : "crash").c_str());
-    keep(make_mechanism(seed), "seed_" + std::to_string(seed), options);
-    next = seed + 1;
-  }
-  options.count = next - options.from;
-  return crashes;
+long run_all(Options& options) {
+  return run_guarded(options.seeds, {[&](std::uint64_t seed) { run_seed(seed, options); },
+                                     [&](std::uint64_t seed, const std::string& how) {
+                                       std::printf("FOUND seed %llu: %s\n",
+                                                   static_cast<unsigned long long>(seed), how.c_str());
+                                       keep(make_mechanism(seed), "seed_" + std::to_string(seed), options);
+                                     }});
 }
 
 void print_table(const Options& options, double seconds, long crashes) {
@@ -238,10 +204,11 @@ void print_table(const Options& options, double seconds, long crashes) {
   std::printf(
       "seeds %llu to %llu: %ld mechanisms run, %ld refused, %ld steps, longest %.2g s, %.1f ms a mechanism, "
       "peak memory %ld MB\nfound: %ld violations, %ld crashes and hangs; %ld of what is open\n",
-      static_cast<unsigned long long>(options.from),
-      static_cast<unsigned long long>(options.from + options.count - 1), shared->runs, shared->refused,
-      shared->steps, shared->longest, 1e3 * seconds / static_cast<double>(options.count),
-      usage.ru_maxrss / 1024, shared->found, crashes, shared->open);
+      static_cast<unsigned long long>(options.seeds.from),
+      static_cast<unsigned long long>(options.seeds.from + options.seeds.count - 1), shared->runs,
+      shared->refused, shared->steps, shared->longest,
+      1e3 * seconds / static_cast<double>(options.seeds.count), usage.ru_maxrss / 1024, shared->found,
+      crashes, shared->open);
 }
 
 int check_files(const std::vector<std::string>& files, const Options& options) {
@@ -269,15 +236,15 @@ int main(int argc, char** argv) {
     const std::string key = argv[i];
     const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
     if (key == "--from")
-      options.from = std::strtoull(value().c_str(), nullptr, 10);
+      options.seeds.from = std::strtoull(value().c_str(), nullptr, 10);
     else if (key == "--count")
-      options.count = std::strtoull(value().c_str(), nullptr, 10);
+      options.seeds.count = std::strtoull(value().c_str(), nullptr, 10);
     else if (key == "--threads")
       options.threads = std::atoi(value().c_str());
     else if (key == "--limit")
       options.limit = std::atoi(value().c_str());
     else if (key == "--seconds")
-      options.seconds = std::atof(value().c_str());
+      options.seeds.seconds = std::atof(value().c_str());
     else if (key == "--open")
       options.open.insert(value());
     else if (key == "--keep")
@@ -292,12 +259,10 @@ int main(int argc, char** argv) {
     else
       return std::fprintf(stderr, "unknown option %s\n", argv[i]), 2;
   }
-  shared = static_cast<Shared*>(
-      mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
-  new (shared) Shared;
+  shared = new (shared_memory(sizeof(Shared))) Shared;
   if (check) return check_files(files, options);
   const auto start = Clock::now();
-  const long crashes = run_guarded(options);
+  const long crashes = run_all(options);
   print_table(options, std::chrono::duration<double>(Clock::now() - start).count(), crashes);
   return shared->found > 0 || crashes > 0;
 }

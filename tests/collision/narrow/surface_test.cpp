@@ -161,6 +161,27 @@ TEST(Surface, OnAConvexMeshAsOnItsHull) {
   }
 }
 
+/// A small mesh on a body and a large box: those of its faces that look past the box do not meet it, however
+/// far the box reaches behind them.  Oracle: the hull of the same corners, as deep as a mesh may be.
+TEST(Surface, ASmallMeshIsNoDeeperInALargeBoxThanItsHull) {
+  const TriangleMesh mesh{{{0, 0, 0.1}, {0.1, 0, -0.05}, {-0.05, 0.08, -0.05}, {-0.05, -0.08, -0.05}},
+                          {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}};
+  const Shape hull = ConvexHull{mesh.vertices}, box = Box{Vec3(2, 3, 0.4)};
+  Random random(34);
+  OnGround as_mesh(mesh, box), as_hull(hull, box);
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Quat q = random.rotation();
+    const double gap = random.uniform(-0.01, 0.009);
+    const Vec3 low = q * support_point(hull, -(q.conjugate() * Vec3::UnitZ()));
+    const Vec3 p(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 0.2 + gap - low.z());
+    const auto contacts = as_mesh.at(q, p);
+    ASSERT_FALSE(contacts.empty());
+    expect_sound(as_mesh.world, contacts);
+    EXPECT_NEAR(testing::least_gap(as_hull.at(q, p)), gap, 1e-12);
+    EXPECT_NEAR(testing::least_gap(contacts), gap, 1e-12) << trial;
+  }
+}
+
 TEST(Surface, AHeightFieldIsSolidBelow) {
   OnGround scene(Box{Vec3(0.2, 0.2, 0.2)}, wavy_field(10, 4, 0));
   for (double depth : {0.05, 0.15, 0.5, 2.0}) {
