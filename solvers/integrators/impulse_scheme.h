@@ -79,6 +79,7 @@ class ImpulseScheme : public Scheme {
   void note_velocities(SubstepReport& report);
   ForceIteration::Fixed renew_kick_forces(const State& at);
   void finish_laws(StepWorks& works);
+  void keep_ropes();
   void roll_back(SubstepReport& report);
   void update_step_limit() { limit_.update(phase_.state, values_.force_multipliers); }
 
