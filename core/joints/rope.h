@@ -11,13 +11,13 @@ namespace taut {
 /// limit from the start (World::set_limits changes it, as a winch does).              (core/joints, Eq. 21)
 /// λ ≤ 0 along that axis: −λ [N] is the tension.  A motor that only pulls (AxisMotor::winch) winds it.
 ///
-/// Over guide points it has an axis for each section between two bodies, `span_1` from the first point on [m],
-/// with a lower limit, the stop: as a hook block that has come up to its sheave, an end stays there and the
-/// rope can be pulled no further.
+/// Over guide points it has an axis for each section between two bodies, `span_1` from the first point on
+/// [m], with a lower limit, the stop: as a hook block that has come up to its sheave, an end stays there and
+/// the rope can be pulled no further.
 class Rope final : public Joint {
  public:
-  /// `stop`: the shortest that a section over guide points becomes [m], if not given 1 cm or a hundredth of the
-  /// length, whichever is less; 0: there is no stop, and a step in which an end arrives fails.
+  /// `stop`: the shortest that a section over guide points becomes [m], if not given 1 cm or a hundredth of
+  /// the length, whichever is less; 0: there is no stop, and a step in which an end arrives fails.
   /// @throws std::invalid_argument if there are fewer than two points or bodies, a point is not finite, or
   /// the length not positive, the restitution not from 0 to 1 or the stop negative.
   Rope(const std::vector<WirePoint>& points, double length, double restitution = 0,

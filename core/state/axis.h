@@ -88,10 +88,10 @@ struct AxisMotor {
   double max_speed = kUnlimited;  ///< position and trajectory: how fast it goes to its target [rad/s or m/s]
   /// |θ̇| → available force, held beyond its ends; the smaller of it and max_force counts.
   std::optional<Curve> force_of_speed{};
-  Motion trajectory{};     ///< θ over time, in that mode
-  double stiffness = 0;    ///< k [N·m/rad or N/m], of a position or trajectory
-  double damping = 0;      ///< [N·m·s/rad or N·s/m]; without either the target is kept exactly
-  bool pulls_only = false; ///< a winch, of the length of a rope
+  Motion trajectory{};      ///< θ over time, in that mode
+  double stiffness = 0;     ///< k [N·m/rad or N/m], of a position or trajectory
+  double damping = 0;       ///< [N·m·s/rad or N·s/m]; without either the target is kept exactly
+  bool pulls_only = false;  ///< a winch, of the length of a rope
 
   bool has_gains() const { return stiffness > 0 || damping > 0; }  ///< it is a servo
   /// A winch that winds a rope with this rate [m/s], < 0 shortens it, and at most this force [N].

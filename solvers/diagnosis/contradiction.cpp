@@ -101,9 +101,7 @@ class Demands {
     const double aim = std::clamp(target(*p.motor, x_[row.row]), lower, upper);
     if (std::isfinite(aim)) add(bound_of(row.axis, Bound::Kind::kMotor), row.row, aim, aim);
   }
-  double let_out(AxisId axis) const {
-    return situation_.from.axes[situation_.world.axis_index(axis)];
-  }
+  double let_out(AxisId axis) const { return situation_.from.axes[situation_.world.axis_index(axis)]; }
   /// Where a motor wants its axis to be, coming from θ.
   double target(const AxisMotor& motor, double theta) const {
     const double h = situation_.horizon;

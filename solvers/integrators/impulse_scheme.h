@@ -41,6 +41,7 @@ class ImpulseScheme : public Scheme {
   void prepare(double horizon, std::vector<ContactStretch> stretches, Scheme* old) override;
   void forget(std::span<const char> moved) override;
   bool renew_forces() override;
+  bool keeps_forces() const override { return true; }
   void set_time(double time) override { phase_.set_time(time); }
   void inherit(const Scheme& old) override;
 

@@ -102,7 +102,6 @@ void MoreauJean::begin_laws(double h, SubstepReport& report) {
     axes_.begin(phase_.start_time, h, values_.start_theta, values_.rates, stages_.effective_mass());
     axes_.take_ropes(phase_.state.axes);
     theta_ = axes_.find_unresolved(system_, true) ? 1 : settings_.theta;
-    axes_.find_inertia(system_, stages_.effective_mass());
     contacts_.begin_impulses(values_.rates, stages_.effective_mass());
     if (contacts_.soft()) {
       roll_back(report);
@@ -115,6 +114,7 @@ void MoreauJean::begin_laws(double h, SubstepReport& report) {
     stages_.prepare(values_.rates, values_.mu);
   }
   if (!stages_.factors_on_demand()) system_.factorize(report.times);
+  if (bounded()) axes_.find_inertia(system_, stages_.effective_mass());  // for the laws of solve_stage()
 }
 
 void MoreauJean::renew_laws() {

@@ -53,12 +53,22 @@ bool AxisForces::find_unresolved(ConstraintSystem& system, bool single_kick) {
 }
 
 void AxisForces::find_inertia(ConstraintSystem& system, std::span<const double> alone) {
+  held_.clear();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const AxisProperties& p = table_.properties(i);
-    if (!table_.released(i) && p.motor && !axes_[i].motor.on_target &&
-        needs_inertia(*p.motor, step_, axes_[i].start))
-      axes_[i].start.inertia = inertia_.of(system, table_.row(i), alone);
+    if (table_.released(i) || !p.motor || axes_[i].motor.on_target ||
+        !needs_inertia(*p.motor, step_, axes_[i].start))
+      continue;
+    if (held_.empty()) find_held(alone.size());
+    axes_[i].start.inertia = inertia_.of(system, table_.row(i), alone, held_);
   }
+}
+
+/// As the last step has left them.
+void AxisForces::find_held(std::size_t rows) {
+  held_.assign(rows, 0);
+  for (std::size_t i = 0; i < axes_.size(); ++i)
+    held_[table_.row(i)] = !table_.released(i) && (axes_[i].motor.on_target || axes_[i].friction.held());
 }
 
 bool AxisForces::is_winch(std::size_t i) const {

@@ -119,8 +119,8 @@ class AxisForces {
   void finish_positions(std::span<const double> w);
   /// Takes over the second, at its time: which axes are held from here on.
   void finish_velocities(std::span<const double> theta, std::span<const double> w, double time);
-  /// Winches: after begin() takes what is let out, one value an axis as in State::axes; after the step gives it
-  /// back, with θ at the end.  @{
+  /// Winches: after begin() takes what is let out, one value an axis as in State::axes; after the step gives
+  /// it back, with θ at the end.  @{
   bool any_winch() const { return any_winch_; }
   void take_ropes(std::span<const double> axes);
   void give_ropes(std::span<const double> theta, std::span<double> axes) const;  /// @}
@@ -150,6 +150,7 @@ class AxisForces {
 
   std::size_t index_in_state(std::size_t i) const { return table_.world().axis_index(table_.id(i)); }
   bool is_winch(std::size_t i) const;
+  void find_held(std::size_t rows);
 
   AxisTable table_;
   AxisSwings swings_;
@@ -159,6 +160,7 @@ class AxisForces {
   AxisImpacts impacts_;
   AxisWork work_;
   AxisInertia inertia_;
+  std::vector<char> held_;  // rows of axes that motors or friction hold, for inertia_
   AxisStep step_;
   double slack_ = 0;
   int not_finite_ = -1;     // of axes_

@@ -12,7 +12,7 @@ namespace {
 constexpr double kInertiaChange = 1e-9;
 constexpr int kMostInertiaSteps = 200;
 
-double dot(std::span<const double> a, std::span<const double> b) {
+double inner_product(std::span<const double> a, std::span<const double> b) {
   double sum = 0;
   for (std::size_t r = 0; r < a.size(); ++r) sum += a[r] * b[r];
   return sum;
@@ -20,10 +20,11 @@ double dot(std::span<const double> a, std::span<const double> b) {
 
 }  // namespace
 
-double AxisInertia::of(ConstraintSystem& system, int row, std::span<const double> alone) {
+double AxisInertia::of(ConstraintSystem& system, int row, std::span<const double> alone,
+                       std::span<const char> held) {
   for (auto& values : scratch_) values.assign(system.row_count(), 0.0);
   const bool factored = system.factored() && system.usable() && !system.uses_primal_system();
-  const double inverse = factored ? by_factor(system, row) : by_iteration(system, row, alone);
+  const double inverse = factored ? by_factor(system, row) : by_iteration(system, row, alone, held);
   const double inertia = 1 / inverse;
   return inverse > 0 && inertia > alone[row] ? inertia : alone[row];
 }
@@ -40,11 +41,12 @@ double AxisInertia::by_factor(ConstraintSystem& system, int row) {
   system.multiply(unit, column);
   for (std::size_t r = 0; r < states.size(); ++r) solution[r] = states[r] == kMasked ? 0 : column[r];
   system.solve(solution);
-  return column[row] - dot(column, solution);
+  return column[row] - inner_product(column, solution);
 }
 
 /// y = S_EE⁺ S_Er by conjugate gradients, scaled by the diagonal.  S_rr − S_rE y falls with each step.
-double AxisInertia::by_iteration(ConstraintSystem& system, int row, std::span<const double> alone) {
+double AxisInertia::by_iteration(ConstraintSystem& system, int row, std::span<const double> alone,
+                                 std::span<const char> held) {
   auto& [direction, image, residual, scaled] = scratch_;
   const Rows& rows = system.rows();
   direction[row] = 1;
@@ -53,20 +55,20 @@ double AxisInertia::by_iteration(ConstraintSystem& system, int row, std::span<co
   double inverse = residual[row];
   const auto hold = [&](std::span<double> x) {
     for (int r = 0; r < system.row_count(); ++r)
-      if (r >= rows.first_contact_row() || !rows.is_equality(r)) x[r] = 0;
+      if (r == row || r >= rows.first_contact_row() || !(rows.is_equality(r) || held[r])) x[r] = 0;
   };
   hold(residual);
   double before = 0;
   for (int step = 0; step < kMostInertiaSteps; ++step) {
     for (std::size_t r = 0; r < alone.size(); ++r) scaled[r] = alone[r] * residual[r];
-    const double size = dot(scaled, residual);
+    const double size = inner_product(scaled, residual);
     if (!(size > 0)) break;
     for (std::size_t r = 0; r < alone.size(); ++r)
       direction[r] = scaled[r] + (step > 0 ? size / before : 0) * direction[r];
     before = size;
     system.multiply(direction, image);
     hold(image);
-    const double along = dot(direction, image);
+    const double along = inner_product(direction, image);
     if (!(along > 0)) break;
     const double length = size / along;
     for (std::size_t r = 0; r < alone.size(); ++r) residual[r] -= length * image[r];

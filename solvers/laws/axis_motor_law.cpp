@@ -96,8 +96,7 @@ bool AxisMotorLaw::set_velocity(const AxisStage& stage) {
   double rate = target.rate + back;
   if (back != 0 && has_to_brake(motor)) {
     const double deceleration = braking(stage, target, left);
-    if (deceleration > 0)
-      rate = no_faster(rate, target.rate, std::sqrt(2 * deceleration * std::abs(left)));
+    if (deceleration > 0) rate = no_faster(rate, target.rate, std::sqrt(2 * deceleration * std::abs(left)));
   }
   return aim(motor, rate);
 }

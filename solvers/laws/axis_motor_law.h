@@ -9,15 +9,15 @@ namespace taut {
 bool is_unbounded(const AxisMotor& motor);
 /// It has a bounded force, with which it must brake in time.
 bool has_to_brake(const AxisMotor& motor);
-/// It must know how heavy its axis is: it has to brake, or gains that the step does not resolve for two bodies
-/// by themselves.
+/// It must know how heavy its axis is: it has to brake, or gains that the step does not resolve for two
+/// bodies by themselves.
 bool needs_inertia(const AxisMotor& motor, const AxisStep& step, const AxisStart& start);
 /// Target of a motor, with its rate; a velocity is the rate.
 MotionPoint target_at(const AxisMotor& motor, double time);
 /// What it can give at this speed and at all that are lower [N·m or N].
 double available_force(const AxisMotor& motor, double speed);
 
-/// Motor of one axis in a stage that keeps its target.  (solvers/laws, "Axes", "Motors")
+/// Motor of one axis in a stage that keeps its target.  (solvers/laws/MOTORS.md)
 /// Its stages are false for a trajectory that is not finite, since a law cannot have a breakpoint that is not
 /// a number; the motor is left out then.
 struct AxisMotorLaw : AxisBoxLaw<&AxisImpulse::motor> {

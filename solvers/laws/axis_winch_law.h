@@ -9,11 +9,11 @@
 namespace taut {
 
 /// Winch on the length of a rope in a stage: the way of the rope is no longer than what is let out at the end
-/// of the step, −bound ≤ λ ≤ 0.  (solvers/laws, "Motors")
+/// of the step, −bound ≤ λ ≤ 0.  (solvers/laws/MOTORS.md)
 struct AxisWinchLaw : AxisPartLaw {
-  double at = 0;     ///< the largest rate of this stage, where it pulls [m/s]
-  double bound = 0;  ///< impulse in this stage; 0: none [N·s]
-  double back = 0;   ///< what it gave in the first kick and may take back
+  double at = 0;          ///< the largest rate of this stage, where it pulls [m/s]
+  double bound = 0;       ///< impulse in this stage; 0: none [N·s]
+  double back = 0;        ///< what it gave in the first kick and may take back
   double length = 0;      ///< let out at the end of the step if its force suffices [m]
   bool slipping = false;  ///< at the end of the last step
 

@@ -158,8 +158,9 @@ static std::string short_span(const Inquiry& asked, const State& state) {
       const double span = (B.point(Q.p_BP) - A.point(P.p_BP)).norm();
       if (span > kStepsToGuide * asked.report.dt * v.norm()) continue;
       std::ostringstream text;
-      text << "; section " << i + 1 << " of " << world.joint({j}).type() << " " << asked.source.name(JointId{j})
-           << ", from " << world.name(P.body) << " to " << world.name(Q.body) << ", is used up, only " << span
+      text << "; section " << i + 1 << " of " << world.joint({j}).type() << " "
+           << asked.source.name(JointId{j}) << ", from " << world.name(P.body) << " to " << world.name(Q.body)
+           << ", is used up, only " << span
            << " m are left: a rope with a stop holds there, or a limit before it";
       return text.str();
     }
