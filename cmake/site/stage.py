@@ -149,7 +149,7 @@ class Stage:
     def contents(self):
         """Each page is listed by the page of the folder nearest above it, where the first page does not list it."""
         first = (self.pages_folder / "index.md").read_text()
-        listed = set(re.findall(r"^[\w/.-]+$", first, re.M))
+        listed = set(re.findall(r"^(?:[\w ]+ <)?([\w/.-]+)>?$", first, re.M))
         children = {}
         for place in self.places:
             document = place.removesuffix(".md")
