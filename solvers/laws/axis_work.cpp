@@ -25,8 +25,7 @@ void add_impulse(AxisReport& report, const AxisImpulse& impulse, double rate) {
 
 }  // namespace
 
-AxisWork::AxisWork(std::size_t axes)
-    : reports_(axes), reports_before_(axes), first_kick_(axes), impulse_(axes) {}
+AxisWork::AxisWork(std::size_t axes) : reports_(axes), reports_before_(axes), first_kick_(axes) {}
 
 void AxisWork::begin() { reports_before_ = reports_; }
 
@@ -52,10 +51,7 @@ void AxisWork::add_kicks(const AxisTable& table, std::span<const AxisLaw> axes,
     AxisReport& report = reports_[i];
     report.force += first_kick_[i].force;
     report.work += first_kick_[i].work;
-    const AxisImpulse second = shared_impulse(table, axes, i, lambda, w);
-    add_impulse(report, second, rates[row]);
-    impulse_[i] = first_kick_[i].force;
-    impulse_[i] += second;
+    add_impulse(report, shared_impulse(table, axes, i, lambda, w), rates[row]);
     axes[i].report(report, table.released(i) ? kNothing : table.properties(i), w[row]);
   }
 }
