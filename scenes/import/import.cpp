@@ -1,5 +1,4 @@
 #include "scenes/import/import.h"
-#include "scenes/import/imported_model.h"
 
 #include <algorithm>
 #include <map>
@@ -8,6 +7,7 @@
 #include "core/base/check.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/files/scene_source.h"
+#include "scenes/import/imported_model.h"
 #include "scenes/import/mjcf_reader.h"
 #include "scenes/import/rigid_groups.h"
 #include "scenes/import/scene_document.h"

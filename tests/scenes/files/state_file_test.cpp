@@ -1,5 +1,4 @@
 #include "scenes/files/state_file.h"
-#include "scenes/files/state_json.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 #include "core/state/same_state.h"
 #include "scenes/builders/scene.h"
 #include "scenes/files/scene_file.h"
+#include "scenes/files/state_json.h"
 #include "scenes/program/run_record.h"
 #include "solvers/simulator/simulator.h"
 #include "tests/run_program.h"
