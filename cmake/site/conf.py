@@ -36,8 +36,6 @@ add_module_names = False
 
 html_theme = "furo"
 html_title = f"taut {release}"
-html_static_path = [f"{root}/cmake/site/static"]
-html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sphinx = False
 html_theme_options = {"navigation_with_keys": True}

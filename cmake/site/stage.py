@@ -6,6 +6,8 @@ notebook its cells, of a table of numbers the file.  Citations such as (core/joi
 links.  What leads nowhere is an error.
 """
 
+import importlib.machinery
+import importlib.util
 import json
 import pathlib
 import posixpath
@@ -14,16 +16,23 @@ import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SITE = "cmake/site/"
+
+
+def script(path):
+    """The names of a script of the tree, which has no ending."""
+    loader = importlib.machinery.SourceFileLoader(path.name, str(path))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(path.name, loader))
+    loader.exec_module(module)
+    return module
+
+
+ROOMS = script(ROOT / "tests/architecture/rooms")  # which checks what becomes links here
 UNSEEN = ".github/", "tests/fuzz/corpus/"
 FILES = ".csv", ".json", ".png", ".svg", ".obj"  # linked as they are; json: results of benchmarks
 LANGUAGES = {".h": "cpp", ".cpp": "cpp", ".py": "python", ".sh": "bash", ".json": "json5", ".mjs": "javascript"}
 LINK = re.compile(r"(?<!`)\]\((<?)([^()\s>]+)(>?)\)")
 CODE = re.compile(r"^(?P<fence>```+)[\s\S]*?^(?P=fence)$|^ {4,}\S.*$|(?P<tick>`+)(?!`)[^\n]+?(?<!`)(?P=tick)(?!`)", re.M)
-GAP = r"(?:\s)+"
-ITEM = rf'(?:"[^"]{{1,80}}"|Eq\.{GAP}\d+)'
-CITATION = re.compile(rf"\b((?:core|collision|solvers|scenes|tests|benchmarks)(?:/\w+)*),{GAP}({ITEM}(?:,{GAP}{ITEM})*)")
 KEY = re.compile(r"\[([A-Z][^\W\d_]+ ?\d{4})((?:,[^\]]*)?)\](?!\()")
-SOURCES = "core/SOURCES.md"
 
 
 def slug(title):
@@ -93,9 +102,9 @@ class Stage:
     def prose(self, name, text):
         """What is no code: links and citations lead to their places on the site."""
         text = LINK.sub(lambda m: f"]({m[1]}{self.link(name, m[2])}{m[3]})", text)
-        if name != SOURCES:
-            text = KEY.sub(lambda m: f"[\\[{m[1]}{m[2]}\\]]({self.link_from_root(name, SOURCES)})", text)
-        return CITATION.sub(lambda m: self.citation(name, m), text)
+        if name != ROOMS.SOURCES:
+            text = KEY.sub(lambda m: f"[\\[{m[1]}{m[2]}\\]]({self.link_from_root(name, ROOMS.SOURCES)})", text)
+        return ROOMS.CITATION.sub(lambda m: self.citation(name, m), text)
 
     def page(self, name):
         text = (ROOT / name).read_text()
@@ -170,7 +179,7 @@ class Stage:
     @staticmethod
     def sorted(documents):
         """Rooms in the order in which they may include each other, then other pages."""
-        rooms = (ROOT / "tests/architecture/rooms").read_text().split('ORDER = """')[1].split('"""')[0].split()
+        rooms = ROOMS.ORDER
         place = lambda document: rooms.index(posixpath.dirname(document)) if posixpath.dirname(document) in rooms else 99
         return sorted(documents, key=lambda document: (not document.endswith("/index"), place(document), document))
 

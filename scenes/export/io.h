@@ -6,11 +6,12 @@
 ///     find_package(taut REQUIRED COMPONENTS io)
 ///     target_link_libraries(mine PRIVATE taut::io)
 ///
-///     taut::Scene scene = taut::open_scene_or_model("arm.urdf");          // or a scene file, or the
-///     catalogue's "bridge" taut::Simulator simulator(scene.world, scene.settings); taut::Film film(scene);
+///     taut::Scene scene = taut::open_scene_or_model("arm.urdf");  // or "arm.json", or "bridge"
+///     taut::Simulator simulator(scene.world, scene.settings);
+///     taut::Film film(scene);
 ///     while (simulator.step(scene.dt).ok() && scene.world.time() < 5) film.sample(simulator);
 ///     taut::RecordingReader recording = film.reader();
-///     taut::export_recording(recording, {.html = "arm.html", .gltf = "arm.glb", .plot = "arm.svg"});
+///     taut::export_recording(recording, {.html = "arm.html", .gltf = "arm.glb"});
 ///
 /// Everything throws std::invalid_argument, with the name and the value, for what it cannot use, and
 /// std::runtime_error for files that cannot be written.

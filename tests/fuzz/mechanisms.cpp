@@ -235,16 +235,11 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string key = argv[i];
     const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
-    if (key == "--from")
-      options.seeds.from = std::strtoull(value().c_str(), nullptr, 10);
-    else if (key == "--count")
-      options.seeds.count = std::strtoull(value().c_str(), nullptr, 10);
-    else if (key == "--threads")
+    if (options.seeds.takes(key, value)) continue;
+    if (key == "--threads")
       options.threads = std::atoi(value().c_str());
     else if (key == "--limit")
       options.limit = std::atoi(value().c_str());
-    else if (key == "--seconds")
-      options.seeds.seconds = std::atof(value().c_str());
     else if (key == "--open")
       options.open.insert(value());
     else if (key == "--keep")

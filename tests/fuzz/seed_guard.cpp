@@ -8,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 
@@ -17,6 +18,18 @@ void* shared_memory(std::size_t bytes) {
   void* memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw std::bad_alloc();
   return memory;
+}
+
+bool SeedRange::takes(const std::string& key, const std::function<std::string()>& value) {
+  if (key == "--from")
+    from = std::strtoull(value().c_str(), nullptr, 10);
+  else if (key == "--count")
+    count = std::strtoull(value().c_str(), nullptr, 10);
+  else if (key == "--seconds")
+    seconds = std::atof(value().c_str());
+  else
+    return false;
+  return true;
 }
 
 long run_guarded(SeedRange& range, const SeedWork& work) {

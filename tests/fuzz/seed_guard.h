@@ -10,6 +10,10 @@ namespace taut::fuzz {
 struct SeedRange {
   std::uint64_t from = 0, count = 1000;
   double seconds = 0;  ///< 0: until all seeds are done
+
+  /// Takes --from, --count or --seconds with its value; false for any other option, whose value is not asked
+  /// for.
+  bool takes(const std::string& key, const std::function<std::string()>& value);
 };
 
 /// What is done with one seed, in a process of its own, and what is said of one that crashed or hung there:

@@ -18,10 +18,12 @@
 #include "tests/solvers/chain_on_floor.h"
 
 // Random worlds that touch, by seed, a second of each:
-//   worlds --from 0 --count 1000 [--csv FILE] [--keep FOLDER] [--limit S] [--patience S] [--seconds S]
-//   [--kind K] worlds --sum FILE...       the table of what --csv has written worlds --write SEED        its
-//   scene file worlds --check FILE...     scene files that were written so worlds --chain [--csv FILE]
-//   [--patience S]   the chain on the floor, by links, friction and step
+//   worlds --from 0 --count 1000 [--csv FILE] [--keep FOLDER]
+//       [--limit S] [--patience S] [--seconds S] [--kind K]
+//   worlds --sum FILE...     the table of what --csv has written
+//   worlds --write SEED      its scene file
+//   worlds --check FILE...   scene files that were written so
+//   worlds --chain           the chain on the floor, by links, friction and step
 // Seeds run in processes of their own; a step of more than --limit seconds is a hang, a world that has taken
 // more than --patience seconds of processor time is cut short.  The exit status is 1 if a step failed without
 // a contradiction that is named, if contacts gave energy, or if an oracle of mechanisms found something.
@@ -256,13 +258,8 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string key = argv[i];
     const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
-    if (key == "--from")
-      options.seeds.from = std::strtoull(value().c_str(), nullptr, 10);
-    else if (key == "--count")
-      options.seeds.count = std::strtoull(value().c_str(), nullptr, 10);
-    else if (key == "--seconds")
-      options.seeds.seconds = std::atof(value().c_str());
-    else if (key == "--limit")
+    if (options.seeds.takes(key, value)) continue;
+    if (key == "--limit")
       options.limit = std::atoi(value().c_str());
     else if (key == "--patience")
       options.patience = std::atof(value().c_str());

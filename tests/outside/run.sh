@@ -48,8 +48,9 @@ fi
 echo "== sources"
 # As a part of another project taut is configured with all that taut::io needs, and nothing else.
 cmake -S "$here" -B "$build/outside-sources" -G "$generator" -DFROM_SOURCES=ON -DCMAKE_CXX_COMPILER="$cxx" >/dev/null
-cmake --build "$build/outside-sources" --target help | grep -q 'taut_io'
-! cmake --build "$build/outside-sources" --target help | grep -qE 'taut_program|solvers_tests'
+targets=$(cmake --build "$build/outside-sources" --target help)
+echo "$targets" | grep -q 'taut_io'
+if echo "$targets" | grep -E 'taut_program|solvers_tests'; then exit 1; fi
 
 echo "== pkg-config"
 PKG_CONFIG_PATH=$(dirname "$(find "$stage" -name taut.pc)")
@@ -60,3 +61,4 @@ libdir=$(pkg-config --variable=libdir taut)
 LD_LIBRARY_PATH=$libdir${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} "$build/outside/bridge_pc"
 "$cxx" -std=c++20 -O1 $(pkg-config --cflags taut-io) "$here/../../scenes/examples/go_on.cpp" $(pkg-config --libs taut-io) \
   -o "$build/outside/go_on_pc"
+if [ -n "$three" ]; then LD_LIBRARY_PATH=$libdir${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} "$build/outside/go_on_pc" "$made"; fi
