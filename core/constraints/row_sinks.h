@@ -88,6 +88,7 @@ struct AxisInfo {
   std::shared_ptr<const detail::PartStoreBase> coordinate;
   std::vector<int> bodies;  ///< indices of its bodies
   SwingAxes across{};       ///< of a swing
+  bool is_wound = false;    ///< the length of a rope, which a winch can change
 };
 
 /// What a joint lists its free axes in: names for the World, or rows for Rows.
@@ -105,6 +106,10 @@ class AxisSink {
   /// The axis added last has these limits from the start.
   void limit(const AxisLimits& limits) {
     if (infos_) infos_->back().limits = limits;
+  }
+  /// The axis added last is the length of a rope, which a winch can change (AxisMotor::pulls_only).
+  void wind() {
+    if (infos_) infos_->back().is_wound = true;
   }
 
  private:

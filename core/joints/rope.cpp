@@ -1,16 +1,28 @@
 #include "core/joints/rope.h"
 
+#include <algorithm>
+#include <string>
+
 #include "core/base/check.h"
 
 namespace taut {
+namespace {
 
-Rope::Rope(const std::vector<WirePoint>& points, double length, double restitution)
+/// A section as short as the stop has a direction, which one of no length has not.
+constexpr double kStop = 0.01, kStopPart = 0.01;  // [m], and as a part of the length
+
+}  // namespace
+
+Rope::Rope(const std::vector<WirePoint>& points, double length, double restitution,
+           std::optional<double> stop)
     : Joint(detail::wire_bodies("rope", points)),
       points_(points),
       way_(detail::wire_length("rope", points, std::vector<double>(points.size(), 1), bodies())),
       limits_{-kUnlimited, length, restitution} {
   require_positive("rope length", length);
   check_axis("rope length", limits_);
+  if (stop) require_not_negative("rope stop", *stop);
+  if (points.size() > 2) stop_ = stop.value_or(std::min(kStop, kStopPart * length));
   for (const WirePoint& p : points)
     if (p.body == b()) point_B_ = p.p_BP;
 }
@@ -25,6 +37,19 @@ Rope Rope::between(const World& world, BodyId a, BodyId b, const Vec3& p_a_W, co
 void Rope::append_axes(AxisSink& axes) const {
   axes.add("length", way_);
   axes.limit(limits_);
+  axes.wind();
+  if (stop_ == 0) return;
+  const auto side = [&](BodyId body) {
+    const std::span<const BodyId> all = bodies();
+    return static_cast<int>(std::find(all.begin(), all.end(), body) - all.begin());
+  };
+  for (std::size_t i = 0; i + 1 < points_.size(); ++i) {
+    const WirePoint &P = points_[i], &Q = points_[i + 1];
+    if (P.body == Q.body) continue;
+    axes.add("span_" + std::to_string(i + 1), row_parts::Length{P.p_BP, Q.p_BP},
+             {side(P.body), side(Q.body)});
+    axes.limit({.lower = stop_});
+  }
 }
 
 }  // namespace taut

@@ -174,6 +174,16 @@ void check_axis(std::string_view axis, const AxisMotor& motor) {
   if (motor.mode == AxisMotor::Mode::kVelocity && motor.max_speed != kUnlimited)
     fail(of("motor max_speed", axis), "is for a position or trajectory, not beside a velocity",
          motor.max_speed);
+  require_not_negative(of("motor stiffness", axis), motor.stiffness);
+  require_not_negative(of("motor damping", axis), motor.damping);
+  if (motor.mode == AxisMotor::Mode::kVelocity && motor.stiffness != 0)
+    fail(of("motor stiffness", axis), "is for a position or trajectory, not beside a velocity",
+         motor.stiffness);
+  if (motor.has_gains() && motor.max_speed != kUnlimited)
+    fail(of("motor max_speed", axis), "is for a motor without stiffness and damping", motor.max_speed);
+  if (motor.has_gains() && motor.pulls_only)
+    fail(of("motor stiffness and damping", axis), "must be 0 where it only pulls",
+         motor.stiffness > 0 ? motor.stiffness : motor.damping);
   if (!motor.force_of_speed) return;
   for (const Curve::Point& p : motor.force_of_speed->points()) {
     require_not_negative(of("speed in the motor curve", axis), p.x);

@@ -69,6 +69,13 @@ struct AxisLimits {
 };
 
 /// Drives the axis with at most the available force.
+///
+/// Without gains it keeps what it is told exactly, as far as its force reaches.  To a position or trajectory
+/// it goes no faster than it can stop from with that force: it brakes in time and stays.
+/// With gains it is a servo, force = stiffness (target − θ) + damping (its rate − θ̇), taken implicitly, so
+/// that it is stable with any gains at any step; a position has the rate 0, a velocity no stiffness.
+/// A motor that only pulls is the winch of a rope: θ is no longer than the rope that has been let out, which
+/// is as long as the rope at first and changes by the motor; a slack rope stays slack.
 struct AxisMotor {
   enum class Mode {  ///< What the motor keeps.
     kVelocity,       ///< θ̇ = target
@@ -81,7 +88,16 @@ struct AxisMotor {
   double max_speed = kUnlimited;  ///< position and trajectory: how fast it goes to its target [rad/s or m/s]
   /// |θ̇| → available force, held beyond its ends; the smaller of it and max_force counts.
   std::optional<Curve> force_of_speed{};
-  Motion trajectory{};  ///< θ over time, in that mode
+  Motion trajectory{};      ///< θ over time, in that mode
+  double stiffness = 0;     ///< k [N·m/rad or N/m], of a position or trajectory
+  double damping = 0;       ///< [N·m·s/rad or N·s/m]; without either the target is kept exactly
+  bool pulls_only = false;  ///< a winch, of the length of a rope
+
+  bool has_gains() const { return stiffness > 0 || damping > 0; }  ///< it is a servo
+  /// A winch that winds a rope with this rate [m/s], < 0 shortens it, and at most this force [N].
+  static AxisMotor winch(double rate, double max_force = kUnlimited) {
+    return {.target = rate, .max_force = max_force, .pulls_only = true};
+  }
 
   static constexpr int kJumps = 1;  ///< at its rate
   /// What needs an axis that has positions, for messages; null: nothing.
@@ -182,7 +198,8 @@ double limit_energy(const AxisLimits& limits, double theta);
 /// @throws std::invalid_argument naming `axis`, what is wrong and the value: limits that are crossed or not
 /// numbers, a restitution outside [0, 1] or beside a compliance, damping without compliance, a target that is
 /// not finite, a trajectory that is missing, a largest speed beside a velocity, a force, speed, stiffness or
-/// friction that is negative, dynamic above static friction, a force curve with negative force or speed, a
+/// friction that is negative, a largest speed beside gains, a stiffness beside a velocity, gains of a motor
+/// that only pulls, dynamic above static friction, a force curve with negative force or speed, a
 /// spring with both stiffness and table, a damper with both damping and table, or with a table that falls
 /// somewhere or does not go through 0.  @{
 void check_axis(std::string_view axis, const AxisLimits& limits);

@@ -49,6 +49,9 @@ class Force {
   virtual double potential_energy(const State&) const { return 0; }
   /// True if f depends on V: the integrator then iterates its second half kick.
   virtual bool depends_on_velocity() const { return false; }
+  /// True if f may change between steps for reasons of its own, as a callback that reads a command does: it
+  /// is asked anew at the start of each step, so that the whole step has the new value.
+  virtual bool may_change() const { return false; }
   /// True if f is no more than the gradient of its potential: its work is then no loss.
   virtual bool conservative() const { return false; }
   /// The bodies it reads or acts on, so that the World can check them.
@@ -141,6 +144,7 @@ class ForceCallback final : public Force {
   void accumulate(const State& state, std::span<Wrench> wrenches) const override;
   double potential_energy(const State& state) const override;
   bool depends_on_velocity() const override { return velocity_; }
+  bool may_change() const override { return true; }
   bool conservative() const override { return potential_ && !velocity_; }
 
  private:

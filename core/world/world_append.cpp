@@ -61,6 +61,7 @@ class AppendedForce final : public Force {
   }
   double potential_energy(const State& state) const override { return law_->potential_energy(seen(state)); }
   bool depends_on_velocity() const override { return law_->depends_on_velocity(); }
+  bool may_change() const override { return law_->may_change(); }
   bool conservative() const override { return law_->conservative(); }
   std::vector<BodyId> bodies() const override {
     std::vector<BodyId> bodies = law_->bodies();

@@ -36,13 +36,49 @@ void World::set_axis_properties(AxisId id, AxisProperties properties) {
              info.name);
     check_axis(axis_label(id), property);
   });
+  if (properties.motor && properties.motor->pulls_only && !info.is_wound)
+    fail("motor of " + axis_label(id), "can only pull at the length of a rope, not at", info.name);
   AxisProperties& here = axes_.properties(axis_index(id));
+  wind(id, here, properties);
   const bool before = here.any();
   const auto swing = swing_properties(*this, id.joint);
   here = std::move(properties);
   wake_bodies_of(id.joint);
   if (here.any() != before || swing_properties(*this, id.joint) != swing) ++versions_.topology;
   ++versions_.axes;
+}
+
+/// What a winch has let out takes the place of the upper limit, and becomes that when the winch goes.
+void World::wind(AxisId id, const AxisProperties& before, AxisProperties& after) {
+  const auto is_winch = [](const AxisProperties& p) { return p.motor && p.motor->pulls_only; };
+  double& let_out = state_.axes[axis_index(id)];
+  if (is_winch(after)) {
+    const bool limited = after.limits && after.limits->upper < kUnlimited;
+    if (limited || !is_winch(before)) {
+      let_out = limited ? after.limits->upper : axis_value(id);
+      ++versions_.state;
+    }
+    if (limited) after.limits->upper = kUnlimited;
+    if (limited && after.limits->lower == -kUnlimited) after.limits.reset();
+  } else if (is_winch(before)) {
+    if (!after.limits) after.limits.emplace();
+    if (after.limits->upper == kUnlimited) after.limits->upper = let_out;
+  }
+}
+
+double World::let_out(AxisId id) const {
+  const AxisProperties& p = axis_properties(id);
+  if (!p.motor || !p.motor->pulls_only) fail("rope let out of " + axis_label(id), "there is no", "winch");
+  return state_.axes[axis_index(id)];
+}
+
+void World::set_let_out(AxisId id, double length) {
+  identity_.require_free();
+  (void)let_out(id);
+  require_not_negative("rope let out of " + axis_label(id), length);
+  state_.axes[axis_index(id)] = length;
+  wake_bodies_of(id.joint);
+  ++versions_.state;
 }
 
 void World::set_motor_target(AxisId id, double target) {
@@ -81,6 +117,7 @@ void World::set_axis_turns(AxisId id, double value) {
   identity_.require_free();
   const int index = axis_index(id);
   if (!std::isfinite(value)) fail("value of " + axis_label(id), "must be finite", value);
+  if (axis_info(id).is_wound) return;  // it has no turns
   state_.axes[index] = value;
   state_.axes[index] = axis_value(id);
   wake_bodies_of(id.joint);

@@ -42,6 +42,9 @@ AxisMotor read_motor(const JsonNode& node, bool angular) {
   motor.max_force = keys.get("max_force", &JsonNode::not_negative, motor.max_force);
   motor.max_speed = keys.get(in_angles("max_speed", angular), &JsonNode::positive, motor.max_speed);
   motor.force_of_speed = read_curve(keys, in_angles("force_of_speed", angular));
+  motor.stiffness = keys.get("stiffness", &JsonNode::not_negative, 0.0);
+  motor.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
+  motor.pulls_only = keys.get("pulls_only", &JsonNode::boolean, false);
   keys.reject_unknown_keys();
   return motor;
 }

@@ -72,8 +72,10 @@ std::shared_ptr<const Joint> read_rope_over_points(const SceneReader& reader, Js
   for (std::size_t i = 1; points && i < points->size(); ++i)
     length += section(reader, (*points)[i - 1], (*points)[i]);
   length = joint.get("length", &JsonNode::positive, length);
+  std::optional<double> stop;
+  if (const auto node = joint.find("stop")) stop = node->not_negative();
   if (!points) return nullptr;
-  return std::make_shared<Rope>(*points, length, restitution);
+  return std::make_shared<Rope>(*points, length, restitution, stop);
 }
 
 std::shared_ptr<const Joint> read_pulley(const SceneReader& reader, JsonObject& joint) {

@@ -169,7 +169,11 @@ void bind_limits_and_motor(nb::module_& m) {
       m, "AxisMotor",
       "Drives an axis with at most the available force [N·m or N]: VELOCITY keeps θ̇ = target, POSITION θ "
       "= target, TRAJECTORY θ = trajectory(t).  `max_speed` is how fast the latter two go to their "
-      "target; `force_of_speed` is |θ̇| → available force.");
+      "target; `force_of_speed` is |θ̇| → available force.  With `stiffness` or `damping` it is a servo, "
+      "taken "
+      "implicitly; with `pulls_only` a winch on the length of a rope.  To a position or along a trajectory "
+      "it "
+      "brakes in time.");
   nb::enum_<AxisMotor::Mode>(motor, "Mode", "What the motor keeps.")
       .value("VELOCITY", AxisMotor::Mode::kVelocity)
       .value("POSITION", AxisMotor::Mode::kPosition)
@@ -178,25 +182,36 @@ void bind_limits_and_motor(nb::module_& m) {
       .def(
           "__init__",
           [](AxisMotor* it, AxisMotor::Mode mode, double target, double max_force, double max_speed,
-             std::optional<Curve> force_of_speed, std::optional<BoundMotion> trajectory) {
+             std::optional<Curve> force_of_speed, std::optional<BoundMotion> trajectory, double stiffness,
+             double damping, bool pulls_only) {
             new (it) AxisMotor{mode,
                                target,
                                max_force,
                                max_speed,
                                std::move(force_of_speed),
-                               trajectory ? trajectory->function : Motion()};
+                               trajectory ? trajectory->function : Motion(),
+                               stiffness,
+                               damping,
+                               pulls_only};
           },
           nb::arg("mode") = AxisMotor::Mode::kVelocity, nb::arg("target") = 0,
           nb::arg("max_force") = kUnlimited, nb::arg("max_speed") = kUnlimited,
           nb::arg("force_of_speed") = nb::none(), nb::arg("trajectory") = nb::none(),
+          nb::arg("stiffness") = 0, nb::arg("damping") = 0, nb::arg("pulls_only") = false,
           nb::sig("def __init__(self, mode: Mode = ..., target: float = 0.0, "
                   "max_force: float = float('inf'), max_speed: float = float('inf'), force_of_speed: Curve | "
                   "None = None, trajectory: Motion | collections.abc.Callable[[float], tuple[float, float, "
-                  "float]] | None = None) -> None"))
+                  "float]] | None = None, stiffness: float = 0.0, damping: float = 0.0, pulls_only: bool = "
+                  "False) -> None"))
+      .def_static("winch", &AxisMotor::winch, nb::arg("rate"), nb::arg("max_force") = kUnlimited,
+                  "A winch on the length of a rope: winds it with this rate [m/s], < 0 shortens it.")
       .def_rw("mode", &AxisMotor::mode)
       .def_rw("target", &AxisMotor::target)
       .def_rw("max_force", &AxisMotor::max_force)
-      .def_rw("max_speed", &AxisMotor::max_speed);
+      .def_rw("max_speed", &AxisMotor::max_speed)
+      .def_rw("stiffness", &AxisMotor::stiffness)
+      .def_rw("damping", &AxisMotor::damping)
+      .def_rw("pulls_only", &AxisMotor::pulls_only);
   def_optional(motor, "force_of_speed", &AxisMotor::force_of_speed);
 }
 

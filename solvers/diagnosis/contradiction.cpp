@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "solvers/diagnosis/violation_search.h"
+#include "solvers/laws/axis_motor_law.h"
 #include "solvers/laws/contact_set.h"
 
 namespace taut {
@@ -90,11 +91,17 @@ class Demands {
       if (lower > -kUnlimited) add(bound_of(row.axis, Bound::Kind::kLowerLimit), row.row, lower, kUnlimited);
       if (upper < kUnlimited) add(bound_of(row.axis, Bound::Kind::kUpperLimit), row.row, -kUnlimited, upper);
     }
-    if (!p.motor || p.motor->force_of_speed || std::isfinite(p.motor->max_force)) return;
+    if (!p.motor || !is_unbounded(*p.motor)) return;
+    if (p.motor->pulls_only) {
+      const double longest = std::max(lower, target(*p.motor, let_out(row.axis)));
+      if (std::isfinite(longest)) add(bound_of(row.axis, Bound::Kind::kMotor), row.row, -kUnlimited, longest);
+      return;
+    }
     // A motor of any force stops at a limit.
     const double aim = std::clamp(target(*p.motor, x_[row.row]), lower, upper);
     if (std::isfinite(aim)) add(bound_of(row.axis, Bound::Kind::kMotor), row.row, aim, aim);
   }
+  double let_out(AxisId axis) const { return situation_.from.axes[situation_.world.axis_index(axis)]; }
   /// Where a motor wants its axis to be, coming from θ.
   double target(const AxisMotor& motor, double theta) const {
     const double h = situation_.horizon;

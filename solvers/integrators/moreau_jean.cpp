@@ -100,6 +100,7 @@ void MoreauJean::begin_laws(double h, SubstepReport& report) {
     system_.rates_of(phase_.state, values_.rates);
     stages_.renew_effective_masses();
     axes_.begin(phase_.start_time, h, values_.start_theta, values_.rates, stages_.effective_mass());
+    axes_.take_ropes(phase_.state.axes);
     theta_ = axes_.find_unresolved(system_, true) ? 1 : settings_.theta;
     contacts_.begin_impulses(values_.rates, stages_.effective_mass());
     if (contacts_.soft()) {
@@ -113,6 +114,7 @@ void MoreauJean::begin_laws(double h, SubstepReport& report) {
     stages_.prepare(values_.rates, values_.mu);
   }
   if (!stages_.factors_on_demand()) system_.factorize(report.times);
+  if (bounded()) axes_.find_inertia(system_, stages_.effective_mass());  // for the laws of solve_stage()
 }
 
 void MoreauJean::renew_laws() {
@@ -200,6 +202,7 @@ bool MoreauJean::go_to_end(double h, SubstepReport& report) {
   first_axes_ = phase_.state.axes;
   system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
   if (settings_.drift_cure == DriftCure::kPositionPush && !push_positions(report)) return false;
+  keep_ropes();
   system_.set_mass(phase_.state.poses);
   phase_.twists_from(phase_.momenta);
   return true;

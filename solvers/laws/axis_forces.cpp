@@ -42,7 +42,7 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
   work_.begin();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const int row = table_.row(i);
-    axes_[i].start = {theta[row], rates[row], inertia[row]};
+    axes_[i].start = {theta[row], rates[row], inertia[row], axes_[i].start.let_out};
   }
   swings_.begin(table_, axes_, h);
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].begin(table_.properties(i), step_);
@@ -50,6 +50,44 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
 
 bool AxisForces::find_unresolved(ConstraintSystem& system, bool single_kick) {
   return taut::find_unresolved(table_, axes_, step_.h, system, single_kick);
+}
+
+void AxisForces::find_inertia(ConstraintSystem& system, std::span<const double> alone) {
+  held_.clear();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const AxisProperties& p = table_.properties(i);
+    if (table_.released(i) || !p.motor || axes_[i].motor.on_target ||
+        !needs_inertia(*p.motor, step_, axes_[i].start))
+      continue;
+    if (held_.empty()) find_held(alone.size());
+    axes_[i].start.inertia = inertia_.of(system, table_.row(i), alone, held_);
+  }
+}
+
+/// As the last step has left them.
+void AxisForces::find_held(std::size_t rows) {
+  held_.assign(rows, 0);
+  for (std::size_t i = 0; i < axes_.size(); ++i)
+    held_[table_.row(i)] = !table_.released(i) && (axes_[i].motor.on_target || axes_[i].friction.held());
+}
+
+bool AxisForces::is_winch(std::size_t i) const {
+  const AxisProperties& p = table_.properties(i);
+  return !table_.released(i) && p.motor && p.motor->pulls_only;
+}
+
+void AxisForces::take_ropes(std::span<const double> axes) {
+  any_winch_ = false;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (!is_winch(i)) continue;
+    any_winch_ = true;
+    axes_[i].start.let_out = axes[index_in_state(i)];
+  }
+}
+
+void AxisForces::give_ropes(std::span<const double> theta, std::span<double> axes) const {
+  for (std::size_t i = 0; i < axes_.size(); ++i)
+    if (is_winch(i)) axes[index_in_state(i)] = axes_[i].winch.let_out(theta[table_.row(i)]);
 }
 
 void AxisForces::inherit(const AxisForces& old) {
@@ -150,6 +188,8 @@ void AxisForces::clear_loose(std::span<char> rows) const {
 void AxisForces::rigid_limits(std::vector<Bound>& bounds) const {
   bounds.clear();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (is_winch(i) && axes_[i].winch.holds_rope())
+      bounds.push_back({table_.row(i), -kUnlimited, axes_[i].winch.length, table_.id(i)});
     if (!table_.has_rigid_limit(i)) continue;
     const AxisLimits& limits = *table_.properties(i).limits;
     bounds.push_back({table_.row(i), limits.lower, limits.upper, table_.id(i)});
@@ -175,8 +215,10 @@ void AxisForces::finish_positions(std::span<const double> w) {
 void AxisForces::finish_velocities(std::span<const double> theta, std::span<const double> w, double time) {
   const std::span<AxisReport> reports = work_.reports();
   impacts_.finish(table_, axes_, w, time, reports);
-  for (std::size_t i = 0; i < axes_.size(); ++i)
-    axes_[i].finish(reports[i], theta[table_.row(i)], w[table_.row(i)]);
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const double rate = w[table_.row(i)];
+    axes_[i].finish(reports[i], {theta[table_.row(i)], rate, rate - axes_[i].start.rate, work_.impulse(i)});
+  }
 }
 
 void AxisForces::clear_reports() {

@@ -9,6 +9,7 @@
 #include "core/world/world.h"
 #include "solvers/common/axis_report.h"
 #include "solvers/laws/axis_impacts.h"
+#include "solvers/laws/axis_inertia.h"
 #include "solvers/laws/axis_law.h"
 #include "solvers/laws/axis_loads.h"
 #include "solvers/laws/axis_swings.h"
@@ -50,6 +51,8 @@ class AxisForces {
   /// After begin(), with the system where its impulses act: springs that the step does not resolve, and for
   /// one of Moreau–Jean, `single_kick`, whether there are any that need the end of it (ϑ = 1).
   bool find_unresolved(ConstraintSystem& system, bool single_kick = false);
+  /// After begin(), likewise: how heavy axes are whose motors have to know, for 1/S_rr of each row.
+  void find_inertia(ConstraintSystem& system, std::span<const double> alone);
   /// False if a motor's trajectory is not at the end of the step; the motor is left out then.
   bool finite() const { return not_finite_ < 0; }
   /// The axis of that motor.
@@ -116,6 +119,11 @@ class AxisForces {
   void finish_positions(std::span<const double> w);
   /// Takes over the second, at its time: which axes are held from here on.
   void finish_velocities(std::span<const double> theta, std::span<const double> w, double time);
+  /// Winches: after begin() takes what is let out, one value an axis as in State::axes; after the step gives
+  /// it back, with θ at the end.  @{
+  bool any_winch() const { return any_winch_; }
+  void take_ropes(std::span<const double> axes);
+  void give_ropes(std::span<const double> theta, std::span<double> axes) const;  /// @}
   /// Impulses of the first kick, during which the axes moved with `rates` on the mean: to be called before
   /// velocity_laws(), added with the second.
   void record_first_kick(std::span<const double> lambda, std::span<const double> w,
@@ -140,6 +148,10 @@ class AxisForces {
   template <typename Set>
   void set_laws(std::span<RowLaw> laws, Set set);
 
+  std::size_t index_in_state(std::size_t i) const { return table_.world().axis_index(table_.id(i)); }
+  bool is_winch(std::size_t i) const;
+  void find_held(std::size_t rows);
+
   AxisTable table_;
   AxisSwings swings_;
   std::vector<AxisLaw> axes_, before_;
@@ -147,9 +159,12 @@ class AxisForces {
   AxisLoads loads_;
   AxisImpacts impacts_;
   AxisWork work_;
+  AxisInertia inertia_;
+  std::vector<char> held_;  // rows of axes that motors or friction hold, for inertia_
   AxisStep step_;
   double slack_ = 0;
-  int not_finite_ = -1;  // of axes_
+  int not_finite_ = -1;     // of axes_
+  bool any_winch_ = false;  // in this step
 };
 
 }  // namespace taut

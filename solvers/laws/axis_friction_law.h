@@ -64,9 +64,9 @@ struct AxisFrictionLaw : AxisBoxLaw<&AxisImpulse::friction> {
   }
   /// What is held slips in this step.
   void let_go() { broken = stuck; }
-  void finish(AxisReport& report, double theta, double rate) {
-    const bool holds = bound > 0 && on_step(rate, 0);
-    if (holds && (!stuck || broken)) anchor = theta;
+  void finish(AxisReport& report, const AxisEnd& end) {
+    const bool holds = bound > 0 && on_step(end.rate, 0);
+    if (holds && (!stuck || broken)) anchor = end.theta;
     report.stuck = stuck = holds;
     broken = false;
   }

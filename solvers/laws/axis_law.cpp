@@ -64,8 +64,8 @@ void AxisLaw::finish_first_kick(const AxisProperties& p, double w) {
   with_parts(*this, [&](auto&... part) { (part.finish_first_kick(p, start, w), ...); });
 }
 
-void AxisLaw::finish(AxisReport& report, double theta, double rate) {
-  with_parts(*this, [&](auto&... part) { (part.finish(report, theta, rate), ...); });
+void AxisLaw::finish(AxisReport& report, const AxisEnd& end) {
+  with_parts(*this, [&](auto&... part) { (part.finish(report, end), ...); });
 }
 
 void AxisLaw::report(AxisReport& report, const AxisProperties& p, double w) const {
@@ -77,6 +77,7 @@ RowLaw AxisLaw::sum(const AxisProperties& p) {
   // A motor of any force stops at a limit.
   if (motor.bound > 0 && std::isinf(motor.bound))
     motor.at = std::clamp(motor.at, limits.lower_at, limits.upper_at);
+  if (winch.bound > 0 && std::isinf(winch.bound)) winch.at = std::max(winch.at, limits.lower_at);
   RowLaw law;
   with_parts(*this, [&](const auto&... part) { (part.add_to(law, p), ...); });
   return law;

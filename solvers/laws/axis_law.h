@@ -6,8 +6,10 @@
 #include "solvers/laws/axis_limit_law.h"
 #include "solvers/laws/axis_motor_law.h"
 #include "solvers/laws/axis_part_law.h"
+#include "solvers/laws/axis_servo_law.h"
 #include "solvers/laws/axis_spring_law.h"
 #include "solvers/laws/axis_step.h"
+#include "solvers/laws/axis_winch_law.h"
 #include "solvers/laws/row_law.h"
 
 namespace taut {
@@ -20,12 +22,14 @@ struct AxisLaw {
   AxisSpringLaw springs;
   AxisFrictionLaw friction;
   AxisMotorLaw motor;
+  AxisServoLaw servo;
+  AxisWinchLaw winch;
   AxisLimitLaw limits;
 
   /// use(part, …) with all parts, in the order of their sum.
   template <typename Self, typename Use>
   static auto with_parts(Self& self, Use use) {
-    return use(self.springs, self.friction, self.motor, self.limits);
+    return use(self.springs, self.friction, self.motor, self.servo, self.winch, self.limits);
   }
 
   /// A new start: nothing is known but θ and its rate.
@@ -39,7 +43,7 @@ struct AxisLaw {
   /// Some part has followed a solution w of a stage, which must be solved again.
   bool move(const AxisProperties& p, const AxisStep& step, double w, double rate_tolerance);
   void finish_first_kick(const AxisProperties& p, double w);
-  void finish(AxisReport& report, double theta, double rate);
+  void finish(AxisReport& report, const AxisEnd& end);
   void report(AxisReport& report, const AxisProperties& p, double w) const;
 
   /// The sum of the steps and slopes.

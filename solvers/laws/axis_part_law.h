@@ -25,6 +25,13 @@ struct AxisStage {
   bool jolt = false;  ///< velocity stage: some axis runs into a limit in this sub-step
 };
 
+/// An axis at the end of a step.
+struct AxisEnd {
+  double theta = 0, rate = 0;  ///< θ [rad or m] and θ̇
+  double rate_change = 0;      ///< θ̇ − θ̇₀
+  AxisImpulse impulse;         ///< of both kicks
+};
+
 /// A part of the law of an axis: springs, friction, a motor, limits.  AxisLaw asks the same of all of them; a
 /// part is a struct with its memory that hides what concerns it; the rest is nothing.  A smooth force needs a
 /// line λ = l − c w by the three stages, add_to() and share_lines(); one that is bounded derives from
@@ -56,9 +63,9 @@ struct AxisPartLaw {
   void share_beside(AxisImpulse&, double&, double) const {}
   void share_on_step(AxisImpulse&, double&, double) const {}  /// @}
 
-  /// The end of the position stage, with the mean rate, and of the step, with θ and its rate.  @{
+  /// The end of the position stage, with the mean rate, and of the step.  @{
   void finish_first_kick(const AxisProperties&, const AxisStart&, double) {}
-  void finish(AxisReport&, double, double) {}  /// @}
+  void finish(AxisReport&, const AxisEnd&) {}  /// @}
   /// What it says of a stage that ended with the rate w.
   void report(AxisReport&, const AxisProperties&, double) const {}
   /// What is remembered from step to step, to or from bytes.

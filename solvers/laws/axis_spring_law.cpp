@@ -76,18 +76,6 @@ ImpulseLine damper_tangent(const Curve& table, const AxisStep& step, const AxisS
 
 }  // namespace
 
-/// Digressive dampers would have Newton's method jump to and fro for ever, so what lies outside of the bounds
-/// known is halved.
-void TangentPoint::move(double w, double rate_tolerance) {
-  (w > rate ? lowest : highest) = rate;
-  if (w > lowest && w < highest)
-    rate = w;
-  else if (highest - lowest > rate_tolerance)
-    rate = 0.5 * (lowest + highest);
-  else
-    start(w);  // others have moved it
-}
-
 void AxisSpringLaw::begin(const AxisProperties& p, const AxisStep& step, const AxisStart& start) {
   const double damping = (p.friction ? p.friction->viscous : 0) + (p.spring ? p.spring->damping : 0) +
                          (p.limits ? p.limits->damping : 0);

@@ -5,6 +5,7 @@
 #include "core/state/axis.h"
 #include "core/world/swing_properties.h"
 #include "solvers/laws/axis_part_law.h"
+#include "solvers/laws/impulse_line.h"
 
 namespace taut {
 
@@ -12,27 +13,6 @@ namespace taut {
 inline bool has_soft_limit(const AxisProperties& p) { return p.limits && p.limits->compliance > 0; }
 /// Its law has curves, which are taken by their tangents: tables and soft limits.
 inline bool is_curved(const AxisProperties& p) { return !detail::is_linear(p.spring) || has_soft_limit(p); }
-
-/// Impulse of a kick over the rate, λ = level − slope w.
-struct ImpulseLine {
-  double level = 0;  ///< [N·m·s or N·s]
-  double slope = 0;  ///< c [kg·m² or kg]
-  double at(double w) const { return level - slope * w; }
-};
-
-/// The rate where curves have their tangents, on its way to that of the solution, and between which rates
-/// this is known to be.
-struct TangentPoint {
-  double rate = 0;                 ///< [rad/s or m/s]
-  double lowest = 0, highest = 0;  ///< of the solution
-
-  void start(double w) {
-    rate = w;
-    lowest = -kUnreachedRate, highest = kUnreachedRate;
-  }
-  /// To the rate w of a solution with these tangents.
-  void move(double w, double rate_tolerance);
-};
 
 /// Springs and dampers of one axis, viscous friction and soft limits among them, as straight lines
 /// λ = l − c w of a stage; tables and soft limits as tangents.  (solvers/laws, "Axes")

@@ -16,7 +16,8 @@ struct AxisStep {
 struct AxisStart {
   double theta = 0;    ///< θ₀ [rad or m]
   double rate = 0;     ///< θ̇₀ [rad/s or m/s]
-  double inertia = 0;  ///< 1/S_rr [kg·m² or kg]
+  double inertia = 0;  ///< 1/S_rr [kg·m² or kg]; of motors that ask for it, with all joints held
+  double let_out = 0;  ///< of a rope with a winch [m]
 };
 
 /// The way of an axis in a step: forces act for `time`, at the part `weight` of the way.

@@ -25,7 +25,8 @@ void add_impulse(AxisReport& report, const AxisImpulse& impulse, double rate) {
 
 }  // namespace
 
-AxisWork::AxisWork(std::size_t axes) : reports_(axes), reports_before_(axes), first_kick_(axes) {}
+AxisWork::AxisWork(std::size_t axes)
+    : reports_(axes), reports_before_(axes), first_kick_(axes), impulse_(axes) {}
 
 void AxisWork::begin() { reports_before_ = reports_; }
 
@@ -51,7 +52,10 @@ void AxisWork::add_kicks(const AxisTable& table, std::span<const AxisLaw> axes,
     AxisReport& report = reports_[i];
     report.force += first_kick_[i].force;
     report.work += first_kick_[i].work;
-    add_impulse(report, shared_impulse(table, axes, i, lambda, w), rates[row]);
+    const AxisImpulse second = shared_impulse(table, axes, i, lambda, w);
+    add_impulse(report, second, rates[row]);
+    impulse_[i] = first_kick_[i].force;
+    impulse_[i] += second;
     axes[i].report(report, table.released(i) ? kNothing : table.properties(i), w[row]);
   }
 }

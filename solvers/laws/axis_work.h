@@ -29,6 +29,8 @@ class AxisWork {
   /// There is none.
   void clear_first_kick();
   const AxisImpulse& first_kick(std::size_t i) const { return first_kick_[i].force; }
+  /// Of both kicks of the last sub-step.
+  const AxisImpulse& impulse(std::size_t i) const { return impulse_[i]; }
   /// Adds both kicks, the second with these impulses.
   void add_kicks(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> lambda,
                  std::span<const double> w, std::span<const double> rates);
@@ -41,6 +43,7 @@ class AxisWork {
 
  private:
   std::vector<AxisReport> reports_, reports_before_, first_kick_;
+  std::vector<AxisImpulse> impulse_;
 };
 
 }  // namespace taut

@@ -14,6 +14,8 @@ namespace {
 constexpr double kSingular = 50;
 /// Rates that miss their tolerance by less than this part of what acts do so by round-off.
 constexpr double kRoundOffShare = 1e-9;
+/// An end of a wire is at its guide point if it gets there in fewer steps.
+constexpr double kStepsToGuide = 2;
 /// Masses that differ by more times are worth a word.
 constexpr double kManyTimes = 1e4;
 
@@ -141,7 +143,33 @@ std::string list_culprits(const Inquiry& asked) {
   return text.str();
 }
 
+/// An end of a wire that gets to its guide point within a few steps: its direction there is undefined.
+static std::string short_span(const Inquiry& asked, const State& state) {
+  const World& world = asked.world;
+  for (int j = 0; j < world.joint_count(); ++j) {
+    if (!world.is_attached({j})) continue;
+    const std::vector<WirePoint> course = world.joint({j}).course();
+    for (std::size_t i = 0; course.size() > 2 && i + 1 < course.size(); ++i) {
+      const WirePoint &P = course[i], &Q = course[i + 1];
+      if (P.body == Q.body) continue;
+      const Pose &A = state.poses[P.body.index], &B = state.poses[Q.body.index];
+      const Vec3 v = state.twists[Q.body.index].at(rotate(B.q, Q.p_BP)) -
+                     state.twists[P.body.index].at(rotate(A.q, P.p_BP));
+      const double span = (B.point(Q.p_BP) - A.point(P.p_BP)).norm();
+      if (span > kStepsToGuide * asked.report.dt * v.norm()) continue;
+      std::ostringstream text;
+      text << "; section " << i + 1 << " of " << world.joint({j}).type() << " "
+           << asked.source.name(JointId{j}) << ", from " << world.name(P.body) << " to " << world.name(Q.body)
+           << ", is used up, only " << span
+           << " m are left: a rope with a stop holds there, or a limit before it";
+      return text.str();
+    }
+  }
+  return "";
+}
+
 std::string singular_axis(const Inquiry& asked) {
+  if (const std::string span = short_span(asked, asked.stepper.state()); !span.empty()) return span;
   const Rows& rows = asked.stepper.system().rows();
   for (const Rows::AxisRow& axis : rows.axis_rows()) {
     if (axis.axis.axis < 0 || !rows.row(axis.row).angular) continue;

@@ -279,7 +279,9 @@ void Simulator::Impl::refresh() {
   const bool goes_on = stepper_.remembers() && !is_new;
   Stepper::Predecessor old;
   if (is_new) old = renew_pattern();
-  if (stepper_.knows_state() && recalled_.empty()) return;
+  if (stepper_.knows_state() && recalled_.empty() &&
+      !(world_.forces_may_change() && stepper_.scheme().keeps_forces()))
+    return;
   if (goes_on && recalled_.empty() && stepper_.goes_on_with_new_forces()) return;
   if (stepper_.scheme().closes_joints() && !close_at_start()) return;
   start_scheme(goes_on, old);

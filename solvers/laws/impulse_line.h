@@ -1,0 +1,28 @@
+#pragma once
+
+#include "solvers/laws/law_constants.h"
+
+namespace taut {
+
+/// Impulse of a kick over the rate, λ = level − slope w.
+struct ImpulseLine {
+  double level = 0;  ///< [N·m·s or N·s]
+  double slope = 0;  ///< c [kg·m² or kg]
+  double at(double w) const { return level - slope * w; }
+};
+
+/// The rate where curves have their tangents, on its way to that of the solution, and between which rates
+/// this is known to be.
+struct TangentPoint {
+  double rate = 0;                 ///< [rad/s or m/s]
+  double lowest = 0, highest = 0;  ///< of the solution
+
+  void start(double w) {
+    rate = w;
+    lowest = -kUnreachedRate, highest = kUnreachedRate;
+  }
+  /// To the rate w of a solution with these tangents.
+  void move(double w, double rate_tolerance);
+};
+
+}  // namespace taut
