@@ -23,13 +23,12 @@ int ForceLaws::checked(ForceId id) const { return index_of(id, laws_.size(), "fo
 void ForceLaws::classify(int index) {
   const Force& law = *laws_[index];
   const bool spring = has_rows(law);
-  const Traits its{law.depends_on_velocity(), !law.conservative(), law.may_change()};
+  const Traits its{law.depends_on_velocity(), !law.conservative()};
   if (spring) springs_.push_back({index});
   for (Traits* traits : {&all_, &without_springs_}) {
     if (traits == &without_springs_ && spring) continue;
     traits->velocity = traits->velocity || its.velocity;
     traits->dissipative = traits->dissipative || its.dissipative;
-    traits->changing = traits->changing || its.changing;
   }
 }
 

@@ -32,8 +32,6 @@ class ForceLaws {
     return passing_ || traits(springs).dissipative;
   }
 
-  bool may_change() const { return all_.changing; }  ///< any of them, between steps
-
   void add(Law law);
   void set(int index, Law law);
   /// One more that acts for a while, is not conservative, has no id and does not count; null: none.
@@ -52,7 +50,7 @@ class ForceLaws {
 
  private:
   struct Traits {
-    bool velocity = false, dissipative = false, changing = false;  // of any law
+    bool velocity = false, dissipative = false;  // of any law
   };
   const Traits& traits(Springs springs) const {
     return springs == Springs::kIncluded ? all_ : without_springs_;

@@ -123,13 +123,6 @@ class World {
   /// A new target for a motor that is there.  @throws std::invalid_argument if it is not, or not finite.
   void set_motor_target(AxisId id, double target);
 
-  /// Length of rope that a winch has let out [m] (AxisMotor::pulls_only): a part of the state, which the
-  /// solvers carry on.  It is the upper limit of the rope when the winch is set, and again when it is taken
-  /// away; while it is there, it takes the place of that limit.
-  /// @throws std::invalid_argument if there is no winch, or the length is negative or not finite.  @{
-  double let_out(AxisId id) const;
-  void set_let_out(AxisId id, double length);  /// @}
-
   /// Coordinate θ of an axis [rad or m] in the present state, with the turns that the state counts.
   double axis_value(AxisId id) const;
   double axis_rate(AxisId id) const;  ///< θ̇ [rad/s or m/s]
@@ -265,7 +258,6 @@ class World {
   /// what the laws put on them.  `wrenches` has body_count() entries [N·m, N] and is overwritten.
   void forces(const State& state, std::span<Wrench> wrenches, Springs springs = Springs::kIncluded) const;
   /// True if any force law reads velocities.
-  bool forces_may_change() const { return forces_.may_change(); }  ///< between steps, any law
   bool forces_depend_on_velocity(Springs springs = Springs::kIncluded) const {
     return forces_.depend_on_velocity(springs);
   }
@@ -317,7 +309,6 @@ class World {
   void put_to_sleep(BodyId id);
   void wake_or_all(const std::vector<BodyId>& bodies);
   void wake_bodies_of(JointId joint);
-  void wind(AxisId id, const AxisProperties& before, AxisProperties& after);
   void wake_moved(const State& state);
 
   friend class Rows;
@@ -338,5 +329,11 @@ class World {
   detail::MaterialTable materials_;
   detail::CollisionRules collisions_;
 };
+
+/// Length of rope that a winch has let out [m] (AxisMotor::pulls_only): the entry of its axis in State::axes,
+/// which the solvers carry on.  It is the upper limit of the rope when the winch is set, and again when it is
+/// taken away; while the winch is there, it takes the place of that limit.
+/// @throws std::invalid_argument if there is no winch.
+double let_out(const World& world, AxisId id);
 
 }  // namespace taut

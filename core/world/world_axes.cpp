@@ -7,6 +7,28 @@
 
 // Free axes of joints, as the World keeps them.
 namespace taut {
+namespace {
+
+bool is_winch(const AxisProperties& p) { return p.motor && p.motor->pulls_only; }
+
+/// What a winch has let out takes the place of the upper limit, and becomes that when the winch goes.
+/// `theta`: of the axis now.  True if `let_out` is another.
+bool wind(const AxisProperties& before, AxisProperties& after, double theta, double& let_out) {
+  if (is_winch(after)) {
+    const bool limited = after.limits && after.limits->upper < kUnlimited;
+    if (!limited && is_winch(before)) return false;
+    let_out = limited ? after.limits->upper : theta;
+    if (limited) after.limits->upper = kUnlimited;
+    if (limited && after.limits->lower == -kUnlimited) after.limits.reset();
+    return true;
+  }
+  if (!is_winch(before)) return false;
+  if (!after.limits) after.limits.emplace();
+  if (after.limits->upper == kUnlimited) after.limits->upper = let_out;
+  return false;
+}
+
+}  // namespace
 
 AxisId World::axis(JointId joint, std::string_view name) const {
   std::string known;
@@ -39,46 +61,13 @@ void World::set_axis_properties(AxisId id, AxisProperties properties) {
   if (properties.motor && properties.motor->pulls_only && !info.is_wound)
     fail("motor of " + axis_label(id), "can only pull at the length of a rope, not at", info.name);
   AxisProperties& here = axes_.properties(axis_index(id));
-  wind(id, here, properties);
+  if (info.is_wound && wind(here, properties, axis_value(id), state_.axes[axis_index(id)])) ++versions_.state;
   const bool before = here.any();
   const auto swing = swing_properties(*this, id.joint);
   here = std::move(properties);
   wake_bodies_of(id.joint);
   if (here.any() != before || swing_properties(*this, id.joint) != swing) ++versions_.topology;
   ++versions_.axes;
-}
-
-/// What a winch has let out takes the place of the upper limit, and becomes that when the winch goes.
-void World::wind(AxisId id, const AxisProperties& before, AxisProperties& after) {
-  const auto is_winch = [](const AxisProperties& p) { return p.motor && p.motor->pulls_only; };
-  double& let_out = state_.axes[axis_index(id)];
-  if (is_winch(after)) {
-    const bool limited = after.limits && after.limits->upper < kUnlimited;
-    if (limited || !is_winch(before)) {
-      let_out = limited ? after.limits->upper : axis_value(id);
-      ++versions_.state;
-    }
-    if (limited) after.limits->upper = kUnlimited;
-    if (limited && after.limits->lower == -kUnlimited) after.limits.reset();
-  } else if (is_winch(before)) {
-    if (!after.limits) after.limits.emplace();
-    if (after.limits->upper == kUnlimited) after.limits->upper = let_out;
-  }
-}
-
-double World::let_out(AxisId id) const {
-  const AxisProperties& p = axis_properties(id);
-  if (!p.motor || !p.motor->pulls_only) fail("rope let out of " + axis_label(id), "there is no", "winch");
-  return state_.axes[axis_index(id)];
-}
-
-void World::set_let_out(AxisId id, double length) {
-  identity_.require_free();
-  (void)let_out(id);
-  require_not_negative("rope let out of " + axis_label(id), length);
-  state_.axes[axis_index(id)] = length;
-  wake_bodies_of(id.joint);
-  ++versions_.state;
 }
 
 void World::set_motor_target(AxisId id, double target) {
@@ -122,6 +111,12 @@ void World::set_axis_turns(AxisId id, double value) {
   state_.axes[index] = axis_value(id);
   wake_bodies_of(id.joint);
   ++versions_.state;
+}
+
+double let_out(const World& world, AxisId id) {
+  if (!is_winch(world.axis_properties(id)))
+    fail("rope let out of " + world.axis_label(id), "there is no", "winch");
+  return world.state().axes[world.axis_index(id)];
 }
 
 }  // namespace taut

@@ -133,9 +133,7 @@ void bind_axes_of_world(nb::class_<World>& c) {
       .def("set_friction", changing(&World::set_friction), kAxis, nb::arg("friction").none(),
            "None takes it away.")
       .def("set_spring", changing(&World::set_spring), kAxis, nb::arg("spring").none(), "None takes it away.")
-      .def("let_out", &World::let_out, kAxis, "Length of rope that a winch has let out [m].")
-      .def("set_let_out", changing(&World::set_let_out), kAxis, nb::arg("length"),
-           "… sets it: a part of the state.")
+      .def("let_out", &let_out, kAxis, "Length of rope that a winch has let out [m].")
       .def("set_motor_target", changing(&World::set_motor_target), kAxis, nb::arg("target"),
            "A new target for a motor that is there.")
       .def("axis_value", asking(&World::axis_value), kAxis,

@@ -229,13 +229,6 @@ void ImpulseScheme::finish_laws(StepWorks& works) {
   works.contacts = contacts_.works().sum();
 }
 
-/// What winches have let out is part of the state.
-void ImpulseScheme::keep_ropes() {
-  if (!axes_.any_winch()) return;
-  system_.rows().residual(phase_.state, values_.phi);
-  axes_.give_ropes(values_.phi, phase_.state.axes);
-}
-
 /// Back to the start of a step whose positions were already accepted.
 void ImpulseScheme::roll_back(SubstepReport& report) {
   values_.residual_is_current = false;

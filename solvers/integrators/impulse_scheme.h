@@ -41,7 +41,6 @@ class ImpulseScheme : public Scheme {
   void prepare(double horizon, std::vector<ContactStretch> stretches, Scheme* old) override;
   void forget(std::span<const char> moved) override;
   bool renew_forces() override;
-  bool keeps_forces() const override { return true; }
   void set_time(double time) override { phase_.set_time(time); }
   void inherit(const Scheme& old) override;
 
@@ -80,7 +79,6 @@ class ImpulseScheme : public Scheme {
   void note_velocities(SubstepReport& report);
   ForceIteration::Fixed renew_kick_forces(const State& at);
   void finish_laws(StepWorks& works);
-  void keep_ropes();
   void roll_back(SubstepReport& report);
   void update_step_limit() { limit_.update(phase_.state, values_.force_multipliers); }
 

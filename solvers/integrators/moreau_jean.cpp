@@ -99,8 +99,8 @@ void MoreauJean::begin_laws(double h, SubstepReport& report) {
   if (bounded()) {
     system_.rates_of(phase_.state, values_.rates);
     stages_.renew_effective_masses();
-    axes_.begin(phase_.start_time, h, values_.start_theta, values_.rates, stages_.effective_mass());
-    axes_.take_ropes(phase_.state.axes);
+    axes_.begin(phase_.start_time, h, values_.start_theta, values_.rates, stages_.effective_mass(),
+                phase_.state.axes);
     theta_ = axes_.find_unresolved(system_, true) ? 1 : settings_.theta;
     contacts_.begin_impulses(values_.rates, stages_.effective_mass());
     if (contacts_.soft()) {
@@ -202,7 +202,7 @@ bool MoreauJean::go_to_end(double h, SubstepReport& report) {
   first_axes_ = phase_.state.axes;
   system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
   if (settings_.drift_cure == DriftCure::kPositionPush && !push_positions(report)) return false;
-  keep_ropes();
+  axes_.give_ropes(system_.rows(), phase_.state);
   system_.set_mass(phase_.state.poses);
   phase_.twists_from(phase_.momenta);
   return true;

@@ -105,7 +105,7 @@ void Rattle::factorize_end(SubstepReport& report) {
 void Rattle::finish(double h, SubstepReport& report) {
   system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
   if (bounded()) finish_laws(report.works);
-  keep_ropes();
+  axes_.give_ropes(system_.rows(), phase_.state);
   if (settings_.report_energy) {
     const std::span<const double> J = system_.jacobian();
     works_.add({phase_.state, phase_.kicked, impact_stage_.momenta(), J, impact_stage_.mu()}, phase_.forces,

@@ -24,8 +24,8 @@ void Rattle::begin_bounds(double h) {
     values_.start_theta[axis.row] = values_.phi[axis.row];
   system_.rates_of(phase_.state, values_.rates);
   stages_.renew_effective_masses();
-  axes_.begin(phase_.state.time, h, values_.start_theta, values_.rates, stages_.effective_mass());
-  axes_.take_ropes(phase_.state.axes);
+  axes_.begin(phase_.state.time, h, values_.start_theta, values_.rates, stages_.effective_mass(),
+              phase_.state.axes);
   axes_.find_unresolved(system_);
   axes_.find_inertia(system_, stages_.effective_mass());
   contacts_.begin(h, values_.rates, stages_.effective_mass());

@@ -53,8 +53,6 @@ class Scheme {
   virtual void forget(std::span<const char> /*moved*/) {}
   /// Gravity or a force law has changed, the state has not.  False if that is a jump: restart(), then.
   virtual bool renew_forces() { return false; }
-  /// It begins a step with the forces of the end of the last one.
-  virtual bool keeps_forces() const { return false; }
 
   // Stepping.
   /// A step of dt [s] begins, of one or more advances.

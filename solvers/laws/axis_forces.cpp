@@ -7,6 +7,26 @@
 #include "solvers/system/constraint_system.h"
 
 namespace taut {
+namespace {
+
+std::size_t index_in_state(const AxisTable& table, std::size_t i) {
+  return table.world().axis_index(table.id(i));
+}
+
+bool is_winch(const AxisTable& table, std::size_t i) {
+  const AxisProperties& p = table.properties(i);
+  return !table.released(i) && p.motor && p.motor->pulls_only;
+}
+
+/// Rows of axes that motors or friction hold, as the last step has left them.
+std::vector<char> held_rows(const AxisTable& table, std::span<const AxisLaw> axes, std::size_t rows) {
+  std::vector<char> held(rows, 0);
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    held[table.row(i)] = !table.released(i) && (axes[i].motor.has_arrived() || axes[i].friction.held());
+  return held;
+}
+
+}  // namespace
 
 AxisForces::AxisForces(const World& world, const Rows& rows)
     : table_(world, rows),
@@ -34,7 +54,7 @@ void AxisForces::start(std::span<const double> theta, std::span<const double> ra
 }
 
 void AxisForces::begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
-                       std::span<const double> inertia) {
+                       std::span<const double> inertia, std::span<const double> let_out) {
   step_ = {.h = h, .end_time = time + h};
   not_finite_ = -1;
   if (table_.refresh()) swings_.find(table_);
@@ -43,6 +63,12 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const int row = table_.row(i);
     axes_[i].start = {theta[row], rates[row], inertia[row], axes_[i].start.let_out};
+  }
+  any_winch_ = false;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (!is_winch(table_, i)) continue;
+    any_winch_ = true;
+    axes_[i].start.let_out = let_out[index_in_state(table_, i)];
   }
   swings_.begin(table_, axes_, h);
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].begin(table_.properties(i), step_);
@@ -56,38 +82,21 @@ void AxisForces::find_inertia(ConstraintSystem& system, std::span<const double> 
   held_.clear();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const AxisProperties& p = table_.properties(i);
-    if (table_.released(i) || !p.motor || axes_[i].motor.on_target ||
+    if (table_.released(i) || !p.motor || axes_[i].motor.has_arrived() ||
         !needs_inertia(*p.motor, step_, axes_[i].start))
       continue;
-    if (held_.empty()) find_held(alone.size());
+    if (held_.empty()) held_ = held_rows(table_, axes_, alone.size());
     axes_[i].start.inertia = inertia_.of(system, table_.row(i), alone, held_);
   }
 }
 
-/// As the last step has left them.
-void AxisForces::find_held(std::size_t rows) {
-  held_.assign(rows, 0);
+void AxisForces::give_ropes(const Rows& rows, State& state) {
+  if (!any_winch_) return;
+  rope_ends_.resize(rows.row_count());
+  rows.residual(state, rope_ends_);
   for (std::size_t i = 0; i < axes_.size(); ++i)
-    held_[table_.row(i)] = !table_.released(i) && (axes_[i].motor.on_target || axes_[i].friction.held());
-}
-
-bool AxisForces::is_winch(std::size_t i) const {
-  const AxisProperties& p = table_.properties(i);
-  return !table_.released(i) && p.motor && p.motor->pulls_only;
-}
-
-void AxisForces::take_ropes(std::span<const double> axes) {
-  any_winch_ = false;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    if (!is_winch(i)) continue;
-    any_winch_ = true;
-    axes_[i].start.let_out = axes[index_in_state(i)];
-  }
-}
-
-void AxisForces::give_ropes(std::span<const double> theta, std::span<double> axes) const {
-  for (std::size_t i = 0; i < axes_.size(); ++i)
-    if (is_winch(i)) axes[index_in_state(i)] = axes_[i].winch.let_out(theta[table_.row(i)]);
+    if (is_winch(table_, i))
+      state.axes[index_in_state(table_, i)] = axes_[i].winch.let_out(rope_ends_[table_.row(i)]);
 }
 
 void AxisForces::inherit(const AxisForces& old) {
@@ -188,7 +197,7 @@ void AxisForces::clear_loose(std::span<char> rows) const {
 void AxisForces::rigid_limits(std::vector<Bound>& bounds) const {
   bounds.clear();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    if (is_winch(i) && axes_[i].winch.holds_rope())
+    if (is_winch(table_, i) && axes_[i].winch.holds_rope())
       bounds.push_back({table_.row(i), -kUnlimited, axes_[i].winch.length, table_.id(i)});
     if (!table_.has_rigid_limit(i)) continue;
     const AxisLimits& limits = *table_.properties(i).limits;

@@ -45,9 +45,10 @@ class AxisForces {
   void set_slack(double slack) { slack_ = slack; }
   /// A new start: friction of axes at rest holds them where they are.
   void start(std::span<const double> theta, std::span<const double> rates);
-  /// A step of h from a time with θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row.
+  /// A step of h from a time with θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row; `let_out`: what winches have
+  /// let out, as in State::axes.
   void begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
-             std::span<const double> inertia);
+             std::span<const double> inertia, std::span<const double> let_out);
   /// After begin(), with the system where its impulses act: springs that the step does not resolve, and for
   /// one of Moreau–Jean, `single_kick`, whether there are any that need the end of it (ϑ = 1).
   bool find_unresolved(ConstraintSystem& system, bool single_kick = false);
@@ -119,11 +120,8 @@ class AxisForces {
   void finish_positions(std::span<const double> w);
   /// Takes over the second, at its time: which axes are held from here on.
   void finish_velocities(std::span<const double> theta, std::span<const double> w, double time);
-  /// Winches: after begin() takes what is let out, one value an axis as in State::axes; after the step gives
-  /// it back, with θ at the end.  @{
-  bool any_winch() const { return any_winch_; }
-  void take_ropes(std::span<const double> axes);
-  void give_ropes(std::span<const double> theta, std::span<double> axes) const;  /// @}
+  /// What winches have let out at the end of a step, into the state of then.
+  void give_ropes(const Rows& rows, State& state);
   /// Impulses of the first kick, during which the axes moved with `rates` on the mean: to be called before
   /// velocity_laws(), added with the second.
   void record_first_kick(std::span<const double> lambda, std::span<const double> w,
@@ -148,10 +146,6 @@ class AxisForces {
   template <typename Set>
   void set_laws(std::span<RowLaw> laws, Set set);
 
-  std::size_t index_in_state(std::size_t i) const { return table_.world().axis_index(table_.id(i)); }
-  bool is_winch(std::size_t i) const;
-  void find_held(std::size_t rows);
-
   AxisTable table_;
   AxisSwings swings_;
   std::vector<AxisLaw> axes_, before_;
@@ -163,7 +157,8 @@ class AxisForces {
   std::vector<char> held_;  // rows of axes that motors or friction hold, for inertia_
   AxisStep step_;
   double slack_ = 0;
-  int not_finite_ = -1;     // of axes_
+  int not_finite_ = -1;  // of axes_
+  std::vector<double> rope_ends_;
   bool any_winch_ = false;  // in this step
 };
 

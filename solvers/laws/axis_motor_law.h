@@ -27,6 +27,8 @@ struct AxisMotorLaw : AxisBoxLaw<&AxisImpulse::motor> {
   bool on_target = false;  ///< at the end of that, so that there was nothing to brake
 
   void begin(const AxisProperties&, const AxisStep& step, const AxisStart&) { length_ = step.h; }
+  /// It has brought its axis to its target.
+  bool has_arrived() const { return on_target; }
   /// To the target of the end of the step, by the mean rate.
   bool set_position(const AxisStage& stage);
   /// The rate of the target, and what θ₁ is off by in another step.

@@ -59,6 +59,13 @@ void end_open(const Inquiry& asked, const State& state, std::span<const double> 
                  "the joints cannot be closed" + when + widest_gap(asked, state, phi, 0));
 }
 
+/// Some force law has to be asked anew at the start of a step.
+bool may_change(const World& world) {
+  for (int f = 0; f < world.force_count(); ++f)
+    if (world.force({f}).may_change()) return true;
+  return false;
+}
+
 /// With all bodies awake.
 RankReport rank_of(const World& world, const Settings& settings) {
   if (world.asleep_count() == 0) return analyze_rank(world, settings);
@@ -280,7 +287,7 @@ void Simulator::Impl::refresh() {
   Stepper::Predecessor old;
   if (is_new) old = renew_pattern();
   if (stepper_.knows_state() && recalled_.empty() &&
-      !(world_.forces_may_change() && stepper_.scheme().keeps_forces()))
+      !(may_change(source_) && !is_force_level(settings_.integrator)))
     return;
   if (goes_on && recalled_.empty() && stepper_.goes_on_with_new_forces()) return;
   if (stepper_.scheme().closes_joints() && !close_at_start()) return;

@@ -285,7 +285,7 @@ TEST(Winch, LiftsWithItsRateAndBooksItsPower) {
     EXPECT_NEAR(hoist.height(), -2 + 0.5 * 2, 2e-3);
     EXPECT_NEAR(work, 10 * kG * (hoist.height() - start), 1e-6);
     EXPECT_NEAR(integration, 0, 1e-6);
-    EXPECT_NEAR(hoist.world.let_out(hoist.length), 1, 2e-3);
+    EXPECT_NEAR(let_out(hoist.world, hoist.length), 1, 2e-3);
   }
 }
 
@@ -300,11 +300,11 @@ TEST(Winch, LeavesASlackRopeSlack) {
     run(simulator, 2e-3, 400);
     const double t = 0.8;  // before 2 (5 − 0.5)/g, at which it is taut again
     EXPECT_NEAR(hoist.world.twist(hoist.load).v.z(), 5 - kG * t, 1e-9);
-    EXPECT_NEAR(hoist.world.let_out(hoist.length), 2 - 0.5 * t, 1e-9);
+    EXPECT_NEAR(let_out(hoist.world, hoist.length), 2 - 0.5 * t, 1e-9);
     EXPECT_EQ(simulator.axis_report(hoist.length).force.motor, 0);
     run(simulator, 2e-3, 200);
     EXPECT_NEAR(hoist.world.twist(hoist.load).v.z(), 0.5, 1e-8);
-    EXPECT_NEAR(-hoist.height(), hoist.world.let_out(hoist.length),
+    EXPECT_NEAR(-hoist.height(), let_out(hoist.world, hoist.length),
                 integrator == Integrator::kRattle ? 1e-9 : 1e-8);
   }
 }
@@ -318,7 +318,7 @@ TEST(Winch, SlipsWithItsForce) {
   const double fall = kG - 8, v = -fall * 0.2;
   EXPECT_TRUE(simulator.axis_report(hoist.length).saturated);
   EXPECT_NEAR(hoist.world.twist(hoist.load).v.z(), v, 1e-9);
-  EXPECT_NEAR(hoist.world.let_out(hoist.length), 2 + 0.5 * fall * 0.04, 1e-9);
+  EXPECT_NEAR(let_out(hoist.world, hoist.length), 2 + 0.5 * fall * 0.04, 1e-9);
   hoist.world.set_motor(hoist.length, AxisMotor::winch(-0.5, 120));
   run(simulator, 2e-3, 1000);
   EXPECT_NEAR(hoist.world.twist(hoist.load).v.z(), 0.5, 1e-8);
@@ -349,7 +349,7 @@ TEST(Winch, IsForRopesAlone) {
   Hoist hoist;
   EXPECT_THROW(hoist.world.set_motor(hoist.length, AxisMotor{.damping = 3, .pulls_only = true}),
                std::invalid_argument);
-  EXPECT_THROW((void)hoist.world.let_out(hoist.length), std::invalid_argument);
+  EXPECT_THROW((void)let_out(hoist.world, hoist.length), std::invalid_argument);
 }
 
 /// The heavier end falls until the lighter one has come up to its sheave; there the rope holds both.
