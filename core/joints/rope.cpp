@@ -39,15 +39,10 @@ void Rope::append_axes(AxisSink& axes) const {
   axes.limit(limits_);
   axes.wind();
   if (stop_ == 0) return;
-  const auto side = [&](BodyId body) {
-    const std::span<const BodyId> all = bodies();
-    return static_cast<int>(std::find(all.begin(), all.end(), body) - all.begin());
-  };
   for (std::size_t i = 0; i + 1 < points_.size(); ++i) {
-    const WirePoint &P = points_[i], &Q = points_[i + 1];
-    if (P.body == Q.body) continue;
-    axes.add("span_" + std::to_string(i + 1), row_parts::Length{P.p_BP, Q.p_BP},
-             {side(P.body), side(Q.body)});
+    if (points_[i].body == points_[i + 1].body) continue;
+    axes.add("span_" + std::to_string(i + 1),
+             detail::wire_length("rope", {points_[i], points_[i + 1]}, {1}, bodies()));
     axes.limit({.lower = stop_});
   }
 }

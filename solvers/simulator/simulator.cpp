@@ -289,7 +289,10 @@ void Simulator::Impl::refresh() {
   if (stepper_.knows_state() && recalled_.empty() &&
       !(may_change(source_) && !is_force_level(settings_.integrator)))
     return;
-  if (goes_on && recalled_.empty() && stepper_.goes_on_with_new_forces()) return;
+  if (goes_on && recalled_.empty()) {
+    const World::Hold held = source_.hold();
+    if (stepper_.goes_on_with_new_forces()) return;
+  }
   if (stepper_.scheme().closes_joints() && !close_at_start()) return;
   start_scheme(goes_on, old);
   if (stepper_.scheme().blind()) return end_blind(inquiry());
@@ -338,6 +341,7 @@ void Simulator::Impl::start_scheme(bool goes_on, Stepper::Predecessor& old) {
   scheme.prepare(horizon_, std::move(recalled_), old.scheme.get());
   recalled_.clear();
   const auto velocities = stepper_.left_state() ? Scheme::Velocities::kLeft : Scheme::Velocities::kGiven;
+  const World::Hold held = source_.hold();
   if (goes_on) {
     scheme.forget(stepper_.moved_bodies());
     return scheme.restart(world_.state(), velocities, report_);

@@ -129,8 +129,8 @@ TEST(Wires, AreConsistentRows) {
                             {BodyId{3}, random.vector()}},
                            50));
     const Rows rows(world);
-    ASSERT_EQ(rows.row_count(), 3);
-    ASSERT_EQ(rows.axis_rows().size(), 1u);  // the rope has its limit from the start
+    ASSERT_EQ(rows.row_count(), 2 + 1 + 3);  // … and the stop of each section between two bodies
+    ASSERT_EQ(rows.axis_rows().size(), 4u);  // the rope has its limits from the start
     EXPECT_TRUE(world.validate(1e-13).empty());
     WorldRowsChecker(world).check(random);
     // The length of the rope is that of its path.
