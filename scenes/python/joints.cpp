@@ -205,9 +205,8 @@ void bind_wires(nb::module_& m) {
           [](Rope* it, const std::vector<std::pair<BodyId, Vec3>>& points, double length, double restitution,
              std::optional<double> stop) { new (it) Rope(wire_points(points), length, restitution, stop); },
           nb::arg("points"), nb::arg("length"), nb::arg("restitution") = 0, nb::arg("stop") = nb::none(),
-          "`stop`: the shortest that a section over guide points becomes [m], None: 0.01 or a hundredth of "
-          "the "
-          "length, 0: none.  Points as pairs of a body and p_BP [m] from its centre of mass, body axes.")
+          "Points as pairs of a body and p_BP [m] from its centre of mass, body axes.  `stop`: the shortest "
+          "that a section over guide points becomes [m], None: 0.01 or a hundredth of the length, 0: none.")
       .def_static("between", &Rope::between, kWorld, kA, kB, nb::arg("p_a_W"), nb::arg("p_b_W"),
                   "A rope that is just taut between two world points in the present poses.");
   nb::class_<Pulley, Joint>(m, "Pulley",

@@ -182,8 +182,8 @@ inline std::vector<BadScene> bad_axes() {
        R"(only one of "velocity", "position", "trajectory" may be given)", "0"},
       {with_axes(R"({"angle": {"motor": {"velocity_deg": 1, "max_force_deg": 1}}})"),
        at + "/motor/max_force_deg",
-       R"(unknown key; known here are "force_of_speed", "max_force", "max_speed", "position", "trajectory", )"
-       R"("velocity")",
+       R"(unknown key; known here are "damping", "force_of_speed", "max_force", "max_speed", "position", )"
+       R"("pulls_only", "stiffness", "trajectory", "velocity")",
        "1"},
       {with_axes(R"({"angle": {"limits": {"lower_dge": 0, "upper": 1}}})"), at + "/limits/lower_dge",
        R"(unknown key; known here are "compliance", "damping", "lower", "restitution", "upper"; )"

@@ -214,7 +214,7 @@ inline std::vector<BadScene> bad_wires_and_curves() {
       {joint_of(R"("type": "rope", "frame": "body", "a": "P", "points": [)" + P + "," + Q + "]"),
        "/joints/0/a",
        R"(unknown key; known here are "attached", "axes", "break", "compliance", "frame", "length", "name", )"
-       R"("points", "restitution", "type")",
+       R"("points", "restitution", "stop", "type")",
        R"("P")"},
       {joint_of(R"("type": "rope", "frame": "world", "length": -1, "points": [)" + P + "," + Q + "]"),
        "/joints/0/length", "must be finite and positive", "-1"},
