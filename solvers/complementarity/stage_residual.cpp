@@ -33,24 +33,16 @@ double StageResidual::exact_rate_tolerance() const {
   return Tuning::kNoises * std::min(contact_noise_.angular, contact_noise_.linear);
 }
 
-double StageResidual::law_error(const StageSolution& solution, std::span<const int> segments,
-                                double h) const {
+double StageResidual::law_error(const StageSolution& solution, double h) const {
   const auto& [laws, b, inertia, lambda, rates] = solution;
-  double error = 0, largest = max_abs(lambda);
+  double error = 0;
+  const double negligible = Tuning::kLevelTolerance * max_abs(lambda);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r) {  // those of contacts are linear
     const RowLaw& law = laws[r];
-    const int segment = segments[r];
-    const double w = rates[r];
-    double off = 0;
-    if (RowLaw::is_vertical(segment)) {
-      off = std::abs(w - law.rate(segment));
-    } else {
-      off = std::max({0.0, law.first(segment) - w, w - law.last(segment)});
-      const double missing = std::abs(lambda[r] - (law.force(segment) - law.slope * w));
-      if (missing > Tuning::kLevelTolerance * largest)
-        off = std::max(off, missing / (inertia[r] + law.slope));
-    }
-    if (!(h * off <= error)) error = h * off;
+    const double w = rates[r], own = inertia[r] > 0 ? 1 / inertia[r] : 1;
+    if (std::abs(lambda[r] + law.slope * w - law.level_at(w)) <= negligible) continue;
+    const double off = h * std::abs(w - law.resolve(own, w - own * lambda[r]).w);
+    if (!(off <= error)) error = off;
   }
   return error;
 }

@@ -42,9 +42,9 @@ class StageResidual {
   /// Rates that laws may be missed by where the tolerances of positions and velocities have let too much
   /// pass.
   double exact_rate_tolerance() const;
-  /// Distance of the motion from the laws [m or rad] in a step of h: of verticals from their rate, of levels
-  /// from their range, and of impulses from their level by how much they would move the row.
-  double law_error(const StageSolution& solution, std::span<const int> segments, double h) const;
+  /// Distance of the motion from the laws [m or rad] in a step of h: by how much the rate of each row is off
+  /// what its law by itself answers; 0 where the impulse is on the level of that rate but for round-off.
+  double law_error(const StageSolution& solution, double h) const;
 
   /// Size of impulses and rates in a stage [√J]: the largest √S_rr |λ_r|, |b_r|/√S_rr, and of the rates that
   /// laws impose over √S_rr.

@@ -94,7 +94,7 @@ class StageSolver {
   bool rested() const { return warm_start_.rested(); }
   /// Distance of the motion from the laws [m or rad] in a step of h.
   double law_error(std::span<const double> lambda, std::span<const double> rates, double h) const {
-    return residual_.law_error(solution(lambda, rates), pivoting_.segments(), h);
+    return residual_.law_error(solution(lambda, rates), h);
   }
   /// The natural residual over its tolerance; 0 if no better solution is known.
   double laws_off(std::span<const double> lambda, std::span<const double> w) const;

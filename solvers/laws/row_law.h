@@ -75,6 +75,12 @@ struct RowLaw {
   /// The range [first, last] of w on a level.
   double first(int segment) const { return segment == 0 ? -kInfinity : at[segment / 2 - 1]; }
   double last(int segment) const { return segment == 2 * steps ? kInfinity : at[segment / 2]; }
+  /// λ + c w at the rate w, where that is one value.
+  double level_at(double w) const {
+    int k = 0;
+    while (k < steps && w > at[k]) ++k;
+    return level[k];
+  }
   /// True if some λ + c w is out of bounds: not an equality.
   bool bounded() const { return !(steps == 1 && std::isinf(level[0]) && std::isinf(level[1])); }
 

@@ -9,13 +9,6 @@ namespace {
 
 using namespace law_problems;
 
-/// L(w), one value, away from the breakpoints.
-double level_at(const RowLaw& law, double w) {
-  int k = 0;
-  while (k < law.steps && w > law.at[k]) ++k;
-  return law.level[k];
-}
-
 TEST(RowLaw, ASumIsTheSumOfTheGraphs) {
   const RowLaw limit = RowLaw::lower_limit(-0.3) + RowLaw::upper_limit(0.7);
   const RowLaw friction = RowLaw::box(-2, 2), motor = RowLaw::box(-5, 1, 0.4);
@@ -24,7 +17,7 @@ TEST(RowLaw, ASumIsTheSumOfTheGraphs) {
   EXPECT_EQ(sum.steps, 4);
   EXPECT_EQ(sum.slope, 0.25);
   for (double w : {-0.31, -0.29, -0.01, 0.01, 0.39, 0.41, 0.69, 0.71})
-    EXPECT_EQ(level_at(sum, w), level_at(limit, w) + level_at(friction, w) + level_at(motor, w)) << w;
+    EXPECT_EQ(sum.level_at(w), limit.level_at(w) + friction.level_at(w) + motor.level_at(w)) << w;
 }
 
 TEST(RowLaw, StepsBeyondALimitVanish) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "core/joints/joints.h"
@@ -41,6 +42,19 @@ TEST_P(RobustSpringWorlds, ThatStallAreTakenForNoJoints) {
 
 INSTANTIATE_TEST_SUITE_P(Worlds, RobustSpringWorlds,
                          ::testing::Values("spring_stall_heap_overflow.json", "m624.json", "m626.json"));
+
+/// Limits, friction and contacts at once: an impulse that had been on a piece of its law which the renewed law
+/// did not have counted as infinitely far off, and the step was cut down to nothing.
+TEST(RobustLimits, OfAFallenRagdollAreMet) {
+  Scene scene = adversary("ragdoll_at_limits.json");
+  Simulator simulator(scene.world, scene.settings);
+  for (double t = 0; t < scene.duration; t += scene.dt) {
+    const StepReport& report = simulator.step(scene.dt);
+    ASSERT_EQ(report.status, Status::kSuccess) << "t = " << t << ": " << report.message;
+    ASSERT_LE(std::max(report.gap.metres, report.gap.radians), 1e-9);
+    ASSERT_LE(report.natural_residual, 1e-8);
+  }
+}
 
 /// Its spring hangs on a body 1e77 m away.
 TEST(RobustSpringsInput, FarBeyondReachAreRefused) {
