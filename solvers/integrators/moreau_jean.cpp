@@ -172,7 +172,7 @@ bool MoreauJean::solve_stage(SubstepReport& report) {
   if (!stages_.solve_velocities({values_.mu, values_.rates, renew}, report)) return false;
   phase_.add_impulses(values_.mu);
   note_velocities(report);
-  return report.velocity_residual <= settings_.velocity_tolerance;
+  return projection_.accepts(report.velocity_residual);
 }
 
 /// The one kick of the step, at q_M where it acts.

@@ -169,7 +169,7 @@ bool Rattle::project_bounded_momenta(double h, SubstepReport& report) {
     if (velocities_hold(report)) return true;
     if (stages_.iterative()) break;
   }
-  return give_up(values_.mu, values_.rates);
+  return projection_.accepts(report.velocity_residual) || give_up(values_.mu, values_.rates);
 }
 
 /// Bodies that are held fast do not take in all of the impulses.

@@ -52,6 +52,11 @@ void VelocityProjection::clear_loose_rows(std::span<double> rows) const {
   system_.clear_bounded_rows(rows);
 }
 
+bool VelocityProjection::accepts(double velocity_residual) const {
+  return velocity_residual <= (system_.singular() ? VelocityProjectionTuning::kLeftBehind
+                                                  : settings_.velocity_tolerance);
+}
+
 bool VelocityProjection::project(double h, SubstepReport& report) {
   const std::vector<double>& rates = values_.joint_rates;
   std::fill(values_.mu.begin(), values_.mu.end(), 0.0);

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "core/joints/joints.h"
 #include "scenes/builders/scene.h"
@@ -109,13 +109,24 @@ TEST(RobustMessages, PositionsThatAreNotClosedNameTheJoint) {
 
 /// Rates that large impulses leave beyond their tolerance, in positions that are closed.
 TEST(RobustMessages, WhatIsLeftOfRatesNamesTheJoint) {
-  for (const auto& [name, joint] : {std::pair("m624", "planar j3"), std::pair("m626", "slider j1")}) {
-    Scene scene = load_scene_file(testing::source_dir() + "/tests/adversary/" + name + ".json");
-    Simulator simulator(scene.world, scene.settings);
-    StepReport report;
-    for (int i = 0; i < 20 && report.exact(); ++i) report = simulator.step(scene.dt);
-    expect_blame(report, Status::kNotConverged, Culprit::Kind::kJoint,
-                 {"joints and laws could not be met together", joint, "round-off of large impulses"});
+  Scene scene = load_scene_file(testing::source_dir() + "/tests/adversary/m626.json");
+  Simulator simulator(scene.world, scene.settings);
+  StepReport report;
+  for (int i = 0; i < 20 && report.exact(); ++i) report = simulator.step(scene.dt);
+  expect_blame(report, Status::kNotConverged, Culprit::Kind::kJoint,
+               {"joints and laws could not be met together", "slider j1", "round-off of large impulses"});
+}
+
+/// The same along directions that dependent rows hold weakly, as halfway through a step: steps go on, and the
+/// report says what is left of the rates at their end.
+TEST(RobustMessages, WhatDependentRowsLeaveOfRatesIsReported) {
+  Scene scene = load_scene_file(testing::source_dir() + "/tests/adversary/m624.json");
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 20; ++i) {
+    const StepReport& report = simulator.step(scene.dt);
+    ASSERT_TRUE(report.exact()) << report.message;
+    EXPECT_LE(std::max(report.gap.metres, report.gap.radians), 1e-9);
+    EXPECT_LE(report.velocity_residual, 1e-6);
   }
 }
 
