@@ -98,23 +98,24 @@ void surface_contacts(const Surface& surface, const Convex& b, const Relative& X
     const Vec3 &a0 = surface.vertices[corner[0]], &f = surface.normals[t];
     const Vec3 deepest = X.p + X.R * b.support(-(X.R.transpose() * f));
     const double s_face = f.dot(deepest - a0) - b.radius;
-    // Far above the plane, or come through from behind: the centre is on the wrong side.
-    if (s_face > cutoff || f.dot(centre - a0) < 0) continue;
+    if (s_face > cutoff) continue;  // far above the plane
     // In a frame at the triangle, so that round-off does not grow with the mesh.
     set_triangle(work.triangle, Vec3::Zero(), surface.vertices[corner[1]] - a0,
                  surface.vertices[corner[2]] - a0);
     const Relative X_t{X.R, X.p - a0};
     Separation separation;
     if (!find_separation(work.triangle, b, X_t, cutoff, separation)) continue;
-    if (separation.n.dot(f) < 1 - 1e-12) {
+    bool face = separation.n.dot(f) > 1 - 1e-12;
+    if (!face) {
       const Verdict verdict = judge(surface, t, separation.n);
       if (verdict == Verdict::kLeaveToNeighbour) continue;
       // Nearest is the way through the back, and a body that has sunk in is pushed out through the face; but
       // the normals of sharp edges and corners, as those of a small mesh on a floor, look behind some faces.
       const bool sunk = separation.n.dot(f) < 0 && !leans_over_convex_edge(surface, t, separation.n);
-      if (verdict == Verdict::kUseFace || sunk) separation = {f, s_face};
+      face = verdict == Verdict::kUseFace || sunk;
+      if (face) separation = {f, s_face};
     }
-    const bool face = separation.n.dot(f) > 1 - 1e-12;
+    if (face && f.dot(centre - a0) < 0) continue;  // it has come through from behind
     const std::size_t own = out.size();
     make_manifold(work.triangle, b, X_t, separation, cutoff, face ? Overhang::kNone : Overhang::kDeepest,
                   work.manifold, out);

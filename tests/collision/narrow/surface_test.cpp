@@ -173,9 +173,10 @@ TEST(Surface, ASmallMeshIsNoDeeperInALargeBoxThanItsHull) {
     const Quat q = random.rotation();
     const double gap = random.uniform(-0.01, 0.009);
     const Vec3 low = q * support_point(hull, -(q.conjugate() * Vec3::UnitZ()));
-    const Vec3 p(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 0.2 + gap - low.z());
+    const double x = random.uniform(-0.5, 0.5), y = random.uniform(-0.5, 0.5);  // in this order
+    const Vec3 p(x, y, 0.2 + gap - low.z());
     const auto contacts = as_mesh.at(q, p);
-    ASSERT_FALSE(contacts.empty());
+    ASSERT_FALSE(contacts.empty()) << trial;
     expect_sound(as_mesh.world, contacts);
     EXPECT_NEAR(testing::least_gap(as_hull.at(q, p)), gap, 1e-12);
     EXPECT_NEAR(testing::least_gap(contacts), gap, 1e-12) << trial;
