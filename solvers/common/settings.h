@@ -58,8 +58,8 @@ struct Settings {  ///< How a Simulator steps; its constructor refuses what is o
   /// Of |J V| [m/s or rad/s].  An aim where there are no laws, and with them where rows depend on each other:
   /// up to 1e-6 may be left along directions that these hold weakly; see StepReport::velocity_residual.
   double velocity_tolerance = 1e-9;
-  int max_newton_iterations = 12;     ///< of the position stage of a sub-step
-  int max_substeps = 1024;            ///< of one call of step(); then the status says so
+  int max_newton_iterations = 12;  ///< of the position stage of a sub-step
+  int max_substeps = 1024;         ///< of one call of step(); then the status says so
 
   TensionPolicy tension = TensionPolicy::kSubstep;  ///< what is done under high tension
   double max_tension_number =

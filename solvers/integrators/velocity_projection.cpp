@@ -53,8 +53,8 @@ void VelocityProjection::clear_loose_rows(std::span<double> rows) const {
 }
 
 bool VelocityProjection::accepts(double velocity_residual) const {
-  return velocity_residual <= (system_.singular() ? VelocityProjectionTuning::kLeftBehind
-                                                  : settings_.velocity_tolerance);
+  return velocity_residual <=
+         (system_.singular() ? VelocityProjectionTuning::kLeftBehind : settings_.velocity_tolerance);
 }
 
 bool VelocityProjection::project(double h, SubstepReport& report) {

@@ -28,8 +28,8 @@ class VelocityProjection {
   /// Momenta, twists and μ.  With h ≠ 0 the momenta are those after the second kick of h without μ.
   /// @returns whether the rates are within velocity_tolerance; report.velocity_residual is what is left.
   bool project(double h, SubstepReport& report);
-  /// Rates are within velocity_tolerance, or what is left of them is so little along directions that dependent
-  /// rows hold weakly that no projection would go on.
+  /// Rates are within velocity_tolerance, or what is left of them is so little along directions that
+  /// dependent rows hold weakly that no projection would go on.
   bool accepts(double velocity_residual) const;
   /// Zero in rows that hold nothing by themselves: of axes, soft joints, contacts, and joints that broke.
   void clear_loose_rows(std::span<double> rows) const;
