@@ -172,16 +172,20 @@ class Stage:
                 continue
             children.setdefault(above, []).append(document)
         for above, its in children.items():
-            rows = [posixpath.relpath(document, posixpath.dirname(above)) for document in self.sorted(its)]
+            text = (self.pages_folder / f"{above}.md").read_text()
+            rows = self.sorted([posixpath.relpath(document, posixpath.dirname(above)) for document in its], text, above)
             with open(self.pages_folder / f"{above}.md", "a") as page:
                 page.write("\n```{toctree}\n:hidden:\n\n" + "\n".join(rows) + "\n```\n")
 
     @staticmethod
-    def sorted(documents):
-        """Rooms in the order in which they may include each other, then other pages."""
-        rooms = ROOMS.ORDER
-        place = lambda document: rooms.index(posixpath.dirname(document)) if posixpath.dirname(document) in rooms else 99
-        return sorted(documents, key=lambda document: (not document.endswith("/index"), place(document), document))
+    def sorted(rows, text, above):
+        """Rooms in the order in which they may include each other, then other pages as the text above links to them."""
+        def place(row):
+            room = posixpath.normpath(posixpath.join(posixpath.dirname(above), posixpath.dirname(row)))
+            link = text.find(f"]({row}.md")
+            return (not row.endswith("/index"), ROOMS.ORDER.index(room) if room in ROOMS.ORDER else len(ROOMS.ORDER),
+                    link if link >= 0 else len(text), row)
+        return sorted(rows, key=place)
 
     def run(self, pages_folder):
         self.pages_folder = pages_folder
