@@ -21,7 +21,17 @@ function(package_version result)
   endif()
 endfunction()
 
+# The recipes beside this file name it, too.
+foreach(file CITATION.cff cmake/packaging/vcpkg/taut/vcpkg.json cmake/packaging/conda/recipe.yaml)
+  file(STRINGS ${PROJECT_SOURCE_DIR}/${file} line REGEX "^ *\"?version\"?: \"?${PROJECT_VERSION}\"?,?$")
+  if(NOT line)
+    message(FATAL_ERROR "${file} does not say version ${PROJECT_VERSION}")
+  endif()
+endforeach()
+
 set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 package_version(CPACK_PACKAGE_VERSION)
 set(CPACK_PACKAGE_CONTACT ${TAUT_PACKAGE_MAINTAINER})
 set(CPACK_STRIP_FILES ON)

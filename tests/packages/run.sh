@@ -48,9 +48,9 @@ inside() {
 installed() { inside dpkg-query -W -f '${Package}\n' | wc -l; }
 # Of all children so far, in whole seconds.
 processor_seconds() { awk '{ print int(($16 + $17) / 100) }' "/proc/$$/stat"; }
-# install PACKAGE…  with what it needs and no more; what apt says only if it fails.
+# install PACKAGE…  as users do; what apt says only if it fails.
 install() {
-  inside sh -c "apt-get install -y -q --no-install-recommends $*" >"$work/apt.log" 2>&1 || {
+  inside sh -c "apt-get install -y -q $*" >"$work/apt.log" 2>&1 || {
     cat "$work/apt.log"
     exit 1
   }
@@ -87,7 +87,7 @@ inside taut check /root/own.json >/dev/null
 
 echo "== Python"
 before=$(installed)
-install './debs/python3-taut_*.deb'
+install --no-install-recommends './debs/python3-taut_*.deb' # SciPy recommends a compiler
 echo "$(($(installed) - before)) packages"
 no_compiler
 inside python3 - <<'PYTHON'
@@ -109,7 +109,7 @@ PYTHON
 grep -q OrbitControls "$bare/root/python.html"
 
 echo "== a project of one's own"
-install g++ cmake make pkg-config './debs/taut-dev_*.deb'
+install --no-install-recommends g++ cmake make pkg-config './debs/taut-dev_*.deb'
 mkdir -p "$bare/src/tests" "$bare/src/scenes"
 cp -r "$tree/tests/outside" "$bare/src/tests"
 cp -r "$tree/scenes/examples" "$bare/src/scenes"
