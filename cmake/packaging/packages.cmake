@@ -31,7 +31,7 @@ endforeach()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)  # CPack then says that the Python module has no soname, which is right
 package_version(CPACK_PACKAGE_VERSION)
 set(CPACK_PACKAGE_CONTACT ${TAUT_PACKAGE_MAINTAINER})
 set(CPACK_STRIP_FILES ON)
@@ -86,6 +86,7 @@ install(FILES ${manual} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runti
 
 if(TAUT_BUILD_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
+  find_package(Python REQUIRED COMPONENTS Interpreter)  # again, since what scenes/python found is known there only
   math(EXPR next_minor "${Python_VERSION_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-taut)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
