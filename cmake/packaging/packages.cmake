@@ -49,10 +49,12 @@ together with a sparse Cholesky factor, in position and in velocity.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME taut)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "libopenblas0-pthread, gnuplot-nox")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS libopenblas0-pthread)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS gnuplot-nox)
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "simulation of rigid bodies with very many joints
 ${about}This package has the program, the shared libraries, example scenes and
 what pages with a view of a simulation need.")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/triggers)
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME taut-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
