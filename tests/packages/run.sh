@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of taut on a bare Debian 12, in a folder of its own, and uses them there: the program and the
-# Python module without a compiler, then the library from an outside project.
+# Installs the Debian packages of taut on a bare Debian 12, in a folder of its own, and uses them there: the program without a
+# compiler, the Python module, and the library from an outside project.
 #   run.sh [FOLDER]   FOLDER with taut*.deb and python3-taut*.deb, as `./taut package` makes them; default: build/package
 # It needs root, mmdebstrap and Debian's archive, and is skipped (exit status 77) where one of them is missing.
 set -euo pipefail
@@ -60,7 +60,6 @@ no_compiler() {
     if inside sh -c "command -v $tool"; then exit 1; fi
   done
 }
-no_compiler
 
 echo "== apt install ./taut*.deb && taut run bridge"
 before=$(installed)
@@ -78,6 +77,8 @@ time install_and_run
 grep -q '^status  *success' "$work/bridge.log"
 echo "$(($(installed) - before)) packages, $(du -sm "$bare/var/cache/apt/archives" | cut -f1) MB"
 
+no_compiler
+
 echo "== pages and example scenes"
 inside taut run /usr/share/taut/examples/four_bar.json --time 1 --html /root/four_bar.html >"$work/page.log"
 grep -q OrbitControls "$bare/root/four_bar.html"
@@ -87,9 +88,8 @@ inside taut check /root/own.json >/dev/null
 
 echo "== Python"
 before=$(installed)
-install --no-install-recommends './debs/python3-taut_*.deb' # SciPy recommends a compiler
+install --no-install-recommends './debs/python3-taut_*.deb' # SciPy itself depends on Pythran, and so on a C compiler
 echo "$(($(installed) - before)) packages"
-no_compiler
 inside python3 - <<'PYTHON'
 import importlib.metadata
 import taut
