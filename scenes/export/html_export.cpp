@@ -11,6 +11,7 @@
 #include "scenes/support/base64.h"
 #include "scenes/support/byte_order.h"
 #include "scenes/support/printable.h"
+#include "scenes/support/program_path.h"
 
 namespace taut {
 namespace {
@@ -117,10 +118,8 @@ std::filesystem::path find_three() {
   if (const char* chosen = std::getenv("TAUT_THREE")) {
     places = {chosen};
   } else {
-    std::error_code error;
-    const fs::path program = fs::read_symlink("/proc/self/exe", error);
-    places = {program.parent_path().parent_path() / "share/taut/three", fs::path(TAUT_SHARE_DIR) / "three",
-              TAUT_THREE_DIR};
+    places = {program_path().parent_path().parent_path() / "share/taut/three",
+              fs::path(TAUT_SHARE_DIR) / "three", TAUT_THREE_DIR};
     if (!own_three_folder().empty()) places.insert(places.begin(), own_three_folder());
   }
   for (const fs::path& place : places)

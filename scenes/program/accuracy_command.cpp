@@ -18,6 +18,7 @@
 #include "scenes/program/run_command.h"
 #include "scenes/support/gnuplot.h"
 #include "scenes/support/output_file.h"
+#include "scenes/support/program_path.h"
 
 namespace taut {
 namespace {
@@ -27,8 +28,7 @@ using reference::CaseResult;
 
 /// tests/references in the folder of the program or one above it.
 fs::path default_references() {
-  for (fs::path above = fs::read_symlink("/proc/self/exe").parent_path(); above != above.root_path();
-       above = above.parent_path())
+  for (fs::path above = program_path().parent_path(); above != above.root_path(); above = above.parent_path())
     if (fs::is_directory(above / "tests" / "references")) return above / "tests" / "references";
   fail("--references", "is needed: there is no tests/references above the program", "");
 }

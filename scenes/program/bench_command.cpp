@@ -19,6 +19,7 @@
 #include "scenes/support/child_process.h"
 #include "scenes/support/gnuplot.h"
 #include "scenes/support/output_file.h"
+#include "scenes/support/program_path.h"
 
 namespace taut {
 namespace {
@@ -298,8 +299,8 @@ int bench_command(const BenchOptions& options) {
   if (!(options.limit >= 0)) fail("--limit", "must not be negative", options.limit);
   require_writable_folder("--results", options.results);
   const std::optional<BenchResults> then = earlier_results(options.compare);
-  const fs::path build = options.build_dir.empty() ? fs::read_symlink("/proc/self/exe").parent_path()
-                                                   : fs::path(options.build_dir);
+  const fs::path build =
+      options.build_dir.empty() ? program_path().parent_path() : fs::path(options.build_dir);
   const fs::path folder = build / "benchmarks";
   if (options.work && options.contact) fail("--work", "is of joints alone, so not for", "--contact");
   if (options.friction && (options.work || options.contact))

@@ -9,6 +9,7 @@
 #include "scenes/files/scene_texts.h"
 #include "scenes/program/run_command.h"
 #include "scenes/support/output_file.h"
+#include "scenes/support/program_path.h"
 #include "scenes/support/suggestion.h"
 
 namespace taut {
@@ -33,9 +34,8 @@ std::vector<Template> templates() {
 /// Where an editor finds the schema: installed, or in the sources; else a name that has to be filled in.
 std::string schema_place() {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
   for (const fs::path& place :
-       {program.parent_path().parent_path() / "share/taut" / kSceneSchema, fs::path(TAUT_SCHEMA_FILE)})
+       {program_path().parent_path().parent_path() / "share/taut" / kSceneSchema, fs::path(TAUT_SCHEMA_FILE)})
     if (fs::exists(place, error)) return place.string();
   return std::string(kSceneSchema);
 }

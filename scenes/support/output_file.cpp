@@ -1,10 +1,12 @@
 #include "scenes/support/output_file.h"
 
 #include <fcntl.h>
-#include <linux/magic.h>
 #include <sys/stat.h>
-#include <sys/statfs.h>
 #include <unistd.h>
+#ifdef __linux__
+#include <linux/magic.h>
+#include <sys/statfs.h>
+#endif
 
 #include <atomic>
 #include <cerrno>
@@ -40,6 +42,16 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
+/// A folder such as /dev/fd, whose links stand for what is open.
+bool has_open_files([[maybe_unused]] const fs::path& folder) {
+#ifdef __linux__
+  struct statfs system {};
+  return statfs(folder.c_str(), &system) == 0 && system.f_type == PROC_SUPER_MAGIC;
+#else
+  return false;  // there they are devices, not links
+#endif
+}
+
 /// Where symbolic links lead, the last of which may lead nowhere.
 struct EndOfLinks {
   fs::path place;
@@ -52,8 +64,7 @@ EndOfLinks end_of_links(const std::string& file) {
   for (int links = 0; links < kMostLinks && fs::is_symlink(fs::symlink_status(end.place, error)); ++links) {
     const fs::path folder = folder_of(end.place), next = fs::read_symlink(end.place, error);
     if (error) break;
-    struct statfs system {};
-    end.is_open = end.is_open || (statfs(folder.c_str(), &system) == 0 && system.f_type == PROC_SUPER_MAGIC);
+    end.is_open = end.is_open || has_open_files(folder);
     end.place = next.is_absolute() ? next : folder / next;
   }
   return end;

@@ -1,8 +1,10 @@
 #include "solvers/linear/cholmod_factor.h"
 
 #include <cholmod.h>
-#include <dlfcn.h>
 #include <omp.h>
+#if __has_include(<dlfcn.h>)
+#include <dlfcn.h>
+#endif
 
 #include <algorithm>
 #include <new>
@@ -26,10 +28,19 @@ class NoNestedThreads {
   int levels_;
 };
 
+/// What a library of this process offers by that name; nullptr if none does, or if nobody can be asked.
+void* symbol_of([[maybe_unused]] const char* name) {
+#if __has_include(<dlfcn.h>)
+  return dlsym(RTLD_DEFAULT, name);
+#else
+  return nullptr;
+#endif
+}
+
 /// The front sizes met here are far too small for a threaded BLAS.
 void use_one_blas_thread() {
   using SetThreads = void (*)(int);
-  if (auto* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<SetThreads>(symbol)(1);
+  if (auto* symbol = symbol_of("openblas_set_num_threads")) reinterpret_cast<SetThreads>(symbol)(1);
 }
 
 /// Views without copies.
@@ -191,9 +202,9 @@ bool CholmodFactor::has_supernodal() {
 
 std::string blas_name() {
   using Config = char* (*)();
-  if (auto* symbol = dlsym(RTLD_DEFAULT, "openblas_get_config")) return reinterpret_cast<Config>(symbol)();
+  if (auto* symbol = symbol_of("openblas_get_config")) return reinterpret_cast<Config>(symbol)();
   // CHOLMOD without its GPL modules needs none.
-  return dlsym(RTLD_DEFAULT, "dgemm_") ? "a BLAS that does not tell its name" : "no BLAS";
+  return symbol_of("dgemm_") ? "a BLAS that does not tell its name" : "no BLAS";
 }
 
 }  // namespace taut
