@@ -49,7 +49,7 @@ double StageResidual::law_error(const StageSolution& solution, double h) const {
 
 double StageResidual::natural(const StageSolution& solution) const {
   const double size = scale(solution);
-  const Noise noise = rate_noise();
+  const Noise noise = contacts_.empty() ? rate_noise() : contact_noise_;
   double largest = relative_contact_residual(
       contacts_, solution.lambda, solution.w, size,
       {contact_noise_.angular / kMetResidual, contact_noise_.linear / kMetResidual});

@@ -17,7 +17,7 @@ namespace taut {
 ///
 /// over the rows of axes and contacts.  The scale is the size of impulses and rates [√J], and for a row at
 /// least what round-off of poses and twists makes of its rate, over 1e-9, so that nothing is not measured by
-/// nothing; for contacts of poses in both stages.  (solvers/complementarity, Eq. 4)
+/// nothing; where contacts may be, of poses in both stages.  (solvers/complementarity, Eq. 4)
 class StageResidual {
  public:
   using Noise = RateSize;  ///< of rates, angular and linear [rad/s, m/s]
@@ -30,7 +30,7 @@ class StageResidual {
   void begin_positions(double h, double size, std::span<const Twist> twists);
   /// Rates are those of twists.
   void begin_velocities(std::span<const Twist> twists);
-  /// The present stage's round-off is that of contacts.
+  /// The present stage's round-off is that of worlds with contacts.
   void note_round_off() { contact_noise_ = rate_noise(); }
 
   /// The natural residual, with no tolerance.
@@ -63,7 +63,7 @@ class StageResidual {
   double h_ = 0, size_ = 1;  // over which rates are differences of poses, of a system of this size [m]
   std::span<const Twist> twists_;
   Noise start_;          // of the speeds that the position stage began with
-  Noise contact_noise_;  // rate_noise() of the position stage
+  Noise contact_noise_;  // rate_noise() of the position stage; where contacts may be, of both
 };
 
 }  // namespace taut
