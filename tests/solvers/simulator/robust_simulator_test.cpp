@@ -43,8 +43,8 @@ TEST_P(RobustSpringWorlds, ThatStallAreTakenForNoJoints) {
 INSTANTIATE_TEST_SUITE_P(Worlds, RobustSpringWorlds,
                          ::testing::Values("spring_stall_heap_overflow.json", "m624.json", "m626.json"));
 
-/// Limits, friction and contacts at once: an impulse that had been on a piece of its law which the renewed law
-/// did not have counted as infinitely far off, and the step was cut down to nothing.
+/// Limits, friction and contacts at once: an impulse that had been on a piece of its law which the renewed
+/// law did not have counted as infinitely far off, and the step was cut down to nothing.
 TEST(RobustLimits, OfAFallenRagdollAreMet) {
   Scene scene = adversary("ragdoll_at_limits.json");
   Simulator simulator(scene.world, scene.settings);
