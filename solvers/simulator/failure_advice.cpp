@@ -101,6 +101,31 @@ std::string advice(const Inquiry& asked, const Culprit& culprit, const State& st
   return text.str();
 }
 
+/// An end of a wire that gets to its guide point within a few steps: its direction there is undefined.
+std::string short_span(const Inquiry& asked, const State& state) {
+  const World& world = asked.world;
+  for (int j = 0; j < world.joint_count(); ++j) {
+    if (!world.is_attached({j})) continue;
+    const std::vector<WirePoint> course = world.joint({j}).course();
+    for (std::size_t i = 0; course.size() > 2 && i + 1 < course.size(); ++i) {
+      const WirePoint &P = course[i], &Q = course[i + 1];
+      if (P.body == Q.body) continue;
+      const Pose &A = state.poses[P.body.index], &B = state.poses[Q.body.index];
+      const Vec3 v = state.twists[Q.body.index].at(rotate(B.q, Q.p_BP)) -
+                     state.twists[P.body.index].at(rotate(A.q, P.p_BP));
+      const double span = (B.point(Q.p_BP) - A.point(P.p_BP)).norm();
+      if (span > kStepsToGuide * asked.report.dt * v.norm()) continue;
+      std::ostringstream text;
+      text << "; section " << i + 1 << " of " << world.joint({j}).type() << " "
+           << asked.source.name(JointId{j}) << ", from " << world.name(P.body) << " to " << world.name(Q.body)
+           << ", is used up, only " << span
+           << " m are left: a rope with a stop holds there, or a limit before it";
+      return text.str();
+    }
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string widest_gap(const Inquiry& asked, const State& state, std::span<const double> phi, double least) {
@@ -141,31 +166,6 @@ std::string list_culprits(const Inquiry& asked) {
   else
     text << advice(asked, first, asked.world.state());
   return text.str();
-}
-
-/// An end of a wire that gets to its guide point within a few steps: its direction there is undefined.
-static std::string short_span(const Inquiry& asked, const State& state) {
-  const World& world = asked.world;
-  for (int j = 0; j < world.joint_count(); ++j) {
-    if (!world.is_attached({j})) continue;
-    const std::vector<WirePoint> course = world.joint({j}).course();
-    for (std::size_t i = 0; course.size() > 2 && i + 1 < course.size(); ++i) {
-      const WirePoint &P = course[i], &Q = course[i + 1];
-      if (P.body == Q.body) continue;
-      const Pose &A = state.poses[P.body.index], &B = state.poses[Q.body.index];
-      const Vec3 v = state.twists[Q.body.index].at(rotate(B.q, Q.p_BP)) -
-                     state.twists[P.body.index].at(rotate(A.q, P.p_BP));
-      const double span = (B.point(Q.p_BP) - A.point(P.p_BP)).norm();
-      if (span > kStepsToGuide * asked.report.dt * v.norm()) continue;
-      std::ostringstream text;
-      text << "; section " << i + 1 << " of " << world.joint({j}).type() << " "
-           << asked.source.name(JointId{j}) << ", from " << world.name(P.body) << " to " << world.name(Q.body)
-           << ", is used up, only " << span
-           << " m are left: a rope with a stop holds there, or a limit before it";
-      return text.str();
-    }
-  }
-  return "";
 }
 
 std::string singular_axis(const Inquiry& asked) {

@@ -287,7 +287,7 @@ void Simulator::Impl::refresh() {
   Stepper::Predecessor old;
   if (is_new) old = renew_pattern();
   if (stepper_.knows_state() && recalled_.empty() &&
-      !(may_change(source_) && !is_force_level(settings_.integrator)))
+      (is_force_level(settings_.integrator) || !may_change(source_)))
     return;
   if (goes_on && recalled_.empty()) {
     const World::Hold held = source_.hold();
