@@ -133,7 +133,7 @@ struct Side {
                                    {kFirstRoad + (kRoadWheels - 1) * kRoadSpacing, 0, kRoadRadius}};
     TrackPins track;
     double height = kRoadRadius + kPlate;
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < 20 && wheels[2].z != height; ++i) {
       wheels[2].z = wheels[3].z = height;
       track = lay_track(wheels, shoes, kPlate / 2);
       height = kPlate / 2 + kGrouser + std::hypot(kRoadRadius + kPlate / 2, track.pitch / 2);

@@ -10,7 +10,15 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-constexpr int kBisections = 100;  ///< more than a double has bits
+/// The first number in (low, high] that is not too low, by bisection to the last bit.
+template <typename TooLow>
+double least(double low, double high, TooLow&& too_low) {
+  for (;;) {
+    const double middle = 0.5 * (low + high);
+    if (!(middle > low && middle < high)) return high;
+    (too_low(middle) ? low : high) = middle;
+  }
+}
 
 /// Arcs round circles and the straight lines between them, by arc length from the start of the first arc.
 class Belt {
@@ -47,12 +55,8 @@ class Belt {
   /// The next place at this distance in a straight line.
   double step(double s, double distance) const {
     const Vec2 here = at(s);
-    double low = s + distance * (1 - 1e-12), high = s + 2 * distance;
-    for (int i = 0; i < kBisections; ++i) {
-      const double middle = 0.5 * (low + high);
-      ((at(middle) - here).norm() < distance ? low : high) = middle;
-    }
-    return high;
+    return least(s + distance * (1 - 1e-12), s + 2 * distance,
+                 [&](double end) { return (at(end) - here).norm() < distance; });
   }
 
  private:
@@ -79,13 +83,9 @@ double overlap(const std::vector<TrackWheel>& wheels, int links, double offset, 
 TrackPins lay_track(const std::vector<TrackWheel>& wheels, int links, double offset) {
   if (wheels.size() < 2) fail("track", "needs at least two wheels", wheels.size());
   if (links < 8) fail("track", "needs at least eight links", links);
-  double low = 0, high = 2 * Belt(wheels, offset, 0).length() / links;
-  for (int i = 0; i < kBisections; ++i) {
-    const double middle = 0.5 * (low + high);
-    (overlap(wheels, links, offset, middle) < 0 ? low : high) = middle;
-  }
   TrackPins track;
-  track.pitch = 0.5 * (low + high);
+  track.pitch = least(0, 2 * Belt(wheels, offset, 0).length() / links,
+                      [&](double pitch) { return overlap(wheels, links, offset, pitch) < 0; });
   const Belt belt(wheels, offset, track.pitch);
   double s = 0;
   for (int k = 0; k < links; ++k) {
