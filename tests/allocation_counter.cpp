@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#ifdef TAUT_COUNTS_ALLOCATIONS
+#if defined(__GLIBC__) && !TAUT_CHECKED
 #include <atomic>
 #include <cerrno>
 
@@ -43,4 +43,6 @@ extern "C" int posix_memalign(void** result, std::size_t alignment, std::size_t 
 }
 
 long taut::allocation_count() { return counted.load(); }
+#else
+long taut::allocation_count() { return 0; }
 #endif

@@ -1,16 +1,10 @@
 #pragma once
 
-#include <cstddef>  // defines __GLIBC__
-
-#include "tests/sanitized.h"
-
-/// Counts allocations of the whole program; operator new calls malloc.  A sanitizer has its own malloc, so
-/// there are no such tests there.
-#if defined(__GLIBC__) && !defined(TAUT_SANITIZED)
-#define TAUT_COUNTS_ALLOCATIONS 1
-
 namespace taut {
-/// Calls of malloc, calloc, realloc, aligned_alloc and posix_memalign so far.
+
+/// Calls of malloc, calloc, realloc, aligned_alloc and posix_memalign by the whole program so far; operator
+/// new calls malloc.  0 where nothing counts: with a sanitizer, which has a malloc of its own, and without
+/// glibc.
 long allocation_count();
+
 }  // namespace taut
-#endif

@@ -256,7 +256,6 @@ TEST(ContactFinder, BadInput) {
   EXPECT_TRUE(finder.find(world).empty());
 }
 
-#ifdef TAUT_COUNTS_ALLOCATIONS
 TEST(ContactFinder, ASettledHeapAllocatesNothing) {
   World world = heap(300, 4, 28);
   ContactFinder finder({.threads = 1});  // another one allocates when it first gets work
@@ -266,7 +265,6 @@ TEST(ContactFinder, ASettledHeapAllocatesNothing) {
   EXPECT_EQ(allocation_count(), before);
   EXPECT_GT(finder.report().candidate_pairs, 1000);
 }
-#endif
 
 }  // namespace
 }  // namespace taut::contact_finder_test

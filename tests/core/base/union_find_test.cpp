@@ -28,7 +28,6 @@ TEST(UnionFind, NamesEachSetByItsLeastMember) {
   }
 }
 
-#ifdef TAUT_COUNTS_ALLOCATIONS
 TEST(UnionFind, ServesAgainWithoutAllocation) {
   UnionFind sets;
   sets.reset(100);
@@ -39,7 +38,6 @@ TEST(UnionFind, ServesAgainWithoutAllocation) {
   EXPECT_EQ(count, 0);
   EXPECT_EQ(sets.find(99), 99);
 }
-#endif
 
 }  // namespace
 }  // namespace taut::union_find_test

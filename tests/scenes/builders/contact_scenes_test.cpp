@@ -228,15 +228,6 @@ TEST(Pile, meets_its_laws_while_it_falls_in) {
   }
 }
 
-/// So far; under sanitizers, which have their own malloc, they are not counted.
-long allocations() {
-#ifdef TAUT_COUNTS_ALLOCATIONS
-  return allocation_count();
-#else
-  return 0;
-#endif
-}
-
 /// All that a pile at rest bears, with the bodies awake; first it settles, since a solver that starts anew
 /// knows nothing of the contacts.
 void bears_its_weight(Scene& scene, double compliance, int settling, int steps) {
@@ -247,9 +238,9 @@ void bears_its_weight(Scene& scene, double compliance, int settling, int steps) 
   run(scene, simulator, settling * scene.dt);
   if (::testing::Test::HasFatalFailure()) return;
   for (int i = 0; i < steps; ++i) {
-    const long before = allocations();
+    const long before = allocation_count();
     const StepReport& report = simulator.step(scene.dt);
-    EXPECT_EQ(allocations(), before);
+    EXPECT_EQ(allocation_count(), before);
     EXPECT_TRUE(report.exact()) << report.message;
     EXPECT_LE(report.natural_residual, 1e-8);
     EXPECT_EQ(report.counts.analyses, 0);

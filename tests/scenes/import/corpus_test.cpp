@@ -226,9 +226,7 @@ bool says(const ImportedModel& model, const std::string& what) {
 /// With steps of 1e-4 s, of order 2: some 2e-8 m in 0.1 s, and up to 1e-7 m with stiff springs.  A body
 /// between joints that takes 1e-3 of an inertia changes some 2e-7 m.
 TEST(ImportCorpus, ShortMotionsAreThoseOfMuJoCo) {
-#ifdef TAUT_SANITIZED
-  GTEST_SKIP() << "of very many steps";
-#endif
+  if (testing::sanitized()) GTEST_SKIP() << "of very many steps";
   int compared = 0;
   for (const auto& [name, reference] : references().items()) {
     if (!reference.is_object() || !reference.contains("positions")) continue;

@@ -347,7 +347,6 @@ TEST(ActiveSet, FreeRowsAreExactToRoundOff) {
   EXPECT_LT(outcome.residual, 1e-12);
 }
 
-#ifdef TAUT_COUNTS_ALLOCATIONS
 TEST(ActiveSet, AllocatesNothing) {
   LargeCase large("net-corners", 8, 0.3, 15);
   Solver& solver = large.solver;
@@ -367,7 +366,6 @@ TEST(ActiveSet, AllocatesNothing) {
   EXPECT_EQ(allocation_count() - before, 0);
   EXPECT_GT(pivots, 20);
 }
-#endif
 
 }  // namespace
 }  // namespace taut::active_set_test

@@ -166,7 +166,6 @@ TEST(LineSprings, PassThroughTheirAnchor) {
   }
 }
 
-#ifdef TAUT_COUNTS_ALLOCATIONS
 TEST(LineSprings, DoNotAllocateInAStep) {
   World world;
   Random random(5);
@@ -182,7 +181,6 @@ TEST(LineSprings, DoNotAllocateInAStep) {
   for (int i = 0; i < 20; ++i) (void)simulator.step(1e-3);
   EXPECT_EQ(allocation_count(), before);
 }
-#endif
 
 }  // namespace
 }  // namespace taut::line_springs_test

@@ -68,7 +68,6 @@ TEST(Sleep, a_stack_at_rest_sleeps_and_its_contacts_still_bear_it) {
   EXPECT_TRUE(equal_bits(then, world.state()));
 }
 
-#ifdef TAUT_COUNTS_ALLOCATIONS
 /// Nor does rest without sleep.
 /// One thread: another one would allocate when it gets its first work, which may be late.
 TEST(Sleep, rest_costs_no_analysis_and_no_allocation) {
@@ -99,7 +98,6 @@ TEST(Sleep, costs_no_analysis_and_no_allocation) {
   }
   EXPECT_EQ(allocation_count() - before, 0);
 }
-#endif
 
 /// A ball drops on one of two stacks that sleep: what follows is what follows without sleep, but the other
 /// stack sleeps on.
