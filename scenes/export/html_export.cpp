@@ -37,6 +37,10 @@ constexpr Module kModules[] = {
     {"view.js", nullptr},
     {"panel.js", nullptr},
     {"keys.js", nullptr},
+    {"menus.js", nullptr},
+    {"options.js", nullptr},
+    {"overlay.js", nullptr},
+    {"saving.js", nullptr},
     {"main.js", nullptr},
 };
 

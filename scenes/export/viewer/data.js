@@ -143,6 +143,16 @@ export class Recording {
     return out;
   }
 
+  /** Where the point [body, x, y, z] is at a frame, in the world. */
+  pointAt(frame, [body, x, y, z]) {
+    if (body === 0) return [x, y, z];
+    const n = this.bodyCount - 1, k = 3 * (body - 1), p = 3 * n * frame + k, o = 4 * (n * frame + body - 1);
+    const [qx, qy, qz, qw] = this.rotation.subarray(o, o + 4), s = 2 / (qx * qx + qy * qy + qz * qz + qw * qw || 1);
+    const tx = qy * z - qz * y, ty = qz * x - qx * z, tz = qx * y - qy * x;
+    const turned = [x + s * (qw * tx + qy * tz - qz * ty), y + s * (qw * ty + qz * tx - qx * tz), z + s * (qw * tz + qx * ty - qy * tx)];
+    return turned.map((value, i) => this.low[k + i] + this.step[k + i] * this.position[p + i] + value);
+  }
+
   scalar(frame, index) { return this.scalarValues[frame * this.scalars.length + index]; }
   jointForce(frame, joint) { return this.force.norm3(3 * (frame * this.jointCount + joint)); }
   jointVector(column, frame, joint) {

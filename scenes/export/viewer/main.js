@@ -1,46 +1,96 @@
 // Puts the page together: time, selection, colours, curves.
 import {rampCss, scales as makeScales} from './colors.js';
 import {Recording} from './data.js';
+import {worldPoint} from './instances.js';
 import {setUpKeys} from './keys.js';
+import {setUpMenu} from './menus.js';
+import {readOptions, writeFlag} from './options.js';
+import {distance, Overlay} from './overlay.js';
 import {Inspector, nameOf, setUpFinder} from './panel.js';
 import {Plot, withUnit} from './plots.js';
+import {saveCurves, savePicture, Video} from './saving.js';
 import {kLongestArrow, View} from './view.js';
 
 const $ = (id) => document.getElementById(id);
 const kShort = {'kinetic energy': 'kin.', 'potential energy': 'pot.'};
 const kModes = {force: 'Joint force', gap: 'Joint gap', speed: 'Speed', body: 'Each body its colour'};
 
+/** A trace has at most this many points. */
+const kMostOfTrace = 2000;
+
 class Player {
   constructor(recording) {
     this.recording = recording;
     this.scales = makeScales(recording);
     this.view = new View($('view'), recording);
+    this.pictures = [{view: this.view, recording}];
+    this.overlay = new Overlay($('overlay'));
+    this.options = readOptions();
+    this.traces = [];    // [{point: [body, x, y, z], color}]
+    this.measured = [];  // up to two points likewise
     this.state = {t: recording.start, playing: false, speed: 1, mode: recording.force.words || recording.tension.words ? 'force' : recording.jointCount ? 'speed' : 'body',
-                  selected: null, joints: true, contacts: true};
-    this.inspector = new Inspector($('inspector'), recording,
-                                   {select: (s) => this.select(s), follow: (body) => this.follow(body)});
+                  selected: null, joints: true, contacts: true, loop: false};
+    this.inspector = new Inspector($('inspector'), recording, {
+      select: (s) => this.select(s), follow: (body) => this.follow(body), trace: (point) => this.trace(point)});
     this.find = setUpFinder($('finder'), recording, (selected) => this.select(selected));
     this.view.onchange = () => this.request();
-    this.view.covered = () => this.inspector.covers();
+    this.view.covered = () => this.covered();
     this.setUpTheme();
     this.setUpPlots();
     this.setUpControls();
+    this.setUpMore();
     setUpKeys(this);
     this.setMode(this.state.mode);
+    this.placeBelowTools();
     this.view.resize();  // the curves have taken their part of the height
     this.view.home();
+    this.apply(this.options);
     this.draw(performance.now());
+  }
+
+  /** What the address asks for. */
+  apply({autoplay, loop, speed, t, view, colour, theme}) {
+    if (theme === 'light' || theme === 'dark') this.setTheme(theme);
+    if (colour && $('mode').querySelector(`[value="${CSS.escape(colour)}"]`)) this.setMode(colour);
+    if (['front', 'side', 'top', 'isometric'].includes(view)) this.look(view);
+    if (t !== undefined) this.seek(t);
+    if (speed > 0) {
+      const box = $('speed');
+      if (![...box.options].some(({value}) => Number(value) === speed)) box.add(new Option(`${speed}×`, speed));
+      box.value = speed;
+      this.state.speed = speed;
+    }
+    if (loop) this.setLoop(true);
+    $('autoplay').setAttribute('aria-pressed', autoplay);
+    if (autoplay) this.setPlaying(true);
+  }
+
+  get start() { return Math.min(...this.pictures.map(({recording}) => recording.start)); }
+  get end() { return Math.max(...this.pictures.map(({recording}) => recording.end)); }
+
+  /** What hides the edges of the view [px]. */
+  covered() {
+    const all = $('stage').getBoundingClientRect(), isPhone = all.width <= 760;
+    const top = (isPhone ? $('legend') : $('tools')).getBoundingClientRect().bottom - all.top;
+    return {top: top + 8, ...this.inspector.covers()};
+  }
+
+  placeBelowTools() {
+    const {offsetWidth, offsetTop, offsetHeight} = $('tools'), stage = $('stage').style;
+    stage.setProperty('--tools', `${offsetWidth}px`);  // the title ends where the buttons begin
+    stage.setProperty('--below-tools', `${offsetTop + offsetHeight + 8}px`);
   }
 
   setUpTheme() {
     const query = matchMedia('(prefers-color-scheme: dark)');
     this.setTheme(query.matches ? 'dark' : 'light');
+    if (this.options.theme) return;
     query.addEventListener('change', () => this.setTheme(query.matches ? 'dark' : 'light'));
   }
 
   setTheme(name) {
     document.documentElement.dataset.theme = name;
-    this.view.applyTheme(name);
+    for (const {view} of this.pictures) view.applyTheme(name);
     this.plots?.forEach((plot) => plot.draw());
     this.request(true);
   }
@@ -49,6 +99,7 @@ class Player {
     const r = this.recording, seek = (t) => this.seek(t);
     const column = (index) => Float64Array.from({length: r.frames}, (_, f) => r.scalar(f, index));
     const all = r.scalars.map((scalar, index) => ({...scalar, values: column(index)}));
+    this.curves = all;
     const of = (group) => all.filter((scalar) => scalar.group === group);
     this.plots = [];
     const add = (options, series) => {
@@ -62,7 +113,7 @@ class Player {
       energy.push({name: 'total', values: energy[0].values.map((value, f) => value + energy[1].values[f])});
     if (energy.length) add({title: 'Energy', unit: 'J', digits: 3}, energy);
     const gaps = of('gap').filter(({values}, i) => i === 0 || values.some((value) => value > 0));
-    if (gaps.length && r.jointCount) add({title: 'Largest gap', logarithmic: true}, gaps.map(({unit, values}) => ({name: `[${unit}]`, values})));
+    if (gaps.length && r.jointCount) add({title: 'Largest gap', logarithmic: true}, gaps.map(({unit, values}) => ({name: '', unit, values})));
     this.selectionPlot = add({title: 'Selection'}, []);
     this.selectionPlot.element.hidden = true;
     const probes = new Map();
@@ -88,6 +139,7 @@ class Player {
     $('speed').onchange = () => { this.state.speed = Number($('speed').value); };
     $('mode').onchange = () => this.setMode($('mode').value);
     $('find').onclick = this.find;
+    $('loop').onclick = () => this.setLoop(!this.state.loop);
     $('home').onclick = () => this.home();
     $('theme').onclick = () => this.setTheme(this.view.theme === 'dark' ? 'light' : 'dark');
     $('help').onclick = () => $('keys').showModal();
@@ -99,27 +151,158 @@ class Player {
     for (const mode of without) $('mode').querySelector(`[value=${mode}]`).remove();
     if (window.innerHeight < 480) this.toggle('curves');
     this.setUpPicking($('view'));
-    // The title ends where the buttons begin.
-    new ResizeObserver(() => $('head').style.setProperty('--tools', `${$('tools').offsetWidth}px`)).observe($('tools'));
+    new ResizeObserver(() => this.placeBelowTools()).observe($('tools'));
+  }
+
+  setUpMore() {
+    setUpMenu($('views'), $('views-menu'));
+    setUpMenu($('more'), $('more-menu'));
+    for (const button of document.querySelectorAll('[data-look]')) button.onclick = () => this.look(button.dataset.look);
+    $('measure').onclick = () => this.setMeasuring(!this.isMeasuring);
+    $('untrace').onclick = () => {
+      this.traces = [];
+      this.traced();
+    };
+    $('picture').onclick = () => savePicture(this);
+    $('csv').onclick = () => saveCurves(this);
+    $('video').hidden = !Video.type;
+    $('video').onclick = () => this.setRecording(!this.video);
+    $('autoplay').onclick = () => {
+      const on = $('autoplay').getAttribute('aria-pressed') !== 'true';
+      $('autoplay').setAttribute('aria-pressed', on);
+      writeFlag('autoplay', on);
+    };
   }
 
   /** A press that does not move picks; a drag is the camera's. */
-  setUpPicking(canvas) {
+  setUpPicking(canvas, side = 0) {
     let down = null;
     canvas.addEventListener('pointerdown', (event) => { down = event.button === 0 ? [event.clientX, event.clientY] : null; });
     canvas.addEventListener('pointerup', (event) => {
       if (!down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 5) return;
-      const {left, top} = canvas.getBoundingClientRect();
+      const {left, top} = canvas.getBoundingClientRect(), {view} = this.pictures[side];
       const tolerance = event.pointerType === 'mouse' ? 4 : 14;
-      this.select(this.view.pick(event.clientX - left, event.clientY - top, tolerance));
+      const found = view.pick(event.clientX - left, event.clientY - top, tolerance);
+      if (found) found.at = view.pointOf(found);
+      this.picked(this.inFirst(found, side));
     });
+  }
+
+  picked(found) {
+    if (!this.isMeasuring) return this.select(found);
+    if (!found) return;
+    this.measured = [...(this.measured.length === 2 ? [] : this.measured), found.at];
+    this.showMeasured();
+    this.request(true);
+  }
+
+  setMeasuring(on) {
+    this.isMeasuring = on;
+    this.measured = [];
+    $('measure').setAttribute('aria-pressed', on);
+    $('view').style.cursor = on ? 'crosshair' : '';
+    this.showMeasured();
+    this.request(true);
+  }
+
+  /** What was measured, in each picture; or what to do for it. */
+  showMeasured() {
+    const box = $('measured');
+    box.hidden = !this.isMeasuring;
+    if (box.hidden) return;
+    if (this.measured.length < 2) {
+      box.textContent = this.measured.length ? 'Click the second point' : 'Click the first point';
+      return;
+    }
+    box.textContent = this.pictures.map((picture, side) => {
+      const [p, q] = this.measuredIn(side);
+      return p && q ? `${withUnit(distance(p, q), 'm', 4)} (${p.map((x, i) => `${'xyz'[i]} ${withUnit(q[i] - x, 'm', 3)}`).join(', ')})` : '–';
+    }).join(' | ');
+  }
+
+  /** A point of a body of the first recording, or what is selected in it, as the picture of that number has it; null if it has not. */
+  inPicture(point, side) {
+    if (side === 0 || !point) return point;
+    const body = this.recording.bodies.name[point[0]], id = this.pictures[side].recording.bodies.name.indexOf(body);
+    return id < 0 ? null : [id, ...point.slice(1)];
+  }
+  selectedIn(side) {
+    const {selected} = this.state, {recording} = this.pictures[side];
+    return selected && side > 0 ? counterpart(this.recording, recording, selected) : selected;
+  }
+  inFirst(found, side) {
+    if (side === 0 || !found) return found;
+    const {recording} = this.pictures[side], same = counterpart(recording, this.recording, found);
+    const body = this.recording.bodies.name.indexOf(recording.bodies.name[found.at[0]]);
+    return same && body >= 0 ? {...same, at: [body, ...found.at.slice(1)]} : null;
+  }
+
+  measuredIn(side) {
+    const {view} = this.pictures[side];
+    return this.measured.map((point) => this.inPicture(point, side)).filter(Boolean).map((point) => worldPoint(view.poses, ...point));
+  }
+
+  /** Draws where a point of a body [body, x, y, z] has been, or no longer does. */
+  trace(point) {
+    const same = ({point: other}) => other.every((x, i) => x === point[i]);
+    if (this.traces.some(same)) this.traces = this.traces.filter((other) => !same(other));
+    else this.traces.push({point, color: this.traces.reduce((most, {color}) => Math.max(most, color + 1), 0)});
+    this.traced();
+  }
+  traced() {
+    $('untrace').disabled = !this.traces.length;
+    this.request(true);
+  }
+
+  /** Where a point was up to now, in a picture. */
+  pathOf({point}, side) {
+    const {recording: r, view} = this.pictures[side], own = this.inPicture(point, side), path = [];
+    if (!own) return path;
+    const {frame} = r.locate(this.state.t), every = Math.ceil(r.frames / kMostOfTrace);
+    for (let f = 0; f <= frame; f += every) path.push(r.pointAt(f, own));
+    path.push(worldPoint(view.poses, ...own));
+    return path;
+  }
+
+  look(name) {
+    this.view.follow(null);
+    this.inspector.select(this.state.selected, null);
+    this.showNumbers();
+    this.view.preset(name);
+    this.request(true);
+  }
+
+  setLoop(on) {
+    this.state.loop = on;
+    $('loop').setAttribute('aria-pressed', on);
+    writeFlag('loop', on);
+  }
+
+  setRecording(on) {
+    if (!on) return this.setPlaying(false);
+    this.seek(this.start);
+    this.video = new Video(this, () => {
+      this.video = null;
+      $('video').setAttribute('aria-pressed', false);
+    });
+    $('video').setAttribute('aria-pressed', true);
+    this.setPlaying(true);
+  }
+
+  /** For files: the name of the scene, without what a file system might not like. */
+  fileName() { return this.recording.scene.replace(/[^\p{L}\p{N} ._-]+/gu, '-').slice(0, 80) || 'taut'; }
+
+  /** All curves, the selection's last: [{name, unit, values}]. */
+  columns() {
+    const {selectionPlot: own} = this;
+    return [...this.curves, ...(own.element.hidden ? [] : own.series.map(({name, values}) => ({name: `${own.title} ${name}`, unit: own.unit, values})))];
   }
 
   toggle(id) {
     const on = $(id).getAttribute('aria-pressed') !== 'true';
     $(id).setAttribute('aria-pressed', on);
     if (id === 'curves') $('plots').hidden = !on;
-    if (id === 'joints') this.view.instances.showJoints(on);
+    if (id === 'joints') for (const {view} of this.pictures) view.instances.showJoints(on);
     if (id === 'contacts') this.state.contacts = on;
     this.request(true);
   }
@@ -173,13 +356,13 @@ class Player {
   home() {
     this.view.follow(null);
     this.inspector.select(this.state.selected, null);
-    this.showNumbers(this.recording.nearest(this.state.t));  // the view goes beside them
+    this.showNumbers();  // the view goes beside them
     this.view.home();
     this.request(true);
   }
 
   seek(t) {
-    this.state.t = Math.min(Math.max(t, this.recording.start), this.recording.end);
+    this.state.t = Math.min(Math.max(t, this.start), this.end);
     this.request(true);
   }
 
@@ -190,7 +373,8 @@ class Player {
   }
 
   setPlaying(playing) {
-    if (playing && this.state.t >= this.recording.end) this.state.t = this.recording.start;
+    if (playing && this.state.t >= this.end) this.state.t = this.start;
+    if (!playing) this.video?.stop();
     this.state.playing = playing;
     document.documentElement.toggleAttribute('data-playing', playing);
     $('play').setAttribute('aria-label', playing ? 'Pause' : 'Play');
@@ -209,33 +393,44 @@ class Player {
     });
   }
 
-  draw(now) {
-    const {state, recording: r, view} = this;
-    if (state.playing) {
-      state.t += Math.max(0, now - this.last) / 1000 * state.speed;
-      this.last = now;
-      if (state.t >= r.end) {
-        state.t = r.end;
-        this.setPlaying(false);
-      }
-      this.moved = true;
+  advance(now) {
+    const {state} = this;
+    state.t += Math.max(0, now - this.last) / 1000 * state.speed;
+    this.last = now;
+    this.moved = true;
+    if (state.t < this.end) return;
+    if (state.loop && !this.video && this.end > this.start) {
+      state.t = this.start + (state.t - this.start) % (this.end - this.start);
+    } else {
+      state.t = this.end;
+      this.setPlaying(false);
     }
+  }
+
+  draw(now) {
+    const {state, pictures} = this;
+    if (state.playing) this.advance(now);
     if (this.moved !== false) {
-      view.show(state.t, {...state, scales: this.scales});
-      this.showNumbers(r.nearest(state.t));
+      pictures.forEach(({view}, side) => view.show(state.t, {...state, selected: this.selectedIn(side), scales: this.scales}));
+      this.showNumbers();
       this.moved = false;
     }
-    view.render();
+    for (const {view} of pictures) view.render();
+    const traced = (side) => this.traces.map((trace) => ({path: this.pathOf(trace, side), color: trace.color}));
+    this.overlay.draw(pictures.map(({view}, side) => ({view, traces: traced(side), measured: this.measuredIn(side)})), this.view.theme, this.inspector.covers());
     this.placeLabel();
+    this.video?.frame();
     if (state.playing) this.request();
   }
 
-  showNumbers(frame) {
-    const {state, recording: r} = this, digits = r.end - r.start < 10 ? 3 : 2;
+  showNumbers() {
+    const {state} = this, {start, end} = this, digits = end - start < 10 ? 3 : 2;
     $('time').value = state.t;
     $('time').setAttribute('aria-valuetext', `${state.t.toFixed(digits)} s`);
-    $('clock').textContent = `${state.t.toFixed(digits)} / ${r.end.toFixed(digits)} s`;
+    $('clock').textContent = `${state.t.toFixed(digits)} / ${end.toFixed(digits)} s`;
+    const frame = this.recording.nearest(state.t);
     this.inspector.show(frame, this.view.poses);
+    this.showMeasured();
     if (!$('plots').hidden) for (const plot of this.plots) if (!plot.element.hidden) plot.show(state.t, frame);
   }
 
@@ -248,6 +443,13 @@ class Player {
     label.style.left = `${at.x}px`;
     label.style.top = `${at.y}px`;
   }
+}
+
+/** What has the same kind and name in another recording; null if nothing has. */
+function counterpart(recording, other, selected) {
+  const names = {body: other.bodies.name, joint: other.joints.name, spring: other.springs.map(({name}) => name)}[selected.kind];
+  const id = names.indexOf(nameOf(recording, selected));
+  return id < 0 ? null : {...selected, id};
 }
 
 /** Starts the page.  @param {ArrayBuffer} data  @returns the player, for scripts and tests */

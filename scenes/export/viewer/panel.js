@@ -56,7 +56,7 @@ export const nameOf = (recording, {kind, id}) => (kind === 'spring' ? recording.
   : (kind === 'body' ? recording.bodies : recording.joints).name[id]);
 
 export class Inspector {
-  /** @param actions {select, follow} */
+  /** @param actions {select, follow, trace} */
   constructor(element, recording, actions) {
     Object.assign(this, {element, recording, actions});
   }
@@ -88,6 +88,13 @@ export class Inspector {
       follow.setAttribute('aria-pressed', followed === id);
       follow.title = 'Keep it where it is in the view (F)';
       follow.onclick = () => this.actions.follow(followed === id ? null : id);
+      const trace = (text, title, point) => {
+        const button = make('button', text, row);
+        button.title = title;
+        button.onclick = () => this.actions.trace(point);
+      };
+      trace('Trace centre', 'Draw where its centre of mass has been (P)', [id, 0, 0, 0]);
+      if (selected.at) trace('Trace point', 'Draw where the point that was clicked has been', selected.at);
     }
     const links = make('div');
     links.className = 'links';

@@ -30,6 +30,12 @@ export function roundStep(least) {
   return power * (part > 5 ? 10 : part > 2 ? 5 : part > 1 ? 2 : 1);
 }
 
+/** The largest number up to `most` that is 1, 2 or 5 times a power of ten. */
+export function roundBelow(most) {
+  const power = 10 ** Math.floor(Math.log10(most)), part = most / power;
+  return power * (part >= 5 ? 5 : part >= 2 ? 2 : 1);
+}
+
 /** Round numbers from low to high, about count of them. */
 export function ticks(low, high, count) {
   const step = roundStep((high - low) / count), found = [];
@@ -53,7 +59,7 @@ export function outline(values, stride) {
 }
 
 export class Plot {
-  /** @param series [{name, values: Float64Array}]  @param seek called with a time */
+  /** @param series [{name, values: Float64Array, unit: where it has its own}]  @param seek called with a time */
   constructor(parent, {title, unit, logarithmic = false, digits = 4}, times, seek) {
     Object.assign(this, {times, unit, logarithmic, digits, seek, series: []});
     this.element = document.createElement('figure');
@@ -212,10 +218,11 @@ export class Plot {
   writeCaption(colors) {
     const title = document.createElement('strong');
     title.textContent = this.unit ? `${this.title} [${this.prefix}${this.unit}]` : this.title;
-    this.caption.replaceChildren(title, ...this.series.map(({name, values}, s) => {
+    this.caption.replaceChildren(title, ...this.series.map(({name, values, unit}, s) => {
       const item = document.createElement('span');
       item.style.setProperty('--line', colors[s % colors.length]);
-      item.textContent = `${name} ${this.frame === undefined ? '' : this.short(values[this.frame])}`;
+      const own = unit ?? this.unit;
+      item.textContent = `${name} ${this.frame === undefined ? '' : `${this.short(values[this.frame])}${own ? ` ${this.prefix}${own}` : ''}`}`;
       return item;
     }));
   }
