@@ -41,6 +41,7 @@ constexpr Module kModules[] = {
     {"options.js", nullptr},
     {"overlay.js", nullptr},
     {"saving.js", nullptr},
+    {"beside.js", nullptr},
     {"main.js", nullptr},
 };
 

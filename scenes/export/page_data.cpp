@@ -128,10 +128,15 @@ Json describe(const RecordingHeader& header) {
     bodies["fixed"].push_back(body.fixed ? 1 : 0);
   }
   joints = {{"name", Json::array()}, {"type", Json::array()},   {"a", Json::array()},
-            {"b", Json::array()},    {"anchor", Json::array()}, {"course", Json::array()}};
+            {"b", Json::array()},    {"anchor", Json::array()}, {"course", Json::array()},
+            {"axes", Json::array()}};
   for (std::size_t j = 0; j < header.joints.size(); ++j) {
     const RecordedJoint& joint = header.joints[j];
     if (!joint.course.empty()) joints["course"].push_back({j, course_rows(joint.course)});
+    for (const RecordedAxis& axis : joint.axes)
+      joints["axes"].push_back({j, axis.name, axis.angular ? 1 : 0, axis.body.index,
+                                static_cast<float>(axis.axis_B.x()), static_cast<float>(axis.axis_B.y()),
+                                static_cast<float>(axis.axis_B.z())});
     joints["name"].push_back(joint.name);
     joints["type"].push_back(joint.type);
     joints["a"].push_back(joint.a.index);

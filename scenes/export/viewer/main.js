@@ -1,4 +1,5 @@
 // Puts the page together: time, selection, colours, curves.
+import {commonCurves, commonScales, recordingOfPage} from './beside.js';
 import {rampCss, scales as makeScales} from './colors.js';
 import {Recording} from './data.js';
 import {worldPoint} from './instances.js';
@@ -72,6 +73,8 @@ class Player {
   covered() {
     const all = $('stage').getBoundingClientRect(), isPhone = all.width <= 760;
     const top = (isPhone ? $('legend') : $('tools')).getBoundingClientRect().bottom - all.top;
+    // Of two pictures the numbers hide a part of the second one, which is seen from where the first is.
+    if (this.pictures.length > 1) return {top: Math.min(top + 8, 0.4 * this.view.canvas.clientHeight), right: 0, bottom: 0};
     return {top: top + 8, ...this.inspector.covers()};
   }
 
@@ -96,42 +99,27 @@ class Player {
   }
 
   setUpPlots() {
-    const r = this.recording, seek = (t) => this.seek(t);
-    const column = (index) => Float64Array.from({length: r.frames}, (_, f) => r.scalar(f, index));
-    const all = r.scalars.map((scalar, index) => ({...scalar, values: column(index)}));
-    this.curves = all;
-    const of = (group) => all.filter((scalar) => scalar.group === group);
-    this.plots = [];
-    const add = (options, series) => {
-      const plot = new Plot($('plots'), options, r.times, seek);
+    const [{recording: r}, other] = this.pictures, span = [this.start, this.end], seek = (t) => this.seek(t);
+    const own = curveGroups(r);
+    const groups = other ? commonCurves(own, {groups: curveGroups(other.recording), times: other.recording.times}) : own;
+    $('plots').replaceChildren();
+    this.plots = groups.map(({series, ...options}) => {
+      const plot = new Plot($('plots'), options, r.times, span, seek);
       plot.setSeries(series);
-      this.plots.push(plot);
       return plot;
-    };
-    const energy = of('energy').map(({name, values}) => ({name: kShort[name] ?? name, values}));
-    if (energy.length === 2)
-      energy.push({name: 'total', values: energy[0].values.map((value, f) => value + energy[1].values[f])});
-    if (energy.length) add({title: 'Energy', unit: 'J', digits: 3}, energy);
-    const gaps = of('gap').filter(({values}, i) => i === 0 || values.some((value) => value > 0));
-    if (gaps.length && r.jointCount) add({title: 'Largest gap', logarithmic: true}, gaps.map(({unit, values}) => ({name: '', unit, values})));
-    this.selectionPlot = add({title: 'Selection'}, []);
-    this.selectionPlot.element.hidden = true;
-    const probes = new Map();
-    for (const {name, unit, values} of of('probe')) {
-      const dot = name.lastIndexOf('.'), stem = name.slice(0, dot);
-      if (!probes.has(stem)) probes.set(stem, {unit, series: []});
-      probes.get(stem).series.push({name: name.slice(dot + 1), values});
-    }
-    for (const [title, {unit, series}] of probes) add({title, unit}, series);
+    });
+    this.selectionPlot = new Plot($('plots'), {title: 'Selection'}, r.times, span, seek);
+    $('plots').insertBefore(this.selectionPlot.element, $('plots').children[2] ?? null);
+    this.plots.push(this.selectionPlot);
+    this.plotSelection(this.state.selected);
   }
 
   setUpControls() {
-    const r = this.recording, moving = r.bodies.fixed.filter((fixed, i) => i > 0 && !fixed).length;
-    const parameters = Object.entries(r.parameters).map(([key, value]) => `${key} = ${value}`);
+    const r = this.recording, moving = r.bodies.fixed.filter((fixed, i) => i > 0 && !fixed).length, parameters = parametersOf(r);
     const counted = [[moving, 'body', 'bodies'], [r.jointCount, 'joint', 'joints'], ...(r.springCount ? [[r.springCount, 'spring', 'springs']] : [])];
     $('facts').textContent = [...parameters, ...counted.map(([count, one, many]) => `${count.toLocaleString('en')} ${count === 1 ? one : many}`)].join(' · ');
     const slider = $('time');
-    Object.assign(slider, {min: r.start, max: r.end, value: r.start});
+    Object.assign(slider, {min: this.start, max: this.end, value: this.start});
     slider.oninput = () => this.seek(Number(slider.value));
     $('play').onclick = () => this.setPlaying(!this.state.playing);
     $('back').onclick = () => this.step(-1);
@@ -150,7 +138,7 @@ class Player {
     const without = [...(r.jointCount ? [] : ['gap']), ...(r.jointCount + r.springCount ? [] : ['force'])];
     for (const mode of without) $('mode').querySelector(`[value=${mode}]`).remove();
     if (window.innerHeight < 480) this.toggle('curves');
-    this.setUpPicking($('view'));
+    this.setUpPicking($('view'), 0);
     new ResizeObserver(() => this.placeBelowTools()).observe($('tools'));
   }
 
@@ -167,6 +155,17 @@ class Player {
     $('csv').onclick = () => saveCurves(this);
     $('video').hidden = !Video.type;
     $('video').onclick = () => this.setRecording(!this.video);
+    $('beside').onclick = () => (this.pictures.length > 1 ? this.closeBeside() : $('other').click());
+    $('other').onchange = () => {
+      const [file] = $('other').files;
+      $('other').value = '';
+      if (file) this.openBeside(file);
+    };
+    $('stage').addEventListener('dragover', (event) => event.preventDefault());
+    $('stage').addEventListener('drop', (event) => {
+      event.preventDefault();
+      if (event.dataTransfer.files.length) this.openBeside(event.dataTransfer.files[0]);
+    });
     $('autoplay').onclick = () => {
       const on = $('autoplay').getAttribute('aria-pressed') !== 'true';
       $('autoplay').setAttribute('aria-pressed', on);
@@ -174,8 +173,78 @@ class Player {
     };
   }
 
+  notify(text) {
+    $('notice').textContent = text;
+    $('notice').hidden = false;
+    clearTimeout(this.noticeTimer);
+    this.noticeTimer = setTimeout(() => { $('notice').hidden = true; }, 6000);
+  }
+
+  /** Shows the recording of another page of taut beside this one: same instant, same camera, same colours. */
+  async openBeside(file) {
+    let recording;
+    try {
+      recording = await recordingOfPage(file);
+    } catch (error) {
+      return this.notify(error.message);
+    }
+    this.closeBeside();
+    const canvas = Object.assign(document.createElement('canvas'), {id: 'view2', tabIndex: 0});
+    canvas.setAttribute('aria-label', 'The page beside');
+    $('view').after(canvas);
+    $('stage').classList.add('two');
+    const view = new View(canvas, recording);
+    this.pictures.push({view, recording});
+    view.isMoved = true;  // by the first one
+    view.onchange = () => this.copyCamera(1);
+    this.view.onchange = () => this.copyCamera(0);
+    view.applyTheme(this.view.theme);
+    view.instances.showJoints($('joints').getAttribute('aria-pressed') === 'true');
+    this.view.partner = view;
+    this.setUpPicking(canvas, 1);
+    $('beside').textContent = 'Close the page beside';
+    this.arrange();
+  }
+
+  closeBeside() {
+    if (this.pictures.length < 2) return;
+    const [{view}] = this.pictures.splice(1);
+    view.dispose();
+    view.canvas.remove();
+    this.view.partner = null;
+    $('stage').classList.remove('two');
+    $('beside').textContent = 'Open a page beside…';
+    this.arrange();
+  }
+
+  /** After a picture has come or gone. */
+  arrange() {
+    const [first, second] = this.pictures.map(({recording}) => makeScales(recording));
+    this.scales = second ? commonScales(first, second) : first;
+    Object.assign($('time'), {min: this.start, max: this.end});
+    $('contacts').hidden = this.pictures.every(({recording}) => recording.contactTotal === 0);
+    this.setUpPlots();
+    this.setMode(this.state.mode);
+    this.seek(this.state.t);
+    for (const {view} of this.pictures) view.resize();
+    this.home();
+  }
+
+  /** Both pictures are seen from the same place. */
+  copyCamera(from) {
+    const {view} = this.pictures[from] ?? this.pictures[0], other = this.pictures[1 - from]?.view;
+    if (other && !this.isCopying) {
+      this.isCopying = true;
+      other.camera.position.copy(view.camera.position);
+      other.controls.target.copy(view.controls.target);
+      other.controls.update();
+      this.isCopying = false;
+    }
+    this.request();
+  }
+
   /** A press that does not move picks; a drag is the camera's. */
-  setUpPicking(canvas, side = 0) {
+  setUpPicking(canvas, side) {
     let down = null;
     canvas.addEventListener('pointerdown', (event) => { down = event.button === 0 ? [event.clientX, event.clientY] : null; });
     canvas.addEventListener('pointerup', (event) => {
@@ -281,12 +350,12 @@ class Player {
   setRecording(on) {
     if (!on) return this.setPlaying(false);
     this.seek(this.start);
-    this.video = new Video(this, () => {
+    this.setPlaying(false);
+    this.video = new Video(this, () => this.setPlaying(true), () => {
       this.video = null;
       $('video').setAttribute('aria-pressed', false);
     });
     $('video').setAttribute('aria-pressed', true);
-    this.setPlaying(true);
   }
 
   /** For files: the name of the scene, without what a file system might not like. */
@@ -295,7 +364,7 @@ class Player {
   /** All curves, the selection's last: [{name, unit, values}]. */
   columns() {
     const {selectionPlot: own} = this;
-    return [...this.curves, ...(own.element.hidden ? [] : own.series.map(({name, values}) => ({name: `${own.title} ${name}`, unit: own.unit, values})))];
+    return [...scalarCurves(this.recording), ...(own.element.hidden ? [] : own.series.map(({name, values}) => ({name: `${own.title} ${name}`, unit: own.unit, values})))];
   }
 
   toggle(id) {
@@ -336,15 +405,17 @@ class Player {
   }
 
   plotSelection(selected) {
-    const r = this.recording, plot = this.selectionPlot;
+    const plot = this.selectionPlot;
     plot.element.hidden = !selected || (selected.kind === 'body' && selected.id === 0);
     if (plot.element.hidden) return;
-    const series = (name, at) => [{name, values: Float64Array.from({length: r.frames}, (_, f) => at(f))}];
-    plot.setTitle(nameOf(r, selected));
-    plot.unit = selected.kind === 'body' ? 'm/s' : 'N';
-    plot.setSeries(selected.kind === 'joint' ? series('force', (f) => r.jointForce(f, selected.id))
-      : selected.kind === 'spring' ? series('tension', (f) => r.tensionOf(f, selected.id))
-        : series('speed', (f) => r.bodySpeed(f, selected.id)));
+    const [name, unit, at] = {joint: ['force', 'N', (r, id, f) => r.jointForce(f, id)], spring: ['tension', 'N', (r, id, f) => r.tensionOf(f, id)],
+                              body: ['speed', 'm/s', (r, id, f) => r.bodySpeed(f, id)]}[selected.kind];
+    plot.setTitle(nameOf(this.recording, selected));
+    plot.unit = unit;
+    plot.setSeries(this.pictures.flatMap(({recording: r}, side) => {
+      const own = this.selectedIn(side), values = () => Float64Array.from({length: r.frames}, (_, f) => at(r, own.id, f));
+      return own ? [{name, values: values(), ...(side ? {dashed: true, color: 0, times: r.times} : {})}] : [];
+    }));
   }
 
   follow(body) {
@@ -417,7 +488,7 @@ class Player {
     }
     for (const {view} of pictures) view.render();
     const traced = (side) => this.traces.map((trace) => ({path: this.pathOf(trace, side), color: trace.color}));
-    this.overlay.draw(pictures.map(({view}, side) => ({view, traces: traced(side), measured: this.measuredIn(side)})), this.view.theme, this.inspector.covers());
+    this.overlay.draw(pictures.map(({view, recording}, side) => ({view, traces: traced(side), measured: this.measuredIn(side), name: factsOf(recording)})), this.view.theme, {...this.covered(), ...this.inspector.covers()});
     this.placeLabel();
     this.video?.frame();
     if (state.playing) this.request();
@@ -429,7 +500,8 @@ class Player {
     $('time').setAttribute('aria-valuetext', `${state.t.toFixed(digits)} s`);
     $('clock').textContent = `${state.t.toFixed(digits)} / ${end.toFixed(digits)} s`;
     const frame = this.recording.nearest(state.t);
-    this.inspector.show(frame, this.view.poses);
+    const [, other] = this.pictures, same = other && this.selectedIn(1);
+    this.inspector.show(frame, this.view.poses, same && {...other, selected: same, frame: other.recording.nearest(state.t), poses: other.view.poses});
     this.showMeasured();
     if (!$('plots').hidden) for (const plot of this.plots) if (!plot.element.hidden) plot.show(state.t, frame);
   }
@@ -443,6 +515,33 @@ class Player {
     label.style.left = `${at.x}px`;
     label.style.top = `${at.y}px`;
   }
+}
+
+const parametersOf = ({parameters}) => Object.entries(parameters).map(([key, value]) => `${key} = ${value}`);
+const factsOf = (recording) => [recording.scene, ...parametersOf(recording)].join(' · ');
+
+/** The curves of a recording by their titles: [{title, unit, logarithmic, digits, series}]. */
+function curveGroups(r) {
+  const all = scalarCurves(r), of = (group) => all.filter((scalar) => scalar.group === group), groups = [];
+  const energy = of('energy').map(({name, values}) => ({name: kShort[name] ?? name, values}));
+  if (energy.length === 2)
+    energy.push({name: 'total', values: energy[0].values.map((value, f) => value + energy[1].values[f])});
+  if (energy.length) groups.push({title: 'Energy', unit: 'J', digits: 3, series: energy});
+  const gaps = of('gap').filter(({values}, i) => i === 0 || values.some((value) => value > 0));
+  if (gaps.length && r.jointCount)
+    groups.push({title: 'Largest gap', logarithmic: true, series: gaps.map(({unit, values}) => ({name: '', unit, values}))});
+  const probes = new Map();
+  for (const {name, unit, values} of of('probe')) {
+    const dot = name.lastIndexOf('.'), stem = name.slice(0, dot);
+    if (!probes.has(stem)) probes.set(stem, {title: stem, unit, series: []});
+    probes.get(stem).series.push({name: name.slice(dot + 1), values});
+  }
+  return [...groups, ...probes.values()];
+}
+
+/** Energies, gaps and probes of a recording over its frames. */
+function scalarCurves(r) {
+  return r.scalars.map((scalar, index) => ({...scalar, values: Float64Array.from({length: r.frames}, (_, f) => r.scalar(f, index))}));
 }
 
 /** What has the same kind and name in another recording; null if nothing has. */

@@ -13,8 +13,8 @@ export class Overlay {
   }
 
   /**
-   * @param views the pictures: [{view, traces: [{path: [[x, y, z]…], color}], measured: [[x, y, z], …]}]
-   * @param covered what hides the lower right corner [px]
+   * @param views the pictures: [{view, traces: [{path: [[x, y, z]…], color}], measured: [[x, y, z], …], name}]
+   * @param covered what hides the edges [px]: top, right, bottom
    */
   draw(views, theme, covered) {
     const {clientWidth: width, clientHeight: height} = this.canvas.parentElement, ratio = Math.min(window.devicePixelRatio, 2);
@@ -31,13 +31,14 @@ export class Overlay {
     this.halo = theme === 'dark' ? '#12161bd0' : '#eef1f4d0';
     c.lineCap = c.lineJoin = 'round';
     c.font = '12px system-ui, -apple-system, "Segoe UI", Roboto, sans-serif';
-    for (const {view, traces, measured} of views) {
+    for (const {view, traces, measured, name} of views) {
+      const {offsetLeft: left, offsetTop: top, clientWidth, clientHeight} = view.canvas;
       c.save();
-      const left = view.canvas.offsetLeft;
       c.beginPath();
-      c.rect(left, 0, view.canvas.clientWidth, height);
+      c.rect(left, top, clientWidth, clientHeight);
       c.clip();
-      c.translate(left, 0);
+      c.translate(left, top);
+      if (views.length > 1) this.name(name, top > 0 ? 20 : covered.top + 12, clientWidth, clientHeight, left + top > 0);
       for (const {path, color} of traces) this.path(view, path, traceColors[theme][color % traceColors[theme].length], 2);
       this.measure(view, measured);
       c.restore();
@@ -45,6 +46,17 @@ export class Overlay {
     const x = width - covered.right - kCorner, y = height - covered.bottom - kCorner;
     this.triad(views[0].view, x, y, kAxes[theme]);
     this.scaleBar(views[0].view, x - kCorner, y + kCorner - 16);
+  }
+
+  /** Which of two pictures this is. */
+  name(text, y, width, height, isSecond) {
+    const c = this.context;
+    c.textAlign = 'left';
+    this.text(text, 16, y);
+    if (!isSecond) return;
+    c.strokeStyle = this.ink + '40';
+    c.lineWidth = 1;
+    c.strokeRect(0, 0, width + 2, height + 2);  // two of whose sides are outside
   }
 
   /** A curve through points of the world; what is behind the camera is left out. */

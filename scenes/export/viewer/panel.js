@@ -114,12 +114,14 @@ export class Inspector {
     return own.width > 0.9 * all.width ? {right: 0, bottom: all.bottom - own.top} : {right: all.right - own.left, bottom: 0};
   }
 
-  show(frame, poses) {
+  /** @param other the same thing in a second recording, whose numbers come behind a bar: {recording, selected, frame, poses} or null */
+  show(frame, poses, other) {
     if (!this.selected) return;
+    const others = new Map(other ? numbers(other.recording, other.selected, other.frame, other.poses, this.used) : []);
     const cells = numbers(this.recording, this.selected, frame, poses, this.used).flatMap(([name, text]) => {
       const dt = document.createElement('dt'), dd = document.createElement('dd');
       dt.textContent = name;
-      dd.textContent = text;
+      dd.textContent = other ? `${text} | ${others.get(name) ?? '–'}` : text;
       return [dt, dd];
     });
     this.list.replaceChildren(...cells);

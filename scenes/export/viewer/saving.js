@@ -22,7 +22,7 @@ export class Composite {
     const ratio = overlay.canvas.width / width, [w, h] = [width, height].map((size) => 2 * Math.floor(size * ratio / 2));
     if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, {width: w, height: h});
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
-    for (const {view} of pictures) c.drawImage(view.canvas, view.canvas.offsetLeft, 0, view.canvas.clientWidth, height);
+    for (const {canvas: own} of pictures.map(({view}) => view)) c.drawImage(own, own.offsetLeft, own.offsetTop, own.clientWidth, own.clientHeight);
     c.drawImage(overlay.canvas, 0, 0, width, height);
     const font = 'system-ui, -apple-system, "Segoe UI", Roboto, sans-serif', ink = getComputedStyle(document.documentElement);
     c.textAlign = 'left';
@@ -69,11 +69,14 @@ export function savePicture(player) {
 
 const kTypes = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm', 'video/mp4'];
 
+const kStill = 200;  // [ms] that the first and the last picture stand still: browsers may leave such frames out
+
 /** Records a play-through, from the start to the end or until it is stopped. */
 export class Video {
   static get type() { return typeof MediaRecorder === 'undefined' ? undefined : kTypes.find((type) => MediaRecorder.isTypeSupported(type)); }
 
-  constructor(player, done) {
+  /** @param ready called when it records  @param done called when it has been saved */
+  constructor(player, ready, done) {
     this.player = player;
     this.composite = new Composite(player);
     player.draw(performance.now());
@@ -85,13 +88,18 @@ export class Video {
       save(new Blob(chunks, {type}), `${player.fileName()}.${type.includes('mp4') ? 'mp4' : 'webm'}`);
       done();
     };
+    // Before that, frames are lost.
+    this.recorder.onstart = () => {
+      this.composite.draw();
+      setTimeout(() => { if (!this.isStopped) ready(); }, kStill);
+    };
     this.recorder.start();
   }
   frame() { this.composite.draw(); }
   stop() {
+    this.isStopped = true;
     if (this.recorder.state === 'inactive') return;
-    // The last picture for a moment more, else the browser may leave it out.
-    setTimeout(() => { if (this.recorder.state !== 'inactive') this.recorder.stop(); }, 200);
+    setTimeout(() => { if (this.recorder.state !== 'inactive') this.recorder.stop(); }, kStill);
   }
 }
 

@@ -45,7 +45,8 @@ export class View {
     this.addLights();
     this.addFloor();
     this.home();
-    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.sizes = new ResizeObserver(() => this.resize());
+    this.sizes.observe(canvas);
     this.resize();
   }
 
@@ -164,6 +165,7 @@ export class View {
    * for the point that is worst, wherever the camera is; the camera goes as far forward as they let it.
    */
   fit(direction) {
+    if (this.partner && !this.isFitting) return this.fitBoth(direction);
     const forward = direction.clone().negate(), right = forward.clone().cross(this.up).normalize();
     const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360);
     // The head line and the legend, on a phone above each other, take a part of the height, and so may others [px].
@@ -192,6 +194,22 @@ export class View {
     const distance = Math.max((near + far) / 2 - f, 1e-3 * this.extent);
     const target = new Vector3().addScaledVector(right, r).addScaledVector(top, u).addScaledVector(forward, f + distance);
     return {target, distance};
+  }
+
+  /** From where both pictures see all they have. */
+  fitBoth(direction) {
+    const {points, margins, partner} = this;
+    Object.assign(this, {points: [...points, ...partner.points], margins: [...margins, ...partner.margins], isFitting: true});
+    const found = this.fit(direction);
+    Object.assign(this, {points, margins, isFitting: false});
+    return found;
+  }
+
+  dispose() {
+    this.sizes.disconnect();
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
   }
 
   applyTheme(name) {
