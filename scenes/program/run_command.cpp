@@ -8,11 +8,13 @@
 
 #include "core/base/check.h"
 #include "core/base/clock.h"
+#include "scenes/export/html_export.h"
 #include "scenes/export/pose_trace.h"
 #include "scenes/files/scene_source.h"
 #include "scenes/files/state_file.h"
 #include "scenes/import/import.h"
 #include "scenes/program/interrupt.h"
+#include "scenes/program/live_run.h"
 #include "scenes/program/progress_bar.h"
 #include "scenes/program/run_record.h"
 #include "scenes/program/run_recording.h"
@@ -58,6 +60,7 @@ class Outputs {
     require_writable("--record", options.record_file);
     require_writable_folder("--dump-stages", options.stages_folder);
     check_exports(options.exports);
+    if (options.live.wanted()) (void)live_server_options(options.live), (void)find_three();
   }
 
   Outputs(const RunOptions& options, const Scene& scene, Simulator& simulator) {
@@ -113,6 +116,8 @@ class Outputs {
     }
   }
   const std::vector<std::string>& errors() const { return errors_; }
+  /// There is something that is written while the run goes on.
+  bool any() const { return csv_ || poses_ || recording_ || stages_ || !save_file_.empty(); }
 
  private:
   bool save(Simulator& simulator) {
@@ -207,12 +212,13 @@ void warn(const std::string& warning) { std::cerr << "taut: warning: " << warnin
 
 /// Steps until the end, a failure or a signal.
 void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder, Outputs& outputs,
-               bool quiet) {
+               LiveRun* live, bool quiet) {
   const World& world = simulator.world();
-  ProgressBar bar(record.steps_asked, record.dt, !quiet);
+  ProgressBar bar(record.steps_asked, record.dt, !quiet && !live);
   Checkpoint before;  // a step that is given up takes the memory of those before it along
   for (std::int64_t i = 0; i < record.steps_asked; ++i) {
-    if (InterruptGuard::signal() != 0) return note_interruption(record, i);
+    if ((live && !live->before_step(record.dt)) || InterruptGuard::signal() != 0)
+      return note_interruption(record, i);
     const auto start = Clock::now();
     const StepReport& report = simulator.step(record.dt);
     const double seconds = seconds_since(start);
@@ -235,6 +241,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
                           "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s");
     }
     outputs.sample(recorder, simulator);
+    if (live) live->after_step();
     bar.update(i + 1, gap);
     before = seconds > kLongStep ? simulator.checkpoint() : Checkpoint();
   }
@@ -282,6 +289,7 @@ std::int64_t step_count(const RunOptions& options, const Scene& scene) {
   if (options.steps && *options.steps <= 0) fail("--steps", "must be positive", *options.steps);
   if (options.steps && *options.steps > kMostSteps) fail("--steps", "must be at most 1e12", *options.steps);
   if (options.steps) return *options.steps;
+  if (options.live.wanted() && !options.time) return kMostSteps;  // until it is stopped
   const double time = options.time.value_or(scene.duration);
   const double steps = std::round(time / scene.dt);
   if (steps < 1) fail(options.time ? "--time" : "duration", "is shorter than half a step", time);
@@ -327,10 +335,18 @@ int run_command(const RunOptions& options) {
 
   const auto start = Clock::now();
   std::vector<double> last;
+  std::optional<LiveRun> live;
   try {
     outputs.header(recorder);
     outputs.sample(recorder, simulator);
-    if (record.status == "success") run_steps(record, simulator, meter, recorder, outputs, options.quiet);
+    if (options.live.wanted()) {
+      live.emplace(options.live, scene, simulator, !outputs.any());
+      std::cerr << "taut: live at " << live->url() << "  (Ctrl-C ends the run)" << std::endl;
+    }
+    if (record.status == "success")
+      run_steps(record, simulator, meter, recorder, outputs, live ? &*live : nullptr, options.quiet);
+    if (live) live->finish(record.status, record.message);
+    if (live && record.steps_asked == kMostSteps) record.steps_asked = record.steps;  // no number was asked for
     record.redundant_rows = names_of(simulator.report().dependent_rows, scene.world);
     if (simulator.report().rank) record.note_rank(*simulator.report().rank, scene.world);
     last = recorder.sample(simulator);

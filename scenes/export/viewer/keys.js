@@ -16,7 +16,7 @@ function actions(player) {
     player.select({kind, id: from + step < first ? count - 1 : from + step >= count ? first : from + step});
   };
   return {
-    ' ': () => player.setPlaying(!state.playing),
+    ' ': () => player.togglePlaying(),
     ArrowLeft: (shift) => player.step(shift ? -10 : -1),
     ArrowRight: (shift) => player.step(shift ? 10 : 1),
     Home: () => player.seek(player.start),

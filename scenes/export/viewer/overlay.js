@@ -13,7 +13,7 @@ export class Overlay {
   }
 
   /**
-   * @param views the pictures: [{view, traces: [{path: [[x, y, z]…], color}], measured: [[x, y, z], …], name}]
+   * @param views the pictures: [{view, traces: [{path: [[x, y, z]…], color}], measured: [[x, y, z], …], name, pull: what is pulled, and whither}]
    * @param covered what hides the edges [px]: top, right, bottom
    */
   draw(views, theme, covered) {
@@ -31,7 +31,7 @@ export class Overlay {
     this.halo = theme === 'dark' ? '#12161bd0' : '#eef1f4d0';
     c.lineCap = c.lineJoin = 'round';
     c.font = '12px system-ui, -apple-system, "Segoe UI", Roboto, sans-serif';
-    for (const {view, traces, measured, name} of views) {
+    for (const {view, traces, measured, name, pull} of views) {
       const {offsetLeft: left, offsetTop: top, clientWidth, clientHeight} = view.canvas;
       c.save();
       c.beginPath();
@@ -41,6 +41,7 @@ export class Overlay {
       if (views.length > 1) this.name(name, top > 0 ? 20 : covered.top + 12, clientWidth, clientHeight, left + top > 0);
       for (const {path, color} of traces) this.path(view, path, traceColors[theme][color % traceColors[theme].length], 2);
       this.measure(view, measured);
+      if (pull) this.pull(view, pull, kAxes[theme][0]);
       c.restore();
     }
     const x = width - covered.right - kCorner, y = height - covered.bottom - kCorner;
@@ -102,6 +103,16 @@ export class Overlay {
     if (points.length < 2 || !places.every(({visible}) => visible)) return;
     c.textAlign = 'center';
     this.text(withUnit(distance(...points), 'm', 4), (places[0].x + places[1].x) / 2, (places[0].y + places[1].y) / 2 - 8);
+  }
+
+  pull(view, points, color) {
+    this.path(view, points, this.halo, 6);
+    this.path(view, points, color, 2.4);
+    const c = this.context, {x, y} = view.project(points[1]);
+    c.beginPath();
+    c.arc(x, y, 5, 0, 7);
+    c.fillStyle = color;
+    c.fill();
   }
 
   /** The axes of the world as the camera sees them: x red, y green, z blue; those behind first. */

@@ -317,6 +317,14 @@ export class View {
     return {x: (v.x + 1) / 2 * clientWidth, y: (1 - v.y) / 2 * clientHeight, visible: v.z < 1};
   }
 
+  /** Where the line of sight through a place on the canvas [px] meets the plane through a world point that faces the camera. */
+  placeAt(x, y, through) {
+    const ray = new Raycaster(), {clientWidth, clientHeight} = this.canvas, facing = this.camera.getWorldDirection(new Vector3());
+    ray.setFromCamera(new Vector2(2 * x / clientWidth - 1, 1 - 2 * y / clientHeight), this.camera);
+    const {origin, direction} = ray.ray, away = facing.dot(new Vector3(...through).sub(origin)) / facing.dot(direction);
+    return origin.clone().addScaledVector(direction, away).toArray();
+  }
+
   /** What is drawn at a place on the canvas [px], or else at most `tolerance` beside it: {kind, id, point} or null. */
   pick(x, y, tolerance = 0) {
     const around = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [Math.cos(i * Math.PI / 4), Math.sin(i * Math.PI / 4)]);
