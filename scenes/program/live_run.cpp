@@ -18,10 +18,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kShownPerSecond = 60;   // frames that browsers get
-constexpr double kLookAround = 0.05;     // [s] between two looks for signals while nothing happens
-constexpr double kLate = 0.1;            // [s] behind the clock; then the run no longer tries to catch up
-constexpr int kMostNotes = 20;           // of ignored messages on the standard error
+constexpr double kShownPerSecond = 60;  // frames that browsers get
+constexpr double kLookAround = 0.05;    // [s] between two looks for signals while nothing happens
+constexpr double kLate = 0.1;           // [s] behind the clock; then the run no longer tries to catch up
+constexpr int kMostNotes = 20;          // of ignored messages on the standard error
 constexpr double kPullFrequency = 4 * std::numbers::pi;  // ω of a pull [rad/s]: two swings a second
 constexpr double kPullDamping = 0.7;                     // ζ
 constexpr double kMostPull = 1000;                       // factor of the stiffness that may be asked for
@@ -61,8 +61,8 @@ double most_inverse_mass(const World& world, BodyId body, const Vec3& p_BP) {
 /// Between which targets a slider of a motor goes.
 std::pair<double, double> motor_range(const AxisProperties& properties, const AxisInfo& info, double start) {
   const AxisMotor& motor = *properties.motor;
-  if (motor.mode == AxisMotor::Mode::kPosition && properties.limits && std::isfinite(properties.limits->lower) &&
-      std::isfinite(properties.limits->upper))
+  if (motor.mode == AxisMotor::Mode::kPosition && properties.limits &&
+      std::isfinite(properties.limits->lower) && std::isfinite(properties.limits->upper))
     return {properties.limits->lower, properties.limits->upper};
   const double reach = std::max(2 * std::abs(start), info.angular ? std::numbers::pi : 1.0);
   return {-reach, reach};
@@ -84,7 +84,8 @@ LiveServer::Options live_server_options(const LiveOptions& options) {
   const std::string port = options.port.value_or("0");
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), server.port);
   if (error != std::errc() || end != port.data() + port.size() || server.port < 0 || server.port > 65535)
-    fail("--live", "takes a port from 0 to 65535; other addresses than 127.0.0.1 are for --live-address", port);
+    fail("--live", "takes a port from 0 to 65535; other addresses than 127.0.0.1 are for --live-address",
+         port);
   return server;
 }
 
@@ -136,8 +137,9 @@ Json LiveRun::motors() const {
 
 Json LiveRun::state() const {
   Json targets = Json::array();
-  for (const Motor& motor : motors_) targets.push_back(scene_.world.axis_properties(motor.axis).motor->target);
-  return {{"paused", paused_},      {"steps", steps_},     {"resets", resets_}, {"speed", speed_},
+  for (const Motor& motor : motors_)
+    targets.push_back(scene_.world.axis_properties(motor.axis).motor->target);
+  return {{"paused", paused_},  {"steps", steps_},   {"resets", resets_},  {"speed", speed_},
           {"targets", targets}, {"status", status_}, {"message", message_}};
 }
 
@@ -201,8 +203,7 @@ void LiveRun::note(int browser, const std::string& problem) {
   const std::string text = "a message is ignored: " + printable(problem);
   if (++notes_ <= kMostNotes)
     std::cerr << "taut: " << text << (notes_ == kMostNotes ? "; further ones are not shown" : "") << '\n';
-  server_->send_text(browser,
-                     Json{{"notice", text}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+  server_->send_text(browser, Json{{"notice", text}}.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 void LiveRun::obey(int browser, const std::string& text) {
@@ -221,7 +222,8 @@ void LiveRun::obey(int browser, const std::string& text) {
     speed_ = speed, clock_ = Clock::now(), time_ = scene_.world.time();
     changed_ = true;
   } else if (what == "motor") {
-    set_motor(index_of(message, "motor", static_cast<int>(motors_.size())), number_of(message, "target", 1e9));
+    set_motor(index_of(message, "motor", static_cast<int>(motors_.size())),
+              number_of(message, "target", 1e9));
   } else if (what == "pull") {
     const BodyId body{index_of(message, "body", scene_.world.body_count())};
     if (scene_.world.is_fixed(body)) fail("body", "is fixed", scene_.world.name(body));

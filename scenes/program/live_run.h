@@ -26,16 +26,17 @@ struct LiveOptions {
 /// @throws std::invalid_argument for a port or an address that is none, or an address that is given as port.
 LiveServer::Options live_server_options(const LiveOptions& options);
 
-/// What pulls a body towards a cursor: a spring with a damper from point P of the body to a place of the world.
+/// What pulls a body towards a cursor: a spring with a damper from point P of the body to a place of the
+/// world.
 struct LivePull {
-  BodyId body;                 ///< that is pulled
-  Vec3 p_BP = Vec3::Zero();    ///< from its centre of mass, body axes [m]
-  Vec3 p_WC = Vec3::Zero();    ///< the cursor [m]
-  double strength = 1;         ///< factor of the stiffness
+  BodyId body;               ///< that is pulled
+  Vec3 p_BP = Vec3::Zero();  ///< from its centre of mass, body axes [m]
+  Vec3 p_WC = Vec3::Zero();  ///< the cursor [m]
+  double strength = 1;       ///< factor of the stiffness
 };
 
-/// Force on the body at P [N], world axes:  f = k (p_WC − p_WP) − c v_P,  k = m ω², c = 2 ζ m ω, where m is the
-/// least mass that P has in any direction, so that a step of h is stable.        (scenes/program, Eq. 1)
+/// Force on the body at P [N], world axes:  f = k (p_WC − p_WP) − c v_P,  k = m ω², c = 2 ζ m ω, where m is
+/// the least mass that P has in any direction, so that a step of h is stable.        (scenes/program, Eq. 1)
 Vec3 pull_force(const World& world, const LivePull& pull, double h);
 
 /// Lets browsers watch a run and drive it: pause, single steps, reset, speed, motors, and pulling bodies.

@@ -30,9 +30,9 @@ using Bytes = std::shared_ptr<const std::string>;
 constexpr int kMostBrowsers = 16;
 constexpr std::size_t kLongestMessage = 1 << 16;  // [bytes] that a browser may send at once
 constexpr std::size_t kMostUnread = 1000;         // messages that wait for the run; more are dropped
-constexpr std::size_t kMostWaiting = 64;          // messages that wait for a browser; then it is given up
+constexpr std::size_t kMostWaiting = 64;  // messages that wait for a browser; further ones are dropped
 constexpr auto kFarewell = std::chrono::milliseconds(150);  // for the last frame to get out
-constexpr auto kPatience = std::chrono::seconds(30);  // with a request that does not come to its end
+constexpr auto kPatience = std::chrono::seconds(30);        // with a request that does not come to its end
 
 /// 128 random bits.
 std::string random_token() {
@@ -102,9 +102,7 @@ struct Hub {
   int next = 1;
   Inbox inbox;
 
-  bool knows_host(std::string_view host) const {
-    return hosts.empty() || hosts.contains(std::string(host));
-  }
+  bool knows_host(std::string_view host) const { return hosts.empty() || hosts.contains(std::string(host)); }
   bool has_token(std::string_view target) const {
     return token.empty() || same_text(query_value(target, "token"), token);
   }
@@ -131,7 +129,7 @@ class Browser : public std::enable_shared_from_this<Browser> {
   void send(Bytes bytes, bool is_frame) {
     // Of frames that have not been sent yet only the newest counts; the first in the queue is on its way.
     if (is_frame && queue_.size() > 1 && queue_.back().second) queue_.pop_back();
-    if (queue_.size() >= kMostWaiting) return leave();
+    if (queue_.size() >= kMostWaiting) return;
     queue_.emplace_back(std::move(bytes), is_frame);
     if (queue_.size() == 1) write();
   }
@@ -149,7 +147,8 @@ class Browser : public std::enable_shared_from_this<Browser> {
     socket_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
       if (error) return self->leave();
       // What is no text is given on as such: the run says what it ignores.
-      std::string text = self->socket_.got_text() ? beast::buffers_to_string(self->buffer_.data()) : "(bytes)";
+      std::string text =
+          self->socket_.got_text() ? beast::buffers_to_string(self->buffer_.data()) : "(bytes)";
       self->hub_.inbox.add({self->number_, false, std::move(text)});
       self->buffer_.consume(self->buffer_.size());
       self->read();
@@ -182,9 +181,10 @@ class Request : public std::enable_shared_from_this<Request> {
   }
   void read() {
     stream_.expires_after(kPatience);
-    http::async_read(stream_, buffer_, parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (!error) self->answer();
-    });
+    http::async_read(stream_, buffer_, parser_,
+                     [self = shared_from_this()](beast::error_code error, std::size_t) {
+                       if (!error) self->answer();
+                     });
   }
 
  private:

@@ -116,8 +116,6 @@ class Outputs {
     }
   }
   const std::vector<std::string>& errors() const { return errors_; }
-  /// There is something that is written while the run goes on.
-  bool any() const { return csv_ || poses_ || recording_ || stages_ || !save_file_.empty(); }
 
  private:
   bool save(Simulator& simulator) {
@@ -276,6 +274,13 @@ void warn_of_open_joints(RunRecord& record, Integrator integrator) {
       record.max_gap.metres, record.max_gap.radians));
 }
 
+/// There is something that is written while the run goes on, so that it cannot go back.
+bool writes_while_running(const RunOptions& options) {
+  return options.exports.any() || !(options.csv_file + options.poses_file + options.save_file +
+                                    options.record_file + options.stages_folder)
+                                       .empty();
+}
+
 int exit_status(const RunRecord& record) {
   if (record.status == "success") return kExitSuccess;
   if (record.status == "interrupted") return kExitSignal + InterruptGuard::signal();
@@ -331,22 +336,23 @@ int run_command(const RunOptions& options) {
   record.solver = simulator.solver_description();
   record.start(scene, meter.row_count(), total_energy(scene.world, scene.world.state()));
   add_warnings(record, scene.world, scene.settings);
+  std::optional<LiveRun> live;
+  if (options.live.wanted()) {
+    live.emplace(options.live, scene, simulator, !writes_while_running(options));
+    std::cerr << "taut: live at " << live->url() << "  (Ctrl-C ends the run)" << std::endl;
+  }
   Outputs outputs(options, scene, simulator);
 
   const auto start = Clock::now();
   std::vector<double> last;
-  std::optional<LiveRun> live;
   try {
     outputs.header(recorder);
     outputs.sample(recorder, simulator);
-    if (options.live.wanted()) {
-      live.emplace(options.live, scene, simulator, !outputs.any());
-      std::cerr << "taut: live at " << live->url() << "  (Ctrl-C ends the run)" << std::endl;
-    }
     if (record.status == "success")
       run_steps(record, simulator, meter, recorder, outputs, live ? &*live : nullptr, options.quiet);
     if (live) live->finish(record.status, record.message);
-    if (live && record.steps_asked == kMostSteps) record.steps_asked = record.steps;  // no number was asked for
+    if (live && record.steps_asked == kMostSteps)
+      record.steps_asked = record.steps;  // no number was asked for
     record.redundant_rows = names_of(simulator.report().dependent_rows, scene.world);
     if (simulator.report().rank) record.note_rank(*simulator.report().rank, scene.world);
     last = recorder.sample(simulator);

@@ -28,12 +28,12 @@ struct RecordedAxis {
 
 /// A joint of a recording.
 struct RecordedJoint {
-  std::string name;                 ///< of the joint
-  std::string type;                 ///< in the words of a scene file
-  BodyId a;                         ///< its body A
-  BodyId b;                         ///< its body B, on which its wrench acts
-  Vec3 anchor_B = Vec3::Zero();     ///< where its wrench acts: from the centre of mass of B, body axes [m]
-  std::vector<WirePoint> course{};  ///< of rods, ropes and wires: their sections go from point to point
+  std::string name;                  ///< of the joint
+  std::string type;                  ///< in the words of a scene file
+  BodyId a;                          ///< its body A
+  BodyId b;                          ///< its body B, on which its wrench acts
+  Vec3 anchor_B = Vec3::Zero();      ///< where its wrench acts: from the centre of mass of B, body axes [m]
+  std::vector<WirePoint> course{};   ///< of rods, ropes and wires: their sections go from point to point
   std::vector<RecordedAxis> axes{};  ///< those with a direction of their own
 };
 
