@@ -7,7 +7,7 @@
 
 namespace taut {
 
-/// A recording as the page has it: quantised to 16 bits, in columns (scenes/export, "The page").
+/// A recording as the page has it: quantised to 16 bits, in columns (scenes/export/PAGE, "Data").
 struct PageData {
   nlohmann::json description;
   std::string bytes;

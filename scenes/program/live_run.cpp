@@ -25,7 +25,7 @@ constexpr int kMostNotes = 20;          // of ignored messages on the standard e
 constexpr double kPullFrequency = 4 * std::numbers::pi;  // ω of a pull [rad/s]: two swings a second
 constexpr double kPullDamping = 0.7;                     // ζ
 constexpr double kMostPull = 1000;                       // factor of the stiffness that may be asked for
-constexpr double kPullSteps = 0.25;  // ω h at most: explicit, so that a pull of strength 1000 stays stable
+constexpr double kPullSteps = 0.25;  // ω h at most: the pull is explicit, and must stay stable
 constexpr double kFarAway = 1e9;     // [m] that a cursor may be from the origin
 
 /// A finite number, or what is wrong with it.

@@ -36,7 +36,8 @@ struct LivePull {
 };
 
 /// Force on the body at P [N], world axes:  f = k (p_WC − p_WP) − c v_P,  k = m ω², c = 2 ζ m ω, where m is
-/// the least mass that P has in any direction, so that a step of h is stable.        (scenes/program, Eq. 1)
+/// the least mass that P has in any direction, so that a step of h is stable.
+/// (scenes/program/LIVE, Eq. 1)
 Vec3 pull_force(const World& world, const LivePull& pull, double h);
 
 /// Lets browsers watch a run and drive it: pause, single steps, reset, speed, motors, and pulling bodies.

@@ -1,4 +1,4 @@
-// The recording inside the page (scenes/export, "The page"): 16-bit columns, unpacked once.
+// The recording inside the page (scenes/export/PAGE, "Data"): 16-bit columns, unpacked once.
 
 const halves = (() => {
   const table = new Float32Array(65536);

@@ -15,5 +15,9 @@ export function readOptions() {
 /** Puts a flag into the address, or takes it away: whoever opens it again gets the same. */
 export function writeFlag(name, on) {
   const kept = window.location.hash.slice(1).split('&').filter((part) => part && part.split('=')[0] !== name);
-  window.history.replaceState(window.history.state, '', `#${[...kept, ...(on ? [name] : [])].join('&')}`);
+  try {
+    window.history.replaceState(window.history.state, '', `#${[...kept, ...(on ? [name] : [])].join('&')}`);
+  } catch {
+    // A page inside a notebook has no address of its own.
+  }
 }
