@@ -151,7 +151,7 @@ export class LivePlayer extends Player {
     }
     found.gap.low = found.gap.high * 1e-4;
     this.scales = found;
-    if (grown) this.setMode(this.state.mode);
+    if (grown || $('legend').children[3].hidden === this.recording.contactTotal > 0) this.setMode(this.state.mode);
   }
 
   setUpMotors() {

@@ -390,7 +390,7 @@ export class Player {
         : withUnit(scale.value(part), scale.unit, 2));
       return item;
     }));
-    arrows.hidden = $('contacts').hidden;
+    arrows.hidden = this.pictures.every(({recording}) => recording.contactTotal === 0);
     const {most, high} = this.scales.contact, isCut = most > kLongestArrow * high;
     arrows.textContent = `Arrows: contact forces; the longest ${isCut ? '≥' : '≈'} ${withUnit(isCut ? kLongestArrow * high : most, 'N', 2)}`;
     this.request(true);
