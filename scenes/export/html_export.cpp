@@ -126,7 +126,7 @@ std::filesystem::path find_three() {
        places.front().string());
 }
 
-std::string html_page(const PageData& data, const std::string& title) {
+std::string page_text(const PageData& data, const std::string& title) {
   return filled(viewer_source("page.html"), {{"title", escaped(printable(title))},
                                              {"version", TAUT_VERSION},
                                              {"style", std::string(viewer_source("style.css"))},
@@ -140,7 +140,7 @@ HtmlPage html_page(RecordingReader& recording) {
   HtmlPage page;
   if (data.stride > 1)
     page.note = "every " + std::to_string(data.stride) + "th frame only, to keep the page loadable";
-  page.text = html_page(data, recording.header().scene);
+  page.text = page_text(data, recording.header().scene);
   return page;
 }
 

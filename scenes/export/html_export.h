@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <string>
 
-#include "scenes/export/page_data.h"
 #include "scenes/recording/recording_reader.h"
 
 namespace taut {
@@ -23,8 +22,5 @@ struct HtmlPage {
 /// One self-contained page that shows the recording: viewer, three.js and data inlined and compressed.
 /// @throws std::invalid_argument if three.js is missing.
 HtmlPage html_page(RecordingReader& recording);
-/// The page of what page_frame() has made, with all that its description has besides.
-/// @throws std::invalid_argument if three.js is missing.
-std::string html_page(const PageData& data, const std::string& title);
 
 }  // namespace taut

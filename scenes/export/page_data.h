@@ -24,4 +24,8 @@ PageData page_data(RecordingReader& recording, std::size_t limit = 400'000'000);
 /// @param with_header also what is the same in all frames
 PageData page_frame(const RecordingHeader& header, const Frame& frame, bool with_header);
 
+/// The page of these data, whole.
+/// @throws std::invalid_argument if three.js is missing.
+std::string page_text(const PageData& data, const std::string& title);
+
 }  // namespace taut

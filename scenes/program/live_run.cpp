@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/check.h"
-#include "scenes/export/html_export.h"
 #include "scenes/export/page_data.h"
 #include "scenes/program/interrupt.h"
 #include "scenes/support/format.h"
@@ -116,7 +115,7 @@ LiveRun::LiveRun(const LiveOptions& options, Scene& scene, Simulator& simulator,
   page.description["live"] = state();
   page.description["live"]["may_reset"] = may_reset;
   page.description["live"]["motors"] = motors();
-  server_ = std::make_unique<LiveServer>(live_server_options(options), html_page(page, header_.scene));
+  server_ = std::make_unique<LiveServer>(live_server_options(options), page_text(page, header_.scene));
   time_ = world.time();
 }
 
@@ -184,7 +183,11 @@ void LiveRun::show() {
 
 void LiveRun::finish(const std::string& status, const std::string& message) {
   status_ = status, message_ = message;
-  show();
+  try {
+    show();
+  } catch (const std::exception&) {
+    // What ended the run may also keep its last state from being looked at.
+  }
 }
 
 void LiveRun::answer(const LiveServer::Message& message) {
@@ -212,7 +215,7 @@ void LiveRun::obey(int browser, const std::string& text) {
   if (what == "pause" || what == "play") {
     set_paused(what == "pause");
   } else if (what == "step") {
-    set_paused(true);
+    if (!paused_) set_paused(true);
     ++asked_steps_;
   } else if (what == "reset") {
     reset();

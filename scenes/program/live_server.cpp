@@ -1,7 +1,9 @@
 #include "scenes/program/live_server.h"
 
+#include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -32,6 +34,7 @@ constexpr std::size_t kLongestMessage = 1 << 16;  // [bytes] that a browser may 
 constexpr std::size_t kMostUnread = 1000;         // messages that wait for the run; more are dropped
 constexpr std::size_t kMostWaiting = 64;  // messages that wait for a browser; further ones are dropped
 constexpr auto kFarewell = std::chrono::milliseconds(150);  // for the last frame to get out
+constexpr auto kRecovery = std::chrono::milliseconds(100);  // after a connection could not be taken
 constexpr auto kPatience = std::chrono::seconds(30);        // with a request that does not come to its end
 
 /// 128 random bits.
@@ -255,7 +258,9 @@ class LiveServer::Impl {
       hub_.hosts = {name + port, "localhost" + port};
     else
       hub_.token = random_token();
-    url_ = "http://" + name + port + "/" + (hub_.token.empty() ? "" : "?token=" + hub_.token);
+    // 0.0.0.0 and :: are no places to go to.
+    const std::string place = address.is_unspecified() ? net::ip::host_name() : name;
+    url_ = "http://" + place + port + "/" + (hub_.token.empty() ? "" : "?token=" + hub_.token);
     accept();
     thread_ = std::thread([this] { run(); });
   }
@@ -281,8 +286,15 @@ class LiveServer::Impl {
   void accept() {
     acceptor_.async_accept([this](beast::error_code error, tcp::socket socket) {
       if (error == net::error::operation_aborted) return;
-      if (!error) std::make_shared<Request>(hub_, std::move(socket))->read();
-      accept();
+      if (!error) {
+        std::make_shared<Request>(hub_, std::move(socket))->read();
+        return accept();
+      }
+      // There may be no descriptors left: asking again at once would take the whole processor.
+      pause_.expires_after(kRecovery);
+      pause_.async_wait([this](beast::error_code stopped) {
+        if (!stopped) accept();
+      });
     });
   }
   /// One connection that goes wrong is no reason to leave the others.
@@ -297,6 +309,7 @@ class LiveServer::Impl {
   Hub hub_;  // outlives the connections in the context
   net::io_context context_{1};
   tcp::acceptor acceptor_;
+  net::steady_timer pause_{context_};
   std::string url_;
   std::thread thread_;
 };

@@ -350,9 +350,6 @@ int run_command(const RunOptions& options) {
     outputs.sample(recorder, simulator);
     if (record.status == "success")
       run_steps(record, simulator, meter, recorder, outputs, live ? &*live : nullptr, options.quiet);
-    if (live) live->finish(record.status, record.message);
-    if (live && record.steps_asked == kMostSteps)
-      record.steps_asked = record.steps;  // no number was asked for
     record.redundant_rows = names_of(simulator.report().dependent_rows, scene.world);
     if (simulator.report().rank) record.note_rank(*simulator.report().rank, scene.world);
     last = recorder.sample(simulator);
@@ -360,6 +357,8 @@ int run_command(const RunOptions& options) {
   } catch (const std::exception& error) {
     if (record.status == "success") record.status = "error", record.message = error.what();
   }
+  if (live) live->finish(record.status, record.message);
+  if (live && record.steps_asked == kMostSteps) record.steps_asked = record.steps;  // no number was asked for
   record.wall_time = seconds_since(start);
   if (record.steps == 0) record.max_gap = meter.largest(scene.world);  // what it could not start from
 

@@ -36,9 +36,11 @@ export class LiveRecording extends Recording {
   /** @returns the state of the run that came with the frame */
   append(buffer) {
     const frame = this.another(buffer), last = this.list.at(-1);
-    if (frame.live.resets !== this.live.resets) this.list = [];
+    // The frame that the page was made with may be from long ago.
+    if (frame.live.resets !== this.live.resets || !this.isFed) this.list = [];
     else if (frame.times[0] <= last.times[0]) this.list.pop();
     this.list.push(frame);
+    this.isFed = true;
     const most = Math.max(2, Math.min(kMostFrames, Math.floor(kMostBytes / buffer.byteLength)));
     if (this.list.length > most) this.list.splice(0, this.list.length - most);
     this.live = {...this.live, ...frame.live};
