@@ -33,8 +33,9 @@ std::vector<RecordedAxis> recorded_axes(const World& world, JointId joint) {
   for (int k = 0; k < world.axis_count(joint); ++k) {
     const AxisInfo& info = world.axis_info({joint, k});
     const auto add = [&](const auto* store, const auto& direction) {
-      if (store != nullptr)
-        axes.push_back({info.name, info.angular, {info.bodies[0]}, direction(store->items[0].part)});
+      if (store == nullptr) return;
+      const auto& [place, part] = store->items[0];
+      axes.push_back({info.name, info.angular, {place.body_a}, direction(part)});
     };
     using row_parts::Angle, row_parts::Displacement;
     add(dynamic_cast<const detail::PartStore<Angle>*>(info.coordinate.get()),
