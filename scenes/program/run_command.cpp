@@ -339,7 +339,7 @@ int run_command(const RunOptions& options) {
   std::optional<LiveRun> live;
   if (options.live.wanted()) {
     live.emplace(options.live, scene, simulator, !writes_while_running(options));
-    std::cerr << "taut: live at " << live->url() << "  (Ctrl-C ends the run)" << std::endl;
+    std::cerr << "taut: live at " + live->url() + "  (Ctrl-C ends the run)\n" << std::flush;
   }
   Outputs outputs(options, scene, simulator);
 

@@ -80,6 +80,7 @@ export class LivePlayer extends Player {
     $('strength').onchange = () => $('view').focus();
     this.setUpMotors();
     this.setUpPulling($('view'));
+    this.view.home();  // beside the panel
     this.showRun(this.recording.live);
     this.connect();
   }
@@ -183,6 +184,18 @@ export class LivePlayer extends Player {
     value.textContent = withUnit(target, unit);
   }
 
+  /** The body that a pull of what was hit moves: of a joint one that moves; 0 for none. */
+  movingBodyOf({kind, id}) {
+    const {bodies, joints} = this.recording, candidates = kind === 'body' ? [id] : kind === 'joint' ? [joints.b[id], joints.a[id]] : [];
+    return candidates.find((body) => body > 0 && !bodies.fixed[body]) ?? 0;
+  }
+
+  /** The panel at the left is beside the picture, too. */
+  covered() {
+    const panel = $('live').getBoundingClientRect(), all = $('stage').getBoundingClientRect();
+    return {...super.covered(), left: $('live').open && panel.width < all.width / 2 ? panel.right - all.left : 0};
+  }
+
   /** A drag that begins on a body pulls it; one that begins beside turns the view. */
   setUpPulling(canvas) {
     const place = (event) => {
@@ -192,10 +205,11 @@ export class LivePlayer extends Player {
     canvas.addEventListener('pointerdown', (event) => {
       if (event.button !== 0 || this.isMeasuring || this.pulling) return;
       const found = this.view.pick(...place(event), event.pointerType === 'mouse' ? 2 : 10);
-      if (found?.kind !== 'body' || this.recording.bodies.fixed[found.id]) return;
+      const body = found && this.movingBodyOf(found);
+      if (!body) return;
       this.view.controls.enabled = false;
       canvas.setPointerCapture(event.pointerId);
-      this.pulling = {pointer: event.pointerId, from: place(event), body: found.id, point: this.view.pointOf(found).slice(1), through: found.point.toArray()};
+      this.pulling = {pointer: event.pointerId, from: place(event), body, point: this.view.pointOf({kind: 'body', id: body, point: found.point}).slice(1), through: found.point.toArray()};
     }, {capture: true});
     canvas.addEventListener('pointermove', (event) => {
       const {pulling} = this;

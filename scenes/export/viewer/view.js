@@ -172,7 +172,8 @@ export class View {
     const {clientWidth, clientHeight} = this.canvas, covered = this.covered?.() ?? {top: 62, right: 0, bottom: 0};
     const rest = (taken, size) => t * Math.max(1 - 2 * taken / Math.max(size, 1), 0.05);
     const b = rest(Math.max(covered.bottom, 36), clientHeight), c = rest(covered.top, clientHeight);
-    const w = 0.92 * t * this.camera.aspect, e = Math.min(w, this.camera.aspect * rest(covered.right, clientWidth));
+    const widest = 0.92 * t * this.camera.aspect, beside = (taken) => Math.min(widest, this.camera.aspect * rest(taken, clientWidth));
+    const w = beside(covered.left ?? 0), e = beside(covered.right);
     const points = this.points.map((point, i) => [point.dot(right), point.dot(top), point.dot(forward), this.margins[i]]);
     const most = (of) => points.reduce((sum, point) => Math.max(sum, of(point)), -Infinity);
     const east = most(([r, , f, m]) => r - e * f + m), west = most(([r, , f, m]) => -r - w * f + m);

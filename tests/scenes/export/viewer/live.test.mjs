@@ -33,7 +33,7 @@ async function start(...args) {
   run.url = await new Promise((done, fail) => {
     child.stderr.on('data', (data) => {
       run.said += data;
-      const found = run.said.match(/live at (http:\S+)/);
+      const found = run.said.match(/live at (http:\S+) /);
       if (found) done(found[1]);
     });
     child.on('exit', () => fail(new Error(run.said)));
