@@ -81,6 +81,7 @@ export class Player {
   placeBelowTools() {
     const {offsetWidth, offsetTop, offsetHeight} = $('tools'), stage = $('stage').style;
     stage.setProperty('--tools', `${offsetWidth}px`);  // the title ends where the buttons begin
+    stage.setProperty('--below-head', `${$('head').offsetTop + $('head').offsetHeight + 8}px`);
     stage.setProperty('--below-tools', `${offsetTop + offsetHeight + 8}px`);
   }
 

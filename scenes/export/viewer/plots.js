@@ -212,7 +212,7 @@ export class Plot {
 
   /** The frame of a curve that is nearest to the present instant. */
   frameOf({times}) {
-    if (!times) return this.frame;
+    if (!times) return Math.min(this.frame, this.times.length - 1);  // of a run that goes on, curves come a little later
     let low = 0, high = times.length - 1;
     while (low < high) {
       const middle = (low + high) >> 1;
