@@ -140,7 +140,8 @@ std::vector<Stretched> add_wires(Model& model, BufferBuilder& buffer, const Reco
   std::vector<Stretched> wires;
   double longest = 0;
   for (std::size_t j = 0; j < header.joints.size(); ++j) {
-    const auto& [name, type, a, b, anchor, course] = header.joints[j];
+    const std::string& name = header.joints[j].name;
+    const std::vector<WirePoint>& course = header.joints[j].course;
     for (std::size_t i = 1; i < course.size(); ++i) {
       wires.push_back({.name = name, .from = course[i - 1], .to = course[i], .joint = j});
       longest = std::max(longest, wires.back().place(start).second);

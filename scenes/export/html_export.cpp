@@ -9,7 +9,6 @@
 #include "scenes/export/viewer_sources.h"
 #include "scenes/recording/recording_chunk.h"
 #include "scenes/support/base64.h"
-#include "scenes/support/byte_order.h"
 #include "scenes/support/printable.h"
 #include "scenes/support/program_path.h"
 
@@ -37,6 +36,13 @@ constexpr Module kModules[] = {
     {"view.js", nullptr},
     {"panel.js", nullptr},
     {"keys.js", nullptr},
+    {"menus.js", nullptr},
+    {"options.js", nullptr},
+    {"overlay.js", nullptr},
+    {"saving.js", nullptr},
+    {"beside.js", nullptr},
+    {"player.js", nullptr},
+    {"live.js", nullptr},
     {"main.js", nullptr},
 };
 
@@ -77,17 +83,6 @@ std::string escaped(std::string_view text) {
         html += c;
     }
   return html;
-}
-
-/// Length of the description, the description, then the columns at a multiple of 8 bytes.
-std::string packed(const PageData& data) {
-  const std::string description =
-      data.description.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  std::string bytes;
-  append_little<std::uint64_t>(bytes, description.size());
-  bytes += description;
-  bytes.resize((bytes.size() + 7) / 8 * 8, ' ');
-  return base64(deflate(bytes + data.bytes, kQuick));
 }
 
 /// The template with every {{name}} replaced.
@@ -131,18 +126,21 @@ std::filesystem::path find_three() {
        places.front().string());
 }
 
+std::string page_text(const PageData& data, const std::string& title) {
+  return filled(viewer_source("page.html"), {{"title", escaped(printable(title))},
+                                             {"version", TAUT_VERSION},
+                                             {"style", std::string(viewer_source("style.css"))},
+                                             {"modules", modules(find_three())},
+                                             {"data", base64(deflate(data.packed(), kQuick))},
+                                             {"loader", std::string(viewer_source("loader.js"))}});
+}
+
 HtmlPage html_page(RecordingReader& recording) {
-  const fs::path three = find_three();
   const PageData data = page_data(recording);
   HtmlPage page;
   if (data.stride > 1)
     page.note = "every " + std::to_string(data.stride) + "th frame only, to keep the page loadable";
-  page.text = filled(viewer_source("page.html"), {{"title", escaped(printable(recording.header().scene))},
-                                                  {"version", TAUT_VERSION},
-                                                  {"style", std::string(viewer_source("style.css"))},
-                                                  {"modules", modules(three)},
-                                                  {"data", packed(data)},
-                                                  {"loader", std::string(viewer_source("loader.js"))}});
+  page.text = page_text(data, recording.header().scene);
   return page;
 }
 

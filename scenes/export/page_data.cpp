@@ -9,6 +9,7 @@
 #include "scenes/export/shape_mesh.h"
 #include "scenes/files/shape_json.h"
 #include "scenes/recording/recording_codec.h"
+#include "scenes/support/byte_order.h"
 
 namespace taut {
 namespace {
@@ -128,10 +129,15 @@ Json describe(const RecordingHeader& header) {
     bodies["fixed"].push_back(body.fixed ? 1 : 0);
   }
   joints = {{"name", Json::array()}, {"type", Json::array()},   {"a", Json::array()},
-            {"b", Json::array()},    {"anchor", Json::array()}, {"course", Json::array()}};
+            {"b", Json::array()},    {"anchor", Json::array()}, {"course", Json::array()},
+            {"axes", Json::array()}};
   for (std::size_t j = 0; j < header.joints.size(); ++j) {
     const RecordedJoint& joint = header.joints[j];
     if (!joint.course.empty()) joints["course"].push_back({j, course_rows(joint.course)});
+    for (const RecordedAxis& axis : joint.axes)
+      joints["axes"].push_back({j, axis.name, axis.angular ? 1 : 0, axis.body.index,
+                                static_cast<float>(axis.axis_B.x()), static_cast<float>(axis.axis_B.y()),
+                                static_cast<float>(axis.axis_B.z())});
     joints["name"].push_back(joint.name);
     joints["type"].push_back(joint.type);
     joints["a"].push_back(joint.a.index);
@@ -168,7 +174,65 @@ std::size_t most_contacts(RecordingReader& recording) {
   return most;
 }
 
+/// The columns of some frames.
+class PageColumns {
+ public:
+  PageColumns(const RecordingHeader& header, std::size_t frames)
+      : bodies_(header.bodies.size() - 1),
+        joints_(header.joints.size()),
+        springs_(header.springs.size()),
+        poses_(bodies_, frames),
+        detached_(joints_) {}
+  void add(const Frame& frame) {
+    times_.push_back(frame.time);
+    scalars_.insert(scalars_.end(), frame.scalars.begin(), frame.scalars.end());
+    poses_.add(frame);
+    for (std::size_t b = 1; b <= bodies_; ++b) speed_.add(frame.twists[b].v.norm());
+    for (const JointSample& joint : frame.joints) {
+      force_.add(joint.wrench.force);
+      torque_.add(joint.wrench.torque);
+      gap_.add(joint.gap.metres);
+      gap_angle_.add(joint.gap.radians);
+    }
+    for (const double value : frame.tensions) tension_.add(value);
+    contacts_.add(frame);
+    detached_.add(frame);
+  }
+  void write(PageData& data) {
+    data.description["frames"] = times_.size();
+    ColumnWriter columns(data.description, data.bytes);
+    columns.plain("time", times_);
+    columns.plain("scalars", scalars_);
+    poses_.write(columns);
+    speed_.write(columns, "speed", bodies_);
+    force_.write(columns, "force", 3 * joints_);
+    torque_.write(columns, "torque", 3 * joints_);
+    gap_.write(columns, "gap", joints_);
+    gap_angle_.write(columns, "gap_angle", joints_);
+    tension_.write(columns, "tension", springs_);
+    contacts_.write(columns);
+    data.description["detached"] = detached_.spans();
+  }
+
+ private:
+  std::size_t bodies_, joints_, springs_;
+  std::vector<double> times_, scalars_;
+  PoseColumns poses_;
+  HalfColumn speed_, force_, torque_, gap_, gap_angle_, tension_;
+  ContactColumns contacts_;
+  DetachedJoints detached_;
+};
+
 }  // namespace
+
+std::string PageData::packed() const {
+  const std::string text = description.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::string packed;
+  append_little<std::uint64_t>(packed, text.size());
+  packed += text;
+  packed.resize((packed.size() + 7) / 8 * 8, ' ');
+  return packed + bytes;
+}
 
 PageData page_data(RecordingReader& recording, std::size_t limit) {
   PageData data;
@@ -178,41 +242,18 @@ PageData page_data(RecordingReader& recording, std::size_t limit) {
   const std::size_t per_frame = 16 * bodies + 16 * joints + 2 * header.springs.size() +
                                 8 * header.scalars.size() + ContactColumns::kBytes * most_contacts(recording);
   data.stride = static_cast<int>(1 + per_frame * recording.frame_count() / limit);
+  PageColumns columns(header, recording.frame_count() / data.stride + 1);
+  for (int f = 0; f < recording.frame_count(); f += data.stride) columns.add(recording.frame(f));
+  columns.write(data);
+  return data;
+}
 
-  std::vector<double> times, scalars;
-  PoseColumns poses(bodies, recording.frame_count() / data.stride + 1);
-  HalfColumn speed, force, torque, gap, gap_angle, tension;
-  ContactColumns contacts;
-  DetachedJoints detached(joints);
-  for (int f = 0; f < recording.frame_count(); f += data.stride) {
-    const Frame& frame = recording.frame(f);
-    times.push_back(frame.time);
-    scalars.insert(scalars.end(), frame.scalars.begin(), frame.scalars.end());
-    poses.add(frame);
-    for (std::size_t b = 1; b <= bodies; ++b) speed.add(frame.twists[b].v.norm());
-    for (const JointSample& joint : frame.joints) {
-      force.add(joint.wrench.force);
-      torque.add(joint.wrench.torque);
-      gap.add(joint.gap.metres);
-      gap_angle.add(joint.gap.radians);
-    }
-    for (const double value : frame.tensions) tension.add(value);
-    contacts.add(frame);
-    detached.add(frame);
-  }
-  data.description["frames"] = times.size();
-  ColumnWriter columns(data.description, data.bytes);
-  columns.plain("time", times);
-  columns.plain("scalars", scalars);
-  poses.write(columns);
-  speed.write(columns, "speed", bodies);
-  force.write(columns, "force", 3 * joints);
-  torque.write(columns, "torque", 3 * joints);
-  gap.write(columns, "gap", joints);
-  gap_angle.write(columns, "gap_angle", joints);
-  tension.write(columns, "tension", header.springs.size());
-  contacts.write(columns);
-  data.description["detached"] = detached.spans();
+PageData page_frame(const RecordingHeader& header, const Frame& frame, bool with_header) {
+  PageData data;
+  data.description = with_header ? describe(header) : Json::object();
+  PageColumns columns(header, 1);
+  columns.add(frame);
+  columns.write(data);
   return data;
 }
 

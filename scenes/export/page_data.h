@@ -7,14 +7,25 @@
 
 namespace taut {
 
-/// A recording as the page has it: quantised to 16 bits, in columns (scenes/export, "The page").
+/// A recording as the page has it: quantised to 16 bits, in columns (scenes/export/PAGE, "Data").
 struct PageData {
   nlohmann::json description;
   std::string bytes;
   int stride = 1;  ///< every how many frames one was taken, so that the bytes stay below the limit
+
+  /// Length of the description, the description, then the columns at a multiple of 8 bytes.
+  std::string packed() const;
 };
 
 /// @param limit [bytes] before compression
 PageData page_data(RecordingReader& recording, std::size_t limit = 400'000'000);
+
+/// One frame by itself, of a run that goes on: its positions are the floats themselves.
+/// @param with_header also what is the same in all frames
+PageData page_frame(const RecordingHeader& header, const Frame& frame, bool with_header);
+
+/// The page of these data, whole.
+/// @throws std::invalid_argument if three.js is missing.
+std::string page_text(const PageData& data, const std::string& title);
 
 }  // namespace taut

@@ -8,11 +8,13 @@
 
 #include "core/base/check.h"
 #include "core/base/clock.h"
+#include "scenes/export/html_export.h"
 #include "scenes/export/pose_trace.h"
 #include "scenes/files/scene_source.h"
 #include "scenes/files/state_file.h"
 #include "scenes/import/import.h"
 #include "scenes/program/interrupt.h"
+#include "scenes/program/live_run.h"
 #include "scenes/program/progress_bar.h"
 #include "scenes/program/run_record.h"
 #include "scenes/program/run_recording.h"
@@ -58,6 +60,7 @@ class Outputs {
     require_writable("--record", options.record_file);
     require_writable_folder("--dump-stages", options.stages_folder);
     check_exports(options.exports);
+    if (options.live.wanted()) (void)live_server_options(options.live), (void)find_three();
   }
 
   Outputs(const RunOptions& options, const Scene& scene, Simulator& simulator) {
@@ -207,12 +210,13 @@ void warn(const std::string& warning) { std::cerr << "taut: warning: " << warnin
 
 /// Steps until the end, a failure or a signal.
 void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder, Outputs& outputs,
-               bool quiet) {
+               LiveRun* live, bool quiet) {
   const World& world = simulator.world();
-  ProgressBar bar(record.steps_asked, record.dt, !quiet);
+  ProgressBar bar(record.steps_asked, record.dt, !quiet && !live);
   Checkpoint before;  // a step that is given up takes the memory of those before it along
   for (std::int64_t i = 0; i < record.steps_asked; ++i) {
-    if (InterruptGuard::signal() != 0) return note_interruption(record, i);
+    if ((live && !live->before_step(record.dt)) || InterruptGuard::signal() != 0)
+      return note_interruption(record, i);
     const auto start = Clock::now();
     const StepReport& report = simulator.step(record.dt);
     const double seconds = seconds_since(start);
@@ -235,6 +239,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
                           "step " + std::to_string(i + 1) + " from t = " + shortest(world.time()) + " s");
     }
     outputs.sample(recorder, simulator);
+    if (live) live->after_step();
     bar.update(i + 1, gap);
     before = seconds > kLongStep ? simulator.checkpoint() : Checkpoint();
   }
@@ -269,6 +274,13 @@ void warn_of_open_joints(RunRecord& record, Integrator integrator) {
       record.max_gap.metres, record.max_gap.radians));
 }
 
+/// There is something that is written while the run goes on, so that it cannot go back.
+bool writes_while_running(const RunOptions& options) {
+  return options.exports.any() || !(options.csv_file + options.poses_file + options.save_file +
+                                    options.record_file + options.stages_folder)
+                                       .empty();
+}
+
 int exit_status(const RunRecord& record) {
   if (record.status == "success") return kExitSuccess;
   if (record.status == "interrupted") return kExitSignal + InterruptGuard::signal();
@@ -282,6 +294,7 @@ std::int64_t step_count(const RunOptions& options, const Scene& scene) {
   if (options.steps && *options.steps <= 0) fail("--steps", "must be positive", *options.steps);
   if (options.steps && *options.steps > kMostSteps) fail("--steps", "must be at most 1e12", *options.steps);
   if (options.steps) return *options.steps;
+  if (options.live.wanted() && !options.time) return kMostSteps;  // until it is stopped
   const double time = options.time.value_or(scene.duration);
   const double steps = std::round(time / scene.dt);
   if (steps < 1) fail(options.time ? "--time" : "duration", "is shorter than half a step", time);
@@ -323,6 +336,11 @@ int run_command(const RunOptions& options) {
   record.solver = simulator.solver_description();
   record.start(scene, meter.row_count(), total_energy(scene.world, scene.world.state()));
   add_warnings(record, scene.world, scene.settings);
+  std::optional<LiveRun> live;
+  if (options.live.wanted()) {
+    live.emplace(options.live, scene, simulator, !writes_while_running(options));
+    std::cerr << "taut: live at " + live->url() + "  (Ctrl-C ends the run)\n" << std::flush;
+  }
   Outputs outputs(options, scene, simulator);
 
   const auto start = Clock::now();
@@ -330,7 +348,8 @@ int run_command(const RunOptions& options) {
   try {
     outputs.header(recorder);
     outputs.sample(recorder, simulator);
-    if (record.status == "success") run_steps(record, simulator, meter, recorder, outputs, options.quiet);
+    if (record.status == "success")
+      run_steps(record, simulator, meter, recorder, outputs, live ? &*live : nullptr, options.quiet);
     record.redundant_rows = names_of(simulator.report().dependent_rows, scene.world);
     if (simulator.report().rank) record.note_rank(*simulator.report().rank, scene.world);
     last = recorder.sample(simulator);
@@ -338,6 +357,8 @@ int run_command(const RunOptions& options) {
   } catch (const std::exception& error) {
     if (record.status == "success") record.status = "error", record.message = error.what();
   }
+  if (live) live->finish(record.status, record.message);
+  if (live && record.steps_asked == kMostSteps) record.steps_asked = record.steps;  // no number was asked for
   record.wall_time = seconds_since(start);
   if (record.steps == 0) record.max_gap = meter.largest(scene.world);  // what it could not start from
 

@@ -8,6 +8,7 @@
 
 #include "scenes/builders/scene.h"
 #include "scenes/export/exports.h"
+#include "scenes/program/live_run.h"
 
 namespace taut {
 
@@ -36,6 +37,7 @@ struct RunOptions {
   std::optional<double> poses_interval;     ///< [s]; 0 or not given: every step
   ExportFiles exports;                      ///< made from the recording; its csv is not used
   std::optional<double> frames_per_second;  ///< of the recording, 60 if not given; 0: every step
+  LiveOptions live;                         ///< where it can be watched and driven
   bool quiet = false, verbose = false;
   std::vector<std::string> words;  ///< what was typed after `taut run`, for how_to_see(); may be empty
 };

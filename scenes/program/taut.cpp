@@ -127,6 +127,17 @@ void add_run(CLI::App& app, Arguments& arguments) {
                  "of the recording and what is made from it, default 60; 0: every step")
       ->type_name("NUMBER");
   add_exports(run, options.exports);
+  run.add_option_function<std::string>(
+         "--live", [&options](const std::string& text) { options.live.port = text; },
+         "show the run in a browser of this machine while it goes on: pause, step, pull bodies, turn motors; "
+         "until Ctrl-C, or --time; default: any free port")
+      ->expected(0, 1)
+      ->default_str("0")
+      ->type_name("[PORT]");
+  run.add_option_function<std::string>(
+         "--live-address", [&options](const std::string& text) { options.live.address = text; },
+         "serve --live at this address, for other machines; the link that is printed has a secret token")
+      ->type_name("ADDRESS");
   run.add_option("--dump-stages", options.stages_folder,
                  "write the friction problem of each step's last stages with contacts, for `taut friction`")
       ->type_name("DIR");

@@ -1,5 +1,7 @@
 #include "scenes/recording/frame_sampler.h"
 
+#include "core/constraints/axis_parts.h"
+#include "core/constraints/part_store.h"
 #include "scenes/recording/drawn_shapes.h"
 
 namespace taut {
@@ -23,6 +25,25 @@ void append_contacts(const Simulator& simulator, std::vector<ContactSample>& sam
   for (const ContactReport& report : simulator.contacts())
     if (!report.force.isZero(0))
       samples.push_back(contact_sample(simulator.world(), report.contact, report.force));
+}
+
+/// The axes of a joint that are fixed in a body; swings and turns of balls have no such direction.
+std::vector<RecordedAxis> recorded_axes(const World& world, JointId joint) {
+  std::vector<RecordedAxis> axes;
+  for (int k = 0; k < world.axis_count(joint); ++k) {
+    const AxisInfo& info = world.axis_info({joint, k});
+    const auto add = [&](const auto* store, const auto& direction) {
+      if (store == nullptr) return;
+      const auto& [place, part] = store->items[0];
+      axes.push_back({info.name, info.angular, {place.body_a}, direction(part)});
+    };
+    using row_parts::Angle, row_parts::Displacement;
+    add(dynamic_cast<const detail::PartStore<Angle>*>(info.coordinate.get()),
+        [](const Angle& part) { return part.a_A; });
+    add(dynamic_cast<const detail::PartStore<Displacement>*>(info.coordinate.get()),
+        [](const Displacement& part) { return part.a_A; });
+  }
+  return axes;
 }
 
 }  // namespace
@@ -51,7 +72,7 @@ RecordingHeader FrameSampler::header(double frames_per_second) const {
     const JointId id{j};
     const Joint& joint = world.joint(id);
     header.joints.push_back({world.name(id), std::string(joint.type()), joint.a(), joint.b(),
-                             joint.reaction_point_B(), joint.course()});
+                             joint.reaction_point_B(), joint.course(), recorded_axes(world, id)});
   }
   for (const ForceId id : springs_) {
     const auto line = world.force(id).line_force(world.state());

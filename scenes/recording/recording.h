@@ -18,14 +18,23 @@ struct RecordedBody {
   bool fixed = false;  ///< it never moves
 };
 
+/// A free axis of a joint, to be drawn where the joint is.
+struct RecordedAxis {
+  std::string name;             ///< in its joint, as "angle"
+  bool angular = true;          ///< B turns about it; else it moves along it
+  BodyId body;                  ///< that it is fixed to
+  Vec3 axis_B = Vec3::UnitZ();  ///< unit vector, in axes of this body
+};
+
 /// A joint of a recording.
 struct RecordedJoint {
-  std::string name;                 ///< of the joint
-  std::string type;                 ///< in the words of a scene file
-  BodyId a;                         ///< its body A
-  BodyId b;                         ///< its body B, on which its wrench acts
-  Vec3 anchor_B = Vec3::Zero();     ///< where its wrench acts: from the centre of mass of B, body axes [m]
-  std::vector<WirePoint> course{};  ///< of rods, ropes and wires: their sections go from point to point
+  std::string name;                  ///< of the joint
+  std::string type;                  ///< in the words of a scene file
+  BodyId a;                          ///< its body A
+  BodyId b;                          ///< its body B, on which its wrench acts
+  Vec3 anchor_B = Vec3::Zero();      ///< where its wrench acts: from the centre of mass of B, body axes [m]
+  std::vector<WirePoint> course{};   ///< of rods, ropes and wires: their sections go from point to point
+  std::vector<RecordedAxis> axes{};  ///< those with a direction of their own
 };
 
 /// A force law that pulls along a line: a spring, or a damper alone.

@@ -46,6 +46,24 @@ std::vector<WirePoint> course_from_json(const Json& json, std::size_t body_count
   return course;
 }
 
+Json axes_to_json(const std::vector<RecordedAxis>& axes) {
+  Json json = Json::array();
+  for (const RecordedAxis& axis : axes)
+    json.push_back({{"name", axis.name},
+                    {"type", axis.angular ? "turn" : "move"},
+                    {"body", axis.body.index},
+                    {"direction", vector_to_json(axis.axis_B)}});
+  return json;
+}
+
+std::vector<RecordedAxis> axes_from_json(const Json& json, std::size_t body_count) {
+  std::vector<RecordedAxis> axes;
+  for (const Json& axis : json)
+    axes.push_back({axis.at("name"), axis.at("type") == "turn", body_from_json(axis.at("body"), body_count),
+                    vector_from_json(axis.at("direction"))});
+  return axes;
+}
+
 void read_springs(const Json& json, RecordingHeader& header) {
   for (const Json& spring : json) {
     const std::vector<WirePoint> ends = course_from_json(spring.at("course"), header.bodies.size());
@@ -63,7 +81,9 @@ void read_bodies_and_joints(const Json& json, RecordingHeader& header) {
         {joint.at("name"), joint.at("type"), body_from_json(joint.at("a"), header.bodies.size()),
          body_from_json(joint.at("b"), header.bodies.size()), vector_from_json(joint.at("anchor")),
          joint.contains("course") ? course_from_json(joint.at("course"), header.bodies.size())
-                                  : std::vector<WirePoint>()});
+                                  : std::vector<WirePoint>(),
+         joint.contains("axes") ? axes_from_json(joint.at("axes"), header.bodies.size())
+                                : std::vector<RecordedAxis>()});
 }
 
 }  // namespace
@@ -94,6 +114,7 @@ std::string encode_header(const RecordingHeader& header) {
                               {"b", joint.b.index},
                               {"anchor", vector_to_json(joint.anchor_B)}});
     if (!joint.course.empty()) json["joints"].back()["course"] = course_to_json(joint.course);
+    if (!joint.axes.empty()) json["joints"].back()["axes"] = axes_to_json(joint.axes);
   }
   json["springs"] = springs_to_json(header.springs);
   for (const RecordedScalar& scalar : header.scalars)

@@ -75,11 +75,7 @@ export function scales(recording) {
   // What moves less than a thousandth of the picture in the whole run is at rest: its speed is round-off.
   const {low, high} = recording.box(), rest = 1e-3 * Math.hypot(...low.map((x, i) => high[i] - x)) / ((recording.end - recording.start) || 1);
   // Single impacts must not make what rests look forceless: the median of the largest force of each frame that has any.
-  const peaks = Array.from({length: frames}, (_, f) => {
-    let peak = 0;
-    for (let c = recording.contactStart[f]; c < recording.contactStart[f + 1]; ++c) peak = Math.max(peak, recording.contactForce(c));
-    return peak;
-  }).filter((peak) => peak > 0);
+  const peaks = Array.from({length: frames}, (_, f) => recording.contactPeak(f)).filter((peak) => peak > 0);
   const contact = new Scale(0, quantile(peaks.length, (i) => peaks[i], 0.5) || 1, 'N');
   contact.most = peaks.reduce((a, b) => Math.max(a, b), 0);
   return {

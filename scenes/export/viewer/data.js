@@ -1,4 +1,4 @@
-// The recording inside the page (scenes/export, "The page"): 16-bit columns, unpacked once.
+// The recording inside the page (scenes/export/PAGE, "Data"): 16-bit columns, unpacked once.
 
 const halves = (() => {
   const table = new Float32Array(65536);
@@ -33,24 +33,52 @@ class HalfColumn {
   }
 }
 
+/** Length of the description, the description (JSON), columns. */
+function opened(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const d = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, length)));
+  return {d, bytes: new Uint8Array(buffer, 8 + Math.ceil(length / 8) * 8)};
+}
+
+/** What is the same in all frames. */
+const kHeader = ['scene', 'parameters', 'dt', 'gravity', 'bodies', 'joints', 'shapes', 'drawn', 'scalars', 'springs', 'bodyCount', 'jointCount', 'springCount',
+                 'course', 'jointsOfBody'];
+
 export class Recording {
   /** @param {ArrayBuffer} buffer length of the description, the description (JSON), columns */
   constructor(buffer) {
-    const length = new DataView(buffer).getUint32(0, true);
-    const d = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, length)));
-    const bytes = new Uint8Array(buffer, 8 + Math.ceil(length / 8) * 8);
-    const plain = (Type, name) => {
-      const {offset, count} = d.columns[name];
-      return new Type(bytes.buffer, bytes.byteOffset + offset, count);
-    };
+    const {d, bytes} = opened(buffer);
     Object.assign(this, {
-      scene: d.scene, parameters: d.parameters, dt: d.dt, gravity: d.gravity, frames: d.frames,
+      scene: d.scene, parameters: d.parameters, dt: d.dt, gravity: d.gravity,
       bodies: d.bodies, joints: d.joints, shapes: d.shapes, drawn: d.drawn, scalars: d.scalars,
       springs: d.springs,
     });
     this.bodyCount = d.bodies.name.length;
     this.jointCount = d.joints.name.length;
     this.springCount = d.springs.length;
+    // Points [body, x, y, z] of the joints that are rods, ropes or wires.
+    this.course = new Map(d.joints.course);
+    this.jointsOfBody = Array.from({length: this.bodyCount}, () => []);
+    for (let j = 0; j < this.jointCount; ++j)
+      for (const body of [d.joints.a[j], d.joints.b[j]]) this.jointsOfBody[body].push(j);
+    this.take(d, bytes);
+  }
+
+  /** Other frames of the same things, whose description leaves out what is the same. */
+  another(buffer) {
+    const found = Object.create(Recording.prototype), {d, bytes} = opened(buffer);
+    for (const name of kHeader) found[name] = this[name];
+    found.take(d, bytes);
+    return found;
+  }
+
+  take(d, bytes) {
+    const plain = (Type, name) => {
+      const {offset, count} = d.columns[name];
+      return new Type(bytes.buffer, bytes.byteOffset + offset, count);
+    };
+    this.frames = d.frames;
+    this.live = d.live;
     this.times = plain(Float64Array, 'time');
     this.scalarValues = plain(Float64Array, 'scalars');
     this.low = plain(Float32Array, 'position_low');
@@ -68,11 +96,6 @@ export class Recording {
     this.unpackContacts(bytes, d.columns);
     this.detached = new Map();
     for (const [joint, ...span] of d.detached) this.detached.set(joint, [...(this.detached.get(joint) ?? []), span]);
-    // Points [body, x, y, z] of the joints that are rods, ropes or wires.
-    this.course = new Map(d.joints.course);
-    this.jointsOfBody = Array.from({length: this.bodyCount}, () => []);
-    for (let j = 0; j < this.jointCount; ++j)
-      for (const body of [d.joints.a[j], d.joints.b[j]]) this.jointsOfBody[body].push(j);
   }
 
   /** Each contact is the difference to the one of the frame before that is as many-th of the same two bodies. */
@@ -143,6 +166,16 @@ export class Recording {
     return out;
   }
 
+  /** Where the point [body, x, y, z] is at a frame, in the world. */
+  pointAt(frame, [body, x, y, z]) {
+    if (body === 0) return [x, y, z];
+    const n = this.bodyCount - 1, k = 3 * (body - 1), p = 3 * n * frame + k, o = 4 * (n * frame + body - 1);
+    const [qx, qy, qz, qw] = this.rotation.subarray(o, o + 4), s = 2 / (qx * qx + qy * qy + qz * qz + qw * qw || 1);
+    const tx = qy * z - qz * y, ty = qz * x - qx * z, tz = qx * y - qy * x;
+    const turned = [x + s * (qw * tx + qy * tz - qz * ty), y + s * (qw * ty + qz * tx - qx * tz), z + s * (qw * tz + qx * ty - qy * tx)];
+    return turned.map((value, i) => this.low[k + i] + this.step[k + i] * this.position[p + i] + value);
+  }
+
   scalar(frame, index) { return this.scalarValues[frame * this.scalars.length + index]; }
   jointForce(frame, joint) { return this.force.norm3(3 * (frame * this.jointCount + joint)); }
   jointVector(column, frame, joint) {
@@ -173,8 +206,12 @@ export class Recording {
     return found;
   }
 
-  /** Size of the force of a contact, counted over all frames [N]. */
-  contactForce(index) { return this.contactForces.norm3(3 * index); }
+  /** The largest force of the contacts of a frame [N]; 0 if it has none. */
+  contactPeak(frame) {
+    let peak = 0;
+    for (let c = this.contactStart[frame]; c < this.contactStart[frame + 1]; ++c) peak = Math.max(peak, this.contactForces.norm3(3 * c));
+    return peak;
+  }
 
   /** Whether a joint holds at a frame: broken ones do not. */
   isAttached(frame, joint) {

@@ -64,6 +64,12 @@ export function instanceGroups(recording) {
 export const jointGeometry = (count) =>
   (count > 6000 ? new OctahedronGeometry(1, 0) : count > 2000 ? new IcosahedronGeometry(1, 0)
     : new SphereGeometry(1, 16, 12));
+/** An axis that a joint turns about, of length and radius 1 along z; one that it moves along has a head at each end. */
+export const turnGeometry = (count) => new CylinderGeometry(1, 1, 1, count > 2000 ? 6 : 14).rotateX(Math.PI / 2);
+export function moveGeometry() {
+  const outline = [[0, -0.5], [2.2, -0.3], [0.8, -0.3], [0.8, 0.3], [2.2, 0.3], [0, 0.5]];
+  return new LatheGeometry(outline.map(([r, z]) => new Vector2(r, z)), 14).rotateX(Math.PI / 2);
+}
 /** A section of a rod, rope or wire: of length and radius 1, along z. */
 export const sectionGeometry = (count) =>
   new CylinderGeometry(1, 1, 1, count > 2000 ? 5 : 10, 1, count > 2000).rotateX(Math.PI / 2);

@@ -2,8 +2,8 @@
 import {Color, DynamicDrawUsage, Group, InstancedMesh, MeshLambertMaterial, MeshStandardMaterial} from 'three';
 import {palette} from './colors.js';
 import {
-  anchorGeometry, arrowGeometries, bodySizes, damperGeometry, instanceGroups, jointGeometry, kSlimness, sectionGeometry,
-  springGeometry,
+  anchorGeometry, arrowGeometries, bodySizes, damperGeometry, instanceGroups, jointGeometry, kSlimness, moveGeometry, sectionGeometry,
+  springGeometry, turnGeometry,
 } from './geometry.js';
 
 /** Column-major matrix of rotation q (x y z w), scale (sx sy sz) and position p into out at o. */
@@ -69,6 +69,7 @@ export class Instances {
     this.makeJoints();
     this.makeSprings();
     this.point = [0, 0, 0];
+    this.tip = [0, 0, 0];
   }
 
   makeJoints() {
@@ -101,6 +102,12 @@ export class Instances {
     const sections = [...this.recording.course].flatMap(
       ([joint, points]) => points.slice(1).map((end, i) => ({joint, begin: points[i], end})));
     add(sections, sectionGeometry(sections.length));
+    const axes = (joints.axes ?? []).map(([joint, , turns, body, ...axis]) => {
+      const anchor = joints.anchor.slice(3 * joint, 3 * joint + 3);
+      return {joint, turns, axisBody: body, axis, body: joints.b[joint], p: anchor};
+    });
+    add(axes.filter(({turns}) => turns), turnGeometry(axes.length));
+    add(axes.filter(({turns}) => !turns), moveGeometry());
     const {low, high} = this.recording.box();
     this.thinnest = 0.0009 * Math.hypot(...low.map((x, i) => high[i] - x));  // else it is less than a pixel
   }
@@ -156,7 +163,7 @@ export class Instances {
     const ends = [[0, 0, 0], [0, 0, 0]];
     for (const mesh of this.jointMeshes) {
       const out = mesh.instanceMatrix.array;
-      mesh.userData.items.forEach(({joint, body, p, begin, end}, i) => {
+      mesh.userData.items.forEach(({joint, body, p, begin, end, axis, axisBody, turns}, i) => {
         const r = this.recording.isAttached(frame, joint) ? this.jointRadius[joint] : 0;
         if (begin) {
           [begin, end].forEach((point, k) => worldPoint(poses, ...point, ends[k]));
@@ -164,12 +171,20 @@ export class Instances {
           return this.placeSection(out, 16 * i, ...ends, r && Math.max(0.25 * r, Math.min(this.thinnest, 0.1 * length)));
         }
         const o = 7 * body, at = worldPoint(poses, body, p[0], p[1], p[2], this.point);
+        if (axis) return this.placeAxis(out, 16 * i, poses, at, axisBody, axis, r, turns);
         writeMatrix(out, 16 * i, at[0], at[1], at[2],
                     poses[o + 3], poses[o + 4], poses[o + 5], poses[o + 6], r, r, r);
       });
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;
     }
+  }
+
+  /** An axis through `at`, fixed to a body; r is the radius of the joint's mark, of which it stands out. */
+  placeAxis(out, o, poses, at, body, axis, r, turns) {
+    const b = 7 * body, tip = worldPoint(poses, body, ...axis, this.tip), d = [tip[0] - poses[b], tip[1] - poses[b + 1], tip[2] - poses[b + 2]];
+    const radius = (turns ? 0.38 : 0.26) * r;
+    writeMatrix(out, o, at[0], at[1], at[2], ...turnFromZ(d, Math.hypot(...d)), radius, radius, (turns ? 3.6 : 6) * r);
   }
 
   placeSprings(poses) {

@@ -16,11 +16,11 @@ function actions(player) {
     player.select({kind, id: from + step < first ? count - 1 : from + step >= count ? first : from + step});
   };
   return {
-    ' ': () => player.setPlaying(!state.playing),
+    ' ': () => player.togglePlaying(),
     ArrowLeft: (shift) => player.step(shift ? -10 : -1),
     ArrowRight: (shift) => player.step(shift ? 10 : 1),
-    Home: () => player.seek(recording.start),
-    End: () => player.seek(recording.end),
+    Home: () => player.seek(player.start),
+    End: () => player.seek(player.end),
     '+': () => cycle('speed', 1),
     '=': () => cycle('speed', 1),
     '-': () => cycle('speed', -1),
@@ -37,7 +37,16 @@ function actions(player) {
     f: () => {
       if (state.selected?.kind === 'body') player.follow(view.followed === null ? state.selected.id : null);
     },
-    Escape: () => player.select(null),
+    Escape: () => (player.isMeasuring ? player.setMeasuring(false) : player.select(null)),
+    1: () => player.look('front'),
+    2: () => player.look('side'),
+    3: () => player.look('top'),
+    4: () => player.look('isometric'),
+    l: () => player.setLoop(!state.loop),
+    m: () => player.setMeasuring(!player.isMeasuring),
+    p: () => {
+      if (state.selected?.kind === 'body' && state.selected.id > 0) player.trace([state.selected.id, 0, 0, 0]);
+    },
     j: () => player.toggle('joints'),
     x: () => player.toggle('contacts'),
     g: () => player.toggle('curves'),

@@ -56,7 +56,7 @@ export const nameOf = (recording, {kind, id}) => (kind === 'spring' ? recording.
   : (kind === 'body' ? recording.bodies : recording.joints).name[id]);
 
 export class Inspector {
-  /** @param actions {select, follow} */
+  /** @param actions {select, follow, trace} */
   constructor(element, recording, actions) {
     Object.assign(this, {element, recording, actions});
   }
@@ -88,6 +88,13 @@ export class Inspector {
       follow.setAttribute('aria-pressed', followed === id);
       follow.title = 'Keep it where it is in the view (F)';
       follow.onclick = () => this.actions.follow(followed === id ? null : id);
+      const trace = (text, title, point) => {
+        const button = make('button', text, row);
+        button.title = title;
+        button.onclick = () => this.actions.trace(point);
+      };
+      trace('Trace centre', 'Draw where its centre of mass has been (P)', [id, 0, 0, 0]);
+      if (selected.at) trace('Trace point', 'Draw where the point that was clicked has been', selected.at);
     }
     const links = make('div');
     links.className = 'links';
@@ -107,12 +114,14 @@ export class Inspector {
     return own.width > 0.9 * all.width ? {right: 0, bottom: all.bottom - own.top} : {right: all.right - own.left, bottom: 0};
   }
 
-  show(frame, poses) {
+  /** @param other the same thing in a second recording, whose numbers come behind a bar: {recording, selected, frame, poses} or null */
+  show(frame, poses, other) {
     if (!this.selected) return;
+    const others = new Map(other ? numbers(other.recording, other.selected, other.frame, other.poses, this.used) : []);
     const cells = numbers(this.recording, this.selected, frame, poses, this.used).flatMap(([name, text]) => {
       const dt = document.createElement('dt'), dd = document.createElement('dd');
       dt.textContent = name;
-      dd.textContent = text;
+      dd.textContent = other ? `${text} | ${others.get(name) ?? '–'}` : text;
       return [dt, dd];
     });
     this.list.replaceChildren(...cells);

@@ -30,6 +30,12 @@ export function roundStep(least) {
   return power * (part > 5 ? 10 : part > 2 ? 5 : part > 1 ? 2 : 1);
 }
 
+/** The largest number up to `most` that is 1, 2 or 5 times a power of ten. */
+export function roundBelow(most) {
+  const power = 10 ** Math.floor(Math.log10(most)), part = most / power;
+  return power * (part >= 5 ? 5 : part >= 2 ? 2 : 1);
+}
+
 /** Round numbers from low to high, about count of them. */
 export function ticks(low, high, count) {
   const step = roundStep((high - low) / count), found = [];
@@ -53,9 +59,9 @@ export function outline(values, stride) {
 }
 
 export class Plot {
-  /** @param series [{name, values: Float64Array}]  @param seek called with a time */
-  constructor(parent, {title, unit, logarithmic = false, digits = 4}, times, seek) {
-    Object.assign(this, {times, unit, logarithmic, digits, seek, series: []});
+  /** @param span of the axis of time [s]  @param series [{name, values: Float64Array; where it has its own: unit, times, color; dashed}]  @param seek called with a time */
+  constructor(parent, {title, unit, logarithmic = false, digits = 4}, times, span, seek) {
+    Object.assign(this, {times, span, unit, logarithmic, digits, seek, series: []});
     this.element = document.createElement('figure');
     this.element.className = 'plot';
     this.caption = document.createElement('figcaption');
@@ -68,7 +74,7 @@ export class Plot {
       if (event.buttons !== 1) return;
       const {left, width} = this.canvas.getBoundingClientRect(), [x0, x1] = this.range(width);
       const part = Math.min(Math.max((event.clientX - left - x0) / (x1 - x0), 0), 1);
-      this.seek(times[0] + part * (times[times.length - 1] - times[0]));
+      this.seek(this.span[0] + part * (this.span[1] - this.span[0]));
     };
     this.canvas.addEventListener('pointerdown', (event) => {
       this.canvas.setPointerCapture(event.pointerId);
@@ -78,7 +84,7 @@ export class Plot {
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
 
-  range(width) { return [48, width - 8]; }
+  range(width) { return [58, width - 8]; }
 
   setTitle(title) {
     this.title = title;
@@ -139,7 +145,7 @@ export class Plot {
   }
 
   place(width, height) {
-    const [x0, x1] = this.range(width), t0 = this.times[0], t1 = this.times[this.times.length - 1];
+    const [x0, x1] = this.range(width), [t0, t1] = this.span;
     return {
       x: (t) => x0 + (t1 > t0 ? (t - t0) / (t1 - t0) : 0) * (x1 - x0),
       // What is far below the decades that are shown runs along the bottom.
@@ -161,22 +167,23 @@ export class Plot {
       context.moveTo(x0, at);
       context.lineTo(x1, at);
       context.stroke();
-      context.fillText(this.logarithmic ? `1e${tick}` : format(tick), x0 - 5, at + 3);
+      context.fillText(`${this.logarithmic ? `1e${tick}` : format(tick)} ${this.unitOf(this.series.length === 1 ? this.series[0] : {})}`.trim(), x0 - 5, at + 3);
     }
     context.textAlign = 'center';
-    const t0 = this.times[0], t1 = this.times[this.times.length - 1];
+    const [t0, t1] = this.span;
     if (t1 > t0)
       for (const tick of ticks(t0, t1, Math.max(2, Math.round(width / 80))))
         context.fillText(`${format(tick)} s`, Math.min(Math.max(x(tick), x0 + 6), x1 - 10), height - 4);
     context.lineWidth = 1.6;
     context.lineJoin = 'round';
-    this.series.forEach(({values}, s) => {
-      context.strokeStyle = colors[s % colors.length];
+    this.series.forEach(({values, times = this.times, dashed, color}, s) => {
+      context.strokeStyle = colors[(color ?? s) % colors.length];
+      context.setLineDash(dashed ? [4, 4] : []);
       context.beginPath();
       let down = false;
       for (const f of outline(values, Math.ceil(values.length / width))) {
         const at = y(values[f]);
-        if (Number.isFinite(at)) down ? context.lineTo(x(this.times[f]), at) : context.moveTo(x(this.times[f]), at);
+        if (Number.isFinite(at)) down ? context.lineTo(x(times[f]), at) : context.moveTo(x(times[f]), at);
         down = Number.isFinite(at);
       }
       context.stroke();
@@ -192,15 +199,26 @@ export class Plot {
     context.moveTo(x(this.t), 4);
     context.lineTo(x(this.t), height - 18);
     context.stroke();
-    this.series.forEach(({values}, s) => {
-      const at = y(values[this.frame]);
+    this.series.forEach((series, s) => {
+      const frame = this.frameOf(series), at = y(series.values[frame]);
       if (!Number.isFinite(at)) return;
-      context.fillStyle = colors[s % colors.length];
+      context.fillStyle = colors[(series.color ?? s) % colors.length];
       context.beginPath();
-      context.arc(x(this.times[this.frame]), at, 3, 0, 7);
+      context.arc(x((series.times ?? this.times)[frame]), at, 3, 0, 7);
       context.fill();
     });
     context.restore();
+  }
+
+  /** The frame of a curve that is nearest to the present instant. */
+  frameOf({times}) {
+    if (!times) return Math.min(this.frame, this.times.length - 1);  // of a run that goes on, curves come a little later
+    let low = 0, high = times.length - 1;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (times[middle] < this.t) low = middle + 1; else high = middle;
+    }
+    return low > 0 && this.t - times[low - 1] <= times[low] - this.t ? low - 1 : low;
   }
 
   /** A number of a curve; what hardly differs from 0 in the picture with one digit. */
@@ -211,12 +229,15 @@ export class Plot {
 
   writeCaption(colors) {
     const title = document.createElement('strong');
-    title.textContent = this.unit ? `${this.title} [${this.prefix}${this.unit}]` : this.title;
-    this.caption.replaceChildren(title, ...this.series.map(({name, values}, s) => {
+    title.textContent = this.title;
+    this.caption.replaceChildren(title, ...this.series.map((series, s) => {
       const item = document.createElement('span');
-      item.style.setProperty('--line', colors[s % colors.length]);
-      item.textContent = `${name} ${this.frame === undefined ? '' : this.short(values[this.frame])}`;
+      item.style.setProperty('--line', colors[(series.color ?? s) % colors.length]);
+      item.textContent = this.frame === undefined ? series.name : `${series.dashed ? '┄ ' : ''}${series.name} ${this.short(series.values[this.frameOf(series)])} ${this.unitOf(series)}`.trim();
       return item;
     }));
   }
+
+  /** The unit that numbers of a curve are written with, "" if it has none; for the axis, that of all. */
+  unitOf({unit = this.unit}) { return unit ? this.prefix + unit : ''; }
 }

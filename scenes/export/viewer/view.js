@@ -45,7 +45,8 @@ export class View {
     this.addLights();
     this.addFloor();
     this.home();
-    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    this.sizes = new ResizeObserver(() => this.resize());
+    this.sizes.observe(canvas);
     this.resize();
   }
 
@@ -129,9 +130,25 @@ export class View {
     across[thin] = thin === 'y' ? -1 : 1;
     along[long] = 1;
     const isLine = size[long] > 6 * size[thin], isNarrow = this.camera.aspect < 0.9;
-    const direction = across.multiplyScalar(0.82).addScaledVector(along, isLine ? (isNarrow ? 1.8 : 0.25) : 0.45)
-      .addScaledVector(this.up, isLine && isNarrow ? 0.7 : 0.34).normalize();
-    const {target, distance} = this.fit(direction);
+    this.lookFrom(across.multiplyScalar(0.82).addScaledVector(along, isLine ? (isNarrow ? 1.8 : 0.25) : 0.45)
+      .addScaledVector(this.up, isLine && isNarrow ? 0.7 : 0.34));
+    this.isMoved = false;
+  }
+
+  /** Looks at everything from the front (along y, or along −z where y is up), the side, the top or a corner. */
+  preset(name) {
+    const front = Math.abs(this.up.y) > 0.7 ? new Vector3(0, 0, 1) : new Vector3(0, -1, 0);
+    front.addScaledVector(this.up, -front.dot(this.up)).normalize();
+    const side = this.up.clone().cross(front);
+    if (side.dot(new Vector3(1, 1, 1)) < 0) side.negate();  // from the positive end of its axis
+    const direction = {front, side, top: this.up.clone().addScaledVector(front, 1e-3),  // whose picture has its top at the back
+                       isometric: front.clone().add(side).add(this.up)}[name];
+    this.lookFrom(direction);
+    this.isMoved = true;
+  }
+
+  lookFrom(towards) {
+    const direction = towards.clone().normalize(), {target, distance} = this.fit(direction);
     this.camera.position.copy(target).addScaledVector(direction, distance);
     this.controls.target.copy(target);
     this.camera.near = this.extent / 500;
@@ -140,7 +157,6 @@ export class View {
     this.applyTheme(this.theme ?? 'light');
     this.camera.updateProjectionMatrix();
     this.controls.update();
-    this.isMoved = false;
   }
 
   /**
@@ -149,13 +165,15 @@ export class View {
    * for the point that is worst, wherever the camera is; the camera goes as far forward as they let it.
    */
   fit(direction) {
+    if (this.partner && !this.isFitting) return this.fitBoth(direction);
     const forward = direction.clone().negate(), right = forward.clone().cross(this.up).normalize();
     const top = right.clone().cross(forward), t = Math.tan(this.camera.fov * Math.PI / 360);
     // The head line and the legend, on a phone above each other, take a part of the height, and so may others [px].
-    const {clientWidth, clientHeight} = this.canvas, isPhone = clientWidth <= 760, covered = this.covered?.() ?? {right: 0, bottom: 0};
+    const {clientWidth, clientHeight} = this.canvas, covered = this.covered?.() ?? {top: 62, right: 0, bottom: 0};
     const rest = (taken, size) => t * Math.max(1 - 2 * taken / Math.max(size, 1), 0.05);
-    const b = rest(Math.max(covered.bottom, isPhone ? 20 : 36), clientHeight), c = rest(isPhone ? 140 : 62, clientHeight);
-    const w = 0.92 * t * this.camera.aspect, e = Math.min(w, this.camera.aspect * rest(covered.right, clientWidth));
+    const b = rest(Math.max(covered.bottom, 36), clientHeight), c = rest(covered.top, clientHeight);
+    const widest = 0.92 * t * this.camera.aspect, beside = (taken) => Math.min(widest, this.camera.aspect * rest(taken, clientWidth));
+    const w = beside(covered.left ?? 0), e = beside(covered.right);
     const points = this.points.map((point, i) => [point.dot(right), point.dot(top), point.dot(forward), this.margins[i]]);
     const most = (of) => points.reduce((sum, point) => Math.max(sum, of(point)), -Infinity);
     const east = most(([r, , f, m]) => r - e * f + m), west = most(([r, , f, m]) => -r - w * f + m);
@@ -179,6 +197,22 @@ export class View {
     return {target, distance};
   }
 
+  /** From where both pictures see all they have. */
+  fitBoth(direction) {
+    const {points, margins, partner} = this;
+    Object.assign(this, {points: [...points, ...partner.points], margins: [...margins, ...partner.margins], isFitting: true});
+    const found = this.fit(direction);
+    Object.assign(this, {points, margins, isFitting: false});
+    return found;
+  }
+
+  dispose() {
+    this.sizes.disconnect();
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+  }
+
   applyTheme(name) {
     this.theme = name;
     const theme = kThemes[name], color = (hex) => new Color(hex);
@@ -194,7 +228,7 @@ export class View {
   }
 
   resize() {
-    const {clientWidth: width, clientHeight: height} = this.canvas.parentElement;
+    const {clientWidth: width, clientHeight: height} = this.canvas;
     if (!width || !height || (width === this.width && height === this.height)) return;
     const isTurned = width !== this.width;  // or opened; curves that come and go change the height alone
     Object.assign(this, {width, height});
@@ -241,6 +275,25 @@ export class View {
     return middles.reduce((a, b) => (b.length > a.length ? b : a)).at;
   }
 
+  /** The point of a body [body, x, y, z], in its axes, that a pick has met; of a joint its place, of a wire or spring an end. */
+  pointOf({kind, id, point}) {
+    const r = this.recording;
+    if (kind === 'joint' && !r.course.has(id)) return [r.joints.b[id], ...r.joints.anchor.slice(3 * id, 3 * id + 3)];
+    if (kind !== 'body') {
+      const ends = kind === 'spring' ? r.springs[id].course : r.course.get(id);
+      const far = (end) => point.distanceTo(new Vector3(...worldPoint(this.poses, ...end)));
+      return ends.reduce((best, end) => (far(end) < far(best) ? end : best));
+    }
+    const turn = new Quaternion().fromArray(this.poses, 7 * id + 3).invert();
+    return [id, ...point.clone().sub(this.bodyPosition(id)).applyQuaternion(turn)];
+  }
+
+  /** How many pixels a metre has where the camera turns about. */
+  get pixelsPerMetre() {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    return this.canvas.clientHeight / (2 * distance * Math.tan(this.camera.fov * Math.PI / 360));
+  }
+
   /** Keeps a body where it is in the picture. */
   follow(body) {
     this.followed = body;
@@ -265,7 +318,15 @@ export class View {
     return {x: (v.x + 1) / 2 * clientWidth, y: (1 - v.y) / 2 * clientHeight, visible: v.z < 1};
   }
 
-  /** What is drawn at a place on the canvas [px], or else at most `tolerance` beside it: {kind, id} or null. */
+  /** Where the line of sight through a place on the canvas [px] meets the plane through a world point that faces the camera. */
+  placeAt(x, y, through) {
+    const ray = new Raycaster(), {clientWidth, clientHeight} = this.canvas, facing = this.camera.getWorldDirection(new Vector3());
+    ray.setFromCamera(new Vector2(2 * x / clientWidth - 1, 1 - 2 * y / clientHeight), this.camera);
+    const {origin, direction} = ray.ray, away = facing.dot(new Vector3(...through).sub(origin)) / facing.dot(direction);
+    return origin.clone().addScaledVector(direction, away).toArray();
+  }
+
+  /** What is drawn at a place on the canvas [px], or else at most `tolerance` beside it: {kind, id, point} or null. */
   pick(x, y, tolerance = 0) {
     const around = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [Math.cos(i * Math.PI / 4), Math.sin(i * Math.PI / 4)]);
     for (const [dx, dy] of [[0, 0], ...(tolerance ? around : [])]) {
@@ -280,7 +341,7 @@ export class View {
     ray.setFromCamera(new Vector2(2 * x / clientWidth - 1, 1 - 2 * y / clientHeight), this.camera);
     const hits = ray.intersectObjects(this.instances.root.children.filter((mesh) => mesh.visible), false);
     if (!hits.length) return null;
-    const item = ({object, instanceId}) => ({kind: object.userData.kind, id: object.userData.ids[instanceId]});
+    const item = ({object, instanceId, point}) => ({kind: object.userData.kind, id: object.userData.ids[instanceId], point});
     // Joints sit inside the ends of their bodies: one just under the surface is meant.
     const joint = hits.find((hit) => {
       const {kind, id} = item(hit);

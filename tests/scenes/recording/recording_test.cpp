@@ -6,6 +6,7 @@
 
 #include "core/joints/joints.h"
 #include "scenes/files/scene_file.h"
+#include "scenes/recording/film.h"
 #include "scenes/recording/frame_sampler.h"
 #include "scenes/recording/recording_chunk.h"
 #include "tests/run_program.h"
@@ -317,6 +318,51 @@ TEST(FrameSampler, TakesWrenchesGapsAndProbesFromTheSimulator) {
 }
 
 // Tensions are those of Hooke's and the damper's law, and other forces are no springs.
+TEST(FrameSampler, AxesOfJointsAreWhereTheyWereMadeAndSurviveTheFile) {
+  Scene scene;
+  World& world = scene.world;
+  // Both bodies are turned, so that body axes are not world axes.
+  const Quat turned = exp_so3(Vec3(0.3, -0.7, 0.2));
+  const BodyId a =
+      world.add_body({.name = "a", .mass = MassProperties::sphere(0.1, 1.0), .pose = {turned, {0, 0, 1}}});
+  const BodyId b = world.add_body(
+      {.name = "b", .mass = MassProperties::sphere(0.1, 1.0), .pose = {turned.conjugate(), {1, 0, 1}}});
+  const Vec3 across = Vec3(1, 2, -1).normalized(), along = Vec3(-2, 1, 0).normalized();  // perpendicular
+  world.add("hinge", Hinge::at(world, kGround, a, {0, 0, 1}, across));
+  world.add("slider", Slider::at(world, a, b, {1, 0, 1}, along));
+  world.add("cylindrical", Cylindrical::at(world, kGround, b, {1, 0, 1}, along));
+  world.add("cross", Universal::at(world, a, b, {0.5, 0, 1}, across, along));
+  world.add("ball", Ball::at(world, a, b, {0.5, 0, 1}));
+  const std::string file = temporary("axes.taut");
+  Film film(scene, file);
+  film.finish();
+  const RecordingHeader header = RecordingReader(file).header();
+  struct Expected {
+    const char* joint;
+    const char* axis;
+    bool angular;
+    Vec3 direction;
+  };
+  std::vector<Expected> found;
+  for (const RecordedJoint& joint : header.joints)
+    for (const RecordedAxis& axis : joint.axes)
+      found.push_back(
+          {joint.name.c_str(), axis.name.c_str(), axis.angular, world.pose(axis.body).q * axis.axis_B});
+  const std::vector<Expected> expected = {
+      {"hinge", "angle", true, across},      {"slider", "displacement", false, along},
+      {"cylindrical", "angle", true, along}, {"cylindrical", "displacement", false, along},
+      {"cross", "angle_1", true, across},    {"cross", "angle_2", true, along}};
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_STREQ(found[i].joint, expected[i].joint);
+    EXPECT_STREQ(found[i].axis, expected[i].axis);
+    EXPECT_EQ(found[i].angular, expected[i].angular);
+    // The second axis of a universal joint is counted against its direction, since it is seen from B.
+    EXPECT_LT(found[i].direction.cross(expected[i].direction).norm(), 1e-15) << found[i].joint;  // round-off
+    EXPECT_NEAR(found[i].direction.norm(), 1, 1e-15);
+  }
+}
+
 TEST(FrameSampler, TakesTheTensionOfSprings) {
   Scene scene;
   World& world = scene.world;

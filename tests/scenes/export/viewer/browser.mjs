@@ -23,7 +23,7 @@ export const launch = () => chromium.launch({
          '--disable-dev-shm-usage'],
 });
 
-/** Opens a page and waits until it shows.  Whatever it complains about or asks of a network is in `complaints`. */
+/** Opens a page, a file or what a server has at a URL, and waits until it shows.  Whatever it complains about or asks of a network is in `complaints`. */
 export async function open(browser, file, options = {}) {
   const context = await browser.newContext({viewport: {width: 1000, height: 700}, colorScheme: 'light', ...options});
   const page = await context.newPage();
@@ -35,9 +35,9 @@ export async function open(browser, file, options = {}) {
   });
   page.on('pageerror', (error) => complaints.push(String(error.stack)));
   page.on('request', (request) => {
-    if (!/^(file|blob|data):/.test(request.url())) complaints.push(`asks for ${request.url()}`);
+    if (!/^(file|blob|data):/.test(request.url()) && request.url() !== file) complaints.push(`asks for ${request.url()}`);
   });
-  await page.goto(`file://${file}`);
+  await page.goto(file.startsWith('http') ? file : `file://${file}`);
   await page.waitForFunction(() => document.documentElement.dataset.state !== 'loading', null, {timeout: 90000});
   await settle(page);
   return {page, complaints};
