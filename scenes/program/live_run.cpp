@@ -76,10 +76,8 @@ const char* unit_of(const AxisMotor& motor, const AxisInfo& info) {
 
 LiveServer::Options live_server_options(const LiveOptions& options) {
   LiveServer::Options server;
-  if (options.address) {
-    server.address = *options.address == "localhost" ? "127.0.0.1" : *options.address;
-    (void)is_loopback(server.address);
-  }
+  if (options.address && *options.address != "localhost") server.address = *options.address;
+  (void)is_loopback(server.address);  // throws for what is none, and in builds without the server
   const std::string port = options.port.value_or("0");
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), server.port);
   if (error != std::errc() || end != port.data() + port.size() || server.port < 0 || server.port > 65535)

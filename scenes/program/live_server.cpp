@@ -1,5 +1,8 @@
 #include "scenes/program/live_server.h"
 
+#include "core/base/check.h"
+
+#ifdef TAUT_LIVE
 #include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -16,10 +19,12 @@
 #include <set>
 #include <thread>
 
-#include "core/base/check.h"
 #include "scenes/support/format.h"
+#endif
 
 namespace taut {
+
+#ifdef TAUT_LIVE
 namespace {
 
 namespace beast = boost::beast;
@@ -359,5 +364,33 @@ void LiveServer::send_text(int browser, std::string text) {
 }
 
 bool is_loopback(const std::string& address) { return parsed_address(address).is_loopback(); }
+
+bool serves_live() { return true; }
+
+#else
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& address) {
+  fail("--live", "this build has no server; on Debian: apt-get install libboost-dev, then build again",
+       address);
+}
+
+}  // namespace
+
+class LiveServer::Impl {};
+LiveServer::LiveServer(const Options& options, std::string) { refuse(options.address); }
+LiveServer::~LiveServer() = default;
+std::string LiveServer::url() const { return ""; }
+std::vector<LiveServer::Message> LiveServer::take() { return {}; }
+void LiveServer::wait(double) {}
+int LiveServer::browser_count() const { return 0; }
+int LiveServer::browsers_seen() const { return 0; }
+void LiveServer::send_frame(std::string) {}
+void LiveServer::send_text(int, std::string) {}
+bool is_loopback(const std::string& address) { refuse(address); }
+bool serves_live() { return false; }
+
+#endif
 
 }  // namespace taut

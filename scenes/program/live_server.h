@@ -51,6 +51,9 @@ class LiveServer {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Whether this build has the server: Boost.Beast was found.  Without it, what is above throws.
+bool serves_live();
+
 /// Whether an address can be reached from this machine alone.
 /// @throws std::invalid_argument if it is no IPv4 or IPv6 address.
 bool is_loopback(const std::string& address);

@@ -42,6 +42,7 @@ class TautRecipe(ConanFile):
             self.requires(library)
         if self.options.program:
             self.requires("cli11/2.4.2")
+            self.requires("boost/[>=1.74 <2]", options={"header_only": True})
 
     def validate(self):
         check_min_cppstd(self, 20)
