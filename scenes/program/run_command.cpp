@@ -274,6 +274,11 @@ void warn_of_open_joints(RunRecord& record, Integrator integrator) {
       record.max_gap.metres, record.max_gap.radians));
 }
 
+/// It goes on until it is stopped.
+bool is_endless(const RunOptions& options) {
+  return options.live.wanted() && !options.steps && !options.time;
+}
+
 /// There is something that is written while the run goes on, so that it cannot go back.
 bool writes_while_running(const RunOptions& options) {
   return options.exports.any() || !(options.csv_file + options.poses_file + options.save_file +
@@ -294,7 +299,7 @@ std::int64_t step_count(const RunOptions& options, const Scene& scene) {
   if (options.steps && *options.steps <= 0) fail("--steps", "must be positive", *options.steps);
   if (options.steps && *options.steps > kMostSteps) fail("--steps", "must be at most 1e12", *options.steps);
   if (options.steps) return *options.steps;
-  if (options.live.wanted() && !options.time) return kMostSteps;  // until it is stopped
+  if (is_endless(options)) return kMostSteps;
   const double time = options.time.value_or(scene.duration);
   const double steps = std::round(time / scene.dt);
   if (steps < 1) fail(options.time ? "--time" : "duration", "is shorter than half a step", time);
@@ -358,7 +363,7 @@ int run_command(const RunOptions& options) {
     if (record.status == "success") record.status = "error", record.message = error.what();
   }
   if (live) live->finish(record.status, record.message);
-  if (live && record.steps_asked == kMostSteps) record.steps_asked = record.steps;  // no number was asked for
+  if (is_endless(options)) record.steps_asked = record.steps;  // no number was asked for
   record.wall_time = seconds_since(start);
   if (record.steps == 0) record.max_gap = meter.largest(scene.world);  // what it could not start from
 

@@ -127,11 +127,6 @@ export class LivePlayer extends Player {
     if (document.activeElement !== $('speed')) this.showSpeed(live.speed);
     live.targets.forEach((target, i) => this.showMotor(i, target));
   }
-  showSpeed(speed) {
-    const box = $('speed');
-    if (![...box.options].some(({value}) => Number(value) === speed)) box.add(new Option(`${speed}×`, speed));
-    box.value = [...box.options].find(({value}) => Number(value) === speed).value;
-  }
 
   showCurves(now) {
     this.curvesAt = now;

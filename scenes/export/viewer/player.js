@@ -56,14 +56,18 @@ export class Player {
     if (['front', 'side', 'top', 'isometric'].includes(view)) this.look(view);
     if (t !== undefined) this.seek(t);
     if (speed > 0) {
-      const box = $('speed');
-      if (![...box.options].some(({value}) => Number(value) === speed)) box.add(new Option(`${speed}×`, speed));
-      box.value = speed;
+      this.showSpeed(speed);
       this.state.speed = speed;
     }
     if (loop) this.setLoop(true);
     $('autoplay').setAttribute('aria-pressed', autoplay);
     if (autoplay) this.setPlaying(true);
+  }
+
+  showSpeed(speed) {
+    const box = $('speed');
+    if (![...box.options].some(({value}) => Number(value) === speed)) box.add(new Option(`${speed}×`, speed));
+    box.value = [...box.options].find(({value}) => Number(value) === speed).value;
   }
 
   get start() { return Math.min(...this.pictures.map(({recording}) => recording.start)); }

@@ -317,7 +317,6 @@ TEST(FrameSampler, TakesWrenchesGapsAndProbesFromTheSimulator) {
   EXPECT_EQ(frame.contacts[0].force.z(), 7);
 }
 
-// Tensions are those of Hooke's and the damper's law, and other forces are no springs.
 TEST(FrameSampler, AxesOfJointsAreWhereTheyWereMadeAndSurviveTheFile) {
   Scene scene;
   World& world = scene.world;
@@ -363,6 +362,7 @@ TEST(FrameSampler, AxesOfJointsAreWhereTheyWereMadeAndSurviveTheFile) {
   }
 }
 
+// Tensions are those of Hooke's and the damper's law, and other forces are no springs.
 TEST(FrameSampler, TakesTheTensionOfSprings) {
   Scene scene;
   World& world = scene.world;
