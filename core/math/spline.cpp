@@ -1,11 +1,11 @@
 #include "core/math/spline.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "core/base/check.h"
+#include "core/math/dense.h"
 
 namespace taut {
 namespace {
@@ -37,7 +37,7 @@ Eigen::MatrixXd second_derivatives(const std::vector<double>& t, const Eigen::Ma
     A(n - 1, n - 1) = 1;
     A(n - 1, 0) = -1;
   }
-  return A.partialPivLu().solve(right);
+  return dense::solve(A, right);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/check.h"
+#include "core/math/dense.h"
 #include "core/state/same_state.h"
 
 namespace taut {
@@ -415,7 +416,7 @@ Pose MergedWorld::nearest_pose(const MergedGroup& group, const World& source) co
              turned_inertia(own, X_WB.q) * log_so3(X_WB.q * (X.q * X_CB.q).conjugate());
     }
     const Mat3 R = X.q.toRotationMatrix();
-    const Vec3 turn = R * all.inertia_B().ldlt().solve(R.transpose() * off);
+    const Vec3 turn = R * dense::solve_symmetric3(all.inertia_B(), R.transpose() * off);
     X.q = (exp_so3(turn) * X.q).normalized();
     if (!(turn.norm() > 1e-15)) break;
   }
@@ -435,7 +436,7 @@ Twist MergedWorld::common_twist(const MergedGroup& group, const World& source) c
     angular += (X_WB.p - X.p).cross(own.mass() * V.v) + turned_inertia(own, X_WB.q) * V.w;
   }
   const Mat3 R = X.q.toRotationMatrix();
-  return {R * all.inertia_B().ldlt().solve(R.transpose() * angular), linear / all.mass()};
+  return {R * dense::solve_symmetric3(all.inertia_B(), R.transpose() * angular), linear / all.mass()};
 }
 
 bool MergedWorld::is_within_carrier(const LineSpring& spring) const {

@@ -1,9 +1,9 @@
 #include "core/world/rigid_body.h"
 
-#include <Eigen/Eigenvalues>
 #include <numbers>
 
 #include "core/base/check.h"
+#include "core/math/dense.h"
 
 namespace taut {
 namespace {
@@ -47,10 +47,10 @@ MassProperties::MassProperties(double mass, const Mat3& inertia_B)
   if (inertia_B_.isDiagonal(0)) {
     moments_ = inertia_B_.diagonal();
   } else {
-    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(inertia_B_);
-    Mat3 R_BP = eigen.eigenvectors();
+    const dense::Eigenpairs3 eigen = dense::symmetric_eigenpairs3(inertia_B_);
+    Mat3 R_BP = eigen.vectors;
     if (R_BP.determinant() < 0) R_BP.col(2) = -R_BP.col(2);
-    moments_ = eigen.eigenvalues();
+    moments_ = eigen.values;
     q_BP_ = Quat(R_BP).normalized();
     body_axes_are_principal_ = false;
   }

@@ -1,23 +1,20 @@
 #include "scenes/accuracy/small_oscillations.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <cmath>
 
 #include "core/base/check.h"
 #include "core/constraints/rows.h"
+#include "core/math/dense.h"
 
 namespace taut {
 namespace {
 
-using Matrix = Eigen::MatrixXd;
-using Vector = Eigen::VectorXd;
-
 /// Dense J with six columns per moving body; `column[body]` is −1 for the others.
-Matrix dense_jacobian(const Rows& rows, const State& state, const std::vector<int>& column, int columns) {
+dense::Matrix dense_jacobian(const Rows& rows, const State& state, const std::vector<int>& column,
+                             int columns) {
   std::vector<double> values(rows.jacobian_size());
   rows.jacobian(state.poses, values);
-  Matrix J = Matrix::Zero(rows.row_count(), columns);
+  dense::Matrix J = dense::Matrix::Zero(rows.row_count(), columns);
   for (const Rows::Side& side : rows.sides())
     if (column[side.body] >= 0)
       J.block(side.first_row, column[side.body], side.row_count, 6) =
@@ -26,10 +23,11 @@ Matrix dense_jacobian(const Rows& rows, const State& state, const std::vector<in
   return J;
 }
 
-Vector dense_forces(const World& world, const State& state, const std::vector<int>& column, int columns) {
+dense::Vector dense_forces(const World& world, const State& state, const std::vector<int>& column,
+                           int columns) {
   std::vector<Wrench> wrenches(world.body_count());
   world.forces(state, wrenches);
-  Vector f(columns);
+  dense::Vector f(columns);
   for (int b = 0; b < world.body_count(); ++b)
     if (column[b] >= 0) f.segment<6>(column[b]) << wrenches[b].torque, wrenches[b].force;
   return f;
@@ -46,8 +44,8 @@ State moved(const State& state, int body, int coordinate, double by) {
   return out;
 }
 
-Matrix dense_mass(const World& world, const std::vector<int>& column, int columns) {
-  Matrix M = Matrix::Zero(columns, columns);
+dense::Matrix dense_mass(const World& world, const std::vector<int>& column, int columns) {
+  dense::Matrix M = dense::Matrix::Zero(columns, columns);
   for (int b = 0; b < world.body_count(); ++b) {
     if (column[b] < 0) continue;
     const MassProperties& mass = world.mass_properties(BodyId{b});
@@ -58,7 +56,7 @@ Matrix dense_mass(const World& world, const std::vector<int>& column, int column
   return M;
 }
 
-Mode mode_of(double omega, const Vector& x, const Vector& Mx, const std::vector<int>& column) {
+Mode mode_of(double omega, const dense::Vector& x, const dense::Vector& Mx, const std::vector<int>& column) {
   Mode mode;
   mode.omega = omega;
   for (int c : column) {
@@ -81,37 +79,36 @@ std::vector<Mode> natural_modes(const World& world) {
     }
   const int n = 6 * static_cast<int>(body_of.size());
 
-  const Matrix J = dense_jacobian(rows, state, column, n);
-  const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeThinU | Eigen::ComputeFullV);
-  const Eigen::Index rank = (svd.singularValues().array() > 1e-9 * svd.singularValues()[0]).count();
-  const Matrix Z = svd.matrixV().rightCols(n - rank);
-  const Vector f = dense_forces(world, state, column, n);
-  const Vector lambda =
-      svd.matrixU().leftCols(rank) * (svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
-                                      (svd.matrixV().leftCols(rank).transpose() * -f));
+  const dense::Matrix J = dense_jacobian(rows, state, column, n);
+  const dense::SingularValues svd = dense::singular_values(J);
+  const Eigen::Index rank = (svd.values.array() > 1e-9 * svd.values[0]).count();
+  const dense::Matrix Z = svd.V.rightCols(n - rank);
+  const dense::Vector f = dense_forces(world, state, column, n);
+  const dense::Vector lambda = svd.U.leftCols(rank) * (svd.values.head(rank).cwiseInverse().asDiagonal() *
+                                                       (svd.V.leftCols(rank).transpose() * -f));
   const double imbalance = (f + J.transpose() * lambda).norm();
   if (imbalance > 1e-8 * f.norm()) fail("modes", "the world is not in equilibrium", imbalance);
 
-  Matrix K(n, n);
+  dense::Matrix K(n, n);
   constexpr double kStep = 1e-5;  // truncation and round-off of the central difference are both near 1e-10
   for (int c = 0; c < n; ++c) {
     const auto load = [&](double by) {
       const State at = moved(state, body_of[c / 6], c % 6, by);
-      return Vector(dense_forces(world, at, column, n) +
-                    dense_jacobian(rows, at, column, n).transpose() * lambda);
+      return dense::Vector(dense_forces(world, at, column, n) +
+                           dense_jacobian(rows, at, column, n).transpose() * lambda);
     };
     K.col(c) = (load(-kStep) - load(kStep)) / (2 * kStep);
   }
 
-  const Matrix M = dense_mass(world, column, n);
-  const Matrix Kz = Z.transpose() * K * Z;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> eigen(0.5 * (Kz + Kz.transpose()),
-                                                               Z.transpose() * M * Z);
+  const dense::Matrix M = dense_mass(world, column, n);
+  const dense::Matrix Kz = Z.transpose() * K * Z;
+  const dense::Eigenpairs eigen =
+      dense::generalized_eigenpairs(0.5 * (Kz + Kz.transpose()), Z.transpose() * M * Z);
   std::vector<Mode> modes;
-  for (Eigen::Index i = 0; i < eigen.eigenvalues().size(); ++i) {
-    const double square = eigen.eigenvalues()[i];
-    if (square < 1e-6 * eigen.eigenvalues().maxCoeff()) continue;  // spins that nothing restores
-    const Vector x = Z * eigen.eigenvectors().col(i);
+  for (Eigen::Index i = 0; i < eigen.values.size(); ++i) {
+    const double square = eigen.values[i];
+    if (square < 1e-6 * eigen.values.maxCoeff()) continue;  // spins that nothing restores
+    const dense::Vector x = Z * eigen.vectors.col(i);
     modes.push_back(mode_of(std::sqrt(square), x, M * x, column));
   }
   return modes;

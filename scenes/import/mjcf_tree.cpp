@@ -1,9 +1,9 @@
 #include "scenes/import/mjcf_tree.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/dense.h"
 #include "scenes/import/link_inertia.h"
 #include "scenes/import/mjcf_relations.h"
 
@@ -17,11 +17,10 @@ constexpr int kMostElements = 200'000;
 LinkInertia bounded(LinkInertia inertia, const MjcfCompiler& compiler) {
   inertia.mass = std::max(inertia.mass, compiler.bound_mass);
   if (!compiler.balance_inertia && compiler.bound_inertia <= 0) return inertia;
-  const Eigen::SelfAdjointEigenSolver<Mat3> principal(inertia.inertia);
-  Vec3 moments = principal.eigenvalues();
+  auto [moments, axes] = dense::symmetric_eigenpairs3(inertia.inertia);
   if (compiler.bound_inertia > 0) moments = moments.cwiseMax(compiler.bound_inertia);
   if (compiler.balance_inertia && moments[0] + moments[1] < moments[2]) moments.setConstant(moments.mean());
-  inertia.inertia = principal.eigenvectors() * moments.asDiagonal() * principal.eigenvectors().transpose();
+  inertia.inertia = axes * moments.asDiagonal() * axes.transpose();
   return inertia;
 }
 

@@ -1,9 +1,9 @@
 #include "scenes/import/rigid_groups.h"
 
-#include <Eigen/Eigenvalues>
 #include <map>
 #include <sstream>
 
+#include "core/math/dense.h"
 #include "scenes/import/link_inertia.h"
 
 namespace taut::model {
@@ -84,9 +84,7 @@ class Fusion {
     else
       message << "its inertia is that of no body: positive principal moments, none larger than the sum of "
                  "the others"
-              << " (value: "
-              << Vec3(Eigen::SelfAdjointEigenSolver<Mat3>(all.inertia).eigenvalues()).transpose()
-              << " kg m²)";
+              << " (value: " << dense::symmetric_eigenvalues3(all.inertia).transpose() << " kg m²)";
     throw ImportError(link.place, message.str());
   }
 

@@ -22,7 +22,7 @@ using OrderedJson = nlohmann::ordered_json;
 /// Random stages among the problems; with --quick.
 constexpr const char *kStages = "80", *kFewStages = "8";
 /// Processor time of a run [s]; with --quick.  Wall time that it gets beyond, as a factor and in all.
-constexpr double kFrictionLimit = 20, kQuickLimit = 1, kWallFactor = 4, kWallStart = 30;
+constexpr double kFrictionLimit = 20, kQuickFrictionLimit = 1, kWallFactor = 4, kWallStart = 30;
 
 std::vector<std::string> problems_of(const BenchOptions& options, const fs::path& peers) {
   const ChildResult listed =
@@ -72,7 +72,9 @@ int bench_friction(const BenchOptions& options, const fs::path& peers, const fs:
                    const std::string& command) {
   if (!options.compare.empty()) fail("--compare", "is not for --friction", options.compare);
   const std::vector<std::string> problems = problems_of(options, peers);
-  const double limit = options.limit > 0 ? options.limit : options.quick ? kQuickLimit : kFrictionLimit;
+  const double limit = options.limit > 0 ? options.limit
+                       : options.quick   ? kQuickFrictionLimit
+                                         : kFrictionLimit;
   BenchResults results{{"schema", "taut-bench-friction/1"},
                        {"machine", machine_description()},
                        {"limit_s", limit},

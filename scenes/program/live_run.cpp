@@ -1,12 +1,12 @@
 #include "scenes/program/live_run.h"
 
-#include <Eigen/Eigenvalues>
 #include <charconv>
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "core/base/check.h"
+#include "core/math/dense.h"
 #include "scenes/export/page_data.h"
 #include "scenes/program/interrupt.h"
 #include "scenes/support/format.h"
@@ -54,7 +54,7 @@ double most_inverse_mass(const World& world, BodyId body, const Vec3& p_BP) {
   const MassProperties& mass = world.mass_properties(body);
   const Mat3 R = skew(p_BP);
   const Mat3 inverse = Mat3::Identity() / mass.mass() + R.transpose() * mass.inertia_B().inverse() * R;
-  return Eigen::SelfAdjointEigenSolver<Mat3>(inverse, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+  return dense::symmetric_eigenvalues3(inverse).maxCoeff();
 }
 
 /// Between which targets a slider of a motor goes.

@@ -1,6 +1,5 @@
 #include "solvers/diagnosis/start_checks.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 #include <numeric>
 
 #include "collision/contact_finder.h"
+#include "core/math/dense.h"
 #include "solvers/common/setting_checks.h"
 #include "solvers/laws/contact_set.h"
 #include "solvers/system/constraint_system.h"
@@ -65,9 +65,8 @@ double frequency(const World& world, const MassMatrix& mass, const LineSpring& s
   const AxisSpring& law = spring.law;
   const double stiffness = law.table ? law.table->slope(length - law.rest) : law.stiffness;
   const bool may_meet = spring.is_centred() || length == 0;
-  const double along = may_meet
-                           ? Eigen::SelfAdjointEigenSolver<Mat3>(m, Eigen::EigenvaluesOnly).eigenvalues()[2]
-                           : line.dot(m * line) / (length * length);
+  const double along =
+      may_meet ? dense::symmetric_eigenvalues3(m)[2] : line.dot(m * line) / (length * length);
   return std::sqrt(std::max(0.0, stiffness * along));
 }
 

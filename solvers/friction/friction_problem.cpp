@@ -1,9 +1,8 @@
 #include "solvers/friction/friction_problem.h"
 
-#include <Eigen/SparseLU>
-
 #include "core/base/check.h"
 #include "solvers/friction/scaled_friction.h"
+#include "solvers/linear/sparse_lu.h"
 
 namespace taut {
 namespace {
@@ -43,9 +42,8 @@ class PseudoInverse {
     // Rows that move nothing ask for nothing.
     for (int i = 0; i < A.rows(); ++i)
       shifted.coeffRef(i, i) += diagonal[i] > 0 ? kShift * diagonal[i] : largest > 0 ? largest : 1;
-    factor_.compute(shifted);
-    if (factor_.info() != Eigen::Success)
-      fail("W", "must be positive semidefinite among equalities", factor_.lastErrorMessage());
+    if (!factor_.factorize(shifted))
+      fail("W", "must be positive semidefinite among equalities", factor_.error());
   }
   template <typename Right>
   Right of(const Right& b) const {
@@ -55,7 +53,7 @@ class PseudoInverse {
 
  private:
   Columns A_;
-  Eigen::SparseLU<Columns> factor_;
+  SparseLu factor_;
 };
 
 }  // namespace
@@ -91,9 +89,8 @@ FrictionProblem GlobalFrictionProblem::condensed() const {
   require_entries("b", b.size(), n);
   require_all_finite("f", f);
   require_all_finite("b", b);
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> factor;
-  factor.compute(M);
-  if (factor.info() != Eigen::Success) fail("M", "must be invertible", factor.lastErrorMessage());
+  SparseLu factor;
+  if (!factor.factorize(M)) fail("M", "must be invertible", factor.error());
   FrictionProblem problem{.W = {}, .q = b, .mu = mu, .equalities = equalities};
   const Eigen::SparseMatrix<double> by_columns = H, X = factor.solve(by_columns);
   problem.W = FrictionProblem::Matrix(H.transpose() * X);

@@ -1,10 +1,10 @@
 #include "solvers/integrators/close_joints.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "core/math/dense.h"
 #include "core/state/reach.h"
 #include "solvers/common/max_abs.h"
 #include "solvers/integrators/body_moves.h"
@@ -64,11 +64,11 @@ bool contradict(const ConstraintSystem& system, std::span<const double> phi, con
       W.block<1, 3>(i, column + 3) = J.tail<3>().transpose() * A.translation;
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(W * W.transpose());
-  const double cutoff = ClosingTuning::kNoEigenvalue * std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
+  const auto [values, vectors] = dense::symmetric_eigenpairs(dense::product(W, W.transpose()));
+  const double cutoff = ClosingTuning::kNoEigenvalue * std::max(values.maxCoeff(), 1e-300);
   double stuck = 0;
   for (Eigen::Index k = 0; k < n; ++k)
-    if (eigen.eigenvalues()[k] < cutoff) stuck += std::pow(eigen.eigenvectors().col(k).dot(r), 2);
+    if (values[k] < cutoff) stuck += std::pow(vectors.col(k).dot(r), 2);
   return std::sqrt(stuck) > ClosingTuning::kContradicting * r.norm();
 }
 

@@ -1,8 +1,9 @@
 #include "solvers/integrators/implicit_tension.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "core/math/dense.h"
 
 namespace taut {
 namespace {
@@ -36,9 +37,8 @@ void ImplicitTension::begin(double h, std::span<const Pose> poses, std::span<con
   // Of a matrix without negative eigenvalues, as under pull alone, it is the matrix.
   const auto positive_part = [](const Mat3& K) -> Mat3 {
     if (is_semidefinite(K)) return K;
-    Eigen::SelfAdjointEigenSolver<Mat3> eigen(K);
-    return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
-           eigen.eigenvectors().transpose();
+    const auto [values, vectors] = dense::symmetric_eigenpairs3(K);
+    return vectors * values.cwiseMax(0).asDiagonal() * vectors.transpose();
   };
   const auto root_of_inverse = [](const Mat3& M) -> Mat3 {
     const Eigen::LLT<Mat3> cholesky(M);

@@ -1,10 +1,11 @@
 #include "solvers/integrators/tree_dynamics.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "core/base/check.h"
 #include "core/constraints/rows.h"
+#include "core/math/dense.h"
 #include "solvers/system/mass_matrix.h"
 
 namespace taut {
@@ -20,6 +21,7 @@ class TreeDynamics::Impl {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Subspace = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+  using OwnMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;  // of a joint's freedoms
 
   /// A moving body and the joint to its parent; row_count 0: none, it is free.
   struct Branch {
@@ -101,10 +103,11 @@ std::vector<TreeDynamics::Impl::Motion> TreeDynamics::Impl::motions(const State&
     const Block J_b(jacobian.data() + branch.offset, branch.row_count, 6);
     const Block J_p(jacobian.data() + branch.parent_offset, branch.row_count, 6);
     const Eigen::Map<const Eigen::VectorXd> bias(gamma.data() + branch.first_row, branch.row_count);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J_b, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    motions[k].X = -svd.solve(J_p);
-    motions[k].c = -svd.solve(bias);
-    motions[k].S = svd.matrixV().rightCols(6 - svd.rank());
+    const dense::SingularValues svd = dense::singular_values(J_b);
+    const Eigen::MatrixXd inverse = dense::pseudo_inverse(svd);
+    motions[k].X = -inverse.lazyProduct(J_p);
+    motions[k].c = -inverse.lazyProduct(bias);
+    motions[k].S = svd.V.rightCols(6 - svd.rank);
   }
   return motions;
 }
@@ -138,13 +141,13 @@ std::vector<Twist> TreeDynamics::Impl::recursive(const State& state) const {
   std::vector<Matrix6> inertia;
   std::vector<Vector6> bias, a(world_.body_count(), Vector6::Zero());
   inertias(state, inertia, bias);
-  std::vector<Eigen::LLT<Eigen::MatrixXd>> own(branches_.size());  // Sᵀ I S of the articulated bodies
+  std::vector<Eigen::LLT<OwnMatrix>> own(branches_.size());  // Sᵀ I S of the articulated bodies
   for (std::size_t k = branches_.size(); k-- > 0;) {
     const Branch& branch = branches_[k];
     const auto& [X, c, S] = motion[k];
     const Matrix6& I = inertia[branch.body];
     const Vector6 p = bias[branch.body] + I * c;
-    const Eigen::MatrixXd U = I * S;
+    const Subspace U = I * S;
     own[k].compute(S.transpose() * U);
     if (branch.row_count == 0) continue;
     // What the parent feels of it, whatever its own speeds do.
@@ -192,7 +195,8 @@ std::vector<Twist> TreeDynamics::Impl::lagrangian(const State& state) const {
     MG.middleRows<6>(6 * b) = inertia[b] * G.middleRows<6>(6 * b);
     force.segment<6>(6 * b) = -bias[b] - inertia[b] * a0.segment<6>(6 * b);
   }
-  const Eigen::VectorXd a = a0 + G * (G.transpose() * MG).llt().solve(G.transpose() * force);
+  const Eigen::VectorXd a =
+      a0 + G * dense::solve_symmetric(dense::product(G.transpose(), MG), G.transpose() * force);
   std::vector<Twist> result(bodies);
   for (int b = 0; b < bodies; ++b) result[b] = {a.segment<3>(6 * b), a.segment<3>(6 * b + 3)};
   return result;

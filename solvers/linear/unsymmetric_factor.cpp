@@ -1,12 +1,12 @@
 #include "solvers/linear/unsymmetric_factor.h"
 
-#include <Eigen/SparseLU>
+#include "solvers/linear/sparse_lu.h"
 
 namespace taut {
 
 struct UnsymmetricFactor::Parts {
   Eigen::SparseMatrix<double> matrix;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> factor;
+  SparseLu factor;
 };
 
 UnsymmetricFactor::UnsymmetricFactor() : parts_(std::make_unique<Parts>()) {}
@@ -17,8 +17,7 @@ bool UnsymmetricFactor::factorize(const RowMatrix& A) {
   if (A.size() == 0) return false;
   parts_->matrix = Eigen::Map<const RowMajor>(A.size(), A.size(), static_cast<Eigen::Index>(A.values.size()),
                                               A.row_start.data(), A.column.data(), A.values.data());
-  parts_->factor.compute(parts_->matrix);
-  return parts_->factor.info() == Eigen::Success;
+  return parts_->factor.factorize(parts_->matrix);
 }
 
 bool UnsymmetricFactor::solve(std::span<const double> b, std::span<double> x) const {

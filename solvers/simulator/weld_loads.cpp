@@ -1,9 +1,10 @@
 #include "solvers/simulator/weld_loads.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 
+#include "core/math/dense.h"
 #include "core/world/diagnostics.h"
+#include "solvers/linear/sparse_lu.h"
 
 namespace taut {
 namespace {
@@ -160,7 +161,8 @@ void WeldLoads::balance(const MergedGroup& group) {
     sum.torque += F.torque + (state_.poses[body.index].p - X.p).cross(F.force);
   }
   const MassProperties& all = world.mass_properties(group.carrier);
-  const Vec3 turn = turned_inertia(all, X.q).ldlt().solve(sum.torque), move = sum.force / all.mass();
+  const Vec3 turn = dense::solve_symmetric3(turned_inertia(all, X.q), sum.torque),
+             move = sum.force / all.mass();
   for (BodyId body : group.members) {
     const MassProperties& own = merged_.source_mass(body);
     const Pose& at = state_.poses[body.index];
@@ -261,7 +263,9 @@ Eigen::VectorXd WeldLoads::loop_displacements(std::span<const JointId> welds,
   K.setFromTriplets(entries.begin(), entries.end());
   Eigen::VectorXd u(size);
   for (const auto& [b, first] : place) u.segment<6>(first) = stacked(required_[b]);
-  return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(K).solve(u).eval();
+  SparseLu factor;
+  if (!factor.factorize(K)) return Eigen::VectorXd::Zero(size);  // all of it is left to the tree
+  return factor.solve(u);
 }
 
 }  // namespace taut

@@ -55,5 +55,24 @@ TEST(So3, FramesAreRightHandedAndOrthonormal) {
   }
 }
 
+/// Also where the directions are all but opposite.
+TEST(So3, TheRotationBetweenTwoDirectionsIsTheLeastOne) {
+  Random random(63);
+  for (double angle : {0.0, 1e-9, 0.3, 2.0, 2.6, 2.7, kPi - 1e-3, kPi - 1e-6, kPi - 1e-9, kPi - 1e-15, kPi}) {
+    const Vec3 from = random.unit();
+    Vec3 across, other;
+    complete_frame(from, across, other);
+    const Vec3 to = std::cos(angle) * from + std::sin(angle) * across;
+    const Quat q = rotation_between(3 * from, 0.2 * to);
+    EXPECT_NEAR(q.norm(), 1, 1e-13) << angle;  // 1e-16 / 0.001
+    EXPECT_LT((q * from - to).norm(), 2e-13) << angle;
+    EXPECT_NEAR(log_so3(q).norm(), angle, 1e-13) << angle;
+  }
+  for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ())}) {
+    const Quat q = rotation_between(axis, -axis);
+    EXPECT_LT((q * axis + axis).norm(), 1e-15);
+  }
+}
+
 }  // namespace
 }  // namespace taut::so3_test
