@@ -63,7 +63,7 @@ test('the first page leads to every part', async () => {
     'scenes/examples/tutorials/control_loop': 'Control loop',
     'scenes/examples/tutorials/bridge': 'Bridge',
     'scenes/examples/tutorials/importing': 'Importing',
-    'scenes/pictures/index': 'Gallery',
+    'scenes/examples/pictures/index': 'Gallery',
     'api/cpp/index': 'C++ reference',
     'api/python/taut/index': 'Simulator',
     'scenes/files/FORMAT': 'The format of scene files',
@@ -79,7 +79,7 @@ test('the first page leads to every part', async () => {
 });
 
 test('each picture of the gallery has its command', async () => {
-  await page.goto(root + 'scenes/pictures/index.html');
+  await page.goto(root + 'scenes/examples/pictures/index.html');
   const sections = await page.$$eval('article section section', (all) => all.map(
     (one) => [one.querySelector('h2').textContent, one.querySelector('img')?.naturalWidth > 0, /taut run/.test(one.textContent)]));
   assert.ok(sections.length >= 10);

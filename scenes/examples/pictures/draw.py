@@ -2,7 +2,7 @@
 """Draws what `taut run --poses poses.csv` wrote as an SVG: each body as a stroke along its x axis, older instants paler.
 
     taut run net-flag --poses poses.csv --poses-interval 0.25
-    scenes/pictures/draw.py poses.csv net.svg --length 0.1
+    scenes/examples/pictures/draw.py poses.csv net.svg --length 0.1
 """
 import argparse
 import csv
