@@ -219,19 +219,20 @@ class SdfModelReader {
 
   std::vector<LinkAxis> axes_of(const pugi::xml_node& node, const std::string& name, const std::string& type,
                                 int child) {
-    using Kind = LinkAxis::Kind;
+    using Freedom = LinkAxis::Kind;
     if (type == "fixed") return {};
-    if (type == "revolute" || type == "continuous") return {axis_of(node, "axis", name, Kind::kHinge, child)};
-    if (type == "prismatic") return {axis_of(node, "axis", name, Kind::kSlide, child)};
-    if (type == "ball") return {axis_of(node, "axis", name, Kind::kBall, child)};
+    if (type == "revolute" || type == "continuous")
+      return {axis_of(node, "axis", name, Freedom::kHinge, child)};
+    if (type == "prismatic") return {axis_of(node, "axis", name, Freedom::kSlide, child)};
+    if (type == "ball") return {axis_of(node, "axis", name, Freedom::kBall, child)};
     if (type == "screw") {
-      LinkAxis axis = axis_of(node, "axis", name, Kind::kScrew, child);
+      LinkAxis axis = axis_of(node, "axis", name, Freedom::kScrew, child);
       axis.pitch = value(node, "screw_thread_pitch", value(node, "thread_pitch", 1));
       return {axis};
     }
     if (type == "universal" || type == "revolute2")
-      return {axis_of(node, "axis", name + "_1", Kind::kHinge, child),
-              axis_of(node, "axis2", name + "_2", Kind::kHinge, child)};
+      return {axis_of(node, "axis", name + "_1", Freedom::kHinge, child),
+              axis_of(node, "axis2", name + "_2", Freedom::kHinge, child)};
     files_.fail(node, "joint \"" + name + "\" has an unknown type (value: " + type + ")");
   }
 
