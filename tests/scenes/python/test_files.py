@@ -112,6 +112,29 @@ def test_film_and_recording(tmp_path):
         film.sample()
 
 
+def test_joints_of_a_recording(tmp_path):
+    world = taut.World()
+    arm = world.add_body("arm", pose=taut.Pose(p=[1, 0, 0]))
+    slide = world.add_body("slide", pose=taut.Pose(p=[2, 0, 0]))
+    world.add("pivot", taut.Hinge.at(world, taut.GROUND, arm, [0.5, 0, 0], [0, 0.6, 0.8]))
+    world.add("rail", taut.Slider.at(world, arm, slide, [2, 0, 0], [1, 0, 0]))
+    world.add("tie", taut.Rope([(taut.GROUND, [0, 0, 1]), (arm, [0, 0, 1]), (slide, [0, 1, 0])], 9))
+    file = tmp_path / "arm.taut"
+    film = taut.Film(taut.Simulator(world), file=file)
+    film.sample(now=True)
+    film.finish()
+    pivot, rail, tie = taut.Recording(file).joints
+    assert (pivot.name, pivot.type, pivot.a, pivot.b) == ("pivot", "hinge", taut.GROUND, arm)
+    assert pivot.anchor_B == pytest.approx([-0.5, 0, 0]) and pivot.course == []
+    (angle,) = pivot.axes
+    assert (angle.name, angle.angular) == ("angle", True)
+    assert angle.axis_B == pytest.approx([0, 0.6, 0.8])  # bodies stand as the world does
+    (along,) = rail.axes
+    assert (along.angular, along.body) == (False, arm) and along.axis_B == pytest.approx([1, 0, 0])
+    assert [body for body, _ in tie.course] == [taut.GROUND, arm, slide] and tie.axes == []
+    assert tie.course[2][1] == pytest.approx([0, 1, 0])
+
+
 def test_a_recording_cut_short(tmp_path):
     file = tmp_path / "run.taut"
     film = taut.simulate(chain(5), 0.2, file=file)
@@ -206,4 +229,4 @@ def test_the_package_is_typed():
         item = getattr(taut, name)
         if isinstance(item, type):
             assert item.__doc__, name
-            assert re.search(rf"class {item.__name__}\b", stub) or name == "SceneFileError", name
+            assert re.search(rf"class {item.__name__}\b", stub), name
