@@ -57,6 +57,7 @@ def test_catalogue():
     assert {p.name for p in catalogue["bridge-hinge"].parameters} == {"n", "truck"}
     scene = taut.build_scene("bridge-hinge", n=3, truck=True)
     assert scene.parameters == {"n": 3, "truck": 1} and scene.world.moving_body_count == 4
+    assert scene.parameter_units == {"truck": "bool"}
     for wrong in (lambda: taut.build_scene("nothing"), lambda: taut.build_scene("bridge", m=3), lambda: taut.build_scene("bridge", n=0.5)):
         with pytest.raises(ValueError):
             wrong()
@@ -167,6 +168,19 @@ def test_a_simulation_shows_itself(tmp_path):
     assert (tmp_path / "net.csv").read_text().startswith("time,")
     instant = taut.Simulator(chain(3))
     assert instant._repr_html_().startswith("<iframe")
+
+
+def test_a_page_of_two(tmp_path):
+    files = [tmp_path / "one.taut", tmp_path / "two.taut"]
+    for file, n in zip(files, (3, 4)):
+        taut.simulate(taut.build_scene("net", n=n), 0.05, file=file)
+    one, two = map(taut.Recording, files)
+    both = one.page(beside=two)
+    assert 'id="second"' in both and 'id="second"' not in one.page()
+    assert one.page(two) == both and one.page(None) == one.page()
+    for wrong in ("two.taut", 3):
+        with pytest.raises(TypeError):
+            one.page(beside=wrong)
 
 
 def test_without_three(monkeypatch, tmp_path):
