@@ -1,6 +1,6 @@
 # The target `package`: taut, taut-dev and, with TAUT_BUILD_PYTHON, python3-taut, for the Debian that builds them.  The preset
 # `package` sets what they need: shared libraries below /usr.
-set(TAUT_PACKAGE_MAINTAINER "The taut developers <taut@packages.invalid>" CACHE STRING "Who answers for the packages")
+set(TAUT_PACKAGE_MAINTAINER "The taut authors <taut@packages.invalid>" CACHE STRING "Who answers for the packages")
 
 # A tag v1.2.3 is version 1.2.3, which CMakeLists.txt has to name; any other commit is later than the version it names.
 function(package_version result)

@@ -5,7 +5,7 @@ import re
 
 root = os.environ["TAUT_ROOT"]
 project = "taut"
-author = "The taut developers"
+author = "The taut authors"
 copyright = author
 with open(f"{root}/CMakeLists.txt") as lists:
     version = release = re.search(r"^project\(taut VERSION ([\d.]+)", lists.read(), re.M)[1]

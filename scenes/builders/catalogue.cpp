@@ -78,7 +78,10 @@ Scene build_scene(const std::string& name, const std::map<std::string, double>& 
     all[key] = value;
   }
   for (const ParameterInfo& parameter : info.parameters) check_value(name, parameter, all[parameter.name]);
-  return info.build(all);
+  Scene scene = info.build(all);
+  for (const ParameterInfo& parameter : info.parameters)
+    if (!parameter.unit.empty()) scene.parameter_units[parameter.name] = parameter.unit;
+  return scene;
 }
 
 }  // namespace taut

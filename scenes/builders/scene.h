@@ -46,8 +46,10 @@ struct Drawing {
 struct Scene {
   std::string name;                            ///< of the scene
   std::map<std::string, double> parameters{};  ///< as built; booleans are 0 or 1
-  World world{};                               ///< bodies, joints, forces and shapes
-  Settings settings{};                         ///< for its Simulator
+  /// Of those that have one; "bool": true or false.
+  std::map<std::string, std::string> parameter_units{};
+  World world{};        ///< bodies, joints, forces and shapes
+  Settings settings{};  ///< for its Simulator
   std::set<std::string>
       given_settings{};   ///< by name: what a scene file says, and does not leave to defaults
   double dt = 1.0 / 240;  ///< [s]

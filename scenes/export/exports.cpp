@@ -59,9 +59,11 @@ void check_exports(const ExportFiles& files) {
   if (!files.html.empty()) (void)find_three();
 }
 
-ExportOutcome export_recording(RecordingReader& recording, const ExportFiles& files) {
-  if (recording.frame_count() == 0)
-    fail("recording", "has no frames, so there is nothing to show", recording.file().string());
+ExportOutcome export_recording(RecordingReader& recording, const ExportFiles& files,
+                               RecordingReader* beside) {
+  for (const RecordingReader* each : {&recording, beside})
+    if (each && each->frame_count() == 0)
+      fail("recording", "has no frames, so there is nothing to show", each->file().string());
   ExportOutcome outcome;
   const auto make = [&](const std::string& file, const std::function<bool(std::ostream&)>& write) {
     if (!file.empty())
@@ -69,7 +71,7 @@ ExportOutcome export_recording(RecordingReader& recording, const ExportFiles& fi
           file, [&] { return make_file(file, write); }, outcome.errors);
   };
   make(files.html, [&](std::ostream& out) {
-    const HtmlPage page = html_page(recording);
+    const HtmlPage page = html_page(recording, beside);
     if (!page.note.empty()) outcome.notes.push_back(files.html + ": " + page.note);
     return (out << page.text).good();
   });

@@ -30,7 +30,9 @@ struct ExportOutcome {
   std::vector<std::string> notes;   ///< what was left out
 };
 /// Writes all of them.
+/// @param beside another recording, which the page shows beside it
 /// @throws std::invalid_argument for a recording without frames.
-ExportOutcome export_recording(RecordingReader& recording, const ExportFiles& files);
+ExportOutcome export_recording(RecordingReader& recording, const ExportFiles& files,
+                               RecordingReader* beside = nullptr);
 
 }  // namespace taut

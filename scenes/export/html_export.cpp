@@ -1,7 +1,9 @@
 #include "scenes/export/html_export.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include "core/base/check.h"
@@ -126,21 +128,33 @@ std::filesystem::path find_three() {
        places.front().string());
 }
 
-std::string page_text(const PageData& data, const std::string& title) {
+std::string page_text(const PageData& data, const std::string& title, const PageData* second) {
+  const auto script = [](const PageData& other) {
+    return "<script type=\"application/octet-stream\" id=\"second\">" +
+           base64(deflate(other.packed(), kQuick)) + "</script>\n";
+  };
   return filled(viewer_source("page.html"), {{"title", escaped(printable(title))},
                                              {"version", TAUT_VERSION},
                                              {"style", std::string(viewer_source("style.css"))},
                                              {"modules", modules(find_three())},
                                              {"data", base64(deflate(data.packed(), kQuick))},
+                                             {"second", second ? script(*second) : ""},
                                              {"loader", std::string(viewer_source("loader.js"))}});
 }
 
-HtmlPage html_page(RecordingReader& recording) {
-  const PageData data = page_data(recording);
+HtmlPage html_page(RecordingReader& recording, RecordingReader* beside) {
+  const std::size_t limit = kMostPageBytes / (beside ? 2 : 1);
+  const PageData data = page_data(recording, limit);
+  std::optional<PageData> second;
+  std::string title = recording.header().scene;
+  if (beside) {
+    second = page_data(*beside, limit);
+    if (const std::string& other = beside->header().scene; other != title) title += " | " + other;
+  }
   HtmlPage page;
-  if (data.stride > 1)
-    page.note = "every " + std::to_string(data.stride) + "th frame only, to keep the page loadable";
-  page.text = page_text(data, recording.header().scene);
+  if (const int stride = std::max(data.stride, second ? second->stride : 1); stride > 1)
+    page.note = "every " + std::to_string(stride) + "th frame only, to keep the page loadable";
+  page.text = page_text(data, title, second ? &*second : nullptr);
   return page;
 }
 

@@ -20,7 +20,8 @@ struct HtmlPage {
 };
 
 /// One self-contained page that shows the recording: viewer, three.js and data inlined and compressed.
+/// @param beside another one, shown beside it: same time, camera and scales
 /// @throws std::invalid_argument if three.js is missing.
-HtmlPage html_page(RecordingReader& recording);
+HtmlPage html_page(RecordingReader& recording, RecordingReader* beside = nullptr);
 
 }  // namespace taut

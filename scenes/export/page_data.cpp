@@ -119,6 +119,7 @@ Json course_rows(const std::vector<WirePoint>& course) {
 Json describe(const RecordingHeader& header) {
   Json d{{"scene", header.scene},
          {"parameters", header.parameters},
+         {"parameter_units", header.parameter_units},
          {"dt", header.dt},
          {"gravity", vector_to_json(header.gravity)}};
   // Lists of columns: far smaller than a list of objects for ten thousand bodies.

@@ -17,15 +17,18 @@ struct PageData {
   std::string packed() const;
 };
 
-/// @param limit [bytes] before compression
-PageData page_data(RecordingReader& recording, std::size_t limit = 400'000'000);
+/// What a page holds at most [bytes], before compression.
+constexpr std::size_t kMostPageBytes = 400'000'000;
+
+PageData page_data(RecordingReader& recording, std::size_t limit = kMostPageBytes);
 
 /// One frame by itself, of a run that goes on: its positions are the floats themselves.
 /// @param with_header also what is the same in all frames
 PageData page_frame(const RecordingHeader& header, const Frame& frame, bool with_header);
 
 /// The page of these data, whole.
+/// @param second shown beside them, if given
 /// @throws std::invalid_argument if three.js is missing.
-std::string page_text(const PageData& data, const std::string& title);
+std::string page_text(const PageData& data, const std::string& title, const PageData* second = nullptr);
 
 }  // namespace taut

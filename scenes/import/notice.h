@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace taut {
@@ -9,10 +10,10 @@ namespace taut {
 /// A line of a model file.
 struct ModelPlace {
   std::string file;  ///< as it was opened
-  int line = 0;      ///< from 1; of the start of the element
+  int line = 0;      ///< from 1; of the start of the element; 0: the file as a whole
 
   /// "arm.urdf:12"
-  std::string text() const { return file + ':' + std::to_string(line); }
+  std::string text() const { return line > 0 ? file + ':' + std::to_string(line) : file; }
 };
 
 /// Something of a model file that the scene does not have, or has otherwise.
@@ -31,8 +32,13 @@ struct ImportNotice {
 /// A model file that cannot be a scene.  what() begins with file and line.
 class ImportError : public std::invalid_argument {
  public:
-  ImportError(const ModelPlace& place, const std::string& message)
-      : std::invalid_argument(place.text() + ": " + message) {}
+  ImportError(ModelPlace place, const std::string& message)
+      : std::invalid_argument(place.text() + ": " + message), place_(std::move(place)) {}
+  /// Where it is.
+  const ModelPlace& place() const { return place_; }
+
+ private:
+  ModelPlace place_;
 };
 
 }  // namespace taut

@@ -59,7 +59,13 @@ struct XmlFiles::File {
 XmlFiles::XmlFiles() = default;
 XmlFiles::~XmlFiles() = default;
 
-pugi::xml_node XmlFiles::open(const std::filesystem::path& path) { return parse(read_text_file(path), path); }
+pugi::xml_node XmlFiles::open(const std::filesystem::path& path) {
+  try {
+    return parse(read_text_file(path), path);
+  } catch (const SceneFileError& error) {
+    throw ImportError({path.string(), 0}, error.problems().front().message);
+  }
+}
 
 pugi::xml_node XmlFiles::parse(std::string_view text, const std::filesystem::path& path) {
   return parse_as_part(text, path, path.parent_path());

@@ -1,15 +1,13 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/base/clock.h"
 #include "scenes/builders/scene.h"
+#include "scenes/program/live_controls.h"
 #include "scenes/program/live_server.h"
 #include "scenes/recording/frame_sampler.h"
 #include "solvers/simulator/simulator.h"
@@ -25,20 +23,6 @@ struct LiveOptions {
 
 /// @throws std::invalid_argument for a port or an address that is none, or an address that is given as port.
 LiveServer::Options live_server_options(const LiveOptions& options);
-
-/// What pulls a body towards a cursor: a spring with a damper from point P of the body to a place of the
-/// world.
-struct LivePull {
-  BodyId body;               ///< that is pulled
-  Vec3 p_BP = Vec3::Zero();  ///< from its centre of mass, body axes [m]
-  Vec3 p_WC = Vec3::Zero();  ///< the cursor [m]
-  double strength = 1;       ///< factor of the stiffness
-};
-
-/// Force on the body at P [N], world axes:  f = k (p_WC − p_WP) − c v_P,  k = m ω², c = 2 ζ m ω, where m is
-/// the least mass that P has in any direction, so that a step of h is stable.
-/// (scenes/program/LIVE, Eq. 1)
-Vec3 pull_force(const World& world, const LivePull& pull, double h);
 
 /// Lets browsers watch a run and drive it: pause, single steps, reset, speed, motors, and pulling bodies.
 class LiveRun {
@@ -56,35 +40,20 @@ class LiveRun {
   void finish(const std::string& status, const std::string& message);
 
  private:
-  struct Motor {
-    AxisId axis;
-    double start;  // target at the start
-  };
   void answer(const LiveServer::Message& message);
-  void obey(int browser, const std::string& text);
   void note(int browser, const std::string& problem);
-  void set_motor(int index, double target);
-  void reset();
-  void set_paused(bool paused);
   bool is_waiting() const;
+  void restart_clock();
   void show();
-  nlohmann::json motors() const;
   nlohmann::json state() const;
 
   Scene& scene_;
   Simulator& simulator_;
   FrameSampler sampler_;
   RecordingHeader header_;
-  bool may_reset_;
-  std::vector<Motor> motors_;
-  Checkpoint start_;
+  LiveControls controls_;
   std::unique_ptr<LiveServer> server_;
-  std::map<int, LivePull> pulls_;  // by browser
-  bool paused_ = false, changed_ = false;
-  int asked_steps_ = 0;  // while paused
-  std::int64_t steps_ = 0;
-  int resets_ = 0, notes_ = 0;
-  double speed_ = 1;
+  int notes_ = 0;
   Clock::time_point clock_ = Clock::now(), shown_{};  // when the time was time_, and of the last frame
   double time_ = 0;
   std::string status_ = "running", message_;

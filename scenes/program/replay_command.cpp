@@ -1,7 +1,9 @@
 #include "scenes/program/replay_command.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <vector>
 
 #include "core/base/check.h"
 #include "scenes/program/run_command.h"
@@ -33,25 +35,45 @@ void print_summary(const RecordingReader& recording) {
          recording.end()->status + (recording.end()->message.empty() ? "" : ": " + recording.end()->message));
 }
 
+/// Of what is damaged, what is readable can be shown.
+RecordingReader opened(const std::string& file) {
+  RecordingReader recording(file);
+  if (!recording.damage().empty()) std::cerr << "taut: " << file << ": " << recording.damage() << '\n';
+  if (recording.frame_count() == 0) fail("recording", "has no frames, so there is nothing to show", file);
+  return recording;
+}
+
+void require_page_alone(const ExportFiles& exports) {
+  for (const auto& [option, file] : {NamedFile{"--gltf", exports.gltf},
+                                     {"--plot", exports.plot},
+                                     {"--csv", exports.csv},
+                                     {"--vtk", exports.vtk_folder}})
+    if (!file.empty()) fail(option, "is made of one recording; of two there is a page, --html", file);
+}
+
 }  // namespace
 
-int replay_command(const std::string& file, const ExportFiles& exports, bool quiet) {
+int replay_command(const std::string& file, const std::string& beside, const ExportFiles& exports,
+                   bool quiet) {
   require_distinct({{"--html", exports.html},
                     {"--gltf", exports.gltf},
                     {"--plot", exports.plot},
                     {"--csv", exports.csv},
                     {"--vtk", exports.vtk_folder}},
-                   {{"the recording", file}});
-  RecordingReader recording(file);
-  const std::string& damage = recording.damage();
-  if (!damage.empty()) std::cerr << "taut: " << file << ": " << damage << '\n';
-  if (recording.frame_count() == 0) fail("recording", "has no frames, so there is nothing to show", file);
-  if (!quiet) print_summary(recording);
+                   {{"the recording", file}, {"the recording beside it", beside}});
+  if (!beside.empty()) require_page_alone(exports);
+  std::vector<RecordingReader> recordings;
+  recordings.push_back(opened(file));
+  if (!beside.empty()) recordings.push_back(opened(beside));
+  if (!quiet)
+    for (const RecordingReader& recording : recordings) print_summary(recording);
   check_exports(exports);
-  const ExportOutcome outcome = export_recording(recording, exports);
+  RecordingReader* const second = beside.empty() ? nullptr : &recordings.back();
+  const ExportOutcome outcome = export_recording(recordings.front(), exports, second);
   for (const std::string& note : outcome.notes) std::cerr << "taut: " << note << '\n';
   for (const std::string& error : outcome.errors) std::cerr << "taut: " << error << '\n';
-  return damage.empty() && outcome.errors.empty() ? kExitSuccess : kExitFailure;
+  const bool damaged = std::ranges::any_of(recordings, [](const auto& it) { return !it.damage().empty(); });
+  return !damaged && outcome.errors.empty() ? kExitSuccess : kExitFailure;
 }
 
 }  // namespace taut

@@ -38,7 +38,7 @@ struct Arguments {
   bool check_all = false;
   std::string model, imported;
   std::string export_scene, exported;
-  std::string recording;
+  std::string recording, beside;
   taut::ExportFiles replay;
   bool replay_quietly = false;
   taut::BenchOptions bench;
@@ -230,6 +230,7 @@ void add_others(CLI::App& app, Arguments& arguments) {
   CLI::App& replay = *app.add_subcommand("replay", "turn a recording into something to look at");
   replay.add_option("recording", arguments.recording, "file that `taut run --record` has written")
       ->required();
+  replay.add_option("beside", arguments.beside, "another one: a page (--html) shows both side by side");
   add_exports(replay, arguments.replay);
   replay.add_option("--csv", arguments.replay.csv, "write energies, gap and probes over time")
       ->type_name("FILE");
@@ -270,7 +271,8 @@ int dispatch(const CLI::App& app, Arguments& arguments, const std::vector<std::s
     return taut::run_command(arguments.run);
   }
   if (app.got_subcommand("replay"))
-    return taut::replay_command(arguments.recording, arguments.replay, arguments.replay_quietly);
+    return taut::replay_command(arguments.recording, arguments.beside, arguments.replay,
+                                arguments.replay_quietly);
   const auto parameters = [](const std::vector<std::string>& assignments) {
     std::map<std::string, double> values;
     for (const std::string& assignment : assignments) taut::add_parameter(values, assignment);

@@ -20,6 +20,8 @@ NB_MODULE(_taut, m) {
   bind_simulator(m);
   bind_matrices(m);
   bind_analysis(m);
+  bind_file_errors(m);
   bind_scenes(m);
+  bind_models(m);
   bind_recording(m);
 }

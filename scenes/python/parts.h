@@ -18,7 +18,9 @@ void bind_settings(nb::module_& m);
 void bind_simulator(nb::module_& m);
 void bind_analysis(nb::module_& m);
 void bind_matrices(nb::module_& m);
+void bind_file_errors(nb::module_& m);
 void bind_scenes(nb::module_& m);
+void bind_models(nb::module_& m);
 void bind_recording(nb::module_& m);
 
 }  // namespace taut::python

@@ -11,9 +11,10 @@
 namespace taut::python {
 namespace {
 
-std::string page_of(RecordingReader& reader) {
-  if (reader.frame_count() == 0) throw std::invalid_argument("page: there are no frames to show");
-  return html_page(reader).text;
+std::string page_of(RecordingReader& reader, RecordingReader* beside) {
+  for (const RecordingReader* each : {&reader, beside})
+    if (each && each->frame_count() == 0) throw std::invalid_argument("page: there are no frames to show");
+  return html_page(reader, beside).text;
 }
 
 /// Writes what a recording is turned into.
@@ -57,6 +58,37 @@ Array all_positions(RecordingReader& reader) {
   return Array(data, 3, shape, keep(std::move(values)));
 }
 
+/// What the header of a recording says of its joints.
+void bind_recorded_joints(nb::module_& m) {
+  nb::class_<RecordedAxis>(m, "RecordedAxis", "A free axis of a joint, to be drawn where the joint is.")
+      .def_ro("name", &RecordedAxis::name, "In its joint, as \"angle\".")
+      .def_ro("angular", &RecordedAxis::angular, "B turns about it; else it moves along it.")
+      .def_ro("body", &RecordedAxis::body, "That it is fixed to.")
+      .def_ro("axis_B", &RecordedAxis::axis_B, "Unit vector, in axes of this body.")
+      .def("__repr__", [](const RecordedAxis& it) { return "<RecordedAxis " + it.name + ">"; });
+  nb::class_<RecordedJoint>(m, "RecordedJoint", "A joint of a recording.")
+      .def_ro("name", &RecordedJoint::name)
+      .def_ro("type", &RecordedJoint::type, "In the words of a scene file, as \"hinge\".")
+      .def_ro("a", &RecordedJoint::a, "Its body A.")
+      .def_ro("b", &RecordedJoint::b, "Its body B, on which its wrench acts.")
+      .def_ro("anchor_B", &RecordedJoint::anchor_B,
+              "Where its wrench acts: from the centre of mass of B, body axes [m].")
+      .def_prop_ro(
+          "course",
+          [](const RecordedJoint& it) {
+            std::vector<std::pair<BodyId, Vec3>> points;
+            for (const WirePoint& point : it.course) points.emplace_back(point.body, point.p_BP);
+            return points;
+          },
+          "Of rods, ropes and wires, whose sections go from point to point: body, and place from its centre "
+          "of mass in body axes [m].")
+      .def_prop_ro(
+          "axes", [](const RecordedJoint& it) { return it.axes; },
+          "Those with a direction of their own; files of earlier versions have none.")
+      .def("__repr__",
+           [](const RecordedJoint& it) { return "<RecordedJoint " + it.name + ": " + it.type + ">"; });
+}
+
 void bind_film(nb::module_& m) {
   nb::class_<SessionFilm>(
       m, "Film",
@@ -88,7 +120,7 @@ void bind_film(nb::module_& m) {
           "page",
           [](SessionFilm& it) {
             RecordingReader reader = it.film().reader();
-            return page_of(reader);
+            return page_of(reader, nullptr);
           },
           "One self-contained page (HTML) that shows what was taken so far.")
       .def(
@@ -105,6 +137,7 @@ void bind_film(nb::module_& m) {
 
 void bind_recording(nb::module_& m) {
   bind_film(m);
+  bind_recorded_joints(m);
   nb::class_<RecordingReader>(m, "Recording",
                               "Reads a recording file, also one that was cut short or damaged.")
       .def(
@@ -124,6 +157,9 @@ void bind_recording(nb::module_& m) {
                      for (const RecordedJoint& joint : it.header().joints) names.push_back(joint.name);
                      return names;
                    })
+      .def_prop_ro(
+          "joints", [](const RecordingReader& it) { return it.header().joints; },
+          "With their bodies, anchors and axes.")
       .def_prop_ro("scalar_names",
                    [](const RecordingReader& it) {
                      std::vector<std::string> names;
@@ -153,7 +189,8 @@ void bind_recording(nb::module_& m) {
           [](const RecordingReader& it) { return it.end() ? it.end()->status : std::string("no end"); },
           "How the run ended.")
       .def_prop_ro("damage", &RecordingReader::damage, "What is wrong with the file; \"\" if it is whole.")
-      .def("page", &page_of, "One self-contained page (HTML).")
+      .def("page", &page_of, nb::arg("beside").none() = nb::none(),
+           "One self-contained page (HTML), with another recording beside this one if that is given.")
       .def("export", &export_to, kHtml, kGltf, kPlot, kCsv, kVtk, kExportDoc);
   m.def(
       "_set_three_folder", [](const std::filesystem::path& folder) { set_three_folder(folder); },

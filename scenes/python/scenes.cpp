@@ -11,33 +11,6 @@
 namespace taut::python {
 namespace {
 
-/// SceneFileError of Python, made once and kept for good.
-nb::object& file_error_type() {
-  static auto* const type = new nb::object;
-  return *type;
-}
-
-void translate(const std::exception_ptr& thrown, void*) {
-  try {
-    std::rethrow_exception(thrown);
-  } catch (const SceneFileError& error) {
-    std::vector<std::tuple<std::string, std::string, std::string>> problems;
-    for (const SceneFileProblem& p : error.problems()) problems.emplace_back(p.path, p.message, p.value);
-    const nb::object instance = file_error_type()(error.what());
-    nb::setattr(instance, "problems", nb::cast(problems));
-    PyErr_SetObject(file_error_type().ptr(), instance.ptr());
-  }
-}
-
-void bind_errors(nb::module_& m) {
-  file_error_type() = nb::steal(PyErr_NewExceptionWithDoc(
-      "taut.SceneFileError",
-      "All that is wrong in a scene or state file: `problems`, tuples of path, message and value.",
-      PyExc_ValueError, nullptr));
-  m.attr("SceneFileError") = file_error_type();
-  nb::register_exception_translator(translate);
-}
-
 void bind_probe(nb::module_& m) {
   using Quantity = Probe::Quantity;
   nb::class_<Probe> probe(m, "Probe", "A quantity recorded over time, from a body, a joint or an axis.");
@@ -84,6 +57,7 @@ void bind_scene(nb::module_& m) {
           nb::arg("world"), nb::arg("name") = "scene", "Of a copy of a world.")
       .def_rw("name", &Scene::name)
       .def_ro("parameters", &Scene::parameters, "As built; booleans are 0 or 1.")
+      .def_ro("parameter_units", &Scene::parameter_units, "Of those that have one; \"bool\": true or false.")
       .def_prop_ro(
           "world", [](Scene& scene) -> World& { return scene.world; }, nb::rv_policy::reference_internal)
       .def_ro("warnings", &Scene::warnings, "What is strange in the file that it was read from, a line each.")
@@ -166,7 +140,6 @@ void bind_state_files(nb::module_& m) {
 }  // namespace
 
 void bind_scenes(nb::module_& m) {
-  bind_errors(m);
   bind_probe(m);
   bind_scene(m);
   bind_sources(m);

@@ -60,6 +60,7 @@ RecordingHeader FrameSampler::header(double frames_per_second) const {
   RecordingHeader header;
   header.scene = scene_.name;
   header.parameters = scene_.parameters;
+  header.parameter_units = scene_.parameter_units;
   header.dt = scene_.dt;
   header.frames_per_second = frames_per_second;
   header.gravity = world.gravity();

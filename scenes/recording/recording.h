@@ -62,17 +62,18 @@ struct RecordedScalar {
 
 /// What is the same in all frames of a recording.
 struct RecordingHeader {
-  std::string scene;                         ///< its name
-  std::map<std::string, double> parameters;  ///< that it was built with
-  double dt = 0;                             ///< of the steps [s]
-  double frames_per_second = 0;              ///< as asked for; 0: every step
-  Vec3 gravity = Vec3::Zero();               ///< [m/s²]
-  std::vector<RecordedBody> bodies;          ///< the ground is the first
-  std::vector<RecordedJoint> joints;         ///< in the order of their ids
-  std::vector<RecordedSpring> springs;       ///< forces that pull along a line, in the order of their ids
-  std::vector<RecordedScalar> scalars;       ///< names of Frame::scalars
-  std::vector<Shape> shapes;                 ///< that are drawn, each once
-  std::vector<DrawnShape> drawn;             ///< where they are drawn
+  std::string scene;                                     ///< its name
+  std::map<std::string, double> parameters;              ///< that it was built with
+  std::map<std::string, std::string> parameter_units{};  ///< as in Scene
+  double dt = 0;                                         ///< of the steps [s]
+  double frames_per_second = 0;                          ///< as asked for; 0: every step
+  Vec3 gravity = Vec3::Zero();                           ///< [m/s²]
+  std::vector<RecordedBody> bodies;                      ///< the ground is the first
+  std::vector<RecordedJoint> joints;                     ///< in the order of their ids
+  std::vector<RecordedSpring> springs;  ///< forces that pull along a line, in the order of their ids
+  std::vector<RecordedScalar> scalars;  ///< names of Frame::scalars
+  std::vector<Shape> shapes;            ///< that are drawn, each once
+  std::vector<DrawnShape> drawn;        ///< where they are drawn
 };
 
 /// Force and torque of a joint on its body B, world axes, the torque about its anchor, and how far it is

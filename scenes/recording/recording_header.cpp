@@ -100,6 +100,7 @@ nlohmann::json springs_to_json(const std::vector<RecordedSpring>& springs) {
 std::string encode_header(const RecordingHeader& header) {
   Json json{{"scene", header.scene},
             {"parameters", header.parameters},
+            {"parameter_units", header.parameter_units},
             {"taut_version", TAUT_VERSION},
             {"dt", header.dt},
             {"frames_per_second", header.frames_per_second},
@@ -131,6 +132,7 @@ RecordingHeader decode_header(std::string_view raw) {
   RecordingHeader header;
   header.scene = json.at("scene");
   header.parameters = json.at("parameters");
+  if (json.contains("parameter_units")) header.parameter_units = json.at("parameter_units");
   header.dt = json.at("dt");
   header.frames_per_second = json.at("frames_per_second");
   header.gravity = vector_from_json(json.at("gravity"));

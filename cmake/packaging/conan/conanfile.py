@@ -9,6 +9,7 @@ from conan import ConanFile
 from conan.tools.build import check_min_cppstd
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
 from conan.tools.files import copy, load, rmdir
+from conan.tools.system.package_manager import Apt, Dnf, PacMan, Zypper
 
 
 class TautRecipe(ConanFile):
@@ -37,12 +38,18 @@ class TautRecipe(ConanFile):
 
     def requirements(self):
         self.requires("eigen/3.4.0", transitive_headers=True)
-        for library in ("suitesparse-cholmod/5.2.1", "fcl/0.7.0", "assimp/5.4.3", "nlohmann_json/3.11.3", "tinygltf/2.9.7",
-                        "pugixml/1.14", "zlib/[>=1.2.13 <2]"):
+        for library in "fcl/0.7.0", "assimp/5.4.3", "nlohmann_json/3.12.0", "tinygltf/2.9.7", "pugixml/1.14", "zlib/[>=1.2.13 <2]":
             self.requires(library)
         if self.options.program:
             self.requires("cli11/2.4.2")
             self.requires("boost/[>=1.74 <2]", options={"header_only": True})
+
+    def system_requirements(self):
+        # CHOLMOD has no recipe in ConanCenter: it is the system's.
+        Apt(self).install(["libsuitesparse-dev"])
+        Dnf(self).install(["suitesparse-devel"])
+        Zypper(self).install(["suitesparse-devel"])
+        PacMan(self).install(["suitesparse"])
 
     def validate(self):
         check_min_cppstd(self, 20)

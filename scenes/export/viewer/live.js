@@ -125,7 +125,7 @@ export class LivePlayer extends Player {
     $('run').textContent = `${runs ? (paused ? 'paused' : 'running') : [status, message].filter(Boolean).join(': ')} · step ${steps.toLocaleString('en')}`;
     for (const id of ['play', 'restart']) $(id).disabled = !runs;
     if (document.activeElement !== $('speed')) this.showSpeed(live.speed);
-    live.targets.forEach((target, i) => this.showMotor(i, target));
+    live.targets.forEach((target, i) => this.showMotor(i, target, live.follows[i]));
   }
 
   showCurves(now) {
@@ -153,13 +153,14 @@ export class LivePlayer extends Player {
   }
 
   setUpMotors() {
-    this.motors = this.recording.live.motors.map(({name, unit, low, high}, i) => {
+    this.motors = this.recording.live.motors.map(({name, unit, low, high, has_trajectory: hasTrajectory}, i) => {
       const row = document.createElement('label'), text = document.createElement('span'), value = document.createElement('output');
       const slider = Object.assign(document.createElement('input'), {type: 'range', min: low, max: high, step: 'any'});
       row.className = 'motor';
       text.textContent = name;
       row.append(text, value, slider);
       $('motors').append(row);
+      const follows = hasTrajectory && this.addFollowBox(row, name, i);
       slider.oninput = () => {
         value.textContent = withUnit(Number(slider.value), unit);
         this.send({do: 'motor', motor: i, target: Number(slider.value)});
@@ -167,11 +168,22 @@ export class LivePlayer extends Player {
       // A slider that is held is not moved by what comes back.
       slider.onpointerdown = () => { slider.dataset.held = ''; };
       slider.onpointerup = slider.onpointercancel = () => { delete slider.dataset.held; };
-      return {slider, value, unit};
+      return {slider, value, unit, follows};
     });
   }
-  showMotor(i, target) {
-    const {slider, value, unit} = this.motors[i];
+  /** Of a motor with a trajectory: while it is checked the slider shows where that is; moving the slider leaves it. */
+  addFollowBox(row, name, i) {
+    const label = document.createElement('label'), box = Object.assign(document.createElement('input'), {type: 'checkbox', checked: true});
+    label.className = 'follows';
+    label.title = `Whether ${name} follows its trajectory`;
+    label.append(box, 'follows its trajectory');
+    row.after(label);
+    box.onchange = () => this.send(box.checked ? {do: 'follow', motor: i} : {do: 'motor', motor: i, target: Number(this.motors[i].slider.value)});
+    return box;
+  }
+  showMotor(i, target, isFollowing) {
+    const {slider, value, unit, follows} = this.motors[i];
+    if (follows) follows.checked = isFollowing;
     if ('held' in slider.dataset) return;
     slider.min = Math.min(slider.min, target);
     slider.max = Math.max(slider.max, target);

@@ -28,9 +28,13 @@
       const blob = URL.createObjectURL(new Blob([source], {type: 'text/javascript'}));
       for (const name of element.dataset.module.split(' ')) url.set(name, blob);
     }
-    const data = await (await unpack(document.getElementById('recording'))).arrayBuffer();
+    const dataOf = async (id) => {
+      const element = document.getElementById(id);
+      return element && (await unpack(element)).arrayBuffer();
+    };
+    const data = await dataOf('recording'), second = await dataOf('second');
     const {start} = await import(url.get('main.js'));
-    window.taut = await start(data);
+    window.taut = await start(data, second);
     document.documentElement.dataset.state = 'ready';
   } catch (error) {
     console.error(error);

@@ -20,7 +20,7 @@ const kModes = {force: 'Joint force', gap: 'Joint gap', speed: 'Speed', body: 'E
 const kMostOfTrace = 2000;
 
 export class Player {
-  constructor(recording) {
+  constructor(recording, second) {
     this.recording = recording;
     this.scales = makeScales(recording);
     this.view = new View($('view'), recording);
@@ -45,6 +45,7 @@ export class Player {
     this.placeBelowTools();
     this.view.resize();  // the curves have taken their part of the height
     this.view.home();
+    if (second) this.showBeside(second);
     this.apply(this.options);
     this.draw(performance.now());
   }
@@ -194,6 +195,10 @@ export class Player {
       return this.notify(error.message);
     }
     this.closeBeside();
+    this.showBeside(recording);
+  }
+
+  showBeside(recording) {
     const canvas = Object.assign(document.createElement('canvas'), {id: 'view2', tabIndex: 0});
     canvas.setAttribute('aria-label', 'The page beside');
     $('view').after(canvas);
@@ -524,7 +529,9 @@ export class Player {
   }
 }
 
-const parametersOf = ({parameters}) => Object.entries(parameters).map(([key, value]) => `${key} = ${value}`);
+/** Units are written as in the catalogue, `kg` or `m/s`: no prefix is put before them. */
+const parametersOf = ({parameters, parameterUnits: units}) => Object.entries(parameters).map(([key, value]) =>
+  `${key} = ${units[key] === 'bool' ? value !== 0 : [value, units[key]].filter((part) => part !== undefined).join(' ')}`);
 const factsOf = (recording) => [recording.scene, ...parametersOf(recording)].join(' · ');
 
 /** The curves of a recording by their titles: [{title, unit, logarithmic, digits, series}]. */

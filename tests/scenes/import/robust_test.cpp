@@ -75,6 +75,7 @@ TEST(RobustImport, FilesThatIncludeEachOtherAreRefused) {
          "<attach model='c' prefix='p'/></worldbody></mujoco>";
   EXPECT_THROW((void)import_model(testing::temporary("a.xml")), ImportError);
   EXPECT_THROW((void)import_model(testing::temporary("c.xml")), ImportError);
+  EXPECT_THROW((void)import_model(testing::temporary("nowhere.xml")), ImportError);
 }
 
 /// A byte in each hundred of a file is another.

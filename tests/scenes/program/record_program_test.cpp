@@ -199,5 +199,35 @@ TEST(ProgressLine, ShowsSimulatedTimeRateRemainingTimeAndGap) {
       contains(progress_line(1, 7300, 1, 1, {1e-9, 2e-10}), "2:01:39 left  gap 1.0e-09 m 2.0e-10 rad"));
 }
 
+TEST(RecordProgram, OfTwoRecordingsThereIsAPageAndNothingElse) {
+  const std::string a = temporary("two_a.taut"), b = temporary("two_b.taut"), page = temporary("two.html");
+  ASSERT_EQ(run_program(joined(kShortRun, {"--record", a})).exit_status, 0);
+  ASSERT_EQ(
+      run_program({"run", "net", "--set", "n=3", "--time", "0.1", "--quiet", "--record", b}).exit_status, 0);
+  const Outcome both = run_program({"replay", a, b});
+  EXPECT_EQ(both.exit_status, 0);
+  EXPECT_TRUE(contains(both.out, "chain n=3") && contains(both.out, "net")) << both.out;
+  for (const char* option : {"--gltf", "--plot", "--csv", "--vtk"}) {
+    const std::string file = temporary("two.out");
+    const Outcome other = run_program({"replay", a, b, option, file});
+    EXPECT_EQ(other.exit_status, 2) << option;
+    EXPECT_TRUE(contains(other.err, option)) << other.err;
+    EXPECT_FALSE(std::filesystem::exists(file));
+  }
+  EXPECT_EQ(run_program({"replay", a, temporary("nowhere.taut")}).exit_status, 2);
+  EXPECT_EQ(run_program({"replay", a, b, "--html", b}).exit_status, 2);
+  if (!has_three()) GTEST_SKIP() << kNoThree;
+  ASSERT_EQ(run_program({"replay", a, b, "--html", page, "--quiet"}).exit_status, 0);
+  RecordingReader first(a), second(b);
+  EXPECT_EQ(read_text(page), html_page(first, &second).text);
+  EXPECT_NE(read_text(page), html_page(first).text);
+  // A second one that was cut short is shown as far as it goes.
+  std::filesystem::resize_file(b, std::filesystem::file_size(b) - 30);
+  const Outcome cut = run_program({"replay", a, b, "--html", page});
+  EXPECT_EQ(cut.exit_status, 1);
+  EXPECT_TRUE(contains(cut.err, "two_b.taut")) << cut.err;
+  EXPECT_TRUE(contains(read_text(page), "id=\"second\""));
+}
+
 }  // namespace
 }  // namespace taut::testing::record_program_test

@@ -57,6 +57,7 @@ def test_catalogue():
     assert {p.name for p in catalogue["bridge-hinge"].parameters} == {"n", "truck"}
     scene = taut.build_scene("bridge-hinge", n=3, truck=True)
     assert scene.parameters == {"n": 3, "truck": 1} and scene.world.moving_body_count == 4
+    assert scene.parameter_units == {"truck": "bool"}
     for wrong in (lambda: taut.build_scene("nothing"), lambda: taut.build_scene("bridge", m=3), lambda: taut.build_scene("bridge", n=0.5)):
         with pytest.raises(ValueError):
             wrong()
@@ -112,6 +113,29 @@ def test_film_and_recording(tmp_path):
         film.sample()
 
 
+def test_joints_of_a_recording(tmp_path):
+    world = taut.World()
+    arm = world.add_body("arm", pose=taut.Pose(p=[1, 0, 0]))
+    slide = world.add_body("slide", pose=taut.Pose(p=[2, 0, 0]))
+    world.add("pivot", taut.Hinge.at(world, taut.GROUND, arm, [0.5, 0, 0], [0, 0.6, 0.8]))
+    world.add("rail", taut.Slider.at(world, arm, slide, [2, 0, 0], [1, 0, 0]))
+    world.add("tie", taut.Rope([(taut.GROUND, [0, 0, 1]), (arm, [0, 0, 1]), (slide, [0, 1, 0])], 9))
+    file = tmp_path / "arm.taut"
+    film = taut.Film(taut.Simulator(world), file=file)
+    film.sample(now=True)
+    film.finish()
+    pivot, rail, tie = taut.Recording(file).joints
+    assert (pivot.name, pivot.type, pivot.a, pivot.b) == ("pivot", "hinge", taut.GROUND, arm)
+    assert pivot.anchor_B == pytest.approx([-0.5, 0, 0]) and pivot.course == []
+    (angle,) = pivot.axes
+    assert (angle.name, angle.angular) == ("angle", True)
+    assert angle.axis_B == pytest.approx([0, 0.6, 0.8])  # bodies stand as the world does
+    (along,) = rail.axes
+    assert (along.angular, along.body) == (False, arm) and along.axis_B == pytest.approx([1, 0, 0])
+    assert [body for body, _ in tie.course] == [taut.GROUND, arm, slide] and tie.axes == []
+    assert tie.course[2][1] == pytest.approx([0, 1, 0])
+
+
 def test_a_recording_cut_short(tmp_path):
     file = tmp_path / "run.taut"
     film = taut.simulate(chain(5), 0.2, file=file)
@@ -144,6 +168,19 @@ def test_a_simulation_shows_itself(tmp_path):
     assert (tmp_path / "net.csv").read_text().startswith("time,")
     instant = taut.Simulator(chain(3))
     assert instant._repr_html_().startswith("<iframe")
+
+
+def test_a_page_of_two(tmp_path):
+    files = [tmp_path / "one.taut", tmp_path / "two.taut"]
+    for file, n in zip(files, (3, 4)):
+        taut.simulate(taut.build_scene("net", n=n), 0.05, file=file)
+    one, two = map(taut.Recording, files)
+    both = one.page(beside=two)
+    assert 'id="second"' in both and 'id="second"' not in one.page()
+    assert one.page(two) == both and one.page(None) == one.page()
+    for wrong in ("two.taut", 3):
+        with pytest.raises(TypeError):
+            one.page(beside=wrong)
 
 
 def test_without_three(monkeypatch, tmp_path):
@@ -206,4 +243,4 @@ def test_the_package_is_typed():
         item = getattr(taut, name)
         if isinstance(item, type):
             assert item.__doc__, name
-            assert re.search(rf"class {item.__name__}\b", stub) or name == "SceneFileError", name
+            assert re.search(rf"class {item.__name__}\b", stub), name

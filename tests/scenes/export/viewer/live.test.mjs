@@ -207,11 +207,75 @@ test('a slider turns the motor faster', async () => {
   assert.ok(Math.abs(rate(frames[3], frames[4]) - 1) < 1e-3 && Math.abs(rate(late[2], late[3]) - 3) < 1e-3);
 });
 
+test('a motor to a position, and one with a trajectory, go where their sliders say; the latter goes back to its trajectory', async () => {
+  const file = path.join(folder, 'driven.json'), at = (x) => ({density: 1000, shape: {type: 'box', size: [0.4, 0.1, 0.1]}, position: [x, 0, 0]});
+  const hinge = (b, x, axis) => ({name: `${b} pin`, type: 'hinge', a: 'ground', b, anchor: [x, 0, 0], axis: [0, 1, 0], axes: {angle: axis}});
+  const omega = 2, amplitude = 0.5;
+  fs.writeFileSync(file, JSON.stringify({
+    format: 'taut-scene/1', name: 'driven', dt: 0.002, duration: 1, gravity: [0, 0, 0], settings: {contacts: false},
+    bodies: [{name: 'arm', ...at(0)}, {name: 'crank', ...at(1)}],
+    joints: [hinge('arm', 0, {motor: {position: 0.25}, limits: {lower: -1, upper: 2}}), hinge('crank', 1, {motor: {trajectory: {harmonic: {mean: 0, amplitude, omega}}}})],
+  }));
+  const run = await start(file, '--live'), {page, complaints} = await open(browser, run.url);
+  const row = (i) => page.locator('#motors .motor').nth(i), box = page.locator('#motors .follows input');
+  assert.deepEqual(await page.locator('#motors .motor span').allTextContents(), ['arm pin angle', 'crank pin angle']);
+  assert.equal(await page.locator('#motors .follows').count(), 1, 'only a trajectory can be followed');
+  const range = await row(0).locator('input').evaluate(({min, max}) => [Number(min), Number(max)]);
+  assert.deepEqual(range, [-1, 2], 'a position goes as far as its limits');
+  const move = (i, value) => row(i).locator('input').evaluate((slider, to) => {
+    slider.value = to;
+    slider.dispatchEvent(new Event('input', {bubbles: true}));
+  }, value);
+  /** The angle about y that a body is turned by in a frame. */
+  const angleOf = (body, f = -1) => page.evaluate(([id, frame]) => {
+    const {list} = window.taut.recording, shown = list.at(frame), out = new Float64Array(7 * shown.bodyCount);
+    const poses = shown.poses(shown.times[0], out) ?? out;
+    const [, , , x, y, z, w] = poses.slice(7 * id, 7 * id + 7);
+    return {time: shown.times[0], angle: 2 * Math.atan2(y, w), rest: Math.hypot(x, z)};
+  }, [body, f]);
+  await until(page, () => window.taut.recording.end > 0.6);
+  assert.ok(await box.isChecked());
+  const early = await angleOf(2);
+  assert.ok(Math.abs(early.angle - amplitude * Math.sin(omega * early.time)) < 1e-3, JSON.stringify(early));
+  // While it is followed the slider is where the trajectory is.
+  await until(page, () => window.taut.recording.end > 0.8);
+  const shown = await page.evaluate(() => [window.taut.recording.live.targets[1], window.taut.recording.end]);
+  assert.ok(Math.abs(shown[0] - amplitude * Math.sin(omega * shown[1])) < 1e-9, `${shown}`);
+
+  await move(0, 1.5);
+  await move(1, -0.7);
+  await until(page, () => !window.taut.recording.live.follows[1] && window.taut.recording.live.targets[0] === 1.5);
+  assert.equal(await box.isChecked(), false);
+  assert.equal(await row(1).locator('output').textContent(), '−700 mrad');
+  const {time} = await live(page);
+  await until(page, (t) => window.taut.recording.end > t + 1.1, time);  // from end to end of a slider in 1 s
+  for (const [body, target] of [[1, 1.5], [2, -0.7]]) {
+    const {angle, rest} = await angleOf(body);
+    assert.ok(Math.abs(angle - target) < 1e-3 && rest < 1e-3, `${angle} instead of ${target}`);
+  }
+  assert.equal(await page.evaluate(() => window.taut.recording.live.status), 'running');
+  await box.check();
+  await until(page, () => window.taut.recording.live.follows[1]);
+  const again = (await live(page)).time;
+  await until(page, (t) => window.taut.recording.end > t + 2, again);
+  const late = await angleOf(2);
+  assert.ok(Math.abs(late.angle - amplitude * Math.sin(omega * late.time)) < 1e-3, JSON.stringify(late));
+  assert.equal(await page.evaluate(() => window.taut.recording.live.targets[0]), 1.5, 'the other one stays');
+  // Back at the start both are as in the file.
+  await box.uncheck();
+  await until(page, () => !window.taut.recording.live.follows[1]);
+  await page.click('#restart');
+  await until(page, () => window.taut.recording.live.follows[1] && window.taut.recording.live.targets[0] === 0.25);
+  assert.deepEqual(complaints, []);
+  await page.close();
+  assert.equal((await stop(run)).code, 130);
+});
+
 test('what is no message is ignored with a notice, and the run goes on', async () => {
   const run = await start(scene, '--live'), {page} = await open(browser, run.url);
   await until(page, () => window.taut.recording.end > 0.1);
   const bad = ['', '{', 'null', '[]', '"pause"', '{"do":1}', '{"do":"fly"}', '{"do":"motor"}', '{"do":"motor","motor":7,"target":1}', '{"do":"motor","motor":-1,"target":1}',
-               '{"do":"motor","motor":0.5,"target":1}', '{"do":"motor","motor":0,"target":1e300}', '{"do":"motor","motor":0,"target":"fast"}', '{"do":"speed","value":0}',
+               '{"do":"motor","motor":0.5,"target":1}', '{"do":"follow","motor":0}', '{"do":"motor","motor":0,"target":1e300}', '{"do":"motor","motor":0,"target":"fast"}', '{"do":"speed","value":0}',
                '{"do":"speed","value":-1}', '{"do":"pull","body":0,"point":[0,0,0],"to":[0,0,0],"strength":1}', '{"do":"pull","body":3,"point":[0,0,0],"to":[0,0,0],"strength":1}',
                '{"do":"pull","body":1,"point":[0,0],"to":[0,0,0],"strength":1}', '{"do":"pull","body":1,"point":[0,0,0],"to":[0,0,1e99],"strength":1}',
                '{"do":"pull","body":1,"point":[0,0,0],"to":[0,0,0],"strength":1e99}', '{"do":"pull","body":99999999999999999999,"point":[0,0,0],"to":[0,0,0],"strength":1}',

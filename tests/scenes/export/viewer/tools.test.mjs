@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import {after, before, test} from 'node:test';
-import {folder, launch, lookFrom, open, picture, project, runScene, scrub, settle} from './browser.mjs';
+import {folder, launch, lookFrom, open, picture, project, runScene, scrub, settle, taut} from './browser.mjs';
 import {add, anchor, cross, dot, norm, readRecording, sub, turned, unit} from './recording.mjs';
 
 let browser, files, recording;
@@ -273,6 +273,51 @@ test('the video that is saved plays the whole run', async () => {
   assert.equal(await page.locator('#video').getAttribute('aria-pressed'), 'false');
   assert.deepEqual(complaints, []);
   await page.close();
+});
+
+test('taut replay of two recordings makes one page of both', async () => {
+  const other = runScene('pendulum-hinge', '--set', 'n=3', '--time', '1.5'), {frames, header} = readRecording(other.recording);
+  const both = path.join(folder, 'both.html');
+  const said = String(taut('replay', files.recording, other.recording, '--html', both));
+  assert.match(said, /scene +pendulum-hinge n=2[^]*scene +pendulum-hinge n=3/);
+  const {page, complaints} = await open(browser, `${both}#view=front&t=1.2&colour=speed`);
+  assert.equal(await page.title(), 'pendulum-hinge');
+  assert.equal(await page.evaluate(() => window.taut.state.t), 1.2, 'it goes on to the end of the longer one');
+  assert.equal(await page.locator('#time').getAttribute('max'), String(frames.at(-1).time));
+  const frame = frames[40];
+  await scrub(page, frame.time);
+  await settle(page);
+  const {forward} = await cameraAxes(page);
+  assert.ok(norm(sub(forward, [0, 1, 0])) < 2e-3, `${forward}`);
+  const [first, second] = [await page.locator('#view').boundingBox(), await page.locator('#view2').boundingBox()];
+  const shift = second.x - first.x, pixels = await picture(page);
+  assert.ok(shift > 300);
+  for (const [data, dx] of [[recording, 0], [{frames, header}, shift]])
+    for (let body = 1; body < data.header.bodies.length; ++body) {
+      const {x, y} = await project(page, data.frames[40].position(body));
+      assert.ok(norm(sub(pixels.at(x + dx, y), [238, 241, 244])) > 60, `body ${body} is not at ${x + dx}, ${y}`);
+    }
+  assert.match((await page.locator('.plot figcaption span').allTextContents()).join(), /┄ kin\. [\d.]+ J/);
+  // Closed, and another page opened in its place: the first of the two that a page may have.
+  await click(page, 'beside');
+  assert.equal(await page.locator('#view2').count(), 0);
+  await page.setInputFiles('#other', both);
+  await page.waitForSelector('#view2');
+  assert.equal(await page.evaluate(() => window.taut.pictures[1].recording.bodyCount), recording.header.bodies.length);
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
+
+test('parameters of a scene stand with their units below its name', async () => {
+  const scene = runScene('vehicle-bridge', '--set', 'n=6', '--set', 'load=20', '--time', '0.05'), {header} = readRecording(scene.recording);
+  assert.deepEqual(header.parameter_units.speed, 'm/s');
+  const {page, complaints} = await open(browser, scene.page), facts = await page.locator('#facts').textContent();
+  for (const part of ['load = 20 kg', 'n = 6', 'speed = 2 m/s']) assert.ok(facts.split(' · ').includes(part), `${part} is not in ${facts}`);
+  const bridge = await open(browser, runScene('bridge', '--set', 'n=10', '--time', '0.05').page);
+  assert.ok((await bridge.page.locator('#facts').textContent()).split(' · ').includes('truck = true'));
+  assert.deepEqual([...complaints, ...bridge.complaints], []);
+  await page.close();
+  await bridge.page.close();
 });
 
 test('a second page beside has the same instant, camera and colours, and its curves are dashed', async () => {
