@@ -153,7 +153,7 @@ std::vector<SceneInfo> net_scenes() {
       {"net-corners", "n x n net of rods, pinned at its four corners", {net_size(20)}, build_corners},
       {"net-friction",
        "net-corners with Coulomb friction in every joint",
-       {net_size(5), {"friction", 1e-3, "N m", "torque about each of three axes", 0, 1e3, false}},
+       {net_size(5), {"friction", 1e-3, "N·m", "torque about each of three axes", 0, 1e3, false}},
        build_friction},
       {"net-catch",
        "a ball falls into net-corners, whose bars touch it",
