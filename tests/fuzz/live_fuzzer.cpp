@@ -77,7 +77,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string message(rest.substr(0, rest.find('\n')));
     rest.remove_prefix(std::min(rest.size(), message.size() + 1));
     tell(run.controls, line % 3, message);
-    for (const auto& target : run.controls.state()["targets"])
+    const nlohmann::json state = run.controls.state();
+    for (const auto& target : state["targets"])
       if (!target.is_number() || !std::isfinite(target.get<double>())) found("a target is no number");
     (void)run.controls.take_news();
     if (!run.controls.is_waiting() && !step(run)) return 0;
