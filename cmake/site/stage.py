@@ -28,7 +28,8 @@ def script(path):
 
 ROOMS = script(ROOT / "tests/architecture/rooms")  # which checks what becomes links here
 UNSEEN = ".github/", "tests/fuzz/corpus/"
-FILES = ".csv", ".json", ".png", ".svg", ".obj"  # linked as they are; json: results of benchmarks
+PICTURES = ".png", ".svg"
+FILES = *PICTURES, ".csv", ".json", ".obj"  # linked as they are; json: results of benchmarks, not scenes
 LANGUAGES = {".h": "cpp", ".cpp": "cpp", ".py": "python", ".sh": "bash", ".json": "json5", ".mjs": "javascript"}
 LINK = re.compile(r"(?<!`)\]\((<?)([^()\s>]+)(>?)\)")
 CODE = re.compile(r"^(?P<fence>```+)[\s\S]*?^(?P=fence)$|^ {4,}\S.*$|(?P<tick>`+)(?!`)[^\n]+?(?<!`)(?P=tick)(?!`)", re.M)
@@ -71,7 +72,7 @@ class Stage:
         if path in self.headers:
             return f"api/cpp/{path.removesuffix('.h')}.md"
         self.linked.append(path)
-        if path.endswith(FILES) and not path.startswith("scenes/examples/"):
+        if path.endswith(PICTURES if path.startswith("scenes/examples/") else FILES):
             return path
         return f"{path.removesuffix('.ipynb')}.md" if path.endswith(".ipynb") else f"{path}.md"
 
