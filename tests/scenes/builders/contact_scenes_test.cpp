@@ -104,21 +104,25 @@ TEST(Wall, of_ten_rows_stands_still) {
   EXPECT_LE(largest_motion(scene.world, start), 1e-9);
 }
 
-// Without sleep: what each step adds would add up.
-TEST(Stack, of_twenty_boxes_does_not_move_in_100000_steps) {
-  for (const bool top_heavy : {false, true}) {
-    Scene scene = build_scene("stack", {{"n", 20}, {"top_heavy", top_heavy ? 1 : 0}});
-    Simulator simulator(scene.world, scene.settings);
-    run(scene, simulator, 1);
-    const State settled = scene.world.state();
-    for (int i = 0; i < 100000; ++i) {
-      const StepReport& report = simulator.step(scene.dt);
-      ASSERT_TRUE(report.exact()) << report.message;
-      ASSERT_LE(report.natural_residual, 1e-8) << i;
-    }
-    EXPECT_LE(largest_motion(scene.world, settled), 1e-6) << top_heavy;
+/// How far a stack of twenty that has settled moves.  Without sleep: what each step adds would add up.
+double motion_of_twenty(bool top_heavy, int steps) {
+  Scene scene = build_scene("stack", {{"n", 20}, {"top_heavy", top_heavy ? 1 : 0}});
+  Simulator simulator(scene.world, scene.settings);
+  run(scene, simulator, 1);
+  const State settled = scene.world.state();
+  for (int i = 0; i < steps; ++i) {
+    const StepReport& report = simulator.step(scene.dt);
+    EXPECT_TRUE(report.exact()) << report.message;
+    EXPECT_LE(report.natural_residual, 1e-8) << i;
+    if (::testing::Test::HasFailure()) break;
   }
+  return largest_motion(scene.world, settled);
 }
+
+TEST(Stack, of_twenty_boxes_does_not_move_in_10000_steps) { EXPECT_LE(motion_of_twenty(false, 10000), 1e-9); }
+
+// It settles by 4e-7 m in the first tenth of them.
+TEST(Stack, top_heavy_does_not_creep_in_100000_steps) { EXPECT_LE(motion_of_twenty(true, 100000), 1e-6); }
 
 // No energy comes from contacts and limits of joints.
 TEST(RagdollStairs, a_ragdoll_falls_down_and_loses_energy) {
