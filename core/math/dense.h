@@ -26,7 +26,7 @@ Vec3 symmetric_eigenvalues3(const Mat3& A);
 /// K x = ω M x of symmetric K and positive definite M; xᵀ M x = 1.
 Eigenpairs generalized_eigenpairs(const Matrix& K, const Matrix& M);
 
-/// A = U diag(values) Vᵀ: values descending, U with as many columns as A [m × min(m, n)], V square [n × n].
+/// A = U diag(values) Vᵀ: values descending, U [m × min(m, n)], V square [n × n].
 struct SingularValues {
   Matrix U, V;
   Vector values;

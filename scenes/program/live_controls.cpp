@@ -183,7 +183,7 @@ void LiveControls::set_speed(double speed) {
 /// A motor that follows a trajectory leaves it.
 void LiveControls::set_target(Motor& it, double target) {
   AxisMotor now = motor(it);
-  if (follows(now)) now.mode = AxisMotor::Mode::kPosition, now.target = target;
+  if (follows(now)) now.mode = AxisMotor::Mode::kPosition;
   if (now.mode == AxisMotor::Mode::kPosition && is_unbounded(it.start) && std::isinf(it.start.max_speed))
     now.max_speed = (it.high - it.low) / kSliderTime;
   now.target = target;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <ranges>
 #include <vector>
 
 #include "core/base/check.h"
@@ -43,25 +44,24 @@ RecordingReader opened(const std::string& file) {
   return recording;
 }
 
-void require_page_alone(const ExportFiles& exports) {
-  for (const auto& [option, file] : {NamedFile{"--gltf", exports.gltf},
-                                     {"--plot", exports.plot},
-                                     {"--csv", exports.csv},
-                                     {"--vtk", exports.vtk_folder}})
-    if (!file.empty()) fail(option, "is made of one recording; of two there is a page, --html", file);
+/// All files that can be made; the first one, the page, also of two recordings.
+std::vector<NamedFile> outputs_of(const ExportFiles& exports) {
+  return {{"--html", exports.html},
+          {"--gltf", exports.gltf},
+          {"--plot", exports.plot},
+          {"--csv", exports.csv},
+          {"--vtk", exports.vtk_folder}};
 }
 
 }  // namespace
 
 int replay_command(const std::string& file, const std::string& beside, const ExportFiles& exports,
                    bool quiet) {
-  require_distinct({{"--html", exports.html},
-                    {"--gltf", exports.gltf},
-                    {"--plot", exports.plot},
-                    {"--csv", exports.csv},
-                    {"--vtk", exports.vtk_folder}},
-                   {{"the recording", file}, {"the recording beside it", beside}});
-  if (!beside.empty()) require_page_alone(exports);
+  const std::vector<NamedFile> outputs = outputs_of(exports);
+  require_distinct(outputs, {{"the recording", file}, {"the recording beside it", beside}});
+  if (!beside.empty())
+    for (const auto& [option, output] : outputs | std::views::drop(1))
+      if (!output.empty()) fail(option, "is made of one recording; of two there is a page, --html", output);
   std::vector<RecordingReader> recordings;
   recordings.push_back(opened(file));
   if (!beside.empty()) recordings.push_back(opened(beside));

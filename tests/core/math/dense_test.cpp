@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
+#include "tests/core/random_state.h"
 
 namespace taut::dense_test {
 
@@ -10,10 +10,9 @@ using dense::Matrix;
 using dense::Vector;
 
 Matrix random_matrix(int rows, int columns, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> value(-1, 1);
+  testing::Random random(seed);
   Matrix A(rows, columns);
-  for (double& a : A.reshaped()) a = value(random);
+  for (double& a : A.reshaped()) a = random.uniform(-1, 1);
   return A;
 }
 
