@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
-#include <ranges>
 #include <vector>
 
 #include "core/base/check.h"
@@ -59,9 +58,10 @@ int replay_command(const std::string& file, const std::string& beside, const Exp
                    bool quiet) {
   const std::vector<NamedFile> outputs = outputs_of(exports);
   require_distinct(outputs, {{"the recording", file}, {"the recording beside it", beside}});
-  if (!beside.empty())
-    for (const auto& [option, output] : outputs | std::views::drop(1))
-      if (!output.empty()) fail(option, "is made of one recording; of two there is a page, --html", output);
+  const auto of_one = std::find_if(outputs.begin() + 1, outputs.end(),
+                                   [](const NamedFile& output) { return !output.file.empty(); });
+  if (!beside.empty() && of_one != outputs.end())
+    fail(of_one->option, "is made of one recording; of two there is a page, --html", of_one->file);
   std::vector<RecordingReader> recordings;
   recordings.push_back(opened(file));
   if (!beside.empty()) recordings.push_back(opened(beside));
