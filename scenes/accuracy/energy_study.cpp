@@ -16,7 +16,8 @@ namespace taut {
 namespace {
 
 constexpr long kWindows = 500;
-constexpr const char* kStudied[] = {"RATTLE", "RATTLE of order 4", "force level, Runge-Kutta, position push"};
+constexpr const char* kEnergyMethods[] = {"RATTLE", "RATTLE of order 4",
+                                          "force level, Runge-Kutta, position push"};
 
 EnergyRun run(const Method& method, long steps, double dt) {
   EnergyRun result;
@@ -66,7 +67,8 @@ double EnergyRun::drift() const {
 std::vector<EnergyRun> run_energy(long steps, double dt) {
   std::vector<EnergyRun> runs;
   for (const Method& method : compared_methods())
-    if (std::find(std::begin(kStudied), std::end(kStudied), method.name) != std::end(kStudied))
+    if (std::find(std::begin(kEnergyMethods), std::end(kEnergyMethods), method.name) !=
+        std::end(kEnergyMethods))
       runs.push_back(run(method, steps, dt));
   return runs;
 }
