@@ -68,6 +68,7 @@ Quantity quantity_of(const Json& json) {
   quantity.tolerance = json.at("abs_tol");
   quantity.tolerance_limit = json.at("abs_tol_limit");
   if (json.contains("probe")) quantity.probe = json.at("probe");
+  quantity.orientation = json.value("for_orientation", "");
   return quantity;
 }
 

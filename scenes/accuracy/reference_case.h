@@ -23,10 +23,11 @@ struct Quantity {
   double tolerance = 0;        ///< at the step `dt` of the case
   double tolerance_limit = 0;  ///< as dt → 0
   nlohmann::json probe;        ///< how to measure it; null if the file does not say
+  std::string orientation;     ///< why no run of this case can measure it; empty: one can
 
   bool has_probe() const { return !probe.is_null(); }
-  /// Values given for orientation carry a tolerance of 1e9.
-  bool binding() const { return tolerance < 1e8; }
+  /// Values given for orientation carry a tolerance of 1e9 or a reason.
+  bool binding() const { return tolerance < 1e8 && orientation.empty(); }
 };
 
 /// Points of A and B that a joint ties, in body axes.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -22,6 +23,29 @@ bool is_turning(const Json& probe) {
   return kind_of(probe) == "turning_time" || kind_of(probe) == "turning_value";
 }
 
+bool is_crossing(const Json& probe) {
+  return kind_of(probe) == "crossing_time" || kind_of(probe) == "at_crossing";
+}
+bool is_first(const Json& probe) {
+  return kind_of(probe) == "first_value" || kind_of(probe) == "initial_rate";
+}
+
+/// What is crossed, which a probe says itself or under "crossing".
+const Json& crossing_of(const Json& probe) {
+  return kind_of(probe) == "at_crossing" ? probe.at("crossing") : probe;
+}
+std::string text_of_crossing(const Json& probe) {
+  const Json& crossing = crossing_of(probe);
+  return Json::array({crossing.at("of"), crossing.value("level", 0.0), crossing.value("direction", "any")})
+      .dump();
+}
+int sign_of_crossing(const Json& probe) {
+  const std::string direction = crossing_of(probe).value("direction", "any");
+  if (direction != "up" && direction != "down" && direction != "any")
+    fail("probe", "a direction is \"up\", \"down\" or \"any\"", direction);
+  return direction == "up" ? 1 : direction == "down" ? -1 : 0;
+}
+
 /// The joint or the pair of an impact, as text.
 std::string place_of(const Json& probe) { return probe.at(probe.contains("pair") ? "pair" : "joint").dump(); }
 
@@ -33,12 +57,25 @@ const T& entry(const std::vector<T>& list, const Json& probe) {
   return list[index - 1];
 }
 
+/// Where the straight line through two samples is at a time.
+template <typename Sample>
+Values on_line(const Sample& a, const Sample& b, double time) {
+  const double part = (time - a.time) / (b.time - a.time);
+  Values values = b.values;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = a.values[i] + part * (b.values[i] - a.values[i]);
+  return values;
+}
+
 }  // namespace
 
 bool Probes::is_about_the_run(const Json& probe) {
   const std::string kind = kind_of(probe);
   return kind == "crossing_period" || kind == "extremum_in_time" || kind == "rest_time" ||
-         kind == "impact_time" || kind == "final_value" || is_at_impact(probe) || is_turning(probe);
+         kind == "impact_time" || kind == "impact_count" || kind == "impact_order" || kind == "final_value" ||
+         is_at_impact(probe) || is_turning(probe) || is_crossing(probe) || is_first(probe) ||
+         (probe.contains("of") && is_about_the_run(probe.at("of"))) ||
+         (probe.contains("items") && std::ranges::any_of(probe.at("items"), is_about_the_run));
 }
 
 void Probes::subscribe_events(const Json& probe) {
@@ -49,6 +86,18 @@ void Probes::subscribe_events(const Json& probe) {
     const std::string of = probe.at("of").dump();
     impacts.now[of] = evaluate(probe.at("of"));
   }
+  for (const Json& pair : probe.value("pairs", Json::array())) impacts_[pair.dump()];
+  if (is_first(probe)) firsts_[probe.at("of").dump()] = {evaluate(probe.at("of"))};
+  if (is_crossing(probe)) {
+    Crossings& crossings = crossings_[text_of_crossing(probe)];
+    crossings.of = crossing_of(probe).at("of");
+    crossings.level = crossing_of(probe).value("level", 0.0);
+    crossings.direction = sign_of_crossing(probe);
+    crossings.t = state().time;
+    crossings.x = evaluate(crossings.of).at(0) - crossings.level;
+    if (kind_of(probe) == "at_crossing")
+      crossings.measured[probe.at("of").dump()].last = {state().time, evaluate(probe.at("of"))};
+  }
   if (is_turning(probe)) {
     Turns& turns = turns_[probe.at("of").dump()];
     turns.of = probe.at("of");
@@ -58,6 +107,12 @@ void Probes::subscribe_events(const Json& probe) {
 void Probes::observe_events() {
   for (auto& [where, impacts] : impacts_) observe(where, impacts);
   for (auto& [of, turns] : turns_) observe(turns);
+  for (auto& [of, crossings] : crossings_) observe(crossings);
+  for (auto& [of, values] : firsts_) {
+    if (values.size() > 1) continue;
+    values.push_back(evaluate(Json::parse(of)));
+    first_step_ = state().time - start_.time;
+  }
   for (auto& [body, rest] : rests_) observe(find_body(case_.world, body), rest);
 }
 
@@ -94,6 +149,34 @@ void Probes::observe(Turns& turns) {
   }
   t.erase(t.begin());
   x.erase(x.begin());
+}
+
+/// Where the chord through the last two samples is 0; a sample on the level belongs to the step that ends in
+/// it.
+void Probes::observe(Crossings& crossings) {
+  auto& [of, level, direction, t, x, times, measured] = crossings;
+  const double last_t = t, last_x = x;
+  t = state().time;
+  x = evaluate(of).at(0) - level;
+  const bool up = last_x < 0 && x >= 0, down = last_x > 0 && x <= 0;
+  const bool passes = (up && direction >= 0) || (down && direction <= 0);
+  if (passes) times.push_back(last_t + last_x / (last_x - x) * (t - last_t));
+  for (auto& [what, values] : measured) observe(times, passes, {t, evaluate(Json::parse(what))}, values);
+}
+
+void Probes::observe(const std::vector<double>& times, bool passes, const Crossings::Sample& now,
+                     Crossings::Measured& measured) {
+  auto& [last, before_last, before, at, after] = measured;
+  const bool just_passed = !times.empty() && !passes && after.size() == times.size() &&
+                           times.back() > before_last.time && times.back() <= last.time;
+  if (just_passed) after.back() = on_line(last, now, times.back());
+  if (passes) {
+    before.push_back(before_last.values.empty() ? last.values : on_line(before_last, last, times.back()));
+    at.push_back(on_line(last, now, times.back()));
+    after.push_back(now.values);
+  }
+  before_last = last;
+  last = now;
 }
 
 void Probes::observe(BodyId body, Rest& rest) {
@@ -165,5 +248,56 @@ Values Probes::turning_value(const Json& probe) {
 }
 
 Values Probes::final_value(const Json& probe) { return evaluate(probe.at("of")); }
+
+Values Probes::first_value(const Json& probe) { return firsts_.at(probe.at("of").dump()).at(1); }
+
+Values Probes::initial_rate(const Json& probe) {
+  const std::vector<Values>& values = firsts_.at(probe.at("of").dump());
+  Values rate = values.at(1);
+  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = (rate[i] - values[0][i]) / first_step_;
+  return rate;
+}
+
+Values Probes::crossing_time(const Json& probe) {
+  return {entry(crossings_.at(text_of_crossing(probe)).times, probe)};
+}
+
+Values Probes::at_crossing(const Json& probe) {
+  const Crossings::Measured& of = crossings_.at(text_of_crossing(probe)).measured.at(probe.at("of").dump());
+  const std::string side = probe.value("side", "both");
+  if (side != "both" && side != "before" && side != "after")
+    fail("probe", "a side is \"both\", \"before\" or \"after\"", side);
+  return entry(side == "before" ? of.before : side == "after" ? of.after : of.at, probe);
+}
+
+std::vector<std::pair<double, int>> Probes::impacts_among(const Json& probe) const {
+  std::vector<std::pair<double, int>> all;
+  int index = 0;
+  for (const Json& pair : probe.at("pairs")) {
+    for (double time : impacts_.at(pair.dump()).times) all.emplace_back(time, index);
+    ++index;
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+Values Probes::impact_count(const Json& probe) { return {static_cast<double>(impacts_among(probe).size())}; }
+
+Values Probes::impact_order(const Json& probe) {
+  Values order;
+  for (const auto& [time, index] : impacts_among(probe)) order.push_back(index);
+  return order;
+}
+
+Values Probes::contact_sliding(const Json& probe) {
+  return {pair_contact(simulator_, pair(probe)).sliding ? 1.0 : 0.0};
+}
+
+Values Probes::centre_of_pressure(const Json& probe) {
+  const Vec3 centre = pair_contact(simulator_, pair(probe)).centre();
+  return {centre.x(), centre.y(), centre.z()};
+}
+
+Values Probes::time(const Json&) { return {state().time}; }
 
 }  // namespace taut::reference

@@ -86,7 +86,7 @@ void run_frequency(const Case& reference, const RunPlan& plan, CaseRun& result) 
     const Quantity& quantity = reference.quantities[i];
     const std::optional<ModeName> name = parse(quantity.name, modes.size());
     if (!name || !quantity.binding()) {
-      result.quantities[i].reason = kNoProbe;
+      result.quantities[i].reason = why_not_measured(quantity);
       continue;
     }
     const double limit = quantity.uncertainty + quantity.tolerance_limit;

@@ -81,8 +81,21 @@ const std::map<std::string, Probes::Measure>& Probes::measures() {
       {"turning_time", &Probes::turning_time},
       {"turning_value", &Probes::turning_value},
       {"final_value", &Probes::final_value},
+      {"first_value", &Probes::first_value},
+      {"initial_rate", &Probes::initial_rate},
+      {"crossing_time", &Probes::crossing_time},
+      {"at_crossing", &Probes::at_crossing},
+      {"impact_count", &Probes::impact_count},
+      {"impact_order", &Probes::impact_order},
       {"contact_force", &Probes::contact_force},
       {"contact_normal_sum", &Probes::contact_normal_sum},
+      {"contact_sliding", &Probes::contact_sliding},
+      {"centre_of_pressure", &Probes::centre_of_pressure},
+      {"axial_force", &Probes::axial_force},
+      {"direction", &Probes::direction},
+      {"ratio", &Probes::ratio},
+      {"constant", &Probes::constant},
+      {"time", &Probes::time},
       {"list", &Probes::list},
       {"sum", &Probes::sum},
       {"extremum", &Probes::extremum},
@@ -94,6 +107,7 @@ const std::map<std::string, Probes::Measure>& Probes::measures() {
 bool Probes::knows(const Json& probe) {
   if (!measures().contains(probe.at("kind"))) return false;
   if (probe.contains("of") && !knows(probe.at("of"))) return false;
+  if (probe.contains("crossing") && !knows(probe.at("crossing").at("of"))) return false;
   if (probe.contains("items"))
     for (const Json& item : probe.at("items"))
       if (!knows(item)) return false;
@@ -121,6 +135,7 @@ void Probes::subscribe(const Json& probe) {
   if (probe.contains("items"))
     for (const Json& item : probe.at("items")) subscribe(item);
   if (probe.contains("of")) subscribe(probe.at("of"));
+  if (probe.contains("crossing")) subscribe(probe.at("crossing").at("of"));
   if (is_traced(probe)) {
     Trace trace;
     trace.of = probe.at("of");
@@ -386,6 +401,40 @@ Values Probes::norm(const Json& probe) {
   double sum = 0;
   for (double value : evaluate(probe.at("of"))) sum += value * value;
   return {std::sqrt(sum)};
+}
+
+/// Half of what the joints at both ends pull with: the weight of the body between them is shared.
+Values Probes::axial_force(const Json& probe) {
+  const World& world = simulator_.world();
+  const BodyId body = find_body(world, probe.at("body"));
+  const Pose& pose = state().poses[body.index];
+  const Vec3 axis = pose.q * vector_of(probe, "axis");
+  double sum = 0;
+  for (int j = 0; j < world.joint_count(); ++j) {
+    const Joint& of = world.joint(JointId{j});
+    if (of.a() != body && of.b() != body) continue;
+    const Vec3 arm = state().poses[of.b().index].point(of.reaction_point_B()) - pose.p;
+    const double pull = (of.b() == body ? 1 : -1) * simulator_.reaction(JointId{j}).force.dot(axis);
+    sum += arm.dot(axis) < 0 ? -pull : pull;
+  }
+  return {0.5 * sum};
+}
+
+/// Angle of the vector `of` − `about` in a plane, from `from` to `to`.
+Values Probes::direction(const Json& probe) {
+  const Values v = evaluate(probe.at("of"));
+  Vec3 x(v.at(0), v.at(1), v.at(2));
+  if (probe.contains("about")) x -= vector_of(probe, "about");
+  return {std::atan2(x.dot(vector_of(probe, "to")), x.dot(vector_of(probe, "from")))};
+}
+
+Values Probes::ratio(const Json& probe) {
+  return {evaluate(probe.at("items").at(0)).at(0) / evaluate(probe.at("items").at(1)).at(0)};
+}
+
+Values Probes::constant(const Json& probe) {
+  const Json& value = probe.at("value");
+  return value.is_array() ? value.get<Values>() : Values{value.get<double>()};
 }
 
 }  // namespace taut::reference

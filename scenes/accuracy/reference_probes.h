@@ -61,6 +61,25 @@ class Probes {
     std::map<std::string, std::vector<Values>> before, after;  ///< by the text of what is measured
     std::map<std::string, Values> now;
   };
+  /// Passages of a scalar through a level, and values on both sides of each.
+  struct Crossings {
+    struct Sample {
+      double time = 0;
+      Values values;
+    };
+    /// What is measured there; its limits from both sides are straight lines through two samples of that
+    /// side.
+    struct Measured {
+      Sample last, before_last;
+      std::vector<Values> before, at, after;
+    };
+    Json of;
+    double level = 0;
+    int direction = 0;  ///< 1: upwards, -1: downwards, 0: both
+    double t = 0, x = 0;
+    std::vector<double> times;
+    std::map<std::string, Measured> measured;  ///< by its text
+  };
   /// Turning points of a scalar.
   struct Turns {
     Json of;
@@ -79,7 +98,13 @@ class Probes {
   void observe(const std::string& where, Impacts& impacts);
   std::optional<double> last_impact(const std::string& where) const;
   void observe(Turns& turns);
+  void observe(Crossings& crossings);
+  /// After a step, in which the last of `times` lies if `passes`.
+  static void observe(const std::vector<double>& times, bool passes, const Crossings::Sample& now,
+                      Crossings::Measured& measured);
   void observe(BodyId body, Rest& rest);
+  /// Times and places of all impacts of the pairs of a probe, in order.
+  std::vector<std::pair<double, int>> impacts_among(const Json& probe) const;
   void sample(Trace& trace);
   const State& state() const { return simulator_.world().state(); }
   Quat relative_rotation(const Angle& angle) const;
@@ -120,6 +145,19 @@ class Probes {
   Values turning_time(const Json& probe);
   Values turning_value(const Json& probe);
   Values final_value(const Json& probe);
+  Values first_value(const Json& probe);
+  Values initial_rate(const Json& probe);
+  Values crossing_time(const Json& probe);
+  Values at_crossing(const Json& probe);
+  Values impact_count(const Json& probe);
+  Values impact_order(const Json& probe);
+  Values contact_sliding(const Json& probe);
+  Values centre_of_pressure(const Json& probe);
+  Values axial_force(const Json& probe);
+  Values direction(const Json& probe);
+  Values ratio(const Json& probe);
+  Values constant(const Json& probe);
+  Values time(const Json& probe);
   Values list(const Json& probe);
   Values sum(const Json& probe);
   Values extremum(const Json& probe);
@@ -131,9 +169,13 @@ class Probes {
   double start_energy_;
   std::map<std::string, Angle> angles_;  ///< by the text of their probe
   std::map<std::string, Trace> traces_;
-  std::map<std::string, Impacts> impacts_;  ///< by the text of the joint or pair
-  std::map<std::string, Turns> turns_;      ///< by the text of their scalar
-  std::map<std::string, Rest> rests_;       ///< by body
+  std::map<std::string, Impacts> impacts_;      ///< by the text of the joint or pair
+  std::map<std::string, Turns> turns_;          ///< by the text of their scalar
+  std::map<std::string, Rest> rests_;           ///< by body
+  std::map<std::string, Crossings> crossings_;  ///< by their text
+  /// By the text of what is measured: at the start of the run, then after its first step.
+  std::map<std::string, std::vector<Values>> firsts_;
+  double first_step_ = 0;  ///< [s]
 };
 
 }  // namespace taut::reference

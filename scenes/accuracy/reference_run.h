@@ -30,6 +30,10 @@ const char* to_string(Verdict verdict);
 
 /// Reason of a quantity that has no probe.
 inline constexpr const char* kNoProbe = "the file does not say how to measure it";
+/// Of a quantity without a probe.
+inline std::string why_not_measured(const Quantity& quantity) {
+  return quantity.orientation.empty() ? kNoProbe : quantity.orientation;
+}
 
 /// What became of one quantity.
 struct Measurement {

@@ -33,7 +33,7 @@ Settings settings_of(const Case& reference, const RunPlan& plan) {
 
 /// Contacts give no force before the first step.
 bool reads_contacts(const nlohmann::json& probe) {
-  if (probe.at("kind").get<std::string>().rfind("contact_", 0) == 0) return true;
+  if (probe.contains("pair")) return true;
   if (probe.contains("of")) return reads_contacts(probe.at("of"));
   for (const auto& item : probe.value("items", nlohmann::json::array()))
     if (reads_contacts(item)) return true;
@@ -78,7 +78,7 @@ void Session::list_quantities() {
     const Quantity& quantity = case_.quantities[i];
     Measurement& result = result_.quantities[i];
     if (!quantity.has_probe())
-      result.reason = kNoProbe;
+      result.reason = why_not_measured(quantity);
     else if (!Probes::knows(quantity.probe))
       result.reason = "probe of unknown kind: " + quantity.probe.dump();
     else if (plan_.end && quantity.time && *quantity.time > *plan_.end + 1e-9)

@@ -143,6 +143,69 @@ TEST(Accuracy, WhatCannotBeMeasuredIsNamedAndDoesNotFail) {
   EXPECT_NE(outcome.out.find("not measured,the file does not say how"), std::string::npos);
 }
 
+TEST(Accuracy, WhatNoRunOfTheCaseCanMeasureIsForOrientationAndSaysWhy) {
+  Json json = falling(), limit = quantity("terminal_speed", nullptr, 9, 1e-3, nullptr);
+  limit["for_orientation"] = "the limit of long falls in air";
+  json["quantities"].push_back(limit);
+  const CaseRun run = run_made_up(json);
+  EXPECT_EQ(run.count(Verdict::kOrientation), 1);
+  EXPECT_EQ(run.count(Verdict::kNotMeasured), 0);
+  EXPECT_EQ(run.quantities.back().reason, "the limit of long falls in air");
+}
+
+/// z(t) = −g t²/2 passes −0.5 m downwards at √(1/g); the chord through a step h misses that by g h²/8 at
+/// most.
+Json passing(const std::string& direction) {
+  Json z = point("stone", "position");
+  z["components"] = {2};
+  return {{"of", z}, {"level", -0.5}, {"direction", direction}};
+}
+
+TEST(Accuracy, APassageThroughALevelIsWithinItsStepToSecondOrder) {
+  Json json = falling(), time = passing("down"), velocity = point("stone", "velocity");
+  time["kind"] = "crossing_time";
+  time["index"] = 1;
+  velocity["components"] = {2};
+  const double at = std::sqrt(1 / kG), h = 1e-3, chord = h * h / 8 / at;
+  json["quantities"].push_back(quantity("time", nullptr, at, chord, time));
+  for (const char* side : {"before", "both", "after"})
+    json["quantities"].push_back(quantity(side, nullptr, -kG * at, 1.01 * kG * chord,
+                                          {{"kind", "at_crossing"},
+                                           {"crossing", passing("any")},
+                                           {"index", 1},
+                                           {"of", velocity},
+                                           {"side", side}}));
+  expect_all_pass(run_made_up(json), 5);
+}
+
+TEST(Accuracy, APassageThatTheRunDoesNotShowFailsAndAWrongDirectionIsNamed) {
+  const auto run_with = [](const std::string& direction) {
+    Json json = falling(), time = passing(direction);
+    time["kind"] = "crossing_time";
+    time["index"] = 1;
+    json["quantities"].push_back(quantity("time", nullptr, 0.3, 1, time));
+    return run_made_up(json);
+  };
+  const CaseRun run = run_with("up");
+  EXPECT_EQ(run.quantities.back().verdict, Verdict::kFail);
+  EXPECT_NE(run.quantities.back().reason.find("not seen in the run"), std::string::npos);
+  EXPECT_THROW(run_with("sideways"), std::invalid_argument);
+}
+
+/// The rod of 3 kg hangs by its upper end: its middle bears half of its weight.
+TEST(Accuracy, TheAxialForceOfAHangingRodIsHalfItsWeight) {
+  const double m = 3;
+  Json rod = body("rod", m, {0.25, 0.25, 0.01}, {0, 0, -0.5});
+  const Json setup{
+      {"bodies", {rod}},
+      {"joints", {{{"name", "pin"}, {"type", "ball"}, {"a", "world"}, {"b", "rod"}, {"anchor", {0, 0, 0}}}}}};
+  expect_all_pass(
+      run_made_up(make_case("static", setup,
+                            {quantity("middle", nullptr, 0.5 * m * kG, 1e-9,
+                                      {{"kind", "axial_force"}, {"body", "rod"}, {"axis", {0, 0, 1}}})})),
+      1);
+}
+
 /// An event that the run does not show is a failure, not a gap in the table.
 TEST(Accuracy, AnEventThatDoesNotHappenFails) {
   Json json = falling();

@@ -36,6 +36,8 @@ const std::map<std::string, std::map<std::string, double>> kBeyondOrder2 = {
     {"pendulum_whirling_slow", {{"revolution_time", 90}, {"angular_speed_top", 23}}},
     {"rigid_pendulum_3d", {{"energy", 2.2}}},
     {"spatial_slider_crank", {{"crank.angle at the last time", 1.8}}},
+    {"top_steady_fast", {{"precession_rate", 5.3}}},
+    {"top_steady_slow", {{"precession_rate", 2.3}}},
     {"triple_pendulum", {{"energy", 1.4}}},
 };
 
