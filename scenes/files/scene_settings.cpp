@@ -41,6 +41,8 @@ Settings read_settings(const JsonNode& node, const Settings& defaults) {
   number("contact_margin", &JsonNode::not_negative, s.contact_margin);
   integer("max_contacts", s.max_contacts);
   number("resting_speed", &JsonNode::not_negative, s.resting_speed);
+  s.locate_plastic_impacts =
+      object.get("locate_plastic_impacts", &JsonNode::boolean, s.locate_plastic_impacts);
   number("inexact_tolerance", &JsonNode::not_negative, s.inexact_tolerance);
   s.sleep = object.get("sleep", &JsonNode::boolean, s.sleep);
   number("sleep_speed", &JsonNode::positive, s.sleep_speed);

@@ -30,7 +30,8 @@ struct RunOptions {
   std::optional<int> threads;
   std::optional<double> relaxation;
   std::optional<double> theta;
-  bool sleep = false, merge_fixed_joints = false;              ///< also if the scene does not say so
+  /// Also if the scene does not say so.
+  bool sleep = false, merge_fixed_joints = false, locate_plastic_impacts = false;
   std::string report_file, csv_file, poses_file, record_file;  ///< empty: none
   std::string stages_folder;                ///< for the friction problems of its stages; empty: none
   std::string from_file, save_file;         ///< the state to start from, and where it goes to; empty: none

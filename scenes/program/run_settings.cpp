@@ -26,6 +26,7 @@ SettingSources::SettingSources(const RunOptions& options, const Scene& scene) {
   option(options.theta.has_value(), "theta", "--theta");
   option(options.sleep, "sleep", "--sleep");
   option(options.merge_fixed_joints, "merge_fixed_joints", "--merge-fixed-joints");
+  option(options.locate_plastic_impacts, "locate_plastic_impacts", "--locate-plastic-impacts");
 }
 
 std::string SettingSources::name(const std::string& setting) const {
@@ -48,6 +49,7 @@ void apply_settings(const RunOptions& options, Settings& settings) {
   take(options.theta, settings.theta);
   if (options.sleep) settings.sleep = true;
   if (options.merge_fixed_joints) settings.merge_fixed_joints = true;
+  if (options.locate_plastic_impacts) settings.locate_plastic_impacts = true;
 }
 
 void require_compatible(const Scene& scene, const SettingSources& sources) {

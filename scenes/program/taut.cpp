@@ -114,6 +114,8 @@ void add_run(CLI::App& app, Arguments& arguments) {
   run.add_flag("--sleep", options.sleep, "let islands of bodies at rest sleep until something wakes them");
   run.add_flag("--merge-fixed-joints", options.merge_fixed_joints,
                "let bodies that fixed joints hold together move as one");
+  run.add_flag("--locate-plastic-impacts", options.locate_plastic_impacts,
+               "let impacts without restitution end a sub-step when they happen, too");
   run.add_option("--report", options.report_file, "write a JSON report")->type_name("FILE");
   run.add_option("--csv", options.csv_file, "write the probes over time, a line per step")->type_name("FILE");
   run.add_option("--poses", options.poses_file, "write the poses of all bodies over time")->type_name("FILE");

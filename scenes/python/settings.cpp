@@ -68,6 +68,8 @@ void bind_rest_of_settings(nb::class_<Settings>& c) {
   c.def_rw("contacts", &Settings::contacts, "Shapes of the world touch; False: they pass through each other.")
       .def_rw("contact_margin", &Settings::contact_margin, "Contacts exist up to this gap [m].")
       .def_rw("resting_speed", &Settings::resting_speed, "Slower impacts have no restitution [m/s].")
+      .def_rw("locate_plastic_impacts", &Settings::locate_plastic_impacts,
+              "Impacts without restitution end a sub-step when they happen, too: order 2 between impacts.")
       .def_rw("max_contacts", &Settings::max_contacts, "That a step takes on; 0: 10,000 + 50 per shape.")
       .def_rw("inexact_tolerance", &Settings::inexact_tolerance,
               "A residual up to this is taken, with Status.INEXACT.")

@@ -108,6 +108,8 @@ std::vector<UnusedSetting> unused_settings(const Settings& s) {
   unless(iterative, {"iterations"},
          R"(only the solvers "gauss-seidel", "pairwise" and "propagation" use it)");
   unless(s.solver == Solver::kGaussSeidel, {"relaxation"}, R"(only the solver "gauss-seidel" uses it)");
+  unless(s.integrator == Integrator::kRattle, {"locate_plastic_impacts"},
+         R"(only the integrator "rattle" locates impacts)");
   unless(s.contacts, {"contact_margin", "max_contacts"}, R"("contacts" is false)");
   unless(s.sleep, {"sleep_speed", "sleep_time"}, R"(without "sleep" nothing falls asleep)");
   return unused;

@@ -7,7 +7,7 @@
 
 namespace taut {
 
-/// The first impact with restitution within a step, of axes at rigid limits and of contacts.  What the step
+/// The first impact within a step that is located, of axes at rigid limits and of contacts.  What the step
 /// stops in free flight is let through once: the step solved again shows when it gets there, and the next
 /// sub-step ends then.  Impacts closer together than 1e-3 of a step are one.  (solvers/integrators, "RATTLE")
 class ImpactSearch {

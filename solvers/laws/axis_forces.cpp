@@ -28,12 +28,12 @@ std::vector<char> held_rows(const AxisTable& table, std::span<const AxisLaw> axe
 
 }  // namespace
 
-AxisForces::AxisForces(const World& world, const Rows& rows)
+AxisForces::AxisForces(const World& world, const Rows& rows, bool locates_plastic)
     : table_(world, rows),
       axes_(table_.size()),
       before_(axes_),
       loads_(table_.size()),
-      impacts_(table_.size()),
+      impacts_(table_.size(), locates_plastic),
       work_(table_.size()) {
   if (table_.refresh()) swings_.find(table_);
 }

@@ -33,7 +33,8 @@ class ConstraintSystem;
 /// Values `theta`, `rates`, `lambda` and `w` have one entry a row.
 class AxisForces {
  public:
-  AxisForces(const World& world, const Rows& rows);
+  /// `locates_plastic`: impacts without restitution are located as well.
+  AxisForces(const World& world, const Rows& rows, bool locates_plastic = false);
 
   bool empty() const { return axes_.empty(); }
   /// No row but those of springs between bodies, whose forces follow from the state.

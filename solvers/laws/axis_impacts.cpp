@@ -32,7 +32,7 @@ bool AxisImpacts::seek(const AxisTable& table, std::span<const AxisLaw> axes, st
     AxisImpact& impact = impacts_[i];
     if (!table.has_rigid_limit(i) || impact.spent || impact.stage != AxisImpact::Stage::kNone) continue;
     const AxisLimits& limits = *table.properties(i).limits;
-    if (limits.restitution == 0) continue;
+    if (limits.restitution == 0 && !plastic_) continue;
     for (bool at_lower : {true, false}) {
       if (!in_flight(limits, axes[i].start.theta, at_lower)) continue;
       if (!on_step(w[table.row(i)], at_lower ? axes[i].limits.lower_at : axes[i].limits.upper_at)) continue;

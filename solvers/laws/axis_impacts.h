@@ -10,18 +10,20 @@ namespace taut {
 
 class Archive;
 
-/// Impacts of axes in free flight at limits with restitution: such a limit is let through once, which shows
-/// when the axis gets there, and the sub-step is taken again with its end at the first impact.
+/// Impacts of axes in free flight at limits with restitution, or at all that are rigid: such a limit is let
+/// through once, which shows when the axis gets there, and the sub-step is taken again with its end at the
+/// first impact.
 /// (solvers/laws, "Impacts")
 class AxisImpacts {
  public:
-  explicit AxisImpacts(std::size_t axes) : impacts_(axes) {}
+  /// `plastic`: those without restitution are sought, too.
+  AxisImpacts(std::size_t axes, bool plastic) : impacts_(axes), plastic_(plastic) {}
 
   const AxisImpact& operator[](std::size_t i) const { return impacts_[i]; }
   /// None in this step so far.
   void clear();
-  /// True if these mean rates of the position stage stop an axis in free flight at a limit with restitution.
-  /// From then on its impact is sought.
+  /// True if these mean rates of the position stage stop an axis in free flight at such a limit.  From then
+  /// on its impact is sought.
   bool seek(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> w);
   /// The time from the start of the step, in (0, h], at which the first of these axes reaches its limit, on
   /// the parabola through θ₀ with θ̇₀ to the free end; h if none does.
@@ -50,6 +52,7 @@ class AxisImpacts {
 
  private:
   std::vector<AxisImpact> impacts_;
+  bool plastic_ = false;
   int count_ = 0;  // looked for in this step
   bool struck_ = false;
 };

@@ -305,8 +305,7 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     Point& point = table_.points[k];
     Impact& impact = table_.impacts[k];
     // Also what has met unseen, as where faces turn.
-    const bool bounces = point.active && place(k).material.restitution > 0 && compliance(k) == 0;
-    if (bounces && point.touching && !point.pressed && rates[first_row(k)] < -table_.resting_speed)
+    if (point.active && locates_impacts(k) && compliance(k) == 0 && point.touching && !point.pressed && rates[first_row(k)] < -table_.resting_speed)
       impact.stage = Impact::Stage::kDue;
     point.live = point.active && point.touching && impact.stage == Impact::Stage::kNone;
     point.bounce = point.yield = 0;

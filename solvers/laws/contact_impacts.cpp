@@ -12,8 +12,7 @@ bool ContactImpacts::seek(std::span<const double> lambda) {
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     ContactTable::Point& point = table_.points[k];
     ContactTable::Impact& impact = table_.impacts[k];
-    if (!point.live || table_.set.places()[k].material.restitution == 0 || impact.spent ||
-        contacts_.spring(k).impact_is_seen())
+    if (!point.live || !contacts_.locates_impacts(k) || impact.spent || contacts_.spring(k).impact_is_seen())
       continue;
     if (!(lambda[contacts_.first_row(k)] > 0)) continue;
     if (std::min(point.approach, -point.gap / table_.h) > -table_.resting_speed) continue;

@@ -8,9 +8,10 @@ namespace taut {
 
 class Archive;
 
-/// Impacts of contacts with restitution within a step, as those of axes (axis_forces.h): contacts whose gap a
-/// free step would close are left out of it, the first that closes is located by their mean rates, and the
-/// step ends there, where ContactForces::begin_impact() follows its velocity stage. (solvers/laws, "Impacts")
+/// Impacts of contacts with restitution, or all, within a step, as those of axes (axis_forces.h): contacts
+/// whose gap a free step would close are left out of it, the first that closes is located by their mean
+/// rates, and the step ends there, where ContactForces::begin_impact() follows its velocity stage.
+/// (solvers/laws, "Impacts")
 class ContactImpacts {
  public:
   /// Of all contacts of a table.

@@ -43,6 +43,8 @@ class ContactRows {
   const Point& point(int k) const { return table_.points[places_[k]]; }
   row_parts::ContactPoint& contact_point(int k) { return table_.set.point(places_[k]); }
   const Impact& impact(int k) const { return table_.impacts[places_[k]]; }
+  /// Its impacts are located: it has restitution, or all are.
+  bool locates_impacts(int k) const { return table_.locates_plastic || place(k).material.restitution > 0; }
   double compliance(int k) const { return place(k).material.compliance; }
   /// Along row r of the contact.
   ContactSpring spring(int k, int r = 0) const { return {compliance(k), root_[first_row_[k] + r], table_.h}; }

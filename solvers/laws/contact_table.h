@@ -65,13 +65,15 @@ struct ContactTable {
       : set(world, {.margin = settings.contact_margin,
                     .threads = settings.threads,
                     .max_contacts = settings.max_contacts}),
-        resting_speed(settings.resting_speed) {}
+        resting_speed(settings.resting_speed),
+        locates_plastic(settings.locate_plastic_impacts) {}
 
   ContactSet set;
   std::vector<char> moves;  ///< bodies
   std::vector<Point> points;
   std::vector<Impact> impacts;
   double resting_speed = 0;
+  bool locates_plastic = false;  ///< impacts without restitution, too
   double h = 0;                                     ///< of the present step
   bool in_velocities = false, single_kick = false;  ///< which stage it is
 };
