@@ -14,7 +14,7 @@ using namespace contact_worlds;
 
 constexpr double kTilt = 6 * std::numbers::pi / 180, kHalf = 0.15, kHeight = 0.6;
 
-/// A block of 0.3 m × 1.2 m that is let go on one edge, comes down on the other.
+/// A block of 0.3 m × 1.2 m that is let go on one edge, comes down on the other and rocks on.
 World rocking_block() {
   World world;
   world.add_shape(kGround, HalfSpace{}, {}, rubbing(1));
