@@ -294,7 +294,8 @@ bool Rattle::close_velocities(double h, SubstepReport& report) {
     } else {
       phase_.second_kick(h);
       begin_velocities();
-      if (!axes_.finite() || !project_bounded_momenta(h, report)) return false;
+      if (!axes_.finite() || !meet_velocity_laws(h, report)) return false;
+      if (second_kick_gives() && !kick_anew(h, report)) return false;
     }
     if (!phase_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.

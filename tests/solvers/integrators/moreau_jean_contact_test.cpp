@@ -104,12 +104,14 @@ void add_throng(World& world, std::uint32_t seed, const Material& material) {
 
 TEST(MoreauJean, ImpactsKeepMomentaAndNeverAddEnergy) {
   // Frictionless with one e for all the change of energy is −½ (1 − e)/(1 + e) |ΔV|²_M, with friction and
-  // e = 0 no more than −½ |ΔV|²_M; with both, Newton's law may add some (Kane's paradox).
+  // e = 0 no more than −½ |ΔV|²_M; with both, Newton's law would add some (Kane's paradox), and its e is
+  // sought to within 1e-9 of the energy.
   int impacts = 0;
-  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+  for (std::uint32_t seed = 1; seed <= 16; ++seed) {
     World world;
     world.set_gravity(Vec3::Zero());
-    add_throng(world, seed, seed % 2 ? rubbing(0, 0.12 * seed) : rubbing(0.4));
+    const bool both = seed > 8;
+    add_throng(world, seed, both ? rubbing(0.9, 0.9) : seed % 2 ? rubbing(0, 0.12 * seed) : rubbing(0.4));
     const Vec3 linear = linear_momentum(world, world.state()),
                angular = angular_momentum(world, world.state());
     Simulator simulator(world, moreau_jean());
@@ -121,7 +123,7 @@ TEST(MoreauJean, ImpactsKeepMomentaAndNeverAddEnergy) {
       // Work of the impulses against ½ (V₀ + V₁), which is what they change of the kinetic energy exactly;
       // between impacts the split rotation of a box keeps it to order h².
       const double work = report.ledger.contacts + report.ledger.friction;
-      ASSERT_LE(work, 1e-12 * scale) << seed << " " << i;
+      ASSERT_LE(work, (both ? 1e-9 : 1e-12) * scale) << seed << " " << i;
       ASSERT_LE(report.kinetic_energy, energy + work + 1e-5 * scale) << seed << " " << i;
       if (work < -1e-9 * scale) ++impacts;
       energy = report.kinetic_energy;
