@@ -178,6 +178,7 @@ void Rattle::predict_multipliers(double h) {
       prediction_.repeat(h, joint_rows, values_.lambda);
     else
       std::fill_n(values_.lambda.begin(), joint_rows, 0.0);
+    for (int r = joint_rows; r < rows; ++r) values_.lambda[r] = 0.5 * h * values_.force_multipliers[r];
   } else if (system_.singular() || !prediction_.has_history()) {
     for (int r = 0; r < rows; ++r) values_.lambda[r] = 0.5 * h * values_.force_multipliers[r];
   } else {
