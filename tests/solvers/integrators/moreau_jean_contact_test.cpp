@@ -104,14 +104,12 @@ void add_throng(World& world, std::uint32_t seed, const Material& material) {
 
 TEST(MoreauJean, ImpactsKeepMomentaAndNeverAddEnergy) {
   // Frictionless with one e for all the change of energy is −½ (1 − e)/(1 + e) |ΔV|²_M, with friction and
-  // e = 0 no more than −½ |ΔV|²_M; with both, Newton's law would add some (Kane's paradox), and its e is
-  // sought to within 1e-9 of the energy.
+  // e = 0 no more than −½ |ΔV|²_M; with both, the next test.
   int impacts = 0;
-  for (std::uint32_t seed = 1; seed <= 16; ++seed) {
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
     World world;
     world.set_gravity(Vec3::Zero());
-    const bool both = seed > 8;
-    add_throng(world, seed, both ? rubbing(0.9, 0.9) : seed % 2 ? rubbing(0, 0.12 * seed) : rubbing(0.4));
+    add_throng(world, seed, seed % 2 ? rubbing(0, 0.12 * seed) : rubbing(0.4));
     const Vec3 linear = linear_momentum(world, world.state()),
                angular = angular_momentum(world, world.state());
     Simulator simulator(world, moreau_jean());
@@ -123,7 +121,7 @@ TEST(MoreauJean, ImpactsKeepMomentaAndNeverAddEnergy) {
       // Work of the impulses against ½ (V₀ + V₁), which is what they change of the kinetic energy exactly;
       // between impacts the split rotation of a box keeps it to order h².
       const double work = report.ledger.contacts + report.ledger.friction;
-      ASSERT_LE(work, (both ? 1e-9 : 1e-12) * scale) << seed << " " << i;
+      ASSERT_LE(work, 1e-12 * scale) << seed << " " << i;
       ASSERT_LE(report.kinetic_energy, energy + work + 1e-5 * scale) << seed << " " << i;
       if (work < -1e-9 * scale) ++impacts;
       energy = report.kinetic_energy;
@@ -133,6 +131,34 @@ TEST(MoreauJean, ImpactsKeepMomentaAndNeverAddEnergy) {
     EXPECT_LE((angular_momentum(world, world.state()) - angular).norm(), 0.05) << seed;
   }
   EXPECT_GT(impacts, 50);
+}
+
+TEST(MoreauJean, AChainThatBouncesWithFrictionGainsNoEnergy) {
+  // By Newton's law with friction alone 8e-3 of it in one step (Kane's paradox).
+  World world;
+  const Material material = rubbing(0.6, 0.9);
+  world.add_shape(kGround, HalfSpace{}, {}, material);
+  BodyId last = kGround;
+  for (int i = 0; i < 5; ++i) {
+    const BodyId link = world.add_body({.name = numbered("link", i),
+                                        .mass = MassProperties::box({0.2, 0.04, 0.04}, 1),
+                                        .pose = {.p = {0.2 * i, 0.01 * i, 0.3 + 0.03 * i}}});
+    world.add_shape(link, Capsule{0.02, 0.15},
+                    {.q = Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitY()))}, material);
+    world.set_twist(link, {Vec3::Zero(), Vec3(3, 0, 0)});
+    if (i > 0)
+      world.add(numbered("pin", i),
+                Ball::at(world, last, link, Vec3(0.2 * i - 0.1, 0.01 * i - 0.005, 0.285 + 0.03 * i)));
+    last = link;
+  }
+  Simulator simulator(world, moreau_jean());
+  double most = 0;
+  for (int i = 0; i < 500; ++i) {
+    const StepReport& report = simulator.step(2e-3);
+    ASSERT_TRUE(report.ok()) << i << ": " << report.message;
+    most = std::max(most, report.kinetic_energy);
+    ASSERT_LE(report.ledger.contacts + report.ledger.friction, 1e-6 * most) << i;
+  }
 }
 
 TEST(MoreauJean, PenetratesByNoMoreThanAStepsWay) {
