@@ -2,15 +2,13 @@
 
 #include <cmath>
 
+#include "solvers/integrators/restitution_search.h"
+
 namespace taut {
 namespace {
 
 /// Rounds of impacts at one time, at most; in the last nothing bounces.
 constexpr int kMostRounds = 20;
-/// Solves, at most, that look for a restitution with which impacts and friction together give no energy, and
-/// the part of the energy lost without restitution that it is found to.
-constexpr int kRestitutionSolves = 12;
-constexpr double kRestitutionAccuracy = 1e-6;
 
 }  // namespace
 
@@ -40,27 +38,10 @@ bool ImpactStage::solve_round(double part, const Solve& solve) {
   return solve();
 }
 
-/// Newton's law with friction has given energy (Kane's paradox).  Sought is the part of restitution with
-/// which the round takes (1 − e²) of what it takes without restitution, as it would without friction: e is
-/// then energetic, as Stronge's.  Regula falsi, Illinois; the last part that is not above is taken.
 bool ImpactStage::limit_restitution(const Solve& solve) {
-  double high = 1, above = energy();
-  if (!solve_round(0, solve)) return false;
-  const double e = restitution_, plastic = energy(), wanted = (1 - e * e) * plastic;
-  double low = 0, below = plastic - wanted, last = 0;
-  above -= wanted;
-  for (int k = 0; k < kRestitutionSolves && below < kRestitutionAccuracy * plastic; ++k) {
-    const double part = (low * above - high * below) / (above - below);
-    if (!solve_round(part, solve)) return false;
-    last = part;
-    const double off = energy() - wanted;
-    if (off > 0) {
-      high = part, above = off, below *= 0.5;
-    } else {
-      low = part, below = off, above *= 0.5;
-    }
-  }
-  return last == low || solve_round(low, solve);
+  const RestitutionSearch search{restitution_, [&](double part) { return solve_round(part, solve); },
+                                 [this] { return energy(); }};
+  return search.run();
 }
 
 /// What the round has given so far [J]; 0 if that is in the tolerance.

@@ -9,6 +9,7 @@
 #include "solvers/common/stopwatch.h"
 #include "solvers/integrators/close_joints.h"
 #include "solvers/integrators/free_flow.h"
+#include "solvers/integrators/restitution_search.h"
 
 namespace taut {
 
@@ -162,8 +163,23 @@ bool MoreauJean::solve_stage(SubstepReport& report) {
     project_momenta(0, report);
     return std::isfinite(report.velocity_residual);
   }
+  free_momenta_ = phase_.momenta;
   phase_.twists_from(phase_.momenta);
-  system_.rates_of(phase_.state, values_.rates);
+  free_rates_.resize(system_.row_count());
+  system_.rates_of(phase_.state, free_rates_);
+  if (!meet_laws(1, report)) return false;
+  const double restitution = contacts_.restitution();
+  if (restitution == 0 || !(given_by_contacts() > 0)) return true;
+  const RestitutionSearch search{restitution, [&](double part) { return meet_laws(part, report); },
+                                 [this] { return given_by_contacts(); }};
+  return search.run();
+}
+
+/// With this part of restitution.
+bool MoreauJean::meet_laws(double part, SubstepReport& report) {
+  contacts_.weaken_restitution(part);
+  phase_.momenta = free_momenta_;
+  values_.rates = free_rates_;
   renew_laws();
   add_rates_of_guess();
   stages_.accuracy().begin_pass();  // replaces the one before
@@ -173,6 +189,15 @@ bool MoreauJean::solve_stage(SubstepReport& report) {
   phase_.add_impulses(values_.mu);
   note_velocities(report);
   return projection_.accepts(report.velocity_residual);
+}
+
+/// What contacts have given against the motion without impulses [J]; 0 if that is in the tolerance.
+double MoreauJean::given_by_contacts() {
+  mean_rates_.resize(free_rates_.size());
+  for (std::size_t r = 0; r < mean_rates_.size(); ++r)
+    mean_rates_[r] = 0.5 * (free_rates_[r] + values_.rates[r]);
+  const double given = contacts_.work(values_.mu, mean_rates_);
+  return std::abs(given) > kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
 }
 
 /// The one kick of the step, at q_M where it acts.

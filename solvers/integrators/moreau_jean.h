@@ -39,6 +39,8 @@ class MoreauJean final : public ImpulseScheme {
   void renew_laws();
   Outcome find_impulses(double h, SubstepReport& report);
   bool solve_stage(SubstepReport& report);
+  bool meet_laws(double part, SubstepReport& report);
+  double given_by_contacts();
   void weigh(double h);
   Pose moved(int b, double h) const;
   void add_works(double h, SubstepReport& report);
@@ -51,6 +53,8 @@ class MoreauJean final : public ImpulseScheme {
   State weighted_;                   // q_ϑ, V_ϑ at t₀ + ϑh, where forces are taken
   std::vector<Twist> first_twists_;  // V₀
   std::vector<double> first_axes_;
+  std::vector<Wrench> free_momenta_;  // without impulses
+  std::vector<double> free_rates_, mean_rates_;
   std::vector<AxisForces::Bound> limits_;
 };
 

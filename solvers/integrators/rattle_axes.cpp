@@ -11,6 +11,13 @@
 // The two stages of a step with limits, motors, friction and springs: the same Newton and the same projection
 // as without them, with an active set in place of each solve.  (solvers/laws, "Axes")
 namespace taut {
+namespace {
+
+/// The second kick gives energy if it is more than this part of what its contact impulses would give bodies
+/// at rest, row by row: at rest all else is round-off of gaps.
+constexpr double kGivenPart = 1e-6;
+
+}  // namespace
 
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
@@ -141,7 +148,7 @@ void Rattle::renew_velocity_laws() {
   for (int r : breaking_.rows()) laws[r] = RowLaw::none();
 }
 
-/// Rates and laws of the second kick.
+/// Rates of the second kick, and what contacts know of the first.
 void Rattle::begin_velocities() {
   stages_.residual().begin_velocities(phase_.state.twists);
   // A first guess for its segments: the impulses of the first kick.
@@ -151,8 +158,12 @@ void Rattle::begin_velocities() {
   system_.rates_of(phase_.state, values_.rates);
   stages_.renew_effective_masses();
   contacts_.begin_velocities(values_.rates, stages_.effective_mass());
+}
+
+bool Rattle::meet_velocity_laws(double h, SubstepReport& report) {
   renew_velocity_laws();
   add_rates_of_guess();
+  return project_bounded_momenta(h, report);
 }
 
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes, and the momenta that it
@@ -170,6 +181,30 @@ bool Rattle::project_bounded_momenta(double h, SubstepReport& report) {
     if (stages_.iterative()) break;
   }
   return projection_.accepts(report.velocity_residual) || give_up(values_.mu, values_.rates);
+}
+
+/// Contacts take back what they gave in the first kick, and that gives energy: bodies that wedge each other
+/// had impulses that balanced at q₀, and their friction does not where they part at q₁.
+bool Rattle::second_kick_gives() {
+  if (contacts_.empty() || !contacts_.take_back(values_.mu)) return false;
+  works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), values_.kick_rates);
+  double size = 0;
+  for (int r = system_.rows().first_contact_row(); r < system_.row_count(); ++r)
+    if (const double inertia = stages_.effective_mass()[r]; inertia > 0)
+      size += 0.5 * values_.mu[r] * values_.mu[r] / inertia;
+  return contacts_.work(values_.mu, values_.kick_rates) > kGivenPart * size;
+}
+
+/// The second kick by itself, as an impact without restitution: 0 ≤ μ_n ⊥ w_n ≥ 0 and |μ_t| ≤ μ_c μ_n, which
+/// takes energy whatever the first has given.
+bool Rattle::kick_anew(double h, SubstepReport& report) {
+  phase_.second_kick(h);
+  begin_velocities();
+  contacts_.begin_anew();
+  std::fill(values_.mu.begin() + system_.rows().first_contact_row(), values_.mu.end(), 0.0);
+  const bool met = meet_velocity_laws(h, report);
+  contacts_.end_impacts();
+  return met;
 }
 
 /// Bodies that are held fast do not take in all of the impulses.

@@ -356,6 +356,42 @@ double ContactForces::begin_impact(std::span<const double> rates, std::span<cons
   return largest;
 }
 
+void ContactForces::weaken_restitution(double part) {
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    table_.points[k].bounce = -part * place(k).material.restitution * point(k).approach;
+}
+
+double ContactForces::restitution() const {
+  double largest = 0;
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (point(k).live && point(k).approach < 0) largest = std::max(largest, place(k).material.restitution);
+  return largest;
+}
+
+bool ContactForces::take_back(std::span<const double> mu) const {
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    if (point(k).active && compliance(k) == 0 && mu[first_row(k)] < 0) return true;
+  return false;
+}
+
+void ContactForces::begin_anew() {
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    Point& point = table_.points[k];
+    if (!point.active || compliance(k) > 0) continue;
+    point.back = point.spin_given = 0;
+    point.sliding.given = point.rolling.given = Vec2::Zero();
+  }
+}
+
+double ContactForces::work(std::span<const double> impulses, std::span<const double> rates) const {
+  double sum = 0;
+  for (int k = 0; k < std::ssize(table_.points); ++k) {
+    if (!point(k).active || compliance(k) > 0) continue;
+    for (int r = first_row(k); r < first_row(k) + row_count(k); ++r) sum += impulses[r] * rates[r];
+  }
+  return sum;
+}
+
 void ContactForces::end_impacts() {
   for (int k = 0; k < std::ssize(table_.points); ++k)
     if (point(k).active) take_first_kick(place(k).point.frame, point(k));

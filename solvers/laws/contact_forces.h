@@ -88,6 +88,16 @@ class ContactForces final : public ContactLaws {
   /// Moreau–Jean between begin_single_kick() and velocity_laws(): `rates` J V before the step.  Contacts that
   /// are touched have Newton's law of impact w ≥ −e w⁻ however slow they are.
   void begin_impulses(std::span<const double> rates, std::span<const double> inertia);
+  /// The same with a part of each restitution.
+  void weaken_restitution(double part);
+  /// The largest restitution of contacts that approach in this step.
+  double restitution() const;
+  /// Impulses μ of the second kick take back some of what rigid contacts gave in the first.
+  bool take_back(std::span<const double> mu) const;
+  /// Laws of rigid contacts are those of the second kick alone; until end_impacts().
+  void begin_anew();
+  /// What rigid contacts give by these impulses at these mean rates [J].
+  double work(std::span<const double> impulses, std::span<const double> rates) const;
   /// Within the step.
   ContactImpacts& impacts() { return impacts_; }
   bool struck() const { return struck_; }
