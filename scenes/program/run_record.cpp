@@ -131,6 +131,14 @@ void RunRecord::note_breaks(const StepReport& report, const World& world) {
                       event.time, event.force, event.torque});
 }
 
+bool RunRecord::note_events(const StepReport& report) {
+  for (const EventRecord& event : report.events) {
+    events.push_back(event);
+    if (event.ends_run) ended_by = event.name;
+  }
+  return !ended_by.empty();
+}
+
 void RunRecord::note_rank(const RankReport& rank, const World& world) {
   for (const RedundantRow& row : rank.redundant) {
     Held& held = rows_already_held.emplace_back();

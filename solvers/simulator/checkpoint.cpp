@@ -14,7 +14,7 @@
 namespace taut {
 namespace {
 
-constexpr std::string_view kMark = "taut-checkpoint/7\n";
+constexpr std::string_view kMark = "taut-checkpoint/8\n";
 constexpr std::size_t kSumBytes = 8;
 
 std::uint64_t checksum(std::string_view bytes) {
@@ -125,6 +125,8 @@ Checkpoint Simulator::checkpoint() {
   const World& world = own.source_;
   std::uint64_t model = model_of(world);
   Method method(own.settings_);
+  bool has_events = own.events_.any();
+  own.events_.note_settings(world);
   bool remembers = own.settle();
   State state = world.state();
   std::vector<char> attached, gone;  // gone with the last step, which the integrator has not seen yet
@@ -135,6 +137,8 @@ Checkpoint Simulator::checkpoint() {
   const auto write = [&](Archive& archive) {
     archive(model, method, state, attached, gone, remembers);
     own.loads_.transfer(archive, world);
+    archive(has_events);
+    if (has_events) own.events_.transfer(archive, world);
     if (remembers) own.transfer(archive, {});
   };
   Archive archive;
@@ -169,6 +173,12 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   Archive::require(std::ssize(attached) == world.joint_count() && gone.size() == attached.size(),
                    "it has other joints");
   loads.transfer(archive, world);
+  bool has_events = false;
+  archive(has_events);
+  Archive::require(has_events == impl_->events_.any(), "it is of a run with other events");
+  EventSchedule events = impl_->events_, events_before = impl_->events_;
+  events_before.note_settings(world);
+  if (has_events) events.transfer(archive, world);
 
   const State before = world.state();
   std::vector<char> attached_before;
@@ -184,15 +194,18 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   try {
     world.set_state(state);
     attach(with_gone);
+    events.apply(world);
     auto fresh = std::make_unique<Impl>(world, settings);
     fresh->hooks_ = impl_->hooks_;
     fresh->loads_ = std::move(loads);
+    fresh->events_ = std::move(events);
     if (remembers) {
       fresh->transfer(archive, gone);
       Archive::require(archive.at_end());
     }
     impl_ = std::move(fresh);
   } catch (...) {
+    events_before.apply(world);
     attach(attached_before);
     world.set_state(before);
     world.wake_all();

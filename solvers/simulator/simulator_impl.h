@@ -1,12 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "solvers/common/setting_checks.h"
 #include "solvers/simulator/energy_accounting.h"
+#include "solvers/simulator/event_schedule.h"
 #include "solvers/simulator/inquiry.h"
 #include "solvers/simulator/joint_reactions.h"
 #include "solvers/simulator/merged_bodies.h"
@@ -74,6 +76,9 @@ class Simulator::Impl {
   Stepper stepper_;
   Substepping substepping_{settings_};
   StepLoads loads_;
+  EventSchedule events_;
+  std::optional<double> goal_;       // time at the end of the step, to the last bit; none: as dt gives it
+  std::optional<StepReport> whole_;  // of a step with events, of all its parts
 
  private:
   /// Versions of both worlds.

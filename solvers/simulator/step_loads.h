@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "core/world/passing_loads.h"
@@ -21,7 +22,8 @@ class StepLoads {
   /// The loads act on a world while this lives.
   class Acting {
    public:
-    Acting(World& world, const StepLoads& loads);
+    /// With a law that acts beside them; null: none.
+    Acting(World& world, const StepLoads& loads, std::shared_ptr<const Force> law);
     ~Acting();
     Acting(const Acting&) = delete;
     Acting& operator=(const Acting&) = delete;
