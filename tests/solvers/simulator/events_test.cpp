@@ -9,7 +9,6 @@
 #include "core/state/motion.h"
 #include "core/world/diagnostics.h"
 #include "core/world/joint_frame.h"
-#include "scenes/builders/scene.h"
 #include "solvers/simulator/event.h"
 #include "solvers/simulator/simulator.h"
 
