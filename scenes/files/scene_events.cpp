@@ -90,36 +90,39 @@ constexpr std::pair<const char*, WatchReader> kWatched[] = {
     {"contact-gap", watch_contact_gap},
 };
 
-/// The number that a probe of the file records, or a component of it.
+/// The number that a probe of the file records; of a vector the component along a direction, or its magnitude.
 Watch watch_probe(const SceneReader& reader, const JsonNode& name, JsonObject& when) {
-  const Watch::Along along = read_along(when);
   const Probe* probe = reader.find_probe(name);
-  if (!probe) return {};
+  if (!probe) {
+    when.accept_all_keys();
+    return {};
+  }
   const World& world = reader.world();
+  using enum Probe::Quantity;
   switch (probe->quantity) {
-    case Probe::Quantity::kPosition:
-      return Watch::position(world, probe->body, probe->point_B, along);
-    case Probe::Quantity::kVelocity:
-      return Watch::velocity(world, probe->body, probe->point_B, along);
-    case Probe::Quantity::kAngularVelocity:
-      return Watch::angular_velocity(world, probe->body, along);
-    case Probe::Quantity::kReactionForce:
-      return Watch::reaction_force(world, probe->joint, along);
-    case Probe::Quantity::kReactionTorque:
-      return Watch::reaction_torque(world, probe->joint, along);
-    case Probe::Quantity::kGap:
-      return Watch::joint_gap(world, probe->joint);
-    case Probe::Quantity::kAxis:
-      return Watch::axis(world, probe->axis);
-    default:
-      break;
+    case kPosition: return Watch::position(world, probe->body, probe->point_B, read_along(when));
+    case kVelocity: return Watch::velocity(world, probe->body, probe->point_B, read_along(when));
+    case kAngularVelocity: return Watch::angular_velocity(world, probe->body, read_along(when));
+    case kReactionForce: return Watch::reaction_force(world, probe->joint, read_along(when));
+    case kReactionTorque: return Watch::reaction_torque(world, probe->joint, read_along(when));
+    case kGap: return Watch::joint_gap(world, probe->joint);
+    case kAxis: return Watch::axis(world, probe->axis);
+    default: break;
   }
   name.problem("must be a probe of a position, velocity, reaction, gap or axis");
+  when.accept_all_keys();
   return {};
 }
 
 /// Whether the object watches an angle, so that its threshold can be in degrees.
 bool watches_angle(const SceneReader& reader, JsonObject& when) {
+  if (const auto probe = when.find("probe"); probe && probe->json().is_string()) {
+    const std::vector<Probe>& probes = reader.probes();
+    const auto found = std::find_if(probes.begin(), probes.end(), [&](const Probe& its) {
+      return its.name == probe->json().get_ref<const std::string&>();
+    });
+    return found != probes.end() && found->quantity == Probe::Quantity::kAxis && reader.world().axis_info(found->axis).angular;
+  }
   const auto axis = when.find("axis");
   if (!axis || !axis->json().is_object()) return false;
   const auto& keys = axis->json();

@@ -73,6 +73,7 @@ class SceneReader {
   /// The free axis {"joint", "axis"} of the key; a problem if key, joint or axis is missing, and nothing.
   std::optional<AxisId> required_axis(JsonObject& object, const char* key) const;
   const World& world() const { return scene_.world; }
+  const std::vector<Probe>& probes() const { return scene_.probes; }
   Pose pose_of(const BodyReference& body) const { return body.found ? scene_.world.pose(body.id) : Pose{}; }
 
  private:
