@@ -63,8 +63,8 @@ World with_joint_alone(const World& world, JointId joint) {
   return alone;
 }
 
-Vector residual_of(const Rows& rows, const State& state) {
-  Vector phi(rows.row_count());
+Eigen::VectorXd residual_of(const Rows& rows, const State& state) {
+  Eigen::VectorXd phi(rows.row_count());
   rows.residual(state, {phi.data(), static_cast<std::size_t>(phi.size())});
   return phi;
 }
@@ -94,7 +94,7 @@ Pose closing_frame(const World& world, JointId id) {
   State state = alone.state();
   Pose& B = state.poses[joint.b().index];
   const Pose now = B;
-  Vector phi = residual_of(rows, state);
+  Eigen::VectorXd phi = residual_of(rows, state);
   for (int step = 0; step < kMostFrameSteps && phi.size() > 0 && phi.norm() > kClosed; ++step) {
     const Pose before = B;
     const Vec3 anchor = before.point(joint.reaction_point_B());
@@ -103,7 +103,7 @@ Pose closing_frame(const World& world, JointId id) {
       Eigen::Matrix<double, 6, 1> delta = Eigen::Matrix<double, 6, 1>::Zero();
       delta[k] = kFrameDifference;
       B = displaced(before, anchor, delta);
-      const Vector ahead = residual_of(rows, state);
+      const Eigen::VectorXd ahead = residual_of(rows, state);
       B = displaced(before, anchor, -delta);
       J.col(k) = (ahead - residual_of(rows, state)) / (2 * kFrameDifference);
     }

@@ -1,5 +1,7 @@
 #include <nanobind/stl/variant.h>
 
+#include "core/world/joint_frame.h"
+#include "scenes/python/access.h"
 #include "scenes/python/callbacks.h"
 #include "scenes/python/parts.h"
 #include "solvers/simulator/event.h"
@@ -133,6 +135,22 @@ void bind_actions(nb::module_& m) {
 }  // namespace
 
 void bind_events(nb::module_& m) {
+  m.def(
+      "gap_of",
+      [](const World& world, JointId joint) {
+        require_askable(world);
+        return gap_of(world, joint);
+      },
+      nb::arg("world"), nb::arg("joint"), "How far a joint is open, detached or not, soft or rigid.");
+  m.def(
+      "closing_frame",
+      [](const World& world, JointId joint) {
+        require_askable(world);
+        return closing_frame(world, joint);
+      },
+      nb::arg("world"), nb::arg("joint"),
+      "For World.set_joint_frame(): closes a joint of two bodies where they are, by the smallest turn of B's end "
+      "about the anchor and the smallest shift.");
   bind_watches(m);
   bind_causes_of_events(m);
   bind_actions(m);

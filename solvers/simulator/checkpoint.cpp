@@ -120,6 +120,14 @@ std::istream& operator>>(std::istream& in, Checkpoint& checkpoint) {
 }
 
 Checkpoint Simulator::checkpoint() {
+  Impl& own = impl();
+  if (own.since_events_ && own.loads_.empty() && own.since_events_->versions == own.versions())
+    return own.since_events_->checkpoint;
+  return checkpoint_before({});
+}
+
+/// Of now, before these events happen: whoever restores it lets them happen.
+Checkpoint Simulator::checkpoint_before(std::vector<EventSchedule::Due> due) {
   const detail::FlushToZero mode;
   Impl& own = impl();
   const World& world = own.source_;
@@ -138,7 +146,7 @@ Checkpoint Simulator::checkpoint() {
     archive(model, method, state, attached, gone, remembers);
     own.loads_.transfer(archive, world);
     archive(has_events);
-    if (has_events) own.events_.transfer(archive, world);
+    if (has_events) own.events_.transfer(archive, world), own.events_.transfer(archive, due);
     if (remembers) own.transfer(archive, {});
   };
   Archive archive;
@@ -178,7 +186,8 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   Archive::require(has_events == impl_->events_.any(), "it is of a run with other events");
   EventSchedule events = impl_->events_, events_before = impl_->events_;
   events_before.note_settings(world);
-  if (has_events) events.transfer(archive, world);
+  std::vector<EventSchedule::Due> due;
+  if (has_events) events.transfer(archive, world), events.transfer(archive, due);
 
   const State before = world.state();
   std::vector<char> attached_before;
@@ -204,6 +213,10 @@ void Simulator::restore(const Checkpoint& checkpoint) {
       Archive::require(archive.at_end());
     }
     impl_ = std::move(fresh);
+    if (!due.empty()) {
+      (void)impl_->let_happen(due);
+      impl_->since_events_ = {checkpoint, impl_->versions()};
+    }
   } catch (...) {
     events_before.apply(world);
     attach(attached_before);

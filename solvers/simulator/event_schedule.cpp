@@ -9,6 +9,7 @@
 #include "core/base/check.h"
 #include "core/state/archive.h"
 #include "core/world/joint_frame.h"
+#include "core/world/passing_loads.h"
 #include "solvers/simulator/simulator.h"
 
 namespace taut {
@@ -227,6 +228,7 @@ std::optional<EventSchedule::Refusal> EventSchedule::happen(World& world, const 
     } else if (std::holds_alternative<ApplyLoad>(action)) {
       acting_.push_back({due.event, static_cast<int>(k), world.time()});
       make_loads();
+      give_loads(world);
       world.wake(std::get<ApplyLoad>(action).body);
     } else {
       ended_by_ = event.name;
@@ -249,9 +251,13 @@ double EventSchedule::end_of(const ActingLoad& load) const {
   return load.start + std::get<ApplyLoad>(events_[load.event].actions[load.action]).duration;
 }
 
-void EventSchedule::end_loads(double time) {
-  if (std::erase_if(acting_, [&](const ActingLoad& load) { return end_of(load) <= time; }) > 0) make_loads();
+void EventSchedule::end_loads(World& world, double time) {
+  if (std::erase_if(acting_, [&](const ActingLoad& load) { return end_of(load) <= time; }) == 0) return;
+  make_loads();
+  give_loads(world);
 }
+
+void EventSchedule::give_loads(World& world) const { PassingLoads::set(world, {}, loads_); }
 
 void EventSchedule::make_loads() {
   std::vector<std::shared_ptr<const Force>> laws;
@@ -270,6 +276,13 @@ void EventSchedule::make_loads() {
 void EventSchedule::Memory::transfer(Archive& archive) {
   archive(count, known, before);
   Archive::require(count >= 0);
+}
+
+void EventSchedule::Due::transfer(Archive& archive) { archive(event, value, before); }
+
+void EventSchedule::transfer(Archive& archive, std::vector<Due>& due) const {
+  archive(due);
+  for (const Due& its : due) Archive::index(its.event, 0, static_cast<int>(events_.size()));
 }
 
 void EventSchedule::ActingLoad::transfer(Archive& archive) { archive(event, action, start); }
@@ -332,6 +345,7 @@ void EventSchedule::apply(World& world) const {
     }
   }
   for (const auto& [joint, frame] : frames_) world.set_joint_frame(joint, frame);
+  give_loads(world);
 }
 
 }  // namespace taut

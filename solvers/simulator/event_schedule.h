@@ -14,7 +14,8 @@ namespace taut {
 
 class Archive;
 
-/// The events of a simulator, and which of them have happened.            (solvers/simulator, "Events")
+/// The events of a simulator, and which of them have happened.            (solvers/simulator/EVENTS, "A step
+/// with events")
 class EventSchedule {
  public:
   EventSchedule() = default;
@@ -42,6 +43,7 @@ class EventSchedule {
     int event = 0;
     std::optional<double> value{};
     double before = 0;
+    void transfer(Archive& archive);
   };
   /// What is due now, for times to within `instant` [s], in the order of the events; the numbers that are
   /// watched become those before the next step.
@@ -58,8 +60,8 @@ class EventSchedule {
   /// Does to the world what an event does, all of it or, if it is refused, nothing.
   std::optional<Refusal> happen(World& world, const Due& due);
   /// Ends the loads whose time is over.
-  void end_loads(double time);
-  /// The sum of the loads that act; null: none.
+  void end_loads(World& world, double time);
+  /// The sum of the loads that act, which is beside the force laws of the world; null: none.
   std::shared_ptr<const Force> loads() const { return loads_; }
 
   const std::vector<EventRecord>& happened() const { return happened_; }
@@ -68,10 +70,13 @@ class EventSchedule {
   const std::string& ended_by() const { return ended_by_; }
   /// A joint was attached after the last step; false from then on.
   bool take_attached() { return std::exchange(attached_, false); }
+  void note_attached() { attached_ = true; }  ///< that step was not done
 
   /// What has happened, and what it has set, to or from bytes; apply() then sets it.
   void transfer(Archive& archive, const World& world);
-  /// Gravity, motors and frames of joints as they were transferred.
+  /// What was due, to or from bytes.
+  void transfer(Archive& archive, std::vector<Due>& due) const;
+  /// Gravity, motors, frames of joints and loads as they were transferred.
   void apply(World& world) const;
   /// The same of a world as it is now, for transfer().
   void note_settings(const World& world);
@@ -100,6 +105,7 @@ class EventSchedule {
   EventRecord record(int event, double time, std::optional<double> value) const;
   double end_of(const ActingLoad& load) const;
   void make_loads();
+  void give_loads(World& world) const;
 
   std::vector<Event> events_;
   std::vector<std::string> texts_;

@@ -462,7 +462,9 @@ void Simulator::Impl::close_all_joints() {
 }
 
 Simulator::Simulator(World& world, const Settings& settings)
-    : impl_(std::make_unique<Impl>(world, settings)) {}
+    : impl_(std::make_unique<Impl>(world, settings)) {
+  PassingLoads::set(world, {});  // that a simulator which is no more may have left
+}
 Simulator::~Simulator() = default;
 
 /// A world that was assigned to since is another one, of which nothing is known.

@@ -10,7 +10,7 @@
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
 #include "solvers/simulator/checkpoint.h"
-#include "solvers/simulator/event.h"
+#include "solvers/simulator/event_schedule.h"
 
 namespace taut {
 
@@ -154,11 +154,13 @@ class Simulator {
   std::string solver_description() const;
 
  private:
+  Checkpoint checkpoint_before(std::vector<EventSchedule::Due> due);
   const StepReport& take_step(double dt);
   const StepReport& step_with_events(double dt);
   bool take_part(double from, double to);
   bool locate_event(double from, double to, const Checkpoint& before);
   bool let_happen(StepReport& whole, double instant);
+  Checkpoint checkpoint_if_any(const std::vector<EventSchedule::Due>& due);
   class Impl;
   Impl& impl() const;
   mutable std::unique_ptr<Impl> impl_;

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "core/base/check.h"
 #include "solvers/simulator/simulator_impl.h"
@@ -56,13 +59,18 @@ StepReport together(const StepReport& before, const StepReport& part) {
   return all;
 }
 
-/// What an event has changed at once in what is stored [J] is in the books.
-void book(StepReport& report, const World& world) {
-  const double springs = world.spring_energy(world.state());
-  const double potential = world.potential_energy(world.state()) - springs;
-  const double by_springs = springs - report.spring_energy,
-               by_potential = potential - report.potential_energy;
-  report.spring_energy = springs, report.potential_energy = potential;
+/// What a world stores [J].
+struct Stored {
+  double springs = 0, potential = 0;  // of springs, and of all else
+  explicit Stored(const World& world)
+      : springs(world.spring_energy(world.state())),
+        potential(world.potential_energy(world.state()) - springs) {}
+};
+
+/// What an event has changed at once is in the books.
+void book(StepReport& report, const Stored& before, const Stored& after) {
+  const double by_springs = after.springs - before.springs, by_potential = after.potential - before.potential;
+  report.spring_energy += by_springs, report.potential_energy += by_potential;
   report.ledger.springs += by_springs, report.ledger.potential += by_potential;
   report.ledger.events += by_springs + by_potential;
 }
@@ -74,8 +82,9 @@ StepReport at_start(const World& world, bool books) {
   if (!books) return report;
   const State& state = world.state();
   report.kinetic_energy = kinetic_energy(world, state);
-  report.spring_energy = world.spring_energy(state);
-  report.potential_energy = world.potential_energy(state) - report.spring_energy;
+  const Stored stored(world);
+  report.spring_energy = stored.springs;
+  report.potential_energy = stored.potential;
   report.linear_momentum = linear_momentum(world, state);
   report.angular_momentum = angular_momentum(world, state);
   report.ledger.start = report.energy();
@@ -85,7 +94,10 @@ StepReport at_start(const World& world, bool books) {
 }  // namespace
 
 void Simulator::set_events(std::vector<Event> events) {
-  impl().events_ = EventSchedule(impl().source_, std::move(events));
+  EventSchedule schedule(impl().source_, std::move(events));
+  impl().events_ = std::move(schedule);
+  PassingLoads::set(impl().source_, {});
+  impl().since_events_.reset();
 }
 
 const std::vector<EventRecord>& Simulator::events_happened() const { return impl().events_.happened(); }
@@ -130,33 +142,51 @@ bool Simulator::locate_event(double from, double to, const Checkpoint& before) {
   return take_part(from, high);
 }
 
+std::optional<EventSchedule::Refusal> Simulator::Impl::let_happen(std::span<const EventSchedule::Due> due) {
+  std::optional<EventSchedule::Refusal> refusal;
+  for (const EventSchedule::Due& event : due) {
+    if (!refusal && (refusal = events_.happen(source_, event)))
+      refusal->what = events_.name(event.event) + ": " + refusal->what;
+    if (refusal) events_.put_back(event);
+  }
+  return refusal;
+}
+
 /// What is due now happens; false if the step ends with it: a joint could not be attached, or the run ends.
 bool Simulator::let_happen(StepReport& whole, double instant) {
   Impl& now = impl();
   World& world = now.source_;
-  now.events_.end_loads(world.time() + instant);
+  now.events_.end_loads(world, world.time() + instant);
   const std::vector<EventSchedule::Due> due = now.events_.due(*this, instant);
   if (due.empty()) return true;
+  const Checkpoint kept = checkpoint_if_any(due);
   const bool books = now.settings_.report_energy;
+  const std::optional<Stored> before = books ? std::optional<Stored>(world) : std::nullopt;
   if (whole.dt == 0) whole = at_start(world, books);
-  bool goes_on = true;
-  for (const EventSchedule::Due& event : due) {
-    std::optional<EventSchedule::Refusal> refusal;
-    if (whole.ok()) refusal = now.events_.happen(world, event);
-    if (refusal) {
-      whole.status = Status::kContradiction;
-      whole.message = now.events_.name(event.event) + ": " + refusal->what;
-      whole.culprits = {{.kind = Culprit::Kind::kJoint, .axis = {refusal->joint}, .share = refusal->gap}};
-    }
-    if (!whole.ok()) {
-      now.events_.put_back(event);
-      continue;
-    }
-    whole.events.push_back(now.events_.happened().back());
-    if (books) book(whole, world);
-    goes_on = goes_on && !whole.events.back().ends_run;
+  const std::size_t happened = now.events_.happened().size();
+  const std::optional<EventSchedule::Refusal> refusal = now.let_happen(due);
+  whole.events.insert(whole.events.end(),
+                      now.events_.happened().begin() + static_cast<std::ptrdiff_t>(happened),
+                      now.events_.happened().end());
+  if (before) book(whole, *before, Stored(world));
+  if (!kept.empty()) now.since_events_ = {kept, now.versions()};
+  if (refusal) {
+    whole.status = Status::kContradiction;
+    whole.message = refusal->what;
+    whole.culprits = {{.kind = Culprit::Kind::kJoint, .axis = {refusal->joint}, .share = refusal->gap}};
   }
-  return goes_on && whole.ok();
+  return !refusal && std::none_of(whole.events.begin(), whole.events.end(),
+                                  [](const EventRecord& event) { return event.ends_run; });
+}
+
+/// A checkpoint before these events; none where the user has changed the world since the last step in a way
+/// that has no checkpoint until the next.
+Checkpoint Simulator::checkpoint_if_any(const std::vector<EventSchedule::Due>& due) {
+  try {
+    return due.empty() ? checkpoint() : checkpoint_before(due);
+  } catch (const std::invalid_argument&) {
+    return {};
+  }
 }
 
 const StepReport& Simulator::step_with_events(double dt) {
@@ -171,10 +201,11 @@ const StepReport& Simulator::step_with_events(double dt) {
     const double to = next <= end + instant ? next : end;
     impl().loads_ = loads;  // for all parts
     const bool attached = impl().events_.take_attached();
-    const Checkpoint before = impl().events_.locates() ? checkpoint() : Checkpoint();
+    const Checkpoint before = impl().events_.locates() ? checkpoint_if_any({}) : Checkpoint();
     goes_on = take_part(from, to);
     if (goes_on && !before.empty()) goes_on = locate_event(from, to, before);
     StepReport part = impl().report_;
+    if (attached && !goes_on) impl().events_.note_attached();
     if (attached) part.ledger.events += std::exchange(part.ledger.stabilisation, 0.0);
     whole = whole.dt > 0 || !whole.events.empty() ? together(whole, part) : std::move(part);
     goes_on = goes_on && let_happen(whole, instant);
