@@ -106,10 +106,10 @@ void RunRecord::note_inexact(const StepReport& report, const World& world) {
 }
 
 void RunRecord::note_axes(const Simulator& simulator) {
-  for (AxisEvents& events : axes) {
-    const AxisReport report = simulator.axis_report(events.axis);
-    events.at_limit = report.at_limit, events.saturated = report.saturated;
-    events.limit_steps += report.at_limit, events.saturated_steps += report.saturated;
+  for (AxisEvents& axis : axes) {
+    const AxisReport report = simulator.axis_report(axis.axis);
+    axis.at_limit = report.at_limit, axis.saturated = report.saturated;
+    axis.limit_steps += report.at_limit, axis.saturated_steps += report.saturated;
   }
 }
 

@@ -168,6 +168,8 @@ Watch Watch::joint_gap(const World& world, JointId joint) {
 Watch Watch::contact_gap(const World& world, BodyId a, BodyId b) {
   return {"contact gap of " + world.name(a) + " and " + world.name(b),
           [=](Simulator& simulator) {
+            // Before the first step no contact is known.
+            if (simulator.report().dt == 0) return std::numeric_limits<double>::quiet_NaN();
             double least = std::numeric_limits<double>::infinity();
             for (const ContactReport& report : simulator.contacts()) {
               const Contact& c = report.contact;

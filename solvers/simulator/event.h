@@ -43,7 +43,8 @@ struct Watch {
   /// How far a joint is open, detached or not: the larger of [m] and [rad].
   static Watch joint_gap(const World& world, JointId joint);
   /// Smallest gap of the contacts of two bodies [m]; infinite without any, as beyond
-  /// Settings::contact_margin.  Not of the state alone, since it jumps there.
+  /// Settings::contact_margin, and not known (NaN, which passes nothing) before the first step.  Not of the
+  /// state alone, since it jumps at the margin.
   static Watch contact_gap(const World& world, BodyId a, BodyId b);
 };
 

@@ -15,8 +15,6 @@
 namespace taut {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
 /// The passage counts: from one side of the threshold to it or beyond.
 bool has_passed_to(const WhenPasses& when, double before, double now) {
   using enum WhenPasses::Way;
@@ -98,7 +96,7 @@ bool EventSchedule::is_pending() const {
 }
 
 double EventSchedule::next_time(double now) const {
-  double next = kNever;
+  double next = kUnlimited;
   const auto add = [&](double time) {
     if (time > now) next = std::min(next, time);
   };
@@ -136,7 +134,7 @@ bool EventSchedule::has_passed(Simulator& simulator) const {
 }
 
 double EventSchedule::first_passage(Simulator& simulator) const {
-  double first = kNever;
+  double first = kUnlimited;
   for (std::size_t i = 0; i < events_.size(); ++i) {
     const WhenPasses* when = std::get_if<WhenPasses>(&events_[i].when);
     if (!when || !when->located || !when->watch.of_state || !memory_[i].known || !may_happen(i)) continue;
@@ -192,7 +190,7 @@ std::optional<EventSchedule::Refusal> EventSchedule::try_joints(const World& wor
       }
       trial.attach(attach->joint);
     } catch (const std::invalid_argument& error) {
-      return Refusal{error.what(), attach->joint, kNever};
+      return Refusal{error.what(), attach->joint, kUnlimited};
     }
   }
   return {};
