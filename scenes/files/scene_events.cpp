@@ -90,7 +90,8 @@ constexpr std::pair<const char*, WatchReader> kWatched[] = {
     {"contact-gap", watch_contact_gap},
 };
 
-/// The number that a probe of the file records; of a vector the component along a direction, or its magnitude.
+/// The number that a probe of the file records; of a vector the component along a direction, or its
+/// magnitude.
 Watch watch_probe(const SceneReader& reader, const JsonNode& name, JsonObject& when) {
   const Probe* probe = reader.find_probe(name);
   if (!probe) {
@@ -100,14 +101,22 @@ Watch watch_probe(const SceneReader& reader, const JsonNode& name, JsonObject& w
   const World& world = reader.world();
   using enum Probe::Quantity;
   switch (probe->quantity) {
-    case kPosition: return Watch::position(world, probe->body, probe->point_B, read_along(when));
-    case kVelocity: return Watch::velocity(world, probe->body, probe->point_B, read_along(when));
-    case kAngularVelocity: return Watch::angular_velocity(world, probe->body, read_along(when));
-    case kReactionForce: return Watch::reaction_force(world, probe->joint, read_along(when));
-    case kReactionTorque: return Watch::reaction_torque(world, probe->joint, read_along(when));
-    case kGap: return Watch::joint_gap(world, probe->joint);
-    case kAxis: return Watch::axis(world, probe->axis);
-    default: break;
+    case kPosition:
+      return Watch::position(world, probe->body, probe->point_B, read_along(when));
+    case kVelocity:
+      return Watch::velocity(world, probe->body, probe->point_B, read_along(when));
+    case kAngularVelocity:
+      return Watch::angular_velocity(world, probe->body, read_along(when));
+    case kReactionForce:
+      return Watch::reaction_force(world, probe->joint, read_along(when));
+    case kReactionTorque:
+      return Watch::reaction_torque(world, probe->joint, read_along(when));
+    case kGap:
+      return Watch::joint_gap(world, probe->joint);
+    case kAxis:
+      return Watch::axis(world, probe->axis);
+    default:
+      break;
   }
   name.problem("must be a probe of a position, velocity, reaction, gap or axis");
   when.accept_all_keys();
@@ -121,7 +130,8 @@ bool watches_angle(const SceneReader& reader, JsonObject& when) {
     const auto found = std::find_if(probes.begin(), probes.end(), [&](const Probe& its) {
       return its.name == probe->json().get_ref<const std::string&>();
     });
-    return found != probes.end() && found->quantity == Probe::Quantity::kAxis && reader.world().axis_info(found->axis).angular;
+    return found != probes.end() && found->quantity == Probe::Quantity::kAxis &&
+           reader.world().axis_info(found->axis).angular;
   }
   const auto axis = when.find("axis");
   if (!axis || !axis->json().is_object()) return false;

@@ -24,17 +24,18 @@ struct WatchFunction {
 };
 
 void bind_watches(nb::module_& m) {
-  nb::class_<Watch>(
-      m, "Watch",
-      "A number that an event watches.  `along` is a direction of unit length in world axes, whose component of "
-      "a vector is meant; without it, its magnitude.")
+  nb::class_<Watch>(m, "Watch",
+                    "A number that an event watches.  `along` is a direction of unit length in world axes, "
+                    "whose component of "
+                    "a vector is meant; without it, its magnitude.")
       .def(
           "__init__",
           [](Watch* it, nb::callable function, std::string label, bool of_state) {
             new (it) Watch{std::move(label), WatchFunction{HeldObject(std::move(function))}, of_state};
           },
           nb::arg("function"), nb::arg("label") = "a function", nb::arg("of_state") = true,
-          "Any function(state) of a State.  of_state: it depends on the state alone and is continuous, so that "
+          "Any function(state) of a State.  of_state: it depends on the state alone and is continuous, so "
+          "that "
           "events can be located within a step.")
       .def_static("position", &Watch::position, nb::arg("world"), nb::arg("body"),
                   nb::arg("p_BP") = Vec3(0, 0, 0), nb::arg("along") = nb::none(), "Of a body's point [m].")
@@ -65,7 +66,8 @@ void bind_causes_of_events(nb::module_& m) {
       .def_ro("time", &AtTime::time);
   nb::class_<WhenPasses> passes(
       m, "WhenPasses",
-      "When a number passes a threshold: it was on one side and is at it or beyond; once or each time.  Located "
+      "When a number passes a threshold: it was on one side and is at it or beyond; once or each time.  "
+      "Located "
       "to a millionth of a step, which costs a checkpoint a step, or at the end of the step.");
   nb::enum_<WhenPasses::Way>(passes, "Way", "Which passages count.")
       .value("RISING", WhenPasses::Way::kRising)
@@ -74,7 +76,8 @@ void bind_causes_of_events(nb::module_& m) {
   passes
       .def(
           "__init__",
-          [](WhenPasses* it, Watch watch, double threshold, WhenPasses::Way way, bool each_time, bool located) {
+          [](WhenPasses* it, Watch watch, double threshold, WhenPasses::Way way, bool each_time,
+             bool located) {
             new (it) WhenPasses{std::move(watch), threshold, way, each_time, located};
           },
           nb::arg("watch"), nb::arg("threshold"), nb::arg("way") = WhenPasses::Way::kEither,
@@ -87,10 +90,10 @@ void bind_causes_of_events(nb::module_& m) {
 }
 
 void bind_actions(nb::module_& m) {
-  nb::class_<AttachJoint> attach(
-      m, "AttachJoint",
-      "Attaches a joint.  With its ends apart by more than `tolerance` [m or rad] the step fails (CLOSED), or "
-      "its end on B moves to where it is closed (AS_IS).");
+  nb::class_<AttachJoint> attach(m, "AttachJoint",
+                                 "Attaches a joint.  With its ends apart by more than `tolerance` [m or rad] "
+                                 "the step fails (CLOSED), or "
+                                 "its end on B moves to where it is closed (AS_IS).");
   nb::enum_<AttachJoint::Where>(attach, "Where", "What becomes of a joint whose ends are apart.")
       .value("CLOSED", AttachJoint::Where::kClosed)
       .value("AS_IS", AttachJoint::Where::kAsIs);
@@ -108,18 +111,21 @@ void bind_actions(nb::module_& m) {
       .def(
           "__init__",
           [](SetMotor* it, AxisId axis, std::optional<double> target, std::optional<double> max_force,
-             bool remove) { new (it) SetMotor{axis, target, max_force, remove}; },
+             bool remove) {
+            new (it) SetMotor{axis, target, max_force, remove};
+          },
           nb::arg("axis"), nb::arg("target") = nb::none(), nb::arg("max_force") = nb::none(),
           nb::arg("remove") = false);
-  nb::class_<ApplyLoad>(m, "ApplyLoad",
-                        "A force [N] at point P of a body and a torque [N·m] for a duration [s] from the event on, "
-                        "times a function of the time since then.")
+  nb::class_<ApplyLoad>(
+      m, "ApplyLoad",
+      "A force [N] at point P of a body and a torque [N·m] for a duration [s] from the event on, "
+      "times a function of the time since then.")
       .def(
           "__init__",
           [](ApplyLoad* it, BodyId body, const Vec3& force, const Vec3& torque, const Vec3& p_BP,
              bool follows_body, double duration, std::optional<BoundMotion> factor) {
-            new (it) ApplyLoad{body,         p_BP,     force, torque, follows_body, duration,
-                               factor ? factor->function : Motion()};
+            new (it) ApplyLoad{
+                body, p_BP, force, torque, follows_body, duration, factor ? factor->function : Motion()};
           },
           nb::arg("body"), nb::arg("force") = Vec3(0, 0, 0), nb::arg("torque") = Vec3(0, 0, 0),
           nb::arg("p_BP") = Vec3(0, 0, 0), nb::arg("follows_body") = false, nb::arg("duration") = kUnlimited,
@@ -149,7 +155,8 @@ void bind_events(nb::module_& m) {
         return closing_frame(world, joint);
       },
       nb::arg("world"), nb::arg("joint"),
-      "For World.set_joint_frame(): closes a joint of two bodies where they are, by the smallest turn of B's end "
+      "For World.set_joint_frame(): closes a joint of two bodies where they are, by the smallest turn of B's "
+      "end "
       "about the anchor and the smallest shift.");
   bind_watches(m);
   bind_causes_of_events(m);

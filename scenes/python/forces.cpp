@@ -74,7 +74,8 @@ void bind_forces(nb::module_& m) {
           nb::arg("factor") = nb::none());
   nb::class_<AccelerationField, Force>(
       m, "AccelerationField",
-      "A field of acceleration a [m/s²], world axes, on bodies given with their masses (body, mass [kg]): the "
+      "A field of acceleration a [m/s²], world axes, on bodies given with their masses (body, mass [kg]): "
+      "the "
       "force m a, constant or times a factor, a function of time (Motion).  A frame that shakes with the "
       "acceleration x¨ is the field −x¨.")
       .def(

@@ -355,14 +355,16 @@ inline std::vector<BadScene> bad_joints() {
 
 /// Beside a hinge "hip" of P and Q with a motor on its angle, and a probe "tip".
 inline std::string event(const std::string& keys) {
-  return two_bodies(R"("joints": [{"name": "hip", "type": "hinge", "a": "P", "b": "Q", "anchor": [0, 0, 0], "axis": [0, 0, 1],
+  return two_bodies(
+      R"("joints": [{"name": "hip", "type": "hinge", "a": "P", "b": "Q", "anchor": [0, 0, 0], "axis": [0, 0, 1],
     "axes": {"angle": {"motor": {"velocity": 1}}}}], "probes": [{"name": "tip", "quantity": "position", "body": "P"},
     {"name": "all", "quantity": "energy"}], "events": [{)" +
-                    keys + "}]");
+      keys + "}]");
 }
 
 inline std::vector<BadScene> bad_events() {
-  const std::string at = R"("name": "x", "at": 1, "do": )", when = R"("name": "x", "do": [{"end": true}], "when": )";
+  const std::string at = R"("name": "x", "at": 1, "do": )",
+                    when = R"("name": "x", "do": [{"end": true}], "when": )";
   return {
       {event(R"("at": 1, "do": [{"end": true}])"), "/events/0", R"("name" is missing)", ""},
       {event(R"("name": "x", "do": [{"end": true}])"), "/events/0", R"(one of "at", "when" is missing)", ""},
@@ -372,8 +374,8 @@ inline std::vector<BadScene> bad_events() {
        R"(there is no joint of this name; did you mean "hip"?)", R"("hop")", false},
       {event(at + R"([{"attach": "hip", "where": "open"}])"), "/events/0/do/0/where",
        R"(must be one of "closed", "as_is")", R"("open")"},
-      {event(at + R"([{"motor": {"joint": "hip", "axis": "angel"}, "target": 1}])"), "/events/0/do/0/motor/axis",
-       R"(hip has no axis of this name; it has angle)", "", false},
+      {event(at + R"([{"motor": {"joint": "hip", "axis": "angel"}, "target": 1}])"),
+       "/events/0/do/0/motor/axis", R"(hip has no axis of this name; it has angle)", "", false},
       {event(at + R"([{"motor": {"joint": "hip", "axis": "angle"}}])"), "/events/0",
        "event x: motor of hip angle: needs a target, a largest force, or to be removed", "nothing"},
       {event(at + R"([{"load": "p", "force": [0, 0, 1]}])"), "/events/0/do/0/load",
@@ -463,9 +465,10 @@ inline std::vector<BadScene> bad_blocks() {
 /// Texts with exactly one problem each.
 inline std::vector<BadScene> bad_scenes() {
   std::vector<BadScene> all;
-  for (const auto& group : {bad_top_level(), bad_bodies(), bad_joints(), bad_axes(), bad_forces_and_probes(), bad_events(),
-                            bad_blocks(), bad_shapes(), bad_masses_of_shapes(), bad_materials_and_pairs(),
-                            bad_wires_and_curves(), bad_joint_properties(), bad_ends(), bad_names()})
+  for (const auto& group :
+       {bad_top_level(), bad_bodies(), bad_joints(), bad_axes(), bad_forces_and_probes(), bad_events(),
+        bad_blocks(), bad_shapes(), bad_masses_of_shapes(), bad_materials_and_pairs(), bad_wires_and_curves(),
+        bad_joint_properties(), bad_ends(), bad_names()})
     all.insert(all.end(), group.begin(), group.end());
   return all;
 }
