@@ -2,40 +2,78 @@
 
 namespace taut {
 
-PointForce::PointForce(BodyId body, const Vec3& p_BP, const Vec3& force, bool follows_body)
-    : body_(body), p_BP_(p_BP), force_(force), follows_body_(follows_body) {
+namespace {
+
+double value_at(const Motion& factor, double time) { return factor ? factor(time).value : 1; }
+
+}  // namespace
+
+PointForce::PointForce(BodyId body, const Vec3& p_BP, const Vec3& force, bool follows_body, Motion factor)
+    : body_(body), p_BP_(p_BP), force_(force), follows_body_(follows_body), factor_(std::move(factor)) {
   require_all_finite("force point", p_BP);
   require_all_finite("force", force);
 }
 
 void PointForce::accumulate(const State& state, std::span<Wrench> wrenches) const {
   const Pose& B = state.poses[body_.index];
-  const Vec3 f = follows_body_ ? Vec3(B.q * force_) : force_;
+  const Vec3 f = value_at(factor_, state.time) * (follows_body_ ? Vec3(B.q * force_) : force_);
   wrenches[body_.index].force += f;
   wrenches[body_.index].torque += (B.q * p_BP_).cross(f);
 }
 
 double PointForce::potential_energy(const State& state) const {
-  return follows_body_ ? 0 : -force_.dot(state.poses[body_.index].point(p_BP_));
+  return conservative() ? -force_.dot(state.poses[body_.index].point(p_BP_)) : 0;
 }
 
 std::shared_ptr<const Force> PointForce::relocated(const Relocation& to, const Pose& X) const {
   return std::make_shared<PointForce>(to(body_), p_BP_, follows_body_ ? force_ : Vec3(X.q * force_),
-                                      follows_body_);
+                                      follows_body_, factor_);
 }
 
-BodyTorque::BodyTorque(BodyId body, const Vec3& torque, bool follows_body)
-    : body_(body), torque_(torque), follows_body_(follows_body) {
+BodyTorque::BodyTorque(BodyId body, const Vec3& torque, bool follows_body, Motion factor)
+    : body_(body), torque_(torque), follows_body_(follows_body), factor_(std::move(factor)) {
   require_all_finite("torque", torque);
 }
 
 void BodyTorque::accumulate(const State& state, std::span<Wrench> wrenches) const {
-  wrenches[body_.index].torque += follows_body_ ? Vec3(state.poses[body_.index].q * torque_) : torque_;
+  const Vec3 torque = follows_body_ ? Vec3(state.poses[body_.index].q * torque_) : torque_;
+  wrenches[body_.index].torque += value_at(factor_, state.time) * torque;
 }
 
 std::shared_ptr<const Force> BodyTorque::relocated(const Relocation& to, const Pose& X) const {
-  return std::make_shared<BodyTorque>(to(body_), follows_body_ ? torque_ : Vec3(X.q * torque_),
-                                      follows_body_);
+  return std::make_shared<BodyTorque>(to(body_), follows_body_ ? torque_ : Vec3(X.q * torque_), follows_body_,
+                                      factor_);
+}
+
+AccelerationField::AccelerationField(std::vector<FieldMass> masses, const Vec3& acceleration, Motion factor)
+    : masses_(std::move(masses)), acceleration_(acceleration), factor_(std::move(factor)) {
+  require_all_finite("acceleration field", acceleration);
+  for (const FieldMass& its : masses_) require_not_negative("mass in acceleration field", its.mass);
+}
+
+void AccelerationField::accumulate(const State& state, std::span<Wrench> wrenches) const {
+  const Vec3 a = value_at(factor_, state.time) * acceleration_;
+  for (const FieldMass& its : masses_) wrenches[its.body.index].force += its.mass * a;
+}
+
+double AccelerationField::potential_energy(const State& state) const {
+  double energy = 0;
+  if (conservative())
+    for (const FieldMass& its : masses_)
+      energy -= its.mass * acceleration_.dot(state.poses[its.body.index].p);
+  return energy;
+}
+
+std::vector<BodyId> AccelerationField::bodies() const {
+  std::vector<BodyId> bodies;
+  for (const FieldMass& its : masses_) bodies.push_back(its.body);
+  return bodies;
+}
+
+std::shared_ptr<const Force> AccelerationField::relocated(const Relocation& to, const Pose& X) const {
+  std::vector<FieldMass> masses = masses_;
+  for (FieldMass& its : masses) its.body = to(its.body);
+  return std::make_shared<AccelerationField>(std::move(masses), X.q * acceleration_, factor_);
 }
 
 SpringDamper::SpringDamper(BodyId a, BodyId b, const Vec3& p_AP, const Vec3& p_BQ, double stiffness,

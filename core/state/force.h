@@ -9,6 +9,7 @@
 
 #include "core/base/check.h"
 #include "core/state/axis.h"
+#include "core/state/motion_point.h"
 #include "core/state/relocation.h"
 #include "core/state/state.h"
 
@@ -65,15 +66,17 @@ class Force {
   virtual std::shared_ptr<const Force> relocated(const Relocation&, const Pose&) const { return nullptr; }
 };
 
-/// Constant force f [N] at point P of a body, in world axes; with `follows_body` in body axes.
-/// Wrench (r × f, f) with r = R_WB p_BP; potential −f·p_WP, none for a follower.        (core/state, Eq. 2)
+/// Force f [N] at point P of a body, in world axes; with `follows_body` in body axes; constant, or with a
+/// `factor`, a function of time (core/state/motion.h), f factor(t).
+/// Wrench (r × f, f) with r = R_WB p_BP; potential −f·p_WP, none for a follower or with a factor.
+/// (core/state, Eq. 2)
 /// @throws std::invalid_argument if the point or the force is not finite.
 class PointForce final : public Force {
  public:
-  PointForce(BodyId body, const Vec3& p_BP, const Vec3& force, bool follows_body = false);
+  PointForce(BodyId body, const Vec3& p_BP, const Vec3& force, bool follows_body = false, Motion factor = {});
   void accumulate(const State& state, std::span<Wrench> wrenches) const override;
   double potential_energy(const State& state) const override;
-  bool conservative() const override { return !follows_body_; }
+  bool conservative() const override { return !follows_body_ && !factor_; }
   std::vector<BodyId> bodies() const override { return {body_}; }
   std::shared_ptr<const Force> relocated(const Relocation& to, const Pose& X) const override;
 
@@ -81,13 +84,15 @@ class PointForce final : public Force {
   BodyId body_;
   Vec3 p_BP_, force_;
   bool follows_body_;
+  Motion factor_;
 };
 
-/// Constant torque [N·m] in world axes, or with `follows_body` in body axes.  It has no potential either way.
+/// Torque [N·m] in world axes, or with `follows_body` in body axes; constant, or times a `factor`, a function
+/// of time.  It has no potential.
 /// @throws std::invalid_argument if the torque is not finite.
 class BodyTorque final : public Force {
  public:
-  BodyTorque(BodyId body, const Vec3& torque, bool follows_body = false);
+  BodyTorque(BodyId body, const Vec3& torque, bool follows_body = false, Motion factor = {});
   void accumulate(const State& state, std::span<Wrench> wrenches) const override;
   std::vector<BodyId> bodies() const override { return {body_}; }
   std::shared_ptr<const Force> relocated(const Relocation& to, const Pose& X) const override;
@@ -96,6 +101,31 @@ class BodyTorque final : public Force {
   BodyId body_;
   Vec3 torque_;
   bool follows_body_;
+  Motion factor_;
+};
+
+/// A body and its mass [kg].
+struct FieldMass {
+  BodyId body;      ///< that the field acts on
+  double mass = 0;  ///< ≥ 0
+};
+/// A field of acceleration a [m/s²], world axes, constant or times a `factor`, a function of time: the force
+/// m a factor(t) on each body, beside gravity.  A frame that shakes with the acceleration x¨ is the field
+/// −x¨. Potential −m a·p, none with a factor.
+/// @throws std::invalid_argument if the acceleration is not finite, or a mass negative or not finite.
+class AccelerationField final : public Force {
+ public:
+  AccelerationField(std::vector<FieldMass> masses, const Vec3& acceleration, Motion factor = {});
+  void accumulate(const State& state, std::span<Wrench> wrenches) const override;
+  double potential_energy(const State& state) const override;
+  bool conservative() const override { return !factor_; }
+  std::vector<BodyId> bodies() const override;
+  std::shared_ptr<const Force> relocated(const Relocation& to, const Pose& X) const override;
+
+ private:
+  std::vector<FieldMass> masses_;
+  Vec3 acceleration_;
+  Motion factor_;
 };
 
 /// Spring and damper between point P of A and point Q of B, L = |p_WQ − p_WP|: tension

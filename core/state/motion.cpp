@@ -1,6 +1,9 @@
 #include "core/state/motion.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "core/base/check.h"
 #include "core/math/spline.h"
@@ -15,13 +18,62 @@ Motion linear_motion(double value, double rate, double start) {
 }
 
 Motion harmonic_motion(double mean, double amplitude, double omega, double phase) {
+  return harmonics_motion(mean, {{amplitude, omega, phase}});
+}
+
+Motion harmonics_motion(double mean, std::vector<Harmonic> terms) {
   require_finite("motion mean", mean);
-  require_finite("motion amplitude", amplitude);
-  require_finite("motion omega", omega);
-  require_finite("motion phase", phase);
+  for (const Harmonic& term : terms) {
+    require_finite("motion amplitude", term.amplitude);
+    require_finite("motion omega", term.omega);
+    require_finite("motion phase", term.phase);
+  }
+  return [mean, terms = std::move(terms)](double t) {
+    MotionPoint at{mean, 0, 0};
+    for (const auto& [amplitude, omega, phase] : terms) {
+      const double s = std::sin(omega * t + phase), c = std::cos(omega * t + phase);
+      at.value += amplitude * s;
+      at.rate += amplitude * omega * c;
+      at.acceleration -= amplitude * omega * omega * s;
+    }
+    return at;
+  };
+}
+
+Motion table_motion(Curve table, bool periodic) {
+  const double first = table.points().front().x, last = table.points().back().x, period = last - first;
+  if (periodic && !(period > 0)) fail("periodic table", "must have two points or more", 1);
+  return [=, table = std::move(table)](double t) {
+    if (periodic) t = first + std::clamp(t - first - period * std::floor((t - first) / period), 0.0, period);
+    const bool inside = t >= first && t < last;
+    return MotionPoint{table.held(t), inside ? table.slope(t) : 0, 0};
+  };
+}
+
+Motion ramp_motion(double from, double to, double start, double duration, bool smooth) {
+  require_finite("ramp from", from);
+  require_finite("ramp to", to);
+  require_finite("ramp start", start);
+  require_positive("ramp duration", duration);
   return [=](double t) {
-    const double s = std::sin(omega * t + phase), c = std::cos(omega * t + phase);
-    return MotionPoint{mean + amplitude * s, amplitude * omega * c, -amplitude * omega * omega * s};
+    const double part = (t - start) / duration, rise = to - from, turn = std::numbers::pi / duration;
+    if (part <= 0) return MotionPoint{from, 0, 0};
+    if (part >= 1) return MotionPoint{to, 0, 0};
+    if (!smooth) return MotionPoint{from + rise * part, rise / duration, 0};
+    const double s = std::sin(std::numbers::pi * part), c = std::cos(std::numbers::pi * part);
+    return MotionPoint{from + 0.5 * rise * (1 - c), 0.5 * rise * turn * s, 0.5 * rise * turn * turn * c};
+  };
+}
+
+Motion gust_motion(double peak, double start, double duration) {
+  require_finite("gust peak", peak);
+  require_finite("gust start", start);
+  require_positive("gust duration", duration);
+  return [=](double t) {
+    const double omega = 2 * std::numbers::pi / duration, angle = omega * (t - start);
+    if (!(t > start && t < start + duration)) return MotionPoint{};
+    const double s = std::sin(angle), c = std::cos(angle);
+    return MotionPoint{0.5 * peak * (1 - c), 0.5 * peak * omega * s, 0.5 * peak * omega * omega * c};
   };
 }
 

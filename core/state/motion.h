@@ -8,7 +8,7 @@
 #include "core/state/motion_point.h"
 #include "core/state/state.h"
 
-/// Prescribed motions as functions of time, for drivers.
+/// Functions of time: what drivers and motors follow, and what loads are multiplied by.
 namespace taut {
 
 /// f(t) = value + rate (t − start).
@@ -17,6 +17,30 @@ Motion linear_motion(double value, double rate, double start = 0);
 
 /// f(t) = mean + amplitude sin(ω t + φ), ω = `omega` [rad/s], φ = `phase` [rad]; throws as linear_motion().
 Motion harmonic_motion(double mean, double amplitude, double omega, double phase = 0);
+
+/// A term a sin(ω t + φ) of harmonics_motion().
+struct Harmonic {
+  double amplitude = 0;  ///< a
+  double omega = 0;      ///< ω [rad/s]
+  double phase = 0;      ///< φ [rad]
+};
+/// f(t) = mean + Σ aᵢ sin(ωᵢ t + φᵢ), summed in their order; throws as linear_motion().
+Motion harmonics_motion(double mean, std::vector<Harmonic> terms);
+
+/// A piecewise linear function: `table` over time, held beyond its ends, or with `periodic` repeated with the
+/// period from its first point to its last; if the two differ, it jumps there, to the first.  Its rate jumps
+/// at the points: what a driver follows gets an impulse there, which speed_motion() spares it.
+/// @throws std::invalid_argument for a periodic table of one point.
+Motion table_motion(Curve table, bool periodic = false);
+
+/// `from` until the time `start` [s], `to` from start + duration on, between them linear or, with `smooth`,
+/// f(t) = from + (to − from) ½ (1 − cos π (t − start)/duration), whose rate does not jump.
+/// @throws std::invalid_argument if a number is not finite or the duration not positive.
+Motion ramp_motion(double from, double to, double start, double duration, bool smooth = false);
+
+/// A gust: f(t) = peak ½ (1 − cos 2π (t − start)/duration) between start and start + duration [s], otherwise
+/// 0; its integral is ½ peak · duration.  Throws as ramp_motion().
+Motion gust_motion(double peak, double start, double duration);
 
 /// A cubic spline through (time, value), with straight lines before and after it.
 /// @throws std::invalid_argument as CubicSpline.

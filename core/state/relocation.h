@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cassert>
 #include <memory>
 #include <vector>
@@ -41,20 +42,37 @@ struct Relocation {
   /// What an index in State::axes has become; a negative one is none and stays.
   int axis(int index) const { return index < 0 ? index : index + axes; }
 
-  /// First that one, then this one.  @pre that one has no carriers.
+  /// First that one, then this one.
   Relocation after(const Relocation& first) const {
-    assert(!first.carriers);
-    return {shifted(first.ground),
-            bodies + first.bodies,
-            joints + first.joints,
-            axes + first.axes,
-            shapes + first.shapes,
-            forces + first.forces,
-            carriers,
-            sides};
+    Relocation all{shifted(first.ground),
+                   bodies + first.bodies,
+                   joints + first.joints,
+                   axes + first.axes,
+                   shapes + first.shapes,
+                   forces + first.forces,
+                   carriers,
+                   sides};
+    if (first.carriers) all.carry(*this, first);
+    return all;
   }
 
  private:
+  /// Carriers of all bodies: frames on frames.  @pre the first changes no ids (World::set_joint_frame()).
+  void carry(const Relocation& second, const Relocation& first) {
+    assert(first.bodies == 0 && first.ground == kGround && first.sides.empty());
+    auto all = std::make_shared<Carriers>();
+    int last = ground.index;
+    for (int b = 0; b < static_cast<int>(first.carriers->bodies.size()); ++b)
+      last = std::max(last, shifted({b}).index);
+    // Of an id as the second has shifted it.
+    for (int b = 0; b <= last; ++b) {
+      all->bodies.push_back(second.carriers ? second.carriers->bodies[b] : BodyId{b});
+      all->frames.push_back(second.carriers ? second.carriers->frames[b] : Pose{});
+    }
+    for (int b = 0; b < static_cast<int>(first.carriers->bodies.size()); ++b)
+      all->frames[second.shifted({b}).index] = second.frame({b}) * first.carriers->frames[b];
+    carriers = std::move(all);
+  }
   BodyId shifted(BodyId id) const { return id == kGround ? ground : BodyId{id.index + bodies}; }
 };
 

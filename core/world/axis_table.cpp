@@ -1,5 +1,9 @@
 #include "core/world/axis_table.h"
 
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
 #include "core/base/check.h"
 #include "core/world/id_check.h"
 
@@ -30,6 +34,11 @@ void AxisTable::relocate(int joint, const Relocation& to) {
     infos_[k].coordinate = infos_[k].coordinate->relocated(to);
     for (int& body : infos_[k].bodies) body = to.body(body);
   }
+}
+
+void AxisTable::set_coordinates(int joint, std::vector<AxisInfo> axes) {
+  assert(static_cast<int>(axes.size()) == starts_[joint + 1] - starts_[joint]);
+  std::move(axes.begin(), axes.end(), infos_.begin() + starts_[joint]);
 }
 
 void AxisTable::copy_properties(const AxisTable& from) { properties_ = from.properties_; }

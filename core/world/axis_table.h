@@ -27,6 +27,8 @@ class AxisTable {
 
   /// The axes of the next joint, with the limits that they have from the start.
   void add_joint(std::vector<AxisInfo> axes);
+  /// The coordinates of a joint's axes are those of `axes`, which are the same ones otherwise.
+  void set_coordinates(int joint, std::vector<AxisInfo> axes);
   /// Same properties as those of a table with the same axes.
   void copy_properties(const AxisTable& from);
   /// The axes of a joint are of the bodies that carry its own.

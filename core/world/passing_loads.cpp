@@ -9,28 +9,32 @@
 namespace taut {
 namespace {
 
-/// Constant wrenches, which have no potential.
+/// Constant wrenches, and a law beside them, which have no potential.
 class BodyLoads final : public Force {
  public:
-  explicit BodyLoads(std::span<const BodyLoad> loads) : loads_(loads.begin(), loads.end()) {}
-  void accumulate(const State&, std::span<Wrench> wrenches) const override {
+  BodyLoads(std::span<const BodyLoad> loads, std::shared_ptr<const Force> law)
+      : loads_(loads.begin(), loads.end()), law_(std::move(law)) {}
+  void accumulate(const State& state, std::span<Wrench> wrenches) const override {
     for (const BodyLoad& load : loads_) wrenches[load.body.index] = wrenches[load.body.index] + load.wrench;
+    if (law_) law_->accumulate(state, wrenches);
   }
   std::vector<BodyId> bodies() const override {
-    std::vector<BodyId> bodies;
+    std::vector<BodyId> bodies = law_ ? law_->bodies() : std::vector<BodyId>();
     for (const BodyLoad& load : loads_) bodies.push_back(load.body);
     return bodies;
   }
 
  private:
   std::vector<BodyLoad> loads_;
+  std::shared_ptr<const Force> law_;
 };
 
 }  // namespace
 
-void PassingLoads::set(World& world, std::span<const BodyLoad> loads) {
+void PassingLoads::set(World& world, std::span<const BodyLoad> loads, std::shared_ptr<const Force> law) {
   world.identity_.require_free();
-  world.forces_.set_passing(loads.empty() ? nullptr : std::make_shared<const BodyLoads>(loads));
+  const bool any = !loads.empty() || law;
+  world.forces_.set_passing(any ? std::make_shared<const BodyLoads>(loads, std::move(law)) : nullptr);
   ++world.versions_.state;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <memory>
 #include <span>
 
+#include "core/state/force.h"
 #include "core/state/state.h"
 
 namespace taut {
@@ -19,8 +21,9 @@ struct BodyLoad {
 /// appended.
 class PassingLoads {
  public:
-  /// These act from now on, in place of those before; none: nothing does.  A new state version.
-  static void set(World& world, std::span<const BodyLoad> loads);
+  /// These act from now on, and a law that is not conservative beside them, in place of those before; none:
+  /// nothing does.  A new state version.
+  static void set(World& world, std::span<const BodyLoad> loads, std::shared_ptr<const Force> law = nullptr);
 };
 
 }  // namespace taut

@@ -83,6 +83,12 @@ class World {
   /// simulator before its next step.  A joint at the present poses is a new one, Ball::at() and its like.
   /// @throws std::invalid_argument for a joint that couples an axis of a detached one.
   void attach(JointId id);
+  /// Has a joint of two bodies take a frame F on its body B, at X_BF, for B: it is closed where it was made
+  /// to be with F in place of B.  It is always meant from the joint as it was added, so that the identity
+  /// takes it back; closing_frame() (core/world/joint_frame.h) closes a joint where its bodies are.
+  /// @throws std::invalid_argument for a missing joint, a pose that is not finite or not of unit length, and
+  /// a joint of more than two bodies or that couples axes.
+  void set_joint_frame(JointId id, const Pose& X_BF);
   bool is_attached(JointId id) const { return joints_.is_attached(joints_.checked(id)); }  ///< not detached
   int detached_count() const { return joints_.detached_count(); }  ///< number of joints
   /// Energy in the springs, soft limits and compliance of one joint, detached or not [J].

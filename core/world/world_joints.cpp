@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/base/check.h"
+#include "core/world/joint_frame.h"
 #include "core/world/world.h"
 
 // Joints as a whole: what they join and bear, how they give way, leaving and coming back.
@@ -120,6 +121,24 @@ void World::attach(JointId id) {
   joints_.attach(id.index);
   wake_bodies_of(id);
   collisions_.set_joints(joints_);
+  ++versions_.topology;
+}
+
+void World::set_joint_frame(JointId id, const Pose& X_BF) {
+  identity_.require_free();
+  const std::string& shown = name(id);
+  const Joint& before = joint(id);
+  require_all_finite("frame of joint " + shown, X_BF.p);
+  require_unit("frame of joint " + shown, X_BF.q.coeffs());
+  if (before.bodies().size() != 2 || before.axes_needed() > 0 || !before.couples().empty())
+    fail("joint " + shown, "has no frame on one of two bodies that could be moved", before.type());
+  auto moved = detail::with_frame(joints_.shared(id.index), {X_BF.q.normalized(), X_BF.p});
+  axes_.set_coordinates(id.index, axes_of(shown, *moved, axes_.first(id.index)));
+  joints_.replace(id.index, moved);
+  const std::optional<JointCompliance> soft = compliance(id);
+  soft_joints_.set(id.index, *moved, std::nullopt);
+  soft_joints_.set(id.index, *moved, soft);
+  wake_bodies_of(id);
   ++versions_.topology;
 }
 

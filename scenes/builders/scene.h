@@ -7,6 +7,7 @@
 
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
+#include "solvers/simulator/event.h"
 
 namespace taut {
 
@@ -57,6 +58,7 @@ struct Scene {
   double energy_scale =
       0;  ///< E_scale by which energy drift is judged [J]; 0: kinetic + |potential| at the start
   std::vector<Probe> probes{};  ///< what is recorded over time
+  std::vector<Event> events{};  ///< for Simulator::set_events()
   std::vector<Drawing>
       drawings{};  ///< bodies without one are drawn by their collision shapes or their inertia
   /// Joints may be open at the start: call Simulator::assemble() before the first step.

@@ -115,42 +115,100 @@ BreakLimits read_break(const JsonNode& node) {
   return limits;
 }
 
+// Motions whose keys are in an object of their own.
+
+Motion read_linear(const JsonNode& node, bool angular) {
+  JsonObject of(node);
+  const double value = number_or(of, in_angles("value", angular), 0), start = number_or(of, "start", 0);
+  const double rate = of.get_required(in_angles("rate", angular), &JsonNode::number, 0.0);
+  of.reject_unknown_keys();
+  return linear_motion(value, rate, start);
+}
+
+Harmonic read_harmonic_term(JsonObject& of, bool angular) {
+  Harmonic term;
+  term.phase = number_or(of, in_angles("phase"), 0);
+  term.amplitude = of.get_required(in_angles("amplitude", angular), &JsonNode::number, 0.0);
+  term.omega = of.get_required(in_angles("omega"), &JsonNode::number, 0.0);
+  return term;
+}
+
+Motion read_harmonic(const JsonNode& node, bool angular) {
+  JsonObject of(node);
+  const double mean = number_or(of, in_angles("mean", angular), 0);
+  const Harmonic term = read_harmonic_term(of, angular);
+  of.reject_unknown_keys();
+  return harmonic_motion(mean, term.amplitude, term.omega, term.phase);
+}
+
+Motion read_harmonics(const JsonNode& node, bool angular) {
+  JsonObject of(node);
+  const double mean = number_or(of, in_angles("mean", angular), 0);
+  std::vector<Harmonic> terms;
+  if (const auto list = of.required("terms"))
+    for (const JsonNode& item : list->items("an array of terms")) {
+      JsonObject term(item);
+      terms.push_back(read_harmonic_term(term, angular));
+      term.reject_unknown_keys();
+    }
+  of.reject_unknown_keys();
+  return harmonics_motion(mean, std::move(terms));
+}
+
+Motion read_ramp(const JsonNode& node, bool angular) {
+  JsonObject of(node);
+  const double from = number_or(of, in_angles("from", angular), 0);
+  const double to = of.get_required(in_angles("to", angular), &JsonNode::number, 0.0);
+  const double start = number_or(of, "start", 0);
+  const double duration = of.get_required("duration", &JsonNode::positive, 1.0);
+  const bool smooth = of.get("smooth", &JsonNode::boolean, false);
+  of.reject_unknown_keys();
+  return ramp_motion(from, to, start, duration, smooth);
+}
+
+Motion read_gust(const JsonNode& node, bool angular) {
+  JsonObject of(node);
+  const double peak = of.get_required(in_angles("peak", angular), &JsonNode::number, 0.0);
+  const double start = number_or(of, "start", 0);
+  const double duration = of.get_required("duration", &JsonNode::positive, 1.0);
+  of.reject_unknown_keys();
+  return gust_motion(peak, start, duration);
+}
+
+constexpr std::pair<const char*, Motion (*)(const JsonNode&, bool)> kMotionKinds[] = {
+    {"/linear", read_linear}, {"/harmonic", read_harmonic}, {"/harmonics", read_harmonics},
+    {"/ramp", read_ramp},     {"/gust", read_gust},
+};
+
+Motion motion_through(const std::vector<Curve::Point>& points) {
+  std::vector<double> times, values;
+  for (const Curve::Point& p : points) times.push_back(p.x), values.push_back(p.y);
+  return spline_motion(times, values);
+}
+
 }  // namespace
 
 Motion read_motion(const JsonNode& node, bool angular) {
   JsonObject keys(node);
-  const JsonKey spline = in_angles("spline", angular), speeds = in_angles("speeds", angular);
-  const auto kind = keys.one_of({"linear", "harmonic", spline, speeds});
-  Motion motion;
-  if (!kind) return motion;
+  const JsonKey spline = in_angles("spline", angular), speeds = in_angles("speeds", angular),
+                table = in_angles("table", angular);
+  const auto kind = keys.one_of({"linear", "harmonic", "harmonics", "ramp", "gust", spline, speeds, table});
+  if (!kind) return {};
   const std::size_t before = node.problems().size();
-  if (kind->path().ends_with("linear")) {
-    JsonObject of(*kind);
-    const double value = number_or(of, in_angles("value", angular), 0), start = number_or(of, "start", 0);
-    const double rate = of.get_required(in_angles("rate", angular), &JsonNode::number, 0.0);
-    of.reject_unknown_keys();
-    motion = linear_motion(value, rate, start);
-  } else if (kind->path().ends_with("harmonic")) {
-    JsonObject of(*kind);
-    const double mean = number_or(of, in_angles("mean", angular), 0);
-    const double phase = number_or(of, in_angles("phase"), 0);
-    const double amplitude = of.get_required(in_angles("amplitude", angular), &JsonNode::number, 0.0);
-    const double omega = of.get_required(in_angles("omega"), &JsonNode::number, 0.0);
-    of.reject_unknown_keys();
-    motion = harmonic_motion(mean, amplitude, omega, phase);
-  } else {
+  Motion motion;
+  // By the last key of the path, without "_deg".
+  for (const auto& [name, read_kind] : kMotionKinds)
+    if (kind->path().ends_with(name)) motion = read_kind(*kind, angular);
+  if (!motion) {
+    const bool by_speed = keys.find(speeds).has_value(), by_table = keys.find(table).has_value();
+    const double value = by_speed ? number_or(keys, in_angles("value", angular), 0) : 0;
+    const bool periodic = by_table && keys.get("periodic", &JsonNode::boolean, false);
     std::vector<Curve::Point> points = read_curve_points(*kind);
     for (Curve::Point& p : points) p.y *= kind->unit();
-    const bool by_speed = !keys.find(spline);
-    const double value = by_speed ? number_or(keys, in_angles("value", angular), 0) : 0;
     kind->guard_if_sound(before, [&] {
-      if (by_speed) {
-        motion = speed_motion(Curve(points), value);
-        return;
-      }
-      std::vector<double> times, values;
-      for (const Curve::Point& p : points) times.push_back(p.x), values.push_back(p.y);
-      motion = spline_motion(times, values);
+      motion = by_speed   ? speed_motion(Curve(points), value)
+               : by_table ? table_motion(Curve(points), periodic)
+                          : motion_through(points);
     });
   }
   keys.reject_unknown_keys();

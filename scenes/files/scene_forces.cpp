@@ -7,17 +7,40 @@ namespace {
 /// reader's problems are asked first.
 using ForceReader = std::shared_ptr<const Force> (*)(const SceneReader& reader, JsonObject& force);
 
+/// "factor": a function of time; none if it is not given.
+Motion read_factor(JsonObject& keys) {
+  const auto factor = keys.find("factor");
+  return factor ? read_motion(*factor, false) : Motion();
+}
+
 std::shared_ptr<const Force> read_point_force(const SceneReader& reader, JsonObject& force) {
   const BodyReference body = reader.required_body(force, "body");
   const Vec3 p_BP = force.get("point", &JsonNode::vector, body.centre) - body.centre;
   const Vec3 f = force.get_required("force", &JsonNode::vector, Vec3(Vec3::Zero()));
-  return std::make_shared<PointForce>(body.id, p_BP, f, force.get("follows_body", &JsonNode::boolean, false));
+  const bool follows = force.get("follows_body", &JsonNode::boolean, false);
+  return std::make_shared<PointForce>(body.id, p_BP, f, follows, read_factor(force));
 }
 
 std::shared_ptr<const Force> read_torque(const SceneReader& reader, JsonObject& force) {
   const BodyId body = reader.required_body(force, "body").id;
   const Vec3 torque = force.get_required("torque", &JsonNode::vector, Vec3(Vec3::Zero()));
-  return std::make_shared<BodyTorque>(body, torque, force.get("follows_body", &JsonNode::boolean, false));
+  const bool follows = force.get("follows_body", &JsonNode::boolean, false);
+  return std::make_shared<BodyTorque>(body, torque, follows, read_factor(force));
+}
+
+/// On the bodies of the list, or on all that move.
+std::shared_ptr<const Force> read_acceleration(const SceneReader& reader, JsonObject& force) {
+  const World& world = reader.world();
+  const Vec3 acceleration = force.get_required("acceleration", &JsonNode::vector, Vec3(Vec3::Zero()));
+  std::vector<FieldMass> masses;
+  const auto list = force.find("bodies");
+  const auto add = [&](BodyId body) {
+    if (!world.is_fixed(body)) masses.push_back({body, world.mass_properties(body).mass()});
+  };
+  for (int b = 0; b < world.body_count() && !list; ++b) add({b});
+  for (const JsonNode& item : list ? list->items("an array of names") : std::vector<JsonNode>())
+    if (const BodyReference body = reader.find_body(item); body.found) add(body.id);
+  return std::make_shared<AccelerationField>(std::move(masses), acceleration, read_factor(force));
 }
 
 std::shared_ptr<const Force> read_spring_damper(const SceneReader& reader, JsonObject& force) {
@@ -36,6 +59,7 @@ std::shared_ptr<const Force> read_spring_damper(const SceneReader& reader, JsonO
 constexpr std::pair<const char*, ForceReader> kForceTypes[] = {
     {"point-force", read_point_force},
     {"torque", read_torque},
+    {"acceleration", read_acceleration},
     {"spring-damper", read_spring_damper},
 };
 

@@ -7,6 +7,7 @@ namespace taut {
 void append_scene(Scene& scene, const Scene& block, const std::string& prefix, const Pose& placement) {
   if (const std::string taken = taken_name(scene, block, prefix, placement); !taken.empty())
     fail("prefix", taken + " is there already", prefix);
+  if (!block.events.empty()) fail("block", "has events, which cannot be moved", block.events[0].name);
   const Relocation to = scene.world.append(block.world, prefix, placement);
   for (Probe probe : block.probes) {
     probe.name = prefix + probe.name;

@@ -109,6 +109,7 @@ Scene SceneReader::read(const nlohmann::json& document, const std::string& defau
   each("pairs", &SceneReader::read_pair);
   each("forces", &SceneReader::read_force);
   each("probes", &SceneReader::read_probe);
+  each("events", &SceneReader::read_event);
   top.reject_unknown_keys();
   if (!scene_.assemble && knows_start_) check_gaps();
   note_far_anchors();
@@ -235,13 +236,37 @@ void SceneReader::read_probe(const JsonNode& node) {
   object.reject_unknown_keys();
   if (!probe.name.empty() && !probe_names_.insert(probe.name).second)
     name->problem("name is already taken by another probe");
-  if (problems_.size() == before) scene_.probes.push_back(std::move(probe));
+  if (problems_.size() == before)
+    scene_.probes.push_back(std::move(probe));
+  else
+    misses_probe_ = true;
+}
+
+const Probe* SceneReader::find_probe(const JsonNode& node) const {
+  const std::string name = node.string();
+  std::vector<std::string> names;
+  for (const Probe& probe : scene_.probes) {
+    if (probe.name == name) return &probe;
+    names.push_back(probe.name);
+  }
+  knows_all_ = false;
+  if (!name.empty() && !misses_probe_ && !may_be_generated(name))
+    node.problem("there is no probe of this name" + did_you_mean(name, names));
+  return nullptr;
+}
+
+JointId SceneReader::required_joint(JsonObject& object, const char* key) const {
+  const auto node = object.required(key);
+  return node ? find_joint(*node) : JointId{};
 }
 
 BodyReference SceneReader::required_body(JsonObject& object, const char* key) const {
   const auto node = object.required(key);
-  if (!node) return {};
-  const std::string name = node->string();
+  return node ? find_body(*node) : BodyReference{};
+}
+
+BodyReference SceneReader::find_body(const JsonNode& node) const {
+  const std::string name = node.string();
   if (name.empty()) return {};
   if (scene_.world.has_body(name)) {
     const BodyId id = scene_.world.body(name);
@@ -253,8 +278,8 @@ BodyReference SceneReader::required_body(JsonObject& object, const char* key) co
   }
   knows_all_ = false;
   if (may_be_generated(name) || may_be_counted(name, "body_", misses_body_)) return {};
-  node->problem("there is no body of this name" +
-                did_you_mean(name, names_of<BodyId>(scene_.world, scene_.world.body_count())));
+  node.problem("there is no body of this name" +
+               did_you_mean(name, names_of<BodyId>(scene_.world, scene_.world.body_count())));
   return {};
 }
 

@@ -65,9 +65,15 @@ class SceneReader {
 
   /// The body that the key names; a problem if the key or the body is missing.
   BodyReference required_body(JsonObject& object, const char* key) const;
+  BodyReference find_body(const JsonNode& name) const;  ///< the same of a name by itself
+  /// The joint of the key; -1 if it is missing (a problem) or has problems of its own.
+  JointId required_joint(JsonObject& object, const char* key) const;
+  /// A probe of the file by name; a problem if there is none, and null.
+  const Probe* find_probe(const JsonNode& name) const;
   /// The free axis {"joint", "axis"} of the key; a problem if key, joint or axis is missing, and nothing.
   std::optional<AxisId> required_axis(JsonObject& object, const char* key) const;
   const World& world() const { return scene_.world; }
+  const std::vector<Probe>& probes() const { return scene_.probes; }
   Pose pose_of(const BodyReference& body) const { return body.found ? scene_.world.pose(body.id) : Pose{}; }
 
  private:
@@ -99,6 +105,7 @@ class SceneReader {
   void read_joint(const JsonNode& node);
   void read_force(const JsonNode& node);
   void read_probe(const JsonNode& node);
+  void read_event(const JsonNode& node);
   void check_gaps();
   void note_many_turns(JsonObject& axis) const;
   void note_far_anchors() const;
@@ -125,7 +132,7 @@ class SceneReader {
   std::unordered_map<int, Vec3> centre_of_body_;                               // where it is not 0
   std::unordered_map<std::string, std::string> path_of_body_, path_of_joint_;  // names of the file
   std::set<int> unplaced_bodies_, unshaped_bodies_;  // whose pose or shapes are not known
-  std::set<std::string> probe_names_;
+  std::set<std::string> probe_names_, event_names_;
   /// A generate block with problems: what the names look like that it may have made, if its builder is known.
   struct UnreadBlock {
     std::string prefix;
@@ -133,9 +140,10 @@ class SceneReader {
   };
   std::vector<UnreadBlock> unread_blocks_;
   bool misses_body_ = false, misses_joint_ = false;  // of the file; so names by index are not known
-  bool knows_start_ = true;                          // "time" and "assemble"
-  mutable bool knows_all_ = true;                    // that the item refers to which is being read
-  std::vector<std::string> joint_paths_;             // by joint id; empty: its gap is not checked
+  bool misses_probe_ = false;
+  bool knows_start_ = true;               // "time" and "assemble"
+  mutable bool knows_all_ = true;         // that the item refers to which is being read
+  std::vector<std::string> joint_paths_;  // by joint id; empty: its gap is not checked
   /// The point of a joint that two bodies turn about, from the centre of mass of each, in its axes.
   struct FileAnchor {
     JsonNode node;
@@ -163,7 +171,7 @@ class PairKeys;
 std::shared_ptr<const Joint> read_point_on_curve(PairKeys& keys);
 std::shared_ptr<const Joint> read_pose_driver(PairKeys& keys);
 
-/// {"linear": ...}, {"harmonic": ...}, {"spline": ...} or {"speeds": ...}: one of the motions of
+/// {"linear": ...}, {"harmonic": ...}, {"table": ...} and so on: one of the functions of time of
 /// core/state/motion.h; of an angle, also in degrees.
 Motion read_motion(const JsonNode& node, bool angular);
 /// [[x, y], ...], x increasing; without regard to the unit of the node.

@@ -231,6 +231,7 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     const Gap gap = meter.largest(world);
     record.add(report, seconds, gap, energy);
     record.note_breaks(report, world);
+    const bool ended = record.note_events(report);
     record.note_inexact(report, world);
     if (report.ok()) record.note_axes(simulator);
     for (const std::string& warning : record.note_detection(report, world)) warn(warning);
@@ -241,13 +242,17 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     outputs.sample(recorder, simulator);
     if (live) live->after_step();
     bar.update(i + 1, gap);
+    if (ended) break;
     before = seconds > kLongStep ? simulator.checkpoint() : Checkpoint();
   }
+  if (!record.ended_by.empty())
+    record.message = "ended by event " + record.ended_by + " at t = " + shortest(world.time()) + " s";
   if (record.inexact_steps == 0) return;
   record.status = to_string(Status::kInexact);
-  record.message = "in " + std::to_string(record.inexact_steps) + " of " + std::to_string(record.steps) +
-                   " steps the laws of contacts, friction and limits are met to " +
-                   format("%.1e", record.max_complementarity_residual) + " of the largest impulse only";
+  record.message += (record.message.empty() ? "in " : "; in ") + std::to_string(record.inexact_steps) +
+                    " of " + std::to_string(record.steps) +
+                    " steps the laws of contacts, friction and limits are met to " +
+                    format("%.1e", record.max_complementarity_residual) + " of the largest impulse only";
 }
 
 /// Closes joints that may be open at the start.
@@ -316,6 +321,7 @@ int run_command(const RunOptions& options) {
   record.steps_asked = step_count(options, scene);
   GapMeter meter(scene.world);
   Simulator simulator(scene.world, scene.settings);
+  simulator.set_events(scene.events);
   const std::string forgets = go_on_from(simulator, scene.world, memory);
   const bool goes_on = !memory.checkpoint.empty() && forgets.empty();
   Recorder recorder(scene.probes);

@@ -106,10 +106,10 @@ void RunRecord::note_inexact(const StepReport& report, const World& world) {
 }
 
 void RunRecord::note_axes(const Simulator& simulator) {
-  for (AxisEvents& events : axes) {
-    const AxisReport report = simulator.axis_report(events.axis);
-    events.at_limit = report.at_limit, events.saturated = report.saturated;
-    events.limit_steps += report.at_limit, events.saturated_steps += report.saturated;
+  for (AxisEvents& axis : axes) {
+    const AxisReport report = simulator.axis_report(axis.axis);
+    axis.at_limit = report.at_limit, axis.saturated = report.saturated;
+    axis.limit_steps += report.at_limit, axis.saturated_steps += report.saturated;
   }
 }
 
@@ -129,6 +129,14 @@ void RunRecord::note_breaks(const StepReport& report, const World& world) {
   for (const BreakEvent& event : report.breaks)
     breaks.push_back({world.name(event.joint), event.with.index >= 0 ? world.name(event.with) : "",
                       event.time, event.force, event.torque});
+}
+
+bool RunRecord::note_events(const StepReport& report) {
+  for (const EventRecord& event : report.events) {
+    events.push_back(event);
+    if (event.ends_run) ended_by = event.name;
+  }
+  return !ended_by.empty();
 }
 
 void RunRecord::note_rank(const RankReport& rank, const World& world) {

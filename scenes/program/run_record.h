@@ -84,6 +84,8 @@ struct RunRecord {
     double time = 0, force = 0, torque = 0;
   };
   std::vector<Break> breaks;
+  std::vector<EventRecord> events;          ///< that happened in this run
+  std::string ended_by;                     ///< the event that ended it
   std::vector<std::string> redundant_rows;  ///< by name, of the last step
   struct Held {
     std::string row;
@@ -116,6 +118,8 @@ struct RunRecord {
   void note_axes(const Simulator& simulator);
   /// Joints that broke in a step, by name.
   void note_breaks(const StepReport& report, const World& world);
+  /// Events that happened in a step, and whether one of them ends the run.
+  bool note_events(const StepReport& report);
   /// Who holds redundant rows, and whose reactions are not unique, by name.
   void note_rank(const RankReport& rank, const World& world);
 

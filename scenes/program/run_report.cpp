@@ -56,6 +56,16 @@ OrderedJson breaks_json(const std::vector<RunRecord::Break>& breaks) {
   return list;
 }
 
+OrderedJson events_json(const std::vector<EventRecord>& events) {
+  OrderedJson list = OrderedJson::array();
+  for (const EventRecord& event : events)
+    list.push_back({{"name", event.name},
+                    {"time_s", event.time},
+                    {"value", event.value ? OrderedJson(*event.value) : OrderedJson()},
+                    {"what", event.what}});
+  return list;
+}
+
 /// Those that were at a limit, or whose motor gave all it has.
 OrderedJson axis_events_json(const std::vector<RunRecord::AxisEvents>& axes) {
   OrderedJson list = OrderedJson::array();
@@ -165,6 +175,8 @@ OrderedJson run_report(const RunRecord& r, const Recorder& recorder, const std::
                       {"ledger", ledger_json(r.ledger)},
                       {"max_ledger_error", r.max_ledger_error}};
   report["breaks"] = breaks_json(r.breaks);
+  report["events"] = events_json(r.events);
+  report["ended_by"] = r.ended_by.empty() ? OrderedJson() : OrderedJson(r.ended_by);
   report["axes"] = axis_events_json(r.axes);
   report["worst_step"] = r.inexact_steps == 0 ? OrderedJson()
                                               : OrderedJson{{"time_s", r.worst.time},

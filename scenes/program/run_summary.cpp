@@ -16,6 +16,8 @@ namespace {
 
 /// Names in a list before "and n more".
 constexpr std::size_t kNamed = 3;
+/// Lines of events before "and n more".
+constexpr std::size_t kEventLines = 20;
 /// Works below this share of the scale are not worth a name.
 constexpr double kWorthNaming = 1e-3;
 
@@ -103,6 +105,12 @@ std::string penetration_text(const RunRecord& r) {
                 r.final_penetration, r.max_contacts);
 }
 
+/// "hoist at 1.5 s: motor of winch length: target -0.5"
+std::string event_text(const EventRecord& event) {
+  return event.name + format(" at %.9g s", event.time) +
+         (event.value ? format(" (%.6g)", *event.value) : "") + ": " + event.what;
+}
+
 /// As a word of a shell.
 std::string shell_word(const std::string& word) {
   const auto is_plain = [](char c) {
@@ -150,6 +158,10 @@ std::string run_summary(const RunRecord& r, const std::string& to_see) {
       {"penetration", penetration_text(r)},
       {"status", r.message.empty() ? r.status : r.status + ": " + r.message},
   };
+  for (std::size_t i = 0; i < std::min(r.events.size(), kEventLines); ++i)
+    lines.emplace_back("event", event_text(r.events[i]));
+  if (r.events.size() > kEventLines)
+    lines.emplace_back("event", format("… and %zu more, in --report", r.events.size() - kEventLines));
   if (!r.contradiction.empty())
     lines.emplace_back("cannot hold together",
                        list_of(r.contradiction) + format(" (%.3g is left)", r.contradiction_residual));

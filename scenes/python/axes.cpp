@@ -76,6 +76,35 @@ void bind_motions(nb::module_& m) {
       "A velocity given by points (linear between them, held beyond): `value` at the first point, then its "
       "exact integral.");
 
+  m.def(
+      "harmonics_motion",
+      [](double mean, const std::vector<std::tuple<double, double, double>>& terms) {
+        std::vector<Harmonic> harmonics;
+        for (const auto& [amplitude, omega, phase] : terms) harmonics.push_back({amplitude, omega, phase});
+        return BoundMotion{harmonics_motion(mean, std::move(harmonics))};
+      },
+      nb::arg("mean"), nb::arg("terms"),
+      "f(t) = mean + Σ amplitude sin(omega t + phase) over terms (amplitude, omega [rad/s], phase [rad]).");
+  m.def(
+      "table_motion",
+      [](const Curve& table, bool periodic) { return BoundMotion{table_motion(table, periodic)}; },
+      nb::arg("table"), nb::arg("periodic") = false,
+      "Piecewise linear, held beyond the ends or repeated.  Its rate jumps at the points.");
+  m.def(
+      "ramp_motion",
+      [](double from, double to, double start, double duration, bool smooth) {
+        return BoundMotion{ramp_motion(from, to, start, duration, smooth)};
+      },
+      nb::arg("from_"), nb::arg("to"), nb::arg("start"), nb::arg("duration"), nb::arg("smooth") = false,
+      "From one value to another, linear or, with smooth, by half a cosine.");
+  m.def(
+      "gust_motion",
+      [](double peak, double start, double duration) {
+        return BoundMotion{gust_motion(peak, start, duration)};
+      },
+      nb::arg("peak"), nb::arg("start"), nb::arg("duration"),
+      "peak ½ (1 − cos 2π (t − start)/duration) from start on for the duration, otherwise 0.");
+
   nb::class_<BoundPoseMotion>(
       m, "PoseMotion",
       "A pose as a function of time, of one body relative to another.  Wherever one is wanted, a "

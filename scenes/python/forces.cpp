@@ -45,16 +45,48 @@ struct PotentialFunction {
 }  // namespace
 
 void bind_forces(nb::module_& m) {
+  const auto function_of = [](const std::optional<BoundMotion>& factor) {
+    return factor ? factor->function : Motion();
+  };
   nb::class_<PointForce, Force>(
       m, "PointForce",
-      "Constant force [N] at point P of a body (from its centre of mass, body axes [m]), in world axes; with "
-      "follows_body in body axes.  Potential −f·p_WP, none for a follower.")
-      .def(nb::init<BodyId, const Vec3&, const Vec3&, bool>(), nb::arg("body"), nb::arg("p_BP"),
-           nb::arg("force"), nb::arg("follows_body") = false);
+      "Force [N] at point P of a body (from its centre of mass, body axes [m]), in world axes; with "
+      "follows_body in body axes.  Constant, or times a factor, a function of time (Motion).  Potential "
+      "−f·p_WP, none for a follower or with a factor.")
+      .def(
+          "__init__",
+          [function_of](PointForce* it, BodyId body, const Vec3& p_BP, const Vec3& force, bool follows_body,
+                        std::optional<BoundMotion> factor) {
+            new (it) PointForce(body, p_BP, force, follows_body, function_of(factor));
+          },
+          nb::arg("body"), nb::arg("p_BP"), nb::arg("force"), nb::arg("follows_body") = false,
+          nb::arg("factor") = nb::none());
   nb::class_<BodyTorque, Force>(m, "BodyTorque",
-                                "Constant torque [N·m] in world axes, or with follows_body in body axes.")
-      .def(nb::init<BodyId, const Vec3&, bool>(), nb::arg("body"), nb::arg("torque"),
-           nb::arg("follows_body") = false);
+                                "Torque [N·m] in world axes, or with follows_body in body axes; constant, or "
+                                "times a factor, a function of time (Motion).")
+      .def(
+          "__init__",
+          [function_of](BodyTorque* it, BodyId body, const Vec3& torque, bool follows_body,
+                        std::optional<BoundMotion> factor) {
+            new (it) BodyTorque(body, torque, follows_body, function_of(factor));
+          },
+          nb::arg("body"), nb::arg("torque"), nb::arg("follows_body") = false,
+          nb::arg("factor") = nb::none());
+  nb::class_<AccelerationField, Force>(
+      m, "AccelerationField",
+      "A field of acceleration a [m/s²], world axes, on bodies given with their masses (body, mass [kg]): "
+      "the "
+      "force m a, constant or times a factor, a function of time (Motion).  A frame that shakes with the "
+      "acceleration x¨ is the field −x¨.")
+      .def(
+          "__init__",
+          [function_of](AccelerationField* it, const std::vector<std::pair<BodyId, double>>& masses,
+                        const Vec3& acceleration, std::optional<BoundMotion> factor) {
+            std::vector<FieldMass> its;
+            for (const auto& [body, mass] : masses) its.push_back({body, mass});
+            new (it) AccelerationField(std::move(its), acceleration, function_of(factor));
+          },
+          nb::arg("masses"), nb::arg("acceleration"), nb::arg("factor") = nb::none());
   nb::class_<SpringDamper, Force>(
       m, "SpringDamper",
       "Spring and damper between point P of A and point Q of B, L = |p_WQ − p_WP|: tension k (L − L₀) + c "

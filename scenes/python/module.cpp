@@ -17,6 +17,7 @@ NB_MODULE(_taut, m) {
   bind_forces(m);
   bind_settings(m);
   bind_reports(m);
+  bind_events(m);
   bind_simulator(m);
   bind_matrices(m);
   bind_analysis(m);

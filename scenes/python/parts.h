@@ -15,6 +15,7 @@ void bind_forces(nb::module_& m);
 void bind_reports(nb::module_& m);
 void bind_world(nb::module_& m);
 void bind_settings(nb::module_& m);
+void bind_events(nb::module_& m);
 void bind_simulator(nb::module_& m);
 void bind_analysis(nb::module_& m);
 void bind_matrices(nb::module_& m);

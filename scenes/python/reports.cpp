@@ -131,6 +131,13 @@ void bind_causes(nb::module_& m) {
       .def_ro("force", &BreakEvent::force, "That it did not bear [N].")
       .def_ro("torque", &BreakEvent::torque, "[N·m].")
       .def_ro("energy", &BreakEvent::energy, "That was in its springs and is lost [J].");
+  nb::class_<EventRecord>(m, "EventRecord", "An event that has happened.")
+      .def_ro("event", &EventRecord::event, "Its place in the list.")
+      .def_ro("name", &EventRecord::name)
+      .def_ro("what", &EventRecord::what, "What it did: \"detach hook\".")
+      .def_ro("time", &EventRecord::time, "[s].")
+      .def_ro("value", &EventRecord::value, "Of what it watches; None for a time.")
+      .def_ro("ends_run", &EventRecord::ends_run);
 }
 
 void bind_rank(nb::module_& m) {
@@ -230,6 +237,7 @@ void bind_step_report(nb::module_& m) {
       .def_ro("dependent_rows", &StepReport::dependent_rows)
       .def_ro("rank", &StepReport::rank, "With Settings.report_rank, else None.")
       .def_ro("breaks", &StepReport::breaks, "Joints that broke, in the order in which they did.")
+      .def_ro("events", &StepReport::events, "That happened in the step.")
       .def_ro("contradiction", &StepReport::contradiction)
       .def_ro("crowd", &StepReport::crowd, "With Status.CROWDED.")
       .def(

@@ -71,6 +71,10 @@ void bind_scene(nb::module_& m) {
       .def(
           "add_probe", [](Scene& scene, Probe probe) { scene.probes.push_back(std::move(probe)); },
           nb::arg("probe"))
+      .def_prop_rw(
+          "events", [](const Scene& scene) { return scene.events; },
+          [](Scene& scene, std::vector<Event> events) { scene.events = std::move(events); },
+          "For Simulator.set_events(), which simulate() calls; a copy.")
       .def("draw", &draw, nb::arg("body"), nb::arg("shape"),
            "Has a body drawn as a PlacedShape on pages; nothing collides and no mass changes.")
       .def("__repr__", [](const Scene& scene) {

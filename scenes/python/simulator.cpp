@@ -157,6 +157,26 @@ void bind_answers(nb::class_<Session>& c) {
           "The fixed joints that are not solved, because their bodies move as one.");
 }
 
+void bind_events_of(nb::class_<Session>& c) {
+  c.def(
+       "set_events",
+       [](Session& s, std::vector<Event> events) {
+         s.ask([&](Simulator& sim) { sim.set_events(std::move(events)); });
+       },
+       nb::arg("events"),
+       "What happens from now on, in place of what was given before.  step() divides its step where events "
+       "happen.  What has happened, and what it has set, is in checkpoints.")
+      .def_prop_ro(
+          "events_happened",
+          [](Session& s) {
+            return s.ask([](Simulator& sim) { return std::vector<EventRecord>(sim.events_happened()); });
+          },
+          "All that has happened, in its order.")
+      .def_prop_ro(
+          "ended_by", [](Session& s) { return s.ask([](Simulator& sim) { return sim.ended_by(); }); },
+          "The last event that has ended the run, by name; empty if none has.");
+}
+
 void bind_stretches(nb::module_& m, nb::class_<Session>& c) {
   nb::class_<ContactStretch>(m, "ContactStretch",
                              "The spring of a compliant contact across its normal, which no pose shows.")
@@ -227,6 +247,7 @@ void bind_simulator(nb::module_& m) {
       "time.");
   bind_steps(simulator);
   bind_answers(simulator);
+  bind_events_of(simulator);
   bind_stretches(m, simulator);
   bind_checkpoints(m, simulator);
 }

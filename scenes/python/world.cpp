@@ -87,6 +87,9 @@ void bind_joints_of_world(nb::class_<World>& c) {
       .def("detach", changing(&World::detach), kJoint,
            "Takes a joint out; it keeps id, name, axes and properties.")
       .def("attach", changing(&World::attach), kJoint, "Puts a joint back, closed where it was made to be.")
+      .def("set_joint_frame", changing(&World::set_joint_frame), kJoint, nb::arg("X_BF"),
+           "Has a joint of two bodies take a frame at X_BF on its body B for B; the identity takes it back.  "
+           "closing_frame() gives the one with which it is closed.")
       .def("is_attached", asking(&World::is_attached), kJoint)
       .def(
           "joint_type", [](const World& world, JointId id) { return std::string(world.joint(id).type()); },

@@ -136,6 +136,16 @@ struct BreakEvent {
   JointId with{};  ///< the joint that broke whose axes it coupled; index −1 if it broke itself
 };
 
+/// An event that has happened (Simulator::set_events()).
+struct EventRecord {
+  int event = 0;                ///< its place in the list
+  std::string name;             ///< of the event
+  std::string what;             ///< what it did: "detach hook"
+  double time = 0;              ///< when [s]
+  std::optional<double> value;  ///< of what it watches, then; none for a time
+  bool ends_run = false;        ///< it ends the run
+};
+
 /// How often the solvers of a step did what costs time.
 struct SolverCounts {
   int analyses = 0;            ///< of patterns: ordering and symbolic factorisation
@@ -210,9 +220,10 @@ struct StepReport : SubstepReport {
   /// With Settings::report_rank, at the end of the step: who holds those rows, and whose reactions are not
   /// unique; as Simulator::analyze_rank().
   std::optional<RankReport> rank;
-  std::vector<BreakEvent> breaks;  ///< in the order in which they happened; the joints are detached now
-  Contradiction contradiction;     ///< with Status::kContradiction
-  Crowd crowd;                     ///< with Status::kCrowded
+  std::vector<BreakEvent> breaks;   ///< in the order in which they happened; the joints are detached now
+  std::vector<EventRecord> events;  ///< that happened in the step, in this order
+  Contradiction contradiction;      ///< with Status::kContradiction
+  Crowd crowd;                      ///< with Status::kCrowded
 
   /// Pairs of shapes near each other at the end of the step that pass through each other, since there is no
   /// law for their contact (have_contacts()): the first eight, and how many there are.

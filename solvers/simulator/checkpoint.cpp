@@ -14,7 +14,7 @@
 namespace taut {
 namespace {
 
-constexpr std::string_view kMark = "taut-checkpoint/7\n";
+constexpr std::string_view kMark = "taut-checkpoint/8\n";
 constexpr std::size_t kSumBytes = 8;
 
 std::uint64_t checksum(std::string_view bytes) {
@@ -120,11 +120,21 @@ std::istream& operator>>(std::istream& in, Checkpoint& checkpoint) {
 }
 
 Checkpoint Simulator::checkpoint() {
+  Impl& own = impl();
+  if (own.since_events_ && own.loads_.empty() && own.since_events_->versions == own.versions())
+    return own.since_events_->checkpoint;
+  return checkpoint_before({});
+}
+
+/// Of now, before these events happen: whoever restores it lets them happen.
+Checkpoint Simulator::checkpoint_before(std::vector<EventSchedule::Due> due) {
   const detail::FlushToZero mode;
   Impl& own = impl();
   const World& world = own.source_;
   std::uint64_t model = model_of(world);
   Method method(own.settings_);
+  bool has_events = own.events_.any();
+  own.events_.note_settings(world);
   bool remembers = own.settle();
   State state = world.state();
   std::vector<char> attached, gone;  // gone with the last step, which the integrator has not seen yet
@@ -135,6 +145,8 @@ Checkpoint Simulator::checkpoint() {
   const auto write = [&](Archive& archive) {
     archive(model, method, state, attached, gone, remembers);
     own.loads_.transfer(archive, world);
+    archive(has_events);
+    if (has_events) own.events_.transfer(archive, world), own.events_.transfer(archive, due);
     if (remembers) own.transfer(archive, {});
   };
   Archive archive;
@@ -169,6 +181,13 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   Archive::require(std::ssize(attached) == world.joint_count() && gone.size() == attached.size(),
                    "it has other joints");
   loads.transfer(archive, world);
+  bool has_events = false;
+  archive(has_events);
+  Archive::require(has_events == impl_->events_.any(), "it is of a run with other events");
+  EventSchedule events = impl_->events_, events_before = impl_->events_;
+  events_before.note_settings(world);
+  std::vector<EventSchedule::Due> due;
+  if (has_events) events.transfer(archive, world), events.transfer(archive, due);
 
   const State before = world.state();
   std::vector<char> attached_before;
@@ -184,15 +203,22 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   try {
     world.set_state(state);
     attach(with_gone);
+    events.apply(world);
     auto fresh = std::make_unique<Impl>(world, settings);
     fresh->hooks_ = impl_->hooks_;
     fresh->loads_ = std::move(loads);
+    fresh->events_ = std::move(events);
     if (remembers) {
       fresh->transfer(archive, gone);
       Archive::require(archive.at_end());
     }
     impl_ = std::move(fresh);
+    if (!due.empty()) {
+      (void)impl_->let_happen(due);
+      impl_->since_events_ = {checkpoint, impl_->versions()};
+    }
   } catch (...) {
+    events_before.apply(world);
     attach(attached_before);
     world.set_state(before);
     world.wake_all();

@@ -86,10 +86,16 @@ Simulator::Impl::Impl(World& world, const Settings& settings)
 }
 
 const StepReport& Simulator::step(double dt) {
-  const detail::FlushToZero mode;
   require_positive("step dt", dt);
+  impl().whole_.reset();
+  return impl().events_.is_pending() ? step_with_events(dt) : take_step(dt);
+}
+
+/// One step without regard to events, or a part of one between them.
+const StepReport& Simulator::take_step(double dt) {
+  const detail::FlushToZero mode;
   Impl& now = impl();
-  const StepLoads::Acting loads(now.source_, now.loads_);
+  const StepLoads::Acting loads(now.source_, now.loads_, now.events_.loads());
   Impl::Before before = now.begin_step(dt);
   try {
     const Stopwatch watch(now.report_.times.total);
@@ -239,7 +245,7 @@ bool Simulator::Impl::welds_hold() {
 
 /// The world gets the state where the integrator is, and the report its proof of quality there.
 void Simulator::Impl::finish(double dt) {
-  const double time = world_.time() + dt;
+  const double time = goal_.value_or(world_.time() + dt);
   undo_.move_world(stepper_.state());
   world_.set_time(time);
   stepper_.scheme().set_time(time);
@@ -456,7 +462,9 @@ void Simulator::Impl::close_all_joints() {
 }
 
 Simulator::Simulator(World& world, const Settings& settings)
-    : impl_(std::make_unique<Impl>(world, settings)) {}
+    : impl_(std::make_unique<Impl>(world, settings)) {
+  PassingLoads::set(world, {});  // that a simulator which is no more may have left
+}
 Simulator::~Simulator() = default;
 
 /// A world that was assigned to since is another one, of which nothing is known.
@@ -470,7 +478,7 @@ Simulator::Impl& Simulator::impl() const {
 
 Simulator::Simulator(Simulator&&) noexcept = default;
 
-const StepReport& Simulator::report() const { return impl_->report_; }
+const StepReport& Simulator::report() const { return impl_->whole_ ? *impl_->whole_ : impl_->report_; }
 
 void Simulator::set_interrupt(std::function<bool()> asked) { impl().hooks_.interrupt = std::move(asked); }
 
@@ -481,6 +489,7 @@ void Simulator::set_stage_watch(std::function<void(const ContactStage&)> watch) 
 RankReport Simulator::analyze_rank() { return rank_of(impl().source_, impl().settings_); }
 
 const StepReport& Simulator::assemble() {
+  impl().whole_.reset();
   impl().assemble();
   return impl().report_;
 }

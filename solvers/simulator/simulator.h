@@ -10,6 +10,7 @@
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
 #include "solvers/simulator/checkpoint.h"
+#include "solvers/simulator/event_schedule.h"
 
 namespace taut {
 
@@ -54,9 +55,22 @@ class Simulator {
   /// joints that break and an integrator other than kRattle; kMoreauJean lacks joints that break and
   /// compliant contacts only.
   const StepReport& step(double dt);
+  /// What happens from now on, in place of what was given before: see Event.  step() divides the step of dt
+  /// where events happen, and its report is that of all parts together; mean reactions, contacts and axes are
+  /// those of the last part.  Events of one instant happen in the order of the list.  A joint that cannot be
+  /// attached ends the step with Status::kContradiction and the world at the event, which has not happened;
+  /// if a part fails, the world is where that part began.  What they have set, and which have happened, is in
+  /// checkpoints.  Events of the world that was assigned to are forgotten.
+  /// @throws std::invalid_argument as check_event(), and for a name that is given twice.
+  void set_events(std::vector<Event> events);
+  /// All that has happened, in its order.
+  const std::vector<EventRecord>& events_happened() const;
+  /// The last event that has ended the run (EndRun), by name; empty if none has.  step() still steps.
+  const std::string& ended_by() const;
   /// Steps of h until the time is t [s], to the last bit: the last step is shorter, or longer by up to a
   /// millionth of h where that saves a tiny one.  Ends with the first step that is not ok(), so also with one
-  /// that set_interrupt() has ended.  Nothing is done if it is t already.
+  /// that set_interrupt() has ended, and with one in which an event ends the run.  Nothing is done if it is t
+  /// already.
   /// @throws std::invalid_argument if t is not finite or has passed, h is not finite and positive, or there
   /// are more than 1e12 steps; and as step().
   RunReport run_until(double t, double h);
@@ -140,6 +154,13 @@ class Simulator {
   std::string solver_description() const;
 
  private:
+  Checkpoint checkpoint_before(std::vector<EventSchedule::Due> due);
+  const StepReport& take_step(double dt);
+  const StepReport& step_with_events(double dt);
+  bool take_part(double from, double to);
+  bool locate_event(double from, double to, const Checkpoint& before);
+  bool let_happen(StepReport& whole, double instant);
+  Checkpoint checkpoint_if_any(const std::vector<EventSchedule::Due>& due);
   class Impl;
   Impl& impl() const;
   mutable std::unique_ptr<Impl> impl_;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "solvers/common/setting_checks.h"
 #include "solvers/simulator/energy_accounting.h"
+#include "solvers/simulator/event_schedule.h"
 #include "solvers/simulator/inquiry.h"
 #include "solvers/simulator/joint_reactions.h"
 #include "solvers/simulator/merged_bodies.h"
@@ -44,6 +46,8 @@ class Simulator::Impl {
   void end_step();
 
   void assemble();
+  /// What is due happens; what could not, if that is so.  (simulator_events.cpp)
+  std::optional<EventSchedule::Refusal> let_happen(std::span<const EventSchedule::Due> due);
 
   // Questions between steps.
   Reaction mean_reaction(JointId joint);
@@ -74,8 +78,10 @@ class Simulator::Impl {
   Stepper stepper_;
   Substepping substepping_{settings_};
   StepLoads loads_;
+  EventSchedule events_;
+  std::optional<double> goal_;       // time at the end of the step, to the last bit; none: as dt gives it
+  std::optional<StepReport> whole_;  // of a step with events, of all its parts
 
- private:
   /// Versions of both worlds.
   struct Versions {
     std::int64_t source_topology = -1, source_state = -1, geometry = -1, sleep = -1, topology = -1,
@@ -83,7 +89,16 @@ class Simulator::Impl {
     friend bool operator==(const Versions&, const Versions&) = default;
   };
   Versions versions() const;
+  /// A checkpoint from before the events after the last step, which goes on with them, and the versions since
+  /// they have happened: while they hold, it is the present one.  What events change has no checkpoint of its
+  /// own, since the integrator takes it up with the next step.
+  struct SinceEvents {
+    Checkpoint checkpoint;
+    Versions versions;
+  };
+  std::optional<SinceEvents> since_events_;
 
+ private:
   Before begin_undoable();
   void take_back(Before before);
   void begin_report();

@@ -45,13 +45,16 @@ RunReport Simulator::run_until(double t, double h) {
   run.last.time = t;
   for (std::int64_t i = 1; i <= count; ++i) {
     const StepReport& report = step(i < count ? h : t - world.time());
-    if (!report.ok() || i == count) run.last = report;
+    const bool ends = std::any_of(report.events.begin(), report.events.end(),
+                                  [](const EventRecord& event) { return event.ends_run; });
+    if (!report.ok() || ends || i == count) run.last = report;
     if (!report.ok()) return run;
     ++run.steps;
     run.inexact_steps += !report.exact();
     run.gap = wider(run.gap, report.gap);
     run.penetration = std::max(run.penetration, report.penetration);
     run.natural_residual = std::max(run.natural_residual, report.natural_residual);
+    if (ends) return run;
   }
   if (world.time() != t) world.set_time(t);  // where t − time rounds, as over zero
   run.last.time = t;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "core/base/check.h"
 #include "core/state/archive.h"
@@ -33,12 +34,13 @@ void StepLoads::transfer(Archive& archive, const World& world) {
   });
 }
 
-StepLoads::Acting::Acting(World& world, const StepLoads& loads) : world_(world), any_(!loads.loads_.empty()) {
-  if (any_) PassingLoads::set(world_, loads.loads_);
+StepLoads::Acting::Acting(World& world, const StepLoads& loads, std::shared_ptr<const Force> law)
+    : world_(world), any_(!loads.empty()), law_(std::move(law)) {
+  if (any_) PassingLoads::set(world_, loads.loads_, law_);
 }
 
 StepLoads::Acting::~Acting() {
-  if (any_) PassingLoads::set(world_, {});
+  if (any_) PassingLoads::set(world_, {}, law_);
 }
 
 }  // namespace taut

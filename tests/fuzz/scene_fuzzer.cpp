@@ -62,6 +62,7 @@ void step(Scene& scene) {
   settings.iterations = std::min(settings.iterations, 20);
   try {
     Simulator simulator(scene.world, settings);
+    simulator.set_events(scene.events);
     if (scene.assemble && !simulator.assemble().ok()) return;
     for (int i = 0; i < 2; ++i) {
       const StepReport& report = simulator.step(scene.dt);

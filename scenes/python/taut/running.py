@@ -20,7 +20,7 @@ def simulate(
     """Steps a scene, a world or a simulator for `duration` by steps of dt [s], and returns its film.
 
     A scene has a duration, a dt and settings of its own; else these are 1 s and 1/240 s.  Ends, with a warning, behind a step
-    that has not advanced; `film.simulator.report` says why.  With a file the recording is kept.
+    that has not advanced; `film.simulator.report` says why.  Ends, too, with an event that ends the run.  With a file the recording is kept.
     """
     scene = None
     if isinstance(what, Simulator):
@@ -32,6 +32,7 @@ def simulate(
     else:
         scene = what
         simulator = Simulator(scene.world, settings or scene.settings)
+        simulator.set_events(scene.events)
     dt = dt if dt is not None else scene.dt if scene else 1 / 240
     duration = duration if duration is not None else scene.duration if scene else 1.0
     if not dt > 0:
@@ -48,6 +49,9 @@ def simulate(
             warnings.warn(f"the simulation ended at t = {simulator.world.time:.6g} s: {message}", stacklevel=2)
             break
         film.sample()
+        if any(event.ends_run for event in report.events):
+            message = f"ended by event {simulator.ended_by}"
+            break
     film.sample(now=True)
     film.finish(status, message)
     return film

@@ -44,7 +44,7 @@ inline std::vector<BadScene> bad_top_level() {
       {top(R"("bodies": [7])"), "/bodies/0", "must be an object", "7"},
       {top(R"("a/b~c": {"x": 1e999})"), "/a~1b~0c",
        R"(unknown key; known here are "$schema", "assemble", "bodies", "cables", "dt", "duration", "energy_scale", )"
-       R"("forces", "format", "generate", "gravity", "ground", "joints", "material_pairs", "materials", "name", "pairs", )"
+       R"("events", "forces", "format", "generate", "gravity", "ground", "joints", "material_pairs", "materials", "name", "pairs", )"
        R"("probes", "settings", "time")",
        R"({"x":null})", false},
       {top(R"("settings": {"integrator": "ratle"})"), "/settings/integrator",
@@ -353,11 +353,54 @@ inline std::vector<BadScene> bad_joints() {
   };
 }
 
+/// Beside a hinge "hip" of P and Q with a motor on its angle, and a probe "tip".
+inline std::string event(const std::string& keys) {
+  return two_bodies(
+      R"("joints": [{"name": "hip", "type": "hinge", "a": "P", "b": "Q", "anchor": [0, 0, 0], "axis": [0, 0, 1],
+    "axes": {"angle": {"motor": {"velocity": 1}}}}], "probes": [{"name": "tip", "quantity": "position", "body": "P"},
+    {"name": "all", "quantity": "energy"}], "events": [{)" +
+      keys + "}]");
+}
+
+inline std::vector<BadScene> bad_events() {
+  const std::string at = R"("name": "x", "at": 1, "do": )",
+                    when = R"("name": "x", "do": [{"end": true}], "when": )";
+  return {
+      {event(R"("at": 1, "do": [{"end": true}])"), "/events/0", R"("name" is missing)", ""},
+      {event(R"("name": "x", "do": [{"end": true}])"), "/events/0", R"(one of "at", "when" is missing)", ""},
+      {event(R"("name": "x", "at": 1)"), "/events/0", R"("do" is missing)", ""},
+      {event(at + "[]"), "/events/0", "event x: must do something", "no action"},
+      {event(at + R"([{"attach": "hop"}])"), "/events/0/do/0/attach",
+       R"(there is no joint of this name; did you mean "hip"?)", R"("hop")", false},
+      {event(at + R"([{"attach": "hip", "where": "open"}])"), "/events/0/do/0/where",
+       R"(must be one of "closed", "as_is")", R"("open")"},
+      {event(at + R"([{"motor": {"joint": "hip", "axis": "angel"}, "target": 1}])"),
+       "/events/0/do/0/motor/axis", R"(hip has no axis of this name; it has angle)", "", false},
+      {event(at + R"([{"motor": {"joint": "hip", "axis": "angle"}}])"), "/events/0",
+       "event x: motor of hip angle: needs a target, a largest force, or to be removed", "nothing"},
+      {event(at + R"([{"load": "p", "force": [0, 0, 1]}])"), "/events/0/do/0/load",
+       R"(there is no body of this name; did you mean "P"?)", R"("p")", false},
+      {event(at + R"([{"load": "P", "force": [0, 0, 1], "duration": 0}])"), "/events/0/do/0/duration",
+       "must be finite and positive", "0"},
+      {event(at + R"([{"end": false}])"), "/events/0/do/0/end", "must be true", "false"},
+      {event(when + R"({"quantity": "axis", "axis": {"joint": "hip", "axis": "angle"}})"), "/events/0/when",
+       R"(one of "rises_above", "falls_below", "passes" is missing)", ""},
+      {event(when + R"({"quantity": "speed", "body": "P", "passes": 1})"), "/events/0/when/quantity",
+       R"(must be one of "position", "velocity", "angular-velocity", "distance", "axis", "axis-rate", "reaction-force", )"
+       R"("reaction-torque", "gap", "contact-gap")",
+       R"("speed")"},
+      {event(when + R"({"probe": "top", "passes": 1})"), "/events/0/when/probe",
+       R"(there is no probe of this name; did you mean "tip"?)", R"("top")", false},
+      {event(when + R"({"probe": "all", "passes": 1})"), "/events/0/when/probe",
+       "must be a probe of a position, velocity, reaction, gap or axis", R"("all")", false},
+  };
+}
+
 inline std::vector<BadScene> bad_forces_and_probes() {
   return {
       {force(R"("body": "P", "force": [0, 0, 1])"), "/forces/0", R"("type" is missing)", ""},
       {force(R"("type": "callback", "body": "P")"), "/forces/0/type",
-       R"(must be one of "point-force", "torque", "spring-damper")", R"("callback")"},
+       R"(must be one of "point-force", "torque", "acceleration", "spring-damper")", R"("callback")"},
       {force(R"("type": "point-force", "body": "P")"), "/forces/0", R"("force" is missing)", ""},
       {force(R"("type": "torque", "body": "X", "torque": [0, 0, 1])"), "/forces/0/body",
        "there is no body of this name", R"("X")", false},
@@ -422,9 +465,10 @@ inline std::vector<BadScene> bad_blocks() {
 /// Texts with exactly one problem each.
 inline std::vector<BadScene> bad_scenes() {
   std::vector<BadScene> all;
-  for (const auto& group : {bad_top_level(), bad_bodies(), bad_joints(), bad_axes(), bad_forces_and_probes(),
-                            bad_blocks(), bad_shapes(), bad_masses_of_shapes(), bad_materials_and_pairs(),
-                            bad_wires_and_curves(), bad_joint_properties(), bad_ends(), bad_names()})
+  for (const auto& group :
+       {bad_top_level(), bad_bodies(), bad_joints(), bad_axes(), bad_forces_and_probes(), bad_events(),
+        bad_blocks(), bad_shapes(), bad_masses_of_shapes(), bad_materials_and_pairs(), bad_wires_and_curves(),
+        bad_joint_properties(), bad_ends(), bad_names()})
     all.insert(all.end(), group.begin(), group.end());
   return all;
 }

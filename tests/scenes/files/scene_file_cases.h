@@ -145,7 +145,10 @@ inline constexpr const char* kEverything = R"({
     {"type": "driver", "of": {"joint": "third", "axis": "angle"},
      "motion": {"spline": [[0, 0], [1, 2], [2, 1]]}},
     {"type": "driver", "of": {"joint": "slider", "axis": "displacement"},
-     "motion": {"speeds": [[0, 0], [1, 2]], "value": 0.5}}
+     "motion": {"speeds": [[0, 0], [1, 2]], "value": 0.5}},
+    {"name": "tower", "type": "hinge", "a": "rod", "b": "capsule", "anchor": [0, 0, 0], "axis": [0, 1, 0],
+     "axes": {"angle": {"motor": {"trajectory": {"ramp": {"from": 0, "to": 1, "start": 2, "duration": 3, "smooth": true}}}}}},
+    {"name": "clamp", "type": "fixed", "a": "rod", "b": "ground", "anchor": [0, 0, 0], "attached": false}
   ],
   "pairs": [
     {"a": "shapes", "b": "ground", "shape_a": 0, "shape_b": 1, "material": "ice"},
@@ -159,7 +162,30 @@ inline constexpr const char* kEverything = R"({
      "anchor_b": [0, 0, 0], "stiffness": 3, "rest_length": 0.5, "damping": 0.1},
     {"type": "spring-damper", "a": "rod", "b": "cone", "anchor": [0, 0, 0], "stiffness": 3},
     {"type": "spring-damper", "a": "rod", "b": "cone", "anchor": [0, 0, 0], "rest_length": 0.2,
-     "table": [[-1, -2], [1, 3]], "damping_table": [[-1, -1], [0, 0], [1, 3]]}
+     "table": [[-1, -2], [1, 3]], "damping_table": [[-1, -1], [0, 0], [1, 3]]},
+    {"type": "point-force", "body": "rod", "force": [0, 0, 3], "factor": {"gust": {"peak": 2, "start": 1, "duration": 0.5}}},
+    {"type": "torque", "body": "rod", "torque": [0, 0, 3], "factor": {"table": [[0, 0], [1, 2], [2, 0]], "periodic": true}},
+    {"type": "acceleration", "acceleration": [0, 0, 3], "bodies": ["rod", "cone"],
+     "factor": {"harmonics": {"mean": 1, "terms": [{"amplitude": 2, "omega": 3, "phase": 0.5}, {"amplitude": 1, "omega": 5}]}}},
+    {"type": "acceleration", "acceleration": [1, 0, 0]}
+  ],
+  "events": [
+    {"name": "e0", "at": 0.5, "do": [{"attach": "clamp", "where": "as_is"}, {"attach": "clamp", "where": "closed", "tolerance": 1e-3},
+     {"detach": "clamp"}, {"gravity": [0, 0, -1]}, {"end": true}]},
+    {"name": "e1", "when": {"quantity": "position", "body": "rod", "point": [0.5, 0, 0], "along": [0, 0, 1], "rises_above": 2, "each_time": true, "located": false},
+     "do": [{"motor": {"joint": "hinge2", "axis": "spin"}, "target": 3, "max_force": 20}, {"motor": {"joint": "tower", "axis": "angle"}, "remove": true}]},
+    {"name": "e2", "when": {"quantity": "velocity", "body": "rod", "point": [0.5, 0, 0], "falls_below": 2}, "do": [
+     {"load": "rod", "point": [1, 0, 0], "force": [1, 0, 0], "torque": [0, 1, 0], "follows_body": true, "duration": 2, "factor": {"ramp": {"to": 1, "duration": 1}}}]},
+    {"name": "e3", "when": {"quantity": "angular-velocity", "body": "rod", "along": [1, 0, 0], "passes": 2}, "do": [{"end": true}]},
+    {"name": "e4", "when": {"quantity": "distance", "a": "rod", "b": "cone", "point_a": [1, 0, 0], "point_b": [0, 0, 0], "passes": 2}, "do": [{"end": true}]},
+    {"name": "e5", "when": {"quantity": "axis", "axis": {"joint": "tower", "axis": "angle"}, "passes": 2}, "do": [{"end": true}]},
+    {"name": "e6", "when": {"quantity": "axis-rate", "axis": {"joint": "tower", "axis": "angle"}, "passes": 2}, "do": [{"end": true}]},
+    {"name": "e7", "when": {"quantity": "reaction-force", "joint": "tower", "along": [0, 0, 1], "passes": 2}, "do": [{"end": true}]},
+    {"name": "e8", "when": {"quantity": "reaction-torque", "joint": "tower", "passes": 2}, "do": [{"end": true}]},
+    {"name": "e9", "when": {"quantity": "gap", "joint": "clamp", "falls_below": 2}, "do": [{"end": true}]},
+    {"name": "e10", "when": {"quantity": "contact-gap", "a": "shapes", "b": "ground", "falls_below": 0.001}, "do": [{"end": true}]},
+    {"name": "e11", "when": {"probe": "p0", "along": [1, 0, 0], "passes": 2}, "do": [{"end": true}]},
+    {"name": "e12", "when": {"probe": "p10", "passes": 2}, "do": [{"end": true}]}
   ],
   "probes": [
     {"name": "p0", "quantity": "position", "body": "rod", "point": [0.5, 0, 0]},

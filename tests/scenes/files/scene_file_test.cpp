@@ -128,7 +128,56 @@ TEST(SceneFile, ReadsEveryKey) {
         "rope",         "pulley", "point_on_curve", "pose_driver",   "gear",      "rack_and_pinion",
         "differential", "driver"})
     EXPECT_EQ(world.joint(world.joint(name)).type(), name);
-  EXPECT_EQ(world.force_count(), 5);
+  EXPECT_EQ(world.force_count(), 9);
+  ASSERT_EQ(scene.events.size(), 13U);
+  EXPECT_EQ(text_of(scene.events[0], world),
+            "attach clamp as it is; attach clamp; detach clamp; gravity [0, 0, -1]; end of the run");
+  EXPECT_EQ(std::get<AtTime>(scene.events[0].when).time, 0.5);
+  EXPECT_EQ(std::get<AttachJoint>(scene.events[0].actions[1]).tolerance, 1e-3);
+  EXPECT_EQ(text_of(scene.events[1], world),
+            "motor of hinge2 spin: target 3, at most 20; motor of tower angle: removed");
+  EXPECT_TRUE(std::get<WhenPasses>(scene.events[1].when).each_time);
+  EXPECT_FALSE(std::get<WhenPasses>(scene.events[1].when).located);
+  const ApplyLoad load = std::get<ApplyLoad>(scene.events[2].actions[0]);
+  EXPECT_EQ(load.duration, 2);
+  EXPECT_TRUE(load.follows_body);
+  EXPECT_EQ(load.factor(0.25).value, 0.25);
+  const char* labels[] = {"position along z of rod",
+                          "magnitude of the velocity of rod",
+                          "angular velocity along x of rod",
+                          "distance of rod and cone",
+                          "tower angle",
+                          "rate of tower angle",
+                          "reaction force along z of tower",
+                          "magnitude of the reaction torque of tower",
+                          "gap of clamp",
+                          "contact gap of shapes and ground",
+                          "position along x of rod",
+                          "hinge angle"};
+  const WhenPasses::Way ways[] = {WhenPasses::Way::kRising, WhenPasses::Way::kFalling,
+                                  WhenPasses::Way::kEither};
+  for (int i = 1; i < 13; ++i) {
+    const WhenPasses& when = std::get<WhenPasses>(scene.events[i].when);
+    EXPECT_EQ(when.watch.label, labels[i - 1]);
+    EXPECT_EQ(when.threshold, i == 10 ? 0.001 : 2);
+    EXPECT_EQ(when.way, i == 1 ? ways[0] : i == 2 || i == 9 || i == 10 ? ways[1] : ways[2]) << i;
+  }
+  // Functions of time, by what they give at 1.25 s.
+  const auto given = [&](int force, const char* body) {
+    State state = world.state();
+    state.time = 1.25;
+    std::vector<Wrench> wrenches(world.body_count());
+    world.force({force}).accumulate(state, wrenches);
+    return wrenches[world.body(body).index];
+  };
+  EXPECT_NEAR(given(5, "rod").force.z(), 3 * 2, 1e-15);     // the middle of the gust
+  EXPECT_NEAR(given(6, "rod").torque.z(), 3 * 1.5, 1e-15);  // from 2 at 1 s to 0 at 2 s
+  const double factor = 1 + 2 * std::sin(3 * 1.25 + 0.5) + std::sin(5 * 1.25);
+  EXPECT_NEAR(given(7, "cone").force.z(), world.mass_properties(world.body("cone")).mass() * 3 * factor,
+              1e-12);
+  EXPECT_EQ(given(7, "box").force.z(), 0);
+  EXPECT_EQ(given(8, "box").force.x(), world.mass_properties(world.body("box")).mass());
+  EXPECT_EQ(given(8, "wall").force.x(), 0);
 
   ASSERT_EQ(scene.probes.size(), 15U);
   EXPECT_EQ(scene.probes[0].name, "c/probe");  // the builder's own
