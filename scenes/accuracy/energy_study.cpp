@@ -16,7 +16,8 @@ namespace taut {
 namespace {
 
 constexpr long kWindows = 500;
-constexpr const char* kStudied[] = {"RATTLE", "RATTLE of order 4", "force level, Runge-Kutta, position push"};
+constexpr const char* kStudied[] = {"RATTLE", "RATTLE of order 4", "force level, Runge-Kutta, position push",
+                                    "recursion, midpoint"};
 
 EnergyRun run(const Method& method, long steps, double dt) {
   EnergyRun result;
