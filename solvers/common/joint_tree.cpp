@@ -18,56 +18,78 @@ const char* unknown_force(const AxisProperties& p) {
   return nullptr;
 }
 
+/// Grows the branches of a tree, breadth first.
+class TreeGrowth {
+ public:
+  TreeGrowth(const World& world, const Rows& rows, JointTree& tree)
+      : world_(world),
+        rows_(rows),
+        tree_(tree),
+        branch_of_(rows.body_count(), -1),
+        used_(rows.joints().size(), 0) {}
+
+  bool is_reached(int body) const { return branch_of_[body] >= 0; }
+  /// A body that hangs on nothing.
+  void plant(int body) { add({body, 0, {}}); }
+  /// All that hangs on a body.
+  void grow(int root) {
+    std::vector<int> reached{root};
+    for (std::size_t at = 0; at < reached.size(); ++at)
+      for (int s : rows_.sides_of(reached[at])) {
+        const int block = rows_.sides()[s].block, other = other_end(block, reached[at]);
+        if (other < 0) continue;
+        used_[block] = 1;
+        if (world_.moves({other}) && !is_reached(other)) reached.push_back(other);
+        if (world_.moves({other})) join(reached[at], other, block);
+      }
+  }
+
+ private:
+  void add(JointTree::Branch branch) {
+    branch_of_[branch.body] = static_cast<int>(tree_.branches.size());
+    tree_.branches.push_back(std::move(branch));
+  }
+  void join(int parent, int child, int block) {
+    if (!is_reached(child)) return add({child, parent, {block}});
+    JointTree::Branch& branch = tree_.branches[branch_of_[child]];
+    if (branch.parent == parent && !branch.blocks.empty())
+      branch.blocks.push_back(block);
+    else
+      complain(block, " closes a loop, which a tree has not");
+  }
+  /// The other body of a block that holds something and has not been used, or −1.
+  int other_end(int block, int body) {
+    const Rows::JointRows& joint = rows_.joints()[block];
+    if (used_[block] || joint.equality_count == 0 || !std::holds_alternative<JointId>(joint.owner)) return -1;
+    if (joint.side_count > 2) {
+      complain(block, " has more than two bodies, but in a tree each joins a body to its parent");
+      return -1;
+    }
+    const int a = rows_.sides()[joint.first_side].body, b = rows_.sides()[joint.first_side + 1].body;
+    return a == body ? b : a;
+  }
+  void complain(int block, const char* what) {
+    if (tree_.problem.empty())
+      tree_.problem = "joint " + world_.name(std::get<JointId>(rows_.joints()[block].owner)) + what;
+  }
+
+  const World& world_;
+  const Rows& rows_;
+  JointTree& tree_;
+  std::vector<int> branch_of_;  // of a moving body that is reached; else −1
+  std::vector<char> used_;      // blocks
+};
+
 }  // namespace
 
 JointTree::JointTree(const World& world, const Rows& rows) {
-  const int bodies = rows.body_count();
-  std::vector<int> branch_of(bodies, -1);  // of a moving body that is reached
-  std::vector<char> used(rows.joints().size(), 0);
-  const auto name = [&](int block) {
-    return "joint " + world.name(std::get<JointId>(rows.joints()[block].owner));
-  };
-  // The other body of a block that holds something, or −1.
-  const auto other_end = [&](int block, int body) {
-    const Rows::JointRows& joint = rows.joints()[block];
-    if (used[block] || joint.equality_count == 0 || !std::holds_alternative<JointId>(joint.owner)) return -1;
-    if (joint.side_count > 2) {
-      if (problem.empty())
-        problem = name(block) + " has more than two bodies, but in a tree each joins a body to its parent";
-      return -1;
-    }
-    const int a = rows.sides()[joint.first_side].body, b = rows.sides()[joint.first_side + 1].body;
-    return a == body ? b : a;
-  };
-  std::vector<int> reached;
-  const auto grow = [&](int root) {
-    reached.assign(1, root);
-    for (std::size_t at = 0; at < reached.size(); ++at) {
-      const int body = reached[at];
-      for (int s : rows.sides_of(body)) {
-        const int block = rows.sides()[s].block, other = other_end(block, body);
-        if (other < 0) continue;
-        used[block] = 1;
-        if (!world.moves({other})) continue;
-        if (branch_of[other] < 0) {
-          branch_of[other] = static_cast<int>(branches.size());
-          branches.push_back({other, body, {block}});
-          reached.push_back(other);
-        } else if (branches[branch_of[other]].parent == body && !branches[branch_of[other]].blocks.empty()) {
-          branches[branch_of[other]].blocks.push_back(block);
-        } else if (problem.empty()) {
-          problem = name(block) + " closes a loop, which a tree has not";
-        }
-      }
-    }
-  };
-  for (int b = 0; b < bodies; ++b)
-    if (!world.moves({b})) grow(b);
-  for (int b = 0; b < bodies; ++b) {
-    if (!world.moves({b}) || branch_of[b] >= 0) continue;
-    branch_of[b] = static_cast<int>(branches.size());
-    branches.push_back({b, 0, {}});
-    grow(b);
+  TreeGrowth growth(world, rows, *this);
+  for (int b = 0; b < rows.body_count(); ++b)
+    if (!world.moves({b})) growth.grow(b);
+  for (int b = 0; b < rows.body_count(); ++b) {
+    if (!world.moves({b}) || growth.is_reached(b)) continue;
+    growth.plant(b);
+    growth.grow(b);
   }
 }
 

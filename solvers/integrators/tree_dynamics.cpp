@@ -247,30 +247,39 @@ bool TreeDynamics::close_positions(State& state, double tolerance, int least, in
     Pose& pose = state.poses[branch.body];
     if (!is_same(before_[branch.parent], state.poses[branch.parent]))
       pose = carried_along(pose, before_[branch.parent], state.poses[branch.parent]);
-    double gap = 0;
-    for (int pass = 0; pass <= TreeTuning::kMaxClosings; ++pass) {
-      for (int b = first_block_[k]; b < first_block_[k + 1]; ++b)
-        rows_.residual(rows_.joints()[blocks_[b]], at, phi_);
-      gap = 0;
-      for (int i = 0; i < branch.count; ++i) {
-        const double phi = std::abs(phi_[held_[branch.first + i].row]);
-        if (!(phi <= gap)) gap = phi;  // NaN, too
-      }
-      if (!std::isfinite(gap)) return false;
+    for (int pass = 0;; ++pass) {
+      const double gap = open_gap(k, at);
       if (gap == 0 || (pass >= least && gap <= tolerance)) break;
-      if (pass == TreeTuning::kMaxClosings) return false;
-      for (int b = first_block_[k]; b < first_block_[k + 1]; ++b)
-        rows_.jacobian(rows_.joints()[blocks_[b]], at, jacobian_);
-      decompose(branch, motions_[k], false);
-      const Vector6 move = block_rates(branch, motions_[k], phi_);
-      const double turn = move.head<3>().norm();
-      if (!std::isfinite(turn)) return false;
-      const double scale = turn > kLongestTurn ? kLongestTurn / turn : 1;
-      pose.p += scale * move.tail<3>();
-      pose.q = (exp_so3(scale * move.head<3>()) * pose.q).normalized();
+      if (!std::isfinite(gap) || pass == TreeTuning::kMaxClosings || !close_joint(k, at, pose)) return false;
       ++iterations;
     }
   }
+  return true;
+}
+
+/// |φ| of the joints of a branch, infinite if it is none.
+double TreeDynamics::open_gap(std::size_t k, const Configuration& at) {
+  for (int b = first_block_[k]; b < first_block_[k + 1]; ++b)
+    rows_.residual(rows_.joints()[blocks_[b]], at, phi_);
+  double gap = 0;
+  for (int i = 0; i < branches_[k].count; ++i) {
+    const double phi = std::abs(phi_[held_[branches_[k].first + i].row]);
+    gap = std::isnan(phi) ? INFINITY : std::max(gap, phi);
+  }
+  return gap;
+}
+
+/// A Newton step from the gap that was found; false if it is not finite.
+bool TreeDynamics::close_joint(std::size_t k, const Configuration& at, Pose& pose) {
+  for (int b = first_block_[k]; b < first_block_[k + 1]; ++b)
+    rows_.jacobian(rows_.joints()[blocks_[b]], at, jacobian_);
+  decompose(branches_[k], motions_[k], false);
+  const Vector6 move = block_rates(branches_[k], motions_[k], phi_);
+  const double turn = move.head<3>().norm();
+  if (!std::isfinite(turn)) return false;
+  const double scale = turn > kLongestTurn ? kLongestTurn / turn : 1;
+  pose.p += scale * move.tail<3>();
+  pose.q = (exp_so3(scale * move.head<3>()) * pose.q).normalized();
   return true;
 }
 

@@ -89,6 +89,8 @@ class TreeDynamics {
   void gather_rates(std::span<const double> rates);
   void recursive(std::span<Twist> accelerations, std::span<double> lambda);
   void lagrangian(std::span<Twist> accelerations, std::span<double> lambda);
+  double open_gap(std::size_t k, const Configuration& at);
+  bool close_joint(std::size_t k, const Configuration& at, Pose& pose);
   void give_multipliers(const Branch& branch, const Motion& motion, const Vector6& wrench,
                         std::span<double> lambda) const;
   std::span<const double> open_rates(const State& state) const;
