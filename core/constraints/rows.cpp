@@ -163,6 +163,24 @@ void Rows::jacobian(const Configuration& at, std::span<double> values, const Bod
   for_each_range(chunk, [&](const auto& store, auto range) { store.jacobian(at, values.data(), range); });
 }
 
+void Rows::residual(const JointRows& block, const Configuration& at, std::span<double> phi) const {
+  for (int r = block.first_row; r < block.first_row + block.row_count; ++r) {
+    const Row& row = rows_[r];
+    const auto item = static_cast<std::size_t>(row.item);
+    if (row.row_in_part == 0) row.store->residual(at, phi.data(), {item, item + 1});
+  }
+}
+
+void Rows::jacobian(const JointRows& block, const Configuration& at, std::span<double> values) const {
+  for (int s = block.first_side; s < block.first_side + block.side_count; ++s)
+    std::fill_n(values.begin() + sides_[s].offset, sides_[s].value_count(), 0.0);
+  for (int r = block.first_row; r < block.first_row + block.row_count; ++r) {
+    const Row& row = rows_[r];
+    const auto item = static_cast<std::size_t>(row.item);
+    if (row.row_in_part == 0) row.store->jacobian(at, values.data(), {item, item + 1});
+  }
+}
+
 void Rows::bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const {
   for (const auto& store : stores_) store->bias(at, twists, gamma.data());
 }

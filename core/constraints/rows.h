@@ -175,10 +175,14 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   void residual(const Configuration& at, std::span<double> phi) const;
   /// As residual(), for one of the chunks, which must be taken in their order (as in all of these).
   void residual(const Configuration& at, std::span<double> phi, const BodyChunk& chunk) const;
+  /// As residual(), of the rows of one block.
+  void residual(const JointRows& block, const Configuration& at, std::span<double> phi) const;
   /// J(q), the values of all sides.
   void jacobian(const Configuration& at, std::span<double> values) const;
   void jacobian(const Configuration& at, std::span<double> values,
                 const BodyChunk& chunk) const;  ///< of a chunk
+  /// As jacobian(), of the sides of one block.
+  void jacobian(const JointRows& block, const Configuration& at, std::span<double> values) const;
   /// γ = φ̈ − J V̇: J̇ V, and what drivers add to it.
   void bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const;
   /// Adds φ_t, the part of φ̇ = J V + φ_t that drivers make, to `out`.

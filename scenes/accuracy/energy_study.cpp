@@ -17,7 +17,7 @@ namespace {
 
 constexpr long kWindows = 500;
 constexpr const char* kEnergyMethods[] = {"RATTLE", "RATTLE of order 4",
-                                          "force level, Runge-Kutta, position push"};
+                                          "force level, Runge-Kutta, position push", "recursion, midpoint"};
 
 EnergyRun run(const Method& method, long steps, double dt) {
   EnergyRun result;

@@ -9,6 +9,7 @@
 #include "scenes/recording/gap_meter.h"
 #include "scenes/support/format.h"
 #include "scenes/support/printable.h"
+#include "solvers/common/setting_checks.h"
 #include "solvers/common/stopwatch.h"
 #include "solvers/simulator/simulator.h"
 
@@ -33,6 +34,10 @@ MethodRun run(const Mechanism& mechanism, const Method& method, double dt, doubl
   result.method = method.name;
   result.dt = dt;
   Scene scene = build_scene(mechanism.scene, {{"n", double(mechanism.n)}});
+  if (const auto conflicts = setting_conflicts(method.settings, scene.world); !conflicts.empty()) {
+    result.failed = conflicts.front().reason;
+    return result;
+  }
   Simulator simulator(scene.world, method.settings);
   GapMeter meter(scene.world);
   const double start = total_energy(scene.world, scene.world.state());
@@ -95,6 +100,9 @@ std::vector<Method> compared_methods() {
   iterative("Gauss-Seidel impulses, 50 sweeps, SOR 1.5", Solver::kGaussSeidel, 50, 1.5);
   iterative("pairwise impulses, 10 a joint", Solver::kPairwise, 10);
   iterative("pairwise impulses, 50 a joint", Solver::kPairwise, 50);
+  add("recursion, Runge-Kutta", [](Settings& s) { s.integrator = Integrator::kRecursive; });
+  add("recursion, midpoint", [](Settings& s) { s.integrator = Integrator::kRecursiveMidpoint; });
+  add("Lagrange, Runge-Kutta", [](Settings& s) { s.integrator = Integrator::kLagrangian; });
   add("RATTLE", [](Settings&) {});
   add("RATTLE of order 4", [](Settings& s) { s.integrator = Integrator::kRattle4; });
   return methods;

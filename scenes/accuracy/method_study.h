@@ -12,7 +12,8 @@ struct Method {
   std::string name;
   Settings settings;
 };
-/// Force-level solving with every cure for its drift, iterative and pairwise impulses, and RATTLE.
+/// Force-level solving with every cure for its drift, iterative and pairwise impulses, reduced coordinates,
+/// and RATTLE.
 std::vector<Method> compared_methods();
 
 /// One mechanism by one method.
@@ -31,7 +32,7 @@ struct MethodRun {
 };
 
 /// The double pendulum, a chain of ten links and a closed loop, by every method, with steps of `dt` for
-/// `duration` [s].
+/// `duration` [s]; reduced coordinates refuse the loop.
 std::vector<MethodRun> run_methods(double dt, double duration);
 
 /// A Markdown table; curves as CSV; a gnuplot script that draws gap and energy over time, a picture per

@@ -56,6 +56,9 @@ const std::vector<Synonyms>& synonyms() {
       {"force-euler", {"euler", "semiimpliciteuler", "symplecticeuler", "explicit"}},
       {"force-runge-kutta", {"rk4", "rungekutta"}},
       {"moreau-jean", {"moreau", "timestepping", "implicit"}},
+      {"recursive", {"featherstone", "aba", "articulated", "reduced", "reducedcoordinates", "generalized"}},
+      {"recursive-midpoint", {"midpoint", "implicitmidpoint"}},
+      {"lagrangian", {"lagrange", "crba", "eulerlagrange"}},
       {"gauss-seidel", {"pgs", "projectedgaussseidel", "sor", "sequentialimpulse", "iterative"}},
       // Keys.
       {"a", {"parent", "body1", "bodya", "link1", "base", "from", "predecessor"}},

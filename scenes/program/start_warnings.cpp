@@ -50,7 +50,7 @@ std::string overlaps(const World& world) {
 }  // namespace
 
 std::string passing_warning(const World& world, const Settings& settings) {
-  if (!settings.contacts || is_force_level(settings.integrator)) return {};
+  if (!settings.contacts || has_no_laws(settings.integrator)) return {};
   const UnsupportedPairs pairs = unsupported_pairs(world);
   if (pairs.count == 0) return {};
   std::vector<std::string> names;

@@ -2,6 +2,7 @@
 
 #include "core/base/check.h"
 #include "core/constraints/rows.h"
+#include "solvers/common/joint_tree.h"
 #include "solvers/common/setting_names.h"
 
 namespace taut {
@@ -24,6 +25,20 @@ bool is_force_level(Integrator integrator) {
   return integrator == Integrator::kForceEuler || integrator == Integrator::kForceRungeKutta;
 }
 
+bool is_lagrangian(Integrator integrator) {
+  return integrator == Integrator::kLagrangian || integrator == Integrator::kLagrangianMidpoint;
+}
+
+bool is_midpoint(Integrator integrator) {
+  return integrator == Integrator::kRecursiveMidpoint || integrator == Integrator::kLagrangianMidpoint;
+}
+
+bool is_reduced(Integrator integrator) {
+  return is_lagrangian(integrator) || is_midpoint(integrator) || integrator == Integrator::kRecursive;
+}
+
+bool has_no_laws(Integrator integrator) { return is_force_level(integrator) || is_reduced(integrator); }
+
 std::vector<SettingConflict> setting_conflicts(const Settings& s) {
   std::vector<SettingConflict> found;
   const SettingConflict::Choice integrator = integrator_of(s),
@@ -36,6 +51,8 @@ std::vector<SettingConflict> setting_conflicts(const Settings& s) {
     found.push_back({integrator, solver, R"(iterative solvers need the integrator "rattle")"});
   if (s.solver != Solver::kDirect && implicit)
     found.push_back({tension, solver, "iterative solvers have no multipliers to tell the tension by"});
+  if (is_reduced(s.integrator) && implicit)
+    found.push_back({tension, integrator, "reduced coordinates take tension explicitly"});
   if (moreau_jean && implicit)
     found.push_back({tension, integrator, R"("moreau-jean" takes tension explicitly)"});
   if (moreau_jean && s.drift_cure != DriftCure::kAuto && s.drift_cure != DriftCure::kNone &&
@@ -57,7 +74,10 @@ std::vector<SettingConflict> setting_conflicts(const Settings& s, const World& w
     return found;
   }
   const Rows rows(world);
-  if (!rows.axis_rows().empty())
+  if (is_reduced(s.integrator)) {
+    if (const std::string problem = tree_problem(world, rows); !problem.empty())
+      add(problem + R"(: "rattle" has that)");
+  } else if (!rows.axis_rows().empty())
     add("joint " + world.name(rows.axis_rows().front().axis.joint) +
         R"( has limits, a motor, friction, a spring or a compliance, which need "rattle" or "moreau-jean")");
   if (s.contacts && world.shape_count() > 0)
@@ -80,7 +100,7 @@ std::vector<UnusedSetting> unused_settings(const Settings& s) {
       if (!used) unused.push_back({setting, reason});
   };
   const bool force_level = is_force_level(s.integrator),
-             moreau_jean = s.integrator == Integrator::kMoreauJean;
+             moreau_jean = s.integrator == Integrator::kMoreauJean, reduced = is_reduced(s.integrator);
   const bool iterative = s.solver != Solver::kDirect;
   const DriftCure cure = s.drift_cure == DriftCure::kAuto ? DriftCure::kBaumgarte : s.drift_cure;
   const bool baumgarte = cure == DriftCure::kBaumgarte;
@@ -101,8 +121,10 @@ std::vector<UnusedSetting> unused_settings(const Settings& s) {
   unless(
       !force_level, {"max_newton_iterations", "max_substeps", "max_rotation", "velocity_tolerance"},
       R"(the integrators "force-euler" and "force-runge-kutta" have no sub-steps and no Newton iterations)");
+  unless(!reduced, {"max_newton_iterations", "velocity_tolerance"},
+         "integrators in reduced coordinates close each joint by itself");
   unless(!force_level && !iterative, {"tension"},
-         R"(only the solver "direct" uses it, with the integrators "rattle" and "moreau-jean")");
+         R"(only the solver "direct" uses it, not the integrators "force-euler" and "force-runge-kutta")");
   unless(!force_level && !iterative && s.tension != TensionPolicy::kIgnore, {"max_tension_number"},
          "the tension is not looked at");
   unless(iterative, {"iterations"},

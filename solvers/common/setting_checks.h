@@ -14,6 +14,12 @@ void check_settings(const Settings& settings);
 
 /// Joint forces from the acceleration equation: no sub-steps, and equalities only.
 bool is_force_level(Integrator integrator);
+/// Trees of joints in reduced coordinates, and which of these are dense or by the midpoint rule.  @{
+bool is_reduced(Integrator integrator);
+bool is_lagrangian(Integrator integrator);
+bool is_midpoint(Integrator integrator);  /// @}
+/// Force level and reduced coordinates: they have no contacts, and ask for forces as often as they need.
+bool has_no_laws(Integrator integrator);
 
 /// Two settings that exclude each other, or one that something in the world excludes.  Names are those of
 /// scene files (setting_names.h).

@@ -8,10 +8,17 @@
 namespace taut {
 
 inline constexpr std::pair<const char*, Integrator> kIntegratorNames[] = {
-    {"rattle", Integrator::kRattle},          {"rattle4", Integrator::kRattle4},
-    {"rattle6", Integrator::kRattle6},        {"rattle8", Integrator::kRattle8},
-    {"force-euler", Integrator::kForceEuler}, {"force-runge-kutta", Integrator::kForceRungeKutta},
+    {"rattle", Integrator::kRattle},
+    {"rattle4", Integrator::kRattle4},
+    {"rattle6", Integrator::kRattle6},
+    {"rattle8", Integrator::kRattle8},
+    {"force-euler", Integrator::kForceEuler},
+    {"force-runge-kutta", Integrator::kForceRungeKutta},
     {"moreau-jean", Integrator::kMoreauJean},
+    {"recursive", Integrator::kRecursive},
+    {"recursive-midpoint", Integrator::kRecursiveMidpoint},
+    {"lagrangian", Integrator::kLagrangian},
+    {"lagrangian-midpoint", Integrator::kLagrangianMidpoint},
 };
 inline constexpr std::pair<const char*, TensionPolicy> kTensionNames[] = {
     {"substep", TensionPolicy::kSubstep},

@@ -11,6 +11,12 @@ enum class Integrator {
   kForceEuler,       ///< joint forces from the acceleration equation, semi-implicit Euler
   kForceRungeKutta,  ///< joint forces from the acceleration equation, classical RK4
   kMoreauJean,       ///< Moreau–Jean: impulses of a whole step, laws on the velocities at its end; order 1
+  // Reduced coordinates: joints that form trees, closed in position and velocity, and forces that follow from
+  // the state.
+  kRecursive,           ///< accelerations by recursion over the joints in O(n), classical RK4: order 4
+  kRecursiveMidpoint,   ///< … by the implicit midpoint rule: order 2, time-reversible
+  kLagrangian,          ///< accelerations by Lagrange's equations, dense in O(n³), classical RK4: order 4
+  kLagrangianMidpoint,  ///< … by the implicit midpoint rule
 };
 
 /// What keeps the joints of a force-level integrator or of Moreau–Jean from drifting apart.  RATTLE needs

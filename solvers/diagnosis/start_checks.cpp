@@ -164,7 +164,7 @@ UnsupportedPairs unsupported_pairs(const World& world) {
 }
 
 Crowd start_crowd(const World& world, const Settings& settings, double dt) {
-  if (!settings.contacts || is_force_level(settings.integrator)) return {};
+  if (!settings.contacts || has_no_laws(settings.integrator)) return {};
   ContactFinder finder({.margin = settings.contact_margin,
                         .threads = settings.threads,
                         .max_contacts = settings.max_contacts});

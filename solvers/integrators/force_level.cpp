@@ -8,33 +8,14 @@
 #include "solvers/integrators/body_moves.h"
 
 namespace taut {
-namespace {
-
-void move_poses(const MassMatrix& mass, std::span<const Pose> from, std::span<const Twist> velocity, double h,
-                std::span<Pose> to) {
-  for (int b = 0; b < mass.size(); ++b) {
-    if (mass[b].fixed) continue;
-    to[b].p = from[b].p + h * velocity[b].v;
-    to[b].q = (exp_so3(h * velocity[b].w) * from[b].q).normalized();
-  }
-}
-
-void add_twists(std::span<const Twist> from, double h, std::span<const Twist> rate, std::span<Twist> to) {
-  for (std::size_t b = 0; b < to.size(); ++b) to[b] = {from[b].w + h * rate[b].w, from[b].v + h * rate[b].v};
-}
-
-/// Rate of the rotation vector θ of q = exp(θ) q₀ when q turns with ω in world axes: the inverse of the
-/// right-trivialised derivative, dexp⁻¹_θ ω = ω − ½ θ × ω + 1/12 θ × (θ × ω) + O(θ⁴) [Hairer2006, III.4].
-Vec3 rotation_rate(const Vec3& theta, const Vec3& w) {
-  return w - 0.5 * theta.cross(w) + theta.cross(theta.cross(w)) / 12;
-}
-
-}  // namespace
-
 ForceLevel::ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings)
-    : Scheme(world, system.rows(), settings), world_(world), system_(system), settings_(settings) {
+    : Scheme(world, system.rows(), settings),
+      world_(world),
+      system_(system),
+      settings_(settings),
+      runge_kutta_(world.body_count()) {
   for (auto* wrenches : {&forces_, &joint_wrenches_, &momenta_}) wrenches->resize(world.body_count());
-  for (auto* twists : {&acceleration_, &slope_, &sum_, &mean_velocity_}) twists->resize(world.body_count());
+  acceleration_.resize(world.body_count());
   for (auto* values : {&lambda_, &impulses_, &phi_, &rates_, &delta_, &penalty_inertia_})
     values->assign(system.row_count(), 0.0);
 }
@@ -116,32 +97,16 @@ void ForceLevel::euler(double h, SubstepReport& report) {
   move_poses(system_.mass(), state_.poses, state_.twists, h, state_.poses);
 }
 
-/// Classical Runge–Kutta; rotations as rotation vectors from the start of the step (Munthe-Kaas), so that
-/// order 4 is kept.
+/// Joint forces of the first stage are those at the start.
 void ForceLevel::runge_kutta(double h, SubstepReport& report) {
-  constexpr double kNode[] = {0, 0.5, 0.5, 1}, kWeight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
-  stage_ = state_;
-  for (int b = 0; b < world_.body_count(); ++b) sum_[b] = mean_velocity_[b] = slope_[b] = {};
-  for (int i = 0; i < 4; ++i) {
-    if (i > 0) {
-      move_poses(system_.mass(), state_.poses, slope_, kNode[i] * h, stage_.poses);
-      add_twists(state_.twists, kNode[i] * h, acceleration_, stage_.twists);
-    }
-    stage_.time = state_.time + kNode[i] * h;
-    // slope_ still holds this stage's displacement per time: its rotation vector turns ω into a rate of
-    // rotation vectors.
-    for (int b = 0; b < world_.body_count(); ++b) {
-      const Vec3 theta = kNode[i] * h * slope_[b].w;
-      slope_[b] = {rotation_rate(theta, stage_.twists[b].w), stage_.twists[b].v};
-    }
-    accelerate(stage_, h, report, acceleration_);
-    if (i == 0)
-      for (int r = 0; r < system_.row_count(); ++r) impulses_[r] = h * lambda_[r];
-    add_twists(sum_, kWeight[i], acceleration_, sum_);
-    add_twists(mean_velocity_, kWeight[i], slope_, mean_velocity_);
-  }
-  move_poses(system_.mass(), state_.poses, mean_velocity_, h, state_.poses);
-  add_twists(state_.twists, h, sum_, state_.twists);
+  bool first = true;
+  runge_kutta_.advance(system_.mass(), state_, h,
+                       [&](const State& stage, double /*weight*/, std::vector<Twist>& acceleration) {
+                         accelerate(stage, h, report, acceleration);
+                         if (first)
+                           for (int r = 0; r < system_.row_count(); ++r) impulses_[r] = h * lambda_[r];
+                         first = false;
+                       });
 }
 
 /// V += M⁻¹ Jᵀ S⁺ (target − J V − φ_t).

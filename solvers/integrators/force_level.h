@@ -5,6 +5,7 @@
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
+#include "solvers/integrators/runge_kutta.h"
 #include "solvers/integrators/scheme.h"
 #include "solvers/system/constraint_system.h"
 
@@ -52,11 +53,12 @@ class ForceLevel final : public Scheme {
   const World& world_;
   ConstraintSystem& system_;
   const Settings& settings_;
-  State state_, stage_, backup_;
+  State state_, backup_;
+  RungeKutta runge_kutta_;
   int not_finite_ = 0;
   std::vector<Wrench> forces_, joint_wrenches_;
   mutable std::vector<Wrench> momenta_;  // made when they are asked for
-  std::vector<Twist> acceleration_, slope_, sum_, mean_velocity_;
+  std::vector<Twist> acceleration_;
   std::vector<double> lambda_, impulses_, phi_, rates_, delta_, penalty_inertia_;
 };
 

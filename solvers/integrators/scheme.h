@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/world/world.h"
@@ -16,8 +17,8 @@ namespace taut {
 class Archive;
 
 /// A scheme of time integration, as the simulator sees it: it starts at a state and advances it by steps.
-/// RATTLE, Moreau–Jean and the force level are such schemes.  What acts beside joints is empty
-/// where the settings exclude it, as for the force level.  (solvers/integrators)
+/// RATTLE, Moreau–Jean, the force level and reduced coordinates are such schemes.  What acts beside joints is
+/// empty where the settings exclude it, as for the force level.  (solvers/integrators)
 class Scheme {
  public:
   enum class Outcome { kDone, kStalled, kUnstable, kImpact, kOverload, kNotFinite, kBlind };
@@ -83,9 +84,16 @@ class Scheme {
   virtual std::span<const double> known_residual() const { return {}; }
   /// Forces of the rows at state() [N, N·m], if they do not follow from it; else empty.
   virtual std::span<const double> forces_of_laws() const { return {}; }
+  /// Forces of all rows at state() [N, N·m], if the scheme finds them itself; else empty.
+  virtual std::span<const double> present_forces() { return {}; }
   /// Works of what acts are reported.
   virtual bool knows_works() const { return true; }
   const AxisForces& axes() const { return axes_; }
+  /// Sums over the sub-steps of a step, with impulses in place of mean forces; in the order of
+  /// Rows::axis_rows().
+  virtual const std::vector<AxisReport>& axis_reports() const { return axes_.reports(); }
+  /// Why the last advance() ended with kStalled, for messages; empty: StallDiagnosis looks for it.
+  virtual std::string stall_reason() const { return {}; }
   const ContactForces& contacts() const { return contacts_; }
   const Breaking& breaking() const { return breaking_; }
   /// Contacts could not be looked for the last time: see ContactSet::detection().

@@ -8,10 +8,8 @@ namespace {
 
 constexpr int kFixed = 0;  ///< the ground, with all bodies that stick to it
 
-/// Bound on the fastest frequency [rad/s] of M q̈ = −K q, with K the blocks of geometric stiffness of the
-/// joint loads: the largest ω with ω² = |M⁻¹K| over the bodies.  For ball joints K is block diagonal and the
-/// bound rigorous; a row of rods of mass m and length L under tension H gives ω² = 12 H / (m L).
-/// `roots` are those of M⁻¹ = A Aᵀ.        (solvers/integrators, "Tension")
+}  // namespace
+
 double fastest_transverse_frequency(std::span<const InverseMassRoot> roots,
                                     std::span<const StiffnessBlocks> stiffness) {
   // The maximum row sum of |Aᵀ K A| bounds its spectral radius, and is exact where the load is along a
@@ -30,8 +28,6 @@ double fastest_transverse_frequency(std::span<const InverseMassRoot> roots,
   }
   return std::sqrt(largest);
 }
-
-}  // namespace
 
 /// Who is held by friction is left out only where a step in which it lets go is looked at again.
 StepLimit::StepLimit(const World& world, ConstraintSystem& system, const Settings& settings,

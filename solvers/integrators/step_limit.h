@@ -15,6 +15,13 @@ namespace taut {
 
 class Archive;
 
+/// Bound on the fastest frequency [rad/s] of M q̈ = −K q, with K the blocks of geometric stiffness of the
+/// joint loads: the largest ω with ω² = |M⁻¹K| over the bodies.  For ball joints K is block diagonal and the
+/// bound rigorous; a row of rods of mass m and length L under tension H gives ω² = 12 H / (m L).
+/// `roots` are those of M⁻¹ = A Aᵀ.        (solvers/integrators, "Tension")
+double fastest_transverse_frequency(std::span<const InverseMassRoot> roots,
+                                    std::span<const StiffnessBlocks> stiffness);
+
 /// The longest step from a state: ω h ≤ max_tension_number, with ω the fastest transverse frequency under the
 /// loads of the rows, and a rotation below max_rotation of every body.           (solvers/integrators,
 /// "Tension")

@@ -1,40 +1,115 @@
 #pragma once
 
-#include <memory>
+#include <Eigen/Core>
+#include <span>
 #include <vector>
 
+#include "core/constraints/rows.h"
 #include "core/world/world.h"
+#include "solvers/common/joint_tree.h"
+#include "solvers/system/mass_matrix.h"
 
 namespace taut {
 
-/// Accelerations of a world whose joints form trees, in reduced coordinates: references for the multipliers,
-/// with no S and no λ in them.
+/// The motion of a world whose joints form trees, in reduced coordinates, with no S in it.
 ///
-/// Joint k of body b and its parent p, with the rows J_p a_p + J_b a_b + γ = 0, leaves
+/// The joints of body b with its parent p have the rows J_p a_p + J_b a_b + γ = 0, which leave
 ///
-///     a_b = X a_p + c + S u̇,    X = −J_b⁺ J_p,   c = −J_b⁺ γ,   S = null space of J_b (1)
+///     a_b = X a_p + c + N u̇,    X = −J_b⁺ J_p,   c = −J_b⁺ γ,   N = null space of J_b     (1)
 ///
-/// where a = (ω̇, v̇) in world axes about the centre of mass and u are the joint's own speeds.
+/// where a = (ω̇, v̇) in world axes about the centre of mass and u are the joints' own speeds.
 /// (solvers/integrators, "Reduced coordinates")
 class TreeDynamics {
  public:
-  /// The world must live on, with the topology that it has.
-  /// @throws std::invalid_argument for a joint that closes a loop or has more than two bodies, is soft, or
-  /// has limits, a motor, friction or a spring on an axis.
-  explicit TreeDynamics(const World& world);
-  ~TreeDynamics();
+  /// How accelerations are found.
+  enum class Method {
+    kRecursive,  ///< from the leaves to the roots and back, articulated bodies in O(n) [Featherstone2008]
+    kLagrangian,  ///< Lagrange's equations H u̇ = Gᵀ (f − M a₀), H = Gᵀ M G, a = G u̇ + a₀: dense, O(n³)
+  };
 
+  /// `rows` and `mass` are those of the world, with the topology that it has, and must outlive it; equality
+  /// rows hold, others do not.
+  /// @throws std::invalid_argument for joints that make no tree.
+  TreeDynamics(const World& world, const Rows& rows, const MassMatrix& mass);
+
+  /// (1), without c, at a state.  What follows refers to that.
+  void linearize(const State& state);
+  /// J of all rows there.
+  std::span<const double> jacobian() const { return jacobian_; }
   /// Number of speeds u.
-  int freedoms(const State& state) const;
-  /// V̇ of all bodies, 0 for fixed ones, by recursion from the leaves to the roots and back: articulated
-  /// bodies in O(n) [Featherstone2008]; b adds Xᵀ (I − I S (Sᵀ I S)⁻¹ Sᵀ I) X to the inertia I of its parent.
-  std::vector<Twist> recursive(const State& state) const;
-  /// V̇ of all bodies by Lagrange's equations H u̇ = Gᵀ (f − M a₀), H = Gᵀ M G dense, a = G u̇ + a₀: O(n³).
-  std::vector<Twist> lagrangian(const State& state) const;
+  int freedoms() const;
+  /// V̇ of all bodies under these wrenches, 0 for fixed ones, and of equality rows the forces λ that make it;
+  /// those of other rows stay.
+  void accelerate(const State& state, std::span<const Wrench> forces, Method method,
+                  std::span<Twist> accelerations, std::span<double> lambda);
+
+  /// Closes all joints from the roots to the leaves, each body with all that hangs on it against its parent,
+  /// by Newton's method q ← q ⊕ (−J_b⁺ φ), at least `least` times, until |φ| is within the tolerance.  False
+  /// if it does not come to that.  Needs and leaves no linearize().
+  [[nodiscard]] bool close_positions(State& state, double tolerance, int least, int& iterations);
+  /// The same for velocities at the state of linearize(): V ← V − J_b⁺ (J V + φ_t), exactly.
+  void close_velocities(State& state) const;
+  /// The velocities nearest to those of the state in the metric M with J V + φ_t = 0, as an impact of all
+  /// joints at once leaves them; at the state of linearize().
+  void project_velocities(State& state);
 
  private:
-  class Impl;
-  std::unique_ptr<const Impl> impl_;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+  using Rows6 = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>;
+  using OwnMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+
+  /// A row that holds, and where it is in the Jacobian.
+  struct HeldRow {
+    int row = 0, in_block = 0, side = 0, parent_side = 0;
+  };
+  struct Branch {
+    int body = 0, parent = 0;
+    int first = 0, count = 0;  ///< of held_
+    bool attached() const { return count > 0; }
+  };
+  /// (1) in one state.
+  struct Motion {
+    Matrix6 X;
+    Columns N;
+    Eigen::Matrix<double, 6, Eigen::Dynamic> inverse;  ///< J_b⁺
+  };
+  /// What the recursion carries to the roots: inertia I and bias of the articulated body, and L⁻¹ Nᵀ with
+  /// L Lᵀ = Nᵀ I N.
+  struct Articulated {
+    Matrix6 inertia;
+    Rows6 root;
+    Vector6 bias, c;
+  };
+
+  Vector6 block_rates(const Branch& branch, const Motion& motion, std::span<const double> rates) const;
+  void decompose(const Branch& branch, Motion& motion, bool with_null_space);
+  void gather_bodies(const State& state, std::span<const Wrench> forces);
+  void gather_rates(std::span<const double> rates);
+  void recursive(std::span<Twist> accelerations, std::span<double> lambda);
+  void lagrangian(std::span<Twist> accelerations, std::span<double> lambda);
+  double open_gap(std::size_t k, const Configuration& at);
+  bool close_joint(std::size_t k, const Configuration& at, Pose& pose);
+  void give_multipliers(const Branch& branch, const Motion& motion, const Vector6& wrench,
+                        std::span<double> lambda) const;
+  std::span<const double> open_rates(const State& state) const;
+
+  const World& world_;
+  const Rows& rows_;
+  const MassMatrix& mass_;
+  bool follows_time_ = false;
+  std::vector<Branch> branches_;  // parents before their children
+  std::vector<HeldRow> held_;
+  std::vector<int> blocks_, first_block_;  // of branches, to be looked at one by one
+  std::vector<int> branch_of_;             // of a body; −1: it does not move
+  std::vector<Motion> motions_;            // by branch
+  std::vector<Articulated> articulated_;   // by branch
+  std::vector<Vector6> a_;                 // by body
+  std::vector<double> jacobian_, gamma_, phi_;
+  std::vector<Pose> before_;
+  mutable std::vector<double> rates_;
+  mutable std::vector<Twist> twists_before_;
 };
 
 }  // namespace taut

@@ -6,6 +6,7 @@
 #include "core/state/same_state.h"
 #include "solvers/integrators/force_level.h"
 #include "solvers/integrators/rattle.h"
+#include "solvers/integrators/reduced_coordinates.h"
 #include "solvers/simulator/energy_accounting.h"
 #include "solvers/simulator/sleep.h"
 #include "solvers/simulator/sleeping_loads.h"
@@ -303,6 +304,16 @@ void ForceLevel::transfer(Archive& archive) {
   Archive::require(same(state_, world_.state()), "its states disagree");
   archive.sized(impulses_);
   system_.transfer(archive, state_);  // whether rows have been dependent lately
+  system_.reset_counters();
+}
+
+void ReducedCoordinates::transfer(Archive& archive) {
+  archive(state_);
+  Archive::require(same(state_, world_.state()), "its states disagree");
+  archive.sized(impulses_);
+  archive.sized(flow_.reports());
+  archive(omega_);
+  system_.transfer(archive, state_);
   system_.reset_counters();
 }
 

@@ -9,10 +9,12 @@ void JointReactions::renew(int row_count) {
   version_ = jacobian_version_ = -1;
 }
 
-void JointReactions::solve(const World& world, const Settings& settings, const Stepper& stepper) {
+void JointReactions::solve(const World& world, const Settings& settings, Stepper& stepper) {
   if (version_ == world.state_version()) return;
   const std::span<const double> of_laws = stepper.scheme().forces_of_laws();
-  if (!of_laws.empty()) {
+  if (const std::span<const double> own = stepper.scheme().present_forces(); !own.empty()) {
+    multipliers_.assign(own.begin(), own.end());
+  } else if (!of_laws.empty()) {
     multipliers_.assign(of_laws.begin(), of_laws.end());
   } else {
     solve_accelerations(world, settings);

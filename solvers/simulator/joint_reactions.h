@@ -23,8 +23,9 @@ class JointReactions {
   void reserve(int row_count) { multipliers_.resize(row_count); }
 
   /// λ in the present state, with a system of its own so that the integrator keeps its factor; where rows
-  /// have laws other than springs, the multipliers at the end of the last step.
-  void solve(const World& world, const Settings& settings, const Stepper& stepper);
+  /// have laws other than springs, the multipliers at the end of the last step; in reduced coordinates those
+  /// of the recursion.
+  void solve(const World& world, const Settings& settings, Stepper& stepper);
   std::span<const double> multipliers() const { return multipliers_; }
 
   /// Force and torque of a joint at the present state of the source, whose rows are `own`, from multipliers

@@ -31,6 +31,8 @@ void say_why(const Substepping& substeps, const Inquiry& asked) {
     end_not_finite(asked);
   else if (substeps.outcome() == kBlind)
     end_blind(asked);
+  else if (const std::string reason = asked.stepper.scheme().stall_reason(); !reason.empty())
+    asked.end_step(Status::kNotConverged, reason);
   else
     StallDiagnosis(asked).end_step(substeps.remaining(), substeps.outcome() == kUnstable);
 }
@@ -79,6 +81,8 @@ RankReport rank_of(const World& world, const Settings& settings) {
 Simulator::Impl::Impl(World& world, const Settings& settings)
     : bodies_(world, settings), settings_(settings), stepper_(world_, source_, settings_) {
   check_settings(settings);
+  if (is_reduced(settings.integrator) && !settings.merge_fixed_joints)
+    require_none(setting_conflicts(settings, world_));
   bodies_.wake_all();  // who sleeps is known to the simulator that let them
   if (settings_.drift_cure != DriftCure::kAuto) return;
   settings_.drift_cure =
@@ -293,7 +297,7 @@ void Simulator::Impl::refresh() {
   Stepper::Predecessor old;
   if (is_new) old = renew_pattern();
   if (stepper_.knows_state() && recalled_.empty() &&
-      (is_force_level(settings_.integrator) || !may_change(source_)))
+      (has_no_laws(settings_.integrator) || !may_change(source_)))
     return;
   if (goes_on && recalled_.empty()) {
     const World::Hold held = source_.hold();

@@ -35,7 +35,7 @@ AxisReport Simulator::Impl::axis_report(AxisId axis) const {
   const auto found =
       std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.axis == axis; });
   if (found == rows.end()) return {};
-  AxisReport report = stepper_.scheme().axes().reports()[found - rows.begin()];
+  AxisReport report = stepper_.scheme().axis_reports()[found - rows.begin()];
   for (const auto& [part, column, term] : kAxisParts) {
     report.force.*part /= report_.dt;
     report.power.*part = report.work.*part / report_.dt;

@@ -5,6 +5,7 @@
 #include "solvers/integrators/force_level.h"
 #include "solvers/integrators/moreau_jean.h"
 #include "solvers/integrators/rattle.h"
+#include "solvers/integrators/reduced_coordinates.h"
 
 namespace taut {
 
@@ -38,6 +39,8 @@ void Stepper::renew() {
 /// The only place that knows which one it is.
 std::unique_ptr<Scheme> Stepper::make_scheme() {
   if (is_force_level(settings_.integrator)) return std::make_unique<ForceLevel>(world_, *system_, settings_);
+  if (is_reduced(settings_.integrator))
+    return std::make_unique<ReducedCoordinates>(world_, *system_, settings_);
   std::unique_ptr<ImpulseScheme> scheme;
   if (settings_.integrator == Integrator::kMoreauJean)
     scheme = std::make_unique<MoreauJean>(world_, *system_, settings_);

@@ -48,7 +48,8 @@ inline std::vector<BadScene> bad_top_level() {
        R"("probes", "settings", "time")",
        R"({"x":null})", false},
       {top(R"("settings": {"integrator": "ratle"})"), "/settings/integrator",
-       R"(must be one of "rattle", "rattle4", "rattle6", "rattle8", "force-euler", "force-runge-kutta", "moreau-jean"; )"
+       R"(must be one of "rattle", "rattle4", "rattle6", "rattle8", "force-euler", "force-runge-kutta", "moreau-jean", )"
+       R"("recursive", "recursive-midpoint", "lagrangian", "lagrangian-midpoint"; )"
        R"(did you mean "rattle"?)",
        R"("ratle")"},
       {top(R"("settings": {"drift_cure": 2})"), "/settings/drift_cure",

@@ -263,7 +263,8 @@ TEST(Program, QuietPrintsNothing) {
 
 TEST(Program, EveryIntegratorRuns) {
   for (const char* integrator :
-       {"rattle", "rattle4", "rattle6", "rattle8", "force-euler", "force-runge-kutta", "moreau-jean"}) {
+       {"rattle", "rattle4", "rattle6", "rattle8", "force-euler", "force-runge-kutta", "moreau-jean",
+        "recursive", "recursive-midpoint", "lagrangian", "lagrangian-midpoint"}) {
     const std::string report = temporary("integrator.json");
     const Outcome run = run_program({"run", "pendulum-hinge", "--dt", "0.001", "--steps", "10",
                                      "--integrator", integrator, "--report", report});

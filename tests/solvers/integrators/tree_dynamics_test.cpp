@@ -60,8 +60,32 @@ World random_tree(unsigned seed, int bodies) {
   return world;
 }
 
+/// With rows and masses of its own.
+struct Tree {
+  explicit Tree(const World& its) : world(its), rows(its, Rows::AxisRows::kLeftOut), mass(its) {
+    dynamics.linearize(world.state());
+  }
+  int freedoms() const { return dynamics.freedoms(); }
+  std::vector<Twist> recursive() { return accelerations(TreeDynamics::Method::kRecursive); }
+  std::vector<Twist> lagrangian() { return accelerations(TreeDynamics::Method::kLagrangian); }
+  std::vector<Twist> accelerations(TreeDynamics::Method method) {
+    std::vector<Wrench> forces(world.body_count());
+    std::vector<Twist> result(world.body_count());
+    lambda.assign(rows.row_count(), 0);
+    world.forces(world.state(), forces);
+    dynamics.accelerate(world.state(), forces, method, result, lambda);
+    return result;
+  }
+
+  const World& world;
+  Rows rows;
+  MassMatrix mass;
+  TreeDynamics dynamics{world, rows, mass};
+  std::vector<double> lambda;
+};
+
 /// The same by multipliers, dense: M a − Jᵀ λ = f − ω × Iω, J a = −γ.
-std::vector<Twist> by_multipliers(const World& world) {
+std::vector<Twist> by_multipliers(const World& world, std::vector<double>& lambda) {
   const Rows rows(world, Rows::AxisRows::kLeftOut);
   const MassMatrix mass(world);
   const State& state = world.state();
@@ -95,6 +119,7 @@ std::vector<Twist> by_multipliers(const World& world) {
   const Eigen::VectorXd x = K.fullPivLu().solve(right);
   std::vector<Twist> result(bodies);
   for (int b = 1; b < bodies; ++b) result[b] = {x.segment<3>(6 * b), x.segment<3>(6 * b + 3)};
+  lambda.assign(x.data() + n, x.data() + n + m);
   return result;
 }
 
@@ -111,11 +136,17 @@ void expect_equal(const std::vector<Twist>& a, const std::vector<Twist>& b, doub
 TEST(TreeDynamics, RecursionLagrangeAndMultipliersAgree) {
   for (unsigned seed = 0; seed < 30; ++seed) {
     const World world = random_tree(seed, 12);
-    const TreeDynamics tree(world);
-    const std::vector<Twist> reference = by_multipliers(world);
-    // Round-off times the condition of random lever arms.
-    expect_equal(tree.recursive(world.state()), reference, 1e-9);
-    expect_equal(tree.lagrangian(world.state()), reference, 1e-9);
+    Tree tree(world);
+    std::vector<double> lambda;
+    const std::vector<Twist> reference = by_multipliers(world, lambda);
+    double largest = 1;
+    for (double l : lambda) largest = std::max(largest, std::abs(l));
+    for (const auto method : {TreeDynamics::Method::kRecursive, TreeDynamics::Method::kLagrangian}) {
+      // Round-off times the condition of random lever arms.
+      expect_equal(tree.accelerations(method), reference, 1e-9);
+      for (std::size_t r = 0; r < lambda.size(); ++r)
+        EXPECT_NEAR(tree.lambda[r], lambda[r], 1e-9 * largest) << "row " << r;
+    }
   }
 }
 
@@ -129,9 +160,9 @@ TEST(TreeDynamics, DoublePendulumAsInTextbooks) {
   const BodyId first = rod(0.5), second = rod(1.5);
   world.add("", Hinge::at(world, kGround, first, Vec3::Zero(), -Vec3::UnitY()));
   world.add("", Hinge::at(world, first, second, Vec3::UnitX(), -Vec3::UnitY()));
-  const TreeDynamics tree(world);
-  EXPECT_EQ(tree.freedoms(world.state()), 2);
-  for (const auto& a : {tree.recursive(world.state()), tree.lagrangian(world.state())}) {
+  Tree tree(world);
+  EXPECT_EQ(tree.freedoms(), 2);
+  for (const auto& a : {tree.recursive(), tree.lagrangian()}) {
     EXPECT_NEAR(-a[1].w.y(), -9.0 / 7 * kG, 1e-12);
     EXPECT_NEAR(-a[2].w.y(), 3.0 / 7 * kG, 1e-12);
     EXPECT_NEAR(a[1].v.z(), -0.5 * 9.0 / 7 * kG, 1e-12);
@@ -140,9 +171,9 @@ TEST(TreeDynamics, DoublePendulumAsInTextbooks) {
 
 TEST(TreeDynamics, LongChainsByRecursion) {
   Scene scene = build_scene("chain", {{"n", 300}});
-  const TreeDynamics tree(scene.world);
-  EXPECT_EQ(tree.freedoms(scene.world.state()), 900);
-  expect_equal(tree.recursive(scene.world.state()), tree.lagrangian(scene.world.state()), 1e-8);
+  Tree tree(scene.world);
+  EXPECT_EQ(tree.freedoms(), 900);
+  expect_equal(tree.recursive(), tree.lagrangian(), 1e-8);
 }
 
 /// The velocities of a run change as reduced coordinates say, up to the square of the step.
@@ -154,7 +185,7 @@ TEST(TreeDynamics, SimulationsFollowIt) {
     for (int i = 0; i < std::lround(0.2 / h) - 1; ++i) EXPECT_TRUE(simulator.step(h).exact());
     const State before = scene.world.state();
     EXPECT_TRUE(simulator.step(h).exact());
-    const std::vector<Twist> a = TreeDynamics(scene.world).recursive(scene.world.state());
+    const std::vector<Twist> a = Tree(scene.world).recursive();
     EXPECT_TRUE(simulator.step(h).exact());
     const State& after = scene.world.state();
     double largest = 0;
@@ -170,16 +201,27 @@ TEST(TreeDynamics, SimulationsFollowIt) {
 TEST(TreeDynamics, RefusesWhatIsNoTree) {
   World world;
   const BodyId a = world.add_body({.name = "a"}), b = world.add_body({.name = "b"});
-  const JointId hinge = world.add("hinge", Hinge::at(world, kGround, a, Vec3::Zero(), Vec3::UnitX()));
+  world.add("hinge", Hinge::at(world, kGround, a, Vec3::Zero(), Vec3::UnitX()));
   world.add("ball", Ball::at(world, a, b, Vec3::UnitZ()));
-  EXPECT_NO_THROW(TreeDynamics{world});
-  world.set_limits(world.axis(hinge, "angle"), AxisLimits{.lower = -1, .upper = 1});
-  EXPECT_THROW(TreeDynamics{world}, std::invalid_argument);
-  world.set_limits(world.axis(hinge, "angle"), std::nullopt);
+  EXPECT_NO_THROW(Tree{world});
   const JointId loop = world.add("loop", Ball::at(world, kGround, b, 2 * Vec3::UnitZ()));
-  EXPECT_THROW(TreeDynamics{world}, std::invalid_argument);
+  EXPECT_THROW(Tree{world}, std::invalid_argument);
   world.detach(loop);
-  EXPECT_NO_THROW(TreeDynamics{world});
+  EXPECT_NO_THROW(Tree{world});
+}
+
+/// Two hinges of one door are one joint, of which five rows say nothing new.
+TEST(TreeDynamics, SeveralJointsOfTwoBodiesAreOne) {
+  World world, single;
+  for (World* its : {&world, &single}) {
+    const BodyId door = its->add_body(
+        {.mass = MassProperties(8, Vec3(1, 0.4, 0.7)), .pose = {.p = Vec3(0.5, 0.2, 0)}, .twist = {}});
+    its->add("low", Hinge::at(*its, kGround, door, Vec3(0, 0, -1), Vec3(0.1, 0, 1).normalized()));
+  }
+  world.add("high", Hinge::at(world, kGround, BodyId{1}, Vec3(0.1, 0, 0), Vec3(0.1, 0, 1).normalized()));
+  Tree both(world), one(single);
+  EXPECT_EQ(both.freedoms(), 1);
+  expect_equal(both.recursive(), one.recursive(), 1e-12);
 }
 
 }  // namespace
