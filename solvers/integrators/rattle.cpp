@@ -178,7 +178,6 @@ void Rattle::predict_multipliers(double h) {
       prediction_.repeat(h, joint_rows, values_.lambda);
     else
       std::fill_n(values_.lambda.begin(), joint_rows, 0.0);
-    for (int r = joint_rows; r < rows; ++r) values_.lambda[r] = 0.5 * h * values_.force_multipliers[r];
   } else if (system_.singular() || !prediction_.has_history()) {
     for (int r = 0; r < rows; ++r) values_.lambda[r] = 0.5 * h * values_.force_multipliers[r];
   } else {
@@ -295,7 +294,7 @@ bool Rattle::close_velocities(double h, SubstepReport& report) {
     } else {
       phase_.second_kick(h);
       begin_velocities();
-      if (!axes_.finite() || !meet_velocity_laws(h, report)) return false;
+      if (!meet_velocity_laws(h, report)) return false;
       if (second_kick_gives() && !kick_anew(h, report)) return false;
     }
     if (!phase_.forces_depend_on_velocity()) return true;

@@ -162,6 +162,7 @@ void Rattle::begin_velocities() {
 
 bool Rattle::meet_velocity_laws(double h, SubstepReport& report) {
   renew_velocity_laws();
+  if (!axes_.finite()) return false;
   add_rates_of_guess();
   return project_bounded_momenta(h, report);
 }

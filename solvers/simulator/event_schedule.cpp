@@ -330,6 +330,7 @@ void EventSchedule::transfer(Archive& archive, const World& world) {
 }
 
 void EventSchedule::apply(World& world) const {
+  if (!any()) return;
   if (world.gravity() != gravity_) world.set_gravity(gravity_);
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     const MotorSetting& setting = motors_[i];

@@ -129,43 +129,5 @@ TEST(Inexact, NothingInexactIsTakenIfItIsNotWanted) {
     EXPECT_EQ(before.poses[b].p, scene.world.pose(BodyId{static_cast<int>(b)}).p);
 }
 
-/// Five bodies in a closed loop that falls on a floor; more rows than freedoms.
-World falling_loop() {
-  World world;
-  const Material ground{.static_friction = 0.391, .dynamic_friction = 0.233};
-  const Material material{.static_friction = 0.391, .dynamic_friction = 0.391};
-  world.add_shape(kGround, HalfSpace{}, {}, ground);
-  const auto add = [&](double mass, const Vec3& moments, const Vec3& place, const Shape& shape) {
-    const BodyId body =
-        world.add_body({.mass = MassProperties(mass, Mat3(moments.asDiagonal())), .pose = {.p = place}});
-    world.add_shape(body, shape, {}, material);
-    return body;
-  };
-  const BodyId a = add(2.51, {8.81e-3, 7.85e-3, 6.94e-3}, {0, 0, 0.874}, Box{{0.12, 0.138, 0.152}}),
-               b = add(1.94, {5.59e-3, 4.97e-3, 4.73e-3}, {0, 0, 1.07}, Box{{0.113, 0.129, 0.134}}),
-               c = add(0.561, Vec3::Constant(5.87e-4), {-0.192, 0, 0.874}, Sphere{0.0512}),
-               d = add(2.61, Vec3::Constant(2.23e-3), {-0.192, 0, 1.07}, Sphere{0.0462}),
-               e = add(3, {6.26e-3, 6.09e-3, 3.42e-3}, {-0.192, 0.192, 1.07}, Box{{0.0807, 0.0847, 0.134}});
-  world.add("", Cylindrical::at(world, a, b, Vec3(0, 0, 0.97), Vec3::UnitZ()));
-  world.add("", Fixed::at(world, a, c, Vec3(-0.0961, 0, 0.874)));
-  world.add("", Fixed::at(world, c, d, Vec3(-0.192, 0, 0.97)));
-  world.add("", Cylindrical::at(world, d, e, Vec3(-0.192, 0.0961, 1.07), Vec3::UnitY()));
-  world.add("", Hinge::at(world, d, b, Vec3(-0.0961, 0, 1.07), Vec3::UnitY()));
-  return world;
-}
-
-TEST(HardSteps, ASubStepThatFailedLeavesNoImpulsesToTheNext) {
-  // With the impulses that a failed sub-step ended with as the guess of the next, each failed by more, and
-  // all of these ended after 0.4 to 0.85 s.
-  for (const double dt : {1.0 / 120, 1.0 / 300}) {
-    World world = falling_loop();
-    Simulator simulator(world);
-    for (int i = 0; i * dt < 1; ++i) {
-      const StepReport& report = simulator.step(dt);
-      ASSERT_TRUE(report.exact()) << dt << " s, " << i << ": " << report.message;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace taut::inexact_test
