@@ -14,8 +14,8 @@ namespace taut {
 struct JointTree {
   /// A moving body and the joints to its parent, by their index in Rows::joints(); none: it is free.
   struct Branch {
-    int body = 0, parent = 0;
-    std::vector<int> blocks;
+    int body = 0, parent = 0;  ///< indices of bodies
+    std::vector<int> blocks;   ///< of the joints
   };
   std::vector<Branch> branches;  ///< parents before their children
   /// Why these joints make none, naming one of them; empty if they do.

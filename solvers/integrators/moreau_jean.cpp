@@ -196,7 +196,7 @@ double MoreauJean::given_by_contacts() {
   mean_rates_.resize(free_rates_.size());
   for (std::size_t r = 0; r < mean_rates_.size(); ++r)
     mean_rates_[r] = 0.5 * (free_rates_[r] + values_.rates[r]);
-  const double given = contacts_.work(values_.mu, mean_rates_);
+  const double given = contacts_.works().of_rigid(values_.mu, mean_rates_);
   return std::abs(given) > kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
 }
 

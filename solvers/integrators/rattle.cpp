@@ -292,10 +292,12 @@ bool Rattle::close_velocities(double h, SubstepReport& report) {
     if (!bounded()) {
       project_momenta(h, report);
     } else {
-      phase_.second_kick(h);
-      begin_velocities();
-      if (!meet_velocity_laws(h, report)) return false;
-      if (second_kick_gives() && !kick_anew(h, report)) return false;
+      if (!give_second_kick(h, false, report)) return false;
+      if (second_kick_gives()) {
+        const bool met = give_second_kick(h, true, report);
+        contacts_.end_impacts();
+        if (!met) return false;
+      }
     }
     if (!phase_.forces_depend_on_velocity()) return true;
     // f(q₁, V₁) with the V₁ that it leads to: a fixed point, which keeps the scheme symmetric.

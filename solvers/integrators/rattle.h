@@ -59,13 +59,10 @@ class Rattle : public ImpulseScheme {
   // The velocity stage.
   bool close_velocities(double h, SubstepReport& report);
   bool project_bounded_momenta(double h, SubstepReport& report);
-  bool meet_velocity_laws(double h, SubstepReport& report);
+  bool give_second_kick(double h, bool anew, SubstepReport& report);
   bool second_kick_gives();
-  bool kick_anew(double h, SubstepReport& report);
-  bool sweep_velocities(const StageSolver::Stage& stage, SubstepReport& report);
   bool velocities_hold(SubstepReport& report);
   bool strike(double h, SubstepReport& report);
-  void begin_velocities();
   void renew_velocity_laws();
 
   // The end of the step.

@@ -148,8 +148,11 @@ void Rattle::renew_velocity_laws() {
   for (int r : breaking_.rows()) laws[r] = RowLaw::none();
 }
 
-/// Rates of the second kick, and what contacts know of the first.
-void Rattle::begin_velocities() {
+/// The second kick: its rates, what contacts know of the first one, and μ that meets its laws.  `anew`: by
+/// itself, as an impact without restitution, 0 ≤ μ_n ⊥ w_n ≥ 0 and |μ_t| ≤ μ_c μ_n, which takes energy
+/// whatever the first has given.
+bool Rattle::give_second_kick(double h, bool anew, SubstepReport& report) {
+  phase_.second_kick(h);
   stages_.residual().begin_velocities(phase_.state.twists);
   // A first guess for its segments: the impulses of the first kick.
   std::copy(values_.lambda.begin(), values_.lambda.end(), values_.mu.begin());
@@ -157,10 +160,8 @@ void Rattle::begin_velocities() {
   phase_.twists_from(phase_.momenta);
   system_.rates_of(phase_.state, values_.rates);
   stages_.renew_effective_masses();
-  contacts_.begin_velocities(values_.rates, stages_.effective_mass());
-}
-
-bool Rattle::meet_velocity_laws(double h, SubstepReport& report) {
+  contacts_.begin_velocities(values_.rates, stages_.effective_mass(), anew);
+  if (anew) std::fill(values_.mu.begin() + system_.rows().first_contact_row(), values_.mu.end(), 0.0);
   renew_velocity_laws();
   if (!axes_.finite()) return false;
   add_rates_of_guess();
@@ -174,7 +175,11 @@ bool Rattle::project_bounded_momenta(double h, SubstepReport& report) {
   const StageSolver::Stage stage{values_.mu, values_.rates, renew, false, impact_stage_.struck()};
   for (const bool again : {false, true}) {
     if (again) renew_velocity_laws();
-    if (!(stages_.iterative() ? sweep_velocities(stage, report) : stages_.solve_velocities(stage, report)))
+    // Sweeps: bodies that are held fast do not take in all of the impulses.
+    std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
+    if (!(stages_.iterative() ? stages_.iterate(stage, settings_.iterations,
+                                                0.1 * settings_.velocity_tolerance, absorbed_, report)
+                              : stages_.solve_velocities(stage, report)))
       return false;
     phase_.second_kick(h);
     phase_.add_impulses(values_.mu);
@@ -193,25 +198,7 @@ bool Rattle::second_kick_gives() {
   for (int r = system_.rows().first_contact_row(); r < system_.row_count(); ++r)
     if (const double inertia = stages_.effective_mass()[r]; inertia > 0)
       size += 0.5 * values_.mu[r] * values_.mu[r] / inertia;
-  return contacts_.work(values_.mu, values_.kick_rates) > kGivenPart * size;
-}
-
-/// The second kick by itself, as an impact without restitution: 0 ≤ μ_n ⊥ w_n ≥ 0 and |μ_t| ≤ μ_c μ_n, which
-/// takes energy whatever the first has given.
-bool Rattle::kick_anew(double h, SubstepReport& report) {
-  phase_.second_kick(h);
-  begin_velocities();
-  contacts_.begin_anew();
-  std::fill(values_.mu.begin() + system_.rows().first_contact_row(), values_.mu.end(), 0.0);
-  const bool met = meet_velocity_laws(h, report);
-  contacts_.end_impacts();
-  return met;
-}
-
-/// Bodies that are held fast do not take in all of the impulses.
-bool Rattle::sweep_velocities(const StageSolver::Stage& stage, SubstepReport& report) {
-  std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
-  return stages_.iterate(stage, settings_.iterations, 0.1 * settings_.velocity_tolerance, absorbed_, report);
+  return contacts_.works().of_rigid(values_.mu, values_.kick_rates) > kGivenPart * size;
 }
 
 /// What momenta leave of the rates that they had to have is within the tolerance; sweeps have none.

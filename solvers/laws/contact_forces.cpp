@@ -298,14 +298,16 @@ void ContactForces::record_first_kick(std::span<const double> lambda, std::span<
   }
 }
 
-void ContactForces::begin_velocities(std::span<const double> rates, std::span<const double> inertia) {
+void ContactForces::begin_velocities(std::span<const double> rates, std::span<const double> inertia,
+                                     bool anew) {
   set_inertia(inertia);
   table_.in_velocities = true;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     Impact& impact = table_.impacts[k];
     // Also what has met unseen, as where faces turn.
-    if (point.active && locates_impacts(k) && compliance(k) == 0 && point.touching && !point.pressed && rates[first_row(k)] < -table_.resting_speed)
+    if (point.active && locates_impacts(k) && compliance(k) == 0 && point.touching && !point.pressed &&
+        rates[first_row(k)] < -table_.resting_speed)
       impact.stage = Impact::Stage::kDue;
     point.live = point.active && point.touching && impact.stage == Impact::Stage::kNone;
     point.bounce = point.yield = 0;
@@ -313,6 +315,9 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     if (point.fresh) point.approach = rates[first_row(k)];
     take_first_kick(place(k).point.frame, point);
     point.sliding.target = point.rolling.target = Vec2::Zero();
+    if (!anew || compliance(k) > 0) continue;
+    point.back = point.spin_given = 0;
+    point.sliding.given = point.rolling.given = Vec2::Zero();
   }
   set_spring_laws();
 }
@@ -354,42 +359,6 @@ double ContactForces::begin_impact(std::span<const double> rates, std::span<cons
     if (impact(k).stage == Impact::Stage::kDue) largest = std::max(largest, restitution);
   }
   return largest;
-}
-
-void ContactForces::weaken_restitution(double part) {
-  for (int k = 0; k < std::ssize(table_.points); ++k)
-    table_.points[k].bounce = -part * place(k).material.restitution * point(k).approach;
-}
-
-double ContactForces::restitution() const {
-  double largest = 0;
-  for (int k = 0; k < std::ssize(table_.points); ++k)
-    if (point(k).live && point(k).approach < 0) largest = std::max(largest, place(k).material.restitution);
-  return largest;
-}
-
-bool ContactForces::take_back(std::span<const double> mu) const {
-  for (int k = 0; k < std::ssize(table_.points); ++k)
-    if (point(k).active && compliance(k) == 0 && mu[first_row(k)] < 0) return true;
-  return false;
-}
-
-void ContactForces::begin_anew() {
-  for (int k = 0; k < std::ssize(table_.points); ++k) {
-    Point& point = table_.points[k];
-    if (!point.active || compliance(k) > 0) continue;
-    point.back = point.spin_given = 0;
-    point.sliding.given = point.rolling.given = Vec2::Zero();
-  }
-}
-
-double ContactForces::work(std::span<const double> impulses, std::span<const double> rates) const {
-  double sum = 0;
-  for (int k = 0; k < std::ssize(table_.points); ++k) {
-    if (!point(k).active || compliance(k) > 0) continue;
-    for (int r = first_row(k); r < first_row(k) + row_count(k); ++r) sum += impulses[r] * rates[r];
-  }
-  return sum;
 }
 
 void ContactForces::end_impacts() {

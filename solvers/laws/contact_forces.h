@@ -72,8 +72,8 @@ class ContactForces final : public ContactLaws {
   /// Contacts that let go of static friction in this stage may hold as before: its rates were others.
   void hold_again();
   /// Between them: what the first kick gave, in the directions of now.  `rates`: J V without the impulses of
-  /// the second.
-  void begin_velocities(std::span<const double> rates, std::span<const double> inertia);
+  /// the second.  `anew`: laws of rigid contacts are those of the second kick alone, until end_impacts().
+  void begin_velocities(std::span<const double> rates, std::span<const double> inertia, bool anew);
   /// Contacts strike at the end of this step; they are left out of its velocity stage.
   bool strikes() const;
   /// They strike after it: with its rates w⁻, velocity_laws() ask for w ≥ −e w⁻ with this part of each e, in
@@ -88,16 +88,6 @@ class ContactForces final : public ContactLaws {
   /// Moreau–Jean between begin_single_kick() and velocity_laws(): `rates` J V before the step.  Contacts that
   /// are touched have Newton's law of impact w ≥ −e w⁻ however slow they are.
   void begin_impulses(std::span<const double> rates, std::span<const double> inertia);
-  /// The same with a part of each restitution.
-  void weaken_restitution(double part);
-  /// The largest restitution of contacts that approach in this step.
-  double restitution() const;
-  /// Impulses μ of the second kick take back some of what rigid contacts gave in the first.
-  bool take_back(std::span<const double> mu) const;
-  /// Laws of rigid contacts are those of the second kick alone; until end_impacts().
-  void begin_anew();
-  /// What rigid contacts give by these impulses at these mean rates [J].
-  double work(std::span<const double> impulses, std::span<const double> rates) const;
   /// Within the step.
   ContactImpacts& impacts() { return impacts_; }
   bool struck() const { return struck_; }

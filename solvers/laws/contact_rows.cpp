@@ -35,6 +35,24 @@ bool ContactRows::rest() const {
   return true;
 }
 
+double ContactRows::restitution() const {
+  double largest = 0;
+  for (int k = 0; k < count(); ++k)
+    if (works(k) && point(k).approach < 0) largest = std::max(largest, place(k).material.restitution);
+  return largest;
+}
+
+void ContactRows::weaken_restitution(double part) {
+  for (int k = 0; k < count(); ++k)
+    point(k).bounce = -part * place(k).material.restitution * point(k).approach;
+}
+
+bool ContactRows::take_back(std::span<const double> mu) const {
+  for (int k = 0; k < count(); ++k)
+    if (point(k).active && compliance(k) == 0 && mu[first_row_[k]] < 0) return true;
+  return false;
+}
+
 bool ContactRows::soft() const {
   for (int k = 0; k < count(); ++k)
     if (point(k).live && compliance(k) > 0) return true;

@@ -71,6 +71,12 @@ class ContactRows {
   bool shares(int k) const { return sharing_ && sticks(k); }
   void set_sharing(bool sharing) { sharing_ = sharing; }
 
+  /// The largest restitution of contacts that work and approach.
+  double restitution() const;
+  /// Between ContactForces::begin_impulses() and velocity_laws(): a part of each restitution.
+  void weaken_restitution(double part);
+  /// Impulses μ of the second kick take back some of what rigid contacts gave in the first.
+  bool take_back(std::span<const double> mu) const;
   /// None of them came together faster than the resting speed before the step.
   bool rest() const;
   /// True if a contact that works is compliant: no law of a row alone.

@@ -73,7 +73,7 @@ struct ContactTable {
   std::vector<Point> points;
   std::vector<Impact> impacts;
   double resting_speed = 0;
-  bool locates_plastic = false;  ///< impacts without restitution, too
+  bool locates_plastic = false;                     ///< impacts without restitution, too
   double h = 0;                                     ///< of the present step
   bool in_velocities = false, single_kick = false;  ///< which stage it is
 };

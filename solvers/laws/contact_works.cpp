@@ -13,6 +13,16 @@ void ContactWorks::book_impact(std::span<const double> impulses, std::span<const
     if (contacts_.works(k)) book(k, impulses, rates, true);
 }
 
+double ContactWorks::of_rigid(std::span<const double> impulses, std::span<const double> rates) const {
+  double sum = 0;
+  for (int k = 0; k < contacts_.count(); ++k) {
+    if (!contacts_.point(k).active || contacts_.compliance(k) > 0) continue;
+    const int first = contacts_.first_row(k);
+    for (int r = first; r < first + contacts_.row_count(k); ++r) sum += impulses[r] * rates[r];
+  }
+  return sum;
+}
+
 void ContactWorks::book(int k, std::span<const double> lambda, std::span<const double> rates, bool all) {
   constexpr int kSliding = ContactRows::kSlidingRow, kSpin = ContactRows::kSpinRow,
                 kRolling = ContactRows::kRollingRow;

@@ -21,6 +21,8 @@ class ContactWorks {
   /// Impulses of a round of impacts, all of those that may strike: in it what holds takes part in what
   /// bounces.
   void book_impact(std::span<const double> impulses, std::span<const double> rates);
+  /// What rigid contacts give by these impulses at these mean rates [J].
+  double of_rigid(std::span<const double> impulses, std::span<const double> rates) const;
   const ContactWork& sum() const { return sum_; }
 
   /// A step begins.

@@ -214,7 +214,7 @@ void Simulator::restore(const Checkpoint& checkpoint) {
     }
     impl_ = std::move(fresh);
     if (!due.empty()) {
-      (void)impl_->let_happen(due);
+      (void)impl_->events_.let_happen(impl_->source_, due);
       impl_->since_events_ = {checkpoint, impl_->versions()};
     }
   } catch (...) {

@@ -287,6 +287,16 @@ void EventSchedule::ActingLoad::transfer(Archive& archive) { archive(event, acti
 
 void EventSchedule::MotorSetting::transfer(Archive& archive) { archive(axis, there, target, max_force); }
 
+std::optional<EventSchedule::Refusal> EventSchedule::let_happen(World& world, std::span<const Due> due) {
+  std::optional<Refusal> refusal;
+  for (const Due& event : due) {
+    if (!refusal && (refusal = happen(world, event)))
+      refusal->what = events_[event.event].name + ": " + refusal->what;
+    if (refusal) put_back(event);
+  }
+  return refusal;
+}
+
 void EventSchedule::note_settings(const World& world) {
   gravity_ = world.gravity();
   for (MotorSetting& setting : motors_) {

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,7 +23,7 @@ class EventSchedule {
   /// @throws std::invalid_argument as check_event(), and for a name that is given twice.
   EventSchedule(const World& world, std::vector<Event> events);
 
-  bool any() const { return !events_.empty(); }
+  bool any() const { return !events_.empty(); }  ///< there are events, happened or not
   /// Steps have to ask: an event may still happen, a load acts, or the next step closes a joint that one has
   /// attached.
   bool is_pending() const;
@@ -40,32 +41,29 @@ class EventSchedule {
   double first_passage(Simulator& simulator) const;
   /// An event that is due, with what it watches now and before the step.
   struct Due {
-    int event = 0;
-    std::optional<double> value{};
-    double before = 0;
-    void transfer(Archive& archive);
+    int event = 0;                    ///< its index
+    std::optional<double> value{};    ///< now; none: it is at a time
+    double before = 0;                ///< before the step
+    void transfer(Archive& archive);  ///< to or from bytes
   };
   /// What is due now, for times to within `instant` [s], in the order of the events; the numbers that are
   /// watched become those before the next step.
   std::vector<Due> due(Simulator& simulator, double instant);
-  /// It could not happen, so that it is due again.
-  void put_back(const Due& due);
-
   /// Why an event could not happen: a joint that it cannot attach.
   struct Refusal {
-    std::string what;
-    JointId joint{};
-    double gap = 0;
+    std::string what;  ///< in words, after the name of the event
+    JointId joint{};   ///< that one
+    double gap = 0;    ///< how far it is open [m or rad]
   };
-  /// Does to the world what an event does, all of it or, if it is refused, nothing.
-  std::optional<Refusal> happen(World& world, const Due& due);
+  /// Does to the world what events do, one after the other, up to one that is refused: that one and those
+  /// after it are due again.
+  std::optional<Refusal> let_happen(World& world, std::span<const Due> due);
   /// Ends the loads whose time is over.
   void end_loads(World& world, double time);
   /// The sum of the loads that act, which is beside the force laws of the world; null: none.
   std::shared_ptr<const Force> loads() const { return loads_; }
 
-  const std::vector<EventRecord>& happened() const { return happened_; }
-  const std::string& name(int event) const { return events_[event].name; }
+  const std::vector<EventRecord>& happened() const { return happened_; }  ///< in their order
   /// Name of the event that has ended the run.
   const std::string& ended_by() const { return ended_by_; }
   /// A joint was attached after the last step; false from then on.
@@ -82,6 +80,11 @@ class EventSchedule {
   void note_settings(const World& world);
 
  private:
+  /// All of what an event does or, if it is refused, nothing.
+  std::optional<Refusal> happen(World& world, const Due& due);
+  /// It could not happen, so that it is due again.
+  void put_back(const Due& due);
+
   struct Memory {
     int count = 0;
     bool known = false;  // the value before the next step

@@ -142,16 +142,6 @@ bool Simulator::locate_event(double from, double to, const Checkpoint& before) {
   return take_part(from, high);
 }
 
-std::optional<EventSchedule::Refusal> Simulator::Impl::let_happen(std::span<const EventSchedule::Due> due) {
-  std::optional<EventSchedule::Refusal> refusal;
-  for (const EventSchedule::Due& event : due) {
-    if (!refusal && (refusal = events_.happen(source_, event)))
-      refusal->what = events_.name(event.event) + ": " + refusal->what;
-    if (refusal) events_.put_back(event);
-  }
-  return refusal;
-}
-
 /// What is due now happens; false if the step ends with it: a joint could not be attached, or the run ends.
 bool Simulator::let_happen(StepReport& whole, double instant) {
   Impl& now = impl();
@@ -164,7 +154,7 @@ bool Simulator::let_happen(StepReport& whole, double instant) {
   const std::optional<Stored> before = books ? std::optional<Stored>(world) : std::nullopt;
   if (whole.dt == 0) whole = at_start(world, books);
   const std::size_t happened = now.events_.happened().size();
-  const std::optional<EventSchedule::Refusal> refusal = now.let_happen(due);
+  const std::optional<EventSchedule::Refusal> refusal = now.events_.let_happen(now.source_, due);
   whole.events.insert(whole.events.end(),
                       now.events_.happened().begin() + static_cast<std::ptrdiff_t>(happened),
                       now.events_.happened().end());

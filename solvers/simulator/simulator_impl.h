@@ -46,8 +46,6 @@ class Simulator::Impl {
   void end_step();
 
   void assemble();
-  /// What is due happens; what could not, if that is so.  (simulator_events.cpp)
-  std::optional<EventSchedule::Refusal> let_happen(std::span<const EventSchedule::Due> due);
 
   // Questions between steps.
   Reaction mean_reaction(JointId joint);

@@ -19,7 +19,7 @@ inline std::string probe(const std::string& keys) { return two_bodies(R"("probes
 inline std::vector<BadScene> bad_top_level() {
   const std::string known_settings =
       R"("cfm", "contact_margin", "contacts", "drift_cure", "erp", "factor", "inexact_tolerance", )"
-      R"("integrator", "iterations", "max_contacts", "max_newton_iterations", "max_rotation", "max_substeps", )"
+      R"("integrator", "iterations", "locate_plastic_impacts", "max_contacts", "max_newton_iterations", "max_rotation", "max_substeps", )"
       R"("max_tension_number", "merge_fixed_joints", )"
       R"("penalty_damping_ratio", "penalty_frequency", "position_tolerance", "relaxation", "report_energy", )"
       R"("report_rank", )"
@@ -406,7 +406,7 @@ inline std::vector<BadScene> bad_forces_and_probes() {
       {force(R"("type": "torque", "body": "X", "torque": [0, 0, 1])"), "/forces/0/body",
        "there is no body of this name", R"("X")", false},
       {force(R"("type": "torque", "body": "P", "torque": [0, 0, 1], "point": [0, 0, 1])"), "/forces/0/point",
-       R"(unknown key; known here are "body", "follows_body", "torque", "type")", "[0,0,1]"},
+       R"(unknown key; known here are "body", "factor", "follows_body", "torque", "type")", "[0,0,1]"},
       {force(R"("type": "spring-damper", "a": "P", "b": "Q", "anchor": [0, 0, 0], "stiffness": -1)"),
        "/forces/0/stiffness", "must be finite and not negative", "-1"},
       {force(R"("type": "spring-damper", "a": "P", "b": "Q", "anchor": [0, 0, 0])"), "/forces/0",

@@ -352,7 +352,8 @@ TEST(SceneFile, ListsAllErrorsOfAFileAtOnce) {
         "bad.json:12:40: /joints/1/b: joins a body to itself (value: \"c\")\n"
         "bad.json:3:50: /colour: unknown key; known here are \"$schema\", \"assemble\", \"bodies\", "
         "\"cables\", \"dt\", "
-        "\"duration\", \"energy_scale\", \"forces\", \"format\", \"generate\", \"gravity\", \"ground\", "
+        "\"duration\", \"energy_scale\", \"events\", \"forces\", \"format\", \"generate\", \"gravity\", "
+        "\"ground\", "
         "\"joints\", \"material_pairs\", \"materials\", \"name\", \"pairs\", \"probes\", \"settings\", "
         "\"time\" (value: 1)\n"
         "bad.json:13:7: /joints/2: ball \"open\" must be closed at the start to 1e-06 m or rad, but has a "
@@ -492,8 +493,10 @@ TEST(ShippedScenes, StartClosedAndWithTangentVelocities) {
     EXPECT_GT(scene.world.moving_body_count(), 0) << path;
     EXPECT_FALSE(scene.probes.empty()) << path;
     // 1e-12: the files give 16 digits of lengths below 10 m and speeds below 100 m/s.
-    for (double phi : residual_of(scene.world)) EXPECT_LT(std::abs(phi), 1e-12) << path;
     const Rows rows(scene.world);
+    std::vector<double> gaps(rows.row_count());
+    rows.residual(scene.world.state(), gaps);
+    for (double phi : gaps) EXPECT_LT(std::abs(phi), 1e-12) << path;
     std::vector<double> rate(rows.row_count());
     rows.apply(jacobian_of(scene.world), scene.world.state().twists, rate);
     for (double r : rate) EXPECT_LT(std::abs(r), 1e-12) << path;

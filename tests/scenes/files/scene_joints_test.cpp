@@ -27,7 +27,8 @@ TEST(SceneJoints, HaveThePropertiesOfTheFile) {
   EXPECT_EQ(world.breakable()[0].second.force, 100);
   EXPECT_EQ(world.breakable()[0].second.torque, 30);
   EXPECT_FALSE(world.is_attached(world.joint("framed")));
-  EXPECT_EQ(world.detached_count(), 1);
+  EXPECT_FALSE(world.is_attached(world.joint("clamp")));
+  EXPECT_EQ(world.detached_count(), 2);
 
   EXPECT_EQ(of(ball, "swing").limits->compliance, 1e-3);
   EXPECT_EQ(of(ball, "swing").limits->damping, 2);
