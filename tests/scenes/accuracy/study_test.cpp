@@ -69,6 +69,10 @@ TEST(Study, IntegratorsAndSolversHaveTheirOrders) {
     EXPECT_EQ(run.id, "pendulum_simple_90");
     if (run.method == "rattle8") {  // at round-off after its first step
       EXPECT_LE(run.points.front().error, 1e-7);
+    } else if (run.method == "recursive" || run.method == "lagrangian") {
+      // Errors of higher order outweigh that of order 4 down to steps of 4 ms; it is seen below.
+      ASSERT_EQ(run.points[6].dt, 1e-3);
+      EXPECT_NEAR(std::log2(run.points[5].error / run.points[6].error), 4, 0.2) << run.method;
     } else {
       EXPECT_NEAR(run.order(), nominal.at(run.method), 0.3) << run.method;
     }
