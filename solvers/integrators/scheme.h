@@ -26,7 +26,9 @@ class Scheme {
   enum class Velocities { kGiven, kLeft };
 
   Scheme(const World& world, const Rows& rows, const Settings& settings)
-      : axes_(world, rows, settings.locate_plastic_impacts), contacts_(world, settings), breaking_(world, rows) {}
+      : axes_(world, rows, settings.locate_plastic_impacts),
+        contacts_(world, settings),
+        breaking_(world, rows) {}
   virtual ~Scheme() = default;
   Scheme(const Scheme&) = delete;
   Scheme& operator=(const Scheme&) = delete;
