@@ -34,8 +34,23 @@ void bind_contact_finder(nb::module_& m) {
 
 Array tree_accelerations(World& world, bool lagrangian) {
   const StepScope scope(world);
-  const TreeDynamics tree(world);
-  return twist_array(lagrangian ? tree.lagrangian(world.state()) : tree.recursive(world.state()));
+  for (int j = 0; j < world.joint_count(); ++j) {
+    if (world.has_axis_properties({j}))
+      fail("joint", "must have no limits, motor, friction or spring in a tree", world.name(JointId{j}));
+    if (world.compliance(JointId{j})) fail("joint", "must not be soft in a tree", world.name(JointId{j}));
+  }
+  const Rows rows(world, Rows::AxisRows::kLeftOut);
+  const MassMatrix mass(world);
+  TreeDynamics tree(world, rows, mass);
+  tree.linearize(world.state());
+  std::vector<Wrench> forces(world.body_count());
+  std::vector<Twist> accelerations(world.body_count());
+  std::vector<double> multipliers(rows.row_count(), 0.0);
+  world.forces(world.state(), forces);
+  tree.accelerate(world.state(), forces,
+                  lagrangian ? TreeDynamics::Method::kLagrangian : TreeDynamics::Method::kRecursive,
+                  accelerations, multipliers);
+  return twist_array(accelerations);
 }
 
 /// Of anything that scipy.sparse.csr_array takes.
