@@ -23,7 +23,7 @@ bool has_passed_to(const WhenPasses& when, double before, double now) {
   return (rises && when.way != kFalling) || (falls && when.way != kRising);
 }
 
-/// What `each` gives, with the action, its event and its place there.
+/// Calls `each` with all actions of a kind.
 template <typename Action, typename Each>
 void each_action(const std::vector<Event>& events, Each each) {
   for (const Event& event : events)
@@ -88,6 +88,11 @@ bool EventSchedule::may_happen(std::size_t event) const {
   return memory_[event].count == 0 || (passes && passes->each_time);
 }
 
+const WhenPasses* EventSchedule::located(std::size_t event) const {
+  const WhenPasses* when = std::get_if<WhenPasses>(&events_[event].when);
+  return when && when->located && when->watch.of_state && may_happen(event) ? when : nullptr;
+}
+
 bool EventSchedule::is_pending() const {
   if (attached_ || !acting_.empty()) return true;
   for (std::size_t i = 0; i < events_.size(); ++i)
@@ -108,9 +113,7 @@ double EventSchedule::next_time(double now) const {
 
 bool EventSchedule::locates() const {
   for (std::size_t i = 0; i < events_.size(); ++i)
-    if (const WhenPasses* when = std::get_if<WhenPasses>(&events_[i].when);
-        when && when->located && when->watch.of_state && may_happen(i))
-      return true;
+    if (located(i)) return true;
   return false;
 }
 
@@ -125,9 +128,8 @@ void EventSchedule::prime(Simulator& simulator) {
 
 bool EventSchedule::has_passed(Simulator& simulator) const {
   for (std::size_t i = 0; i < events_.size(); ++i) {
-    const WhenPasses* when = std::get_if<WhenPasses>(&events_[i].when);
-    if (when && when->located && when->watch.of_state && memory_[i].known && may_happen(i) &&
-        has_passed_to(*when, memory_[i].before, when->watch.value(simulator)))
+    const WhenPasses* when = located(i);
+    if (when && memory_[i].known && has_passed_to(*when, memory_[i].before, when->watch.value(simulator)))
       return true;
   }
   return false;
@@ -136,8 +138,8 @@ bool EventSchedule::has_passed(Simulator& simulator) const {
 double EventSchedule::first_passage(Simulator& simulator) const {
   double first = kUnlimited;
   for (std::size_t i = 0; i < events_.size(); ++i) {
-    const WhenPasses* when = std::get_if<WhenPasses>(&events_[i].when);
-    if (!when || !when->located || !when->watch.of_state || !memory_[i].known || !may_happen(i)) continue;
+    const WhenPasses* when = located(i);
+    if (!when || !memory_[i].known) continue;
     const double before = memory_[i].before, now = when->watch.value(simulator);
     const double multiple = (when->threshold - before) / (now - before);
     if (multiple > 0 && has_passed_to(*when, before, when->threshold)) first = std::min(first, multiple);

@@ -105,6 +105,8 @@ class EventSchedule {
   static std::optional<Refusal> try_joints(const World& world, const Event& event,
                                            std::map<JointId, Pose>& frames);
   bool may_happen(std::size_t event) const;
+  /// What an event waits for, if it may happen and has to be located within the step; else null.
+  const WhenPasses* located(std::size_t event) const;
   EventRecord record(int event, double time, std::optional<double> value) const;
   double end_of(const ActingLoad& load) const;
   void make_loads();

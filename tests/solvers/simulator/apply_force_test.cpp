@@ -8,12 +8,15 @@
 #include "scenes/builders/scene.h"
 #include "solvers/common/setting_names.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/refusal.h"
 #include "tests/solvers/simulator/merging.h"
 #include "tests/solvers/simulator/sleeping.h"
 
 // Forces that act during one step.
 namespace taut::apply_force_test {
 namespace {
+
+using testing::refusal;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -26,15 +29,6 @@ struct Bob {
         {.name = "bob", .mass = MassProperties(2, Vec3(1, 2, 3)), .pose = {.p = Vec3(1, 0, 0)}});
   }
 };
-
-std::string refusal(auto call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
 
 /// Momentum grows by what was applied, in the next step alone, with every integrator.
 TEST(ApplyForce, GivesItsImpulseInOneStep) {

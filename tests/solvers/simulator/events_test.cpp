@@ -11,11 +11,13 @@
 #include "core/world/joint_frame.h"
 #include "solvers/simulator/event.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/refusal.h"
 
 // Events: when they happen, what they do, what the ledger says of it, and that they survive a checkpoint.
 namespace taut::events_test {
 namespace {
 
+using testing::refusal;
 using Way = WhenPasses::Way;
 using Where = AttachJoint::Where;
 
@@ -32,15 +34,6 @@ struct Thrown {
                             .fixed = true});
   }
 };
-
-std::string refusal(auto call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
 
 bool same_bits(const State& a, const State& b) {
   for (std::size_t i = 0; i < a.poses.size(); ++i)
