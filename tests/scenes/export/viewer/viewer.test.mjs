@@ -14,7 +14,7 @@ const kScenes = {
   pendulum: ['pendulum-ball', '--time', '1'],
   net: ['net-corners', '--set', 'n=40', '--time', '0.2', '--frames-per-second', '30'],
   bridge: ['bridge', '--time', '0.5'],
-  grid: ['joint-grid', '--set', 'n=100', '--set', 'swing=true', '--time', '0.15', '--frames-per-second', '30'],
+  grid: ['joint-grid', '--set', 'n=60', '--set', 'swing=true', '--time', '0.15', '--frames-per-second', '30'],
 };
 // The page keeps 8 bits after the first of a force and shows three digits of it.
 const kShown = 2 ** -9 + 5e-3;
