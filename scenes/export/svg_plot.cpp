@@ -39,6 +39,8 @@ xml_node element(xml_node parent, const char* name,
 
 std::string px(double value) { return format("%.2f", value); }
 
+std::string in_brackets(const std::string& unit) { return unit.empty() ? "" : " [" + unit + "]"; }
+
 /// What belongs together in one panel: a probe's columns have its name before the dot.
 std::vector<Panel> panels(RecordingReader& recording) {
   const auto& scalars = recording.header().scalars;
@@ -57,9 +59,9 @@ std::vector<Panel> panels(RecordingReader& recording) {
     if (scalars[s].group == Group::kGap) gap.lines.push_back(lines[s]);
     if (scalars[s].group != Group::kProbe) continue;
     const std::string stem = name.substr(0, name.rfind('.'));
-    if (stem != last_stem) probes.push_back({format("%s [%s]", stem.c_str(), scalars[s].unit.c_str()), {}});
+    if (stem != last_stem) probes.push_back({stem, {}});
     last_stem = stem;
-    lines[s].name = name.substr(name.rfind('.') + 1);
+    lines[s].name = name.substr(name.rfind('.') + 1) + in_brackets(scalars[s].unit);
     probes.back().lines.push_back(lines[s]);
   }
   if (energy.lines.size() == 2) {

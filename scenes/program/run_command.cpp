@@ -108,7 +108,7 @@ class Outputs {
     if (csv_ && !csv_->finish()) note_unwritten(csv_->error());
     if (poses_) note_unwritten(poses_->finish());
     if (!options.report_file.empty()) {
-      nlohmann::ordered_json report = run_report(record, recorder, last, simulator.world().state());
+      nlohmann::ordered_json report = run_report(record, recorder, last, simulator.world());
       for (const std::string& error : errors_) report["warnings"].push_back(error);
       note_unwritten(
           write_output(options.report_file,

@@ -22,7 +22,7 @@ std::vector<std::pair<const char*, double>> phases(const StageTimes& times) {
           {"total", times.total}};
 }
 
-OrderedJson probes_json(const Recorder& recorder, std::span<const double> values) {
+OrderedJson probes_json(const World& world, const Recorder& recorder, std::span<const double> values) {
   OrderedJson probes = OrderedJson::array();
   std::size_t column = 0;
   for (const Probe& probe : recorder.probes()) {
@@ -33,7 +33,7 @@ OrderedJson probes_json(const Recorder& recorder, std::span<const double> values
     }
     probes.push_back({{"name", probe.name},
                       {"quantity", to_string(probe.quantity)},
-                      {"unit", unit(probe.quantity)},
+                      {"units", units(world, probe)},
                       {"final", std::move(value)}});
   }
   return probes;
@@ -113,7 +113,8 @@ std::string share_of_phases(const StageTimes& times) {
 }  // namespace
 
 OrderedJson run_report(const RunRecord& r, const Recorder& recorder, const std::vector<double>& values,
-                       const State& final_state) {
+                       const World& world) {
+  const State& final_state = world.state();
   OrderedJson report;
   report["scene"] = r.scene;
   report["parameters"] = r.parameters;
@@ -185,7 +186,7 @@ OrderedJson run_report(const RunRecord& r, const Recorder& recorder, const std::
   report["redundant_rows"] = r.redundant_rows;
   report["rows_already_held"] = held_json(r.rows_already_held);
   report["reactions_not_unique"] = r.reactions_not_unique;
-  report["probes"] = probes_json(recorder, values);
+  report["probes"] = probes_json(world, recorder, values);
   report["final_time_s"] = final_state.time;
   const auto hexadecimal = [](std::uint64_t hash) {
     return format("%016llx", static_cast<unsigned long long>(hash));

@@ -96,7 +96,8 @@ std::string energy_text(const RunRecord& r) {
     return ends +
            format("; drift %.2e of %.6g J, works not known", r.relative_energy_drift(), r.energy_scale);
   return ends + works_text(r) +
-         format("; not accounted for %.2e of %.6g J", r.relative_unexplained(), r.balance_scale());
+         format("; not accounted for %.3g J (%.2e of %.6g J)", r.max_unexplained, r.relative_unexplained(),
+                r.balance_scale());
 }
 
 std::string penetration_text(const RunRecord& r) {

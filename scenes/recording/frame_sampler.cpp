@@ -89,9 +89,8 @@ RecordingHeader FrameSampler::header(double frames_per_second) const {
                     {"gap angle", "rad", Group::kGap}};
   auto column = probes_.columns().begin();
   for (const Probe& probe : probes_.probes())
-    for (const std::string& component : components(probe.quantity))
-      header.scalars.push_back(
-          {*column++, std::string(component == "radians" ? "rad" : unit(probe.quantity)), Group::kProbe});
+    for (const std::string& unit : units(scene_.world, probe))
+      header.scalars.push_back({*column++, unit, Group::kProbe});
   collect_shapes(scene_, header);
   return header;
 }

@@ -35,12 +35,12 @@ const QuantityInfo& info(Quantity quantity) {
       {"angular-velocity", "rad/s", xyz},
       {"reaction-force", "N", xyz},
       {"reaction-torque", "N m", xyz},
-      {"gap", "m", {"metres", "radians"}},
+      {"gap", "", {"metres", "radians"}},
       {"energy", "J", {"kinetic", "potential"}},
       {"momentum", "N s", xyz},
       {"angular-momentum", "N m s", xyz},
-      {"axis", "rad or m", {"value", "rate"}},
-      {"axis-force", "N m or N", axis_columns()},
+      {"axis", "", {"value", "rate"}},
+      {"axis-force", "", axis_columns()},
       {"axis-power", "W", axis_columns()},
       {"axis-state", "", {"stuck", "saturated", "at_limit"}},
   };
@@ -50,7 +50,17 @@ const QuantityInfo& info(Quantity quantity) {
 }  // namespace
 
 std::string_view to_string(Quantity quantity) { return info(quantity).name; }
-std::string_view unit(Quantity quantity) { return info(quantity).unit; }
+
+std::vector<std::string> units(const World& world, const Probe& probe) {
+  const auto& [name, unit, components] = info(probe.quantity);
+  const bool is_axis = probe.quantity == Quantity::kAxis || probe.quantity == Quantity::kAxisForce;
+  const bool turns = is_axis && world.axis_info(probe.axis).angular;
+  if (probe.quantity == Quantity::kGap) return {"m", "rad"};
+  if (probe.quantity == Quantity::kAxis)
+    return turns ? std::vector<std::string>{"rad", "rad/s"} : std::vector<std::string>{"m", "m/s"};
+  return std::vector<std::string>(components.size(), std::string(is_axis ? (turns ? "N m" : "N") : unit));
+}
+
 const std::vector<std::string>& components(Quantity quantity) { return info(quantity).components; }
 
 Recorder::Recorder(std::vector<Probe> probes) : probes_(std::move(probes)) {

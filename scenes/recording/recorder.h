@@ -14,8 +14,8 @@ namespace taut {
 
 /// Its name, as scene files have it.
 std::string_view to_string(Probe::Quantity quantity);
-/// "m", "N", ...; for a gap that of its first component.
-std::string_view unit(Probe::Quantity quantity);
+/// Units of the components of what a probe reads, "m", "N", …: of an axis as it turns or slides.
+std::vector<std::string> units(const World& world, const Probe& probe);
 /// Names of the numbers that a quantity consists of: x y z, w x y z, metres radians, value rate, ….
 const std::vector<std::string>& components(Probe::Quantity quantity);
 

@@ -78,9 +78,20 @@ RowLaw AxisLaw::sum(const AxisProperties& p) {
   if (motor.bound > 0 && std::isinf(motor.bound))
     motor.at = std::clamp(motor.at, limits.lower_at, limits.upper_at);
   if (winch.bound > 0 && std::isinf(winch.bound)) winch.at = std::max(winch.at, limits.lower_at);
+  return graph(p);
+}
+
+RowLaw AxisLaw::graph(const AxisProperties& p) const {
   RowLaw law;
   with_parts(*this, [&](const auto&... part) { (part.add_to(law, p), ...); });
   return law;
+}
+
+double AxisLaw::rate_of(const AxisProperties& p, double lambda, double w) const {
+  const RowLaw law = graph(p);
+  const int segment = law.segment_at(lambda);
+  return RowLaw::is_vertical(segment) ? law.rate(segment)
+                                      : std::clamp(w, law.first(segment), law.last(segment));
 }
 
 /// Lines and what is beside a step are known from w; on a step of the law the rest goes to friction as far as

@@ -48,7 +48,10 @@ struct AxisLaw {
 
   /// The sum of the steps and slopes.
   RowLaw sum(const AxisProperties& p);
-  /// How an impulse λ at the rate w is made up.
+  /// The rate at which the law has the impulse λ, the nearest to w: a solution is off by a tolerance, and at
+  /// w itself a motor that holds its target might give all that it can.
+  double rate_of(const AxisProperties& p, double lambda, double w) const;
+  /// How an impulse λ at the rate w, which is on the law (rate_of()), is made up.
   AxisImpulse share(double lambda, double w) const;
 
   template <typename AnyArchive>
@@ -56,6 +59,9 @@ struct AxisLaw {
     archive(known, start.theta, start.rate, start.inertia);
     with_parts(*this, [&](auto&... part) { (part.transfer(archive), ...); });
   }
+
+ private:
+  RowLaw graph(const AxisProperties& p) const;
 };
 
 }  // namespace taut

@@ -120,7 +120,8 @@ bool AxisSwings::turn(AxisTable& table, std::span<AxisLaw> axes, std::span<const
     for (int t : {0, 1}) {
       const int axis = swing.turn[t], row = table.row(axis);
       rate[t] = w[row];
-      force[t] = axes[axis].share(lambda[row], rate[t]).friction;
+      const double on_law = axes[axis].rate_of(table.properties(axis), lambda[row], rate[t]);
+      force[t] = axes[axis].share(lambda[row], on_law).friction;
     }
     if (!turn(swing, axes, force, rate)) continue;
     share_friction(swing, table);

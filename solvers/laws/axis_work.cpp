@@ -8,11 +8,19 @@ namespace {
 /// Acts along axes that are released.
 const AxisProperties kNothing;
 
-/// Axes that are released have none.
-AxisImpulse shared_impulse(const AxisTable& table, std::span<const AxisLaw> axes, std::size_t i,
-                           std::span<const double> lambda, std::span<const double> w) {
+/// Properties, impulse and rate, on the law, of an axis; one that is released has none of them.
+struct AxisPoint {
+  const AxisProperties& p;
+  double w;
+  AxisImpulse impulse;
+};
+AxisPoint point_of(const AxisTable& table, std::span<const AxisLaw> axes, std::size_t i,
+                   std::span<const double> lambda, std::span<const double> w) {
   const int row = table.row(i);
-  return table.released(i) ? AxisImpulse{} : axes[i].share(lambda[row], w[row]);
+  if (table.released(i)) return {kNothing, w[row], {}};
+  const AxisProperties& p = table.properties(i);
+  const double rate = axes[i].rate_of(p, lambda[row], w[row]);
+  return {p, rate, axes[i].share(lambda[row], rate)};
 }
 
 /// Adds an impulse and its work at this mean rate.
@@ -41,22 +49,21 @@ void AxisWork::record_first_kick(const AxisTable& table, std::span<const AxisLaw
                                  std::span<const double> rates) {
   clear_first_kick();
   for (std::size_t i = 0; i < table.size(); ++i)
-    add_impulse(first_kick_[i], shared_impulse(table, axes, i, lambda, w), rates[table.row(i)]);
+    add_impulse(first_kick_[i], point_of(table, axes, i, lambda, w).impulse, rates[table.row(i)]);
 }
 
 void AxisWork::add_kicks(const AxisTable& table, std::span<const AxisLaw> axes,
                          std::span<const double> lambda, std::span<const double> w,
                          std::span<const double> rates) {
   for (std::size_t i = 0; i < table.size(); ++i) {
-    const int row = table.row(i);
     AxisReport& report = reports_[i];
     report.force += first_kick_[i].force;
     report.work += first_kick_[i].work;
-    const AxisImpulse second = shared_impulse(table, axes, i, lambda, w);
-    add_impulse(report, second, rates[row]);
+    const AxisPoint second = point_of(table, axes, i, lambda, w);
+    add_impulse(report, second.impulse, rates[table.row(i)]);
     impulse_[i] = first_kick_[i].force;
-    impulse_[i] += second;
-    axes[i].report(report, table.released(i) ? kNothing : table.properties(i), w[row]);
+    impulse_[i] += second.impulse;
+    axes[i].report(report, second.p, second.w);
   }
 }
 

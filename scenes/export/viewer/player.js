@@ -548,7 +548,9 @@ export function curveGroups(r) {
   for (const {name, unit, values} of of('probe')) {
     const dot = name.lastIndexOf('.'), stem = name.slice(0, dot);
     if (!probes.has(stem)) probes.set(stem, {title: stem, unit, series: []});
-    probes.get(stem).series.push({name: name.slice(dot + 1), values});
+    const probe = probes.get(stem);
+    if (probe.unit !== unit) delete probe.unit;  // each number has its own: an angle, and its rate
+    probe.series.push({name: name.slice(dot + 1), unit, values});
   }
   return [...groups, ...probes.values()];
 }

@@ -33,7 +33,7 @@ TEST(RunRecord, CountsWhatWasDone) {
   EXPECT_EQ(record.max_complementarity_residual, 3e-5);
   EXPECT_EQ(record.max_gap.metres, 1e-10);
   EXPECT_EQ(record.final_energy, 4);
-  const auto report = run_report(record, Recorder(std::vector<Probe>{}), {}, State{});
+  const auto report = run_report(record, Recorder(std::vector<Probe>{}), {}, World{});
   EXPECT_EQ(report.at("inexact_steps"), 1);
   EXPECT_EQ(report.at("steps"), 2);
 }

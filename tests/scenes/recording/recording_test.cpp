@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <numbers>
 
 #include "core/joints/joints.h"
@@ -269,6 +270,28 @@ TEST(Recording, WithoutFramesIsWholeButShowsNothing) {
   const Outcome replay = run_program({"replay", file, "--plot", temporary("empty.svg")});
   EXPECT_EQ(replay.exit_status, 2);
   EXPECT_NE(replay.err.find("no frames"), std::string::npos) << replay.err;
+}
+
+/// An axis turns or slides, and its rate has a unit of its own.
+TEST(FrameSampler, UnitsAreThoseOfEachNumber) {
+  Scene scene;
+  const BodyId body = scene.world.add_body({.mass = MassProperties::box(Vec3(1, 1, 1), 1)});
+  const JointId joint =
+      scene.world.add("joint", Cylindrical::at(scene.world, kGround, body, Vec3::Zero(), Vec3::UnitZ()));
+  const AxisId turn = scene.world.axis(joint, "angle"), slide = scene.world.axis(joint, "displacement");
+  using Quantity = Probe::Quantity;
+  scene.probes = {{.name = "turn", .quantity = Quantity::kAxis, .axis = turn},
+                  {.name = "slide", .quantity = Quantity::kAxis, .axis = slide},
+                  {.name = "torque", .quantity = Quantity::kAxisForce, .axis = turn},
+                  {.name = "pull", .quantity = Quantity::kAxisForce, .axis = slide},
+                  {.name = "gap", .quantity = Quantity::kGap, .joint = joint}};
+  std::map<std::string, std::string> found;
+  for (const RecordedScalar& scalar : FrameSampler(scene).header(60).scalars)
+    found[scalar.name] = scalar.unit;
+  const std::map<std::string, std::string> expected{
+      {"turn.value", "rad"},   {"turn.rate", "rad/s"}, {"slide.value", "m"}, {"slide.rate", "m/s"},
+      {"torque.motor", "N m"}, {"pull.motor", "N"},    {"gap.metres", "m"},  {"gap.radians", "rad"}};
+  for (const auto& [name, unit] : expected) EXPECT_EQ(found[name], unit) << name;
 }
 
 TEST(FrameSampler, AContactIsHalfWayBetweenItsPointsInTheWorld) {

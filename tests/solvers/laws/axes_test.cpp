@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/joints/joints.h"
+#include "solvers/laws/axis_law.h"
 #include "tests/solvers/laws/sliding_block.h"
 
 /// Limits, motors, friction and springs against closed forms and laws.
@@ -392,6 +393,61 @@ TEST(Axes, MotorAgainstALimitStallsThere) {
 
 /// Iterative solvers leave the rate of a motor without bound off its target: the report said an infinite
 /// force, and NaN where two of them met.
+/// Whatever the solver has left of the rate: what friction, the motor and the limit give is the impulse.
+TEST(AxisParts, AreTheImpulseAtARateThatIsOffByATolerance) {
+  AxisLaw law;
+  law.friction.at = 0, law.friction.bound = 0.3;
+  law.motor.at = 0.5, law.motor.bound = 2;
+  law.limits.lower_at = -RowLaw::kInfinity, law.limits.upper_at = 0.8;
+  struct Case {
+    double lambda, w;
+    AxisImpulse parts;
+  };
+  const Case cases[] = {
+      {2.3, -1, {.motor = 2, .friction = 0.3}},     {2.1, 0, {.motor = 2, .friction = 0.1}},
+      {1.7, 0.2, {.motor = 2, .friction = -0.3}},   {-0.3, 0.5, {.motor = 0, .friction = -0.3}},
+      {-2.3, 0.7, {.motor = -2, .friction = -0.3}}, {-9.3, 0.8, {.motor = -2, .friction = -0.3, .limit = -7}},
+  };
+  AxisProperties p;
+  p.limits = AxisLimits{.upper = 3};
+  for (const auto& [lambda, w, parts] : cases)
+    for (const double off : {-1e-6, 0.0, 1e-6}) {
+      const AxisImpulse shared = law.share(lambda, law.rate_of(p, lambda, w + off));
+      EXPECT_NEAR(shared.friction, parts.friction, 1e-14) << lambda << " " << off;
+      EXPECT_NEAR(shared.motor, parts.motor, 1e-14) << lambda << " " << off;
+      EXPECT_NEAR(shared.limit, parts.limit, 1e-14) << lambda << " " << off;
+    }
+}
+
+/// A crate at rest beside it made the solver leave 1e-9 of the rate, and single steps report all of
+/// max_force.
+TEST(AxisMotor, AtItsTargetGivesNothingBesideAContact) {
+  for (const Integrator integrator : {Integrator::kRattle, Integrator::kMoreauJean})
+    for (const double h : {0.004, 0.001}) {
+      World world;
+      world.add_shape(kGround, HalfSpace{});
+      const BodyId crate =
+          world.add_body({.mass = MassProperties::box(Vec3(0.3, 0.3, 0.3), 5), .pose = {.p = {5, 5, 0.15}}});
+      world.add_shape(crate, Box{Vec3(0.3, 0.3, 0.3)});
+      const BodyId arm =
+          world.add_body({.mass = MassProperties::box(Vec3(1, 0.05, 0.2), 7), .pose = {.p = {0.5, 0, 1}}});
+      const AxisId axis{world.add("shaft", Hinge::at(world, kGround, arm, Vec3::UnitZ(), Vec3::UnitZ())), 0};
+      world.set_motor(axis, AxisMotor{.target = 1, .max_force = 1000});
+      Simulator simulator(world, {.integrator = integrator});
+      for (int k = 0; k < 250; ++k) {
+        const StepReport& report = simulator.step(h);
+        ASSERT_TRUE(report.ok()) << report.message;
+        if (k < 20) continue;
+        // RATTLE to the accuracy of its rates; the flow of Moreau–Jean is of order 1.
+        const bool second_order = integrator == Integrator::kRattle;
+        EXPECT_LE(std::abs(simulator.axis_report(axis).force.motor), second_order ? 1e-6 : h)
+            << h << " " << k;
+        EXPECT_FALSE(simulator.axis_report(axis).saturated) << h << " " << k;
+        EXPECT_LE(std::abs(report.ledger.integration), second_order ? 1e-8 : h * h) << h << " " << k;
+      }
+    }
+}
+
 TEST(RobustAxes, AMotorOfAnyForceReportsAFiniteOneByIterativeSolvers) {
   for (const Solver solver : {Solver::kGaussSeidel, Solver::kPairwise, Solver::kPropagation}) {
     World world;
