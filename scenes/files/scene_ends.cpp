@@ -2,6 +2,7 @@
 #include "scenes/builders/drawing.h"
 #include "scenes/builders/hanging_chain.h"
 #include "scenes/files/scene_reader.h"
+#include "scenes/support/format.h"
 
 // Bodies of a scene file that are given by their ends: rods, capsules, beams, and cables of many links.
 namespace taut {
@@ -9,6 +10,8 @@ namespace {
 
 /// More links than this are a mistake: to find how so many hang takes some ten seconds.
 constexpr int kMostLinks = 100'000;
+/// A cable that is longer than its span by less than this part is straight.
+constexpr double kSlack = 1e-6;
 
 /// Turns x to the direction and y to `across` as far as it is perpendicular to it; both of any length.
 Quat frame_along(const Vec3& x, const Vec3& across) {
@@ -24,6 +27,16 @@ Vec3 level_across(const Vec3& x, const Vec3& up) {
   const Vec3 across = up.cross(x);
   if (across.norm() > 1e-6 * up.norm() * x.norm()) return across;  // of length 0 but for round-off
   return x.cross(std::abs(x.normalized().x()) < 0.5 ? Vec3(Vec3::UnitX()) : Vec3(Vec3::UnitY()));
+}
+
+/// A cable between two points that do not move: straight, it would need an infinite tension.
+void note_no_slack(const JsonNode& node, const Vec3& span, double length, const Vec3& gravity) {
+  const double distance = span.norm();
+  if (length > (1 + kSlack) * distance || span.cross(gravity).norm() <= kSlack * distance) return;
+  node.slip(
+      format("has no slack between its ends, so that no tension can carry its weight; give \"length\" "
+             "more than %.6g",
+             distance));
 }
 
 PlacedShape capsule_along_x(double length, double radius) {
@@ -137,6 +150,10 @@ void SceneReader::read_cable(const JsonNode& node) {
   (length_node ? *length_node : node).guard_if_sound(before, [&] {
     nodes = hanging_chain(from, to, n, length, scene_.world.gravity());
   });
+  const bool is_held = ends[0].found && ends[1].found && scene_.world.is_fixed(ends[0].id) &&
+                       scene_.world.is_fixed(ends[1].id);
+  if (n > 1 && is_held)
+    note_no_slack(length_node ? *length_node : node, span.d, length, scene_.world.gravity());
   // Without it, whatever begins with its name is not known.
   const auto leave_out = [&] { unread_blocks_.push_back({name.empty() ? name : name + "_", {}}); };
   if (problems_.size() != before) return leave_out();

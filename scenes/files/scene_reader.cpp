@@ -8,6 +8,7 @@
 #include "core/world/diagnostics.h"
 #include "scenes/files/generated_names.h"
 #include "scenes/files/scene_merge.h"
+#include "scenes/files/synonyms.h"
 #include "solvers/common/setting_checks.h"
 
 namespace taut {
@@ -278,8 +279,10 @@ BodyReference SceneReader::find_body(const JsonNode& node) const {
   }
   knows_all_ = false;
   if (may_be_generated(name) || may_be_counted(name, "body_", misses_body_)) return {};
+  const std::string ground = called_here(name, {scene_.world.name(kGround)});
   node.problem("there is no body of this name" +
-               did_you_mean(name, names_of<BodyId>(scene_.world, scene_.world.body_count())));
+               (ground.empty() ? did_you_mean(name, names_of<BodyId>(scene_.world, scene_.world.body_count()))
+                               : ground));
   return {};
 }
 

@@ -68,7 +68,7 @@ void MjcfTree::adopt(const MjcfTree& attached, const std::string& prefix) {
   };
   merge(names_.bodies, attached.names_.bodies);
   merge(names_.sites, attached.names_.sites);
-  merge(names_.bodies_of_geoms, attached.names_.bodies_of_geoms);
+  merge(names_.geoms, attached.names_.geoms);
   merge(names_.joints, attached.names_.joints);
   for (const std::string& name : attached.names_.free_joints) names_.free_joints.insert(prefix + name);
 }

@@ -174,8 +174,8 @@ MjcfGeom read_geom(const MjcfElement& geom, const MjcfCompiler& compiler, const 
   shape.X_LS = geom.pose(compiler);
   if (ends) shape.X_LS = {z_to(ends->from - ends->to), (ends->from + ends->to) / 2};
   shape.surface = surface_of(geom);
-  shape.type_bits = bits(geom, "contype");
-  shape.affinity_bits = bits(geom, "conaffinity");
+  shape.touches.type = bits(geom, "contype");
+  shape.touches.affinity = bits(geom, "conaffinity");
   shape.name = geom.text("name");
   try {
     shape.shape = shape_of(geom, type, ends, meshes);

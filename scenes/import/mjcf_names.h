@@ -9,11 +9,17 @@
 
 namespace taut::model {
 
+/// Where a geom has come to: the number of its shape among those of its body, -1 if it has none.
+struct GeomPlace {
+  int link = kWorld;
+  int shape = -1;
+};
+
 /// Names of what a MJCF file defines, for what refers to it.
 struct MjcfNames {
   std::map<std::string, int> bodies{{"world", kWorld}};
   std::map<std::string, LinkFrame> sites;
-  std::map<std::string, int> bodies_of_geoms;
+  std::map<std::string, GeomPlace> geoms;
   std::map<std::string, AxisName> joints;
   std::set<std::string> free_joints;
   std::set<std::string> copied;  ///< names that <replicate> has given endings

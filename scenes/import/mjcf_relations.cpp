@@ -60,11 +60,19 @@ void MjcfRelations::read_contact(const pugi::xml_node& node) {
     model_.pairs.push_back({body(element, "body1"), body(element, "body2"), false});
   } else if (kind == "pair") {
     element.find("name");
-    const auto geom = [&](const char* key) { return named(element, names_.bodies_of_geoms, key, names_); };
-    const int a = geom("geom1"), b = geom("geom2");
-    model_.pairs.push_back({a, b, true});
-    note(element,
-         "<pair> of geoms: their bodies may touch, as far as the geoms' contype and conaffinity let them");
+    const auto geom = [&](const char* key) { return named(element, names_.geoms, key, names_); };
+    const GeomPlace a = geom("geom1"), b = geom("geom2");
+    const int number = static_cast<int>(model_.pairs.size());
+    model_.pairs.push_back({a.link, b.link, true});
+    if (a.shape < 0 || b.shape < 0) return;  // said where the shape was left out
+    // Pairs with one first share its number: there are few kinds of shapes.
+    std::set<int>& first_of = model_.shapes_of(a.link)[a.shape].touches.first_of;
+    if (first_of.empty()) first_of.insert(number);
+    model_.shapes_of(b.link)[b.shape].touches.second_of.insert(*first_of.begin());
+    if (model_.are_next(a.link, b.link))
+      note(element,
+           "<pair> of geoms: other geoms of their bodies may touch, too, as far as contype and "
+           "conaffinity let them");
   }
 }
 

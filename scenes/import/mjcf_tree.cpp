@@ -200,11 +200,11 @@ void MjcfTree::read_geom_of(const pugi::xml_node& node, const Where& where) {
   const MjcfElement element = defaults_.element(node, where.childclass);
   MjcfGeom geom = read_geom(element, compiler_, meshes_);
   const std::string name = name_of(element, where);
-  if (!name.empty()) names_.bodies_of_geoms[name] = where.link;
+  std::vector<LinkShape>& shapes = model_.shapes_of(where.link);
+  if (!name.empty()) names_.geoms[name] = {where.link, geom.shape ? static_cast<int>(shapes.size()) : -1};
   if (!geom.shape) note(node, "<geom>: its shape is left out: " + geom.problem);
   if (geom.shape) {
     geom.shape->X_LS = where.X_LF * geom.shape->X_LS;
-    auto& shapes = where.link == kWorld ? model_.ground_shapes : model_.links[where.link].shapes;
     shapes.push_back(std::move(*geom.shape));
   }
   const bool in_groups = geom.group >= compiler_.first_group && geom.group <= compiler_.last_group;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/state/state.h"
@@ -32,12 +35,31 @@ struct Surface {
 };
 
 /// A collision shape.
+/// Two shapes touch if one's type shares a bit with the other's affinity, or if one is the first, and the
+/// other the second, of a pair that is named.
+struct TouchKind {
+  int type = 1, affinity = 1;         ///< bits
+  std::set<int> first_of, second_of;  ///< numbers of pairs
+
+  bool operator<(const TouchKind& other) const {
+    return std::tie(type, affinity, first_of, second_of) <
+           std::tie(other.type, other.affinity, other.first_of, other.second_of);
+  }
+};
+
+inline bool touch(const TouchKind& a, const TouchKind& b) {
+  const auto share = [](const std::set<int>& firsts, const std::set<int>& seconds) {
+    return std::any_of(firsts.begin(), firsts.end(), [&](int pair) { return seconds.contains(pair); });
+  };
+  return (a.type & b.affinity) || (b.type & a.affinity) || share(a.first_of, b.second_of) ||
+         share(b.first_of, a.second_of);
+}
+
 struct LinkShape {
   Shape shape;
   Pose X_LS;
   Surface surface;
-  int type_bits = 1,
-      affinity_bits = 1;  ///< two shapes touch if one's type shares a bit with the other's affinity
+  TouchKind touches;
   std::string name;
 };
 
@@ -148,6 +170,12 @@ struct RobotModel {
   std::vector<ImportNotice> notices;
   std::size_t models = 0;  ///< of the file that are read already
   int elements = 0;        ///< of the file that were read, with their copies
+
+  /// One is the parent of the other.
+  bool are_next(int a, int b) const {
+    return (a != kWorld && links[a].parent == b) || (b != kWorld && links[b].parent == a);
+  }
+  std::vector<LinkShape>& shapes_of(int link) { return link == kWorld ? ground_shapes : links[link].shapes; }
 };
 
 }  // namespace taut::model

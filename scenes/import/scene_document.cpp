@@ -82,7 +82,7 @@ void SceneDocument::gather_surfaces() {
 
 void SceneDocument::gather_classes() {
   const auto add = [&](const LinkShape& shape, const ModelPlace& place) {
-    classes_.try_emplace({shape.type_bits, shape.affinity_bits}, static_cast<int>(classes_.size()));
+    classes_.try_emplace(shape.touches, static_cast<int>(classes_.size()));
     if (classes_.size() > kMostClasses)
       throw ImportError(place, "more than 32 kinds of shapes that touch different others");
   };
@@ -93,12 +93,12 @@ void SceneDocument::gather_classes() {
 
 /// The classes that touch this one, as bits.
 std::uint32_t SceneDocument::partners(int contact_class) const {
-  std::pair<int, int> mine;
-  for (const auto& [bits, index] : classes_)
-    if (index == contact_class) mine = bits;
+  TouchKind mine;
+  for (const auto& [kind, index] : classes_)
+    if (index == contact_class) mine = kind;
   std::uint32_t result = 0;
-  for (const auto& [bits, index] : classes_)
-    if ((mine.first & bits.second) || (bits.first & mine.second)) result |= std::uint32_t{1} << index;
+  for (const auto& [kind, index] : classes_)
+    if (touch(mine, kind)) result |= std::uint32_t{1} << index;
   return result;
 }
 
@@ -136,7 +136,7 @@ SceneJson SceneDocument::shapes_json(const std::vector<LinkShape>& shapes, const
     if (const Vec3 p = shape.X_LS.p - centre; !p.isZero(0)) json["position"] = vector_json(p);
     if (!shape.X_LS.q.vec().isZero(0)) json["orientation"] = quaternion_json(shape.X_LS.q);
     json["material"] = surfaces_.at(shape.surface);
-    const int index = classes_.at({shape.type_bits, shape.affinity_bits});
+    const int index = classes_.at(shape.touches);
     if (classes_.size() > 1 || partners(index) == 0) {
       json["groups"] = SceneJson::array({index});
       json["collides_with"] = bits(partners(index));

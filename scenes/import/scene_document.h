@@ -77,8 +77,8 @@ class SceneDocument {
   std::vector<std::vector<std::string>> joints_;     // by link: names of the joints of its segments
   TakenNames body_names_{{"ground", 1}}, joint_names_, probe_names_;
   std::map<Surface, std::string> surfaces_;
-  std::map<std::pair<int, int>, int> classes_;  // by type and affinity
-  bool open_ = false;                           // a joint is open at the start
+  std::map<TouchKind, int> classes_;
+  bool open_ = false;  // a joint is open at the start
 };
 
 SceneJson vector_json(const Vec3& v);

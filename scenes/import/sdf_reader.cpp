@@ -133,7 +133,7 @@ class SdfModelReader {
     LinkShape shape;
     if (const char* name = files_.find(node, "name")) shape.name = name;
     shape.X_LS = raw_pose(node);
-    if (!own_touch_) shape.type_bits = own_bits(), shape.affinity_bits = ~own_bits() & 0x7fffffff;
+    if (!own_touch_) shape.touches = {own_bits(), ~own_bits() & 0x7fffffff, {}, {}};
     if (const auto surface = files_.child(node, "surface"))
       if (const auto friction = files_.child(surface, "friction"))
         if (const auto ode = files_.child(friction, "ode")) shape.surface.sliding = value(ode, "mu", 1);

@@ -37,6 +37,21 @@ Pose carried_along(const Pose& pose, const Pose& parent_before, const Pose& pare
 
 }  // namespace
 
+struct TreeDynamics::Motion {
+  Matrix6 X;
+  Columns N;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> inverse;  // J_b⁺
+};
+
+/// Inertia I and bias of the articulated body, and L⁻¹ Nᵀ with L Lᵀ = Nᵀ I N.
+struct TreeDynamics::Articulated {
+  Matrix6 inertia;
+  Rows6 root;
+  Vector6 bias, c;
+};
+
+TreeDynamics::~TreeDynamics() = default;
+
 TreeDynamics::TreeDynamics(const World& world, const Rows& rows, const MassMatrix& mass)
     : world_(world), rows_(rows), mass_(mass), follows_time_(rows.depends_on_time()) {
   const JointTree tree(world, rows);

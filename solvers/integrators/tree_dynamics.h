@@ -31,6 +31,9 @@ class TreeDynamics {
   /// rows hold, others do not.
   /// @throws std::invalid_argument for joints that make no tree.
   TreeDynamics(const World& world, const Rows& rows, const MassMatrix& mass);
+  ~TreeDynamics();
+  TreeDynamics(const TreeDynamics&) = delete;
+  TreeDynamics& operator=(const TreeDynamics&) = delete;
 
   /// (1), without c, at a state.  What follows refers to that.
   void linearize(const State& state);
@@ -69,19 +72,8 @@ class TreeDynamics {
     int first = 0, count = 0;  ///< of held_
     bool attached() const { return count > 0; }
   };
-  /// (1) in one state.
-  struct Motion {
-    Matrix6 X;
-    Columns N;
-    Eigen::Matrix<double, 6, Eigen::Dynamic> inverse;  ///< J_b⁺
-  };
-  /// What the recursion carries to the roots: inertia I and bias of the articulated body, and L⁻¹ Nᵀ with
-  /// L Lᵀ = Nᵀ I N.
-  struct Articulated {
-    Matrix6 inertia;
-    Rows6 root;
-    Vector6 bias, c;
-  };
+  struct Motion;       // (1) in one state
+  struct Articulated;  // what the recursion carries to the roots
 
   Vector6 block_rates(const Branch& branch, const Motion& motion, std::span<const double> rates) const;
   void decompose(const Branch& branch, Motion& motion, bool with_null_space);

@@ -50,6 +50,22 @@ TEST(SceneHints, LimitsOfManyTurnsLookLikeDegrees) {
           .empty());  // a screw is there to be turned
 }
 
+TEST(SceneHints, CablesWithoutSlack) {
+  const auto cable = [](const std::string& keys) {
+    return R"("cables": [{"name": "line", "a": "ground", "radius": 0.01, "mass": 1, "from": [0, 0, 0], )" +
+           keys + "}]";
+  };
+  expect_only(
+      cable(R"("to": [2, 0, 1], "links": 10, "b": "ground")"),
+      "/cables/0 of \"line\": has no slack between its ends, so that no tension can carry its weight; "
+      "give \"length\" more than 2.23607");
+  expect_only(cable(R"("to": [2, 0, 0], "links": 10, "b": "ground", "length": 2)"), "/cables/0/length of");
+  expect_only(cable(R"("to": [2, 0, 0], "links": 10, "b": "ground", "length": 2.0002)"), "");
+  expect_only(cable(R"("to": [2, 0, 0], "links": 10)"), "");
+  expect_only(cable(R"("to": [2, 0, 0], "links": 1, "b": "ground")"), "");
+  expect_only(cable(R"("to": [0, 0, -2], "links": 10, "b": "ground")"), "");
+}
+
 TEST(SceneHints, QuaternionsWithWAtTheEnd) {
   const auto body = [](const std::string& q) {
     return R"("bodies": [{"name": "arm", "mass": 1, "inertia": [1, 1, 1], "orientation": )" + q + "}]";

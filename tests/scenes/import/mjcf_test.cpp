@@ -117,6 +117,24 @@ TEST(ImportMjcf, ContactTypesAndAffinitiesDecideWhoTouches) {
   EXPECT_LT(scene.world.pose(scene.world.body("through")).p.z(), -0.5);
 }
 
+/// The usual form: no geom touches another but those of pairs.
+TEST(ImportMjcf, NamedPairsTouchWhateverTheirMasks) {
+  Scene scene = scene_of(
+      imported("<default><geom contype='0' conaffinity='0'/></default><worldbody>"
+               "<geom name='floor' type='plane' size='1 1 1'/>"
+               "<body name='on' pos='0 0 .2'><freejoint/><geom name='g' size='.1'/></body>"
+               "<body name='too' pos='1 0 .2'><freejoint/><geom name='h' size='.1'/></body>"
+               "<body name='through' pos='2 0 .2'><freejoint/><geom name='i' size='.1'/></body>"
+               "<body name='above' pos='0 0 .6'><freejoint/><geom name='j' size='.1'/></body></worldbody>"
+               "<contact><pair geom1='floor' geom2='g'/><pair geom1='h' geom2='floor'/>"
+               "<pair geom1='floor' geom2='j'/></contact>"));
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(simulator.step(1e-3).ok());
+  const auto height = [&](const char* name) { return scene.world.pose(scene.world.body(name)).p.z(); };
+  for (const char* name : {"on", "too", "above"}) EXPECT_NEAR(height(name), 0.1, 1e-3) << name;
+  EXPECT_LT(height("through"), -0.5);
+}
+
 TEST(ImportMjcf, FrictionIsTheLargerOfBoth) {
   const ImportedModel model = world(
       "<geom type='plane' size='1 1 1' friction='.2'/>"
