@@ -53,7 +53,7 @@ struct TreeDynamics::Articulated {
 TreeDynamics::~TreeDynamics() = default;
 
 TreeDynamics::TreeDynamics(const World& world, const Rows& rows, const MassMatrix& mass)
-    : world_(world), rows_(rows), mass_(mass), follows_time_(rows.depends_on_time()) {
+    : rows_(rows), mass_(mass), follows_time_(rows.depends_on_time()) {
   const JointTree tree(world, rows);
   if (!tree.problem.empty()) throw std::invalid_argument(tree.problem);
   branch_of_.assign(rows.body_count(), -1);

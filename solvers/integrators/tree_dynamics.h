@@ -87,7 +87,6 @@ class TreeDynamics {
                         std::span<double> lambda) const;
   std::span<const double> open_rates(const State& state) const;
 
-  const World& world_;
   const Rows& rows_;
   const MassMatrix& mass_;
   bool follows_time_ = false;
