@@ -147,13 +147,12 @@ void SceneReader::read_cable(const JsonNode& node) {
       cable.find("name")->problem("makes the body " + quoted_list({link}) + ", which is there already");
   std::vector<Vec3> nodes;
   const auto length_node = cable.find("length");
-  (length_node ? *length_node : node).guard_if_sound(before, [&] {
-    nodes = hanging_chain(from, to, n, length, scene_.world.gravity());
-  });
+  const JsonNode& says_length = length_node ? *length_node : node;
+  says_length.guard_if_sound(before,
+                             [&] { nodes = hanging_chain(from, to, n, length, scene_.world.gravity()); });
   const bool is_held = ends[0].found && ends[1].found && scene_.world.is_fixed(ends[0].id) &&
                        scene_.world.is_fixed(ends[1].id);
-  if (n > 1 && is_held)
-    note_no_slack(length_node ? *length_node : node, span.d, length, scene_.world.gravity());
+  if (n > 1 && is_held) note_no_slack(says_length, span.d, length, scene_.world.gravity());
   // Without it, whatever begins with its name is not known.
   const auto leave_out = [&] { unread_blocks_.push_back({name.empty() ? name : name + "_", {}}); };
   if (problems_.size() != before) return leave_out();

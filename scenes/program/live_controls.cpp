@@ -9,6 +9,7 @@
 
 #include "core/base/check.h"
 #include "core/math/dense.h"
+#include "scenes/recording/recorder.h"
 #include "solvers/laws/axis_motor_law.h"
 
 namespace taut {
@@ -75,11 +76,6 @@ std::pair<double, double> slider_range(const AxisMotor& motor, const AxisPropert
   return {-reach, reach};
 }
 
-const char* unit_of(const AxisMotor& motor, const AxisInfo& info) {
-  const bool is_rate = motor.mode == AxisMotor::Mode::kVelocity;
-  return info.angular ? (is_rate ? "rad/s" : "rad") : (is_rate ? "m/s" : "m");
-}
-
 bool follows(const AxisMotor& motor) { return motor.mode == AxisMotor::Mode::kTrajectory; }
 
 }  // namespace
@@ -115,11 +111,12 @@ double LiveControls::target(const Motor& it) const {
 Json LiveControls::motors() const {
   Json all = Json::array();
   for (const Motor& it : motors_)
-    all.push_back({{"name", world_.axis_label(it.axis)},
-                   {"unit", unit_of(it.start, world_.axis_info(it.axis))},
-                   {"low", it.low},
-                   {"high", it.high},
-                   {"has_trajectory", follows(it.start)}});
+    all.push_back(
+        {{"name", world_.axis_label(it.axis)},
+         {"unit", axis_unit(world_.axis_info(it.axis), it.start.mode == AxisMotor::Mode::kVelocity)},
+         {"low", it.low},
+         {"high", it.high},
+         {"has_trajectory", follows(it.start)}});
   return all;
 }
 

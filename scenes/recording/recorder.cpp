@@ -51,14 +51,24 @@ const QuantityInfo& info(Quantity quantity) {
 
 std::string_view to_string(Quantity quantity) { return info(quantity).name; }
 
+const char* axis_unit(const AxisInfo& axis, bool is_rate) {
+  return axis.angular ? (is_rate ? "rad/s" : "rad") : (is_rate ? "m/s" : "m");
+}
+
 std::vector<std::string> units(const World& world, const Probe& probe) {
   const auto& [name, unit, components] = info(probe.quantity);
-  const bool is_axis = probe.quantity == Quantity::kAxis || probe.quantity == Quantity::kAxisForce;
-  const bool turns = is_axis && world.axis_info(probe.axis).angular;
-  if (probe.quantity == Quantity::kGap) return {"m", "rad"};
-  if (probe.quantity == Quantity::kAxis)
-    return turns ? std::vector<std::string>{"rad", "rad/s"} : std::vector<std::string>{"m", "m/s"};
-  return std::vector<std::string>(components.size(), std::string(is_axis ? (turns ? "N m" : "N") : unit));
+  switch (probe.quantity) {
+    case Quantity::kGap:
+      return {"m", "rad"};
+    case Quantity::kAxis: {
+      const AxisInfo& axis = world.axis_info(probe.axis);
+      return {axis_unit(axis, false), axis_unit(axis, true)};
+    }
+    case Quantity::kAxisForce:
+      return std::vector<std::string>(components.size(), world.axis_info(probe.axis).angular ? "N m" : "N");
+    default:
+      return std::vector<std::string>(components.size(), std::string(unit));
+  }
 }
 
 const std::vector<std::string>& components(Quantity quantity) { return info(quantity).components; }

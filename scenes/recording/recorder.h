@@ -14,6 +14,8 @@ namespace taut {
 
 /// Its name, as scene files have it.
 std::string_view to_string(Probe::Quantity quantity);
+/// "rad" or "m" of a coordinate, "rad/s" or "m/s" of its rate.
+const char* axis_unit(const AxisInfo& axis, bool is_rate);
 /// Units of the components of what a probe reads, "m", "N", …: of an axis as it turns or slides.
 std::vector<std::string> units(const World& world, const Probe& probe);
 /// Names of the numbers that a quantity consists of: x y z, w x y z, metres radians, value rate, ….

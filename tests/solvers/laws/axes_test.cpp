@@ -391,8 +391,6 @@ TEST(Axes, MotorAgainstALimitStallsThere) {
   EXPECT_TRUE(report.at_limit);
 }
 
-/// Iterative solvers leave the rate of a motor without bound off its target: the report said an infinite
-/// force, and NaN where two of them met.
 /// Whatever the solver has left of the rate: what friction, the motor and the limit give is the impulse.
 TEST(AxisParts, AreTheImpulseAtARateThatIsOffByATolerance) {
   AxisLaw law;
@@ -448,6 +446,8 @@ TEST(AxisMotor, AtItsTargetGivesNothingBesideAContact) {
     }
 }
 
+/// Iterative solvers leave the rate of a motor without bound off its target: the report said an infinite
+/// force, and NaN where two of them met.
 TEST(RobustAxes, AMotorOfAnyForceReportsAFiniteOneByIterativeSolvers) {
   for (const Solver solver : {Solver::kGaussSeidel, Solver::kPairwise, Solver::kPropagation}) {
     World world;
