@@ -1,6 +1,8 @@
 #pragma once
 
-/// The whole library; programs include it as taut/taut.h.
+/// What programs that simulate need; they include it as taut/taut.h.  Beside it, by their own names:
+/// solvers/friction/friction_solver.h (friction problems of others), solvers/integrators/tree_dynamics.h
+/// (accelerations in reduced coordinates) and core/constraints/rows.h (joint types of one's own).
 #include "collision/contact_finder.h"
 #include "collision/mesh/mesh_file.h"
 #include "core/joints/joints.h"
@@ -16,5 +18,4 @@
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
-#include "solvers/integrators/tree_dynamics.h"
 #include "solvers/simulator/simulator.h"

@@ -11,6 +11,7 @@
 #include "solvers/integrators/scheme.h"
 #include "solvers/integrators/tree_dynamics.h"
 #include "solvers/system/constraint_system.h"
+#include "solvers/system/inverse_mass_root.h"
 
 namespace taut {
 

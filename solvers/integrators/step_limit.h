@@ -10,6 +10,7 @@
 #include "solvers/complementarity/stage_solver.h"
 #include "solvers/laws/breaking.h"
 #include "solvers/system/constraint_system.h"
+#include "solvers/system/inverse_mass_root.h"
 
 namespace taut {
 

@@ -7,6 +7,7 @@
 #include "solvers/linear/block_ordering.h"
 #include "solvers/linear/factor.h"
 #include "solvers/linear/front_kernels.h"
+#include "solvers/system/inverse_mass_root.h"
 #include "solvers/system/mass_matrix.h"
 
 namespace taut {

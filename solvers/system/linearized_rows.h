@@ -5,6 +5,7 @@
 
 #include "core/constraints/rows.h"
 #include "core/world/world.h"
+#include "solvers/system/inverse_mass_root.h"
 #include "solvers/system/mass_matrix.h"
 #include "solvers/system/system_part.h"
 

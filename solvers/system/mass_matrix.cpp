@@ -41,6 +41,11 @@ MassMatrix::MassMatrix(const MassMatrix& whole, std::span<const int> bodies) {
   }
 }
 
+Mat3 MassMatrix::principal_axes(int body, const Pose& pose) const {
+  return bodies_[body].principal ? pose.q.toRotationMatrix()
+                                 : (pose.q * inertias_[body].q_BP).toRotationMatrix();
+}
+
 Vec3 MassMatrix::angular_velocity(int body, const Pose& pose, const Vec3& L) const {
   const Mat3 R = principal_axes(body, pose);
   return R * bodies_[body].inverse_moments.cwiseProduct(R.transpose() * L);

@@ -36,10 +36,7 @@ class MassMatrix {
   const Inertia& inertia(int body) const { return inertias_[body]; }  ///< by its index
 
   /// R_WP of a body.
-  Mat3 principal_axes(int body, const Pose& pose) const {
-    return bodies_[body].principal ? pose.q.toRotationMatrix()
-                                   : (pose.q * inertias_[body].q_BP).toRotationMatrix();
-  }
+  Mat3 principal_axes(int body, const Pose& pose) const;
   /// ω = I_W⁻¹ L.
   Vec3 angular_velocity(int body, const Pose& pose, const Vec3& L) const;
   /// L = I_W ω.
@@ -50,24 +47,6 @@ class MassMatrix {
  private:
   std::vector<Body> bodies_;
   std::vector<Inertia> inertias_;
-};
-
-/// A square root of M⁻¹ of a body: M⁻¹ = A Aᵀ with A = diag(rotation, translation 1₃); zero for fixed ones.
-struct InverseMassRoot {
-  Mat3 rotation = Mat3::Zero();  ///< A of the rotation, A Aᵀ = I_W⁻¹
-  double translation = 0;        ///< 1 / √m
-
-  bool moves() const { return translation > 0; }  ///< not fixed
-  /// V = M⁻¹ p.  The root is not multiplied out: of a thin rod, round-off then is a rotation about its axis
-  /// only, which moves no point on it, be it held by a joint or a stiff damper.
-  Twist twist(const Wrench& p) const {
-    return {rotation * Vec3(rotation.transpose() * p.torque), translation * translation * p.force};
-  }
-};
-
-/// A root of what takes the place of M⁻¹ where that has two full blocks.
-struct FullMassRoot {
-  Mat3 rotation = Mat3::Zero(), translation = Mat3::Zero();  ///< one block each
 };
 
 }  // namespace taut
