@@ -85,9 +85,6 @@ SceneJson SceneDocument::axes_json(const Link& link, const JointSegment& segment
     ball_axes(axes, link.axes[segment.first]);
     return axes;
   }
-  for (int k = segment.first; k < segment.first + segment.count; ++k)
-    if (const LinkAxis& axis = link.axes[k]; axis.start < axis.law.lower || axis.start > axis.law.upper)
-      note(axis.place, "\"" + axis.name + "\" starts beyond its limits: it returns to them");
   for (int k = 0; k < segment.count; ++k)
     if (SceneJson axis = axis_json(link.axes[segment.first + k]); !axis.empty())
       axes[segment.keys[k]] = std::move(axis);

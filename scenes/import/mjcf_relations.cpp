@@ -3,8 +3,6 @@
 namespace taut::model {
 namespace {
 
-Pose inverse_of(const Pose& X) { return {X.q.conjugate(), X.q.conjugate() * Vec3(-X.p)}; }
-
 /// Thrown where something names what a part without counterpart would have defined, or has several copies.
 struct NotThere {
   std::string name;
@@ -102,7 +100,7 @@ void MjcfRelations::read_equality(const pugi::xml_node& node) {
 void MjcfRelations::read_connect(const MjcfElement& connect, Loop loop) {
   files_.required(connect.node(), "anchor");
   loop.a.X_LF.p = connect.vector("anchor", Vec3::Zero());
-  loop.b.X_LF = inverse_of(pose(loop.b.link)) * pose(loop.a.link) * loop.a.X_LF;
+  loop.b.X_LF = inverse(pose(loop.b.link)) * pose(loop.a.link) * loop.a.X_LF;
   model_.loops.push_back(std::move(loop));
 }
 
@@ -111,7 +109,7 @@ void MjcfRelations::read_weld(const MjcfElement& weld, Loop loop) {
   loop.fixed = true;
   const auto v = weld.numbers("relpose", {0, 1, 0, 0, 0, 0, 0});
   const Quat q(v[3], v[4], v[5], v[6]);
-  Pose X_12 = inverse_of(pose(loop.a.link)) * pose(loop.b.link);
+  Pose X_12 = inverse(pose(loop.a.link)) * pose(loop.b.link);
   if (q.norm() > 1e-12) X_12 = {q.normalized(), Vec3(v[0], v[1], v[2])};
   weld.find("anchor");  // of a rigid joint all points do
   loop.a.X_LF = X_12;

@@ -19,6 +19,8 @@ namespace taut::model {
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 inline constexpr int kWorld = -1;  ///< in place of the index of a link
 
+inline Pose inverse(const Pose& X) { return {X.q.conjugate(), X.q.conjugate() * Vec3(-X.p)}; }
+
 /// Mass [kg], its centre [m] and the inertia about the centre [kg m²], in the axes of a link.
 struct LinkInertia {
   double mass = 0;
@@ -160,6 +162,9 @@ struct RobotModel {
   bool contacts = true;
   /// What is joined to the ground, or by a loop, touches it all the same.
   bool joined_touch = false;
+  /// An inertia that no body has is an error, as the format's own compiler has it; it has a word against
+  /// that.
+  bool refuses_wrong_inertia = false;
   std::vector<LinkShape> ground_shapes;
   std::vector<Link> links;  ///< parents first
   std::vector<Loop> loops;
