@@ -220,15 +220,18 @@ class StartSearch {
     return true;
   }
 
+  /// First towards the least values that close the gaps, then to what closes them exactly.
   bool close(const Part& part, std::vector<Unknown>& unknowns, double tolerance) {
     for (const Unknown& u : unknowns) *u.value = std::clamp(*u.value, u.first, u.last);
     for (int i = 0; i < StartTuning::kMostSteps; ++i) {
       const std::vector<double> gap = gaps(part);
       const Eigen::VectorXd r = Eigen::VectorXd::Map(gap.data(), static_cast<Eigen::Index>(gap.size()));
       if (!r.allFinite()) return false;
-      if (r.size() == 0 || r.cwiseAbs().maxCoeff() <= tolerance) return true;
-      const Eigen::VectorXd step = bounded_step(unknowns, jacobian(part, unknowns, r), r);
+      const bool back = 2 * i < StartTuning::kMostSteps;
+      if (r.size() == 0 || (!back && r.cwiseAbs().maxCoeff() <= tolerance)) return true;
+      const Eigen::VectorXd step = bounded_step(unknowns, jacobian(part, unknowns, r), r, back);
       const double longest = step.cwiseAbs().maxCoeff();
+      if (back && longest < StartTuning::kNearlyClosed) i = StartTuning::kMostSteps / 2;
       const double scale = longest > StartTuning::kLongestStep ? StartTuning::kLongestStep / longest : 1;
       for (std::size_t k = 0; k < unknowns.size(); ++k) {
         const Unknown& u = unknowns[k];
@@ -252,17 +255,22 @@ class StartSearch {
     return J;
   }
 
-  /// The least step that closes the gaps to first order, without values that would pass their bounds.
+  /// The step that closes the gaps to first order, J Δ = −r, without values that would pass their bounds: the
+  /// least one, or the one `back` to the least values θ + Δ.
   static Eigen::VectorXd bounded_step(const std::vector<Unknown>& unknowns, Eigen::MatrixXd J,
-                                      const Eigen::VectorXd& r) {
+                                      const Eigen::VectorXd& r, bool back) {
+    Eigen::VectorXd home = Eigen::VectorXd::Zero(J.cols());
+    for (std::size_t k = 0; back && k < unknowns.size(); ++k)
+      home[static_cast<Eigen::Index>(k)] = -*unknowns[k].value;
     for (std::size_t trial = 0;; ++trial) {
-      const Eigen::VectorXd step = least_step(J, r);
+      const Eigen::VectorXd step = home + least_step(J, r + dense::product(J, home).col(0));
       bool held = false;
       for (std::size_t k = 0; k < unknowns.size(); ++k) {
         const Unknown& u = unknowns[k];
-        const double along = step[static_cast<Eigen::Index>(k)];
-        if (!(along < 0 && *u.value <= u.first) && !(along > 0 && *u.value >= u.last)) continue;
-        J.col(static_cast<Eigen::Index>(k)).setZero();
+        const auto column = static_cast<Eigen::Index>(k);
+        if (!(step[column] < 0 && *u.value <= u.first) && !(step[column] > 0 && *u.value >= u.last)) continue;
+        J.col(column).setZero();
+        home[column] = 0;
         held = true;
       }
       if (!held || trial == unknowns.size()) return step;
