@@ -72,6 +72,14 @@ struct AxisLaw {
   double friction = 0;
 };
 
+/// Actuators of an axis: force = constant − stiffness q − damping q̇ in the terms of the file, together at
+/// most `most`.
+struct AxisDrive {
+  double constant = 0, stiffness = 0, damping = 0;
+  double most = kNoLimit;
+  bool any() const { return constant != 0 || stiffness > 0 || damping > 0; }
+};
+
 /// One motion of a link against its parent.  Several follow each other, the first next to the parent.
 struct LinkAxis {
   enum class Kind { kHinge, kSlide, kBall, kScrew };
@@ -83,6 +91,7 @@ struct LinkAxis {
   double pitch = 0;            ///< of a screw [m per turn]
   double armature = 0;         ///< inertia of the motion by itself [kg m² or kg]
   AxisLaw law;
+  AxisDrive drive;
   ModelPlace place;
 };
 

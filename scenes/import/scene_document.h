@@ -55,6 +55,7 @@ class SceneDocument {
                             const std::string& a, const std::string& b);
   SceneJson axes_json(const Link& link, const JointSegment& segment);
   SceneJson axis_json(const LinkAxis& axis) const;
+  static SceneJson motor_json(const LinkAxis& axis);
   void ball_axes(SceneJson& axes, const LinkAxis& axis);
   void write_loop(SceneJson& joints, const Loop& loop);
   void write_closing_joint(SceneJson& joints, const Loop& loop);
