@@ -65,18 +65,37 @@ void MjcfRelations::read_contact(const pugi::xml_node& node) {
     element.find("name");
     const auto geom = [&](const char* key) { return named(element, names_.geoms, key, names_); };
     const GeomPlace a = geom("geom1"), b = geom("geom2");
+    const bool own_surface = element.find("friction") || element.find("condim");
     const int number = static_cast<int>(model_.pairs.size());
     model_.pairs.push_back({a.link, b.link, true});
     if (a.shape < 0 || b.shape < 0) return;  // said where the shape was left out
     // Pairs with one first share its number: there are few kinds of shapes.
     std::set<int>& first_of = model_.shapes_of(a.link)[a.shape].touches.first_of;
     if (first_of.empty()) first_of.insert(number);
-    model_.shapes_of(b.link)[b.shape].touches.second_of.insert(*first_of.begin());
+    LinkShape &first = model_.shapes_of(a.link)[a.shape], &second = model_.shapes_of(b.link)[b.shape];
+    second.touches.second_of.insert(*first_of.begin());
+    if (own_surface) give_surface(element, first.surface, second.surface);
     if (model_.are_next(a.link, b.link))
       note(element,
            "<pair> of geoms: other geoms of their bodies may touch, too, as far as contype and "
            "conaffinity let them");
   }
+}
+
+/// Sliding along two directions, spinning, and rolling about two.
+void MjcfRelations::give_surface(const MjcfElement& pair, Surface& a, Surface& b) {
+  for (Surface* surface : {&a, &b})
+    if (surface->number == 0) surface->number = ++model_.numbered_surfaces;
+  Surface both = larger_of(a, b);
+  both.directions = static_cast<int>(pair.number("condim", both.directions));
+  const auto f = pair.numbers("friction");
+  const auto coefficient = [&](std::size_t i, double& value) {
+    if (i < f.size()) value = not_negative(files_, pair.node(), "friction", f[i]);
+  };
+  coefficient(0, both.sliding), coefficient(2, both.spinning), coefficient(3, both.rolling);
+  if ((f.size() > 1 && f[0] != f[1]) || (f.size() > 4 && f[3] != f[4]))
+    note(pair, "\"friction\" of <pair> that differs by direction: the first number is taken");
+  model_.pair_surfaces[std::minmax(a.number, b.number)] = both;
 }
 
 void MjcfRelations::read_equality(const pugi::xml_node& node) {
@@ -196,9 +215,11 @@ void MjcfRelations::read_controls(const pugi::xml_node& mujoco) {
     count += files_.children(part).size();
   for (const pugi::xml_node& part : files_.children(mujoco, "keyframe"))
     for (const pugi::xml_node& key : files_.children(part, "key")) {
-      if (!controls_.empty() || !key.attribute("ctrl") || key.attribute("qpos") || key.attribute("qvel"))
-        continue;
       const MjcfElement element(files_, key);
+      if (!controls_.empty() || !key.attribute("ctrl") || key.attribute("qpos") || key.attribute("qvel")) {
+        leave_out(element, "<key>: the model starts as without it");
+        continue;
+      }
       files_.accept(key);
       element.find("name");
       controls_ = element.numbers("ctrl");

@@ -25,6 +25,7 @@ class MjcfRelations {
     return name.empty() ? name : prefix_ + name;
   }
   void read_contact(const pugi::xml_node& node);
+  void give_surface(const MjcfElement& pair, Surface& a, Surface& b);
   void read_equality(const pugi::xml_node& node);
   void read_connect(const MjcfElement& connect, Loop loop);
   void read_weld(const MjcfElement& weld, Loop loop);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -33,8 +34,13 @@ struct LinkInertia {
 struct Surface {
   int directions = 3;
   double sliding = 0.5, spinning = 0, rolling = 0;
+  int number = 0;  ///< of one that a pair names, which has coefficients of its own with another; 0: none
   auto operator<=>(const Surface&) const = default;
 };
+inline Surface larger_of(const Surface& a, const Surface& b) {
+  return {std::max(a.directions, b.directions), std::max(a.sliding, b.sliding),
+          std::max(a.spinning, b.spinning), std::max(a.rolling, b.rolling)};
+}
 
 /// A collision shape.
 /// Two shapes touch if one's type shares a bit with the other's affinity, or if one is the first, and the
@@ -181,6 +187,8 @@ struct RobotModel {
   std::vector<Wire> wires;
   std::vector<ModelProbe> probes;
   std::vector<LinkPair> pairs;
+  int numbered_surfaces = 0;
+  std::map<std::pair<int, int>, Surface> pair_surfaces;  ///< by numbers, the smaller first
   std::vector<ImportNotice> notices;
   std::size_t models = 0;  ///< of the file that are read already
   int elements = 0;        ///< of the file that were read, with their copies

@@ -105,16 +105,14 @@ std::uint32_t SceneDocument::partners(int contact_class) const {
 /// Materials by surface, and what holds between two of them.
 void SceneDocument::write_materials(SceneJson& document) const {
   if (surfaces_.empty()) return;
-  const auto material = [](int directions, double sliding, double spinning, double rolling) {
-    SceneJson json{{"static_friction", directions < 3 ? 0 : sliding},
-                   {"dynamic_friction", directions < 3 ? 0 : sliding}};
-    if (directions >= 4 && spinning > 0) json["spinning_friction"] = spinning;
-    if (directions >= 6 && rolling > 0) json["rolling_friction"] = rolling;
-    return json;
-  };
   const auto both = [&](const Surface& a, const Surface& b) {
-    return material(std::max(a.directions, b.directions), std::max(a.sliding, b.sliding),
-                    std::max(a.spinning, b.spinning), std::max(a.rolling, b.rolling));
+    const auto own = model_.pair_surfaces.find(std::minmax(a.number, b.number));
+    const Surface s = own == model_.pair_surfaces.end() ? larger_of(a, b) : own->second;
+    SceneJson json{{"static_friction", s.directions < 3 ? 0 : s.sliding},
+                   {"dynamic_friction", s.directions < 3 ? 0 : s.sliding}};
+    if (s.directions >= 4 && s.spinning > 0) json["spinning_friction"] = s.spinning;
+    if (s.directions >= 6 && s.rolling > 0) json["rolling_friction"] = s.rolling;
+    return json;
   };
   for (const auto& [surface, name] : surfaces_) document["materials"][name] = both(surface, surface);
   for (auto a = surfaces_.begin(); a != surfaces_.end(); ++a)

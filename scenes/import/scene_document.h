@@ -44,7 +44,7 @@ class SceneDocument {
   // pair_document.cpp
   void write_pairs(SceneJson& document);
   void forbid_neighbours(std::map<std::pair<int, int>, bool>& rules) const;
-  void allow_joined(std::map<std::pair<int, int>, bool>& rules) const;
+  void allow_joined(std::map<std::pair<int, int>, bool>& rules);
   bool has_shapes(int link) const;
   bool joined_directly(int a, int b) const;
 

@@ -228,7 +228,6 @@ const std::map<std::string, std::string> kMovesOtherwise = {
     {"mjcf/test_engine_testdata_core_smooth_ten_armature_4.xml",
      "the spring of a wire through several points"},
     {"mjcf/test_engine_testdata_sensor_contact_net.xml", "\"springdamper\""},
-    {"mjcf/test_user_testdata_robot_arm.xml", "\"forcerange\""},
 };
 
 bool says(const ImportedModel& model, const std::string& what) {

@@ -174,6 +174,35 @@ TEST(ImportMjcf, SitesThatAreApartAreBroughtTogether) {
   EXPECT_LT(scene.world.pose(scene.world.body("a")).p.norm(), 1e-9);
 }
 
+/// Of these two geoms, and not of others of their bodies.
+TEST(ImportMjcf, APairHasItsOwnFriction) {
+  const ImportedModel model = imported(
+      "<worldbody><geom name='floor' type='plane' size='1 1 1' friction='0.9'/><body pos='0 0 1'><freejoint/>"
+      "<geom name='g' size='.1'/><geom name='h' size='.1' pos='1 0 0'/></body></worldbody>"
+      "<contact><pair geom1='floor' geom2='g' condim='6' friction='.2 .3 .01 .002 .002'/></contact>");
+  EXPECT_TRUE(notes(model, "\"friction\" of <pair> that differs by direction: the first number is taken"));
+  const Scene scene = scene_of(model);
+  const World& w = scene.world;
+  ASSERT_EQ(w.shape_count(), 3);
+  const auto between = [&](int a, int b) { return w.contact_material(ShapeId{a}, ShapeId{b}); };
+  EXPECT_EQ(between(0, 1).dynamic_friction, 0.2);
+  EXPECT_EQ(between(0, 1).static_friction, 0.2);
+  EXPECT_EQ(between(0, 1).spinning_friction, 0.01);
+  EXPECT_EQ(between(0, 1).rolling_friction, 0.002);
+  EXPECT_EQ(between(0, 2).dynamic_friction, 1);  // the larger one
+}
+
+/// A weld holds what its bodies' contact would push apart.
+TEST(ImportMjcf, WeldedBodiesDoNotTouch) {
+  const ImportedModel model = imported(
+      "<worldbody><body name='a'><freejoint/><geom size='1'/></body><body name='b' pos='1.5 0 0'><freejoint/>"
+      "<geom size='1'/></body></worldbody><equality><weld body1='a' body2='b'/></equality>");
+  EXPECT_TRUE(notes(model, "\"a\" and \"b\" are welded: they do not touch each other"));
+  Scene scene = scene_of(model);
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(simulator.step(1e-3).exact()) << simulator.report().message;
+}
+
 const std::string kDriven = "<worldbody><body><joint name='j' axis='0 1 0' ref='0.5'/>" + kBall +
                             "</body><body pos='1 0 0'><joint name='k' axis='0 1 0'/>" + kBall +
                             "</body></worldbody>";
@@ -210,7 +239,7 @@ TEST(ImportMjcf, ControlsAreThoseOfTheStart) {
   };
   const ImportedModel still = with("<key qpos='1 1' ctrl='1 1'/>");
   EXPECT_TRUE(notes(still, "<motor> \"m\": without a control it does nothing"));
-  EXPECT_TRUE(notes(still, "<key>: has no counterpart"));
+  EXPECT_TRUE(notes(still, "<key>: the model starts as without it"));
   const ImportedModel pushed = with("<key qpos='1 1' ctrl='1 1'/><key ctrl='-7 0.5'/>");
   EXPECT_EQ(motor_of(pushed, 0), (nlohmann::ordered_json{{"velocity", -1e6}, {"max_force", 10.0}}));
   EXPECT_EQ(motor_of(pushed, 1), (nlohmann::ordered_json{{"velocity", 0.0}, {"damping", 1.5}}));
