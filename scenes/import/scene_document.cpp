@@ -1,5 +1,9 @@
 #include "scenes/import/scene_document.h"
 
+#include <cmath>
+#include <sstream>
+
+#include "core/math/dense.h"
 #include "scenes/files/shape_json.h"
 #include "scenes/import/link_inertia.h"
 #include "scenes/import/rigid_groups.h"
@@ -52,6 +56,24 @@ SceneJson SceneDocument::write() {
   return document;
 }
 
+/// Impulses that hold a point at a distance are as much larger than those that turn it as (distance/ρ)².
+void SceneDocument::note_points_on_levers(const Link& link, const std::string& name) {
+  constexpr double kNearlyAPoint = 1e7;  // of that, where 16 digits leave 9 of the smaller ones
+  const double least = dense::symmetric_eigenvalues3(link.inertia.inertia).minCoeff() / link.inertia.mass;
+  for (const LinkAxis& axis : link.axes) {
+    if (axis.kind == LinkAxis::Kind::kSlide) continue;
+    const Vec3 arm = link.inertia.centre - axis.anchor;
+    const double d = axis.kind == LinkAxis::Kind::kBall ? arm.norm() : arm.cross(axis.axis).norm();
+    if (!(d * d > kNearlyAPoint * least)) continue;
+    std::ostringstream message;
+    message.precision(3);
+    message << '"' << name << "\" is nearly a point (value: " << std::sqrt(least) << " m across, " << d
+            << " m from its axis \"" << axis.name
+            << "\"): what holds it there is found to few digits, and steps may not converge";
+    note(axis.place, message.str());
+  }
+}
+
 void SceneDocument::name_bodies() {
   for (const Link& link : model_.links) {
     bodies_.push_back(unique(body_names_, link.name, "link"));
@@ -59,6 +81,7 @@ void SceneDocument::name_bodies() {
       note(link.place,
            "\"" + link.name + "\" is the name of another body: it is called \"" + bodies_.back() + "\"");
     segments_.push_back(joint_segments(link));
+    if (is_solid(link.inertia)) note_points_on_levers(link, bodies_.back());
   }
   for (std::size_t i = 0; i < model_.links.size(); ++i) {
     between_.emplace_back();

@@ -24,6 +24,7 @@ class SceneDocument {
   /// One that nothing of this kind has yet: `name`, or `fallback`, with a number if need be.
   static std::string unique(TakenNames& taken, const std::string& name, const std::string& fallback);
   void name_bodies();
+  void note_points_on_levers(const Link& link, const std::string& name);
   void note(const ModelPlace& place, const std::string& message) {
     model_.notices.push_back({place, message, 1});
   }

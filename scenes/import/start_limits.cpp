@@ -20,6 +20,8 @@ struct StartTuning {
   /// longer ones end in other ways of putting the loop together.
   static constexpr double kPart = 0.05;
   static constexpr int kMostParts = 40;
+  /// Limits that are further away than this [rad or m] are none that anyone meant.
+  static constexpr double kFarthest = 1e4;
   /// Newton steps of a part, none of which changes a value by more than the second [rad or m].
   static constexpr int kMostSteps = 60;
   static constexpr double kLongestStep = 0.3;
@@ -206,8 +208,8 @@ class StartSearch {
     std::vector<Unknown> unknowns = unknowns_of(part);
     double farthest = 0;
     for (const Unknown& u : unknowns) farthest = std::max({farthest, u.lower, -u.upper});
-    const int count = std::clamp(static_cast<int>(std::min(farthest / StartTuning::kPart, 1e6)) + 1, 1,
-                                 StartTuning::kMostParts);
+    if (farthest > StartTuning::kFarthest) return false;
+    const int count = std::min(static_cast<int>(farthest / StartTuning::kPart) + 1, StartTuning::kMostParts);
     for (int i = 1; i <= count; ++i) {
       const double way = static_cast<double>(i) / count;
       for (Unknown& u : unknowns) {
@@ -229,7 +231,9 @@ class StartSearch {
       if (!r.allFinite()) return false;
       const bool back = 2 * i < StartTuning::kMostSteps;
       if (r.size() == 0 || (!back && r.cwiseAbs().maxCoeff() <= tolerance)) return true;
-      const Eigen::VectorXd step = bounded_step(unknowns, jacobian(part, unknowns, r), r, back);
+      const Eigen::MatrixXd J = jacobian(part, unknowns, r);
+      if (!J.allFinite()) return false;
+      const Eigen::VectorXd step = bounded_step(unknowns, J, r, back);
       const double longest = step.cwiseAbs().maxCoeff();
       if (back && longest < StartTuning::kNearlyClosed) i = StartTuning::kMostSteps / 2;
       const double scale = longest > StartTuning::kLongestStep ? StartTuning::kLongestStep / longest : 1;

@@ -148,6 +148,20 @@ TEST(ImportStart, AnInertiaOfNoBodyIsPartOfWhatItIsFixedTo) {
   EXPECT_LT((I - Mat3(Vec3(11, 11, 20).asDiagonal())).norm(), 1e-13);
 }
 
+/// (distance/gyration)² is 2.5e7 of the first, and 2.5e3 of the second.
+TEST(ImportStart, APointOnALeverIsNamed) {
+  EXPECT_TRUE(notes(imported(link("a", "1e-8 1e-8 1e-8") + hinge("j", "world", "a")),
+                    "\"a\" is nearly a point (value: 0.0001 m across, 0.5 m from its axis \"j\")"));
+  EXPECT_FALSE(notes(imported(link("a", "1e-4 1e-4 1e-4") + hinge("j", "world", "a")), "nearly a point"));
+}
+
+/// Nobody meant that, and nothing is there.
+TEST(ImportStart, ALimitOutOfSightIsGivenUp) {
+  const ImportedModel model = imported(link("a") + hinge("j", "world", "a", "1e29 1e30"));
+  EXPECT_TRUE(notes(model, "the limit is given up"));
+  (void)scene_of(model);
+}
+
 /// MuJoCo's compiler refuses it, and MJCF has a word for the same rule.
 TEST(ImportStart, InMjcfTheFileSaysSo) {
   const auto text = [](const std::string& compiler) {

@@ -78,8 +78,8 @@ def test_a_closed_loop(tmp_path):
     world = scene.world
     joints = {world.name(joint): world.joint_type(joint) for joint in world.joints()}
     assert joints == {"crank": "hinge", "pin": "hinge", "rocker": "hinge", "loop": "ball"}
-    # An actuator is what is left of it with a control of 0, here a spring, and a notice with its name.
-    assert world.axis_properties(world.axis(world.joint("crank"), "angle")).spring.stiffness == 3
+    # An actuator is a motor, here a servo to a control of 0, and a notice with its name.
+    assert world.axis_properties(world.axis(world.joint("crank"), "angle")).motor.stiffness == 3
     assert [notice.line for notice in notices if '<position> "servo"' in notice.message] == [18]
     simulator = taut.Simulator(world, scene.settings)
     if scene.assemble:
