@@ -302,7 +302,7 @@ class StartSearch {
       message << '"' << it.name << "\" starts at " << it.start
               << ", beyond its limits (value: " << it.law.lower << " to " << it.law.upper << "): ";
       if (found) {
-        message << "its start is moved to " << it.start + value[0]
+        message << "its start is moved to " << it.start + value[0] << ", which is 0 in the scene"
                 << (part.axes.size() > 1 ? ", and what depends on it along with it" : "");
       } else {
         message << "no start is found where loops are closed and limits kept: the limit is given up";

@@ -44,7 +44,7 @@ TEST(ImportStart, AnAxisBeyondItsLimitStartsThere) {
                                        hinge("j", "a", "b", "0.5 1") + hinge("k", "b", "c"));
   EXPECT_TRUE(notes(model,
                     "r.urdf:7: \"j\" starts at 0, beyond its limits (value: 0.5 to 1): its start is "
-                    "moved to 0.5"));
+                    "moved to 0.5, which is 0 in the scene"));
   Scene scene = scene_of(model);
   const Vec3 along(std::cos(0.5), 0, -std::sin(0.5));
   EXPECT_LT((position(scene, "a") - Vec3(1.5, 0, 0)).norm(), 1e-15);
@@ -84,7 +84,8 @@ std::string four_bar(const std::string& limits_of_a, const std::string& limits_o
 /// A parallelogram: the bar stays level, and closed, while both sides turn.
 TEST(ImportStart, ALoopMovesAlongAndStaysClosed) {
   const ImportedModel model = imported(four_bar("-1 -0.7", "-3 3"));
-  EXPECT_TRUE(notes(model, "its start is moved to -0.7, and what depends on it along with it"));
+  EXPECT_TRUE(notes(
+      model, "its start is moved to -0.7, which is 0 in the scene, and what depends on it along with it"));
   Scene scene = scene_of(model);
   EXPECT_FALSE(scene.assemble);
   EXPECT_LT((position(scene, "c") - Vec3(std::sin(0.7) + 0.5, 0, -std::cos(0.7))).norm(), 1e-11);
