@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/joints/axis_coupling.h"
+#include "scenes/export/mjcf_actuators.h"
 #include "scenes/export/model_tree.h"
 
 namespace taut {
@@ -42,7 +43,11 @@ struct GeomOfShape {
 class MjcfWriter {
  public:
   MjcfWriter(const Scene& scene, std::vector<std::string>& notices)
-      : scene_(scene), world_(scene.world), notices_(notices), tree_(model_tree(scene.world)) {}
+      : scene_(scene),
+        world_(scene.world),
+        notices_(notices),
+        tree_(model_tree(scene.world)),
+        actuators_(scene, tree_, notices) {}
 
   std::string write() {
     root_ = document_.append_child("mujoco");
@@ -61,6 +66,7 @@ class MjcfWriter {
     tendon_ = root_.append_child("tendon");
     for (JointId joint : tree_.others) write_other(joint);
     for (int f = 0; f < world_.force_count(); ++f) write_force(ForceId{f});
+    actuators_.write(root_);
     for (pugi::xml_node node : {asset_, equality_, tendon_})
       if (!node.first_child()) root_.remove_child(node);
     note_what_no_model_has(world_, notices_);
@@ -114,6 +120,7 @@ class MjcfWriter {
       pugi::xml_node joint = add(name, axis.angular ? "hinge" : "slide");
       joint.append_attribute("axis") = words(Vec3(X_WB.q.conjugate() * axis.direction)).c_str();
       write_law(joint, axis_words(world_, axis.id, notices_));
+      actuators_.add(axis, body.body, name);
     }
   }
 
@@ -210,30 +217,18 @@ class MjcfWriter {
   /// A hinge is two points of its axis.
   void write_closing(JointId id) {
     const Joint& joint = world_.joint(id);
-    const Vec3 anchor = world_.pose(joint.b()).point(joint.reaction_point_B());
-    const auto add = [&](const char* kind, const Vec3& point) {
+    const auto add = [&](const char* kind) {
       pugi::xml_node node = equality_.append_child(kind);
       node.append_attribute("body1") = body_name(joint.a()).c_str();
       node.append_attribute("body2") = body_name(joint.b()).c_str();
-      if (std::string_view(kind) == "connect")
-        node.append_attribute("anchor") = words(world_.pose(joint.a()).local(point)).c_str();
+      return node;
     };
-    if (joint.type() == "fixed") return add("weld", anchor);
-    add("connect", anchor);
-    if (joint.type() == "ball") return;
-    if (world_.has_axis_properties(id))
+    if (joint.type() == "fixed") return void(add("weld"));
+    if (joint.type() == "hinge" && world_.has_axis_properties(id))
       notices_.push_back(world_.name(id) +
                          ": what acts along the axis of a hinge that closes a loop has no counterpart");
-    World still = world_;
-    Vec3 axis = Vec3::Zero();
-    const bool on_a = world_.is_fixed(joint.b());
-    for (int i = 0; i < 3; ++i) {
-      still.set_twist(on_a ? joint.a() : joint.b(), {});
-      const double before = still.axis_rate({id, 0});
-      still.set_twist(on_a ? joint.a() : joint.b(), {Vec3::Unit(i), Vec3::Zero()});
-      axis[i] = still.axis_rate({id, 0}) - before;
-    }
-    add("connect", anchor + axis);
+    for (const Vec3& point : common_points(world_, id))
+      add("connect").append_attribute("anchor") = words(world_.pose(joint.a()).local(point)).c_str();
   }
 
   /// driven = ratio · driving: a polynomial of degree 1.
@@ -281,6 +276,9 @@ class MjcfWriter {
       return;
     }
     const AxisId axis = world_.axis(id, "length");
+    if (world_.axis_properties(axis).motor)
+      notices_.push_back(world_.axis_label(axis) +
+                         ": a winch has no counterpart, its rope stays as long as it is");
     const auto& limits = world_.axis_properties(axis).limits ? world_.axis_properties(axis).limits
                                                              : world_.axis_info(axis).limits;
     node.append_attribute("limited") = "true";
@@ -302,6 +300,7 @@ class MjcfWriter {
   const World& world_;
   std::vector<std::string>& notices_;
   ModelTree tree_;
+  MjcfActuators actuators_;
   pugi::xml_document document_;
   pugi::xml_node root_, asset_, equality_, tendon_;
   std::map<int, pugi::xml_node> nodes_;  // by body

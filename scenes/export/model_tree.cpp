@@ -110,6 +110,19 @@ class TreeBuilder {
 
 ModelTree model_tree(const World& world) { return TreeBuilder(world).build(); }
 
+std::vector<Vec3> common_points(const World& world, JointId id) {
+  const Joint& joint = world.joint(id);
+  const Vec3 anchor = world.pose(joint.b()).point(joint.reaction_point_B());
+  if (joint.type() == "ball") return {anchor};
+  if (joint.type() == "fixed") return {anchor, anchor + Vec3::UnitX(), anchor + Vec3::UnitY()};
+  if (joint.type() != "hinge") return {};
+  World still = world;
+  for (BodyId body : joint.bodies())
+    if (!world.is_fixed(body)) still.set_twist(body, {});
+  const BodyId moved = world.is_fixed(joint.b()) ? joint.a() : joint.b();
+  return {anchor, anchor + axis_direction(still, {id, 0}, moved, true)};
+}
+
 AxisWords axis_words(const World& world, AxisId axis, std::vector<std::string>& notices) {
   const AxisProperties& properties = world.axis_properties(axis);
   const std::string label = world.axis_label(axis);
@@ -132,7 +145,6 @@ AxisWords axis_words(const World& world, AxisId axis, std::vector<std::string>& 
     if (friction->per_load > 0 || friction->dynamic_friction != friction->static_friction)
       notices.push_back(label + ": friction by load, or other in motion than at rest, has no counterpart");
   }
-  if (properties.motor) notices.push_back(label + ": a motor has no counterpart");
   return result;
 }
 

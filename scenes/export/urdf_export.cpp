@@ -112,7 +112,9 @@ class UrdfWriter {
     const std::string name =
         body.joint.index < 0 ? world_.name(body.body) + "_joint" : world_.name(body.joint);
     const bool one = body.axes.size() == 1, chain = body.axes.size() > 1 || body.ball;
-    if (chain)
+    if (body.ball)
+      write_loop(body.joint);
+    else if (chain)
       notices_.push_back(name + ": this joint has no counterpart, its link is free (value: " +
                          std::string(world_.joint(body.joint).type()) + ")");
     const AxisWords law = one ? axis_words(world_, body.axes[0].id, notices_) : AxisWords{};
@@ -134,6 +136,8 @@ class UrdfWriter {
     const TreeAxis& axis = body.axes[0];
     names_[axis.id] = world_.name(body.joint);
     set(node, "axis", "xyz", words(Vec3(world_.pose(body.body).q.conjugate() * axis.direction)));
+    if (world_.axis_properties(axis.id).motor)
+      notices_.push_back(world_.axis_label(axis.id) + ": a motor has no counterpart");
     if (law.stiffness > 0) notices_.push_back(world_.axis_label(axis.id) + ": a spring has no counterpart");
     if (law.damping > 0 || law.friction > 0) {
       pugi::xml_node dynamics = node.append_child("dynamics");
@@ -149,8 +153,29 @@ class UrdfWriter {
     limit.append_attribute("velocity") = words(kFar).c_str();
   }
 
+  /// <loop_joint>: a point of two links that stays together, an extension that Drake reads as well.
+  void write_loop(JointId id) {
+    const Joint& joint = world_.joint(id);
+    int count = 0;
+    for (const Vec3& point : common_points(world_, id)) {
+      pugi::xml_node node = root_.append_child("loop_joint");
+      const std::string number = ++count > 1 ? "_" + std::to_string(count) : "";
+      node.append_attribute("name") = (world_.name(id) + number).c_str();
+      for (const auto& [key, body] : {std::pair("link1", joint.a()), std::pair("link2", joint.b())}) {
+        pugi::xml_node end = node.append_child(key);
+        end.append_attribute("link") = body == kGround ? "world" : world_.name(body).c_str();
+        end.append_attribute("xyz") = words(frames_.at(body.index).local(point)).c_str();
+        end.append_attribute("rpy") = "0 0 0";
+      }
+    }
+    if (world_.has_axis_properties(id))
+      notices_.push_back(world_.name(id) +
+                         ": what acts along the axes of a joint that closes a loop has no counterpart");
+  }
+
   void write_other(JointId id) {
     if (!world_.is_attached(id)) return;
+    if (!common_points(world_, id).empty()) return write_loop(id);
     const auto* coupling = dynamic_cast<const AxisCoupling*>(&world_.joint(id));
     const bool gear = coupling && coupling->terms().size() == 2 &&
                       names_.contains(coupling->terms()[0].first) &&

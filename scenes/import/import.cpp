@@ -12,6 +12,7 @@
 #include "scenes/import/rigid_groups.h"
 #include "scenes/import/scene_document.h"
 #include "scenes/import/sdf_reader.h"
+#include "scenes/import/start_limits.h"
 #include "scenes/import/start_overlaps.h"
 #include "scenes/import/urdf_reader.h"
 #include "scenes/import/xml_files.h"
@@ -59,6 +60,7 @@ ImportedModel import_root(model::XmlFiles& files, const pugi::xml_node& root,
   model::RobotModel robot = read_robot_model(files, root);
   if (robot.name.empty()) robot.name = file.stem().string();
   model::fuse_links_without_mass(robot);
+  model::start_within_limits(robot);
   ImportedModel result;
   result.document = model::SceneDocument(robot).write();
   require_utf8(result.document, files.place(root));

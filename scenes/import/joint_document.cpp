@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "core/math/so3.h"
 #include "scenes/import/rigid_groups.h"
@@ -85,9 +86,6 @@ SceneJson SceneDocument::axes_json(const Link& link, const JointSegment& segment
     ball_axes(axes, link.axes[segment.first]);
     return axes;
   }
-  for (int k = segment.first; k < segment.first + segment.count; ++k)
-    if (const LinkAxis& axis = link.axes[k]; axis.start < axis.law.lower || axis.start > axis.law.upper)
-      note(axis.place, "\"" + axis.name + "\" starts beyond its limits: it returns to them");
   for (int k = 0; k < segment.count; ++k)
     if (SceneJson axis = axis_json(link.axes[segment.first + k]); !axis.empty())
       axes[segment.keys[k]] = std::move(axis);
@@ -103,6 +101,25 @@ SceneJson SceneDocument::axis_json(const LinkAxis& axis) const {
   if (law.friction > 0) json["friction"]["static"] = law.friction;
   if (law.stiffness > 0) json["spring"] = {{"stiffness", law.stiffness}, {"rest", law.rest - axis.start}};
   if (law.damping > 0) json["spring"]["damping"] = law.damping;
+  if (axis.drive.any()) json["motor"] = motor_json(axis);
+  return json;
+}
+
+/// A servo to where stiffness and constant, or damping and constant, balance; a constant force is a motor
+/// that never reaches its speed.
+SceneJson SceneDocument::motor_json(const LinkAxis& axis) {
+  constexpr double kOutOfReach = 1e6;  // [rad/s or m/s]
+  const AxisDrive& drive = axis.drive;
+  if (drive.stiffness == 0 && drive.damping == 0)
+    return {{"velocity", std::copysign(kOutOfReach, drive.constant)},
+            {"max_force", std::min(std::abs(drive.constant), drive.most)}};
+  SceneJson json = SceneJson::object();
+  if (drive.stiffness > 0)
+    json = {{"position", drive.constant / drive.stiffness - axis.start}, {"stiffness", drive.stiffness}};
+  else
+    json = {{"velocity", drive.constant / drive.damping}};
+  if (drive.damping > 0) json["damping"] = drive.damping;
+  if (drive.most < kNoLimit) json["max_force"] = drive.most;
   return json;
 }
 

@@ -29,6 +29,7 @@ void read_options(XmlFiles& files, const pugi::xml_node& mujoco, RobotModel& mod
 
 RobotModel read_mjcf(XmlFiles& files, const pugi::xml_node& mujoco) {
   RobotModel model;
+  model.refuses_wrong_inertia = true;
   if (const char* name = files.find(mujoco, "model")) model.name = name;
   read_options(files, mujoco, model);
   MjcfTree tree(files, mujoco, model);

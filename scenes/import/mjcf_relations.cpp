@@ -1,9 +1,11 @@
 #include "scenes/import/mjcf_relations.h"
 
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
 namespace taut::model {
 namespace {
-
-Pose inverse_of(const Pose& X) { return {X.q.conjugate(), X.q.conjugate() * Vec3(-X.p)}; }
 
 /// Thrown where something names what a part without counterpart would have defined, or has several copies.
 struct NotThere {
@@ -48,6 +50,7 @@ void MjcfRelations::read(const pugi::xml_node& mujoco) {
   each("contact", &MjcfRelations::read_contact);
   each("equality", &MjcfRelations::read_equality);
   each("tendon", &MjcfRelations::read_tendon);
+  read_controls(mujoco);
   each("actuator", &MjcfRelations::read_actuator);
   each("sensor", &MjcfRelations::read_sensor);
 }
@@ -62,18 +65,37 @@ void MjcfRelations::read_contact(const pugi::xml_node& node) {
     element.find("name");
     const auto geom = [&](const char* key) { return named(element, names_.geoms, key, names_); };
     const GeomPlace a = geom("geom1"), b = geom("geom2");
+    const bool own_surface = element.find("friction") || element.find("condim");
     const int number = static_cast<int>(model_.pairs.size());
     model_.pairs.push_back({a.link, b.link, true});
     if (a.shape < 0 || b.shape < 0) return;  // said where the shape was left out
     // Pairs with one first share its number: there are few kinds of shapes.
     std::set<int>& first_of = model_.shapes_of(a.link)[a.shape].touches.first_of;
     if (first_of.empty()) first_of.insert(number);
-    model_.shapes_of(b.link)[b.shape].touches.second_of.insert(*first_of.begin());
+    LinkShape &first = model_.shapes_of(a.link)[a.shape], &second = model_.shapes_of(b.link)[b.shape];
+    second.touches.second_of.insert(*first_of.begin());
+    if (own_surface) give_surface(element, first.surface, second.surface);
     if (model_.are_next(a.link, b.link))
       note(element,
            "<pair> of geoms: other geoms of their bodies may touch, too, as far as contype and "
            "conaffinity let them");
   }
+}
+
+/// Sliding along two directions, spinning, and rolling about two.
+void MjcfRelations::give_surface(const MjcfElement& pair, Surface& a, Surface& b) {
+  for (Surface* surface : {&a, &b})
+    if (surface->number == 0) surface->number = ++model_.numbered_surfaces;
+  Surface both = larger_of(a, b);
+  both.directions = static_cast<int>(pair.number("condim", both.directions));
+  const auto f = pair.numbers("friction");
+  const auto coefficient = [&](std::size_t i, double& value) {
+    if (i < f.size()) value = not_negative(files_, pair.node(), "friction", f[i]);
+  };
+  coefficient(0, both.sliding), coefficient(2, both.spinning), coefficient(3, both.rolling);
+  if ((f.size() > 1 && f[0] != f[1]) || (f.size() > 4 && f[3] != f[4]))
+    note(pair, "\"friction\" of <pair> that differs by direction: the first number is taken");
+  model_.pair_surfaces[std::minmax(a.number, b.number)] = both;
 }
 
 void MjcfRelations::read_equality(const pugi::xml_node& node) {
@@ -102,7 +124,7 @@ void MjcfRelations::read_equality(const pugi::xml_node& node) {
 void MjcfRelations::read_connect(const MjcfElement& connect, Loop loop) {
   files_.required(connect.node(), "anchor");
   loop.a.X_LF.p = connect.vector("anchor", Vec3::Zero());
-  loop.b.X_LF = inverse_of(pose(loop.b.link)) * pose(loop.a.link) * loop.a.X_LF;
+  loop.b.X_LF = inverse(pose(loop.b.link)) * pose(loop.a.link) * loop.a.X_LF;
   model_.loops.push_back(std::move(loop));
 }
 
@@ -111,7 +133,7 @@ void MjcfRelations::read_weld(const MjcfElement& weld, Loop loop) {
   loop.fixed = true;
   const auto v = weld.numbers("relpose", {0, 1, 0, 0, 0, 0, 0});
   const Quat q(v[3], v[4], v[5], v[6]);
-  Pose X_12 = inverse_of(pose(loop.a.link)) * pose(loop.b.link);
+  Pose X_12 = inverse(pose(loop.a.link)) * pose(loop.b.link);
   if (q.norm() > 1e-12) X_12 = {q.normalized(), Vec3(v[0], v[1], v[2])};
   weld.find("anchor");  // of a rigid joint all points do
   loop.a.X_LF = X_12;
@@ -186,8 +208,30 @@ void MjcfRelations::read_spring(const MjcfElement& tendon, Wire& wire) {
   if (rest.size() > 1 && rest[1] > rest[0] && rest[0] >= 0) wire.slack = rest[1] - rest[0];
 }
 
-/// With a control of 0: what is left is a law of the joint.
+/// Its controls are those of the first <key> that has some and starts from where the model does, or else 0.
+void MjcfRelations::read_controls(const pugi::xml_node& mujoco) {
+  std::size_t count = 0;
+  for (const pugi::xml_node& part : files_.children(mujoco, "actuator"))
+    count += files_.children(part).size();
+  for (const pugi::xml_node& part : files_.children(mujoco, "keyframe"))
+    for (const pugi::xml_node& key : files_.children(part, "key")) {
+      const MjcfElement element(files_, key);
+      if (!controls_.empty() || !key.attribute("ctrl") || key.attribute("qpos") || key.attribute("qvel")) {
+        leave_out(element, "<key>: the model starts as without it");
+        continue;
+      }
+      files_.accept(key);
+      element.find("name");
+      controls_ = element.numbers("ctrl");
+      if (controls_.size() == count) continue;
+      note(element, "\"ctrl\" has not as many numbers as there are actuators: controls are 0");
+      controls_.assign(count, 0.0);
+    }
+  controls_.resize(count, 0.0);
+}
+
 void MjcfRelations::read_actuator(const pugi::xml_node& node) {
+  const double control = controls_[actuators_++];
   const MjcfElement actuator = defaults_.element(node, "");
   const std::string kind = node.name(), name = actuator.text("name");
   const bool known =
@@ -196,36 +240,77 @@ void MjcfRelations::read_actuator(const pugi::xml_node& node) {
   if (!known || !node.attribute(attribute))
     return leave_out(actuator, "<" + kind + "> \"" + name + "\": has no counterpart: it does nothing");
   const AxisName on = joint(actuator, attribute);
-  note(actuator, "<" + kind + "> \"" + name + "\": acts as with a control of 0");
-  act_on_joint(actuator, axis(on).law, axis(on).start);
+  act_on_joint(actuator, within_range(actuator, control), axis(on));
 }
 
-/// force = gear (bias₀ + bias₁ gear q + bias₂ gear q̇), with the bias of the kind.
-void MjcfRelations::act_on_joint(const MjcfElement& actuator, AxisLaw& law, double start) {
+double MjcfRelations::within_range(const MjcfElement& actuator, double control) const {
+  const auto range = actuator.numbers("ctrlrange", {0, 0});
+  const bool given = range[0] < range[1];
+  if (!actuator.flag("ctrllimited", compiler_.autolimits && given) || !given) return control;
+  return std::clamp(control, range[0], range[1]);
+}
+
+/// force = gear (gain₀ u + bias₀ + bias₁ gear q + bias₂ gear q̇), with gain and bias of the kind.
+AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control) {
   const std::string kind = actuator.node().name();
   const double gear = actuator.numbers("gear", {1, 0, 0, 0, 0, 0})[0];
-  double constant = 0, stiffness = 0, damping = 0;
+  double gain = 1;
+  std::vector<double> bias(3, 0.0);
   if (kind == "position") {
-    stiffness = actuator.number("kp", 1);
-    damping = actuator.number("kv", 0);
+    gain = actuator.number("kp", 1);
+    bias[1] = -gain, bias[2] = -actuator.number("kv", 0);
   } else if (kind == "velocity") {
-    damping = actuator.number("kv", 1);
-  } else if (kind == "general" && actuator.text("biastype", "none") == "affine") {
-    std::vector<double> bias = actuator.numbers("biasprm");
-    bias.resize(std::max<std::size_t>(bias.size(), 3), 0.0);
-    constant = bias[0], stiffness = -bias[1], damping = -bias[2];
-  } else if (kind == "general" && actuator.text("biastype", "none") != "none") {
-    note(actuator, "\"biastype\": has no counterpart: it does nothing");
+    gain = actuator.number("kv", 1);
+    bias[2] = -gain;
+  } else if (kind == "damper") {
+    gain = 0;
+    bias[2] = -actuator.number("kv", 1) * control;
+  } else if (kind == "general") {
+    const std::vector<double> given = actuator.numbers("gainprm");
+    if (actuator.text("gaintype", "fixed") != "fixed")
+      gain = 0;
+    else if (!given.empty())
+      gain = given[0];
+    const std::string type = actuator.text("biastype", "none");
+    if (type == "affine") bias = actuator.numbers("biasprm");
+    if (type != "affine" && type != "none")
+      note(actuator, "\"biastype\": has no counterpart: it does nothing");
+    if (gain == 0 && control != 0)
+      note(actuator, "\"gaintype\": has no counterpart: its control does nothing");
   }
-  stiffness *= gear * gear;
-  damping *= gear * gear;
-  if (stiffness < 0 || damping < 0 || (constant != 0 && stiffness == 0))
-    return note(actuator, "a bias that is no spring: has no counterpart");
-  const double rest = stiffness > 0 ? gear * constant / stiffness : start;
-  if (law.stiffness + stiffness > 0)
-    law.rest = (law.stiffness * law.rest + stiffness * rest) / (law.stiffness + stiffness);
-  law.stiffness += stiffness;
-  law.damping += damping;
+  bias.resize(3, 0.0);
+  return {gear * (gain * control + bias[0]), -bias[1] * gear * gear, -bias[2] * gear * gear,
+          most_of(actuator) * std::abs(gear)};
+}
+
+double MjcfRelations::most_of(const MjcfElement& actuator) {
+  const auto range = actuator.numbers("forcerange", {0, 0});
+  const bool given = range[0] < range[1];
+  if (!actuator.flag("forcelimited", compiler_.autolimits && given) || !given) return kNoLimit;
+  if (range[0] != -range[1])
+    note(actuator, "\"forcerange\" that is not symmetric: its larger end is taken both ways");
+  return std::max(std::abs(range[0]), std::abs(range[1]));
+}
+
+/// Those of one joint are one motor.
+void MjcfRelations::act_on_joint(const MjcfElement& actuator, double control, LinkAxis& axis) {
+  const std::string label = "<" + std::string(actuator.node().name()) + "> \"" + actuator.text("name") + "\"";
+  const AxisDrive drive = drive_of(actuator, control);
+  AxisDrive& all = axis.drive;
+  if (drive.stiffness < 0 || drive.damping < 0)
+    return note(actuator, label + ": a bias that is no spring: has no counterpart");
+  if (!drive.any()) return note(actuator, label + ": without a control it does nothing");
+  if (axis.kind == LinkAxis::Kind::kBall)
+    return note(actuator, label + ": acts on a ball joint: has no counterpart");
+  if (all.any() && (all.most < kNoLimit || drive.most < kNoLimit))
+    return note(actuator, label +
+                              ": acts on a joint that another one drives, and one of them has a bounded "
+                              "force: left out");
+  all = {all.constant + drive.constant, all.stiffness + drive.stiffness, all.damping + drive.damping,
+         drive.most};
+  std::ostringstream message;
+  message << label << ": a motor of its joint, with a control of " << control;
+  note(actuator, message.str());
 }
 
 void MjcfRelations::read_sensor(const pugi::xml_node& node) {

@@ -25,6 +25,7 @@ class MjcfRelations {
     return name.empty() ? name : prefix_ + name;
   }
   void read_contact(const pugi::xml_node& node);
+  void give_surface(const MjcfElement& pair, Surface& a, Surface& b);
   void read_equality(const pugi::xml_node& node);
   void read_connect(const MjcfElement& connect, Loop loop);
   void read_weld(const MjcfElement& weld, Loop loop);
@@ -32,8 +33,12 @@ class MjcfRelations {
   void read_tendon(const pugi::xml_node& node);
   void read_spatial(const MjcfElement& tendon);
   void read_spring(const MjcfElement& tendon, Wire& wire);
+  void read_controls(const pugi::xml_node& mujoco);
   void read_actuator(const pugi::xml_node& node);
-  void act_on_joint(const MjcfElement& actuator, AxisLaw& law, double start);
+  double within_range(const MjcfElement& actuator, double control) const;
+  AxisDrive drive_of(const MjcfElement& actuator, double control);
+  double most_of(const MjcfElement& actuator);
+  void act_on_joint(const MjcfElement& actuator, double control, LinkAxis& axis);
   void read_sensor(const pugi::xml_node& node);
   bool frame_sensor(const MjcfElement& sensor, ModelProbe& probe);
   LinkFrame object_of(const MjcfElement& sensor);
@@ -58,6 +63,8 @@ class MjcfRelations {
   const MjcfNames& names_;
   std::string prefix_;  // of names in the whole
   RobotModel& model_;
+  std::vector<double> controls_;  // of the actuators in their order
+  std::size_t actuators_ = 0;     // that are read already
 };
 
 }  // namespace taut::model

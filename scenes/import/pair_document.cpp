@@ -47,16 +47,24 @@ void SceneDocument::forbid_neighbours(PairRules& rules) const {
   }
 }
 
-void SceneDocument::allow_joined(PairRules& rules) const {
+/// Two that a weld holds have nothing to push apart, and could not.
+void SceneDocument::allow_joined(PairRules& rules) {
   for (int i = 0; i < static_cast<int>(model_.links.size()); ++i) {
     const Link& link = model_.links[i];
     if (link.free || stands_still(model_, i) || segments_[i].size() > 1 || !stands_still(model_, link.parent))
       continue;
     if (has_shapes(i) && has_shapes(link.parent)) rules[std::minmax(i, link.parent)] = true;
   }
-  for (const Loop& loop : model_.loops)
-    if (has_shapes(loop.a.link) && has_shapes(loop.b.link) && !joined_directly(loop.a.link, loop.b.link))
+  for (const Loop& loop : model_.loops) {
+    if (stands_still(model_, loop.a.link) && stands_still(model_, loop.b.link)) continue;
+    if (!has_shapes(loop.a.link) || !has_shapes(loop.b.link) || joined_directly(loop.a.link, loop.b.link))
+      continue;
+    if (loop.fixed && loop.active)
+      note(loop.place, "\"" + body(loop.a.link) + "\" and \"" + body(loop.b.link) +
+                           "\" are welded: they do not touch each other");
+    else
       rules.try_emplace(std::minmax(loop.a.link, loop.b.link), true);
+  }
 }
 
 void SceneDocument::write_pairs(SceneJson& document) {

@@ -1,5 +1,7 @@
 #include "scenes/import/rigid_groups.h"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <sstream>
 
@@ -17,8 +19,6 @@ int root_of(const RobotModel& model, int link) {
   return link;
 }
 
-Pose inverse(const Pose& X) { return {X.q.conjugate(), X.q.conjugate() * Vec3(-X.p)}; }
-
 class Fusion {
  public:
   explicit Fusion(RobotModel& model) : model_(model), into_(model.links.size()) {
@@ -29,7 +29,10 @@ class Fusion {
     std::map<int, std::vector<int>> groups;
     for (int i = 0; i < static_cast<int>(into_.size()); ++i)
       if (const int root = root_of(model_, i); !is_fixed(model_.links[root])) groups[root].push_back(i);
-    for (const auto& [root, members] : groups) choose(root, members);
+    for (const auto& [root, members] : groups) {
+      balance(root, members);
+      choose(root, members);
+    }
     for (const auto& [root, members] : groups) move_joint(root, members);
     for (int i = 0; i < static_cast<int>(into_.size()); ++i)
       if (into_[i] != i) fuse(i, into_[i]);
@@ -38,6 +41,25 @@ class Fusion {
   }
 
  private:
+  /// Where links that move together are no body even as one, each that is none by itself gets the mean of its
+  /// principal moments as each of them, as with MuJoCo's balanceinertia.
+  void balance(int root, const std::vector<int>& members) {
+    if (model_.refuses_wrong_inertia || is_solid(inertia_seen_from(root, members))) return;
+    for (int i : members) {
+      Link& link = model_.links[i];
+      const Vec3 moments = dense::symmetric_eigenvalues3(link.inertia.inertia);
+      const LinkInertia round{link.inertia.mass, link.inertia.centre, moments.mean() * Mat3::Identity()};
+      if (is_solid(link.inertia) || !is_solid(round)) continue;
+      link.inertia = round;
+      std::ostringstream message;
+      message.precision(6);
+      message << "the principal moments of inertia of \"" << link.name
+              << "\" are those of no body (value: " << moments[0] << ' ' << moments[1] << ' ' << moments[2]
+              << " kg m²): each becomes their mean, " << moments.mean() << " kg m²";
+      model_.notices.push_back({link.place, message.str(), 1});
+    }
+  }
+
   /// Which member each of them is to become a part of.
   void choose(int root, const std::vector<int>& members) {
     require_solid(root, members);
@@ -59,22 +81,24 @@ class Fusion {
   }
 
   LinkInertia inertia_with_parts(int whole, const std::vector<int>& members) const {
+    std::vector<int> parts;
+    std::ranges::copy_if(members, std::back_inserter(parts), [&](int i) { return into_[i] == whole; });
+    return inertia_seen_from(whole, parts);
+  }
+  /// Of all of them as one, in the axes of a link.
+  LinkInertia inertia_seen_from(int link, const std::vector<int>& members) const {
+    const Pose X_LW = inverse(model_.links[link].X_WL);
     LinkInertia all;
-    for (int i : members)
-      if (into_[i] == whole)
-        all = sum(
-            all, in_frame(inverse(model_.links[whole].X_WL) * model_.links[i].X_WL, model_.links[i].inertia));
+    for (int i : members) all = sum(all, in_frame(X_LW * model_.links[i].X_WL, model_.links[i].inertia));
     return all;
   }
 
   void require_solid(int root, const std::vector<int>& members) const {
     const Link& link = model_.links[root];
-    LinkInertia all;
     for (int i : members)
       if (!model_.links[i].unknown_mass.empty())
         throw ImportError(model_.links[i].place, model_.links[i].unknown_mass);
-    for (int i : members)
-      all = sum(all, in_frame(inverse(link.X_WL) * model_.links[i].X_WL, model_.links[i].inertia));
+    const LinkInertia all = inertia_seen_from(root, members);
     if (is_solid(all)) return;
     std::ostringstream message;
     message.precision(6);
@@ -84,7 +108,8 @@ class Fusion {
     else
       message << "its inertia is that of no body: positive principal moments, none larger than the sum of "
                  "the others"
-              << " (value: " << dense::symmetric_eigenvalues3(all.inertia).transpose() << " kg m²)";
+              << " (value: " << dense::symmetric_eigenvalues3(all.inertia).transpose() << " kg m²)"
+              << (model_.refuses_wrong_inertia ? "; balanceinertia=\"true\" of <compiler> makes it one" : "");
     throw ImportError(link.place, message.str());
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -19,6 +20,8 @@ namespace taut::model {
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 inline constexpr int kWorld = -1;  ///< in place of the index of a link
 
+inline Pose inverse(const Pose& X) { return {X.q.conjugate(), X.q.conjugate() * Vec3(-X.p)}; }
+
 /// Mass [kg], its centre [m] and the inertia about the centre [kg m²], in the axes of a link.
 struct LinkInertia {
   double mass = 0;
@@ -31,8 +34,13 @@ struct LinkInertia {
 struct Surface {
   int directions = 3;
   double sliding = 0.5, spinning = 0, rolling = 0;
+  int number = 0;  ///< of one that a pair names, which has coefficients of its own with another; 0: none
   auto operator<=>(const Surface&) const = default;
 };
+inline Surface larger_of(const Surface& a, const Surface& b) {
+  return {std::max(a.directions, b.directions), std::max(a.sliding, b.sliding),
+          std::max(a.spinning, b.spinning), std::max(a.rolling, b.rolling)};
+}
 
 /// A collision shape.
 /// Two shapes touch if one's type shares a bit with the other's affinity, or if one is the first, and the
@@ -70,6 +78,14 @@ struct AxisLaw {
   double friction = 0;
 };
 
+/// Actuators of an axis: force = constant − stiffness q − damping q̇ in the terms of the file, together at
+/// most `most`.
+struct AxisDrive {
+  double constant = 0, stiffness = 0, damping = 0;
+  double most = kNoLimit;
+  bool any() const { return constant != 0 || stiffness > 0 || damping > 0; }
+};
+
 /// One motion of a link against its parent.  Several follow each other, the first next to the parent.
 struct LinkAxis {
   enum class Kind { kHinge, kSlide, kBall, kScrew };
@@ -81,6 +97,7 @@ struct LinkAxis {
   double pitch = 0;            ///< of a screw [m per turn]
   double armature = 0;         ///< inertia of the motion by itself [kg m² or kg]
   AxisLaw law;
+  AxisDrive drive;
   ModelPlace place;
 };
 
@@ -160,6 +177,9 @@ struct RobotModel {
   bool contacts = true;
   /// What is joined to the ground, or by a loop, touches it all the same.
   bool joined_touch = false;
+  /// An inertia that no body has is an error, as the format's own compiler has it; it has a word against
+  /// that.
+  bool refuses_wrong_inertia = false;
   std::vector<LinkShape> ground_shapes;
   std::vector<Link> links;  ///< parents first
   std::vector<Loop> loops;
@@ -167,6 +187,8 @@ struct RobotModel {
   std::vector<Wire> wires;
   std::vector<ModelProbe> probes;
   std::vector<LinkPair> pairs;
+  int numbered_surfaces = 0;
+  std::map<std::pair<int, int>, Surface> pair_surfaces;  ///< by numbers, the smaller first
   std::vector<ImportNotice> notices;
   std::size_t models = 0;  ///< of the file that are read already
   int elements = 0;        ///< of the file that were read, with their copies

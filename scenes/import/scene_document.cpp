@@ -1,5 +1,9 @@
 #include "scenes/import/scene_document.h"
 
+#include <cmath>
+#include <sstream>
+
+#include "core/math/dense.h"
 #include "scenes/files/shape_json.h"
 #include "scenes/import/link_inertia.h"
 #include "scenes/import/rigid_groups.h"
@@ -52,6 +56,24 @@ SceneJson SceneDocument::write() {
   return document;
 }
 
+/// Impulses that hold a point at a distance are as much larger than those that turn it as (distance/ρ)².
+void SceneDocument::note_points_on_levers(const Link& link, const std::string& name) {
+  constexpr double kNearlyAPoint = 1e7;  // of that, where 16 digits leave 9 of the smaller ones
+  const double least = dense::symmetric_eigenvalues3(link.inertia.inertia).minCoeff() / link.inertia.mass;
+  for (const LinkAxis& axis : link.axes) {
+    if (axis.kind == LinkAxis::Kind::kSlide) continue;
+    const Vec3 arm = link.inertia.centre - axis.anchor;
+    const double d = axis.kind == LinkAxis::Kind::kBall ? arm.norm() : arm.cross(axis.axis).norm();
+    if (!(d * d > kNearlyAPoint * least)) continue;
+    std::ostringstream message;
+    message.precision(3);
+    message << '"' << name << "\" is nearly a point (value: " << std::sqrt(least) << " m across, " << d
+            << " m from its axis \"" << axis.name
+            << "\"): what holds it there is found to few digits, and steps may not converge";
+    note(axis.place, message.str());
+  }
+}
+
 void SceneDocument::name_bodies() {
   for (const Link& link : model_.links) {
     bodies_.push_back(unique(body_names_, link.name, "link"));
@@ -59,6 +81,7 @@ void SceneDocument::name_bodies() {
       note(link.place,
            "\"" + link.name + "\" is the name of another body: it is called \"" + bodies_.back() + "\"");
     segments_.push_back(joint_segments(link));
+    if (is_solid(link.inertia)) note_points_on_levers(link, bodies_.back());
   }
   for (std::size_t i = 0; i < model_.links.size(); ++i) {
     between_.emplace_back();
@@ -105,16 +128,14 @@ std::uint32_t SceneDocument::partners(int contact_class) const {
 /// Materials by surface, and what holds between two of them.
 void SceneDocument::write_materials(SceneJson& document) const {
   if (surfaces_.empty()) return;
-  const auto material = [](int directions, double sliding, double spinning, double rolling) {
-    SceneJson json{{"static_friction", directions < 3 ? 0 : sliding},
-                   {"dynamic_friction", directions < 3 ? 0 : sliding}};
-    if (directions >= 4 && spinning > 0) json["spinning_friction"] = spinning;
-    if (directions >= 6 && rolling > 0) json["rolling_friction"] = rolling;
-    return json;
-  };
   const auto both = [&](const Surface& a, const Surface& b) {
-    return material(std::max(a.directions, b.directions), std::max(a.sliding, b.sliding),
-                    std::max(a.spinning, b.spinning), std::max(a.rolling, b.rolling));
+    const auto own = model_.pair_surfaces.find(std::minmax(a.number, b.number));
+    const Surface s = own == model_.pair_surfaces.end() ? larger_of(a, b) : own->second;
+    SceneJson json{{"static_friction", s.directions < 3 ? 0 : s.sliding},
+                   {"dynamic_friction", s.directions < 3 ? 0 : s.sliding}};
+    if (s.directions >= 4 && s.spinning > 0) json["spinning_friction"] = s.spinning;
+    if (s.directions >= 6 && s.rolling > 0) json["rolling_friction"] = s.rolling;
+    return json;
   };
   for (const auto& [surface, name] : surfaces_) document["materials"][name] = both(surface, surface);
   for (auto a = surfaces_.begin(); a != surfaces_.end(); ++a)

@@ -24,6 +24,7 @@ class SceneDocument {
   /// One that nothing of this kind has yet: `name`, or `fallback`, with a number if need be.
   static std::string unique(TakenNames& taken, const std::string& name, const std::string& fallback);
   void name_bodies();
+  void note_points_on_levers(const Link& link, const std::string& name);
   void note(const ModelPlace& place, const std::string& message) {
     model_.notices.push_back({place, message, 1});
   }
@@ -44,7 +45,7 @@ class SceneDocument {
   // pair_document.cpp
   void write_pairs(SceneJson& document);
   void forbid_neighbours(std::map<std::pair<int, int>, bool>& rules) const;
-  void allow_joined(std::map<std::pair<int, int>, bool>& rules) const;
+  void allow_joined(std::map<std::pair<int, int>, bool>& rules);
   bool has_shapes(int link) const;
   bool joined_directly(int a, int b) const;
 
@@ -55,6 +56,7 @@ class SceneDocument {
                             const std::string& a, const std::string& b);
   SceneJson axes_json(const Link& link, const JointSegment& segment);
   SceneJson axis_json(const LinkAxis& axis) const;
+  static SceneJson motor_json(const LinkAxis& axis);
   void ball_axes(SceneJson& axes, const LinkAxis& axis);
   void write_loop(SceneJson& joints, const Loop& loop);
   void write_closing_joint(SceneJson& joints, const Loop& loop);

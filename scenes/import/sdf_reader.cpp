@@ -198,10 +198,10 @@ class SdfModelReader {
       link.joint_name = name;
       return;
     }
-    const Pose X_CJ = inverse_of_pose(link.X_WL) * X_WM_ * pose_in_model(node);
+    const Pose X_CJ = inverse(link.X_WL) * X_WM_ * pose_in_model(node);
     const Pose X_WP = parent == kWorld ? Pose{} : model_.links[parent].X_WL;
     Loop loop{name,
-              {parent, inverse_of_pose(X_WP) * link.X_WL * X_CJ},
+              {parent, inverse(X_WP) * link.X_WL * X_CJ},
               {child, X_CJ},
               axes.empty(),
               std::move(axes),
@@ -209,7 +209,6 @@ class SdfModelReader {
               files_.place(node)};
     model_.loops.push_back(std::move(loop));
   }
-  static Pose inverse_of_pose(const Pose& X) { return {X.q.conjugate(), X.q.conjugate() * Vec3(-X.p)}; }
 
   /// Whether the way from the link to the world passes the other one.
   bool leads_to(int link, int other) const {
@@ -242,7 +241,7 @@ class SdfModelReader {
     axis.kind = kind;
     axis.name = name;
     axis.place = files_.place(joint);
-    const Pose X_MJ = pose_in_model(joint), X_LM = inverse_of_pose(model_.links[child].X_WL) * X_WM_;
+    const Pose X_MJ = pose_in_model(joint), X_LM = inverse(model_.links[child].X_WL) * X_WM_;
     axis.anchor = X_LM.point(X_MJ.p);
     const pugi::xml_node node = files_.child(joint, key);
     if (!node) {

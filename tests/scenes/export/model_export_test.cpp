@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "core/joints/joints.h"
 #include "scenes/export/mjcf_export.h"
@@ -8,6 +12,7 @@
 #include "scenes/files/scene_file.h"
 #include "scenes/import/imported_model.h"
 #include "solvers/simulator/simulator.h"
+#include "tests/source_dir.h"
 
 // A scene that was a model in between moves as the scene.
 namespace taut::model_export_test {
@@ -118,6 +123,106 @@ TEST(ModelExport, LoopsGearsRopesAndSpringsAsMjcf) {
   EXPECT_TRUE(notices.empty()) << notices[0];
   EXPECT_EQ(back.world.joint_count(), scene.world.joint_count());
   EXPECT_LT(difference(scene, back), 1e-8);
+}
+
+/// A closing hinge is two points, a fixed joint three, and a ball one, also in the tree.
+TEST(ModelExport, LoopsAsUrdf) {
+  for (const std::string kind : {"ball", "hinge", "fixed"}) {
+    Scene scene;
+    World& w = scene.world;
+    const auto rod = [&](const char* name, const Vec3& p) {
+      return w.add_body(
+          {.name = name, .mass = MassProperties::box({0.2, 0.1, 1}, 1), .pose = {exp_so3(p), p}});
+    };
+    const BodyId a = rod("a", {0, 0, 0.5}), b = rod("b", {1, 0, 0.5}), c = rod("c", {0.5, 0, 1}),
+                 d = rod("d", {2, 0, 1});
+    w.add("a0", Hinge::at(w, kGround, a, Vec3::Zero(), Vec3::UnitY()));
+    w.add("b0", Hinge::at(w, kGround, b, Vec3::UnitX(), Vec3::UnitY()));
+    w.add("ac", Hinge::at(w, a, c, Vec3(0, 0, 1), Vec3::UnitY()));
+    w.add("bd", Ball::at(w, b, d, Vec3(1.5, 0, 1)));
+    if (kind == "ball") w.add("cb", Ball::at(w, c, b, Vec3(1, 0, 1)));
+    if (kind == "hinge") w.add("cb", Hinge::at(w, c, b, Vec3(1, 0, 1), Vec3::UnitY()));
+    if (kind == "fixed") w.add("cb", Fixed::at(w, c, b, Vec3(1, 0, 1)));
+    std::vector<std::string> notices;
+    const Scene back = there_and_back(scene, urdf_of, "m.urdf", notices);
+    EXPECT_EQ(notices.size(), 1u) << notices[0];  // gravity and contacts
+    const int points = kind == "ball" ? 1 : kind == "hinge" ? 2 : 3;
+    EXPECT_EQ(back.world.joint_count(), scene.world.joint_count() - 1 + points);
+    EXPECT_FALSE(back.assemble);
+    EXPECT_LT(difference(scene, back), 1e-8) << kind;
+  }
+}
+
+/// Two position servos, one of which has not the force that it needs, and two of velocity.
+Scene servo_arm() {
+  return load_scene_file(std::string(testing::source_dir()) + "/tests/scenes/export/servo_arm.json");
+}
+std::string text_of(const std::string& name) {
+  std::ifstream file(std::string(testing::source_dir()) + "/tests/scenes/export/" + name);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// `mujoco_motion.py` has had MuJoCo move servo_arm.xml, which is what the scene is as MJCF.  Both go by
+/// steps of 1e-4 s of order 2 or more; where a force reaches its bound, by some 1e-8 m.
+TEST(ModelExport, ServosMoveAsThoseOfMuJoCo) {
+  Scene scene = servo_arm();
+  std::vector<std::string> notices;
+  EXPECT_EQ(mjcf_of(scene, notices), text_of("servo_arm.xml"));
+  EXPECT_TRUE(notices.empty()) << notices[0];
+  const auto motion = nlohmann::json::parse(text_of("servo_arm.motion.json"));
+  Simulator simulator(scene.world, scene.settings);
+  const double time = motion["time"];
+  for (int i = 0; i < std::lround(time / 1e-4); ++i)
+    ASSERT_TRUE(simulator.step(1e-4).exact()) << simulator.report().message;
+  for (const auto& [name, p] : motion["positions"].items()) {
+    const Vec3 there(p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
+    EXPECT_LT((scene.world.pose(scene.world.body(name)).p - there).norm(), 5e-8) << name;
+  }
+}
+
+TEST(ModelExport, ServosComeBackAsTheyWere) {
+  const Scene scene = servo_arm();
+  std::vector<std::string> notices;
+  const Scene back = there_and_back(scene, mjcf_of, "m.xml", notices);
+  for (int j = 0; j < scene.world.joint_count(); ++j) {
+    const auto& before = scene.world.axis_properties({{j}, 0}).motor;
+    const auto& after = back.world.axis_properties({back.world.joint(scene.world.name(JointId{j})), 0}).motor;
+    ASSERT_TRUE(before && after);
+    EXPECT_EQ(before->mode, after->mode);
+    EXPECT_EQ(before->target, after->target);
+    EXPECT_EQ(before->stiffness, after->stiffness);
+    EXPECT_EQ(before->damping, after->damping);
+    EXPECT_EQ(before->max_force, after->max_force);
+  }
+  EXPECT_LT(difference(scene, back), 1e-9);
+}
+
+/// A motor that keeps its target is a servo, which is named, and which comes near to it; what else it has is
+/// named.
+TEST(ModelExport, ExactMotorsAreStiffServos) {
+  Scene scene = arm();
+  World& w = scene.world;
+  const AxisId hip = w.axis(w.joint("hip"), "angle"), slide = w.axis(w.joint("slide"), "displacement"),
+               wrist = w.axis(w.joint("wrist"), "angle");
+  w.set_motor(hip, AxisMotor{.mode = AxisMotor::Mode::kPosition, .target = 0.02, .max_speed = 3});
+  w.set_motor(slide, AxisMotor{.target = 0.5});
+  w.set_motor(wrist, AxisMotor{.mode = AxisMotor::Mode::kTrajectory, .trajectory = linear_motion(0, 1)});
+  std::vector<std::string> notices;
+  Scene back = there_and_back(scene, mjcf_of, "m.xml", notices);
+  const auto says = [&](const std::string& what) {
+    return std::any_of(notices.begin(), notices.end(),
+                       [&](const std::string& n) { return n.rfind(what, 0) == 0; });
+  };
+  EXPECT_TRUE(says("hip angle: a motor that keeps its target exactly is a servo (value: stiffness "));
+  EXPECT_TRUE(says("hip angle: the highest speed of a motor has no counterpart"));
+  EXPECT_TRUE(says("slide displacement: a motor that keeps its target exactly is a servo"));
+  EXPECT_TRUE(says("wrist angle: a motor along a trajectory has no counterpart"));
+  EXPECT_EQ(notices.size(), 4u);
+  back.settings.contacts = false;
+  Simulator simulator(back.world, back.settings);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(simulator.step(back.dt).exact()) << simulator.report().message;
+  EXPECT_NEAR(back.world.axis_value(back.world.axis(back.world.joint("hip"), "angle")), 0.02, 5e-3);
+  EXPECT_NEAR(back.world.axis_rate(back.world.axis(back.world.joint("slide"), "displacement")), 0.5, 0.02);
 }
 
 TEST(ModelExport, WhatHasNoCounterpartIsNamed) {

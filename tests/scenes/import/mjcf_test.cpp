@@ -174,16 +174,94 @@ TEST(ImportMjcf, SitesThatAreApartAreBroughtTogether) {
   EXPECT_LT(scene.world.pose(scene.world.body("a")).p.norm(), 1e-9);
 }
 
-TEST(ImportMjcf, ActuatorsActAsWithAControlOfZero) {
+/// Of these two geoms, and not of others of their bodies.
+TEST(ImportMjcf, APairHasItsOwnFriction) {
+  const ImportedModel model = imported(
+      "<worldbody><geom name='floor' type='plane' size='1 1 1' friction='0.9'/><body pos='0 0 1'><freejoint/>"
+      "<geom name='g' size='.1'/><geom name='h' size='.1' pos='1 0 0'/></body></worldbody>"
+      "<contact><pair geom1='floor' geom2='g' condim='6' friction='.2 .3 .01 .002 .002'/></contact>");
+  EXPECT_TRUE(notes(model, "\"friction\" of <pair> that differs by direction: the first number is taken"));
+  const Scene scene = scene_of(model);
+  const World& w = scene.world;
+  ASSERT_EQ(w.shape_count(), 3);
+  const auto between = [&](int a, int b) { return w.contact_material(ShapeId{a}, ShapeId{b}); };
+  EXPECT_EQ(between(0, 1).dynamic_friction, 0.2);
+  EXPECT_EQ(between(0, 1).static_friction, 0.2);
+  EXPECT_EQ(between(0, 1).spinning_friction, 0.01);
+  EXPECT_EQ(between(0, 1).rolling_friction, 0.002);
+  EXPECT_EQ(between(0, 2).dynamic_friction, 1);  // the larger one
+}
+
+/// A weld holds what its bodies' contact would push apart.
+TEST(ImportMjcf, WeldedBodiesDoNotTouch) {
+  const ImportedModel model = imported(
+      "<worldbody><body name='a'><freejoint/><geom size='1'/></body><body name='b' pos='1.5 0 0'><freejoint/>"
+      "<geom size='1'/></body></worldbody><equality><weld body1='a' body2='b'/></equality>");
+  EXPECT_TRUE(notes(model, "\"a\" and \"b\" are welded: they do not touch each other"));
+  Scene scene = scene_of(model);
+  Simulator simulator(scene.world, scene.settings);
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(simulator.step(1e-3).exact()) << simulator.report().message;
+}
+
+const std::string kDriven = "<worldbody><body><joint name='j' axis='0 1 0' ref='0.5'/>" + kBall +
+                            "</body><body pos='1 0 0'><joint name='k' axis='0 1 0'/>" + kBall +
+                            "</body></worldbody>";
+nlohmann::ordered_json motor_of(const ImportedModel& model, int joint) {
+  return model.document["joints"][joint]["axes"]["angle"]["motor"];
+}
+
+/// The unit of angles is none of controls'.
+TEST(ImportMjcf, ActuatorsAreMotors) {
+  const std::string actuators =
+      "<compiler angle='radian'/><actuator><position name='p' joint='j' kp='4' kv='.5' gear='2' "
+      "forcerange='-3 3'/>"
+      "<general name='g' joint='k' gainprm='6' biastype='affine' biasprm='1 0 -2 0 0 0 0 0 0 0'/></actuator>";
+  const ImportedModel still = imported(kDriven + actuators);
+  EXPECT_EQ(motor_of(still, 0),
+            (nlohmann::ordered_json{
+                {"position", -0.5}, {"stiffness", 16.0}, {"damping", 2.0}, {"max_force", 6.0}}));
+  EXPECT_EQ(motor_of(still, 1), (nlohmann::ordered_json{{"velocity", 0.5}, {"damping", 2.0}}));
+  EXPECT_TRUE(notes(still, "<position> \"p\": a motor of its joint, with a control of 0"));
+  (void)scene_of(still);
+  const ImportedModel driven = imported(kDriven + actuators + "<keyframe><key ctrl='3 0.5'/></keyframe>");
+  EXPECT_EQ(motor_of(driven, 0)["position"], 3.0 / 2 - 0.5);
+  EXPECT_EQ(motor_of(driven, 1)["velocity"], (6 * 0.5 + 1) / 2);
+  EXPECT_TRUE(notes(driven, "<position> \"p\": a motor of its joint, with a control of 3"));
+}
+
+/// A key that starts elsewhere is none of the start's; controls keep to their range.
+TEST(ImportMjcf, ControlsAreThoseOfTheStart) {
+  const auto with = [](const std::string& keys) {
+    return imported(kDriven +
+                    "<actuator><motor name='m' joint='j' ctrlrange='-2 2' gear='5'/><damper name='d' "
+                    "joint='k' kv='3'/></actuator><keyframe>" +
+                    keys + "</keyframe>");
+  };
+  const ImportedModel still = with("<key qpos='1 1' ctrl='1 1'/>");
+  EXPECT_TRUE(notes(still, "<motor> \"m\": without a control it does nothing"));
+  EXPECT_TRUE(notes(still, "<key>: the model starts as without it"));
+  const ImportedModel pushed = with("<key qpos='1 1' ctrl='1 1'/><key ctrl='-7 0.5'/>");
+  EXPECT_EQ(motor_of(pushed, 0), (nlohmann::ordered_json{{"velocity", -1e6}, {"max_force", 10.0}}));
+  EXPECT_EQ(motor_of(pushed, 1), (nlohmann::ordered_json{{"velocity", 0.0}, {"damping", 1.5}}));
+  // A force of 10 N m on the ball about its diameter, at rest: α = M/I.
+  Scene scene = scene_of(pushed);
+  scene.world.set_gravity(Vec3::Zero());
+  Simulator simulator(scene.world, scene.settings);
+  ASSERT_TRUE(simulator.step(1e-3).exact());
+  const double inertia = scene.world.mass_properties(BodyId{1}).inertia_B()(1, 1);
+  EXPECT_NEAR(scene.world.twist(BodyId{1}).w.y(), -10 / inertia * 1e-3, 1e-9 / inertia);
+  EXPECT_TRUE(notes(with("<key ctrl='1'/>"), "has not as many numbers as there are actuators"));
+}
+
+TEST(ImportMjcf, WhatIsNoMotorIsNamed) {
   const ImportedModel model =
-      imported("<worldbody><body><joint name='j' axis='0 1 0' ref='0' stiffness='1' springref='0'/>" + kBall +
-               "</body></worldbody>"
-               "<actuator><position name='p' joint='j' kp='4' kv='.5' gear='2'/><motor name='m' "
-               "joint='j'/></actuator>");
-  const auto& spring = model.document["joints"][0]["axes"]["angle"]["spring"];
-  EXPECT_EQ(spring["stiffness"], 17);
-  EXPECT_EQ(spring["damping"], 2);
-  EXPECT_TRUE(notes(model, "<motor> \"m\": acts as with a control of 0"));
+      imported(kDriven +
+               "<actuator><position name='p' joint='j' kp='4' forcerange='-1 3'/>"
+               "<position name='q' joint='j' kp='4'/>"
+               "<general name='g' joint='k' biastype='affine' biasprm='0 1 0'/></actuator>");
+  EXPECT_TRUE(notes(model, "\"forcerange\" that is not symmetric: its larger end is taken both ways"));
+  EXPECT_TRUE(notes(model, "<position> \"q\": acts on a joint that another one drives"));
+  EXPECT_TRUE(notes(model, "<general> \"g\": a bias that is no spring: has no counterpart"));
 }
 
 TEST(ImportMjcf, TendonsOfSitesAreRopesAndSprings) {

@@ -16,7 +16,7 @@ MODELS = ROOT / "tests/scenes/import/models"
 KINOVA = MODELS / "urdf/matlab_kinova_description_urdf_kinovaJacoJ2S6S300.urdf"
 CATENARY = MODELS / "mjcf/test_engine_testdata_catenary.xml"
 EQUALITY = MODELS / "mjcf/test_engine_testdata_sleep_equality.xml"
-CASSIE = MODELS / "sdf/cassie.sdf"
+AL5D = MODELS / "urdf/robotics-toolbox_al5d_description_urdf_al5d_robot.urdf"
 
 FOUR_BAR = """<mujoco>
   <default><geom type="capsule" size="0.01" contype="0" conaffinity="0"/></default>
@@ -62,8 +62,10 @@ def test_an_arm_from_a_urdf():
     assert {"j2s6s300_joint_2", "j2s6s300_joint_finger_1"} <= set(joints)
     joint = world.joint("j2s6s300_joint_2")
     assert world.joint_type(joint) == "hinge" and world.axes(joint) == ["angle"]
-    limits = world.axis_properties(world.axis(joint, "angle")).limits  # <limit lower="0.8203…" upper="5.4629…"/>
-    assert (limits.lower, limits.upper) == (0.820304748437, 5.46288055874)
+    # <limit lower="0.8203…" upper="5.4629…"/>, and the start at the lower one, which is 0 in the scene
+    limits = world.axis_properties(world.axis(joint, "angle")).limits
+    assert (limits.lower, limits.upper) == (0, 5.46288055874 - 0.820304748437)
+    assert any('"j2s6s300_joint_2" starts at 0, beyond its limits' in notice.message for notice in notices)
     meant = next(notice for notice in notices if notice.message.startswith("<transmission>"))
     assert pathlib.Path(meant.file) == KINOVA and meant.line == 132 and meant.count == 9
     assert "<transmission" in KINOVA.read_text().splitlines()[meant.line - 1]
@@ -78,8 +80,8 @@ def test_a_closed_loop(tmp_path):
     world = scene.world
     joints = {world.name(joint): world.joint_type(joint) for joint in world.joints()}
     assert joints == {"crank": "hinge", "pin": "hinge", "rocker": "hinge", "loop": "ball"}
-    # An actuator is what is left of it with a control of 0, here a spring, and a notice with its name.
-    assert world.axis_properties(world.axis(world.joint("crank"), "angle")).spring.stiffness == 3
+    # An actuator is a motor, here a servo to a control of 0, and a notice with its name.
+    assert world.axis_properties(world.axis(world.joint("crank"), "angle")).motor.stiffness == 3
     assert [notice.line for notice in notices if '<position> "servo"' in notice.message] == [18]
     simulator = taut.Simulator(world, scene.settings)
     if scene.assemble:
@@ -119,12 +121,12 @@ def test_documents(tmp_path):
 
 
 def test_refused(tmp_path):
-    with pytest.raises(taut.ModelError, match="left-foot-reference") as caught:
-        taut.load_model(CASSIE)
+    with pytest.raises(taut.ModelError, match='"base" moves') as caught:
+        taut.load_model(AL5D)
     error = caught.value
-    assert isinstance(error, ValueError) and pathlib.Path(error.file) == CASSIE and error.line == 758
-    assert str(error).startswith(f"{CASSIE}:758: ")
-    assert "left-foot-reference" in CASSIE.read_text().splitlines()[757]
+    assert isinstance(error, ValueError) and pathlib.Path(error.file) == AL5D and error.line == 10
+    assert str(error).startswith(f"{AL5D}:10: ")
+    assert "base" in AL5D.read_text().splitlines()[9]
     with pytest.raises(taut.ModelError, match="there is no such file") as caught:
         taut.load_model(tmp_path / "nowhere.urdf")
     assert caught.value.file == str(tmp_path / "nowhere.urdf") and caught.value.line == 0
@@ -187,10 +189,9 @@ def test_the_other_way(write, ending, tmp_path):
         same = again.world.body(scene.world.name(body))
         assert again.world.positions[same] == pytest.approx(scene.world.positions[body], abs=1e-12)
         assert again.world.mass_properties(same).mass == pytest.approx(scene.world.mass_properties(body).mass, rel=1e-12)
-    # MJCF closes the triangle; URDF cannot, and says so.
-    assert len(notices) == (0 if ending == "xml" else len(notices)) and (ending == "xml" or notices)
-    types = sorted(again.world.joint_type(joint) for joint in again.world.joints())
-    assert (types == ["ball", "ball", "ball", "hinge"]) == (ending == "xml")
+    # Both close the triangle; URDF says nothing of gravity and contacts.
+    assert len(notices) == (0 if ending == "xml" else 1)
+    assert sorted(again.world.joint_type(joint) for joint in again.world.joints()) == ["ball", "ball", "ball", "hinge"]
 
 
 def test_models_that_the_program_writes(program, tmp_path):
