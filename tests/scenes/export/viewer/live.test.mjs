@@ -184,7 +184,7 @@ test('a slider turns the motor faster', async () => {
   const recorded = path.join(folder, 'driven.taut');
   const run = await start(scene, '--live', '--record', recorded), {page, complaints} = await open(browser, run.url);
   assert.equal(await page.locator('#motors .motor span').textContent(), 'axle angle');
-  assert.equal(await page.locator('#motors output').textContent(), '1.00 rad/s');
+  assert.equal(await page.locator('#motors output').textContent(), '1.000 rad/s');
   assert.equal(await page.locator('#contacts').isVisible(), false, 'there is none');
   assert.equal(await page.locator('#restart').isVisible(), false, 'a run that writes files cannot go back');
   await until(page, () => window.taut.recording.end > 0.4);
@@ -193,7 +193,7 @@ test('a slider turns the motor faster', async () => {
     slider.dispatchEvent(new Event('input', {bubbles: true}));
   });
   await until(page, () => window.taut.recording.live.targets[0] === 3);
-  assert.equal(await page.locator('#motors output').textContent(), '3.00 rad/s');
+  assert.equal(await page.locator('#motors output').textContent(), '3.000 rad/s');
   const time = (await live(page)).time;
   await until(page, (t) => window.taut.recording.end > t + 0.4, time);
   assert.deepEqual(complaints, []);
@@ -279,8 +279,8 @@ test('the slider of a way is in metres, and contacts are offered as soon as ther
   const file = path.join(folder, 'lift.json');
   fs.writeFileSync(file, JSON.stringify({
     format: 'taut-scene/1', name: 'lift', dt: 0.002, duration: 1,
-    bodies: [{name: 'table', density: 1000, shape: {type: 'box', size: [0.4, 0.4, 0.1]}, position: [0, 0, 0]},
-             {name: 'ball', density: 1000, shape: {type: 'sphere', radius: 0.1}, position: [0, 0, 0.65]}],
+    bodies: [{name: 'table', density: 1000, shapes: [{type: 'box', size: [0.4, 0.4, 0.1]}], position: [0, 0, 0]},
+             {name: 'ball', density: 1000, shapes: [{type: 'sphere', radius: 0.1}], position: [0, 0, 0.65]}],
     joints: [{name: 'mast', type: 'slider', a: 'ground', b: 'table', anchor: [0, 0, 0], axis: [0, 0, 1],
               axes: {displacement: {motor: {position: 0.004}, limits: {lower: -0.01, upper: 0.03}}}}],
   }));
