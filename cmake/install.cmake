@@ -15,6 +15,9 @@ if(TARGET taut_io)
   file(GLOB examples CONFIGURE_DEPENDS scenes/examples/*.json scenes/examples/*.obj)
   list(REMOVE_ITEM examples ${TAUT_SCENE_SCHEMA})
   install(FILES ${examples} DESTINATION ${CMAKE_INSTALL_DATADIR}/taut/examples COMPONENT runtime)
+  # Programs that show how to use the libraries, with what builds them.
+  file(GLOB programs CONFIGURE_DEPENDS scenes/examples/*.cpp)
+  install(FILES ${programs} scenes/examples/CMakeLists.txt DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
   # For editors; `taut new` names it in the scenes that it writes.
   install(FILES ${TAUT_SCENE_SCHEMA} DESTINATION ${CMAKE_INSTALL_DATADIR}/taut COMPONENT runtime)
   # What a page needs of three.js, where the installed program looks for it; nothing if npm did not get it.

@@ -10,7 +10,7 @@ copyright = author
 with open(f"{root}/CMakeLists.txt") as lists:
     version = release = re.search(r"^project\(taut VERSION ([\d.]+)", lists.read(), re.M)[1]
 
-extensions = ["myst_parser", "autoapi.extension", "sphinx_copybutton"]
+extensions = ["myst_nb", "autoapi.extension", "sphinx_copybutton"]
 root_doc = "index"
 nitpicky = False
 exclude_patterns = []
@@ -21,6 +21,11 @@ myst_enable_extensions = ["dollarmath", "colon_fence"]
 suppress_warnings = ["myst.header"]
 highlight_language = "text"  # indented blocks are equations and commands
 pygments_style = "friendly"
+
+# Notebooks have been run already.  A reader may have no network: MathJax in one file, without fonts, is a part of the site.
+nb_execution_mode = "off"
+html_static_path = ["node_modules/mathjax/es5/tex-svg-full.js"]
+mathjax_path = "tex-svg-full.js"
 
 # The reference of Python, from the stub of the module.
 autoapi_dirs = [f"{root}/build/site/python"]

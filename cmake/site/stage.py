@@ -2,7 +2,7 @@
 
 A README.md becomes the index.md of its folder, every other page keeps its place.  Relative links become links to what
 the site has instead: of a public header the reference, of any other source or of a folder a page that shows it, of a
-notebook its cells, of a table of numbers the file.  Citations such as (core/joints, Eq. 3) and [Andersen1983] become
+notebook the executed copy, of a table of numbers the file.  Citations such as (core/joints, Eq. 3) and [Andersen1983] become
 links.  What leads nowhere is an error.
 """
 
@@ -42,8 +42,10 @@ def slug(title):
 
 
 class Stage:
-    def __init__(self, pages, public_headers):
+    def __init__(self, pages, public_headers, notebooks):
+        """@param notebooks  the folder of executed copies of the notebooks"""
         self.pages = pages
+        self.notebooks = notebooks
         self.headers = set(public_headers) - {"solvers/taut.h"}
         listed = subprocess.run(["git", "-C", ROOT, "ls-files", "--cached", "--others", "--exclude-standard"],
                                 capture_output=True, text=True, check=True).stdout.split()
@@ -74,7 +76,7 @@ class Stage:
         self.linked.append(path)
         if path.endswith(PICTURES if path.startswith("scenes/examples/") else FILES):
             return path
-        return f"{path.removesuffix('.ipynb')}.md" if path.endswith(".ipynb") else f"{path}.md"
+        return path if path.endswith(".ipynb") else f"{path}.md"
 
     def link(self, name, target):
         """A link of the page `name`, for its place on the site."""
@@ -116,12 +118,17 @@ class Stage:
         self.write(self.place(name), "".join(parts) + self.prose(name, text[last:]))
 
     def notebook(self, path):
-        parts = []
-        for cell in json.loads((ROOT / path).read_text())["cells"]:
-            text = "".join(cell["source"]).strip()
-            parts.append(text if cell["cell_type"] == "markdown" else f"```python\n{text}\n```")
-        self.write(self.target(path), "\n\n".join(parts) + "\n")
-        self.places.append(self.target(path))
+        """The executed copy, which shows what the cells of the notebook as it is now give."""
+        notebook, executed = json.loads((ROOT / path).read_text()), self.notebooks / pathlib.PurePosixPath(path).name
+        copy = json.loads(executed.read_text()) if executed.is_file() else {"cells": []}
+        sources = lambda cells: [(cell["cell_type"], "".join(cell["source"])) for cell in cells]
+        if sources(notebook["cells"]) != sources(copy["cells"]):
+            self.problems.append(f"{path}: {executed} is not what it gives; run scenes/python/notebooks/run.py --out {self.notebooks}")
+        for cell in copy["cells"]:
+            if cell["cell_type"] == "markdown":
+                cell["source"] = self.prose(path, "".join(cell["source"]))
+        self.write(path, json.dumps(copy))
+        self.places.append(path)
 
     def folder(self, path):
         within = sorted({name.removeprefix(path + "/").split("/")[0] for name in self.names if name.startswith(path + "/")})
@@ -162,7 +169,7 @@ class Stage:
         listed = set(re.findall(r"^(?:[\w ]+ <)?([\w/.-]+)>?$", first, re.M))
         children = {}
         for place in self.places:
-            document = place.removesuffix(".md")
+            document = re.sub(r"\.(md|ipynb)$", "", place)
             folders = [str(folder) for folder in pathlib.PurePosixPath(place).parents]
             above = next((f"{folder}/index" for folder in folders if f"{folder}/index.md" in self.places
                           and f"{folder}/index" != document), None)
@@ -183,7 +190,7 @@ class Stage:
         """Rooms in the order in which they may include each other, then other pages as the text above links to them."""
         def place(row):
             room = posixpath.normpath(posixpath.join(posixpath.dirname(above), posixpath.dirname(row)))
-            link = text.find(f"]({row}.md")
+            link = max(text.find(f"]({row}.{ending}") for ending in ("md", "ipynb"))
             return (not row.endswith("/index"), ROOMS.ORDER.index(room) if room in ROOMS.ORDER else len(ROOMS.ORDER),
                     link if link >= 0 else len(text), row)
         return sorted(rows, key=place)

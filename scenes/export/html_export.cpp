@@ -144,11 +144,13 @@ std::string page_text(const PageData& data, const std::string& title, const Page
 
 HtmlPage html_page(RecordingReader& recording, RecordingReader* beside) {
   const std::size_t limit = kMostPageBytes / (beside ? 2 : 1);
-  const PageData data = page_data(recording, limit);
+  PageData data = page_data(recording, limit);
   std::optional<PageData> second;
   std::string title = recording.header().scene;
   if (beside) {
     second = page_data(*beside, limit);
+    data.description["file"] = printable(recording.file().filename().string());
+    second->description["file"] = printable(beside->file().filename().string());
     if (const std::string& other = beside->header().scene; other != title) title += " | " + other;
   }
   HtmlPage page;

@@ -30,9 +30,20 @@ std::string parser_message(std::string message) {
   // What was last read may break a multi-byte character.
   for (char& c : message)
     if (static_cast<unsigned char>(c) >= 0x80) c = '?';
-  if (const auto last_read = message.find("; last read: "); message.size() > last_read + 80)
+  if (const auto last_read = message.find("; last read: ");
+      last_read != message.npos && message.size() > last_read + 80)
     message = message.substr(0, last_read + 80) + "...";
   return message;
+}
+
+/// What stopped the parser at a byte: of a comma before a closing bracket the comma itself, else what the
+/// parser says.
+SceneFileProblem stop_problem(std::string_view text, std::size_t byte, const Json::exception& error) {
+  if (byte < text.size() && (text[byte] == ']' || text[byte] == '}'))
+    if (const std::size_t comma = last_before(text, byte); comma < byte && text[comma] == ',')
+      return syntax_problem(text, comma,
+                            std::string("syntax error: trailing comma before '") + text[byte] + "'");
+  return syntax_problem(text, byte, parser_message(error.what()));
 }
 
 /// Builds the document from the parser's events (the `sax` interface of nlohmann-json).
@@ -72,8 +83,7 @@ class DocumentBuilder {
       overflow_end = position;
       overflow_token = last_token;
     } else {
-      problems_.push_back(
-          syntax_problem(text_, position == 0 ? 0 : position - 1, parser_message(error.what())));
+      problems_.push_back(stop_problem(text_, position == 0 ? 0 : position - 1, error));
     }
     return false;
   }

@@ -28,6 +28,18 @@ class PositionScan {
     value("/");
   }
 
+  std::size_t last_before(std::size_t end) {
+    std::size_t last = std::string_view::npos;
+    for (pass_space(); at_ < end; pass_space()) {
+      last = at_;
+      if (peek() == '"')
+        pass_string();
+      else
+        ++at_;
+    }
+    return last;
+  }
+
  private:
   bool is_wanted_within(const std::string& path) const {
     const std::string start = path == "/" ? path : path + "/";
@@ -117,6 +129,10 @@ void TextPlace::advance(std::string_view text, std::size_t to) {
     else
       column += (static_cast<unsigned char>(text[byte]) & 0xC0) != 0x80;  // others go on with a character
   }
+}
+
+std::size_t last_before(std::string_view text, std::size_t end) {
+  return PositionScan(text).last_before(std::min(end, text.size()));
 }
 
 void locate(std::string_view text, std::vector<SceneFileProblem>& problems) {

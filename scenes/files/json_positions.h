@@ -15,6 +15,10 @@ struct TextPlace {
   void advance(std::string_view text, std::size_t to);
 };
 
+/// The byte at which the last thing before `end` begins or, of a word, ends: what is no space and no comment.
+/// npos if there is none.
+std::size_t last_before(std::string_view text, std::size_t end);
+
 /// Adds line and column to problems with a path, from a text that parse_json() has read: those where the
 /// value begins.  Paths that are not in the text stay without.
 void locate(std::string_view text, std::vector<SceneFileProblem>& problems);

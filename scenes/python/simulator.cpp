@@ -108,7 +108,7 @@ void bind_answers(nb::class_<Session>& c) {
           },
           nb::arg("joint"),
           "At the present instant, from S λ = −(γ + J M⁻¹ f); with laws on axes, the multipliers at the end "
-          "of the last step.")
+          "of the last step.  The first call after a step costs what that of reactions() does.")
       .def(
           "mean_reactions",
           [](Session& s) {
@@ -125,7 +125,10 @@ void bind_answers(nb::class_<Session>& c) {
               return owning(reaction_rows(sim.world(), [&](JointId j) { return sim.reaction(j); }), 6);
             });
           },
-          "Of all joints at the present instant, n×6 as mean_reactions().")
+          "Of all joints at the present instant, n×6 as mean_reactions().  The first call after a step "
+          "assembles "
+          "and factors the system at that instant, which takes as long as three or four steps of one to five "
+          "rods and less than one of a large scene; further calls only read.  mean_reactions() only reads.")
       .def(
           "axis_report",
           [](Session& s, AxisId axis) {

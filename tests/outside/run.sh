@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs a build of taut into a stage, then builds and runs the outside project and the example programs against it:
+# Installs a build of taut into a stage, then builds and runs the outside project and the installed example programs with it:
 # through CMake, and one source through pkg-config with nothing but the compiler.
 #   run.sh BUILD_DIR [CXX [GENERATOR]]   GENERATOR as in cmake -G: a machine that built with Ninja need not have make
 set -eu
@@ -9,7 +9,7 @@ cxx=${2:-c++}
 generator=${3:-Ninja}
 stage=$build/stage
 
-rm -rf "$stage" "$stage-moved" "$build/outside" "$build/outside-sources"
+rm -rf "$stage" "$stage-moved" "$build/outside" "$build/outside-examples" "$build/outside-sources"
 cmake --install "$build" --prefix "$stage" >/dev/null
 # An installed tree may be moved: nothing in it knows where it was.
 mv "$stage" "$stage-moved"
@@ -33,13 +33,18 @@ cmake --build "$build/outside"
 
 echo "== examples"
 # Those that make pages need three.js, installed or not.
-made=$build/outside/made
+programs=$stage/share/doc/taut/examples
+cmp "$here/../../scenes/examples/CMakeLists.txt" "$programs/CMakeLists.txt"
+cmake -S "$programs" -B "$build/outside-examples" -G "$generator" -DCMAKE_PREFIX_PATH="$stage" -DCMAKE_CXX_COMPILER="$cxx" >/dev/null
+cmake --build "$build/outside-examples"
+for source in "$here"/../../scenes/examples/*.cpp; do test -x "$build/outside-examples/$(basename "$source" .cpp)"; done
+made=$build/outside-examples/made
 mkdir -p "$made"
 three=$(find "$stage" -type d -path '*/share/taut/three')
 if [ -n "$three" ]; then
   export TAUT_THREE="$three"
-  for example in pendulum ramp truss cart_pole go_on; do "$build/outside/$example" "$made"; done
-  "$build/outside/from_file" "$stage/share/taut/examples/four_bar.json" "$made" 1
+  for example in pendulum ramp truss cart_pole go_on; do "$build/outside-examples/$example" "$made"; done
+  "$build/outside-examples/from_file" "$stage/share/taut/examples/four_bar.json" "$made" 1
   for file in pendulum.html pendulum.svg from_file.glb from_file.xml; do test -s "$made/$file"; done
 else
   echo "without three.js no pages"
@@ -59,6 +64,6 @@ libdir=$(pkg-config --variable=libdir taut)
 # shellcheck disable=SC2046  # the flags are words
 "$cxx" -std=c++20 -O2 $(pkg-config --cflags taut) "$here/bridge.cpp" $(pkg-config --libs taut) -o "$build/outside/bridge_pc"
 LD_LIBRARY_PATH=$libdir${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} "$build/outside/bridge_pc"
-"$cxx" -std=c++20 -O1 $(pkg-config --cflags taut-io) "$here/../../scenes/examples/go_on.cpp" $(pkg-config --libs taut-io) \
+"$cxx" -std=c++20 -O1 $(pkg-config --cflags taut-io) "$programs/go_on.cpp" $(pkg-config --libs taut-io) \
   -o "$build/outside/go_on_pc"
 if [ -n "$three" ]; then LD_LIBRARY_PATH=$libdir${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} "$build/outside/go_on_pc" "$made"; fi

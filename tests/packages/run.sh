@@ -109,14 +109,18 @@ PYTHON
 grep -q OrbitControls "$bare/root/python.html"
 
 echo "== a project of one's own"
+before=$(installed)
 install --no-install-recommends g++ cmake make pkg-config './debs/taut-dev_*.deb'
-mkdir -p "$bare/src/tests" "$bare/src/scenes"
+echo "$(($(installed) - before)) packages"
+mkdir -p "$bare/src/tests"
 cp -r "$tree/tests/outside" "$bare/src/tests"
-cp -r "$tree/scenes/examples" "$bare/src/scenes"
 inside cmake -S /src/tests/outside -B /src/build -DCMAKE_BUILD_TYPE=Release >"$work/cmake.log"
-inside cmake --build /src/build --target bridge from_file
+inside cmake --build /src/build
 inside /src/build/bridge
-inside /src/build/from_file /usr/share/taut/examples/four_bar.json /root 1
+inside cmake -S /usr/share/doc/taut/examples -B /src/examples >"$work/cmake.log"
+time inside cmake --build /src/examples --target pendulum from_file
+inside /src/examples/pendulum /root
+inside /src/examples/from_file /usr/share/taut/examples/four_bar.json /root 1
 inside sh -c 'g++ -std=c++20 /src/tests/outside/bridge.cpp $(pkg-config --cflags --libs taut) -o /src/bridge_pc && /src/bridge_pc'
 
 # No file of the packages says where to look for libraries: they are where every program finds them.

@@ -41,7 +41,7 @@ function opened(buffer) {
 }
 
 /** What is the same in all frames. */
-const kHeader = ['scene', 'parameters', 'parameterUnits', 'dt', 'gravity', 'bodies', 'joints', 'shapes', 'drawn', 'scalars', 'springs', 'bodyCount', 'jointCount', 'springCount',
+const kHeader = ['scene', 'file', 'parameters', 'parameterUnits', 'dt', 'gravity', 'bodies', 'joints', 'shapes', 'drawn', 'scalars', 'springs', 'bodyCount', 'jointCount', 'springCount',
                  'course', 'jointsOfBody'];
 
 export class Recording {
@@ -49,7 +49,7 @@ export class Recording {
   constructor(buffer) {
     const {d, bytes} = opened(buffer);
     Object.assign(this, {
-      scene: d.scene, parameters: d.parameters, parameterUnits: d.parameter_units ?? {}, dt: d.dt, gravity: d.gravity,
+      scene: d.scene, file: d.file, parameters: d.parameters, parameterUnits: d.parameter_units ?? {}, dt: d.dt, gravity: d.gravity,
       bodies: d.bodies, joints: d.joints, shapes: d.shapes, drawn: d.drawn, scalars: d.scalars,
       springs: d.springs,
     });

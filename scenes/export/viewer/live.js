@@ -3,7 +3,6 @@ import {scales as makeScales} from './colors.js';
 import {Recording} from './data.js';
 import {worldPoint} from './instances.js';
 import {curveGroups, Player} from './player.js';
-import {withUnit} from './plots.js';
 import {Video} from './saving.js';
 
 const $ = (id) => document.getElementById(id);
@@ -70,7 +69,6 @@ export class LivePlayer extends Player {
     this.isAtEnd = true;
     for (const id of ['loop', 'autoplay', 'beside']) $(id).hidden = true;
     $('video').title = 'Records until it is pressed again';
-    $('contacts').hidden = false;
     $('live').hidden = false;
     if (window.innerWidth <= 760) $('live').open = false;
     $('restart').hidden = !this.recording.live.may_reset;
@@ -111,6 +109,7 @@ export class LivePlayer extends Player {
     }
     this.resets = live.resets;
     Object.assign($('time'), {min: r.start, max: r.end});
+    if (r.contactTotal > 0) $('contacts').hidden = false;
     this.showRun(live);
     if (!(now - this.curvesAt < kCurvesEvery) || live.paused) this.showCurves(now);
     if (!(now - this.scalesAt < kScalesEvery)) this.showScales(now);
@@ -162,7 +161,7 @@ export class LivePlayer extends Player {
       $('motors').append(row);
       const follows = hasTrajectory && this.addFollowBox(row, name, i);
       slider.oninput = () => {
-        value.textContent = withUnit(Number(slider.value), unit);
+        this.showTarget(i, Number(slider.value));
         this.send({do: 'motor', motor: i, target: Number(slider.value)});
       };
       // A slider that is held is not moved by what comes back.
@@ -182,13 +181,21 @@ export class LivePlayer extends Player {
     return box;
   }
   showMotor(i, target, isFollowing) {
-    const {slider, value, unit, follows} = this.motors[i];
+    const {slider, follows} = this.motors[i];
     if (follows) follows.checked = isFollowing;
     if ('held' in slider.dataset) return;
     slider.min = Math.min(slider.min, target);
     slider.max = Math.max(slider.max, target);
     slider.value = target;
-    value.textContent = withUnit(target, unit);
+    this.showTarget(i, target);
+  }
+  /** Angles in degrees, other targets in their unit without a prefix; to a thousandth of the slider, so that no digit comes and goes. */
+  showTarget(i, target) {
+    const {slider, value, unit} = this.motors[i], [factor, written] = unit === 'rad' ? [180 / Math.PI, '°'] : [1, ` ${unit}`];
+    const digits = Math.min(Math.max(0, Math.ceil(-Math.log10(factor * (slider.max - slider.min) / 1000))), 9);
+    const text = (factor * target).toFixed(digits).replace(/^-(?=.*[1-9])/, '−').replace(/^-/, '') + written;
+    value.textContent = text;
+    slider.setAttribute('aria-valuetext', text);
   }
 
   /** The body that a pull of what was hit moves: of a joint one that moves; 0 for none. */

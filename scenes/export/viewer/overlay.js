@@ -31,6 +31,7 @@ export class Overlay {
     this.halo = theme === 'dark' ? '#12161bd0' : '#eef1f4d0';
     c.lineCap = c.lineJoin = 'round';
     c.font = '12px system-ui, -apple-system, "Segoe UI", Roboto, sans-serif';
+    const isBelow = views.at(-1).view.canvas.offsetTop > views[0].view.canvas.offsetTop;
     for (const {view, traces, measured, name, pull} of views) {
       const {offsetLeft: left, offsetTop: top, clientWidth, clientHeight} = view.canvas;
       c.save();
@@ -38,7 +39,7 @@ export class Overlay {
       c.rect(left, top, clientWidth, clientHeight);
       c.clip();
       c.translate(left, top);
-      if (views.length > 1) this.name(name, top > 0 ? 20 : covered.top + 12, clientWidth, clientHeight, left + top > 0);
+      if (views.length > 1) this.name(name, isBelow ? 20 : covered.top - 8, clientWidth, clientHeight, view !== views[0].view);
       for (const {path, color} of traces) this.path(view, path, traceColors[theme][color % traceColors[theme].length], 2);
       this.measure(view, measured);
       if (pull) this.pull(view, pull, kAxes[theme][0]);
@@ -53,7 +54,9 @@ export class Overlay {
   name(text, y, width, height, isSecond) {
     const c = this.context;
     c.textAlign = 'left';
-    this.text(text, 16, y);
+    let shown = text;
+    while (shown && c.measureText(shown).width > width - 32) shown = shown.replace(/..?$/, '…').replace(/^…$/, '');
+    this.text(shown, 16, y);
     if (!isSecond) return;
     c.strokeStyle = this.ink + '40';
     c.lineWidth = 1;

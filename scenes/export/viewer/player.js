@@ -19,6 +19,9 @@ const kModes = {force: 'Joint force', gap: 'Joint gap', speed: 'Speed', body: 'E
 /** A trace has at most this many points. */
 const kMostOfTrace = 2000;
 
+/** What the name of one of two pictures takes of its height [px]. */
+const kNameHeight = 28;
+
 export class Player {
   constructor(recording, second) {
     this.recording = recording;
@@ -77,9 +80,9 @@ export class Player {
   /** What hides the edges of the view [px]. */
   covered() {
     const all = $('stage').getBoundingClientRect(), isPhone = all.width <= 760;
-    const top = (isPhone ? $('legend') : $('tools')).getBoundingClientRect().bottom - all.top;
+    const top = Math.max(...(isPhone ? ['legend'] : ['tools', 'head']).map((id) => $(id).getBoundingClientRect().bottom)) - all.top;
     // Of two pictures the numbers hide a part of the second one, which is seen from where the first is.
-    if (this.pictures.length > 1) return {top: Math.min(top + 8, 0.4 * this.view.canvas.clientHeight), right: 0, bottom: 0};
+    if (this.pictures.length > 1) return {top: isPhone ? kNameHeight : Math.min(top + kNameHeight, 0.4 * this.view.canvas.clientHeight), right: 0, bottom: 0};
     return {top: top + 8, ...this.inspector.covers()};
   }
 
@@ -88,6 +91,7 @@ export class Player {
     stage.setProperty('--tools', `${offsetWidth}px`);  // the title ends where the buttons begin
     stage.setProperty('--below-head', `${$('head').offsetTop + $('head').offsetHeight + 8}px`);
     stage.setProperty('--below-tools', `${offsetTop + offsetHeight + 8}px`);
+    stage.setProperty('--below-legend', `${$('legend').offsetTop + $('legend').offsetHeight + 8}px`);  // where two pictures begin on a phone
   }
 
   setUpTheme() {
@@ -145,7 +149,8 @@ export class Player {
     for (const mode of without) $('mode').querySelector(`[value=${mode}]`).remove();
     if (window.innerHeight < 480) this.toggle('curves');
     this.setUpPicking($('view'), 0);
-    new ResizeObserver(() => this.placeBelowTools()).observe($('tools'));
+    const sizes = new ResizeObserver(() => this.placeBelowTools());
+    for (const id of ['tools', 'legend', 'head']) sizes.observe($(id));
   }
 
   setUpMore() {
@@ -195,12 +200,12 @@ export class Player {
       return this.notify(error.message);
     }
     this.closeBeside();
+    recording.file = file.name;
     this.showBeside(recording);
   }
 
   showBeside(recording) {
     const canvas = Object.assign(document.createElement('canvas'), {id: 'view2', tabIndex: 0});
-    canvas.setAttribute('aria-label', 'The page beside');
     $('view').after(canvas);
     $('stage').classList.add('two');
     const view = new View(canvas, recording);
@@ -212,8 +217,17 @@ export class Player {
     view.instances.showJoints($('joints').getAttribute('aria-pressed') === 'true');
     this.view.partner = view;
     this.setUpPicking(canvas, 1);
+    this.names().forEach((name, side) => this.pictures[side].view.canvas.setAttribute('aria-label', `${name}: drag to orbit, click to select`));
     $('beside').textContent = 'Close the page beside';
+    if (window.innerWidth <= 760 && !$('plots').hidden) this.toggle('curves');  // which would leave each half too low
     this.arrange();
+  }
+
+  /** What tells the pictures apart: file, scene and parameters. */
+  names() {
+    const own = /^(file|https?):$/.test(window.location.protocol) ? decodeURIComponent(window.location.pathname.split('/').at(-1)) : '';
+    const all = this.pictures.map(({recording}, side) => [recording.file ?? (side ? '' : own), factsOf(recording)].filter(Boolean).join(' · '));
+    return all.map((name, side) => (all.indexOf(name) !== all.lastIndexOf(name) ? `${side + 1}: ${name}` : name));
   }
 
   closeBeside() {
@@ -499,8 +513,8 @@ export class Player {
       this.moved = false;
     }
     for (const {view} of pictures) view.render();
-    const traced = (side) => this.traces.map((trace) => ({path: this.pathOf(trace, side), color: trace.color}));
-    this.overlay.draw(pictures.map(({view, recording}, side) => ({view, traces: traced(side), measured: this.measuredIn(side), name: factsOf(recording), pull: this.pulled?.(side)})), this.view.theme, {...this.covered(), ...this.inspector.covers()});
+    const names = this.names(), traced = (side) => this.traces.map((trace) => ({path: this.pathOf(trace, side), color: trace.color}));
+    this.overlay.draw(pictures.map(({view}, side) => ({view, traces: traced(side), measured: this.measuredIn(side), name: names[side], pull: this.pulled?.(side)})), this.view.theme, {...this.covered(), ...this.inspector.covers()});
     this.placeLabel();
     this.video?.frame();
     if (state.playing) this.request();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -49,6 +50,30 @@ TEST(JsonPositions, AreRightBehindCommentsAndAnyLineEnd) {
 }
 
 TEST(JsonPositions, CountCharactersNotBytes) { EXPECT_EQ(place_of("{\"größe\": 1}", "/größe"), "1:11"); }
+
+/// The comma is pointed at, not the bracket that shows it to be one too many; messages are not cut off.
+TEST(JsonPositions, OfASyntaxErrorAreThoseOfWhatIsWrong) {
+  const std::string expected_value = "syntax error while parsing value - unexpected ";
+  const std::string rest = "; expected '[', '{', or a literal";
+  const std::vector<std::array<std::string, 3>> cases{
+      {"[1,2,]", "1:5", "syntax error: trailing comma before ']'"},
+      {"{\"a\": [1, \"ö,\", ]}", "1:15", "syntax error: trailing comma before ']'"},
+      {"{\"a\": 1,}", "1:8", "syntax error: trailing comma before '}'"},
+      {"\xEF\xBB\xBF{\"a\": {}\n, // , }\n /* ] */ }", "2:1", "syntax error: trailing comma before '}'"},
+      {"[,]", "1:2", expected_value + "','" + rest},
+      {"[1,,]", "1:4", expected_value + "','" + rest},
+      {"{\"a\": ]}", "1:7", expected_value + "']'" + rest},
+      {"[1,2,", "1:6", expected_value + "end of input" + rest},
+      {"]", "1:1", expected_value + "']'" + rest},
+  };
+  for (const auto& [text, place, message] : cases) {
+    Problems problems;
+    EXPECT_FALSE(parse_json(text, problems)) << text;
+    ASSERT_EQ(problems.size(), 1u) << text;
+    EXPECT_EQ(std::to_string(problems[0].line) + ":" + std::to_string(problems[0].column), place) << text;
+    EXPECT_EQ(problems[0].message, message) << text;
+  }
+}
 
 /// Where a key stands twice, the reader has the value of the last one.
 TEST(JsonPositions, OfAKeyGivenTwiceAreThoseOfTheLast) {

@@ -395,7 +395,7 @@ TEST(SceneFile, SyntaxErrorsNameLineAndColumn) {
       {"", 1, 1},
       {"{\"dt\": 1", 1, 9},
       {"{\"dt\": 1} x", 1, 11},
-      {"{\"dt\": 1,}", 1, 10},
+      {"{\"dt\": 1,}", 1, 9},
       {"{\"name\": \"\xff\"}", 1, 11},
       {"/* never closed", 1, 16},
   };

@@ -184,7 +184,8 @@ test('a slider turns the motor faster', async () => {
   const recorded = path.join(folder, 'driven.taut');
   const run = await start(scene, '--live', '--record', recorded), {page, complaints} = await open(browser, run.url);
   assert.equal(await page.locator('#motors .motor span').textContent(), 'axle angle');
-  assert.equal(await page.locator('#motors output').textContent(), '1 rad/s');
+  assert.equal(await page.locator('#motors output').textContent(), '1.000 rad/s');
+  assert.equal(await page.locator('#contacts').isVisible(), false, 'there is none');
   assert.equal(await page.locator('#restart').isVisible(), false, 'a run that writes files cannot go back');
   await until(page, () => window.taut.recording.end > 0.4);
   await page.locator('#motors input').evaluate((slider) => {
@@ -192,7 +193,7 @@ test('a slider turns the motor faster', async () => {
     slider.dispatchEvent(new Event('input', {bubbles: true}));
   });
   await until(page, () => window.taut.recording.live.targets[0] === 3);
-  assert.equal(await page.locator('#motors output').textContent(), '3 rad/s');
+  assert.equal(await page.locator('#motors output').textContent(), '3.000 rad/s');
   const time = (await live(page)).time;
   await until(page, (t) => window.taut.recording.end > t + 0.4, time);
   assert.deepEqual(complaints, []);
@@ -246,7 +247,10 @@ test('a motor to a position, and one with a trajectory, go where their sliders s
   await move(1, -0.7);
   await until(page, () => !window.taut.recording.live.follows[1] && window.taut.recording.live.targets[0] === 1.5);
   assert.equal(await box.isChecked(), false);
-  assert.equal(await row(1).locator('output').textContent(), '−700 mrad');
+  assert.equal(await row(1).locator('output').textContent(), '−40.1°');
+  assert.equal(await row(1).locator('input').getAttribute('aria-valuetext'), '−40.1°');
+  assert.equal(await row(0).locator('output').textContent(), '85.9°');
+  assert.equal(await page.locator('#contacts').isVisible(), false, 'contacts are off');
   const {time} = await live(page);
   await until(page, (t) => window.taut.recording.end > t + 1.1, time);  // from end to end of a slider in 1 s
   for (const [body, target] of [[1, 1.5], [2, -0.7]]) {
@@ -266,6 +270,26 @@ test('a motor to a position, and one with a trajectory, go where their sliders s
   await until(page, () => !window.taut.recording.live.follows[1]);
   await page.click('#restart');
   await until(page, () => window.taut.recording.live.follows[1] && window.taut.recording.live.targets[0] === 0.25);
+  assert.deepEqual(complaints, []);
+  await page.close();
+  assert.equal((await stop(run)).code, 130);
+});
+
+test('the slider of a way is in metres, and contacts are offered as soon as there are some', async () => {
+  const file = path.join(folder, 'lift.json');
+  fs.writeFileSync(file, JSON.stringify({
+    format: 'taut-scene/1', name: 'lift', dt: 0.002, duration: 1,
+    bodies: [{name: 'table', density: 1000, shapes: [{type: 'box', size: [0.4, 0.4, 0.1]}], position: [0, 0, 0]},
+             {name: 'ball', density: 1000, shapes: [{type: 'sphere', radius: 0.1}], position: [0, 0, 0.65]}],
+    joints: [{name: 'mast', type: 'slider', a: 'ground', b: 'table', anchor: [0, 0, 0], axis: [0, 0, 1],
+              axes: {displacement: {motor: {position: 0.004}, limits: {lower: -0.01, upper: 0.03}}}}],
+  }));
+  const run = await start(file, '--live'), {page, complaints} = await open(browser, run.url);
+  assert.equal(await page.locator('#motors output').textContent(), '0.00400 m');
+  assert.equal(await page.evaluate(() => window.taut.recording.contactTotal), 0, 'the ball falls');
+  assert.equal(await page.locator('#contacts').isVisible(), false);
+  await until(page, () => window.taut.recording.contactTotal > 0);
+  await page.waitForSelector('#contacts:not([hidden])');
   assert.deepEqual(complaints, []);
   await page.close();
   assert.equal((await stop(run)).code, 130);

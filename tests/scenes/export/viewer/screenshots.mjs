@@ -12,7 +12,7 @@ const kDark = {colorScheme: 'dark'};
 const net = ['net-corners', '--set', 'n=40', '--time', '1', '--frames-per-second', '30'];
 const grid = ['joint-grid', '--set', 'n=100', '--set', 'swing=true', '--time', '1', '--frames-per-second', '30'];
 // The programs of scenes/examples, where tests/outside/run.sh has built them.
-const outside = path.join(path.dirname(process.env.TAUT_PROGRAM), 'outside');
+const outside = path.join(path.dirname(process.env.TAUT_PROGRAM), 'outside-examples');
 const example = (name, ...args) => {
   execFileSync(path.join(outside, name), [...args, temporary], {stdio: 'inherit'});
   return {page: path.join(temporary, `${name}.html`)};

@@ -396,6 +396,55 @@ test('everything can be reached on a phone of 372 pixels', async () => {
   await page.close();
 });
 
+test('two recordings of a scene stand below each other on a phone, nothing covers them, and each has its name', async () => {
+  // The longest legend there is: with arrows.
+  const run = (dt) => runScene('net-catch', '--set', 'n=6', '--time', '0.5', '--dt', dt), runs = [run('0.004'), run('0.002')];
+  const both = path.join(folder, 'two of one.html');
+  taut('replay', runs[0].recording, runs[1].recording, '--html', both);
+  const phone = {viewport: {width: 372, height: 660}, hasTouch: true, isMobile: true};
+  const {page, complaints} = await open(browser, both, phone);
+  await scrub(page, 0.4);
+  const box = (id) => page.locator(id).boundingBox();
+  const labels = () => page.evaluate(() => window.taut.pictures.map(({view}) => view.canvas.getAttribute('aria-label')));
+  const apart = async () => {
+    const [tools, legend, first, second] = [await box('#tools'), await box('#legend'), await box('#view'), await box('#view2')];
+    assert.ok(legend.y >= tools.y + tools.height && first.y >= legend.y + legend.height && second.y >= first.y + first.height - 1);
+    assert.ok(first.height > 140 && Math.abs(first.height - second.height) < 2 && first.width === 372 && second.width === 372);
+    // Over all of each picture nothing else is pressed or seen, and what is there shows in it.
+    for (const [side, {x, y, width, height}] of [first, second].entries()) {
+      const hits = await page.evaluate(([left, top, w, h]) => [0.05, 0.5, 0.95].flatMap((u) => [0.05, 0.5, 0.95].map((v) => document.elementFromPoint(left + u * w, top + v * h).id)), [x, y, width, height]);
+      assert.deepEqual([...new Set(hits)], [['view', 'view2'][side]]);
+      const ball = await page.evaluate((s) => {
+        const {view} = window.taut.pictures[s];
+        return view.project(view.positionOf({kind: 'body', id: view.recording.bodies.name.indexOf('ball')}));
+      }, side);
+      assert.ok(ball.x > 0 && ball.x < width && ball.y > 28 && ball.y < height, JSON.stringify(ball));
+    }
+    return [first, second];
+  };
+  const [first, second] = await apart(), [a, b] = await labels();
+  for (const [label, {recording: file}] of [[a, runs[0]], [b, runs[1]]]) assert.ok(label.startsWith(`${path.basename(file)} · net-catch`), label);
+  // The names are written, and differ.
+  const pixels = await picture(page);
+  const darks = ({x, y}) => Array.from({length: 340 * 24}, (_, i) => Math.max(...pixels.at(x + 8 + i % 340, y + 4 + Math.floor(i / 340))) < 100 ? 1 : 0);
+  const [upper, lower] = [darks(first), darks(second)];
+  assert.ok(upper.filter(Boolean).length > 150 && lower.filter(Boolean).length > 150);
+  // Pages that are opened beside have the names of their files, and the same one twice has numbers.
+  await page.tap('#more');
+  await page.tap('#beside');
+  await page.setInputFiles('#other', runs[1].page);
+  await page.waitForSelector('#view2');
+  assert.ok((await labels())[1].startsWith(path.basename(runs[1].page)));
+  const own = await open(browser, runs[0].page, phone);
+  await own.page.setInputFiles('#other', runs[0].page);
+  await own.page.waitForSelector('#view2');
+  const same = await own.page.evaluate(() => window.taut.pictures.map(({view}) => view.canvas.getAttribute('aria-label')));
+  for (const [side, label] of same.entries()) assert.ok(label.startsWith(`${side + 1}: ${path.basename(runs[0].page)}`), label);
+  assert.deepEqual([...complaints, ...own.complaints], []);
+  await page.close();
+  await own.page.close();
+});
+
 test('every number of the curves and of a selection has its unit', async () => {
   const {page} = await open(browser, files.page);
   await page.keyboard.press('}');
