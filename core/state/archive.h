@@ -61,7 +61,8 @@ class Archive {
     resize(values);
     for (Value& value : values) transfer_one(value);
   }
-  /// The same with indices in [least, end).
+  /// Transfers a vector of indices; @throws std::invalid_argument, when reading, for one outside [least,
+  /// end).
   void indices(std::vector<int>& values, int least, int end) {
     transfer(values);
     for (int i : values) index(i, least, end);

@@ -45,8 +45,8 @@ std::string read_text_file(const std::filesystem::path& path);
 /// What is only strange is in `warnings` of the scene, a line each.
 /// @throws SceneFileError if the file cannot be read or anything in it is wrong.
 Scene load_scene_file(const std::filesystem::path& path);
-/// The same for a text in memory; `file_name` is for the messages, its stem the default name of the scene,
-/// and mesh files are looked for in its folder.
+/// Reads the text of a scene file in memory; `file_name` is for the messages, its stem the default name of
+/// the scene, and mesh files are looked for in its folder.
 /// @param by_hand false for a text that a program has made of something else: its lines are nobody's, and
 /// what looks like a slip of the hand is none
 Scene parse_scene(std::string_view text, const std::string& file_name, bool by_hand = true);

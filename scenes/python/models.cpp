@@ -55,7 +55,8 @@ void bind_import(nb::module_& m) {
       nb::arg("path"),
       "The scene of a model of a robot, URDF, SDF or MJCF, and what it lacks of it: scene, notices = "
       "load_model(\"arm.urdf\").  Bodies, joints and axes have the names of links, joints and their "
-      "degrees of freedom.  Actuators act as with a control of 0, and have a notice each with their name.  "
+      "degrees of freedom.  Actuators of joints are motors, with the controls of the first key that starts "
+      "where the model does, else 0; others have a notice each with their name.  "
       "Raises ModelError with file and line if the file cannot be read or understood, or what it describes "
       "cannot be a scene, as a body that moves and has no mass.");
   m.def(

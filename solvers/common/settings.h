@@ -14,9 +14,9 @@ enum class Integrator {
   // Reduced coordinates: joints that form trees, closed in position and velocity, and forces that follow from
   // the state.
   kRecursive,           ///< accelerations by recursion over the joints in O(n), classical RK4: order 4
-  kRecursiveMidpoint,   ///< … by the implicit midpoint rule: order 2, time-reversible
+  kRecursiveMidpoint,   ///< recursion in O(n), implicit midpoint rule: order 2, time-reversible
   kLagrangian,          ///< accelerations by Lagrange's equations, dense in O(n³), classical RK4: order 4
-  kLagrangianMidpoint,  ///< … by the implicit midpoint rule
+  kLagrangianMidpoint,  ///< Lagrange's equations in O(n³), implicit midpoint rule: order 2
 };
 
 /// What keeps the joints of a force-level integrator or of Moreau–Jean from drifting apart.  RATTLE needs

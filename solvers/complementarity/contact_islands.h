@@ -41,7 +41,7 @@ class ContactIslands {
   /// One of them, with its own copy of all that it works on.
   struct Island {
     Island(ContactForces& all, SystemPart part);
-    /// The same bodies, joints and pairs in contact.
+    /// Whether the other has the same bodies, joints and pairs in contact.
     bool is_like(const Island& other) const;
 
     SystemPart part;

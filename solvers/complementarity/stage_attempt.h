@@ -65,7 +65,7 @@ struct StageAttempt {
   double inexact_residual = 0;  ///< that of the result, if it is beyond 1e-8
 
   StageProblem problem() const { return problem(stage.lambda); }
-  /// The same with other impulses.
+  /// The problem of this stage with the impulses λ given.
   StageProblem problem(std::span<double> lambda) const { return {laws, b, inertia, lambda, w}; }
   /// Of the present w.
   StageSolution solution(std::span<const double> lambda) const { return {laws, b, inertia, lambda, w}; }

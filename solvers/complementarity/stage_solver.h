@@ -74,7 +74,7 @@ class StageSolver {
   void prepare(std::span<const double> b, std::span<const double> lambda) {
     pivoting_.active_set().prepare(laws_, b, lambda);
   }
-  /// The same, with the b of the last solve.
+  /// prepare() with the b of the last solve.
   void prepare(std::span<const double> lambda) { prepare(b_, lambda); }
 
   // Solves.

@@ -9,8 +9,9 @@ namespace taut {
 /// ends at 1e-6, from where Newton goes on.                                        (solvers/friction, Eq. 5)
 Eigen::VectorXd interior_point(const ScaledFriction& problem, BestImpulses& best);
 
-/// The same equations with their right sides and the smoothing of |z_T| times τ, from the start, which meets
-/// them with τ = 1, to τ → 0: a curve that is followed by its length, so that it may turn back in τ.
+/// The equations of interior_point() with their right sides and the smoothing of |z_T| times τ, from the
+/// start, which meets them with τ = 1, to τ → 0: a curve that is followed by its length, so that it may turn
+/// back in τ.
 ///                                                   (solvers/friction, "Path of last resort")
 Eigen::VectorXd follow_path(const ScaledFriction& problem, BestImpulses& best);
 

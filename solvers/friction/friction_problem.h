@@ -29,7 +29,7 @@ struct FrictionProblem {
   FrictionProblem without_equalities() const;
 };
 
-/// The same before the bodies are eliminated:  M v = H r + f,  u = Hᵀ v + b.
+/// A friction problem whose bodies are not eliminated:  M v = H r + f,  u = Hᵀ v + b.
 struct GlobalFrictionProblem {
   FrictionProblem::Matrix M;  ///< m × m; invertible
   FrictionProblem::Matrix H;  ///< m × n
@@ -48,7 +48,7 @@ struct GlobalFrictionProblem {
 struct FrictionErrors {
   /// max √d |F| / max(√d |r|, |q|/√d),  F = r − P(r − û/d); of equalities F = u/d.
   double impulses = 0;
-  /// The same over max |q|/√d alone: how far the rates are off where impulses are much larger than q needs.
+  /// max √d |F| / max(|q|/√d): how far the rates are off where impulses are much larger than q needs.
   double rates = 0;
   /// |r − P(r − ρ û)|₂ / (ρ |q|₂),  ρ = 1/|W|₂.
   double map = 0;

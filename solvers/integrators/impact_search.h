@@ -23,7 +23,7 @@ class ImpactSearch {
   double first(double h, std::span<const double> rates);
   /// None of them is wanted any more.
   void end();
-  /// … nor looked for again in this step.
+  /// None of them is wanted, nor looked for again in this step.
   void give_up();
 
  private:

@@ -17,7 +17,7 @@ class MultiplierPrediction {
 
   /// Nothing is known: loads jump.
   void restart() { history_ = 0; }
-  /// … and the last μ is 0.
+  /// Nothing is known: loads jump, and the last μ is 0.
   void start();
   bool has_history() const { return history_ > 0; }
 

@@ -42,7 +42,7 @@ class Scheme {
   virtual void prepare(double /*horizon*/, std::vector<ContactStretch> /*stretches*/, Scheme* /*old*/) {}
   /// Takes over a state.
   virtual void start(const State& state, Velocities velocities, SubstepReport& report) = 0;
-  /// The same in the pattern that there is, which keeps what is known of contacts and friction.
+  /// start() in the pattern that there is, which keeps what is known of contacts and friction.
   virtual void restart(const State& state, Velocities velocities, SubstepReport& report) {
     start(state, velocities, report);
   }

@@ -50,7 +50,8 @@ class TreeDynamics {
   /// by Newton's method q ← q ⊕ (−J_b⁺ φ), at least `least` times, until |φ| is within the tolerance.  False
   /// if it does not come to that.  Needs and leaves no linearize().
   [[nodiscard]] bool close_positions(State& state, double tolerance, int least, int& iterations);
-  /// The same for velocities at the state of linearize(): V ← V − J_b⁺ (J V + φ_t), exactly.
+  /// Makes velocities obey J V + φ_t = 0 from the roots to the leaves, at the state of linearize():
+  /// V ← V − J_b⁺ (J V + φ_t), exactly.
   void close_velocities(State& state) const;
   /// The velocities nearest to those of the state in the metric M with J V + φ_t = 0, as an impact of all
   /// joints at once leaves them; at the state of linearize().

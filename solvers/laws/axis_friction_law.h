@@ -14,7 +14,7 @@ namespace taut {
 struct AxisFrictionLaw : AxisBoxLaw<&AxisImpulse::friction> {
   double anchor = 0;       ///< θ where it is held [rad or m]
   bool stuck = false;      ///< held at the end of the last step
-  bool broken = false;     ///< … but not in this one
+  bool broken = false;     ///< let go in this step
   double load = 0;         ///< impulse of the joint's force in this stage [N·s]
   double load_change = 0;  ///< by the last solve, 0: not yet known
 

@@ -62,7 +62,7 @@ class ContactForces final : public ContactLaws {
 
   /// A step of h begins; `rates`: J V before it.
   void begin(double h, std::span<const double> rates, std::span<const double> inertia);
-  /// The same for a step of Moreau–Jean, whose impulses act at once, after move_on().
+  /// A step of h by Moreau–Jean begins, whose impulses act at once; after move_on().
   void begin_single_kick(double h);
   /// Back to begin(), over a move_on() if there was one.
   void roll_back(bool moved_on);

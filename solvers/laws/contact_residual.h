@@ -51,7 +51,7 @@ struct RateSize {
 /// rate by `least` if that is more.
 double relative_contact_residual(const ContactRows& contacts, std::span<const double> lambda,
                                  std::span<const double> w, double scale, const RateSize& least);
-/// The same of contact k alone.
+/// relative_contact_residual() of contact k alone.
 double relative_contact_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                  std::span<const double> w, double scale, const RateSize& least);
 

@@ -93,7 +93,7 @@ class ContactRows {
                     std::span<const double> linear) const;
   /// Zeroes a guess in the rows of contacts that give nothing in this stage.
   void clear_idle(std::span<double> lambda) const;
-  /// The same is 0 there.
+  /// Whether a guess is 0 in the rows of contacts that give nothing in this stage.
   bool is_clear(std::span<const double> lambda) const;
 
  private:

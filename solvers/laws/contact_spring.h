@@ -29,7 +29,8 @@ struct ContactSpring {
   /// + ωh) in two steps.  The law is in μ: δ σ Λ = δ σ (μ + back).                    (solvers/laws, Eq. 8)
   ContactTable::NormalLaw velocity_law(double gap, double approach, double back, double restitution) const;
 
-  /// The same spring across the normal, which yields where friction does: its stretch is what slipped.
+  /// Law of the tangents: the spring, with its stiffness across the normal, yields where friction does, so
+  /// that its stretch `target` [m] is what has slipped.
   ContactTable::SlipLaw position_slip_law(const Vec2& target) const {
     return {target, 2 * compliance / (h * h)};
   }

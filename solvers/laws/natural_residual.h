@@ -19,7 +19,7 @@ struct NaturalResidual {
   /// Of impulses that are `off` = |λ − λ*| from the answer, with root = √S and own = S + c.
   NaturalResidual(double root, double own, double off)
       : size(root * std::abs(off)), rate(own * std::abs(off)) {}
-  /// The same without compliance, with s = S.
+  /// Of impulses that are `off` from the answer, without compliance: s = S, own = S.
   NaturalResidual(double s, double off) : NaturalResidual(std::sqrt(s), s, off) {}
 
   /// The size, 0 where the rate is right to the tolerance.
@@ -31,11 +31,11 @@ inline NaturalResidual natural_residual(const RowLaw& law, double s, double lamb
   return {s, lambda - law.project(s, lambda, w)};
 }
 
-/// Laws are met if no residual is larger than this part of the scale of all …
+/// Laws are met if no residual is larger than this part of the scale of all.
 inline constexpr double kMetResidual = 1e-9;
-/// … or, where there are contacts and that is not to be had, than this: what dependent rows contradict each
-/// other by.  Half: 5.7 times the factorisations of a card house; twice: residuals above 1e-8 of stacks, and
-/// 25 times the Newton steps of shapes on a mesh.
+/// Where there are contacts and kMetResidual is not to be had, laws are met if no residual is larger than
+/// this: what dependent rows contradict each other by.  Half: 5.7 times the factorisations of a card house;
+/// twice: residuals above 1e-8 of stacks, and 25 times the Newton steps of shapes on a mesh.
 inline constexpr double kMetContactResidual = 1e-8;
 
 /// Round-off of impulses, poses and twists, as a part of them: 16 units of it.

@@ -56,7 +56,7 @@ struct FrontKernels {
   void (*weigh)(const double* J, int rows, const double* rotation, const double* translation, double scale,
                 double* W);
 
-  /// The same with W laid out like J.
+  /// weigh() with W laid out like J.
   void (*weigh_rows)(const double* J, int rows, const double* rotation, const double* translation,
                      double scale, double* W);
 

@@ -76,7 +76,7 @@ class EventSchedule {
   void transfer(Archive& archive, std::vector<Due>& due) const;
   /// Gravity, motors, frames of joints and loads as they were transferred.
   void apply(World& world) const;
-  /// The same of a world as it is now, for transfer().
+  /// Notes gravity, motors, frames of joints and loads of a world as it is now, for transfer().
   void note_settings(const World& world);
 
  private:

@@ -12,7 +12,7 @@ namespace taut {
 /// ": ball elbow stays open by 1e-09 m; a shorter step …" of the joint that does most by its gaps φ, which
 /// becomes the culprit of the report; "" if none does, or no more than `least`.
 std::string widest_gap(const Inquiry& asked, const State& state, std::span<const double> phi, double least);
-/// … with φ of that state.
+/// widest_gap() with the gaps φ of the state, and any of them.
 std::string widest_gap(const Inquiry& asked, const State& state);
 
 /// ": contact of box and ground (3e-07), … ; a shorter step …" of the report's culprits, those that miss

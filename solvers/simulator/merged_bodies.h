@@ -36,7 +36,7 @@ class MergedBodies {
   // After it.
   /// Of the state that the members get, the weld that is open furthest.
   MergedWorld::OpenWeld place_members(const State& state);
-  /// … where they are placed already.
+  /// The gap of the weld that is open furthest, where the members are placed already.
   Gap placed_gap() const { return merged_->widest_weld(source_, placed_).gap; }
   void end_step() { set_since_step_ = false; }
   /// The source gets what the copy has come to.

@@ -31,8 +31,10 @@ struct RunReport {
   double penetration = 0;          ///< likewise [m]
   double natural_residual = 0;     ///< likewise, relative
 
-  bool ok() const { return last.ok(); }                              ///< the end was reached
-  bool exact() const { return last.exact() && inexact_steps == 0; }  ///< … by exact steps alone
+  bool ok() const { return last.ok(); }  ///< the end was reached
+  bool exact() const {
+    return last.exact() && inexact_steps == 0;
+  }  ///< the end was reached by exact steps alone
 };
 
 /// Advances a World in time.
@@ -80,8 +82,8 @@ class Simulator {
   /// run_until() with the first; one that fails keeps it for the next try.
   /// @throws std::invalid_argument, with the name of the body, for a value that is not finite.
   void apply_force(BodyId body, const Wrench& wrench);
-  /// The same of a force f [N], world axes, at point P of the body: the wrench (r × f, f) with r = R_WB p_BP
-  /// as the body is turned now.
+  /// apply_force() of the wrench (r × f, f) of a force f [N], world axes, at point P of the body, with
+  /// r = R_WB p_BP [m] as the body is turned now.
   void apply_force(BodyId body, const Vec3& p_BP, const Vec3& force);
   const StepReport& report() const;  ///< of the last step() or assemble()
 

@@ -24,8 +24,9 @@ class Stepper {
   // The pattern.
   /// Once renew() has been called there is a system and a scheme.
   bool made() const { return scheme_ != nullptr; }
+  /// Pattern and order are those of the world as it is.
   bool knows_pattern() const;
-  /// … but for who sleeps.
+  /// Pattern and order are those of the world as it is, but perhaps for who sleeps.
   bool knows_topology() const;
   /// What it was for the pattern before; the system outlives the scheme that refers to it.
   struct Predecessor {
@@ -34,7 +35,8 @@ class Stepper {
   };
   /// Pattern, order and integrator of the present topology, which know no state yet.
   void renew();
-  /// The same, and what is there knows of contacts and friction, but of bodies that were moved.
+  /// As renew(), and the new integrator knows of contacts and friction what the old one did, but of bodies
+  /// that were moved.
   Predecessor renew_from_known();
 
   // The state.
@@ -49,8 +51,9 @@ class Stepper {
   /// Only gravity or a force law has changed, and that is no jump: the scheme goes on.
   bool goes_on_with_new_forces();
   void note_started() { retaken_ = false; }
+  /// The scheme knows the state that the world has.
   void note_state() { state_version_ = world_.state_version(); }
-  /// … as a step has left it, whose velocities are those of the scheme.
+  /// The world has the state that a step has left, whose velocities are those of the scheme.
   void note_left() { left_version_ = world_.state_version(); }
   bool left_state() const { return left_version_ == world_.state_version(); }
   /// What is done from now on may be taken back; and it has been, so that the state is what it was.
@@ -61,7 +64,8 @@ class Stepper {
   void forget_state() { state_version_ = -1; }
   /// The world still has the state from before, and all its joints: start from there again.
   void forget_step();
-  /// The same, at the end of a step that is taken again if it was `done`: the memory of its integrator holds.
+  /// As forget_step(), at the end of a step that is taken again: if it was `done`, its integrator keeps its
+  /// memory.
   void retake(bool done);
   /// What is known may be anything.
   void forget_all();

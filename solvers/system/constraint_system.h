@@ -62,7 +62,7 @@ class ConstraintSystem : public LinearizedRows {
 
   /// S from J and the roots, and its factor.  Sets rank_deficiency() and condition_estimate().
   void factorize(StageTimes& times);
-  /// The same with an exact count of dependent rows, for two factorisations.
+  /// factorize() with an exact count of dependent rows, which costs a second factorisation.
   void factorize_for_counting(StageTimes& times);
   /// False after linearize(), until the next factorize(): there is no factor of the present S.
   bool factored() const { return factored_.linearization == linearization(); }

@@ -20,9 +20,9 @@ namespace taut {
 /// (solvers/system, "Free parts")
 class FreeParts {
  public:
-  /// Forgets all parts: from now on each body is one by itself …
+  /// Forgets all parts: from now on each body is one by itself, until join().
   void begin(const MassMatrix& mass);
-  /// … but for those that a joint or contact has rows between.
+  /// Bodies a and b, which a joint or contact has rows between, are of one part.
   void join(int a, int b) { sets_.join(a, b); }
   /// The parts at these poses, of those with a body that `filtered` marks.
   void find(const MassMatrix& mass, std::span<const Pose> poses, std::span<const char> filtered);

@@ -57,13 +57,14 @@ class LinearizedRows {
     ++version_;
     return jacobian_;
   }
-  /// The roots of M⁻¹ at these poses …
+  /// The roots of M⁻¹ at these poses.
   void set_mass(std::span<const Pose> poses);
   const std::vector<InverseMassRoot>& mass_roots() const { return roots_; }
   const InverseMassRoot& inverse_mass(int body) const { return roots_[body]; }
-  /// … and until the next set_mass(), others for S in their place, one a body, for the caller to fill.
+  /// Until the next set_mass() S has these roots, one a body, which the caller fills, in place of
+  /// mass_roots().
   std::span<FullMassRoot> use_full_roots();
-  /// Those others; empty: not in use.
+  /// Those of use_full_roots(); empty: not in use.
   const std::vector<FullMassRoot>& full_roots() const { return full_roots_; }
 
   /// W = J A.

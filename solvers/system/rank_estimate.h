@@ -39,18 +39,18 @@ class RankEstimate {
   void set_shift(double shift) { tolerance_.shift = shift; }
   /// The next factorisation begins with the shift.
   bool shifts() const { return shift_next_; }
-  /// It does so from now on, until 100 in a row have met full rank …
+  /// Factorisations begin with the shift from now on, until 100 in a row have met full rank.
   void demand_shift() { shift_next_ = true; }
-  /// … counted from here, after one without the shift that met dependent rows.
+  /// As demand_shift(), counted from here, after one without the shift that met dependent rows.
   void found_dependence();
   /// Counts one of the 100 if the last factorisation met full rank.
   void found_rank();
 
   /// Dependent rows and condition by the threshold, of a factor that could be made.
   void inspect(std::span<const double> pivots, std::span<const int> row_at);
-  /// Nothing is known of a factor that could not be made but its condition so far …
+  /// Nothing is known of a factor that could not be made but its condition so far.
   void forget_rows() { dependent_rows_.clear(); }
-  /// … or of one that shows no pivots of rows.
+  /// Nothing is known of a factor that shows no pivots of rows, its condition neither.
   void forget();
   /// Rows from here on are others.
   void forget_rows_from(int row);
@@ -71,9 +71,9 @@ class RankEstimate {
   /// not known.
   double condition() const { return condition_; }
 
-  /// To or from bytes (checkpoint_memory.cpp): what the next factorisation begins with …
+  /// To or from bytes (checkpoint_memory.cpp): what the next factorisation begins with.
   void transfer_shift(Archive& archive);
-  /// … and what the last one found.
+  /// To or from bytes: what the last factorisation found.
   void transfer_findings(Archive& archive, int rows);
 
  private:
