@@ -34,7 +34,7 @@ struct ModelTree {
 ModelTree model_tree(const World& world);
 
 /// Points [m] in the world that stay together where a ball joint, hinge or fixed joint is: one, two of its
-/// axis, three that are on no line; none for other joints.
+/// axis, three that do not lie on one line; none for other joints.
 std::vector<Vec3> common_points(const World& world, JointId joint);
 
 /// What the present values, limits and laws of an axis are; without its motor, and what a linear spring and

@@ -19,6 +19,7 @@ void read_options(XmlFiles& files, const pugi::xml_node& mujoco, RobotModel& mod
     model.gravity = vector(files, option, "gravity", model.gravity);
     for (const pugi::xml_node& flags : files.children(option, "flag")) {
       if (disabled(files, flags, "contact")) model.contacts = false;
+      if (disabled(files, flags, "actuation")) model.actuation = false;
       if (disabled(files, flags, "gravity")) weightless = true;
     }
   }

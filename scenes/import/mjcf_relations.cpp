@@ -65,7 +65,6 @@ void MjcfRelations::read_contact(const pugi::xml_node& node) {
     element.find("name");
     const auto geom = [&](const char* key) { return named(element, names_.geoms, key, names_); };
     const GeomPlace a = geom("geom1"), b = geom("geom2");
-    const bool own_surface = element.find("friction") || element.find("condim");
     const int number = static_cast<int>(model_.pairs.size());
     model_.pairs.push_back({a.link, b.link, true});
     if (a.shape < 0 || b.shape < 0) return;  // said where the shape was left out
@@ -74,7 +73,7 @@ void MjcfRelations::read_contact(const pugi::xml_node& node) {
     if (first_of.empty()) first_of.insert(number);
     LinkShape &first = model_.shapes_of(a.link)[a.shape], &second = model_.shapes_of(b.link)[b.shape];
     second.touches.second_of.insert(*first_of.begin());
-    if (own_surface) give_surface(element, first.surface, second.surface);
+    give_surface(element, first.surface, second.surface);
     if (model_.are_next(a.link, b.link))
       note(element,
            "<pair> of geoms: other geoms of their bodies may touch, too, as far as contype and "
@@ -82,11 +81,10 @@ void MjcfRelations::read_contact(const pugi::xml_node& node) {
   }
 }
 
-/// Sliding along two directions, spinning, and rolling about two.
+/// Sliding along two directions, spinning, and rolling about two: those of the pair, or MuJoCo's own,
+/// whatever the geoms have.
 void MjcfRelations::give_surface(const MjcfElement& pair, Surface& a, Surface& b) {
-  for (Surface* surface : {&a, &b})
-    if (surface->number == 0) surface->number = ++model_.numbered_surfaces;
-  Surface both = larger_of(a, b);
+  Surface both{3, 1, 0.005, 0.0001};
   both.directions = static_cast<int>(pair.number("condim", both.directions));
   const auto f = pair.numbers("friction");
   const auto coefficient = [&](std::size_t i, double& value) {
@@ -95,6 +93,9 @@ void MjcfRelations::give_surface(const MjcfElement& pair, Surface& a, Surface& b
   coefficient(0, both.sliding), coefficient(2, both.spinning), coefficient(3, both.rolling);
   if ((f.size() > 1 && f[0] != f[1]) || (f.size() > 4 && f[3] != f[4]))
     note(pair, "\"friction\" of <pair> that differs by direction: the first number is taken");
+  if (both == larger_of(a, b) && a.number == 0 && b.number == 0) return;
+  for (Surface* surface : {&a, &b})
+    if (surface->number == 0) surface->number = ++model_.numbered_surfaces;
   model_.pair_surfaces[std::minmax(a.number, b.number)] = both;
 }
 
@@ -237,17 +238,16 @@ void MjcfRelations::read_actuator(const pugi::xml_node& node) {
   const bool known =
       kind == "general" || kind == "motor" || kind == "position" || kind == "velocity" || kind == "damper";
   const char* attribute = node.attribute("joint") ? "joint" : "jointinparent";
-  if (!known || !node.attribute(attribute))
+  if (!known || !node.attribute(attribute) || has_state(actuator) || !model_.actuation)
     return leave_out(actuator, "<" + kind + "> \"" + name + "\": has no counterpart: it does nothing");
   const AxisName on = joint(actuator, attribute);
-  act_on_joint(actuator, within_range(actuator, control), axis(on));
+  const auto range = limits_of(actuator, "ctrlrange", "ctrllimited");
+  act_on_joint(actuator, range ? std::clamp(control, range->first, range->second) : control, axis(on));
 }
 
-double MjcfRelations::within_range(const MjcfElement& actuator, double control) const {
-  const auto range = actuator.numbers("ctrlrange", {0, 0});
-  const bool given = range[0] < range[1];
-  if (!actuator.flag("ctrllimited", compiler_.autolimits && given) || !given) return control;
-  return std::clamp(control, range[0], range[1]);
+/// Its force follows the control later.
+bool MjcfRelations::has_state(const MjcfElement& actuator) const {
+  return actuator.text("dyntype", "none") != "none" || actuator.number("timeconst", 0) > 0;
 }
 
 /// force = gear (gain₀ u + bias₀ + bias₁ gear q + bias₂ gear q̇), with gain and bias of the kind.
@@ -279,17 +279,23 @@ AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control) {
       note(actuator, "\"gaintype\": has no counterpart: its control does nothing");
   }
   bias.resize(3, 0.0);
-  return {gear * (gain * control + bias[0]), -bias[1] * gear * gear, -bias[2] * gear * gear,
-          most_of(actuator) * std::abs(gear)};
+  const double constant = gain * control + bias[0];
+  const auto range = limits_of(actuator, "forcerange", "forcelimited");
+  if (bias[1] == 0 && bias[2] == 0)
+    return {gear * (range ? std::clamp(constant, range->first, range->second) : constant), 0, 0, kNoLimit};
+  if (range && range->first != -range->second)
+    note(actuator, "\"forcerange\" that is not symmetric: its larger end is taken both ways");
+  const double most = range ? std::max(std::abs(range->first), std::abs(range->second)) : kNoLimit;
+  return {gear * constant, -bias[1] * gear * gear, -bias[2] * gear * gear, most * std::abs(gear)};
 }
 
-double MjcfRelations::most_of(const MjcfElement& actuator) {
-  const auto range = actuator.numbers("forcerange", {0, 0});
+std::optional<std::pair<double, double>> MjcfRelations::limits_of(const MjcfElement& actuator,
+                                                                  const char* range_key,
+                                                                  const char* limited_key) const {
+  const auto range = actuator.numbers(range_key, {0, 0});
   const bool given = range[0] < range[1];
-  if (!actuator.flag("forcelimited", compiler_.autolimits && given) || !given) return kNoLimit;
-  if (range[0] != -range[1])
-    note(actuator, "\"forcerange\" that is not symmetric: its larger end is taken both ways");
-  return std::max(std::abs(range[0]), std::abs(range[1]));
+  if (!actuator.flag(limited_key, compiler_.autolimits && given) || !given) return std::nullopt;
+  return std::pair(range[0], range[1]);
 }
 
 /// Those of one joint are one motor.

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <utility>
+
 #include "scenes/import/mjcf_names.h"
 
 namespace taut::model {
@@ -35,9 +38,10 @@ class MjcfRelations {
   void read_spring(const MjcfElement& tendon, Wire& wire);
   void read_controls(const pugi::xml_node& mujoco);
   void read_actuator(const pugi::xml_node& node);
-  double within_range(const MjcfElement& actuator, double control) const;
+  bool has_state(const MjcfElement& actuator) const;
+  std::optional<std::pair<double, double>> limits_of(const MjcfElement& actuator, const char* range_key,
+                                                     const char* limited_key) const;
   AxisDrive drive_of(const MjcfElement& actuator, double control);
-  double most_of(const MjcfElement& actuator);
   void act_on_joint(const MjcfElement& actuator, double control, LinkAxis& axis);
   void read_sensor(const pugi::xml_node& node);
   bool frame_sensor(const MjcfElement& sensor, ModelProbe& probe);

@@ -42,14 +42,15 @@ class Fusion {
 
  private:
   /// Where links that move together are no body even as one, each that is none by itself gets the mean of its
-  /// principal moments as each of them, as with MuJoCo's balanceinertia.
+  /// principal moments as each of them, as with MuJoCo's balanceinertia; negative ones are of nothing.
   void balance(int root, const std::vector<int>& members) {
     if (model_.refuses_wrong_inertia || is_solid(inertia_seen_from(root, members))) return;
+    constexpr double kRoundOff = 1e-9;  // of what was a rod
     for (int i : members) {
       Link& link = model_.links[i];
       const Vec3 moments = dense::symmetric_eigenvalues3(link.inertia.inertia);
       const LinkInertia round{link.inertia.mass, link.inertia.centre, moments.mean() * Mat3::Identity()};
-      if (is_solid(link.inertia) || !is_solid(round)) continue;
+      if (is_solid(link.inertia) || !is_solid(round) || moments[0] < -kRoundOff * moments[2]) continue;
       link.inertia = round;
       std::ostringstream message;
       message.precision(6);

@@ -139,9 +139,11 @@ void SceneDocument::write_materials(SceneJson& document) const {
   };
   for (const auto& [surface, name] : surfaces_) document["materials"][name] = both(surface, surface);
   for (auto a = surfaces_.begin(); a != surfaces_.end(); ++a)
-    for (auto b = std::next(a); b != surfaces_.end(); ++b)
-      document["material_pairs"].push_back(
-          {{"a", a->second}, {"b", b->second}, {"material", both(a->first, b->first)}});
+    for (auto b = std::next(a); b != surfaces_.end(); ++b) {
+      const SceneJson material = both(a->first, b->first);  // of equals it is theirs without being said
+      if (material != document["materials"][a->second] || material != document["materials"][b->second])
+        document["material_pairs"].push_back({{"a", a->second}, {"b", b->second}, {"material", material}});
+    }
 }
 
 SceneJson SceneDocument::shapes_json(const std::vector<LinkShape>& shapes, const Vec3& centre) const {

@@ -17,7 +17,7 @@ struct StartTuning {
   /// What an axis may be beyond its limits [rad or m]; loops are as closed as that afterwards.
   static constexpr double kBeyond = 1e-9, kClosed = 1e-12, kNearlyClosed = 1e-6;
   /// Axes go to their limits in parts of at most this [rad or m], but at most so many, and loops follow:
-  /// longer ones end in other ways of putting the loop together.
+  /// after longer ones a loop may close in another of the forms that it has.
   static constexpr double kPart = 0.05;
   static constexpr int kMostParts = 40;
   /// Limits that are further away than this [rad or m] are none that anyone meant.
@@ -71,7 +71,7 @@ class StartSearch {
     gather();
     for (const auto& [root, part] : parts()) {
       if (!starts_beyond(part)) continue;
-      settle(part, part.axes.size() <= StartTuning::kMostValues && seek(part));
+      settle(part, seek(part));
     }
     if (moved_) move();
   }
@@ -147,11 +147,33 @@ class StartSearch {
 
   // --- how far loops are open
   Pose pose(int link) const {
-    if (link == kWorld) return {};
+    Pose X;
+    for (std::vector<int> way = way_to_the_world(link); !way.empty(); way.pop_back())
+      X = pose_on(X, way.back());
+    return X;
+  }
+  /// Where a link is on a parent that is at X_WP.
+  Pose pose_on(const Pose& X_WP, int link) const {
     const Link& it = model_.links[link];
     if (it.free) return it.X_WL;
-    const Pose X_WP = it.parent == kWorld ? Pose{} : model_.links[it.parent].X_WL;
-    return pose(it.parent) * inverse(X_WP) * it.X_WL * displacement(it.axes, values_[link]);
+    return X_WP * inverse(start(model_, it.parent)) * it.X_WL * displacement(it.axes, values_[link]);
+  }
+  /// Of all links, each once.
+  std::vector<Pose> poses() const {
+    std::vector<Pose> result(model_.links.size());
+    std::vector<char> known(model_.links.size(), 0);
+    for (int i = 0; i < static_cast<int>(result.size()); ++i) {
+      std::vector<int> way;
+      for (int link = i; link != kWorld && !known[link];
+           link = model_.links[link].free ? kWorld : model_.links[link].parent)
+        way.push_back(link);
+      for (; !way.empty(); way.pop_back()) {
+        const int link = way.back(), parent = model_.links[link].parent;
+        result[link] = pose_on(parent == kWorld ? Pose{} : result[parent], link);
+        known[link] = 1;
+      }
+    }
+    return result;
   }
   static Pose start(const RobotModel& model, int link) {
     return link == kWorld ? Pose{} : model.links[link].X_WL;
@@ -203,12 +225,16 @@ class StartSearch {
     return unknowns;
   }
 
-  /// From the start to the limits in small parts.
-  bool seek(const Part& part) {
+  /// From the start to the limits in small parts.  Why there is no such start; null: there is.
+  const char* seek(const Part& part) {
+    if (part.axes.size() > StartTuning::kMostValues)
+      return "more than 100 axes depend on it, for which no start is sought";
     std::vector<Unknown> unknowns = unknowns_of(part);
     double farthest = 0;
     for (const Unknown& u : unknowns) farthest = std::max({farthest, u.lower, -u.upper});
-    if (farthest > StartTuning::kFarthest) return false;
+    if (farthest > StartTuning::kFarthest) return "they are further away than 1e4";
+    open_ = StartTuning::kNearlyClosed;
+    for (const double gap : gaps(part)) open_ = std::max(open_, std::abs(gap));
     const int count = std::min(static_cast<int>(farthest / StartTuning::kPart) + 1, StartTuning::kMostParts);
     for (int i = 1; i <= count; ++i) {
       const double way = static_cast<double>(i) / count;
@@ -217,12 +243,14 @@ class StartSearch {
         u.last = u.upper < 0 ? way * u.upper : u.upper;
       }
       if (!close(part, unknowns, i == count ? StartTuning::kClosed : StartTuning::kNearlyClosed))
-        return false;
+        return "no start is found where loops are closed and limits kept";
     }
-    return true;
+    return nullptr;
   }
 
-  /// First towards the least values that close the gaps, then to what closes them exactly.
+  /// First towards the least values that close the gaps, then to what closes them exactly, or as far as axes
+  /// can: what a rounded file has left open across a planar mechanism is no more afterwards, and closed when
+  /// the scene is assembled.
   bool close(const Part& part, std::vector<Unknown>& unknowns, double tolerance) {
     for (const Unknown& u : unknowns) *u.value = std::clamp(*u.value, u.first, u.last);
     for (int i = 0; i < StartTuning::kMostSteps; ++i) {
@@ -235,6 +263,7 @@ class StartSearch {
       if (!J.allFinite()) return false;
       const Eigen::VectorXd step = bounded_step(unknowns, J, r, back);
       const double longest = step.cwiseAbs().maxCoeff();
+      if (!back && longest <= tolerance && r.cwiseAbs().maxCoeff() <= open_) return true;
       if (back && longest < StartTuning::kNearlyClosed) i = StartTuning::kMostSteps / 2;
       const double scale = longest > StartTuning::kLongestStep ? StartTuning::kLongestStep / longest : 1;
       for (std::size_t k = 0; k < unknowns.size(); ++k) {
@@ -280,17 +309,23 @@ class StartSearch {
       if (!held || trial == unknowns.size()) return step;
     }
   }
+  /// −J⁺ r, from J Jᵀ or Jᵀ J, whichever is smaller.
   static Eigen::VectorXd least_step(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
-    const auto [values, vectors] = dense::symmetric_eigenpairs(dense::product(J, J.transpose()));
+    const bool wide = J.rows() <= J.cols();
+    const Eigen::MatrixXd Jt = J.transpose();
+    const auto [values, vectors] =
+        dense::symmetric_eigenpairs(wide ? dense::product(J, Jt) : dense::product(Jt, J));
+    const Eigen::VectorXd right = wide ? r : Eigen::VectorXd(Jt * r);
     const double cutoff = std::pow(StartTuning::kNoSingularValue, 2) * values.maxCoeff();
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(r.size());
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(right.size());
     for (Eigen::Index k = 0; k < values.size(); ++k)
-      if (values[k] > cutoff) x -= vectors.col(k).dot(r) / values[k] * vectors.col(k);
-    return J.transpose() * x;
+      if (values[k] > cutoff) x -= vectors.col(k).dot(right) / values[k] * vectors.col(k);
+    return wide ? Eigen::VectorXd(Jt * x) : x;
   }
 
   // --- what becomes of it
-  void settle(const Part& part, bool found) {
+  void settle(const Part& part, const char* obstacle) {
+    const bool found = obstacle == nullptr;
     moved_ = moved_ || found;
     for (const Place& place : part.axes) {
       LinkAxis& it = axis(place);
@@ -302,10 +337,10 @@ class StartSearch {
       message << '"' << it.name << "\" starts at " << it.start
               << ", beyond its limits (value: " << it.law.lower << " to " << it.law.upper << "): ";
       if (found) {
-        message << "its start is moved to " << it.start + value[0] << ", which is 0 in the scene"
-                << (part.axes.size() > 1 ? ", and what depends on it along with it" : "");
+        message << "it starts at " << it.start + value[0] << " now, which is 0 in the scene"
+                << (part.axes.size() > 1 ? ", and axes that depend on it move along with it" : "");
       } else {
-        message << "no start is found where loops are closed and limits kept: the limit is given up";
+        message << obstacle << ": the limit is given up";
         (it.start < it.law.lower ? it.law.lower : it.law.upper) =
             it.start < it.law.lower ? -kNoLimit : kNoLimit;
       }
@@ -314,8 +349,7 @@ class StartSearch {
   }
 
   void move() {
-    std::vector<Pose> poses;
-    for (int i = 0; i < static_cast<int>(model_.links.size()); ++i) poses.push_back(pose(i));
+    const std::vector<Pose> moved = poses();
     for (int owner = 0; owner < static_cast<int>(values_.size()); ++owner) {
       displace(axes_of(owner), values_[owner]);
       for (std::size_t k = 0; k < values_[owner].size(); ++k) {
@@ -325,7 +359,7 @@ class StartSearch {
       }
     }
     for (std::size_t i = 0; i < model_.links.size(); ++i) {
-      model_.links[i].X_WL = poses[i];
+      model_.links[i].X_WL = moved[i];
       model_.links[i].X_WL.q.normalize();
     }
   }
@@ -334,6 +368,7 @@ class StartSearch {
   std::vector<std::vector<Vec3>> values_;  // by link, and then by loop: of its axes, against the start
   std::vector<int> joined_;
   bool moved_ = false;
+  double open_ = 0;  // how far loops of a part are open at the start, or what is nearly closed
 };
 
 }  // namespace

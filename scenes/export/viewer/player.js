@@ -225,7 +225,7 @@ export class Player {
 
   /** What tells the pictures apart: file, scene and parameters. */
   names() {
-    const own = /^(file|https?):$/.test(window.location.protocol) ? decodeURIComponent(window.location.pathname.split('/').at(-1)) : '';
+    const own = /^(file|https?):$/.test(window.location.protocol) ? plainText(window.location.pathname.split('/').at(-1)) : '';
     const all = this.pictures.map(({recording}, side) => [recording.file ?? (side ? '' : own), factsOf(recording)].filter(Boolean).join(' · '));
     return all.map((name, side) => (all.indexOf(name) !== all.lastIndexOf(name) ? `${side + 1}: ${name}` : name));
   }
@@ -546,6 +546,14 @@ export class Player {
 /** Units are written as in the catalogue, `kg` or `m/s`: no prefix is put before them. */
 const parametersOf = ({parameters, parameterUnits: units}) => Object.entries(parameters).map(([key, value]) =>
   `${key} = ${units[key] === 'bool' ? value !== 0 : [value, units[key]].filter((part) => part !== undefined).join(' ')}`);
+/** Of a part of an address; as it stands if it is no text that someone has encoded. */
+const plainText = (part) => {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+};
 const factsOf = (recording) => [recording.scene, ...parametersOf(recording)].join(' · ');
 
 /** The curves of a recording by their titles: [{title, unit, logarithmic, digits, series}]. */

@@ -192,6 +192,41 @@ TEST(ImportMjcf, APairHasItsOwnFriction) {
   EXPECT_EQ(between(0, 2).dynamic_friction, 1);  // the larger one
 }
 
+/// MuJoCo does not ask the geoms of a pair for their friction: what the pair does not say is 1, 0.005,
+/// 0.0001.
+TEST(ImportMjcf, WhatAPairDoesNotSayIsMuJoCosOwn) {
+  const auto material = [](const std::string& pair) {
+    const Scene scene = scene_of(imported(
+        "<worldbody><geom name='floor' type='plane' size='1 1 1'/><body pos='0 0 1'><freejoint/><geom "
+        "name='g' size='.1' condim='6' friction='.7 .02 .003'/></body></worldbody><contact><pair "
+        "geom1='floor' geom2='g' " +
+        pair + "/></contact>"));
+    return scene.world.contact_material(ShapeId{0}, ShapeId{1});
+  };
+  EXPECT_EQ(material("").dynamic_friction, 1);
+  EXPECT_EQ(material("").spinning_friction, 0);
+  EXPECT_EQ(material("friction='0.9'").dynamic_friction, 0.9);
+  EXPECT_EQ(material("friction='0.9'").rolling_friction, 0);
+  EXPECT_EQ(material("condim='6'").spinning_friction, 0.005);
+  EXPECT_EQ(material("condim='6'").rolling_friction, 0.0001);
+}
+
+/// Surfaces with the same numbers need no entry for each two of them.
+TEST(ImportMjcf, ManyPairsAreNotWrittenTwoByTwo) {
+  std::string bodies, pairs;
+  for (int i = 0; i < 40; ++i) {
+    const std::string number = std::to_string(i);
+    bodies += "<body pos='" + number + " 0 1'><freejoint/><geom size='.1' name='g" + number + "'/></body>";
+    pairs += "<pair geom1='floor' geom2='g" + number + "' friction='.3'/>";
+  }
+  const ImportedModel model = imported("<worldbody><geom name='floor' type='plane' size='1 1 1'/>" + bodies +
+                                       "</worldbody><contact>" + pairs + "</contact>");
+  EXPECT_EQ(model.document["material_pairs"].size(), 40u);
+  const Scene scene = scene_of(model);
+  EXPECT_EQ(scene.world.contact_material(ShapeId{0}, ShapeId{1}).dynamic_friction, 0.3);
+  EXPECT_EQ(scene.world.contact_material(ShapeId{1}, ShapeId{2}).dynamic_friction, 1);
+}
+
 /// A weld holds what its bodies' contact would push apart.
 TEST(ImportMjcf, WeldedBodiesDoNotTouch) {
   const ImportedModel model = imported(
@@ -251,6 +286,36 @@ TEST(ImportMjcf, ControlsAreThoseOfTheStart) {
   const double inertia = scene.world.mass_properties(BodyId{1}).inertia_B()(1, 1);
   EXPECT_NEAR(scene.world.twist(BodyId{1}).w.y(), -10 / inertia * 1e-3, 1e-9 / inertia);
   EXPECT_TRUE(notes(with("<key ctrl='1'/>"), "has not as many numbers as there are actuators"));
+}
+
+/// A constant force keeps to its range, whose ends need not be opposite.
+TEST(ImportMjcf, ConstantForcesKeepToTheirRange) {
+  const auto force = [](const std::string& motor, const std::string& control) {
+    const auto json = motor_of(imported(kDriven + "<actuator><motor joint='j' " + motor +
+                                        "/></actuator><keyframe><key ctrl='" + control + "'/></keyframe>"),
+                               0);
+    return json.is_null() ? 0.0 : json["max_force"].get<double>() * (json["velocity"] > 0 ? 1 : -1);
+  };
+  EXPECT_EQ(force("forcerange='-1 100'", "-50"), -1);
+  EXPECT_EQ(force("forcerange='-1 100'", "50"), 50);
+  EXPECT_EQ(force("forcerange='5 100'", "0"), 5);
+  EXPECT_EQ(force("forcerange='-1 100' gear='-2'", "-50"), 2);
+}
+
+/// Forces that follow their control later, and those that the file has switched off.
+TEST(ImportMjcf, ActuatorsThatDoNotActAtOnceAreLeftOut) {
+  const std::string key = "<keyframe><key ctrl='1'/></keyframe>";
+  for (const std::string actuator :
+       {"<general name='a' joint='j' gainprm='5' dyntype='integrator'/>",
+        "<general name='a' joint='j' gainprm='5' dyntype='filter' dynprm='0.1'/>",
+        "<position name='a' joint='j' kp='5' timeconst='0.1'/>"}) {
+    const ImportedModel model = imported(kDriven + "<actuator>" + actuator + "</actuator>" + key);
+    EXPECT_FALSE(model.document["joints"][0].contains("axes")) << actuator;
+    EXPECT_TRUE(notes(model, "\"a\": has no counterpart: it does nothing")) << actuator;
+  }
+  const ImportedModel off = imported("<option><flag actuation='disable'/></option>" + kDriven +
+                                     "<actuator><motor name='a' joint='j'/></actuator>" + key);
+  EXPECT_FALSE(off.document["joints"][0].contains("axes"));
 }
 
 TEST(ImportMjcf, WhatIsNoMotorIsNamed) {

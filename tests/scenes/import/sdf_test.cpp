@@ -150,10 +150,10 @@ TEST(ImportSdf, CassieRunsAsItIs) {
                              "cassie.sdf:758: the principal moments of inertia of \"left-foot-reference\" "
                              "are those of no body (value: 9.306e-07 9.49379e-07 9.40002e-06 kg m²): each "
                              "becomes their mean, 3.76e-06 kg m²"));
-  EXPECT_TRUE(testing::notes(
-      model,
-      "cassie.sdf:664: \"left-tarsus-crank-joint\" starts at 0, beyond its limits "
-      "(value: -2.4435 to -0.6109): its start is moved to -0.6109, which is 0 in the scene, and"));
+  EXPECT_TRUE(
+      testing::notes(model,
+                     "cassie.sdf:664: \"left-tarsus-crank-joint\" starts at 0, beyond its limits "
+                     "(value: -2.4435 to -0.6109): it starts at -0.6109 now, which is 0 in the scene, and"));
   Scene scene = scene_of(model);
   World& world = scene.world;
   int gears = 0;

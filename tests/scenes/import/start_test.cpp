@@ -43,8 +43,8 @@ TEST(ImportStart, AnAxisBeyondItsLimitStartsThere) {
   const ImportedModel model = imported(link("a") + link("b") + link("c") + hinge("i", "world", "a") +
                                        hinge("j", "a", "b", "0.5 1") + hinge("k", "b", "c"));
   EXPECT_TRUE(notes(model,
-                    "r.urdf:7: \"j\" starts at 0, beyond its limits (value: 0.5 to 1): its start is "
-                    "moved to 0.5, which is 0 in the scene"));
+                    "r.urdf:7: \"j\" starts at 0, beyond its limits (value: 0.5 to 1): it starts at "
+                    "0.5 now, which is 0 in the scene"));
   Scene scene = scene_of(model);
   const Vec3 along(std::cos(0.5), 0, -std::sin(0.5));
   EXPECT_LT((position(scene, "a") - Vec3(1.5, 0, 0)).norm(), 1e-15);
@@ -84,8 +84,9 @@ std::string four_bar(const std::string& limits_of_a, const std::string& limits_o
 /// A parallelogram: the bar stays level, and closed, while both sides turn.
 TEST(ImportStart, ALoopMovesAlongAndStaysClosed) {
   const ImportedModel model = imported(four_bar("-1 -0.7", "-3 3"));
-  EXPECT_TRUE(notes(
-      model, "its start is moved to -0.7, which is 0 in the scene, and what depends on it along with it"));
+  EXPECT_TRUE(
+      notes(model,
+            "it starts at -0.7 now, which is 0 in the scene, and axes that depend on it move along with it"));
   Scene scene = scene_of(model);
   EXPECT_FALSE(scene.assemble);
   EXPECT_LT((position(scene, "c") - Vec3(std::sin(0.7) + 0.5, 0, -std::cos(0.7))).norm(), 1e-11);
@@ -93,6 +94,31 @@ TEST(ImportStart, ALoopMovesAlongAndStaysClosed) {
   EXPECT_LT(simulator.analyze_rank().freedoms, 3);
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(simulator.step(1e-3).exact()) << simulator.report().message;
   EXPECT_LT(simulator.report().gap.metres, 1e-9);
+}
+
+/// Numbers of files are rounded: what that leaves open across the plane of the mechanism no axis can close.
+TEST(ImportStart, ALoopThatIsRoundedMovesAlong) {
+  for (const char* error : {"1e-6", "1e-8", "1e-10"}) {
+    std::string text = four_bar("-1 -0.7", "-3 3");
+    const std::string place = "xyz='0 0 -1'/></loop_joint>";
+    text.replace(text.find(place), place.size(), "xyz='0 " + std::string(error) + " -1'/></loop_joint>");
+    const ImportedModel model = imported(text);
+    EXPECT_TRUE(notes(model, "it starts at -0.7 now")) << error;
+  }
+}
+
+/// A loop of more axes than are sought together says so.
+TEST(ImportStart, LargeLoopsHaveTheirReason) {
+  std::string ring;
+  for (int i = 0; i < 130; ++i)
+    ring += link("l" + std::to_string(i)) +
+            hinge("h" + std::to_string(i), i == 0 ? "world" : "l" + std::to_string(i - 1),
+                  "l" + std::to_string(i), i == 0 ? "0.2 1" : "-3 3", "<origin xyz='0 0 0'/>");
+  const ImportedModel model = imported(
+      ring +
+      "<loop_joint name='l'><link1 link='world' xyz='0 0 0'/><link2 link='l129' xyz='0 0 0'/></loop_joint>");
+  EXPECT_TRUE(
+      notes(model, "more than 100 axes depend on it, for which no start is sought: the limit is given up"));
 }
 
 /// One side may only be to the left, and the other to the right.
@@ -134,8 +160,9 @@ TEST(ImportStart, AnInertiaOfNoBodyBecomesTheMeanOfItsMoments) {
   const Scene scene = scene_of(model);
   EXPECT_LT((scene.world.mass_properties(scene.world.body("a")).inertia_B() - 4 * Mat3::Identity()).norm(),
             1e-14);
-  testing::expect_refused([] { return imported(link("a", "0 0 0") + hinge("j", "world", "a")); },
-                          "its inertia is that of no body");
+  for (const char* none : {"0 0 0", "-1 5 5"})
+    testing::expect_refused([&] { return imported(link("a", none) + hinge("j", "world", "a")); },
+                            "its inertia is that of no body");
 }
 
 /// Where it is fixed to what makes a body of both, nothing is changed.
