@@ -110,16 +110,17 @@ SceneJson SceneDocument::axis_json(const LinkAxis& axis) const {
 SceneJson SceneDocument::motor_json(const LinkAxis& axis) {
   constexpr double kOutOfReach = 1e6;  // [rad/s or m/s]
   const AxisDrive& drive = axis.drive;
+  const double most = std::min(drive.most, axis.most_drive);
   if (drive.stiffness == 0 && drive.damping == 0)
     return {{"velocity", std::copysign(kOutOfReach, drive.constant)},
-            {"max_force", std::min(std::abs(drive.constant), drive.most)}};
+            {"max_force", std::min(std::abs(drive.constant), most)}};
   SceneJson json = SceneJson::object();
   if (drive.stiffness > 0)
     json = {{"position", drive.constant / drive.stiffness - axis.start}, {"stiffness", drive.stiffness}};
   else
     json = {{"velocity", drive.constant / drive.damping}};
   if (drive.damping > 0) json["damping"] = drive.damping;
-  if (drive.most < kNoLimit) json["max_force"] = drive.most;
+  if (most < kNoLimit) json["max_force"] = most;
   return json;
 }
 

@@ -98,6 +98,7 @@ struct LinkAxis {
   double armature = 0;         ///< inertia of the motion by itself [kg m² or kg]
   AxisLaw law;
   AxisDrive drive;
+  double most_drive = kNoLimit;  ///< that all drives together give [N·m or N]
   ModelPlace place;
 };
 

@@ -302,6 +302,19 @@ TEST(ImportMjcf, ConstantForcesKeepToTheirRange) {
   EXPECT_EQ(force("forcerange='-1 100' gear='-2'", "-50"), 2);
 }
 
+/// What a joint lets its actuators give.
+TEST(ImportMjcf, JointsBoundTheirActuators) {
+  const auto motor = [](const std::string& actuator) {
+    return motor_of(imported("<worldbody><body><joint name='j' axis='0 1 0' actuatorfrcrange='-1 1'/>" +
+                             kBall + "</body></worldbody><actuator>" + actuator +
+                             "</actuator><keyframe><key ctrl='2'/></keyframe>"),
+                    0);
+  };
+  EXPECT_EQ(motor("<position joint='j' kp='50'/>")["max_force"], 1);
+  EXPECT_EQ(motor("<position joint='j' kp='50' forcerange='-.5 .5'/>")["max_force"], 0.5);
+  EXPECT_EQ(motor("<motor joint='j'/>")["max_force"], 1);
+}
+
 /// Forces that follow their control later, and those that the file has switched off.
 TEST(ImportMjcf, ActuatorsThatDoNotActAtOnceAreLeftOut) {
   const std::string key = "<keyframe><key ctrl='1'/></keyframe>";
