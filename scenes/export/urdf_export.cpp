@@ -113,7 +113,7 @@ class UrdfWriter {
         body.joint.index < 0 ? world_.name(body.body) + "_joint" : world_.name(body.joint);
     const bool one = body.axes.size() == 1, chain = body.axes.size() > 1 || body.ball;
     if (body.ball)
-      write_loop(body.joint);
+      write_loop(body.joint, common_points(world_, body.joint));
     else if (chain)
       notices_.push_back(name + ": this joint has no counterpart, its link is free (value: " +
                          std::string(world_.joint(body.joint).type()) + ")");
@@ -154,10 +154,10 @@ class UrdfWriter {
   }
 
   /// <loop_joint>: a point of two links that stays together, an extension that Drake reads as well.
-  void write_loop(JointId id) {
+  void write_loop(JointId id, const std::vector<Vec3>& points) {
     const Joint& joint = world_.joint(id);
     int count = 0;
-    for (const Vec3& point : common_points(world_, id)) {
+    for (const Vec3& point : points) {
       pugi::xml_node node = root_.append_child("loop_joint");
       const std::string number = ++count > 1 ? "_" + std::to_string(count) : "";
       node.append_attribute("name") = (world_.name(id) + number).c_str();
@@ -175,7 +175,8 @@ class UrdfWriter {
 
   void write_other(JointId id) {
     if (!world_.is_attached(id)) return;
-    if (!common_points(world_, id).empty()) return write_loop(id);
+    if (const std::vector<Vec3> points = common_points(world_, id); !points.empty())
+      return write_loop(id, points);
     const auto* coupling = dynamic_cast<const AxisCoupling*>(&world_.joint(id));
     const bool gear = coupling && coupling->terms().size() == 2 &&
                       names_.contains(coupling->terms()[0].first) &&

@@ -107,6 +107,14 @@ bool MjcfElement::flag(const char* attribute, bool fallback) const {
   return found == "auto" ? fallback : found == "true" || found == "enable";
 }
 
+std::optional<std::pair<double, double>> MjcfElement::range(const char* attribute, const char* limited,
+                                                            const MjcfCompiler& compiler) const {
+  const std::vector<double> ends = numbers(attribute, {0, 0});
+  const bool given = ends[0] < ends[1];
+  if (!flag(limited, compiler.autolimits && given) || !given) return std::nullopt;
+  return std::pair(ends[0], ends[1]);
+}
+
 Pose MjcfElement::pose(const MjcfCompiler& compiler) const {
   return {orientation(compiler), vector("pos", Vec3::Zero())};
 }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scenes/import/xml_values.h"
@@ -47,6 +49,10 @@ class MjcfElement {
   Vec3 vector(const char* attribute, const Vec3& fallback) const;
   /// true, false, and what the attribute "auto" or a missing one is.
   bool flag(const char* attribute, bool fallback) const;
+  /// The ends of a range that is in force: whether it is, the attribute `limited` says, or else that it is
+  /// given.
+  std::optional<std::pair<double, double>> range(const char* attribute, const char* limited,
+                                                 const MjcfCompiler& compiler) const;
   /// Position and orientation, in any of the ways of saying it.
   Pose pose(const MjcfCompiler& compiler) const;
   Quat orientation(const MjcfCompiler& compiler) const;

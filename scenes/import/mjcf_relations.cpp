@@ -241,7 +241,7 @@ void MjcfRelations::read_actuator(const pugi::xml_node& node) {
   if (!known || !node.attribute(attribute) || has_state(actuator) || !model_.actuation)
     return leave_out(actuator, "<" + kind + "> \"" + name + "\": has no counterpart: it does nothing");
   const AxisName on = joint(actuator, attribute);
-  const auto range = limits_of(actuator, "ctrlrange", "ctrllimited");
+  const auto range = actuator.range("ctrlrange", "ctrllimited", compiler_);
   act_on_joint(actuator, range ? std::clamp(control, range->first, range->second) : control, axis(on));
 }
 
@@ -280,22 +280,13 @@ AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control) {
   }
   bias.resize(3, 0.0);
   const double constant = gain * control + bias[0];
-  const auto range = limits_of(actuator, "forcerange", "forcelimited");
+  const auto range = actuator.range("forcerange", "forcelimited", compiler_);
   if (bias[1] == 0 && bias[2] == 0)
     return {gear * (range ? std::clamp(constant, range->first, range->second) : constant), 0, 0, kNoLimit};
   if (range && range->first != -range->second)
     note(actuator, "\"forcerange\" that is not symmetric: its larger end is taken both ways");
   const double most = range ? std::max(std::abs(range->first), std::abs(range->second)) : kNoLimit;
   return {gear * constant, -bias[1] * gear * gear, -bias[2] * gear * gear, most * std::abs(gear)};
-}
-
-std::optional<std::pair<double, double>> MjcfRelations::limits_of(const MjcfElement& actuator,
-                                                                  const char* range_key,
-                                                                  const char* limited_key) const {
-  const auto range = actuator.numbers(range_key, {0, 0});
-  const bool given = range[0] < range[1];
-  if (!actuator.flag(limited_key, compiler_.autolimits && given) || !given) return std::nullopt;
-  return std::pair(range[0], range[1]);
 }
 
 /// Those of one joint are one motor.

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <optional>
-#include <utility>
-
 #include "scenes/import/mjcf_names.h"
 
 namespace taut::model {
@@ -39,8 +36,6 @@ class MjcfRelations {
   void read_controls(const pugi::xml_node& mujoco);
   void read_actuator(const pugi::xml_node& node);
   bool has_state(const MjcfElement& actuator) const;
-  std::optional<std::pair<double, double>> limits_of(const MjcfElement& actuator, const char* range_key,
-                                                     const char* limited_key) const;
   AxisDrive drive_of(const MjcfElement& actuator, double control);
   void act_on_joint(const MjcfElement& actuator, double control, LinkAxis& axis);
   void read_sensor(const pugi::xml_node& node);

@@ -168,11 +168,9 @@ void MjcfTree::read_law(LinkAxis& axis, const MjcfElement& joint) {
   axis.armature = not_negative(files_, joint.node(), "armature", joint.number("armature", 0));
   if (axis.kind == LinkAxis::Kind::kBall && axis.armature > 0)
     note(joint.node(), "\"armature\" of a ball joint: has no counterpart");
-  const auto force = joint.numbers("actuatorfrcrange", {0, 0});
-  const bool bounded = force[0] < force[1];
-  if (joint.flag("actuatorfrclimited", compiler_.autolimits && bounded) && bounded) {
-    axis.most_drive = std::max(std::abs(force[0]), std::abs(force[1]));
-    if (force[0] != -force[1])
+  if (const auto force = joint.range("actuatorfrcrange", "actuatorfrclimited", compiler_)) {
+    axis.most_drive = std::max(std::abs(force->first), std::abs(force->second));
+    if (force->first != -force->second)
       note(joint.node(), "\"actuatorfrcrange\" that is not symmetric: its larger end is taken both ways");
   }
   const auto range = joint.numbers("range", {0, 0});

@@ -112,10 +112,11 @@ class StartSearch {
     for (const AxisRelation& relation : model_.relations)
       if (relation.active && relation.driving) join(relation.driven.link, relation.driving->link);
   }
+  /// What a link hangs on.
+  int carrier(int link) const { return model_.links[link].free ? kWorld : model_.links[link].parent; }
   std::vector<int> way_to_the_world(int link) const {
     std::vector<int> way;
-    for (; link != kWorld; link = model_.links[link].free ? kWorld : model_.links[link].parent)
-      way.push_back(link);
+    for (; link != kWorld; link = carrier(link)) way.push_back(link);
     return way;
   }
   /// Links that move one of the two against the other.
@@ -156,7 +157,7 @@ class StartSearch {
   Pose pose_on(const Pose& X_WP, int link) const {
     const Link& it = model_.links[link];
     if (it.free) return it.X_WL;
-    return X_WP * inverse(start(model_, it.parent)) * it.X_WL * displacement(it.axes, values_[link]);
+    return X_WP * inverse(start(it.parent)) * it.X_WL * displacement(it.axes, values_[link]);
   }
   /// Of all links, each once.
   std::vector<Pose> poses() const {
@@ -164,27 +165,23 @@ class StartSearch {
     std::vector<char> known(model_.links.size(), 0);
     for (int i = 0; i < static_cast<int>(result.size()); ++i) {
       std::vector<int> way;
-      for (int link = i; link != kWorld && !known[link];
-           link = model_.links[link].free ? kWorld : model_.links[link].parent)
-        way.push_back(link);
+      for (int link = i; link != kWorld && !known[link]; link = carrier(link)) way.push_back(link);
       for (; !way.empty(); way.pop_back()) {
-        const int link = way.back(), parent = model_.links[link].parent;
+        const int link = way.back(), parent = carrier(link);
         result[link] = pose_on(parent == kWorld ? Pose{} : result[parent], link);
         known[link] = 1;
       }
     }
     return result;
   }
-  static Pose start(const RobotModel& model, int link) {
-    return link == kWorld ? Pose{} : model.links[link].X_WL;
-  }
+  Pose start(int link) const { return link == kWorld ? Pose{} : model_.links[link].X_WL; }
   void append_gap(const Loop& loop, std::vector<double>& gap) const {
     Pose A = pose(loop.a.link) * loop.a.X_LF, B = pose(loop.b.link) * loop.b.X_LF;
     bool turned = loop.fixed;
     if (!loop.axes.empty()) {
       const auto index = static_cast<std::size_t>(&loop - model_.loops.data());
       const Pose at{Quat::Identity(), loop.axes[0].anchor};
-      A = pose(loop.a.link) * inverse(start(model_, loop.a.link)) * start(model_, loop.b.link) *
+      A = pose(loop.a.link) * inverse(start(loop.a.link)) * start(loop.b.link) *
           displacement(loop.axes, values_[loop_owner(index)]) * at;
       B = pose(loop.b.link) * at;
       turned = loop.axes[0].kind != LinkAxis::Kind::kBall;
@@ -210,7 +207,7 @@ class StartSearch {
   struct Unknown {
     double* value;
     double lower, upper;  ///< what the limits leave of the value
-    double first, last;   ///< … of this part of the way
+    double first, last;   ///< what this part of the way leaves of it
   };
   std::vector<Unknown> unknowns_of(const Part& part) {
     std::vector<Unknown> unknowns;

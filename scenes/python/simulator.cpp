@@ -127,8 +127,8 @@ void bind_answers(nb::class_<Session>& c) {
           },
           "Of all joints at the present instant, n×6 as mean_reactions().  The first call after a step "
           "assembles and factors the system at that instant, which takes as long as three or four steps of "
-          "one to five "
-          "rods and less than one of a large scene; further calls only read.  mean_reactions() only reads.")
+          "one to five rods and less than one of a large scene; further calls only read.  mean_reactions() "
+          "only reads.")
       .def(
           "axis_report",
           [](Session& s, AxisId axis) {

@@ -29,6 +29,7 @@ export class Player {
     this.view = new View($('view'), recording);
     this.pictures = [{view: this.view, recording}];
     this.overlay = new Overlay($('overlay'));
+    this.names = [];  // of two pictures
     this.options = readOptions();
     this.traces = [];    // [{point: [body, x, y, z], color}]
     this.measured = [];  // up to two points likewise
@@ -217,14 +218,15 @@ export class Player {
     view.instances.showJoints($('joints').getAttribute('aria-pressed') === 'true');
     this.view.partner = view;
     this.setUpPicking(canvas, 1);
-    this.names().forEach((name, side) => this.pictures[side].view.canvas.setAttribute('aria-label', `${name}: drag to orbit, click to select`));
+    this.names = this.namesOfPictures();
+    this.names.forEach((name, side) => this.pictures[side].view.canvas.setAttribute('aria-label', `${name}: drag to orbit, click to select`));
     $('beside').textContent = 'Close the page beside';
     if (window.innerWidth <= 760 && !$('plots').hidden) this.toggle('curves');  // which would leave each half too low
     this.arrange();
   }
 
   /** What tells the pictures apart: file, scene and parameters. */
-  names() {
+  namesOfPictures() {
     const own = /^(file|https?):$/.test(window.location.protocol) ? plainText(window.location.pathname.split('/').at(-1)) : '';
     const all = this.pictures.map(({recording}, side) => [recording.file ?? (side ? '' : own), factsOf(recording)].filter(Boolean).join(' · '));
     return all.map((name, side) => (all.indexOf(name) !== all.lastIndexOf(name) ? `${side + 1}: ${name}` : name));
@@ -513,8 +515,8 @@ export class Player {
       this.moved = false;
     }
     for (const {view} of pictures) view.render();
-    const names = this.names(), traced = (side) => this.traces.map((trace) => ({path: this.pathOf(trace, side), color: trace.color}));
-    this.overlay.draw(pictures.map(({view}, side) => ({view, traces: traced(side), measured: this.measuredIn(side), name: names[side], pull: this.pulled?.(side)})), this.view.theme, {...this.covered(), ...this.inspector.covers()});
+    const traced = (side) => this.traces.map((trace) => ({path: this.pathOf(trace, side), color: trace.color}));
+    this.overlay.draw(pictures.map(({view}, side) => ({view, traces: traced(side), measured: this.measuredIn(side), name: this.names[side], pull: this.pulled?.(side)})), this.view.theme, {...this.covered(), ...this.inspector.covers()});
     this.placeLabel();
     this.video?.frame();
     if (state.playing) this.request();
