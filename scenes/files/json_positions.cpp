@@ -104,8 +104,8 @@ class PositionScan {
   void pass_space() {
     while (at_ < text_.size()) {
       const std::string_view rest = text_.substr(at_, 2);
-      if (rest == "//")
-        at_ = std::min(text_.find('\n', at_), text_.size());
+      if (rest == "//")  // up to a byte that the parser ends such a comment with
+        at_ = std::min(text_.find_first_of(std::string_view("\n\r\0", 3), at_), text_.size() - 1) + 1;
       else if (rest == "/*")
         at_ = std::min(text_.find("*/", at_ + 2), text_.size() - 2) + 2;
       else if (std::string_view(" \t\r\n").find(text_[at_]) == std::string_view::npos)

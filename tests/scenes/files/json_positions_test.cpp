@@ -47,6 +47,9 @@ TEST(JsonPositions, AreRightBehindCommentsAndAnyLineEnd) {
   EXPECT_EQ(place_of(unix_text, "/b"), "5:24");
   EXPECT_EQ(place_of(unix_text, "/b/0"), "6:5");
   EXPECT_EQ(place_of("\xEF\xBB\xBF{\"a\": 1}", "/a"), "1:7");
+  // The parser ends a comment with either of these, too.
+  EXPECT_EQ(place_of("//x\r{\"a\": 1}", "/a"), "1:11");
+  EXPECT_EQ(place_of(std::string("//x\0{\"a\": 1}", 12), "/a"), "1:11");
 }
 
 TEST(JsonPositions, CountCharactersNotBytes) { EXPECT_EQ(place_of("{\"größe\": 1}", "/größe"), "1:11"); }

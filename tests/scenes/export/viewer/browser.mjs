@@ -26,6 +26,7 @@ export const launch = () => chromium.launch({
 /** Opens a page, a file or what a server has at a URL, and waits until it shows.  Whatever it complains about or asks of a network is in `complaints`. */
 export async function open(browser, file, options = {}) {
   const context = await browser.newContext({viewport: {width: 1000, height: 700}, colorScheme: 'light', ...options});
+  context.setDefaultTimeout(180000);  // ms; where there is no graphics card and much else to do, a page draws a few times a second
   const page = await context.newPage();
   const complaints = [];
   page.on('console', (message) => {
@@ -38,7 +39,7 @@ export async function open(browser, file, options = {}) {
     if (!/^(file|blob|data):/.test(request.url()) && request.url() !== file) complaints.push(`asks for ${request.url()}`);
   });
   await page.goto(file.startsWith('http') ? file : `file://${file}`);
-  await page.waitForFunction(() => document.documentElement.dataset.state !== 'loading', null, {timeout: 90000});
+  await page.waitForFunction(() => document.documentElement.dataset.state !== 'loading');
   await settle(page);
   return {page, complaints};
 }

@@ -124,7 +124,7 @@ test('plays by itself and in a loop if its address says so, and keeps both in th
   assert.deepEqual(turns, [3, true, 4]);
   await page.click('#loop');
   assert.ok(!/loop/.test(page.url()));
-  await page.waitForFunction(() => !window.taut.state.playing, null, {timeout: 20000});
+  await page.waitForFunction(() => !window.taut.state.playing);
   await click(page, 'autoplay');
   assert.ok(!/autoplay/.test(page.url()) && /speed=4/.test(page.url()));
   await page.reload();
@@ -208,7 +208,7 @@ test('the distance of two clicked points is that of the recording, at every inst
 });
 
 const download = async (page, id) => {
-  const [file] = await Promise.all([page.waitForEvent('download', {timeout: 60000}), click(page, id)]);
+  const [file] = await Promise.all([page.waitForEvent('download'), click(page, id)]);
   const place = path.join(folder, file.suggestedFilename());
   await file.saveAs(place);
   return place;

@@ -67,7 +67,7 @@ for (const name of Object.keys(kScenes))
       await page.evaluate(() => window.taut.seek(0));
       const start = await picture(page), view = await stage(page), plots = await page.locator('#plots').boundingBox();
       await page.click('#play');
-      await page.waitForFunction(() => !window.taut.state.playing, null, {timeout: 60000});  // it stops at the end
+      await page.waitForFunction(() => !window.taut.state.playing);  // it stops at the end
       const end = await picture(page), {frames} = recordings[name];
       assert.equal(await page.locator('#clock').textContent().then((text) => parseFloat(text)),
                    Number(frames.at(-1).time.toFixed(3)));
