@@ -101,11 +101,11 @@ void MultifrontalFactor::plan_contributions() {
   std::int64_t top[2] = {0, 0}, height[2] = {0, 0};
   for (std::size_t f = 0; f < fronts_.size(); ++f) {
     Front& front = fronts_[f];
-    for (int k = front.child_begin; k < front.child_end; ++k) top[!odd[f]] -= area(fronts_[children_[k]]);
-    std::int64_t& own = top[static_cast<int>(odd[f])];
-    front.contribution = own;
-    own += area(front);
-    height[static_cast<int>(odd[f])] = std::max(height[static_cast<int>(odd[f])], own);
+    const int side = odd[f] ? 1 : 0;
+    for (int k = front.child_begin; k < front.child_end; ++k) top[1 - side] -= area(fronts_[children_[k]]);
+    front.contribution = top[side];
+    top[side] += area(front);
+    height[side] = std::max(height[side], top[side]);
   }
   for (std::size_t f = 0; f < fronts_.size(); ++f)
     if (odd[f]) fronts_[f].contribution += height[0];
