@@ -29,6 +29,8 @@ class BestImpulses {
     return off;
   }
 
+  /// Met by more than enough: to a hundredth of what is wanted, so that what follows begins near.
+  double fully() const { return accuracy_ / kMargin; }
   bool met() const { return errors_.met(accuracy_); }
   double accuracy() const { return accuracy_; }
   double off() const { return off_; }
@@ -38,6 +40,7 @@ class BestImpulses {
   int factorisations = 0, sweeps = 0;
 
  private:
+  static constexpr double kMargin = 100;  ///< so many times better than what is wanted
   static constexpr double kNone = std::numeric_limits<double>::infinity();
 
   const ScaledFriction& problem_;

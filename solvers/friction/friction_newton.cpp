@@ -12,13 +12,26 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Bounds of ρ, in units of the mean diagonal of a block: below the first it does nothing but for round-off,
-/// above the second steps are too short to be of use.
-constexpr double kLeastRho = 1e-11, kMostRho = 1e2;
-/// Steps are halved so often, at most.  Half: up to twice the sweeps.
-constexpr int kHalvings = 6;
-/// Part of |G| that a whole step should take away.
-constexpr double kDecrease = 0.1;
+/// Factors, parts and counts; ρ in units of the mean diagonal of a block.
+struct FrictionNewtonTuning {
+  /// Bounds of ρ: below the first it does nothing but for round-off, above the second steps are too short to
+  /// be of use.
+  static constexpr double kLeastRho = 1e-11, kMostRho = 1e2;
+  /// ρ after a matrix that is singular: so many times that, and at least so much.
+  static constexpr double kRhoOfSingular = 10, kLeastRhoOfSingular = 1e-10;
+  /// ρ after a step that was not taken, after a whole one, and after one shorter than kShortStep.
+  static constexpr double kRhoAfterNone = 30, kRhoAfterWhole = 0.1, kRhoAfterShort = 3;
+  /// Part of a step below which ρ grows, so that the next one is not cut down that far.
+  static constexpr double kShortStep = 0.25;
+  /// Steps are halved so often, at most.  Half: up to twice the sweeps.
+  static constexpr int kHalvings = 6;
+  /// Part of |G| that a whole step should take away.
+  static constexpr double kDecrease = 0.1;
+  /// A step to less than this part of the least residual is no idle one.
+  static constexpr double kGain = 0.9;
+  /// |G| below this part of the largest entry of q is round-off, and any step is taken.
+  static constexpr double kRoundOff = 1e-15;
+};
 
 /// A(x) of a cone and its derivative; where nothing presses both are 0.
 struct AlartCurnier {
@@ -125,19 +138,20 @@ class Linearisation {
 }  // namespace
 
 Vector FrictionNewton::solve(const ScaledFriction& problem, Vector r, BestImpulses& best) const {
+  using Tuning = FrictionNewtonTuning;
   Linearisation linear(problem);
   const auto argument = [&](const Vector& at) -> Vector { return at - gamma * problem.rates(at); };
-  const double enough = best.accuracy() / 100;
+  const double enough = best.fully();
   double weight = rho, off = best.offer(r), least = off;
   std::vector<double> sizes{linear.residual(r, argument(r)).norm()};
-  const double round_off = 1e-15 * problem.largest_q();
+  const double round_off = Tuning::kRoundOff * problem.largest_q();
   int idle = 0;
   for (int i = 0; i < steps && off > enough && idle < patience; ++i) {
     const Vector g = linear.residual(r, argument(r));
     Vector delta;
     ++best.factorisations;
     if (!linear.step(g, gamma, weight, delta)) {
-      weight = std::max(10 * weight, 1e-10);
+      weight = std::max(Tuning::kRhoOfSingular * weight, Tuning::kLeastRhoOfSingular);
       ++idle;
       continue;
     }
@@ -146,21 +160,22 @@ Vector FrictionNewton::solve(const ScaledFriction& problem, Vector r, BestImpuls
     double part = 1, size = 0;
     Vector next;
     bool taken = false;
-    for (int k = 0; k < kHalvings && !taken; ++k, part /= taken ? 1 : 2) {
+    for (int k = 0; k < Tuning::kHalvings && !taken; ++k, part /= taken ? 1 : 2) {
       next = r + part * delta;
       size = linear.residual(next, argument(next)).norm();
-      taken = size <= (1 - kDecrease * part) * bound || size <= round_off;
+      taken = size <= (1 - Tuning::kDecrease * part) * bound || size <= round_off;
     }
     if (!taken) {
-      weight = std::min(30 * weight, kMostRho);
+      weight = std::min(Tuning::kRhoAfterNone * weight, Tuning::kMostRho);
       ++idle;
       continue;
     }
     r = next;
     sizes.push_back(size);
-    weight = std::max(kLeastRho, weight * (part == 1 ? 0.1 : part >= 0.25 ? 1 : 3));
+    weight *= part == 1 ? Tuning::kRhoAfterWhole : part < Tuning::kShortStep ? Tuning::kRhoAfterShort : 1;
+    weight = std::max(weight, Tuning::kLeastRho);
     off = best.offer(r);
-    idle = off < 0.9 * least ? 0 : idle + 1;
+    idle = off < Tuning::kGain * least ? 0 : idle + 1;
     least = std::min(least, off);
   }
   return r;

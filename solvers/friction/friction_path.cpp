@@ -147,7 +147,7 @@ Vector follow_path(const ScaledFriction& problem, BestImpulses& best) {
     }
     if (const double tau = path.now().tau(); tau < next_try) {
       next_try = tau / 10;
-      FrictionNewton{.gamma = 30, .steps = 8, .memory = 10, .patience = 4}.solve(problem, r, best);
+      FrictionNewton::on_the_way().solve(problem, r, best);
     }
     if (best.met() || !path.step(best)) break;
   }

@@ -1,7 +1,8 @@
 #include "solvers/friction/friction_solver.h"
 
+#include <array>
 #include <cmath>
-#include <initializer_list>
+#include <span>
 
 #include "core/base/check.h"
 #include "core/base/clock.h"
@@ -14,6 +15,26 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
+/// Counts of sweeps and of rounds of sweeps with a Newton, and parts.
+struct FrictionLadderTuning {
+  /// Sweeps between looks at where they are; half takes up to twice as many.
+  static constexpr int kBetweenLooks = 10;
+  /// Twice: up to 4 times the sweeps of easy problems, 0.4 of the factorisations of a rock pile.
+  static constexpr int kSweepsBeforeNewton = 100;
+  /// Rounds of sweeps and Newton of the two rungs that take turns.
+  static constexpr int kRounds = 3, kManyRounds = 60;
+  /// γ of many rounds in turn: no single one ends with all problems, and where one goes in a circle the next
+  /// one leaves it.
+  static constexpr std::array kGammas{100.0, 10.0, 1.0};
+  /// ε of into_null_cone(), as a part of the mean diagonal of a block.
+  static constexpr double kProbeCompliance = 1e-10;
+  /// Part of the direction that is left where all moves, to O(ε).
+  static constexpr double kNothingLeft = 1e-8;
+  /// To what into_null_cone() solves, of FrictionErrors.
+  static constexpr double kProbeAccuracy = 1e-8;
+};
+using LadderTuning = FrictionLadderTuning;
+
 /// What a rung does from `r` on, which it may leave elsewhere for those after it; it offers what it finds to
 /// `best`.
 struct Rung {
@@ -22,52 +43,46 @@ struct Rung {
 };
 
 void newton_from_guess(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
-  FrictionNewton{.steps = 8, .patience = 4}.solve(problem, r, best);
+  FrictionNewton::from_guess().solve(problem, r, best);
 }
 
 /// So many sweeps at most, fewer where they are right by themselves, which is looked at now and then: it
 /// costs as much as one.
 Vector sweep_until_right(const ScaledFriction& problem, Vector r, int times, BestImpulses& best) {
-  constexpr int kBetweenLooks = 10;  // sweeps; half takes up to twice as many
-  for (int done = 0; done < times; done += kBetweenLooks) {
-    r = sweep(problem, r, kBetweenLooks);
-    best.sweeps += kBetweenLooks;
-    if (best.offer(r) <= best.accuracy() / 100) break;
+  for (int done = 0; done < times; done += LadderTuning::kBetweenLooks) {
+    r = sweep(problem, r, LadderTuning::kBetweenLooks);
+    best.sweeps += LadderTuning::kBetweenLooks;
+    if (best.offer(r) <= best.fully()) break;
   }
   return r;
 }
 
 /// Sweeps, so many at most, find what sticks and slides, Newton finishes; where it does not, its last iterate
 /// is swept.
-void alternate(const ScaledFriction& problem, Vector& r, std::initializer_list<double> gammas, int times,
+void alternate(const ScaledFriction& problem, Vector& r, std::span<const double> gammas, int rounds,
                BestImpulses& best) {
-  // Twice: up to 4 times the sweeps of easy problems, 0.4 of the factorisations of a rock pile.
-  constexpr int kSweepsBeforeNewton = 100;
-  for (int i = 0; i < times && !best.met(); ++i) {
-    r = sweep_until_right(problem, r, kSweepsBeforeNewton, best);
-    const double gamma = gammas.begin()[i % gammas.size()];
-    r = FrictionNewton{.gamma = gamma, .rho = 1e-4, .steps = 10, .memory = 10, .patience = 8}.solve(problem,
-                                                                                                    r, best);
+  for (int i = 0; i < rounds && !best.met(); ++i) {
+    r = sweep_until_right(problem, r, LadderTuning::kSweepsBeforeNewton, best);
+    r = FrictionNewton::in_rounds(gammas[i % gammas.size()]).solve(problem, r, best);
   }
 }
 
 void sweeps_and_newton(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
-  alternate(problem, r, {30}, 3, best);
+  alternate(problem, r, std::array{FrictionNewtonWays::kGammaOfRung}, LadderTuning::kRounds, best);
 }
 
 void interior_point_and_newton(const ScaledFriction& problem, Vector&, BestImpulses& best) {
   const Vector r = interior_point(problem, best);
-  FrictionNewton{.gamma = 30, .memory = 10}.solve(problem, r, best);
+  FrictionNewton::at_end().solve(problem, r, best);
 }
 
 void path_and_newton(const ScaledFriction& problem, Vector&, BestImpulses& best) {
   const Vector r = follow_path(problem, best);
-  FrictionNewton{.gamma = 30, .memory = 10}.solve(problem, r, best);
+  FrictionNewton::at_end().solve(problem, r, best);
 }
 
-/// γ in turn: no single one ends with all problems, and where one goes in a circle the next one leaves it.
 void many_sweeps_and_newton(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
-  alternate(problem, r, {100, 10, 1}, 60, best);
+  alternate(problem, r, LadderTuning::kGammas, LadderTuning::kManyRounds, best);
 }
 
 constexpr Rung kRungs[] = {
@@ -83,23 +98,21 @@ constexpr Rung kRungs[] = {
 /// there is only O(ε) left to take away.
 Vector into_null_cone(const FrictionProblem& problem, const Vector& units, Vector direction,
                       BestImpulses& spent) {
-  constexpr double kProbeCompliance = 1e-10;  // ε, as a part of the mean diagonal of a block
-  constexpr double kNothingLeft = 1e-8;       // part of `direction` that is left where all moves, to O(ε)
   FrictionProblem soft = problem;
   soft.mu.setZero();
-  for (int i = 0; i < problem.rows(); ++i) soft.W.coeffRef(i, i) += kProbeCompliance * units[i];
+  for (int i = 0; i < problem.rows(); ++i) soft.W.coeffRef(i, i) += LadderTuning::kProbeCompliance * units[i];
   for (int pass = 0; pass < 2; ++pass) {
     soft.q = -direction;
     const ScaledFriction scaled(soft);
-    BestImpulses best(scaled, 1e-8);
+    BestImpulses best(scaled, LadderTuning::kProbeAccuracy);
     Vector r = best.r();
     sweeps_and_newton(scaled, r, best);
     if (!best.met()) interior_point_and_newton(scaled, r, best);
     spent.factorisations += best.factorisations;
     spent.sweeps += best.sweeps;
     const double size = direction.norm();
-    direction = kProbeCompliance * scaled.given(best.r()).cwiseProduct(units);
-    if (direction.norm() <= kNothingLeft * size) return Vector::Zero(problem.rows());
+    direction = LadderTuning::kProbeCompliance * scaled.given(best.r()).cwiseProduct(units);
+    if (direction.norm() <= LadderTuning::kNothingLeft * size) return Vector::Zero(problem.rows());
   }
   return direction.cwiseQuotient(units);
 }

@@ -17,6 +17,8 @@ using Vector = Eigen::VectorXd;
 constexpr double kLeastOwnPart = 1e-14;
 /// Steps of the power method on WᵀW, for |W|₂.
 constexpr int kPowerSteps = 100;
+/// … which end where one changes it by less than this part.
+constexpr double kPowerAccuracy = 1e-9;
 
 /// W x or Wᵀ x on this thread: Eigen's own product of a large matrix in rows starts threads for it, which
 /// takes longer than the product where other work keeps them waiting.
@@ -41,7 +43,7 @@ double spectral_norm(const FrictionProblem::Matrix& W) {
     if (!(size > 0)) return norm;
     const Vector y = product(W, x / size, false);
     const double now = y.norm();
-    if (std::abs(now - norm) <= 1e-9 * now) return now;
+    if (std::abs(now - norm) <= kPowerAccuracy * now) return now;
     norm = std::max(norm, now);
     x = product(W, y, true);
   }
