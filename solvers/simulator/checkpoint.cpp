@@ -127,7 +127,7 @@ Checkpoint Simulator::checkpoint() {
 }
 
 /// Of now, before these events happen: whoever restores it lets them happen.
-Checkpoint Simulator::checkpoint_before(std::vector<EventSchedule::Due> due) {
+Checkpoint Simulator::checkpoint_before(std::vector<DueEvent> due) {
   const detail::FlushToZero mode;
   Impl& own = impl();
   const World& world = own.source_;
@@ -186,7 +186,7 @@ void Simulator::restore(const Checkpoint& checkpoint) {
   Archive::require(has_events == impl_->events_.any(), "it is of a run with other events");
   EventSchedule events = impl_->events_, events_before = impl_->events_;
   events_before.note_settings(world);
-  std::vector<EventSchedule::Due> due;
+  std::vector<DueEvent> due;
   if (has_events) events.transfer(archive, world), events.transfer(archive, due);
 
   const State before = world.state();

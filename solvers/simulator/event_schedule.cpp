@@ -147,8 +147,8 @@ double EventSchedule::first_passage(Simulator& simulator) const {
   return first;
 }
 
-std::vector<EventSchedule::Due> EventSchedule::due(Simulator& simulator, double instant) {
-  std::vector<Due> due;
+std::vector<DueEvent> EventSchedule::due(Simulator& simulator, double instant) {
+  std::vector<DueEvent> due;
   const double time = simulator.world().time();
   for (std::size_t i = 0; i < events_.size(); ++i) {
     if (!may_happen(i)) continue;
@@ -167,7 +167,7 @@ std::vector<EventSchedule::Due> EventSchedule::due(Simulator& simulator, double 
   return due;
 }
 
-void EventSchedule::put_back(const Due& due) {
+void EventSchedule::put_back(const DueEvent& due) {
   if (due.value) memory_[due.event].before = due.before;
 }
 
@@ -198,7 +198,7 @@ std::optional<EventSchedule::Refusal> EventSchedule::try_joints(const World& wor
   return {};
 }
 
-std::optional<EventSchedule::Refusal> EventSchedule::happen(World& world, const Due& due) {
+std::optional<EventSchedule::Refusal> EventSchedule::happen(World& world, const DueEvent& due) {
   const Event& event = events_[due.event];
   std::map<JointId, Pose> frames;
   if (std::optional<Refusal> refusal = try_joints(world, event, frames)) return refusal;
@@ -278,20 +278,20 @@ void EventSchedule::Memory::transfer(Archive& archive) {
   Archive::require(count >= 0);
 }
 
-void EventSchedule::Due::transfer(Archive& archive) { archive(event, value, before); }
+void DueEvent::transfer(Archive& archive) { archive(event, value, before); }
 
-void EventSchedule::transfer(Archive& archive, std::vector<Due>& due) const {
+void EventSchedule::transfer(Archive& archive, std::vector<DueEvent>& due) const {
   archive(due);
-  for (const Due& its : due) Archive::index(its.event, 0, static_cast<int>(events_.size()));
+  for (const DueEvent& its : due) Archive::index(its.event, 0, static_cast<int>(events_.size()));
 }
 
 void EventSchedule::ActingLoad::transfer(Archive& archive) { archive(event, action, start); }
 
 void EventSchedule::MotorSetting::transfer(Archive& archive) { archive(axis, there, target, max_force); }
 
-std::optional<EventSchedule::Refusal> EventSchedule::let_happen(World& world, std::span<const Due> due) {
+std::optional<EventSchedule::Refusal> EventSchedule::let_happen(World& world, std::span<const DueEvent> due) {
   std::optional<Refusal> refusal;
-  for (const Due& event : due) {
+  for (const DueEvent& event : due) {
     if (!refusal && (refusal = happen(world, event)))
       refusal->what = events_[event.event].name + ": " + refusal->what;
     if (refusal) put_back(event);

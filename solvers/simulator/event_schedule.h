@@ -15,6 +15,14 @@ namespace taut {
 
 class Archive;
 
+/// An event that is due, with what it watches now and before the step.
+struct DueEvent {
+  int event = 0;                    ///< its index
+  std::optional<double> value{};    ///< now; none: it is at a time
+  double before = 0;                ///< before the step
+  void transfer(Archive& archive);  ///< to or from bytes
+};
+
 /// The events of a simulator, and which of them have happened.            (solvers/simulator/EVENTS, "A step
 /// with events")
 class EventSchedule {
@@ -39,16 +47,9 @@ class EventSchedule {
   /// After which multiple of the time since then the first of them happens, by straight lines; infinite if
   /// nothing moves towards a threshold.
   double first_passage(Simulator& simulator) const;
-  /// An event that is due, with what it watches now and before the step.
-  struct Due {
-    int event = 0;                    ///< its index
-    std::optional<double> value{};    ///< now; none: it is at a time
-    double before = 0;                ///< before the step
-    void transfer(Archive& archive);  ///< to or from bytes
-  };
   /// What is due now, for times to within `instant` [s], in the order of the events; the numbers that are
   /// watched become those before the next step.
-  std::vector<Due> due(Simulator& simulator, double instant);
+  std::vector<DueEvent> due(Simulator& simulator, double instant);
   /// Why an event could not happen: a joint that it cannot attach.
   struct Refusal {
     std::string what;  ///< in words, after the name of the event
@@ -57,7 +58,7 @@ class EventSchedule {
   };
   /// Does to the world what events do, one after the other, up to one that is refused: that one and those
   /// after it are due again.
-  std::optional<Refusal> let_happen(World& world, std::span<const Due> due);
+  std::optional<Refusal> let_happen(World& world, std::span<const DueEvent> due);
   /// Ends the loads whose time is over.
   void end_loads(World& world, double time);
   /// The sum of the loads that act, which is beside the force laws of the world; null: none.
@@ -73,7 +74,7 @@ class EventSchedule {
   /// What has happened, and what it has set, to or from bytes; apply() then sets it.
   void transfer(Archive& archive, const World& world);
   /// What was due, to or from bytes.
-  void transfer(Archive& archive, std::vector<Due>& due) const;
+  void transfer(Archive& archive, std::vector<DueEvent>& due) const;
   /// Gravity, motors, frames of joints and loads as they were transferred.
   void apply(World& world) const;
   /// Notes gravity, motors, frames of joints and loads of a world as it is now, for transfer().
@@ -81,9 +82,9 @@ class EventSchedule {
 
  private:
   /// All of what an event does or, if it is refused, nothing.
-  std::optional<Refusal> happen(World& world, const Due& due);
+  std::optional<Refusal> happen(World& world, const DueEvent& due);
   /// It could not happen, so that it is due again.
-  void put_back(const Due& due);
+  void put_back(const DueEvent& due);
 
   struct Memory {
     int count = 0;

@@ -10,11 +10,12 @@
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
 #include "solvers/simulator/checkpoint.h"
-#include "solvers/simulator/event_schedule.h"
+#include "solvers/simulator/event.h"
 
 namespace taut {
 
 struct ContactStage;
+struct DueEvent;
 
 /// Force and torque of a joint on its body B, world axes; A receives the opposite.
 struct Reaction {
@@ -156,13 +157,13 @@ class Simulator {
   std::string solver_description() const;
 
  private:
-  Checkpoint checkpoint_before(std::vector<EventSchedule::Due> due);
+  Checkpoint checkpoint_before(std::vector<DueEvent> due);
   const StepReport& take_step(double dt);
   const StepReport& step_with_events(double dt);
   bool take_part(double from, double to);
   bool locate_event(double from, double to, const Checkpoint& before);
   bool let_happen(StepReport& whole, double instant);
-  Checkpoint checkpoint_if_any(const std::vector<EventSchedule::Due>& due);
+  Checkpoint checkpoint_if_any(const std::vector<DueEvent>& due);
   class Impl;
   Impl& impl() const;
   mutable std::unique_ptr<Impl> impl_;

@@ -147,7 +147,7 @@ bool Simulator::let_happen(StepReport& whole, double instant) {
   Impl& now = impl();
   World& world = now.source_;
   now.events_.end_loads(world, world.time() + instant);
-  const std::vector<EventSchedule::Due> due = now.events_.due(*this, instant);
+  const std::vector<DueEvent> due = now.events_.due(*this, instant);
   if (due.empty()) return true;
   const Checkpoint kept = checkpoint_if_any(due);
   const bool books = now.settings_.report_energy;
@@ -171,7 +171,7 @@ bool Simulator::let_happen(StepReport& whole, double instant) {
 
 /// A checkpoint before these events; none where the user has changed the world since the last step in a way
 /// that has no checkpoint until the next.
-Checkpoint Simulator::checkpoint_if_any(const std::vector<EventSchedule::Due>& due) {
+Checkpoint Simulator::checkpoint_if_any(const std::vector<DueEvent>& due) {
   try {
     return due.empty() ? checkpoint() : checkpoint_before(due);
   } catch (const std::invalid_argument&) {
