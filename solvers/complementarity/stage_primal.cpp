@@ -22,7 +22,8 @@ bool StagePrimal::solve(const StageAttempt& attempt, StageRecord& record) {
 bool StagePrimal::solve_near(const StageAttempt& attempt, StageRecord& record) {
   const std::span<double> lambda = attempt.stage.lambda;
   const double rate_tolerance = attempt.rate_tolerance;
-  if (!(contact_solver_.distance(attempt.problem(), rate_tolerance) <= Tuning::kNewtonRange)) return false;
+  if (!(contact_solver_.relative_residual(attempt.problem(), rate_tolerance) <= Tuning::kNewtonRange))
+    return false;
   const double tolerance = attempt.stage.near ? Tuning::kMendedExactly : kMetResidual;
   guess_.assign(lambda.begin(), lambda.end());
   const PrimalDualOutcome outcome = primal_dual_.solve(attempt.laws, attempt.b, lambda, attempt.w,

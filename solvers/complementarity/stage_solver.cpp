@@ -108,7 +108,7 @@ bool StageSolver::solve_velocities(const Stage& stage, SubstepReport& report) {
   double tolerance = StageTuning::kRatePart * model_.settings.velocity_tolerance;
   for (int exact = 0;; ++exact) {
     if (!solve(stage, tolerance, report)) break;
-    const double off = model_.contacts.empty() ? 0 : laws_off(stage.lambda, w_);
+    const double off = model_.contacts.empty() ? 0 : residual_over_tolerance(stage.lambda, w_);
     if (off <= 1 || (exact == kExactSolves && take_inexact(off))) return true;
     if (exact == kExactSolves) break;
     tolerance = exact_tolerance();
@@ -137,7 +137,7 @@ bool StageSolver::iterate(const Stage& stage, int sweeps, double rate_tolerance,
   return true;
 }
 
-double StageSolver::laws_off(std::span<const double> lambda, std::span<const double> w) const {
+double StageSolver::residual_over_tolerance(std::span<const double> lambda, std::span<const double> w) const {
   if (accuracy_.is_inexact()) return 0;
   return residual_.natural(solution(lambda, w)) / residual_.natural_tolerance();
 }
