@@ -137,8 +137,7 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
     Point& point = table_.points[k];
     point.active = place.active;
     point.gap = place.contact.gap;
-    point.touching = place.active &&
-                     (point.gap <= kTouch || point.pressed || table_.impacts[k].stage == Impact::Stage::kDue);
+    point.touching = place.active && (point.gap <= kTouch || point.pressed || table_.impacts[k].due());
     // A first guess: both kicks alike, and the slip along t₁.
     for (Disc* disc : {&point.sliding, &point.rolling}) {
       disc->bound *= 2;
@@ -198,7 +197,7 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     const ContactSet::Place& place = table_.set.places()[k];
-    point.live = point.active && table_.impacts[k].stage == Impact::Stage::kNone;
+    point.live = point.active && !table_.impacts[k].let_through();
     if (!point.active) continue;
     point.gap = place.contact.gap;
     point.approach = rates[first_row(k)];
@@ -304,12 +303,12 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
   table_.in_velocities = true;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
-    Impact& impact = table_.impacts[k];
+    ImpactState& impact = table_.impacts[k];
     // Also what has met unseen, as where faces turn.
     if (point.active && locates_impacts(k) && compliance(k) == 0 && point.touching && !point.pressed &&
         rates[first_row(k)] < -table_.resting_speed)
-      impact.stage = Impact::Stage::kDue;
-    point.live = point.active && point.touching && impact.stage == Impact::Stage::kNone;
+      impact.set_due(true);
+    point.live = point.active && point.touching && !impact.let_through();
     point.bounce = point.yield = 0;
     if (!point.active) continue;
     if (point.fresh) point.approach = rates[first_row(k)];
@@ -333,7 +332,7 @@ void ContactForces::hold_again() {
 
 bool ContactForces::strikes() const {
   for (int k = 0; k < std::ssize(table_.points); ++k)
-    if (impact(k).stage == Impact::Stage::kDue && point(k).active && point(k).touching) return true;
+    if (impact(k).due() && point(k).active && point(k).touching) return true;
   return false;
 }
 
@@ -350,13 +349,12 @@ double ContactForces::begin_impact(std::span<const double> rates, std::span<cons
     Point& point = table_.points[k];
     point.live = point.active && point.touching;
     if (!point.live) continue;
-    if (compliance(k) == 0 || impact(k).stage == Impact::Stage::kDue)
-      count_from(before.subspan(first_row(k), row_count(k)), point);
+    if (compliance(k) == 0 || impact(k).due()) count_from(before.subspan(first_row(k), row_count(k)), point);
     point.approach = rates[first_row(k)];
     const double restitution = place(k).material.restitution;
     const bool slow = point.approach >= -table_.resting_speed;
     point.bounce = -(point.approach > 0 ? 1 : slow ? 0 : part * restitution) * point.approach;
-    if (impact(k).stage == Impact::Stage::kDue) largest = std::max(largest, restitution);
+    if (impact(k).due()) largest = std::max(largest, restitution);
   }
   return largest;
 }
@@ -370,12 +368,12 @@ void ContactForces::finish(std::span<const double> mu, double time) {
   struck_ = false;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
-    Impact& impact = table_.impacts[k];
-    if (impact.stage == Impact::Stage::kDue) {
+    ImpactState& impact = table_.impacts[k];
+    if (impact.due()) {
       struck_ = true;
       point.impact_time = time;
     }
-    impact.stage = Impact::Stage::kNone;
+    impact.forget(false);
     if (!point.active) continue;
     if (point.touching && point.approach < -table_.resting_speed && compliance(k) == 0) {
       struck_ = true;

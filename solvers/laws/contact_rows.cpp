@@ -29,8 +29,8 @@ double ContactRows::slip_of(int k, std::span<const double> w) const {
 
 bool ContactRows::rest() const {
   for (int k = 0; k < count(); ++k)
-    if (point(k).live && (impact(k).stage != Impact::Stage::kNone ||
-                          (point(k).approach < -table_.resting_speed && compliance(k) == 0)))
+    if (point(k).live &&
+        (impact(k).let_through() || (point(k).approach < -table_.resting_speed && compliance(k) == 0)))
       return false;
   return true;
 }

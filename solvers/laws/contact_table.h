@@ -7,6 +7,7 @@
 #include "solvers/common/settings.h"
 #include "solvers/laws/contact_cone.h"
 #include "solvers/laws/contact_set.h"
+#include "solvers/laws/impact_state.h"
 #include "solvers/laws/law_constants.h"
 
 namespace taut {
@@ -55,12 +56,6 @@ struct ContactTable {
     std::optional<double> impact_time;
     bool slid = false;
   };
-  struct Impact {
-    /// Let through to see when it meets; let through until it strikes at the end of this step.
-    enum class Stage { kNone, kSought, kDue } stage = Stage::kNone;
-    bool spent = false;  ///< not looked for again in this step
-  };
-
   ContactTable(const World& world, const Settings& settings)
       : set(world, {.margin = settings.contact_margin,
                     .threads = settings.threads,
@@ -71,7 +66,7 @@ struct ContactTable {
   ContactSet set;
   std::vector<char> moves;  ///< bodies
   std::vector<Point> points;
-  std::vector<Impact> impacts;
+  std::vector<ImpactState> impacts;
   double resting_speed = 0;
   bool locates_plastic = false;                     ///< impacts without restitution, too
   double h = 0;                                     ///< of the present step

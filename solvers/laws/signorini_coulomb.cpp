@@ -14,7 +14,7 @@ double closing_rate(const ContactRows& contacts, int k) {
 }  // namespace
 
 ContactTable::NormalLaw normal_law(const ContactRows& contacts, int k) {
-  const bool strikes = contacts.impact(k).stage == ContactTable::Impact::Stage::kDue;
+  const bool strikes = contacts.impact(k).due();
   if (contacts.compliance(k) > 0 && !strikes) return contacts.point(k).soft;
   const double yield = contacts.point(k).yield;
   const double target = contacts.table().in_velocities ? contacts.point(k).bounce : closing_rate(contacts, k);

@@ -74,7 +74,7 @@ void AxisTable::transfer(Archive& archive) { archive.sized(released_); }
 
 void AxisImpacts::transfer(Archive& archive) {
   const std::size_t count = impacts_.size();
-  archive.each(impacts_, [&](AxisImpact& i) { archive(i.stage, i.at_lower, i.rate, i.spent); });
+  archive.each(impacts_, [&](AxisImpact& i) { i.transfer(archive, i.at_lower, i.rate); });
   Archive::require(impacts_.size() == count, "it has other axes");
 }
 
@@ -155,7 +155,7 @@ void ContactForces::transfer(Archive& archive, const World& world) {
     disc(p.sliding), disc(p.rolling);
   };
   archive.each(table_.points, point);
-  archive.each(table_.impacts, [&](Impact& i) { archive(i.stage, i.spent); });
+  archive.each(table_.impacts, [&](ImpactState& i) { i.transfer(archive); });
   archive.each(resting_points_, point);
   archive(departed_, struck_);
   works_.transfer(archive);
