@@ -65,15 +65,19 @@ void StageSolver::rates_without(const Stage& stage) {
 
 bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport& report) {
   rates_without(stage);
-  StageAttempt attempt{.stage = stage,
-                       .laws = laws_,
-                       .b = b_,
-                       .inertia = effective_mass_,
-                       .w = w_,
-                       .budget = budget_,
-                       .rate_tolerance = rate_tolerance,
-                       .warm_start_tolerance = warm_start_.begin(stage.near, rate_tolerance),
-                       .report = report};
+  // What was solved at a neighbouring state is polished.
+  const double tight = std::min(rate_tolerance, StageTuning::kRatePart * model_.settings.velocity_tolerance);
+  StageAttempt attempt{
+      .stage = stage,
+      .laws = laws_,
+      .b = b_,
+      .inertia = effective_mass_,
+      .w = w_,
+      .budget = budget_,
+      .tolerance = stage.near ? StageTuning::kMendedExactly : kMetResidual,
+      .rate_tolerance = rate_tolerance,
+      .warm_start_tolerance = warm_start_.begin(rate_tolerance, stage.near ? rate_tolerance : tight),
+      .report = report};
   StageVerdict verdict = warm_start_.solve(attempt);
   if (verdict == StageVerdict::kNext) verdict = pivoting_.solve(attempt);
   const ContactLimits limits = contact_limits(attempt, model_.system);

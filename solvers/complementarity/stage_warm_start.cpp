@@ -10,11 +10,8 @@ StageWarmStart::StageWarmStart(const StageModel& model, const StageResidual& res
     : model_(model), residual_(residual), contact_solver_(contact_solver), pivoting_(pivoting) {}
 
 /// What one stage leaves is mended by the next, in turns and for ever, unless that one is solved, too.
-double StageWarmStart::begin(bool near, double rate_tolerance) {
-  near_ = near;
-  const bool rested = std::exchange(rested_, false) || !model_.friction_dominated();
-  if (rested || near_) return rate_tolerance;
-  return std::min(rate_tolerance, StageTuning::kRatePart * model_.settings.velocity_tolerance);
+double StageWarmStart::begin(double loose, double tight) {
+  return std::exchange(rested_, false) || !model_.friction_dominated() ? loose : tight;
 }
 
 StageVerdict StageWarmStart::solve(StageAttempt& attempt) {

@@ -44,7 +44,7 @@ double ContactRows::restitution() const {
 
 void ContactRows::weaken_restitution(double part) {
   for (int k = 0; k < count(); ++k)
-    point(k).bounce = -part * place(k).material.restitution * point(k).approach;
+    point(k).least_rate = -part * place(k).material.restitution * point(k).approach;
 }
 
 bool ContactRows::take_back(std::span<const double> mu) const {

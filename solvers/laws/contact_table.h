@@ -38,14 +38,15 @@ struct ContactTable {
     SlipLaw rigid_law() const { return {slips ? Vec2::Zero() : target, 0}; }  ///< without compliance
   };
   struct Point {
-    NormalLaw soft;  ///< of a compliant contact in this stage
+    NormalLaw soft;     ///< of a compliant contact in this stage
+    SlipLaw soft_slip;  ///< likewise, where it slides
     bool active = false, live = false, touching = false, pressed = false;
     double gap = 0, approach = 0;
-    double bounce = 0;  ///< least normal rate at the end of a velocity stage [m/s]
-    double curved = 0;  ///< what is enough for the rates of a drift [m/s]
-    bool fresh = true;  ///< has not been through a begin()
-    double back = 0;    ///< normal impulse of the first kick
-    double yield = 0;   ///< compliance in this stage of a rigid contact that joints hold (let_yield())
+    double least_rate = 0;  ///< that the law of a rigid contact asks for along the normal [m/s]
+    double curved = 0;      ///< what is enough for the rates of a drift [m/s]
+    bool fresh = true;      ///< has not been through a begin()
+    double back = 0;        ///< normal impulse of the first kick
+    double yield = 0;       ///< compliance in this stage of a rigid contact that joints hold (let_yield())
     bool stuck = false, broken = false, stick_candidate = false;
     Vec3 slipped = Vec3::Zero();                             ///< since it sticks [m]
     Vec3 first = Vec3::Zero(), first_torque = Vec3::Zero();  ///< of the first kick on B
@@ -68,9 +69,11 @@ struct ContactTable {
   std::vector<Point> points;
   std::vector<ImpactState> impacts;
   double resting_speed = 0;
-  bool locates_plastic = false;                     ///< impacts without restitution, too
-  double h = 0;                                     ///< of the present step
-  bool in_velocities = false, single_kick = false;  ///< which stage it is
+  bool locates_plastic = false;  ///< impacts without restitution, too
+  double h = 0;                  ///< of the present step
+  double still_rate = 0;  ///< what sticks slips by no more than this for the round-off of positions [m/s]
+  bool in_velocities = false;  ///< which stage it is, for those who watch
+  bool single_kick = false;
 };
 
 }  // namespace taut

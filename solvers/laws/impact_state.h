@@ -23,10 +23,10 @@ class ImpactState {
     stage_ = Stage::kNone;
   }
 
-  /// What is remembered from step to step, to or from bytes; with what its owner has beside it.
-  template <typename AnyArchive, typename... Beside>
-  void transfer(AnyArchive& archive, Beside&... beside) {
-    archive(stage_, beside..., spent_);
+  /// What is remembered from step to step, to or from bytes.
+  template <typename AnyArchive>
+  void transfer(AnyArchive& archive) {
+    archive(stage_, spent_);
   }
 
  private:
