@@ -29,7 +29,7 @@ struct ContactTable {
   /// Coulomb's law in two rows: |τ| ≤ bound, against the slip.
   struct Disc {
     double bound = std::numeric_limits<double>::infinity();  ///< a new contact is first taken to hold
-    bool slips = false;
+    bool slips = false;          ///< it does by the last solution: the state of friction, no mode
     Vec2 direction{1.0, 0.0};    ///< of the slip
     double weight = 0;           ///< friction per slip across its direction; 0: not known
     Vec2 given = Vec2::Zero();   ///< what the first kick gave, in the tangents of now
