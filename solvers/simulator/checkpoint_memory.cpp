@@ -347,7 +347,6 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
   linearize_and_assemble(at);
   if (serves) {
     StageTimes times;
-    if (has_bounded_rows() || uses_primal_system()) (void)weighted();
     factorize_once(times);
   }
   states_ = states;
