@@ -88,7 +88,7 @@ ActiveSetOutcome ActiveSet::solve(std::span<const RowLaw> laws, std::span<const 
   if (result == Search::kStalled) result = descend(problem, times, outcome);
   if (result == Search::kStalled) {
     std::copy(best_lambda_.begin(), best_lambda_.end(), lambda.begin());
-    collect_residual(problem);
+    read_segment_residuals(problem);
   }
   measure(problem, outcome);
   if (result == Search::kNotFinite || !std::isfinite(outcome.residual)) {
@@ -164,26 +164,28 @@ bool ActiveSet::solve_segments(const Problem& problem, Start start, int budget, 
     else if (from_zero)  // nothing from other segments may stay in the null space
       problem.lambda[r] = 0;
   }
-  off_target_ = collect_residual(problem);
-  for (int pass = 0; pass < Tuning::kMaxPasses && off_target_ > Tuning::kRefined * scale_; ++pass) {
+  segment_residual_ = read_segment_residuals(problem);
+  for (int pass = 0; pass < Tuning::kMaxPasses && segment_residual_ > Tuning::kRefined * scale_; ++pass) {
     std::copy(residual_.begin(), residual_.end(), decision_.begin());
     updates_.solve(decision_);
     for (std::size_t r = 0; r < states_.size(); ++r) problem.lambda[r] += decision_[r];
-    const double before = off_target_;
-    off_target_ = collect_residual(problem);
-    if (!(off_target_ < before) && pass > 0) {
+    const double before = segment_residual_;
+    segment_residual_ = read_segment_residuals(problem);
+    if (!(segment_residual_ < before) && pass > 0) {
       for (std::size_t r = 0; r < states_.size(); ++r) problem.lambda[r] -= decision_[r];
-      off_target_ = collect_residual(problem);
+      segment_residual_ = read_segment_residuals(problem);
     }
-    if (!(off_target_ < Tuning::kPassProgress * before) && pass > 0) break;
+    if (!(segment_residual_ < Tuning::kPassProgress * before) && pass > 0) break;
   }
-  return std::isfinite(off_target_);
+  return std::isfinite(segment_residual_);
 }
 
-/// w = S λ + b and what each equation lacks; the largest, over √S_rr.
-double ActiveSet::collect_residual(const Problem& problem) {
+/// w = S λ + b and what the equation of each segment, w = w_k or λ = l − c w, lacks; the largest, over
+/// √(S_rr + Σ_r) [√J], infinite if something is not finite.  It belongs to the linear problem of the segments
+/// that are tried; whether those are the right ones is for the natural residual (measure()).
+double ActiveSet::read_segment_residuals(const Problem& problem) {
   system_.rates(problem.lambda, problem.b, problem.w);
-  double largest = 0;
+  LargestResidual largest;
   scale_ = 0;
   for (std::size_t r = 0; r < states_.size(); ++r) {
     const double w = problem.w[r];
@@ -198,10 +200,9 @@ double ActiveSet::collect_residual(const Problem& problem) {
       residual_[r] = states_[r] * (problem.laws[r].force(segments_[r]) - problem.lambda[r]) - w;
       stiffness = std::sqrt(root_[r] * root_[r] + states_[r]);
     }
-    const double size = std::abs(residual_[r]) / stiffness;
-    if (!(size <= largest) && !std::isnan(largest)) largest = size;  // takes NaN and keeps it
+    largest.add(std::abs(residual_[r]) / stiffness);
   }
-  return largest;
+  return largest.strict_size();
 }
 
 /// Where dependent rows ask for rates that exclude each other, the limit of vanishing compliance decides:
@@ -233,7 +234,7 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
     for (std::size_t r = 0; r < states_.size(); ++r)
       largest = std::max(largest, root_[r] * std::abs(decision_[r]));
     impulse_slack = std::max(impulse_slack, noise * largest);
-    rate_slack = std::max(rate_slack, noise * off_target_);
+    rate_slack = std::max(rate_slack, noise * segment_residual_);
   }
   int wrong = 0;
   for (std::size_t r = 0; r < states_.size(); ++r) {
@@ -254,14 +255,14 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
 }
 
 void ActiveSet::measure(const Problem& problem, ActiveSetOutcome& outcome) {
-  outcome.residual = std::isfinite(scale_) ? 0 : scale_;
-  for (std::size_t r = 0; r < states_.size() && std::isfinite(scale_); ++r) {
-    const double off = natural_residual(problem.laws[r], root_[r] * root_[r], problem.lambda[r], problem.w[r])
-                           .beyond(problem.settings.rate_tolerance);
-    if (off <= outcome.residual * scale_) continue;
-    outcome.residual = off / scale_;
-    outcome.worst_row = static_cast<int>(r);
-  }
+  outcome.residual = scale_;
+  if (!std::isfinite(scale_)) return;
+  LargestResidual largest;
+  largest.add_rows(
+      problem.laws, [&](std::size_t r) { return root_[r] * root_[r]; }, problem.lambda, problem.w,
+      problem.settings.rate_tolerance);
+  outcome.residual = largest.over(scale_);
+  outcome.worst_row = largest.row();
 }
 
 void ActiveSet::keep_best(const Problem& problem) {

@@ -135,7 +135,7 @@ class ActiveSet {
   Search descend(const Problem& problem, StageTimes& times, ActiveSetOutcome& outcome);
   bool step_towards_decision(const Problem& problem);
   std::pair<double, double> line_search(const Problem& problem) const;
-  double collect_residual(const Problem& problem);
+  double read_segment_residuals(const Problem& problem);
   bool impulses_to_decide_by(const Problem& problem);
   int find_wrong_rows(const Problem& problem);
   void measure(const Problem& problem, ActiveSetOutcome& outcome);
@@ -151,7 +151,7 @@ class ActiveSet {
   std::vector<double> start_lambda_, start_w_, slope_;  ///< of a descent
   double best_residual_ = 0;
   double scale_ = 0;
-  double off_target_ = 0;  ///< largest residual of a row that is not masked [√J]
+  double segment_residual_ = 0;  ///< the last of read_segment_residuals()
 };
 
 }  // namespace taut

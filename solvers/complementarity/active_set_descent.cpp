@@ -24,7 +24,7 @@ ActiveSet::Search ActiveSet::descend(const Problem& problem, StageTimes& times, 
         segments_[r] = problem.laws[r].segment_at(problem.lambda[r]);
     }
     states_from_segments(problem.laws);
-    collect_residual(problem);
+    read_segment_residuals(problem);
     std::copy(problem.lambda.begin(), problem.lambda.end(), start_lambda_.begin());
     std::copy(problem.w.begin(), problem.w.end(), start_w_.begin());
 
@@ -38,7 +38,7 @@ ActiveSet::Search ActiveSet::descend(const Problem& problem, StageTimes& times, 
       (void)find_wrong_rows(problem);
     }
     keep_best(problem);
-    const bool off = system_.singular() && off_target_ > problem.settings.tolerance * scale_;
+    const bool off = system_.singular() && segment_residual_ > problem.settings.tolerance * scale_;
     at_minimum = step_towards_decision(problem);
     if (off && at_minimum) {
       // Nothing stops impulses that grow without bound: E has no minimum, there is no solution.

@@ -6,6 +6,7 @@
 
 #include "solvers/common/max_abs.h"
 #include "solvers/complementarity/slope_search.h"
+#include "solvers/laws/contact_residual.h"
 
 namespace taut {
 
@@ -32,7 +33,7 @@ NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& st
       round_.move(search.length());
     }
     read_rates(problem, y);
-    outcome.residual = law_error(problem, limits.rate_tolerance, outcome.rounds);
+    outcome.residual = relative_residual(problem, limits.rate_tolerance, outcome.rounds);
   } while (!ends(problem, limits, progress, outcome) && next_round(problem, limits, outcome, progress));
   if (!outcome.converged && best_.restore(problem.lambda, problem.w)) outcome.residual = best_.residual();
   contacts.take_over(stage.lambda, stage.w, limits.rate_tolerance);
@@ -54,14 +55,10 @@ void ContactNewton::read_scales(ContactProblem& problem) {
   problem.contacts.targets(target_);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)
     target_[r] = problem.laws[r].bounded() ? 0 : problem.laws[r].rate(1);
-  double scale = 0;
-  for (int r = 0; r < n; ++r) {
-    diagonal_[r] = diagonal_[r] > 0 ? 1 / diagonal_[r] : 1;
-    scale = std::max(scale, impulse_scale(diagonal_[r], problem.lambda[r], problem.b[r]));
-  }
+  for (double& s : diagonal_) s = delassus_diagonal(s);
   problem.diagonal = diagonal_;
   problem.target = target_;
-  problem.scale = scale;
+  problem.scale = impulse_scale([&](std::size_t r) { return diagonal_[r]; }, problem.lambda, problem.b);
 }
 
 /// From the guess and its rates.
@@ -72,7 +69,7 @@ ContactNewton::Progress ContactNewton::begin_rounds(const ContactProblem& proble
   projection_.begin(problem.lambda);
   round_.resize();
   round_.start(problem.lambda, problem.w);
-  const double off = law_error(problem, limits.rate_tolerance, 0);
+  const double off = relative_residual(problem, limits.rate_tolerance, 0);
   coupled_.begin(problem.lambda, off);
   Progress progress;
   progress.rho = std::clamp(Tuning::kRhoOfResidual * off, Tuning::kNearRho, Tuning::kFirstRho);
@@ -154,17 +151,17 @@ bool ContactNewton::holds_joints(std::span<const RowLaw> laws, std::span<const d
 
 /// The natural residual at λ, with its w, over the size of impulses; infinite if λ is.  What is left of
 /// equalities after some rounds is what dependent ones contradict each other by.
-double ContactNewton::law_error(const ContactProblem& problem, double rate_tolerance, int rounds) const {
+double ContactNewton::relative_residual(const ContactProblem& problem, double rate_tolerance,
+                                        int rounds) const {
   if (!std::isfinite(max_abs(problem.lambda))) return std::numeric_limits<double>::infinity();
   if (problem.scale == 0) return 0;
-  double error = contact_residual(problem.contacts, problem.lambda, problem.w, rate_tolerance);
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {
-    if (rounds > Tuning::kEqualityRounds && !problem.laws[r].bounded()) continue;
-    error = std::max(error,
-                     natural_residual(problem.laws[r], problem.diagonal[r], problem.lambda[r], problem.w[r])
-                         .beyond(rate_tolerance));
-  }
-  return error / problem.scale;
+  LargestResidual largest;
+  largest.add_rows(
+      problem.laws.first(system_.rows().first_contact_row()),
+      [&](std::size_t r) { return problem.diagonal[r]; }, problem.lambda, problem.w, rate_tolerance,
+      rounds <= Tuning::kEqualityRounds);
+  add_contacts(problem.contacts, problem.lambda, problem.w, rate_tolerance, largest);
+  return largest.over(problem.scale);
 }
 
 }  // namespace taut

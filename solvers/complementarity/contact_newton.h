@@ -77,7 +77,7 @@ class ContactNewton {
   bool next_round(const ContactProblem& problem, const NewtonLimits& limits, const NewtonOutcome& outcome,
                   Progress& progress);
   void read_rates(const ContactProblem& problem, std::span<const double> y) const;
-  double law_error(const ContactProblem& problem, double rate_tolerance, int rounds) const;
+  double relative_residual(const ContactProblem& problem, double rate_tolerance, int rounds) const;
 
   ConstraintSystem& system_;
   std::vector<double> diagonal_, target_, guess_;  // S_rr, t, λ at the start

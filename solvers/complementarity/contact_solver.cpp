@@ -5,8 +5,17 @@
 #include <limits>
 
 #include "solvers/common/max_abs.h"
+#include "solvers/laws/contact_residual.h"
 
 namespace taut {
+namespace {
+
+/// S_rr of row r.
+auto diagonal_of(const StageProblem& problem) {
+  return [inertia = problem.inertia](std::size_t r) { return 1 / inertia[r]; };
+}
+
+}  // namespace
 
 ContactSolver::ContactSolver(ConstraintSystem& system, ContactLaws& contacts)
     : system_(system), contacts_(contacts), newton_(system), locked_(system) {}
@@ -16,24 +25,23 @@ ImpulseIteration& ContactSolver::iteration() {
   return *iteration_;
 }
 
-double ContactSolver::distance(const StageProblem& problem, double rate_tolerance) const {
+double ContactSolver::relative_residual(const StageProblem& problem, double rate_tolerance) const {
   double scale = 0;
   for (std::size_t r = 0; r < problem.lambda.size(); ++r)
     scale = std::max(scale, std::abs(problem.lambda[r]) / std::sqrt(problem.inertia[r]));
-  const double error = law_error(problem, rate_tolerance);
-  return error == 0 ? 0 : error / scale;
+  return largest_residual(problem, rate_tolerance).over(scale);
 }
 
 /// The natural residual [√J]; infinite if a value is not finite.
-double ContactSolver::law_error(const StageProblem& problem, double rate_tolerance) const {
+LargestResidual ContactSolver::largest_residual(const StageProblem& problem, double rate_tolerance) const {
   const auto& [laws, b, inertia, lambda, w] = problem;
-  double error = 0, sum = 0;
-  for (std::size_t r = 0; r < lambda.size(); ++r) sum += std::abs(lambda[r]) + std::abs(w[r]);
-  if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r)
-    error =
-        std::max(error, natural_residual(laws[r], 1 / inertia[r], lambda[r], w[r]).beyond(rate_tolerance));
-  return std::max(error, contact_residual(contacts_, lambda, w, rate_tolerance));
+  LargestResidual largest;
+  if (!std::isfinite(max_abs(lambda)) || !std::isfinite(max_abs(w)))
+    largest.add(std::numeric_limits<double>::infinity());
+  largest.add_rows(laws.first(system_.rows().first_contact_row()), diagonal_of(problem), lambda, w,
+                   rate_tolerance);
+  add_contacts(contacts_, lambda, w, rate_tolerance, largest);
+  return largest;
 }
 
 bool ContactSolver::solve(const StageProblem& problem, const ContactLimits& limits, StageRecord& record) {
@@ -59,7 +67,7 @@ bool ContactSolver::rests(const StageProblem& problem, double rate_tolerance, St
 
 bool ContactSolver::meets_laws(const StageProblem& problem, double tolerance, double rate_tolerance,
                                StageRecord& record) {
-  const double off = distance(problem, rate_tolerance);
+  const double off = relative_residual(problem, rate_tolerance);
   if (off > tolerance || !newton_.holds_joints(problem.laws, problem.w, rate_tolerance)) return false;
   contacts_.take_over(problem.lambda, problem.w, rate_tolerance);
   if (!(contacts_.residual() <= tolerance) || contacts_.slips_where_it_held()) return false;
@@ -71,7 +79,7 @@ bool ContactSolver::meets_laws(const StageProblem& problem, double tolerance, do
 /// equalities, of which the solve changes those impulses only by what their rates lack.
 bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
   if (contacts_.soft() || !contacts_.all_stick(problem.lambda) ||
-      distance(problem, rate_tolerance) > Tuning::kNear)
+      relative_residual(problem, rate_tolerance) > Tuning::kNear)
     return false;
   locked_laws_.assign(problem.laws.begin(), problem.laws.end());
   contacts_.held_laws(problem.lambda, locked_laws_);
@@ -90,7 +98,7 @@ bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolera
 double ContactSolver::sweep(const StageProblem& problem, int sweeps, double rate_tolerance) {
   (void)iteration().solve(contacts_, problem.laws, problem.b, problem.lambda, problem.w, {.sweeps = sweeps},
                           {});
-  return distance(problem, rate_tolerance);
+  return relative_residual(problem, rate_tolerance);
 }
 
 /// A better guess for Newton's method: Gauss–Seidel, whose sweeps cost little, comes near from anywhere.  Of
@@ -102,14 +110,15 @@ void ContactSolver::sweep_guess(const StageProblem& problem, double rate_toleran
   double size = 0;
   for (std::size_t r = 0; r < problem.b.size(); ++r)
     size = std::max(size, std::abs(problem.b[r]) * std::sqrt(problem.inertia[r]));
-  const double off = distance(problem, rate_tolerance);
+  const double off = relative_residual(problem, rate_tolerance);
   if (off <= Tuning::kNear) return;
   held_.assign(problem.lambda.begin(), problem.lambda.end());
   StageProblem swept = problem;
   swept.lambda = held_;
   const IterationLimits limits{.sweeps = Tuning::kFirstSweeps, .tolerance = Tuning::kSwept * size};
   (void)iteration().solve(contacts_, problem.laws, problem.b, held_, problem.w, limits, {});
-  if (distance(swept, rate_tolerance) < off) std::copy(held_.begin(), held_.end(), problem.lambda.begin());
+  if (relative_residual(swept, rate_tolerance) < off)
+    std::copy(held_.begin(), held_.end(), problem.lambda.begin());
 }
 
 /// From a solution in which contacts slip that stuck: true, and another one, if there is one in which they
@@ -128,7 +137,7 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
     if (outcome.converged && !contacts_.slips_where_it_held()) {
       // What holds by the normality law holds by Coulomb's where it does not slip at all.
       search.end(true);
-      const double off = distance(problem, rate_tolerance);
+      const double off = relative_residual(problem, rate_tolerance);
       if (off <= kMetContactResidual) {
         record.residual = std::max(record.residual, off);
         return true;
@@ -148,21 +157,19 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
 bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tolerance, double inexact,
                                     StageRecord& record) {
   if (inexact == 0 || contacts_.count() == 0) return false;
-  const double best = law_error(problem, rate_tolerance);
+  const LargestResidual best = largest_residual(problem, rate_tolerance);
   held_.assign(problem.lambda.begin(), problem.lambda.end());
   (void)iteration().solve(contacts_, problem.laws, problem.b, problem.lambda, problem.w,
                           {.sweeps = Tuning::kLastSweeps}, {});
-  double error = law_error(problem, rate_tolerance);
-  if (!(error < best) || !newton_.holds_joints(problem.laws, problem.w, rate_tolerance)) {
+  LargestResidual error = largest_residual(problem, rate_tolerance);
+  if (!(error.size() < best.size()) || !newton_.holds_joints(problem.laws, problem.w, rate_tolerance)) {
     error = best;
     std::copy(held_.begin(), held_.end(), problem.lambda.begin());
     system_.rates(problem.lambda, problem.b, problem.w);
   }
   contacts_.take_over(problem.lambda, problem.w, rate_tolerance);
-  double scale = 0;  // also of impulses that vanish in the end
-  for (std::size_t r = 0; r < problem.lambda.size(); ++r)
-    scale = std::max(scale, impulse_scale(1 / problem.inertia[r], problem.lambda[r], problem.b[r]));
-  const double residual = error == 0 ? 0 : error / scale;
+  // Also of impulses that vanish in the end.
+  const double residual = error.over(impulse_scale(diagonal_of(problem), problem.lambda, problem.b));
   if (!(residual <= inexact) || !std::isfinite(max_abs(problem.lambda))) return false;
   if (residual > kMetContactResidual)
     record.loose = residual;

@@ -37,10 +37,10 @@ class ContactSolver {
 
   /// The natural residual at λ, whose rates are w, over the largest impulse; errors of rates within the
   /// tolerance do not count.
-  double distance(const StageProblem& problem, double rate_tolerance) const;
+  double relative_residual(const StageProblem& problem, double rate_tolerance) const;
   /// λ is what it may start from, then with w the result; true if that is good enough.
   bool solve(const StageProblem& problem, const ContactLimits& limits, StageRecord& record);
-  /// Sweeps of Gauss–Seidel over λ and w; the distance that they leave.
+  /// Sweeps of Gauss–Seidel over λ and w; the relative residual that they leave.
   double sweep(const StageProblem& problem, int sweeps, double rate_tolerance);
   const ContactNewton& newton() const { return newton_; }
   /// To be used by others, too.
@@ -59,7 +59,7 @@ class ContactSolver {
   bool rests_locked(const StageProblem& problem, double rate_tolerance, StageRecord& record);
   void sweep_guess(const StageProblem& problem, double rate_tolerance);
   bool search_sticking_solution(const StageProblem& problem, double rate_tolerance, StageRecord& record);
-  double law_error(const StageProblem& problem, double rate_tolerance) const;
+  LargestResidual largest_residual(const StageProblem& problem, double rate_tolerance) const;
   bool solve_by_sweeps(const StageProblem& problem, double rate_tolerance, double inexact,
                        StageRecord& record);
 

@@ -195,13 +195,12 @@ double ImpulseIteration::sweep(const Problem& problem, bool by_rows) {
 double ImpulseIteration::violation(const Problem& problem, int block) {
   const Rows::JointRows& rows = system_.rows().joints()[block];
   const int first = rows.first_row;
-  double largest = 0;
+  LargestResidual largest;
   if (!system_.rows().is_contact(first)) {
     for (int r = first; r < first + rows.row_count; ++r)
       if (own_[r] > 0)
-        largest = std::max(
-            largest, natural_residual(problem.laws[r], own_[r], problem.lambda[r], rate(problem, r)).size);
-    return largest;
+        largest.add(natural_residual(problem.laws[r], own_[r], problem.lambda[r], rate(problem, r)).size);
+    return largest.size();
   }
   for (int r = first; r < first + rows.row_count; ++r) {
     const double s = own_[r] > 0 ? own_[r] : 1;
@@ -210,8 +209,8 @@ double ImpulseIteration::violation(const Problem& problem, int block) {
   const auto of_block = [&](std::span<double> values) { return values.subspan(first, rows.row_count); };
   cones_[block - system_.rows().contact_joint(0)].project(of_block(scratch_), of_block(answer_));
   for (int r = first; r < first + rows.row_count; ++r)
-    largest = std::max(largest, std::sqrt(own_[r]) * std::abs(answer_[r] - problem.lambda[r]));
-  return largest;
+    largest.add(NaturalResidual(own_[r], answer_[r] - problem.lambda[r]).size);
+  return largest.size();
 }
 
 /// The most violated first; an impulse changes what its neighbours ask for.

@@ -12,7 +12,7 @@ InteriorOutcome InteriorPoint::solve(std::span<const RowLaw> laws, std::span<con
   InteriorOutcome outcome;
   begin(problem);
   for (;; ++outcome.iterations) {
-    outcome.residual = law_error(problem);
+    outcome.residual = relative_residual(problem);
     outcome.converged = outcome.residual <= limits.tolerance;
     if (outcome.converged || !std::isfinite(outcome.residual) || outcome.iterations >= limits.iterations)
       return outcome;
@@ -34,12 +34,11 @@ void InteriorPoint::begin(const Problem& problem) {
   for (auto* values : {&v_, &step_}) values->assign(6 * system_.rows().body_count(), 0.0);
   elements_.clear();
   system_.effective_masses(own_);
-  scale_ = 0;
   for (std::size_t r = 0; r < n; ++r) {
-    own_[r] = own_[r] > 0 ? 1 / own_[r] : 1;
-    scale_ = std::max(scale_, impulse_scale(own_[r], problem.lambda[r], problem.b[r]));
+    own_[r] = delassus_diagonal(own_[r]);
     if (problem.laws[r].bounded()) add_elements(problem.laws[r], static_cast<int>(r));
   }
+  const double scale = impulse_scale([&](std::size_t r) { return own_[r]; }, problem.lambda, problem.b);
   system_.apply_Wt(problem.lambda, v_);
   system_.apply_W(v_, rates_);
   for (std::size_t r = 0; r < n; ++r) rates_[r] += problem.b[r];
@@ -53,7 +52,7 @@ void InteriorPoint::begin(const Problem& problem) {
   }
   const double mu =
       std::max({Tuning::kFirstMu * power / std::max<double>(1, elements_.size()), Tuning::kLeastMu * energy,
-                Tuning::kLeastMu * Tuning::kLeastMu * scale_ * scale_});
+                Tuning::kLeastMu * Tuning::kLeastMu * scale * scale});
   for (Element& element : elements_) center(element, rates_[element.row], mu);
   update_impulses(problem);
 }
@@ -176,17 +175,14 @@ void InteriorPoint::move(const Problem& problem, double length) {
 
 /// w of the impulses themselves, which v is only on the way to, and the natural residual over the size of
 /// impulses.
-double InteriorPoint::law_error(const Problem& problem) {
+double InteriorPoint::relative_residual(const Problem& problem) {
   system_.rates(problem.lambda, problem.b, problem.w);
-  double error = 0, scale = 0;
-  for (std::size_t r = 0; r < problem.laws.size(); ++r) {
-    const double s = own_[r], lambda = problem.lambda[r];
-    scale = std::max(scale, impulse_scale(s, lambda, problem.b[r]));
-    const double off = natural_residual(problem.laws[r], s, lambda, problem.w[r]).size;
-    if (std::isnan(off)) return off;
-    error = std::max(error, off);
-  }
-  return scale > 0 ? error / scale : 0;
+  const auto s = [&](std::size_t r) { return own_[r]; };
+  LargestResidual largest;
+  largest.add_rows(problem.laws, s, problem.lambda, problem.w, 0);
+  if (!largest.finite()) return largest.strict_size();
+  const double scale = impulse_scale(s, problem.lambda, problem.b);
+  return scale > 0 ? largest.over(scale) : 0;
 }
 
 }  // namespace taut

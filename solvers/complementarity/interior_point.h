@@ -78,11 +78,10 @@ class InteriorPoint {
   double longest(double most) const;
   double mean_product(double length) const;
   void move(const Problem& problem, double length);
-  double law_error(const Problem& problem);
+  double relative_residual(const Problem& problem);
 
   ConstraintSystem& system_;
   std::vector<Element> elements_;
-  double scale_ = 0;
   std::vector<double> own_, base_, stiffness_, off_, change_;  // S_rr, l, of rows, δw
   std::vector<double> rates_;                                  // b + W v
   std::vector<double> v_, step_;

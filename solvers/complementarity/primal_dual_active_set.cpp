@@ -16,15 +16,16 @@ PrimalDualOutcome PrimalDualActiveSet::solve(std::span<const RowLaw> laws, std::
   for (;; ++outcome.iterations) {
     system_.rates(lambda, b, w);
     const Error error = choose_segments(laws, lambda, w, limits.rate_tolerance);
-    if (!error.finite) return outcome;
-    outcome.residual = error.counted > 0 ? error.counted / error.scale : 0;
+    if (!error.largest.finite()) return outcome;
+    const double largest = error.largest.size();
+    outcome.residual = error.counted.over(error.scale);
     outcome.converged = outcome.residual <= limits.tolerance;
-    const bool slow = error.largest > Tuning::kProgress * last;
-    const bool done = outcome.converged && (slow || error.largest <= Tuning::kExact * error.scale);
+    const bool slow = largest > Tuning::kProgress * last;
+    const bool done = outcome.converged && (slow || largest <= Tuning::kExact * error.scale);
     stuck = slow ? stuck + 1 : 0;
     if (done || stuck == Tuning::kStuck || outcome.iterations == limits.iterations) return outcome;
-    const bool serves = error.largest < Tuning::kServes * last;
-    last = error.largest;
+    const bool serves = largest < Tuning::kServes * last;
+    last = largest;
     if (!factorize(laws, limits.softness, serves, times)) return outcome;
     correct(laws, lambda, w);
   }
@@ -35,7 +36,7 @@ void PrimalDualActiveSet::begin(std::size_t rows) {
   v_.assign(6 * static_cast<std::size_t>(system_.rows().body_count()), 0.0);
   segments_.resize(rows);
   system_.effective_masses(own_);
-  for (double& own : own_) own = own > 0 ? 1 / own : 1;
+  for (double& own : own_) own = delassus_diagonal(own);
 }
 
 /// The segments that each row by itself would take, and how far λ is from them.
@@ -44,19 +45,15 @@ PrimalDualActiveSet::Error PrimalDualActiveSet::choose_segments(std::span<const 
                                                                 std::span<const double> w,
                                                                 double rate_tolerance) {
   Error error;
-  double sum = 0;
   for (std::size_t r = 0; r < laws.size(); ++r) {
     const RowLaw::Point answer = laws[r].resolve(own_[r], w[r] - own_[r] * lambda[r]);
     const NaturalResidual off(own_[r], lambda[r] - answer.lambda);
-    const double size = std::sqrt(own_[r]) * std::abs(lambda[r]);
     // Not where λ is: interior points leave all rows between their bounds, also those that slide.
     segments_[r] = answer.segment;
-    error.scale = std::max(error.scale, size);
-    sum += off.size + size;
-    error.largest = std::max(error.largest, off.size);
-    error.counted = std::max(error.counted, off.beyond(rate_tolerance));
+    error.scale = std::max(error.scale, std::sqrt(own_[r]) * std::abs(lambda[r]));
+    error.largest.add(off.size);
+    error.counted.add(off.beyond(rate_tolerance));
   }
-  error.finite = std::isfinite(sum);  // a maximum passes over what is not a number
   return error;
 }
 

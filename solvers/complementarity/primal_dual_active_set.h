@@ -66,9 +66,8 @@ class PrimalDualActiveSet {
 
   /// The natural residual over all rows [√J].
   struct Error {
-    double largest = 0, counted = 0;  ///< of all rows, and of those beyond the tolerance of rates
-    double scale = 0;                 ///< size of impulses
-    bool finite = true;
+    LargestResidual largest, counted;  ///< of all rows, and of those beyond the tolerance of rates
+    double scale = 0;                  ///< size of impulses
   };
 
   void begin(std::size_t rows);

@@ -59,6 +59,7 @@ struct StageAttempt {
   std::span<const double> inertia;  ///< 1 / S_rr
   std::span<double> w;
   StageBudget budget;
+  double tolerance;             ///< residual that Newton's method through the bodies goes for
   double rate_tolerance;        ///< rates that are off by no more than this count as right [m/s or rad/s]
   double warm_start_tolerance;  ///< the same for impulses of before, taken as they are
   SubstepReport& report;

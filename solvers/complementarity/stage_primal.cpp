@@ -22,15 +22,15 @@ bool StagePrimal::solve(const StageAttempt& attempt, StageRecord& record) {
 bool StagePrimal::solve_near(const StageAttempt& attempt, StageRecord& record) {
   const std::span<double> lambda = attempt.stage.lambda;
   const double rate_tolerance = attempt.rate_tolerance;
-  if (!(contact_solver_.distance(attempt.problem(), rate_tolerance) <= Tuning::kNewtonRange)) return false;
-  const double tolerance = attempt.stage.near ? Tuning::kMendedExactly : kMetResidual;
+  if (!(contact_solver_.relative_residual(attempt.problem(), rate_tolerance) <= Tuning::kNewtonRange))
+    return false;
   guess_.assign(lambda.begin(), lambda.end());
   const PrimalDualOutcome outcome = primal_dual_.solve(attempt.laws, attempt.b, lambda, attempt.w,
-                                                       {tolerance, rate_tolerance}, record.times);
+                                                       {attempt.tolerance, rate_tolerance}, record.times);
   add_to(record, outcome);
   if (outcome.converged && exact(attempt)) return true;
   std::copy(guess_.begin(), guess_.end(), lambda.begin());
-  const NewtonLimits few{.tolerance = tolerance,
+  const NewtonLimits few{.tolerance = attempt.tolerance,
                          .most = kMetResidual,
                          .rate_tolerance = rate_tolerance,
                          .iterations = Tuning::kFewSteps};

@@ -33,31 +33,25 @@ double StageResidual::exact_rate_tolerance() const {
   return Tuning::kNoises * std::min(contact_noise_.angular, contact_noise_.linear);
 }
 
-double StageResidual::law_error(const StageSolution& solution, double h) const {
+double StageResidual::motion(const StageSolution& solution, double h) const {
   const auto& [laws, b, inertia, lambda, rates] = solution;
-  double error = 0;
+  LargestResidual largest;
   const double negligible = Tuning::kLevelTolerance * max_abs(lambda);
-  for (int r = 0; r < system_.rows().first_contact_row(); ++r) {  // those of contacts are linear
-    const RowLaw& law = laws[r];
-    const double w = rates[r], own = inertia[r] > 0 ? 1 / inertia[r] : 1;
-    if (std::abs(lambda[r] + law.slope * w - law.level_at(w)) <= negligible) continue;
-    const double off = h * std::abs(w - law.resolve(own, w - own * lambda[r]).w);
-    if (!(off <= error)) error = off;
-  }
-  return error;
+  for (int r = 0; r < system_.rows().first_contact_row(); ++r)  // those of contacts are linear
+    largest.add(h * motion_residual(laws[r], delassus_diagonal(inertia[r]), lambda[r], rates[r], negligible));
+  return largest.size();
 }
 
 double StageResidual::natural(const StageSolution& solution) const {
   const double size = scale(solution);
   const Noise noise = contacts_.empty() ? rate_noise() : contact_noise_;
-  double largest = relative_contact_residual(
-      contacts_, solution.lambda, solution.w, size,
-      {contact_noise_.angular / kMetResidual, contact_noise_.linear / kMetResidual});
-  for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
-    const double off = of_row(axis.row, solution, size, noise);
-    if (!(off <= largest)) largest = off;
-  }
-  return largest;
+  const RateSize least{contact_noise_.angular / kMetResidual, contact_noise_.linear / kMetResidual};
+  LargestResidual largest;
+  for (int k = 0; k < contacts_.count(); ++k)
+    largest.add(relative_contact_residual(contacts_, k, solution.lambda, solution.w, size, least));
+  for (const Rows::AxisRow& axis : system_.rows().axis_rows())
+    largest.add(of_row(axis.row, solution, size, noise));
+  return largest.strict_size();
 }
 
 double StageResidual::scale(const StageSolution& solution) const {
@@ -78,7 +72,7 @@ double StageResidual::scale(const StageSolution& solution) const {
 
 double StageResidual::of_row(int r, const StageSolution& solution, double scale, const Noise& noise) const {
   const auto& [laws, b, inertia, lambda, w] = solution;
-  const double own = inertia[r] > 0 ? 1 / inertia[r] : 1, root = 1 / std::sqrt(own);
+  const double own = delassus_diagonal(inertia[r]), root = 1 / std::sqrt(own);
   const double off = natural_residual(laws[r], own, lambda[r], w[r]).size;
   const double least = root * (system_.rows().row(r).angular ? noise.angular : noise.linear) / kMetResidual;
   return off == 0 ? 0 : off / std::max(scale, least);  // of a world at rest without loads all three are

@@ -42,9 +42,9 @@ class StageResidual {
   /// Rates that laws may be missed by where the tolerances of positions and velocities have let too much
   /// pass.
   double exact_rate_tolerance() const;
-  /// Distance of the motion from the laws [m or rad] in a step of h: by how much the rate of each row is off
-  /// what its law by itself answers; 0 where the impulse is on the level of that rate but for round-off.
-  double law_error(const StageSolution& solution, double h) const;
+  /// How far the motion is from the laws of the rows of joints and axes in a step of h [m or rad], as
+  /// motion_residual() of each, with what is negligible beside the largest impulse.
+  double motion(const StageSolution& solution, double h) const;
 
   /// Size of impulses and rates in a stage [√J]: the largest √S_rr |λ_r|, |b_r|/√S_rr, and of the rates that
   /// laws impose over √S_rr.

@@ -65,15 +65,19 @@ void StageSolver::rates_without(const Stage& stage) {
 
 bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport& report) {
   rates_without(stage);
-  StageAttempt attempt{.stage = stage,
-                       .laws = laws_,
-                       .b = b_,
-                       .inertia = effective_mass_,
-                       .w = w_,
-                       .budget = budget_,
-                       .rate_tolerance = rate_tolerance,
-                       .warm_start_tolerance = warm_start_.begin(stage.near, rate_tolerance),
-                       .report = report};
+  // What was solved at a neighbouring state is polished.
+  const double tight = std::min(rate_tolerance, StageTuning::kRatePart * model_.settings.velocity_tolerance);
+  StageAttempt attempt{
+      .stage = stage,
+      .laws = laws_,
+      .b = b_,
+      .inertia = effective_mass_,
+      .w = w_,
+      .budget = budget_,
+      .tolerance = stage.near ? StageTuning::kMendedExactly : kMetResidual,
+      .rate_tolerance = rate_tolerance,
+      .warm_start_tolerance = warm_start_.begin(rate_tolerance, stage.near ? rate_tolerance : tight),
+      .report = report};
   StageVerdict verdict = warm_start_.solve(attempt);
   if (verdict == StageVerdict::kNext) verdict = pivoting_.solve(attempt);
   const ContactLimits limits = contact_limits(attempt, model_.system);
@@ -108,7 +112,7 @@ bool StageSolver::solve_velocities(const Stage& stage, SubstepReport& report) {
   double tolerance = StageTuning::kRatePart * model_.settings.velocity_tolerance;
   for (int exact = 0;; ++exact) {
     if (!solve(stage, tolerance, report)) break;
-    const double off = model_.contacts.empty() ? 0 : laws_off(stage.lambda, w_);
+    const double off = model_.contacts.empty() ? 0 : residual_over_tolerance(stage.lambda, w_);
     if (off <= 1 || (exact == kExactSolves && take_inexact(off))) return true;
     if (exact == kExactSolves) break;
     tolerance = exact_tolerance();
@@ -137,7 +141,7 @@ bool StageSolver::iterate(const Stage& stage, int sweeps, double rate_tolerance,
   return true;
 }
 
-double StageSolver::laws_off(std::span<const double> lambda, std::span<const double> w) const {
+double StageSolver::residual_over_tolerance(std::span<const double> lambda, std::span<const double> w) const {
   if (accuracy_.is_inexact()) return 0;
   return residual_.natural(solution(lambda, w)) / residual_.natural_tolerance();
 }

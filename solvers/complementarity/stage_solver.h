@@ -92,17 +92,17 @@ class StageSolver {
   std::span<const double> rates() const { return w_; }
   /// The impulses of before were taken as they are.
   bool rested() const { return warm_start_.rested(); }
-  /// Distance of the motion from the laws [m or rad] in a step of h.
-  double law_error(std::span<const double> lambda, std::span<const double> rates, double h) const {
-    return residual_.law_error(solution(lambda, rates), h);
+  /// How far the motion is from the laws [m or rad] in a step of h.
+  double motion_residual(std::span<const double> lambda, std::span<const double> rates, double h) const {
+    return residual_.motion(solution(lambda, rates), h);
   }
   /// The natural residual over its tolerance; 0 if no better solution is known.
-  double laws_off(std::span<const double> lambda, std::span<const double> w) const;
+  double residual_over_tolerance(std::span<const double> lambda, std::span<const double> w) const;
   /// Rates that laws may be missed by where the tolerances of positions and velocities have let too much
   /// pass.
   double exact_tolerance() const { return residual_.exact_rate_tolerance(); }
-  /// The laws are not met any better than by this part of laws_off().  False if that is not enough for an
-  /// inexact step.
+  /// The laws are not met any better than by this part of residual_over_tolerance().  False if that is not
+  /// enough for an inexact step.
   bool take_inexact(double off);
   /// A stage is done, inexactly perhaps.
   void note_inexact(std::span<const double> lambda, std::span<const double> rates);

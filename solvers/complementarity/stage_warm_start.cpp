@@ -10,11 +10,8 @@ StageWarmStart::StageWarmStart(const StageModel& model, const StageResidual& res
     : model_(model), residual_(residual), contact_solver_(contact_solver), pivoting_(pivoting) {}
 
 /// What one stage leaves is mended by the next, in turns and for ever, unless that one is solved, too.
-double StageWarmStart::begin(bool near, double rate_tolerance) {
-  near_ = near;
-  const bool rested = std::exchange(rested_, false) || !model_.friction_dominated();
-  if (rested || near_) return rate_tolerance;
-  return std::min(rate_tolerance, StageTuning::kRatePart * model_.settings.velocity_tolerance);
+double StageWarmStart::begin(double loose, double tight) {
+  return std::exchange(rested_, false) || !model_.friction_dominated() ? loose : tight;
 }
 
 StageVerdict StageWarmStart::solve(StageAttempt& attempt) {
@@ -37,7 +34,7 @@ StageWarmStart::Trial StageWarmStart::accept(StageAttempt& attempt) {
   if (!model_.contacts.is_clear(lambda)) return Trial::kMissed;
   const double tolerance = attempt.warm_start_tolerance;
   std::copy(attempt.stage.rates.begin(), attempt.stage.rates.end(), attempt.w.begin());
-  double off = contact_solver_.distance(attempt.problem(), tolerance);
+  double off = contact_solver_.relative_residual(attempt.problem(), tolerance);
   if (!is_near_enough(attempt, off)) return Trial::kMissed;
   if (off > kMetResidual) {
     held_.assign(lambda.begin(), lambda.end());
@@ -87,7 +84,8 @@ StageWarmStart::Trial StageWarmStart::solve_all_sticking(StageAttempt& attempt) 
   if (contacts.empty() || contacts.soft() || model_.system.uses_primal_system()) return Trial::kMissed;
   const double tolerance = attempt.warm_start_tolerance;
   std::copy(attempt.stage.rates.begin(), attempt.stage.rates.end(), attempt.w.begin());
-  if (!contacts.all_stick(lambda) || contact_solver_.distance(attempt.problem(), tolerance) > Tuning::kNear)
+  if (!contacts.all_stick(lambda) ||
+      contact_solver_.relative_residual(attempt.problem(), tolerance) > Tuning::kNear)
     return Trial::kMissed;
   held_laws_.assign(attempt.laws.begin(), attempt.laws.end());
   contacts.held_laws(lambda, held_laws_);
@@ -96,7 +94,7 @@ StageWarmStart::Trial StageWarmStart::solve_all_sticking(StageAttempt& attempt) 
   ActiveSetSettings settings{.rate_tolerance = tolerance, .keep_null_space = true};
   settings.max_rounds = settings.max_descent_rounds = 0;
   (void)pivoting_.active_set().solve(held_laws_, attempt.b, held_, attempt.w, attempt.report.times, settings);
-  const double off = contact_solver_.distance(attempt.problem(held_), tolerance);
+  const double off = contact_solver_.relative_residual(attempt.problem(held_), tolerance);
   const Trial trial = off <= kMetResidual ? try_impulses(attempt, held_, off) : Trial::kMissed;
   if (trial == Trial::kMet)
     std::copy(held_.begin(), held_.end(), lambda.begin());

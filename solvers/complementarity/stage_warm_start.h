@@ -21,8 +21,9 @@ class StageWarmStart {
   StageWarmStart(const StageModel& model, const StageResidual& residual, ContactSolver& contact_solver,
                  StagePivoting& pivoting);
 
-  /// Rates that impulses of before may miss their laws by at rest, in a stage that begins now.
-  double begin(bool near, double rate_tolerance);
+  /// Rates that impulses of before may miss their laws by at rest, in a stage that begins now: `loose` after
+  /// one that was solved, too, and where bodies are not the system, else `tight`.
+  double begin(double loose, double tight);
   /// Takes the impulses of before as they are, or with all contacts stuck; else laws that moved with them are
   /// renewed.
   StageVerdict solve(StageAttempt& attempt);
@@ -48,7 +49,7 @@ class StageWarmStart {
   const StageResidual& residual_;
   ContactSolver& contact_solver_;
   StagePivoting& pivoting_;
-  bool near_ = false, rested_ = false;  // of the last stage
+  bool rested_ = false;  // of the last stage
   std::vector<RowLaw> held_laws_;
   std::vector<double> held_;
   std::vector<int> segments_;

@@ -7,7 +7,7 @@
 #include "core/math/dense.h"
 #include "core/state/reach.h"
 #include "solvers/common/max_abs.h"
-#include "solvers/integrators/body_moves.h"
+#include "solvers/integrators/gauss_newton.h"
 
 namespace taut {
 namespace {
@@ -111,45 +111,45 @@ class PassedLimits {
 
 bool close_joints(ConstraintSystem& system, State& state, double tolerance, SubstepReport& report,
                   std::span<const AxisForces::Bound> limits) {
-  const int n = system.row_count();
-  std::vector<double> phi(n), delta(n);
-  std::vector<Wrench> impulse(system.mass().size());
+  std::vector<double> delta(system.row_count());
+  std::vector<Wrench> move(system.mass().size());
   std::vector<Pose>& poses = state.poses;
   std::vector<Pose> best = poses;
   PassedLimits passed(system, limits);
   double best_gap = INFINITY;
-  int since_best = 0;
-  for (int iteration = 0; iteration < ClosingTuning::kMaxClosings; ++iteration) {
+  int iteration = 0, since_best = 0;
+  bool closed = false;
+  const auto ask = [&](std::span<double> phi) {
+    if (iteration++ == ClosingTuning::kMaxClosings) return false;
     system.rows().update_axes(state, state.axes);
     system.rows().residual(state, phi);
     passed.read(system, phi);
     const double gap = max_abs(phi);
-    if (gap <= tolerance) {
-      if (std::all_of(poses.begin(), poses.end(), is_somewhere)) return true;
-      break;
-    }
+    closed = gap <= tolerance && std::all_of(poses.begin(), poses.end(), is_somewhere);
+    if (gap <= tolerance) return false;
     if (gap < ClosingTuning::kInVain * best_gap) {
       best_gap = gap;
       best = poses;
       since_best = 0;
     } else if (!std::isfinite(gap) || ++since_best > ClosingTuning::kPatience) {
-      break;
+      return false;
     }
-    system.linearize(state);
-    system.set_mass(poses);
+    for (double& p : phi) p = -p;
+    return true;
+  };
+  const auto factorize = [&] {
     system.set_row_states(passed.row_states());
     system.factorize(report.times);
-    for (int r = 0; r < n; ++r) delta[r] = -phi[r];
-    system.solve(delta);
-    passed.drop(delta);
-    system.rows().apply_transpose(system.jacobian(), delta, impulse);
-    const double turn = largest_turn(system.mass(), impulse, poses);
-    if (!std::isfinite(turn)) break;
-    move_bodies(system.mass(), impulse, std::min(1.0, kLongestTurn / std::max(turn, 1e-300)), poses);
-    ++report.newton_iterations;
-  }
-  poses = best;
-  return false;
+    return true;
+  };
+  const auto solve = [&](std::span<double> x) {
+    system.solve(x);
+    passed.drop(x);
+  };
+  report.newton_iterations +=
+      gauss_newton(system, state, poses, kLongestTurn, delta, move, ask, factorize, solve);
+  if (!closed) poses = best;
+  return closed;
 }
 
 Contradiction find_stuck_joints(const World& world, ConstraintSystem& system, const std::vector<Pose>& poses,

@@ -2,10 +2,11 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/state/reach.h"
 #include "solvers/common/stopwatch.h"
-#include "solvers/integrators/body_moves.h"
+#include "solvers/integrators/gauss_newton.h"
 
 namespace taut {
 ForceLevel::ForceLevel(const World& world, ConstraintSystem& system, const Settings& settings)
@@ -135,17 +136,22 @@ void ForceLevel::cure_velocities(double h, SubstepReport& report) {
   project_velocities(phi_, report);
 }
 
-/// Position push: q ← q ⊕ M⁻¹ Jᵀ S⁺ (−erp φ), one step of Gauss–Newton.
+/// Position push: one step of Gauss–Newton that closes this part of each gap.
 void ForceLevel::cure_positions(SubstepReport& report) {
-  system_.linearize(state_);
-  system_.set_mass(state_.poses);
-  system_.set_compliance(0);
-  system_.factorize(report.times);
-  system_.rows().residual(state_, phi_);
-  for (int r = 0; r < system_.row_count(); ++r) delta_[r] = -settings_.erp * phi_[r];
-  system_.solve(delta_);
-  system_.rows().apply_transpose(system_.jacobian(), delta_, joint_wrenches_);
-  move_bodies(system_.mass(), joint_wrenches_, 1, state_.poses);
+  bool done = false;
+  const auto ask = [&](std::span<double> delta) {
+    if (std::exchange(done, true)) return false;
+    system_.rows().residual(state_, phi_);
+    for (int r = 0; r < system_.row_count(); ++r) delta[r] = -settings_.erp * phi_[r];
+    return true;
+  };
+  const auto factorize = [&] {
+    system_.set_compliance(0);
+    system_.factorize(report.times);
+    return true;
+  };
+  gauss_newton(system_, state_, state_.poses, INFINITY, delta_, joint_wrenches_, ask, factorize,
+               [&](std::span<double> delta) { system_.solve(delta); });
 }
 
 /// Penalty: each row a spring and damper of the set frequency on the row's own inertia 1 / S_rr.  λ = −(k φ +

@@ -2,8 +2,8 @@
 
 #include <span>
 
-#include "solvers/laws/axis_forces.h"
-#include "solvers/laws/contact_forces.h"
+#include "solvers/laws/axis_impacts.h"
+#include "solvers/laws/contact_impacts.h"
 
 namespace taut {
 
@@ -12,8 +12,8 @@ namespace taut {
 /// sub-step ends then.  Impacts closer together than 1e-3 of a step are one.  (solvers/integrators, "RATTLE")
 class ImpactSearch {
  public:
-  /// Both must outlive it.
-  ImpactSearch(AxisForces& axes, ContactForces& contacts) : axes_(axes), contacts_(contacts) {}
+  /// Both kinds must outlive it.
+  ImpactSearch(AxisImpacts& axes, ContactImpacts& contacts) : axes_(axes), contacts_(contacts) {}
 
   /// True if a solution of the position stage, with these impulses and rates of the rows, has impacts: their
   /// laws let them through now.
@@ -27,8 +27,8 @@ class ImpactSearch {
   void give_up();
 
  private:
-  AxisForces& axes_;
-  ContactForces& contacts_;
+  AxisImpacts& axes_;
+  ContactImpacts& contacts_;
 };
 
 }  // namespace taut

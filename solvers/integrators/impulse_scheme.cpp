@@ -90,11 +90,11 @@ void ImpulseScheme::start_axes() {
 
 void ImpulseScheme::restart(const State& state, Velocities velocities, SubstepReport& report) {
   if (!bounded()) return start(state, velocities, report);
-  const AxisForces axes = axes_;
+  AxisForces::Memory axes = axes_.memory();
   const MultiplierGuess before(system_.rows(), values_);
   contacts_.keep_memory();
   start(state, velocities, report);
-  axes_.inherit(axes);
+  axes_.inherit(std::move(axes));
   take(before);
 }
 
@@ -111,7 +111,7 @@ void ImpulseScheme::prepare(double horizon, std::vector<ContactStretch> stretche
 
 void ImpulseScheme::inherit(const Scheme& old) {
   const auto& from = static_cast<const ImpulseScheme&>(old);
-  axes_.inherit(from.axes_);
+  axes_.inherit(from.axes_.memory());
   if (bounded()) take({from.system_.rows(), from.values_});
 }
 

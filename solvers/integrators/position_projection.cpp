@@ -2,11 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
-#include "solvers/integrators/body_moves.h"
+#include "solvers/integrators/gauss_newton.h"
 #include "solvers/integrators/rattle_tuning.h"
 
 namespace taut {
@@ -98,36 +99,38 @@ void PositionProjection::factorize_finely(SubstepReport& report) {
   ++report.counts.refactorizations;
 }
 
-/// Gauss–Newton, q₁ ← q₁ − M⁻¹Jᵀ S⁺ φ with all of it at the iterate.  It converges quadratically, also along
-/// directions that the rows hold weakly, where the fixed J(q₀) of the step's Newton does not: there
-/// J(q₁) − J(q₀) outweighs J itself.
+/// Gauss–Newton on the poses at the end: there J(q₁) − J(q₀) outweighs J itself along weak directions.
 bool PositionProjection::close_by_moves(double h, SubstepReport& report) {
   std::vector<Pose>& poses = phase_.poses;
-  std::vector<double>&phi = values_.phi, &delta = values_.delta;
+  std::vector<double>& phi = values_.phi;
   const Configuration end(poses, phase_.state.time + h, phase_.state.axes);
   double gap = max_abs(phi), best = gap;
   best_ = poses;
-  for (int pass = 0, in_vain = 0;
-       pass < PositionProjectionTuning::kMaxMends && gap > PositionProjectionTuning::kMended &&
-       in_vain <= PositionProjectionTuning::kOvershoots;
-       ++pass) {
-    system_.linearize(end);
-    system_.set_mass(poses);
-    factorize_finely(report);
-    if (!system_.usable()) break;
-    const Stopwatch watch(report.times.positions);
-    for (int r = 0; r < system_.row_count(); ++r) delta[r] = -phi[r];
-    system_.solve_shifted(delta);
-    system_.rows().apply_transpose(system_.jacobian(), delta, move_);
-    move_bodies(system_.mass(), move_, 1, poses);
-    system_.rows().residual(end, phi);
-    in_vain = max_abs(phi) < PositionProjectionTuning::kInVain * gap ? 0 : in_vain + 1;
-    gap = max_abs(phi);
-    if (gap < best) {
-      best = gap;
-      best_ = poses;
+  int pass = 0, in_vain = 0;
+  const auto ask = [&](std::span<double> delta) {
+    if (pass++ > 0) {
+      const Stopwatch watch(report.times.positions);
+      system_.rows().residual(end, phi);
+      in_vain = max_abs(phi) < PositionProjectionTuning::kInVain * gap ? 0 : in_vain + 1;
+      gap = max_abs(phi);
+      if (gap < best) {
+        best = gap;
+        best_ = poses;
+      }
     }
-  }
+    for (std::size_t r = 0; r < delta.size(); ++r) delta[r] = -phi[r];
+    return pass <= PositionProjectionTuning::kMaxMends && gap > PositionProjectionTuning::kMended &&
+           in_vain <= PositionProjectionTuning::kOvershoots;
+  };
+  const auto factorize = [&] {
+    factorize_finely(report);
+    return system_.usable();
+  };
+  const auto solve = [&](std::span<double> delta) {
+    const Stopwatch watch(report.times.positions);
+    system_.solve_shifted(delta);
+  };
+  gauss_newton(system_, end, poses, INFINITY, values_.delta, move_, ask, factorize, solve);
   system_.set_mass(phase_.state.poses);  // where the kick acts
   if (!(gap <= best)) {
     std::copy(best_.begin(), best_.end(), poses.begin());

@@ -16,7 +16,7 @@ Rattle::Rattle(const World& world, ConstraintSystem& system, const Settings& set
       tension_(system),
       start_jacobian_(system),
       weak_directions_(system, settings, start_jacobian_, phase_, values_),
-      impacts_(axes_, contacts_),
+      impacts_(axes_.impacts(), contacts_.impacts()),
       raw_kick_(world.body_count()) {
   // Loops that stick cannot be closed, nor axes be moved back, by a little here and there.
   if (stages_.friction_dominated()) slack_ = RattleTuning::kSlack * settings.position_tolerance;

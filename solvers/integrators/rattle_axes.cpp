@@ -101,8 +101,8 @@ Rattle::PositionError Rattle::position_error(double h, int iteration, SubstepRep
     const int first = system_.rows().first_contact_row();
     std::copy(stages_.rates().begin() + first, stages_.rates().end(), values_.rates.begin() + first);
   }
-  const double open = std::max(stages_.law_error(values_.lambda, values_.rates, h) / tolerance, curved);
-  const double laws = stages_.laws_off(values_.lambda, values_.rates);
+  const double open = std::max(stages_.motion_residual(values_.lambda, values_.rates, h) / tolerance, curved);
+  const double laws = stages_.residual_over_tolerance(values_.lambda, values_.rates);
   return {laws <= open ? open : laws, open <= 1 && !contacts_.empty()};
 }
 

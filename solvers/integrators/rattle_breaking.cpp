@@ -9,7 +9,7 @@ bool Rattle::break_joints(double h, SubstepReport& report) {
   if (!breaking_.check(system_, phase_.state, values_.delta, h)) return false;
   time_to_event_ = breaking_.time_to_break();
   const bool now = time_to_event_ == 0;
-  axes_.forget_impacts(false);
+  impacts_.end();
   roll_back(report);
   tension_.end();
   if (!now) return true;

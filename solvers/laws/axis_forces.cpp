@@ -33,7 +33,7 @@ AxisForces::AxisForces(const World& world, const Rows& rows, bool locates_plasti
       axes_(table_.size()),
       before_(axes_),
       loads_(table_.size()),
-      impacts_(table_.size(), locates_plastic),
+      impacts_(table_, axes_, locates_plastic),
       work_(table_.size()) {
   if (table_.refresh()) swings_.find(table_);
 }
@@ -99,10 +99,15 @@ void AxisForces::give_ropes(const Rows& rows, State& state) {
       state.axes[index_in_state(table_, i)] = axes_[i].winch.let_out(rope_ends_[table_.row(i)]);
 }
 
-void AxisForces::inherit(const AxisForces& old) {
-  resting_ = old.resting_;
-  for (std::size_t i = 0; i < old.axes_.size(); ++i)
-    if (old.table_.id(i).axis >= 0) resting_.insert_or_assign(old.table_.id(i), old.axes_[i]);
+AxisForces::Memory AxisForces::memory() const {
+  Memory memory = resting_;
+  for (std::size_t i = 0; i < axes_.size(); ++i)
+    if (table_.id(i).axis >= 0) memory.insert_or_assign(table_.id(i), axes_[i]);
+  return memory;
+}
+
+void AxisForces::inherit(Memory memory) {
+  resting_ = std::move(memory);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const auto same = resting_.find(table_.id(i));
     if (same == resting_.end()) continue;
@@ -154,7 +159,7 @@ void AxisForces::position_laws(std::span<const double> mean_rates, std::span<Row
 }
 
 void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> laws) {
-  const bool jolt = impacts_.any(table_, axes_, theta);
+  const bool jolt = impacts_.any(theta);
   set_laws(laws, [&](AxisLaw& axis, AxisStage stage, int row) {
     stage.theta = theta[row];
     stage.jolt = jolt;
@@ -223,7 +228,7 @@ void AxisForces::finish_positions(std::span<const double> w) {
 
 void AxisForces::finish_velocities(std::span<const double> theta, std::span<const double> w, double time) {
   const std::span<AxisReport> reports = work_.reports();
-  impacts_.finish(table_, axes_, w, time, reports);
+  impacts_.finish(w, time, reports);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const double rate = w[table_.row(i)];
     axes_[i].finish(reports[i], {theta[table_.row(i)], rate, rate - axes_[i].start.rate, work_.impulse(i)});

@@ -35,6 +35,8 @@ class AxisForces {
  public:
   /// `locates_plastic`: impacts without restitution are located as well.
   AxisForces(const World& world, const Rows& rows, bool locates_plastic = false);
+  AxisForces(const AxisForces&) = delete;
+  AxisForces& operator=(const AxisForces&) = delete;
 
   bool empty() const { return axes_.empty(); }
   /// No row but those of springs between bodies, whose forces follow from the state.
@@ -61,9 +63,12 @@ class AxisForces {
   AxisId not_finite() const { return table_.id(not_finite_); }
   /// Back to the start of the step.
   void roll_back();
+  /// All that is known of axes of joints, also of those without rows here.
+  using Memory = std::map<AxisId, AxisLaw>;
+  Memory memory() const;
   /// Friction of axes that an old system had too holds where it held; what is known of axes that have no rows
   /// now, because their bodies sleep, is kept.
-  void inherit(const AxisForces& old);
+  void inherit(Memory memory);
   /// Nothing is known of axes of bodies that were moved.
   void forget(std::span<const char> moved);
   /// The axes and softened rows of a joint give no force any more.
@@ -92,15 +97,9 @@ class AxisForces {
   /// Zeroes the entries of rows that friction does not hold, one a row.
   void clear_loose(std::span<char> rows) const;
 
-  /// Impacts at limits with restitution, with the mean rates of a solution of the position stage: see
-  /// AxisImpacts.  @{
-  bool seek_impacts(std::span<const double> w) { return impacts_.seek(table_, axes_, w); }
-  double first_impact(std::span<const double> w) const { return impacts_.first(table_, axes_, w, step_.h); }
-  void take_impacts(double until, std::span<const double> w) {
-    impacts_.take(until, table_, axes_, w, step_.h);
-  }
-  void forget_impacts(bool for_good) { impacts_.forget(for_good); }
-  bool struck() const { return impacts_.struck(); }  /// @}
+  /// At limits with restitution, within the step.
+  AxisImpacts& impacts() { return impacts_; }
+  bool struck() const { return impacts_.struck(); }
 
   /// A rigid limit of a row: lower ≤ θ ≤ upper.
   struct Bound {
@@ -150,7 +149,7 @@ class AxisForces {
   AxisTable table_;
   AxisSwings swings_;
   std::vector<AxisLaw> axes_, before_;
-  std::map<AxisId, AxisLaw> resting_;  // of bodies that sleep
+  Memory resting_;  // of bodies that sleep
   AxisLoads loads_;
   AxisImpacts impacts_;
   AxisWork work_;

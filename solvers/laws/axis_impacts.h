@@ -5,43 +5,47 @@
 
 #include "solvers/laws/axis_law.h"
 #include "solvers/laws/axis_table.h"
+#include "solvers/laws/time_of_meeting.h"
 
 namespace taut {
 
 class Archive;
 
-/// Impacts of axes in free flight at limits with restitution, or at all that are rigid: such a limit is let
-/// through once, which shows when the axis gets there, and the sub-step is taken again with its end at the
-/// first impact.
-/// (solvers/laws, "Impacts")
+/// Impacts of axes in free flight at limits with restitution, or at all that are rigid, as one of the two
+/// kinds that are located within a step (integrators/impact_search.h).
 class AxisImpacts {
  public:
-  /// `plastic`: those without restitution are sought, too.
-  AxisImpacts(std::size_t axes, bool plastic) : impacts_(axes), plastic_(plastic) {}
+  /// Of these axes, which must outlive it; `plastic`: those without restitution are sought, too.
+  AxisImpacts(const AxisTable& table, const std::vector<AxisLaw>& axes, bool plastic)
+      : table_(table), axes_(axes), impacts_(table.size()), plastic_(plastic) {}
 
   const AxisImpact& operator[](std::size_t i) const { return impacts_[i]; }
   /// None in this step so far.
   void clear();
-  /// True if these mean rates of the position stage stop an axis in free flight at such a limit.  From then
-  /// on its impact is sought.
-  bool seek(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> w);
-  /// The time from the start of the step, in (0, h], at which the first of these axes reaches its limit, on
-  /// the parabola through θ₀ with θ̇₀ to the free end; h if none does.
-  double first(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> w,
-               double h) const;
-  /// Of those sought, the ones up to this time are due at the end of the next sub-step, which is to end
-  /// then; the others come later.
-  void take(double until, const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> w,
-            double h);
-  /// Those that were found are not wanted any more.  `for_good`: nor looked for again in this step.
-  void forget(bool for_good);
+
+  // For the location of the first one.
+  std::size_t size() const { return impacts_.size(); }
+  ImpactState& state(std::size_t i) { return impacts_[i]; }
+  /// Some may be let through; beyond kMostImpacts they stop at their limits.
+  bool wanted() const { return table_.any_rigid_limit() && count_ < kMostImpacts; }
+  /// The mean rates w of the position stage stop axis i in free flight at a limit that it is now let through.
+  bool let_through(std::size_t i, std::span<const double> lambda, std::span<const double> w);
+  /// So it was with some.
+  void count() { ++count_; }
+  /// The impacts of those let through are to be located.
+  bool located() const { return true; }
+  /// The time from the start of a step of h, in (0, h], at which axis i reaches its limit, on the parabola
+  /// through θ₀ with θ̇₀ to the free end; h if it does not.
+  double meeting(std::size_t i, std::span<const double> w, double h) const;
+  /// That is when it strikes.
+  void set_meeting(std::size_t i, double time, std::span<const double> w, double h);
+
   /// Some axis runs into a limit in this sub-step, at the end of which it is at θ₁.
-  bool any(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> theta1) const;
+  bool any(std::span<const double> theta1) const;
 
   /// The end of a sub-step with these rates: impacts that were due, and axes that a rate stops at a limit
   /// away from which they began, are reported with this time.
-  void finish(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> w, double time,
-              std::span<AxisReport> reports);
+  void finish(std::span<const double> w, double time, std::span<AxisReport> reports);
   /// An impact ended the last sub-step.
   bool struck() const { return struck_; }
 
@@ -51,6 +55,10 @@ class AxisImpacts {
   void transfer_count(Archive& archive);  /// @}
 
  private:
+  bool stops(std::size_t i, bool at_lower, std::span<const double> w) const;
+
+  const AxisTable& table_;
+  const std::vector<AxisLaw>& axes_;
   std::vector<AxisImpact> impacts_;
   bool plastic_ = false;
   int count_ = 0;  // looked for in this step

@@ -23,8 +23,8 @@ double inner_product(std::span<const double> a, std::span<const double> b) {
 double AxisInertia::of(ConstraintSystem& system, int row, std::span<const double> alone,
                        std::span<const char> held) {
   for (auto& values : scratch_) values.assign(system.row_count(), 0.0);
-  const bool factored = system.factored() && system.usable() && !system.uses_primal_system();
-  const double inverse = factored ? by_factor(system, row) : by_iteration(system, row, alone, held);
+  const double inverse =
+      system.has_delassus_factor() ? by_factor(system, row) : by_iteration(system, row, alone, held);
   const double inertia = 1 / inverse;
   return inverse > 0 && inertia > alone[row] ? inertia : alone[row];
 }

@@ -2,18 +2,14 @@
 
 #include "core/state/axis.h"
 #include "solvers/laws/axis_part_law.h"
+#include "solvers/laws/impact_state.h"
 
 namespace taut {
 
 /// The impact of an axis at a limit, between its discovery and the end of the sub-step.
-struct AxisImpact {
-  enum class Stage { kNone, kSought, kDue } stage = Stage::kNone;
+struct AxisImpact : ImpactState {
   bool at_lower = false;  ///< of both limits
   double rate = 0;        ///< just before it [rad/s or m/s]
-  bool spent = false;     ///< no more in this step
-
-  bool sought() const { return stage == Stage::kSought; }
-  bool due() const { return stage == Stage::kDue; }
 };
 
 /// It has limits without compliance.

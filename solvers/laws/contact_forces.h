@@ -118,14 +118,14 @@ class ContactForces final : public ContactLaws {
   ContactTable table_;
   ContactImpacts impacts_{table_, *this};
   std::vector<Point> before_;
-  std::vector<Impact> impacts_before_;
+  std::vector<ImpactState> impacts_before_;
   std::vector<int> inherited_;         // −1: from one that had no rows
   std::vector<Point> resting_points_;  // of the contacts of bodies that sleep
   std::vector<ContactStretch> recalled_;
   std::vector<ContactReport> departed_;
   std::vector<char> goes_on_;
   std::vector<Point> point_scratch_;
-  std::vector<Impact> impact_scratch_;
+  std::vector<ImpactState> impact_scratch_;
   ContactWorks works_{*this};
   std::size_t departed_before_ = 0;
   bool struck_ = false;

@@ -3,29 +3,36 @@
 #include <span>
 
 #include "solvers/laws/contact_rows.h"
+#include "solvers/laws/time_of_meeting.h"
 
 namespace taut {
 
 class Archive;
 
-/// Impacts of contacts with restitution, or all, within a step, as those of axes (axis_forces.h): contacts
-/// whose gap a free step would close are left out of it, the first that closes is located by their mean
-/// rates, and the step ends there, where ContactForces::begin_impact() follows its velocity stage.
-/// (solvers/laws, "Impacts")
+/// Impacts of contacts with restitution, or of all, as one of the two kinds that are located within a step
+/// (integrators/impact_search.h).  At the end of a sub-step that ends there ContactForces::begin_impact()
+/// follows its velocity stage.
 class ContactImpacts {
  public:
   /// Of all contacts of a table.
   ContactImpacts(ContactTable& table, const ContactRows& contacts) : table_(table), contacts_(contacts) {}
 
-  /// Leaves out contacts that close their gap in this step, and press with impulses λ.  True if there are
-  /// any.
-  bool seek(std::span<const double> lambda);
-  /// When the first of them closes [s from the start of the step]; h if none does.
-  double first(std::span<const double> w) const;
-  /// The step ends with the impacts of those that close until then [s].
-  void take(double until, std::span<const double> w);
-  /// None is sought or due any more; `for_good`: nor will those be in this step.
-  void forget(bool for_good);
+  // For the location of the first one.
+  std::size_t size() const { return table_.points.size(); }
+  ImpactState& state(std::size_t k) { return table_.impacts[k]; }
+  /// Some may be let through.
+  bool wanted() const { return true; }
+  /// Contact k closes its gap in this step, and presses with impulses λ: it is left out now.
+  bool let_through(std::size_t k, std::span<const double> lambda, std::span<const double> w);
+  /// So it was with some.
+  void count() { ++count_; }
+  /// The impacts of those let through are to be located; beyond kMostImpacts they happen with their sub-step.
+  bool located() const { return count_ <= kMostImpacts; }
+  /// The time from the start of a step of h, in (0, h], at which contact k closes, by its mean rate; h if it
+  /// does not.
+  double meeting(std::size_t k, std::span<const double> w, double h) const;
+  /// That is when it strikes, with what rates are then.
+  void set_meeting(std::size_t /*k*/, double /*time*/, std::span<const double> /*w*/, double /*h*/) {}
   /// A new step.
   void clear();
 
@@ -33,8 +40,6 @@ class ContactImpacts {
   void transfer(Archive& archive);
 
  private:
-  double crossing(int k, double w) const;
-
   ContactTable& table_;
   const ContactRows& contacts_;
   int count_ = 0;

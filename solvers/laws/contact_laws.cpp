@@ -31,9 +31,26 @@ void disc_laws(const ContactTable::Disc& disc, int row, std::span<RowLaw> laws) 
 
 }  // namespace
 
-void ContactLaws::set_spring_laws() {
-  for (int k = 0; k < count(); ++k)
-    if (point(k).active && compliance(k) > 0) point(k).soft = spring_law(*this, k);
+void ContactLaws::set_position_springs() {
+  for (int k = 0; k < count(); ++k) {
+    Point& at = point(k);
+    if (!at.active || compliance(k) == 0) continue;
+    at.soft = spring(k).position_law(at.gap, place(k).material.restitution);
+    at.soft_slip = spring(k, kSlidingRow).position_slip_law(at.sliding.target);
+  }
+}
+
+void ContactLaws::set_velocity_springs() {
+  for (int k = 0; k < count(); ++k) {
+    Point& at = point(k);
+    if (!at.active || compliance(k) == 0) continue;
+    at.soft = spring(k).velocity_law(at.gap, at.approach, at.back, place(k).material.restitution);
+    set_velocity_slip(k);
+  }
+}
+
+void ContactLaws::set_velocity_slip(int k) {
+  point(k).soft_slip = spring(k, kSlidingRow).velocity_slip_law(point(k).sliding.given);
 }
 
 void ContactLaws::position_laws(std::span<RowLaw> laws) const {

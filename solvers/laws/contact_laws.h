@@ -56,8 +56,11 @@ class ContactLaws : public ContactRows {
   void transfer_residuals(Archive& archive);
 
  protected:
-  /// Laws of the springs of compliant contacts for the stage that begins.
-  void set_spring_laws();
+  /// Laws of the springs of compliant contacts for the position stage, and for the velocity stage.  @{
+  void set_position_springs();
+  void set_velocity_springs();  /// @}
+  /// That of the tangents of contact k in the velocity stage, after what the first kick gave.
+  void set_velocity_slip(int k);
 
  private:
   void friction_laws(int k, std::span<RowLaw> laws) const;

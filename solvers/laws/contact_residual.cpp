@@ -114,35 +114,25 @@ ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<c
   return of;
 }
 
-double contact_residual(const ContactRows& contacts, std::span<const double> lambda,
-                        std::span<const double> w, double rate_tolerance) {
-  double largest = 0;
+void add_contacts(const ContactRows& contacts, std::span<const double> lambda, std::span<const double> w,
+                  double rate_tolerance, LargestResidual& largest) {
   for (int k = 0; k < contacts.count(); ++k) {
     const ContactResidual of = natural_residual(contacts, k, lambda, w);
-    largest =
-        std::max({largest, of.cone.size, of.normal.beyond(rate_tolerance), of.sliding.beyond(rate_tolerance),
-                  of.spinning.beyond(rate_tolerance), of.rolling.beyond(rate_tolerance)});
+    largest.add(of.cone.size);
+    for (const NaturalResidual* law : {&of.normal, &of.sliding, &of.spinning, &of.rolling})
+      largest.add(law->beyond(rate_tolerance));
   }
-  return largest;
-}
-
-double relative_contact_residual(const ContactRows& contacts, std::span<const double> lambda,
-                                 std::span<const double> w, double scale, const RateSize& least) {
-  double largest = 0;
-  for (int k = 0; k < contacts.count(); ++k)
-    largest = std::max(largest, relative_contact_residual(contacts, k, lambda, w, scale, least));
-  return largest;
 }
 
 /// It is by the smaller of both that the law of a contact that begins or ceases to slip is met.
 double relative_contact_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                  std::span<const double> w, double scale, const RateSize& least) {
   const ContactResidual of = natural_residual(contacts, k, lambda, w);
-  double largest = 0;
+  LargestResidual largest;
   const auto add = [&](double residual, int behind, double rate) {
     if (!(residual > 0)) return;
     const double least_size = rate / contacts.root(contacts.first_row(k) + behind);
-    largest = std::max(largest, residual / std::max(scale, least_size));
+    largest.add(residual / std::max(scale, least_size));
   };
   double sliding = of.sliding.size;
   if (sliding > 0 && contacts.compliance(k) == 0)
@@ -151,7 +141,7 @@ double relative_contact_residual(const ContactRows& contacts, int k, std::span<c
   add(sliding, ContactRows::kSlidingRow, least.linear);
   add(of.spinning.size, ContactRows::kSpinRow, least.angular);
   add(of.rolling.size, ContactRows::kRollingRow, least.angular);
-  return largest;
+  return largest.size();
 }
 
 }  // namespace taut

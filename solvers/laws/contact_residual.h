@@ -39,19 +39,16 @@ ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<c
 NaturalResidual spinning_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                   std::span<const double> w);
 
-/// The largest of contacts [√J]; 0 where rates are met to the tolerance, but for those that share.
-double contact_residual(const ContactRows& contacts, std::span<const double> lambda,
-                        std::span<const double> w, double rate_tolerance);
+/// Adds those of all contacts [√J], 0 where rates are met to the tolerance, but for those that share.
+void add_contacts(const ContactRows& contacts, std::span<const double> lambda, std::span<const double> w,
+                  double rate_tolerance, LargestResidual& largest);
 
 /// Rates that are as good as none [rad/s], [m/s].
 struct RateSize {
   double angular = 0, linear = 0;
 };
-/// The largest at the end of a stage, with nothing taken off, over `scale` [√J], or what it takes to change a
-/// rate by `least` if that is more.
-double relative_contact_residual(const ContactRows& contacts, std::span<const double> lambda,
-                                 std::span<const double> w, double scale, const RateSize& least);
-/// relative_contact_residual() of contact k alone.
+/// The largest of contact k at the end of a stage, with nothing taken off, over `scale` [√J], or what it
+/// takes to change a rate by `least` if that is more.
 double relative_contact_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                  std::span<const double> w, double scale, const RateSize& least);
 

@@ -29,8 +29,8 @@ double ContactRows::slip_of(int k, std::span<const double> w) const {
 
 bool ContactRows::rest() const {
   for (int k = 0; k < count(); ++k)
-    if (point(k).live && (impact(k).stage != Impact::Stage::kNone ||
-                          (point(k).approach < -table_.resting_speed && compliance(k) == 0)))
+    if (point(k).live &&
+        (impact(k).let_through() || (point(k).approach < -table_.resting_speed && compliance(k) == 0)))
       return false;
   return true;
 }
@@ -44,7 +44,7 @@ double ContactRows::restitution() const {
 
 void ContactRows::weaken_restitution(double part) {
   for (int k = 0; k < count(); ++k)
-    point(k).bounce = -part * place(k).material.restitution * point(k).approach;
+    point(k).least_rate = -part * place(k).material.restitution * point(k).approach;
 }
 
 bool ContactRows::take_back(std::span<const double> mu) const {

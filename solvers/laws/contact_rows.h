@@ -20,7 +20,6 @@ class ContactRows {
   using SlipLaw = ContactTable::SlipLaw;
   using Disc = ContactTable::Disc;
   using Point = ContactTable::Point;
-  using Impact = ContactTable::Impact;
   static constexpr int kSlidingRow = 1, kSpinRow = 3, kRollingRow = 4;  ///< behind first_row()
 
   explicit ContactRows(ContactTable& table) : table_(table) {}
@@ -42,7 +41,7 @@ class ContactRows {
   Point& point(int k) { return table_.points[places_[k]]; }
   const Point& point(int k) const { return table_.points[places_[k]]; }
   row_parts::ContactPoint& contact_point(int k) { return table_.set.point(places_[k]); }
-  const Impact& impact(int k) const { return table_.impacts[places_[k]]; }
+  const ImpactState& impact(int k) const { return table_.impacts[places_[k]]; }
   /// Its impacts are located: it has restitution, or all are.
   bool locates_impacts(int k) const { return table_.locates_plastic || place(k).material.restitution > 0; }
   double compliance(int k) const { return place(k).material.compliance; }

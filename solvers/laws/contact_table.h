@@ -7,6 +7,7 @@
 #include "solvers/common/settings.h"
 #include "solvers/laws/contact_cone.h"
 #include "solvers/laws/contact_set.h"
+#include "solvers/laws/impact_state.h"
 #include "solvers/laws/law_constants.h"
 
 namespace taut {
@@ -28,7 +29,7 @@ struct ContactTable {
   /// Coulomb's law in two rows: |τ| ≤ bound, against the slip.
   struct Disc {
     double bound = std::numeric_limits<double>::infinity();  ///< a new contact is first taken to hold
-    bool slips = false;
+    bool slips = false;          ///< it does by the last solution: the state of friction, no mode
     Vec2 direction{1.0, 0.0};    ///< of the slip
     double weight = 0;           ///< friction per slip across its direction; 0: not known
     Vec2 given = Vec2::Zero();   ///< what the first kick gave, in the tangents of now
@@ -37,14 +38,15 @@ struct ContactTable {
     SlipLaw rigid_law() const { return {slips ? Vec2::Zero() : target, 0}; }  ///< without compliance
   };
   struct Point {
-    NormalLaw soft;  ///< of a compliant contact in this stage
+    NormalLaw soft;     ///< of a compliant contact in this stage
+    SlipLaw soft_slip;  ///< likewise, where it slides
     bool active = false, live = false, touching = false, pressed = false;
     double gap = 0, approach = 0;
-    double bounce = 0;  ///< least normal rate at the end of a velocity stage [m/s]
-    double curved = 0;  ///< what is enough for the rates of a drift [m/s]
-    bool fresh = true;  ///< has not been through a begin()
-    double back = 0;    ///< normal impulse of the first kick
-    double yield = 0;   ///< compliance in this stage of a rigid contact that joints hold (let_yield())
+    double least_rate = 0;  ///< that the law of a rigid contact asks for along the normal [m/s]
+    double curved = 0;      ///< what is enough for the rates of a drift [m/s]
+    bool fresh = true;      ///< has not been through a begin()
+    double back = 0;        ///< normal impulse of the first kick
+    double yield = 0;       ///< compliance in this stage of a rigid contact that joints hold (let_yield())
     bool stuck = false, broken = false, stick_candidate = false;
     Vec3 slipped = Vec3::Zero();                             ///< since it sticks [m]
     Vec3 first = Vec3::Zero(), first_torque = Vec3::Zero();  ///< of the first kick on B
@@ -55,12 +57,6 @@ struct ContactTable {
     std::optional<double> impact_time;
     bool slid = false;
   };
-  struct Impact {
-    /// Let through to see when it meets; let through until it strikes at the end of this step.
-    enum class Stage { kNone, kSought, kDue } stage = Stage::kNone;
-    bool spent = false;  ///< not looked for again in this step
-  };
-
   ContactTable(const World& world, const Settings& settings)
       : set(world, {.margin = settings.contact_margin,
                     .threads = settings.threads,
@@ -71,11 +67,13 @@ struct ContactTable {
   ContactSet set;
   std::vector<char> moves;  ///< bodies
   std::vector<Point> points;
-  std::vector<Impact> impacts;
+  std::vector<ImpactState> impacts;
   double resting_speed = 0;
-  bool locates_plastic = false;                     ///< impacts without restitution, too
-  double h = 0;                                     ///< of the present step
-  bool in_velocities = false, single_kick = false;  ///< which stage it is
+  bool locates_plastic = false;  ///< impacts without restitution, too
+  double h = 0;                  ///< of the present step
+  double still_rate = 0;  ///< what sticks slips by no more than this for the round-off of positions [m/s]
+  bool in_velocities = false;  ///< which stage it is, for those who watch
+  bool single_kick = false;
 };
 
 }  // namespace taut

@@ -9,11 +9,6 @@ namespace {
 /// A contact that sticks has not slipped by less than this, relative to all impulses: what may be left of the
 /// laws where they are met.
 constexpr double kStill = 1e-6;
-/// … nor by this in a step [m]: what the slips of before, which several contacts of a body take back,
-/// disagree by.  They do so by the round-off of positions, and steps that are short make a rate of it.  None
-/// of it, and a box on a belt of 0.2 m/s lets go at 0.83 to 1 of its limit, at steps of 0.25 ms and less;
-/// half and twice of it hold as well.
-constexpr double kStillWay = 1e-11;
 
 }  // namespace
 
@@ -60,8 +55,7 @@ double FrictionLinearization::renew_disc(ContactTable::Disc& disc, const DiscSta
   const double root = state.root, residual = state.residual(bound).beyond(rate_tolerance);
   disc.bound = bound;
   const double speed = state.slip.norm();
-  const ContactTable& table = contacts_.table();
-  const double still = std::max(kStill * scale_ * root, table.in_velocities ? 0 : kStillWay / table.h);
+  const double still = std::max(kStill * scale_ * root, contacts_.table().still_rate);
   const bool rests = speed <= std::max(rate_tolerance, stuck ? still : kMetResidual * scale_ * root);
   if (rests && state.tau.norm() <= bound * (1 + kMetResidual) + (stuck ? still / (root * root) : 0)) {
     disc.slips = false;

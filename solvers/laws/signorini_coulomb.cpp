@@ -3,40 +3,18 @@
 #include <algorithm>
 
 namespace taut {
-namespace {
-
-/// Bodies may come together by their gap in a step, and bodies inside each other part slowly.
-double closing_rate(const ContactRows& contacts, int k) {
-  const double h = contacts.table().h;
-  return std::clamp(-contacts.point(k).gap / h, -kUnreachedRate, std::max(kReturnRate, kTouch / h));
-}
-
-}  // namespace
-
 ContactTable::NormalLaw normal_law(const ContactRows& contacts, int k) {
-  const bool strikes = contacts.impact(k).stage == ContactTable::Impact::Stage::kDue;
+  const bool strikes = contacts.impact(k).due();
   if (contacts.compliance(k) > 0 && !strikes) return contacts.point(k).soft;
   const double yield = contacts.point(k).yield;
-  const double target = contacts.table().in_velocities ? contacts.point(k).bounce : closing_rate(contacts, k);
+  const double target = contacts.point(k).least_rate;
   return {.target = yield > 0 ? std::min(target, 0.0) : target, .softness = yield};
-}
-
-ContactTable::NormalLaw spring_law(const ContactRows& contacts, int k) {
-  const ContactTable::Point& point = contacts.point(k);
-  const double restitution = contacts.place(k).material.restitution;
-  const ContactSpring spring = contacts.spring(k);
-  return contacts.table().in_velocities
-             ? spring.velocity_law(point.gap, point.approach, point.back, restitution)
-             : spring.position_law(point.gap, restitution);
 }
 
 ContactTable::SlipLaw sliding_law(const ContactRows& contacts, int k) {
   const ContactTable::Disc& disc = contacts.point(k).sliding;
   if (contacts.shares(k)) return {disc.target, 0};
-  if (contacts.compliance(k) == 0) return disc.rigid_law();
-  const ContactSpring spring = contacts.spring(k, ContactRows::kSlidingRow);
-  return contacts.table().in_velocities ? spring.velocity_slip_law(disc.given)
-                                        : spring.position_slip_law(disc.target);
+  return contacts.compliance(k) == 0 ? disc.rigid_law() : contacts.point(k).soft_slip;
 }
 
 ContactCone contact_cone(const ContactRows& contacts, int k) {

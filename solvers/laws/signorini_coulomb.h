@@ -13,7 +13,5 @@ ContactTable::NormalLaw normal_law(const ContactRows& contacts, int k);
 ContactTable::SlipLaw sliding_law(const ContactRows& contacts, int k);
 /// What its impulses may be.
 ContactCone contact_cone(const ContactRows& contacts, int k);
-/// The normal law of a compliant contact, whose spring is not that of an impact.
-ContactTable::NormalLaw spring_law(const ContactRows& contacts, int k);
 
 }  // namespace taut

@@ -14,7 +14,7 @@
 namespace taut {
 namespace {
 
-constexpr std::string_view kMark = "taut-checkpoint/8\n";
+constexpr std::string_view kMark = "taut-checkpoint/9\n";
 constexpr std::size_t kSumBytes = 8;
 
 std::uint64_t checksum(std::string_view bytes) {

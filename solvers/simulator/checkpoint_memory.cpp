@@ -74,7 +74,7 @@ void AxisTable::transfer(Archive& archive) { archive.sized(released_); }
 
 void AxisImpacts::transfer(Archive& archive) {
   const std::size_t count = impacts_.size();
-  archive.each(impacts_, [&](AxisImpact& i) { archive(i.stage, i.at_lower, i.rate, i.spent); });
+  archive.each(impacts_, [&](AxisImpact& i) { i.transfer(archive), archive(i.at_lower, i.rate); });
   Archive::require(impacts_.size() == count, "it has other axes");
 }
 
@@ -148,20 +148,20 @@ void ContactWorks::transfer(Archive& archive) { archive(sum_); }
 void ContactForces::transfer(Archive& archive, const World& world) {
   const auto disc = [&](Disc& d) { archive(d.bound, d.slips, d.direction, d.weight, d.given, d.target); };
   const auto point = [&](Point& p) {
-    archive(p.soft.target, p.soft.softness, p.soft.most, p.active, p.live, p.touching, p.pressed, p.gap,
-            p.approach, p.bounce, p.fresh, p.back, p.stuck, p.broken, p.stick_candidate, p.slipped, p.first,
-            p.first_torque, p.first_normal, p.spin_bound, p.spin_given, p.impulse, p.torque, p.impact_time,
-            p.slid);
+    archive(p.soft.target, p.soft.softness, p.soft.most, p.soft_slip.target, p.soft_slip.softness, p.active,
+            p.live, p.touching, p.pressed, p.gap, p.approach, p.least_rate, p.fresh, p.back, p.stuck,
+            p.broken, p.stick_candidate, p.slipped, p.first, p.first_torque, p.first_normal, p.spin_bound,
+            p.spin_given, p.impulse, p.torque, p.impact_time, p.slid);
     disc(p.sliding), disc(p.rolling);
   };
   archive.each(table_.points, point);
-  archive.each(table_.impacts, [&](Impact& i) { archive(i.stage, i.spent); });
+  archive(table_.impacts);
   archive.each(resting_points_, point);
   archive(departed_, struck_);
   works_.transfer(archive);
   for (const ContactReport& report : departed_) require_contact(world, report.contact);
   impacts_.transfer(archive);
-  archive(table_.h, table_.in_velocities, table_.single_kick);
+  archive(table_.h, table_.still_rate, table_.in_velocities, table_.single_kick);
   Archive::require(table_.points.size() == table_.set.places().size() &&
                        table_.impacts.size() == table_.points.size() &&
                        resting_points_.size() == table_.set.resting().size(),
@@ -347,7 +347,6 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
   linearize_and_assemble(at);
   if (serves) {
     StageTimes times;
-    if (has_bounded_rows() || uses_primal_system()) (void)weighted();
     factorize_once(times);
   }
   states_ = states;
@@ -356,7 +355,7 @@ void ConstraintSystem::transfer(Archive& archive, const Configuration& at) {
   factored_.shifted = factored.shifted;
 }
 
-void StageWarmStart::transfer(Archive& archive) { archive(near_, rested_); }
+void StageWarmStart::transfer(Archive& archive) { archive(rested_); }
 
 void StagePivoting::transfer(Archive& archive) { archive(primal_stages_left_, outcome_.status); }
 

@@ -94,11 +94,9 @@ void ConstraintSystem::linearize_and_assemble(const Configuration& at) {
     linearize_by_chunks(at, [](const Rows::BodyChunk&) {});
 }
 
+bool ConstraintSystem::has_delassus_factor() const { return factored() && usable() && !uses_primal_system(); }
+
 void ConstraintSystem::factorize(StageTimes& times) {
-  if (has_bounded_rows() || uses_primal_system()) {  // others ask for W
-    const Stopwatch watch(times.assembly);
-    (void)weighted();
-  }
   factored_.shifted = rank_.shifts();
   factorize_once(times);
   if (uses_primal_system()) return;
@@ -136,6 +134,10 @@ void ConstraintSystem::factorize_for_counting(StageTimes& times) {
 
 /// The factor for the present states, with a shift if factored_.shifted says so.
 void ConstraintSystem::factorize_once(StageTimes& times) {
+  if (has_bounded_rows() || uses_primal_system()) {  // others ask for W
+    const Stopwatch watch(times.assembly);
+    (void)weighted();
+  }
   detail::poll_interrupt();
   factored_.states = states_;
   ++factored_.version;

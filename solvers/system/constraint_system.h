@@ -93,6 +93,8 @@ class ConstraintSystem : public LinearizedRows {
 
   /// True if S is not formed, but solved through the bodies: decided for each pattern.
   bool uses_primal_system() const { return choice_.primal(); }
+  /// solve() is S⁻¹ by a factor of S itself.
+  bool has_delassus_factor() const;
   /// Dependent rows that the last factorisation met, and which (row indices).  Through bodies: not known, 0.
   int rank_deficiency() const { return rank_.deficiency(); }
   std::span<const int> dependent_rows() const { return rank_.dependent_rows(); }
