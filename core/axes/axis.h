@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/axes/axis_field.h"
+#include "core/axes/drag.h"
 #include "core/axes/friction.h"
 #include "core/axes/limits.h"
 #include "core/axes/motor.h"
@@ -21,7 +22,7 @@
 namespace taut {
 
 /// All properties, in the order in which what they store is added up.
-using AllAxisProperties = AxisTypes<AxisSpring, AxisFriction, AxisMotor, AxisLimits>;
+using AllAxisProperties = AxisTypes<AxisSpring, AxisFriction, AxisMotor, AxisLimits, AxisDrag>;
 
 /// Calls `use.template operator()<Property>()` for each property, in the order of AllAxisProperties.  @{
 template <typename Use, typename... Properties>
