@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/constraints/part_store.h"
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 #include "core/state/relocation.h"
 #include "core/state/swing_axes.h"
 

@@ -17,7 +17,7 @@
 #include "core/constraints/part_store.h"
 #include "core/constraints/row_parts.h"
 #include "core/constraints/row_sinks.h"
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 #include "core/state/force.h"
 #include "core/state/state.h"
 

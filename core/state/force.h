@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/check.h"
-#include "core/state/axis.h"
-#include "core/state/motion_point.h"
+#include "core/axes/axis.h"
+#include "core/math/motion_point.h"
 #include "core/state/relocation.h"
 #include "core/state/state.h"
 

@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "core/state/axis.h"
-#include "core/state/motion_point.h"
+#include "core/axes/axis.h"
+#include "core/math/motion_point.h"
 #include "core/state/state.h"
 
 /// Functions of time: what drivers and motors follow, and what loads are multiplied by.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/constraints/row_sinks.h"
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 
 namespace taut::detail {
 

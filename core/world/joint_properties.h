@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 
 /// What a joint as a whole can have besides its type: limits of strength, and elasticity.
 namespace taut {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 #include "core/state/force.h"
 #include "core/state/state.h"
 #include "core/world/axis_table.h"
@@ -112,7 +112,8 @@ class World {
 
   /// Sets what acts along an axis.  @throws std::invalid_argument for a missing axis, what check_axis()
   /// refuses, or limits, a spring or a position motor of an axis without positions (turn_x of a Ball).
-  /// set_property() takes any of them, set_axis_properties() all of an axis at once.  @{
+  /// set_property() takes any of them, or an optional that may be empty, set_axis_properties() all of an axis
+  /// at once.  @{
   void set_limits(AxisId id, std::optional<AxisLimits> limits) { set_property(id, std::move(limits)); }
   void set_motor(AxisId id, std::optional<AxisMotor> motor) { set_property(id, std::move(motor)); }
   void set_friction(AxisId id, std::optional<AxisFriction> friction) {
@@ -120,7 +121,7 @@ class World {
   }
   void set_spring(AxisId id, std::optional<AxisSpring> spring) { set_property(id, std::move(spring)); }
   template <typename Property>
-  void set_property(AxisId id, std::optional<Property> property) {
+  void set_property(AxisId id, Property property) {
     AxisProperties changed = axis_properties(id);
     changed.set(std::move(property));
     set_axis_properties(id, std::move(changed));

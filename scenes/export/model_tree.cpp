@@ -145,6 +145,10 @@ AxisWords axis_words(const World& world, AxisId axis, std::vector<std::string>& 
     if (friction->per_load > 0 || friction->dynamic_friction != friction->static_friction)
       notices.push_back(label + ": friction by load, or other in motion than at rest, has no counterpart");
   }
+  properties.each([&]<typename Property>(const Property&) {
+    if constexpr (PlainAxisProperty<Property>)
+      notices.push_back(label + ": " + Property::kFacts.phrase + " has no counterpart");
+  });
   return result;
 }
 

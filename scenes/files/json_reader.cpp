@@ -286,7 +286,7 @@ std::optional<JsonNode> JsonObject::one_of(std::initializer_list<JsonKey> keys,
   return first;
 }
 
-void JsonObject::needs_any_of(std::initializer_list<JsonKey> keys) {
+void JsonObject::needs_any_of(std::span<const JsonKey> keys) {
   if (!is_object_ || std::any_of(keys.begin(), keys.end(), [&](const JsonKey& key) { return find(key); }))
     return;
   for (const auto& [key, value] : node_.json().items())

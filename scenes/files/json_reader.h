@@ -166,7 +166,10 @@ class JsonObject {
 
   /// At least one of these keys must be there, as the object has no effect without them.  To be called when
   /// all known keys have been asked for; silent if there are unknown ones, which are problems themselves.
-  void needs_any_of(std::initializer_list<JsonKey> keys);
+  void needs_any_of(std::initializer_list<JsonKey> keys) {
+    needs_any_of(std::span(keys.begin(), keys.size()));
+  }
+  void needs_any_of(std::span<const JsonKey> keys);
 
   /// To be called when all known keys have been asked for.
   void reject_unknown_keys() const;

@@ -1,6 +1,6 @@
 #include <functional>
-#include <tuple>
 
+#include "core/axes/axis.h"
 #include "core/joints/joints.h"
 #include "scenes/files/scene_reader.h"
 
@@ -14,22 +14,42 @@ double number_or(JsonObject& object, JsonKey key, double fallback) {
 
 // `angular`: the axis is an angle, so that keys along it can also be given in degrees.
 
-AxisLimits read_limits(const JsonNode& node, bool angular) {
-  JsonObject keys(node);
-  AxisLimits limits;
-  limits.lower = number_or(keys, in_angles("lower", angular), limits.lower);
-  limits.upper = number_or(keys, in_angles("upper", angular), limits.upper);
-  limits.restitution = keys.get("restitution", &JsonNode::not_negative, 0.0);
-  limits.compliance = keys.get("compliance", &JsonNode::not_negative, 0.0);
-  limits.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
-  keys.needs_any_of({in_angles("lower", angular), in_angles("upper", angular)});
-  keys.reject_unknown_keys();
-  return limits;
+/// As a file has them: no number is unlimited there.
+double (JsonNode::*reader_of(AxisRange range))() const {
+  switch (range) {
+    case AxisRange::kNotNegative:
+    case AxisRange::kBound:
+    case AxisRange::kFromZeroToOne:
+      return &JsonNode::not_negative;
+    case AxisRange::kSpeed:
+      return &JsonNode::positive;
+    case AxisRange::kFinite:
+    case AxisRange::kLowest:
+    case AxisRange::kHighest:
+      break;
+  }
+  return &JsonNode::number;
 }
 
-AxisMotor read_motor(const JsonNode& node, bool angular) {
-  JsonObject keys(node);
-  AxisMotor motor;
+template <typename Property>
+void read_field(JsonObject& keys, const AxisField<Property, double>& field, JsonKey key, Property& property) {
+  property.*field.member = keys.get(key, reader_of(field.range), property.*field.member);
+}
+template <typename Property>
+void read_field(JsonObject& keys, const AxisField<Property, bool>& field, JsonKey key, Property& property) {
+  property.*field.member = keys.get(key, &JsonNode::boolean, property.*field.member);
+}
+template <typename Property>
+void read_field(JsonObject& keys, const AxisField<Property, std::optional<Curve>>& field, JsonKey key,
+                Property& property) {
+  property.*field.member = read_curve(keys, key);
+}
+
+// What the fields of a property do not say: before the others, and after them.
+
+template <typename Property>
+void read_first(JsonObject&, Property&, bool) {}
+void read_first(JsonObject& keys, AxisMotor& motor, bool angular) {
   const JsonKey velocity = in_angles("velocity", angular), position = in_angles("position", angular);
   const auto target = keys.one_of({velocity, position, "trajectory"});
   if (target && (keys.find(velocity) || keys.find(position))) {  // the first one that is there
@@ -39,52 +59,34 @@ AxisMotor read_motor(const JsonNode& node, bool angular) {
     motor.mode = AxisMotor::Mode::kTrajectory;
     motor.trajectory = read_motion(*target, angular);
   }
-  motor.max_force = keys.get("max_force", &JsonNode::not_negative, motor.max_force);
-  motor.max_speed = keys.get(in_angles("max_speed", angular), &JsonNode::positive, motor.max_speed);
-  motor.force_of_speed = read_curve(keys, in_angles("force_of_speed", angular));
-  motor.stiffness = keys.get("stiffness", &JsonNode::not_negative, 0.0);
-  motor.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
-  motor.pulls_only = keys.get("pulls_only", &JsonNode::boolean, false);
-  keys.reject_unknown_keys();
-  return motor;
 }
 
-AxisFriction read_friction(const JsonNode& node, bool) {
-  JsonObject keys(node);
-  AxisFriction friction;
-  friction.static_friction = keys.get("static", &JsonNode::not_negative, 0.0);
-  friction.dynamic_friction = keys.get("dynamic", &JsonNode::not_negative, friction.static_friction);
-  friction.viscous = keys.get("viscous", &JsonNode::not_negative, 0.0);
-  friction.per_load = keys.get("per_load", &JsonNode::not_negative, 0.0);
-  keys.needs_any_of({"static", "dynamic", "viscous", "per_load"});
-  keys.reject_unknown_keys();
-  return friction;
-}
-
-AxisSpring read_spring(const JsonNode& node, bool angular) {
-  JsonObject keys(node);
-  AxisSpring spring;
-  const JsonKey table = in_angles("table", angular), damping_table = in_angles("damping_table", angular);
-  spring.stiffness = keys.get("stiffness", &JsonNode::not_negative, 0.0);
-  spring.damping = keys.get("damping", &JsonNode::not_negative, 0.0);
-  spring.rest = number_or(keys, in_angles("rest", angular), 0);
-  spring.table = read_curve(keys, table);
-  spring.damping_table = read_curve(keys, damping_table);
-  keys.needs_any_of({"stiffness", "damping", table, damping_table});
-  keys.reject_unknown_keys();
-  return spring;
-}
-
-/// What can act along an axis, by its key, in the order in which problems are named.
 template <typename Property>
-struct AxisKey {
-  const char* key;
-  Property (*read)(const JsonNode& node, bool angular);
-};
+void read_last(JsonObject&, Property&) {}
+void read_last(JsonObject& keys, AxisFriction& friction) {
+  if (!keys.find("dynamic")) friction.dynamic_friction = friction.static_friction;
+}
+
 template <typename Property>
-AxisKey(const char*, Property (*)(const JsonNode&, bool)) -> AxisKey<Property>;
-constexpr std::tuple kAxisKeys{AxisKey{"limits", read_limits}, AxisKey{"motor", read_motor},
-                               AxisKey{"friction", read_friction}, AxisKey{"spring", read_spring}};
+Property read_property(const JsonNode& node, bool angular) {
+  JsonObject keys(node);
+  Property property;
+  std::vector<JsonKey> acting;
+  read_first(keys, property, angular);
+  each_axis_field<Property>([&](const auto& field) {
+    if (!field.key) return;
+    const JsonKey key = in_angles(field.key, field.notes.angular && angular);
+    read_field(keys, field, key, property);
+    if (field.notes.acts) acting.push_back(key);
+  });
+  read_last(keys, property);
+  if (acting.size() == 1)
+    keys.required(acting[0]);
+  else if (!acting.empty())
+    keys.needs_any_of(acting);
+  keys.reject_unknown_keys();
+  return property;
+}
 
 /// Not negative, or "infinite".
 double read_compliance(JsonObject& keys, const char* key) {
@@ -244,14 +246,14 @@ void SceneReader::read_axes(const JsonNode& node, JointId joint) {
     const auto start = keys.find(in_angles("value", angular));
     const std::size_t before_values = problems_.size();
     std::vector<std::function<void(AxisId)>> setters;
-    const auto read = [&](const auto& property) {
-      if (const auto child = keys.find(property.key))
-        setters.push_back([this, child, value = std::optional(property.read(*child, angular))](AxisId of) {
+    const auto read = [&]<typename Property>() {
+      if (const auto child = keys.find(Property::kFacts.key))
+        setters.push_back([this, child, value = read_property<Property>(*child, angular)](AxisId of) {
           child->guard([&] { scene_.world.set_property(of, value); });
         });
     };
     if (id && angular && scene_.world.joint(joint).type() != "screw") note_many_turns(keys);
-    std::apply([&](const auto&... properties) { (read(properties), ...); }, kAxisKeys);
+    for_axis_types_backward(read);
     const double start_value = start ? start->number() : 0;
     keys.reject_unknown_keys();
     if (!id || problems_.size() != before_values) continue;

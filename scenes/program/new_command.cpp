@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "scenes/files/scene_schema.h"
 #include "scenes/files/scene_texts.h"
 #include "scenes/program/run_command.h"
 #include "scenes/support/output_file.h"
@@ -84,7 +85,7 @@ int new_command(const NewOptions& options) {
 }
 
 int schema_command() {
-  std::cout << text_of(scene_texts(), kSceneSchema);
+  std::cout << scene_schema();
   return kExitSuccess;
 }
 

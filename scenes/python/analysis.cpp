@@ -36,7 +36,7 @@ Array tree_accelerations(World& world, bool lagrangian) {
   const StepScope scope(world);
   for (int j = 0; j < world.joint_count(); ++j) {
     if (world.has_axis_properties({j}))
-      fail("joint", "must have no limits, motor, friction or spring in a tree", world.name(JointId{j}));
+      fail("joint", "must have nothing that acts along its axes in a tree", world.name(JointId{j}));
     if (world.compliance(JointId{j})) fail("joint", "must not be soft in a tree", world.name(JointId{j}));
   }
   const Rows rows(world, Rows::AxisRows::kLeftOut);

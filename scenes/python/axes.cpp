@@ -1,6 +1,8 @@
 #include <nanobind/stl/array.h>
 
-#include "core/state/axis.h"
+#include <cctype>
+
+#include "core/axes/axis.h"
 #include "core/world/joint_properties.h"
 #include "scenes/python/callbacks.h"
 #include "scenes/python/parts.h"
@@ -165,135 +167,110 @@ void bind_curve(nb::module_& m) {
           "As given.");
 }
 
-/// A property that may be None, as a copy: what is there may go.
-template <typename Owner, typename Value>
-void def_optional(nb::class_<Owner>& c, const char* name, std::optional<Value> Owner::*member) {
+/// A field, one that may be None as a copy: what is there may go.
+template <typename Property, typename Value>
+void def_field(nb::class_<Property>& c, const AxisField<Property, Value>& field) {
+  c.def_rw(field.name(), field.member, field.notes.text);
+}
+template <typename Property, typename Value>
+void def_field(nb::class_<Property>& c, const AxisField<Property, std::optional<Value>>& field) {
   c.def_prop_rw(
-      name, [member](const Owner& it) { return it.*member; },
-      [member](Owner& it, std::optional<Value> value) { it.*member = std::move(value); },
-      nb::for_setter(nb::arg("value").none()), "A copy, or None.");
+      field.name(), [member = field.member](const Property& it) { return it.*member; },
+      [member = field.member](Property& it, std::optional<Value> value) { it.*member = std::move(value); },
+      nb::for_setter(nb::arg("value").none()), field.notes.text);
 }
 
-void bind_limits_and_motor(nb::module_& m) {
-  nb::class_<AxisLimits>(
-      m, "AxisLimits",
-      "lower ≤ θ ≤ upper [rad or m], angles with their turns.  An impact reverses the rate by the factor of "
-      "restitution.  With a compliance [rad/(N·m) or m/N] the limit is a spring with a damper [N·m·s/rad or "
-      "N·s/m] that act beyond it.")
-      .def(
-          "__init__",
-          [](AxisLimits* it, double lower, double upper, double restitution, double compliance,
-             double damping) {
-            new (it) AxisLimits{lower, upper, restitution, compliance, damping};
-          },
-          nb::arg("lower") = -kUnlimited, nb::arg("upper") = kUnlimited, nb::arg("restitution") = 0,
-          nb::arg("compliance") = 0, nb::arg("damping") = 0)
-      .def_rw("lower", &AxisLimits::lower)
-      .def_rw("upper", &AxisLimits::upper)
-      .def_rw("restitution", &AxisLimits::restitution)
-      .def_rw("compliance", &AxisLimits::compliance)
-      .def_rw("damping", &AxisLimits::damping);
+template <typename Property, typename Value>
+auto with_default(const AxisField<Property, Value>& field) {
+  return nb::arg(field.name()) = Property{}.*field.member;
+}
+template <typename Property, typename Value>
+auto with_default(const AxisField<Property, std::optional<Value>>& field) {
+  return nb::arg(field.name()) = nb::none();
+}
 
-  nb::class_<AxisMotor> motor(
-      m, "AxisMotor",
-      "Drives an axis with at most the available force [N·m or N]: VELOCITY keeps θ̇ = target, POSITION θ "
-      "= target, TRAJECTORY θ = trajectory(t).  `max_speed` is how fast the latter two go to their "
-      "target; `force_of_speed` is |θ̇| → available force.  With `stiffness` or `damping` it is a servo, "
-      "taken "
-      "implicitly; with `pulls_only` a winch on the length of a rope.  To a position or along a trajectory "
-      "it "
-      "brakes in time.");
-  nb::enum_<AxisMotor::Mode>(motor, "Mode", "What the motor keeps.")
+template <typename Property>
+void def_init(nb::class_<Property>& c) {
+  Property::fields([&]<typename... Fields>(const Fields&... field) {
+    c.def(
+        "__init__",
+        [](Property* it, typename Fields::Type... values) {
+          Property made;
+          Property::fields([&](const Fields&... its) { ((made.*its.member = std::move(values)), ...); });
+          new (it) Property(std::move(made));
+        },
+        with_default(field)...);
+  });
+}
+/// A mode and a trajectory are no fields.
+template <>
+void def_init<AxisMotor>(nb::class_<AxisMotor>& c) {
+  nb::enum_<AxisMotor::Mode>(c, "Mode", "What the motor keeps.")
       .value("VELOCITY", AxisMotor::Mode::kVelocity)
       .value("POSITION", AxisMotor::Mode::kPosition)
       .value("TRAJECTORY", AxisMotor::Mode::kTrajectory);
-  motor
-      .def(
-          "__init__",
-          [](AxisMotor* it, AxisMotor::Mode mode, double target, double max_force, double max_speed,
-             std::optional<Curve> force_of_speed, std::optional<BoundMotion> trajectory, double stiffness,
-             double damping, bool pulls_only) {
-            new (it) AxisMotor{mode,
-                               target,
-                               max_force,
-                               max_speed,
-                               std::move(force_of_speed),
-                               trajectory ? trajectory->function : Motion(),
-                               stiffness,
-                               damping,
-                               pulls_only};
-          },
-          nb::arg("mode") = AxisMotor::Mode::kVelocity, nb::arg("target") = 0,
-          nb::arg("max_force") = kUnlimited, nb::arg("max_speed") = kUnlimited,
-          nb::arg("force_of_speed") = nb::none(), nb::arg("trajectory") = nb::none(),
-          nb::arg("stiffness") = 0, nb::arg("damping") = 0, nb::arg("pulls_only") = false,
-          nb::sig("def __init__(self, mode: Mode = ..., target: float = 0.0, "
-                  "max_force: float = float('inf'), max_speed: float = float('inf'), force_of_speed: Curve | "
-                  "None = None, trajectory: Motion | collections.abc.Callable[[float], tuple[float, float, "
-                  "float]] | None = None, stiffness: float = 0.0, damping: float = 0.0, pulls_only: bool = "
-                  "False) -> None"))
+  c.def(
+       "__init__",
+       [](AxisMotor* it, AxisMotor::Mode mode, double target, double max_force, double max_speed,
+          std::optional<Curve> force_of_speed, std::optional<BoundMotion> trajectory, double stiffness,
+          double damping, bool pulls_only) {
+         new (it) AxisMotor{mode,
+                            target,
+                            max_force,
+                            max_speed,
+                            std::move(force_of_speed),
+                            trajectory ? trajectory->function : Motion(),
+                            stiffness,
+                            damping,
+                            pulls_only};
+       },
+       nb::arg("mode") = AxisMotor::Mode::kVelocity, nb::arg("target") = 0, nb::arg("max_force") = kUnlimited,
+       nb::arg("max_speed") = kUnlimited, nb::arg("force_of_speed") = nb::none(),
+       nb::arg("trajectory") = nb::none(), nb::arg("stiffness") = 0, nb::arg("damping") = 0,
+       nb::arg("pulls_only") = false,
+       nb::sig("def __init__(self, mode: Mode = ..., target: float = 0.0, "
+               "max_force: float = float('inf'), max_speed: float = float('inf'), force_of_speed: Curve | "
+               "None = None, trajectory: Motion | collections.abc.Callable[[float], tuple[float, float, "
+               "float]] | None = None, stiffness: float = 0.0, damping: float = 0.0, pulls_only: bool = "
+               "False) -> None"))
       .def_static("winch", &AxisMotor::winch, nb::arg("rate"), nb::arg("max_force") = kUnlimited,
                   "A winch on the length of a rope: winds it with this rate [m/s], < 0 shortens it.")
-      .def_rw("mode", &AxisMotor::mode)
-      .def_rw("target", &AxisMotor::target)
-      .def_rw("max_force", &AxisMotor::max_force)
-      .def_rw("max_speed", &AxisMotor::max_speed)
-      .def_rw("stiffness", &AxisMotor::stiffness)
-      .def_rw("damping", &AxisMotor::damping)
-      .def_rw("pulls_only", &AxisMotor::pulls_only);
-  def_optional(motor, "force_of_speed", &AxisMotor::force_of_speed);
+      .def_rw("mode", &AxisMotor::mode);
 }
 
-void bind_friction_and_spring(nb::module_& m) {
-  nb::class_<AxisFriction>(
-      m, "AxisFriction",
-      "Coulomb and viscous friction: sticks up to `static_friction` [N·m or N], then slides with "
-      "`dynamic_friction`; −`viscous` θ̇ besides.  Both also grow by `per_load` times the force [N] that the "
-      "joint's translation rows carry.")
-      .def(
-          "__init__",
-          [](AxisFriction* it, double static_friction, double dynamic_friction, double viscous,
-             double per_load) {
-            new (it) AxisFriction{static_friction, dynamic_friction, viscous, per_load};
-          },
-          nb::arg("static_friction") = 0, nb::arg("dynamic_friction") = 0, nb::arg("viscous") = 0,
-          nb::arg("per_load") = 0)
-      .def_rw("static_friction", &AxisFriction::static_friction)
-      .def_rw("dynamic_friction", &AxisFriction::dynamic_friction)
-      .def_rw("viscous", &AxisFriction::viscous)
-      .def_rw("per_load", &AxisFriction::per_load);
-  nb::class_<AxisSpring> spring_type(
-      m, "AxisSpring",
-      "Spring and damper along an axis: force −stiffness (θ − rest) − damping θ̇, each by a table if it has "
-      "one: −table(θ − rest) − damping_table(θ̇).");
-  spring_type
-      .def(
-          "__init__",
-          [](AxisSpring* it, double stiffness, double damping, double rest, std::optional<Curve> table,
-             std::optional<Curve> damping_table) {
-            new (it) AxisSpring{stiffness, damping, rest, std::move(table), std::move(damping_table)};
-          },
-          nb::arg("stiffness") = 0, nb::arg("damping") = 0, nb::arg("rest") = 0,
-          nb::arg("table") = nb::none(), nb::arg("damping_table") = nb::none())
-      .def_rw("stiffness", &AxisSpring::stiffness)
-      .def_rw("damping", &AxisSpring::damping)
-      .def_rw("rest", &AxisSpring::rest);
-  def_optional(spring_type, "table", &AxisSpring::table);
-  def_optional(spring_type, "damping_table", &AxisSpring::damping_table);
-  nb::class_<AxisProperties>(m, "AxisProperties",
-                             "All that acts along one axis; None where there is nothing.")
-      .def(
-          "__init__",
-          [](AxisProperties* it, std::optional<AxisSpring> spring, std::optional<AxisFriction> friction,
-             std::optional<AxisMotor> motor, std::optional<AxisLimits> limits) {
-            new (it) AxisProperties{std::move(spring), friction, std::move(motor), limits};
-          },
-          nb::arg("spring") = nb::none(), nb::arg("friction") = nb::none(), nb::arg("motor") = nb::none(),
-          nb::arg("limits") = nb::none())
-      .def_ro("spring", &AxisProperties::spring)
-      .def_ro("friction", &AxisProperties::friction)
-      .def_ro("motor", &AxisProperties::motor)
-      .def_ro("limits", &AxisProperties::limits);
+/// "AxisSpring" for "spring".
+std::string class_name(const char* key) {
+  std::string name = "Axis";
+  bool begins = true;
+  for (const char* letter = key; *letter; ++letter) {
+    if (*letter != '_')
+      name += begins ? static_cast<char>(std::toupper(static_cast<unsigned char>(*letter))) : *letter;
+    begins = *letter == '_';
+  }
+  return name;
+}
+
+template <typename Property>
+void bind_property(nb::module_& m) {
+  nb::class_<Property> c(m, class_name(Property::kFacts.key).c_str(), Property::kFacts.text);
+  def_init<Property>(c);
+  each_axis_field<Property>([&](const auto& field) { def_field(c, field); });
+}
+
+template <typename... Properties>
+void bind_properties(nb::module_& m, AxisTypes<Properties...>) {
+  for_axis_types_backward([&]<typename Property>() { bind_property<Property>(m); });
+  nb::class_<AxisProperties> c(m, "AxisProperties",
+                               "All that acts along one axis; None where there is nothing.");
+  c.def(
+      "__init__",
+      [](AxisProperties* it, std::optional<Properties>... values) {
+        AxisProperties made;
+        (made.set(std::move(values)), ...);
+        new (it) AxisProperties(std::move(made));
+      },
+      (nb::arg(Properties::kFacts.key) = nb::none())...);
+  (c.def_prop_ro(Properties::kFacts.key, [](const AxisProperties& it) { return it.get<Properties>(); }), ...);
 }
 
 void bind_erp_and_cfm(nb::module_& m) {
@@ -352,8 +329,7 @@ void bind_joint_properties(nb::module_& m) {
 void bind_axes(nb::module_& m) {
   bind_motions(m);
   bind_curve(m);
-  bind_limits_and_motor(m);
-  bind_friction_and_spring(m);
+  bind_properties(m, AllAxisProperties{});
   bind_joint_properties(m);
   bind_erp_and_cfm(m);
 }

@@ -55,15 +55,18 @@ void bind_costs(nb::module_& m) {
 }
 
 void bind_energies(nb::module_& m) {
-  nb::class_<AxisImpulse>(m, "AxisImpulse",
-                          "A quantity along one axis by what gave it, positive towards larger θ.")
-      .def_ro("motor", &AxisImpulse::motor)
+  nb::class_<AxisImpulse> impulse(m, "AxisImpulse",
+                                  "A quantity along one axis by what gave it, positive towards larger θ.");
+  impulse.def_ro("motor", &AxisImpulse::motor)
       .def_ro("friction", &AxisImpulse::friction)
       .def_ro("limit", &AxisImpulse::limit)
       .def_ro("spring", &AxisImpulse::spring)
       .def_ro("damping", &AxisImpulse::damping)
       .def_ro("elastic_limit", &AxisImpulse::elastic_limit)
       .def("total", &AxisImpulse::total);
+  for_axis_types([&]<typename Property>() {
+    if constexpr (PlainAxisProperty<Property>) impulse.def_ro(Property::kFacts.key, kAxisPartOf<Property>);
+  });
   nb::class_<ContactWork>(m, "ContactWork", "Work of all contacts in a step [J].")
       .def_ro("normal", &ContactWork::normal)
       .def_ro("friction", &ContactWork::friction);

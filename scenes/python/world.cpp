@@ -130,12 +130,6 @@ void bind_axes_of_world(nb::class_<World>& c) {
             return AxisProperties(world.axis_properties(axis));
           },
           kAxis, "What acts along it; a copy.")
-      .def("set_limits", changing(&World::set_limits), kAxis, nb::arg("limits").none(),
-           "None takes them away.")
-      .def("set_motor", changing(&World::set_motor), kAxis, nb::arg("motor").none(), "None takes it away.")
-      .def("set_friction", changing(&World::set_friction), kAxis, nb::arg("friction").none(),
-           "None takes it away.")
-      .def("set_spring", changing(&World::set_spring), kAxis, nb::arg("spring").none(), "None takes it away.")
       .def("let_out", &let_out, kAxis, "Length of rope that a winch has let out [m].")
       .def("set_motor_target", changing(&World::set_motor_target), kAxis, nb::arg("target"),
            "A new target for a motor that is there.")
@@ -144,6 +138,11 @@ void bind_axes_of_world(nb::class_<World>& c) {
       .def("axis_rate", asking(&World::axis_rate), kAxis, "θ̇ [rad/s or m/s].")
       .def("set_axis_turns", changing(&World::set_axis_turns), kAxis, nb::arg("value"),
            "Says how many turns an angle has made: the value next to this one that fits the poses is kept.");
+  for_axis_types_backward([&]<typename Property>() {
+    const char* key = Property::kFacts.key;
+    c.def((std::string("set_") + key).c_str(), changing(&World::set_property<std::optional<Property>>), kAxis,
+          nb::arg(key).none(), "Sets it, or takes it away (None).");
+  });
 }
 
 void bind_shapes_of_world(nb::class_<World>& c) {

@@ -1,16 +1,34 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <iterator>
 #include <optional>
 #include <string_view>
 
+#include "core/axes/axis.h"
 #include "solvers/common/energy_ledger.h"
 
 namespace taut {
 
-/// A quantity along one axis by what gave it; forces and impulses are positive towards larger θ.
-struct AxisImpulse {
+namespace detail {
+template <typename Property>
+struct AxisPartOf {};  // of a property whose law is in solvers/laws
+template <PlainAxisProperty Property>
+struct AxisPartOf<Property> : AxisMember<Property, double> {};
+template <typename Types>
+struct PlainAxisParts;
+template <typename... Properties>
+struct PlainAxisParts<AxisTypes<Properties...>> : AxisPartOf<Properties>... {};
+}  // namespace detail
+
+/// A quantity along one axis by what gave it; forces and impulses are positive towards larger θ.  Besides the
+/// members here there is one for each property whose law is all in its header, of the name that it has in
+/// AxisProperties.
+struct AxisImpulse : detail::PlainAxisParts<AllAxisProperties> {
   double motor = 0, friction = 0, limit = 0, spring = 0;  ///< friction: Coulomb's; limit: rigid
-  double damping = 0;        ///< dampers of springs and soft limits, and viscous friction
+  /// Dampers of springs and soft limits, viscous friction, and what a property takes beside what it stores.
+  double damping = 0;
   double elastic_limit = 0;  ///< limits with compliance, but for their dampers
 
   double total() const;                               ///< sum
@@ -23,8 +41,12 @@ struct AxisPart {
   std::string_view column;               ///< of probes, which add the parts of one column
   double EnergyLedger::*term = nullptr;  ///< where its work goes; null: into energy that is stored
 };
-/// All of them.
-inline constexpr AxisPart kAxisParts[] = {
+/// The part of a property whose law is all in its header.
+template <PlainAxisProperty Property>
+inline constexpr double AxisImpulse::*kAxisPartOf = AxisMember<Property, double>::kMember;
+
+namespace detail {
+inline constexpr AxisPart kOwnAxisParts[] = {
     {&AxisImpulse::motor, "motor", &EnergyLedger::motors},
     {&AxisImpulse::friction, "friction", &EnergyLedger::friction},
     {&AxisImpulse::limit, "limit", &EnergyLedger::limits},
@@ -32,6 +54,29 @@ inline constexpr AxisPart kAxisParts[] = {
     {&AxisImpulse::damping, "damping", &EnergyLedger::damping},
     {&AxisImpulse::elastic_limit, "limit"},
 };
+template <typename Property>
+constexpr double EnergyLedger::*ledger_term_of() {
+  if constexpr (StoringAxisProperty<Property>) return nullptr;
+  for (const LedgerTerm& term : kLedgerTerms)
+    if (term.name == Property::kFacts.term && !term.stored) return term.amount;
+  throw "kFacts.term is no term of the ledger";  // not a constant then
+}
+template <typename... Properties>
+constexpr auto axis_parts(AxisTypes<Properties...>) {
+  constexpr std::size_t kOwn = std::size(kOwnAxisParts);
+  std::array<AxisPart, kOwn + (0 + ... + PlainAxisProperty<Properties>)> parts{};
+  std::size_t count = 0;
+  for (const AxisPart& part : kOwnAxisParts) parts[count++] = part;
+  const auto add = [&]<typename Property>() {
+    if constexpr (PlainAxisProperty<Property>)
+      parts[count++] = {kAxisPartOf<Property>, Property::kFacts.key, ledger_term_of<Property>()};
+  };
+  (add.template operator()<Properties>(), ...);
+  return parts;
+}
+}  // namespace detail
+/// All of them.
+inline constexpr auto kAxisParts = detail::axis_parts(AllAxisProperties{});
 
 inline double AxisImpulse::total() const {
   double sum = 0;

@@ -15,7 +15,11 @@ const char* unknown_force(const AxisProperties& p) {
   if (p.friction &&
       (p.friction->static_friction > 0 || p.friction->dynamic_friction > 0 || p.friction->per_load > 0))
     return "dry friction";
-  return nullptr;
+  const char* bounded = nullptr;
+  p.each([&]<typename Property>(const Property&) {
+    if constexpr (BoundedAxisProperty<Property>) bounded = Property::kFacts.phrase;
+  });
+  return bounded;
 }
 
 /// Grows the branches of a tree, breadth first.

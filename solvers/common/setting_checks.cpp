@@ -78,8 +78,8 @@ std::vector<SettingConflict> setting_conflicts(const Settings& s, const World& w
     if (const std::string problem = tree_problem(world, rows); !problem.empty())
       add(problem + R"(: "rattle" has that)");
   } else if (!rows.axis_rows().empty())
-    add("joint " + world.name(rows.axis_rows().front().axis.joint) +
-        R"( has limits, a motor, friction, a spring or a compliance, which need "rattle" or "moreau-jean")");
+    add("joint " + world.name(rows.axis_rows().front().axis.joint) + " has " + all_axis_phrases() +
+        R"( or a compliance, which need "rattle" or "moreau-jean")");
   if (s.contacts && world.shape_count() > 0)
     add(R"(bodies have shapes, whose contacts need "rattle" or "moreau-jean", or "contacts": false)");
   return found;

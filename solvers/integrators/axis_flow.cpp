@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "solvers/laws/axis_motor_law.h"
+#include "solvers/laws/axis_smooth_law.h"
 
 namespace taut {
 namespace {
@@ -29,6 +30,13 @@ AxisImpulse axis_forces(const AxisProperties& p, double time, double theta, doub
       force.elastic_limit = -excess / p.limits->compliance;
       force.damping -= p.limits->damping * rate;
     }
+  p.each([&]<typename Property>(const Property& property) {
+    if constexpr (SmoothAxisProperty<Property>) {
+      const double stored = stored_force(property, theta), given = property.force(theta, rate);
+      force.*kAxisPartOf<Property> = stored;
+      force.*loss_part<Property>() += given - stored;
+    }
+  });
   if (p.motor && p.motor->has_gains()) {
     const double wanted = servo_force(*p.motor, time, theta, rate);
     const double available = available_force(*p.motor, std::abs(rate));

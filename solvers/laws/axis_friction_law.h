@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 #include "solvers/laws/axis_part_law.h"
 
 namespace taut {

@@ -1,18 +1,39 @@
 #pragma once
 
-#include "core/state/axis.h"
+#include <tuple>
+
+#include "core/axes/axis.h"
 #include "solvers/common/axis_report.h"
+#include "solvers/laws/axis_bound_law.h"
 #include "solvers/laws/axis_friction_law.h"
 #include "solvers/laws/axis_limit_law.h"
 #include "solvers/laws/axis_motor_law.h"
 #include "solvers/laws/axis_part_law.h"
 #include "solvers/laws/axis_servo_law.h"
+#include "solvers/laws/axis_smooth_law.h"
 #include "solvers/laws/axis_spring_law.h"
 #include "solvers/laws/axis_step.h"
 #include "solvers/laws/axis_winch_law.h"
 #include "solvers/laws/row_law.h"
 
 namespace taut {
+
+namespace detail {
+template <typename Property>
+auto plain_axis_law() {
+  if constexpr (SmoothAxisProperty<Property>)
+    return std::tuple<AxisSmoothLaw<Property>>();
+  else if constexpr (BoundedAxisProperty<Property>)
+    return std::tuple<AxisBoundLaw<Property>>();
+  else
+    return std::tuple<>();
+}
+template <typename... Properties>
+auto plain_axis_laws(AxisTypes<Properties...>) {
+  return std::tuple_cat(plain_axis_law<Properties>()...);
+}
+using PlainAxisLaws = decltype(plain_axis_laws(AllAxisProperties{}));
+}  // namespace detail
 
 /// All that acts along one axis in a stage, as the sum of the laws of its parts, and what they remember.
 /// What each function asks of the parts: AxisPartLaw.  (solvers/laws, "Axes")
@@ -26,10 +47,18 @@ struct AxisLaw {
   AxisWinchLaw winch;
   AxisLimitLaw limits;
 
+  /// Of the properties whose laws are in their headers.
+  detail::PlainAxisLaws plain;
+
   /// use(part, …) with all parts, in the order of their sum.
   template <typename Self, typename Use>
   static auto with_parts(Self& self, Use use) {
-    return use(self.springs, self.friction, self.motor, self.servo, self.winch, self.limits);
+    return std::apply(
+        [&](auto&... of_plain) {
+          return use(self.springs, of_plain..., self.friction, self.motor, self.servo, self.winch,
+                     self.limits);
+        },
+        self.plain);
   }
 
   /// A new start: nothing is known but θ and its rate.

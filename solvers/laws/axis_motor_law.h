@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 #include "solvers/laws/axis_part_law.h"
 
 namespace taut {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 #include "solvers/common/axis_report.h"
 #include "solvers/laws/axis_step.h"
 #include "solvers/laws/row_law.h"
@@ -35,7 +35,8 @@ struct AxisEnd {
 /// A part of the law of an axis: springs, friction, a motor, limits.  AxisLaw asks the same of all of them; a
 /// part is a struct with its memory that hides what concerns it; the rest is nothing.  A smooth force needs a
 /// line λ = l − c w by the three stages, add_to() and share_lines(); one that is bounded derives from
-/// AxisBoxLaw.  It is named in AxisLaw::with_parts().  (core/state, "A new axis property")
+/// AxisBoxLaw.  It is named in AxisLaw::with_parts(), unless its property has its law in its header:
+/// AxisSmoothLaw and AxisBoundLaw.  (core/axes, "A new axis property")
 struct AxisPartLaw {
   /// A new start, with θ and its rate.
   void restart(double, double) {}
@@ -73,9 +74,21 @@ struct AxisPartLaw {
   void transfer(AnyArchive&) {}
 };
 
+/// Where the law of a property finds it, and reports what it gives.
+template <typename Property>
+struct AxisPlace {
+  static const std::optional<Property>& get(const AxisProperties& p) { return p.get<Property>(); }
+  static constexpr double AxisImpulse::*kPart = kAxisPartOf<Property>;
+};
+/// Of a law that has a part of its own.
+template <double AxisImpulse::*kMember>
+struct OwnAxisPlace {
+  static constexpr double AxisImpulse::*kPart = kMember;
+};
+
 /// One that is bounded, |λ| ≤ `bound` against w − `at`.
-template <double AxisImpulse::*kPart>
-struct AxisBoxLaw : AxisPartLaw {
+template <typename Place>
+struct AxisBoxLawAt : AxisPartLaw {
   double at = 0;     ///< rate that it holds or keeps in this stage [rad/s or m/s]
   double bound = 0;  ///< impulse in this stage; 0: none [N·m·s or N·s]
 
@@ -83,13 +96,15 @@ struct AxisBoxLaw : AxisPartLaw {
     if (bound > 0) law = law + RowLaw::box(-bound, bound, at);
   }
   void share_beside(AxisImpulse& impulse, double& rest, double w) const {
-    if (bound > 0 && !holds(w)) rest -= impulse.*kPart = w < at ? bound : -bound;
+    if (bound > 0 && !holds(w)) rest -= impulse.*Place::kPart = w < at ? bound : -bound;
   }
   void share_on_step(AxisImpulse& impulse, double& rest, double w) const {
-    if (bound > 0 && holds(w)) rest -= impulse.*kPart = std::clamp(rest, -bound, bound);
+    if (bound > 0 && holds(w)) rest -= impulse.*Place::kPart = std::clamp(rest, -bound, bound);
   }
   /// One without bound does whatever the rate is that an inexact solver has left.
   bool holds(double w) const { return std::isinf(bound) || on_step(w, at); }
 };
+template <double AxisImpulse::*kMember>
+using AxisBoxLaw = AxisBoxLawAt<OwnAxisPlace<kMember>>;
 
 }  // namespace taut

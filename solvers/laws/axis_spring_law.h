@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 #include "core/world/swing_properties.h"
 #include "solvers/laws/axis_part_law.h"
 #include "solvers/laws/impulse_line.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 #include "solvers/laws/axis_part_law.h"
 
 namespace taut {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/base/check.h"
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 
 namespace taut {
 

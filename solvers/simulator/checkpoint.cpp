@@ -4,6 +4,7 @@
 #include <istream>
 #include <ostream>
 
+#include "core/axes/axis.h"
 #include "core/base/check.h"
 #include "core/base/flush_to_zero.h"
 #include "core/base/fnv1a.h"
@@ -14,7 +15,17 @@
 namespace taut {
 namespace {
 
-constexpr std::string_view kMark = "taut-checkpoint/9\n";
+/// What a checkpoint begins with: its format, and the properties of axes whose parts its reports have.
+const std::string& mark() {
+  static const std::string kMark = [] {
+    std::string text = "taut-checkpoint/9";
+    for_axis_types([&]<typename Property>() {
+      if constexpr (PlainAxisProperty<Property>) text += std::string("+") + Property::kFacts.key;
+    });
+    return text + "\n";
+  }();
+  return kMark;
+}
 constexpr std::size_t kSumBytes = 8;
 
 std::uint64_t checksum(std::string_view bytes) {
@@ -79,20 +90,20 @@ void require_same(const char* setting, bool same) {
 
 Checkpoint Checkpoint::of_payload(const std::string& payload) {
   Checkpoint checkpoint;
-  checkpoint.bytes_ = std::string(kMark) + payload + number(checksum(payload));
+  checkpoint.bytes_ = mark() + payload + number(checksum(payload));
   return checkpoint;
 }
 
 std::string Checkpoint::payload() const {
   if (empty()) fail("checkpoint", "is empty", 0);
-  return bytes_.substr(kMark.size(), bytes_.size() - kMark.size() - kSumBytes);
+  return bytes_.substr(mark().size(), bytes_.size() - mark().size() - kSumBytes);
 }
 
 Checkpoint Checkpoint::from_bytes(std::string bytes) {
-  if (!bytes.starts_with(kMark)) fail("checkpoint", "does not begin as one of this version", bytes.size());
+  if (!bytes.starts_with(mark())) fail("checkpoint", "does not begin as one of this version", bytes.size());
   Checkpoint checkpoint;
   checkpoint.bytes_ = std::move(bytes);
-  const bool whole = checkpoint.bytes_.size() >= kMark.size() + kSumBytes &&
+  const bool whole = checkpoint.bytes_.size() >= mark().size() + kSumBytes &&
                      checkpoint.bytes_.ends_with(number(checksum(checkpoint.payload())));
   if (!whole) fail("checkpoint", "is damaged or cut short, after bytes", checkpoint.bytes_.size());
   return checkpoint;

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/state/motion_point.h"
+#include "core/math/motion_point.h"
 #include "core/world/world.h"
 
 /// What happens in a simulation when something else does: Simulator::set_events().

@@ -1,4 +1,4 @@
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 
 #include <numbers>
 

@@ -2,7 +2,7 @@
 
 #include "core/constraints/rows.h"
 #include "core/joints/joints.h"
-#include "core/state/axis.h"
+#include "core/axes/axis.h"
 #include "tests/core/constraints/row_checker.h"
 #include "tests/core/expect_invalid.h"
 

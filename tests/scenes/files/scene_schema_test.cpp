@@ -9,6 +9,7 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include "core/axes/axis.h"
 #include "scenes/import/imported_model.h"
 #include "tests/scenes/files/scene_bad_cases.h"
 #include "tests/scenes/import/corpus_checker.h"
@@ -41,6 +42,13 @@ const valijson::Schema& schema() {
   return result;
 }
 
+/// A hinge of which this acts along the angle, as `key` says.
+Json with_property(const char* key, Json property) {
+  Json scene = parse(scene_file_cases::with_axes("{}"));
+  scene["joints"][0]["axes"]["angle"][key] = std::move(property);
+  return scene;
+}
+
 /// What the schema has against a document; empty if it accepts it.
 std::string objections(const Json& document) {
   valijson::Validator validator(valijson::Validator::kStrongTypes);
@@ -71,6 +79,26 @@ TEST(SceneSchema, AcceptsTheShippedScenes) {
     ++count;
   }
   EXPECT_GE(count, 6);
+}
+
+/// What acts along axes is known to the schema by the fields of each property.
+TEST(SceneSchema, KnowsTheFieldsOfProperties) {
+  for_axis_types([&]<typename Property>() {
+    const char* property = Property::kFacts.key;
+    each_axis_field<Property>([&](const auto& field) {
+      if (!field.key) return;
+      const Json text = with_property(property, {{field.key, "text"}}),
+                 unknown = with_property(property, {{std::string(field.key) + "s", 1}});
+      EXPECT_NE(objections(text), "") << property << "/" << field.key;
+      EXPECT_NE(objections(unknown), "") << property << "/" << field.key;
+      if constexpr (PlainAxisProperty<Property> &&
+                    std::is_same_v<typename std::decay_t<decltype(field)>::Type, double>) {
+        EXPECT_EQ(objections(with_property(property, {{field.key, 0.5}})), "")
+            << property << "/" << field.key;
+      }
+    });
+    EXPECT_NE(objections(with_property(property, 3)), "") << property;
+  });
 }
 
 TEST(SceneSchema, AcceptsImportedModels) {

@@ -102,6 +102,27 @@ def test_axis_properties():
     assert world.axis_properties(axis).spring.table.points == [(-1, -1), (0, 0), (1, 3)]
 
 
+def test_each_axis_property_has_a_class_and_a_setter():
+    keys = [key for key in dir(taut.AxisProperties) if not key.startswith("_")]
+    assert {"limits", "motor", "friction", "spring"} <= set(keys)
+    for key in keys:
+        world, rod, axis = pendulum()
+        kind = getattr(taut, "Axis" + key.title().replace("_", ""))
+        set_it = getattr(world, "set_" + key)
+        set_it(axis, kind())
+        properties = world.axis_properties(axis)
+        assert isinstance(getattr(properties, key), kind)
+        assert all(getattr(properties, other) is None for other in keys if other != key)
+        world.set_axis_properties(axis, taut.AxisProperties(**{key: kind()}))
+        set_it(axis, None)
+        assert getattr(world.axis_properties(axis), key) is None
+        numbers = [name for name in dir(kind) if not name.startswith("_") and isinstance(getattr(kind(), name), float)]
+        for name in numbers:
+            assert getattr(kind(**{name: 0.25}), name) == 0.25
+            with pytest.raises(ValueError, match="elbow|pivot"):
+                set_it(axis, kind(**{name: float("nan")}))
+
+
 def test_breaking_and_compliance():
     world, rod, _ = pendulum()
     joint = world.joint("pivot")

@@ -398,22 +398,20 @@ TEST(AxisParts, AreTheImpulseAtARateThatIsOffByATolerance) {
   law.motor.at = 0.5, law.motor.bound = 2;
   law.limits.lower_at = -RowLaw::kInfinity, law.limits.upper_at = 0.8;
   struct Case {
-    double lambda, w;
-    AxisImpulse parts;
+    double lambda, w, motor = 0, friction = 0, limit = 0;
   };
   const Case cases[] = {
-      {2.3, -1, {.motor = 2, .friction = 0.3}},     {2.1, 0, {.motor = 2, .friction = 0.1}},
-      {1.7, 0.2, {.motor = 2, .friction = -0.3}},   {-0.3, 0.5, {.motor = 0, .friction = -0.3}},
-      {-2.3, 0.7, {.motor = -2, .friction = -0.3}}, {-9.3, 0.8, {.motor = -2, .friction = -0.3, .limit = -7}},
+      {2.3, -1, 2, 0.3},    {2.1, 0, 2, 0.1},      {1.7, 0.2, 2, -0.3},
+      {-0.3, 0.5, 0, -0.3}, {-2.3, 0.7, -2, -0.3}, {-9.3, 0.8, -2, -0.3, -7},
   };
   AxisProperties p;
   p.limits = AxisLimits{.upper = 3};
-  for (const auto& [lambda, w, parts] : cases)
+  for (const auto& [lambda, w, motor, friction, limit] : cases)
     for (const double off : {-1e-6, 0.0, 1e-6}) {
       const AxisImpulse shared = law.share(lambda, law.rate_of(p, lambda, w + off));
-      EXPECT_NEAR(shared.friction, parts.friction, 1e-14) << lambda << " " << off;
-      EXPECT_NEAR(shared.motor, parts.motor, 1e-14) << lambda << " " << off;
-      EXPECT_NEAR(shared.limit, parts.limit, 1e-14) << lambda << " " << off;
+      EXPECT_NEAR(shared.friction, friction, 1e-14) << lambda << " " << off;
+      EXPECT_NEAR(shared.motor, motor, 1e-14) << lambda << " " << off;
+      EXPECT_NEAR(shared.limit, limit, 1e-14) << lambda << " " << off;
     }
 }
 
