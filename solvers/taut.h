@@ -1,8 +1,9 @@
 #pragma once
 
 /// What programs that simulate need; they include it as taut/taut.h.  Beside it, by their own names:
-/// solvers/friction/friction_solver.h (friction problems of others), solvers/integrators/tree_dynamics.h
-/// (accelerations in reduced coordinates) and core/constraints/rows.h (joint types of one's own).
+/// solvers/friction/friction_solver.h (friction problems of others),
+/// solvers/integrators/reduced/tree_dynamics.h (accelerations in reduced coordinates) and
+/// core/constraints/rows.h (joint types of one's own).
 #include "collision/contact_finder.h"
 #include "collision/mesh/mesh_file.h"
 #include "core/joints/joints.h"

@@ -51,7 +51,7 @@ void Rows::append_side(int body, int joint, int row_count, int arm) {
   whole_size_ += 6 * row_count;
 }
 
-void Rows::append_contact(const ContactPlace& place) {
+void Rows::append_contact(const ContactSlot& place) {
   const int j = static_cast<int>(joints_.size()), count = place.row_count();
   joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), 2, 0,
                      ContactIndex{static_cast<int>(contacts_.size())}});

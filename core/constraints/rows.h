@@ -12,12 +12,12 @@
 #include <variant>
 #include <vector>
 
+#include "core/axes/axis.h"
 #include "core/constraints/axis_parts.h"
 #include "core/constraints/contact_part.h"
 #include "core/constraints/part_store.h"
 #include "core/constraints/row_parts.h"
 #include "core/constraints/row_sinks.h"
-#include "core/axes/axis.h"
 #include "core/state/force.h"
 #include "core/state/state.h"
 
@@ -95,15 +95,15 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   };
   /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more
   /// (spin, two of rolling).
-  struct ContactPlace {
+  struct ContactSlot {
     int a = 0, b = 0;                                ///< indices of the bodies A and B
     bool twist = false;                              ///< it has rows of rotation
     int row_count() const { return twist ? 6 : 3; }  ///< of the contact
-    friend bool operator==(const ContactPlace&, const ContactPlace&) = default;
+    friend bool operator==(const ContactSlot&, const ContactSlot&) = default;
   };
 
   explicit Rows(const World& world, AxisRows axis_rows = AxisRows::kIncluded,
-                std::span<const ContactPlace> contacts = {}, Joints joints = Joints::kAll,
+                std::span<const ContactSlot> contacts = {}, Joints joints = Joints::kAll,
                 Springs springs = Springs::kLeftOut, Blocks blocks = Blocks::kWhole);
 
   /// The rows of some joints, contacts too, in ascending order, by themselves: with bodies and rows counted
@@ -222,7 +222,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   void append_joint(const World& world, int j, AxisRows axis_rows, Joints joints, Blocks blocks);
   void append_spring(const World& world, ForceId id, Joints joints);
   void append_side(int body, int joint, int row_count, int arm = 0);
-  void append_contact(const ContactPlace& place);
+  void append_contact(const ContactSlot& place);
   void clear_blocks(int joint);
   void sort_by_body(int bodies);
   void cut_into_chunks();

@@ -19,8 +19,8 @@ std::vector<AxisProperties> with_stand_ins(std::span<const AxisProperties> own,
                                            const SwingProperties& swing) {
   std::vector<AxisProperties> all(own.begin(), own.end());
   for (int t : {0, 1}) {
-    if (swing.rubs) all[swing.across.turns[t]].friction.emplace();
-    if (swing.bends) all[swing.across.components[t]].spring.emplace();
+    if (swing.has_friction) all[swing.across.turns[t]].friction.emplace();
+    if (swing.has_spring) all[swing.across.components[t]].spring.emplace();
   }
   return all;
 }
@@ -122,7 +122,7 @@ void Rows::append_spring(const World& world, ForceId id, Joints joints) {
   if (length) add(row_parts::Stretch{spring.p_AP, spring.p_BQ}, count - 1, false);
 }
 
-Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace> contacts, Joints joints,
+Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactSlot> contacts, Joints joints,
            Springs springs, Blocks blocks)
     : spring_count_(springs == Springs::kIncluded ? static_cast<int>(world.springs().size()) : 0) {
   const std::size_t count = world.joint_count() + spring_count_ + contacts.size();
@@ -131,7 +131,7 @@ Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactPlace>
   for (int j = 0; j < world.joint_count(); ++j) append_joint(world, j, axis_rows, joints, blocks);
   for (int s = 0; s < spring_count_; ++s) append_spring(world, world.springs()[s], joints);
   first_contact_row_ = row_count();
-  for (const ContactPlace& place : contacts) append_contact(place);
+  for (const ContactSlot& place : contacts) append_contact(place);
   sort_by_body(world.body_count());
   cut_into_chunks();
 }

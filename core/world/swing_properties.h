@@ -11,11 +11,11 @@ namespace taut {
 struct SwingProperties {
   int swing = 0;  ///< by its place in the joint
   SwingAxes across{};
-  bool rubs = false;   ///< its turns have rows, too
-  bool bends = false;  ///< its components have rows, too, and its spring
+  bool has_friction = false;  ///< its turns have rows, too
+  bool has_spring = false;    ///< its components have rows, too, and its spring
 
   bool operator==(const SwingProperties& other) const {
-    return swing == other.swing && rubs == other.rubs && bends == other.bends;
+    return swing == other.swing && has_friction == other.has_friction && has_spring == other.has_spring;
   }
 };
 
@@ -35,11 +35,11 @@ inline std::optional<SwingProperties> swing_properties(const World& world, Joint
       return world.axis_properties({joint, axis}).spring;
     };
     SwingProperties swing{.swing = k, .across = across};
-    swing.rubs = world.axis_properties({joint, k}).friction.has_value();
-    swing.bends = spring_of(k) && spring_of(k)->rest == 0 && detail::is_linear(spring_of(k)) &&
-                  detail::is_linear(spring_of(across.components[0])) &&
-                  detail::is_linear(spring_of(across.components[1]));
-    if (swing.rubs || swing.bends) return swing;
+    swing.has_friction = world.axis_properties({joint, k}).friction.has_value();
+    swing.has_spring = spring_of(k) && spring_of(k)->rest == 0 && detail::is_linear(spring_of(k)) &&
+                       detail::is_linear(spring_of(across.components[0])) &&
+                       detail::is_linear(spring_of(across.components[1]));
+    if (swing.has_friction || swing.has_spring) return swing;
   }
   return {};
 }

@@ -10,7 +10,7 @@
 #include "core/base/check.h"
 #include "core/math/dense.h"
 #include "scenes/recording/recorder.h"
-#include "solvers/laws/axis_motor_law.h"
+#include "solvers/laws/axes/axis_motor_law.h"
 
 namespace taut {
 namespace {

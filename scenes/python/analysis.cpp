@@ -4,7 +4,7 @@
 #include "scenes/python/arrays.h"
 #include "scenes/python/parts.h"
 #include "solvers/friction/friction_solver.h"
-#include "solvers/integrators/tree_dynamics.h"
+#include "solvers/integrators/reduced/tree_dynamics.h"
 
 // What answers questions beside a simulation: contacts, accelerations of trees, frictional contact by
 // matrices.

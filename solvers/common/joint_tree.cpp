@@ -105,7 +105,7 @@ std::string tree_problem(const World& world, const Rows& rows) {
     const JointId* joint = std::get_if<JointId>(&block.owner);
     if (!joint || block.row_count == 0) continue;
     if (world.compliance(*joint)) return names(*joint, "a compliance");
-    if (const auto swing = swing_properties(world, *joint); swing && swing->bends)
+    if (const auto swing = swing_properties(world, *joint); swing && swing->has_spring)
       return names(*joint, "a spring on its swing");
     for (int k = 0; k < world.axis_count(*joint); ++k)
       if (const char* unknown = unknown_force(world.axis_properties({*joint, k})))

@@ -93,7 +93,7 @@ void ContactIslands::find() {
   std::vector<std::unique_ptr<Island>> found;
   for (SystemPart& part : parts) {
     auto island = std::make_unique<Island>(contacts_, std::move(part));
-    for (int k : island->part.places) island->pairs.push_back(contacts_.set().places()[k].at);
+    for (int k : island->part.places) island->pairs.push_back(contacts_.set().slots()[k].at);
     const std::vector<int>& bodies = island->part.bodies;
     island->first_body =
         *std::find_if(bodies.begin(), bodies.end(), [&](int b) { return !system_.mass()[b].fixed; });

@@ -46,7 +46,7 @@ class ContactIslands {
 
     SystemPart part;
     int first_body = -1;                    // that moves
-    std::vector<Rows::ContactPlace> pairs;  // of the places
+    std::vector<Rows::ContactSlot> pairs;   // of the places
     std::unique_ptr<ConstraintSystem> own;  // made when it is first solved
     ContactLaws contacts;
     std::optional<ContactSolver> solver;

@@ -22,7 +22,7 @@ using SixRow = Eigen::Map<const Eigen::Matrix<double, 1, 6>>;
 
 ImpulseIteration::ImpulseIteration(ConstraintSystem& system) : system_(system), impulses_(system) {
   const int rows = system.row_count();
-  for (auto* values : {&own_, &target_, &scratch_, &answer_}) values->assign(rows, 0.0);
+  for (auto* values : {&diagonal_, &target_, &scratch_, &answer_}) values->assign(rows, 0.0);
   order_.resize(system.rows().joints().size());
   std::iota(order_.begin(), order_.end(), 0);
 }
@@ -34,7 +34,7 @@ IterationOutcome ImpulseIteration::solve(const ContactLaws& contacts, std::span<
   const bool by_rows = limits.order == Solver::kGaussSeidel;
   const Problem problem{contacts, laws, b, lambda, by_rows ? limits.relaxation : 1, absorbed};
   impulses_.gather(lambda);
-  for (int r = 0; r < system_.row_count(); ++r) own_[r] = impulses_.diagonal(r);
+  for (int r = 0; r < system_.row_count(); ++r) diagonal_[r] = impulses_.diagonal(r);
   frozen_.assign(system_.rows().body_count(), 0);
   std::fill(target_.begin(), target_.end(), 0.0);
   contacts.targets(target_);
@@ -84,16 +84,16 @@ void ImpulseIteration::change(const Problem& problem, int row, double by) {
 
 /// What a row by itself answers, relaxed.
 double ImpulseIteration::next_of(const Problem& problem, int row) const {
-  const double s = own_[row] / problem.relaxation;
+  const double s = diagonal_[row] / problem.relaxation;
   return problem.laws[row].project(s, problem.lambda[row], rate(problem, row));
 }
 
 /// Each relax…() returns the largest change √S_rr |δλ_r|.
 double ImpulseIteration::relax_row(const Problem& problem, int row) {
-  if (!(own_[row] > 0)) return 0;
+  if (!(diagonal_[row] > 0)) return 0;
   const double by = next_of(problem, row) - problem.lambda[row];
   if (by != 0) change(problem, row, by);
-  return NaturalResidual(own_[row], by).size;
+  return NaturalResidual(diagonal_[row], by).size;
 }
 
 /// Normal, sliding, spinning and rolling friction in turn, each with the normal impulse of then.
@@ -112,21 +112,21 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
     return problem.lambda[r] - problem.relaxation * off / (s + softness);
   };
   const auto in_disc = [&](int first, const Vec2& given, double bound, double softness) {
-    const double s = std::max(own_[first], own_[first + 1]);
+    const double s = std::max(diagonal_[first], diagonal_[first + 1]);
     if (!(s > 0)) return;
     const Vec2 tau(asked(first, s, softness), asked(first + 1, s, softness));
     const Vec2 to = into_disc(given + tau, bound) - given;
     give(first, s, to[0]);
     give(first + 1, s, to[1]);
   };
-  if (own_[row] > 0) {
-    const double to = std::max(-cone.normal_given, asked(row, own_[row], cone.softness));
-    give(row, own_[row], std::min(to, cone.most - cone.normal_given));
+  if (diagonal_[row] > 0) {
+    const double to = std::max(-cone.normal_given, asked(row, diagonal_[row], cone.softness));
+    give(row, diagonal_[row], std::min(to, cone.most - cone.normal_given));
   }
   const double normal = std::max(0.0, cone.normal_given + problem.lambda[row]);
   in_disc(row + 1, cone.sliding_given, cone.sliding * normal, cone.slip_softness);
   if (!cone.twist) return largest;
-  if (const double s = own_[row + 3]; s > 0) {
+  if (const double s = diagonal_[row + 3]; s > 0) {
     const double arm = cone.spinning * normal;
     give(row + 3, s, std::clamp(cone.spin_given + asked(row + 3, s, 0), -arm, arm) - cone.spin_given);
   }
@@ -198,18 +198,19 @@ double ImpulseIteration::violation(const Problem& problem, int block) {
   LargestResidual largest;
   if (!system_.rows().is_contact(first)) {
     for (int r = first; r < first + rows.row_count; ++r)
-      if (own_[r] > 0)
-        largest.add(natural_residual(problem.laws[r], own_[r], problem.lambda[r], rate(problem, r)).size);
+      if (diagonal_[r] > 0)
+        largest.add(
+            natural_residual(problem.laws[r], diagonal_[r], problem.lambda[r], rate(problem, r)).size);
     return largest.size();
   }
   for (int r = first; r < first + rows.row_count; ++r) {
-    const double s = own_[r] > 0 ? own_[r] : 1;
+    const double s = diagonal_[r] > 0 ? diagonal_[r] : 1;
     scratch_[r] = problem.lambda[r] - (rate(problem, r) - target_[r]) / s;
   }
   const auto of_block = [&](std::span<double> values) { return values.subspan(first, rows.row_count); };
   cones_[block - system_.rows().contact_joint(0)].project(of_block(scratch_), of_block(answer_));
   for (int r = first; r < first + rows.row_count; ++r)
-    largest.add(NaturalResidual(own_[r], answer_[r] - problem.lambda[r]).size);
+    largest.add(NaturalResidual(diagonal_[r], answer_[r] - problem.lambda[r]).size);
   return largest.size();
 }
 
@@ -294,7 +295,7 @@ void ImpulseIteration::propagate(const Problem& problem) {
     if (level == std::numeric_limits<int>::max()) return;  // nothing holds these
     for (std::size_t k = from; k < to; ++k) {
       const Rows::JointRows& joint = rows.joints()[order_[k]];
-      for (int r = joint.first_row; r < joint.first_row + joint.row_count; ++r) own_[r] = own(r);
+      for (int r = joint.first_row; r < joint.first_row + joint.row_count; ++r) diagonal_[r] = own(r);
     }
     for (int pass = 0; pass < Tuning::kLevelSweeps; ++pass)
       for (std::size_t k = from; k < to; ++k)

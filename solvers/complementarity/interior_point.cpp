@@ -30,21 +30,21 @@ InteriorOutcome InteriorPoint::solve(std::span<const RowLaw> laws, std::span<con
 /// The elements, centred about the rates of the guess.
 void InteriorPoint::begin(const Problem& problem) {
   const std::size_t n = problem.laws.size();
-  for (auto* values : {&own_, &base_, &stiffness_, &off_, &change_, &rates_}) values->assign(n, 0.0);
+  for (auto* values : {&diagonal_, &base_, &stiffness_, &off_, &change_, &rates_}) values->assign(n, 0.0);
   for (auto* values : {&v_, &step_}) values->assign(6 * system_.rows().body_count(), 0.0);
   elements_.clear();
-  system_.effective_masses(own_);
+  system_.effective_masses(diagonal_);
   for (std::size_t r = 0; r < n; ++r) {
-    own_[r] = delassus_diagonal(own_[r]);
+    diagonal_[r] = delassus_diagonal(diagonal_[r]);
     if (problem.laws[r].bounded()) add_elements(problem.laws[r], static_cast<int>(r));
   }
-  const double scale = impulse_scale([&](std::size_t r) { return own_[r]; }, problem.lambda, problem.b);
+  const double scale = impulse_scale([&](std::size_t r) { return diagonal_[r]; }, problem.lambda, problem.b);
   system_.apply_Wt(problem.lambda, v_);
   system_.apply_W(v_, rates_);
   for (std::size_t r = 0; r < n; ++r) rates_[r] += problem.b[r];
   double power = 0, energy = 0;
   for (const Element& element : elements_) {
-    const double rate = std::abs(rates_[element.row] - element.at), s = own_[element.row];
+    const double rate = std::abs(rates_[element.row] - element.at), s = diagonal_[element.row];
     const double whole = element.hi - element.lo;
     const double range = std::isfinite(whole) ? whole : rate / s;  // one-sided: what would stop it
     power += range * rate;
@@ -72,7 +72,7 @@ void InteriorPoint::add_elements(const RowLaw& law, int row) {
 /// p, q, z and y on the central path at w; of one-sided steps that w is beyond, at a point of that μ.
 void InteriorPoint::center(Element& element, double w, double mu) const {
   const double rate = w - element.at, range = element.hi - element.lo;
-  const double least = std::sqrt(mu * own_[element.row]);
+  const double least = std::sqrt(mu * diagonal_[element.row]);
   element.p = element.q = RowLaw::kInfinity;
   if (std::isfinite(range)) {
     const double turn = std::hypot(rate * range, 2 * mu), forward = std::abs(rate) * range;
@@ -101,7 +101,7 @@ void InteriorPoint::update_impulses(const Problem& problem) {
 void InteriorPoint::set_stiffness(const Problem& problem, double mu, bool correct) {
   for (std::size_t r = 0; r < problem.laws.size(); ++r) {
     const RowLaw& law = problem.laws[r];
-    stiffness_[r] = law.bounded() ? law.slope : 1 / (Tuning::kEqualityRho * own_[r]);
+    stiffness_[r] = law.bounded() ? law.slope : 1 / (Tuning::kEqualityRho * diagonal_[r]);
     off_[r] = law.bounded() ? 0 : stiffness_[r] * (rates_[r] - law.rate(1));
   }
   for (Element& element : elements_) {
@@ -177,7 +177,7 @@ void InteriorPoint::move(const Problem& problem, double length) {
 /// impulses.
 double InteriorPoint::relative_residual(const Problem& problem) {
   system_.rates(problem.lambda, problem.b, problem.w);
-  const auto s = [&](std::size_t r) { return own_[r]; };
+  const auto s = [&](std::size_t r) { return diagonal_[r]; };
   LargestResidual largest;
   largest.add_rows(problem.laws, s, problem.lambda, problem.w, 0);
   if (!largest.finite()) return largest.strict_size();

@@ -82,8 +82,8 @@ class InteriorPoint {
 
   ConstraintSystem& system_;
   std::vector<Element> elements_;
-  std::vector<double> own_, base_, stiffness_, off_, change_;  // S_rr, l, of rows, δw
-  std::vector<double> rates_;                                  // b + W v
+  std::vector<double> diagonal_, base_, stiffness_, off_, change_;  // S_rr, l, of rows, δw
+  std::vector<double> rates_;                                       // b + W v
   std::vector<double> v_, step_;
 };
 

@@ -32,11 +32,11 @@ PrimalDualOutcome PrimalDualActiveSet::solve(std::span<const RowLaw> laws, std::
 }
 
 void PrimalDualActiveSet::begin(std::size_t rows) {
-  for (auto* values : {&own_, &stiffness_, &change_, &rates_}) values->assign(rows, 0.0);
+  for (auto* values : {&diagonal_, &stiffness_, &change_, &rates_}) values->assign(rows, 0.0);
   v_.assign(6 * static_cast<std::size_t>(system_.rows().body_count()), 0.0);
   segments_.resize(rows);
-  system_.effective_masses(own_);
-  for (double& own : own_) own = delassus_diagonal(own);
+  system_.effective_masses(diagonal_);
+  for (double& own : diagonal_) own = delassus_diagonal(own);
 }
 
 /// The segments that each row by itself would take, and how far λ is from them.
@@ -46,11 +46,11 @@ PrimalDualActiveSet::Error PrimalDualActiveSet::choose_segments(std::span<const 
                                                                 double rate_tolerance) {
   Error error;
   for (std::size_t r = 0; r < laws.size(); ++r) {
-    const RowLaw::Point answer = laws[r].resolve(own_[r], w[r] - own_[r] * lambda[r]);
-    const NaturalResidual off(own_[r], lambda[r] - answer.lambda);
+    const RowLaw::Point answer = laws[r].resolve(diagonal_[r], w[r] - diagonal_[r] * lambda[r]);
+    const NaturalResidual off(diagonal_[r], lambda[r] - answer.lambda);
     // Not where λ is: interior points leave all rows between their bounds, also those that slide.
     segments_[r] = answer.segment;
-    error.scale = std::max(error.scale, std::sqrt(own_[r]) * std::abs(lambda[r]));
+    error.scale = std::max(error.scale, std::sqrt(diagonal_[r]) * std::abs(lambda[r]));
     error.largest.add(off.size);
     error.counted.add(off.beyond(rate_tolerance));
   }
@@ -75,7 +75,7 @@ void PrimalDualActiveSet::correct(std::span<const RowLaw> laws, std::span<double
 bool PrimalDualActiveSet::factorize(std::span<const RowLaw> laws, double softness, bool serves,
                                     StageTimes& times) {
   for (std::size_t r = 0; r < laws.size(); ++r)
-    stiffness_[r] = RowLaw::is_vertical(segments_[r]) ? 1 / (softness * own_[r]) : laws[r].slope;
+    stiffness_[r] = RowLaw::is_vertical(segments_[r]) ? 1 / (softness * diagonal_[r]) : laws[r].slope;
   if (serves && is_near(laws)) return true;
   const std::span<const double> weighted = system_.weighted();
   factored_segments_ = segments_;

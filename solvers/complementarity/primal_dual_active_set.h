@@ -79,7 +79,7 @@ class PrimalDualActiveSet {
 
   ConstraintSystem& system_;
   std::vector<int> segments_, factored_segments_;
-  std::vector<double> own_, stiffness_, change_, rates_, v_;  // S_rr, D, g and δλ, W v
+  std::vector<double> diagonal_, stiffness_, change_, rates_, v_;  // S_rr, D, g and δλ, W v
   std::vector<double> factored_stiffness_, factored_weighted_;
   long version_ = -1;  // of the factor
 };

@@ -7,7 +7,7 @@
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
 #include "solvers/complementarity/stage_problem.h"
-#include "solvers/laws/axis_forces.h"
+#include "solvers/laws/axes/axis_forces.h"
 #include "solvers/laws/contact_forces.h"
 #include "solvers/system/constraint_system.h"
 

@@ -36,14 +36,14 @@ void StageCulprits::add_rows(const StageResidual& residual, const StageSolution&
 }
 
 void StageCulprits::add_contacts(const StageSolution& solution, double scale) {
-  const std::span<const ContactSet::Place> places = model_.contacts.set().places();
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    if (!places[k].active) continue;
+  const std::span<const ContactCache::Slot> slots = model_.contacts.set().slots();
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    if (!slots[k].active) continue;
     const double off = relative_contact_residual(model_.contacts, static_cast<int>(k), solution.lambda,
                                                  solution.w, scale, {});
     if (!counts(off)) continue;
     const auto [a, b] =
-        std::minmax(named_->shape(places[k].contact.a).body, named_->shape(places[k].contact.b).body);
+        std::minmax(named_->shape(slots[k].contact.a).body, named_->shape(slots[k].contact.b).body);
     add({.kind = Culprit::Kind::kContact, .a = a, .b = b, .share = off});
   }
 }

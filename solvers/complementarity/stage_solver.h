@@ -16,7 +16,7 @@
 #include "solvers/complementarity/stage_residual.h"
 #include "solvers/complementarity/stage_tuning.h"
 #include "solvers/complementarity/stage_warm_start.h"
-#include "solvers/laws/axis_forces.h"
+#include "solvers/laws/axes/axis_forces.h"
 #include "solvers/laws/contact_forces.h"
 #include "solvers/system/constraint_system.h"
 

@@ -47,14 +47,15 @@ StageWarmStart::Trial StageWarmStart::accept(StageAttempt& attempt) {
 
 /// Impulses that are off by this part are right, or are soon made so by sweeps.
 bool StageWarmStart::is_near_enough(const StageAttempt& attempt, double off) const {
-  const bool rubs = model_.friction_dominated();
+  const bool friction_dominated = model_.friction_dominated();
   // Newton is as fast through the bodies.
-  if (off > Tuning::kNear || (model_.system.uses_primal_system() && off > (rubs ? 0 : kMetResidual)))
+  if (off > Tuning::kNear ||
+      (model_.system.uses_primal_system() && off > (friction_dominated ? 0 : kMetResidual)))
     return false;
   // Sweeps bring impulses through contacts, but hardly along chains of joints.
   const int joint_rows = model_.system.rows().first_contact_row();
   if (off > kMetResidual && 2 * joint_rows > model_.system.row_count()) return false;
-  return !rubs ||
+  return !friction_dominated ||
          contact_solver_.newton().holds_joints(attempt.laws, attempt.w, attempt.warm_start_tolerance);
 }
 

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "solvers/diagnosis/violation_search.h"
-#include "solvers/laws/axis_motor_law.h"
-#include "solvers/laws/contact_set.h"
+#include "solvers/laws/axes/axis_motor_law.h"
+#include "solvers/laws/contact_cache.h"
 
 namespace taut {
 namespace {
@@ -38,7 +38,7 @@ JointId joint_of(const Member& member) {
   return member.joint.index >= 0 ? member.joint : member.bound.axis.joint;
 }
 
-using Places = std::vector<ContactSet::Place>;
+using Slots = std::vector<ContactCache::Slot>;
 
 Touch touch_of(const Situation& s, const Contact& contact) {
   const World& world = s.named ? *s.named : s.world;
@@ -46,29 +46,29 @@ Touch touch_of(const Situation& s, const Contact& contact) {
   return {std::min(a, b), std::max(a, b)};
 }
 
-Places find_contacts(const Situation& s) {
-  Places places;
-  if (!s.bounds || s.contact_margin <= 0) return places;
-  ContactSet set(s.world, {.margin = s.contact_margin});
-  if (set.empty()) return places;
+Slots find_contacts(const Situation& s) {
+  Slots slots;
+  if (!s.bounds || s.contact_margin <= 0) return slots;
+  ContactCache set(s.world, {.margin = s.contact_margin});
+  if (set.empty()) return slots;
   set.find(s.world, s.from, s.horizon);
-  std::copy_if(set.places().begin(), set.places().end(), std::back_inserter(places),
-               [](const auto& place) { return place.active && place.material.compliance == 0; });
-  return places;
+  std::copy_if(set.slots().begin(), set.slots().end(), std::back_inserter(slots),
+               [](const auto& slot) { return slot.active && slot.material.compliance == 0; });
+  return slots;
 }
 
 /// Demands with their members, as a ViolationSearch takes them.
 class Demands {
  public:
-  Demands(const Situation& situation, const ViolationSearch& search, const Places& places)
+  Demands(const Situation& situation, const ViolationSearch& search, const Slots& slots)
       : situation_(situation), x_(search.rows().row_count()) {
     search.values(situation.from, x_);
     for (int j = 0; j < situation.world.joint_count(); ++j) add_joint(search.rows(), {j});
     if (!situation.bounds) return;
     for (const Rows::AxisRow& row : search.rows().axis_rows())
       if (row.axis.axis >= 0 && !is_gone(row.axis.joint)) add_axis(row);
-    for (std::size_t k = 0; k < places.size(); ++k)
-      add_contact(touch_of(situation, places[k].contact), search.contact_row(static_cast<int>(k)));
+    for (std::size_t k = 0; k < slots.size(); ++k)
+      add_contact(touch_of(situation, slots[k].contact), search.contact_row(static_cast<int>(k)));
   }
   std::vector<Demand> demands;
   std::vector<Member> members;
@@ -142,11 +142,11 @@ std::vector<Member> sharers(const std::vector<Member>& members, std::span<const 
 /// A world that has but some members' joints, and a search in it with any of these members.
 class LocalSearch {
  public:
-  LocalSearch(const Situation& s, const Places& places, std::span<const Member> members)
-      : world_(s.world), places_(places) {
+  LocalSearch(const Situation& s, const Slots& slots, std::span<const Member> members)
+      : world_(s.world), slots_(slots) {
     reduce(s, members);
-    search_.emplace(world_, places_);
-    Demands local(s, *search_, places_);
+    search_.emplace(world_, slots_);
+    Demands local(s, *search_, slots_);
     members_ = std::move(local.members);
     search_->begin(std::move(local.demands), static_cast<int>(members_.size()), s.from,
                    s.from.time + s.horizon);
@@ -166,14 +166,14 @@ class LocalSearch {
     for (const Member& member : members)
       if (!is_touch(member)) joints.push_back(joint_of(member));
     world_.detach_all_but(joints);
-    std::erase_if(places_, [&](const ContactSet::Place& place) {
-      const Member touch{.touch = touch_of(s, place.contact)};
+    std::erase_if(slots_, [&](const ContactCache::Slot& slot) {
+      const Member touch{.touch = touch_of(s, slot.contact)};
       return std::find(members.begin(), members.end(), touch) == members.end();
     });
   }
 
   World world_;
-  Places places_;
+  Slots slots_;
   std::optional<ViolationSearch> search_;
   std::vector<Member> members_;
   std::vector<char> mask_;
@@ -223,16 +223,16 @@ Contradiction made_of(const std::vector<Member>& members, double residual) {
 }  // namespace
 
 Contradiction find_contradiction(const Situation& s) {
-  const Places places = find_contacts(s);
-  ViolationSearch whole(s.world, places);
-  Demands all(s, whole, places);
+  const Slots slots = find_contacts(s);
+  ViolationSearch whole(s.world, slots);
+  Demands all(s, whole, slots);
   const std::size_t count = all.members.size();
   if (count == 0) return {};
   whole.begin(std::move(all.demands), static_cast<int>(count), s.from, s.from.time + s.horizon);
   if (whole.search(std::vector<char>(count, 1)) != Verdict::kExcluded) return {};
   for (double part : {kBlameShare, kSmallShare}) {
     std::vector<Member> set = sharers(all.members, whole.shares(), part);
-    LocalSearch local(s, places, set);
+    LocalSearch local(s, slots, set);
     if (local.search(set) != Verdict::kExcluded) continue;
     if (set.size() > kMinimalSetLimit) {
       sort_as_in_world(set);

@@ -9,7 +9,7 @@
 #include "collision/contact_finder.h"
 #include "core/math/dense.h"
 #include "solvers/common/setting_checks.h"
-#include "solvers/laws/contact_set.h"
+#include "solvers/laws/contact_cache.h"
 #include "solvers/system/constraint_system.h"
 
 namespace taut {

@@ -28,12 +28,12 @@ struct SearchTuning {
 
 }  // namespace
 
-ViolationSearch::ViolationSearch(const World& world, std::span<const ContactSet::Place> contacts)
+ViolationSearch::ViolationSearch(const World& world, std::span<const ContactCache::Slot> contacts)
     : system_(world, FactorChoice::kAuto) {
   if (!contacts.empty()) {
-    std::vector<Rows::ContactPlace> places;
-    for (const ContactSet::Place& place : contacts) places.push_back(place.at);
-    system_.set_contact_places(world, places);
+    std::vector<Rows::ContactSlot> slots;
+    for (const ContactCache::Slot& slot : contacts) slots.push_back(slot.at);
+    system_.set_contact_places(world, slots);
     for (std::size_t k = 0; k < contacts.size(); ++k)
       system_.set_contact(static_cast<int>(k), contacts[k].point);
   }

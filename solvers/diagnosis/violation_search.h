@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "solvers/laws/contact_set.h"
+#include "solvers/laws/contact_cache.h"
 #include "solvers/system/constraint_system.h"
 
 namespace taut {
@@ -34,11 +34,11 @@ class ViolationSearch {
   /// Demands are met within this [m or rad].
   static constexpr double kClosed = 1e-8;
 
-  ViolationSearch(const World& world, std::span<const ContactSet::Place> contacts);
+  ViolationSearch(const World& world, std::span<const ContactCache::Slot> contacts);
 
   const Rows& rows() const { return system_.rows(); }
-  /// Row of the normal of a contact place.
-  int contact_row(int place) const { return rows().joints()[rows().contact_joint(place)].first_row; }
+  /// Row of the normal of a contact, by its slot.
+  int contact_row(int slot) const { return rows().joints()[rows().contact_joint(slot)].first_row; }
   /// x of all rows at a state.
   void values(const State& state, std::span<double> x) const { rows().residual(state, x); }
 

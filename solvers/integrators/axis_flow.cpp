@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/laws/axis_motor_law.h"
-#include "solvers/laws/axis_smooth_law.h"
+#include "solvers/laws/axes/axis_motor_law.h"
+#include "solvers/laws/axes/axis_smooth_law.h"
 
 namespace taut {
 namespace {

@@ -6,7 +6,7 @@
 #include "core/constraints/rows.h"
 #include "core/world/world.h"
 #include "solvers/common/axis_report.h"
-#include "solvers/laws/axis_table.h"
+#include "solvers/laws/axes/axis_table.h"
 
 namespace taut {
 

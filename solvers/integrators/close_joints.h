@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "solvers/common/step_report.h"
-#include "solvers/laws/axis_forces.h"
+#include "solvers/laws/axes/axis_forces.h"
 #include "solvers/system/constraint_system.h"
 
 namespace taut {

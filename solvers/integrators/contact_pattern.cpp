@@ -57,7 +57,7 @@ void ContactPattern::take_over_places() {
   const std::span<const int> origin = contacts_.set().origin();
   for (std::size_t k = 0; k < origin.size(); ++k) {
     if (origin[k] < 0) continue;
-    const int count = contacts_.set().places()[k].at.row_count();
+    const int count = contacts_.set().slots()[k].at.row_count();
     for (int i = 0; i < count; ++i)
       from[contacts_.first_row(static_cast<int>(k)) + i] = old_first[origin[k]] + i;
   }

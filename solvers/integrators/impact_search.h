@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "solvers/laws/axis_impacts.h"
+#include "solvers/laws/axes/axis_impacts.h"
 #include "solvers/laws/contact_impacts.h"
 
 namespace taut {

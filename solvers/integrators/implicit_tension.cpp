@@ -76,13 +76,13 @@ void ImplicitTension::find_free_parts(std::span<const Pose> poses, const Breakin
   const Rows& rows = system_.rows();
   holding_rows_.assign(rows.row_count(), 1);
   for (int r : breaking.rows()) holding_rows_[r] = 0;
-  const std::span<const ContactSet::Place> places = contacts.set().places();
+  const std::span<const ContactCache::Slot> slots = contacts.set().slots();
   const int first_contact = rows.contact_joint(0);
   free_parts_.begin(system_.mass());
   for (int j = 0; j < static_cast<int>(rows.joints().size()); ++j) {
     const Rows::JointRows& joint = rows.joints()[j];
     const auto first = holding_rows_.begin() + joint.first_row;
-    if (j >= first_contact ? !places[j - first_contact].active
+    if (j >= first_contact ? !slots[j - first_contact].active
                            : std::count(first, first + joint.row_count, 1) == 0)
       continue;
     for (int s = joint.first_side + 1; s < joint.first_side + joint.side_count; ++s)

@@ -8,7 +8,7 @@
 #include "core/world/world.h"
 #include "solvers/common/settings.h"
 #include "solvers/common/step_report.h"
-#include "solvers/laws/axis_forces.h"
+#include "solvers/laws/axes/axis_forces.h"
 #include "solvers/laws/breaking.h"
 #include "solvers/laws/contact_forces.h"
 
@@ -98,7 +98,7 @@ class Scheme {
   virtual std::string stall_reason() const { return {}; }
   const ContactForces& contacts() const { return contacts_; }
   const Breaking& breaking() const { return breaking_; }
-  /// Contacts could not be looked for the last time: see ContactSet::detection().
+  /// Contacts could not be looked for the last time: see ContactCache::detection().
   bool blind() const { return !contacts_.empty() && contacts_.set().detection().blind(); }
   /// Threads that could not be started.
   virtual int missing_threads() const { return 0; }

@@ -71,7 +71,7 @@ bool VelocityProjection::project(double h, SubstepReport& report) {
     if (pass == 1) watch_contraction(sum);
     if (closed) return true;
   }
-  if (report.velocity_residual > VelocityProjectionTuning::kLeftBehind) mend(report);
+  if (report.velocity_residual > VelocityProjectionTuning::kLeftBehind) project_by_descent(report);
   return false;
 }
 
@@ -90,7 +90,7 @@ bool VelocityProjection::refine(double sum, SubstepReport& report) {
 /// Conjugate gradients and passes after them; given up if rates are no less then, if bodies have gained
 /// energy, as no projection gives them, or if impulses have grown beyond measure: dependent rows disagree
 /// where joints are open, as they are halfway through a step from velocities that joints forbid.
-void VelocityProjection::mend(SubstepReport& report) {
+void VelocityProjection::project_by_descent(SubstepReport& report) {
   const std::vector<Wrench> momenta = phase_.momenta;
   const std::vector<double> mu = values_.mu;
   const double left = report.velocity_residual, energy = doubled_kinetic_energy();

@@ -42,7 +42,7 @@ class VelocityProjection {
   void twists_and_rates(Change change);
   void push(std::span<const double> delta, double by);
   bool refine(double sum, SubstepReport& report);
-  void mend(SubstepReport& report);
+  void project_by_descent(SubstepReport& report);
   double doubled_kinetic_energy() const;
   void descend(SubstepReport& report);
   void watch_contraction(double sum);

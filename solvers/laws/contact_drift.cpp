@@ -138,11 +138,11 @@ MovedContact moved_contact(const Contact& contact, const Pose& A, const Pose& B,
 
 void drift_rates(ContactRows& contacts, const ContactDrift& drift, std::span<double> rates) {
   for (int k = 0; k < contacts.count(); ++k) {
-    ContactTable::Point& point = contacts.point(k);
+    ContactConstraints::Point& point = contacts.point(k);
     point.curved = 0;
     if (!point.active) continue;
-    const Contact& contact = contacts.place(k).contact;
-    const row_parts::ContactFrame& frame = contacts.place(k).point.frame;
+    const Contact& contact = contacts.slot(k).contact;
+    const row_parts::ContactFrame& frame = contacts.slot(k).point.frame;
     const BodyEnds A = ends_of(drift, contact.A.index), B = ends_of(drift, contact.B.index);
     if (is_still(contact, A, B)) continue;
     const Mat3 still = Mat3::Identity();

@@ -24,7 +24,7 @@ double closing_rate(double gap, double h) {
 constexpr double kRestingSlip = 1e-9;
 
 /// What the first kick gave along the normal of then and across it, in the directions of now.
-void take_first_kick(const row_parts::ContactFrame& frame, ContactTable::Point& point) {
+void take_first_kick(const row_parts::ContactFrame& frame, ContactConstraints::Point& point) {
   const auto across = [&](const Vec3& v) {
     const Vec3& n = point.first_normal;
     const Vec3 now = carried(tangential(v, n), n, frame.n);
@@ -37,7 +37,7 @@ void take_first_kick(const row_parts::ContactFrame& frame, ContactTable::Point& 
 }
 
 /// The laws are those of what impulses add to these, in the rows of the contact.
-void count_from(std::span<const double> before, ContactTable::Point& point) {
+void count_from(std::span<const double> before, ContactConstraints::Point& point) {
   constexpr int kSliding = ContactRows::kSlidingRow, kSpin = ContactRows::kSpinRow,
                 kRolling = ContactRows::kRollingRow;
   point.back = -before[0];
@@ -49,7 +49,7 @@ void count_from(std::span<const double> before, ContactTable::Point& point) {
 
 /// What a contact has given on B, from the impulses of its rows.
 void keep_impulse(std::span<const double> lambda, const row_parts::ContactFrame& frame,
-                  ContactTable::Point& point) {
+                  ContactConstraints::Point& point) {
   const bool twist = std::ssize(lambda) > 3;
   point.first = point.first_torque = Vec3::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -69,13 +69,11 @@ ContactForces::ContactForces(const World& world, const Settings& settings)
 }
 
 void ContactForces::inherit(ContactForces& old, const World& world) {
-  const ContactSet::Heritage from = table_.set.inherit(old.table_.set, world);
-  const int places = static_cast<int>(old.table_.points.size());
-  const auto point = [&](int k) {
-    return k < places ? old.table_.points[k] : old.resting_points_[k - places];
-  };
-  for (int k : from.places) {
-    inherited_.push_back(k < places ? k : -1);
+  const ContactCache::SlotOrigins from = table_.set.inherit(old.table_.set, world);
+  const int slots = static_cast<int>(old.table_.points.size());
+  const auto point = [&](int k) { return k < slots ? old.table_.points[k] : old.resting_points_[k - slots]; };
+  for (int k : from.slots) {
+    inherited_.push_back(k < slots ? k : -1);
     table_.points.push_back(point(k));
   }
   for (int k : from.resting) resting_points_.push_back(point(k));
@@ -91,14 +89,14 @@ void ContactForces::keep_memory() {
 
 void ContactForces::forget(std::span<const char> moved) {
   for (int k = 0; k < std::ssize(table_.points); ++k) {
-    const Rows::ContactPlace& at = table_.set.places()[k].at;
+    const Rows::ContactSlot& at = table_.set.slots()[k].at;
     if (!moved[at.a] && !moved[at.b]) continue;
     const bool active = table_.points[k].active;
     table_.points[k] = {};
     table_.points[k].active = active;
   }
   for (std::size_t k = 0; k < resting_points_.size(); ++k) {
-    const Rows::ContactPlace& at = table_.set.resting()[k].at;
+    const Rows::ContactSlot& at = table_.set.resting()[k].at;
     if (moved[at.a] || moved[at.b]) resting_points_[k] = {};
   }
 }
@@ -106,11 +104,11 @@ void ContactForces::forget(std::span<const char> moved) {
 bool ContactForces::start(const World& world, const State& state, double horizon) {
   const bool changed = table_.set.find(world, state, horizon);
   if (inherited_.empty())
-    table_.points.assign(table_.set.places().size(), {});
+    table_.points.assign(table_.set.slots().size(), {});
   else
     remap();
-  table_.impacts.assign(table_.set.places().size(), {});
-  for (int k = 0; k < std::ssize(table_.points); ++k) table_.points[k].active = table_.set.places()[k].active;
+  table_.impacts.assign(table_.set.slots().size(), {});
+  for (int k = 0; k < std::ssize(table_.points); ++k) table_.points[k].active = table_.set.slots()[k].active;
   take_up_recalled(world);
   before_ = table_.points;
   impacts_before_ = table_.impacts;
@@ -119,8 +117,8 @@ bool ContactForces::start(const World& world, const State& state, double horizon
 
 void ContactForces::take_up_recalled(const World& world) {
   for (const ContactStretch& known : recalled_) {
-    const int k = table_.set.place_near(world, known.a, known.b, known.p_AP);
-    if (k < 0 || table_.set.places()[k].material.compliance == 0) continue;
+    const int k = table_.set.slot_near(world, known.a, known.b, known.p_AP);
+    if (k < 0 || table_.set.slots()[k].material.compliance == 0) continue;
     Point& point = table_.points[k];
     point.slipped = known.stretch;
     point.stuck = known.holds;
@@ -131,11 +129,11 @@ void ContactForces::take_up_recalled(const World& world) {
 
 std::vector<ContactStretch> ContactForces::stretches() const {
   std::vector<ContactStretch> stretches;
-  const auto add = [&](const ContactSet::Place& place, const Point& point) {
-    if (place.active && place.material.compliance > 0 && !point.slipped.isZero(0))
-      stretches.push_back({place.contact.a, place.contact.b, place.contact.p_AP, point.slipped, point.stuck});
+  const auto add = [&](const ContactCache::Slot& slot, const Point& point) {
+    if (slot.active && slot.material.compliance > 0 && !point.slipped.isZero(0))
+      stretches.push_back({slot.contact.a, slot.contact.b, slot.contact.p_AP, point.slipped, point.stuck});
   };
-  for (std::size_t k = 0; k < table_.points.size(); ++k) add(table_.set.places()[k], table_.points[k]);
+  for (std::size_t k = 0; k < table_.points.size(); ++k) add(table_.set.slots()[k], table_.points[k]);
   for (std::size_t k = 0; k < resting_points_.size(); ++k) add(table_.set.resting()[k], resting_points_[k]);
   return stretches;
 }
@@ -144,11 +142,11 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
   const bool changed = table_.set.find(world, state, horizon);
   remap();
   for (int k = 0; k < std::ssize(table_.points); ++k) {
-    const ContactSet::Place& place = table_.set.places()[k];
+    const ContactCache::Slot& slot = table_.set.slots()[k];
     Point& point = table_.points[k];
-    point.active = place.active;
-    point.gap = place.contact.gap;
-    point.touching = place.active && (point.gap <= kTouch || point.pressed || table_.impacts[k].due());
+    point.active = slot.active;
+    point.gap = slot.contact.gap;
+    point.touching = slot.active && (point.gap <= kTouch || point.pressed || table_.impacts[k].due());
     // A first guess: both kicks alike, and the slip along t₁.
     for (Disc* disc : {&point.sliding, &point.rolling}) {
       disc->bound *= 2;
@@ -160,7 +158,7 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
   return changed;
 }
 
-/// Memory follows the contacts to their places.
+/// Memory follows the contacts to their slots.
 void ContactForces::remap() {
   const std::span<const int> origin = table_.set.origin(), moved = table_.set.moved();
   std::vector<char>& goes_on = goes_on_;
@@ -182,14 +180,14 @@ void ContactForces::remap() {
 }
 
 void ContactForces::set_rows(const Rows& rows) {
-  std::vector<int> places(rows.contact_count());
-  std::iota(places.begin(), places.end(), 0);
-  choose(places, rows);
+  std::vector<int> slots(rows.contact_count());
+  std::iota(slots.begin(), slots.end(), 0);
+  choose(slots, rows);
 }
 
-/// Also of places that are not in use, whose rows are left out but have rates all the same.
+/// Also of slots that are not in use, whose rows are left out but have rates all the same.
 void ContactForces::give_points(ConstraintSystem& system) const {
-  for (int k = 0; k < std::ssize(table_.points); ++k) system.set_contact(k, table_.set.places()[k].point);
+  for (int k = 0; k < std::ssize(table_.points); ++k) system.set_contact(k, table_.set.slots()[k].point);
 }
 
 /// What roll_back() needs.
@@ -208,9 +206,9 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
   set_inertia(inertia);
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
-    const ContactSet::Place& place = table_.set.places()[k];
+    const ContactCache::Slot& slot = table_.set.slots()[k];
     point.live = point.active && !table_.impacts[k].let_through();
-    if (point.active) point.gap = place.contact.gap;
+    if (point.active) point.gap = slot.contact.gap;
     point.least_rate = closing_rate(point.gap, h);
     if (!point.active) continue;
     point.approach = rates[first_row(k)];
@@ -218,11 +216,11 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     // What starts at rest holds with static friction.
     const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
     point.stuck = point.stuck || (point.fresh && point.gap <= kTouch && rests);
-    point.fresh = point.broken = point.pressed = false;
+    point.fresh = point.slipping = point.pressed = false;
     point.back = point.spin_given = point.yield = 0;
     point.sliding.given = point.rolling.given = Vec2::Zero();
     // What it has slipped since it sticks is taken back.
-    const row_parts::ContactFrame& frame = place.point.frame;
+    const row_parts::ContactFrame& frame = slot.point.frame;
     point.sliding.target = -Vec2(frame.t1.dot(point.slipped), frame.t2.dot(point.slipped)) / h;
     point.rolling.target = Vec2::Zero();
     aim_discs(k, rates);
@@ -249,7 +247,7 @@ void ContactForces::begin_single_kick(double h) {
   remember(h);
   table_.single_kick = true;
   for (Point& point : table_.points) {
-    point.broken = point.pressed = false;
+    point.slipping = point.pressed = false;
     point.back = point.spin_given = point.yield = 0;
     point.first = point.first_torque = point.slipped = Vec3::Zero();
     for (Disc* disc : {&point.sliding, &point.rolling}) disc->given = disc->target = Vec2::Zero();
@@ -267,7 +265,7 @@ void ContactForces::begin_impulses(std::span<const double> rates, std::span<cons
     if (!point.active) continue;
     const int row = first_row(k);
     point.approach = rates[row];
-    point.least_rate = -table_.set.places()[k].material.restitution * point.approach;
+    point.least_rate = -table_.set.slots()[k].material.restitution * point.approach;
     const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
     point.stuck = point.stuck || (point.fresh && rests);
     point.fresh = false;
@@ -295,15 +293,15 @@ void ContactForces::record_first_kick(std::span<const double> lambda, std::span<
     Point& point = table_.points[k];
     if (!point.active) continue;
     const int row = first_row(k);
-    keep_impulse(lambda.subspan(row, row_count(k)), place(k).point.frame, point);
+    keep_impulse(lambda.subspan(row, row_count(k)), slot(k).point.frame, point);
     point.pressed = lambda[row] > 0;
     // The slip of this step while it holds: what is left of the target.
     if (!point.sliding.slips && point.pressed) {
-      const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
+      const row_parts::ContactFrame& frame = table_.set.slots()[k].point.frame;
       const Vec3 slip = w[row + 1] * frame.t1 + w[row + 2] * frame.t2;
       point.slipped += table_.h * slip;
     } else if (const double C = compliance(k); C > 0 && point.pressed) {
-      const row_parts::ContactFrame& frame = table_.set.places()[k].point.frame;
+      const row_parts::ContactFrame& frame = table_.set.slots()[k].point.frame;
       point.slipped = -2 * C / table_.h * (lambda[row + 1] * frame.t1 + lambda[row + 2] * frame.t2);
     } else {
       point.slipped = Vec3::Zero();
@@ -327,7 +325,7 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     point.least_rate = point.yield = 0;
     if (!point.active) continue;
     if (point.fresh) point.approach = rates[first_row(k)];
-    take_first_kick(place(k).point.frame, point);
+    take_first_kick(slot(k).point.frame, point);
     point.sliding.target = point.rolling.target = Vec2::Zero();
     if (!anew || compliance(k) > 0) continue;
     point.back = point.spin_given = 0;
@@ -342,7 +340,7 @@ bool ContactForces::any_hold() const {
 }
 
 void ContactForces::hold_again() {
-  for (Point& point : table_.points) point.broken = false;
+  for (Point& point : table_.points) point.slipping = false;
 }
 
 bool ContactForces::strikes() const {
@@ -367,7 +365,7 @@ double ContactForces::begin_impact(std::span<const double> rates, std::span<cons
     if (compliance(k) == 0 || impact(k).due()) count_from(before.subspan(first_row(k), row_count(k)), point);
     if (compliance(k) > 0) set_velocity_slip(k);
     point.approach = rates[first_row(k)];
-    const double restitution = place(k).material.restitution;
+    const double restitution = slot(k).material.restitution;
     const bool slow = point.approach >= -table_.resting_speed;
     point.least_rate = -(point.approach > 0 ? 1 : slow ? 0 : part * restitution) * point.approach;
     if (impact(k).due()) largest = std::max(largest, restitution);
@@ -378,7 +376,7 @@ double ContactForces::begin_impact(std::span<const double> rates, std::span<cons
 void ContactForces::end_impacts() {
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     if (!point(k).active) continue;
-    take_first_kick(place(k).point.frame, point(k));
+    take_first_kick(slot(k).point.frame, point(k));
     if (compliance(k) > 0) set_velocity_slip(k);
   }
 }
@@ -399,7 +397,7 @@ void ContactForces::finish(std::span<const double> mu, double time) {
       point.impact_time = time;
     }
     const int row = first_row(k);
-    keep_impulse(mu.subspan(row, row_count(k)), place(k).point.frame, point);
+    keep_impulse(mu.subspan(row, row_count(k)), slot(k).point.frame, point);
     const bool pressed = point.touching && point.back + mu[row] > 0;
     const bool held = pressed && !point.sliding.slips;
     const bool stretched = compliance(k) > 0 ? pressed : held && point.stuck;
@@ -419,7 +417,7 @@ void ContactForces::finish(std::span<const double> mu, double time) {
 void ContactForces::keep_report(int k) {
   const Point& point = table_.points[k];
   if (point.impulse.isZero(0) && point.torque.isZero(0)) return;
-  // table_.set has moved on; the contact of before is still known under its old place.
+  // table_.set has moved on; the contact that was there is still known under its old slot.
   ContactReport report;
   report.contact = table_.set.contact_before(k);
   report.force = point.impulse;
@@ -434,7 +432,7 @@ std::vector<ContactReport> ContactForces::reports() const {
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     const Point& point = table_.points[k];
     if (!point.active) continue;
-    const Contact& contact = table_.set.places()[k].contact;
+    const Contact& contact = table_.set.slots()[k].contact;
     reports.push_back({contact, point.impulse, point.torque, contact.normal.dot(point.impulse), point.slid,
                        point.impact_time});
   }

@@ -24,15 +24,14 @@ class ContactForces final : public ContactLaws {
   bool empty() const { return !wanted_ || table_.set.empty(); }
   /// Some are there: touching or near.
   bool any() const {
-    const auto& places = table_.set.places();
-    return wanted_ &&
-           std::any_of(places.begin(), places.end(), [](const auto& place) { return place.active; });
+    const auto& slots = table_.set.slots();
+    return wanted_ && std::any_of(slots.begin(), slots.end(), [](const auto& slot) { return slot.active; });
   }
-  const ContactSet& set() const { return table_.set; }
+  const ContactCache& set() const { return table_.set; }
   /// For the laws of some of them.
-  ContactTable& table() { return table_; }
+  ContactConstraints& table() { return table_; }
 
-  /// New start: contacts at this state.  True if the places changed.
+  /// New start: contacts at this state.  True if the slots changed.
   bool start(const World& world, const State& state, double horizon);
   /// What is known of contacts by the forces of the same world before its pattern changed; to be called
   /// before start().
@@ -46,18 +45,18 @@ class ContactForces final : public ContactLaws {
   std::vector<ContactStretch> stretches() const;
   /// Nothing is known of contacts of bodies that were moved.
   void forget(std::span<const char> moved);
-  /// The place there that a place continues, −1 for none, after start().
-  int inherited(int place) const {
-    const int origin = place < std::ssize(table_.set.origin()) ? table_.set.origin()[place] : -1;
+  /// The slot there that a slot continues, −1 for none, after start().
+  int inherited(int slot) const {
+    const int origin = slot < std::ssize(table_.set.origin()) ? table_.set.origin()[slot] : -1;
     return origin < 0 || origin >= std::ssize(inherited_) ? -1 : inherited_[origin];
   }
   void end_inheritance() { inherited_.clear(); }
-  /// Contacts at the end of the drift; what is known of those that go on is kept.  True if the places
+  /// Contacts at the end of the drift; what is known of those that go on is kept.  True if the slots
   /// changed.
   bool move_on(const World& world, const State& state, double horizon);
-  /// The rows of places, in the system: after the system was told of changed places, or a new start.
+  /// The rows of slots, in the system: after the system was told of changed slots, or a new start.
   void set_rows(const Rows& rows);
-  /// Places and directions to the system.
+  /// Slots and directions to the system.
   void give_points(ConstraintSystem& system) const;
 
   /// A step of h begins; `rates`: J V before it.
@@ -111,11 +110,11 @@ class ContactForces final : public ContactLaws {
   void remap();
   void take_up_recalled(const World& world);
   void remember(double h);
-  void aim_discs(int place, std::span<const double> rates);
-  void keep_report(int place);
+  void aim_discs(int slot, std::span<const double> rates);
+  void keep_report(int slot);
 
   bool wanted_;
-  ContactTable table_;
+  ContactConstraints table_;
   ContactImpacts impacts_{table_, *this};
   std::vector<Point> before_;
   std::vector<ImpactState> impacts_before_;

@@ -7,7 +7,7 @@ namespace taut {
 bool ContactImpacts::let_through(std::size_t i, std::span<const double> lambda,
                                  std::span<const double> /*w*/) {
   const int k = static_cast<int>(i);
-  ContactTable::Point& point = table_.points[i];
+  ContactConstraints::Point& point = table_.points[i];
   if (!point.live || !contacts_.locates_impacts(k) || contacts_.spring(k).impact_is_seen()) return false;
   if (!(lambda[contacts_.first_row(k)] > 0)) return false;
   if (std::min(point.approach, -point.gap / table_.h) > -table_.resting_speed) return false;
@@ -16,7 +16,7 @@ bool ContactImpacts::let_through(std::size_t i, std::span<const double> lambda,
 }
 
 double ContactImpacts::meeting(std::size_t i, std::span<const double> w, double h) const {
-  const ContactTable::Point& point = table_.points[i];
+  const ContactConstraints::Point& point = table_.points[i];
   return time_of_meeting(point.gap, point.approach, w[contacts_.first_row(static_cast<int>(i))], h);
 }
 

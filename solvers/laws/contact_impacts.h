@@ -15,7 +15,8 @@ class Archive;
 class ContactImpacts {
  public:
   /// Of all contacts of a table.
-  ContactImpacts(ContactTable& table, const ContactRows& contacts) : table_(table), contacts_(contacts) {}
+  ContactImpacts(ContactConstraints& table, const ContactRows& contacts)
+      : table_(table), contacts_(contacts) {}
 
   // For the location of the first one.
   std::size_t size() const { return table_.points.size(); }
@@ -40,7 +41,7 @@ class ContactImpacts {
   void transfer(Archive& archive);
 
  private:
-  ContactTable& table_;
+  ContactConstraints& table_;
   const ContactRows& contacts_;
   int count_ = 0;
 };

@@ -18,7 +18,7 @@ RowLaw box_around(double centre, double half, double w) {
 /// A disc that holds is a square around it, or, if a corner of that was used, one inside it that has its own
 /// corner there.  A disc that slips along t₁ has the level −bound there, and across it the friction that
 /// turns with the slip: the derivative of −bound w/|w|.
-void disc_laws(const ContactTable::Disc& disc, int row, std::span<RowLaw> laws) {
+void disc_laws(const ContactConstraints::Disc& disc, int row, std::span<RowLaw> laws) {
   const bool holds = !disc.slips || disc.weight == 0 || !(disc.bound > 0);
   for (int i : {0, 1}) {
     const double half = disc.slips ? disc.bound * std::abs(disc.direction[i]) : disc.bound;
@@ -35,7 +35,7 @@ void ContactLaws::set_position_springs() {
   for (int k = 0; k < count(); ++k) {
     Point& at = point(k);
     if (!at.active || compliance(k) == 0) continue;
-    at.soft = spring(k).position_law(at.gap, place(k).material.restitution);
+    at.soft = spring(k).position_law(at.gap, slot(k).material.restitution);
     at.soft_slip = spring(k, kSlidingRow).position_slip_law(at.sliding.target);
   }
 }
@@ -44,7 +44,7 @@ void ContactLaws::set_velocity_springs() {
   for (int k = 0; k < count(); ++k) {
     Point& at = point(k);
     if (!at.active || compliance(k) == 0) continue;
-    at.soft = spring(k).velocity_law(at.gap, at.approach, at.back, place(k).material.restitution);
+    at.soft = spring(k).velocity_law(at.gap, at.approach, at.back, slot(k).material.restitution);
     set_velocity_slip(k);
   }
 }

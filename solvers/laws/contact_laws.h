@@ -23,7 +23,7 @@ class ContactLaws : public ContactRows {
  public:
   using Cone = ContactCone;
 
-  explicit ContactLaws(ContactTable& table) : ContactRows(table) {}
+  explicit ContactLaws(ContactConstraints& table) : ContactRows(table) {}
   ContactLaws(const ContactLaws&) = delete;
 
   void position_laws(std::span<RowLaw> laws) const;

@@ -9,7 +9,7 @@ namespace taut {
 namespace {
 
 DiscState disc_state(const ContactRows& contacts, int row, const Vec2& given,
-                     const ContactTable::SlipLaw& law, std::span<const double> lambda,
+                     const ContactConstraints::SlipLaw& law, std::span<const double> lambda,
                      std::span<const double> w) {
   const Vec2 impulse(lambda[row], lambda[row + 1]);
   return {given + impulse, Vec2(w[row], w[row + 1]) + law.softness * impulse - law.target,
@@ -20,7 +20,7 @@ NaturalResidual normal_residual(const ContactRows& contacts, int k, std::span<co
                                 std::span<const double> w) {
   const int row = contacts.first_row(k);
   const double root = contacts.root(row);
-  const ContactTable::NormalLaw law = normal_law(contacts, k);
+  const ContactConstraints::NormalLaw law = normal_law(contacts, k);
   const double normal = contacts.point(k).back + lambda[row];
   const double off = w[row] + law.softness * lambda[row] - law.target;
   const double own = root * root + law.softness;
@@ -46,7 +46,7 @@ NaturalResidual sliding_residual(const ContactRows& contacts, int k, std::span<c
 /// to slip: what it was not asked.
 NaturalResidual other_sliding_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                        std::span<const double> w) {
-  ContactTable::Disc other = contacts.point(k).sliding;
+  ContactConstraints::Disc other = contacts.point(k).sliding;
   other.slips = !other.slips;
   return disc_state(contacts, contacts.first_row(k) + ContactRows::kSlidingRow, other.given,
                     other.rigid_law(), lambda, w)
@@ -55,7 +55,7 @@ NaturalResidual other_sliding_residual(const ContactRows& contacts, int k, std::
 
 NaturalResidual rolling_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                  std::span<const double> w) {
-  const double arm = contacts.place(k).material.rolling_friction;
+  const double arm = contacts.slot(k).material.rolling_friction;
   return disc_residual(contacts, contacts.first_row(k) + ContactRows::kRollingRow,
                        rolling_state(contacts, k, lambda, w), arm * contacts.pressure(k, lambda));
 }
@@ -63,7 +63,7 @@ NaturalResidual rolling_residual(const ContactRows& contacts, int k, std::span<c
 /// Of the three impulses and the normality law of the cone of static friction.
 NaturalResidual cone_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                               std::span<const double> w) {
-  const ContactTable::Point& point = contacts.point(k);
+  const ContactConstraints::Point& point = contacts.point(k);
   const int row = contacts.first_row(k);
   const Vec2& given = point.sliding.given;
   const Vec2& target = point.sliding.target;
@@ -84,7 +84,7 @@ DiscState sliding_state(const ContactRows& contacts, int k, std::span<const doub
 
 DiscState rolling_state(const ContactRows& contacts, int k, std::span<const double> lambda,
                         std::span<const double> w) {
-  const ContactTable::Disc& disc = contacts.point(k).rolling;
+  const ContactConstraints::Disc& disc = contacts.point(k).rolling;
   return disc_state(contacts, contacts.first_row(k) + ContactRows::kRollingRow, disc.given, disc.rigid_law(),
                     lambda, w);
 }
@@ -92,7 +92,7 @@ DiscState rolling_state(const ContactRows& contacts, int k, std::span<const doub
 NaturalResidual spinning_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                   std::span<const double> w) {
   const int row = contacts.first_row(k) + ContactRows::kSpinRow;
-  const double bound = contacts.place(k).material.spinning_friction * contacts.pressure(k, lambda);
+  const double bound = contacts.slot(k).material.spinning_friction * contacts.pressure(k, lambda);
   const double root = contacts.root(row), own = root * root;
   const double spin = contacts.point(k).spin_given + lambda[row];
   return {root, own, spin - std::clamp(spin - w[row] / own, -bound, bound)};

@@ -4,8 +4,8 @@
 
 namespace taut {
 
-void ContactRows::choose(std::span<const int> places, const Rows& rows) {
-  places_.assign(places.begin(), places.end());
+void ContactRows::choose(std::span<const int> slots, const Rows& rows) {
+  slots_.assign(slots.begin(), slots.end());
   first_row_.clear();
   for (int k = 0; k < rows.contact_count(); ++k)
     first_row_.push_back(rows.joints()[rows.contact_joint(k)].first_row);
@@ -17,8 +17,8 @@ void ContactRows::set_inertia(std::span<const double> inertia) {
 }
 
 double ContactRows::friction_bound(int k, double normal) const {
-  const Material& material = place(k).material;
-  return (point(k).stuck && !point(k).broken ? material.static_friction : material.dynamic_friction) *
+  const Material& material = slot(k).material;
+  return (point(k).stuck && !point(k).slipping ? material.static_friction : material.dynamic_friction) *
          std::max(0.0, normal);
 }
 
@@ -38,13 +38,13 @@ bool ContactRows::rest() const {
 double ContactRows::restitution() const {
   double largest = 0;
   for (int k = 0; k < count(); ++k)
-    if (works(k) && point(k).approach < 0) largest = std::max(largest, place(k).material.restitution);
+    if (works(k) && point(k).approach < 0) largest = std::max(largest, slot(k).material.restitution);
   return largest;
 }
 
 void ContactRows::weaken_restitution(double part) {
   for (int k = 0; k < count(); ++k)
-    point(k).least_rate = -part * place(k).material.restitution * point(k).approach;
+    point(k).least_rate = -part * slot(k).material.restitution * point(k).approach;
 }
 
 bool ContactRows::take_back(std::span<const double> mu) const {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/constraints/rows.h"
+#include "solvers/laws/contact_constraints.h"
 #include "solvers/laws/contact_spring.h"
-#include "solvers/laws/contact_table.h"
 
 namespace taut {
 
@@ -16,35 +16,35 @@ namespace taut {
 /// normal and two about the tangents.
 class ContactRows {
  public:
-  using NormalLaw = ContactTable::NormalLaw;
-  using SlipLaw = ContactTable::SlipLaw;
-  using Disc = ContactTable::Disc;
-  using Point = ContactTable::Point;
+  using NormalLaw = ContactConstraints::NormalLaw;
+  using SlipLaw = ContactConstraints::SlipLaw;
+  using Disc = ContactConstraints::Disc;
+  using Point = ContactConstraints::Point;
   static constexpr int kSlidingRow = 1, kSpinRow = 3, kRollingRow = 4;  ///< behind first_row()
 
-  explicit ContactRows(ContactTable& table) : table_(table) {}
+  explicit ContactRows(ContactConstraints& table) : table_(table) {}
 
-  /// The contacts, by their places; `rows` has them in this order.
-  void choose(std::span<const int> places, const Rows& rows);
+  /// The contacts, by their slots; `rows` has them in this order.
+  void choose(std::span<const int> slots, const Rows& rows);
   /// 1/S_rr of all rows.
   void set_inertia(std::span<const double> inertia);
 
   int count() const { return static_cast<int>(first_row_.size()); }
   int first_row(int k) const { return first_row_[k]; }
   std::span<const int> first_rows() const { return first_row_; }
-  int row_count(int k) const { return place(k).at.row_count(); }
-  bool has_twist(int k) const { return place(k).at.twist; }
+  int row_count(int k) const { return slot(k).at.row_count(); }
+  bool has_twist(int k) const { return slot(k).at.twist; }
   double root(int row) const { return root_[row]; }  ///< √S_rr
 
-  const ContactTable& table() const { return table_; }
-  const ContactSet::Place& place(int k) const { return table_.set.places()[places_[k]]; }
-  Point& point(int k) { return table_.points[places_[k]]; }
-  const Point& point(int k) const { return table_.points[places_[k]]; }
-  row_parts::ContactPoint& contact_point(int k) { return table_.set.point(places_[k]); }
-  const ImpactState& impact(int k) const { return table_.impacts[places_[k]]; }
+  const ContactConstraints& table() const { return table_; }
+  const ContactCache::Slot& slot(int k) const { return table_.set.slots()[slots_[k]]; }
+  Point& point(int k) { return table_.points[slots_[k]]; }
+  const Point& point(int k) const { return table_.points[slots_[k]]; }
+  row_parts::ContactPoint& contact_point(int k) { return table_.set.point(slots_[k]); }
+  const ImpactState& impact(int k) const { return table_.impacts[slots_[k]]; }
   /// Its impacts are located: it has restitution, or all are.
-  bool locates_impacts(int k) const { return table_.locates_plastic || place(k).material.restitution > 0; }
-  double compliance(int k) const { return place(k).material.compliance; }
+  bool locates_impacts(int k) const { return table_.locates_plastic || slot(k).material.restitution > 0; }
+  double compliance(int k) const { return slot(k).material.compliance; }
   /// Along row r of the contact.
   ContactSpring spring(int k, int r = 0) const { return {compliance(k), root_[first_row_[k] + r], table_.h}; }
 
@@ -59,7 +59,7 @@ class ContactRows {
   /// μ_c Λ_n
   double friction_bound(int k, double normal) const;
   /// It is rigid and is held by static friction.
-  bool sticks(int k) const { return works(k) && point(k).stuck && !point(k).broken && compliance(k) == 0; }
+  bool sticks(int k) const { return works(k) && point(k).stuck && !point(k).slipping && compliance(k) == 0; }
   /// It sticks, and its disc was passed.
   bool slips_in_vain(int k) const {
     return sticks(k) && point(k).sliding.slips && point(k).sliding.weight > 0;
@@ -96,8 +96,8 @@ class ContactRows {
   bool is_clear(std::span<const double> lambda) const;
 
  private:
-  ContactTable& table_;
-  std::vector<int> places_, first_row_;
+  ContactConstraints& table_;
+  std::vector<int> slots_, first_row_;
   std::vector<double> root_;
   bool sharing_ = false;
 };

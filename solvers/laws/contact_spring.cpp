@@ -28,15 +28,15 @@ double damping_ratio(double restitution) {
 
 }  // namespace
 
-ContactTable::NormalLaw ContactSpring::position_law(double gap, double restitution) const {
+ContactConstraints::NormalLaw ContactSpring::position_law(double gap, double restitution) const {
   const double damping = damping_ratio(restitution);
   const double a = gap >= 0 ? h : 0.5 * h + damping * std::max(2 * period(), 0.5 * h);
   return {.target = std::clamp(-gap / a, -kUnreachedRate, kUnreachedRate),
           .softness = 2 * compliance / (h * a)};
 }
 
-ContactTable::NormalLaw ContactSpring::velocity_law(double gap, double approach, double back,
-                                                    double restitution) const {
+ContactConstraints::NormalLaw ContactSpring::velocity_law(double gap, double approach, double back,
+                                                          double restitution) const {
   const double pressed = std::max(-gap, 2 * compliance * back / h);
   const double rebound = std::max(-restitution * approach, approach);
   const double delta = impact_is_seen() ? kGivingWay : 1, softness = delta * compliance / (h * period());

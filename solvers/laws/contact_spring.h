@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "solvers/laws/contact_table.h"
+#include "solvers/laws/contact_constraints.h"
 
 namespace taut {
 
@@ -21,21 +21,22 @@ struct ContactSpring {
   /// N (g₁ − g₀) is the change of g²/2C: energy is conserved while the bodies touch.  With a = h, its end,
   /// N |g₁ − g₀| ≥ g₁²/C, more than the spring stores: bodies that come to touch never gain any.  More than
   /// h/2 is a damper.                                                               (solvers/laws, Eq. 7)
-  ContactTable::NormalLaw position_law(double gap, double restitution) const;
+  ContactConstraints::NormalLaw position_law(double gap, double restitution) const;
   /// The second kick μ gives what the first gave, `back`, unless the bodies then part faster than w̄, the rate
   /// of an impact and that of a spring as deep as they are.  As 2σλ is ω times the depth that belongs to λ,
   /// all of μ = λ is given up to (1 − δ) of that rate.  Where the step does not resolve the spring δ = 1, a
   /// critical damper: with μ = λ what rests would swing from step to step, and so it shrinks by (1 + eωh)/(1
   /// + ωh) in two steps.  The law is in μ: δ σ Λ = δ σ (μ + back).                    (solvers/laws, Eq. 8)
-  ContactTable::NormalLaw velocity_law(double gap, double approach, double back, double restitution) const;
+  ContactConstraints::NormalLaw velocity_law(double gap, double approach, double back,
+                                             double restitution) const;
 
   /// Law of the tangents: the spring, with its stiffness across the normal, yields where friction does, so
   /// that its stretch `target` [m] is what has slipped.
-  ContactTable::SlipLaw position_slip_law(const Vec2& target) const {
+  ContactConstraints::SlipLaw position_slip_law(const Vec2& target) const {
     return {target, 2 * compliance / (h * h)};
   }
   /// The second kick gives what the first gave, less a critical damper.
-  ContactTable::SlipLaw velocity_slip_law(const Vec2& given) const {
+  ContactConstraints::SlipLaw velocity_slip_law(const Vec2& given) const {
     const double softness = root * std::sqrt(compliance) / h;
     return {softness * given, softness};
   }

@@ -26,7 +26,7 @@ double ContactWorks::of_rigid(std::span<const double> impulses, std::span<const 
 void ContactWorks::book(int k, std::span<const double> lambda, std::span<const double> rates, bool all) {
   constexpr int kSliding = ContactRows::kSlidingRow, kSpin = ContactRows::kSpinRow,
                 kRolling = ContactRows::kRollingRow;
-  const ContactTable::Point& point = contacts_.point(k);
+  const ContactConstraints::Point& point = contacts_.point(k);
   const bool stops = all || point.approach < -contacts_.table().resting_speed;
   const int row = contacts_.first_row(k);
   const auto work = [&](int r) { return lambda[row + r] * rates[row + r]; };

@@ -36,8 +36,8 @@ double FrictionLinearization::size_of(std::span<const double> lambda) const {
 /// The discs and the spin of a contact by a solution.  Returns its residual with them as they were.
 double FrictionLinearization::renew(int k, std::span<const double> lambda, std::span<const double> w,
                                     double rate_tolerance) {
-  ContactTable::Point& point = contacts_.point(k);
-  const Material& material = contacts_.place(k).material;
+  ContactConstraints::Point& point = contacts_.point(k);
+  const Material& material = contacts_.slot(k).material;
   const double normal = contacts_.pressure(k, lambda);
   const double sliding = renew_disc(point.sliding, sliding_state(contacts_, k, lambda, w),
                                     contacts_.friction_bound(k, normal), contacts_.sticks(k), rate_tolerance);
@@ -50,7 +50,7 @@ double FrictionLinearization::renew(int k, std::span<const double> lambda, std::
 }
 
 /// `stuck`: it is that of a contact that sticks.
-double FrictionLinearization::renew_disc(ContactTable::Disc& disc, const DiscState& state, double bound,
+double FrictionLinearization::renew_disc(ContactConstraints::Disc& disc, const DiscState& state, double bound,
                                          bool stuck, double rate_tolerance) {
   const double root = state.root, residual = state.residual(bound).beyond(rate_tolerance);
   disc.bound = bound;
@@ -70,9 +70,9 @@ double FrictionLinearization::renew_disc(ContactTable::Disc& disc, const DiscSta
 /// Compliant contacts that slip where the laws are met have let go.
 void FrictionLinearization::mark_stretched() {
   for (int k = 0; k < contacts_.count(); ++k) {
-    const ContactTable::Disc& sliding = contacts_.point(k).sliding;
+    const ContactConstraints::Disc& sliding = contacts_.point(k).sliding;
     if (contacts_.compliance(k) > 0 && contacts_.works(k) && sliding.slips && sliding.weight > 0)
-      contacts_.point(k).broken = true;
+      contacts_.point(k).slipping = true;
   }
 }
 

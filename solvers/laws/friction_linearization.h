@@ -31,7 +31,7 @@ class FrictionLinearization {
  private:
   double size_of(std::span<const double> lambda) const;
   double renew(int k, std::span<const double> lambda, std::span<const double> w, double rate_tolerance);
-  double renew_disc(ContactTable::Disc& disc, const DiscState& state, double bound, bool stuck,
+  double renew_disc(ContactConstraints::Disc& disc, const DiscState& state, double bound, bool stuck,
                     double rate_tolerance);
   void mark_stretched();
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 namespace taut {
-ContactTable::NormalLaw normal_law(const ContactRows& contacts, int k) {
+ContactConstraints::NormalLaw normal_law(const ContactRows& contacts, int k) {
   const bool strikes = contacts.impact(k).due();
   if (contacts.compliance(k) > 0 && !strikes) return contacts.point(k).soft;
   const double yield = contacts.point(k).yield;
@@ -11,16 +11,16 @@ ContactTable::NormalLaw normal_law(const ContactRows& contacts, int k) {
   return {.target = yield > 0 ? std::min(target, 0.0) : target, .softness = yield};
 }
 
-ContactTable::SlipLaw sliding_law(const ContactRows& contacts, int k) {
-  const ContactTable::Disc& disc = contacts.point(k).sliding;
+ContactConstraints::SlipLaw sliding_law(const ContactRows& contacts, int k) {
+  const ContactConstraints::Disc& disc = contacts.point(k).sliding;
   if (contacts.shares(k)) return {disc.target, 0};
   return contacts.compliance(k) == 0 ? disc.rigid_law() : contacts.point(k).soft_slip;
 }
 
 ContactCone contact_cone(const ContactRows& contacts, int k) {
-  const ContactTable::Point& point = contacts.point(k);
-  const Material& material = contacts.place(k).material;
-  const ContactTable::NormalLaw normal = normal_law(contacts, k);
+  const ContactConstraints::Point& point = contacts.point(k);
+  const Material& material = contacts.slot(k).material;
+  const ContactConstraints::NormalLaw normal = normal_law(contacts, k);
   return {.works = contacts.works(k),
           .twist = contacts.has_twist(k),
           .shares = contacts.shares(k),

@@ -8,9 +8,9 @@
 namespace taut {
 
 /// Along its normal: Signorini's law and Newton's of impact, or that of a spring.
-ContactTable::NormalLaw normal_law(const ContactRows& contacts, int k);
+ContactConstraints::NormalLaw normal_law(const ContactRows& contacts, int k);
 /// Where its tangents are at rest.
-ContactTable::SlipLaw sliding_law(const ContactRows& contacts, int k);
+ContactConstraints::SlipLaw sliding_law(const ContactRows& contacts, int k);
 /// What its impulses may be.
 ContactCone contact_cone(const ContactRows& contacts, int k);
 

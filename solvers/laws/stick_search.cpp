@@ -31,7 +31,7 @@ bool StickSearch::choose_candidates(std::span<const double> lambda, std::span<co
   const auto is_struck = [&](int body) { return std::binary_search(struck.begin(), struck.end(), body); };
   bool any = false;
   for (int k = 0; k < contacts_.count(); ++k) {
-    const Rows::ContactPlace& at = contacts_.place(k).at;
+    const Rows::ContactSlot& at = contacts_.slot(k).at;
     const bool slips = contacts_.slips_in_vain(k);
     const bool candidate = slips && !is_struck(at.a) && !is_struck(at.b) && !is_far(k, w, friction);
     contacts_.point(k).stick_candidate = candidate;
@@ -43,11 +43,11 @@ bool StickSearch::choose_candidates(std::span<const double> lambda, std::span<co
 
 /// Those that a contact meets faster than the resting speed, in ascending order.
 std::vector<int> StickSearch::struck_bodies() const {
-  const ContactTable& table = contacts_.table();
+  const ContactConstraints& table = contacts_.table();
   std::vector<int> struck;
   for (int k = 0; k < contacts_.count(); ++k) {
     if (!contacts_.works(k) || contacts_.point(k).approach >= -table.resting_speed) continue;
-    for (int b : {contacts_.place(k).at.a, contacts_.place(k).at.b})
+    for (int b : {contacts_.slot(k).at.a, contacts_.slot(k).at.b})
       if (table.moves[b]) struck.push_back(b);
   }
   std::sort(struck.begin(), struck.end());
@@ -58,14 +58,14 @@ std::vector<int> StickSearch::struck_bodies() const {
 std::vector<double> StickSearch::friction_of_bodies(std::span<const double> lambda) const {
   std::vector<double> friction(contacts_.table().moves.size(), 0.0);
   for (int k = 0; k < contacts_.count(); ++k)
-    for (int body : {contacts_.place(k).at.a, contacts_.place(k).at.b})
+    for (int body : {contacts_.slot(k).at.a, contacts_.slot(k).at.b})
       if (contacts_.works(k)) friction[body] += contacts_.friction_bound(k, contacts_.pressure(k, lambda));
   return friction;
 }
 
 bool StickSearch::is_far(int k, std::span<const double> w, std::span<const double> friction) const {
   const std::vector<char>& moves = contacts_.table().moves;
-  const auto [a, b, twist] = contacts_.place(k).at;
+  const auto [a, b, twist] = contacts_.slot(k).at;
   const double most = std::max(moves[a] ? friction[a] : 0, moves[b] ? friction[b] : 0);
   const int row = contacts_.first_row(k);
   const double root = std::max(contacts_.root(row + 1), contacts_.root(row + 2));
@@ -76,15 +76,15 @@ void StickSearch::end(bool hold) {
   contacts_.set_sharing(false);
   if (hold) return;
   for (int k = 0; k < contacts_.count(); ++k) {
-    if (unshared_[k].stick_candidate) unshared_[k].broken = contacts_.point(k).broken;
+    if (unshared_[k].stick_candidate) unshared_[k].slipping = contacts_.point(k).slipping;
     contacts_.point(k) = unshared_[k];
   }
   friction_.restore(unshared_residual_);
 }
 
 void StickSearch::release(int k) {
-  const Material& material = contacts_.place(k).material;
-  contacts_.point(k).broken = true;
+  const Material& material = contacts_.slot(k).material;
+  contacts_.point(k).slipping = true;
   contacts_.point(k).stick_candidate = false;
   weakened_ = weakened_ || material.dynamic_friction < material.static_friction;
 }

@@ -50,7 +50,7 @@ class StickSearch {
 
   ContactRows& contacts_;
   FrictionLinearization& friction_;
-  std::vector<ContactTable::Point> unshared_;  // of begin()
+  std::vector<ContactConstraints::Point> unshared_;  // of begin()
   double unshared_residual_ = 0;
   bool weakened_ = false;
 };

@@ -280,7 +280,7 @@ void Simulator::Impl::transfer(Archive& archive, std::span<const char> gone) {
     bodies_.note_published();
     end_versions_ = versions();
   }
-  books_.transfer(archive, world_);
+  accounting_.transfer(archive, world_);
 }
 
 Simulator::Impl::Versions Simulator::Impl::versions() const {

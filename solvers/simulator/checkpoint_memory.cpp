@@ -6,7 +6,7 @@
 #include "core/state/same_state.h"
 #include "solvers/integrators/force_level.h"
 #include "solvers/integrators/rattle.h"
-#include "solvers/integrators/reduced_coordinates.h"
+#include "solvers/integrators/reduced/reduced_coordinates.h"
 #include "solvers/simulator/energy_accounting.h"
 #include "solvers/simulator/sleep.h"
 #include "solvers/simulator/sleeping_loads.h"
@@ -42,7 +42,7 @@ void transfer_fields(Archive& archive, Reaction& r) { archive(r.force, r.torque)
 void transfer_fields(Archive& archive, BreakEvent& e) {
   archive(e.joint, e.time, e.force, e.torque, e.energy, e.with);
 }
-void transfer_fields(Archive& archive, Rows::ContactPlace& p) { archive(p.a, p.b, p.twist); }
+void transfer_fields(Archive& archive, Rows::ContactSlot& p) { archive(p.a, p.b, p.twist); }
 void transfer_fields(Archive& archive, row_parts::ContactFrame& f) { archive(f.n, f.t1, f.t2); }
 void transfer_fields(Archive& archive, row_parts::ContactPoint& p) { archive(p.p_AP, p.p_BQ, p.frame); }
 void transfer_fields(Archive& archive, RowLaw& law) {
@@ -108,8 +108,8 @@ void AxisForces::transfer(Archive& archive) {
   before_ = axes_;
 }
 
-void ContactSet::transfer(Archive& archive, const World& world) {
-  const auto place = [&](Place& p) {
+void ContactCache::transfer(Archive& archive, const World& world) {
+  const auto slot = [&](Slot& p) {
     archive(p.at, p.active, p.unused, p.contact, p.material, p.parted, p.point);
     require_bodies(world, p.at.a, p.at.b);
     if (p.active || has_shapes(p.contact))
@@ -117,16 +117,16 @@ void ContactSet::transfer(Archive& archive, const World& world) {
     else  // never used
       require_bodies(world, p.contact.A.index, p.contact.B.index);
   };
-  archive.each(places_, place);
-  archive.each(resting_, place);
+  archive.each(slots_, slot);
+  archive.each(resting_, slot);
   archive(parts_);
   std::vector<Contact> contacts = finder_.contacts();
   archive(contacts);
   for (const Contact& contact : contacts) require_contact(world, contact);
   if (!archive.reads()) return;
   finder_.recall(std::move(contacts));
-  before_ = places_;
-  origin_.resize(places_.size());
+  before_ = slots_;
+  origin_.resize(slots_.size());
   std::iota(origin_.begin(), origin_.end(), 0);
   moved_ = origin_;
   sort_pairs();
@@ -150,7 +150,7 @@ void ContactForces::transfer(Archive& archive, const World& world) {
   const auto point = [&](Point& p) {
     archive(p.soft.target, p.soft.softness, p.soft.most, p.soft_slip.target, p.soft_slip.softness, p.active,
             p.live, p.touching, p.pressed, p.gap, p.approach, p.least_rate, p.fresh, p.back, p.stuck,
-            p.broken, p.stick_candidate, p.slipped, p.first, p.first_torque, p.first_normal, p.spin_bound,
+            p.slipping, p.stick_candidate, p.slipped, p.first, p.first_torque, p.first_normal, p.spin_bound,
             p.spin_given, p.impulse, p.torque, p.impact_time, p.slid);
     disc(p.sliding), disc(p.rolling);
   };
@@ -162,12 +162,12 @@ void ContactForces::transfer(Archive& archive, const World& world) {
   for (const ContactReport& report : departed_) require_contact(world, report.contact);
   impacts_.transfer(archive);
   archive(table_.h, table_.still_rate, table_.in_velocities, table_.single_kick);
-  Archive::require(table_.points.size() == table_.set.places().size() &&
+  Archive::require(table_.points.size() == table_.set.slots().size() &&
                        table_.impacts.size() == table_.points.size() &&
                        resting_points_.size() == table_.set.resting().size(),
                    "it has other contacts");
   for (std::size_t k = 0; k < table_.points.size(); ++k)
-    Archive::require(!table_.points[k].active || has_shapes(table_.set.places()[k].contact));
+    Archive::require(!table_.points[k].active || has_shapes(table_.set.slots()[k].contact));
   transfer_residuals(archive);
   before_ = table_.points;
   impacts_before_ = table_.impacts;

@@ -140,7 +140,7 @@ Simulator::Impl::Before Simulator::Impl::begin_step(double dt) {
 /// … with the energies from before in the books.
 void Simulator::Impl::fall_asleep() {
   welds_.forget_means();
-  if (settings_.report_energy) books_.begin(world_, bodies_.as_set(), report_);
+  if (settings_.report_energy) accounting_.begin(world_, bodies_.as_set(), report_);
   sleep_.put_to_sleep(world_);
 }
 
@@ -169,7 +169,7 @@ void Simulator::Impl::choose_sleepers(double dt) {
   wake_islands(dt);
   sleep_.forget_candidates();
   if (!stepper_.knows_topology() || !report_.ok() || report_.dt == 0) return;
-  sleep_.choose_candidates(world_, stepper_.system().rows(), stepper_.places());
+  sleep_.choose_candidates(world_, stepper_.system().rows(), stepper_.slots());
   if (!sleep_.candidates().empty()) note_loads_of_sleepers();
 }
 
@@ -179,7 +179,7 @@ void Simulator::Impl::wake_islands(double h) {
   if (stepper_.has_state() && !stepper_.knows_state())
     for (int b = 0; b < stepper_.system().rows().body_count(); ++b)
       if (stepper_.is_moved(b)) world_.is_fixed({b}) ? world_.wake_all() : world_.wake({b});
-  sleep_.wake(world_, stepper_.places(), h);
+  sleep_.wake(world_, stepper_.slots(), h);
 }
 
 /// Reactions, axes and contacts of bodies that are about to fall asleep stay as they were in the last step.
@@ -206,7 +206,7 @@ bool Simulator::Impl::start_advancing() {
   refresh();
   if (!report_.ok()) return false;
   if (settings_.report_energy && stepper_.scheme().knows_works() && (!goes_on || restarted_))
-    books_.start(world_, stepper_.state());
+    accounting_.start(world_, stepper_.state());
   restarted_ = false;  // else a question before the step has had it started
   welds_.start_step(stepper_.state());
   stepper_.forget_state();
@@ -277,7 +277,7 @@ void Simulator::Impl::close_ledger() {
   works.constraint -= works.axes.total() + works.contacts.total();
   sum_motion(stepper_.state(), stepper_.momenta(), report_);
   const World::Hold held = source_.hold();
-  books_.close(world_, report_, stepper_.scheme().knows_works());
+  accounting_.close(world_, report_, stepper_.scheme().knows_works());
 }
 
 /// A step that failed: joints that were closed before it are open again, and the user's world is untouched.

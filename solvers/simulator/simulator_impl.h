@@ -127,7 +127,7 @@ class Simulator::Impl {
   double horizon_ = 0;      // the step to come
   StepUndo undo_{world_, source_};
   StepQuality quality_;
-  EnergyAccounting books_{stepper_.force_springs()};
+  EnergyAccounting accounting_{stepper_.force_springs()};
   bool restarted_ = false;  // the integrator has made velocities tangent, which the books do not know yet
   Sleep sleep_{settings_};
   SleepingLoads sleeping_{source_};

@@ -50,13 +50,13 @@ void Sleep::join(const World& world, std::span<const BodyId> bodies) {
   }
 }
 
-void Sleep::connect(const World& world, std::span<const ContactSet::Place> places) {
+void Sleep::connect(const World& world, std::span<const ContactCache::Slot> slots) {
   connected_.reset(static_cast<int>(quiet_.size()));
   for (int j = 0; j < world.joint_count(); ++j)
     if (world.is_attached(JointId{j})) join(world, world.joint(JointId{j}).bodies());
   for (int f = 0; f < world.force_count(); ++f) join(world, world.force(ForceId{f}).bodies());
-  for (const ContactSet::Place& place : places)
-    if (place.active) join(world, std::array{BodyId{place.at.a}, BodyId{place.at.b}});
+  for (const ContactCache::Slot& slot : slots)
+    if (slot.active) join(world, std::array{BodyId{slot.at.a}, BodyId{slot.at.b}});
 }
 
 /// Islands with a joint that follows the time, or a motor that would turn if it could.
@@ -78,20 +78,20 @@ void Sleep::note_restless(const World& world, const Rows& rows) {
 }
 
 void Sleep::choose_candidates(const World& world, const Rows& rows,
-                              std::span<const ContactSet::Place> places) {
-  candidates_ = tired_bodies(world, rows, places);
+                              std::span<const ContactCache::Slot> slots) {
+  candidates_ = tired_bodies(world, rows, slots);
   candidate_twists_.clear();
   for (BodyId body : candidates_) candidate_twists_.push_back(world.twist(body));
 }
 
 std::vector<BodyId> Sleep::tired_bodies(const World& world, const Rows& rows,
-                                        std::span<const ContactSet::Place> places) {
+                                        std::span<const ContactCache::Slot> slots) {
   std::vector<BodyId> bodies;
   const auto may_sleep = [&](int b) { return is_quiet(b) && world.moves({b}) && is_slow(world, b); };
   int first = 0;
   while (first < std::ssize(quiet_) && !may_sleep(first)) ++first;
   if (first == std::ssize(quiet_)) return bodies;
-  connect(world, places);
+  connect(world, slots);
   note_restless(world, rows);
   for (int b = first; b < std::ssize(quiet_); ++b)
     if (may_sleep(b) && !restless_[connected_.find(b)]) bodies.push_back({b});
@@ -141,13 +141,13 @@ bool Sleep::any_asleep() const {
   return std::any_of(islands_.begin(), islands_.end(), [](const auto& island) { return !island.empty(); });
 }
 
-void Sleep::wake(World& world, std::span<const ContactSet::Place> places, double h) {
+void Sleep::wake(World& world, std::span<const ContactCache::Slot> slots, double h) {
   if (!enabled_) return;
   read_bodies(world);
   wake_stirred(world);
   if (!any_asleep()) return;
   wake_pulled(world);
-  wake_approached(world, places, h);
+  wake_approached(world, slots, h);
 }
 
 /// Islands of bodies that were woken.
@@ -171,15 +171,15 @@ void Sleep::wake_pulled(World& world) {
 }
 
 /// Islands that a moving body may touch within h.
-void Sleep::wake_approached(World& world, std::span<const ContactSet::Place> places, double h) {
+void Sleep::wake_approached(World& world, std::span<const ContactCache::Slot> slots, double h) {
   const State& state = world.state();
-  for (const ContactSet::Place& place : places) {
-    if (!place.active || world.moves({place.at.a}) == world.moves({place.at.b})) continue;
-    const int asleep = island_of_[world.moves({place.at.a}) ? place.at.b : place.at.a];
+  for (const ContactCache::Slot& slot : slots) {
+    if (!slot.active || world.moves({slot.at.a}) == world.moves({slot.at.b})) continue;
+    const int asleep = island_of_[world.moves({slot.at.a}) ? slot.at.b : slot.at.a];
     if (asleep < 0) continue;  // a fixed body
-    const Contact& contact = place.contact;
-    const Vec3 v = state.twists[place.at.b].at(state.poses[place.at.b].q * contact.p_BQ) -
-                   state.twists[place.at.a].at(state.poses[place.at.a].q * contact.p_AP);
+    const Contact& contact = slot.contact;
+    const Vec3 v = state.twists[slot.at.b].at(state.poses[slot.at.b].q * contact.p_BQ) -
+                   state.twists[slot.at.a].at(state.poses[slot.at.a].q * contact.p_AP);
     const double approach = std::max(0.0, -contact.normal.dot(v)) + world.gravity().norm() * h;
     if (contact.gap <= kTouch + kFaster * h * approach) wake_island(world, asleep);
   }

@@ -7,7 +7,7 @@
 #include "core/world/world.h"
 #include "solvers/common/contact_report.h"
 #include "solvers/common/settings.h"
-#include "solvers/laws/contact_set.h"
+#include "solvers/laws/contact_cache.h"
 
 namespace taut {
 
@@ -26,10 +26,10 @@ class Sleep {
   // Before a step.
   /// Wakes the islands of which a body is awake, on which forces have changed, or that a moving body may
   /// touch within h.
-  void wake(World& world, std::span<const ContactSet::Place> places, double h);
+  void wake(World& world, std::span<const ContactCache::Slot> slots, double h);
   /// The bodies of islands in which all have been slow for long enough, and that neither a driver nor a motor
   /// keeps going, become candidates() in place of those before.
-  void choose_candidates(const World& world, const Rows& rows, std::span<const ContactSet::Place> places);
+  void choose_candidates(const World& world, const Rows& rows, std::span<const ContactCache::Slot> slots);
   void forget_candidates() { candidates_.clear(), candidate_twists_.clear(); }
   const std::vector<BodyId>& candidates() const { return candidates_; }
   /// The candidates stay where they are from now on.
@@ -52,15 +52,15 @@ class Sleep {
   void read_bodies(const World& world);
   bool is_slow(const World& world, int body) const;
   bool is_quiet(int body) const { return quiet_[body] >= time_; }
-  void connect(const World& world, std::span<const ContactSet::Place> places);
+  void connect(const World& world, std::span<const ContactCache::Slot> slots);
   void join(const World& world, std::span<const BodyId> bodies);
   std::vector<BodyId> tired_bodies(const World& world, const Rows& rows,
-                                   std::span<const ContactSet::Place> places);
+                                   std::span<const ContactCache::Slot> slots);
   void note_restless(const World& world, const Rows& rows);
   void wake_island(World& world, int island);
   void wake_stirred(World& world);
   void wake_pulled(World& world);
-  void wake_approached(World& world, std::span<const ContactSet::Place> places, double h);
+  void wake_approached(World& world, std::span<const ContactCache::Slot> slots, double h);
   bool wake_touched(World& world, std::span<const ContactReport> contacts);
   bool any_asleep() const;
   bool forces_changed(const World& world, int body) const;

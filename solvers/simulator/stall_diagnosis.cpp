@@ -94,9 +94,9 @@ void StallDiagnosis::name_jam() {
     const auto axis = std::find_if(axes.begin(), axes.end(), [r](const auto& a) { return a.row == r; });
     if (axis != axes.end() && scheme_.axes().has_unbounded_motor(axis - axes.begin()))
       found_.bounds.push_back({axis->axis, Contradiction::Bound::Kind::kMotor});
-    const bool rubs =
+    const bool has_friction =
         axis != axes.end() && axis->axis.axis >= 0 && asked_.world.axis_properties(axis->axis).friction;
-    if (const auto joint = rows.joint_of(r); joint && (axis == axes.end() || rubs))
+    if (const auto joint = rows.joint_of(r); joint && (axis == axes.end() || has_friction))
       found_.joints.push_back(*joint);
   }
   std::sort(found_.joints.begin(), found_.joints.end());

@@ -7,11 +7,11 @@
 namespace taut {
 namespace {
 
-void count_contacts(std::span<const ContactSet::Place> places, StepReport& report) {
-  for (const ContactSet::Place& place : places) {
-    if (!place.active) continue;
+void count_contacts(std::span<const ContactCache::Slot> slots, StepReport& report) {
+  for (const ContactCache::Slot& slot : slots) {
+    if (!slot.active) continue;
     ++report.contacts;
-    report.penetration = std::max(report.penetration, -place.contact.gap);
+    report.penetration = std::max(report.penetration, -slot.contact.gap);
   }
 }
 
@@ -54,7 +54,7 @@ void StepQuality::measure(Stepper& stepper, StepReport& report) {
   report.gap = gap_at_end(stepper);
   if (!stepper.scheme().closes_joints())
     report.velocity_residual = std::max(report.velocity_residual, velocity_residual(stepper));
-  count_contacts(stepper.places(), report);
+  count_contacts(stepper.slots(), report);
   report.rank_deficiency = stepper.system().rank_deficiency();
   name_dependent_rows(stepper.system(), report);
   report.natural_residual = std::max(report.natural_residual, report.complementarity_residual);

@@ -5,7 +5,7 @@
 #include "solvers/integrators/force_level.h"
 #include "solvers/integrators/moreau_jean.h"
 #include "solvers/integrators/rattle.h"
-#include "solvers/integrators/reduced_coordinates.h"
+#include "solvers/integrators/reduced/reduced_coordinates.h"
 
 namespace taut {
 
@@ -94,9 +94,9 @@ std::vector<char> Stepper::moved_bodies() const {
   return moved;
 }
 
-std::span<const ContactSet::Place> Stepper::places() const {
+std::span<const ContactCache::Slot> Stepper::slots() const {
   if (!made() || scheme_->contacts().empty()) return {};
-  return scheme_->contacts().set().places();
+  return scheme_->contacts().set().slots();
 }
 
 std::vector<ContactReport> Stepper::mean_contacts(double dt) const {

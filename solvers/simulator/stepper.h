@@ -86,7 +86,7 @@ class Stepper {
   /// Of the rows over the last step.
   std::span<const double> impulses() const { return scheme_->impulses(); }
   /// Contacts at present.
-  std::span<const ContactSet::Place> places() const;
+  std::span<const ContactCache::Slot> slots() const;
   /// Contacts of the last step with the mean forces over dt.
   std::vector<ContactReport> mean_contacts(double dt) const;
   /// Springs between bodies are laws of forces here; only RATTLE of order 2 and Moreau–Jean take them

@@ -71,20 +71,20 @@ void WeldLoads::take_rows(const Rows::JointRows& own, const Rows::JointRows& the
   }
 }
 
-/// Wrenches of the contacts that have places in the rows of the merged world.
-void WeldLoads::take_contact_rows(const Impulses& joints, std::span<const ContactSet::Place> contacts) {
+/// Wrenches of the contacts that have slots in the rows of the merged world.
+void WeldLoads::take_contact_rows(const Impulses& joints, std::span<const ContactCache::Slot> contacts) {
   std::vector<double> jacobian(joints.rows.jacobian_size());
   if (!contacts.empty()) joints.rows.jacobian(merged_.world().state(), jacobian);
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     if (!contacts[k].active) continue;
-    const Rows::JointRows& place = joints.rows.joints()[joints.rows.contact_joint(static_cast<int>(k))];
+    const Rows::JointRows& contact = joints.rows.joints()[joints.rows.contact_joint(static_cast<int>(k))];
     for (int s = 0; s < 2; ++s) {
-      const Rows::Side& side = joints.rows.sides()[place.first_side + s];
+      const Rows::Side& side = joints.rows.sides()[contact.first_side + s];
       const BodyId owner = owner_of_shape_[(s == 0 ? contacts[k].contact.a : contacts[k].contact.b).index];
       if (!merged_.is_carried(owner)) continue;
       Vector6 sum = Vector6::Zero();
-      for (int i = 0; i < place.row_count; ++i)
-        sum += joints.scale * joints.multipliers[place.first_row + i] *
+      for (int i = 0; i < contact.row_count; ++i)
+        sum += joints.scale * joints.multipliers[contact.first_row + i] *
                Eigen::Map<const Vector6>(jacobian.data() + side.offset + 6 * i);
       Wrench wrench = wrench_of(sum);  // about the carrier
       wrench.torque +=
@@ -95,7 +95,7 @@ void WeldLoads::take_contact_rows(const Impulses& joints, std::span<const Contac
 }
 
 void WeldLoads::solve_present(std::span<const Twist> accelerations, const Impulses& joints,
-                              std::span<const ContactSet::Place> contacts) {
+                              std::span<const ContactCache::Slot> contacts) {
   start();
   merged_.source_forces(state_, laws_, laws_of(joints));
   take_joints(joints);

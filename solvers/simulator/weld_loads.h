@@ -7,7 +7,7 @@
 #include "core/constraints/rows.h"
 #include "core/merging/merged_world.h"
 #include "solvers/common/contact_report.h"
-#include "solvers/laws/contact_set.h"
+#include "solvers/laws/contact_cache.h"
 
 namespace taut {
 
@@ -38,7 +38,7 @@ class WeldLoads {
   };
   /// From the accelerations V̇ of the bodies of the merged world in its present state.
   void solve_present(std::span<const Twist> accelerations, const Impulses& joints,
-                     std::span<const ContactSet::Place> contacts);
+                     std::span<const ContactCache::Slot> contacts);
   /// From the change of momenta over a step of dt from the state `start` of the source to the present one of
   /// the merged world, with the laws' mean over the two: good to first order in dt.
   void solve_mean(const State& start, double dt, const Impulses& joints,
@@ -55,7 +55,7 @@ class WeldLoads {
     return joints.rows.spring_count() > 0 ? Springs::kLeftOut : Springs::kIncluded;
   }
   void take_joints(const Impulses& joints);
-  void take_contact_rows(const Impulses& joints, std::span<const ContactSet::Place> contacts);
+  void take_contact_rows(const Impulses& joints, std::span<const ContactCache::Slot> contacts);
   void balance(const MergedGroup& group);
   void share(const MergedGroup& group);
   void share_loops(const MergedGroup& group);

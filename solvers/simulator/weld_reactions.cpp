@@ -45,7 +45,7 @@ Reaction WeldReactions::present(JointId weld, const World& world, const Stepper&
   world.forces(state, forces, stepper.force_springs());
   for (int b = 0; b < world.body_count(); ++b) forces[b] = forces[b] + of_joints[b];
   free_accelerations(stepper.system().mass(), state, forces, accelerations);
-  loads_->solve_present(accelerations, {rows, multipliers}, stepper.places());
+  loads_->solve_present(accelerations, {rows, multipliers}, stepper.slots());
   present_ = by_joint();
   present_version_ = world.state_version();
   return present_[weld.index];

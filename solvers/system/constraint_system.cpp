@@ -31,7 +31,7 @@ ConstraintSystem::ConstraintSystem(const ConstraintSystem& whole, const SystemPa
   scratch_.assign(row_count(), 0.0);
 }
 
-void ConstraintSystem::set_contact_places(const World& world, std::span<const Rows::ContactPlace> places) {
+void ConstraintSystem::set_contact_places(const World& world, std::span<const Rows::ContactSlot> places) {
   remake_rows(world, places);
   states_.clear();
   factored_.states.clear();

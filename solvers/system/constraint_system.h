@@ -45,7 +45,7 @@ class ConstraintSystem : public LinearizedRows {
 
   /// Other places for contacts from now on: a new pattern, order and analysis.  The world must have the
   /// topology that it had.  Row states are forgotten; J and S must be made anew.
-  void set_contact_places(const World& world, std::span<const Rows::ContactPlace> places);
+  void set_contact_places(const World& world, std::span<const Rows::ContactSlot> places);
   /// J and the roots at once, and where joints alone make S, that too: for a factorize() right behind.
   void linearize_and_assemble(const Configuration& at);
 

@@ -15,7 +15,7 @@ Rows rows_of(const Rows& whole, const SystemPart& part, std::vector<int>& new_bo
   return whole.part(part.joints, new_body, static_cast<int>(part.bodies.size()));
 }
 
-Rows rows_of(const World& world, Rows::AxisRows axis_rows, std::span<const Rows::ContactPlace> places,
+Rows rows_of(const World& world, Rows::AxisRows axis_rows, std::span<const Rows::ContactSlot> places,
              Springs springs) {
   return Rows(world, axis_rows, places, Rows::Joints::kMoving, springs, Rows::Blocks::kLeverArms);
 }
@@ -36,7 +36,7 @@ LinearizedRows::LinearizedRows(const LinearizedRows& whole, const SystemPart& pa
   make_room();
 }
 
-void LinearizedRows::remake_rows(const World& world, std::span<const Rows::ContactPlace> places) {
+void LinearizedRows::remake_rows(const World& world, std::span<const Rows::ContactSlot> places) {
   rows_ = rows_of(world, axis_rows_, places, springs_);
   make_room();
 }

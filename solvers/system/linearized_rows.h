@@ -90,7 +90,7 @@ class LinearizedRows {
 
  protected:
   /// Rows with other contact places; J, A and W must be made anew.
-  void remake_rows(const World& world, std::span<const Rows::ContactPlace> places);
+  void remake_rows(const World& world, std::span<const Rows::ContactSlot> places);
 
  private:
   void make_room();

@@ -35,10 +35,11 @@ void PrimalChoice::decide(const LinearizedRows& rows, PrimalSystem& primal) {
 }
 
 bool PrimalChoice::primal_pays(const LinearizedRows& rows, PrimalSystem& primal) const {
-  const bool rubs = rubbing_axes_ >= kManyRubbingAxes;
-  if (!rubs && rows.row_count() - rows.rows().first_contact_row() < kManyContactRows) return false;
+  const bool friction_dominated = rubbing_axes_ >= kManyRubbingAxes;
+  if (!friction_dominated && rows.row_count() - rows.rows().first_contact_row() < kManyContactRows)
+    return false;
   const double flops = primal.order(rows).flops;
-  return rubs || flops_of_dense_blocks(rows.rows(), rows.mass()) >= flops;
+  return friction_dominated || flops_of_dense_blocks(rows.rows(), rows.mass()) >= flops;
 }
 
 }  // namespace taut

@@ -30,7 +30,7 @@ async function search(query) {
 // A query, pages that must be among its first results, and how many of these count.
 const QUERIES = [
   ['hinge', ['api/cpp/core/joints/hinge', 'api/python/taut/Hinge'], 3],
-  ['servo', ['scenes/examples/tutorials/control_loop', 'solvers/laws/MOTORS'], 5],
+  ['servo', ['scenes/examples/tutorials/control_loop', 'solvers/laws/axes/index'], 5],
   ['penetration', ['api/python/taut/StepReport', 'api/cpp/solvers/common/step_report', 'collision/index'], 10],
   ['bridge', ['scenes/examples/tutorials/bridge'], 3],
   ['urdf', ['scenes/examples/tutorials/importing', 'scenes/import/index'], 8],

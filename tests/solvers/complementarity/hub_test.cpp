@@ -33,7 +33,7 @@ World tray_of(int n) {
 double factor_entries(const World& world) {
   ContactFinder finder;
   const std::vector<Contact>& contacts = finder.find(world);
-  std::vector<Rows::ContactPlace> places;
+  std::vector<Rows::ContactSlot> places;
   for (const Contact& contact : contacts) places.push_back({contact.A.index, contact.B.index, false});
   ConstraintSystem system(world, FactorChoice::kAuto);
   system.set_contact_places(world, places);

@@ -190,18 +190,18 @@ TEST(Contact, a_wall_stands) {
   World world;
   world.add_shape(kGround, HalfSpace{});
   std::vector<BodyId> bricks;
-  std::vector<Vec3> places;
+  std::vector<Vec3> slots;
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 4; ++column) {
-      places.emplace_back(0.4 * column + 0.2 * (row % 2), 0, 0.1 + 0.2 * row);
+      slots.emplace_back(0.4 * column + 0.2 * (row % 2), 0, 0.1 + 0.2 * row);
       bricks.push_back(
-          add_box(world, "brick" + std::to_string(bricks.size()), Vec3(0.4, 0.2, 0.2), places.back()));
+          add_box(world, "brick" + std::to_string(bricks.size()), Vec3(0.4, 0.2, 0.2), slots.back()));
     }
   Simulator simulator(world);
   run(simulator, 1.0 / 240, 240);
   expect_in_cones(simulator, 0.5);
   for (std::size_t i = 0; i < bricks.size(); ++i)
-    EXPECT_LE((world.pose(bricks[i]).p - places[i]).norm(), 1e-6) << i;
+    EXPECT_LE((world.pose(bricks[i]).p - slots[i]).norm(), 1e-6) << i;
 }
 
 TEST(Contact, a_thrown_box_loses_energy_until_it_rests) {
@@ -281,8 +281,8 @@ TEST(Contact, mixed_shapes_fall_in_a_heap_within_the_laws) {
   std::mt19937 generator(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 8; ++i) {
-    const Vec3 place(0.6 * (i % 2) + 0.03 * uniform(generator), 0.6 * (i / 2 % 2) + 0.03 * uniform(generator),
-                     0.4 + 0.6 * i);
+    const Vec3 slot(0.6 * (i % 2) + 0.03 * uniform(generator), 0.6 * (i / 2 % 2) + 0.03 * uniform(generator),
+                    0.4 + 0.6 * i);
     const double density = 1000;
     const int kind = i % 4;
     const MassProperties mass = kind == 0   ? MassProperties::sphere(0.2, Density{density})
@@ -296,7 +296,7 @@ TEST(Contact, mixed_shapes_fall_in_a_heap_within_the_laws) {
     const Quat turn =
         Quat(uniform(generator), uniform(generator), uniform(generator), uniform(generator)).normalized();
     const BodyId body =
-        world.add_body({.name = "body" + std::to_string(i), .mass = mass, .pose = {.q = turn, .p = place}});
+        world.add_body({.name = "body" + std::to_string(i), .mass = mass, .pose = {.q = turn, .p = slot}});
     world.add_shape(body, shape, {}, material);
   }
   Simulator simulator(world);

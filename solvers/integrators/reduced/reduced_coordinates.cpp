@@ -1,0 +1,353 @@
+#include "solvers/integrators/reduced/reduced_coordinates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/state/reach.h"
+#include "core/world/diagnostics.h"
+#include "solvers/common/setting_checks.h"
+#include "solvers/common/stopwatch.h"
+#include "solvers/integrators/step_limit.h"
+
+namespace taut {
+
+namespace {
+
+/// Parts of the sizes of a step, and counts.
+struct MidpointTuning {
+  /// The equation is solved when this is left, or, where round-off is more, when passes gain nothing any more
+  /// and no more than the second is left.
+  static constexpr double kTolerance = 1e-13, kRoundOff = 1e-10;
+  /// A pass that leaves more than this part of the error has gained nothing; after so many of them it ends.
+  static constexpr double kGain = 0.7;
+  static constexpr int kPatience = 3, kMostPasses = 100;
+  /// Newton steps of a joint at least: to round-off, or else passes see steps of the size of the tolerance.
+  static constexpr int kClosings = 2;
+  /// Least sizes of a step, by which it is not asked for more than round-off allows: a rotation [rad], and a
+  /// part of the distance of bodies from the origin.
+  static constexpr double kLeast = 1e-3;
+};
+
+/// A step in which ω h grows beyond this times max_tension_number is taken again, with an ω that is larger by
+/// no more than the second, since that of an unstable step means nothing.  Runge–Kutta is stable up to 2.8.
+constexpr double kTrialTension = 2, kTrialGrowth = 2;
+
+/// Largest rotation and displacement of bodies, or of their rates.
+struct Sizes {
+  double turn = 0, shift = 0;
+  void add(const Vec3& w, const Vec3& v) {
+    turn = std::max(turn, w.norm());
+    shift = std::max(shift, v.norm());
+  }
+};
+
+}  // namespace
+
+ReducedCoordinates::ReducedCoordinates(const World& world, ConstraintSystem& system, const Settings& settings)
+    : Scheme(world, system.rows(), settings),
+      world_(world),
+      system_(system),
+      settings_(settings),
+      tree_(world, system.rows(), system.mass()),
+      method_(is_lagrangian(settings.integrator) ? TreeDynamics::Method::kLagrangian
+                                                 : TreeDynamics::Method::kRecursive),
+      flow_(world, system.rows()),
+      runge_kutta_(world.body_count()),
+      follows_time_(system.rows().depends_on_time()) {
+  for (auto* wrenches : {&forces_, &dissipative_, &axis_wrenches_, &momenta_})
+    wrenches->resize(world.body_count());
+  stiffness_.resize(world.body_count());
+  roots_.resize(world.body_count());
+  for (auto* twists : {&acceleration_, &moves_, &changes_}) twists->resize(world.body_count());
+  for (auto* values : {&lambda_, &impulses_, &impulses_before_, &theta_, &rates_, &tau_, &driven_})
+    values->assign(system.row_count(), 0.0);
+}
+
+/// Velocities that joints forbid are taken away as an impact would.
+void ReducedCoordinates::start(const State& state, Velocities velocities, SubstepReport& report) {
+  state_ = state;
+  if (velocities == Velocities::kGiven) {
+    const Stopwatch watch(report.times.velocities);
+    tree_.linearize(state_);
+    tree_.project_velocities(state_);
+    tree_.close_velocities(state_);
+  }
+  if (settings_.tension == TensionPolicy::kIgnore) return;
+  accelerate(state_, report, acceleration_);
+  omega_ = tension_of(state_);
+}
+
+/// The fastest transverse frequency at a state, from the forces that were found last, near it; 0 if nobody
+/// wants to know.
+double ReducedCoordinates::tension_of(const State& state) {
+  if (settings_.tension == TensionPolicy::kIgnore) return 0;
+  const MassMatrix& mass = system_.mass();
+  for (int b = 0; b < mass.size(); ++b) {
+    stiffness_[b] = {};
+    if (mass[b].fixed) continue;
+    roots_[b].rotation = mass.principal_axes(b, state.poses[b]) * mass[b].root_inverse_moments.asDiagonal();
+    roots_[b].translation = std::sqrt(mass[b].inverse_mass);
+  }
+  system_.rows().stiffness(state, lambda_, stiffness_);
+  return fastest_transverse_frequency(roots_, stiffness_);
+}
+
+/// After a trial whose end is `next_`: tension has grown so much in it that it was too long.
+bool ReducedCoordinates::is_unstable(double h, double omega) {
+  if (settings_.tension != TensionPolicy::kSubstep) return false;
+  const double most = kTrialTension * settings_.max_tension_number;
+  if (h * omega <= most) return false;
+  omega_ = std::isfinite(omega) ? std::min(omega, kTrialGrowth * most / h) : kTrialGrowth * most / h;
+  return true;
+}
+
+void ReducedCoordinates::begin(double /*dt*/) {
+  flow_.begin();
+  std::fill(impulses_.begin(), impulses_.end(), 0.0);
+}
+
+double ReducedCoordinates::step_limit() const {
+  double fastest = 0;
+  for (const Twist& V : state_.twists) fastest = std::max(fastest, V.w.squaredNorm());
+  double limit = fastest > 0 ? settings_.max_rotation / std::sqrt(fastest) : Scheme::step_limit();
+  if (settings_.tension == TensionPolicy::kSubstep && omega_ > 0)
+    limit = std::min(limit, settings_.max_tension_number / omega_);
+  return limit;
+}
+
+Scheme::Outcome ReducedCoordinates::advance(double h, SubstepReport& report) {
+  next_ = state_;
+  impulses_before_ = impulses_;
+  flow_.begin_substep();
+  stall_ = Stall::kNone;
+  not_finite_ = 0;
+  const StepWorks works = report.works;
+  const bool closed = is_midpoint(settings_.integrator) ? midpoint(h, report) : runge_kutta(h, report);
+  const double omega = closed ? tension_of(next_) : 0;
+  if (closed && !is_finite(next_)) stall_ = Stall::kNotFinite;
+  // What blows up under forces that are finite was unstable.
+  if (stall_ == Stall::kNotFinite && has_finite_forces() && is_unstable(h, INFINITY))
+    stall_ = Stall::kTension;
+  if (stall_ == Stall::kNone && is_unstable(h, omega)) stall_ = Stall::kTension;
+  if (stall_ != Stall::kNone) {
+    std::swap(impulses_, impulses_before_);
+    flow_.roll_back();
+    report.works = works;
+    return stall_ == Stall::kTension     ? Outcome::kUnstable
+           : stall_ == Stall::kNotFinite ? Outcome::kNotFinite
+                                         : Outcome::kStalled;
+  }
+  system_.rows().update_axes(next_, next_.axes);
+  if (settings_.report_energy) close_works(works, report.works);
+  std::swap(state_, next_);
+  ++report.substeps;
+  report.tension_number = std::max(report.tension_number, h * omega_);
+  omega_ = omega;
+  return Outcome::kDone;
+}
+
+bool ReducedCoordinates::has_finite_forces() const {
+  return std::all_of(forces_.begin(), forces_.end(),
+                     [](const Wrench& f) { return f.torque.allFinite() && f.force.allFinite(); });
+}
+
+/// Of axes and of all joints; what kinetic energy has changed by beside the works of the step is `flow`.
+void ReducedCoordinates::close_works(const StepWorks& before, StepWorks& works) {
+  works.axes = {};
+  for (const AxisReport& axis : flow_.reports()) works.axes += axis.work;
+  works.constraint += works.axes.total() - before.axes.total();
+  works.flow += kinetic_energy(world_, next_) - kinetic_energy(world_, state_) -
+                (works.forces - before.forces) - (works.constraint - before.constraint);
+}
+
+std::span<const Wrench> ReducedCoordinates::momenta() const {
+  for (int b = 0; b < world_.body_count(); ++b)
+    momenta_[b] = system_.mass().momentum(b, state_.poses[b], state_.twists[b]);
+  return momenta_;
+}
+
+std::span<const double> ReducedCoordinates::present_forces() {
+  SubstepReport report;
+  accelerate(state_, report, acceleration_);
+  return lambda_;
+}
+
+bool ReducedCoordinates::is_finite(const State& state) {
+  not_finite_ = 0;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (within_reach(state.poses[b], state.twists[b]) && state.poses[b].q.coeffs().allFinite()) continue;
+    not_finite_ = b;
+    return false;
+  }
+  return true;
+}
+
+std::string ReducedCoordinates::stall_reason() const {
+  const std::string down = " with sub-steps down to dt/" + std::to_string(settings_.max_substeps);
+  return (stall_ == Stall::kIteration ? "the implicit midpoint rule could not be solved"
+          : stall_ == Stall::kTension ? "tension is too stiff: a shorter step, or larger masses, help;"
+                                      : "positions could not be closed") +
+         down;
+}
+
+/// V̇ and the forces of all rows at a state, at which the tree is linearised from now on.
+void ReducedCoordinates::accelerate(const State& state, SubstepReport& report,
+                                    std::span<Twist> accelerations) {
+  {
+    const Stopwatch watch(report.times.assembly);
+    tree_.linearize(state);
+  }
+  find_forces(state, report, accelerations);
+}
+
+/// … where it is already.
+void ReducedCoordinates::find_forces(const State& state, SubstepReport& report,
+                                     std::span<Twist> accelerations) {
+  {
+    const Stopwatch watch(report.times.forces);
+    world_.forces(state, forces_);
+  }
+  const Stopwatch watch(report.times.velocities);
+  if (flow_.empty()) return tree_.accelerate(state, forces_, method_, accelerations, lambda_);
+  axis_wrenches_ = forces_;
+  add_axis_forces(state);
+  tree_.accelerate(state, axis_wrenches_, method_, accelerations, lambda_);
+}
+
+void ReducedCoordinates::add_axis_forces(const State& state) {
+  const Rows& rows = system_.rows();
+  rows.residual(state, theta_);
+  rows.apply(tree_.jacobian(), state.twists, rates_);
+  flow_.find(state.time, theta_, rates_, tau_);
+  for (const Rows::AxisRow& axis : rows.axis_rows()) {
+    lambda_[axis.row] = tau_[axis.row];
+    const Rows::JointRows& block = rows.joints()[rows.row(axis.row).block];
+    for (int s = block.first_side; s < block.first_side + block.side_count; ++s) {
+      const Rows::Side& side = rows.sides()[s];
+      const auto J = Rows::block_row(side, tree_.jacobian(), axis.row - block.first_row);
+      Wrench& wrench = axis_wrenches_[side.body];
+      wrench.torque += tau_[axis.row] * J.head<3>();
+      wrench.force += tau_[axis.row] * J.tail<3>();
+    }
+  }
+}
+
+/// What acts at a stage, which stands for this time [s].
+void ReducedCoordinates::book(const State& stage, double time, SubstepReport& report) {
+  for (std::size_t r = 0; r < lambda_.size(); ++r) impulses_[r] += time * lambda_[r];
+  flow_.add(time);
+  if (!settings_.report_energy) return;
+  StepWorks& works = report.works;
+  const auto work_of = [&](std::span<const Wrench> wrenches) {
+    double power = 0;
+    for (int b = 0; b < world_.body_count(); ++b)
+      if (!system_.mass()[b].fixed) power += dot(wrenches[b], stage.twists[b]);
+    return time * power;
+  };
+  works.forces += work_of(forces_);
+  if (world_.has_dissipative_forces()) {
+    std::fill(dissipative_.begin(), dissipative_.end(), Wrench{});
+    world_.add_dissipative_forces(stage, dissipative_);
+    works.dissipative += work_of(dissipative_);
+  }
+  if (!follows_time_) return;
+  std::fill(driven_.begin(), driven_.end(), 0.0);
+  system_.rows().add_rate(stage, driven_);
+  double power = 0;
+  for (std::size_t r = 0; r < driven_.size(); ++r) power -= lambda_[r] * driven_[r];
+  works.drivers += time * power;
+  works.constraint += time * power;
+}
+
+/// Joints closed from the roots to the leaves, and velocities that they allow.
+bool ReducedCoordinates::close(State& state, SubstepReport& report) {
+  const Stopwatch watch(report.times.positions);
+  const int least = is_midpoint(settings_.integrator) ? MidpointTuning::kClosings : 1;
+  if (!tree_.close_positions(state, settings_.position_tolerance, least, report.newton_iterations)) {
+    stall_ = is_finite(state) ? Stall::kJoints : Stall::kNotFinite;
+    return false;
+  }
+  tree_.linearize(state);
+  tree_.close_velocities(state);
+  return true;
+}
+
+bool ReducedCoordinates::runge_kutta(double h, SubstepReport& report) {
+  runge_kutta_.advance(system_.mass(), next_, h,
+                       [&](const State& stage, double weight, std::span<Twist> accelerations) {
+                         accelerate(stage, report, accelerations);
+                         book(stage, weight * h, report);
+                       });
+  next_.time += h;
+  return close(next_, report);
+}
+
+/// An explicit Euler step of h, closed: Ψ_h.
+bool ReducedCoordinates::shift(const State& from, std::span<const Twist> accelerations, double h, State& to,
+                               SubstepReport& report) {
+  to = from;
+  move_poses(system_.mass(), from.poses, from.twists, h, to.poses);
+  add_twists(from.twists, h, accelerations, to.twists);
+  to.time = from.time + h;
+  return close(to, report);
+}
+
+/// Ψ_{h/2} of the state in the middle, of which Ψ_{−h/2} is the start: symmetric, whatever Ψ is.
+bool ReducedCoordinates::midpoint(double h, SubstepReport& report) {
+  if (!solve_midpoint(h, report)) return false;
+  book(middle_, h, report);
+  const bool closed = shift(middle_, acceleration_, 0.5 * h, next_, report);
+  next_.time = state_.time + h;
+  return closed;
+}
+
+/// By adding to the middle what its Ψ_{−h/2} lacks of the start.
+bool ReducedCoordinates::solve_midpoint(double h, SubstepReport& report) {
+  std::fill(acceleration_.begin(), acceleration_.end(), Twist{});
+  if (!shift(state_, acceleration_, 0.5 * h, middle_, report)) return false;
+  double best = INFINITY;
+  for (int pass = 0, in_vain = 0; pass < MidpointTuning::kMostPasses; ++pass) {
+    find_forces(middle_, report, acceleration_);
+    if (!shift(middle_, acceleration_, -0.5 * h, back_, report)) return false;
+    const double error = midpoint_error(h);
+    if (error <= MidpointTuning::kTolerance) return true;
+    if (!std::isfinite(error)) {
+      (void)is_finite(back_);
+      stall_ = Stall::kNotFinite;
+      return false;
+    }
+    in_vain = error > MidpointTuning::kGain * best ? in_vain + 1 : 0;
+    best = std::min(best, error);
+    if (in_vain == MidpointTuning::kPatience) {
+      if (error <= MidpointTuning::kRoundOff) return true;
+      break;
+    }
+    move_poses(system_.mass(), middle_.poses, moves_, 1, middle_.poses);
+    add_twists(middle_.twists, 1, changes_, middle_.twists);
+    if (!close(middle_, report)) return false;
+  }
+  stall_ = Stall::kIteration;
+  return false;
+}
+
+/// What the way back from the middle lacks of the start, and how much that is, relative.
+double ReducedCoordinates::midpoint_error(double h) {
+  Sizes error, step, place;
+  for (int b = 0; b < world_.body_count(); ++b) {
+    if (system_.mass()[b].fixed) continue;
+    moves_[b] = {log_so3(state_.poses[b].q * back_.poses[b].q.conjugate()),
+                 state_.poses[b].p - back_.poses[b].p};
+    changes_[b] = {state_.twists[b].w - back_.twists[b].w, state_.twists[b].v - back_.twists[b].v};
+    error.add(moves_[b].w, moves_[b].v);
+    error.add(h * changes_[b].w, h * changes_[b].v);
+    step.add(h * state_.twists[b].w, h * state_.twists[b].v);
+    step.add(h * h * acceleration_[b].w, h * h * acceleration_[b].v);
+    place.add(Vec3::Zero(), state_.poses[b].p);
+  }
+  const double turn = error.turn / (step.turn + MidpointTuning::kLeast);
+  const double size = step.shift + MidpointTuning::kLeast * place.shift;
+  const double shift = error.shift == 0 ? 0 : error.shift / size;
+  return turn + shift;  // NaN of either stays
+}
+
+}  // namespace taut

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/world/world.h"
+#include "solvers/common/settings.h"
+#include "solvers/common/step_report.h"
+#include "solvers/integrators/axis_flow.h"
+#include "solvers/integrators/reduced/tree_dynamics.h"
+#include "solvers/integrators/runge_kutta.h"
+#include "solvers/integrators/scheme.h"
+#include "solvers/system/constraint_system.h"
+#include "solvers/system/inverse_mass_root.h"
+
+namespace taut {
+
+/// Worlds whose joints form trees, in reduced coordinates: accelerations by recursion or by Lagrange's
+/// equations (TreeDynamics), integrated by the classical Runge–Kutta method or the implicit midpoint rule.
+/// The state is that of the bodies; each step ends with all joints closed from the roots to the leaves, which
+/// moves bodies by no more than the error of the step.  (solvers/integrators, "Reduced coordinates")
+class ReducedCoordinates final : public Scheme {
+ public:
+  /// @throws std::invalid_argument for joints that make no tree.
+  ReducedCoordinates(const World& world, ConstraintSystem& system, const Settings& settings);
+
+  void start(const State& state, Velocities velocities, SubstepReport& report) override;
+  void begin(double dt) override;
+  /// One step of h > 0: kDone; with the old state kStalled, if joints cannot be closed or the iteration of
+  /// the midpoint rule does not contract, or kNotFinite.
+  [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
+  /// No body turns by more than Settings::max_rotation, and with TensionPolicy::kSubstep ω h of the fastest
+  /// transverse frequency stays below max_tension_number.
+  double step_limit() const override;
+
+  void set_time(double time) override { state_.time = time; }
+  const State& state() const override { return state_; }
+  BodyId not_finite() const override { return {not_finite_}; }
+  std::string stall_reason() const override;
+  std::span<const Wrench> momenta() const override;
+  /// Of joints and axes since begin(), by the weights of the stages.
+  std::span<const double> impulses() const override { return impulses_; }
+  /// Forces of joints and axes at state(), by the recursion.
+  std::span<const double> present_forces() override;
+  const std::vector<AxisReport>& axis_reports() const override { return flow_.reports(); }
+
+  void transfer(Archive& archive) override;
+
+ private:
+  enum class Stall { kNone, kJoints, kIteration, kTension, kNotFinite };
+
+  bool runge_kutta(double h, SubstepReport& report);
+  bool midpoint(double h, SubstepReport& report);
+  bool solve_midpoint(double h, SubstepReport& report);
+  double midpoint_error(double h);
+  bool shift(const State& from, std::span<const Twist> accelerations, double h, State& to,
+             SubstepReport& report);
+  bool close(State& state, SubstepReport& report);
+  void accelerate(const State& state, SubstepReport& report, std::span<Twist> accelerations);
+  void find_forces(const State& state, SubstepReport& report, std::span<Twist> accelerations);
+  void add_axis_forces(const State& state);
+  void book(const State& stage, double time, SubstepReport& report);
+  bool is_finite(const State& state);
+  bool has_finite_forces() const;
+  double tension_of(const State& state);
+  bool is_unstable(double h, double omega);
+  void close_works(const StepWorks& before, StepWorks& works);
+
+  const World& world_;
+  ConstraintSystem& system_;
+  const Settings& settings_;
+  TreeDynamics tree_;
+  TreeDynamics::Method method_;
+  AxisFlow flow_;
+  RungeKutta runge_kutta_;
+  State state_, next_, middle_, back_;
+  Stall stall_ = Stall::kNone;
+  int not_finite_ = 0;
+  bool follows_time_ = false;
+  double omega_ = 0;  // the fastest transverse frequency [rad/s]
+  std::vector<StiffnessBlocks> stiffness_;
+  std::vector<InverseMassRoot> roots_;
+  std::vector<Wrench> forces_, dissipative_, axis_wrenches_;
+  mutable std::vector<Wrench> momenta_;  // made when they are asked for
+  std::vector<Twist> acceleration_, moves_, changes_;
+  std::vector<double> lambda_, impulses_, impulses_before_, theta_, rates_, tau_, driven_;
+};
+
+}  // namespace taut

@@ -1,0 +1,71 @@
+#include "solvers/laws/axes/axis_limit_law.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+
+bool in_flight(const AxisLimits& limits, double theta0, bool at_lower) {
+  return at_lower ? theta0 > limits.lower + kTouch : theta0 < limits.upper - kTouch;
+}
+
+bool AxisLimitLaw::set_position(const AxisStage& stage) {
+  clear();
+  if (!has_rigid_limit(stage.p)) return true;
+  const AxisLimits& limits = *stage.p.limits;
+  const AxisImpact& impact = stage.impact;
+  const double theta0 = stage.start.theta, h = stage.step.h;
+  const double fastest = std::max(kReturnRate, kTouch / h);
+  if (!impact.sought() || !impact.at_lower)
+    lower_at = std::clamp((limits.lower - theta0) / h, -kUnreachedRate, fastest);
+  if (!impact.sought() || impact.at_lower)
+    upper_at = std::clamp((limits.upper - theta0) / h, -fastest, kUnreachedRate);
+  return true;
+}
+
+bool AxisLimitLaw::set_velocity(const AxisStage& stage) {
+  clear();
+  if (!has_rigid_limit(stage.p)) return true;
+  const AxisLimits& limits = *stage.p.limits;
+  const AxisImpact& impact = stage.impact;
+  const double theta1 = stage.theta, first_kick = stage.first_kick.limit;
+  // Newton's law of impact with the rate just before, or else that before the step.  An impact that is due
+  // happens even if a gap of order h³ is left.
+  const double bounce = -limits.restitution * (impact.due() ? impact.rate : stage.start.rate);
+  const bool at_lower = theta1 <= limits.lower + kTouch || (impact.due() && impact.at_lower);
+  const bool at_upper = theta1 >= limits.upper - kTouch || (impact.due() && !impact.at_lower);
+  if (at_lower) lower_at = stage.jolt ? bounce : std::max(0.0, bounce);
+  if (at_upper) upper_at = stage.jolt ? bounce : std::min(0.0, bounce);
+  // Both kicks together are the impulse that must not pull.  With Λ ≥ 0 ⊥ θ̇⁺ + e θ̇⁻ ≥ 0 and one e for all
+  // the energy changes by −½ (1 − e)/(1 + e) ‖ΔV‖²_M; without an impact, bounds ≥ 0 let bouncing die out.
+  lower_back = at_lower ? std::max(0.0, first_kick) : 0;
+  upper_back = at_upper ? std::max(0.0, -first_kick) : 0;
+  if (lower_at > upper_at) lower_at = upper_at = 0;  // locked between both
+  return true;
+}
+
+bool AxisLimitLaw::set_single_kick(const AxisStage& stage) {
+  clear();
+  if (!has_rigid_limit(stage.p)) return true;
+  const AxisLimits& limits = *stage.p.limits;
+  const double theta = stage.theta, bounce = -limits.restitution * stage.start.rate;
+  const bool at_lower = theta <= limits.lower + kTouch, at_upper = theta >= limits.upper - kTouch;
+  if (at_lower) lower_at = bounce;
+  if (at_upper) upper_at = bounce;
+  if (at_lower && at_upper) lower_at = upper_at = 0;  // locked between both
+  return true;
+}
+
+void AxisLimitLaw::add_to(RowLaw& law, const AxisProperties& p) const {
+  if (!has_rigid_limit(p)) return;
+  if (std::isfinite(p.limits->lower)) {
+    law = law + RowLaw::lower_limit(lower_at);
+    for (int k = 1; k <= law.steps; ++k) law.level[k] -= lower_back;
+  }
+  if (std::isfinite(p.limits->upper)) {
+    law = law + RowLaw::upper_limit(upper_at);
+    for (int k = 0; k < law.steps; ++k) law.level[k] += upper_back;
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "core/axes/axis.h"
+#include "solvers/laws/axes/axis_part_law.h"
+#include "solvers/laws/impact_state.h"
+
+namespace taut {
+
+/// The impact of an axis at a limit, between its discovery and the end of the sub-step.
+struct AxisImpact : ImpactState {
+  bool at_lower = false;  ///< of both limits
+  double rate = 0;        ///< just before it [rad/s or m/s]
+};
+
+/// It has limits without compliance.
+inline bool has_rigid_limit(const AxisProperties& p) { return p.limits && p.limits->compliance == 0; }
+/// The step began away from the limit.
+bool in_flight(const AxisLimits& limits, double theta0, bool at_lower);
+
+/// Rigid limits of one axis in a stage: lower_at ≤ w ≤ upper_at, λ ≥ −lower_back from the lower limit and
+/// λ ≤ upper_back from the upper one.  (solvers/laws, "Axes")
+struct AxisLimitLaw : AxisPartLaw {
+  double lower_at = 0, upper_at = 0;      ///< [rad/s or m/s]
+  double lower_back = 0, upper_back = 0;  ///< what they gave in the first kick and may take back
+
+  /// A limit holds the axis at this rate.
+  bool holds(double w) const { return on_step(w, lower_at) || on_step(w, upper_at); }
+  /// Bounds of the mean rate; a limit whose impact is sought is left out.
+  bool set_position(const AxisStage& stage);
+  /// Bounds of the rate at θ₁ by Newton's law of impact.
+  bool set_velocity(const AxisStage& stage);
+  /// Newton's law of impact for a limit that is passed.
+  bool set_single_kick(const AxisStage& stage);
+  /// Limits are there even when far away, so that segments keep their numbers from stage to stage.
+  void add_to(RowLaw& law, const AxisProperties& p) const;
+  void share_beside(AxisImpulse& impulse, double& rest, double w) const {
+    if (!holds(w)) rest -= impulse.limit = upper_back - lower_back;
+  }
+  void share_on_step(AxisImpulse& impulse, double& rest, double w) const {
+    if (holds(w)) rest -= impulse.limit = rest;
+  }
+  void report(AxisReport& report, const AxisProperties&, double w) const {
+    report.at_limit = report.at_limit || holds(w);
+  }
+  template <typename AnyArchive>
+  void transfer(AnyArchive& archive) {
+    archive(lower_at, upper_at, lower_back, upper_back);
+  }
+
+ private:
+  /// No limit is near.
+  void clear() {
+    lower_at = -kUnreachedRate, upper_at = kUnreachedRate;
+    lower_back = upper_back = 0;
+  }
+};
+
+}  // namespace taut

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/axes/axis.h"
+#include "solvers/common/axis_report.h"
+#include "solvers/laws/axes/axis_step.h"
+#include "solvers/laws/row_law.h"
+
+namespace taut {
+
+struct AxisImpact;  // axis_limit_law.h
+
+/// An axis in a stage of a step, by which the parts of its law are set.
+struct AxisStage {
+  const AxisProperties& p;
+  const AxisStep& step;
+  const AxisStart& start;
+  const AxisImpact& impact;       ///< at a limit
+  const AxisImpulse& first_kick;  ///< velocity stage: what acted in it
+  double slack = 0;   ///< position stage: friction pulls back no axis that is this near to where it was held
+  double rate = 0;    ///< position stage: the best estimate of its mean
+  double theta = 0;   ///< velocity stage: θ(q₁); Moreau–Jean: in the middle of the step
+  bool jolt = false;  ///< velocity stage: some axis runs into a limit in this sub-step
+};
+
+/// An axis at the end of a step.
+struct AxisEnd {
+  double theta = 0, rate = 0;  ///< θ [rad or m] and θ̇
+  double rate_change = 0;      ///< θ̇ − θ̇₀
+  AxisImpulse impulse;         ///< of both kicks
+};
+
+/// A part of the law of an axis: springs, friction, a motor, limits.  AxisLaw asks the same of all of them; a
+/// part is a struct with its memory that hides what concerns it; the rest is nothing.  A smooth force needs a
+/// line λ = l − c w by the three stages, add_to() and share_lines(); one that is bounded derives from
+/// AxisBoxLaw.  It is named in AxisLaw::with_parts(), unless its property has its law in its header:
+/// AxisSmoothLaw and AxisBoundLaw.  (core/axes, "A new axis property")
+struct AxisPartLaw {
+  /// A new start, with θ and its rate.
+  void restart(double, double) {}
+  /// A step begins.
+  void begin(const AxisProperties&, const AxisStep&, const AxisStart&) {}
+  /// What another system knew of the same axis.
+  template <typename Part>
+  void inherit(const Part&) {}
+
+  /// Stages: the first and the second kick of RATTLE, and the only one of Moreau–Jean.  False if what the
+  /// part follows is not finite; it is left out then.  @{
+  bool set_position(const AxisStage&) { return true; }
+  bool set_velocity(const AxisStage&) { return true; }
+  bool set_single_kick(const AxisStage&) { return true; }  /// @}
+  /// In their place, where the axis gives no force any more.
+  void release() {}
+  /// Adds its steps and slope.
+  void add_to(RowLaw&, const AxisProperties&) const {}
+  /// It follows a solution w of the stage, which must be solved again then.
+  bool move(const AxisProperties&, const AxisStep&, const AxisStart&, double, double) { return false; }
+
+  /// Its parts of an impulse of which `rest` is left, at the rate w, in this order: by its lines; where w is
+  /// beside its steps; of the rest where w is on one.  @{
+  void share_lines(AxisImpulse&, double&, double) const {}
+  void share_beside(AxisImpulse&, double&, double) const {}
+  void share_on_step(AxisImpulse&, double&, double) const {}  /// @}
+
+  /// The end of the position stage, with the mean rate, and of the step.  @{
+  void finish_first_kick(const AxisProperties&, const AxisStart&, double) {}
+  void finish(AxisReport&, const AxisEnd&) {}  /// @}
+  /// What it says of a stage that ended with the rate w.
+  void report(AxisReport&, const AxisProperties&, double) const {}
+  /// What is remembered from step to step, to or from bytes.
+  template <typename AnyArchive>
+  void transfer(AnyArchive&) {}
+};
+
+/// Where the law of a property finds it, and reports what it gives.
+template <typename Property>
+struct AxisPlace {
+  static const std::optional<Property>& get(const AxisProperties& p) { return p.get<Property>(); }
+  static constexpr double AxisImpulse::*kPart = kAxisPartOf<Property>;
+};
+/// Of a law that has a part of its own.
+template <double AxisImpulse::*kMember>
+struct OwnAxisPlace {
+  static constexpr double AxisImpulse::*kPart = kMember;
+};
+
+/// One that is bounded, |λ| ≤ `bound` against w − `at`.
+template <typename Place>
+struct AxisBoxLawAt : AxisPartLaw {
+  double at = 0;     ///< rate that it holds or keeps in this stage [rad/s or m/s]
+  double bound = 0;  ///< impulse in this stage; 0: none [N·m·s or N·s]
+
+  void add_to(RowLaw& law, const AxisProperties&) const {
+    if (bound > 0) law = law + RowLaw::box(-bound, bound, at);
+  }
+  void share_beside(AxisImpulse& impulse, double& rest, double w) const {
+    if (bound > 0 && !holds(w)) rest -= impulse.*Place::kPart = w < at ? bound : -bound;
+  }
+  void share_on_step(AxisImpulse& impulse, double& rest, double w) const {
+    if (bound > 0 && holds(w)) rest -= impulse.*Place::kPart = std::clamp(rest, -bound, bound);
+  }
+  /// One without bound does whatever the rate is that an inexact solver has left.
+  bool holds(double w) const { return std::isinf(bound) || on_step(w, at); }
+};
+template <double AxisImpulse::*kMember>
+using AxisBoxLaw = AxisBoxLawAt<OwnAxisPlace<kMember>>;
+
+}  // namespace taut

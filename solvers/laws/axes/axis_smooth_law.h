@@ -1,0 +1,226 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/axes/axis.h"
+#include "solvers/laws/axes/axis_part_law.h"
+#include "solvers/laws/impulse_line.h"
+
+namespace taut {
+
+/// What of a smooth property at θ is the force of a potential [N·m or N].
+template <SmoothAxisProperty Property>
+double stored_force(const Property& property, double theta) {
+  if constexpr (StoringAxisProperty<Property>) return property.force(theta, 0);
+  return 0;
+}
+/// Where the rest of its force is reported.
+template <SmoothAxisProperty Property, typename Place = AxisPlace<Property>>
+constexpr double AxisImpulse::*loss_part() {
+  return StoringAxisProperty<Property> ? &AxisImpulse::damping : Place::kPart;
+}
+
+/// Impulse over a way, of a property with a law in its header, and what it falls by per rate, of that part
+/// which a potential stores and of the rest.
+struct SmoothImpulse {
+  double stored = 0, rest = 0;              ///< [N·m·s or N·s]
+  double stored_slope = 0, rest_slope = 0;  ///< ≥ 0 [kg·m² or kg]
+};
+
+namespace detail {
+/// Gauss's points and weights from 0 to 1, exact to order 9.
+struct GaussPoint {
+  double at, weight;
+};
+inline constexpr std::array<GaussPoint, 5> kGaussPoints{{
+    {0.046910077030668004, 0.11846344252809454},
+    {0.23076534494715845, 0.23931433524968324},
+    {0.5, 0.28444444444444444},
+    {0.7692346550528415, 0.23931433524968324},
+    {0.953089922969332, 0.11846344252809454},
+}};
+}  // namespace detail
+
+/// For a `time` along the way with this rate, of which the slopes are taken by w, ∂rate/∂w = `rate_weight`.
+/// The mean of its force over the way times that way is what its potential changes by; for a weight of the
+/// way above ½ a part of it is the force at the end, which takes energy.
+template <SmoothAxisProperty Property>
+SmoothImpulse smooth_impulse(const Property& property, const AxisStroke& way, double rate,
+                             double rate_weight) {
+  SmoothImpulse sum;
+  const auto add = [&](double at, double weight) {
+    const double theta = way.from + at * (way.to - way.from), time = weight * way.time;
+    const double stored = stored_force(property, theta), all = property.force(theta, rate);
+    sum.stored += time * stored;
+    sum.rest += time * (all - stored);
+    sum.rest_slope -= time * rate_weight * property.rate_slope(theta, rate);
+    if constexpr (requires { property.place_slope(theta, rate); }) {
+      const double moves = time * at * way.per_rate, slope = property.place_slope(theta, rate);
+      const double of_stored = StoringAxisProperty<Property> ? property.place_slope(theta, 0) : 0;
+      sum.stored_slope -= moves * of_stored;
+      sum.rest_slope -= moves * (slope - of_stored);
+    }
+  };
+  const double last = 2 * way.weight - 1;
+  for (const auto& [at, weight] : detail::kGaussPoints) add(at, (1 - last) * weight);
+  if (last > 0) add(1, last);
+  sum.stored_slope = std::max(0.0, sum.stored_slope);
+  sum.rest_slope = std::max(0.0, sum.rest_slope);
+  return sum;
+}
+
+/// The law of a property that is a smooth force of θ and θ̇, which its header has: lines λ = l − c w, tangents
+/// to the impulse over the way of a step, as those of tables (AxisSpringLaw).  RATTLE gives in the second
+/// kick what it gave in the first, the implicit midpoint rule, but for damping that would reverse the rate
+/// there, which acts on θ̇(q₁); Moreau–Jean takes such damping later than ϑ.  It remembers nothing from step
+/// to step.
+template <SmoothAxisProperty Property, typename Place = AxisPlace<Property>>
+struct AxisSmoothLaw : AxisPartLaw {
+  ImpulseLine stored, rest;                 ///< of this stage
+  double stored_given = 0, rest_given = 0;  ///< in the first kick
+  double theta = 0;                         ///< θ(q₁), in the second kick
+  double later = 0;       ///< of Moreau–Jean: part of the rate after the step, against which damping acts
+  bool implicit = false;  ///< damping acts on θ̇(q₁) in the second kick
+  TangentPoint tangents;
+  bool is_fresh = false;  ///< a stage has begun, and has no tangent yet
+
+  void begin(const AxisProperties&, const AxisStep&, const AxisStart& start) { start_stage(start.rate); }
+  void release() { stored = rest = {}; }
+  bool set_position(const AxisStage& stage) {
+    release();
+    const std::optional<Property>& property = Place::get(stage.p);
+    if (!property) return true;
+    find_tangent(*property, stage);
+    return take(first_kick(*property, stage.step, stage.start, tangents.rate));
+  }
+  void finish_first_kick(const AxisProperties& p, const AxisStart& start, double w) {
+    stored_given = stored.at(w);
+    rest_given = rest.at(w);
+    if (!Place::get(p)) return;
+    implicit = rest.slope > start.inertia;
+    start_stage(w);
+  }
+  bool set_velocity(const AxisStage& stage) {
+    const std::optional<Property>& property = Place::get(stage.p);
+    theta = stage.theta;
+    stored = {stored_given, 0};
+    rest = {rest_given, 0};
+    if (!property || !implicit) return true;
+    find_tangent(*property, stage);
+    return take_rest(second_kick(*property, stage.step, tangents.rate));
+  }
+  bool set_single_kick(const AxisStage& stage) {
+    release();
+    const std::optional<Property>& property = Place::get(stage.p);
+    if (!property) return true;
+    const AxisStart& start = stage.start;
+    const double damping = -stage.step.h * property->rate_slope(start.theta, start.rate);
+    later = std::max(stage.step.weight, damping > 0 ? 1 - start.inertia / damping : 0.0);
+    find_tangent(*property, stage);
+    return take(single_kick(*property, stage.step, start, tangents.rate));
+  }
+  void add_to(RowLaw& law, const AxisProperties&) const {
+    for (int k = 0; k <= law.steps; ++k) law.level[k] += stored.level + rest.level;
+    law.slope += stored.slope + rest.slope;
+  }
+  /// Newton's method, as that of AxisSpringLaw; far from the solution by way of the axis by itself, which is
+  /// nearer than a tangent that is off by much.
+  bool move(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
+            double rate_tolerance) {
+    const std::optional<Property>& property = Place::get(p);
+    if (!property || (step.second_kick && !implicit)) return false;
+    const double given = stored.at(w) + rest.at(w);
+    const ImpulseLine there = line(*property, step, start, w);
+    const double off = std::abs(there.level - given), known = kRoundOff * std::abs(given) / start.inertia;
+    if (off <= std::max({kTolerance * std::abs(given), 0.1 * rate_tolerance * start.inertia,
+                         known * (start.inertia + there.slope)}))
+      return false;
+    const double far = kFar * std::abs(w), moves = std::abs(w - tangents.rate);
+    tangents.move(w, rate_tolerance);
+    if (moves <= far) return true;
+    const double alone = rate_alone(*property, step, start, w - given / start.inertia, w);
+    if (alone > tangents.lowest && alone < tangents.highest) tangents.rate = alone;
+    return true;
+  }
+  void share_lines(AxisImpulse& impulse, double& left, double w) const {
+    const double by_store = stored.at(w), by_rest = rest.at(w);
+    impulse.*Place::kPart += by_store;
+    impulse.*loss_part<Property, Place>() += by_rest;
+    left -= by_store + by_rest;
+  }
+
+ private:
+  /// Impulses are right to this part of themselves.
+  static constexpr double kTolerance = 1e-11;
+  /// A rate is known to this part of what the impulse has changed it by.
+  static constexpr double kRoundOff = 1e-14;
+  /// A tangent that is off by more than this part of the rate is far from the solution.
+  static constexpr double kFar = 0.1;
+  /// An axis by itself is solved to this part of its rate, in at most so many steps.
+  static constexpr double kAlone = 1e-6;
+  static constexpr int kMostAlone = 100;
+
+  /// The impulse at w, as level, and what it falls by.
+  ImpulseLine line(const Property& property, const AxisStep& step, const AxisStart& start, double w) const {
+    const SmoothImpulse at = step.second_kick   ? second_kick(property, step, w)
+                             : step.weight == 0 ? first_kick(property, step, start, w)
+                                                : single_kick(property, step, start, w);
+    if (step.second_kick) return {stored.level + at.rest, at.rest_slope};
+    return {at.stored + at.rest, at.stored_slope + at.rest_slope};
+  }
+  /// A stage begins, which had the rate `w` without impulses.
+  void start_stage(double w) {
+    tangents.start(w);
+    is_fresh = true;
+  }
+  /// The first tangent of a stage is that of the axis by itself.
+  void find_tangent(const Property& property, const AxisStage& stage) {
+    if (is_fresh) tangents.rate = rate_alone(property, stage.step, stage.start, tangents.rate, tangents.rate);
+    is_fresh = false;
+  }
+  /// The rate of an axis that had `free` without the property, by its own inertia: Newton's method from w,
+  /// between rates that are known to be below and above.
+  double rate_alone(const Property& property, const AxisStep& step, const AxisStart& start, double free,
+                    double w) const {
+    double low = -kUnreachedRate, high = kUnreachedRate;
+    if (!(start.inertia > 0) || std::isinf(start.inertia)) return w;
+    for (int i = 0; i < kMostAlone; ++i) {
+      const ImpulseLine at = line(property, step, start, w);
+      const double excess = start.inertia * (w - free) - at.level;
+      const double next = w - excess / (start.inertia + at.slope);
+      if (!std::isfinite(next)) break;
+      (excess > 0 ? high : low) = w;
+      const bool found = std::abs(next - w) <= kAlone * std::abs(next);
+      w = found || (next > low && next < high) ? next : 0.5 * (low + high);
+      if (found) break;
+    }
+    return w;
+  }
+
+  static SmoothImpulse first_kick(const Property& property, const AxisStep& step, const AxisStart& start,
+                                  double w) {
+    return smooth_impulse(property, stroke(step, start, w), w, 1);
+  }
+  SmoothImpulse second_kick(const Property& property, const AxisStep& step, double w) const {
+    return smooth_impulse(property, {.time = 0.5 * step.h, .from = theta, .to = theta}, w, 1);
+  }
+  SmoothImpulse single_kick(const Property& property, const AxisStep& step, const AxisStart& start,
+                            double w) const {
+    return smooth_impulse(property, stroke(step, start, w), (1 - later) * start.rate + later * w, later);
+  }
+  bool take_rest(const SmoothImpulse& at) {
+    if (!std::isfinite(at.rest) || !std::isfinite(at.rest_slope)) return release(), false;
+    rest = {at.rest + at.rest_slope * tangents.rate, at.rest_slope};
+    return true;
+  }
+  bool take(const SmoothImpulse& at) {
+    if (!take_rest(at) || !std::isfinite(at.stored) || !std::isfinite(at.stored_slope))
+      return release(), false;
+    stored = {at.stored + at.stored_slope * tangents.rate, at.stored_slope};
+    return true;
+  }
+};
+
+}  // namespace taut

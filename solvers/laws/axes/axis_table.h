@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/constraints/rows.h"
+#include "core/world/world.h"
+#include "solvers/laws/axes/axis_limit_law.h"
+
+namespace taut {
+
+class Archive;
+
+/// The rows that are no equalities, in the order of Rows::axis_rows(), and what acts along each of them: the
+/// properties of a free axis, unless own ones are made in their place; of a softened row of a joint a spring
+/// at rest where its gap is closed; of a spring between bodies that spring.
+///
+/// A spring between bodies has its length L as coordinate and, like a joint, one block in the Delassus
+/// matrix; its stiffness across the line, T/L, is geometric stiffness.  A linear one of natural length 0 has
+/// the three displacements of its points in axes of A instead, which are smooth where L is not, and L for its
+/// damper only.  Elsewhere ends may pass each other within a step: L then counts as negative, and that one
+/// step is not exact, since the force jumps.
+class AxisTable {
+ public:
+  AxisTable(const World& world, const Rows& rows);
+
+  std::size_t size() const { return rows_.size(); }
+  const std::vector<Rows::AxisRow>& rows() const { return rows_; }
+  int row(std::size_t i) const { return rows_[i].row; }
+  AxisId id(std::size_t i) const { return rows_[i].axis; }
+  bool angular(std::size_t i) const { return angular_[i]; }
+  const World& world() const { return world_; }
+
+  /// Reads the properties again if they have changed in the World; false if not.  Own ones are left out then.
+  bool refresh();
+  /// Those in force.
+  const AxisProperties& properties(std::size_t i) const {
+    return from_own_[i] ? own_[i] : world_.axis_properties(rows_[i].axis);
+  }
+  /// Those of the World, for an axis.
+  const AxisProperties& given(std::size_t i) const { return world_.axis_properties(rows_[i].axis); }
+  /// Puts own properties in force, to be changed; at first those of the World.
+  AxisProperties& make_own(std::size_t i);
+  AxisProperties& own(std::size_t i) { return own_[i]; }
+
+  /// The axes and softened rows of a joint give no force any more.
+  void release(JointId joint);
+  bool released(std::size_t i) const { return released_[i]; }
+  bool has_rigid_limit(std::size_t i) const { return !released_[i] && taut::has_rigid_limit(properties(i)); }
+  /// A motor of any force.
+  bool has_unbounded_motor(std::size_t i) const;
+
+  /// Whether some axis has …  @{
+  bool any_rigid_limit() const { return any_rigid_limit_; }
+  bool any_load() const { return any_load_; }      ///< friction that grows with the load
+  bool any_spring() const { return any_spring_; }  ///< anything that may be stiff
+  /// @}
+
+  /// Which are released, to or from bytes (checkpoint_memory.cpp).
+  void transfer(Archive& archive);
+
+ private:
+  void read_spring(std::size_t i);
+
+  const World& world_;
+  std::vector<Rows::AxisRow> rows_;
+  std::vector<AxisProperties> own_;  // by row; empty if there are none
+  std::vector<char> from_own_, released_, angular_;
+  std::int64_t axis_version_ = -1;  // of World, when properties were read
+  bool any_rigid_limit_ = false, any_load_ = false, any_spring_ = false;
+};
+
+}  // namespace taut
