@@ -12,12 +12,12 @@
 #include <variant>
 #include <vector>
 
+#include "core/axes/axis.h"
 #include "core/constraints/axis_parts.h"
 #include "core/constraints/contact_part.h"
 #include "core/constraints/part_store.h"
 #include "core/constraints/row_parts.h"
 #include "core/constraints/row_sinks.h"
-#include "core/axes/axis.h"
 #include "core/state/force.h"
 #include "core/state/state.h"
 
