@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/constraints/part_store.h"
 #include "core/axes/axis.h"
+#include "core/constraints/part_store.h"
 #include "core/state/relocation.h"
 #include "core/state/swing_axes.h"
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/check.h"
 #include "core/axes/axis.h"
+#include "core/base/check.h"
 #include "core/math/motion_point.h"
 #include "core/state/relocation.h"
 #include "core/state/state.h"

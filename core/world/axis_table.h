@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "core/constraints/row_sinks.h"
 #include "core/axes/axis.h"
+#include "core/constraints/row_sinks.h"
 
 namespace taut::detail {
 

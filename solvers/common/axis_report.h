@@ -63,8 +63,7 @@ constexpr double EnergyLedger::*ledger_term_of() {
 }
 template <typename... Properties>
 constexpr auto axis_parts(AxisTypes<Properties...>) {
-  constexpr std::size_t kOwn = std::size(kOwnAxisParts);
-  std::array<AxisPart, kOwn + (0 + ... + PlainAxisProperty<Properties>)> parts{};
+  std::array<AxisPart, std::size(kOwnAxisParts) + (0 + ... + PlainAxisProperty<Properties>)> parts{};
   std::size_t count = 0;
   for (const AxisPart& part : kOwnAxisParts) parts[count++] = part;
   const auto add = [&]<typename Property>() {

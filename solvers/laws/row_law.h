@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/check.h"
 #include "core/axes/axis.h"
+#include "core/base/check.h"
 
 namespace taut {
 

@@ -1,8 +1,8 @@
 #include <limits>
 
+#include "core/axes/axis.h"
 #include "core/constraints/rows.h"
 #include "core/joints/joints.h"
-#include "core/axes/axis.h"
 #include "tests/core/constraints/row_checker.h"
 #include "tests/core/expect_invalid.h"
 
