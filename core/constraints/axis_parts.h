@@ -13,7 +13,7 @@ namespace taut {
 namespace row_parts {
 
 /// Angle about axis a of A from direction u of A to direction e of B, seen along −a (right-handed):
-///   θ = atan2(v·e, u·e) [rad],   v = a × u                                      (core/constraints, Eq. 9)
+///   θ = atan2(v·e, u·e) [rad],   v = a × u                                      (core/constraints, Eq. 10)
 /// e need not be perpendicular to a; its projection counts, and where that vanishes θ has no meaning.
 /// λ [N·m] is the torque on B about j = a − (a·e) p/|p|², p = (u·e) u + (v·e) v; j = a where e ⟂ a.
 struct Angle {

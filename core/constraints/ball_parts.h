@@ -9,7 +9,7 @@
 namespace taut {
 namespace row_parts {
 
-/// Swing: angle between direction a of A and direction b of B, from 0 to π.    (core/constraints, Eq. 11)
+/// Swing: angle between direction a of A and direction b of B, from 0 to π.    (core/constraints, Eq. 12)
 ///   θ = atan2(|a × b|, a·b) [rad]
 /// λ [N·m] is the torque on B about j = a × b/|a × b|, away from a; where that vanishes any j across a is
 /// taken, and friction and springs act along other axes of the joint, `across` (AxisInfo).
@@ -37,7 +37,7 @@ struct Swing {
 };
 
 /// Component of the swing along direction x of A across a, of the rotation vector that takes a to b:
-///   s = (θ/sin θ) (a × b)·x [rad]                                               (core/constraints, Eq. 12)
+///   s = (θ/sin θ) (a × b)·x [rad]                                               (core/constraints, Eq. 13)
 /// With a second one along a × x, s₁² + s₂² = θ².
 /// Smooth at a swing of 0, without meaning at π, where both change their sign.
 /// λ [N·m] is the torque on B about g = f (C x − (x·b) a) + h (n·x) n, n = a × b, C = a·b, f = θ/sin θ,
@@ -68,7 +68,7 @@ struct SwingComponent {
 };
 
 /// Twist: the turn of B against A about their common axis once the swing that takes a to b is undone.
-///   q_FG = (s, u), z along a in F of A, b in G of B:  θ = 2 atan2(u_z, s) [rad]  (core/constraints, Eq. 13)
+///   q_FG = (s, u), z along a in F of A, b in G of B:  θ = 2 atan2(u_z, s) [rad]  (core/constraints, Eq. 14)
 /// Without meaning at a swing of π.  λ [N·m] is the torque on B about j = R_WF (e_z + ((s u_y + u_z u_x)/D,
 /// (u_z u_y − s u_x)/D, 0)), D = s² + u_z².
 struct TwistAngle {
@@ -99,7 +99,7 @@ struct TwistAngle {
 
 /// Turn of B against A about direction a of A: θ̇ = a·(ω_B − ω_A).  Three of them are no coordinates of the
 /// rotation, so that θ accumulates: over a step it grows by the part along a of the rotation vector of B
-/// against A.                                                               (core/constraints, Eq. 14)
+/// against A.                                                               (core/constraints, Eq. 15)
 /// λ [N·m] is the torque on B about a.
 struct Turn {
   static constexpr int kRows = 1;

@@ -7,7 +7,7 @@
 #include "core/constraints/row_parts.h"
 #include "core/math/spline.h"
 
-/// A point that stays on a curve.                                                 (core/constraints, Eq. 7)
+/// A point that stays on a curve.                                                 (core/constraints, Eq. 8)
 namespace taut {
 
 /// A spline fixed in a body, with normals that turn with it as little as possible.

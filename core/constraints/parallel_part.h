@@ -7,7 +7,7 @@
 namespace taut {
 namespace row_parts {
 
-/// Direction b of B points the way of a = u × v of A.                           (core/constraints, Eq. 15)
+/// Direction b of B points the way of a = u × v of A.                           (core/constraints, Eq. 7)
 ///   φ = (u·b, v·b) [rad, sines], and beyond a right angle the rotation vector that takes a to b,
 ///   (θ/sin θ) (a × b)·(v, −u)
 /// so that axes which point opposite ways are open by π, and not closed.  λ [N·m] are torques on B about

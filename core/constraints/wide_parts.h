@@ -14,7 +14,7 @@
 namespace taut {
 namespace row_parts {
 
-/// A linear relation between free axes (core/constraints, Eq. 8).   φ = Σ c_k θ_k(q) − offset
+/// A linear relation between free axes (core/constraints, Eq. 9).   φ = Σ c_k θ_k(q) − offset
 /// λ is the force or torque along the last axis, whose unit φ has, if its factor is 1; c_k λ along axis k.
 struct Coupling {
   static constexpr bool kWide = true;

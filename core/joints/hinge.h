@@ -9,7 +9,7 @@ namespace taut {
 /// Where a and b point more than a right angle apart, φ₄,₅ is their angle: opposite axes are open by π.
 /// λ₁₋₃ is the force on B at Q in world axes; λ₄, λ₅ the torques that keep the axes together.
 /// Free axis `angle` [rad]: turn of B against A about a, 0 in the pose where at() made the joint; without
-/// references, where the frames that complete_frame() makes of the two axes agree. (core/constraints, Eq. 9)
+/// references, where the frames that complete_frame() makes of the two axes agree. (core/constraints, Eq. 10)
 class Hinge final : public Joint {
  public:
   /// Points from the centres of mass and unit axes, in body axes.

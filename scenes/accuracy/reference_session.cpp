@@ -35,9 +35,8 @@ Settings settings_of(const Case& reference, const RunPlan& plan) {
 bool reads_contacts(const nlohmann::json& probe) {
   if (probe.contains("pair")) return true;
   if (probe.contains("of")) return reads_contacts(probe.at("of"));
-  for (const auto& item : probe.value("items", nlohmann::json::array()))
-    if (reads_contacts(item)) return true;
-  return false;
+  const auto items = probe.value("items", nlohmann::json::array());
+  return std::any_of(items.begin(), items.end(), reads_contacts);
 }
 
 }  // namespace

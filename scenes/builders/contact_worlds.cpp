@@ -90,7 +90,8 @@ World gas(bool boxes) {
   World world = without_weight();
   add_six_walls(world, 0.5, rubbing(0, 1));
   for (int i = 0; i < 27; ++i) {
-    const Vec3 p = 0.3 * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    const int column = i % 3, row = i / 3 % 3, layer = i / 9;
+    const Vec3 p = 0.3 * Vec3(column - 1, row - 1, layer - 1);
     const Quat q = random_turn(random);
     const Vec3 w = random_vector(random, 5), v = random_vector(random, 1.5);
     if (boxes)

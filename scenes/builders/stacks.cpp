@@ -117,14 +117,16 @@ Scene build_heap(const char* name, bool walls, const Parameters& parameters) {
   for (int i = 0; i < n; ++i) {
     Pose pose;
     const double x = kSpacing * (i % side), y = kSpacing * (i / side % side);
-    pose.p = Vec3(x + kOff * random(), y + kOff * random(), 0.4 + kSpacing * (i / (side * side)));
+    const int layer = i / (side * side);
+    pose.p = Vec3(x + kOff * random(), y + kOff * random(), 0.4 + kSpacing * layer);
     const double a = random(), b = random(), c = random(), d = random();
     pose.q = Quat(a, b, c, d).normalized();
     last = add_solid(scene, numbered("body", i), shapes[i % 4], pose, kStackDensity, stone);
   }
   if (walls) {
     const double centre = 0.5 * kSpacing * (side - 1);
-    add_walls(scene, Vec3(centre, centre, 0), kSpacing * side, kSpacing * (1 + n / (side * side)));
+    const int layers = 1 + n / (side * side);
+    add_walls(scene, Vec3(centre, centre, 0), kSpacing * side, kSpacing * layers);
     draw(scene, kGround,
          {Box{{kSpacing * side, kSpacing * side, 0.01}}, {.p = Vec3(centre, centre, -0.005)}});
   }

@@ -25,7 +25,7 @@ SceneFileProblem syntax_problem(std::string_view text, std::size_t byte, std::st
 /// The parser's own words without its prefix "[json.exception...] parse error at line 1, column 2: ".
 std::string parser_message(std::string message) {
   for (const char* prefix : {"] ", "parse error", ": "})
-    if (const auto found = message.find(prefix); found != message.npos && found < 80)
+    if (const auto found = message.find(prefix); found < 80)
       message.erase(0, found + std::string_view(prefix).size());
   // What was last read may break a multi-byte character.
   for (char& c : message)

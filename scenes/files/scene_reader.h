@@ -101,7 +101,7 @@ class SceneReader {
   void read_material_pair(const JsonNode& node);
   void read_pair(const JsonNode& node);
   /// All shapes of a body, or the one that the key counts.
-  std::vector<ShapeId> shapes_of_pair(JsonObject& pair, const char* body_key, const char* shape_key);
+  std::vector<ShapeId> shapes_of_pair(JsonObject& pair, const char* body_key, const char* shape_key) const;
   void read_joint(const JsonNode& node);
   void read_force(const JsonNode& node);
   void read_probe(const JsonNode& node);

@@ -123,7 +123,7 @@ void SceneReader::read_ground(const JsonNode& node) {
 }
 
 std::vector<ShapeId> SceneReader::shapes_of_pair(JsonObject& pair, const char* body_key,
-                                                 const char* shape_key) {
+                                                 const char* shape_key) const {
   const BodyReference body = required_body(pair, body_key);
   const auto index = pair.find(shape_key);
   const auto material = pair.find("material");

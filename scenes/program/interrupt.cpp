@@ -1,10 +1,9 @@
 #include "scenes/program/interrupt.h"
 
-#include <time.h>
-
 #include <atomic>
 #include <csignal>
 #include <cstdint>
+#include <ctime>
 #include <initializer_list>
 
 namespace taut {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -9,6 +11,7 @@
 #include "scenes/builders/scene.h"
 #include "scenes/export/exports.h"
 #include "scenes/program/live_run.h"
+#include "scenes/program/number_options.h"
 
 namespace taut {
 
@@ -28,8 +31,7 @@ struct RunOptions {
   std::optional<Solver> solver;
   std::optional<int> iterations;
   std::optional<int> threads;
-  std::optional<double> relaxation;
-  std::optional<double> theta;
+  std::array<std::optional<double>, std::size(kNumberOptions)> numbers;  ///< as kNumberOptions
   /// Also if the scene does not say so.
   bool sleep = false, merge_fixed_joints = false, locate_plastic_impacts = false;
   std::string report_file, csv_file, poses_file, record_file;  ///< empty: none

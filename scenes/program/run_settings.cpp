@@ -22,8 +22,8 @@ SettingSources::SettingSources(const RunOptions& options, const Scene& scene) {
   option(options.solver.has_value(), "solver", "--solver");
   option(options.iterations.has_value(), "iterations", "--iterations");
   option(options.threads.has_value(), "threads", "--threads");
-  option(options.relaxation.has_value(), "relaxation", "--relaxation");
-  option(options.theta.has_value(), "theta", "--theta");
+  for (std::size_t i = 0; i < options.numbers.size(); ++i)
+    option(options.numbers[i].has_value(), kNumberOptions[i].key, kNumberOptions[i].option);
   option(options.sleep, "sleep", "--sleep");
   option(options.merge_fixed_joints, "merge_fixed_joints", "--merge-fixed-joints");
   option(options.locate_plastic_impacts, "locate_plastic_impacts", "--locate-plastic-impacts");
@@ -45,8 +45,8 @@ void apply_settings(const RunOptions& options, Settings& settings) {
   take(options.solver, settings.solver);
   take(options.iterations, settings.iterations);
   take(options.threads, settings.threads);
-  take(options.relaxation, settings.relaxation);
-  take(options.theta, settings.theta);
+  for (std::size_t i = 0; i < options.numbers.size(); ++i)
+    take(options.numbers[i], settings.*kNumberOptions[i].setting);
   if (options.sleep) settings.sleep = true;
   if (options.merge_fixed_joints) settings.merge_fixed_joints = true;
   if (options.locate_plastic_impacts) settings.locate_plastic_impacts = true;

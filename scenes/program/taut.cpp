@@ -101,13 +101,13 @@ void add_run(CLI::App& app, Arguments& arguments) {
   add_choice(run, "--tension", options.tension, taut::kTensionNames, "what is done where tension is stiff");
   add_choice(run, "--drift-cure", options.drift_cure, taut::kDriftCureNames,
              "what keeps the joints of a force-level integrator or of moreau-jean closed");
-  run.add_option("--theta", options.theta, "of moreau-jean, 1/2 to 1, default 1/2")->type_name("NUMBER");
+  for (std::size_t i = 0; i < options.numbers.size(); ++i)
+    run.add_option(taut::kNumberOptions[i].option, options.numbers[i], taut::kNumberOptions[i].help)
+        ->type_name("NUMBER");
   add_choice(run, "--factor", options.factor, taut::kFactorNames, "how the system matrix is factored");
   add_choice(run, "--solver", options.solver, taut::kSolverNames,
              "how impulses are found: with the factor, or one after the other, to compare with");
   run.add_option("--iterations", options.iterations, "sweeps of an iterative solver per stage, default 50")
-      ->type_name("NUMBER");
-  run.add_option("--relaxation", options.relaxation, "over-relaxation of gauss-seidel, between 0 and 2")
       ->type_name("NUMBER");
   run.add_option("--threads", options.threads, "for contacts, default: as many as the machine has")
       ->type_name("NUMBER");

@@ -45,7 +45,8 @@ void bind_choices(nb::module_& m) {
       .value("CHOLMOD", FactorChoice::kCholmod)
       .value("SIMPLICIAL", FactorChoice::kSimplicial)
       .value("SUPERNODAL", FactorChoice::kSupernodal)
-      .value("MULTIFRONTAL", FactorChoice::kMultifrontal);
+      .value("MULTIFRONTAL", FactorChoice::kMultifrontal)
+      .value("DENSE", FactorChoice::kDense);
   nb::enum_<Solver>(m, "Solver", "How the impulses of a stage are found.")
       .value("DIRECT", Solver::kDirect, "All at once, by a sparse factor and the active set.")
       .value("GAUSS_SEIDEL", Solver::kGaussSeidel)

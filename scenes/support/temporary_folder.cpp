@@ -1,7 +1,8 @@
 #include "scenes/support/temporary_folder.h"
 
-#include <stdlib.h>
 #include <unistd.h>
+
+#include <cstdlib>
 
 #include "core/base/check.h"
 

@@ -63,6 +63,12 @@ std::vector<SettingConflict> setting_conflicts(const Settings& s) {
 
 std::vector<SettingConflict> setting_conflicts(const Settings& s, const World& world) {
   std::vector<SettingConflict> found;
+  if (s.factor == FactorChoice::kDense)
+    if (const int rows = Rows(world).row_count(); rows > kMostDenseRows)
+      found.push_back({{"factor", name_of(s.factor, kFactorNames)},
+                       {},
+                       "it takes at most " + std::to_string(kMostDenseRows) + " rows, and joints have " +
+                           std::to_string(rows)});
   if (s.integrator == Integrator::kRattle) return found;
   const auto add = [&](const std::string& reason) { found.push_back({integrator_of(s), {}, reason}); };
   if (!world.breakable().empty())

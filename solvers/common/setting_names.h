@@ -39,6 +39,7 @@ inline constexpr std::pair<const char*, FactorChoice> kFactorNames[] = {
     {"simplicial", FactorChoice::kSimplicial},
     {"supernodal", FactorChoice::kSupernodal},
     {"multifrontal", FactorChoice::kMultifrontal},
+    {"dense", FactorChoice::kDense},
 };
 
 inline constexpr std::pair<const char*, Solver> kSolverNames[] = {

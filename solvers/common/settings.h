@@ -38,12 +38,15 @@ enum class TensionPolicy {
   kIgnore,    ///< nothing: the step may be unstable, which StepReport::tension_number tells
 };
 
+inline constexpr int kMostDenseRows = 10000;  ///< of FactorChoice::kDense, whose matrix takes 800 MB then
+
 enum class FactorChoice {  ///< What factorises the symmetric positive definite matrix of the joints.
   kAuto,                   ///< the fastest measured: multifrontal
   kCholmod,                ///< CHOLMOD, simplicial or supernodal by flop count
   kSimplicial,             ///< CHOLMOD simplicial LDLᵀ
   kSupernodal,             ///< CHOLMOD supernodal LLᵀ; simplicial if this CHOLMOD lacks its GPL modules
   kMultifrontal,           ///< taut's own LLᵀ
+  kDense,                  ///< LLᵀ of the whole matrix, zeros too, to compare with; up to kMostDenseRows
 };
 
 /// How the impulses of a stage are found: by the factor and the active set, or, to compare with, by impulses

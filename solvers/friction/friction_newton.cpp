@@ -142,7 +142,7 @@ Vector FrictionNewton::solve(const ScaledFriction& problem, Vector r, BestImpuls
   Linearisation linear(problem);
   const auto argument = [&](const Vector& at) -> Vector { return at - gamma * problem.rates(at); };
   const double enough = best.fully();
-  double weight = rho, off = best.offer(r), least = off;
+  double shift = rho, off = best.offer(r), least = off;
   std::vector<double> sizes{linear.residual(r, argument(r)).norm()};
   const double round_off = Tuning::kRoundOff * problem.largest_q();
   int idle = 0;
@@ -150,8 +150,8 @@ Vector FrictionNewton::solve(const ScaledFriction& problem, Vector r, BestImpuls
     const Vector g = linear.residual(r, argument(r));
     Vector delta;
     ++best.factorisations;
-    if (!linear.step(g, gamma, weight, delta)) {
-      weight = std::max(Tuning::kRhoOfSingular * weight, Tuning::kLeastRhoOfSingular);
+    if (!linear.step(g, gamma, shift, delta)) {
+      shift = std::max(Tuning::kRhoOfSingular * shift, Tuning::kLeastRhoOfSingular);
       ++idle;
       continue;
     }
@@ -166,14 +166,14 @@ Vector FrictionNewton::solve(const ScaledFriction& problem, Vector r, BestImpuls
       taken = size <= (1 - Tuning::kDecrease * part) * bound || size <= round_off;
     }
     if (!taken) {
-      weight = std::min(Tuning::kRhoAfterNone * weight, Tuning::kMostRho);
+      shift = std::min(Tuning::kRhoAfterNone * shift, Tuning::kMostRho);
       ++idle;
       continue;
     }
     r = next;
     sizes.push_back(size);
-    weight *= part == 1 ? Tuning::kRhoAfterWhole : part < Tuning::kShortStep ? Tuning::kRhoAfterShort : 1;
-    weight = std::max(weight, Tuning::kLeastRho);
+    shift *= part == 1 ? Tuning::kRhoAfterWhole : part < Tuning::kShortStep ? Tuning::kRhoAfterShort : 1;
+    shift = std::max(shift, Tuning::kLeastRho);
     off = best.offer(r);
     idle = off < Tuning::kGain * least ? 0 : idle + 1;
     least = std::min(least, off);

@@ -6,6 +6,7 @@
 
 #include "core/state/reach.h"
 #include "solvers/common/stopwatch.h"
+#include "solvers/integrators/acceleration_equation.h"
 #include "solvers/integrators/gauss_newton.h"
 
 namespace taut {
@@ -63,18 +64,14 @@ void ForceLevel::accelerate(const State& state, double h, SubstepReport& report,
   system_.factorize(report.times);
 
   const Stopwatch watch(report.times.velocities);
-  free_accelerations(system_.mass(), state, forces_, acceleration);
-  system_.rows().bias(state, state.twists, lambda_);
-  system_.rows().apply(system_.jacobian(), acceleration, rates_);
-  for (int r = 0; r < system_.row_count(); ++r) lambda_[r] += rates_[r];
+  acceleration_right_side(system_, state, forces_, acceleration, rates_, lambda_);
   if (baumgarte) {
     // φ̈ = −φ̇/h − erp φ/h²: takes the joint velocity to −erp φ/h within the step [Baumgarte1972].
     system_.rows().residual(state, phi_);
     system_.rates_of(state, rates_);
     for (int r = 0; r < system_.row_count(); ++r)
-      lambda_[r] += rates_[r] / h + settings_.erp / (h * h) * phi_[r];
+      lambda_[r] -= rates_[r] / h + settings_.erp / (h * h) * phi_[r];
   }
-  for (double& l : lambda_) l = -l;
   system_.solve(lambda_);
   system_.rows().apply_transpose(system_.jacobian(), lambda_, joint_wrenches_);
   for (int b = 0; b < world_.body_count(); ++b) {

@@ -5,6 +5,7 @@
 
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
+#include "solvers/integrators/acceleration_equation.h"
 #include "solvers/integrators/body_moves.h"
 
 namespace taut {
@@ -71,13 +72,10 @@ void ImpulseScheme::start(const State& state, Velocities velocities, SubstepRepo
 /// Multipliers of the acceleration equation S λ = −(γ + J M⁻¹ (f − ω × Iω)): the first prediction.
 void ImpulseScheme::predict_forces() {
   const State& state = phase_.state;
-  std::vector<double>&multipliers = values_.force_multipliers, &delta = values_.delta;
-  system_.rows().bias(state, state.twists, multipliers);
+  std::vector<double>& multipliers = values_.force_multipliers;
   std::vector<Twist> accelerations(world_.body_count());
   world_.forces(state, last_forces_);
-  free_accelerations(system_.mass(), state, last_forces_, accelerations);
-  system_.rows().apply(system_.jacobian(), accelerations, delta);
-  for (int r = 0; r < system_.row_count(); ++r) multipliers[r] = -(multipliers[r] + delta[r]);
+  acceleration_right_side(system_, state, last_forces_, accelerations, values_.delta, multipliers);
   projection_.clear_loose_rows(multipliers);
   system_.solve(multipliers);
 }

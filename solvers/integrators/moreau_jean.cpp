@@ -95,7 +95,7 @@ Pose MoreauJean::moved(int b, double h) const {
 void MoreauJean::begin_laws(double h, SubstepReport& report) {
   phase_.twists_from(phase_.momenta);
   first_twists_ = phase_.state.twists;
-  weighted_ = phase_.state;
+  blended_ = phase_.state;
   theta_ = settings_.theta;
   if (bounded()) {
     system_.rates_of(phase_.state, values_.rates);
@@ -126,31 +126,31 @@ void MoreauJean::renew_laws() {
 }
 
 /// (q_ϑ, V_ϑ) of the momenta of now.
-void MoreauJean::weigh(double h) {
+void MoreauJean::blend(double h) {
   const double theta = theta_, last = theta * theta * h;
-  weighted_.time = phase_.start_time + theta * h;
+  blended_.time = phase_.start_time + theta * h;
   for (int b = 0; b < world_.body_count(); ++b) {
     if (!system_.inverse_mass(b).moves()) continue;
     const Twist &V0 = first_twists_[b], &V1 = phase_.state.twists[b];
-    weighted_.twists[b] = {(1 - theta) * V0.w + theta * V1.w, (1 - theta) * V0.v + theta * V1.v};
-    weighted_.poses[b] = free_flow(system_.mass(), b, moved(b, theta * h - last), phase_.momenta[b].torque,
-                                   phase_.momenta[b].force, last);
+    blended_.twists[b] = {(1 - theta) * V0.w + theta * V1.w, (1 - theta) * V0.v + theta * V1.v};
+    blended_.poses[b] = free_flow(system_.mass(), b, moved(b, theta * h - last), phase_.momenta[b].torque,
+                                  phase_.momenta[b].force, last);
   }
 }
 
 /// Λ, with the forces at the state that it leads to: a fixed point.
 Scheme::Outcome MoreauJean::find_impulses(double h, SubstepReport& report) {
   using Fixed = ForceIteration::Fixed;
-  weigh(h);
-  phase_.find_forces(weighted_);
+  blend(h);
+  phase_.find_forces(blended_);
   for (;;) {
     for (int b = 0; b < world_.body_count(); ++b)
       if (system_.inverse_mass(b).moves()) phase_.momenta[b] = phase_.start_momenta[b] + h * phase_.forces[b];
     if (!phase_.finite() || !axes_.finite()) return Outcome::kNotFinite;
     if (!solve_stage(report)) return Outcome::kStalled;
     const Stopwatch watch(report.times.forces);
-    weigh(h);
-    const Fixed fixed = renew_kick_forces(weighted_);
+    blend(h);
+    const Fixed fixed = renew_kick_forces(blended_);
     if (fixed == Fixed::kYes) std::swap(phase_.forces, last_forces_);  // those that p₁ has
     if (fixed != Fixed::kNotYet) return fixed == Fixed::kYes ? Outcome::kDone : Outcome::kStalled;
   }
@@ -205,7 +205,7 @@ void MoreauJean::add_works(double h, SubstepReport& report) {
   if (bounded()) finish_laws(report.works);
   if (!settings_.report_energy) return;
   // Forces that are not conservative were taken at the weighted state.
-  works_.add({weighted_, phase_.start_momenta, phase_.momenta, system_.jacobian(), values_.mu}, phase_.forces,
+  works_.add({blended_, phase_.start_momenta, phase_.momenta, system_.jacobian(), values_.mu}, phase_.forces,
              2 * h, report.works);
   // What the ways to q_M and from there to q₁ change of the kinetic energy, up to its end.
   report.works.flow += works_.spin_energy(phase_.start_momenta, phase_.state.poses, KickWorks::Bodies::kAll) -

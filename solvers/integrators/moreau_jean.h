@@ -41,7 +41,7 @@ class MoreauJean final : public ImpulseScheme {
   bool solve_stage(SubstepReport& report);
   bool meet_laws(double part, SubstepReport& report);
   double given_by_contacts();
-  void weigh(double h);
+  void blend(double h);
   Pose moved(int b, double h) const;
   void add_works(double h, SubstepReport& report);
   bool go_to_end(double h, SubstepReport& report);
@@ -50,7 +50,7 @@ class MoreauJean final : public ImpulseScheme {
   void keep_impulses(double h);
 
   double theta_ = 0.5;               // of this step
-  State weighted_;                   // q_ϑ, V_ϑ at t₀ + ϑh, where forces are taken
+  State blended_;                    // q_ϑ, V_ϑ at t₀ + ϑh, where forces are taken
   std::vector<Twist> first_twists_;  // V₀
   std::vector<double> first_axes_;
   std::vector<Wrench> free_momenta_;  // without impulses

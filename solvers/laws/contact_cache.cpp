@@ -13,7 +13,7 @@ namespace taut {
 namespace {
 
 /// (solvers/laws, "Contacts")
-struct ContactSetTuning {
+struct ContactCacheTuning {
   /// A contact is where one was before if in either body it is no further from it than this [m].
   static constexpr double kSamePoint = 1e-4;
   /// Finds after which an unused slot may be given up: other slots ask for another order of the factor.
@@ -37,7 +37,7 @@ bool agree(const CollisionFilter& a, const CollisionFilter& b) {
 
 bool can_touch(const World& world) {
   const int count = world.shape_count();
-  if (count > ContactSetTuning::kFewShapes) {
+  if (count > ContactCacheTuning::kFewShapes) {
     std::set<std::pair<std::uint32_t, std::uint32_t>> filters;
     for (int a = 0; a < count; ++a) {
       const CollisionFilter& filter = world.shape(ShapeId{a}).filter;
@@ -63,11 +63,11 @@ Rows::ContactSlot place_for(const World& world, const Contact& contact) {
 row_parts::ContactFrame frame_of(const Vec3& n, const Vec3& slip, const Vec3& last) {
   row_parts::ContactFrame frame;
   frame.n = n;
-  Vec3 along = slip.norm() > ContactSetTuning::kSlipSpeed ? slip : last;
+  Vec3 along = slip.norm() > ContactCacheTuning::kSlipSpeed ? slip : last;
   along -= n.dot(along) * n;
   // Written so that what is not a number, left by a step that failed, does not stay.
   if (!(along.norm() >=
-        ContactSetTuning::kInPlane * (slip.norm() > ContactSetTuning::kSlipSpeed ? slip.norm() : 1)))
+        ContactCacheTuning::kInPlane * (slip.norm() > ContactCacheTuning::kSlipSpeed ? slip.norm() : 1)))
     along = n.unitOrthogonal();
   frame.t1 = along.normalized();
   frame.t2 = n.cross(frame.t1);
@@ -81,7 +81,7 @@ double overlap_bound(const World& world, const Contact& contact) {
     if (world.moves(body)) mass = std::min(mass, world.mass_properties(body).mass());
   const double compliance = world.contact_material(contact.a, contact.b).compliance;
   return overlap_depth(world, contact) +
-         ContactSetTuning::kWeights * compliance * mass * world.gravity().norm();
+         ContactCacheTuning::kWeights * compliance * mass * world.gravity().norm();
 }
 
 }  // namespace
@@ -93,7 +93,7 @@ double overlap_depth(const World& world, const Contact& contact) {
     const MassProperties& mass = world.mass_properties(body);
     size = std::min(size, std::sqrt(mass.principal_moments().maxCoeff() / mass.mass()));
   }
-  return ContactSetTuning::kOverlapPart * size;
+  return ContactCacheTuning::kOverlapPart * size;
 }
 
 ContactCache::ContactCache(const World& world, const ContactSettings& settings)
@@ -189,7 +189,7 @@ int ContactCache::slot_before(const World& world, const Contact& contact, Likene
       keys_.begin(), keys_.end(), contact,
       [](const Key& x, const Contact& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
   double least = likeness == Likeness::kSameFeature ? std::numeric_limits<double>::infinity()
-                                                    : ContactSetTuning::kSamePoint;
+                                                    : ContactCacheTuning::kSamePoint;
   int found = -1;
   for (auto key = first; key != keys_.end() && key->a == contact.a && key->b == contact.b; ++key) {
     const Slot& slot = slots_[key->slot];
@@ -216,14 +216,14 @@ void ContactCache::part_overlaps(const World& world, const std::vector<Contact>&
     last = std::find_if(first, contacts.end(), [&](const Contact& c) { return !same_pair(c, *first); });
     const double depth =
         -std::min_element(first, last, [](const Contact& x, const Contact& y) { return x.gap < y.gap; })->gap;
-    if (!(depth > ContactSetTuning::kOut) && !parts_) continue;
+    if (!(depth > ContactCacheTuning::kOut) && !parts_) continue;
     auto key = std::lower_bound(keys_.begin(), keys_.end(), *first, [](const Key& x, const Contact& y) {
       return std::tie(x.a, x.b) < std::tie(y.a, y.b);
     });
     bool parted = (key == keys_.end() || !same_pair(*key, *first)) && depth > overlap_bound(world, *first);
     for (; key != keys_.end() && same_pair(*key, *first); ++key) {
       const Slot& before = slots_[key->slot];
-      parted |= before.parted && std::max(depth, -before.contact.gap) > ContactSetTuning::kOut;
+      parted |= before.parted && std::max(depth, -before.contact.gap) > ContactCacheTuning::kOut;
     }
     if (!parted) continue;
     std::fill(parted_.begin() + (first - contacts.begin()), parted_.begin() + (last - contacts.begin()), 1);
@@ -246,7 +246,7 @@ int ContactCache::slot_near(const World& world, ShapeId a, ShapeId b, const Vec3
   auto it = std::lower_bound(by_pair_.begin(), by_pair_.end(), at, [](const auto& entry, const auto& wanted) {
     return order_of(entry.first) < order_of(wanted);
   });
-  double least = ContactSetTuning::kSamePoint;
+  double least = ContactCacheTuning::kSamePoint;
   int found = -1;
   for (; it != by_pair_.end() && it->first.a == at.a && it->first.b == at.b; ++it) {
     const Slot& slot = slots_[it->second];
@@ -283,7 +283,7 @@ void ContactCache::rebuild() {
   std::vector<Slot> kept, kept_before;
   std::vector<int> origin, moved;
   for (std::size_t k = 0; k < slots_.size(); ++k) {
-    if (!slots_[k].active && slots_[k].unused > ContactSetTuning::kKept && !before_[k].active) continue;
+    if (!slots_[k].active && slots_[k].unused > ContactCacheTuning::kKept && !before_[k].active) continue;
     kept.push_back(slots_[k]);
     kept_before.push_back(before_[k]);
     origin.push_back(slots_[k].active ? origin_[k] : -1);

@@ -31,7 +31,7 @@ struct ContactConstraints {
     double bound = std::numeric_limits<double>::infinity();  ///< a new contact is first taken to hold
     bool slips = false;          ///< it does by the last solution: the state of friction, no mode
     Vec2 direction{1.0, 0.0};    ///< of the slip
-    double weight = 0;           ///< friction per slip across its direction; 0: not known
+    double cross_slope = 0;      ///< friction per slip across its direction; 0: not known
     Vec2 given = Vec2::Zero();   ///< what the first kick gave, in the tangents of now
     Vec2 target = Vec2::Zero();  ///< rate that is rest: takes back what slipped while it should hold
 

@@ -150,7 +150,7 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
     // A first guess: both kicks alike, and the slip along t₁.
     for (Disc* disc : {&point.sliding, &point.rolling}) {
       disc->bound *= 2;
-      disc->weight *= 2;
+      disc->cross_slope *= 2;
       disc->direction = Vec2::UnitX();
     }
     point.spin_bound *= 2;
@@ -236,7 +236,7 @@ void ContactForces::aim_discs(int k, std::span<const double> rates) {
     disc.slips = !point.stuck && slip.norm() > kRestingSlip && std::isfinite(disc.bound);
     if (disc.slips) {
       disc.direction = slip.normalized();
-      disc.weight = disc.bound / slip.norm();
+      disc.cross_slope = disc.bound / slip.norm();
     }
   };
   aim(point.sliding, first_row(k) + 1);

@@ -19,13 +19,13 @@ RowLaw box_around(double centre, double half, double w) {
 /// corner there.  A disc that slips along t₁ has the level −bound there, and across it the friction that
 /// turns with the slip: the derivative of −bound w/|w|.
 void disc_laws(const ContactConstraints::Disc& disc, int row, std::span<RowLaw> laws) {
-  const bool holds = !disc.slips || disc.weight == 0 || !(disc.bound > 0);
+  const bool holds = !disc.slips || disc.cross_slope == 0 || !(disc.bound > 0);
   for (int i : {0, 1}) {
     const double half = disc.slips ? disc.bound * std::abs(disc.direction[i]) : disc.bound;
     laws[row + i] = box_around(-disc.given[i], half, disc.slips ? 0 : disc.target[i]);
   }
   if (holds) return;
-  laws[row + 1] = RowLaw::viscous(disc.weight);
+  laws[row + 1] = RowLaw::viscous(disc.cross_slope);
   laws[row + 1].level[0] = -disc.given[1];
 }
 

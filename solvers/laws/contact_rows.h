@@ -62,7 +62,7 @@ class ContactRows {
   bool sticks(int k) const { return works(k) && point(k).stuck && !point(k).slipping && compliance(k) == 0; }
   /// It sticks, and its disc was passed.
   bool slips_in_vain(int k) const {
-    return sticks(k) && point(k).sliding.slips && point(k).sliding.weight > 0;
+    return sticks(k) && point(k).sliding.slips && point(k).sliding.cross_slope > 0;
   }
   /// |w_t − target| at rates w [m/s]
   double slip_of(int k, std::span<const double> w) const;

@@ -63,7 +63,7 @@ double FrictionLinearization::renew_disc(ContactConstraints::Disc& disc, const D
   }
   disc.slips = true;
   disc.direction = rests ? Vec2(-state.tau.normalized()) : Vec2(state.slip / speed);
-  disc.weight = rests ? 0 : bound / speed;
+  disc.cross_slope = rests ? 0 : bound / speed;
   return residual;
 }
 
@@ -71,7 +71,7 @@ double FrictionLinearization::renew_disc(ContactConstraints::Disc& disc, const D
 void FrictionLinearization::mark_stretched() {
   for (int k = 0; k < contacts_.count(); ++k) {
     const ContactConstraints::Disc& sliding = contacts_.point(k).sliding;
-    if (contacts_.compliance(k) > 0 && contacts_.works(k) && sliding.slips && sliding.weight > 0)
+    if (contacts_.compliance(k) > 0 && contacts_.works(k) && sliding.slips && sliding.cross_slope > 0)
       contacts_.point(k).slipping = true;
   }
 }

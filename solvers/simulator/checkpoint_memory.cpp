@@ -146,7 +146,9 @@ void ContactImpacts::transfer(Archive& archive) { archive(count_); }
 void ContactWorks::transfer(Archive& archive) { archive(sum_); }
 
 void ContactForces::transfer(Archive& archive, const World& world) {
-  const auto disc = [&](Disc& d) { archive(d.bound, d.slips, d.direction, d.weight, d.given, d.target); };
+  const auto disc = [&](Disc& d) {
+    archive(d.bound, d.slips, d.direction, d.cross_slope, d.given, d.target);
+  };
   const auto point = [&](Point& p) {
     archive(p.soft.target, p.soft.softness, p.soft.most, p.soft_slip.target, p.soft_slip.softness, p.active,
             p.live, p.touching, p.pressed, p.gap, p.approach, p.least_rate, p.fresh, p.back, p.stuck,

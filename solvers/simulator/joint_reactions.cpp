@@ -1,6 +1,6 @@
 #include "solvers/simulator/joint_reactions.h"
 
-#include "solvers/integrators/body_moves.h"
+#include "solvers/integrators/acceleration_equation.h"
 
 namespace taut {
 
@@ -33,12 +33,9 @@ void JointReactions::solve_accelerations(const World& world, const Settings& set
   std::vector<Wrench> forces(world.body_count());
   std::vector<Twist> accelerations(world.body_count());
   world.forces(state, forces);
-  free_accelerations(system.mass(), state, forces, accelerations);
   std::vector<double> rates(system.row_count());
   multipliers_.resize(system.row_count());
-  system.rows().bias(state, state.twists, multipliers_);
-  system.rows().apply(system.jacobian(), accelerations, rates);
-  for (int r = 0; r < system.row_count(); ++r) multipliers_[r] = -(multipliers_[r] + rates[r]);
+  acceleration_right_side(system, state, forces, accelerations, rates, multipliers_);
   // The least-norm solution, refined once where rows depend on each other.
   std::vector<double> rhs = multipliers_, correction(rhs.size());
   system.solve(multipliers_);

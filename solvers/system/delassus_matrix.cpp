@@ -164,8 +164,8 @@ void DelassusMatrix::sort_products(const Rows& rows, std::span<const BodyProduct
 }
 
 template <typename Root>
-void DelassusMatrix::weight(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
-                            std::span<double> weighted) {
+void DelassusMatrix::mass_weight(const Rows& rows, std::span<const double> jacobian,
+                                 std::span<const Root> roots, std::span<double> weighted) {
   const FrontKernels& kernels = front_kernels();
   for (const Rows::Side& side : rows.sides()) {
     const RootBlocks A = blocks_of(roots[side.body]);
@@ -235,10 +235,11 @@ void DelassusMatrix::assemble(const Rows& rows, std::span<const double> jacobian
   assemble_roots(rows, jacobian, roots, begin, end);
 }
 
-template void DelassusMatrix::weight<InverseMassRoot>(const Rows&, std::span<const double>,
-                                                      std::span<const InverseMassRoot>, std::span<double>);
-template void DelassusMatrix::weight<FullMassRoot>(const Rows&, std::span<const double>,
-                                                   std::span<const FullMassRoot>, std::span<double>);
+template void DelassusMatrix::mass_weight<InverseMassRoot>(const Rows&, std::span<const double>,
+                                                           std::span<const InverseMassRoot>,
+                                                           std::span<double>);
+template void DelassusMatrix::mass_weight<FullMassRoot>(const Rows&, std::span<const double>,
+                                                        std::span<const FullMassRoot>, std::span<double>);
 template void DelassusMatrix::assemble<InverseMassRoot>(const Rows&, std::span<const double>,
                                                         std::span<const InverseMassRoot>, double);
 template void DelassusMatrix::assemble<FullMassRoot>(const Rows&, std::span<const double>,

@@ -25,8 +25,8 @@ class DelassusMatrix {
 
   /// W from J and the roots A of M⁻¹, laid out like the Jacobian values.
   template <typename Root>
-  static void weight(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
-                     std::span<double> weighted);
+  static void mass_weight(const Rows& rows, std::span<const double> jacobian, std::span<const Root> roots,
+                          std::span<double> weighted);
   /// Values of S from J and the roots A, then every diagonal entry times (1 + shift); `rows` are those that
   /// the pattern was made for.
   template <typename Root>

@@ -102,11 +102,11 @@ std::span<FullMassRoot> LinearizedRows::use_full_roots() {
   return full_roots_;
 }
 
-void LinearizedRows::weight() {
+void LinearizedRows::mass_weight() {
   if (full_roots_.empty())
-    DelassusMatrix::weight<InverseMassRoot>(rows_, jacobian_, roots_, weighted_);
+    DelassusMatrix::mass_weight<InverseMassRoot>(rows_, jacobian_, roots_, weighted_);
   else
-    DelassusMatrix::weight<FullMassRoot>(rows_, jacobian_, full_roots_, weighted_);
+    DelassusMatrix::mass_weight<FullMassRoot>(rows_, jacobian_, full_roots_, weighted_);
   weighted_version_ = version_;
 }
 

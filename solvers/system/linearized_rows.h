@@ -69,7 +69,7 @@ class LinearizedRows {
 
   /// W = J A.
   std::span<const double> weighted() {
-    if (weighted_version_ != version_) weight();
+    if (weighted_version_ != version_) mass_weight();
     return weighted_;
   }
   /// 1 / S_rr of each row: the inertia that it feels on its own.
@@ -95,7 +95,7 @@ class LinearizedRows {
  private:
   void make_room();
   void set_mass(std::span<const Pose> poses, int begin, int end);
-  void weight();
+  void mass_weight();
   void sum_effective_masses();
 
   Rows::AxisRows axis_rows_;

@@ -1,16 +1,20 @@
 #include "solvers/system/make_factor.h"
 
 #include "solvers/linear/cholmod_factor.h"
+#include "solvers/linear/dense_factor.h"
 #include "solvers/linear/multifrontal_factor.h"
 
 namespace taut {
 
-std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering) {
+std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering, int rows) {
   using Method = CholmodFactor::Method;
   // CHOLMOD's own switch: dense kernels pay from about 40 flops per entry of L.
   if (choice == FactorChoice::kCholmod)
     choice = ordering.flops >= 40 * ordering.nonzeros ? FactorChoice::kSupernodal : FactorChoice::kSimplicial;
+  if (choice == FactorChoice::kDense && rows > kMostDenseRows) choice = FactorChoice::kMultifrontal;
   switch (choice) {
+    case FactorChoice::kDense:
+      return std::make_unique<DenseFactor>();
     case FactorChoice::kSimplicial:
       return std::make_unique<CholmodFactor>(Method::kSimplicial);
     case FactorChoice::kSupernodal:

@@ -8,8 +8,9 @@
 
 namespace taut {
 
-/// The factor that is chosen, for a matrix of this order and fill.  FactorChoice::kCholmod takes the
-/// simplicial one where dense kernels do not pay.
-std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering);
+/// The factor that is chosen, for a matrix of so many rows in this order.  FactorChoice::kCholmod takes the
+/// simplicial one where dense kernels do not pay, kDense the multifrontal one where a dense matrix is too
+/// large.
+std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering, int rows);
 
 }  // namespace taut

@@ -8,7 +8,7 @@ namespace {
 constexpr int kManyContactRows = 150;
 /// Axes with Coulomb friction from which on the active set has to give way to solves through the bodies.
 /// Twice: 2.2 times the back-solves of a net with friction.
-constexpr int kManyRubbingAxes = 150;
+constexpr int kManyFrictionAxes = 150;
 
 /// What the dense blocks of S alone cost in a factor: each body has one of all its rows, and each row is in
 /// about two of them.
@@ -27,7 +27,7 @@ double flops_of_dense_blocks(const Rows& rows, const MassMatrix& mass) {
 
 PrimalChoice::PrimalChoice(const World& world, const Rows& rows) {
   for (const Rows::AxisRow& row : rows.axis_rows())
-    rubbing_axes_ += row.axis.axis >= 0 && world.axis_properties(row.axis).friction.has_value();
+    friction_axes_ += row.axis.axis >= 0 && world.axis_properties(row.axis).friction.has_value();
 }
 
 void PrimalChoice::decide(const LinearizedRows& rows, PrimalSystem& primal) {
@@ -35,7 +35,7 @@ void PrimalChoice::decide(const LinearizedRows& rows, PrimalSystem& primal) {
 }
 
 bool PrimalChoice::primal_pays(const LinearizedRows& rows, PrimalSystem& primal) const {
-  const bool friction_dominated = rubbing_axes_ >= kManyRubbingAxes;
+  const bool friction_dominated = friction_axes_ >= kManyFrictionAxes;
   if (!friction_dominated && rows.row_count() - rows.rows().first_contact_row() < kManyContactRows)
     return false;
   const double flops = primal.order(rows).flops;

@@ -22,7 +22,7 @@ class PrimalChoice {
  private:
   bool primal_pays(const LinearizedRows& rows, PrimalSystem& primal) const;
 
-  int rubbing_axes_ = 0;  // with Coulomb friction
+  int friction_axes_ = 0;  // with Coulomb friction
   bool primal_ = false;
 };
 

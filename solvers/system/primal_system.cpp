@@ -16,7 +16,7 @@ void PrimalSystem::forget_pattern() {
 const BlockOrdering& PrimalSystem::order(const LinearizedRows& rows) {
   if (!ordering_) {
     ordering_ = order_blocks(body_graph(rows.rows(), rows.mass(), body_of_node_));
-    factor_ = make_factor(choice_, *ordering_);
+    factor_ = make_factor(choice_, *ordering_, 6 * static_cast<int>(body_of_node_.size()));
   }
   return *ordering_;
 }

@@ -167,8 +167,8 @@ void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> 
   });
 }
 
-void AxisForces::impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws) {
-  step_.weight = weight;
+void AxisForces::impulse_laws(double vartheta, std::span<const double> theta, std::span<RowLaw> laws) {
+  step_.vartheta = vartheta;
   work_.clear_first_kick();
   set_laws(laws, [&](AxisLaw& axis, AxisStage stage, int row) {
     stage.theta = theta[row];

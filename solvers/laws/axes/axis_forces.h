@@ -83,7 +83,7 @@ class AxisForces {
   /// with the rates before it and laws_move(): springs and dampers at (1 − ϑ) of the start and ϑ of the end,
   /// limits that are passed at `theta`, in the middle of the step, w ≥ −e θ̇₀.
   /// (solvers/integrators, "Moreau–Jean")
-  void impulse_laws(double weight, std::span<const double> theta, std::span<RowLaw> laws);
+  void impulse_laws(double vartheta, std::span<const double> theta, std::span<RowLaw> laws);
   /// What laws depend on beside the rates follows this solution of a stage: friction lets go or turns, tables
   /// have other tangents, loads change.  True if the stage must be solved again, with the laws renewed.
   bool laws_move(const ConstraintSystem& system, std::span<const double> lambda, std::span<const double> w,

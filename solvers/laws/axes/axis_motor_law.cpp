@@ -17,9 +17,9 @@ double mean_rate_to_stop(double way, double deceleration, double h) {
 }
 
 /// … the largest rate at its end, by the mean (1 − ϑ) u₀ + ϑ u.
-double end_rate_to_stop(double way, double deceleration, double h, double weight, double u0) {
-  const double per_step = weight * h * deceleration;
-  const double left = std::max(0.0, way - (1 - weight) * h * u0);
+double end_rate_to_stop(double way, double deceleration, double h, double vartheta, double u0) {
+  const double per_step = vartheta * h * deceleration;
+  const double left = std::max(0.0, way - (1 - vartheta) * h * u0);
   return std::sqrt(per_step * per_step + 2 * deceleration * left) - per_step;
 }
 
@@ -116,7 +116,7 @@ bool AxisMotorLaw::set_single_kick(const AxisStage& stage) {
     const double towards = std::copysign(1.0, way) * (stage.start.rate - target.rate);
     if (deceleration > 0)
       rate = no_faster(rate, target.rate,
-                       end_rate_to_stop(std::abs(way), deceleration, h, stage.step.weight, towards));
+                       end_rate_to_stop(std::abs(way), deceleration, h, stage.step.vartheta, towards));
   }
   return aim(motor, rate);
 }

@@ -74,18 +74,18 @@ bool AxisServoLaw::set_single_kick(const AxisStage& stage) {
   release();
   if (!stage.p.motor || !stage.p.motor->has_gains()) return true;
   const AxisMotor& motor = *stage.p.motor;
-  const double h = stage.step.h, weight = stage.step.weight, inertia = stage.start.inertia;
+  const double h = stage.step.h, vartheta = stage.step.vartheta, inertia = stage.start.inertia;
   const MotionPoint target = target_at(motor, stage.step.end_time);
   const double own = target.rate - h * target.acceleration;  // at the start
   const double u0 = stage.start.rate - own;
   const double start = target.value - h * (target.rate - 0.5 * h * target.acceleration);
   const double x0 = motor.stiffness > 0 ? stage.start.theta - start : 0;
   const double damping = h * motor.damping;
-  const double later = (1 - weight) * damping <= inertia ? weight : 1 - inertia / damping;
+  const double later = (1 - vartheta) * damping <= inertia ? vartheta : 1 - inertia / damping;
   const double spring = h * motor.stiffness;
-  excess = (1 - weight * weight) * excess_of(motor.stiffness, h, inertia);
-  const double slope = weight * weight * h * spring + excess + later * damping;
-  const double level = -spring * (x0 + weight * (1 - weight) * h * u0) - (1 - later) * damping * u0;
+  excess = (1 - vartheta * vartheta) * excess_of(motor.stiffness, h, inertia);
+  const double slope = vartheta * vartheta * h * spring + excess + later * damping;
+  const double level = -spring * (x0 + vartheta * (1 - vartheta) * h * u0) - (1 - later) * damping * u0;
   return take({level + slope * target.rate, slope}, h * available_force(motor, stage.start.rate));
 }
 

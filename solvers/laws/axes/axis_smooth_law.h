@@ -44,8 +44,8 @@ inline constexpr std::array<GaussPoint, 5> kGaussPoints{{
 }  // namespace detail
 
 /// For a `time` along the way with this rate, of which the slopes are taken by w, ∂rate/∂w = `rate_weight`.
-/// The mean of its force over the way times that way is what its potential changes by; for a weight of the
-/// way above ½ a part of it is the force at the end, which takes energy.
+/// The mean of its force over the way times that way is what its potential changes by; where forces act
+/// beyond its middle a part of it is the force at the end, which takes energy.
 template <SmoothAxisProperty Property>
 SmoothImpulse smooth_impulse(const Property& property, const AxisStroke& way, double rate,
                              double rate_weight) {
@@ -63,7 +63,7 @@ SmoothImpulse smooth_impulse(const Property& property, const AxisStroke& way, do
       sum.rest_slope -= moves * (slope - of_stored);
     }
   };
-  const double last = 2 * way.weight - 1;
+  const double last = 2 * way.part - 1;
   for (const auto& [at, weight] : detail::kGaussPoints) add(at, (1 - last) * weight);
   if (last > 0) add(1, last);
   sum.stored_slope = std::max(0.0, sum.stored_slope);
@@ -117,7 +117,7 @@ struct AxisSmoothLaw : AxisPartLaw {
     if (!property) return true;
     const AxisStart& start = stage.start;
     const double damping = -stage.step.h * property->rate_slope(start.theta, start.rate);
-    later = std::max(stage.step.weight, damping > 0 ? 1 - start.inertia / damping : 0.0);
+    later = std::max(stage.step.vartheta, damping > 0 ? 1 - start.inertia / damping : 0.0);
     find_tangent(*property, stage);
     return take(single_kick(*property, stage.step, start, tangents.rate));
   }
@@ -164,9 +164,9 @@ struct AxisSmoothLaw : AxisPartLaw {
 
   /// The impulse at w, as level, and what it falls by.
   ImpulseLine line(const Property& property, const AxisStep& step, const AxisStart& start, double w) const {
-    const SmoothImpulse at = step.second_kick   ? second_kick(property, step, w)
-                             : step.weight == 0 ? first_kick(property, step, start, w)
-                                                : single_kick(property, step, start, w);
+    const SmoothImpulse at = step.second_kick     ? second_kick(property, step, w)
+                             : step.vartheta == 0 ? first_kick(property, step, start, w)
+                                                  : single_kick(property, step, start, w);
     if (step.second_kick) return {stored.level + at.rest, at.rest_slope};
     return {at.stored + at.rest, at.stored_slope + at.rest_slope};
   }

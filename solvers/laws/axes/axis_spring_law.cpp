@@ -32,10 +32,10 @@ ImpulseLine spring_tangent(const AxisSpring& spring, double excess, const AxisSt
   const double from = way.from - spring.rest, to = way.to - spring.rest;
   if (!spring.table) {
     const double impulse = way.time * spring.stiffness;
-    return {-impulse * (from + way.weight * (to - from)), impulse * way.weight * way.per_rate + excess};
+    return {-impulse * (from + way.part * (to - from)), impulse * way.part * way.per_rate + excess};
   }
   const Curve::Mean mean = spring.table->mean(from, to);
-  const double last = 2 * way.weight - 1;
+  const double last = 2 * way.part - 1;
   const double force = (1 - last) * mean.value + last * spring.table->extended(to);
   const double slope = ((1 - last) * mean.slope + last * spring.table->slope(to)) * way.per_rate;
   return tangent(way.time * force + excess * w, way.time * slope + excess, w);
@@ -48,7 +48,7 @@ ImpulseLine limit_tangent(const AxisLimits& limits, double excess, const AxisSte
   const AxisStroke way = stroke(step, start, w);
   const double from = beyond(limits, way.from), to = beyond(limits, way.to);
   const Curve::Mean mean = mean_beyond(from, to, way.to - way.from);
-  const double last = 2 * way.weight - 1, impulse = way.time / limits.compliance;
+  const double last = 2 * way.part - 1, impulse = way.time / limits.compliance;
   const double stretch = (1 - last) * mean.value + last * to;
   const double slope = (1 - last) * mean.slope + (to != 0 ? last : 0);
   const double more = excess / step.h;
@@ -67,9 +67,9 @@ ImpulseLine limit_damper_tangent(const AxisLimits& limits, const AxisStep& step,
 /// Dampers act against the mean rate of the step in its first kick, and against that after the second if they
 /// are implicit there.
 ImpulseLine damper_tangent(const Curve& table, const AxisStep& step, const AxisStart& start, double w) {
-  if (step.weight > 0) {
-    const double rate = (1 - step.weight) * start.rate + step.weight * w;
-    return tangent(step.h * table.extended(rate), step.h * step.weight * table.slope(rate), w);
+  if (step.vartheta > 0) {
+    const double rate = (1 - step.vartheta) * start.rate + step.vartheta * w;
+    return tangent(step.h * table.extended(rate), step.h * step.vartheta * table.slope(rate), w);
   }
   return tangent(0.5 * step.h * table.extended(w), 0.5 * step.h * table.slope(w), w);
 }
@@ -149,8 +149,8 @@ bool AxisSpringLaw::set_single_kick(const AxisStage& stage) {
     by_limit = limit_damper_tangent(*p.limits, step, start, tangents.rate);
   }
   limit_given = limit.level;
-  damper.level = -step.h * (1 - step.weight) * damping * start.rate + by_table.level + by_limit.level;
-  damper.slope = step.weight * step.h * damping + by_table.slope + by_limit.slope;
+  damper.level = -step.h * (1 - step.vartheta) * damping * start.rate + by_table.level + by_limit.level;
+  damper.slope = step.vartheta * step.h * damping + by_table.slope + by_limit.slope;
   return true;
 }
 

@@ -8,7 +8,7 @@ namespace taut {
 struct AxisStep {
   double h = 0;              ///< length [s]
   double end_time = 0;       ///< [s]
-  double weight = 0;         ///< ϑ of Moreau–Jean; 0 in RATTLE
+  double vartheta = 0;       ///< ϑ of Moreau–Jean; 0 in RATTLE
   bool second_kick = false;  ///< of RATTLE
 };
 
@@ -20,20 +20,20 @@ struct AxisStart {
   double let_out = 0;  ///< of a rope with a winch [m]
 };
 
-/// The way of an axis in a step: forces act for `time`, at the part `weight` of the way.
+/// The way of an axis in a step: forces act for `time`, at this `part` of the way.
 struct AxisStroke {
   double time = 0;          ///< of a kick [s]
   double from = 0, to = 0;  ///< [rad or m]
   double per_rate = 0;      ///< ∂to/∂w [s]
-  double weight = 0.5;      ///< from 0 to 1
+  double part = 0.5;        ///< from 0 to 1
 };
 
 /// With the rate w of the position stage, or at the end of a step of Moreau–Jean: RATTLE goes h w, with the
 /// middle of it as the place of a force in both kicks; Moreau–Jean h V_ϑ.
 inline AxisStroke stroke(const AxisStep& step, const AxisStart& start, double w) {
-  if (step.weight == 0) return {0.5 * step.h, start.theta, start.theta + step.h * w, step.h, 0.5};
-  return {step.h, start.theta, start.theta + step.h * ((1 - step.weight) * start.rate + step.weight * w),
-          step.weight * step.h, step.weight};
+  if (step.vartheta == 0) return {0.5 * step.h, start.theta, start.theta + step.h * w, step.h, 0.5};
+  return {step.h, start.theta, start.theta + step.h * ((1 - step.vartheta) * start.rate + step.vartheta * w),
+          step.vartheta * step.h, step.vartheta};
 }
 
 }  // namespace taut

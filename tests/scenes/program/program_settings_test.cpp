@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -135,7 +136,14 @@ TEST(ProgramSettings, WithoutEffectAreWarningsInTableAndReport) {
   EXPECT_EQ(
       warnings_of({"pendulum-ball", "--integrator", "moreau-jean", "--theta", "0.7", "--drift-cure", "none"}),
       "[]");
-  EXPECT_EQ(warnings_of({"pendulum-ball", "--integrator", "force-euler", "--drift-cure", "penalty"}), "[]");
+  EXPECT_EQ(warnings_of({"pendulum-ball", "--integrator", "force-euler", "--drift-cure", "penalty",
+                         "--penalty-frequency", "20", "--penalty-damping-ratio", "0.5"}),
+            "[]");
+  EXPECT_EQ(warnings_of({"pendulum-ball", "--integrator", "force-euler", "--erp", "0.2", "--cfm", "1e-9"}),
+            "[]");
+  expect_words(warnings_of({"pendulum-ball", "--integrator", "force-euler", "--drift-cure", "position-push",
+                            "--cfm", "1e-9", "--penalty-frequency", "20"}),
+               {"--cfm has no effect", "baumgarte", "--penalty-frequency has no effect", "penalty"});
   EXPECT_EQ(
       warnings_of({"pendulum-ball", "--solver", "gauss-seidel", "--relaxation", "1.2", "--iterations", "9"}),
       "[]");
@@ -153,6 +161,40 @@ std::string thrown_rod(const std::string& more) {
     "bodies": [{"name": "rod", "mass": 2, "inertia": [0.1, 0.5, 0.5], "position": [0.5, 0, 0], )" +
          more + R"(}],
     "joints": [{"name": "pivot", "type": "ball", "a": "ground", "b": "rod", "anchor": [0, 0, 0]}]})";
+}
+
+/// Each number is the same as an option and in a scene file, and does something.
+TEST(ProgramSettings, NumbersOfDriftCuresAreOptions) {
+  const std::string report_file = temporary("cures.json"), file = temporary("cures_scene.json");
+  const auto run_to_end = [&](const std::string& scene, std::vector<std::string> options) {
+    options.insert(options.begin(), {"run", scene, "--steps", "20", "--report", report_file});
+    const Outcome run = run_program(options);
+    EXPECT_EQ(run.exit_status, 0) << run.err;
+    return Json::parse(read_text(report_file))["final_state_fingerprint"].get<std::string>();
+  };
+  const std::vector<std::array<std::string, 4>> cases{
+      {"baumgarte", "erp", "--erp", "0.3"},
+      {"baumgarte", "cfm", "--cfm", "1e-6"},
+      {"velocity-impulse", "erp", "--erp", "0.3"},
+      {"position-push", "erp", "--erp", "0.3"},
+      {"penalty", "penalty_frequency", "--penalty-frequency", "20"},
+      {"penalty", "penalty_damping_ratio", "--penalty-damping-ratio", "0.4"}};
+  for (const auto& [cure, key, option, value] : cases) {
+    const auto scene_with = [&](const std::string& more) {
+      write_text(file, thrown_rod(R"("fixed": false)")
+                           .replace(1, 0,
+                                    R"("settings": {"integrator": "force-euler", "drift_cure": ")" + cure +
+                                        "\"" + more + "}, "));
+      return file;
+    };
+    const std::string by_option = run_to_end(scene_with(""), {option, value});
+    EXPECT_EQ(by_option, run_to_end(scene_with(", \"" + key + "\": " + value), {})) << cure << ' ' << option;
+    EXPECT_NE(by_option, run_to_end(scene_with(""), {})) << cure << ' ' << option;
+  }
+  for (const char* option : {"--erp", "--cfm", "--penalty-frequency", "--penalty-damping-ratio"}) {
+    const Outcome run = run_program({"run", file, option, "-1"});
+    EXPECT_EQ(run.exit_status, 2) << option;
+  }
 }
 
 TEST(ProgramStart, BodiesInEachOtherAreNamed) {

@@ -413,8 +413,8 @@ TEST(Settings, BadOnesAreRefusedByName) {
 /// Every factor gives the same motion.
 TEST(Factors, AgreeOnABridge) {
   Vec3 reference = Vec3::Zero();
-  for (FactorChoice choice :
-       {FactorChoice::kAuto, FactorChoice::kCholmod, FactorChoice::kSimplicial, FactorChoice::kSupernodal}) {
+  for (FactorChoice choice : {FactorChoice::kAuto, FactorChoice::kCholmod, FactorChoice::kSimplicial,
+                              FactorChoice::kSupernodal, FactorChoice::kDense}) {
     Scene scene = build_scene("net-corners", {{"n", 8}});
     Settings settings;
     settings.factor = choice;

@@ -97,7 +97,7 @@ struct Axis {
         [&](double at) { return 0.5 * (w + at); });
   }
   void moreau_jean(double h, double weight) {
-    const AxisStep step{.h = h, .weight = weight};
+    const AxisStep step{.h = h, .vartheta = weight};
     const AxisStart start{.theta = theta, .rate = rate, .inertia = m};
     AxisImpulse none_yet;
     AxisStage stage{none, step, start, impact, none_yet};
