@@ -83,7 +83,8 @@ struct AxisSmoothLaw : AxisPartLaw {
   double theta = 0;                         ///< θ(q₁), in the second kick
   double later = 0;       ///< of Moreau–Jean: part of the rate after the step, against which damping acts
   bool implicit = false;  ///< damping acts on θ̇(q₁) in the second kick
-  TangentPoint tangents;
+  double tangent = 0;     ///< rate at which the lines touch the curves [rad/s or m/s]
+  int moves = 0;          ///< of the tangent in this stage
   bool is_fresh = false;  ///< a stage has begun, and has no tangent yet
 
   void begin(const AxisProperties&, const AxisStep&, const AxisStart& start) { start_stage(start.rate); }
@@ -93,7 +94,7 @@ struct AxisSmoothLaw : AxisPartLaw {
     const std::optional<Property>& property = Place::get(stage.p);
     if (!property) return true;
     find_tangent(*property, stage);
-    return take(first_kick(*property, stage.step, stage.start, tangents.rate));
+    return take(first_kick(*property, stage.step, stage.start, tangent));
   }
   void finish_first_kick(const AxisProperties& p, const AxisStart& start, double w) {
     stored_given = stored.at(w);
@@ -109,7 +110,7 @@ struct AxisSmoothLaw : AxisPartLaw {
     rest = {rest_given, 0};
     if (!property || !implicit) return true;
     find_tangent(*property, stage);
-    return take_rest(second_kick(*property, stage.step, tangents.rate));
+    return take_rest(second_kick(*property, stage.step, tangent));
   }
   bool set_single_kick(const AxisStage& stage) {
     release();
@@ -119,14 +120,15 @@ struct AxisSmoothLaw : AxisPartLaw {
     const double damping = -stage.step.h * property->rate_slope(start.theta, start.rate);
     later = std::max(stage.step.vartheta, damping > 0 ? 1 - start.inertia / damping : 0.0);
     find_tangent(*property, stage);
-    return take(single_kick(*property, stage.step, start, tangents.rate));
+    return take(single_kick(*property, stage.step, start, tangent));
   }
   void add_to(RowLaw& law, const AxisProperties&) const {
     for (int k = 0; k <= law.steps; ++k) law.level[k] += stored.level + rest.level;
     law.slope += stored.slope + rest.slope;
   }
-  /// Newton's method, as that of AxisSpringLaw; far from the solution by way of the axis by itself, which is
-  /// nearer than a tangent that is off by much.
+  /// Newton's method; far from the solution by way of the axis by itself, pushed as it was, which is nearer
+  /// than a tangent that is off by much.  No bounds of the solution are kept, as AxisSpringLaw does: others
+  /// that move, too, take it out of them.
   bool move(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
             double rate_tolerance) {
     const std::optional<Property>& property = Place::get(p);
@@ -137,11 +139,9 @@ struct AxisSmoothLaw : AxisPartLaw {
     if (off <= std::max({kTolerance * std::abs(given), 0.1 * rate_tolerance * start.inertia,
                          known * (start.inertia + there.slope)}))
       return false;
-    const double far = kFar * std::abs(w), moves = std::abs(w - tangents.rate);
-    tangents.move(w, rate_tolerance);
-    if (moves <= far) return true;
-    const double alone = rate_alone(*property, step, start, w - given / start.inertia, w);
-    if (alone > tangents.lowest && alone < tangents.highest) tangents.rate = alone;
+    const bool is_far = std::abs(w - tangent) > kFar * std::abs(w);
+    const double next = is_far ? rate_alone(*property, step, start, w - given / start.inertia, w) : w;
+    tangent = ++moves > kNewtonMoves ? 0.5 * (tangent + next) : next;
     return true;
   }
   void share_lines(AxisImpulse& impulse, double& left, double w) const {
@@ -161,6 +161,8 @@ struct AxisSmoothLaw : AxisPartLaw {
   /// An axis by itself is solved to this part of its rate, in at most so many steps.
   static constexpr double kAlone = 1e-6;
   static constexpr int kMostAlone = 100;
+  /// Moves of a tangent after which it goes half of the way.
+  static constexpr int kNewtonMoves = 20;
 
   /// The impulse at w, as level, and what it falls by.
   ImpulseLine line(const Property& property, const AxisStep& step, const AxisStart& start, double w) const {
@@ -172,12 +174,13 @@ struct AxisSmoothLaw : AxisPartLaw {
   }
   /// A stage begins, which had the rate `w` without impulses.
   void start_stage(double w) {
-    tangents.start(w);
+    tangent = w;
+    moves = 0;
     is_fresh = true;
   }
   /// The first tangent of a stage is that of the axis by itself.
   void find_tangent(const Property& property, const AxisStage& stage) {
-    if (is_fresh) tangents.rate = rate_alone(property, stage.step, stage.start, tangents.rate, tangents.rate);
+    if (is_fresh) tangent = rate_alone(property, stage.step, stage.start, tangent, tangent);
     is_fresh = false;
   }
   /// The rate of an axis that had `free` without the property, by its own inertia: Newton's method from w,
@@ -212,13 +215,13 @@ struct AxisSmoothLaw : AxisPartLaw {
   }
   bool take_rest(const SmoothImpulse& at) {
     if (!std::isfinite(at.rest) || !std::isfinite(at.rest_slope)) return release(), false;
-    rest = {at.rest + at.rest_slope * tangents.rate, at.rest_slope};
+    rest = {at.rest + at.rest_slope * tangent, at.rest_slope};
     return true;
   }
   bool take(const SmoothImpulse& at) {
     if (!take_rest(at) || !std::isfinite(at.stored) || !std::isfinite(at.stored_slope))
       return release(), false;
-    stored = {at.stored + at.stored_slope * tangents.rate, at.stored_slope};
+    stored = {at.stored + at.stored_slope * tangent, at.stored_slope};
     return true;
   }
 };

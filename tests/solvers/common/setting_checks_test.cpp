@@ -43,7 +43,7 @@ TEST(SettingChecks, NameWhatOfTheWorldTheyExclude) {
   EXPECT_TRUE(names(setting_conflicts(settings, world), "integrator", ""));
   settings.integrator = Integrator::kRattle;
   EXPECT_TRUE(setting_conflicts(settings, world).empty());
-  world.set_break(joint, {.force = 1});
+  world.set_break(joint, BreakLimits{.force = 1});
   settings.integrator = Integrator::kMoreauJean;
   const std::vector<SettingConflict> found = setting_conflicts(settings, world);
   ASSERT_EQ(found.size(), 1);

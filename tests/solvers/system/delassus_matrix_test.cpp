@@ -111,7 +111,7 @@ TEST_P(DelassusMatrixTest, FromWItIsTheSameWithComplianceBeforeTheShiftAndOneWhe
     const Rows& rows = at.system.rows();
     DelassusMatrix S = at.matrix(GetParam());
     std::vector<double> W(rows.whole_size()), states(rows.row_count(), 0.0);
-    DelassusMatrix::weight<InverseMassRoot>(rows, at.system.jacobian(), at.roots, W);
+    DelassusMatrix::mass_weight<InverseMassRoot>(rows, at.system.jacobian(), at.roots, W);
     MatrixXd dense_W = at.J * at.A;
     for (int r = 0; r < rows.row_count(); ++r) {
       if (r % 3 == 1) states[r] = 2.5;

@@ -97,6 +97,29 @@ TEST(AxisDrag, IsStableHoweverStiff) {
     }
 }
 
+/// Eight rods on hinges, whose axes push each other far from where each would go by itself.
+TEST(AxisDrag, OfAChainIsMetHoweverStiff) {
+  for (const Integrator integrator : kByRows)
+    for (const double c : {1e-3, 1.0, 1e3, 1e5, 1e7}) {
+      World world;
+      BodyId last = kGround;
+      for (int i = 0; i < 8; ++i) {
+        const BodyId rod = world.add_body({.mass = {1, Vec3(4e-4, 2.1e-2, 2.1e-2)},
+                                           .pose = {.p = Vec3(0.25 + 0.5 * i, 0, 0)},
+                                           .twist = {Vec3(0, 5, 0), Vec3(0, 0, -1.25 - 2.5 * i)}});
+        const JointId hinge = world.add("", Hinge::at(world, last, rod, Vec3(0.5 * i, 0, 0), Vec3::UnitY()));
+        world.set_property(world.axis(hinge, "angle"), AxisDrag{.coefficient = i % 3 == 2 ? 0.01 * c : c});
+        last = rod;
+      }
+      Simulator simulator(world, {.integrator = integrator});
+      for (int i = 0; i < 30; ++i) {
+        const StepReport& report = simulator.step(1e-2);
+        ASSERT_TRUE(report.exact()) << c << ' ' << i << ' ' << report.message;
+        ASSERT_LE(report.ledger.damping, 1e-9) << c << ' ' << i;
+      }
+    }
+}
+
 /// With dry friction, a spring and limits on the same axis the works of all of them close the ledger.
 TEST(AxisDrag, SharesItsAxisWithOthers) {
   for (const Integrator integrator : kByRows) {
