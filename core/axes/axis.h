@@ -46,13 +46,14 @@ constexpr void for_axis_types_backward(Use use) {
 }  /// @}
 
 namespace detail {
-/// A place for each property, `spring`, `friction` and so on.
+/// A place for each property, `spring`, `friction` and so on; with_all() is use(property, …) with all of
+/// them, set or not, in the order of AllAxisProperties.
 template <typename Types>
 struct AxisPlaces;
 template <typename... Properties>
 struct AxisPlaces<AxisTypes<Properties...>> : AxisMember<Properties, std::optional<Properties>>... {
   template <typename Self, typename Use>
-  static auto with(Self& self, Use use) {
+  static auto with_all(Self& self, Use use) {
     return use(self.*AxisMember<Properties, std::optional<Properties>>::kMember...);
   }
   static constexpr int kJumps = (Properties::kFacts.jumps + ...);
@@ -73,11 +74,6 @@ struct AxisProperties : detail::AxisPlaces<AllAxisProperties> {
   std::optional<Property>& get() {
     return this->*AxisMember<Property, std::optional<Property>>::kMember;
   }  /// @}
-  /// use(property, …) with all of them, set or not, in the order of AllAxisProperties.
-  template <typename Self, typename Use>
-  static auto with_all(Self& self, Use use) {
-    return with(self, use);
-  }
   /// visit(property) for each that is set.
   template <typename Visit>
   void each(Visit visit) const {
@@ -103,7 +99,7 @@ struct AxisProperties : detail::AxisPlaces<AllAxisProperties> {
 /// At how many rates the force along an axis with all properties jumps.
 inline constexpr int kMostAxisJumps = AxisProperties::kJumps;
 
-/// "limits, a motor, friction, a spring": all that an axis can have, for messages.
+/// "drag, limits, a motor, friction, a spring": all that an axis can have, for messages.
 std::string all_axis_phrases();
 
 }  // namespace taut

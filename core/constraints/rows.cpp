@@ -51,16 +51,16 @@ void Rows::append_side(int body, int joint, int row_count, int arm) {
   whole_size_ += 6 * row_count;
 }
 
-void Rows::append_contact(const ContactSlot& place) {
-  const int j = static_cast<int>(joints_.size()), count = place.row_count();
+void Rows::append_contact(const ContactSlot& slot) {
+  const int j = static_cast<int>(joints_.size()), count = slot.row_count();
   joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), 2, 0,
                      ContactIndex{static_cast<int>(contacts_.size())}});
-  for (int body : {place.a, place.b}) append_side(body, j, count);
+  for (int body : {slot.a, slot.b}) append_side(body, j, count);
   using namespace row_parts;
   append(ContactPoint{}, j, 0, {}, kEquality);
   contact_points_ = static_cast<detail::PartStore<ContactPoint>*>(store_of_type_.at(typeid(ContactPoint)));
   contacts_.push_back({rows_.back().item, -1});
-  if (!place.twist) return;
+  if (!slot.twist) return;
   append(ContactTwist{}, j, 3, {}, kEquality);
   contact_twists_ = static_cast<detail::PartStore<ContactTwist>*>(store_of_type_.at(typeid(ContactTwist)));
   contacts_.back().twist = rows_.back().item;

@@ -27,7 +27,7 @@
 ///            equality rows, then one axis row for each free axis with properties (limits, motor, …); none if
 ///            it is detached
 ///   spring   behind the joints, if wanted, springs between two bodies, likewise with axis rows
-///   contact  behind those, places for contact points between two bodies, likewise with their rows
+///   contact  behind those, slots for contact points between two bodies, likewise with their rows
 ///   side s   one (joint, body) pair, A, B and further bodies; its Jacobian block has row_count rows by 6
 ///            columns, row-major, or is an arm of three numbers (Blocks)
 ///   values   Jacobian values of all sides, one behind the other
@@ -41,7 +41,7 @@ class World;
 
 class Rows {  ///< The rows of a World, as the comment at the top of this file says.
  public:
-  /// A contact place, by its index.
+  /// A slot of a contact, by its index.
   struct ContactIndex {
     int index = -1;  ///< −1: none
     friend auto operator<=>(ContactIndex, ContactIndex) = default;
@@ -93,7 +93,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
     kWhole,
     kLeverArms,  ///< joints of two points, as ball joints, keep arms: a sixth of the memory
   };
-  /// A place for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more
+  /// A slot for a contact point between two bodies: 3 rows (normal, two tangents), with `twist` 3 more
   /// (spin, two of rolling).
   struct ContactSlot {
     int a = 0, b = 0;                                ///< indices of the bodies A and B
@@ -158,10 +158,10 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   /// what does not move.
   int spring_joint(int s) const { return joint_count() + s; }
   int spring_count() const { return spring_count_; }                        ///< with rows or without
-  int contact_count() const { return static_cast<int>(contacts_.size()); }  ///< contact places
-  /// joints()[contact_joint(k)] is contact place k.
+  int contact_count() const { return static_cast<int>(contacts_.size()); }  ///< slots of contacts
+  /// joints()[contact_joint(k)] is slot k of contacts.
   int contact_joint(int k) const { return static_cast<int>(joints_.size()) - contact_count() + k; }
-  /// From now on place k is this contact.
+  /// From now on slot k is this contact.
   void set_contact(int k, const row_parts::ContactPoint& point);
   /// The rows that are not equalities, in ascending order, and what motion row i holds.  @{
   const std::vector<AxisRow>& axis_rows() const { return axis_rows_; }
@@ -222,7 +222,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   void append_joint(const World& world, int j, AxisRows axis_rows, Joints joints, Blocks blocks);
   void append_spring(const World& world, ForceId id, Joints joints);
   void append_side(int body, int joint, int row_count, int arm = 0);
-  void append_contact(const ContactSlot& place);
+  void append_contact(const ContactSlot& slot);
   void clear_blocks(int joint);
   void sort_by_body(int bodies);
   void cut_into_chunks();
@@ -235,7 +235,7 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   std::vector<Row> rows_;
   std::vector<Unit> unit_;
   std::vector<AxisRow> axis_rows_;
-  // Items of contact places in the stores of their parts; −1: no twist.
+  // Items of slots of contacts in the stores of their parts; −1: no twist.
   struct ContactItems {
     int point = 0, twist = -1;
   };

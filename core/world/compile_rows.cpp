@@ -131,7 +131,7 @@ Rows::Rows(const World& world, AxisRows axis_rows, std::span<const ContactSlot> 
   for (int j = 0; j < world.joint_count(); ++j) append_joint(world, j, axis_rows, joints, blocks);
   for (int s = 0; s < spring_count_; ++s) append_spring(world, world.springs()[s], joints);
   first_contact_row_ = row_count();
-  for (const ContactSlot& place : contacts) append_contact(place);
+  for (const ContactSlot& slot : contacts) append_contact(slot);
   sort_by_body(world.body_count());
   cut_into_chunks();
 }

@@ -64,7 +64,7 @@ std::vector<SystemPart> ContactIslands::partition() {
     }
     SystemPart& part = parts[index];
     part.joints.push_back(j);
-    if (j >= joints - contacts) part.places.push_back(j - (joints - contacts));
+    if (j >= joints - contacts) part.slots.push_back(j - (joints - contacts));
     const Rows::JointRows& joint = rows.joints()[j];
     for (int r = 0; r < joint.row_count; ++r) part.rows.push_back(joint.first_row + r);
     for (const Rows::Side& side : sides_of(j)) part.bodies.push_back(side.body);
@@ -77,7 +77,7 @@ std::vector<SystemPart> ContactIslands::partition() {
 }
 
 /// The islands of the present rows.  Those of before that have the same bodies, joints and pairs in contact
-/// only learn where their rows and places are now.
+/// only learn where their rows and slots are now.
 void ContactIslands::find() {
   if (known_) return;
   known_ = true;
@@ -93,7 +93,7 @@ void ContactIslands::find() {
   std::vector<std::unique_ptr<Island>> found;
   for (SystemPart& part : parts) {
     auto island = std::make_unique<Island>(contacts_, std::move(part));
-    for (int k : island->part.places) island->pairs.push_back(contacts_.set().slots()[k].at);
+    for (int k : island->part.slots) island->pairs.push_back(contacts_.set().slots()[k].at);
     const std::vector<int>& bodies = island->part.bodies;
     island->first_body =
         *std::find_if(bodies.begin(), bodies.end(), [&](int b) { return !system_.mass()[b].fixed; });
@@ -123,7 +123,7 @@ void ContactIslands::plan() {
 
 bool ContactIslands::Island::is_like(const Island& other) const {
   const auto joints_of = [](const SystemPart& p) {
-    return std::span(p.joints).first(p.joints.size() - p.places.size());
+    return std::span(p.joints).first(p.joints.size() - p.slots.size());
   };
   return part.bodies == other.part.bodies && pairs == other.pairs &&
          std::ranges::equal(joints_of(part), joints_of(other.part));
@@ -138,7 +138,7 @@ void ContactIslands::make(Island& island, std::vector<int>& scratch) {
 StageProblem ContactIslands::gather(Island& island, const StageProblem& whole, std::vector<int>& scratch) {
   const SystemPart& part = island.part;
   if (!island.own) make(island, scratch);
-  if (island.weight_version < 0) island.contacts.choose(part.places, island.own->rows());
+  if (island.weight_version < 0) island.contacts.choose(part.slots, island.own->rows());
   if (island.weight_version != system_.weight_version()) island.own->take_values(system_, part);
   island.weight_version = system_.weight_version();
   pick(whole.laws, part.rows, island.laws);

@@ -14,11 +14,11 @@ namespace taut {
 
 class Archive;
 
-/// The islands of a system with contacts: bodies that joints and places of contacts connect, not by way of
+/// The islands of a system with contacts: bodies that joints and slots of contacts connect, not by way of
 /// fixed ones, have nothing to do with others in a stage.  Each is a system of its own with its own order,
 /// factor, Newton's method and end; they are solved in parallel.  (solvers/complementarity, "Islands")
 ///
-/// An island whose joints and places are the same as before the pattern changed is kept, with its analysis.
+/// An island whose joints and slots are the same as before the pattern changed is kept, with its analysis.
 /// What one comes to depends on nothing but itself: the same bits with any number of threads.
 class ContactIslands {
  public:
@@ -46,7 +46,7 @@ class ContactIslands {
 
     SystemPart part;
     int first_body = -1;                    // that moves
-    std::vector<Rows::ContactSlot> pairs;   // of the places
+    std::vector<Rows::ContactSlot> pairs;   // of the slots
     std::unique_ptr<ConstraintSystem> own;  // made when it is first solved
     ContactLaws contacts;
     std::optional<ContactSolver> solver;

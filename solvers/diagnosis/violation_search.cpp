@@ -33,7 +33,7 @@ ViolationSearch::ViolationSearch(const World& world, std::span<const ContactCach
   if (!contacts.empty()) {
     std::vector<Rows::ContactSlot> slots;
     for (const ContactCache::Slot& slot : contacts) slots.push_back(slot.at);
-    system_.set_contact_places(world, slots);
+    system_.set_contact_slots(world, slots);
     for (std::size_t k = 0; k < contacts.size(); ++k)
       system_.set_contact(static_cast<int>(k), contacts[k].point);
   }

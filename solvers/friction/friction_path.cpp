@@ -147,7 +147,7 @@ Vector follow_path(const ScaledFriction& problem, BestImpulses& best) {
     }
     if (const double tau = path.now().tau(); tau < next_try) {
       next_try = tau / 10;
-      FrictionNewton::on_the_way().solve(problem, r, best);
+      kNewtonOnTheWay.solve(problem, r, best);
     }
     if (best.met() || !path.step(best)) break;
   }

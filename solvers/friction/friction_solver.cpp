@@ -43,7 +43,7 @@ struct Rung {
 };
 
 void newton_from_guess(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
-  FrictionNewton::from_guess().solve(problem, r, best);
+  kNewtonFromGuess.solve(problem, r, best);
 }
 
 /// So many sweeps at most, fewer where they are right by themselves, which is looked at now and then: it
@@ -63,22 +63,24 @@ void alternate(const ScaledFriction& problem, Vector& r, std::span<const double>
                BestImpulses& best) {
   for (int i = 0; i < rounds && !best.met(); ++i) {
     r = sweep_until_right(problem, r, LadderTuning::kSweepsBeforeNewton, best);
-    r = FrictionNewton::in_rounds(gammas[i % gammas.size()]).solve(problem, r, best);
+    FrictionNewton newton = kNewtonOfRounds;
+    newton.gamma = gammas[i % gammas.size()];
+    r = newton.solve(problem, r, best);
   }
 }
 
 void sweeps_and_newton(const ScaledFriction& problem, Vector& r, BestImpulses& best) {
-  alternate(problem, r, std::array{FrictionNewtonWays::kGammaOfRung}, LadderTuning::kRounds, best);
+  alternate(problem, r, std::array{kNewtonOfRounds.gamma}, LadderTuning::kRounds, best);
 }
 
 void interior_point_and_newton(const ScaledFriction& problem, Vector&, BestImpulses& best) {
   const Vector r = interior_point(problem, best);
-  FrictionNewton::at_end().solve(problem, r, best);
+  kNewtonAtEnd.solve(problem, r, best);
 }
 
 void path_and_newton(const ScaledFriction& problem, Vector&, BestImpulses& best) {
   const Vector r = follow_path(problem, best);
-  FrictionNewton::at_end().solve(problem, r, best);
+  kNewtonAtEnd.solve(problem, r, best);
 }
 
 void many_sweeps_and_newton(const ScaledFriction& problem, Vector& r, BestImpulses& best) {

@@ -46,7 +46,7 @@ void ContactPattern::renew() {
   move_rows(std::vector<int>(static_cast<std::size_t>(system_.row_count()), -1));
 }
 
-/// New places: a new pattern.  What belongs to rows of joints stays, also that of contacts which go on.
+/// New slots: a new pattern.  What belongs to rows of joints stays, also that of contacts which go on.
 void ContactPattern::take_over_places() {
   const int joint_rows = system_.rows().first_contact_row();
   const std::vector<int> old_first(contacts_.first_rows().begin(), contacts_.first_rows().end());
@@ -65,11 +65,11 @@ void ContactPattern::take_over_places() {
 }
 
 void ContactPattern::set_places() {
-  system_.set_contact_places(world_, contacts_.set().rows());
+  system_.set_contact_slots(world_, contacts_.set().rows());
   contacts_.set_rows(system_.rows());
 }
 
-/// All that has rows, to those of the new places: `from` says for each row which one it was, −1 for none.
+/// All that has rows, to those of the new slots: `from` says for each row which one it was, −1 for none.
 void ContactPattern::move_rows(std::span<const int> from) {
   values_.move_rows(from);
   prediction_.move_rows(from);

@@ -36,7 +36,7 @@ class ContactPattern {
   void inherit(ContactPattern& old);
   /// The next guess has no impulses of contacts.
   void forget_impulses();
-  /// The places that contacts have now are rows of the system; what belonged to rows before is lost.
+  /// The slots that contacts have now are rows of the system; what belonged to rows before is lost.
   void renew();
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).

@@ -54,7 +54,7 @@ bool can_touch(const World& world) {
   return false;
 }
 
-Rows::ContactSlot place_for(const World& world, const Contact& contact) {
+Rows::ContactSlot slot_for(const World& world, const Contact& contact) {
   const Material material = world.contact_material(contact.a, contact.b);
   return {contact.A.index, contact.B.index, material.rolling_friction > 0 || material.spinning_friction > 0};
 }
@@ -124,7 +124,7 @@ bool ContactCache::find(const World& world, const State& state, double horizon) 
       if (slot_of_contact_[c] >= 0) continue;
       slot_of_contact_[c] = static_cast<int>(slots_.size());
       Slot slot;
-      slot.at = place_for(world, contacts[c]);
+      slot.at = slot_for(world, contacts[c]);
       slot.active = true;
       slots_.push_back(slot);
       before_.push_back(slot);
@@ -155,7 +155,7 @@ void ContactCache::match(const World& world, const std::vector<Contact>& contact
     }
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     if (slot_of_contact_[c] >= 0) continue;
-    const int slot = free_slot(place_for(world, contacts[c]));
+    const int slot = free_slot(slot_for(world, contacts[c]));
     if (slot >= 0) occupy(slot, c);
   }
 }
@@ -184,7 +184,7 @@ void ContactCache::occupy(int slot, std::size_t contact) {
 
 /// The free slot of a contact that was there, the nearest of those like this one; −1 for none.
 int ContactCache::slot_before(const World& world, const Contact& contact, Likeness likeness) const {
-  const auto at = place_for(world, contact);
+  const auto at = slot_for(world, contact);
   const auto first = std::lower_bound(
       keys_.begin(), keys_.end(), contact,
       [](const Key& x, const Contact& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });

@@ -4,6 +4,9 @@
 
 namespace taut {
 
+/// Impulses of curves, which are taken by their tangents, are right to this part of themselves.
+inline constexpr double kTangentTolerance = 1e-11;
+
 /// Impulse of a kick over the rate, λ = level − slope w.
 struct ImpulseLine {
   double level = 0;  ///< [N·m·s or N·s]

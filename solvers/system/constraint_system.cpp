@@ -31,8 +31,8 @@ ConstraintSystem::ConstraintSystem(const ConstraintSystem& whole, const SystemPa
   scratch_.assign(row_count(), 0.0);
 }
 
-void ConstraintSystem::set_contact_places(const World& world, std::span<const Rows::ContactSlot> places) {
-  remake_rows(world, places);
+void ConstraintSystem::set_contact_slots(const World& world, std::span<const Rows::ContactSlot> slots) {
+  remake_rows(world, slots);
   states_.clear();
   factored_.states.clear();
   rank_.forget_rows_from(rows().first_contact_row());  // those of joints are the same rows still

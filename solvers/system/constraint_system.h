@@ -43,9 +43,9 @@ class ConstraintSystem : public LinearizedRows {
   /// scratch.
   ConstraintSystem(const ConstraintSystem& whole, const SystemPart& part, std::vector<int>& new_body);
 
-  /// Other places for contacts from now on: a new pattern, order and analysis.  The world must have the
+  /// Other slots for contacts from now on: a new pattern, order and analysis.  The world must have the
   /// topology that it had.  Row states are forgotten; J and S must be made anew.
-  void set_contact_places(const World& world, std::span<const Rows::ContactSlot> places);
+  void set_contact_slots(const World& world, std::span<const Rows::ContactSlot> slots);
   /// J and the roots at once, and where joints alone make S, that too: for a factorize() right behind.
   void linearize_and_assemble(const Configuration& at);
 

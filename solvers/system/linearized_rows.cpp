@@ -15,9 +15,9 @@ Rows rows_of(const Rows& whole, const SystemPart& part, std::vector<int>& new_bo
   return whole.part(part.joints, new_body, static_cast<int>(part.bodies.size()));
 }
 
-Rows rows_of(const World& world, Rows::AxisRows axis_rows, std::span<const Rows::ContactSlot> places,
+Rows rows_of(const World& world, Rows::AxisRows axis_rows, std::span<const Rows::ContactSlot> slots,
              Springs springs) {
-  return Rows(world, axis_rows, places, Rows::Joints::kMoving, springs, Rows::Blocks::kLeverArms);
+  return Rows(world, axis_rows, slots, Rows::Joints::kMoving, springs, Rows::Blocks::kLeverArms);
 }
 
 }  // namespace
@@ -36,8 +36,8 @@ LinearizedRows::LinearizedRows(const LinearizedRows& whole, const SystemPart& pa
   make_room();
 }
 
-void LinearizedRows::remake_rows(const World& world, std::span<const Rows::ContactSlot> places) {
-  rows_ = rows_of(world, axis_rows_, places, springs_);
+void LinearizedRows::remake_rows(const World& world, std::span<const Rows::ContactSlot> slots) {
+  rows_ = rows_of(world, axis_rows_, slots, springs_);
   make_room();
 }
 

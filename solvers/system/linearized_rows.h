@@ -33,8 +33,8 @@ class LinearizedRows {
   /// Zeroes the entries of axis and contact rows.
   void clear_bounded_rows(std::span<double> values) const;
 
-  /// Contact `place` from the next linearize() on.
-  void set_contact(int place, const row_parts::ContactPoint& point) { rows_.set_contact(place, point); }
+  /// The contact of a slot from the next linearize() on.
+  void set_contact(int slot, const row_parts::ContactPoint& point) { rows_.set_contact(slot, point); }
 
   /// J at these poses, for drivers at this time.
   void linearize(const Configuration& at);
@@ -89,8 +89,8 @@ class LinearizedRows {
   long linearization() const { return linearization_; }
 
  protected:
-  /// Rows with other contact places; J, A and W must be made anew.
-  void remake_rows(const World& world, std::span<const Rows::ContactSlot> places);
+  /// Rows with other slots of contacts; J, A and W must be made anew.
+  void remake_rows(const World& world, std::span<const Rows::ContactSlot> slots);
 
  private:
   void make_room();

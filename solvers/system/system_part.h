@@ -8,7 +8,7 @@ namespace taut {
 /// joints.
 struct SystemPart {
   std::vector<int> bodies, joints, rows;
-  std::vector<int> places;  ///< of contacts: the last of the joints
+  std::vector<int> slots;  ///< of contacts: the last of the joints
 
   friend bool operator==(const SystemPart&, const SystemPart&) = default;
 };

@@ -10,7 +10,7 @@ namespace taut {
 /// The law of a property that is bounded, of which its header says the bound and the rate that it keeps: at
 /// most bound(θ₀) times the length of a kick against w − kept_rate().  It remembers nothing.
 template <BoundedAxisProperty Property, typename Place = AxisPlace<Property>>
-struct AxisBoundLaw : AxisBoxLawAt<Place> {
+struct AxisBoundLaw : AxisBoxLaw<Place::kPart> {
   void release() { this->bound = 0; }
   bool set_position(const AxisStage& stage) { return set(stage, 0.5 * stage.step.h); }
   bool set_velocity(const AxisStage& stage) { return set(stage, 0.5 * stage.step.h); }

@@ -80,15 +80,10 @@ struct AxisPlace {
   static const std::optional<Property>& get(const AxisProperties& p) { return p.get<Property>(); }
   static constexpr double AxisImpulse::*kPart = kAxisPartOf<Property>;
 };
-/// Of a law that has a part of its own.
-template <double AxisImpulse::*kMember>
-struct OwnAxisPlace {
-  static constexpr double AxisImpulse::*kPart = kMember;
-};
 
 /// One that is bounded, |λ| ≤ `bound` against w − `at`.
-template <typename Place>
-struct AxisBoxLawAt : AxisPartLaw {
+template <double AxisImpulse::*kPart>
+struct AxisBoxLaw : AxisPartLaw {
   double at = 0;     ///< rate that it holds or keeps in this stage [rad/s or m/s]
   double bound = 0;  ///< impulse in this stage; 0: none [N·m·s or N·s]
 
@@ -96,15 +91,13 @@ struct AxisBoxLawAt : AxisPartLaw {
     if (bound > 0) law = law + RowLaw::box(-bound, bound, at);
   }
   void share_beside(AxisImpulse& impulse, double& rest, double w) const {
-    if (bound > 0 && !holds(w)) rest -= impulse.*Place::kPart = w < at ? bound : -bound;
+    if (bound > 0 && !holds(w)) rest -= impulse.*kPart = w < at ? bound : -bound;
   }
   void share_on_step(AxisImpulse& impulse, double& rest, double w) const {
-    if (bound > 0 && holds(w)) rest -= impulse.*Place::kPart = std::clamp(rest, -bound, bound);
+    if (bound > 0 && holds(w)) rest -= impulse.*kPart = std::clamp(rest, -bound, bound);
   }
   /// One without bound does whatever the rate is that an inexact solver has left.
   bool holds(double w) const { return std::isinf(bound) || on_step(w, at); }
 };
-template <double AxisImpulse::*kMember>
-using AxisBoxLaw = AxisBoxLawAt<OwnAxisPlace<kMember>>;
 
 }  // namespace taut

@@ -136,7 +136,7 @@ struct AxisSmoothLaw : AxisPartLaw {
     const double given = stored.at(w) + rest.at(w);
     const ImpulseLine there = line(*property, step, start, w);
     const double off = std::abs(there.level - given), known = kRoundOff * std::abs(given) / start.inertia;
-    if (off <= std::max({kTolerance * std::abs(given), 0.1 * rate_tolerance * start.inertia,
+    if (off <= std::max({kTangentTolerance * std::abs(given), 0.1 * rate_tolerance * start.inertia,
                          known * (start.inertia + there.slope)}))
       return false;
     const bool is_far = std::abs(w - tangent) > kFar * std::abs(w);
@@ -152,8 +152,6 @@ struct AxisSmoothLaw : AxisPartLaw {
   }
 
  private:
-  /// Impulses are right to this part of themselves.
-  static constexpr double kTolerance = 1e-11;
   /// A rate is known to this part of what the impulse has changed it by.
   static constexpr double kRoundOff = 1e-14;
   /// A tangent that is off by more than this part of the rate is far from the solution.

@@ -6,9 +6,6 @@
 namespace taut {
 namespace {
 
-/// Impulses of tables are right to this part of themselves.
-constexpr double kTableTolerance = 1e-11;
-
 /// Mean of `beyond` on a way that begins with a and ends with b, and its derivative with respect to the end.
 Curve::Mean mean_beyond(double a, double b, double way) {
   if (a == 0 && b == 0) return {};
@@ -154,7 +151,7 @@ bool AxisSpringLaw::set_single_kick(const AxisStage& stage) {
   return true;
 }
 
-/// Impulses of the curves at w are those of the tangents, to kTableTolerance or `tolerance` [N·m·s or N·s].
+/// Impulses of the curves at w are those of the tangents, to kTangentTolerance or `tolerance` [N·m·s or N·s].
 bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& step, const AxisStart& start,
                                        double w, double tolerance) const {
   double off = 0, size = 0;
@@ -173,7 +170,7 @@ bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& 
     const Curve& table = *p.spring->damping_table;
     compare(damper_tangent(table, step, start, w), damper_tangent(table, step, start, tangents.rate).at(w));
   }
-  return off <= std::max(kTableTolerance * size, tolerance);
+  return off <= std::max(kTangentTolerance * size, tolerance);
 }
 
 /// Newton's method for the impulses of tables and soft limits, which fall with the rate: if a solution with

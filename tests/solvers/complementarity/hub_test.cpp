@@ -36,7 +36,7 @@ double factor_entries(const World& world) {
   std::vector<Rows::ContactSlot> places;
   for (const Contact& contact : contacts) places.push_back({contact.A.index, contact.B.index, false});
   ConstraintSystem system(world, FactorChoice::kAuto);
-  system.set_contact_places(world, places);
+  system.set_contact_slots(world, places);
   for (std::size_t k = 0; k < contacts.size(); ++k)
     system.set_contact(static_cast<int>(k),
                        {contacts[k].p_AP, contacts[k].p_BQ, {Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY()}});

@@ -149,6 +149,8 @@ TEST(AxisDrag, IsNamedByWhatDoesNotTakeIt) {
             std::string::npos);
   s.world.set_property(s.axis, std::optional<AxisDrag>());
   EXPECT_FALSE(s.world.has_axis_properties(s.joint));
+  // It was the drag.
+  EXPECT_EQ(refusal([&] { Simulator(s.world, {.integrator = Integrator::kRattle4}).step(1e-2); }), "");
 }
 
 /// Reduced coordinates take it at the state.
