@@ -1,5 +1,7 @@
 #include "solvers/common/step_report.h"
 
+#include <algorithm>
+
 namespace taut {
 
 std::string_view to_string(Status status) {
@@ -28,6 +30,42 @@ StageTimes& StageTimes::operator+=(const StageTimes& other) {
         &StageTimes::velocities, &StageTimes::analysis, &StageTimes::total})
     this->*stage += other.*stage;
   return *this;
+}
+
+SolverCounts& SolverCounts::operator+=(const SolverCounts& other) {
+  for (auto count : {&SolverCounts::analyses, &SolverCounts::factorizations, &SolverCounts::backsolves,
+                     &SolverCounts::refactorizations, &SolverCounts::pivots,
+                     &SolverCounts::contact_iterations, &SolverCounts::sweeps})
+    this->*count += other.*count;
+  return *this;
+}
+
+StepWorks& StepWorks::operator+=(const StepWorks& next) {
+  for (auto work : {&StepWorks::constraint, &StepWorks::stiffness, &StepWorks::drivers, &StepWorks::forces,
+                    &StepWorks::dissipative, &StepWorks::flow})
+    this->*work += next.*work;
+  return *this;
+}
+
+void SubstepReport::add_cost(const SubstepReport& next) {
+  newton_iterations += next.newton_iterations;
+  counts += next.counts;
+  times += next.times;
+}
+
+void SubstepReport::add(const SubstepReport& next) {
+  add_cost(next);
+  substeps += next.substeps;
+  works += next.works;
+  velocity_residual = next.velocity_residual;
+  for (auto largest : {&SubstepReport::tension_number, &SubstepReport::complementarity_residual,
+                       &SubstepReport::natural_residual})
+    this->*largest = std::max(this->*largest, next.*largest);
+  if (next.status == Status::kSuccess) return;
+  status = next.status;
+  message = next.message;
+  const auto share = [](const std::vector<Culprit>& all) { return all.empty() ? -1 : all.front().share; };
+  if (share(next.culprits) > share(culprits)) culprits = next.culprits;
 }
 
 EnergyLedger& EnergyLedger::operator+=(const EnergyLedger& next) {

@@ -155,6 +155,8 @@ struct SolverCounts {
   int pivots = 0;              ///< rows that changed their place in the active sets of the step
   int contact_iterations = 0;  ///< of Newton's method for contacts; 0: the active set did it
   int sweeps = 0;              ///< of an iterative solver, both stages
+
+  SolverCounts& operator+=(const SolverCounts& other);  ///< adds each
 };
 
 /// Works of a step [J], each impulse j of a kick from V₀ to V₁ doing j·½ (V₀ + V₁).
@@ -167,9 +169,13 @@ struct StepWorks {
   double forces = 0;       ///< of gravity and the force laws
   double dissipative = 0;  ///< of those that are not conservative, a part of `forces`
   double flow = 0;         ///< kinetic energy that is gained between kicks, where free flow is approximate
+
+  /// Adds each but `axes` and `contacts`, whose reports are sums over the step.
+  StepWorks& operator+=(const StepWorks& next);
 };
 
-/// What the sub-steps of a step come to.  Each adds to it; works are those of sub-steps that are kept.
+/// What a sub-step comes to; the sum of those that were kept, and what the others have cost, is what a step
+/// comes to.
 struct SubstepReport {
   Status status = Status::kSuccess;  ///< how the step ended
   std::string message;               ///< empty on success
@@ -189,6 +195,12 @@ struct SubstepReport {
   /// With all other statuses but kSuccess: who has the largest shares in it, the largest first; empty if
   /// nobody stands out.
   std::vector<Culprit> culprits;
+
+  /// The next sub-step, which was taken: works, counts and times are summed, residuals the largest, but for
+  /// that of velocities, which is where they are now.
+  void add(const SubstepReport& next);
+  /// The next one, which was not taken: Newton iterations, counts and times.
+  void add_cost(const SubstepReport& next);
 };
 
 /// The proof of quality of one step.

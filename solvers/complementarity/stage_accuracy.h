@@ -25,10 +25,10 @@ class StageAccuracy {
   double natural() const { return natural_; }
   /// For a sub-step that is kept.  True if it was inexact.
   bool report(SubstepReport& report) const {
-    report.natural_residual = std::max(report.natural_residual, natural_);
+    report.natural_residual = natural_;
     if (worst_inexact_ == 0) return false;
     report.status = Status::kInexact;
-    report.complementarity_residual = std::max(report.complementarity_residual, worst_inexact_);
+    report.complementarity_residual = worst_inexact_;
     return true;
   }
 

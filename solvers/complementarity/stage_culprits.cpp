@@ -97,8 +97,7 @@ void StageCulprits::find_jam(std::span<const double> lambda, std::span<const dou
 }
 
 void StageCulprits::report(SubstepReport& report) const {
-  const auto share = [](std::span<const Culprit> all) { return all.empty() ? -1 : all.front().share; };
-  if (share(culprits_) > share(report.culprits)) report.culprits = culprits_;
+  report.culprits = culprits_;
 }
 
 }  // namespace taut

@@ -60,6 +60,12 @@ void AxisFlow::begin() {
   std::fill(reports_.begin(), reports_.end(), AxisReport{});
 }
 
+double AxisFlow::work() const {
+  double sum = 0;
+  for (const AxisReport& axis : reports_) sum += axis.work.total();
+  return sum;
+}
+
 void AxisFlow::begin_substep() { before_ = reports_; }
 
 void AxisFlow::roll_back() { reports_ = before_; }

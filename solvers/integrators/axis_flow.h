@@ -29,6 +29,8 @@ class AxisFlow {
   /// Sums since begin(), with impulses in place of mean forces; in the order of Rows::axis_rows().
   const std::vector<AxisReport>& reports() const { return reports_; }
   std::vector<AxisReport>& reports() { return reports_; }
+  /// Work of all since begin() [J].
+  double work() const;
 
  private:
   AxisTable table_;

@@ -32,7 +32,7 @@ Scheme::Outcome ForceLevel::advance(double h, SubstepReport& report) {
   if (settings_.drift_cure == DriftCure::kPositionPush) cure_positions(report);
   if (settings_.drift_cure == DriftCure::kVelocityImpulse || settings_.drift_cure == DriftCure::kPositionPush)
     cure_velocities(h, report);
-  ++report.substeps;
+  report.substeps = 1;
   system_.rows().update_axes(state_, state_.axes);
   for (int b = 0; b < world_.body_count(); ++b) {
     if (within_reach(state_.poses[b], state_.twists[b]) && state_.poses[b].q.coeffs().allFinite()) continue;

@@ -215,16 +215,13 @@ ForceIteration::Fixed ImpulseScheme::renew_kick_forces(const State& at) {
 }
 
 /// After a step: who is held now, and the books of both kicks.
-void ImpulseScheme::finish_laws(StepWorks& works) {
+void ImpulseScheme::finish_laws() {
   system_.rows().residual(phase_.state, values_.phi);  // axes are up to date here
   impact_stage_.mean_rates(values_.kick_rates);
   axes_.accumulate_work(values_.mu, values_.rates, values_.kick_rates);
   axes_.finish_velocities(values_.phi, values_.rates, phase_.state.time);
   if (!impact_stage_.struck()) contacts_.works().book_kick(values_.mu, values_.kick_rates);
   contacts_.finish(values_.mu, phase_.state.time);
-  works.axes = {};
-  for (const AxisReport& axis : axes_.reports()) works.axes += axis.work;
-  works.contacts = contacts_.works().sum();
 }
 
 /// Back to the start of a step whose positions were already accepted.

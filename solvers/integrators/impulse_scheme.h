@@ -78,7 +78,7 @@ class ImpulseScheme : public Scheme {
   void project_momenta(double h, SubstepReport& report);
   void note_velocities(SubstepReport& report);
   ForceIteration::Fixed renew_kick_forces(const State& at);
-  void finish_laws(StepWorks& works);
+  void finish_laws();
   void roll_back(SubstepReport& report);
   void update_step_limit() { limit_.update(phase_.state, values_.force_multipliers); }
 

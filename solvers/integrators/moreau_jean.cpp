@@ -19,7 +19,7 @@ MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Setti
 }
 
 Scheme::Outcome MoreauJean::advance(double h, SubstepReport& report) {
-  report.tension_number = std::max(report.tension_number, limit_.omega() * h);
+  report.tension_number = limit_.omega() * h;
   stages_.begin_advance();
   force_iteration_.begin();
   predict(h);
@@ -44,7 +44,7 @@ Scheme::Outcome MoreauJean::advance(double h, SubstepReport& report) {
   if (settings_.report_energy)
     report.works.flow += works_.spin_energy(phase_.momenta, phase_.state.poses, KickWorks::Bodies::kAll);
   keep_impulses(h);
-  ++report.substeps;
+  report.substeps = 1;
   stages_.report_residuals(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit();
@@ -202,7 +202,7 @@ double MoreauJean::given_by_contacts() {
 
 /// The one kick of the step, at q_M where it acts.
 void MoreauJean::add_works(double h, SubstepReport& report) {
-  if (bounded()) finish_laws(report.works);
+  if (bounded()) finish_laws();
   if (!settings_.report_energy) return;
   // Forces that are not conservative were taken at the weighted state.
   works_.add({blended_, phase_.start_momenta, phase_.momenta, system_.jacobian(), values_.mu}, phase_.forces,

@@ -81,13 +81,13 @@ bool Rattle::exceeds_tension_limit(double h) {
 
 /// The end of the drift is the state from now on; the books take the kick before it.
 void Rattle::accept_positions(double h, SubstepReport& report) {
-  report.tension_number = std::max(report.tension_number, limit_.omega() * std::abs(h));
+  report.tension_number = limit_.omega() * std::abs(h);
   if (settings_.report_energy) {
     account_for_kick(h, report.works);
     constexpr auto kSplit = KickWorks::Bodies::kSplit;
     if (works_.has_split_flow())
-      report.works.flow += works_.spin_energy(phase_.kicked, phase_.poses, kSplit) -
-                           works_.spin_energy(phase_.kicked, phase_.state.poses, kSplit);
+      report.works.flow = works_.spin_energy(phase_.kicked, phase_.poses, kSplit) -
+                          works_.spin_energy(phase_.kicked, phase_.state.poses, kSplit);
   }
   if (bounded()) keep_first_kick();
   phase_.accept(h);
@@ -104,7 +104,7 @@ void Rattle::factorize_end(SubstepReport& report) {
 
 void Rattle::finish(double h, SubstepReport& report) {
   system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
-  if (bounded()) finish_laws(report.works);
+  if (bounded()) finish_laws();
   axes_.give_ropes(system_.rows(), phase_.state);
   if (settings_.report_energy) {
     const std::span<const double> J = system_.jacobian();
@@ -119,7 +119,7 @@ void Rattle::finish(double h, SubstepReport& report) {
     release_overloaded();
     if (!stages_.iterative()) system_.factorize(report.times);
   }
-  ++report.substeps;
+  report.substeps = 1;
   stages_.report_residuals(report);
   const Stopwatch watch(report.times.velocities);
   update_step_limit();

@@ -37,14 +37,13 @@ void say_why(const Substepping& substeps, const Inquiry& asked) {
     StallDiagnosis(asked).end_step(substeps.remaining(), substeps.outcome() == kUnstable);
 }
 
-/// The report is that of a step which has not begun.
+/// The report is that of a step which has not begun, but for what it has cost.
 void forget_attempt(StepReport& report) {
-  report.works = {};
-  report.status = Status::kSuccess;
-  report.message.clear();
+  SubstepReport cost;
+  cost.add_cost(report);
+  static_cast<SubstepReport&>(report) = cost;
   report.contradiction = {};
   report.crowd = {};
-  report.culprits.clear();
 }
 
 bool is_finite_gap(const Gap& gap) { return std::isfinite(gap.metres + gap.radians); }
@@ -112,8 +111,10 @@ const StepReport& Simulator::take_step(double dt) {
         Scheme& scheme = now.stepper_.scheme();
         Substepping& substeps = now.substepping_;
         for (substeps.begin(scheme, dt); substeps.goes_on();) {
-          const double h = substeps.next(scheme, now.report_);
-          substeps.react(scheme.advance(h, now.report_), scheme, now.report_);
+          const double h = substeps.next(scheme);
+          SubstepReport report;
+          const Scheme::Outcome outcome = scheme.advance(h, report);
+          substeps.react(outcome, report, scheme, now.report_);
         }
       }
       if (now.finish_advancing(dt)) break;  // else once more, with bodies awake that it has touched
@@ -274,10 +275,13 @@ void Simulator::Impl::detach_broken() {
 
 void Simulator::Impl::close_ledger() {
   StepWorks& works = report_.works;
+  const Scheme& scheme = stepper_.scheme();
+  for (const AxisReport& axis : scheme.axis_reports()) works.axes += axis.work;
+  works.contacts = scheme.contacts().works().sum();
   works.constraint -= works.axes.total() + works.contacts.total();
   sum_motion(stepper_.state(), stepper_.momenta(), report_);
   const World::Hold held = source_.hold();
-  accounting_.close(world_, report_, stepper_.scheme().knows_works());
+  accounting_.close(world_, report_, scheme.knows_works());
 }
 
 /// A step that failed: joints that were closed before it are open again, and the user's world is untouched.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/interruption.h"
 #include "solvers/simulator/substep_tuning.h"
@@ -14,30 +15,33 @@ void Substepping::begin(Scheme& scheme, double dt) {
                                    double(settings_.max_substeps));
   substeps_ = Substeps(dt, division_.choose(needed), settings_.max_substeps);
   composition_.forget();
+  stages_ = {};
   outcome_.reset();
   hard_ = division_.hard();
   forgot_ = false;
   scheme.accept_inexact(hard_ ? settings_.inexact_tolerance : 0, hard_);
 }
 
-double Substepping::next(const Scheme& scheme, const SubstepReport& report) {
+double Substepping::next(const Scheme& scheme) {
   if (composition_.is_done()) {
     detail::poll_interrupt();
-    works_before_ = report.works;
     composition_.begin(scheme, substeps_.next(step_limit(scheme)));
   }
   return composition_.next();
 }
 
-void Substepping::react(Scheme::Outcome outcome, Scheme& scheme, SubstepReport& report) {
+void Substepping::react(Scheme::Outcome outcome, const SubstepReport& report, Scheme& scheme,
+                        SubstepReport& step) {
   using enum Scheme::Outcome;
   if (outcome == kDone) {
-    if (composition_.is_done()) accept(report.status);
+    stages_.add(report);
+    if (composition_.is_done()) accept(step);
     return;
   }
+  stages_.add_cost(report);
+  step.add_cost(std::exchange(stages_, {}));
   const bool lost = outcome == kNotFinite || outcome == kBlind;
-  if (!lost) composition_.give_up(scheme, report);
-  report.works = works_before_;
+  if (!lost) composition_.give_up(scheme, step);
   if (lost)
     outcome_ = outcome;
   else if (outcome == kUnstable)
@@ -50,11 +54,12 @@ void Substepping::react(Scheme::Outcome outcome, Scheme& scheme, SubstepReport& 
 }
 
 /// The sub-step is done, and the step with the last one.
-void Substepping::accept(Status status) {
+void Substepping::accept(SubstepReport& step) {
+  step.add(std::exchange(stages_, {}));
   substeps_.accept();
   if (!substeps_.done()) return;
   outcome_ = Scheme::Outcome::kDone;
-  division_.note_done(status);
+  division_.note_done(step.status);
 }
 
 /// Laws that could not be met: once more without impulses of contacts as a guess, then in shorter sub-steps,

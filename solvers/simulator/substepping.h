@@ -22,9 +22,10 @@ class Substepping {
   /// It has neither come to its end nor failed.
   bool goes_on() const { return !outcome_; }
   /// How long the next advance is [s]: a sub-step, or a stage of one.
-  double next(const Scheme& scheme, const SubstepReport& report);
-  /// Looks at what became of it; works of what is taken back are not reported.
-  void react(Scheme::Outcome outcome, Scheme& scheme, SubstepReport& report);
+  double next(const Scheme& scheme);
+  /// Looks at what became of it, with its report; the step gets that of a sub-step which is done, and the cost
+  /// of one that is not.
+  void react(Scheme::Outcome outcome, const SubstepReport& report, Scheme& scheme, SubstepReport& step);
 
   /// How the step ended.  kDone; kStalled, kUnstable: sub-steps would have to be shorter than allowed, at
   /// last since laws or joints were not met, or for tension; kNotFinite, kBlind: as Scheme::advance().
@@ -37,7 +38,7 @@ class Substepping {
 
  private:
   double step_limit(const Scheme& scheme) const { return composition_.step_limit(scheme); }
-  void accept(Status status);
+  void accept(SubstepReport& step);
   void after_stall(Scheme& scheme);
 
   const Settings& settings_;
@@ -45,7 +46,7 @@ class Substepping {
   StepDivision division_;
   std::optional<Scheme::Outcome> outcome_;
   Substeps substeps_;
-  StepWorks works_before_;              // the present one
+  SubstepReport stages_;                // of the present one that are done
   bool hard_ = false, forgot_ = false;  // laws may be met inexactly at once; impulses have been no guess once
 };
 

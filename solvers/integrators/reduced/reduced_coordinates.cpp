@@ -121,7 +121,7 @@ Scheme::Outcome ReducedCoordinates::advance(double h, SubstepReport& report) {
   flow_.begin_substep();
   stall_ = Stall::kNone;
   not_finite_ = 0;
-  const StepWorks works = report.works;
+  const double work_of_axes = flow_.work();
   const bool closed = is_midpoint(settings_.integrator) ? midpoint(h, report) : runge_kutta(h, report);
   const double omega = closed ? tension_of(next_) : 0;
   if (closed && !is_finite(next_)) stall_ = Stall::kNotFinite;
@@ -132,16 +132,15 @@ Scheme::Outcome ReducedCoordinates::advance(double h, SubstepReport& report) {
   if (stall_ != Stall::kNone) {
     std::swap(impulses_, impulses_before_);
     flow_.roll_back();
-    report.works = works;
     return stall_ == Stall::kTension     ? Outcome::kUnstable
            : stall_ == Stall::kNotFinite ? Outcome::kNotFinite
                                          : Outcome::kStalled;
   }
   system_.rows().update_axes(next_, next_.axes);
-  if (settings_.report_energy) close_works(works, report.works);
+  if (settings_.report_energy) close_works(flow_.work() - work_of_axes, report.works);
   std::swap(state_, next_);
-  ++report.substeps;
-  report.tension_number = std::max(report.tension_number, h * omega_);
+  report.substeps = 1;
+  report.tension_number = h * omega_;
   omega_ = omega;
   return Outcome::kDone;
 }
@@ -151,13 +150,10 @@ bool ReducedCoordinates::has_finite_forces() const {
                      [](const Wrench& f) { return f.torque.allFinite() && f.force.allFinite(); });
 }
 
-/// Of axes and of all joints; what kinetic energy has changed by beside the works of the step is `flow`.
-void ReducedCoordinates::close_works(const StepWorks& before, StepWorks& works) {
-  works.axes = {};
-  for (const AxisReport& axis : flow_.reports()) works.axes += axis.work;
-  works.constraint += works.axes.total() - before.axes.total();
-  works.flow += kinetic_energy(world_, next_) - kinetic_energy(world_, state_) -
-                (works.forces - before.forces) - (works.constraint - before.constraint);
+/// With the work of axes among that of all joints; what kinetic energy has changed by beside both is `flow`.
+void ReducedCoordinates::close_works(double of_axes, StepWorks& works) {
+  works.constraint += of_axes;
+  works.flow = kinetic_energy(world_, next_) - kinetic_energy(world_, state_) - works.forces - works.constraint;
 }
 
 std::span<const Wrench> ReducedCoordinates::momenta() const {

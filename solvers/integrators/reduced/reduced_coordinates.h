@@ -64,7 +64,7 @@ class ReducedCoordinates final : public Scheme {
   bool has_finite_forces() const;
   double tension_of(const State& state);
   bool is_unstable(double h, double omega);
-  void close_works(const StepWorks& before, StepWorks& works);
+  void close_works(double of_axes, StepWorks& works);
 
   const World& world_;
   ConstraintSystem& system_;
