@@ -185,6 +185,15 @@ void ImpulseScheme::linearize_and_factorize(SubstepReport& report) {
   system_.factorize(report.times);
 }
 
+/// Of the present stage, at its coordinates and rates.
+void ImpulseScheme::renew_laws() {
+  std::vector<RowLaw>& laws = stages_.laws();
+  axes_.set_laws(values_.phi, values_.rates, laws);
+  contacts_.set_laws(laws);
+  stages_.set_equalities();
+  for (int r : breaking_.rows()) laws[r] = RowLaw::none();
+}
+
 /// Rates that laws see, with what the guess of μ gives.
 void ImpulseScheme::add_rates_of_guess() {
   system_.multiply(values_.mu, values_.delta);

@@ -74,6 +74,7 @@ class ImpulseScheme : public Scheme {
   void find_contacts();
   void linearize(SubstepReport& report);
   void linearize_and_factorize(SubstepReport& report);
+  void renew_laws();
   void add_rates_of_guess();
   void project_momenta(double h, SubstepReport& report);
   void note_velocities(SubstepReport& report);

@@ -103,6 +103,7 @@ void MoreauJean::begin_laws(double h, SubstepReport& report) {
     axes_.begin(phase_.start_time, h, values_.start_theta, values_.rates, stages_.effective_mass(),
                 phase_.state.axes);
     theta_ = axes_.find_unresolved(system_, true) ? 1 : settings_.theta;
+    axes_.begin_single_kick(theta_);
     contacts_.begin_impulses(values_.rates, stages_.effective_mass());
     if (contacts_.soft()) {
       roll_back(report);
@@ -116,13 +117,6 @@ void MoreauJean::begin_laws(double h, SubstepReport& report) {
   }
   if (!stages_.factors_on_demand()) system_.factorize(report.times);
   if (bounded()) axes_.find_inertia(system_, stages_.effective_mass());  // for the laws of solve_stage()
-}
-
-void MoreauJean::renew_laws() {
-  std::vector<RowLaw>& laws = stages_.laws();
-  axes_.impulse_laws(theta_, values_.phi, laws);
-  contacts_.velocity_laws(laws);
-  stages_.set_equalities();
 }
 
 /// (q_ϑ, V_ϑ) of the momenta of now.

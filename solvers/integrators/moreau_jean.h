@@ -14,7 +14,7 @@ namespace taut {
 ///   q₁ = q₀ ⊕ h V_ϑ
 ///
 /// joints: J V₁ + φ_t = 0;  contacts with gap(q_M) ≤ 0: 0 ≤ Λ_n ⊥ w_n + e w_n⁻ ≥ 0, |Λ_t| ≤ μ Λ_n against
-/// w_t;  axes (AxisForces::impulse_laws): those of a stage, tables F: −h ((2 − 2ϑ) F̄ + (2ϑ − 1) F(θ₁)) with
+/// w_t;  axes (AxisForces::set_laws): those of a stage, tables F: −h ((2 − 2ϑ) F̄ + (2ϑ − 1) F(θ₁)) with
 /// the mean F̄ on the way to θ₁ = θ₀ + h ((1 − ϑ) w⁻ + ϑ w).  Nothing in it closes positions;
 /// DriftCure::kPositionPush closes joints and limits after the step.  (solvers/integrators, "Moreau–Jean")
 ///
@@ -36,7 +36,6 @@ class MoreauJean final : public ImpulseScheme {
   void predict(double h);
   void go_to_middle(double h, SubstepReport& report);
   void begin_laws(double h, SubstepReport& report);
-  void renew_laws();
   Outcome find_impulses(double h, SubstepReport& report);
   bool solve_stage(SubstepReport& report);
   bool meet_laws(double part, SubstepReport& report);

@@ -52,7 +52,6 @@ class Rattle : public ImpulseScheme {
   void try_positions(double h, bool near);
   void kick_and_drift(double h, const Configuration& end);
   void contact_rates(double h, bool near);
-  void renew_position_laws();
   bool keep_pace(double error, double last, double h, SubstepReport& report);
   double time_of_impact(double h, SubstepReport& report);
 
@@ -63,7 +62,6 @@ class Rattle : public ImpulseScheme {
   bool second_kick_gives();
   bool velocities_hold(SubstepReport& report);
   bool strike(double h, SubstepReport& report);
-  void renew_velocity_laws();
 
   // The end of the step.
   bool break_joints(double h, SubstepReport& report);

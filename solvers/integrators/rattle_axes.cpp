@@ -36,7 +36,6 @@ void Rattle::begin_bounds(double h) {
   axes_.find_unresolved(system_);
   axes_.find_inertia(system_, stages_.effective_mass());
   contacts_.begin(h, values_.rates, stages_.effective_mass());
-  stages_.set_equalities();
 }
 
 /// Where the present λ leads to: q₁, φ(q₁), the mean rates and their laws.
@@ -46,7 +45,7 @@ void Rattle::try_positions(double h, bool near) {
     values_.rates[r] = (values_.phi[r] - values_.start_theta[r]) / h;
   if (!contacts_.empty()) contact_rates(h, near);
   projection_.clear_loose_rows(values_.phi);
-  renew_position_laws();
+  renew_laws();
 }
 
 /// How far joints are open and laws missed at the present λ, over their tolerances; `closed`: what is open is
@@ -63,7 +62,7 @@ struct Rattle::PositionError {
 /// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is one for
 /// StageSolver.  When joints are closed, the laws alone are to be met to what round-off allows.
 bool Rattle::close_bounded_positions(double h, SubstepReport& report) {
-  const StageSolver::Renew renew = [this] { renew_position_laws(); };
+  const StageSolver::Renew renew = [this] { renew_laws(); };
   double last = std::numeric_limits<double>::infinity();
   int exact = 0;  // solves for the laws alone
   for (int iteration = 0;; ++iteration) {
@@ -133,21 +132,6 @@ double Rattle::time_of_impact(double h, SubstepReport& report) {
   return time;
 }
 
-void Rattle::renew_position_laws() {
-  std::vector<RowLaw>& laws = stages_.laws();
-  axes_.position_laws(values_.rates, laws);
-  contacts_.position_laws(laws);
-  for (int r : breaking_.rows()) laws[r] = RowLaw::none();
-}
-
-void Rattle::renew_velocity_laws() {
-  std::vector<RowLaw>& laws = stages_.laws();
-  axes_.velocity_laws(values_.phi, laws);
-  contacts_.velocity_laws(laws);
-  stages_.set_equalities();
-  for (int r : breaking_.rows()) laws[r] = RowLaw::none();
-}
-
 /// The second kick: its rates, what contacts know of the first one, and μ that meets its laws.  `anew`: by
 /// itself, as an impact without restitution, 0 ≤ μ_n ⊥ w_n ≥ 0 and |μ_t| ≤ μ_c μ_n, which takes energy
 /// whatever the first has given.
@@ -162,7 +146,7 @@ bool Rattle::give_second_kick(double h, bool anew, SubstepReport& report) {
   stages_.renew_effective_masses();
   contacts_.begin_velocities(values_.rates, stages_.effective_mass(), anew);
   if (anew) std::fill(values_.mu.begin() + system_.rows().first_contact_row(), values_.mu.end(), 0.0);
-  renew_velocity_laws();
+  renew_laws();
   if (!axes_.finite()) return false;
   add_rates_of_guess();
   return project_bounded_momenta(h, report);
@@ -171,10 +155,10 @@ bool Rattle::give_second_kick(double h, bool anew, SubstepReport& report) {
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes, and the momenta that it
 /// leads to.  What rounding leaves of the rates, with very different inertias, is met once more from there.
 bool Rattle::project_bounded_momenta(double h, SubstepReport& report) {
-  const StageSolver::Renew renew = [this] { renew_velocity_laws(); };
+  const StageSolver::Renew renew = [this] { renew_laws(); };
   const StageSolver::Stage stage{values_.mu, values_.rates, renew, false, impact_stage_.struck()};
   for (const bool again : {false, true}) {
-    if (again) renew_velocity_laws();
+    if (again) renew_laws();
     // Sweeps: bodies that are held fast do not take in all of the impulses.
     std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
     if (!(stages_.iterative() ? stages_.iterate(stage, settings_.iterations,
@@ -213,7 +197,7 @@ bool Rattle::velocities_hold(SubstepReport& report) {
 /// Impacts at the end of the step, after its velocities are closed without them.
 bool Rattle::strike(double h, SubstepReport& report) {
   return impact_stage_.strike([&] {
-    renew_velocity_laws();
+    renew_laws();
     return project_bounded_momenta(h, report);
   });
 }

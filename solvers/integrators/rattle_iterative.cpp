@@ -15,7 +15,7 @@ namespace taut {
 bool Rattle::stabilize_positions(double h, SubstepReport& report) {
   const Stopwatch watch(report.times.positions);
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
-  const StageSolver::Renew renew = [this] { renew_position_laws(); };
+  const StageSolver::Renew renew = [this] { renew_laws(); };
   for (int left = settings_.iterations;; left -= RattleTuning::kSweepsPerPass) {
     try_positions(h, false);
     if (!std::isfinite(max_abs(values_.phi)) || !axes_.finite()) return false;

@@ -75,7 +75,7 @@ class ContactForces final : public ContactLaws {
   void begin_velocities(std::span<const double> rates, std::span<const double> inertia, bool anew);
   /// Contacts strike at the end of this step; they are left out of its velocity stage.
   bool strikes() const;
-  /// They strike after it: with its rates w⁻, velocity_laws() ask for w ≥ −e w⁻ with this part of each e, in
+  /// They strike after it: with its rates w⁻, set_laws() ask for w ≥ −e w⁻ with this part of each e, in
   /// all contacts that are touched, and the laws are those of what is added to the impulses `before`.  One
   /// that parts may come together as fast as it parted, so that no normal impulse gives energy.  Returns the
   /// largest e of those that strike.
@@ -84,7 +84,7 @@ class ContactForces final : public ContactLaws {
   void end_impacts();
   /// Some that are touched do at these rates, faster than the resting speed.
   bool come_together(std::span<const double> rates) const;
-  /// Moreau–Jean between begin_single_kick() and velocity_laws(): `rates` J V before the step.  Contacts that
+  /// Moreau–Jean between begin_single_kick() and set_laws(): `rates` J V before the step.  Contacts that
   /// are touched have Newton's law of impact w ≥ −e w⁻ however slow they are.
   void begin_impulses(std::span<const double> rates, std::span<const double> inertia);
   /// Within the step.

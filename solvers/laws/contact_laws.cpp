@@ -53,17 +53,7 @@ void ContactLaws::set_velocity_slip(int k) {
   point(k).soft_slip = spring(k, kSlidingRow).velocity_slip_law(point(k).sliding.given);
 }
 
-void ContactLaws::position_laws(std::span<RowLaw> laws) const {
-  for (int k = 0; k < count(); ++k) {
-    const int row = first_row(k);
-    std::fill_n(laws.begin() + row, row_count(k), RowLaw::none());
-    if (!point(k).live) continue;
-    laws[row] = RowLaw::lower_limit(normal_law(*this, k).target);
-    friction_laws(k, laws);
-  }
-}
-
-void ContactLaws::velocity_laws(std::span<RowLaw> laws) const {
+void ContactLaws::set_laws(std::span<RowLaw> laws) const {
   for (int k = 0; k < count(); ++k) {
     const int row = first_row(k);
     const double back = point(k).back;

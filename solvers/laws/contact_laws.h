@@ -26,8 +26,8 @@ class ContactLaws : public ContactRows {
   explicit ContactLaws(ContactConstraints& table) : ContactRows(table) {}
   ContactLaws(const ContactLaws&) = delete;
 
-  void position_laws(std::span<RowLaw> laws) const;
-  void velocity_laws(std::span<RowLaw> laws) const;
+  /// Of their rows in the present stage.
+  void set_laws(std::span<RowLaw> laws) const;
   /// In place of the laws of a stage: what presses at impulses λ holds, along its normal and across it, and
   /// the others give nothing.
   void held_laws(std::span<const double> lambda, std::span<RowLaw> laws) const;

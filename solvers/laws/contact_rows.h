@@ -72,7 +72,7 @@ class ContactRows {
 
   /// The largest restitution of contacts that work and approach.
   double restitution() const;
-  /// Between ContactForces::begin_impulses() and velocity_laws(): a part of each restitution.
+  /// Between ContactForces::begin_impulses() and set_laws(): a part of each restitution.
   void weaken_restitution(double part);
   /// Impulses μ of the second kick take back some of what rigid contacts gave in the first.
   bool take_back(std::span<const double> mu) const;

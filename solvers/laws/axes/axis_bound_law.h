@@ -12,16 +12,12 @@ namespace taut {
 template <BoundedAxisProperty Property, typename Place = AxisPlace<Property>>
 struct AxisBoundLaw : AxisBoxLaw<Place::kPart> {
   void release() { this->bound = 0; }
-  bool set_position(const AxisStage& stage) { return set(stage, 0.5 * stage.step.h); }
-  bool set_velocity(const AxisStage& stage) { return set(stage, 0.5 * stage.step.h); }
-  bool set_single_kick(const AxisStage& stage) { return set(stage, stage.step.h); }
-
- private:
-  bool set(const AxisStage& stage, double time) {
+  bool set(const AxisStage& stage) {
     release();
     const std::optional<Property>& property = Place::get(stage.p);
     if (!property) return true;
-    const double most = time * property->bound(stage.start.theta), kept = property->kept_rate();
+    const double most = stage.step.kick_time() * property->bound(stage.start.theta),
+                 kept = property->kept_rate();
     if (!std::isfinite(most) || !std::isfinite(kept)) return false;
     this->bound = most, this->at = kept;
     return true;

@@ -132,10 +132,10 @@ void AxisForces::roll_back() {
   work_.roll_back();
 }
 
-/// Those of axes that are released are none; `set(axis, stage, row)` sets those of others, and is false if
-/// what one of them follows is not finite.
-template <typename Set>
-void AxisForces::set_laws(std::span<RowLaw> laws, Set set) {
+/// Those of axes that are released are none.
+void AxisForces::set_laws(std::span<const double> theta, std::span<const double> rates,
+                          std::span<RowLaw> laws) {
+  const bool jolt = step_.in(Kick::kSecond) && impacts_.any(theta);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const int row = table_.row(i);
     AxisLaw& axis = axes_[i];
@@ -145,35 +145,17 @@ void AxisForces::set_laws(std::span<RowLaw> laws, Set set) {
       continue;
     }
     const AxisProperties& p = table_.properties(i);
-    const AxisStage stage{p, step_, axis.start, impacts_[i], work_.first_kick(i), slack_};
-    if (!set(axis, stage, row)) not_finite_ = static_cast<int>(i);
+    if (!axis.set(
+            {p, step_, axis.start, impacts_[i], work_.first_kick(i), slack_, rates[row], theta[row], jolt}))
+      not_finite_ = static_cast<int>(i);
     laws[row] = axis.sum(p);
   }
 }
 
-void AxisForces::position_laws(std::span<const double> mean_rates, std::span<RowLaw> laws) {
-  set_laws(laws, [&](AxisLaw& axis, AxisStage stage, int row) {
-    stage.rate = mean_rates[row];
-    return axis.set_position(stage);
-  });
-}
-
-void AxisForces::velocity_laws(std::span<const double> theta, std::span<RowLaw> laws) {
-  const bool jolt = impacts_.any(theta);
-  set_laws(laws, [&](AxisLaw& axis, AxisStage stage, int row) {
-    stage.theta = theta[row];
-    stage.jolt = jolt;
-    return axis.set_velocity(stage);
-  });
-}
-
-void AxisForces::impulse_laws(double vartheta, std::span<const double> theta, std::span<RowLaw> laws) {
+void AxisForces::begin_single_kick(double vartheta) {
+  step_.kick = Kick::kSingle;
   step_.vartheta = vartheta;
   work_.clear_first_kick();
-  set_laws(laws, [&](AxisLaw& axis, AxisStage stage, int row) {
-    stage.theta = theta[row];
-    return axis.set_single_kick(stage);
-  });
 }
 
 bool AxisForces::laws_move(const ConstraintSystem& system, std::span<const double> lambda,
@@ -221,7 +203,7 @@ Gap AxisForces::beyond_limits(std::span<const double> theta) const {
 }
 
 void AxisForces::finish_positions(std::span<const double> w) {
-  step_.second_kick = true;
+  step_.kick = Kick::kSecond;
   for (std::size_t i = 0; i < axes_.size(); ++i)
     axes_[i].finish_first_kick(table_.properties(i), w[table_.row(i)]);
 }

@@ -74,16 +74,13 @@ class AxisForces {
   /// The axes and softened rows of a joint give no force any more.
   void release(JointId joint) { table_.release(joint); }
 
-  /// Laws of the axis rows for the first kick; those of other rows stay.  `mean_rates`: the best estimate, by
-  /// which torque–speed curves are read.
-  void position_laws(std::span<const double> mean_rates, std::span<RowLaw> laws);
-  /// Laws for the second kick, with θ(q₁).
-  void velocity_laws(std::span<const double> theta, std::span<RowLaw> laws);
-  /// Laws of a step of Moreau–Jean, whose impulses λ act at once on the rates w = θ̇ after it, between begin()
-  /// with the rates before it and laws_move(): springs and dampers at (1 − ϑ) of the start and ϑ of the end,
-  /// limits that are passed at `theta`, in the middle of the step, w ≥ −e θ̇₀.
-  /// (solvers/integrators, "Moreau–Jean")
-  void impulse_laws(double vartheta, std::span<const double> theta, std::span<RowLaw> laws);
+  /// After begin(): a step of Moreau–Jean, whose impulses λ act at once on the rates w = θ̇ after it, springs
+  /// and dampers at (1 − ϑ) of the start and ϑ of the end.  (solvers/integrators, "Moreau–Jean")
+  void begin_single_kick(double vartheta);
+  /// Laws of the axis rows for the present kick; those of other rows stay.  The first kick, from begin() to
+  /// finish_positions(), takes `rates`, the best estimate of the mean ones, by which torque–speed curves are
+  /// read; the second `theta` at q₁, and a single one that in the middle of the step.
+  void set_laws(std::span<const double> theta, std::span<const double> rates, std::span<RowLaw> laws);
   /// What laws depend on beside the rates follows this solution of a stage: friction lets go or turns, tables
   /// have other tangents, loads change.  True if the stage must be solved again, with the laws renewed.
   bool laws_move(const ConstraintSystem& system, std::span<const double> lambda, std::span<const double> w,
@@ -123,7 +120,7 @@ class AxisForces {
   /// What winches have let out at the end of a step, into the state of then.
   void give_ropes(const Rows& rows, State& state);
   /// Impulses of the first kick, during which the axes moved with `rates` on the mean: to be called before
-  /// velocity_laws(), added with the second.
+  /// the laws of the second, added with the second.
   void record_first_kick(std::span<const double> lambda, std::span<const double> w,
                          std::span<const double> rates) {
     work_.record_first_kick(table_, axes_, lambda, w, rates);
@@ -143,9 +140,6 @@ class AxisForces {
   void transfer(Archive& archive);
 
  private:
-  template <typename Set>
-  void set_laws(std::span<RowLaw> laws, Set set);
-
   AxisTable table_;
   AxisSwings swings_;
   std::vector<AxisLaw> axes_, before_;

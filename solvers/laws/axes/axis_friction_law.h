@@ -38,21 +38,11 @@ struct AxisFrictionLaw : AxisBoxLaw<&AxisImpulse::friction> {
     stuck = old.stuck;
     load = old.load;
   }
-  bool set_position(const AxisStage& stage) {
-    bound = 0;
-    if (!stage.p.friction) return true;
-    set_bound(*stage.p.friction, 0.5 * stage.step.h);
-    hold_anchor(stage.start.theta, stage.step.h, stage.slack);
-    return true;
-  }
-  bool set_velocity(const AxisStage& stage) {
-    if (stage.p.friction) set_bound(*stage.p.friction, 0.5 * stage.step.h);
-    at = 0;
-    return true;
-  }
-  bool set_single_kick(const AxisStage& stage) {
+  bool set(const AxisStage& stage) {
     bound = at = 0;
-    if (stage.p.friction) set_bound(*stage.p.friction, stage.step.h);
+    if (!stage.p.friction) return true;
+    set_bound(*stage.p.friction, stage.step.kick_time());
+    if (stage.step.in(Kick::kFirst)) hold_anchor(stage.start.theta, stage.step.h, stage.slack);
     return true;
   }
   /// What was held slips in this solution of a stage: it does not hold any more in this step, and its bound

@@ -31,21 +31,9 @@ void AxisLaw::inherit(const AxisLaw& old) {
   });
 }
 
-bool AxisLaw::set_position(const AxisStage& stage) {
+bool AxisLaw::set(const AxisStage& stage) {
   bool finite = true;
-  with_parts(*this, [&](auto&... part) { ((finite = part.set_position(stage) && finite), ...); });
-  return finite;
-}
-
-bool AxisLaw::set_velocity(const AxisStage& stage) {
-  bool finite = true;
-  with_parts(*this, [&](auto&... part) { ((finite = part.set_velocity(stage) && finite), ...); });
-  return finite;
-}
-
-bool AxisLaw::set_single_kick(const AxisStage& stage) {
-  bool finite = true;
-  with_parts(*this, [&](auto&... part) { ((finite = part.set_single_kick(stage) && finite), ...); });
+  with_parts(*this, [&](auto&... part) { ((finite = part.set(stage) && finite), ...); });
   return finite;
 }
 

@@ -65,9 +65,7 @@ struct AxisLaw {
   void restart(double theta, double rate);
   void begin(const AxisProperties& p, const AxisStep& step);
   void inherit(const AxisLaw& old);
-  bool set_position(const AxisStage& stage);
-  bool set_velocity(const AxisStage& stage);
-  bool set_single_kick(const AxisStage& stage);
+  bool set(const AxisStage& stage);
   void release();
   /// Some part has followed a solution w of a stage, which must be solved again.
   bool move(const AxisProperties& p, const AxisStep& step, double w, double rate_tolerance);

@@ -9,9 +9,24 @@ bool in_flight(const AxisLimits& limits, double theta0, bool at_lower) {
   return at_lower ? theta0 > limits.lower + kTouch : theta0 < limits.upper - kTouch;
 }
 
-bool AxisLimitLaw::set_position(const AxisStage& stage) {
+bool AxisLimitLaw::set(const AxisStage& stage) {
   clear();
   if (!has_rigid_limit(stage.p)) return true;
+  switch (stage.step.kick) {
+    case Kick::kFirst:
+      set_first_kick(stage);
+      break;
+    case Kick::kSecond:
+      set_second_kick(stage);
+      break;
+    case Kick::kSingle:
+      set_single_kick(stage);
+  }
+  return true;
+}
+
+/// Bounds of the mean rate; a limit whose impact is sought is left out.
+void AxisLimitLaw::set_first_kick(const AxisStage& stage) {
   const AxisLimits& limits = *stage.p.limits;
   const AxisImpact& impact = stage.impact;
   const double theta0 = stage.start.theta, h = stage.step.h;
@@ -20,12 +35,10 @@ bool AxisLimitLaw::set_position(const AxisStage& stage) {
     lower_at = std::clamp((limits.lower - theta0) / h, -kUnreachedRate, fastest);
   if (!impact.sought() || impact.at_lower)
     upper_at = std::clamp((limits.upper - theta0) / h, -fastest, kUnreachedRate);
-  return true;
 }
 
-bool AxisLimitLaw::set_velocity(const AxisStage& stage) {
-  clear();
-  if (!has_rigid_limit(stage.p)) return true;
+/// Bounds of the rate at θ₁ by Newton's law of impact.
+void AxisLimitLaw::set_second_kick(const AxisStage& stage) {
   const AxisLimits& limits = *stage.p.limits;
   const AxisImpact& impact = stage.impact;
   const double theta1 = stage.theta, first_kick = stage.first_kick.limit;
@@ -41,19 +54,16 @@ bool AxisLimitLaw::set_velocity(const AxisStage& stage) {
   lower_back = at_lower ? std::max(0.0, first_kick) : 0;
   upper_back = at_upper ? std::max(0.0, -first_kick) : 0;
   if (lower_at > upper_at) lower_at = upper_at = 0;  // locked between both
-  return true;
 }
 
-bool AxisLimitLaw::set_single_kick(const AxisStage& stage) {
-  clear();
-  if (!has_rigid_limit(stage.p)) return true;
+/// Newton's law of impact for a limit that is passed.
+void AxisLimitLaw::set_single_kick(const AxisStage& stage) {
   const AxisLimits& limits = *stage.p.limits;
   const double theta = stage.theta, bounce = -limits.restitution * stage.start.rate;
   const bool at_lower = theta <= limits.lower + kTouch, at_upper = theta >= limits.upper - kTouch;
   if (at_lower) lower_at = bounce;
   if (at_upper) upper_at = bounce;
   if (at_lower && at_upper) lower_at = upper_at = 0;  // locked between both
-  return true;
 }
 
 void AxisLimitLaw::add_to(RowLaw& law, const AxisProperties& p) const {

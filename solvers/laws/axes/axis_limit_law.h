@@ -25,12 +25,7 @@ struct AxisLimitLaw : AxisPartLaw {
 
   /// A limit holds the axis at this rate.
   bool holds(double w) const { return on_step(w, lower_at) || on_step(w, upper_at); }
-  /// Bounds of the mean rate; a limit whose impact is sought is left out.
-  bool set_position(const AxisStage& stage);
-  /// Bounds of the rate at θ₁ by Newton's law of impact.
-  bool set_velocity(const AxisStage& stage);
-  /// Newton's law of impact for a limit that is passed.
-  bool set_single_kick(const AxisStage& stage);
+  bool set(const AxisStage& stage);
   /// Limits are there even when far away, so that segments keep their numbers from stage to stage.
   void add_to(RowLaw& law, const AxisProperties& p) const;
   void share_beside(AxisImpulse& impulse, double& rest, double w) const {
@@ -48,6 +43,9 @@ struct AxisLimitLaw : AxisPartLaw {
   }
 
  private:
+  void set_first_kick(const AxisStage& stage);
+  void set_second_kick(const AxisStage& stage);
+  void set_single_kick(const AxisStage& stage);
   /// No limit is near.
   void clear() {
     lower_at = -kUnreachedRate, upper_at = kUnreachedRate;

@@ -70,55 +70,55 @@ void AxisMotorLaw::set_bound(const AxisMotor& motor, double time, double rate) {
   bound = time * std::min(available, motor.max_force);
 }
 
-bool AxisMotorLaw::set_position(const AxisStage& stage) {
-  bound = 0;
+bool AxisMotorLaw::set(const AxisStage& stage) {
+  const AxisStep& step = stage.step;
+  const bool second = step.in(Kick::kSecond);  // whose bound is that of the first
+  if (!second) bound = 0;
   if (!stage.p.motor || !keeps_target(*stage.p.motor)) return true;
   const AxisMotor& motor = *stage.p.motor;
-  set_bound(motor, 0.5 * stage.step.h, stage.rate);
+  const bool first = step.in(Kick::kFirst);
+  if (!second) set_bound(motor, step.kick_time(), first ? stage.rate : stage.start.rate);
+  return aim(motor, first    ? rate_in_first_kick(stage)
+                    : second ? rate_in_second_kick(stage)
+                             : rate_in_single_kick(stage));
+}
+
+/// To the target of the end of the step, by the mean rate.
+double AxisMotorLaw::rate_in_first_kick(const AxisStage& stage) const {
   const double h = stage.step.h;
-  const MotionPoint target = target_at(motor, stage.step.end_time);
-  double rate = (target.value - stage.start.theta) / h;
+  const MotionPoint target = target_at(*stage.p.motor, stage.step.end_time);
+  const double rate = (target.value - stage.start.theta) / h;
   // Against a target that moves on as at the end of the step.
   const double own = target.rate - 0.5 * h * target.acceleration, way = std::abs(rate - own) * h;
-  if (way > kTouch && has_to_brake(motor)) {
-    const double deceleration = braking(stage, target, rate - own);
-    if (deceleration > 0) rate = no_faster(rate, own, mean_rate_to_stop(way, deceleration, h));
-  }
-  return aim(motor, rate);
+  if (!(way > kTouch && has_to_brake(*stage.p.motor))) return rate;
+  const double deceleration = braking(stage, target, rate - own);
+  return deceleration > 0 ? no_faster(rate, own, mean_rate_to_stop(way, deceleration, h)) : rate;
 }
 
-bool AxisMotorLaw::set_velocity(const AxisStage& stage) {
-  if (!stage.p.motor || !keeps_target(*stage.p.motor)) return true;
-  const AxisMotor& motor = *stage.p.motor;
-  const MotionPoint target = target_at(motor, stage.step.end_time);
+/// The rate of the target, and what θ₁ is off by in another step.
+double AxisMotorLaw::rate_in_second_kick(const AxisStage& stage) {
+  const MotionPoint target = target_at(*stage.p.motor, stage.step.end_time);
   const double left = target.value - stage.theta, back = std::abs(left) <= kTouch ? 0 : left / stage.step.h;
   on_target = back == 0;
-  double rate = target.rate + back;
-  if (back != 0 && has_to_brake(motor)) {
-    const double deceleration = braking(stage, target, left);
-    if (deceleration > 0) rate = no_faster(rate, target.rate, std::sqrt(2 * deceleration * std::abs(left)));
-  }
-  return aim(motor, rate);
+  const double rate = target.rate + back;
+  if (on_target || !has_to_brake(*stage.p.motor)) return rate;
+  const double deceleration = braking(stage, target, left);
+  if (!(deceleration > 0)) return rate;
+  return no_faster(rate, target.rate, std::sqrt(2 * deceleration * std::abs(left)));
 }
 
-bool AxisMotorLaw::set_single_kick(const AxisStage& stage) {
-  bound = 0;
-  if (!stage.p.motor || !keeps_target(*stage.p.motor)) return true;
-  const AxisMotor& motor = *stage.p.motor;
-  set_bound(motor, stage.step.h, stage.start.rate);
+/// As in the second, with the target and θ₀ of the start.
+double AxisMotorLaw::rate_in_single_kick(const AxisStage& stage) {
   const double h = stage.step.h;
-  const MotionPoint target = target_at(motor, stage.step.end_time - h);
-  const double way = target.value - stage.start.theta;
-  double rate = target.rate + way / h;
+  const MotionPoint target = target_at(*stage.p.motor, stage.step.end_time - h);
+  const double way = target.value - stage.start.theta, rate = target.rate + way / h;
   on_target = std::abs(way) <= kTouch;
-  if (!on_target && has_to_brake(motor)) {
-    const double deceleration = braking(stage, target, way);
-    const double towards = std::copysign(1.0, way) * (stage.start.rate - target.rate);
-    if (deceleration > 0)
-      rate = no_faster(rate, target.rate,
-                       end_rate_to_stop(std::abs(way), deceleration, h, stage.step.vartheta, towards));
-  }
-  return aim(motor, rate);
+  if (on_target || !has_to_brake(*stage.p.motor)) return rate;
+  const double deceleration = braking(stage, target, way);
+  if (!(deceleration > 0)) return rate;
+  const double towards = std::copysign(1.0, way) * (stage.start.rate - target.rate);
+  return no_faster(rate, target.rate,
+                   end_rate_to_stop(std::abs(way), deceleration, h, stage.step.vartheta, towards));
 }
 
 /// Deceleration against the target, coming on along `way`, that the motor can give by itself beside the load:

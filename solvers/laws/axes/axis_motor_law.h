@@ -18,7 +18,7 @@ MotionPoint target_at(const AxisMotor& motor, double time);
 double available_force(const AxisMotor& motor, double speed);
 
 /// Motor of one axis in a stage that keeps its target.  (solvers/laws/axes/README.md)
-/// Its stages are false for a trajectory that is not finite, since a law cannot have a breakpoint that is not
+/// set() is false for a trajectory that is not finite, since a law cannot have a breakpoint that is not
 /// a number; the motor is left out then.
 struct AxisMotorLaw : AxisBoxLaw<&AxisImpulse::motor> {
   /// Of the last sub-step, from which the load of this one is known: change of the rate over its length
@@ -29,12 +29,7 @@ struct AxisMotorLaw : AxisBoxLaw<&AxisImpulse::motor> {
   void begin(const AxisProperties&, const AxisStep& step, const AxisStart&) { length_ = step.h; }
   /// It has brought its axis to its target.
   bool has_arrived() const { return on_target; }
-  /// To the target of the end of the step, by the mean rate.
-  bool set_position(const AxisStage& stage);
-  /// The rate of the target, and what θ₁ is off by in another step.
-  bool set_velocity(const AxisStage& stage);
-  /// As in the velocity stage, with the target and θ₀ of the start.
-  bool set_single_kick(const AxisStage& stage);
+  bool set(const AxisStage& stage);
   void finish(AxisReport&, const AxisEnd& end) {
     acceleration = end.rate_change / length_;
     force = end.impulse.motor / length_;
@@ -51,6 +46,9 @@ struct AxisMotorLaw : AxisBoxLaw<&AxisImpulse::motor> {
   static bool keeps_target(const AxisMotor& motor) { return !motor.has_gains() && !motor.pulls_only; }
 
  private:
+  double rate_in_first_kick(const AxisStage& stage) const;
+  double rate_in_second_kick(const AxisStage& stage);
+  double rate_in_single_kick(const AxisStage& stage);
   void set_bound(const AxisMotor& motor, double time, double rate);
   bool aim(const AxisMotor& motor, double rate);
   double braking(const AxisStage& stage, const MotionPoint& target, double way) const;

@@ -18,11 +18,11 @@ struct AxisStage {
   const AxisStep& step;
   const AxisStart& start;
   const AxisImpact& impact;       ///< at a limit
-  const AxisImpulse& first_kick;  ///< velocity stage: what acted in it
-  double slack = 0;   ///< position stage: friction pulls back no axis that is this near to where it was held
-  double rate = 0;    ///< position stage: the best estimate of its mean
-  double theta = 0;   ///< velocity stage: θ(q₁); Moreau–Jean: in the middle of the step
-  bool jolt = false;  ///< velocity stage: some axis runs into a limit in this sub-step
+  const AxisImpulse& first_kick;  ///< second kick: what acted in the first
+  double slack = 0;   ///< first kick: friction pulls back no axis that is this near to where it was held
+  double rate = 0;    ///< first kick: the best estimate of its mean
+  double theta = 0;   ///< second kick: θ(q₁); single one: in the middle of the step
+  bool jolt = false;  ///< second kick: some axis runs into a limit in this sub-step
 };
 
 /// An axis at the end of a step.
@@ -34,7 +34,7 @@ struct AxisEnd {
 
 /// A part of the law of an axis: springs, friction, a motor, limits.  AxisLaw asks the same of all of them; a
 /// part is a struct with its memory that hides what concerns it; the rest is nothing.  A smooth force needs a
-/// line λ = l − c w by the three stages, add_to() and share_lines(); one that is bounded derives from
+/// line λ = l − c w by set(), add_to() and share_lines(); one that is bounded derives from
 /// AxisBoxLaw.  It is named in AxisLaw::with_parts(), unless its property has its law in its header:
 /// AxisSmoothLaw and AxisBoundLaw.  (core/axes, "A new axis property")
 struct AxisPartLaw {
@@ -46,12 +46,9 @@ struct AxisPartLaw {
   template <typename Part>
   void inherit(const Part&) {}
 
-  /// Stages: the first and the second kick of RATTLE, and the only one of Moreau–Jean.  False if what the
-  /// part follows is not finite; it is left out then.  @{
-  bool set_position(const AxisStage&) { return true; }
-  bool set_velocity(const AxisStage&) { return true; }
-  bool set_single_kick(const AxisStage&) { return true; }  /// @}
-  /// In their place, where the axis gives no force any more.
+  /// Its law in the kick of the stage.  False if what the part follows is not finite; it is left out then.
+  bool set(const AxisStage&) { return true; }
+  /// In its place, where the axis gives no force any more.
   void release() {}
   /// Adds its steps and slope.
   void add_to(RowLaw&, const AxisProperties&) const {}

@@ -35,10 +35,17 @@ bool AxisServoLaw::take(const ImpulseLine& whole, double available) {
   return false;
 }
 
-/// The error x = θ − r has the mean rate u = w − ṙ: −h/2 k (x₀ + h/2 u) − h/2 d u − e u.
-bool AxisServoLaw::set_position(const AxisStage& stage) {
-  release();
+bool AxisServoLaw::set(const AxisStage& stage) {
+  const bool second = stage.step.in(Kick::kSecond);  // whose bound is that of the first
+  if (!second) release();
   if (!stage.p.motor || !stage.p.motor->has_gains()) return true;
+  return second                         ? set_second_kick(stage)
+         : stage.step.in(Kick::kSingle) ? set_single_kick(stage)
+                                        : set_first_kick(stage);
+}
+
+/// The error x = θ − r has the mean rate u = w − ṙ: −h/2 k (x₀ + h/2 u) − h/2 d u − e u.
+bool AxisServoLaw::set_first_kick(const AxisStage& stage) {
   const AxisMotor& motor = *stage.p.motor;
   const double h = stage.step.h, kick = 0.5 * h;
   const MotionPoint target = target_at(motor, stage.step.end_time);
@@ -59,8 +66,7 @@ void AxisServoLaw::finish_first_kick(const AxisProperties& p, const AxisStart&, 
   tangent.start(w);
 }
 
-bool AxisServoLaw::set_velocity(const AxisStage& stage) {
-  if (!stage.p.motor || !stage.p.motor->has_gains()) return true;
+bool AxisServoLaw::set_second_kick(const AxisStage& stage) {
   const AxisMotor& motor = *stage.p.motor;
   const double h = stage.step.h, kick = 0.5 * h, damping = kick * motor.damping;
   const MotionPoint target = target_at(motor, stage.step.end_time);
@@ -71,8 +77,6 @@ bool AxisServoLaw::set_velocity(const AxisStage& stage) {
 }
 
 bool AxisServoLaw::set_single_kick(const AxisStage& stage) {
-  release();
-  if (!stage.p.motor || !stage.p.motor->has_gains()) return true;
   const AxisMotor& motor = *stage.p.motor;
   const double h = stage.step.h, vartheta = stage.step.vartheta, inertia = stage.start.inertia;
   const MotionPoint target = target_at(motor, stage.step.end_time);

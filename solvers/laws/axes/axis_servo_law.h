@@ -20,10 +20,8 @@ struct AxisServoLaw : AxisPartLaw {
 
   void begin(const AxisProperties&, const AxisStep&, const AxisStart& start) { tangent.start(start.rate); }
   void release() { line = {}, bound = 0; }
-  bool set_position(const AxisStage& stage);
+  bool set(const AxisStage& stage);
   void finish_first_kick(const AxisProperties& p, const AxisStart&, double w);
-  bool set_velocity(const AxisStage& stage);
-  bool set_single_kick(const AxisStage& stage);
   void add_to(RowLaw& law, const AxisProperties&) const {
     const ImpulseLine part = at_present();
     for (int k = 0; k <= law.steps; ++k) law.level[k] += part.level;
@@ -45,6 +43,9 @@ struct AxisServoLaw : AxisPartLaw {
   }
 
  private:
+  bool set_first_kick(const AxisStage& stage);
+  bool set_second_kick(const AxisStage& stage);
+  bool set_single_kick(const AxisStage& stage);
   ImpulseLine at_present() const;
   double held(double w) const { return std::clamp(line.at(w), -bound, bound); }
   bool take(const ImpulseLine& whole, double available);

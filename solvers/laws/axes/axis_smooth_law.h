@@ -89,12 +89,19 @@ struct AxisSmoothLaw : AxisPartLaw {
 
   void begin(const AxisProperties&, const AxisStep&, const AxisStart& start) { start_stage(start.rate); }
   void release() { stored = rest = {}; }
-  bool set_position(const AxisStage& stage) {
+  bool set(const AxisStage& stage) {
     release();
     const std::optional<Property>& property = Place::get(stage.p);
+    const AxisStep& step = stage.step;
+    const AxisStart& start = stage.start;
+    if (step.in(Kick::kSecond)) return set_second_kick(property, stage);
     if (!property) return true;
+    if (step.in(Kick::kSingle)) {
+      const double damping = -step.h * property->rate_slope(start.theta, start.rate);
+      later = std::max(step.vartheta, damping > 0 ? 1 - start.inertia / damping : 0.0);
+    }
     find_tangent(*property, stage);
-    return take(first_kick(*property, stage.step, stage.start, tangent));
+    return take(impulse_at(*property, step, start, tangent));
   }
   void finish_first_kick(const AxisProperties& p, const AxisStart& start, double w) {
     stored_given = stored.at(w);
@@ -102,25 +109,6 @@ struct AxisSmoothLaw : AxisPartLaw {
     if (!Place::get(p)) return;
     implicit = rest.slope > start.inertia;
     start_stage(w);
-  }
-  bool set_velocity(const AxisStage& stage) {
-    const std::optional<Property>& property = Place::get(stage.p);
-    theta = stage.theta;
-    stored = {stored_given, 0};
-    rest = {rest_given, 0};
-    if (!property || !implicit) return true;
-    find_tangent(*property, stage);
-    return take_rest(second_kick(*property, stage.step, tangent));
-  }
-  bool set_single_kick(const AxisStage& stage) {
-    release();
-    const std::optional<Property>& property = Place::get(stage.p);
-    if (!property) return true;
-    const AxisStart& start = stage.start;
-    const double damping = -stage.step.h * property->rate_slope(start.theta, start.rate);
-    later = std::max(stage.step.vartheta, damping > 0 ? 1 - start.inertia / damping : 0.0);
-    find_tangent(*property, stage);
-    return take(single_kick(*property, stage.step, start, tangent));
   }
   void add_to(RowLaw& law, const AxisProperties&) const {
     for (int k = 0; k <= law.steps; ++k) law.level[k] += stored.level + rest.level;
@@ -132,7 +120,7 @@ struct AxisSmoothLaw : AxisPartLaw {
   bool move(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
             double rate_tolerance) {
     const std::optional<Property>& property = Place::get(p);
-    if (!property || (step.second_kick && !implicit)) return false;
+    if (!property || (step.in(Kick::kSecond) && !implicit)) return false;
     const double given = stored.at(w) + rest.at(w);
     const ImpulseLine there = line(*property, step, start, w);
     const double off = std::abs(there.level - given), known = kRoundOff * std::abs(given) / start.inertia;
@@ -164,10 +152,8 @@ struct AxisSmoothLaw : AxisPartLaw {
 
   /// The impulse at w, as level, and what it falls by.
   ImpulseLine line(const Property& property, const AxisStep& step, const AxisStart& start, double w) const {
-    const SmoothImpulse at = step.second_kick     ? second_kick(property, step, w)
-                             : step.vartheta == 0 ? first_kick(property, step, start, w)
-                                                  : single_kick(property, step, start, w);
-    if (step.second_kick) return {stored.level + at.rest, at.rest_slope};
+    const SmoothImpulse at = impulse_at(property, step, start, w);
+    if (step.in(Kick::kSecond)) return {stored.level + at.rest, at.rest_slope};
     return {at.stored + at.rest, at.stored_slope + at.rest_slope};
   }
   /// A stage begins, which had the rate `w` without impulses.
@@ -200,16 +186,25 @@ struct AxisSmoothLaw : AxisPartLaw {
     return w;
   }
 
-  static SmoothImpulse first_kick(const Property& property, const AxisStep& step, const AxisStart& start,
-                                  double w) {
-    return smooth_impulse(property, stroke(step, start, w), w, 1);
+  SmoothImpulse impulse_at(const Property& property, const AxisStep& step, const AxisStart& start,
+                           double w) const {
+    switch (step.kick) {
+      case Kick::kFirst:
+        return smooth_impulse(property, stroke(step, start, w), w, 1);
+      case Kick::kSecond:
+        return smooth_impulse(property, {.time = 0.5 * step.h, .from = theta, .to = theta}, w, 1);
+      default:
+        return smooth_impulse(property, stroke(step, start, w), (1 - later) * start.rate + later * w, later);
+    }
   }
-  SmoothImpulse second_kick(const Property& property, const AxisStep& step, double w) const {
-    return smooth_impulse(property, {.time = 0.5 * step.h, .from = theta, .to = theta}, w, 1);
-  }
-  SmoothImpulse single_kick(const Property& property, const AxisStep& step, const AxisStart& start,
-                            double w) const {
-    return smooth_impulse(property, stroke(step, start, w), (1 - later) * start.rate + later * w, later);
+  /// What was given in the first, but for damping that is implicit.
+  bool set_second_kick(const std::optional<Property>& property, const AxisStage& stage) {
+    theta = stage.theta;
+    stored = {stored_given, 0};
+    rest = {rest_given, 0};
+    if (!property || !implicit) return true;
+    find_tangent(*property, stage);
+    return take_rest(impulse_at(*property, stage.step, stage.start, tangent));
   }
   bool take_rest(const SmoothImpulse& at) {
     if (!std::isfinite(at.rest) || !std::isfinite(at.rest_slope)) return release(), false;

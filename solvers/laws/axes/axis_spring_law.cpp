@@ -64,7 +64,7 @@ ImpulseLine limit_damper_tangent(const AxisLimits& limits, const AxisStep& step,
 /// Dampers act against the mean rate of the step in its first kick, and against that after the second if they
 /// are implicit there.
 ImpulseLine damper_tangent(const Curve& table, const AxisStep& step, const AxisStart& start, double w) {
-  if (step.vartheta > 0) {
+  if (step.in(Kick::kSingle)) {
     const double rate = (1 - step.vartheta) * start.rate + step.vartheta * w;
     return tangent(step.h * table.extended(rate), step.h * step.vartheta * table.slope(rate), w);
   }
@@ -80,7 +80,22 @@ void AxisSpringLaw::begin(const AxisProperties& p, const AxisStep& step, const A
   if (is_curved(p)) tangents.start(start.rate);
 }
 
-bool AxisSpringLaw::set_position(const AxisStage& stage) {
+bool AxisSpringLaw::set(const AxisStage& stage) {
+  switch (stage.step.kick) {
+    case Kick::kFirst:
+      set_first_kick(stage);
+      break;
+    case Kick::kSecond:
+      set_second_kick(stage);
+      break;
+    case Kick::kSingle:
+      set_single_kick(stage);
+  }
+  return true;
+}
+
+/// Over the mean rate.
+void AxisSpringLaw::set_first_kick(const AxisStage& stage) {
   const AxisProperties& p = stage.p;
   release();
   if (p.spring) {
@@ -91,7 +106,6 @@ bool AxisSpringLaw::set_position(const AxisStage& stage) {
   if (has_soft_limit(p))
     limit = limit_tangent(*p.limits, limit_excess, stage.step, stage.start, tangents.rate);
   set_damper(stage);
-  return true;
 }
 
 void AxisSpringLaw::finish_first_kick(const AxisProperties& p, const AxisStart& start, double w) {
@@ -103,13 +117,13 @@ void AxisSpringLaw::finish_first_kick(const AxisProperties& p, const AxisStart& 
   tangents.start(w);
 }
 
-bool AxisSpringLaw::set_velocity(const AxisStage& stage) {
+/// Over θ̇(q₁).
+void AxisSpringLaw::set_second_kick(const AxisStage& stage) {
   beyond_limit = has_soft_limit(stage.p) && beyond(*stage.p.limits, stage.theta) != 0;
   limit = {limit_given, beyond_limit ? limit_excess : 0};
   spring = {spring_given, excess};
   set_damper(stage);
   if (!implicit_damping) damper = {damping_given, 0};
-  return true;
 }
 
 /// Dampers of a kick of RATTLE, those without a table in linear_damping.
@@ -124,11 +138,13 @@ void AxisSpringLaw::set_damper(const AxisStage& stage) {
   if (p.spring && p.spring->damping_table)
     add(damper_tangent(*p.spring->damping_table, step, stage.start, tangents.rate));
   if (!has_soft_limit(p)) return;
-  if (!step.second_kick) add(limit_damper_tangent(*p.limits, step, stage.start, tangents.rate));
-  if (step.second_kick && beyond_limit) damper.slope += 0.5 * step.h * p.limits->damping;
+  if (!step.in(Kick::kSecond)) add(limit_damper_tangent(*p.limits, step, stage.start, tangents.rate));
+  if (step.in(Kick::kSecond) && beyond_limit) damper.slope += 0.5 * step.h * p.limits->damping;
 }
 
-bool AxisSpringLaw::set_single_kick(const AxisStage& stage) {
+/// Over the rate after it: springs at θ₀ + ϑ h ((1 − ϑ) θ̇₀ + ϑ w), soft limits and tables by what they do on
+/// the way, and dampers against (1 − ϑ) θ̇₀ + ϑ w.
+void AxisSpringLaw::set_single_kick(const AxisStage& stage) {
   const AxisProperties& p = stage.p;
   const AxisStep& step = stage.step;
   const AxisStart& start = stage.start;
@@ -148,7 +164,6 @@ bool AxisSpringLaw::set_single_kick(const AxisStage& stage) {
   limit_given = limit.level;
   damper.level = -step.h * (1 - step.vartheta) * damping * start.rate + by_table.level + by_limit.level;
   damper.slope = step.vartheta * step.h * damping + by_table.slope + by_limit.slope;
-  return true;
 }
 
 /// Impulses of the curves at w are those of the tangents, to kTangentTolerance or `tolerance` [N·m·s or N·s].
@@ -159,14 +174,14 @@ bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& 
     off = std::max(off, std::abs(there.at(w) - given));
     size = std::max(size, std::abs(given));
   };
-  if (p.spring && p.spring->table && !step.second_kick)
+  if (p.spring && p.spring->table && !step.in(Kick::kSecond))
     compare(spring_tangent(*p.spring, excess, step, start, w), spring.at(w));
-  if (has_soft_limit(p) && !step.second_kick) {
+  if (has_soft_limit(p) && !step.in(Kick::kSecond)) {
     compare(limit_tangent(*p.limits, limit_excess, step, start, w), limit.at(w));
     compare(limit_damper_tangent(*p.limits, step, start, w),
             limit_damper_tangent(*p.limits, step, start, tangents.rate).at(w));
   }
-  if (p.spring && p.spring->damping_table && (!step.second_kick || implicit_damping)) {
+  if (p.spring && p.spring->damping_table && (!step.in(Kick::kSecond) || implicit_damping)) {
     const Curve& table = *p.spring->damping_table;
     compare(damper_tangent(table, step, start, w), damper_tangent(table, step, start, tangents.rate).at(w));
   }

@@ -41,15 +41,9 @@ struct AxisSpringLaw : AxisPartLaw {
     spring = limit = {};
     linear_damping = 0;
   }
-  /// Lines of the first kick over the mean rate.
-  bool set_position(const AxisStage& stage);
-  /// Its end, with the mean rate.
+  bool set(const AxisStage& stage);
+  /// With the mean rate.
   void finish_first_kick(const AxisProperties& p, const AxisStart& start, double w);
-  /// Lines of the second kick over θ̇(q₁).
-  bool set_velocity(const AxisStage& stage);
-  /// Lines of a step of Moreau–Jean over the rate after it: springs at θ₀ + ϑ h ((1 − ϑ) θ̇₀ + ϑ w), soft
-  /// limits and tables by what they do on the way, and dampers against (1 − ϑ) θ̇₀ + ϑ w.
-  bool set_single_kick(const AxisStage& stage);
   /// The sum of laws begins with these lines.
   void add_to(RowLaw& law, const AxisProperties&) const {
     law = RowLaw::viscous(slope());
@@ -76,6 +70,9 @@ struct AxisSpringLaw : AxisPartLaw {
   }
 
  private:
+  void set_first_kick(const AxisStage& stage);
+  void set_second_kick(const AxisStage& stage);
+  void set_single_kick(const AxisStage& stage);
   void set_damper(const AxisStage& stage);
   bool are_tangents_right(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
                           double tolerance) const;

@@ -4,12 +4,20 @@
 
 namespace taut {
 
+/// When impulses of a stage act: in RATTLE at the start of the step, where the rate w of a law is the mean
+/// one, and at its end, with w = θ̇(q₁); in Moreau–Jean once, with w the rate after it.
+enum class Kick { kFirst, kSecond, kSingle };
+
 /// A step of free axes: two kicks of h/2 in RATTLE, one of h in Moreau–Jean.  (solvers/laws, "Axes")
 struct AxisStep {
   double h = 0;              ///< length [s]
   double end_time = 0;       ///< [s]
-  double vartheta = 0;       ///< ϑ of Moreau–Jean; 0 in RATTLE
-  bool second_kick = false;  ///< of RATTLE
+  Kick kick = Kick::kFirst;  ///< of the present stage
+  double vartheta = 0;       ///< ϑ of Moreau–Jean
+
+  bool in(Kick which) const { return kick == which; }
+  /// How long forces act in this kick [s].
+  double kick_time() const { return in(Kick::kSingle) ? h : 0.5 * h; }
 };
 
 /// An axis at the start of a step.
@@ -31,7 +39,7 @@ struct AxisStroke {
 /// With the rate w of the position stage, or at the end of a step of Moreau–Jean: RATTLE goes h w, with the
 /// middle of it as the place of a force in both kicks; Moreau–Jean h V_ϑ.
 inline AxisStroke stroke(const AxisStep& step, const AxisStart& start, double w) {
-  if (step.vartheta == 0) return {0.5 * step.h, start.theta, start.theta + step.h * w, step.h, 0.5};
+  if (!step.in(Kick::kSingle)) return {0.5 * step.h, start.theta, start.theta + step.h * w, step.h, 0.5};
   return {step.h, start.theta, start.theta + step.h * ((1 - step.vartheta) * start.rate + step.vartheta * w),
           step.vartheta * step.h, step.vartheta};
 }

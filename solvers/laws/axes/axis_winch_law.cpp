@@ -23,38 +23,26 @@ double AxisWinchLaw::wind(const AxisStage& stage) {
   return 0;
 }
 
-bool AxisWinchLaw::set_position(const AxisStage& stage) {
-  release();
+bool AxisWinchLaw::set(const AxisStage& stage) {
+  const bool second = stage.step.in(Kick::kSecond);  // whose bound is that of the first
+  if (!second) release();
   if (!stage.p.motor || !stage.p.motor->pulls_only) return true;
   const double rate = wind(stage);
-  back = 0;
-  at = (length - stage.start.theta) / stage.step.h;
-  if (!std::isfinite(at) || !std::isfinite(rate)) return at = 0, false;
-  bound = 0.5 * stage.step.h * available_force(*stage.p.motor, std::abs(rate));
-  return true;
-}
-
-bool AxisWinchLaw::set_velocity(const AxisStage& stage) {
-  if (!stage.p.motor || !stage.p.motor->pulls_only) return true;
-  const double rate = wind(stage);
-  const bool taut = stage.theta >= length - kTouch;
-  at = taut ? rate : kUnreachedRate;
+  at = rate_to_hold(stage, rate);
   // Both kicks together are the impulse that must not push.
-  back = taut ? std::max(0.0, -stage.first_kick.motor) : 0;
-  if (std::isfinite(rate)) return true;
-  at = bound = 0;
-  return false;
+  back = second && at == rate ? std::max(0.0, -stage.first_kick.motor) : 0;
+  if (!std::isfinite(at) || !std::isfinite(rate) || !std::isfinite(length)) return at = bound = 0, false;
+  if (!second) bound = stage.step.kick_time() * available_force(*stage.p.motor, std::abs(rate));
+  return true;
 }
 
-bool AxisWinchLaw::set_single_kick(const AxisStage& stage) {
-  release();
-  if (!stage.p.motor || !stage.p.motor->pulls_only) return true;
-  const double rate = wind(stage);
-  back = 0;
-  at = stage.theta >= 0.5 * (stage.start.let_out + length) - kTouch ? rate : kUnreachedRate;
-  if (!std::isfinite(at) || !std::isfinite(length)) return at = 0, false;
-  bound = stage.step.h * available_force(*stage.p.motor, std::abs(rate));
-  return true;
+/// In the first kick what leads to the length, and then `rate`, where the rope is taut: at q₁, or in the
+/// middle of a step with one kick.
+double AxisWinchLaw::rate_to_hold(const AxisStage& stage, double rate) const {
+  const AxisStep& step = stage.step;
+  if (step.in(Kick::kFirst)) return (length - stage.start.theta) / step.h;
+  const double there = step.in(Kick::kSingle) ? 0.5 * (stage.start.let_out + length) : length;
+  return stage.theta >= there - kTouch ? rate : kUnreachedRate;
 }
 
 }  // namespace taut

@@ -17,10 +17,7 @@ struct AxisWinchLaw : AxisPartLaw {
   double length = 0;      ///< let out at the end of the step if its force suffices [m]
   bool slipping = false;  ///< at the end of the last step
 
-  bool set_position(const AxisStage& stage);
-  bool set_velocity(const AxisStage& stage);
-  /// It holds a rope that is taut in the middle of the step.
-  bool set_single_kick(const AxisStage& stage);
+  bool set(const AxisStage& stage);
   void release() { bound = 0; }
   void add_to(RowLaw& law, const AxisProperties&) const {
     if (bound > 0) law = law + RowLaw::box(-bound, back, at);
@@ -50,6 +47,7 @@ struct AxisWinchLaw : AxisPartLaw {
   /// One without bound does whatever it has to where the rope would get longer.
   bool holds(double w) const { return on_step(w, at) || (std::isinf(bound) && w > at); }
   double wind(const AxisStage& stage);
+  double rate_to_hold(const AxisStage& stage, double rate) const;
 };
 
 }  // namespace taut

@@ -86,24 +86,23 @@ struct Axis {
     AxisStage stage{none, step, start, impact, none_yet};
     law.begin(none, step, start);
     const double w = solve(
-        step, start, rate, [&] { EXPECT_TRUE(law.set_position(stage)); },
+        step, start, rate, [&] { EXPECT_TRUE(law.set(stage)); },
         [&](double at) { return 0.5 * (rate + at); });
     theta += h * w;
     law.finish_first_kick(none, start, w);
-    step.second_kick = true;
+    step.kick = Kick::kSecond;
     stage.theta = theta;
     rate = solve(
-        step, start, w, [&] { EXPECT_TRUE(law.set_velocity(stage)); },
-        [&](double at) { return 0.5 * (w + at); });
+        step, start, w, [&] { EXPECT_TRUE(law.set(stage)); }, [&](double at) { return 0.5 * (w + at); });
   }
   void moreau_jean(double h, double weight) {
-    const AxisStep step{.h = h, .vartheta = weight};
+    const AxisStep step{.h = h, .kick = Kick::kSingle, .vartheta = weight};
     const AxisStart start{.theta = theta, .rate = rate, .inertia = m};
     AxisImpulse none_yet;
     AxisStage stage{none, step, start, impact, none_yet};
     law.begin(none, step, start);
     const double w = solve(
-        step, start, rate, [&] { EXPECT_TRUE(law.set_single_kick(stage)); },
+        step, start, rate, [&] { EXPECT_TRUE(law.set(stage)); },
         [&](double at) { return 0.5 * (rate + at); });
     theta += h * ((1 - weight) * rate + weight * w);
     rate = w;
@@ -194,11 +193,11 @@ TEST(PlainLaws, LeaveOutWhatIsNotFinite) {
   MadeUp<Swing>::property = Swing{.k = 1, .c = 1};
   AxisSmoothLaw<Swing, MadeUp<Swing>> swing;
   swing.begin(none, step, start);
-  EXPECT_FALSE(swing.set_position(stage));
+  EXPECT_FALSE(swing.set(stage));
   EXPECT_EQ(swing.rest.slope, 0);
   MadeUp<Belt>::property = Belt{.most = INFINITY};
   AxisBoundLaw<Belt, MadeUp<Belt>> belt;
-  EXPECT_FALSE(belt.set_position(stage));
+  EXPECT_FALSE(belt.set(stage));
   EXPECT_EQ(belt.bound, 0);
 }
 
