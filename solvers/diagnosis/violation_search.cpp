@@ -131,7 +131,7 @@ bool ViolationSearch::try_step() {
         Vec3::Map(gradient_.data() + 6 * b).dot(spin) + Vec3::Map(gradient_.data() + 6 * b + 3).dot(shift);
     length += spin.squaredNorm() + shift.squaredNorm();
   }
-  if (!(turn <= kLongestTurn)) return false;
+  if (!(turn <= BodyMovesTuning::kLongestTurn)) return false;
   const double f = evaluate(trial_, wanted_), gain = (f_ - f) / (0.5 * (descent + damping_ * length));
   if (!(gain > SearchTuning::kLeastGain)) return false;
   f_ = f;

@@ -10,9 +10,11 @@
 // bodies without joints.
 namespace taut {
 
-/// Longest rotation of a body in one step of Newton's method from poses that may be far from closed [rad]; a
-/// step beyond that means nothing.
-inline constexpr double kLongestTurn = 0.5;
+struct BodyMovesTuning {
+  /// Longest rotation of a body in one step of Newton's method from poses that may be far from closed [rad];
+  /// a step beyond that means nothing, since rows are linear in small rotations.
+  static constexpr double kLongestTurn = 0.5;
+};
 
 /// q ← q ⊕ scale M⁻¹ j.
 inline void move_bodies(const MassMatrix& mass, std::span<const Wrench> impulse, double scale,

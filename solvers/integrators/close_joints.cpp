@@ -14,7 +14,7 @@ namespace {
 
 /// Without a unit: parts and counts.
 struct ClosingTuning {
-  /// Newton steps at most, none of which turns a body by more than kLongestTurn.
+  /// Newton steps at most, none of which turns a body by more than BodyMovesTuning does.
   static constexpr int kMaxClosings = 60;
   /// It ends after so many steps more that leave more than the second, which is a part of the smallest gap.
   static constexpr int kPatience = 10;
@@ -147,7 +147,7 @@ bool close_joints(ConstraintSystem& system, State& state, double tolerance, Subs
     passed.drop(x);
   };
   report.newton_iterations +=
-      gauss_newton(system, state, poses, kLongestTurn, delta, move, ask, factorize, solve);
+      gauss_newton(system, state, poses, BodyMovesTuning::kLongestTurn, delta, move, ask, factorize, solve);
   if (!closed) poses = best;
   return closed;
 }

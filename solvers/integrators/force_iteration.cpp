@@ -5,12 +5,14 @@
 namespace taut {
 namespace {
 
-/// Forces are settled that change by no more than this part of the largest, a little above round-off.
-constexpr double kForceTolerance = 1e-12;
-/// A pass that leaves more than the second, which is a part of the change, stalls it, as do so many passes;
-/// halves come to 1e-12 in 40.
-constexpr int kMaxForcePasses = 60;
-constexpr double kSlowForces = 0.5;
+struct ForceIterationTuning {
+  /// Forces are settled that change by no more than this part of the largest, a little above round-off.
+  static constexpr double kTolerance = 1e-12;
+  /// A pass that leaves more than the second, which is a part of the change, stalls it, as do so many passes;
+  /// halves come to 1e-12 in 40.
+  static constexpr int kMostPasses = 60;
+  static constexpr double kSlow = 0.5;
+};
 
 }  // namespace
 
@@ -23,8 +25,9 @@ ForceIteration::Fixed ForceIteration::look(std::span<const Wrench> forces, std::
     if (of_body > change) change = of_body, most = static_cast<int>(b);
     size = std::max({size, forces[b].force.cwiseAbs().maxCoeff(), forces[b].torque.cwiseAbs().maxCoeff()});
   }
-  if (!(change > kForceTolerance * size)) return Fixed::kYes;
-  if (pass_ >= kMaxForcePasses || (pass_ > 0 && change > kSlowForces * last_change_)) {
+  if (!(change > ForceIterationTuning::kTolerance * size)) return Fixed::kYes;
+  if (pass_ >= ForceIterationTuning::kMostPasses ||
+      (pass_ > 0 && change > ForceIterationTuning::kSlow * last_change_)) {
     unsettled_ = most;
     return Fixed::kStalled;
   }

@@ -7,8 +7,10 @@
 namespace taut {
 namespace {
 
-/// Rounds of impacts at one time, at most; in the last nothing bounces.
-constexpr int kMostRounds = 20;
+struct ImpactStageTuning {
+  /// Rounds of impacts at one time, at most; in the last nothing bounces.  Chosen.
+  static constexpr int kMostRounds = 20;
+};
 
 }  // namespace
 
@@ -19,11 +21,11 @@ bool ImpactStage::strike(const Solve& solve) {
   mean_rates_.resize(mu_.size());
   works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), mean_rates_);
   contacts_.works().book_kick(mu_, mean_rates_);
-  for (int round = 1; round <= kMostRounds; ++round) {
+  for (int round = 1; round <= ImpactStageTuning::kMostRounds; ++round) {
     round_momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
     round_rates_ = values_.rates;
     round_mu_ = values_.mu;
-    if (!solve_round(round < kMostRounds ? 1 : 0, solve)) return false;
+    if (!solve_round(round < ImpactStageTuning::kMostRounds ? 1 : 0, solve)) return false;
     if (energy() > 0 && !limit_restitution(solve)) return false;
     book_round();
     if (!contacts_.come_together(values_.rates)) break;
@@ -48,7 +50,7 @@ bool ImpactStage::limit_restitution(const Solve& solve) {
 double ImpactStage::energy() const {
   double given = 0;
   works_.add_between(round_momenta_, phase_.momenta, given);
-  return std::abs(given) > kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
+  return std::abs(given) > KickWorksTuning::kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
 }
 
 void ImpactStage::book_round() {

@@ -8,11 +8,15 @@
 namespace taut {
 namespace {
 
+struct ImplicitTensionTuning {
+  /// ε, a part of the trace of a stiffness: some 45 units of round-off.
+  static constexpr double kRoundOff = 1e-14;
+};
+
 /// Whether no eigenvalue of a symmetric K is negative but for round-off: the pivots of K + ε tr(K) 1₃ are
 /// positive.
 bool is_semidefinite(const Mat3& K) {
-  constexpr double kStiffnessRoundOff = 1e-14;  // ε: some 45 units of round-off
-  const double shift = kStiffnessRoundOff * K.trace();
+  const double shift = ImplicitTensionTuning::kRoundOff * K.trace();
   const double a = K(0, 0) + shift, b = K(1, 0), c = K(2, 0);
   if (!(shift > 0 && a > 0)) return false;
   const double d = K(1, 1) + shift - b * b / a, e = K(2, 1) - b * c / a;

@@ -11,8 +11,10 @@
 namespace taut {
 namespace {
 
-/// Forces that change by more than this part of the largest between steps ask for a new start.
-constexpr double kJump = 0.25;
+struct ImpulseSchemeTuning {
+  /// Forces that change by more than this part of the largest between steps ask for a new start.  Chosen.
+  static constexpr double kJump = 0.25;
+};
 
 /// Springs that have rows are no force laws.
 Springs springs_among_forces(const ConstraintSystem& system) {
@@ -151,7 +153,7 @@ bool ImpulseScheme::renew_forces() {
                        (phase_.forces[b].torque - last_forces_[b].torque).norm()});
     size = std::max({size, last_forces_[b].force.norm(), last_forces_[b].torque.norm()});
   }
-  return change <= kJump * size;
+  return change <= ImpulseSchemeTuning::kJump * size;
 }
 
 std::span<const double> ImpulseScheme::known_residual() const {

@@ -9,9 +9,11 @@
 
 namespace taut {
 
-/// Part of the kinetic energy by which projections onto joints and impacts may seem to add to it: what the
-/// tolerance of rates leaves.
-inline constexpr double kUnseenEnergy = 1e-9;
+struct KickWorksTuning {
+  /// Part of the kinetic energy by which projections onto joints and impacts may seem to add to it: what the
+  /// tolerance of rates leaves.
+  static constexpr double kUnseenEnergy = 1e-9;
+};
 
 /// Works of what acts in kicks, for the ledger.  In a kick from momenta p₀ to p₁ impulses do their work
 /// against the mean twists ½ M⁻¹ (p₀ + p₁): those that act together add up to the change of kinetic energy

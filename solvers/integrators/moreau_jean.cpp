@@ -191,7 +191,7 @@ double MoreauJean::given_by_contacts() {
   for (std::size_t r = 0; r < mean_rates_.size(); ++r)
     mean_rates_[r] = 0.5 * (free_rates_[r] + values_.rates[r]);
   const double given = contacts_.works().of_rigid(values_.mu, mean_rates_);
-  return std::abs(given) > kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
+  return std::abs(given) > KickWorksTuning::kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
 }
 
 /// The one kick of the step, at q_M where it acts.

@@ -5,8 +5,10 @@
 namespace taut {
 namespace {
 
-/// Steps in which dependent rows start from no impulse after velocities that were not exact.
-constexpr int kStepsFromZero = 100;
+struct MultiplierPredictionTuning {
+  /// Steps in which dependent rows start from no impulse after velocities that were not exact.  Chosen.
+  static constexpr int kStepsFromZero = 100;
+};
 
 }  // namespace
 
@@ -37,7 +39,9 @@ bool MultiplierPrediction::takes_from_dependent_rows() {
   return exact;
 }
 
-void MultiplierPrediction::start_from_zero() { cold_start_steps_ = kStepsFromZero; }
+void MultiplierPrediction::start_from_zero() {
+  cold_start_steps_ = MultiplierPredictionTuning::kStepsFromZero;
+}
 
 void MultiplierPrediction::keep(double h, std::span<const double> lambda, std::span<const double> mu,
                                 bool struck) {

@@ -11,13 +11,6 @@
 // The two stages of a step with limits, motors, friction and springs: the same Newton and the same projection
 // as without them, with an active set in place of each solve.  (solvers/laws, "Axes")
 namespace taut {
-namespace {
-
-/// The second kick gives energy if it is more than this part of what its contact impulses would give bodies
-/// at rest, row by row: at rest all else is round-off of gaps.
-constexpr double kGivenPart = 1e-6;
-
-}  // namespace
 
 /// θ₀, θ̇₀ and the springs' and dampers' scale for the step.
 void Rattle::begin_bounds(double h) {
@@ -182,7 +175,7 @@ bool Rattle::second_kick_gives() {
   for (int r = system_.rows().first_contact_row(); r < system_.row_count(); ++r)
     if (const double inertia = stages_.effective_mass()[r]; inertia > 0)
       size += 0.5 * values_.mu[r] * values_.mu[r] / inertia;
-  return contacts_.works().of_rigid(values_.mu, values_.kick_rates) > kGivenPart * size;
+  return contacts_.works().of_rigid(values_.mu, values_.kick_rates) > RattleTuning::kGivenPart * size;
 }
 
 /// What momenta leave of the rates that they had to have is within the tolerance; sweeps have none.

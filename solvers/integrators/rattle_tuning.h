@@ -34,6 +34,9 @@ struct RattleTuning {
   /// tolerance: many contacts that wedge a body share their load anew in each solve, by what laws are met to.
   static constexpr int kManySolves = 3;
   static constexpr double kLateCurved = 10;
+  /// The second kick gives energy if it is more than this part of what its contact impulses would give bodies
+  /// at rest, row by row: at rest all else is round-off of gaps.
+  static constexpr double kGivenPart = 1e-6;
 
   // Iterative solvers.
   /// Sweeps after which positions are looked at again: rows are linear in impulses, positions are

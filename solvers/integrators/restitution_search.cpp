@@ -5,9 +5,11 @@
 namespace taut {
 namespace {
 
-/// Solves, at most, and the part of the energy lost without restitution that it is found to.
-constexpr int kRestitutionSolves = 12;
-constexpr double kRestitutionAccuracy = 1e-6;
+struct RestitutionSearchTuning {
+  /// Solves, at most, and the part of the energy lost without restitution that it is found to.  Chosen.
+  static constexpr int kMostSolves = 12;
+  static constexpr double kAccuracy = 1e-6;
+};
 
 }  // namespace
 
@@ -18,7 +20,9 @@ bool RestitutionSearch::run() const {
   const double e = restitution, plastic = std::min(0.0, energy()), wanted = (1 - e * e) * plastic;
   double low = 0, below = plastic - wanted, last = 0;
   above -= wanted;
-  for (int k = 0; k < kRestitutionSolves && below < kRestitutionAccuracy * plastic; ++k) {
+  for (int k = 0;
+       k < RestitutionSearchTuning::kMostSolves && below < RestitutionSearchTuning::kAccuracy * plastic;
+       ++k) {
     const double part = (low * above - high * below) / (above - below);
     if (!solve(part)) return false;
     last = part;

@@ -97,8 +97,8 @@ void VelocityProjection::project_by_descent(SubstepReport& report) {
   descend(report);
   for (int pass = 0; pass < VelocityProjectionTuning::kLastPasses; ++pass)
     if (refine(1, report)) break;
-  const bool gained =
-      !system_.rows().depends_on_time() && doubled_kinetic_energy() > energy * (1 + kUnseenEnergy);
+  const bool gained = !system_.rows().depends_on_time() &&
+                      doubled_kinetic_energy() > energy * (1 + KickWorksTuning::kUnseenEnergy);
   const bool immense = max_abs(values_.mu) > VelocityProjectionTuning::kMostGrowth * max_abs(mu);
   if (report.velocity_residual < left && !gained && !immense) return;
   phase_.momenta = momenta;

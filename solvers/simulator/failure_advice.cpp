@@ -10,14 +10,17 @@
 namespace taut {
 namespace {
 
-/// An angle that changes by so many times what its bodies turn is next to where it has no value.
-constexpr double kSingular = 50;
-/// Rates that miss their tolerance by less than this part of what acts do so by round-off.
-constexpr double kRoundOffShare = 1e-9;
-/// An end of a wire is at its guide point if it gets there in fewer steps.
-constexpr double kStepsToGuide = 2;
-/// Masses that differ by more times are worth a word.
-constexpr double kManyTimes = 1e4;
+/// Of messages alone; parts and counts, chosen unless something else is said.
+struct FailureAdviceTuning {
+  /// An angle that changes by so many times what its bodies turn is next to where it has no value.
+  static constexpr double kSingular = 50;
+  /// Rates that miss their tolerance by less than this part of what acts do so by round-off.
+  static constexpr double kRoundOffPart = 1e-9;
+  /// An end of a wire is at its guide point if it gets there in fewer steps.
+  static constexpr double kStepsToGuide = 2;
+  /// Masses that differ by more times are worth a word.
+  static constexpr double kManyTimes = 1e4;
+};
 
 double larger_gap(const Gap& gap) {
   const double larger = std::max(gap.metres, gap.radians);
@@ -93,7 +96,8 @@ std::string advice(const Inquiry& asked, const Culprit& culprit, const State& st
       return text.str();
     }
   }
-  if (const auto [least, most] = mass_range(bodies, asked.source); most > kManyTimes * least)
+  if (const auto [least, most] = mass_range(bodies, asked.source);
+      most > FailureAdviceTuning::kManyTimes * least)
     text << "its bodies' masses differ by a factor of " << most / least << ": nearer ones, or ";
   else
     text << "a shorter step, or ";
@@ -114,7 +118,7 @@ std::string short_span(const Inquiry& asked, const State& state) {
       const Vec3 v = state.twists[Q.body.index].at(rotate(B.q, Q.p_BP)) -
                      state.twists[P.body.index].at(rotate(A.q, P.p_BP));
       const double span = (B.point(Q.p_BP) - A.point(P.p_BP)).norm();
-      if (span > kStepsToGuide * asked.report.dt * v.norm()) continue;
+      if (span > FailureAdviceTuning::kStepsToGuide * asked.report.dt * v.norm()) continue;
       std::ostringstream text;
       text << "; section " << i + 1 << " of " << world.joint({j}).type() << " "
            << asked.source.name(JointId{j}) << ", from " << world.name(P.body) << " to " << world.name(Q.body)
@@ -160,7 +164,7 @@ std::string list_culprits(const Inquiry& asked) {
   for (std::size_t i = 0; i < culprits.size(); ++i)
     text << (i == 0 ? ": " : ", ") << name_of(culprits[i], asked.source) << " (" << culprits[i].share << ")";
   const Culprit& first = culprits.front();
-  if (first.kind != Culprit::Kind::kContact && first.share < kRoundOffShare)
+  if (first.kind != Culprit::Kind::kContact && first.share < FailureAdviceTuning::kRoundOffPart)
     text << "; that is round-off of large impulses: masses nearer to each other, lower speeds or a larger "
             "velocity_tolerance help";
   else
@@ -177,7 +181,7 @@ std::string singular_axis(const Inquiry& asked) {
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const auto block =
           Rows::block_row(rows.sides()[s], asked.stepper.system().jacobian(), axis.row - joint.first_row);
-      if (!(block.head<3>().norm() > kSingular)) continue;
+      if (!(block.head<3>().norm() > FailureAdviceTuning::kSingular)) continue;
       return "; " + std::string(asked.source.joint(axis.axis.joint).type()) + " " +
              asked.source.axis_label(axis.axis) + " is next to where it has no value";
     }

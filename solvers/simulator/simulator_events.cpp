@@ -12,11 +12,13 @@
 namespace taut {
 namespace {
 
-/// Instants closer than this part of a step are one: an event's end of a step is moved by so much, as is the
-/// end of a run (run_until()), and so late is an event at most that was located.
-constexpr double kOneInstant = 1e-6;
-/// A located event takes 4 to 8 trials of a smooth number, and 20 if each halved the interval.
-constexpr int kMostTrials = 40, kStraightTrials = 8;
+struct EventTuning {
+  /// Instants closer than this part of a step are one: an event's end of a step is moved by so much, as is
+  /// the end of a run (run_until()), and so late is an event at most that was located.  Chosen.
+  static constexpr double kOneInstant = 1e-6;
+  /// A located event takes 4 to 8 trials of a smooth number, and 20 if each halved the interval.
+  static constexpr int kMostTrials = 40, kStraightTrials = 8;
+};
 
 void add(SolverCounts& sum, const SolverCounts& part) {
   for (const auto count : {&SolverCounts::analyses, &SolverCounts::factorizations, &SolverCounts::backsolves,
@@ -119,14 +121,14 @@ bool Simulator::take_part(double from, double to) {
 }
 
 /// Has the simulator, which is at `to`, go back to where the first located event of the part happens, if one
-/// does: at most kOneInstant of the part late.  False if the part is not done.
+/// does: at most EventTuning::kOneInstant of the part late.  False if the part is not done.
 bool Simulator::locate_event(double from, double to, const Checkpoint& before) {
   if (!impl().events_.has_passed(*this)) return true;
-  const double close = kOneInstant * (to - from);
+  const double close = EventTuning::kOneInstant * (to - from);
   double low = from, high = to, at = to;  // nothing has happened at low, something at high
-  for (int trial = 0; trial < kMostTrials && high - low > close; ++trial) {
+  for (int trial = 0; trial < EventTuning::kMostTrials && high - low > close; ++trial) {
     const double straight = from + impl().events_.first_passage(*this) * (at - from) + 0.5 * close;
-    const bool halve = trial >= kStraightTrials && trial % 2 == 0;
+    const bool halve = trial >= EventTuning::kStraightTrials && trial % 2 == 0;
     const double aim = halve || !std::isfinite(straight) ? 0.5 * (low + high) : straight;
     at = std::clamp(aim, low + 0.5 * close, high - 0.5 * close);
     restore(before);
@@ -182,7 +184,7 @@ Checkpoint Simulator::checkpoint_if_any(const std::vector<DueEvent>& due) {
 const StepReport& Simulator::step_with_events(double dt) {
   const World& world = impl().source_;
   const StepLoads loads = impl().loads_;
-  const double end = world.time() + dt, instant = kOneInstant * dt;
+  const double end = world.time() + dt, instant = EventTuning::kOneInstant * dt;
   StepReport whole;
   impl().events_.prime(*this);
   bool goes_on = let_happen(whole, instant);

@@ -9,18 +9,21 @@
 namespace taut {
 namespace {
 
-/// A last step shorter than this part of the others is added to the one before: what round-off makes of an
-/// interval that is a multiple of h is below, 1e-16 per step for up to 1e9 steps, and a step so much longer
-/// is none that a setting would tell from the others.
-constexpr double kShortestStep = 1e-6;
-/// So many steps, and no more, are counted exactly, and end in a life time.
-constexpr double kMostRunSteps = 1e12;
+struct RunTuning {
+  /// A last step shorter than this part of the others is added to the one before: what round-off makes of an
+  /// interval that is a multiple of h is below, 1e-16 per step for up to 1e9 steps, and a step so much longer
+  /// is none that a setting would tell from the others.
+  static constexpr double kShortestStep = 1e-6;
+  /// So many steps, and no more, are counted exactly, and end in a life time.
+  static constexpr double kMostSteps = 1e12;
+};
 
 /// How many steps of h lead from one time to another.
 std::int64_t steps_between(double from, double to, double h) {
   const double steps = (to - from) / h;
-  if (steps > kMostRunSteps) fail("run_until h", "makes more than 1e12 steps", h);
-  return to == from ? 0 : std::max<std::int64_t>(1, std::llround(std::ceil(steps - kShortestStep)));
+  if (steps > RunTuning::kMostSteps) fail("run_until h", "makes more than 1e12 steps", h);
+  return to == from ? 0
+                    : std::max<std::int64_t>(1, std::llround(std::ceil(steps - RunTuning::kShortestStep)));
 }
 
 }  // namespace

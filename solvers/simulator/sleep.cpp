@@ -9,10 +9,13 @@
 namespace taut {
 namespace {
 
-/// Forces are the same if they differ by less than this part of themselves and the weight.
-constexpr double kSameForce = 1e-9;
-/// How many times faster bodies may come together by the end of a step than they did before.
-constexpr double kFaster = 2;
+struct SleepTuning {
+  /// Forces are the same if they differ by less than this part of themselves and the weight: round-off of
+  /// forces that are computed anew.
+  static constexpr double kSameForce = 1e-9;
+  /// How many times faster bodies may come together by the end of a step than they did before.  Chosen.
+  static constexpr double kFaster = 2;
+};
 
 }  // namespace
 
@@ -133,8 +136,8 @@ bool Sleep::forces_changed(const World& world, int body) const {
   const double weight = world.mass_properties({body}).mass() * world.gravity().norm();
   const double size = then.force.norm() + weight,
                turn = then.torque.norm() + size * std::sqrt(gyration_[body]);
-  return !((now.force - then.force).norm() <= kSameForce * size &&
-           (now.torque - then.torque).norm() <= kSameForce * turn);
+  return !((now.force - then.force).norm() <= SleepTuning::kSameForce * size &&
+           (now.torque - then.torque).norm() <= SleepTuning::kSameForce * turn);
 }
 
 bool Sleep::any_asleep() const {
@@ -181,7 +184,7 @@ void Sleep::wake_approached(World& world, std::span<const ContactCache::Slot> sl
     const Vec3 v = state.twists[slot.at.b].at(state.poses[slot.at.b].q * contact.p_BQ) -
                    state.twists[slot.at.a].at(state.poses[slot.at.a].q * contact.p_AP);
     const double approach = std::max(0.0, -contact.normal.dot(v)) + world.gravity().norm() * h;
-    if (contact.gap <= kTouch + kFaster * h * approach) wake_island(world, asleep);
+    if (contact.gap <= kTouch + SleepTuning::kFaster * h * approach) wake_island(world, asleep);
   }
 }
 

@@ -12,15 +12,17 @@
 namespace taut {
 namespace {
 
-/// Steps ahead at which a contradiction is looked for if there is none at the end of this one: where rates
-/// grow without bounds the step fails shortly before.
-constexpr double kStepsAhead[] = {1, 4};
-/// Part of the tolerance that stuck joints must be open by: the step fails as soon as all of them are open by
-/// the whole of it, to a hair.
-constexpr double kStuckPart = 0.5;
-/// What an active set without a solution leaves at least, as a part of the largest impulse, where laws
-/// contradict each other.
-constexpr double kRoundOffResidual = 1e-6;
+struct StallTuning {
+  /// Steps ahead at which a contradiction is looked for if there is none at the end of this one: where rates
+  /// grow without bounds the step fails shortly before.
+  static constexpr double kStepsAhead[] = {1, 4};
+  /// Part of the tolerance that stuck joints must be open by: the step fails as soon as all of them are open
+  /// by the whole of it, to a hair.
+  static constexpr double kStuckPart = 0.5;
+  /// What an active set without a solution leaves at least, as a part of the largest impulse, where laws
+  /// contradict each other: far above the 1e-9 to which laws are met, and above its round-off.
+  static constexpr double kRoundOffResidual = 1e-6;
+};
 
 std::vector<JointId> broken_joints(const Stepper& stepper) {
   std::vector<JointId> joints;
@@ -74,7 +76,7 @@ bool StallDiagnosis::is_finite() const {
 /// At the end of the step, and after it.
 void StallDiagnosis::find_contradiction_ahead(double remaining) {
   found_ = contradiction_from(asked_, scheme_.state(), remaining);
-  for (double steps : kStepsAhead)
+  for (double steps : StallTuning::kStepsAhead)
     if (found_.empty()) found_ = contradiction_from(asked_, scheme_.state(), steps * asked_.report.dt);
 }
 
@@ -82,7 +84,8 @@ void StallDiagnosis::find_contradiction_ahead(double remaining) {
 void StallDiagnosis::find_stuck() {
   if (found_.empty())
     found_ = find_stuck_joints(asked_.world, asked_.stepper.system(), scheme_.trial_poses(), asked_.report);
-  if (found_.residual <= kStuckPart * asked_.settings.position_tolerance && found_.bounds.empty())
+  if (found_.residual <= StallTuning::kStuckPart * asked_.settings.position_tolerance &&
+      found_.bounds.empty())
     found_ = {};
 }
 
@@ -132,7 +135,7 @@ void StallDiagnosis::end_by_open_joints(Status status, bool unstable) {
 /// Where they contradict each other, the row that misses its law most is where it shows.
 void StallDiagnosis::end_by_unmet_laws(Status status) {
   if (found_.empty() && laws_.status == ActiveSetStatus::kContradiction &&
-      laws_.residual > kRoundOffResidual) {
+      laws_.residual > StallTuning::kRoundOffResidual) {
     status = Status::kContradiction;
     found_.residual = laws_.residual;
     if (laws_.worst_row >= 0)

@@ -28,9 +28,12 @@ struct MidpointTuning {
   static constexpr double kLeast = 1e-3;
 };
 
-/// A step in which ω h grows beyond this times max_tension_number is taken again, with an ω that is larger by
-/// no more than the second, since that of an unstable step means nothing.  Runge–Kutta is stable up to 2.8.
-constexpr double kTrialTension = 2, kTrialGrowth = 2;
+/// Of Runge–Kutta.
+struct TrialTuning {
+  /// A step in which ω h grows beyond this times max_tension_number is taken again, with an ω that is larger
+  /// by no more than the second, since that of an unstable step means nothing.  It is stable up to 2.8.
+  static constexpr double kTension = 2, kGrowth = 2;
+};
 
 /// Largest rotation and displacement of bodies, or of their rates.
 struct Sizes {
@@ -95,9 +98,10 @@ double ReducedCoordinates::tension_of(const State& state) {
 /// After a trial whose end is `next_`: tension has grown so much in it that it was too long.
 bool ReducedCoordinates::is_unstable(double h, double omega) {
   if (settings_.tension != TensionPolicy::kSubstep) return false;
-  const double most = kTrialTension * settings_.max_tension_number;
+  const double most = TrialTuning::kTension * settings_.max_tension_number;
   if (h * omega <= most) return false;
-  omega_ = std::isfinite(omega) ? std::min(omega, kTrialGrowth * most / h) : kTrialGrowth * most / h;
+  const double largest = TrialTuning::kGrowth * most / h;
+  omega_ = std::isfinite(omega) ? std::min(omega, largest) : largest;
   return true;
 }
 

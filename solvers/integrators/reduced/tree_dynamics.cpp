@@ -292,7 +292,7 @@ bool TreeDynamics::close_joint(std::size_t k, const Configuration& at, Pose& pos
   const Vector6 move = block_rates(branches_[k], motions_[k], phi_);
   const double turn = move.head<3>().norm();
   if (!std::isfinite(turn)) return false;
-  const double scale = turn > kLongestTurn ? kLongestTurn / turn : 1;
+  const double scale = turn > BodyMovesTuning::kLongestTurn ? BodyMovesTuning::kLongestTurn / turn : 1;
   pose.p += scale * move.tail<3>();
   pose.q = (exp_so3(scale * move.head<3>()) * pose.q).normalized();
   return true;
