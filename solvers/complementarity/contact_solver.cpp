@@ -75,24 +75,19 @@ bool ContactSolver::meets_laws(const StageProblem& problem, double tolerance, do
   return true;
 }
 
-/// What presses at the impulses of before goes on with the division of the load that it has: all of it as
-/// equalities, of which the solve changes those impulses only by what their rates lack.
+/// … as it is divided now.
 bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
-  if (contacts_.soft() || !contacts_.all_stick(problem.lambda) ||
-      relative_residual(problem, rate_tolerance) > Tuning::kNear)
-    return false;
-  locked_laws_.assign(problem.laws.begin(), problem.laws.end());
-  contacts_.held_laws(problem.lambda, locked_laws_);
-  held_.assign(problem.lambda.begin(), problem.lambda.end());
-  StageProblem locked = problem;
-  locked.lambda = held_;
-  const PrimalDualOutcome outcome =
-      locked_.solve(locked_laws_, problem.b, held_, problem.w,
-                    {.rate_tolerance = rate_tolerance, .softness = Tuning::kLockedSoftness}, record.times);
-  record.iterations += outcome.iterations;
-  if (!meets_laws(locked, kMetContactResidual, rate_tolerance, record)) return false;
-  std::copy(held_.begin(), held_.end(), problem.lambda.begin());
-  return true;
+  const auto solve = [&](std::span<const RowLaw> laws, std::span<double> lambda) {
+    record.iterations +=
+        locked_
+            .solve(laws, problem.b, lambda, problem.w,
+                   {.rate_tolerance = rate_tolerance, .softness = Tuning::kLockedSoftness}, record.times)
+            .iterations;
+  };
+  const auto met = [&](const StageProblem& held) {
+    return meets_laws(held, kMetContactResidual, rate_tolerance, record);
+  };
+  return keep_division(problem, rate_tolerance, solve, met);
 }
 
 double ContactSolver::sweep(const StageProblem& problem, int sweeps, double rate_tolerance) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
@@ -42,6 +43,11 @@ class ContactSolver {
   bool solve(const StageProblem& problem, const ContactLimits& limits, StageRecord& record);
   /// Sweeps of Gauss–Seidel over λ and w; the relative residual that they leave.
   double sweep(const StageProblem& problem, int sweeps, double rate_tolerance);
+  /// What presses at the impulses λ of before, and sticks, goes on with the division of the load that it has:
+  /// all of it as equalities, of which solve(laws, λ) changes those impulses only by what their rates lack,
+  /// where λ is taken if met(problem).  Newton's method would find another division each time.
+  template <typename Solve, typename Met>
+  bool keep_division(const StageProblem& problem, double rate_tolerance, Solve solve, Met met);
   const ContactNewton& newton() const { return newton_; }
   /// To be used by others, too.
   ImpulseIteration& iteration();
@@ -71,5 +77,21 @@ class ContactSolver {
   std::vector<RowLaw> locked_laws_;
   std::vector<double> held_, unshared_;
 };
+
+template <typename Solve, typename Met>
+bool ContactSolver::keep_division(const StageProblem& problem, double rate_tolerance, Solve solve, Met met) {
+  if (contacts_.soft() || !contacts_.all_stick(problem.lambda) ||
+      relative_residual(problem, rate_tolerance) > Tuning::kNear)
+    return false;
+  locked_laws_.assign(problem.laws.begin(), problem.laws.end());
+  contacts_.held_laws(problem.lambda, locked_laws_);
+  held_.assign(problem.lambda.begin(), problem.lambda.end());
+  solve(locked_laws_, held_);
+  StageProblem held = problem;
+  held.lambda = held_;
+  if (!met(held)) return false;
+  std::copy(held_.begin(), held_.end(), problem.lambda.begin());
+  return true;
+}
 
 }  // namespace taut

@@ -96,8 +96,6 @@ void StageCulprits::find_jam(std::span<const double> lambda, std::span<const dou
     if (rows.is_equality(r) && rows.row(r).store->depends_on_time() && is_large(r)) jammed_.push_back(r);
 }
 
-void StageCulprits::report(SubstepReport& report) const {
-  report.culprits = culprits_;
-}
+void StageCulprits::report(SubstepReport& report) const { report.culprits = culprits_; }
 
 }  // namespace taut

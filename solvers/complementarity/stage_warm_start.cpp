@@ -77,30 +77,25 @@ StageWarmStart::Trial StageWarmStart::try_impulses(StageAttempt& attempt, std::s
 }
 
 /// If contacts that hold go on holding with the division of the load that they have: one linear solve, which
-/// changes the impulses of before only by what their rates lack.  The active set and Newton's method would
-/// find another division, as off its laws as their tolerance allows, in each stage.
+/// the active set would follow by another division, as off its laws as its tolerance allows, in each stage.
 StageWarmStart::Trial StageWarmStart::solve_all_sticking(StageAttempt& attempt) {
-  const std::span<double> lambda = attempt.stage.lambda;
-  ContactForces& contacts = model_.contacts;
-  if (contacts.empty() || contacts.soft() || model_.system.uses_primal_system()) return Trial::kMissed;
+  if (model_.contacts.empty() || model_.system.uses_primal_system()) return Trial::kMissed;
   const double tolerance = attempt.warm_start_tolerance;
   std::copy(attempt.stage.rates.begin(), attempt.stage.rates.end(), attempt.w.begin());
-  if (!contacts.all_stick(lambda) ||
-      contact_solver_.relative_residual(attempt.problem(), tolerance) > Tuning::kNear)
-    return Trial::kMissed;
-  held_laws_.assign(attempt.laws.begin(), attempt.laws.end());
-  contacts.held_laws(lambda, held_laws_);
-  held_.assign(lambda.begin(), lambda.end());
-  segments_.assign(pivoting_.segments().begin(), pivoting_.segments().end());
-  ActiveSetSettings settings{.rate_tolerance = tolerance, .keep_null_space = true};
-  settings.max_rounds = settings.max_descent_rounds = 0;
-  (void)pivoting_.active_set().solve(held_laws_, attempt.b, held_, attempt.w, attempt.report.times, settings);
-  const double off = contact_solver_.relative_residual(attempt.problem(held_), tolerance);
-  const Trial trial = off <= kMetResidual ? try_impulses(attempt, held_, off) : Trial::kMissed;
-  if (trial == Trial::kMet)
-    std::copy(held_.begin(), held_.end(), lambda.begin());
-  else
-    pivoting_.active_set().set_segments(segments_, attempt.laws);
+  Trial trial = Trial::kMissed;
+  const auto solve = [&](const std::vector<RowLaw>& laws, std::vector<double>& lambda) {
+    segments_.assign(pivoting_.segments().begin(), pivoting_.segments().end());
+    ActiveSetSettings settings{.rate_tolerance = tolerance, .keep_null_space = true};
+    settings.max_rounds = settings.max_descent_rounds = 0;
+    (void)pivoting_.active_set().solve(laws, attempt.b, lambda, attempt.w, attempt.report.times, settings);
+  };
+  const auto met = [&](const StageProblem& held) {
+    const double off = contact_solver_.relative_residual(held, tolerance);
+    if (off <= kMetResidual) trial = try_impulses(attempt, held.lambda, off);
+    if (trial != Trial::kMet) pivoting_.active_set().set_segments(segments_, attempt.laws);
+    return trial == Trial::kMet;
+  };
+  (void)contact_solver_.keep_division(attempt.problem(), tolerance, solve, met);
   return trial;
 }
 

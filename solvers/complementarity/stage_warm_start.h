@@ -50,7 +50,6 @@ class StageWarmStart {
   ContactSolver& contact_solver_;
   StagePivoting& pivoting_;
   bool rested_ = false;  // of the last stage
-  std::vector<RowLaw> held_laws_;
   std::vector<double> held_;
   std::vector<int> segments_;
 };

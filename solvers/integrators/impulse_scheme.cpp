@@ -196,9 +196,9 @@ void ImpulseScheme::renew_laws() {
   for (int r : breaking_.rows()) laws[r] = RowLaw::none();
 }
 
-/// Rates that laws see, with what the guess of μ gives.
-void ImpulseScheme::add_rates_of_guess() {
-  system_.multiply(values_.mu, values_.delta);
+/// Rates that laws see, with what a guess of impulses gives.
+void ImpulseScheme::add_rates_of(std::span<const double> guess) {
+  system_.multiply(guess, values_.delta);
   for (int r = 0; r < system_.row_count(); ++r) values_.rates[r] += values_.delta[r];
 }
 
@@ -208,14 +208,14 @@ void ImpulseScheme::project_momenta(double h, SubstepReport& report) {
 }
 
 /// What is left of the rates that they had to have.
-void ImpulseScheme::note_velocities(SubstepReport& report) {
+void ImpulseScheme::note_velocities(std::span<const double> mu, SubstepReport& report) {
   phase_.twists_from(phase_.momenta);
   system_.rates_of(phase_.state, values_.rates);
   std::copy(values_.rates.begin(), values_.rates.end(), values_.joint_rates.begin());
-  stages_.note_inexact(values_.mu, values_.rates);
+  stages_.note_inexact(mu, values_.rates);
   projection_.clear_loose_rows(values_.joint_rates);
   report.velocity_residual = max_abs(values_.joint_rates);
-  stages_.note_residual(values_.mu, values_.rates);
+  stages_.note_residual(mu, values_.rates);
 }
 
 /// A pass of the fixed point for forces: those at a state that the ones before have led to.
@@ -226,13 +226,13 @@ ForceIteration::Fixed ImpulseScheme::renew_kick_forces(const State& at) {
 }
 
 /// After a step: who is held now, and the books of both kicks.
-void ImpulseScheme::finish_laws() {
+void ImpulseScheme::finish_laws(std::span<const double> mu) {
   system_.rows().residual(phase_.state, values_.phi);  // axes are up to date here
   impact_stage_.mean_rates(values_.kick_rates);
-  axes_.accumulate_work(values_.mu, values_.rates, values_.kick_rates);
+  axes_.accumulate_work(mu, values_.rates, values_.kick_rates);
   axes_.finish_velocities(values_.phi, values_.rates, phase_.state.time);
-  if (!impact_stage_.struck()) contacts_.works().book_kick(values_.mu, values_.kick_rates);
-  contacts_.finish(values_.mu, phase_.state.time);
+  if (!impact_stage_.struck()) contacts_.works().book_kick(mu, values_.kick_rates);
+  contacts_.finish(mu, phase_.state.time);
 }
 
 /// Back to the start of a step whose positions were already accepted.

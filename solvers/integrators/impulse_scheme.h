@@ -75,11 +75,11 @@ class ImpulseScheme : public Scheme {
   void linearize(SubstepReport& report);
   void linearize_and_factorize(SubstepReport& report);
   void renew_laws();
-  void add_rates_of_guess();
+  void add_rates_of(std::span<const double> guess);
   void project_momenta(double h, SubstepReport& report);
-  void note_velocities(SubstepReport& report);
+  void note_velocities(std::span<const double> mu, SubstepReport& report);
   ForceIteration::Fixed renew_kick_forces(const State& at);
-  void finish_laws();
+  void finish_laws(std::span<const double> mu);
   void roll_back(SubstepReport& report);
   void update_step_limit() { limit_.update(phase_.state, values_.force_multipliers); }
 

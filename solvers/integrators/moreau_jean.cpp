@@ -19,22 +19,23 @@ MoreauJean::MoreauJean(const World& world, ConstraintSystem& system, const Setti
 }
 
 Scheme::Outcome MoreauJean::advance(double h, SubstepReport& report) {
+  std::vector<double>& impulses = values_.mu;  // Λ
   report.tension_number = limit_.omega() * h;
   stages_.begin_advance();
   force_iteration_.begin();
-  predict(h);
+  predict(h, impulses);
   go_to_middle(h, report);
   if (blind()) {
     roll_back(report);
     return Outcome::kBlind;
   }
-  begin_laws(h, report);
-  if (const Outcome outcome = find_impulses(h, report); outcome != Outcome::kDone) {
+  begin_laws(h, impulses, report);
+  if (const Outcome outcome = find_impulses(h, impulses, report); outcome != Outcome::kDone) {
     if (outcome == Outcome::kStalled) roll_back(report);
     return outcome;
   }
   if (!phase_.finite()) return Outcome::kNotFinite;
-  add_works(h, report);
+  add_works(h, impulses, report);
   if (!go_to_end(h, report)) {
     phase_.state.axes = first_axes_;
     roll_back(report);
@@ -43,7 +44,7 @@ Scheme::Outcome MoreauJean::advance(double h, SubstepReport& report) {
   if (!phase_.finite()) return Outcome::kNotFinite;
   if (settings_.report_energy)
     report.works.flow += works_.spin_energy(phase_.momenta, phase_.state.poses, KickWorks::Bodies::kAll);
-  keep_impulses(h);
+  keep_impulses(h, impulses);
   report.substeps = 1;
   stages_.report_residuals(report);
   const Stopwatch watch(report.times.velocities);
@@ -53,14 +54,14 @@ Scheme::Outcome MoreauJean::advance(double h, SubstepReport& report) {
 
 /// The impulses of the step before, as a guess; of dependent rows behind contacts none, since what they have
 /// in the null space would be carried from step to step.
-void MoreauJean::predict(double h) {
+void MoreauJean::predict(double h, std::span<double> impulses) {
   std::fill(values_.lambda.begin(), values_.lambda.end(), 0.0);
   const bool dependent = system_.singular() && !contacts_.empty();
   const int first = dependent ? system_.rows().first_contact_row() : 0;
-  std::fill_n(values_.mu.begin(), first, 0.0);
+  std::fill_n(impulses.begin(), first, 0.0);
   for (int r = first; r < system_.row_count(); ++r)
-    values_.mu[r] =
-        prediction_.has_history() ? prediction_.scale(h) * values_.mu[r] : h * values_.force_multipliers[r];
+    impulses[r] =
+        prediction_.has_history() ? prediction_.scale(h) * impulses[r] : h * values_.force_multipliers[r];
 }
 
 /// q_M, its contacts, and J there.  phase_.poses and phase_.start_momenta stay those of the start.
@@ -92,7 +93,7 @@ Pose MoreauJean::moved(int b, double h) const {
 }
 
 /// V₀ and what the laws take from it, and the factor for these laws.
-void MoreauJean::begin_laws(double h, SubstepReport& report) {
+void MoreauJean::begin_laws(double h, std::span<double> impulses, SubstepReport& report) {
   phase_.twists_from(phase_.momenta);
   first_twists_ = phase_.state.twists;
   blended_ = phase_.state;
@@ -110,10 +111,10 @@ void MoreauJean::begin_laws(double h, SubstepReport& report) {
       fail("settings integrator", R"(must be "rattle" where compliant materials touch)",
            name_of(settings_.integrator, kIntegratorNames));
     }
-    contacts_.clear_idle(values_.mu);
+    contacts_.clear_idle(impulses);
     system_.rows().residual(phase_.end_of_step(0), values_.phi);
     renew_laws();
-    stages_.prepare(values_.rates, values_.mu);
+    stages_.prepare(values_.rates, impulses);
   }
   if (!stages_.factors_on_demand()) system_.factorize(report.times);
   if (bounded()) axes_.find_inertia(system_, stages_.effective_mass());  // for the laws of solve_stage()
@@ -133,7 +134,7 @@ void MoreauJean::blend(double h) {
 }
 
 /// Λ, with the forces at the state that it leads to: a fixed point.
-Scheme::Outcome MoreauJean::find_impulses(double h, SubstepReport& report) {
+Scheme::Outcome MoreauJean::find_impulses(double h, std::span<double> impulses, SubstepReport& report) {
   using Fixed = ForceIteration::Fixed;
   blend(h);
   phase_.find_forces(blended_);
@@ -141,7 +142,7 @@ Scheme::Outcome MoreauJean::find_impulses(double h, SubstepReport& report) {
     for (int b = 0; b < world_.body_count(); ++b)
       if (system_.inverse_mass(b).moves()) phase_.momenta[b] = phase_.start_momenta[b] + h * phase_.forces[b];
     if (!phase_.finite() || !axes_.finite()) return Outcome::kNotFinite;
-    if (!solve_stage(report)) return Outcome::kStalled;
+    if (!solve_stage(impulses, report)) return Outcome::kStalled;
     const Stopwatch watch(report.times.forces);
     blend(h);
     const Fixed fixed = renew_kick_forces(blended_);
@@ -151,7 +152,7 @@ Scheme::Outcome MoreauJean::find_impulses(double h, SubstepReport& report) {
 }
 
 /// Joints and laws on J V₁, from the momenta without impulses.
-bool MoreauJean::solve_stage(SubstepReport& report) {
+bool MoreauJean::solve_stage(std::span<double> impulses, SubstepReport& report) {
   const Stopwatch watch(report.times.velocities);
   if (!bounded()) {
     project_momenta(0, report);
@@ -161,45 +162,45 @@ bool MoreauJean::solve_stage(SubstepReport& report) {
   phase_.twists_from(phase_.momenta);
   free_rates_.resize(system_.row_count());
   system_.rates_of(phase_.state, free_rates_);
-  if (!meet_laws(1, report)) return false;
+  if (!meet_laws(1, impulses, report)) return false;
   const double restitution = contacts_.restitution();
-  if (restitution == 0 || !(given_by_contacts() > 0)) return true;
-  const RestitutionSearch search{restitution, [&](double part) { return meet_laws(part, report); },
-                                 [this] { return given_by_contacts(); }};
+  if (restitution == 0 || !(given_by_contacts(impulses) > 0)) return true;
+  const RestitutionSearch search{restitution, [&](double part) { return meet_laws(part, impulses, report); },
+                                 [&] { return given_by_contacts(impulses); }};
   return search.run();
 }
 
 /// With this part of restitution.
-bool MoreauJean::meet_laws(double part, SubstepReport& report) {
+bool MoreauJean::meet_laws(double part, std::span<double> impulses, SubstepReport& report) {
   contacts_.weaken_restitution(part);
   phase_.momenta = free_momenta_;
   values_.rates = free_rates_;
   renew_laws();
-  add_rates_of_guess();
+  add_rates_of(impulses);
   stages_.accuracy().begin_pass();  // replaces the one before
   stages_.residual().note_round_off();
   const StageSolver::Renew renew = [this] { renew_laws(); };
-  if (!stages_.solve_velocities({values_.mu, values_.rates, renew}, report)) return false;
-  phase_.add_impulses(values_.mu);
-  note_velocities(report);
+  if (!stages_.solve_velocities({impulses, values_.rates, renew}, report)) return false;
+  phase_.add_impulses(impulses);
+  note_velocities(impulses, report);
   return projection_.accepts(report.velocity_residual);
 }
 
 /// What contacts have given against the motion without impulses [J]; 0 if that is in the tolerance.
-double MoreauJean::given_by_contacts() {
+double MoreauJean::given_by_contacts(std::span<const double> impulses) {
   mean_rates_.resize(free_rates_.size());
   for (std::size_t r = 0; r < mean_rates_.size(); ++r)
     mean_rates_[r] = 0.5 * (free_rates_[r] + values_.rates[r]);
-  const double given = contacts_.works().of_rigid(values_.mu, mean_rates_);
+  const double given = contacts_.works().of_rigid(impulses, mean_rates_);
   return std::abs(given) > KickWorksTuning::kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
 }
 
 /// The one kick of the step, at q_M where it acts.
-void MoreauJean::add_works(double h, SubstepReport& report) {
-  if (bounded()) finish_laws();
+void MoreauJean::add_works(double h, std::span<const double> impulses, SubstepReport& report) {
+  if (bounded()) finish_laws(impulses);
   if (!settings_.report_energy) return;
   // Forces that are not conservative were taken at the weighted state.
-  works_.add({blended_, phase_.start_momenta, phase_.momenta, system_.jacobian(), values_.mu}, phase_.forces,
+  works_.add({blended_, phase_.start_momenta, phase_.momenta, system_.jacobian(), impulses}, phase_.forces,
              2 * h, report.works);
   // What the ways to q_M and from there to q₁ change of the kinetic energy, up to its end.
   report.works.flow += works_.spin_energy(phase_.start_momenta, phase_.state.poses, KickWorks::Bodies::kAll) -
@@ -250,10 +251,10 @@ void MoreauJean::note_passed_limit() {
 }
 
 /// For reactions and the next guess.  The impulse of an impact is no force.
-void MoreauJean::keep_impulses(double h) {
+void MoreauJean::keep_impulses(double h, std::span<const double> impulses) {
   for (int r = 0; r < system_.row_count(); ++r) {
-    values_.impulses[r] += values_.mu[r];
-    if (!struck()) values_.force_multipliers[r] = values_.mu[r] / h;
+    values_.impulses[r] += impulses[r];
+    if (!struck()) values_.force_multipliers[r] = impulses[r] / h;
   }
   prediction_.keep_step(h);
 }

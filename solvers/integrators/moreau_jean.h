@@ -33,20 +33,20 @@ class MoreauJean final : public ImpulseScheme {
   [[nodiscard]] Outcome advance(double h, SubstepReport& report) override;
 
  private:
-  void predict(double h);
+  void predict(double h, std::span<double> impulses);
   void go_to_middle(double h, SubstepReport& report);
-  void begin_laws(double h, SubstepReport& report);
-  Outcome find_impulses(double h, SubstepReport& report);
-  bool solve_stage(SubstepReport& report);
-  bool meet_laws(double part, SubstepReport& report);
-  double given_by_contacts();
+  void begin_laws(double h, std::span<double> impulses, SubstepReport& report);
+  Outcome find_impulses(double h, std::span<double> impulses, SubstepReport& report);
+  bool solve_stage(std::span<double> impulses, SubstepReport& report);
+  bool meet_laws(double part, std::span<double> impulses, SubstepReport& report);
+  double given_by_contacts(std::span<const double> impulses);
   void blend(double h);
   Pose moved(int b, double h) const;
-  void add_works(double h, SubstepReport& report);
+  void add_works(double h, std::span<const double> impulses, SubstepReport& report);
   bool go_to_end(double h, SubstepReport& report);
   bool push_positions(SubstepReport& report);
   void note_passed_limit();
-  void keep_impulses(double h);
+  void keep_impulses(double h, std::span<const double> impulses);
 
   double theta_ = 0.5;               // of this step
   State blended_;                    // q_ϑ, V_ϑ at t₀ + ϑh, where forces are taken

@@ -31,30 +31,31 @@ void Rattle::start(const State& state, Velocities /*velocities*/, SubstepReport&
 }
 
 Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
-  begin_step(h, report);  // laws and predicted λ
-  const bool closed = stages_.iterative() ? stabilize_positions(h, report)
-                      : bounded()         ? close_bounded_positions(h, report)
-                                          : close_joint_positions(h, report);
-  if (!closed) return reject(Outcome::kStalled, report);  // kick, drift, φ(q₁) = 0 and the laws
-  if (bounded() && impacts_.begin(values_.lambda, values_.rates)) {
-    time_to_event_ = time_of_impact(h, report);
+  std::vector<double>& lambda = values_.lambda;  // of the first kick
+  std::vector<double>& mu = values_.mu;          // of the second
+  begin_step(h, lambda, report);                 // laws, and λ as it is predicted
+  if (!close_positions(h, lambda, report))       // kick, drift, φ(q₁) = 0 and the laws
+    return reject(Outcome::kStalled, report);
+  if (bounded() && impacts_.begin(lambda, values_.rates)) {
+    time_to_event_ = time_of_impact(h, lambda, report);
     return Outcome::kImpact;
   }
-  if (exceeds_tension_limit(h)) return reject(Outcome::kUnstable, report);
-  accept_positions(h, report);
+  if (exceeds_tension_limit(h, lambda)) return reject(Outcome::kUnstable, report);
+  accept_positions(h, lambda, report);
   if (!contacts_.empty()) find_contacts();
   if (blind()) return take_back(Outcome::kBlind, report);
-  factorize_end(report);  // S(q₁)
-  if (!close_velocities(h, report) || (contacts_.strikes() && !strike(h, report)))
-    return take_back(Outcome::kStalled, report);  // kick, J V = 0 and the laws
+  factorize_end(lambda, report);                 // S(q₁)
+  if (!close_velocities(h, lambda, mu, report))  // kick, J V = 0 and the laws
+    return take_back(Outcome::kStalled, report);
+  if (contacts_.strikes() && !strike(h, mu, report)) return take_back(Outcome::kStalled, report);
   if (!phase_.finite()) return Outcome::kNotFinite;
-  if (breaking_.possible() && break_joints(h, report)) return Outcome::kOverload;
-  finish(h, report);
+  if (breaking_.possible() && break_joints(h, lambda, mu, report)) return Outcome::kOverload;
+  finish(h, lambda, mu, report);
   return Outcome::kDone;
 }
 
 /// The prediction of λ and the laws of the first kick, with geometric stiffness at its end if that is wanted.
-void Rattle::begin_step(double h, SubstepReport& report) {
+void Rattle::begin_step(double h, std::span<double> lambda, SubstepReport& report) {
   stages_.begin_advance();
   impact_stage_.begin();
   force_iteration_.begin();
@@ -66,35 +67,35 @@ void Rattle::begin_step(double h, SubstepReport& report) {
   }
   {
     const Stopwatch watch(report.times.positions);
-    predict_multipliers(h);
+    predict_multipliers(h, lambda);
   }
   if (bounded()) begin_bounds(h);
 }
 
 /// Multipliers far from their prediction are looked at before they are accepted.
-bool Rattle::exceeds_tension_limit(double h) {
+bool Rattle::exceeds_tension_limit(double h, std::span<const double> lambda) {
   if (settings_.tension != TensionPolicy::kSubstep || !prediction_missed_) return false;
-  for (int r = 0; r < system_.row_count(); ++r) values_.force_multipliers[r] = 2 / h * values_.lambda[r];
+  for (int r = 0; r < system_.row_count(); ++r) values_.force_multipliers[r] = 2 / h * lambda[r];
   update_step_limit();
   return std::abs(h) > RattleTuning::kLeeway * limit_.step();
 }
 
 /// The end of the drift is the state from now on; the books take the kick before it.
-void Rattle::accept_positions(double h, SubstepReport& report) {
+void Rattle::accept_positions(double h, std::span<const double> lambda, SubstepReport& report) {
   report.tension_number = limit_.omega() * std::abs(h);
   if (settings_.report_energy) {
-    account_for_kick(h, report.works);
+    account_for_kick(h, lambda, report.works);
     constexpr auto kSplit = KickWorks::Bodies::kSplit;
     if (works_.has_split_flow())
       report.works.flow = works_.spin_energy(phase_.kicked, phase_.poses, kSplit) -
                           works_.spin_energy(phase_.kicked, phase_.state.poses, kSplit);
   }
-  if (bounded()) keep_first_kick();
+  if (bounded()) keep_first_kick(lambda);
   phase_.accept(h);
 }
 
-void Rattle::factorize_end(SubstepReport& report) {
-  if (bounded() && !stages_.iterative()) stages_.prepare(values_.lambda);
+void Rattle::factorize_end(std::span<const double> lambda, SubstepReport& report) {
+  if (bounded() && !stages_.iterative()) stages_.prepare(lambda);
   if (stages_.factors_on_demand())
     linearize(report);
   else
@@ -102,9 +103,10 @@ void Rattle::factorize_end(SubstepReport& report) {
   start_jacobian_.end();
 }
 
-void Rattle::finish(double h, SubstepReport& report) {
+void Rattle::finish(double h, std::span<const double> lambda, std::span<const double> mu,
+                    SubstepReport& report) {
   system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
-  if (bounded()) finish_laws();
+  if (bounded()) finish_laws(mu);
   axes_.give_ropes(system_.rows(), phase_.state);
   if (settings_.report_energy) {
     const std::span<const double> J = system_.jacobian();
@@ -114,7 +116,7 @@ void Rattle::finish(double h, SubstepReport& report) {
       works_.add({phase_.state, impact_stage_.momenta(), phase_.momenta, J, impact_stage_.impulses()},
                  phase_.forces, 0, report.works);
   }
-  keep_multipliers(h);
+  keep_multipliers(h, lambda, mu);
   if (breaking_.any_due() && breaking_.due(phase_.state.time)) {
     release_overloaded();
     if (!stages_.iterative()) system_.factorize(report.times);
@@ -143,14 +145,13 @@ Scheme::Outcome Rattle::take_back(Outcome outcome, SubstepReport& report) {
 }
 
 /// Impulses for reactions, forces at the end of the step, and what the next prediction starts from.
-void Rattle::keep_multipliers(double h) {
+void Rattle::keep_multipliers(double h, std::span<const double> lambda, std::span<const double> mu) {
   const double per_h = 1 / h;
   for (int r = 0; r < system_.row_count(); ++r) {
-    values_.impulses[r] += values_.lambda[r] + values_.mu[r];
-    if (!struck())
-      values_.force_multipliers[r] = 2 * per_h * values_.mu[r];  // the impulse of an impact is no force
+    values_.impulses[r] += lambda[r] + mu[r];
+    if (!struck()) values_.force_multipliers[r] = 2 * per_h * mu[r];  // the impulse of an impact is no force
   }
-  prediction_.keep(h, values_.lambda, values_.mu, struck());
+  prediction_.keep(h, lambda, mu, struck());
 }
 
 void Rattle::restore(SubstepReport& report) {
@@ -166,31 +167,38 @@ void Rattle::restore(SubstepReport& report) {
 /// With dependent rows it is the μ of before alone.  Contacts that press and the joints between them go on
 /// with the division of the load that they have: of many that their laws allow, another one each step would
 /// let some contact slip each time.  Those of contacts are held within their cones.
-void Rattle::predict_multipliers(double h) {
+void Rattle::predict_multipliers(double h, std::span<double> lambda) {
   const int rows = system_.row_count();
   if (stages_.iterative()) {
-    prediction_.repeat(h, rows, values_.lambda);
+    prediction_.repeat(h, rows, lambda);
   } else if (system_.singular() && (contacts_.empty() || struck())) {
     // Newton's method and interior points through the bodies leave a null space as they find it.
     const bool good_guess = !bounded() || (contacts_.empty() && stages_.factors_on_demand());
     const int joint_rows = system_.rows().first_contact_row();
     if (prediction_.takes_from_dependent_rows() && good_guess)
-      prediction_.repeat(h, joint_rows, values_.lambda);
+      prediction_.repeat(h, joint_rows, lambda);
     else
-      std::fill_n(values_.lambda.begin(), joint_rows, 0.0);
+      std::fill_n(lambda.begin(), joint_rows, 0.0);
   } else if (system_.singular() || !prediction_.has_history()) {
-    for (int r = 0; r < rows; ++r) values_.lambda[r] = 0.5 * h * values_.force_multipliers[r];
+    for (int r = 0; r < rows; ++r) lambda[r] = 0.5 * h * values_.force_multipliers[r];
   } else {
-    prediction_.extrapolate(h, values_.lambda);
+    prediction_.extrapolate(h, lambda);
   }
 }
 
+bool Rattle::close_positions(double h, std::span<double> lambda, SubstepReport& report) {
+  return stages_.iterative() ? stabilize_positions(h, lambda, report)
+         : bounded()         ? close_bounded_positions(h, lambda, report)
+                             : close_joint_positions(h, lambda, report);
+}
+
 /// Poses after h with the impulses λ, and φ there.
-void Rattle::kick_and_drift(double h, const Configuration& end) {
+void Rattle::kick_and_drift(double h, std::span<const double> lambda, const Configuration& end,
+                            std::span<double> phi) {
   const Rows& rows = system_.rows();
   const std::span<const double> J = start_jacobian_.get();
   const auto kick = [&](int b) {
-    phase_.kicked[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] + rows.wrench_on(b, J, values_.lambda);
+    phase_.kicked[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] + rows.wrench_on(b, J, lambda);
   };
   if (tension_.active()) {
     for (int b = 0; b < world_.body_count(); ++b)
@@ -205,20 +213,20 @@ void Rattle::kick_and_drift(double h, const Configuration& end) {
       phase_.poses[b] = free_flow(system_.mass(), b, phase_.state.poses[b], phase_.kicked[b].torque,
                                   phase_.kicked[b].force, h);
     }
-    rows.residual(end, values_.phi, chunk);
+    rows.residual(end, phi, chunk);
   }
 }
 
 /// λ with φ(q₁) = 0: simplified Newton.  With dependent rows positions count as closed only if the bodies are
 /// near to closure, too.
-bool Rattle::close_joint_positions(double h, SubstepReport& report) {
+bool Rattle::close_joint_positions(double h, std::span<double> lambda, SubstepReport& report) {
   double last = std::numeric_limits<double>::infinity(), correction = 0;
   bool polished = false;
   values_.residual_is_current = false;
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
-      kick_and_drift(h, {phase_.poses, phase_.state.time + h, phase_.state.axes});
+      kick_and_drift(h, lambda, {phase_.poses, phase_.state.time + h, phase_.state.axes}, values_.phi);
     }
     breaking_.clear_rows(values_.phi);
     const double gap = max_abs(values_.phi);
@@ -233,24 +241,27 @@ bool Rattle::close_joint_positions(double h, SubstepReport& report) {
                : (spent || gap > RattleTuning::kSlowNewton * last) && weak && gap < RattleTuning::kMendable;
     if (in_vain) {
       prediction_missed_ = false;
-      const auto drift = [&] { kick_and_drift(h, phase_.end_of_step(h)), breaking_.clear_rows(values_.phi); };
+      const auto drift = [&] {
+        kick_and_drift(h, lambda, phase_.end_of_step(h), values_.phi);
+        breaking_.clear_rows(values_.phi);
+      };
       return weak_directions_.close(h, RattleTuning::kFarOpen * size_, drift, report);
     }
     if (!closed && (spent || !keep_pace(gap, last, h, report))) return false;
     polished = polished || closed;
     last = gap;
     const Stopwatch watch(report.times.positions);
-    correction += correct_multipliers(h, closed);
+    correction += correct_multipliers(h, closed, lambda);
     ++report.newton_iterations;
   }
-  prediction_missed_ = correction > RattleTuning::kSurprise * max_abs(values_.lambda);
+  prediction_missed_ = correction > RattleTuning::kSurprise * max_abs(lambda);
   values_.residual_is_current = true;
   return true;
 }
 
 /// λ ← λ − S⁻¹ φ/h; `from_closure`: S_ε⁻¹ φ is known from the distance to closure.
 /// @returns the largest change.
-double Rattle::correct_multipliers(double h, bool from_closure) {
+double Rattle::correct_multipliers(double h, bool from_closure, std::span<double> lambda) {
   std::vector<double>& delta = values_.delta;
   if (from_closure) {
     for (double& d : delta) d *= -1 / h;
@@ -259,7 +270,7 @@ double Rattle::correct_multipliers(double h, bool from_closure) {
     for (int r = 0; r < system_.row_count(); ++r) delta[r] = -1 / h * values_.phi[r];
     system_.solve(delta);
   }
-  for (int r = 0; r < system_.row_count(); ++r) values_.lambda[r] += delta[r];
+  for (int r = 0; r < system_.row_count(); ++r) lambda[r] += delta[r];
   return max_abs(delta);
 }
 
@@ -277,7 +288,8 @@ bool Rattle::keep_pace(double error, double last, double h, SubstepReport& repor
   return true;
 }
 
-bool Rattle::close_velocities(double h, SubstepReport& report) {
+bool Rattle::close_velocities(double h, std::span<const double> lambda, std::span<double> mu,
+                              SubstepReport& report) {
   using Fixed = ForceIteration::Fixed;
   {
     const Stopwatch watch(report.times.forces);
@@ -292,9 +304,9 @@ bool Rattle::close_velocities(double h, SubstepReport& report) {
     if (!bounded()) {
       project_momenta(h, report);
     } else {
-      if (!give_second_kick(h, false, report)) return false;
-      if (second_kick_gives()) {
-        const bool met = give_second_kick(h, true, report);
+      if (!give_second_kick(h, lambda, false, mu, report)) return false;
+      if (second_kick_gives(mu)) {
+        const bool met = give_second_kick(h, lambda, true, mu, report);
         contacts_.end_impacts();
         if (!met) return false;
       }

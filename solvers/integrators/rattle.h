@@ -30,45 +30,51 @@ class Rattle : public ImpulseScheme {
   void transfer(Archive& archive) override;
 
  protected:
-  void begin_step(double h, SubstepReport& report);
-  bool exceeds_tension_limit(double h);
-  void accept_positions(double h, SubstepReport& report);
-  void factorize_end(SubstepReport& report);
-  void finish(double h, SubstepReport& report);
+  void begin_step(double h, std::span<double> lambda, SubstepReport& report);
+  bool exceeds_tension_limit(double h, std::span<const double> lambda);
+  void accept_positions(double h, std::span<const double> lambda, SubstepReport& report);
+  void factorize_end(std::span<const double> lambda, SubstepReport& report);
+  void finish(double h, std::span<const double> lambda, std::span<const double> mu, SubstepReport& report);
   Outcome reject(Outcome outcome, SubstepReport& report);
   Outcome take_back(Outcome outcome, SubstepReport& report);
 
-  // The position stage.
-  void predict_multipliers(double h);
-  bool close_joint_positions(double h, SubstepReport& report);
-  double correct_multipliers(double h, bool from_closure);
-  bool close_bounded_positions(double h, SubstepReport& report);
+  // The position stage: from λ as it is predicted to the one with φ(q₁) = 0.
+  void predict_multipliers(double h, std::span<double> lambda);
+  bool close_positions(double h, std::span<double> lambda, SubstepReport& report);
+  bool close_joint_positions(double h, std::span<double> lambda, SubstepReport& report);
+  double correct_multipliers(double h, bool from_closure, std::span<double> lambda);
+  bool close_bounded_positions(double h, std::span<double> lambda, SubstepReport& report);
   struct PositionError;
-  PositionError position_error(double h, int iteration, SubstepReport& report);
+  PositionError position_error(double h, std::span<const double> lambda, int iteration,
+                               SubstepReport& report);
   bool give_up(std::span<const double> lambda, std::span<const double> rates);
-  void finish_position_laws();
-  bool stabilize_positions(double h, SubstepReport& report);
+  void finish_position_laws(std::span<const double> lambda);
+  bool stabilize_positions(double h, std::span<double> lambda, SubstepReport& report);
   void begin_bounds(double h);
-  void try_positions(double h, bool near);
-  void kick_and_drift(double h, const Configuration& end);
-  void contact_rates(double h, bool near);
+  void try_positions(double h, std::span<const double> lambda, bool near);
+  void kick_and_drift(double h, std::span<const double> lambda, const Configuration& end,
+                      std::span<double> phi);
+  void contact_rates(double h, bool near, std::span<double> rates);
   bool keep_pace(double error, double last, double h, SubstepReport& report);
-  double time_of_impact(double h, SubstepReport& report);
+  double time_of_impact(double h, std::span<double> lambda, SubstepReport& report);
 
-  // The velocity stage.
-  bool close_velocities(double h, SubstepReport& report);
-  bool project_bounded_momenta(double h, SubstepReport& report);
-  bool give_second_kick(double h, bool anew, SubstepReport& report);
-  bool second_kick_gives();
-  bool velocities_hold(SubstepReport& report);
-  bool strike(double h, SubstepReport& report);
+  // The velocity stage: μ with J(q₁) V₁ = 0.
+  bool close_velocities(double h, std::span<const double> lambda, std::span<double> mu,
+                        SubstepReport& report);
+  bool project_bounded_momenta(double h, std::span<double> mu, SubstepReport& report);
+  bool give_second_kick(double h, std::span<const double> guess, bool anew, std::span<double> mu,
+                        SubstepReport& report);
+  bool second_kick_gives(std::span<const double> mu);
+  bool velocities_hold(std::span<const double> mu, SubstepReport& report);
+  bool strike(double h, std::span<double> mu, SubstepReport& report);
 
   // The end of the step.
-  bool break_joints(double h, SubstepReport& report);
+  bool break_joints(double h, std::span<const double> lambda, std::span<const double> mu,
+                    SubstepReport& report);
   void release_overloaded();
-  void keep_multipliers(double h);
-  void keep_first_kick();
-  void account_for_kick(double h, StepWorks& works);
+  void keep_multipliers(double h, std::span<const double> lambda, std::span<const double> mu);
+  void keep_first_kick(std::span<const double> lambda);
+  void account_for_kick(double h, std::span<const double> lambda, StepWorks& works);
   void restore(SubstepReport& report);
 
   ImplicitTension tension_;

@@ -4,8 +4,9 @@
 namespace taut {
 
 /// After a sub-step whose velocities are closed: true if it was taken back because a joint does not bear it.
-bool Rattle::break_joints(double h, SubstepReport& report) {
-  for (int r = 0; r < system_.row_count(); ++r) values_.delta[r] = values_.lambda[r] + values_.mu[r];
+bool Rattle::break_joints(double h, std::span<const double> lambda, std::span<const double> mu,
+                          SubstepReport& report) {
+  for (int r = 0; r < system_.row_count(); ++r) values_.delta[r] = lambda[r] + mu[r];
   if (!breaking_.check(system_, phase_.state, values_.delta, h)) return false;
   time_to_event_ = breaking_.time_to_break();
   const bool now = time_to_event_ == 0;
@@ -34,15 +35,14 @@ void Rattle::release_overloaded() {
 
 /// The first kick.  What the filter of implicit stiffness takes away is booked apart, as the work of an
 /// impulse of its own.
-void Rattle::account_for_kick(double h, StepWorks& works) {
+void Rattle::account_for_kick(double h, std::span<const double> lambda, StepWorks& works) {
   const auto add = [&](std::span<const Wrench> to) {
-    works_.add({phase_.state, phase_.momenta, to, start_jacobian_.get(), values_.lambda}, phase_.forces, h,
-               works);
+    works_.add({phase_.state, phase_.momenta, to, start_jacobian_.get(), lambda}, phase_.forces, h, works);
   };
   if (!tension_.active()) return add(phase_.kicked);
   for (int b = 0; b < world_.body_count(); ++b)
     raw_kick_[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] +
-                   system_.rows().wrench_on(b, start_jacobian_.get(), values_.lambda);
+                   system_.rows().wrench_on(b, start_jacobian_.get(), lambda);
   add(raw_kick_);
   works_.add_between(raw_kick_, phase_.kicked, works.stiffness);
 }

@@ -12,21 +12,21 @@
 namespace taut {
 
 /// λ that takes φ(q₁) towards 0 and the other rows towards their laws.
-bool Rattle::stabilize_positions(double h, SubstepReport& report) {
+bool Rattle::stabilize_positions(double h, std::span<double> lambda, SubstepReport& report) {
   const Stopwatch watch(report.times.positions);
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
   const StageSolver::Renew renew = [this] { renew_laws(); };
   for (int left = settings_.iterations;; left -= RattleTuning::kSweepsPerPass) {
-    try_positions(h, false);
+    try_positions(h, lambda, false);
     if (!std::isfinite(max_abs(values_.phi)) || !axes_.finite()) return false;
     if (left <= 0) break;
     const double tolerance = 0.1 * settings_.position_tolerance / h;
-    const StageSolver::Stage stage{values_.lambda, values_.rates, renew};
+    const StageSolver::Stage stage{lambda, values_.rates, renew};
     if (!stages_.iterate(stage, std::min(left, RattleTuning::kSweepsPerPass), tolerance, absorbed_, report))
       return false;
     ++report.newton_iterations;
   }
-  stages_.note_residual(values_.lambda, values_.rates);
+  stages_.note_residual(lambda, values_.rates);
   axes_.finish_positions(values_.rates);
   prediction_missed_ = false;
   return true;
