@@ -9,8 +9,9 @@ namespace taut {
 
 /// A symmetric composition of RATTLE, a symmetric scheme of order 2: its steps of γ₁h, γ₂h, … with Σ γ_i = 1
 /// are one of order 4, 6 or 8; some γ are negative.  Other integrators have γ₁ = 1 alone.  All stages of a
-/// step of h are taken or none, since one of another length would cost the order.
-/// (solvers/integrators, "Composition")
+/// step of h are taken or none, since one of another length would cost the order.  It is no Scheme around
+/// another: Substepping asks it for the next stage and tells it what failed, so that stages stand in the list
+/// of a step, and can be interrupted, as sub-steps do. (solvers/integrators, "Composition")
 class Composition {
  public:
   /// The integrator says of which order.

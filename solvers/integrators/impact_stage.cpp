@@ -62,6 +62,16 @@ void ImpactStage::book_round() {
   contacts_.works().book_impact(impulses_, mean_rates_);
 }
 
+void ImpactStage::book_kick(std::span<const double> mu, std::span<const double> kick_rates) {
+  if (!struck_) contacts_.works().book_kick(mu, kick_rates);
+}
+
+void ImpactStage::add_works(double h, StepWorks& works) {
+  const std::span<const double> J = system_.jacobian();
+  works_.add({phase_.state, phase_.kicked, momenta(), J, mu()}, phase_.forces, h, works);
+  if (struck_) works_.add({phase_.state, momenta_, phase_.momenta, J, impulses()}, phase_.forces, 0, works);
+}
+
 std::span<const double> ImpactStage::impulses() {
   impulses_.resize(mu_.size());
   for (std::size_t r = 0; r < mu_.size(); ++r) impulses_[r] = values_.mu[r] - mu_[r];

@@ -33,16 +33,19 @@ class ImpactStage {
   /// Strikes what is due, from momenta p⁻, impulses μ and rates w⁻ of the velocity stage.
   bool strike(const Solve& solve);
 
-  bool struck() const { return struck_; }
+  /// The velocity stage's μ at these mean rates for the books of contacts, unless strike() has kept them.
+  void book_kick(std::span<const double> mu, std::span<const double> kick_rates);
+  /// Works of a velocity stage of a step of h, and of the impacts after it.
+  void add_works(double h, StepWorks& works);
+  /// The rates at which all of μ does the work of the second kick and of the impacts.
+  void mean_rates(std::span<double> out);
+
+ private:
   /// Momenta between the velocity stage and the impacts; those of the end if there are none.
   std::span<const Wrench> momenta() const { return struck_ ? momenta_ : phase_.momenta; }
   /// Impulses μ of the velocity stage, and those that impacts add to them.
   std::span<const double> mu() const { return struck_ ? mu_ : values_.mu; }
   std::span<const double> impulses();
-  /// The rates at which all of μ does the work of the second kick and of the impacts.
-  void mean_rates(std::span<double> out);
-
- private:
   bool solve_round(double part, const Solve& solve);
   bool limit_restitution(const Solve& solve);
   void book_round();

@@ -55,6 +55,12 @@ void KickWorks::mean_rates(std::span<const Wrench> from, std::span<const Wrench>
   system_.rows().apply(jacobian, mean_twists_, out);
 }
 
+double KickWorks::split_flow(std::span<const Wrench> momenta, std::span<const Pose> from,
+                             std::span<const Pose> to) const {
+  if (!has_split_flow_) return 0;
+  return spin_energy(momenta, to, Bodies::kSplit) - spin_energy(momenta, from, Bodies::kSplit);
+}
+
 double KickWorks::spin_energy(std::span<const Wrench> momenta, std::span<const Pose> poses,
                               Bodies which) const {
   double energy = 0;

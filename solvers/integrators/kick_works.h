@@ -44,8 +44,9 @@ class KickWorks {
   /// Σ ½ Lᵀ I_W⁻¹ L of all bodies, or of those with three different moments, whose free flow is split and
   /// keeps it to the third order only.
   double spin_energy(std::span<const Wrench> momenta, std::span<const Pose> poses, Bodies which) const;
-  /// There is such a body.
-  bool has_split_flow() const { return has_split_flow_; }
+  /// What the free flow of those has changed it by on the way between these poses.
+  double split_flow(std::span<const Wrench> momenta, std::span<const Pose> from,
+                    std::span<const Pose> to) const;
 
  private:
   template <typename Visit>

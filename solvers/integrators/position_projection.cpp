@@ -64,7 +64,7 @@ double PositionProjection::distance_to_closure(SubstepReport& report) {
 
 bool PositionProjection::close(double h, double far, const std::function<void()>& drift,
                                SubstepReport& report) {
-  start_.keep();  // so that the step has its factor made again
+  (void)start_.keep();  // so that the step has its factor made again
   return close_light_bodies(h, far, drift, report) || close_by_moves(h, report);
 }
 

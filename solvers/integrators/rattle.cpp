@@ -34,8 +34,10 @@ Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
   std::vector<double>& lambda = values_.lambda;  // of the first kick
   std::vector<double>& mu = values_.mu;          // of the second
   begin_step(h, lambda, report);                 // laws, and λ as it is predicted
-  if (!close_positions(h, lambda, report))       // kick, drift, φ(q₁) = 0 and the laws
-    return reject(Outcome::kStalled, report);
+  const bool closed = stages_.iterative() ? stabilize_positions(h, lambda, report)
+                      : bounded()         ? close_bounded_positions(h, lambda, report)
+                                          : close_joint_positions(h, lambda, report);
+  if (!closed) return reject(Outcome::kStalled, report);  // kick, drift, φ(q₁) = 0 and the laws
   if (bounded() && impacts_.begin(lambda, values_.rates)) {
     time_to_event_ = time_of_impact(h, lambda, report);
     return Outcome::kImpact;
@@ -85,13 +87,24 @@ void Rattle::accept_positions(double h, std::span<const double> lambda, SubstepR
   report.tension_number = limit_.omega() * std::abs(h);
   if (settings_.report_energy) {
     account_for_kick(h, lambda, report.works);
-    constexpr auto kSplit = KickWorks::Bodies::kSplit;
-    if (works_.has_split_flow())
-      report.works.flow = works_.spin_energy(phase_.kicked, phase_.poses, kSplit) -
-                          works_.spin_energy(phase_.kicked, phase_.state.poses, kSplit);
+    report.works.flow = works_.split_flow(phase_.kicked, phase_.state.poses, phase_.poses);
   }
   if (bounded()) keep_first_kick(lambda);
   phase_.accept(h);
+}
+
+/// The first kick.  What the filter of implicit stiffness takes away is booked apart, as the work of an
+/// impulse of its own.
+void Rattle::account_for_kick(double h, std::span<const double> lambda, StepWorks& works) {
+  const auto add = [&](std::span<const Wrench> to) {
+    works_.add({phase_.state, phase_.momenta, to, start_jacobian_.get(), lambda}, phase_.forces, h, works);
+  };
+  if (!tension_.active()) return add(phase_.kicked);
+  for (int b = 0; b < world_.body_count(); ++b)
+    raw_kick_[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] +
+                   system_.rows().wrench_on(b, start_jacobian_.get(), lambda);
+  add(raw_kick_);
+  works_.add_between(raw_kick_, phase_.kicked, works.stiffness);
 }
 
 void Rattle::factorize_end(std::span<const double> lambda, SubstepReport& report) {
@@ -108,14 +121,7 @@ void Rattle::finish(double h, std::span<const double> lambda, std::span<const do
   system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
   if (bounded()) finish_laws(mu);
   axes_.give_ropes(system_.rows(), phase_.state);
-  if (settings_.report_energy) {
-    const std::span<const double> J = system_.jacobian();
-    works_.add({phase_.state, phase_.kicked, impact_stage_.momenta(), J, impact_stage_.mu()}, phase_.forces,
-               h, report.works);
-    if (impact_stage_.struck())
-      works_.add({phase_.state, impact_stage_.momenta(), phase_.momenta, J, impact_stage_.impulses()},
-                 phase_.forces, 0, report.works);
-  }
+  if (settings_.report_energy) impact_stage_.add_works(h, report.works);
   keep_multipliers(h, lambda, mu);
   if (breaking_.any_due() && breaking_.due(phase_.state.time)) {
     release_overloaded();
@@ -157,8 +163,7 @@ void Rattle::keep_multipliers(double h, std::span<const double> lambda, std::spa
 void Rattle::restore(SubstepReport& report) {
   axes_.roll_back();
   contacts_.roll_back(false);
-  if (!start_jacobian_.is_replaced() && !tension_.active()) return;
-  start_jacobian_.restore();
+  if (!start_jacobian_.restore() && !tension_.active()) return;
   system_.set_mass(phase_.state.poses);
   system_.factorize(report.times);
   tension_.end();
@@ -184,12 +189,6 @@ void Rattle::predict_multipliers(double h, std::span<double> lambda) {
   } else {
     prediction_.extrapolate(h, lambda);
   }
-}
-
-bool Rattle::close_positions(double h, std::span<double> lambda, SubstepReport& report) {
-  return stages_.iterative() ? stabilize_positions(h, lambda, report)
-         : bounded()         ? close_bounded_positions(h, lambda, report)
-                             : close_joint_positions(h, lambda, report);
 }
 
 /// Poses after h with the impulses λ, and φ there.
@@ -279,8 +278,7 @@ double Rattle::correct_multipliers(double h, bool from_closure, std::span<double
 /// @returns whether it is worth going on.
 bool Rattle::keep_pace(double error, double last, double h, SubstepReport& report) {
   if (!(error > RattleTuning::kSlowNewton * last)) return true;
-  if (start_jacobian_.is_replaced() || error > RattleTuning::kDiverging * last) return false;
-  start_jacobian_.keep();
+  if (error > RattleTuning::kDiverging * last || !start_jacobian_.keep()) return false;
   system_.linearize({phase_.poses, phase_.state.time + h, phase_.state.axes});
   start_jacobian_.mix_into_system();
   system_.factorize(report.times);

@@ -40,7 +40,6 @@ class Rattle : public ImpulseScheme {
 
   // The position stage: from λ as it is predicted to the one with φ(q₁) = 0.
   void predict_multipliers(double h, std::span<double> lambda);
-  bool close_positions(double h, std::span<double> lambda, SubstepReport& report);
   bool close_joint_positions(double h, std::span<double> lambda, SubstepReport& report);
   double correct_multipliers(double h, bool from_closure, std::span<double> lambda);
   bool close_bounded_positions(double h, std::span<double> lambda, SubstepReport& report);
@@ -61,7 +60,7 @@ class Rattle : public ImpulseScheme {
   // The velocity stage: μ with J(q₁) V₁ = 0.
   bool close_velocities(double h, std::span<const double> lambda, std::span<double> mu,
                         SubstepReport& report);
-  bool project_bounded_momenta(double h, std::span<double> mu, SubstepReport& report);
+  bool project_bounded_momenta(double h, bool exact, std::span<double> mu, SubstepReport& report);
   bool give_second_kick(double h, std::span<const double> guess, bool anew, std::span<double> mu,
                         SubstepReport& report);
   bool second_kick_gives(std::span<const double> mu);

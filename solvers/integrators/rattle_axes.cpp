@@ -110,7 +110,7 @@ void Rattle::finish_position_laws(std::span<const double> lambda) {
   axes_.finish_positions(values_.rates);
   stages_.note_inexact(lambda, values_.rates);
   // Who was left out of the step limit may move.
-  prediction_missed_ = limit_.leaves_out_bodies() && axes_.any_broken();
+  prediction_missed_ = limit_.misses_freed_bodies();
 }
 
 /// Free axes that the step takes to a limit with restitution are let through once, to see when they get
@@ -118,7 +118,8 @@ void Rattle::finish_position_laws(std::span<const double> lambda) {
 /// @returns the length of the sub-step that ends with the first impact.
 double Rattle::time_of_impact(double h, std::span<double> lambda, SubstepReport& report) {
   double time = h;
-  if (close_positions(h, lambda, report))
+  if (stages_.iterative() ? stabilize_positions(h, lambda, report)
+                          : close_bounded_positions(h, lambda, report))
     time = impacts_.first(h, values_.rates);
   else
     impacts_.give_up();
@@ -143,14 +144,15 @@ bool Rattle::give_second_kick(double h, std::span<const double> guess, bool anew
   renew_laws();
   if (!axes_.finite()) return false;
   add_rates_of(mu);
-  return project_bounded_momenta(h, mu, report);
+  return project_bounded_momenta(h, false, mu, report);
 }
 
 /// μ with J V + φ_t = 0 for the joints and the laws of the second kick for the axes, and the momenta that it
 /// leads to.  What rounding leaves of the rates, with very different inertias, is met once more from there.
-bool Rattle::project_bounded_momenta(double h, std::span<double> mu, SubstepReport& report) {
+/// `exact`: to round-off.
+bool Rattle::project_bounded_momenta(double h, bool exact, std::span<double> mu, SubstepReport& report) {
   const StageSolver::Renew renew = [this] { renew_laws(); };
-  const StageSolver::Stage stage{mu, values_.rates, renew, false, impact_stage_.struck()};
+  const StageSolver::Stage stage{mu, values_.rates, renew, false, exact};
   for (const bool again : {false, true}) {
     if (again) renew_laws();
     // Sweeps: bodies that are held fast do not take in all of the impulses.
@@ -192,7 +194,7 @@ bool Rattle::velocities_hold(std::span<const double> mu, SubstepReport& report) 
 bool Rattle::strike(double h, std::span<double> mu, SubstepReport& report) {
   return impact_stage_.strike([&] {
     renew_laws();
-    return project_bounded_momenta(h, mu, report);
+    return project_bounded_momenta(h, true, mu, report);
   });
 }
 

@@ -1,6 +1,6 @@
 #include "solvers/integrators/rattle.h"
 
-// Joints that leave within a step, and its books.  (solvers/laws, "Breaking"), (solvers/simulator, "Energy")
+// Joints that leave within a step.  (solvers/laws, "Breaking")
 namespace taut {
 
 /// After a sub-step whose velocities are closed: true if it was taken back because a joint does not bear it.
@@ -31,20 +31,6 @@ void Rattle::release_overloaded() {
   broken_states_.assign(system_.row_count(), 0.0);
   for (int r : breaking_.rows()) broken_states_[r] = kMasked;
   system_.set_row_states(broken_states_);
-}
-
-/// The first kick.  What the filter of implicit stiffness takes away is booked apart, as the work of an
-/// impulse of its own.
-void Rattle::account_for_kick(double h, std::span<const double> lambda, StepWorks& works) {
-  const auto add = [&](std::span<const Wrench> to) {
-    works_.add({phase_.state, phase_.momenta, to, start_jacobian_.get(), lambda}, phase_.forces, h, works);
-  };
-  if (!tension_.active()) return add(phase_.kicked);
-  for (int b = 0; b < world_.body_count(); ++b)
-    raw_kick_[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] +
-                   system_.rows().wrench_on(b, start_jacobian_.get(), lambda);
-  add(raw_kick_);
-  works_.add_between(raw_kick_, phase_.kicked, works.stiffness);
 }
 
 }  // namespace taut

@@ -8,9 +8,10 @@ StartJacobian::StartJacobian(ConstraintSystem& system) : system_(system) {
   kept_.reserve(system.jacobian().size());
 }
 
-void StartJacobian::keep() {
-  if (!replaced_) kept_.assign(system_.jacobian().begin(), system_.jacobian().end());
-  replaced_ = true;
+bool StartJacobian::keep() {
+  if (replaced_) return false;
+  kept_.assign(system_.jacobian().begin(), system_.jacobian().end());
+  return replaced_ = true;
 }
 
 std::size_t StartJacobian::contact_offset() const {
@@ -25,9 +26,11 @@ void StartJacobian::mix_into_system() {
   std::copy(kept_.begin() + contact_offset(), kept_.end(), J.begin() + contact_offset());
 }
 
-void StartJacobian::restore() {
-  if (replaced_) std::copy(kept_.begin(), kept_.end(), system_.change_jacobian().begin());
+bool StartJacobian::restore() {
+  if (!replaced_) return false;
+  std::copy(kept_.begin(), kept_.end(), system_.change_jacobian().begin());
   replaced_ = false;
+  return true;
 }
 
 }  // namespace taut

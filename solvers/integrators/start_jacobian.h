@@ -13,15 +13,14 @@ class StartJacobian {
  public:
   explicit StartJacobian(ConstraintSystem& system);
 
-  /// The system has another Jacobian.
-  bool is_replaced() const { return replaced_; }
-  /// To be called before it gets another one in this step.
-  void keep();
+  /// To be called before the system gets another one in this step.  False if it has got one already.
+  bool keep();
   std::span<const double> get() const { return replaced_ ? kept_ : system_.jacobian(); }
   /// The system's is that of the mean of J(q₀) and J(q₁), but for contacts, which belong to the start.
   void mix_into_system();
-  /// The system has J(q₀) again, or another step begins with the Jacobian that it has.
-  void restore();
+  /// The system has J(q₀) again, or another step begins with the Jacobian that it has.  False if it has had
+  /// no other.
+  bool restore();
   void end() { replaced_ = false; }
 
  private:

@@ -41,8 +41,8 @@ class StepLimit {
   }
   double step() const { return step_; }    ///< [s]
   double omega() const { return omega_; }  ///< [rad/s]
-  /// Bodies that friction holds to the ground were left out.
-  bool leaves_out_bodies() const { return leaves_out_; }
+  /// Friction has let go of an axis, and bodies that it held to the ground were left out.
+  bool misses_freed_bodies() const;
   /// Of each body, geometric stiffness K of the loads.
   const std::vector<StiffnessBlocks>& stiffness() const { return stiffness_; }
   /// The body whose tension asks for the shortest step.
