@@ -61,7 +61,7 @@ bool ContactSolver::solve(const StageProblem& problem, const ContactLimits& limi
 bool ContactSolver::rests(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
   if (!contacts_.rest() || !contacts_.is_clear(problem.lambda)) return false;
   system_.rates(problem.lambda, problem.b, problem.w);
-  return meets_laws(problem, kMetResidual, rate_tolerance, record) ||
+  return meets_laws(problem, ResidualTuning::kMet, rate_tolerance, record) ||
          rests_locked(problem, rate_tolerance, record);
 }
 
@@ -90,7 +90,7 @@ bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolera
       locked_.solve(locked_laws_, problem.b, held_, problem.w,
                     {.rate_tolerance = rate_tolerance, .softness = Tuning::kLockedSoftness}, record.times);
   record.iterations += outcome.iterations;
-  if (!meets_laws(locked, kMetContactResidual, rate_tolerance, record)) return false;
+  if (!meets_laws(locked, ResidualTuning::kMetByContacts, rate_tolerance, record)) return false;
   std::copy(held_.begin(), held_.end(), problem.lambda.begin());
   return true;
 }
@@ -138,7 +138,7 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
       // What holds by the normality law holds by Coulomb's where it does not slip at all.
       search.end(true);
       const double off = relative_residual(problem, rate_tolerance);
-      if (off <= kMetContactResidual) {
+      if (off <= ResidualTuning::kMetByContacts) {
         record.residual = std::max(record.residual, off);
         return true;
       }
@@ -171,7 +171,7 @@ bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tol
   // Also of impulses that vanish in the end.
   const double residual = error.over(impulse_scale(diagonal_of(problem), problem.lambda, problem.b));
   if (!(residual <= inexact) || !std::isfinite(max_abs(problem.lambda))) return false;
-  if (residual > kMetContactResidual)
+  if (residual > ResidualTuning::kMetByContacts)
     record.loose = residual;
   else
     record.residual = std::max(record.residual, residual);

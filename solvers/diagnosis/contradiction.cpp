@@ -18,11 +18,13 @@ using Bound = Contradiction::Bound;
 using Touch = Contradiction::Touch;
 using Verdict = ViolationSearch::Verdict;
 
-/// Members with less than this part of the largest share do not belong to the contradiction; and the same
-/// where that has left out too many.
-constexpr double kBlameShare = 1e-4, kSmallShare = 1e-9;
-/// Sets of more members are not made smaller: each trial is a search of its own.
-constexpr std::size_t kMinimalSetLimit = 200;
+struct ContradictionTuning {
+  /// Members with less than this part of the largest share do not belong to the contradiction; and the same
+  /// where that has left out too many.  Chosen.
+  static constexpr double kBlameShare = 1e-4, kSmallShare = 1e-9;
+  /// Sets of more members are not made smaller: each trial is a search of its own.  Chosen.
+  static constexpr std::size_t kMinimalSetLimit = 200;
+};
 
 /// Whoever can be left out: one of the three.
 struct Member {
@@ -157,7 +159,9 @@ class LocalSearch {
       mask_[m] = std::find(wanted.begin(), wanted.end(), members_[m]) != wanted.end();
     return search_->search(mask_);
   }
-  std::vector<Member> sharers_left() { return sharers(members_, search_->shares(), kBlameShare); }
+  std::vector<Member> sharers_left() {
+    return sharers(members_, search_->shares(), ContradictionTuning::kBlameShare);
+  }
   double largest() const { return search_->largest(); }
 
  private:
@@ -230,11 +234,11 @@ Contradiction find_contradiction(const Situation& s) {
   if (count == 0) return {};
   whole.begin(std::move(all.demands), static_cast<int>(count), s.from, s.from.time + s.horizon);
   if (whole.search(std::vector<char>(count, 1)) != Verdict::kExcluded) return {};
-  for (double part : {kBlameShare, kSmallShare}) {
+  for (double part : {ContradictionTuning::kBlameShare, ContradictionTuning::kSmallShare}) {
     std::vector<Member> set = sharers(all.members, whole.shares(), part);
     LocalSearch local(s, slots, set);
     if (local.search(set) != Verdict::kExcluded) continue;
-    if (set.size() > kMinimalSetLimit) {
+    if (set.size() > ContradictionTuning::kMinimalSetLimit) {
       sort_as_in_world(set);
       return made_of(set, local.largest());
     }

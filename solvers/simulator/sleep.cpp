@@ -184,7 +184,7 @@ void Sleep::wake_approached(World& world, std::span<const ContactCache::Slot> sl
     const Vec3 v = state.twists[slot.at.b].at(state.poses[slot.at.b].q * contact.p_BQ) -
                    state.twists[slot.at.a].at(state.poses[slot.at.a].q * contact.p_AP);
     const double approach = std::max(0.0, -contact.normal.dot(v)) + world.gravity().norm() * h;
-    if (contact.gap <= kTouch + SleepTuning::kFaster * h * approach) wake_island(world, asleep);
+    if (contact.gap <= LawTuning::kTouch + SleepTuning::kFaster * h * approach) wake_island(world, asleep);
   }
 }
 

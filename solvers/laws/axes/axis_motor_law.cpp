@@ -6,8 +6,10 @@
 namespace taut {
 namespace {
 
-/// Of what a motor can give, at least this part counts when it brakes, whatever the load.
-constexpr double kLeastBraking = 0.05;
+struct AxisMotorTuning {
+  /// Of what a motor can give, at least this part counts when it brakes, whatever the load.  Chosen.
+  static constexpr double kLeastBraking = 0.05;
+};
 
 /// The largest mean rate of a step of h of which the end lets the way be kept with this deceleration: what is
 /// left, h w less, is then at least (w − a h/2)²/2a.
@@ -80,7 +82,7 @@ bool AxisMotorLaw::set_position(const AxisStage& stage) {
   double rate = (target.value - stage.start.theta) / h;
   // Against a target that moves on as at the end of the step.
   const double own = target.rate - 0.5 * h * target.acceleration, way = std::abs(rate - own) * h;
-  if (way > kTouch && has_to_brake(motor)) {
+  if (way > LawTuning::kTouch && has_to_brake(motor)) {
     const double deceleration = braking(stage, target, rate - own);
     if (deceleration > 0) rate = no_faster(rate, own, mean_rate_to_stop(way, deceleration, h));
   }
@@ -91,7 +93,8 @@ bool AxisMotorLaw::set_velocity(const AxisStage& stage) {
   if (!stage.p.motor || !keeps_target(*stage.p.motor)) return true;
   const AxisMotor& motor = *stage.p.motor;
   const MotionPoint target = target_at(motor, stage.step.end_time);
-  const double left = target.value - stage.theta, back = std::abs(left) <= kTouch ? 0 : left / stage.step.h;
+  const double left = target.value - stage.theta,
+               back = std::abs(left) <= LawTuning::kTouch ? 0 : left / stage.step.h;
   on_target = back == 0;
   double rate = target.rate + back;
   if (back != 0 && has_to_brake(motor)) {
@@ -110,7 +113,7 @@ bool AxisMotorLaw::set_single_kick(const AxisStage& stage) {
   const MotionPoint target = target_at(motor, stage.step.end_time - h);
   const double way = target.value - stage.start.theta;
   double rate = target.rate + way / h;
-  on_target = std::abs(way) <= kTouch;
+  on_target = std::abs(way) <= LawTuning::kTouch;
   if (!on_target && has_to_brake(motor)) {
     const double deceleration = braking(stage, target, way);
     const double towards = std::copysign(1.0, way) * (stage.start.rate - target.rate);
@@ -129,7 +132,7 @@ double AxisMotorLaw::braking(const AxisStage& stage, const MotionPoint& target, 
   const double own = available_force(*stage.p.motor, std::abs(stage.start.rate)) / inertia;
   const double load = acceleration - force / inertia - target.acceleration;
   const double deceleration =
-      std::max(kLeastBraking * own, own - std::max(0.0, std::copysign(1.0, way) * load));
+      std::max(AxisMotorTuning::kLeastBraking * own, own - std::max(0.0, std::copysign(1.0, way) * load));
   return std::isfinite(deceleration) ? deceleration : 0;
 }
 

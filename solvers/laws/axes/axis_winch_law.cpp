@@ -37,7 +37,7 @@ bool AxisWinchLaw::set_position(const AxisStage& stage) {
 bool AxisWinchLaw::set_velocity(const AxisStage& stage) {
   if (!stage.p.motor || !stage.p.motor->pulls_only) return true;
   const double rate = wind(stage);
-  const bool taut = stage.theta >= length - kTouch;
+  const bool taut = stage.theta >= length - LawTuning::kTouch;
   at = taut ? rate : kUnreachedRate;
   // Both kicks together are the impulse that must not push.
   back = taut ? std::max(0.0, -stage.first_kick.motor) : 0;
@@ -51,7 +51,7 @@ bool AxisWinchLaw::set_single_kick(const AxisStage& stage) {
   if (!stage.p.motor || !stage.p.motor->pulls_only) return true;
   const double rate = wind(stage);
   back = 0;
-  at = stage.theta >= 0.5 * (stage.start.let_out + length) - kTouch ? rate : kUnreachedRate;
+  at = stage.theta >= 0.5 * (stage.start.let_out + length) - LawTuning::kTouch ? rate : kUnreachedRate;
   if (!std::isfinite(at) || !std::isfinite(length)) return at = 0, false;
   bound = stage.step.h * available_force(*stage.p.motor, std::abs(rate));
   return true;
