@@ -29,7 +29,7 @@ double flops_of_dense_blocks(const Rows& rows, const MassMatrix& mass) {
 
 PrimalChoice::PrimalChoice(const World& world, const Rows& rows) {
   for (const Rows::AxisRow& row : rows.axis_rows())
-    friction_axes_ += row.axis.axis >= 0 && world.axis_properties(row.axis).friction.has_value();
+    friction_axes_ += row.axis() && world.axis_properties(*row.axis()).friction.has_value();
 }
 
 void PrimalChoice::decide(const LinearizedRows& rows, PrimalSystem& primal) {

@@ -35,7 +35,7 @@ bool AxisLoads::update(const AxisTable& table, std::span<AxisLaw> axes, const Ro
   for (std::size_t i = 0; i < table.size(); ++i) {
     const AxisProperties& p = table.properties(i);
     if (!p.friction || p.friction->per_load == 0 || table.released(i)) continue;
-    const double load = load_of(rows, rows.joints()[table.id(i).joint.index], jacobian, lambda);
+    const double load = load_of(rows, rows.joints()[table.axis(i)->joint.index], jacobian, lambda);
     AxisFrictionLaw& friction = axes[i].friction;
     const double change = load - friction.load, last = friction.load_change;
     const bool moved = p.friction->per_load * std::abs(change) >

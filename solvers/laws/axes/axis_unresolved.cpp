@@ -105,12 +105,12 @@ double excess_of(const Pair& pair, double hh, const Stretched& at, bool single_k
 bool has_constant_inertia(const AxisTable& table, const Rows& rows, std::size_t i) {
   const World& world = table.world();
   const Rows::AxisRow& row = table.rows()[i];
-  if (row.spring.index >= 0) {
-    const LineSpring& spring = *world.force(row.spring).spring();
+  if (const Rows::SpringRow* of_spring = row.spring()) {
+    const LineSpring& spring = *world.force(of_spring->spring).spring();
     const auto is_lever = [&](BodyId b, const Vec3& p) { return !world.is_fixed(b) && !p.isZero(0); };
     return !is_lever(spring.a, spring.p_AP) && !is_lever(spring.b, spring.p_BQ);
   }
-  const JointId joint = row.axis.joint;
+  const JointId joint = *row.joint();
   const std::span<const BodyId> bodies = world.joint(joint).bodies();
   if (std::none_of(bodies.begin(), bodies.end(), [&](BodyId b) { return world.is_fixed(b); })) return false;
   const Rows::JointRows& of = rows.joints()[joint.index];
