@@ -41,8 +41,10 @@ void Rows::note_axes(const detail::PartStoreBase* store) {
     stores_with_axes_.push_back(store);
 }
 
-void Rows::append_axis_row(AxisId axis, int index) {
-  axis_rows_.push_back({static_cast<int>(rows_.size()) - 1, axis, index});
+std::optional<JointId> Rows::AxisRow::joint() const {
+  if (const AxisId* of_axis = axis()) return of_axis->joint;
+  const auto* softened = std::get_if<SoftenedRow>(&what);
+  return softened ? std::optional(softened->joint) : std::nullopt;
 }
 
 void Rows::append_side(int body, int joint, int row_count, int arm) {
@@ -57,11 +59,11 @@ void Rows::append_contact(const ContactSlot& slot) {
                      ContactIndex{static_cast<int>(contacts_.size())}});
   for (int body : {slot.a, slot.b}) append_side(body, j, count);
   using namespace row_parts;
-  append(ContactPoint{}, j, 0, {}, kEquality);
+  append(ContactPoint{}, j, 0, {}, RowKind::kContact);
   contact_points_ = static_cast<detail::PartStore<ContactPoint>*>(store_of_type_.at(typeid(ContactPoint)));
   contacts_.push_back({rows_.back().item, -1});
   if (!slot.twist) return;
-  append(ContactTwist{}, j, 3, {}, kEquality);
+  append(ContactTwist{}, j, 3, {}, RowKind::kContact);
   contact_twists_ = static_cast<detail::PartStore<ContactTwist>*>(store_of_type_.at(typeid(ContactTwist)));
   contacts_.back().twist = rows_.back().item;
 }
@@ -86,7 +88,7 @@ Rows Rows::part(std::span<const int> joints, std::span<const int> new_body, int 
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s)
       part.append_side(new_body[sides_[s].body], index, joint.row_count, sides_[s].arm);
     for (int r = joint.first_row; r < joint.first_row + joint.row_count; ++r) {
-      part.rows_.push_back({index, rows_[r].angular, nullptr, 0, 0, rows_[r].axis});
+      part.rows_.push_back({index, rows_[r].angular, nullptr, 0, 0, rows_[r].kind});
       part.unit_.push_back(unit_[r]);
     }
   }

@@ -65,24 +65,39 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
     int arm = 0;
     int value_count() const { return arm != 0 ? 3 : 6 * row_count; }  ///< of its block
   };
+  enum class RowKind : char {  ///< What a row asks for.
+    kEquality,                 ///< that its residual is 0
+    kAxis,                     ///< what the properties of a free axis ask for
+    kSoftened,                 ///< what its joint's compliance asks for in place of an equality
+    kSpring,                   ///< what a spring between two bodies asks for
+    kContact,                  ///< what a contact asks for
+  };
   struct Row {                                     ///< What one row is made of.
     int block = 0;                                 ///< index in joints(), as of a Side
     bool angular = false;                          ///< in radians; otherwise in metres
     const detail::PartStoreBase* store = nullptr;  ///< where its part is
     int item = 0, row_in_part = 0;                 ///< the part in its store, and the row in the part
-    int axis = kEquality;                          ///< of the joint, or one of the following
+    RowKind kind = RowKind::kEquality;             ///< what it asks for
   };
-  static constexpr int kEquality = -1;  ///< a row that must hold
-  static constexpr int kSpring = -3;    ///< of a spring between two bodies
-  static constexpr int kSoftened = -2;  ///< an equality row that gives way by its joint's compliance
-  /// A row that is no equality: that of a free axis, whose residual is the coordinate θ itself, or a row of a
-  /// joint that its compliance softens, whose residual is the gap.
+  /// Row of a joint that gives way by the joint's compliance; its residual is the gap.
+  struct SoftenedRow {
+    JointId joint;  ///< whose equality row it would be
+  };
+  /// Row of a spring between two bodies.
+  struct SpringRow {
+    ForceId spring;        ///< whose row it is
+    bool centred = false;  ///< of one of three displacements in axes of A, not of the length
+  };
+  /// A row that is no equality: that of a free axis, whose residual is the coordinate θ itself, or one of the
+  /// above.
   struct AxisRow {
-    int row = 0;           ///< its index
-    AxisId axis;           ///< its `axis` is negative for a softened row
-    int index = 0;         ///< of θ in State::axes; negative for a softened row
-    ForceId spring{-1};    ///< whose row it is; then `axis` is none
-    bool centred = false;  ///< row of one of three displacements in axes of A, not of the length
+    int row = 0;                                        ///< its index
+    std::variant<AxisId, SoftenedRow, SpringRow> what;  ///< what it belongs to
+    /// The axis, or the spring, if it is the row of one.  @{
+    const AxisId* axis() const { return std::get_if<AxisId>(&what); }
+    const SpringRow* spring() const { return std::get_if<SpringRow>(&what); }  /// @}
+    /// The joint that it is a row of, if it is one of a joint.
+    std::optional<JointId> joint() const;
   };
   enum class AxisRows { kIncluded, kLeftOut };  ///< Whether free axes with properties have rows.
   enum class Joints {                           ///< Which joints have rows.
@@ -147,8 +162,8 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   }
   /// Unit of the gap of an equality row of a joint, kept beside the rows for loops over all of them.
   enum class Unit : char { kNone, kMetre, kRadian };
-  Unit gap_unit(int i) const { return unit_[i]; }                                         ///< of row i
-  bool is_equality(int i) const { return rows_[i].axis == kEquality && !is_contact(i); }  ///< of a joint
+  Unit gap_unit(int i) const { return unit_[i]; }                                ///< of row i
+  bool is_equality(int i) const { return rows_[i].kind == RowKind::kEquality; }  ///< of a joint
   /// Contact rows come last.
   bool is_contact(int i) const { return i >= first_contact_row_; }
   int first_contact_row() const { return first_contact_row_; }  ///< row_count() without contacts
@@ -216,8 +231,8 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   friend class AxisSink;
   Rows() = default;
   template <typename Part>
-  void append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index = -1);
-  void append_axis_row(AxisId axis, int index);
+  void append(const Part& part, int joint, int row_in_joint, Between sides, RowKind kind,
+              int axis_index = -1);
   void append_empty_block(const Owner& owner);
   void append_joint(const World& world, int j, AxisRows axis_rows, Joints joints, Blocks blocks);
   void append_spring(const World& world, ForceId id, Joints joints);
@@ -279,7 +294,8 @@ void RowSink::place(const Part& part, Between sides) {
   const bool soft = detail::is_angular(part) ? soft_rotation_ : soft_translation_;
   constexpr bool point = std::is_same_v<Part, row_parts::Point>;
   any_point_ = any_point_ || point;
-  if (rows_) rows_->append(part, joint_, count_, sides, soft ? Rows::kSoftened : Rows::kEquality);
+  if (rows_)
+    rows_->append(part, joint_, count_, sides, soft ? Rows::RowKind::kSoftened : Rows::RowKind::kEquality);
   if (groups_ && soft)
     groups_->push_back({detail::store_of_one(part, sides.a, sides.b, detail::body_indices(made_for_), -1),
                         Part::kRows, detail::is_angular(part)});
@@ -287,17 +303,17 @@ void RowSink::place(const Part& part, Between sides) {
 }
 
 template <typename Part>
-void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, int axis, int axis_index) {
+void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, RowKind kind,
+                  int axis_index) {
   if constexpr (std::is_same_v<Part, row_parts::Point>) {
     Side* const joint_sides = sides_.data() + joints_[joint].first_side;
     if (joint_sides[0].arm != 0) {
       joint_sides[sides.a].arm = -1, joint_sides[sides.b].arm = 1;
-      return append(row_parts::CompactPoint{part}, joint, row_in_joint, sides, axis, axis_index);
+      return append(row_parts::CompactPoint{part}, joint, row_in_joint, sides, kind, axis_index);
     }
   }
-  if (axis == kSoftened)
-    for (int i = 0; i < Part::kRows; ++i)
-      axis_rows_.push_back({static_cast<int>(rows_.size()) + i, {JointId{joint}, kSoftened}, kSoftened});
+  if (kind == RowKind::kSoftened)
+    for (int i = 0; i < Part::kRows; ++i) axis_rows_.push_back({row_count() + i, SoftenedRow{{joint}}});
   using Store = detail::StoreOf<Part>;
   auto& slot = store_of_type_[typeid(Part)];
   if (!slot) {
@@ -308,8 +324,8 @@ void Rows::append(const Part& part, int joint, int row_in_joint, Between sides, 
   const JointRows& place = joints_[joint];
   const int first_row = place.first_row + row_in_joint, item = static_cast<int>(items.size());
   for (int i = 0; i < Part::kRows; ++i)
-    rows_.push_back({joint, detail::is_angular(part), slot, item, i, axis});
-  unit_.resize(rows_.size(), axis != kEquality          ? Unit::kNone
+    rows_.push_back({joint, detail::is_angular(part), slot, item, i, kind});
+  unit_.resize(rows_.size(), kind != RowKind::kEquality ? Unit::kNone
                              : detail::is_angular(part) ? Unit::kRadian
                                                         : Unit::kMetre);
   const auto offset = [&](int side) { return sides_[place.first_side + side].offset + 6 * row_in_joint; };
@@ -348,8 +364,8 @@ void AxisSink::place(std::string_view name, const Part& part, Between sides) {
     if constexpr (requires { part.across; }) infos_->back().across = part.across;
   } else if (properties_ && properties_[axis].any()) {
     if (rows_) {
-      rows_->append(part, joint_index_, row_in_joint_, sides, axis, index);
-      rows_->append_axis_row({JointId{joint_index_}, axis}, index);
+      rows_->axis_rows_.push_back({rows_->row_count(), AxisId{JointId{joint_index_}, axis}});
+      rows_->append(part, joint_index_, row_in_joint_, sides, Rows::RowKind::kAxis, index);
     }
     ++row_in_joint_;
   }

@@ -114,8 +114,8 @@ void Rows::append_spring(const World& world, ForceId id, Joints joints) {
   joints_.push_back({row_count(), count, static_cast<int>(sides_.size()), 2, 0, id});
   for (BodyId body : {spring.a, spring.b}) append_side(body.index, j, count);
   const auto add = [&](const auto& part, int row, bool is_centred) {
-    append(part, j, row, {}, kSpring);
-    axis_rows_.push_back({row_count() - 1, {JointId{-1}, kSpring}, kSpring, id, is_centred});
+    axis_rows_.push_back({row_count(), SpringRow{id, is_centred}});
+    append(part, j, row, {}, RowKind::kSpring);
   };
   for (int k = 0; k < 3 && centred; ++k)
     add(row_parts::PointInPlane{spring.p_AP, Vec3::Unit(k), spring.p_BQ}, k, true);

@@ -84,7 +84,7 @@ std::vector<SettingConflict> setting_conflicts(const Settings& s, const World& w
     if (const std::string problem = tree_problem(world, rows); !problem.empty())
       add(problem + R"(: "rattle" has that)");
   } else if (!rows.axis_rows().empty())
-    add("joint " + world.name(rows.axis_rows().front().axis.joint) + " has " + all_axis_phrases() +
+    add("joint " + world.name(*rows.axis_rows().front().joint()) + " has " + all_axis_phrases() +
         R"( or a compliance, which need "rattle" or "moreau-jean")");
   if (s.contacts && world.shape_count() > 0)
     add(R"(bodies have shapes, whose contacts need "rattle" or "moreau-jean", or "contacts": false)");

@@ -229,7 +229,7 @@ int ActiveSet::find_wrong_rows(const Problem& problem) {
   double rate_slack = Tuning::kDecision * scale_, impulse_slack = rate_slack;
   if (impulses_to_decide_by(problem) && system_.singular()) {
     // Round-off in the null space is magnified by 1 / ε.
-    const double noise = kRelativeRoundOff / system_.factored_shift();
+    const double noise = ResidualTuning::kRoundOff / system_.factored_shift();
     double largest = 0;
     for (std::size_t r = 0; r < states_.size(); ++r)
       largest = std::max(largest, root_[r] * std::abs(decision_[r]));

@@ -53,9 +53,9 @@ struct ActiveSetTuning {
 };
 
 struct ActiveSetSettings {
-  double tolerance = kMetResidual;  ///< of the natural residual, see ActiveSetOutcome
-  double rate_tolerance = 0;        ///< rates that are off by less than this [m/s or rad/s] count as right
-  bool update_factor = true;        ///< a few changed rows go through RowUpdates instead of a new factor
+  double tolerance = ResidualTuning::kMet;  ///< of the natural residual, see ActiveSetOutcome
+  double rate_tolerance = 0;  ///< rates that are off by less than this [m/s or rad/s] count as right
+  bool update_factor = true;  ///< a few changed rows go through RowUpdates instead of a new factor
   /// Impulses in the null space of dependent rows stay as in the guess, instead of those of least norm.
   bool keep_null_space = false;
   int max_rounds = -1;            ///< of pivoting; −1: 60, and one more for every fourth bounded row

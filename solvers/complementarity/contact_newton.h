@@ -19,7 +19,7 @@ namespace taut {
 /// When the iteration ends: the residual that is sought, and what is enough if that takes long; errors of
 /// rates below `rate_tolerance` [m/s or rad/s] do not count.
 struct NewtonLimits {
-  double tolerance = kMetResidual, most = kMetContactResidual, rate_tolerance = 0;
+  double tolerance = ResidualTuning::kMet, most = ResidualTuning::kMetByContacts, rate_tolerance = 0;
   int iterations = 500;
   /// Ends where rounds no longer lower the slip of contacts that share a load: they do not hold.
   bool holding = false;

@@ -61,7 +61,7 @@ bool ContactSolver::solve(const StageProblem& problem, const ContactLimits& limi
 bool ContactSolver::rests(const StageProblem& problem, double rate_tolerance, StageRecord& record) {
   if (!contacts_.rest() || !contacts_.is_clear(problem.lambda)) return false;
   system_.rates(problem.lambda, problem.b, problem.w);
-  return meets_laws(problem, kMetResidual, rate_tolerance, record) ||
+  return meets_laws(problem, ResidualTuning::kMet, rate_tolerance, record) ||
          rests_locked(problem, rate_tolerance, record);
 }
 
@@ -85,7 +85,7 @@ bool ContactSolver::rests_locked(const StageProblem& problem, double rate_tolera
             .iterations;
   };
   const auto met = [&](const StageProblem& held) {
-    return meets_laws(held, kMetContactResidual, rate_tolerance, record);
+    return meets_laws(held, ResidualTuning::kMetByContacts, rate_tolerance, record);
   };
   return keep_division(problem, rate_tolerance, solve, met);
 }
@@ -133,7 +133,7 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
       // What holds by the normality law holds by Coulomb's where it does not slip at all.
       search.end(true);
       const double off = relative_residual(problem, rate_tolerance);
-      if (off <= kMetContactResidual) {
+      if (off <= ResidualTuning::kMetByContacts) {
         record.residual = std::max(record.residual, off);
         return true;
       }
@@ -166,7 +166,7 @@ bool ContactSolver::solve_by_sweeps(const StageProblem& problem, double rate_tol
   // Also of impulses that vanish in the end.
   const double residual = error.over(impulse_scale(diagonal_of(problem), problem.lambda, problem.b));
   if (!(residual <= inexact) || !std::isfinite(max_abs(problem.lambda))) return false;
-  if (residual > kMetContactResidual)
+  if (residual > ResidualTuning::kMetByContacts)
     record.loose = residual;
   else
     record.residual = std::max(record.residual, residual);

@@ -22,7 +22,7 @@ struct InteriorPointTuning {
 
 /// When it ends.
 struct InteriorLimits {
-  double tolerance = kMetResidual;  ///< of the natural residual over the size of impulses
+  double tolerance = ResidualTuning::kMet;  ///< of the natural residual over the size of impulses
   int iterations = 60;
 };
 

@@ -26,8 +26,8 @@ struct PrimalDualTuning {
 
 /// When it ends.
 struct PrimalDualLimits {
-  double tolerance = kMetResidual;  ///< of the natural residual over the size of impulses
-  double rate_tolerance = 0;        ///< errors of rates below this do not count [m/s or rad/s]
+  double tolerance = ResidualTuning::kMet;  ///< of the natural residual over the size of impulses
+  double rate_tolerance = 0;                ///< errors of rates below this do not count [m/s or rad/s]
   int iterations = 8;
   double softness = 1e-6;  ///< Σ over S_rr
 };

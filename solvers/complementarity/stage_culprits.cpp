@@ -53,7 +53,7 @@ Culprit StageCulprits::owner_of(int row, const Rows::AxisRow* axis) const {
   const auto& owner = model_.system.rows().owner(row);
   if (const auto* spring = std::get_if<ForceId>(&owner))
     return {.kind = Culprit::Kind::kSpring, .force = *spring};
-  if (axis && axis->axis.axis >= 0) return {.kind = Culprit::Kind::kAxis, .axis = axis->axis};
+  if (axis && axis->axis()) return {.kind = Culprit::Kind::kAxis, .axis = *axis->axis()};
   return {.kind = Culprit::Kind::kJoint, .axis = AxisId{std::get<JointId>(owner), -1}};
 }
 

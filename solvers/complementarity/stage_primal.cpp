@@ -31,7 +31,7 @@ bool StagePrimal::solve_near(const StageAttempt& attempt, StageRecord& record) {
   if (outcome.converged && exact(attempt)) return true;
   std::copy(guess_.begin(), guess_.end(), lambda.begin());
   const NewtonLimits few{.tolerance = attempt.tolerance,
-                         .most = kMetResidual,
+                         .most = ResidualTuning::kMet,
                          .rate_tolerance = rate_tolerance,
                          .iterations = Tuning::kFewSteps};
   if (contact_solver_.solve(attempt.problem(), {.newton = few}, record) && exact(attempt)) return true;
@@ -45,7 +45,7 @@ bool StagePrimal::solve_by_interior_point(const StageAttempt& attempt, StageReco
       interior_.solve(attempt.laws, attempt.b, attempt.stage.lambda, attempt.w, {}, record.times);
   add_to(record, outcome);
   if (outcome.converged && exact(attempt)) return true;
-  const NewtonLimits limits{.most = kMetResidual, .rate_tolerance = attempt.rate_tolerance};
+  const NewtonLimits limits{.most = ResidualTuning::kMet, .rate_tolerance = attempt.rate_tolerance};
   return contact_solver_.solve(attempt.problem(), {.newton = limits}, record) && exact(attempt);
 }
 

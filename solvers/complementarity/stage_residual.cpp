@@ -22,11 +22,11 @@ void StageResidual::begin_velocities(std::span<const Twist> twists) {
 }
 
 double StageResidual::natural_tolerance() const {
-  return contacts_.any() ? kMetContactResidual : kMetResidual;
+  return contacts_.any() ? ResidualTuning::kMetByContacts : ResidualTuning::kMet;
 }
 
 bool StageResidual::exact(const StageSolution& solution) const {
-  return contacts_.any() || natural(solution) <= kMetResidual;
+  return contacts_.any() || natural(solution) <= ResidualTuning::kMet;
 }
 
 double StageResidual::exact_rate_tolerance() const {
@@ -45,7 +45,8 @@ double StageResidual::motion(const StageSolution& solution, double h) const {
 double StageResidual::natural(const StageSolution& solution) const {
   const double size = scale(solution);
   const Noise noise = contacts_.empty() ? rate_noise() : contact_noise_;
-  const RateSize least{contact_noise_.angular / kMetResidual, contact_noise_.linear / kMetResidual};
+  const RateSize least{contact_noise_.angular / ResidualTuning::kMet,
+                       contact_noise_.linear / ResidualTuning::kMet};
   LargestResidual largest;
   for (int k = 0; k < contacts_.count(); ++k)
     largest.add(relative_contact_residual(contacts_, k, solution.lambda, solution.w, size, least));
@@ -74,7 +75,8 @@ double StageResidual::of_row(int r, const StageSolution& solution, double scale,
   const auto& [laws, b, inertia, lambda, w] = solution;
   const double own = delassus_diagonal(inertia[r]), root = 1 / std::sqrt(own);
   const double off = natural_residual(laws[r], own, lambda[r], w[r]).size;
-  const double least = root * (system_.rows().row(r).angular ? noise.angular : noise.linear) / kMetResidual;
+  const double least =
+      root * (system_.rows().row(r).angular ? noise.angular : noise.linear) / ResidualTuning::kMet;
   return off == 0 ? 0 : off / std::max(scale, least);  // of a world at rest without loads all three are
 }
 
@@ -82,8 +84,8 @@ double StageResidual::of_row(int r, const StageSolution& solution, double scale,
 /// step began with, of which impulses may have left next to nothing.
 StageResidual::Noise StageResidual::rate_noise() const {
   const Noise now = round_off_of(twists_);
-  return {std::max(now.angular, start_.angular) + kRelativeRoundOff / h_,
-          std::max(now.linear, start_.linear) + kRelativeRoundOff * (size_ / h_)};
+  return {std::max(now.angular, start_.angular) + ResidualTuning::kRoundOff / h_,
+          std::max(now.linear, start_.linear) + ResidualTuning::kRoundOff * (size_ / h_)};
 }
 
 StageResidual::Noise StageResidual::round_off_of(std::span<const Twist> twists) {
@@ -92,7 +94,7 @@ StageResidual::Noise StageResidual::round_off_of(std::span<const Twist> twists) 
     angular = std::max(angular, twist.w.squaredNorm());
     linear = std::max(linear, twist.v.squaredNorm());
   }
-  return {kRelativeRoundOff * std::sqrt(angular), kRelativeRoundOff * std::sqrt(linear)};
+  return {ResidualTuning::kRoundOff * std::sqrt(angular), ResidualTuning::kRoundOff * std::sqrt(linear)};
 }
 
 }  // namespace taut

@@ -74,7 +74,7 @@ bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport
       .inertia = effective_mass_,
       .w = w_,
       .budget = budget_,
-      .tolerance = stage.near ? StageTuning::kMendedExactly : kMetResidual,
+      .tolerance = stage.near ? StageTuning::kMendedExactly : ResidualTuning::kMet,
       .rate_tolerance = rate_tolerance,
       .warm_start_tolerance = warm_start_.begin(rate_tolerance, stage.near ? rate_tolerance : tight),
       .report = report};

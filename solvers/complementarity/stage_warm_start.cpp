@@ -36,10 +36,10 @@ StageWarmStart::Trial StageWarmStart::accept(StageAttempt& attempt) {
   std::copy(attempt.stage.rates.begin(), attempt.stage.rates.end(), attempt.w.begin());
   double off = contact_solver_.relative_residual(attempt.problem(), tolerance);
   if (!is_near_enough(attempt, off)) return Trial::kMissed;
-  if (off > kMetResidual) {
+  if (off > ResidualTuning::kMet) {
     held_.assign(lambda.begin(), lambda.end());
     off = contact_solver_.sweep(attempt.problem(held_), StageTuning::kMendingSweeps, tolerance);
-    if (off > kMetResidual) return Trial::kMissed;
+    if (off > ResidualTuning::kMet) return Trial::kMissed;
     std::copy(held_.begin(), held_.end(), lambda.begin());
   }
   return try_impulses(attempt, lambda, off);
@@ -50,11 +50,11 @@ bool StageWarmStart::is_near_enough(const StageAttempt& attempt, double off) con
   const bool friction_dominated = model_.friction_dominated();
   // Newton is as fast through the bodies.
   if (off > Tuning::kNear ||
-      (model_.system.uses_primal_system() && off > (friction_dominated ? 0 : kMetResidual)))
+      (model_.system.uses_primal_system() && off > (friction_dominated ? 0 : ResidualTuning::kMet)))
     return false;
   // Sweeps bring impulses through contacts, but hardly along chains of joints.
   const int joint_rows = model_.system.rows().first_contact_row();
-  if (off > kMetResidual && 2 * joint_rows > model_.system.row_count()) return false;
+  if (off > ResidualTuning::kMet && 2 * joint_rows > model_.system.row_count()) return false;
   return !friction_dominated ||
          contact_solver_.newton().holds_joints(attempt.laws, attempt.w, attempt.warm_start_tolerance);
 }
@@ -66,7 +66,7 @@ StageWarmStart::Trial StageWarmStart::try_impulses(StageAttempt& attempt, std::s
   if (model_.move_laws(attempt.problem(lambda), tolerance)) return Trial::kLawsMoved;
   ContactForces& contacts = model_.contacts;
   contacts.take_over(lambda, attempt.w, tolerance);
-  if (!(contacts.residual() <= kMetResidual) || contacts.slips_where_it_held() ||
+  if (!(contacts.residual() <= ResidualTuning::kMet) || contacts.slips_where_it_held() ||
       !residual_.exact(attempt.solution(lambda)))
     return Trial::kMissed;
   pivoting_.take_segments(attempt.solution(lambda));
@@ -91,7 +91,7 @@ StageWarmStart::Trial StageWarmStart::solve_all_sticking(StageAttempt& attempt) 
   };
   const auto met = [&](const StageProblem& held) {
     const double off = contact_solver_.relative_residual(held, tolerance);
-    if (off <= kMetResidual) trial = try_impulses(attempt, held.lambda, off);
+    if (off <= ResidualTuning::kMet) trial = try_impulses(attempt, held.lambda, off);
     if (trial != Trial::kMet) pivoting_.active_set().set_segments(segments_, attempt.laws);
     return trial == Trial::kMet;
   };

@@ -6,6 +6,7 @@
 #include <optional>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 #include "solvers/diagnosis/violation_search.h"
 #include "solvers/laws/axes/axis_motor_law.h"
@@ -18,25 +19,16 @@ using Bound = Contradiction::Bound;
 using Touch = Contradiction::Touch;
 using Verdict = ViolationSearch::Verdict;
 
-/// Members with less than this part of the largest share do not belong to the contradiction; and the same
-/// where that has left out too many.
-constexpr double kBlameShare = 1e-4, kSmallShare = 1e-9;
-/// Sets of more members are not made smaller: each trial is a search of its own.
-constexpr std::size_t kMinimalSetLimit = 200;
-
-/// Whoever can be left out: one of the three.
-struct Member {
-  JointId joint{};  // its equalities
-  Bound bound{};
-  Touch touch{};
-  friend bool operator==(const Member&, const Member&) = default;
+struct ContradictionTuning {
+  /// Members with less than this part of the largest share do not belong to the contradiction; and the same
+  /// where that has left out too many.  Chosen.
+  static constexpr double kBlameShare = 1e-4, kSmallShare = 1e-9;
+  /// Sets of more members are not made smaller: each trial is a search of its own.  Chosen.
+  static constexpr std::size_t kMinimalSetLimit = 200;
 };
-Member equalities_of(JointId joint) { return {.joint = joint}; }
-Member bound_of(AxisId axis, Bound::Kind kind) { return {.bound = {axis, kind}}; }
-bool is_touch(const Member& member) { return member.touch.b != member.touch.a; }
-JointId joint_of(const Member& member) {
-  return member.joint.index >= 0 ? member.joint : member.bound.axis.joint;
-}
+
+/// Whoever can be left out: a pair of bodies, what holds an axis, or a joint with its equalities.
+using Member = std::variant<Touch, Bound, JointId>;
 
 using Slots = std::vector<ContactCache::Slot>;
 
@@ -66,7 +58,7 @@ class Demands {
     for (int j = 0; j < situation.world.joint_count(); ++j) add_joint(search.rows(), {j});
     if (!situation.bounds) return;
     for (const Rows::AxisRow& row : search.rows().axis_rows())
-      if (row.axis.axis >= 0 && !is_gone(row.axis.joint)) add_axis(row);
+      if (const AxisId* axis = row.axis(); axis && !is_gone(axis->joint)) add_axis(*axis, row.row);
     for (std::size_t k = 0; k < slots.size(); ++k)
       add_contact(touch_of(situation, slots[k].contact), search.contact_row(static_cast<int>(k)));
   }
@@ -81,25 +73,25 @@ class Demands {
     if (is_gone(joint)) return;
     const Rows::JointRows& place = rows.joints()[joint.index];
     for (int r = place.first_row; r < place.first_row + place.equality_count; ++r)
-      if (rows.is_equality(r)) add(equalities_of(joint), r, 0, 0);
+      if (rows.is_equality(r)) add(joint, r, 0, 0);
   }
-  void add_axis(const Rows::AxisRow& row) {
-    const AxisProperties& p = situation_.world.axis_properties(row.axis);
+  void add_axis(AxisId axis, int row) {
+    const AxisProperties& p = situation_.world.axis_properties(axis);
     double lower = -kUnlimited, upper = kUnlimited;
     if (p.limits && p.limits->compliance == 0) {
       lower = p.limits->lower, upper = p.limits->upper;
-      if (lower > -kUnlimited) add(bound_of(row.axis, Bound::Kind::kLowerLimit), row.row, lower, kUnlimited);
-      if (upper < kUnlimited) add(bound_of(row.axis, Bound::Kind::kUpperLimit), row.row, -kUnlimited, upper);
+      if (lower > -kUnlimited) add(Bound{axis, Bound::Kind::kLowerLimit}, row, lower, kUnlimited);
+      if (upper < kUnlimited) add(Bound{axis, Bound::Kind::kUpperLimit}, row, -kUnlimited, upper);
     }
     if (!p.motor || !is_unbounded(*p.motor)) return;
     if (p.motor->pulls_only) {
-      const double longest = std::max(lower, target(*p.motor, let_out(row.axis)));
-      if (std::isfinite(longest)) add(bound_of(row.axis, Bound::Kind::kMotor), row.row, -kUnlimited, longest);
+      const double longest = std::max(lower, target(*p.motor, let_out(axis)));
+      if (std::isfinite(longest)) add(Bound{axis, Bound::Kind::kMotor}, row, -kUnlimited, longest);
       return;
     }
     // A motor of any force stops at a limit.
-    const double aim = std::clamp(target(*p.motor, x_[row.row]), lower, upper);
-    if (std::isfinite(aim)) add(bound_of(row.axis, Bound::Kind::kMotor), row.row, aim, aim);
+    const double aim = std::clamp(target(*p.motor, x_[row]), lower, upper);
+    if (std::isfinite(aim)) add(Bound{axis, Bound::Kind::kMotor}, row, aim, aim);
   }
   double let_out(AxisId axis) const { return situation_.from.axes[situation_.world.axis_index(axis)]; }
   /// Where a motor wants its axis to be, coming from θ.
@@ -117,7 +109,7 @@ class Demands {
   }
   void add_contact(const Touch& touch, int row) {
     const auto [entry, fresh] = member_of_pair_.try_emplace({touch.a, touch.b}, members.size());
-    if (fresh) members.push_back({.touch = touch});
+    if (fresh) members.push_back(touch);
     // What has sunk in must not sink deeper.
     demands.push_back({row, static_cast<int>(entry->second), std::min(0.0, x_[row]), kUnlimited});
   }
@@ -157,17 +149,21 @@ class LocalSearch {
       mask_[m] = std::find(wanted.begin(), wanted.end(), members_[m]) != wanted.end();
     return search_->search(mask_);
   }
-  std::vector<Member> sharers_left() { return sharers(members_, search_->shares(), kBlameShare); }
+  std::vector<Member> sharers_left() {
+    return sharers(members_, search_->shares(), ContradictionTuning::kBlameShare);
+  }
   double largest() const { return search_->largest(); }
 
  private:
   void reduce(const Situation& s, std::span<const Member> members) {
     std::vector<JointId> joints;
-    for (const Member& member : members)
-      if (!is_touch(member)) joints.push_back(joint_of(member));
+    for (const Member& member : members) {
+      if (const auto* joint = std::get_if<JointId>(&member)) joints.push_back(*joint);
+      if (const auto* bound = std::get_if<Bound>(&member)) joints.push_back(bound->axis.joint);
+    }
     world_.detach_all_but(joints);
     std::erase_if(slots_, [&](const ContactCache::Slot& slot) {
-      const Member touch{.touch = touch_of(s, slot.contact)};
+      const Member touch = touch_of(s, slot.contact);
       return std::find(members.begin(), members.end(), touch) == members.end();
     });
   }
@@ -200,8 +196,12 @@ void make_minimal(LocalSearch& local, std::vector<Member>& set) {
 
 /// Shares of many members hardly differ; their place in the world says more.
 void sort_as_in_world(std::vector<Member>& members) {
-  const auto key = [](const Member& m) {
-    return std::tuple(m.joint, m.bound.axis.joint, m.bound.axis.axis, m.bound.kind, m.touch.a, m.touch.b);
+  using Key = std::tuple<std::size_t, int, int, Bound::Kind>;
+  const auto key = [](const Member& m) -> Key {
+    if (const auto* touch = std::get_if<Touch>(&m)) return {m.index(), touch->a.index, touch->b.index, {}};
+    if (const auto* joint = std::get_if<JointId>(&m)) return {m.index(), joint->index, 0, {}};
+    const auto& [axis, kind] = std::get<Bound>(m);
+    return {m.index(), axis.joint.index, axis.axis, kind};
   };
   std::sort(members.begin(), members.end(),
             [&](const Member& first, const Member& second) { return key(first) < key(second); });
@@ -210,12 +210,9 @@ void sort_as_in_world(std::vector<Member>& members) {
 Contradiction made_of(const std::vector<Member>& members, double residual) {
   Contradiction found{.joints = {}, .bounds = {}, .contacts = {}, .residual = residual};
   for (const Member& member : members) {
-    if (is_touch(member))
-      found.contacts.push_back(member.touch);
-    else if (member.joint.index >= 0)
-      found.joints.push_back(member.joint);
-    else
-      found.bounds.push_back(member.bound);
+    if (const auto* touch = std::get_if<Touch>(&member)) found.contacts.push_back(*touch);
+    if (const auto* bound = std::get_if<Bound>(&member)) found.bounds.push_back(*bound);
+    if (const auto* joint = std::get_if<JointId>(&member)) found.joints.push_back(*joint);
   }
   return found;
 }
@@ -230,11 +227,11 @@ Contradiction find_contradiction(const Situation& s) {
   if (count == 0) return {};
   whole.begin(std::move(all.demands), static_cast<int>(count), s.from, s.from.time + s.horizon);
   if (whole.search(std::vector<char>(count, 1)) != Verdict::kExcluded) return {};
-  for (double part : {kBlameShare, kSmallShare}) {
+  for (double part : {ContradictionTuning::kBlameShare, ContradictionTuning::kSmallShare}) {
     std::vector<Member> set = sharers(all.members, whole.shares(), part);
     LocalSearch local(s, slots, set);
     if (local.search(set) != Verdict::kExcluded) continue;
-    if (set.size() > kMinimalSetLimit) {
+    if (set.size() > ContradictionTuning::kMinimalSetLimit) {
       sort_as_in_world(set);
       return made_of(set, local.largest());
     }

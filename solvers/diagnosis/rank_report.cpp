@@ -10,13 +10,16 @@
 namespace taut {
 namespace {
 
-/// Joints with less than this part of the largest share are not named among those that hold a row.
-constexpr double kRowShare = 0.05;
-/// In worlds with more dependent rows than this only the first ones get their holders named: each costs a
-/// solve.
-constexpr std::size_t kMaxExplained = 200;
-/// Impulses below this part of the largest are no part of a self-stress.
-constexpr double kNoShare = 1e-6;
+/// Of words alone; chosen.
+struct RankReportTuning {
+  /// Joints with less than this part of the largest share are not named among those that hold a row.
+  static constexpr double kRowShare = 0.05;
+  /// In worlds with more dependent rows than this only the first ones get their holders named: each costs a
+  /// solve.
+  static constexpr std::size_t kMaxExplained = 200;
+  /// Impulses below this part of the largest are no part of a self-stress.
+  static constexpr double kUnstressed = 1e-6;
+};
 
 /// The system has joints only: neither springs nor contacts.
 JointId joint_of(const ConstraintSystem& system, int row) {
@@ -44,7 +47,7 @@ std::vector<JointId> find_self_stressed(const World& world, ConstraintSystem& sy
     double largest = 0;
     for (int r = 0; r < n; ++r) largest = std::max(largest, std::abs(y[r]) / std::sqrt(inertia[r]));
     for (int r = 0; r < n; ++r)
-      if (std::abs(y[r]) / std::sqrt(inertia[r]) > kNoShare * largest)
+      if (std::abs(y[r]) / std::sqrt(inertia[r]) > RankReportTuning::kUnstressed * largest)
         stressed[joint_of(system, r).index] = 1;
   }
   std::vector<JointId> joints;
@@ -71,7 +74,7 @@ std::vector<JointId> find_holders(const World& world, ConstraintSystem& system,
   const double largest = max_abs(share);
   std::vector<JointId> holders;
   for (int j = 0; j < world.joint_count(); ++j)
-    if (share[j] > kRowShare * largest && j != own) holders.push_back({j});
+    if (share[j] > RankReportTuning::kRowShare * largest && j != own) holders.push_back({j});
   if (holders.empty() && share[own] > 0) return {{own}};  // its other rows
   std::stable_sort(holders.begin(), holders.end(),
                    [&](JointId a, JointId b) { return share[a.index] > share[b.index]; });
@@ -81,7 +84,7 @@ std::vector<JointId> find_holders(const World& world, ConstraintSystem& system,
 }  // namespace
 
 RankReport analyze_rank(const World& world, const Settings& settings) {
-  ConstraintSystem system(world, settings.factor, kCountingTolerance, Rows::AxisRows::kLeftOut);
+  ConstraintSystem system(world, settings.factor, RankTuning::kCounting, Rows::AxisRows::kLeftOut);
   StageTimes times;
   system.linearize(world.state());
   system.set_mass(world.state().poses);
@@ -104,7 +107,7 @@ RankReport analyze_rank(const World& world, const Settings& settings) {
     const JointId joint = joint_of(system, row);
     report.redundant.push_back(
         {joint, row - system.rows().joints()[joint.index].first_row, system.rows().row_name(row), {}});
-    if (report.redundant.size() <= kMaxExplained)
+    if (report.redundant.size() <= RankReportTuning::kMaxExplained)
       report.redundant.back().held_by = find_holders(world, system, dependent, row, inertia);
   }
   return report;

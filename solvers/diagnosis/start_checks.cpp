@@ -15,14 +15,16 @@
 namespace taut {
 namespace {
 
-/// Rates below are left to a step, too [m/s or rad/s].
-constexpr double kRateTolerance = 1e-9;
-/// Part of a sum that is no round-off of what was typed into a file, with some six digits.
-constexpr double kTypedPart = 1e-6;
-/// Solves that refine the impulses which would stop forbidden rates.
-constexpr int kPasses = 4;
-/// ω h [rad] at which the leapfrog and semi-implicit Euler begin to grow.
-constexpr double kExplicitLimit = 2;
+struct StartChecksTuning {
+  /// Rates below are left to a step, too [m/s or rad/s].
+  static constexpr double kRateTolerance = 1e-9;
+  /// Part of a sum that is no round-off of what was typed into a file, with some six digits.
+  static constexpr double kTypedPart = 1e-6;
+  /// Solves that refine the impulses which would stop forbidden rates.  Chosen.
+  static constexpr int kPasses = 4;
+  /// ω h [rad] at which the leapfrog and semi-implicit Euler begin to grow.
+  static constexpr double kExplicitLimit = 2;
+};
 
 /// J V + φ_t of the rows of joints that are off by more than round-off, 0 of all others.
 std::vector<double> forbidden_rates(const Rows& rows, std::span<const double> J, const State& state) {
@@ -41,7 +43,9 @@ std::vector<double> forbidden_rates(const Rows& rows, std::span<const double> J,
             block.head<3>().cwiseAbs().dot(V.w.cwiseAbs()) + block.tail<3>().cwiseAbs().dot(V.v.cwiseAbs());
       }
       const double rate = sum + driven[r];
-      if (parts > 0 && std::abs(rate) > std::max(kRateTolerance, kTypedPart * (parts + std::abs(driven[r]))))
+      if (parts > 0 &&
+          std::abs(rate) > std::max(StartChecksTuning::kRateTolerance,
+                                    StartChecksTuning::kTypedPart * (parts + std::abs(driven[r]))))
         rates[r] = rate;
     }
   return rates;
@@ -99,7 +103,7 @@ ForbiddenVelocity forbidden_velocity(const World& world) {
   system.factorize(times);
   // S λ = −rates, refined: dependent rows make one solve inexact.
   std::vector<double> impulses(rates.size()), delta(rates.size()), reached(rates.size());
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < StartChecksTuning::kPasses; ++pass) {
     for (std::size_t r = 0; r < rates.size(); ++r) delta[r] = -rates[r] - reached[r];
     system.clear_bounded_rows(delta);
     system.solve(delta);
@@ -121,7 +125,8 @@ std::vector<SpringFrequency> too_fast_springs(const World& world, double h) {
   std::vector<SpringFrequency> found;
   const MassMatrix mass(world);
   for (const ForceId id : world.springs())
-    if (const double omega = frequency(world, mass, *world.force(id).spring()); omega * h > kExplicitLimit)
+    if (const double omega = frequency(world, mass, *world.force(id).spring());
+        omega * h > StartChecksTuning::kExplicitLimit)
       found.push_back({id, omega});
   std::stable_sort(found.begin(), found.end(),
                    [](const SpringFrequency& a, const SpringFrequency& b) { return a.omega > b.omega; });

@@ -27,13 +27,10 @@ struct Demand {
 class ViolationSearch {
  public:
   enum class Verdict {
-    kHolds,     ///< all demands are met to kClosed
+    kHolds,     ///< all demands are met to SearchTuning::kClosed
     kExcluded,  ///< they are not, and balance
     kUnknown,   ///< neither was reached
   };
-  /// Demands are met within this [m or rad].
-  static constexpr double kClosed = 1e-8;
-
   ViolationSearch(const World& world, std::span<const ContactCache::Slot> contacts);
 
   const Rows& rows() const { return system_.rows(); }

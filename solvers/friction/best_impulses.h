@@ -7,6 +7,11 @@
 
 namespace taut {
 
+struct BestImpulsesTuning {
+  /// Fully: so many times better than what is wanted.  Chosen.
+  static constexpr double kMargin = 100;
+};
+
 /// The impulses that are nearest to the laws of all that were tried, and what the trials cost.
 class BestImpulses {
  public:
@@ -30,7 +35,7 @@ class BestImpulses {
   }
 
   /// Met by more than enough: to a hundredth of what is wanted, so that what follows begins near.
-  double fully() const { return accuracy_ / kMargin; }
+  double fully() const { return accuracy_ / BestImpulsesTuning::kMargin; }
   bool met() const { return errors_.met(accuracy_); }
   double accuracy() const { return accuracy_; }
   double off() const { return off_; }
@@ -40,7 +45,6 @@ class BestImpulses {
   int factorisations = 0, sweeps = 0;
 
  private:
-  static constexpr double kMargin = 100;  ///< so many times better than what is wanted
   static constexpr double kNone = std::numeric_limits<double>::infinity();
 
   const ScaledFriction& problem_;

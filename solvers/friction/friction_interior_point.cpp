@@ -55,7 +55,7 @@ Vector interior_point(const ScaledFriction& problem, BestImpulses& best) {
     Vector to = newton.to_centre(centring * gap);
     if (steady) to -= reach * reach * newton.second_order(dy, dz);
     if (!newton.direction(to, residual, 1 - centring, dy, dz)) break;
-    const double part = at.way(dy, dz, InteriorPoints::kBoundary, 1);
+    const double part = at.way(dy, dz, InteriorPointsTuning::kBoundary, 1);
     shorts = part < Tuning::kShortStep ? shorts + 1 : 0;
     at.go(part, dy, dz);
   }

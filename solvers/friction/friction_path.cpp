@@ -78,7 +78,7 @@ class Path {
       OnPath next = now_;
       const double move = part * aside + sign_ * ahead;
       const Vector dy = part * back_y + move * along_y, dz = part * back_z + move * along_z;
-      const double reach = next.at.way(dy, dz, InteriorPoints::kBoundary, 1);
+      const double reach = next.at.way(dy, dz, InteriorPointsTuning::kBoundary, 1);
       next.at.go(reach, dy, dz);
       next.log_tau += reach * move;
       if (distance(next) <

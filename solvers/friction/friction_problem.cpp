@@ -28,6 +28,11 @@ void require_friction(const Eigen::VectorXd& mu, int equalities) {
   for (const double value : mu) require_not_negative("mu", value);
 }
 
+struct PseudoInverseTuning {
+  /// ε, a part of the diagonal: ε² is round-off.
+  static constexpr double kShift = 1e-9;
+};
+
 /// A⁺ b of positive semidefinite A, for b in its range: solved with A + ε diag A, which leaves O(ε), and from
 /// there once more, which leaves O(ε²).
 class PseudoInverse {
@@ -35,13 +40,14 @@ class PseudoInverse {
   using Columns = Eigen::SparseMatrix<double>;
 
   explicit PseudoInverse(const Columns& A) : A_(A) {
-    constexpr double kShift = 1e-9;  // ε, so that ε² is round-off
     Columns shifted = A;
     const Eigen::VectorXd diagonal = A.diagonal();
     const double largest = diagonal.cwiseAbs().maxCoeff();
     // Rows that move nothing ask for nothing.
     for (int i = 0; i < A.rows(); ++i)
-      shifted.coeffRef(i, i) += diagonal[i] > 0 ? kShift * diagonal[i] : largest > 0 ? largest : 1;
+      shifted.coeffRef(i, i) += diagonal[i] > 0 ? PseudoInverseTuning::kShift * diagonal[i]
+                                : largest > 0   ? largest
+                                                : 1;
     if (!factor_.factorize(shifted))
       fail("W", "must be positive semidefinite among equalities", factor_.error());
   }
@@ -107,7 +113,7 @@ FrictionErrors friction_errors(const FrictionProblem& problem, const Eigen::Vect
   FrictionErrors errors = scaled.errors(scaled.own(r));
   // Tangents of contacts without friction are not among the unknowns.
   for (int k = 0; k < problem.contacts(); ++k)
-    if (problem.mu[k] < ScaledFriction::kNoFriction)
+    if (problem.mu[k] < ScaledFrictionTuning::kNoFriction)
       for (const int row : {problem.equalities + 3 * k + 1, problem.equalities + 3 * k + 2})
         if (r[row] != 0)
           errors.impulses = errors.rates = errors.map = std::numeric_limits<double>::infinity();

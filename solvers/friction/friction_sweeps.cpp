@@ -8,19 +8,21 @@
 namespace taut {
 namespace {
 
-/// One contact by itself: fixed points of r ← P(r − γ û), for so many steps (60 take twice the time of all,
-/// and lead to the same), or until one changes less than this part of r, a little above round-off.
-constexpr int kLocalSteps = 10;
-constexpr double kLocalAccuracy = 1e-13;
+struct FrictionSweepsTuning {
+  /// One contact by itself: fixed points of r ← P(r − γ û), for so many steps (60 take twice the time of all,
+  /// and lead to the same), or until one changes less than this part of r, a little above round-off.
+  static constexpr int kLocalSteps = 10;
+  static constexpr double kLocalAccuracy = 1e-13;
+};
 
 /// Its impulses, from r and u on; B is W of the contact.
 Vec3 one_contact(const Mat3& B, double step, double mu, Vec3 r, Vec3 u) {
-  for (int i = 0; i < kLocalSteps; ++i) {
+  for (int i = 0; i < FrictionSweepsTuning::kLocalSteps; ++i) {
     const double slip = std::sqrt(u[1] * u[1] + u[2] * u[2]);
     const Vec3 next = into_cone(r - step * Vec3(u[0] + mu * slip, u[1], u[2]), mu), change = next - r;
     r = next;
     u += B * change;
-    if (change.cwiseAbs().sum() <= kLocalAccuracy * r.cwiseAbs().sum()) break;
+    if (change.cwiseAbs().sum() <= FrictionSweepsTuning::kLocalAccuracy * r.cwiseAbs().sum()) break;
   }
   return r;
 }

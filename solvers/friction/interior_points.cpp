@@ -10,12 +10,6 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Law = ScaledFriction::Law;
 
-/// y and z at the start, as parts of the largest |q|.  With both 1, two of 81 problems less are solved, with
-/// both 0.1 twelve in place of six need the path.
-constexpr double kFirstImpulse = 1, kFirstRate = 0.1;
-/// Compliance that keeps the matrix regular, of equalities and of all, as a part of the mean diagonal of W.
-constexpr double kEqualityCompliance = 1e-10, kCompliance = 1e-12;
-
 /// Products and quotients of the algebra of the cone |x_t| ≤ x_0.  @{
 Vec3 arrow(const Vec3& a, const Vec3& b) {
   Vec3 c = a[0] * b + b[0] * a;
@@ -62,8 +56,8 @@ InteriorPoints::InteriorPoints(const ScaledFriction& friction)
   for (const auto& [law, first, n, mu] : problem.blocks()) {
     if (law == Law::kEquality) continue;
     if (law == Law::kCone) P[first] = 1 / mu;
-    y[first] = kFirstImpulse * size;
-    z[first] = kFirstRate * size;
+    y[first] = InteriorPointsTuning::kFirstImpulse * size;
+    z[first] = InteriorPointsTuning::kFirstRate * size;
     ++cones_;
   }
 }
@@ -153,8 +147,9 @@ void InteriorNewton::scale(int b, double smooth) {
 void InteriorNewton::assemble() {
   for (int b = 0; b < std::ssize(scaling_); ++b) {
     const auto& block = problem_.blocks()[b];
-    const Mat3 more = block.law == Law::kEquality ? Mat3(kEqualityCompliance * Mat3::Identity())
-                                                  : Mat3(scaling_[b].G * scaling_[b].inverse_squared);
+    const Mat3 more = block.law == Law::kEquality
+                          ? Mat3(InteriorPointsTuning::kEqualityCompliance * Mat3::Identity())
+                          : Mat3(scaling_[b].G * scaling_[b].inverse_squared);
     const int own = problem_.diagonal(block);
     for (int i = 0; i < block.size; ++i) {
       const int row = block.first + i;
@@ -163,7 +158,7 @@ void InteriorNewton::assemble() {
       for (int k = 0; k < std::ssize(columns); ++k) {
         double value = at_.P[row] * values[k] * at_.P[columns[k]];
         if (const int j = k - own; j >= 0 && j < block.size)
-          value += more(i, j) + (i == j ? kCompliance * at_.P[row] * at_.P[row] : 0);
+          value += more(i, j) + (i == j ? InteriorPointsTuning::kCompliance * at_.P[row] * at_.P[row] : 0);
         matrix_.column.push_back(columns[k]);
         matrix_.values.push_back(value);
       }

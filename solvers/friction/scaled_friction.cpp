@@ -13,13 +13,6 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Blocks whose matrix is below this part of the largest have no unit of their own.
-constexpr double kLeastOwnPart = 1e-14;
-/// Steps of the power method on WᵀW, for |W|₂.
-constexpr int kPowerSteps = 100;
-/// … which end where one changes it by less than this part.
-constexpr double kPowerAccuracy = 1e-9;
-
 /// W x or Wᵀ x on this thread: Eigen's own product of a large matrix in rows starts threads for it, which
 /// takes longer than the product where other work keeps them waiting.
 Vector product(const FrictionProblem::Matrix& W, const Vector& x, bool transposed) {
@@ -38,12 +31,12 @@ double spectral_norm(const FrictionProblem::Matrix& W) {
   Vector x = Vector::Ones(W.cols());
   for (int i = 0; i < x.size(); ++i) x[i] += 0.5 * std::sin(1.7 * i);  // along no symmetry
   double norm = 0;
-  for (int k = 0; k < kPowerSteps; ++k) {
+  for (int k = 0; k < ScaledFrictionTuning::kPowerSteps; ++k) {
     const double size = x.norm();
     if (!(size > 0)) return norm;
     const Vector y = product(W, x / size, false);
     const double now = y.norm();
-    if (std::abs(now - norm) <= kPowerAccuracy * now) return now;
+    if (std::abs(now - norm) <= ScaledFrictionTuning::kPowerAccuracy * now) return now;
     norm = std::max(norm, now);
     x = product(W, y, true);
   }
@@ -73,7 +66,7 @@ void ScaledFriction::lay_out(const FrictionProblem& problem) {
   for (int i = 0; i < problem.equalities; ++i) add(Law::kEquality, 1, i, 0);
   for (const bool smooth : {true, false})
     for (int k = 0; k < problem.contacts(); ++k)
-      if ((problem.mu[k] < kNoFriction) == smooth)
+      if ((problem.mu[k] < ScaledFrictionTuning::kNoFriction) == smooth)
         add(smooth ? Law::kUnilateral : Law::kCone, smooth ? 1 : 3, problem.equalities + 3 * k,
             problem.mu[k]);
 }
@@ -88,7 +81,8 @@ void ScaledFriction::find_units(const FrictionProblem& problem) {
     largest = std::max(largest, d);
     std::fill_n(root_.begin() + block.first, block.size, d);
   }
-  for (double& d : root_) d = std::sqrt(std::max(d, largest > 0 ? kLeastOwnPart * largest : 1.0));
+  for (double& d : root_)
+    d = std::sqrt(std::max(d, largest > 0 ? ScaledFrictionTuning::kLeastOwnPart * largest : 1.0));
 }
 
 /// The blocks that each block meets, itself among them.
@@ -222,14 +216,12 @@ FrictionErrors ScaledFriction::errors(const Vector& r) const {
   errors.impulses = part(off, std::max(largest_q_, r.cwiseAbs().maxCoeff()));
   errors.rates = part(off, largest_q_);
   errors.map = part(std::sqrt(map) * norm_, given_norm_of_q_);
-  errors.round_off =
-      kRelativeRoundOff * std::max(part(lost, largest_q_), part(std::sqrt(lost_map), given_norm_of_q_));
+  errors.round_off = ResidualTuning::kRoundOff *
+                     std::max(part(lost, largest_q_), part(std::sqrt(lost_map), given_norm_of_q_));
   return errors;
 }
 
 bool ScaledFriction::excludes(const Vector& given) const {
-  // What is left of Wᵀ d, as a part of |d| and of what d closes, for impulses that move nothing.
-  constexpr double kMovesNothing = 1e-7;
   Vector d = own(given);
   for (const Block& block : blocks_) {
     if (block.law != Law::kEquality) d[block.first] = std::max(0.0, d[block.first]);
@@ -242,7 +234,8 @@ bool ScaledFriction::excludes(const Vector& given) const {
   for (int i = 0; i < rows(); ++i)
     for (int k = start_[i]; k < start_[i + 1]; ++k) moved[columns_[k]] += values_[k] * d[i];
   const double closing = -d.dot(q_) / largest_q_;
-  return closing > 0 && moved.cwiseAbs().maxCoeff() <= kMovesNothing * std::min(1.0, closing);
+  return closing > 0 &&
+         moved.cwiseAbs().maxCoeff() <= ScaledFrictionTuning::kMovesNothing * std::min(1.0, closing);
 }
 
 }  // namespace taut

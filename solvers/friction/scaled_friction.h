@@ -8,12 +8,24 @@
 
 namespace taut {
 
+struct ScaledFrictionTuning {
+  /// μ below which a contact has no tangents.  Chosen.
+  static constexpr double kNoFriction = 1e-9;
+  /// Blocks whose matrix is below this part of the largest have no unit of their own: some 45
+  /// units of round-off.
+  static constexpr double kLeastOwnPart = 1e-14;
+  /// Steps of the power method on WᵀW, for |W|₂, which end where one changes it by less than the part.
+  /// Chosen.
+  static constexpr int kPowerSteps = 100;
+  static constexpr double kPowerAccuracy = 1e-9;
+  /// What is left of Wᵀ d, as a part of |d| and of what d closes, for impulses that move nothing.  Chosen.
+  static constexpr double kMovesNothing = 1e-7;
+};
+
 /// A friction problem with one unit, √J: r ← √d r and u ← u/√d with d = mean diagonal of a block, so that the
 /// mean diagonal of each is 1.  Rows are equalities, then normals of contacts without friction, then cones.
 class ScaledFriction {
  public:
-  static constexpr double kNoFriction = 1e-9;  ///< μ below which a contact has no tangents
-
   enum class Law { kEquality, kUnilateral, kCone };
   struct Block {
     Law law;

@@ -55,12 +55,12 @@ bool ImpactSearch::begin(std::span<const double> lambda, std::span<const double>
 }
 
 double ImpactSearch::first(double h, std::span<const double> rates) {
-  const double together = kTogether * h;
+  const double together = LawTuning::kTogether * h;
   const double first =
       std::max(std::min(first_meeting(axes_, rates, h), first_meeting(contacts_, rates, h)), together);
   take(axes_, first + together, rates, h);
   take(contacts_, first + together, rates, h);
-  return first > (1 - kTogether) * h ? h : first;
+  return first > (1 - LawTuning::kTogether) * h ? h : first;
 }
 
 void ImpactSearch::end() {

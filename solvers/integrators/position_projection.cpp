@@ -95,7 +95,7 @@ bool PositionProjection::close_light_bodies(double h, double far, const std::fun
 void PositionProjection::factorize_finely(SubstepReport& report) {
   system_.set_shift(PositionProjectionTuning::kMendingShift);
   system_.factorize(report.times);
-  system_.set_shift(kSteppingTolerance.shift);
+  system_.set_shift(RankTuning::kStepping.shift);
   ++report.counts.refactorizations;
 }
 

@@ -53,7 +53,7 @@ bool Breaking::check(const ConstraintSystem& system, const State& end, std::span
   overloaded_.clear();
   time_to_break_ = 0;
   const double worst = find_loads(system, end, impulses, h), first = first_break(h);
-  const bool within = first < (1 - kTogether) * h;
+  const bool within = first < (1 - LawTuning::kTogether) * h;
   if (worst <= 1 + BreakingTuning::kBreakLeeway && !within) {
     last_loads_ = loads_;
     last_h_ = h;
@@ -61,7 +61,7 @@ bool Breaking::check(const ConstraintSystem& system, const State& end, std::span
     return false;
   }
   due_.clear();
-  if (within && first > kTogether * h)
+  if (within && first > LawTuning::kTogether * h)
     shorten(first, end.time - h + first, h);
   else
     overload(worst, h);
@@ -86,7 +86,7 @@ double Breaking::find_loads(const ConstraintSystem& system, const State& end,
 /// The first time within the sub-step, from its start, at which a load comes to its limit; near its end if
 /// none does, or if loads are not to be interpolated.
 double Breaking::first_break(double h) const {
-  double first = (1 - kTogether) * h;
+  double first = (1 - LawTuning::kTogether) * h;
   const bool interpolate = has_loads_ && last_loads_.size() == loads_.size() && due_.empty() &&
                            shortened_ < BreakingTuning::kMostShortened;
   const auto breakable = world_.breakable();
@@ -99,7 +99,7 @@ double Breaking::first_break(double h) const {
 void Breaking::shorten(double first, double time, double h) {
   time_to_break_ = first;
   due_time_ = time;
-  append_limited(first + kTogether * h, h, due_);
+  append_limited(first + LawTuning::kTogether * h, h, due_);
   ++shortened_;
 }
 
@@ -110,7 +110,7 @@ void Breaking::overload(double worst, double h) {
   for (std::size_t i = 0; i < breakable.size(); ++i)
     if (loads_[i].ratio >= (1 - BreakingTuning::kSameOverload) * std::max(1.0, worst))
       overloaded_.push_back(breakable[i].first);
-  if (worst <= 1 + BreakingTuning::kBreakLeeway) append_limited(kTogether * h, h, overloaded_);
+  if (worst <= 1 + BreakingTuning::kBreakLeeway) append_limited(LawTuning::kTogether * h, h, overloaded_);
 }
 
 /// Adds the joints whose loads come to their limits until then.

@@ -9,19 +9,20 @@
 namespace taut {
 namespace {
 
-/// A contact that sticks has not slipped by less than this in a step [m]: what the slips of before, which
-/// several contacts of a body take back, disagree by.  They do so by the round-off of positions, and steps
-/// that are short make a rate of it.  None of it, and a box on a belt of 0.2 m/s lets go at 0.83 to 1 of its
-/// limit, at steps of 0.25 ms and less; half and twice of it hold as well.
-constexpr double kStillWay = 1e-11;
+struct ContactForcesTuning {
+  /// A contact that sticks has not slipped by less than this in a step [m]: what the slips of before, which
+  /// several contacts of a body take back, disagree by.  They do so by the round-off of positions, and steps
+  /// that are short make a rate of it.  None of it, and a box on a belt of 0.2 m/s lets go at 0.83 to 1 of
+  /// its limit, at steps of 0.25 ms and less; half and twice of it hold as well.
+  static constexpr double kStillWay = 1e-11;
+  /// Tangents slower than this at the start of a step are first tried as sticking [m/s].  Chosen.
+  static constexpr double kRestingSlip = 1e-9;
+};
 
 /// Bodies may come together by their gap in a step, and bodies inside each other part slowly.
 double closing_rate(double gap, double h) {
-  return std::clamp(-gap / h, -kUnreachedRate, std::max(kReturnRate, kTouch / h));
+  return std::clamp(-gap / h, -kUnreachedRate, std::max(LawTuning::kReturnRate, LawTuning::kTouch / h));
 }
-
-/// Tangents slower than this at the start of a step are first tried as sticking [m/s].
-constexpr double kRestingSlip = 1e-9;
 
 /// What the first kick gave along the normal of then and across it, in the directions of now.
 void take_first_kick(const row_parts::ContactFrame& frame, ContactConstraints::Point& point) {
@@ -146,7 +147,8 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
     Point& point = table_.points[k];
     point.active = slot.active;
     point.gap = slot.contact.gap;
-    point.touching = slot.active && (point.gap <= kTouch || point.pressed || table_.impacts[k].due());
+    point.touching =
+        slot.active && (point.gap <= LawTuning::kTouch || point.pressed || table_.impacts[k].due());
     // A first guess: both kicks alike, and the slip along t₁.
     for (Disc* disc : {&point.sliding, &point.rolling}) {
       disc->bound *= 2;
@@ -194,7 +196,7 @@ void ContactForces::give_points(ConstraintSystem& system) const {
 void ContactForces::remember(double h) {
   table_.h = h;
   table_.in_velocities = false;
-  table_.still_rate = kStillWay / h;
+  table_.still_rate = ContactForcesTuning::kStillWay / h;
   before_ = table_.points;
   impacts_before_ = table_.impacts;
   works_.keep();
@@ -214,8 +216,8 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     point.approach = rates[first_row(k)];
     const int row = first_row(k);
     // What starts at rest holds with static friction.
-    const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
-    point.stuck = point.stuck || (point.fresh && point.gap <= kTouch && rests);
+    const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= ContactForcesTuning::kRestingSlip;
+    point.stuck = point.stuck || (point.fresh && point.gap <= LawTuning::kTouch && rests);
     point.fresh = point.slipping = point.pressed = false;
     point.back = point.spin_given = point.yield = 0;
     point.sliding.given = point.rolling.given = Vec2::Zero();
@@ -233,7 +235,7 @@ void ContactForces::aim_discs(int k, std::span<const double> rates) {
   Point& point = table_.points[k];
   const auto aim = [&](Disc& disc, int first) {
     const Vec2 slip(rates[first], rates[first + 1]);
-    disc.slips = !point.stuck && slip.norm() > kRestingSlip && std::isfinite(disc.bound);
+    disc.slips = !point.stuck && slip.norm() > ContactForcesTuning::kRestingSlip && std::isfinite(disc.bound);
     if (disc.slips) {
       disc.direction = slip.normalized();
       disc.cross_slope = disc.bound / slip.norm();
@@ -266,7 +268,7 @@ void ContactForces::begin_impulses(std::span<const double> rates, std::span<cons
     const int row = first_row(k);
     point.approach = rates[row];
     point.least_rate = -table_.set.slots()[k].material.restitution * point.approach;
-    const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= kRestingSlip;
+    const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= ContactForcesTuning::kRestingSlip;
     point.stuck = point.stuck || (point.fresh && rests);
     point.fresh = false;
     aim_discs(k, rates);

@@ -27,8 +27,9 @@ class ContactImpacts {
   bool let_through(std::size_t k, std::span<const double> lambda, std::span<const double> w);
   /// So it was with some.
   void count() { ++count_; }
-  /// The impacts of those let through are to be located; beyond kMostImpacts they happen with their sub-step.
-  bool located() const { return count_ <= kMostImpacts; }
+  /// The impacts of those let through are to be located; beyond MeetingTuning::kMostImpacts they happen with
+  /// their sub-step.
+  bool located() const { return count_ <= MeetingTuning::kMostImpacts; }
   /// The time from the start of a step of h, in (0, h], at which contact k closes, by its mean rate; h if it
   /// does not.
   double meeting(std::size_t k, std::span<const double> w, double h) const;

@@ -6,8 +6,11 @@
 namespace taut {
 namespace {
 
-/// Compliance of contacts that yield, over S_rr, and how far they may in a step [m]: more contradicts.
-constexpr double kYield = 1e-6, kYieldWay = 1e-5;
+struct ContactLawsTuning {
+  /// Compliance of contacts that yield, over S_rr, and how far they may in a step [m]: more contradicts.
+  /// Chosen.
+  static constexpr double kYield = 1e-6, kYieldWay = 1e-5;
+};
 
 /// A box around `centre`, or just that if it has no width.
 RowLaw box_around(double centre, double half, double w) {
@@ -96,10 +99,10 @@ bool ContactLaws::let_yield(std::span<const double> lambda, std::span<const doub
     if (!works(k) || compliance(k) > 0 || point(k).yield > 0) continue;
     const int row = first_row(k);
     const double way = (normal_law(*this, k).target - w[row]) * table().h;
-    if (!(way > 0 && way <= kYieldWay)) continue;
+    if (!(way > 0 && way <= ContactLawsTuning::kYieldWay)) continue;
     if (!(root(row) * lambda[row] > most && natural_residual(*this, k, lambda, w).normal.size > least))
       continue;
-    point(k).yield = kYield * root(row) * root(row);
+    point(k).yield = ContactLawsTuning::kYield * root(row) * root(row);
     any = true;
   }
   return any;

@@ -5,9 +5,11 @@
 namespace taut {
 namespace {
 
-/// δ of (solvers/laws, Eq. 8) where the step resolves the spring: a face on a face then has one division of
-/// its second kick for speeds that differ by round-off.
-constexpr double kGivingWay = 0.1;
+struct ContactSpringTuning {
+  /// δ of (solvers/laws, Eq. 8) where the step resolves the spring: a face on a face then has one division of
+  /// its second kick for speeds that differ by round-off.  Chosen.
+  static constexpr double kGivingWay = 0.1;
+};
 
 /// e of a spring and damper of this ratio to critical damping, let go where its force is 0.
 double restitution_of(double ratio) {
@@ -39,7 +41,8 @@ ContactConstraints::NormalLaw ContactSpring::velocity_law(double gap, double app
                                                           double restitution) const {
   const double pressed = std::max(-gap, 2 * compliance * back / h);
   const double rebound = std::max(-restitution * approach, approach);
-  const double delta = impact_is_seen() ? kGivingWay : 1, softness = delta * compliance / (h * period());
+  const double delta = impact_is_seen() ? ContactSpringTuning::kGivingWay : 1,
+               softness = delta * compliance / (h * period());
   return {.target = std::max(0.0, rebound) + std::max(0.0, pressed) / period() - softness * back,
           .softness = softness,
           .most = 2 * back};

@@ -6,9 +6,11 @@
 namespace taut {
 namespace {
 
-/// A contact that sticks has not slipped by less than this, relative to all impulses: what may be left of the
-/// laws where they are met.
-constexpr double kStill = 1e-6;
+struct FrictionLinearizationTuning {
+  /// A contact that sticks has not slipped by less than this, relative to all impulses: what may be left of
+  /// the laws where they are met.
+  static constexpr double kStill = 1e-6;
+};
 
 }  // namespace
 
@@ -19,7 +21,7 @@ void FrictionLinearization::take_over(std::span<const double> lambda, std::span<
   for (int k = 0; k < contacts_.count(); ++k)
     if (contacts_.works(k) && scale_ != 0)
       residual_ = std::max(residual_, renew(k, lambda, w, rate_tolerance) / scale_);
-  if (residual_ <= kMetResidual) mark_stretched();
+  if (residual_ <= ResidualTuning::kMet) mark_stretched();
 }
 
 /// The largest impulse in a normal or tangent [√J].
@@ -55,9 +57,10 @@ double FrictionLinearization::renew_disc(ContactConstraints::Disc& disc, const D
   const double root = state.root, residual = state.residual(bound).beyond(rate_tolerance);
   disc.bound = bound;
   const double speed = state.slip.norm();
-  const double still = std::max(kStill * scale_ * root, contacts_.table().still_rate);
-  const bool rests = speed <= std::max(rate_tolerance, stuck ? still : kMetResidual * scale_ * root);
-  if (rests && state.tau.norm() <= bound * (1 + kMetResidual) + (stuck ? still / (root * root) : 0)) {
+  const double still =
+      std::max(FrictionLinearizationTuning::kStill * scale_ * root, contacts_.table().still_rate);
+  const bool rests = speed <= std::max(rate_tolerance, stuck ? still : ResidualTuning::kMet * scale_ * root);
+  if (rests && state.tau.norm() <= bound * (1 + ResidualTuning::kMet) + (stuck ? still / (root * root) : 0)) {
     disc.slips = false;
     return residual;
   }

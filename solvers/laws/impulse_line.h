@@ -4,8 +4,11 @@
 
 namespace taut {
 
-/// Impulses of curves, which are taken by their tangents, are right to this part of themselves.
-inline constexpr double kTangentTolerance = 1e-11;
+struct TangentTuning {
+  /// Impulses of curves, which are taken by their tangents, are right to this part of themselves: better than
+  /// laws are met, by two digits.
+  static constexpr double kTolerance = 1e-11;
+};
 
 /// Impulse of a kick over the rate, λ = level − slope w.
 struct ImpulseLine {

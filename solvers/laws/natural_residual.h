@@ -81,15 +81,16 @@ class LargestResidual {
   bool numbers_ = true;
 };
 
-/// Laws are met if no residual is larger than this part of the scale of all.
-inline constexpr double kMetResidual = 1e-9;
-/// Where there are contacts and kMetResidual is not to be had, laws are met if no residual is larger than
-/// this: what dependent rows contradict each other by.  Half: 5.7 times the factorisations of a card house;
-/// twice: residuals above 1e-8 of stacks, and 25 times the Newton steps of shapes on a mesh.
-inline constexpr double kMetContactResidual = 1e-8;
-
-/// Round-off of impulses, poses and twists, as a part of them: 16 units of it.
-inline constexpr double kRelativeRoundOff = 16 * std::numeric_limits<double>::epsilon();
+struct ResidualTuning {
+  /// Laws are met if no residual is larger than this part of the scale of all.
+  static constexpr double kMet = 1e-9;
+  /// Where there are contacts and kMet is not to be had, laws are met if no residual is larger than this:
+  /// what dependent rows contradict each other by.  Half: 5.7 times the factorisations of a card house;
+  /// twice: residuals above 1e-8 of stacks, and 25 times the Newton steps of shapes on a mesh.
+  static constexpr double kMetByContacts = 1e-8;
+  /// Round-off of impulses, poses and twists, as a part of them: 16 units of it.
+  static constexpr double kRoundOff = 16 * std::numeric_limits<double>::epsilon();
+};
 
 /// What residuals are compared with: the size of an impulse, and of that which would stop the rate b [√J].
 inline double impulse_scale(double s, double lambda, double b) {

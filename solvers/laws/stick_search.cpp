@@ -5,11 +5,13 @@
 namespace taut {
 namespace {
 
-/// Slip that is less than this part of the largest slip may end once others have been let go.
-constexpr double kSlips = 1e-2;
-/// Contacts that slip by more than this part of what all friction on one of their bodies could change are far
-/// from holding.
-constexpr double kFarSlip = 0.05;
+struct StickSearchTuning {
+  /// Slip that is less than this part of the largest slip may end once others have been let go.  Chosen.
+  static constexpr double kSlips = 1e-2;
+  /// Contacts that slip by more than this part of what all friction on one of their bodies could change are
+  /// far from holding.  Chosen.
+  static constexpr double kFarSlip = 0.05;
+};
 
 }  // namespace
 
@@ -69,7 +71,7 @@ bool StickSearch::is_far(int k, std::span<const double> w, std::span<const doubl
   const double most = std::max(moves[a] ? friction[a] : 0, moves[b] ? friction[b] : 0);
   const int row = contacts_.first_row(k);
   const double root = std::max(contacts_.root(row + 1), contacts_.root(row + 2));
-  return contacts_.slip_of(k, w) > kFarSlip * most * root * root;
+  return contacts_.slip_of(k, w) > StickSearchTuning::kFarSlip * most * root * root;
 }
 
 void StickSearch::end(bool hold) {
@@ -90,7 +92,7 @@ void StickSearch::release(int k) {
 }
 
 bool StickSearch::mark_sliding(std::span<const double> w, bool judged) {
-  const double much = judged ? kSlips * contacts_.shared_slip(w) : 0;
+  const double much = judged ? StickSearchTuning::kSlips * contacts_.shared_slip(w) : 0;
   bool any = false, left = false;
   for (int k = 0; k < contacts_.count(); ++k) {
     if (!contacts_.point(k).stick_candidate) continue;

@@ -2,9 +2,11 @@
 
 namespace taut {
 
-/// Times of impact looked for in one step, of axes and of contacts each; more happen with their sub-step.
-/// Half: a ball of a marble run sinks in deeper.
-inline constexpr int kMostImpacts = 16;
+struct MeetingTuning {
+  /// Times of impact looked for in one step, of axes and of contacts each; more happen with their sub-step.
+  /// Chosen.  Half: a ball of a marble run sinks in deeper.
+  static constexpr int kMostImpacts = 16;
+};
 
 /// When a gap closes that begins with a rate and changes with a mean rate in h, if the rate is linear in
 /// time: the root of  gap + rate s + (mean − rate) s²/h = 0  in (0, h] [s]; h if there is none.

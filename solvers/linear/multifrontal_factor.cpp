@@ -8,8 +8,10 @@
 namespace taut {
 namespace {
 
-/// Fronts with fewer rows are done within some milliseconds, and ask nobody whether to give up.
-constexpr int kLongFront = 512;
+struct MultifrontalTuning {
+  /// Fronts with fewer rows are done within some milliseconds, and ask nobody whether to give up.
+  static constexpr int kLongFront = 512;
+};
 
 }  // namespace
 
@@ -42,7 +44,7 @@ int MultifrontalFactor::factorize_front(const Front& front, const SymmetricMatri
                          map_runs_.data() + child.map_begin, 0, child.map_pivot_end - child.map_begin,
                          child.map_end - child.map_begin);
   }
-  const auto stop = front.rows >= kLongFront ? &detail::interrupted : nullptr;
+  const auto stop = front.rows >= MultifrontalTuning::kLongFront ? &detail::interrupted : nullptr;
   const int failed =
       kernels_->factor_panel(panel, front.leading, front.rows, front.pivots, pack_.data(), stop);
   if (failed == kStopped) throw detail::Interrupted{};

@@ -176,14 +176,14 @@ std::string singular_axis(const Inquiry& asked) {
   if (const std::string span = short_span(asked, asked.stepper.state()); !span.empty()) return span;
   const Rows& rows = asked.stepper.system().rows();
   for (const Rows::AxisRow& axis : rows.axis_rows()) {
-    if (axis.axis.axis < 0 || !rows.row(axis.row).angular) continue;
+    if (!axis.axis() || !rows.row(axis.row).angular) continue;
     const Rows::JointRows& joint = rows.joints()[rows.row(axis.row).block];
     for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
       const auto block =
           Rows::block_row(rows.sides()[s], asked.stepper.system().jacobian(), axis.row - joint.first_row);
       if (!(block.head<3>().norm() > FailureAdviceTuning::kSingular)) continue;
-      return "; " + std::string(asked.source.joint(axis.axis.joint).type()) + " " +
-             asked.source.axis_label(axis.axis) + " is next to where it has no value";
+      return "; " + std::string(asked.source.joint(axis.axis()->joint).type()) + " " +
+             asked.source.axis_label(*axis.axis()) + " is next to where it has no value";
     }
   }
   return "";

@@ -102,11 +102,10 @@ void end_not_finite(const Inquiry& asked) {
     asked.end_step(Status::kNotFinite, what + name_of(culprit, asked.source) + why);
   };
   const Scheme& scheme = asked.stepper.scheme();
-  if (!scheme.axes().finite()) {
-    const AxisId axis = scheme.axes().not_finite();
-    const std::optional<AxisMotor>& motor = asked.source.axis_properties(axis).motor;
+  if (const std::optional<AxisId>& axis = scheme.axes().not_finite()) {
+    const std::optional<AxisMotor>& motor = asked.source.axis_properties(*axis).motor;
     const bool follows = motor && motor->mode == AxisMotor::Mode::kTrajectory;
-    return end(follows ? "what the motor of " : "the law of ", {.kind = Culprit::Kind::kAxis, .axis = axis},
+    return end(follows ? "what the motor of " : "the law of ", {.kind = Culprit::Kind::kAxis, .axis = *axis},
                follows ? " follows is not finite" : " is not finite");
   }
   if (const auto joint = joint_that_follows_no_number(asked))

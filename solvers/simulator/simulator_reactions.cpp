@@ -32,8 +32,8 @@ AxisReport Simulator::Impl::axis_report(AxisId axis) const {
   if (!stepper_.made() || report_.dt == 0) return {};
   if (sleeping_.rests(axis.joint)) return sleeping_.axis(axis);
   const std::span<const Rows::AxisRow> rows = stepper_.system().rows().axis_rows();
-  const auto found =
-      std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.axis == axis; });
+  const auto found = std::find_if(rows.begin(), rows.end(),
+                                  [&](const auto& row) { return row.axis() && *row.axis() == axis; });
   if (found == rows.end()) return {};
   AxisReport report = stepper_.scheme().axis_reports()[found - rows.begin()];
   for (const auto& [part, column, term] : kAxisParts) {

@@ -72,10 +72,9 @@ void Sleep::note_restless(const World& world, const Rows& rows) {
   for (int r = 0; r < rows.first_contact_row(); ++r)
     if (rows.row(r).store->depends_on_time())
       if (const std::optional<JointId> joint = rows.joint_of(r)) note(*joint);
-  for (const Rows::AxisRow& row : rows.axis_rows()) {
-    if (row.axis.axis < 0) continue;
-    if (world.axis_properties(row.axis).keeps_going()) note(row.axis.joint);
-  }
+  for (const Rows::AxisRow& row : rows.axis_rows())
+    if (const AxisId* axis = row.axis(); axis && world.axis_properties(*axis).keeps_going())
+      note(axis->joint);
   for (int b = 0; b < world.body_count(); ++b)
     if (world.moves({b}) && !(is_quiet(b) && is_slow(world, b))) restless_[connected_.find(b)] = true;
 }
@@ -184,7 +183,7 @@ void Sleep::wake_approached(World& world, std::span<const ContactCache::Slot> sl
     const Vec3 v = state.twists[slot.at.b].at(state.poses[slot.at.b].q * contact.p_BQ) -
                    state.twists[slot.at.a].at(state.poses[slot.at.a].q * contact.p_AP);
     const double approach = std::max(0.0, -contact.normal.dot(v)) + world.gravity().norm() * h;
-    if (contact.gap <= kTouch + SleepTuning::kFaster * h * approach) wake_island(world, asleep);
+    if (contact.gap <= LawTuning::kTouch + SleepTuning::kFaster * h * approach) wake_island(world, asleep);
   }
 }
 

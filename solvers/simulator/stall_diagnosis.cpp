@@ -96,9 +96,9 @@ void StallDiagnosis::name_jam() {
   for (int r : scheme_.stages().culprits().jammed()) {
     const auto axis = std::find_if(axes.begin(), axes.end(), [r](const auto& a) { return a.row == r; });
     if (axis != axes.end() && scheme_.axes().has_unbounded_motor(axis - axes.begin()))
-      found_.bounds.push_back({axis->axis, Contradiction::Bound::Kind::kMotor});
-    const bool has_friction =
-        axis != axes.end() && axis->axis.axis >= 0 && asked_.world.axis_properties(axis->axis).friction;
+      found_.bounds.push_back({*axis->axis(), Contradiction::Bound::Kind::kMotor});
+    const AxisId* id = axis != axes.end() ? axis->axis() : nullptr;
+    const bool has_friction = id && asked_.world.axis_properties(*id).friction;
     if (const auto joint = rows.joint_of(r); joint && (axis == axes.end() || has_friction))
       found_.joints.push_back(*joint);
   }

@@ -25,7 +25,7 @@ bool Stepper::knows_topology() const {
 bool Stepper::knows_pattern() const { return knows_topology() && sleep_version_ == world_.sleep_version(); }
 
 void Stepper::renew() {
-  auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, kSteppingTolerance,
+  auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, RankTuning::kStepping,
                                                    Rows::AxisRows::kIncluded, springs_);
   scheme_.reset();
   system_ = std::move(system);

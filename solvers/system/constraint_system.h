@@ -37,7 +37,7 @@ struct WorkCounters {
 /// that one is factored in its place (primal_choice.h): the same solves, with ε on the rows that are free.
 class ConstraintSystem : public LinearizedRows {
  public:
-  ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = kSteppingTolerance,
+  ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = RankTuning::kStepping,
                    Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded, Springs springs = Springs::kLeftOut);
   /// A part of a system by itself, to be solved through its bodies with values from there.  `new_body`:
   /// scratch.

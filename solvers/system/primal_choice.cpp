@@ -3,12 +3,14 @@
 namespace taut {
 namespace {
 
-/// Contact rows from which on the bodies may be the smaller system.  Half: 3.6 times the factorisations of a
-/// top-heavy stack, and up to 200 times the Newton steps of shapes at rest.
-constexpr int kManyContactRows = 150;
-/// Axes with Coulomb friction from which on the active set has to give way to solves through the bodies.
-/// Twice: 2.2 times the back-solves of a net with friction.
-constexpr int kManyFrictionAxes = 150;
+struct PrimalChoiceTuning {
+  /// Contact rows from which on the bodies may be the smaller system.  Half: 3.6 times the factorisations of
+  /// a top-heavy stack, and up to 200 times the Newton steps of shapes at rest.
+  static constexpr int kManyContactRows = 150;
+  /// Axes with Coulomb friction from which on the active set has to give way to solves through the bodies.
+  /// Twice: 2.2 times the back-solves of a net with friction.
+  static constexpr int kManyFrictionAxes = 150;
+};
 
 /// What the dense blocks of S alone cost in a factor: each body has one of all its rows, and each row is in
 /// about two of them.
@@ -27,7 +29,7 @@ double flops_of_dense_blocks(const Rows& rows, const MassMatrix& mass) {
 
 PrimalChoice::PrimalChoice(const World& world, const Rows& rows) {
   for (const Rows::AxisRow& row : rows.axis_rows())
-    friction_axes_ += row.axis.axis >= 0 && world.axis_properties(row.axis).friction.has_value();
+    friction_axes_ += row.axis() && world.axis_properties(*row.axis()).friction.has_value();
 }
 
 void PrimalChoice::decide(const LinearizedRows& rows, PrimalSystem& primal) {
@@ -35,8 +37,9 @@ void PrimalChoice::decide(const LinearizedRows& rows, PrimalSystem& primal) {
 }
 
 bool PrimalChoice::primal_pays(const LinearizedRows& rows, PrimalSystem& primal) const {
-  const bool friction_dominated = friction_axes_ >= kManyFrictionAxes;
-  if (!friction_dominated && rows.row_count() - rows.rows().first_contact_row() < kManyContactRows)
+  const bool friction_dominated = friction_axes_ >= PrimalChoiceTuning::kManyFrictionAxes;
+  if (!friction_dominated &&
+      rows.row_count() - rows.rows().first_contact_row() < PrimalChoiceTuning::kManyContactRows)
     return false;
   const double flops = primal.order(rows).flops;
   return friction_dominated || flops_of_dense_blocks(rows.rows(), rows.mass()) >= flops;

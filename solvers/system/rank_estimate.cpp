@@ -4,13 +4,6 @@
 #include <utility>
 
 namespace taut {
-namespace {
-
-/// Full-rank factorisations after which the shift is dropped again.
-constexpr int kStreak = 100;
-
-}  // namespace
-
 void RankEstimate::reserve(int rows) {
   dependent_rows_.reserve(rows);
   counted_rows_.reserve(rows);
@@ -24,7 +17,7 @@ void RankEstimate::found_dependence() {
 
 void RankEstimate::found_rank() {
   full_rank_streak_ = dependent_rows_.empty() ? full_rank_streak_ + 1 : 0;
-  if (full_rank_streak_ >= kStreak) shift_next_ = false;
+  if (full_rank_streak_ >= RankTuning::kStreak) shift_next_ = false;
 }
 
 void RankEstimate::inspect(std::span<const double> pivots, std::span<const int> row_at) {

@@ -12,12 +12,16 @@ struct RankTolerance {
   double shift;      ///< ε of S_ε: dependent rows leave a pivot of about this size
   double dependent;  ///< pivots below this count as dependent
 };
-/// For stepping: directions that are softer than 1e-8 of a row's own are left alone.  Multipliers along them
-/// would be huge forces that mend gaps far below the tolerance, as in a flat grid of joints that has just
-/// begun to bend.
-inline constexpr RankTolerance kSteppingTolerance{1e-8, 1e-6};
-/// For counting freedoms in one pose.
-inline constexpr RankTolerance kCountingTolerance{1e-11, 1e-8};
+struct RankTuning {
+  /// For stepping: directions that are softer than 1e-8 of a row's own are left alone.  Multipliers along
+  /// them would be huge forces that mend gaps far below the tolerance, as in a flat grid of joints that has
+  /// just begun to bend.
+  static constexpr RankTolerance kStepping{1e-8, 1e-6};
+  /// For counting freedoms in one pose, where no impulses follow: as small as the round-off of pivots allows.
+  static constexpr RankTolerance kCounting{1e-11, 1e-8};
+  /// Full-rank factorisations after which the shift is dropped again.  Chosen.
+  static constexpr int kStreak = 100;
+};
 
 /// What the pivots of S say of its rank: which rows depend on others, how soft the independent ones are, and
 /// whether the next factorisation begins with the shift ε.  (solvers/system, "Dependent rows")

@@ -105,11 +105,11 @@ bool RowUpdates::factor_complement() {
       // gram already holds −S_rr
       const double own = stretch * (diagonal_[changed_[i]] + states_[row]);
       entry(i, i) += own - diagonal_[changed_[i]];
-      smallest = system_.singular() ? 0 : kSteppingTolerance.dependent * own;
+      smallest = system_.singular() ? 0 : RankTuning::kStepping.dependent * own;
     } else if (states_[row] != kMasked) {
       const double inverse = 1 / (stretch * (states_[row] - factored_state(row)));
       entry(i, i) -= inverse;
-      smallest = -kSteppingTolerance.dependent * inverse;
+      smallest = -RankTuning::kStepping.dependent * inverse;
     }
     for (int k = 0; k < i; ++k) {
       double l = entry(i, k);

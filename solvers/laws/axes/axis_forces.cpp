@@ -10,7 +10,7 @@ namespace taut {
 namespace {
 
 std::size_t index_in_state(const AxisTable& table, std::size_t i) {
-  return table.world().axis_index(table.id(i));
+  return table.world().axis_index(*table.axis(i));
 }
 
 bool is_winch(const AxisTable& table, std::size_t i) {
@@ -42,7 +42,7 @@ void AxisForces::spring_forces(std::span<const double> theta, std::span<const do
                                std::span<double> lambda) const {
   for (std::size_t i = 0; i < table_.size(); ++i) {
     const int row = table_.row(i);
-    if (table_.rows()[i].spring.index < 0) continue;
+    if (!table_.rows()[i].spring()) continue;
     const AxisSpring& spring = *table_.properties(i).spring;
     lambda[row] = spring_force(spring, theta[row]) + damping_force(spring, rates[row]);
   }
@@ -56,7 +56,7 @@ void AxisForces::start(std::span<const double> theta, std::span<const double> ra
 void AxisForces::begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
                        std::span<const double> inertia, std::span<const double> let_out) {
   step_ = {.h = h, .end_time = time + h};
-  not_finite_ = -1;
+  not_finite_.reset();
   if (table_.refresh()) swings_.find(table_);
   std::copy(axes_.begin(), axes_.end(), before_.begin());
   work_.begin();
@@ -102,14 +102,15 @@ void AxisForces::give_ropes(const Rows& rows, State& state) {
 AxisForces::Memory AxisForces::memory() const {
   Memory memory = resting_;
   for (std::size_t i = 0; i < axes_.size(); ++i)
-    if (table_.id(i).axis >= 0) memory.insert_or_assign(table_.id(i), axes_[i]);
+    if (const AxisId* axis = table_.axis(i)) memory.insert_or_assign(*axis, axes_[i]);
   return memory;
 }
 
 void AxisForces::inherit(Memory memory) {
   resting_ = std::move(memory);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const auto same = resting_.find(table_.id(i));
+    const AxisId* axis = table_.axis(i);
+    const auto same = axis ? resting_.find(*axis) : resting_.end();
     if (same == resting_.end()) continue;
     if (same->second.known) axes_[i].inherit(same->second);
     resting_.erase(same);
@@ -123,7 +124,7 @@ void AxisForces::forget(std::span<const char> moved) {
     return std::any_of(bodies.begin(), bodies.end(), [&](BodyId body) { return moved[body.index]; });
   };
   for (std::size_t i = 0; i < axes_.size(); ++i)
-    if (table_.id(i).joint.index >= 0 && is_moved(table_.id(i).joint)) axes_[i].known = false;
+    if (const auto joint = table_.rows()[i].joint(); joint && is_moved(*joint)) axes_[i].known = false;
   std::erase_if(resting_, [&](const auto& entry) { return is_moved(entry.first.joint); });
 }
 
@@ -147,7 +148,7 @@ void AxisForces::set_laws(std::span<const double> theta, std::span<const double>
     const AxisProperties& p = table_.properties(i);
     if (!axis.set(
             {p, step_, axis.start, impacts_[i], work_.first_kick(i), slack_, rates[row], theta[row], jolt}))
-      not_finite_ = static_cast<int>(i);
+      not_finite_ = *table_.axis(i);
     laws[row] = axis.sum(p);
   }
 }
@@ -176,8 +177,7 @@ bool AxisForces::any_broken() const {
 
 void AxisForces::clear_loose(std::span<char> rows) const {
   for (std::size_t i = 0; i < axes_.size(); ++i)
-    if (!axes_[i].friction.held() || !table_.properties(i).friction || table_.released(i) ||
-        table_.id(i).axis < 0)
+    if (!axes_[i].friction.held() || !table_.properties(i).friction || table_.released(i) || !table_.axis(i))
       rows[table_.row(i)] = 0;
 }
 
@@ -185,10 +185,10 @@ void AxisForces::rigid_limits(std::vector<Bound>& bounds) const {
   bounds.clear();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     if (is_winch(table_, i) && axes_[i].winch.holds_rope())
-      bounds.push_back({table_.row(i), -kUnlimited, axes_[i].winch.length, table_.id(i)});
+      bounds.push_back({table_.row(i), -kUnlimited, axes_[i].winch.length, *table_.axis(i)});
     if (!table_.has_rigid_limit(i)) continue;
     const AxisLimits& limits = *table_.properties(i).limits;
-    bounds.push_back({table_.row(i), limits.lower, limits.upper, table_.id(i)});
+    bounds.push_back({table_.row(i), limits.lower, limits.upper, *table_.axis(i)});
   }
 }
 
@@ -224,7 +224,7 @@ void AxisForces::clear_reports() {
 
 bool AxisForces::only_springs() const {
   return std::all_of(table_.rows().begin(), table_.rows().end(),
-                     [](const auto& row) { return row.spring.index >= 0; });
+                     [](const auto& row) { return row.spring() != nullptr; });
 }
 
 }  // namespace taut

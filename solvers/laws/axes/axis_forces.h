@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -58,9 +59,9 @@ class AxisForces {
   /// After begin(), likewise: how heavy axes are whose motors have to know, for 1/S_rr of each row.
   void find_inertia(ConstraintSystem& system, std::span<const double> alone);
   /// False if a motor's trajectory is not at the end of the step; the motor is left out then.
-  bool finite() const { return not_finite_ < 0; }
+  bool finite() const { return !not_finite_; }
   /// The axis of that motor.
-  AxisId not_finite() const { return table_.id(not_finite_); }
+  const std::optional<AxisId>& not_finite() const { return not_finite_; }
   /// Back to the start of the step.
   void roll_back();
   /// All that is known of axes of joints, also of those without rows here.
@@ -151,7 +152,7 @@ class AxisForces {
   std::vector<char> held_;  // rows of axes that motors or friction hold, for inertia_
   AxisStep step_;
   double slack_ = 0;
-  int not_finite_ = -1;  // of axes_
+  std::optional<AxisId> not_finite_;
   std::vector<double> rope_ends_;
   bool any_winch_ = false;  // in this step
 };

@@ -9,6 +9,12 @@
 
 namespace taut {
 
+struct AxisFrictionTuning {
+  /// An axis slower than this is at rest at the start [m/s or rad/s]: the round-off of velocities that joints
+  /// are closed to.
+  static constexpr double kRest = 1e-12;
+};
+
 /// Coulomb's friction of one axis, and its memory: what sticks is held where it began to, within the static
 /// bound.  Viscous friction is a damper (axis_spring_law.h). (solvers/laws, "Axes")
 struct AxisFrictionLaw : AxisBoxLaw<&AxisImpulse::friction> {
@@ -25,7 +31,7 @@ struct AxisFrictionLaw : AxisBoxLaw<&AxisImpulse::friction> {
   }
   /// A new start: an axis at rest is held at θ.
   void restart(double theta, double rate) {
-    stuck = std::abs(rate) <= kRest;
+    stuck = std::abs(rate) <= AxisFrictionTuning::kRest;
     anchor = theta;
   }
   void begin(const AxisProperties&, const AxisStep&, const AxisStart&) {
@@ -75,9 +81,6 @@ struct AxisFrictionLaw : AxisBoxLaw<&AxisImpulse::friction> {
     const double off = anchor - theta0;
     at = held() ? (off - std::clamp(off, -slack, slack)) / h : 0;
   }
-
-  /// An axis slower than this is at rest at the start [m/s or rad/s].
-  static constexpr double kRest = 1e-12;
 };
 
 }  // namespace taut

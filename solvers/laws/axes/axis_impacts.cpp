@@ -5,8 +5,10 @@
 namespace taut {
 namespace {
 
-/// Slower impacts do not move others [m/s or rad/s].
-constexpr double kJolt = 1e-6;
+struct AxisImpactsTuning {
+  /// Slower impacts do not move others [m/s or rad/s].  Chosen.
+  static constexpr double kJolt = 1e-6;
+};
 
 }  // namespace
 
@@ -50,8 +52,9 @@ bool AxisImpacts::any(std::span<const double> theta1) const {
     if (!table_.has_rigid_limit(i)) continue;
     const AxisLimits& limits = *table_.properties(i).limits;
     const double theta = theta1[table_.row(i)], rate0 = axes_[i].start.rate;
-    if (impacts_[i].due() || (theta <= limits.lower + kTouch && rate0 < -kJolt) ||
-        (theta >= limits.upper - kTouch && rate0 > kJolt))
+    if (impacts_[i].due() ||
+        (theta <= limits.lower + LawTuning::kTouch && rate0 < -AxisImpactsTuning::kJolt) ||
+        (theta >= limits.upper - LawTuning::kTouch && rate0 > AxisImpactsTuning::kJolt))
       return true;
   }
   return false;

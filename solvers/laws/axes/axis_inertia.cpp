@@ -8,9 +8,11 @@
 namespace taut {
 namespace {
 
-/// The iteration ends when a step changes the inverse by less than this part, or after so many.
-constexpr double kInertiaChange = 1e-9;
-constexpr int kMostInertiaSteps = 200;
+struct AxisInertiaTuning {
+  /// The iteration ends when a step changes the inverse by less than this part, or after so many.  Chosen.
+  static constexpr double kChange = 1e-9;
+  static constexpr int kMostSteps = 200;
+};
 
 double inner_product(std::span<const double> a, std::span<const double> b) {
   double sum = 0;
@@ -59,7 +61,7 @@ double AxisInertia::by_iteration(ConstraintSystem& system, int row, std::span<co
   };
   hold(residual);
   double before = 0;
-  for (int step = 0; step < kMostInertiaSteps; ++step) {
+  for (int step = 0; step < AxisInertiaTuning::kMostSteps; ++step) {
     for (std::size_t r = 0; r < alone.size(); ++r) scaled[r] = alone[r] * residual[r];
     const double size = inner_product(scaled, residual);
     if (!(size > 0)) break;
@@ -73,7 +75,7 @@ double AxisInertia::by_iteration(ConstraintSystem& system, int row, std::span<co
     const double length = size / along;
     for (std::size_t r = 0; r < alone.size(); ++r) residual[r] -= length * image[r];
     inverse -= length * size;
-    if (length * size <= kInertiaChange * inverse) break;
+    if (length * size <= AxisInertiaTuning::kChange * inverse) break;
   }
   return inverse;
 }

@@ -6,7 +6,7 @@
 namespace taut {
 
 bool in_flight(const AxisLimits& limits, double theta0, bool at_lower) {
-  return at_lower ? theta0 > limits.lower + kTouch : theta0 < limits.upper - kTouch;
+  return at_lower ? theta0 > limits.lower + LawTuning::kTouch : theta0 < limits.upper - LawTuning::kTouch;
 }
 
 bool AxisLimitLaw::set(const AxisStage& stage) {
@@ -30,7 +30,7 @@ void AxisLimitLaw::set_first_kick(const AxisStage& stage) {
   const AxisLimits& limits = *stage.p.limits;
   const AxisImpact& impact = stage.impact;
   const double theta0 = stage.start.theta, h = stage.step.h;
-  const double fastest = std::max(kReturnRate, kTouch / h);
+  const double fastest = std::max(LawTuning::kReturnRate, LawTuning::kTouch / h);
   if (!impact.sought() || !impact.at_lower)
     lower_at = std::clamp((limits.lower - theta0) / h, -kUnreachedRate, fastest);
   if (!impact.sought() || impact.at_lower)
@@ -45,8 +45,8 @@ void AxisLimitLaw::set_second_kick(const AxisStage& stage) {
   // Newton's law of impact with the rate just before, or else that before the step.  An impact that is due
   // happens even if a gap of order h³ is left.
   const double bounce = -limits.restitution * (impact.due() ? impact.rate : stage.start.rate);
-  const bool at_lower = theta1 <= limits.lower + kTouch || (impact.due() && impact.at_lower);
-  const bool at_upper = theta1 >= limits.upper - kTouch || (impact.due() && !impact.at_lower);
+  const bool at_lower = theta1 <= limits.lower + LawTuning::kTouch || (impact.due() && impact.at_lower);
+  const bool at_upper = theta1 >= limits.upper - LawTuning::kTouch || (impact.due() && !impact.at_lower);
   if (at_lower) lower_at = stage.jolt ? bounce : std::max(0.0, bounce);
   if (at_upper) upper_at = stage.jolt ? bounce : std::min(0.0, bounce);
   // Both kicks together are the impulse that must not pull.  With Λ ≥ 0 ⊥ θ̇⁺ + e θ̇⁻ ≥ 0 and one e for all
@@ -60,7 +60,8 @@ void AxisLimitLaw::set_second_kick(const AxisStage& stage) {
 void AxisLimitLaw::set_single_kick(const AxisStage& stage) {
   const AxisLimits& limits = *stage.p.limits;
   const double theta = stage.theta, bounce = -limits.restitution * stage.start.rate;
-  const bool at_lower = theta <= limits.lower + kTouch, at_upper = theta >= limits.upper - kTouch;
+  const bool at_lower = theta <= limits.lower + LawTuning::kTouch,
+             at_upper = theta >= limits.upper - LawTuning::kTouch;
   if (at_lower) lower_at = bounce;
   if (at_upper) upper_at = bounce;
   if (at_lower && at_upper) lower_at = upper_at = 0;  // locked between both

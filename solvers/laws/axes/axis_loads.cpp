@@ -6,11 +6,14 @@
 namespace taut {
 namespace {
 
-/// Bounds of friction that grow with the load are right to this part of themselves.
-constexpr double kLoadTolerance = 1e-10;
-/// Loads whose changes do not shrink to less than this part in a solve, or alternate, are extrapolated unless
-/// they grow.
-constexpr double kSlowLoad = 0.3;
+struct AxisLoadsTuning {
+  /// Bounds of friction that grow with the load are right to this part of themselves, which is less than laws
+  /// are met to.
+  static constexpr double kTolerance = 1e-10;
+  /// Loads whose changes do not shrink to less than this part in a solve, or alternate, are extrapolated
+  /// unless they grow.  Chosen.
+  static constexpr double kSlow = 0.3;
+};
 
 /// Impulse of the translation rows of a joint [N·s].
 double load_of(const Rows& rows, const Rows::JointRows& joint, std::span<const double> jacobian,
@@ -32,17 +35,17 @@ bool AxisLoads::update(const AxisTable& table, std::span<AxisLaw> axes, const Ro
   for (std::size_t i = 0; i < table.size(); ++i) {
     const AxisProperties& p = table.properties(i);
     if (!p.friction || p.friction->per_load == 0 || table.released(i)) continue;
-    const double load = load_of(rows, rows.joints()[table.id(i).joint.index], jacobian, lambda);
+    const double load = load_of(rows, rows.joints()[table.axis(i)->joint.index], jacobian, lambda);
     AxisFrictionLaw& friction = axes[i].friction;
     const double change = load - friction.load, last = friction.load_change;
     const bool moved = p.friction->per_load * std::abs(change) >
-                       kLoadTolerance * (friction.bound + p.friction->per_load * load);
+                       AxisLoadsTuning::kTolerance * (friction.bound + p.friction->per_load * load);
     const double left = last != 0 ? change / last : 0;
     growing_[i] = moved && left >= 1;
     changed = changed || moved;
     friction.load = load;
     friction.load_change = change;
-    if (left >= 1 || std::abs(left) < kSlowLoad) continue;
+    if (left >= 1 || std::abs(left) < AxisLoadsTuning::kSlow) continue;
     friction.load = std::max(0.0, load + change * left / (1 - left));  // where this geometric series ends
     friction.load_change = 0;
   }

@@ -6,8 +6,10 @@
 namespace taut {
 namespace {
 
-/// Of what a motor can give, at least this part counts when it brakes, whatever the load.
-constexpr double kLeastBraking = 0.05;
+struct AxisMotorTuning {
+  /// Of what a motor can give, at least this part counts when it brakes, whatever the load.  Chosen.
+  static constexpr double kLeastBraking = 0.05;
+};
 
 /// The largest mean rate of a step of h of which the end lets the way be kept with this deceleration: what is
 /// left, h w less, is then at least (w − a h/2)²/2a.
@@ -90,7 +92,7 @@ double AxisMotorLaw::rate_in_first_kick(const AxisStage& stage) const {
   const double rate = (target.value - stage.start.theta) / h;
   // Against a target that moves on as at the end of the step.
   const double own = target.rate - 0.5 * h * target.acceleration, way = std::abs(rate - own) * h;
-  if (!(way > kTouch && has_to_brake(*stage.p.motor))) return rate;
+  if (!(way > LawTuning::kTouch && has_to_brake(*stage.p.motor))) return rate;
   const double deceleration = braking(stage, target, rate - own);
   return deceleration > 0 ? no_faster(rate, own, mean_rate_to_stop(way, deceleration, h)) : rate;
 }
@@ -98,7 +100,8 @@ double AxisMotorLaw::rate_in_first_kick(const AxisStage& stage) const {
 /// The rate of the target, and what θ₁ is off by in another step.
 double AxisMotorLaw::rate_in_second_kick(const AxisStage& stage) {
   const MotionPoint target = target_at(*stage.p.motor, stage.step.end_time);
-  const double left = target.value - stage.theta, back = std::abs(left) <= kTouch ? 0 : left / stage.step.h;
+  const double left = target.value - stage.theta,
+               back = std::abs(left) <= LawTuning::kTouch ? 0 : left / stage.step.h;
   on_target = back == 0;
   const double rate = target.rate + back;
   if (on_target || !has_to_brake(*stage.p.motor)) return rate;
@@ -112,7 +115,7 @@ double AxisMotorLaw::rate_in_single_kick(const AxisStage& stage) {
   const double h = stage.step.h;
   const MotionPoint target = target_at(*stage.p.motor, stage.step.end_time - h);
   const double way = target.value - stage.start.theta, rate = target.rate + way / h;
-  on_target = std::abs(way) <= kTouch;
+  on_target = std::abs(way) <= LawTuning::kTouch;
   if (on_target || !has_to_brake(*stage.p.motor)) return rate;
   const double deceleration = braking(stage, target, way);
   if (!(deceleration > 0)) return rate;
@@ -129,7 +132,7 @@ double AxisMotorLaw::braking(const AxisStage& stage, const MotionPoint& target, 
   const double own = available_force(*stage.p.motor, std::abs(stage.start.rate)) / inertia;
   const double load = acceleration - force / inertia - target.acceleration;
   const double deceleration =
-      std::max(kLeastBraking * own, own - std::max(0.0, std::copysign(1.0, way) * load));
+      std::max(AxisMotorTuning::kLeastBraking * own, own - std::max(0.0, std::copysign(1.0, way) * load));
   return std::isfinite(deceleration) ? deceleration : 0;
 }
 

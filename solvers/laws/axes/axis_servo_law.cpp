@@ -8,8 +8,10 @@
 namespace taut {
 namespace {
 
-/// Impulses are right to this part of themselves.
-constexpr double kServoTolerance = 1e-11;
+struct AxisServoTuning {
+  /// Impulses are right to this part of themselves, as those of tangents.
+  static constexpr double kTolerance = 1e-11;
+};
 
 /// Slope of a spring and damper beyond the midpoint rule, so that what is stiffer than the step resolves
 /// comes to rest at its target.
@@ -98,7 +100,8 @@ bool AxisServoLaw::move(const AxisProperties& p, const AxisStep&, const AxisStar
   if (!p.motor || !p.motor->has_gains()) return false;
   const double there = held(w), given = at_present().at(w);
   const double size = std::max(std::abs(there), std::abs(given));
-  if (std::abs(there - given) <= std::max(kServoTolerance * size, 0.1 * rate_tolerance * start.inertia))
+  if (std::abs(there - given) <=
+      std::max(AxisServoTuning::kTolerance * size, 0.1 * rate_tolerance * start.inertia))
     return false;
   tangent.move(w, rate_tolerance);
   return true;

@@ -10,6 +10,19 @@
 
 namespace taut {
 
+struct AxisSmoothTuning {
+  /// A rate is known to this part of what the impulse has changed it by: some 45 units of round-off.
+  static constexpr double kRoundOff = 1e-14;
+  /// A tangent that is off by more than this part of the rate is far from the solution.  Chosen.
+  static constexpr double kFar = 0.1;
+  /// An axis by itself is solved to this part of its rate, in at most so many steps.  Chosen: it is a guess
+  /// for the axis among others.
+  static constexpr double kAlone = 1e-6;
+  static constexpr int kMostAlone = 100;
+  /// Moves of a tangent after which it goes half of the way.  Chosen.
+  static constexpr int kNewtonMoves = 20;
+};
+
 /// What of a smooth property at θ is the force of a potential [N·m or N].
 template <SmoothAxisProperty Property>
 double stored_force(const Property& property, double theta) {
@@ -123,13 +136,14 @@ struct AxisSmoothLaw : AxisPartLaw {
     if (!property || (step.in(Kick::kSecond) && !implicit)) return false;
     const double given = stored.at(w) + rest.at(w);
     const ImpulseLine there = line(*property, step, start, w);
-    const double off = std::abs(there.level - given), known = kRoundOff * std::abs(given) / start.inertia;
-    if (off <= std::max({kTangentTolerance * std::abs(given), 0.1 * rate_tolerance * start.inertia,
+    const double off = std::abs(there.level - given),
+                 known = AxisSmoothTuning::kRoundOff * std::abs(given) / start.inertia;
+    if (off <= std::max({TangentTuning::kTolerance * std::abs(given), 0.1 * rate_tolerance * start.inertia,
                          known * (start.inertia + there.slope)}))
       return false;
-    const bool is_far = std::abs(w - tangent) > kFar * std::abs(w);
+    const bool is_far = std::abs(w - tangent) > AxisSmoothTuning::kFar * std::abs(w);
     const double next = is_far ? rate_alone(*property, step, start, w - given / start.inertia, w) : w;
-    tangent = ++moves > kNewtonMoves ? 0.5 * (tangent + next) : next;
+    tangent = ++moves > AxisSmoothTuning::kNewtonMoves ? 0.5 * (tangent + next) : next;
     return true;
   }
   void share_lines(AxisImpulse& impulse, double& left, double w) const {
@@ -140,16 +154,6 @@ struct AxisSmoothLaw : AxisPartLaw {
   }
 
  private:
-  /// A rate is known to this part of what the impulse has changed it by.
-  static constexpr double kRoundOff = 1e-14;
-  /// A tangent that is off by more than this part of the rate is far from the solution.
-  static constexpr double kFar = 0.1;
-  /// An axis by itself is solved to this part of its rate, in at most so many steps.
-  static constexpr double kAlone = 1e-6;
-  static constexpr int kMostAlone = 100;
-  /// Moves of a tangent after which it goes half of the way.
-  static constexpr int kNewtonMoves = 20;
-
   /// The impulse at w, as level, and what it falls by.
   ImpulseLine line(const Property& property, const AxisStep& step, const AxisStart& start, double w) const {
     const SmoothImpulse at = impulse_at(property, step, start, w);
@@ -173,13 +177,13 @@ struct AxisSmoothLaw : AxisPartLaw {
                     double w) const {
     double low = -kUnreachedRate, high = kUnreachedRate;
     if (!(start.inertia > 0) || std::isinf(start.inertia)) return w;
-    for (int i = 0; i < kMostAlone; ++i) {
+    for (int i = 0; i < AxisSmoothTuning::kMostAlone; ++i) {
       const ImpulseLine at = line(property, step, start, w);
       const double excess = start.inertia * (w - free) - at.level;
       const double next = w - excess / (start.inertia + at.slope);
       if (!std::isfinite(next)) break;
       (excess > 0 ? high : low) = w;
-      const bool found = std::abs(next - w) <= kAlone * std::abs(next);
+      const bool found = std::abs(next - w) <= AxisSmoothTuning::kAlone * std::abs(next);
       w = found || (next > low && next < high) ? next : 0.5 * (low + high);
       if (found) break;
     }

@@ -166,7 +166,8 @@ void AxisSpringLaw::set_single_kick(const AxisStage& stage) {
   damper.slope = step.vartheta * step.h * damping + by_table.slope + by_limit.slope;
 }
 
-/// Impulses of the curves at w are those of the tangents, to kTangentTolerance or `tolerance` [N·m·s or N·s].
+/// Impulses of the curves at w are those of the tangents, to TangentTuning::kTolerance or `tolerance` [N·m·s
+/// or N·s].
 bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& step, const AxisStart& start,
                                        double w, double tolerance) const {
   double off = 0, size = 0;
@@ -185,7 +186,7 @@ bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& 
     const Curve& table = *p.spring->damping_table;
     compare(damper_tangent(table, step, start, w), damper_tangent(table, step, start, tangents.rate).at(w));
   }
-  return off <= std::max(kTangentTolerance * size, tolerance);
+  return off <= std::max(TangentTuning::kTolerance * size, tolerance);
 }
 
 /// Newton's method for the impulses of tables and soft limits, which fall with the rate: if a solution with

@@ -28,12 +28,12 @@ struct SwingTuning {
 /// Two axes of the joint of axis i in the table, by their places in the joint; −1 for one that has no row.
 /// The rows of a joint are neighbours.
 std::array<int, 2> find_beside(const AxisTable& table, std::size_t i, const std::array<int, 2>& places) {
-  const JointId joint = table.id(i).joint;
+  const std::optional<JointId> joint = table.rows()[i].joint();
   std::array<int, 2> found{-1, -1};
-  while (i > 0 && table.id(i - 1).joint == joint) --i;
-  for (; i < table.size() && table.id(i).joint == joint; ++i)
+  while (i > 0 && table.rows()[i - 1].joint() == joint) --i;
+  for (; i < table.size() && table.rows()[i].joint() == joint; ++i)
     for (int k : {0, 1})
-      if (table.id(i).axis == places[k]) found[k] = static_cast<int>(i);
+      if (table.axis(i) && table.axis(i)->axis == places[k]) found[k] = static_cast<int>(i);
   return found;
 }
 
@@ -43,10 +43,10 @@ void AxisSwings::find(AxisTable& table) {
   frictions_.clear();
   springs_.clear();
   for (std::size_t i = 0; i < table.size(); ++i) {
-    const AxisId id = table.id(i);
-    if (id.axis < 0 || id.joint.index < 0) continue;
-    const std::optional<SwingProperties> properties = swing_properties(table.world(), id.joint);
-    if (!properties || properties->swing != id.axis) continue;
+    const AxisId* id = table.axis(i);
+    if (!id) continue;
+    const std::optional<SwingProperties> properties = swing_properties(table.world(), id->joint);
+    if (!properties || properties->swing != id->axis) continue;
     const int axis = static_cast<int>(i);
     if (properties->has_friction)
       frictions_.push_back({.axis = axis, .turn = find_beside(table, i, properties->across.turns)});

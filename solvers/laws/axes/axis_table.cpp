@@ -17,8 +17,11 @@ bool AxisTable::refresh() {
   axis_version_ = world_.axis_version();
   any_rigid_limit_ = any_load_ = any_spring_ = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    from_own_[i] = 0;
-    if (rows_[i].axis.axis < 0) read_spring(i);
+    const auto* softened = std::get_if<Rows::SoftenedRow>(&rows_[i].what);
+    from_own_[i] = !axis(i);
+    if (from_own_[i]) own_.resize(rows_.size());
+    if (softened) own_[i].spring = spring_of(*softened, angular_[i]);
+    if (const Rows::SpringRow* spring = rows_[i].spring()) own_[i].spring = spring_of(*spring);
     const AxisProperties& p = properties(i);
     any_rigid_limit_ = any_rigid_limit_ || taut::has_rigid_limit(p);
     any_load_ = any_load_ || (p.friction && p.friction->per_load != 0);
@@ -33,28 +36,29 @@ AxisProperties& AxisTable::make_own(std::size_t i) {
   return own_[i] = given(i);
 }
 
-/// Of a spring between bodies that has rows of displacements, its length bears the damper alone.
-void AxisTable::read_spring(std::size_t i) {
-  own_.resize(rows_.size());
-  from_own_[i] = 1;
-  AxisSpring& own = own_[i].spring.emplace();
-  if (rows_[i].spring.index >= 0) {
-    const LineSpring& spring = *world_.force(rows_[i].spring).spring();
-    if (rows_[i].centred)
-      own.stiffness = spring.law.stiffness;
-    else
-      own = spring.law;
-    if (!rows_[i].centred && spring.is_centred()) own.stiffness = 0;
-    return;
-  }
-  const JointCompliance c = world_.compliance(rows_[i].axis.joint).value_or(JointCompliance{});
-  own.stiffness = 1 / (angular_[i] ? c.rotation : c.translation);
-  own.damping = angular_[i] ? c.rotation_damping : c.translation_damping;
+AxisSpring AxisTable::spring_of(const Rows::SoftenedRow& row, bool angular) const {
+  const JointCompliance c = world_.compliance(row.joint).value_or(JointCompliance{});
+  AxisSpring spring;
+  spring.stiffness = 1 / (angular ? c.rotation : c.translation);
+  spring.damping = angular ? c.rotation_damping : c.translation_damping;
+  return spring;
+}
+
+/// Of one that has rows of displacements, the length bears the damper alone.
+AxisSpring AxisTable::spring_of(const Rows::SpringRow& row) const {
+  const LineSpring& given = *world_.force(row.spring).spring();
+  AxisSpring spring;
+  if (row.centred)
+    spring.stiffness = given.law.stiffness;
+  else
+    spring = given.law;
+  if (!row.centred && given.is_centred()) spring.stiffness = 0;
+  return spring;
 }
 
 void AxisTable::release(JointId joint) {
   for (std::size_t i = 0; i < rows_.size(); ++i)
-    if (rows_[i].axis.joint == joint) released_[i] = 1;
+    if (rows_[i].joint() == joint) released_[i] = 1;
 }
 
 bool AxisTable::has_unbounded_motor(std::size_t i) const {

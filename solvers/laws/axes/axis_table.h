@@ -28,18 +28,17 @@ class AxisTable {
   std::size_t size() const { return rows_.size(); }
   const std::vector<Rows::AxisRow>& rows() const { return rows_; }
   int row(std::size_t i) const { return rows_[i].row; }
-  AxisId id(std::size_t i) const { return rows_[i].axis; }
+  /// The axis whose row it is, if it is one.
+  const AxisId* axis(std::size_t i) const { return rows_[i].axis(); }
   bool angular(std::size_t i) const { return angular_[i]; }
   const World& world() const { return world_; }
 
   /// Reads the properties again if they have changed in the World; false if not.  Own ones are left out then.
   bool refresh();
   /// Those in force.
-  const AxisProperties& properties(std::size_t i) const {
-    return from_own_[i] ? own_[i] : world_.axis_properties(rows_[i].axis);
-  }
+  const AxisProperties& properties(std::size_t i) const { return from_own_[i] ? own_[i] : given(i); }
   /// Those of the World, for an axis.
-  const AxisProperties& given(std::size_t i) const { return world_.axis_properties(rows_[i].axis); }
+  const AxisProperties& given(std::size_t i) const { return world_.axis_properties(*rows_[i].axis()); }
   /// Puts own properties in force, to be changed; at first those of the World.
   AxisProperties& make_own(std::size_t i);
   AxisProperties& own(std::size_t i) { return own_[i]; }
@@ -61,7 +60,9 @@ class AxisTable {
   void transfer(Archive& archive);
 
  private:
-  void read_spring(std::size_t i);
+  /// What acts along a row that is none of an axis.
+  AxisSpring spring_of(const Rows::SoftenedRow& row, bool angular) const;
+  AxisSpring spring_of(const Rows::SpringRow& row) const;
 
   const World& world_;
   std::vector<Rows::AxisRow> rows_;

@@ -10,10 +10,13 @@ namespace {
 
 /// Equality rows of a joint that leaves one freedom, and of one that leaves none.
 constexpr int kAllButOne = 5, kAll = 6;
-/// Rows of a joint of which no more than this part is left across the others depend on them.
-constexpr double kDependent = 1e-6;
-/// A spring that is not resolved turns no body by more than this in a step [rad].
-constexpr double kUnresolvedTurn = 0.2;
+struct AxisUnresolvedTuning {
+  /// Rows of a joint of which no more than this part is left across the others depend on them.
+  /// Chosen.
+  static constexpr double kDependent = 1e-6;
+  /// A spring that is not resolved turns no body by more than this in a step [rad].  Chosen.
+  static constexpr double kTurn = 0.2;
+};
 
 /// The bodies of a joint that nothing else holds, along one of its axes.
 struct Pair {
@@ -51,7 +54,7 @@ Pair pair_of(ConstraintSystem& system, int row) {
   for (int k = 0; k < joint.equality_count; ++k) {
     if (!rows.is_equality(joint.first_row + k)) continue;  // softened
     const Row W = row_of_W(k), rest = across(W);
-    if (rest.norm() > kDependent * W.norm()) held.col(count++) = rest.normalized();
+    if (rest.norm() > AxisUnresolvedTuning::kDependent * W.norm()) held.col(count++) = rest.normalized();
   }
   const Row left = across(row_of_W(row - joint.first_row));
   Pair pair{.inertia = 1 / left.squaredNorm()};
@@ -91,7 +94,8 @@ Stretched soft_limit_of(const AxisProperties& p, double theta) {
 /// Slope beyond that of the midpoint rule, or of implicit Euler in a single kick: see (solvers/laws, Eq. 3).
 double excess_of(const Pair& pair, double hh, const Stretched& at, bool single_kick) {
   const double hhk = hh * at.stiffness;
-  const double turn = std::max(kUnresolvedTurn, pair.turning * std::abs(at.stretch)) / kUnresolvedTurn;
+  const double turn = std::max(AxisUnresolvedTuning::kTurn, pair.turning * std::abs(at.stretch)) /
+                      AxisUnresolvedTuning::kTurn;
   if (single_kick) return std::max(0.0, (turn - 1) * hhk - pair.inertia);
   return std::max(0.25 * (hhk - pair.inertia), (0.5 * turn - 0.25) * hhk - pair.inertia);
 }
@@ -101,12 +105,12 @@ double excess_of(const Pair& pair, double hh, const Stretched& at, bool single_k
 bool has_constant_inertia(const AxisTable& table, const Rows& rows, std::size_t i) {
   const World& world = table.world();
   const Rows::AxisRow& row = table.rows()[i];
-  if (row.spring.index >= 0) {
-    const LineSpring& spring = *world.force(row.spring).spring();
+  if (const Rows::SpringRow* of_spring = row.spring()) {
+    const LineSpring& spring = *world.force(of_spring->spring).spring();
     const auto is_lever = [&](BodyId b, const Vec3& p) { return !world.is_fixed(b) && !p.isZero(0); };
     return !is_lever(spring.a, spring.p_AP) && !is_lever(spring.b, spring.p_BQ);
   }
-  const JointId joint = row.axis.joint;
+  const JointId joint = *row.joint();
   const std::span<const BodyId> bodies = world.joint(joint).bodies();
   if (std::none_of(bodies.begin(), bodies.end(), [&](BodyId b) { return world.is_fixed(b); })) return false;
   const Rows::JointRows& of = rows.joints()[joint.index];

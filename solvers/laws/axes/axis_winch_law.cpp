@@ -42,7 +42,7 @@ double AxisWinchLaw::rate_to_hold(const AxisStage& stage, double rate) const {
   const AxisStep& step = stage.step;
   if (step.in(Kick::kFirst)) return (length - stage.start.theta) / step.h;
   const double there = step.in(Kick::kSingle) ? 0.5 * (stage.start.let_out + length) : length;
-  return stage.theta >= there - kTouch ? rate : kUnreachedRate;
+  return stage.theta >= there - LawTuning::kTouch ? rate : kUnreachedRate;
 }
 
 }  // namespace taut

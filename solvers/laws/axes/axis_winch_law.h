@@ -37,7 +37,7 @@ struct AxisWinchLaw : AxisPartLaw {
   /// It has held the rope, or would have, in the last step.
   bool holds_rope() const { return bound > 0 && !slipping; }
   /// What is let out at the end of a step with θ there.
-  double let_out(double theta) const { return theta > length + kTouch ? theta : length; }
+  double let_out(double theta) const { return theta > length + LawTuning::kTouch ? theta : length; }
   template <typename AnyArchive>
   void transfer(AnyArchive& archive) {
     archive(at, bound, back, length, slipping);

@@ -176,10 +176,9 @@ TEST(AxisRows, StandBehindTheEqualityRowsOfTheirJoint) {
   EXPECT_EQ(rows.joints()[1].equality_count, 4);
   ASSERT_EQ(rows.axis_rows().size(), 2u);
   EXPECT_EQ(rows.axis_rows()[0].row, 5);
-  EXPECT_EQ(rows.axis_rows()[0].axis, (AxisId{hinge, 0}));
+  EXPECT_EQ(*rows.axis_rows()[0].axis(), (AxisId{hinge, 0}));
   EXPECT_EQ(rows.axis_rows()[1].row, 10);
-  EXPECT_EQ(rows.axis_rows()[1].axis, (AxisId{universal, 1}));
-  EXPECT_EQ(rows.axis_rows()[1].index, world.axis_index({universal, 1}));
+  EXPECT_EQ(*rows.axis_rows()[1].axis(), (AxisId{universal, 1}));
   for (int r = 0; r < rows.row_count(); ++r) EXPECT_EQ(rows.is_equality(r), r != 5 && r != 10);
   EXPECT_EQ(rows.joint_of(10), universal);
   EXPECT_TRUE(rows.row(10).angular);
@@ -230,8 +229,8 @@ TEST(AxisRows, FollowTheMotionOfTheirAxes) {
     EXPECT_LT((rate(0) - (residual(h) - residual(-h)) / (2 * h)).cwiseAbs().maxCoeff(), 2e-8);
     EXPECT_LT((bias - (rate(h) - rate(-h)) / (2 * h)).cwiseAbs().maxCoeff(), 2e-8);
     for (const Rows::AxisRow& r : rows.axis_rows()) {
-      EXPECT_EQ(residual(0)[r.row], world.axis_value(r.axis));
-      EXPECT_NEAR(rate(0)[r.row], world.axis_rate(r.axis), kRoundOff);
+      EXPECT_EQ(residual(0)[r.row], world.axis_value(*r.axis()));
+      EXPECT_NEAR(rate(0)[r.row], world.axis_rate(*r.axis()), kRoundOff);
     }
     EXPECT_NEAR(world.axis_value({{0}, 0}), 6 * kPi, kRoundOff);  // 20 is next to three turns
   }

@@ -56,8 +56,9 @@ TEST(SpringRows, PullAsTheirLaws) {
       rows.jacobian(n.world.state(), J);
       rows.apply(J, n.world.state().twists, rates);
       for (const Rows::AxisRow& row : rows.axis_rows()) {
-        const double k = rest == 0 && !row.centred ? 0 : 3, own_rest = row.centred ? 0 : rest;
-        lambda[row.row] = -k * (theta[row.row] - own_rest) - (row.centred ? 0 : damping) * rates[row.row];
+        const bool centred = row.spring()->centred;
+        const double k = rest == 0 && !centred ? 0 : 3, own_rest = centred ? 0 : rest;
+        lambda[row.row] = -k * (theta[row.row] - own_rest) - (centred ? 0 : damping) * rates[row.row];
       }
       rows.apply_transpose(J, lambda, by_rows);
       for (int body : {1, 2}) {

@@ -69,7 +69,8 @@ TEST_P(ActiveSetSmall, AgreesWithTheEnumerationOfAllPieces) {
       EXPECT_EQ(outcome.status, ActiveSetStatus::kContradiction) << problem;
       continue;
     }
-    if (expected.softest < 1e-6) {  // near those that are left alone (kSteppingTolerance): w depends on them
+    if (expected.softest <
+        1e-6) {  // near those that are left alone (RankTuning::kStepping): w depends on them
       ++soft;
       continue;
     }
