@@ -6,6 +6,7 @@
 #include "core/base/check.h"
 #include "core/math/dense.h"
 #include "core/state/same_state.h"
+#include "core/world/world_parts.h"
 
 namespace taut {
 namespace {
@@ -166,9 +167,9 @@ MergedWorld::MergedWorld(const World& source, double tolerance) : tolerance_(tol
 }
 
 bool MergedWorld::update(const World& source) {
-  const detail::WorldVersions& now = source.versions_;
+  const detail::WorldVersions& now = source.parts_->versions;
   bool rebuilt = seen_.topology != now.topology || seen_.geometry != now.geometry ||
-                 !source.soft_joints_.has_same_joints(world_.soft_joints_);
+                 !source.parts_->soft_joints.has_same_joints(world_.parts_->soft_joints);
   if (!rebuilt && seen_.properties != now.properties) {
     rebuilt = merged_groups(source, tolerance_) != groups_;
     if (!rebuilt) take_properties(source);
@@ -181,23 +182,23 @@ bool MergedWorld::update(const World& source) {
   }
   take_wakes(source);
   if (seen_.axes != now.axes) {
-    world_.axes_.copy_properties(source.axes_);
-    world_.soft_joints_.copy_compliances(source.soft_joints_);
-    ++world_.versions_.axes;
+    world_.parts_->axes.copy_properties(source.parts_->axes);
+    world_.parts_->soft_joints.copy_compliances(source.parts_->soft_joints);
+    ++world_.parts_->versions.axes;
     seen_.axes = now.axes;
   }
   if (moved) {
     world_.gravity_ = source.gravity_;
     if (!same(source.state_, known_)) take_state(source);
     make_forces(source);
-    ++world_.versions_.state;
+    ++world_.parts_->versions.state;
     seen_.state = now.state;
   }
   return moved;
 }
 
 bool MergedWorld::is_behind(const World& source) const {
-  const detail::WorldVersions& now = source.versions_;
+  const detail::WorldVersions& now = source.parts_->versions;
   return seen_.topology != now.topology || seen_.geometry != now.geometry || seen_.state != now.state ||
          seen_.axes != now.axes || seen_.properties != now.properties;
 }
@@ -205,19 +206,19 @@ bool MergedWorld::is_behind(const World& source) const {
 /// Versions go on from what they were, whatever those of the source are: a state that was not set there is no
 /// new one here.
 void MergedWorld::rebuild(const World& source) {
-  const detail::WorldVersions before = world_.versions_;
-  const bool moved = seen_.state != source.versions_.state;
+  const detail::WorldVersions before = world_.parts_->versions;
+  const bool moved = seen_.state != source.parts_->versions.state;
   world_ = source;
-  const auto& masses = source.bodies_.masses();
-  const auto fixed = source.bodies_.fixed();
+  const auto& masses = source.parts_->bodies.masses();
+  const auto fixed = source.parts_->bodies.fixed();
   source_masses_.assign(masses.begin(), masses.end());
   source_fixed_.assign(fixed.begin(), fixed.end());
-  world_.versions_ = {.topology = before.topology + 1,
-                      .state = before.state + moved,
-                      .axes = before.axes + 1,
-                      .properties = source.versions_.properties,
-                      .geometry = before.geometry + 1,
-                      .sleep = before.sleep + 1};
+  world_.parts_->versions = {.topology = before.topology + 1,
+                             .state = before.state + moved,
+                             .axes = before.axes + 1,
+                             .properties = source.parts_->versions.properties,
+                             .geometry = before.geometry + 1,
+                             .sleep = before.sleep + 1};
   note_wakes(source);
   place_frames(source);
   make_bodies(source);
@@ -225,7 +226,7 @@ void MergedWorld::rebuild(const World& source) {
   make_shapes(source);
   take_state(source);
   make_forces(source);
-  seen_ = source.versions_;
+  seen_ = source.parts_->versions;
 }
 
 /// X_CB of all bodies: along the trees of the groups first, then from the common centre of mass.
@@ -265,8 +266,8 @@ void MergedWorld::make_bodies(const World& source) {
     double mass = 0;
     Mat3 inertia = Mat3::Zero();
     for (BodyId body : group.members) {
-      world_.bodies_.set_fixed(body.index, true);
-      world_.sleep_.set_asleep(body.index, false);
+      world_.parts_->bodies.set_fixed(body.index, true);
+      world_.parts_->sleep.set_asleep(body.index, false);
       const MassProperties& own = source.mass_properties(body);
       const Pose& X = carriers_->frames[body.index];
       mass += own.mass();
@@ -274,10 +275,10 @@ void MergedWorld::make_bodies(const World& source) {
     }
     if (group.fixed) continue;
     const int carrier = group.carrier.index;
-    world_.bodies_.set_fixed(carrier, false);
-    world_.bodies_.set_mass(carrier, without_round_off(mass, 0.5 * (inertia + inertia.transpose())));
-    world_.sleep_.set_asleep(carrier, std::all_of(group.members.begin(), group.members.end(),
-                                                  [&](BodyId b) { return source.is_asleep(b); }));
+    world_.parts_->bodies.set_fixed(carrier, false);
+    world_.parts_->bodies.set_mass(carrier, without_round_off(mass, 0.5 * (inertia + inertia.transpose())));
+    world_.parts_->sleep.set_asleep(carrier, std::all_of(group.members.begin(), group.members.end(),
+                                                         [&](BodyId b) { return source.is_asleep(b); }));
   }
 }
 
@@ -286,7 +287,7 @@ void MergedWorld::make_joints(const World& source) {
   for (const MergedGroup& group : groups_)
     for (const auto* welds : {&group.welds, &group.loops})
       for (JointId weld : *welds)
-        if (weld.index >= 0) world_.joints_.detach(weld.index);
+        if (weld.index >= 0) world_.parts_->joints.detach(weld.index);
   Relocation to;
   to.carriers = carriers_;
   for (int j = 0; j < source.joint_count(); ++j) {
@@ -294,28 +295,28 @@ void MergedWorld::make_joints(const World& source) {
     if (!world_.is_attached(JointId{j}) ||
         std::none_of(bodies.begin(), bodies.end(), [&](BodyId body) { return is_carried(body); }))
       continue;
-    world_.joints_.replace(j, MergedJoint::make(source.joints_.shared(j), carriers_));
+    world_.parts_->joints.replace(j, MergedJoint::make(source.parts_->joints.shared(j), carriers_));
     try {
       RowSink trial;
-      world_.joints_[j].append_rows(trial);
+      world_.parts_->joints[j].append_rows(trial);
     } catch (const std::invalid_argument& error) {
-      fail("joint " + source.name(JointId{j}), error.what(), source.joints_[j].type());
+      fail("joint " + source.name(JointId{j}), error.what(), source.parts_->joints[j].type());
     }
-    world_.axes_.relocate(j, to);
+    world_.parts_->axes.relocate(j, to);
     if (const auto compliance = source.compliance(JointId{j})) {
-      const std::int64_t topology = world_.versions_.topology;
+      const std::int64_t topology = world_.parts_->versions.topology;
       world_.set_compliance(JointId{j}, compliance);  // makes its rows anew
-      world_.versions_.topology = topology;
+      world_.parts_->versions.topology = topology;
     }
   }
 }
 
 void MergedWorld::make_shapes(const World& source) {
   for (int s = 0; s < source.shape_count(); ++s) {
-    const BodyId body = source.shapes_[s].body;
+    const BodyId body = source.parts_->shapes[s].body;
     if (is_carried(body))
-      world_.shapes_.move(s, carriers_->bodies[body.index],
-                          carriers_->frames[body.index] * source.shapes_[s].pose);
+      world_.parts_->shapes.move(s, carriers_->bodies[body.index],
+                                 carriers_->frames[body.index] * source.parts_->shapes[s].pose);
   }
 }
 
@@ -327,7 +328,7 @@ std::vector<std::shared_ptr<const Force>> MergedWorld::carried_laws(const World&
            std::none_of(bodies.begin(), bodies.end(), [&](BodyId body) { return is_carried(body); });
   };
   std::vector<std::shared_ptr<const Force>> laws, conservative, others;
-  for (const auto& law : source.forces_.acting()) {
+  for (const auto& law : source.parts_->forces.acting()) {
     if (groups_.empty() || is_apart(*law))
       laws.push_back(law);
     else if (const LineSpring* spring = law->spring())
@@ -355,37 +356,43 @@ double MergedWorld::held_potential(const World& source) const {
 }
 
 void MergedWorld::make_forces(const World& source) {
-  source_laws_ = source.forces_.acting();
+  source_laws_ = source.parts_->forces.acting();
   std::vector<std::shared_ptr<const Force>> laws = carried_laws(source);
   if (const double held = held_potential(source); held != 0)
     laws.push_back(std::make_shared<HeldWeight>(held));
-  world_.forces_.replace(std::move(laws), source.forces_);
+  world_.parts_->forces.replace(std::move(laws), source.parts_->forces);
 }
 
 /// What is woken in the source wakes its carrier.
 void MergedWorld::take_wakes(const World& source) {
-  if (wake_version_seen_ == source.sleep_.wake_version()) return;
+  if (wake_version_seen_ == source.parts_->sleep.wake_version()) return;
   for (int b = 0; b < source.body_count(); ++b)
-    if (wake_counts_seen_[b] != source.sleep_.wake_count(b)) world_.wake(carriers_->bodies[b]);
+    if (wake_counts_seen_[b] != source.parts_->sleep.wake_count(b)) world_.wake(carriers_->bodies[b]);
   note_wakes(source);
+}
+
+void MergedWorld::note_wakes(const World& source) {
+  wake_counts_seen_ = source.parts_->sleep.wake_counts();
+  wake_version_seen_ = source.parts_->sleep.wake_version();
 }
 
 void MergedWorld::give_sleep(World& source) const {
   bool changed = false;
   for (int b = 0; b < source.body_count(); ++b) {
-    const bool asleep = world_.sleep_.is_asleep(carriers_->bodies[b].index) && !source.bodies_.is_fixed(b);
-    changed = changed || asleep != source.sleep_.is_asleep(b);
-    source.sleep_.set_asleep(b, asleep);
+    const bool asleep =
+        world_.parts_->sleep.is_asleep(carriers_->bodies[b].index) && !source.parts_->bodies.is_fixed(b);
+    changed = changed || asleep != source.parts_->sleep.is_asleep(b);
+    source.parts_->sleep.set_asleep(b, asleep);
   }
-  if (changed) ++source.versions_.sleep;
+  if (changed) ++source.parts_->versions.sleep;
 }
 
 void MergedWorld::take_properties(const World& source) {
-  world_.breakable_ = source.breakable_;
-  world_.materials_ = source.materials_;
-  world_.shapes_.copy_materials(source.shapes_);
-  world_.collisions_.copy_overrides(source.collisions_);
-  seen_.properties = source.versions_.properties;
+  world_.parts_->breakable = source.parts_->breakable;
+  world_.parts_->materials = source.parts_->materials;
+  world_.parts_->shapes.copy_materials(source.parts_->shapes);
+  world_.parts_->collisions.copy_overrides(source.parts_->collisions);
+  seen_.properties = source.parts_->versions.properties;
 }
 
 void MergedWorld::take_state(const World& source) {

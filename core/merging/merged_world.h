@@ -6,6 +6,7 @@
 
 #include "core/world/diagnostics.h"
 #include "core/world/world.h"
+#include "core/world/world_versions.h"
 
 /// Bodies that fixed joints hold together, as one body each.             (solvers/simulator, "Merged bodies")
 namespace taut {
@@ -67,10 +68,7 @@ class MergedWorld {
     known_ = source.state();
   }
   /// Wakes in the source so far are those that the bodies of world() have, too.
-  void note_wakes(const World& source) {
-    wake_counts_seen_ = source.sleep_.wake_counts();
-    wake_version_seen_ = source.sleep_.wake_version();
-  }
+  void note_wakes(const World& source);
   /// State of the source for one of world().
   void expand(const State& merged, State& source) const;
   /// The weld that is open furthest in a state of the source, and by how much; index −1 without welds.

@@ -4,6 +4,7 @@
 #include "core/constraints/rows.h"
 #include "core/world/swing_properties.h"
 #include "core/world/world.h"
+#include "core/world/world_parts.h"
 
 namespace taut {
 namespace {
@@ -66,13 +67,13 @@ void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints jo
     return append_empty_block(id);
   const bool with_axes = axis_rows == AxisRows::kIncluded;
   RowSink counter;
-  if (with_axes) world.soft_joints_.soften(j, counter);
+  if (with_axes) world.parts_->soft_joints.soften(j, counter);
   joint.append_rows(counter);
 
   std::span<const AxisProperties> properties;  // of the axes; empty if none has rows
   std::vector<AxisProperties> of_swing;
   if (with_axes && world.has_axis_properties(id)) {
-    properties = world.axes_.properties_of(id);
+    properties = world.parts_->axes.properties_of(id);
     if (const auto swing = swing_properties(world, id))
       properties = of_swing = with_stand_ins(properties, *swing);
   }
@@ -90,14 +91,14 @@ void Rows::append_joint(const World& world, int j, AxisRows axis_rows, Joints jo
   RowSink sink;
   sink.rows_ = this;
   sink.joint_ = j;
-  if (with_axes) world.soft_joints_.soften(j, sink);
+  if (with_axes) world.parts_->soft_joints.soften(j, sink);
   joint.append_rows(sink);
   if (properties.empty()) return;
   AxisSink axes;
   axes.rows_ = this;
   axes.joint_index_ = j;
   axes.row_in_joint_ = counter.count_;
-  axes.first_index_ = world.axes_.first(j);
+  axes.first_index_ = world.parts_->axes.first(j);
   axes.properties_ = properties.data();
   joint.append_axes(axes);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/world/world.h"
+#include "core/world/world_parts.h"
 
 namespace taut {
 namespace {
@@ -32,10 +33,10 @@ class BodyLoads final : public Force {
 }  // namespace
 
 void PassingLoads::set(World& world, std::span<const BodyLoad> loads, std::shared_ptr<const Force> law) {
-  world.identity_.require_free();
+  world.parts_->identity.require_free();
   const bool any = !loads.empty() || law;
-  world.forces_.set_passing(any ? std::make_shared<const BodyLoads>(loads, std::move(law)) : nullptr);
-  ++world.versions_.state;
+  world.parts_->forces.set_passing(any ? std::make_shared<const BodyLoads>(loads, std::move(law)) : nullptr);
+  ++world.parts_->versions.state;
 }
 
 }  // namespace taut

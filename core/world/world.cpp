@@ -5,6 +5,7 @@
 #include "core/base/check.h"
 #include "core/constraints/rows.h"
 #include "core/world/diagnostics.h"
+#include "core/world/world_parts.h"
 
 namespace taut {
 namespace {
@@ -46,10 +47,21 @@ std::vector<Problem> World::validate(double gap_tolerance) const {
     if (!(gaps[j].radians <= gap_tolerance))
       message << (message.tellp() > 0 ? " and " : "is open at the start by ") << gaps[j].radians << " rad";
     if (message.tellp() > 0)
-      problems.push_back({std::string(joints_[j].type()) + " " + name(JointId{j}), message.str()});
+      problems.push_back({std::string(parts_->joints[j].type()) + " " + name(JointId{j}), message.str()});
     add_axis_problems(*this, JointId{j}, gap_tolerance, problems);
   }
   return problems;
 }
+
+World::Hold::Hold(const World& world) : world_(world.parts_->identity) { world_.hold(); }
+World::Hold::~Hold() { world_.release(); }
+
+std::uint64_t World::identity() const { return parts_->identity.value(); }
+std::int64_t World::topology_version() const { return parts_->versions.topology; }
+std::int64_t World::state_version() const { return parts_->versions.state; }
+std::int64_t World::axis_version() const { return parts_->versions.axes; }
+std::int64_t World::property_version() const { return parts_->versions.properties; }
+std::int64_t World::geometry_version() const { return parts_->versions.geometry; }
+std::int64_t World::sleep_version() const { return parts_->versions.sleep; }
 
 }  // namespace taut

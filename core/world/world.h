@@ -11,25 +11,41 @@
 
 #include "core/axes/axis.h"
 #include "core/state/force.h"
+#include "core/state/relocation.h"
 #include "core/state/state.h"
-#include "core/world/axis_table.h"
-#include "core/world/body_table.h"
-#include "core/world/breakable_joints.h"
-#include "core/world/collision_rules.h"
-#include "core/world/force_laws.h"
 #include "core/world/joint.h"
 #include "core/world/joint_properties.h"
-#include "core/world/joint_table.h"
-#include "core/world/material_table.h"
+#include "core/world/material.h"
 #include "core/world/rigid_body.h"
 #include "core/world/shape.h"
-#include "core/world/shape_table.h"
-#include "core/world/sleep_table.h"
-#include "core/world/soft_joints.h"
-#include "core/world/world_identity.h"
-#include "core/world/world_versions.h"
 
 namespace taut {
+
+namespace detail {
+
+class WorldIdentity;
+struct WorldParts;
+
+/// The parts of one World, as a value: a copy has copies of them, and those moved from have nothing in them.
+/// @throws std::logic_error, and nothing has changed, by assigning to or moving from those of a world that is
+/// held.
+class OwnWorldParts {
+ public:
+  OwnWorldParts();
+  OwnWorldParts(const OwnWorldParts& other);
+  OwnWorldParts(OwnWorldParts&& other);
+  OwnWorldParts& operator=(const OwnWorldParts& other);  ///< becomes a copy
+  OwnWorldParts& operator=(OwnWorldParts&& other);       ///< becomes what the other one was
+  ~OwnWorldParts();
+  /// The parts.  @{
+  WorldParts* operator->() { return parts_.get(); }
+  const WorldParts* operator->() const { return parts_.get(); }  /// @}
+
+ private:
+  std::unique_ptr<WorldParts> parts_;
+};
+
+}  // namespace detail
 
 /// Something wrong with a World as a whole, found by validate().
 struct Problem {
@@ -40,7 +56,8 @@ struct Problem {
 /// What exists: bodies, joints, forces, gravity, and their present state.  It owns everything and never
 /// steps. Ids are stable small integers: nothing is ever removed, but joints can be detached.  Names are
 /// unique among bodies and among joints; an empty name is replaced by a free one (body_3, joint_7).  A copy
-/// is an independent world that shares the immutable joints and force laws.
+/// is an independent world that shares the immutable joints and force laws.  One that was moved from has
+/// nothing, not even the ground, until it is assigned to.
 ///
 /// Whatever throws leaves the world as it was.  A force law that changes the world while it is being asked
 /// gets std::logic_error.
@@ -71,9 +88,7 @@ class World {
   /// Elasticity of a joint; nullopt: rigid.  Rows that become soft or rigid are a change of topology.
   /// @throws std::invalid_argument for a missing joint or what check_joint() refuses.
   void set_compliance(JointId id, std::optional<JointCompliance> compliance);
-  std::optional<JointCompliance> compliance(JointId id) const {  ///< none: rigid
-    return soft_joints_.compliance(joints_.checked(id));
-  }
+  std::optional<JointCompliance> compliance(JointId id) const;  ///< none: rigid
   /// Takes a joint out; it keeps id, name, axes and properties, and holds nothing.  Joints that couple its
   /// axes (gears, drivers) go with it.  Nothing happens if it is out already.
   void detach(JointId id);
@@ -89,8 +104,8 @@ class World {
   /// @throws std::invalid_argument for a missing joint, a pose that is not finite or not of unit length, and
   /// a joint of more than two bodies or that couples axes.
   void set_joint_frame(JointId id, const Pose& X_BF);
-  bool is_attached(JointId id) const { return joints_.is_attached(joints_.checked(id)); }  ///< not detached
-  int detached_count() const { return joints_.detached_count(); }  ///< number of joints
+  bool is_attached(JointId id) const;  ///< not detached
+  int detached_count() const;          ///< number of joints
   /// Energy in the springs, soft limits and compliance of one joint, detached or not [J].
   double spring_energy_of(JointId id, const State& state) const;
 
@@ -99,14 +114,12 @@ class World {
 
   /// A free axis by name.  @throws std::invalid_argument, which lists those of the joint, if there is none.
   AxisId axis(JointId joint, std::string_view name) const;
-  int axis_count(JointId joint) const { return axes_.count_of(joint); }  ///< number of its free axes
-  const AxisInfo& axis_info(AxisId id) const { return axes_.info(axes_.checked(id)); }  ///< its name and kind
+  int axis_count(JointId joint) const;         ///< number of its free axes
+  const AxisInfo& axis_info(AxisId id) const;  ///< its name and kind
   /// Index of an axis in State::axes, and what acts along it.  @throws std::invalid_argument for none.  @{
-  int axis_index(AxisId id) const { return axes_.checked(id); }
-  const AxisProperties& axis_properties(AxisId id) const {
-    return axes_.properties(axes_.checked(id));
-  }                                               /// @}
-  bool has_axis_properties(JointId joint) const;  ///< any of its axes has one
+  int axis_index(AxisId id) const;
+  const AxisProperties& axis_properties(AxisId id) const;  /// @}
+  bool has_axis_properties(JointId joint) const;           ///< any of its axes has one
   /// "elbow angle": joint and axis for messages.
   std::string axis_label(AxisId id) const;
 
@@ -168,8 +181,8 @@ class World {
   /// Gives a body a shape that others may share; it is checked again.  Otherwise as for a shape by value.
   ShapeId add_shape(BodyId body, std::shared_ptr<const Shape> shape, const Pose& pose = {},
                     const Material& material = {}, CollisionFilter filter = {});
-  int shape_count() const { return shapes_.count(); }                                  ///< of all bodies
-  const ShapeRecord& shape(ShapeId id) const { return shapes_[shapes_.checked(id)]; }  ///< as added
+  int shape_count() const;                     ///< of all bodies
+  const ShapeRecord& shape(ShapeId id) const;  ///< as added
   /// Sets the material of a shape.  @throws std::invalid_argument for what check_material() refuses.
   void set_material(ShapeId id, const Material& material);
   /// A material with a name, which shapes can share and pairs can refer to.
@@ -178,15 +191,11 @@ class World {
   MaterialId add_material(std::string name, const Material& material);
   /// Makes a shape be of a material with a name.  @throws std::invalid_argument if there is no such one.
   void set_material(ShapeId id, MaterialId material);
-  int material_count() const { return materials_.count(); }  ///< with a name
-  const Material& material(MaterialId id) const {
-    return materials_[materials_.checked(id)];
-  }  ///< its values
-  const std::string& name(MaterialId id) const {
-    return materials_.name(materials_.checked(id));
-  }  ///< its name
+  int material_count() const;                     ///< with a name
+  const Material& material(MaterialId id) const;  ///< its values
+  const std::string& name(MaterialId id) const;   ///< its name
   /// A material by name.  @throws std::invalid_argument if there is none.
-  MaterialId material(std::string_view name) const { return materials_.named(name); }
+  MaterialId material(std::string_view name) const;
   /// The material of a contact between two shapes, in place of combined(): order does not matter.
   void set_contact_material(ShapeId a, ShapeId b, const Material& material);
   /// The material of contacts between all shapes of two materials, or of one, in place of combined().
@@ -202,35 +211,33 @@ class World {
   bool may_collide(ShapeId a, ShapeId b) const;
   /// Changes whenever a shape is added; collision detection starts afresh then.  Who may collide is asked
   /// each time, so that joints and set_collision() need not count here.
-  std::int64_t geometry_version() const { return versions_.geometry; }
+  std::int64_t geometry_version() const;
 
   /// Gravitational acceleration [m/s²], (0, 0, −9.81) at first.
   void set_gravity(const Vec3& gravity);
   const Vec3& gravity() const { return gravity_; }  ///< [m/s²]
 
-  int body_count() const { return bodies_.count(); }                ///< with the ground
-  int moving_body_count() const { return bodies_.moving_count(); }  ///< not fixed
-  int joint_count() const { return joints_.count(); }               ///< detached ones too
-  int force_count() const { return forces_.count(); }               ///< without gravity
+  int body_count() const { return static_cast<int>(state_.poses.size()); }  ///< with the ground
+  int moving_body_count() const;                                            ///< not fixed
+  int joint_count() const;                                                  ///< detached ones too
+  int force_count() const;                                                  ///< without gravity
 
-  const MassProperties& mass_properties(BodyId id) const {
-    return bodies_.mass(bodies_.checked(id));
-  }                                                                                           ///< as given
-  bool is_fixed(BodyId id) const { return bodies_.is_fixed(bodies_.checked(id)); }            ///< never moves
-  const std::string& name(BodyId id) const { return bodies_.names()[bodies_.checked(id)]; }   ///< its name
-  const std::string& name(JointId id) const { return joints_.names()[joints_.checked(id)]; }  ///< its name
-  const Joint& joint(JointId id) const { return joints_[joints_.checked(id)]; }               ///< as added
-  const Force& force(ForceId id) const { return forces_[forces_.checked(id)]; }  ///< as added or set
+  const MassProperties& mass_properties(BodyId id) const;  ///< as given
+  bool is_fixed(BodyId id) const;                          ///< never moves
+  const std::string& name(BodyId id) const;                ///< its name
+  const std::string& name(JointId id) const;               ///< its name
+  const Joint& joint(JointId id) const;                    ///< as added
+  const Force& force(ForceId id) const;                    ///< as added or set
   /// A body or joint by name, and whether it is there.  @throws std::invalid_argument if it is not.  @{
-  BodyId body(std::string_view name) const { return {bodies_.names().index_of(name)}; }
-  JointId joint(std::string_view name) const { return {joints_.names().index_of(name)}; }
-  bool has_body(std::string_view name) const { return bodies_.names().contains(name); }
-  bool has_joint(std::string_view name) const { return joints_.names().contains(name); }  /// @}
+  BodyId body(std::string_view name) const;
+  JointId joint(std::string_view name) const;
+  bool has_body(std::string_view name) const;
+  bool has_joint(std::string_view name) const;  /// @}
 
-  const State& state() const { return state_; }                                       ///< at present
-  const Pose& pose(BodyId id) const { return state_.poses[bodies_.checked(id)]; }     ///< X_WB
-  const Twist& twist(BodyId id) const { return state_.twists[bodies_.checked(id)]; }  ///< V_WB
-  double time() const { return state_.time; }                                         ///< [s]
+  const State& state() const { return state_; }  ///< at present
+  const Pose& pose(BodyId id) const;             ///< X_WB
+  const Twist& twist(BodyId id) const;           ///< V_WB
+  double time() const { return state_.time; }    ///< [s]
   /// Moves a body, also a fixed one, between steps.  @throws std::invalid_argument for the ground, or a pose
   /// that add_body() would refuse.
   void set_pose(BodyId id, const Pose& pose);
@@ -249,12 +256,12 @@ class World {
   // Sleep (world_sleep.cpp): a simulator that is asked to (Settings::sleep) lets groups of bodies that have
   // come to rest stay where they are, at no cost, until something wakes them.
 
-  bool is_asleep(BodyId id) const { return sleep_.is_asleep(bodies_.checked(id)); }  ///< it rests at no cost
-  int asleep_count() const { return sleep_.asleep_count(); }                         ///< number of bodies
+  bool is_asleep(BodyId id) const;  ///< it rests at no cost
+  int asleep_count() const;         ///< number of bodies
   /// Counts how often a body was woken, asleep or not: its rest, if any, begins anew.
-  int wake_count(BodyId id) const { return sleep_.wake_count(bodies_.checked(id)); }
+  int wake_count(BodyId id) const;
   /// Neither fixed nor asleep.
-  bool moves(BodyId id) const { return !is_fixed(id) && !sleep_.is_asleep(id.index); }
+  bool moves(BodyId id) const;
   /// The body moves again, and with the next step all that fell asleep together with it.  What is set on a
   /// body, a joint of it or an axis of these wakes it without being asked; gravity, a force law that does not
   /// say on which bodies it acts, and what is set on a fixed body wake all.
@@ -265,18 +272,14 @@ class World {
   /// what the laws put on them.  `wrenches` has body_count() entries [N·m, N] and is overwritten.
   void forces(const State& state, std::span<Wrench> wrenches, Springs springs = Springs::kIncluded) const;
   /// True if any force law reads velocities.
-  bool forces_depend_on_velocity(Springs springs = Springs::kIncluded) const {
-    return forces_.depend_on_velocity(springs);
-  }
+  bool forces_depend_on_velocity(Springs springs = Springs::kIncluded) const;
   /// The force laws that are springs between two bodies, in the order of their ids.
   std::span<const ForceId> springs() const;
   /// Adds the force laws that are not conservative, which `wrenches` need not be zeroed for, and returns the
   /// potential energy that these state (of a spring with a damper, for instance) [J].
   double add_dissipative_forces(const State& state, std::span<Wrench> wrenches,
                                 Springs springs = Springs::kIncluded) const;
-  bool has_dissipative_forces(Springs springs = Springs::kIncluded) const {  ///< laws not conservative
-    return forces_.are_dissipative(springs);
-  }
+  bool has_dissipative_forces(Springs springs = Springs::kIncluded) const;  ///< laws not conservative
   /// Potential energy [J]: −Σ m g·p over the moving bodies, plus what force laws, springs, soft limits and
   /// soft joints state; detached joints have none.
   double potential_energy(const State& state) const;
@@ -289,26 +292,37 @@ class World {
 
   /// No two worlds have the same, not even copies, and one that is assigned to gets a new one: what was known
   /// of it, versions too, is then that of another world.
-  std::uint64_t identity() const { return identity_.value(); }
+  std::uint64_t identity() const;
   /// While one lives, every function that changes the world throws std::logic_error.
-  using Hold = detail::WorldIdentity::Hold;
-  [[nodiscard]] Hold hold() const { return Hold(identity_); }  ///< makes one
+  class Hold {
+   public:
+    explicit Hold(const World& world);
+    ~Hold();  ///< The world may be changed again, if no other one lives.
+    Hold(const Hold&) = delete;
+    Hold& operator=(const Hold&) = delete;
+
+   private:
+    const detail::WorldIdentity& world_;
+  };
+  [[nodiscard]] Hold hold() const { return Hold(*this); }  ///< makes one
   /// Changes whenever a body, joint or spring between bodies is added, a spring gets other ends, a joint is
   /// detached or attached, becomes soft or rigid, or an axis gets its first property or loses its last;
   /// solvers rebuild their pattern then.
-  std::int64_t topology_version() const { return versions_.topology; }
+  std::int64_t topology_version() const;
   /// Changes whenever state, gravity or a force is set; solvers start afresh then.
-  std::int64_t state_version() const { return versions_.state; }
+  std::int64_t state_version() const;
   /// Changes whenever a property of an axis is set; solvers read the new values and go on.
-  std::int64_t axis_version() const { return versions_.axes; }
+  std::int64_t axis_version() const;
   /// Changes whenever the strength of a joint, a material or who may collide is set, which solvers ask for
   /// each time; only what works on a changed copy of the world needs it.
-  std::int64_t property_version() const { return versions_.properties; }
+  std::int64_t property_version() const;
   /// Changes whenever a body falls asleep or wakes; solvers rebuild their pattern then.
-  std::int64_t sleep_version() const { return versions_.sleep; }
+  std::int64_t sleep_version() const;
 
  private:
-  detail::WorldIdentity identity_;  // first, so that an assignment that it refuses changes nothing
+  detail::OwnWorldParts parts_;  // first, so that an assignment that it refuses changes nothing
+  State state_;
+  Vec3 gravity_{0, 0, -9.81};
 
   void append_joints(const World& other, const std::string& prefix, const Relocation& to);
   void append_shapes(const World& other, const std::string& prefix, const Relocation& to);
@@ -322,19 +336,6 @@ class World {
   friend class MergedWorld;
   friend class PassingLoads;
   friend class Sleep;
-  detail::WorldVersions versions_;
-  detail::BodyTable bodies_;
-  detail::SleepTable sleep_;
-  State state_;
-  Vec3 gravity_{0, 0, -9.81};
-  detail::ForceLaws forces_;
-  detail::JointTable joints_;
-  detail::AxisTable axes_;
-  detail::BreakableJoints breakable_;
-  detail::SoftJoints soft_joints_;
-  detail::ShapeTable shapes_;
-  detail::MaterialTable materials_;
-  detail::CollisionRules collisions_;
 };
 
 /// Length of rope that a winch has let out [m] (AxisMotor::pulls_only): the entry of its axis in State::axes,

@@ -1,5 +1,6 @@
 #include "core/base/check.h"
 #include "core/world/world.h"
+#include "core/world/world_parts.h"
 
 // A whole world as a part of another.
 namespace taut {
@@ -129,7 +130,7 @@ void append_bodies(World& world, const World& other, const std::string& prefix, 
 }  // namespace
 
 Relocation World::append(const World& other, const std::string& prefix, const Pose& placement) {
-  identity_.require_free();
+  parts_->identity.require_free();
   if (&other == this) return append(World(other), prefix, placement);
   require_all_finite("position of " + prefix + "ground", placement.p);
   require_unit("orientation of " + prefix + "ground", placement.q.coeffs());
@@ -147,15 +148,16 @@ Relocation World::append(const World& other, const std::string& prefix, const Po
   }
   to.bodies = body_count() - 1;
   to.joints = joint_count();
-  to.axes = axes_.count();
+  to.axes = parts_->axes.count();
   to.shapes = shape_count();
   to.forces = force_count();
   append_bodies(*this, other, prefix, placed ? &X : nullptr);
   append_joints(other, prefix, to);
   append_shapes(other, prefix, to);
-  for (const auto& force : other.forces_.all()) {
+  for (const auto& force : other.parts_->forces.all()) {
     auto moved = force->relocated(to, X);
-    if (!moved) moved = std::make_shared<AppendedForce>(force, to, other.body_count(), other.axes_.count());
+    if (!moved)
+      moved = std::make_shared<AppendedForce>(force, to, other.body_count(), other.parts_->axes.count());
     add_force(std::move(moved));
   }
   return to;
@@ -164,15 +166,15 @@ Relocation World::append(const World& other, const std::string& prefix, const Po
 void World::append_joints(const World& other, const std::string& prefix, const Relocation& to) {
   for (int j = 0; j < other.joint_count(); ++j)
     add_joint(prefix + other.name(JointId{j}),
-              std::make_shared<const AppendedJoint>(other.joints_.shared(j), to));
-  for (int k = 0; k < other.axes_.count(); ++k) {
-    axes_.properties(to.axes + k) = other.axes_.properties(k);
+              std::make_shared<const AppendedJoint>(other.parts_->joints.shared(j), to));
+  for (int k = 0; k < other.parts_->axes.count(); ++k) {
+    parts_->axes.properties(to.axes + k) = other.parts_->axes.properties(k);
     state_.axes[to.axes + k] = other.state_.axes[k];
   }
   for (const auto& [joint, limits] : other.breakable()) set_break(to(joint), limits);
-  for (const auto& [joint, compliance] : other.soft_joints_.compliances())
+  for (const auto& [joint, compliance] : other.parts_->soft_joints.compliances())
     set_compliance(to(JointId{joint}), compliance);
-  for (int joint : other.joints_.detached()) detach(to(JointId{joint}));
+  for (int joint : other.parts_->joints.detached()) detach(to(JointId{joint}));
 }
 
 void World::append_shapes(const World& other, const std::string& prefix, const Relocation& to) {
@@ -180,20 +182,20 @@ void World::append_shapes(const World& other, const std::string& prefix, const R
   const auto moved = [&](MaterialId id) { return id.index < 0 ? id : MaterialId{id.index + first_material}; };
   for (int m = 0; m < other.material_count(); ++m)
     add_material(prefix + other.name(MaterialId{m}), other.material(MaterialId{m}));
-  for (const auto& [pair, material] : other.materials_.pairs())
+  for (const auto& [pair, material] : other.parts_->materials.pairs())
     set_contact_material(moved(pair.first), moved(pair.second), material);
-  for (ShapeRecord record : other.shapes_.all()) {
+  for (ShapeRecord record : other.parts_->shapes.all()) {
     record.body = to(record.body);
     record.owner = to(record.owner);
     record.named = moved(record.named);
-    shapes_.add(std::move(record));
+    parts_->shapes.add(std::move(record));
   }
-  for (const auto& [pair, material] : other.shapes_.pairs())
+  for (const auto& [pair, material] : other.parts_->shapes.pairs())
     set_contact_material(to(pair.first), to(pair.second), material);
-  for (const auto& [pair, may] : other.collisions_.overrides())
+  for (const auto& [pair, may] : other.parts_->collisions.overrides())
     set_collision(to(pair.first), to(pair.second), may);
   if (other.shape_count() > 0) wake_all();
-  ++versions_.geometry;
+  ++parts_->versions.geometry;
 }
 
 }  // namespace taut

@@ -4,6 +4,7 @@
 #include "core/base/check.h"
 #include "core/world/swing_properties.h"
 #include "core/world/world.h"
+#include "core/world/world_parts.h"
 
 // Free axes of joints, as the World keeps them.
 namespace taut {
@@ -42,14 +43,14 @@ AxisId World::axis(JointId joint, std::string_view name) const {
 }
 
 bool World::has_axis_properties(JointId joint) const {
-  const std::span<const AxisProperties> properties = axes_.properties_of(joint);
+  const std::span<const AxisProperties> properties = parts_->axes.properties_of(joint);
   return std::any_of(properties.begin(), properties.end(), [](const auto& p) { return p.any(); });
 }
 
 std::string World::axis_label(AxisId id) const { return name(id.joint) + " " + axis_info(id).name; }
 
 void World::set_axis_properties(AxisId id, AxisProperties properties) {
-  identity_.require_free();
+  parts_->identity.require_free();
   const AxisInfo& info = axis_info(id);
   properties.each([&](const auto& property) {
     if constexpr (requires { property.needs_position(); })
@@ -60,26 +61,27 @@ void World::set_axis_properties(AxisId id, AxisProperties properties) {
   });
   if (properties.motor && properties.motor->pulls_only && !info.is_wound)
     fail("motor of " + axis_label(id), "can only pull at the length of a rope, not at", info.name);
-  AxisProperties& here = axes_.properties(axis_index(id));
-  if (info.is_wound && wind(here, properties, axis_value(id), state_.axes[axis_index(id)])) ++versions_.state;
+  AxisProperties& here = parts_->axes.properties(axis_index(id));
+  if (info.is_wound && wind(here, properties, axis_value(id), state_.axes[axis_index(id)]))
+    ++parts_->versions.state;
   const bool before = here.any();
   const auto swing = swing_properties(*this, id.joint);
   here = std::move(properties);
   wake_bodies_of(id.joint);
-  if (here.any() != before || swing_properties(*this, id.joint) != swing) ++versions_.topology;
-  ++versions_.axes;
+  if (here.any() != before || swing_properties(*this, id.joint) != swing) ++parts_->versions.topology;
+  ++parts_->versions.axes;
 }
 
 void World::set_motor_target(AxisId id, double target) {
-  identity_.require_free();
-  AxisProperties& properties = axes_.properties(axis_index(id));
+  parts_->identity.require_free();
+  AxisProperties& properties = parts_->axes.properties(axis_index(id));
   if (!properties.motor) fail("motor target of " + axis_label(id), "the axis has no motor", target);
   if (properties.motor->mode == AxisMotor::Mode::kTrajectory)
     fail("motor target of " + axis_label(id), "the motor follows a trajectory", target);
   if (!std::isfinite(target)) fail("motor target of " + axis_label(id), "must be finite", target);
   if (properties.motor->target != target) wake_bodies_of(id.joint);
   properties.motor->target = target;
-  ++versions_.axes;
+  ++parts_->versions.axes;
 }
 
 double World::axis_value(AxisId id) const {
@@ -103,14 +105,21 @@ double World::axis_rate(AxisId id) const {
 }
 
 void World::set_axis_turns(AxisId id, double value) {
-  identity_.require_free();
+  parts_->identity.require_free();
   const int index = axis_index(id);
   if (!std::isfinite(value)) fail("value of " + axis_label(id), "must be finite", value);
   if (axis_info(id).is_wound) return;  // it has no turns
   state_.axes[index] = value;
   state_.axes[index] = axis_value(id);
   wake_bodies_of(id.joint);
-  ++versions_.state;
+  ++parts_->versions.state;
+}
+
+int World::axis_count(JointId joint) const { return parts_->axes.count_of(joint); }
+int World::axis_index(AxisId id) const { return parts_->axes.checked(id); }
+const AxisInfo& World::axis_info(AxisId id) const { return parts_->axes.info(axis_index(id)); }
+const AxisProperties& World::axis_properties(AxisId id) const {
+  return parts_->axes.properties(axis_index(id));
 }
 
 double let_out(const World& world, AxisId id) {

@@ -24,17 +24,10 @@ class WorldIdentity {
     if (holds_ > 0) refuse();
   }
 
-  /// For the time of a call of a force law, which may reach the world that is being simulated.
-  class Hold {
-   public:
-    explicit Hold(const WorldIdentity& world) : world_(world) { ++world_.holds_; }
-    ~Hold() { --world_.holds_; }
-    Hold(const Hold&) = delete;
-    Hold& operator=(const Hold&) = delete;
-
-   private:
-    const WorldIdentity& world_;
-  };
+  /// Held once more, or once less: for the time of a call of a force law, which may reach the world that is
+  /// being simulated.  @{
+  void hold() const { ++holds_; }
+  void release() const { --holds_; }  /// @}
 
  private:
   static std::uint64_t next();

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <set>
 
 #include "core/base/check.h"
 #include "core/world/joint_frame.h"
 #include "core/world/world.h"
+#include "core/world/world_parts.h"
 
 // Joints as a whole: what they join and bear, how they give way, leaving and coming back.
 namespace taut {
@@ -44,104 +46,117 @@ std::vector<AxisInfo> axes_of(const std::string& shown, const Joint& joint, int 
 }  // namespace
 
 JointId World::add_joint(std::string name, std::shared_ptr<const Joint> joint) {
-  identity_.require_free();
+  parts_->identity.require_free();
   if (!joint) fail("joint " + name, "must not be null", "null");
   const int index = joint_count();
-  const std::string shown = joints_.names().shown(name);
+  const std::string shown = parts_->joints.names().shown(name);
   check_joint_bodies(*this, shown, *joint);
-  if (joint->axes_needed() > axes_.count())
+  if (joint->axes_needed() > parts_->axes.count())
     fail("joint " + shown, "couples an axis that is not in this world", joint->axes_needed() - 1);
-  std::vector<AxisInfo> axes = axes_of(shown, *joint, axes_.count());
+  std::vector<AxisInfo> axes = axes_of(shown, *joint, parts_->axes.count());
   check_coupled_joints(*this, shown, *joint);
-  joints_.add(std::move(name), joint);
-  axes_.add_joint(std::move(axes));
-  state_.axes.resize(axes_.count());
-  collisions_.add_joint(*joint);
+  parts_->joints.add(std::move(name), joint);
+  parts_->axes.add_joint(std::move(axes));
+  state_.axes.resize(parts_->axes.count());
+  parts_->collisions.add_joint(*joint);
   wake_bodies_of({index});
-  ++versions_.topology;
+  ++parts_->versions.topology;
   return {index};
 }
 
 void World::set_break(JointId id, std::optional<BreakLimits> limits) {
-  identity_.require_free();
+  parts_->identity.require_free();
   const std::string& shown = name(id);
   if (limits) check_joint(shown, *limits);
-  breakable_.set(id, limits);
+  parts_->breakable.set(id, limits);
   wake_bodies_of(id);
-  ++versions_.properties;
+  ++parts_->versions.properties;
 }
 
 void World::set_compliance(JointId id, std::optional<JointCompliance> compliance) {
-  identity_.require_free();
+  parts_->identity.require_free();
   const std::string& shown = name(id);
   if (compliance) check_joint(shown, *compliance);
-  const bool other_rows = soft_joints_.set(id.index, joint(id), compliance);
+  const bool other_rows = parts_->soft_joints.set(id.index, joint(id), compliance);
   wake_bodies_of(id);
-  if (other_rows) ++versions_.topology;
-  ++versions_.axes;
+  if (other_rows) ++parts_->versions.topology;
+  ++parts_->versions.axes;
 }
 
 double World::spring_energy_of(JointId id, const State& state) const {
   double energy = 0;
-  const int first = axes_.first(joints_.checked(id));
+  const int first = parts_->axes.first(parts_->joints.checked(id));
   for (int k = first; k < first + axis_count(id); ++k) {
-    const AxisProperties& properties = axes_.properties(k);
+    const AxisProperties& properties = parts_->axes.properties(k);
     if (!properties.stores_energy()) continue;
     double theta = 0;
-    axes_.info(k).coordinate->residual(state, &theta);
+    parts_->axes.info(k).coordinate->residual(state, &theta);
     properties.add_energy(theta, energy);
   }
-  return energy + soft_joints_.energy(id.index, state);
+  return energy + parts_->soft_joints.energy(id.index, state);
 }
 
 void World::detach(JointId id) {
-  identity_.require_free();
+  parts_->identity.require_free();
   if (!is_attached(id)) return;
-  joints_.detach(id.index);
+  parts_->joints.detach(id.index);
   wake_bodies_of(id);
-  for (JointId coupling : joints_.coupled_to(id)) detach(coupling);
-  collisions_.set_joints(joints_);
-  ++versions_.topology;
+  for (JointId coupling : parts_->joints.coupled_to(id)) detach(coupling);
+  parts_->collisions.set_joints(parts_->joints);
+  ++parts_->versions.topology;
 }
 
 void World::detach_all_but(std::span<const JointId> joints) {
-  identity_.require_free();
-  const std::set<int> stay = joints_.with_coupled(joints);
+  parts_->identity.require_free();
+  const std::set<int> stay = parts_->joints.with_coupled(joints);
   for (int j = 0; j < joint_count(); ++j)
-    if (!stay.contains(j)) joints_.detach(j);
+    if (!stay.contains(j)) parts_->joints.detach(j);
   wake_all();
-  collisions_.set_joints(joints_);
-  ++versions_.topology;
+  parts_->collisions.set_joints(parts_->joints);
+  ++parts_->versions.topology;
 }
 
 void World::attach(JointId id) {
-  identity_.require_free();
+  parts_->identity.require_free();
   if (is_attached(id)) return;
   check_coupled_joints(*this, name(id), joint(id));
-  joints_.attach(id.index);
+  parts_->joints.attach(id.index);
   wake_bodies_of(id);
-  collisions_.set_joints(joints_);
-  ++versions_.topology;
+  parts_->collisions.set_joints(parts_->joints);
+  ++parts_->versions.topology;
 }
 
 void World::set_joint_frame(JointId id, const Pose& X_BF) {
-  identity_.require_free();
+  parts_->identity.require_free();
   const std::string& shown = name(id);
   const Joint& before = joint(id);
   require_all_finite("frame of joint " + shown, X_BF.p);
   require_unit("frame of joint " + shown, X_BF.q.coeffs());
   if (before.bodies().size() != 2 || before.axes_needed() > 0 || !before.couples().empty())
     fail("joint " + shown, "has no frame on one of two bodies that could be moved", before.type());
-  auto moved = detail::with_frame(joints_.shared(id.index), {X_BF.q.normalized(), X_BF.p});
-  axes_.set_coordinates(id.index, axes_of(shown, *moved, axes_.first(id.index)));
-  joints_.replace(id.index, moved);
+  auto moved = detail::with_frame(parts_->joints.shared(id.index), {X_BF.q.normalized(), X_BF.p});
+  parts_->axes.set_coordinates(id.index, axes_of(shown, *moved, parts_->axes.first(id.index)));
+  parts_->joints.replace(id.index, moved);
   const std::optional<JointCompliance> soft = compliance(id);
-  soft_joints_.set(id.index, *moved, std::nullopt);
-  soft_joints_.set(id.index, *moved, soft);
+  parts_->soft_joints.set(id.index, *moved, std::nullopt);
+  parts_->soft_joints.set(id.index, *moved, soft);
   wake_bodies_of(id);
-  ++versions_.topology;
+  ++parts_->versions.topology;
 }
 
-std::span<const std::pair<JointId, BreakLimits>> World::breakable() const { return breakable_.all(); }
+std::span<const std::pair<JointId, BreakLimits>> World::breakable() const { return parts_->breakable.all(); }
+
+std::optional<JointCompliance> World::compliance(JointId id) const {
+  return parts_->soft_joints.compliance(parts_->joints.checked(id));
+}
+bool World::is_attached(JointId id) const { return parts_->joints.is_attached(parts_->joints.checked(id)); }
+int World::detached_count() const { return parts_->joints.detached_count(); }
+int World::joint_count() const { return parts_->joints.count(); }
+const Joint& World::joint(JointId id) const { return parts_->joints[parts_->joints.checked(id)]; }
+const std::string& World::name(JointId id) const {
+  return parts_->joints.names()[parts_->joints.checked(id)];
+}
+JointId World::joint(std::string_view name) const { return {parts_->joints.names().index_of(name)}; }
+bool World::has_joint(std::string_view name) const { return parts_->joints.names().contains(name); }
 
 }  // namespace taut

@@ -27,6 +27,7 @@
 #include "scenes/recording/recorder.h"
 #include "scenes/support/format.h"
 #include "scenes/support/output_file.h"
+#include "scenes/support/temporary_folder.h"
 #include "solvers/common/setting_checks.h"
 #include "solvers/common/setting_names.h"
 #include "solvers/simulator/simulator.h"

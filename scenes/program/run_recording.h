@@ -18,7 +18,6 @@ class RunRecording {
   RunRecording(const Scene& scene, const std::string& file, const ExportFiles& exports,
                double frames_per_second);
 
-  FrameSampler& sampler() { return film_.sampler(); }
   /// Takes a frame if the next instant k / frames_per_second has come (within half a microsecond).
   /// @returns what went wrong, once; "" as a rule.
   std::string sample(Simulator& simulator);

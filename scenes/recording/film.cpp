@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "scenes/recording/frame_sampler.h"
+#include "scenes/support/temporary_folder.h"
 
 namespace taut {
 namespace {
@@ -35,6 +37,7 @@ Film::Film(const World& world, const std::string& file, double frames_per_second
 Film::Film(std::optional<Scene> own, const Scene* scene, const std::string& file, double frames_per_second)
     : own_(std::move(own)),
       scene_(own_ ? *own_ : *scene),
+      sampler_(std::make_unique<FrameSampler>(scene_)),
       interval_(frames_per_second > 0 ? 1 / frames_per_second : 0),
       next_(scene_.world.time()),
       file_(file) {
@@ -42,11 +45,15 @@ Film::Film(std::optional<Scene> own, const Scene* scene, const std::string& file
   for (const Probe& probe : scene_.probes)
     if (is_of_joint(probe.quantity)) (void)scene_.world.joint(probe.joint);  // throws if it is not there
   if (file.empty()) {
-    folder_.emplace("film");
+    folder_ = std::make_unique<TemporaryFolder>("film");
     file_ = folder_->path() / "run.taut";
   }
-  writer_.emplace(file_, sampler_.header(frames_per_second));
+  writer_.emplace(file_, sampler_->header(frames_per_second));
 }
+
+Film::~Film() = default;
+
+void Film::set_contact_source(ContactSource source) { sampler_->set_contact_source(std::move(source)); }
 
 bool Film::sample(Simulator& simulator) {
   const double time = simulator.world().time();
@@ -69,7 +76,7 @@ bool Film::take(Simulator& simulator) {
   if (interval_ > 0 && time >= next_ - kNearInstant)
     next_ += interval_ * std::max(1.0, std::floor((time + kNearInstant - next_) / interval_) + 1);
   last_ = time;
-  if (!writer_->append(sampler_.sample(simulator))) throw std::runtime_error(writer_->error());
+  if (!writer_->append(sampler_->sample(simulator))) throw std::runtime_error(writer_->error());
   return true;
 }
 

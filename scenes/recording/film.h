@@ -1,16 +1,22 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "scenes/builders/scene.h"
-#include "scenes/recording/frame_sampler.h"
+#include "scenes/recording/recording.h"
 #include "scenes/recording/recording_reader.h"
 #include "scenes/recording/recording_writer.h"
-#include "scenes/support/temporary_folder.h"
+#include "solvers/simulator/simulator.h"
 
 namespace taut {
+
+class FrameSampler;
+class TemporaryFolder;
 
 /// The recording of a simulation that goes on:
 ///
@@ -31,6 +37,9 @@ class Film {
   /// Of a world by itself: bodies are drawn by their shapes, and nothing is probed.  The world is copied.
   explicit Film(const World& world, const std::string& file = "", double frames_per_second = 60);
   Film(Scene&&, const std::string& = "", double = 60) = delete;
+  Film(const Film&) = delete;
+  Film& operator=(const Film&) = delete;
+  ~Film();  ///< Of a temporary file, too.
 
   /// Takes a frame of the present instant if the next instant k / frames_per_second has come (within half a
   /// microsecond); of several that a step has passed there is one frame.
@@ -38,14 +47,18 @@ class Film {
   /// @throws std::runtime_error if it cannot be written, std::invalid_argument if the film is finished, or
   /// the world has got new bodies, joints, forces or shapes since it began.
   bool sample(Simulator& simulator);
-  /// Takes a frame unless there is one of this instant; likewise.
+  /// Takes a frame unless there is one of this instant.  @returns whether it did.
+  /// @throws std::runtime_error if it cannot be written, std::invalid_argument if the film is finished, or
+  /// the world has got new bodies, joints, forces or shapes since it began.
   bool sample_now(Simulator& simulator);
   /// Ends the recording: how the run ended, "success" as a rule, and why.  Once; later calls do nothing.
   /// @throws std::runtime_error if it cannot be written.
   void finish(const std::string& status = "success", const std::string& message = "");
 
-  /// What frames are taken with, for those who know other contacts than the simulator's.
-  FrameSampler& sampler() { return sampler_; }
+  /// Appends the present contacts with their forces.
+  using ContactSource = std::function<void(const Simulator&, std::vector<ContactSample>&)>;
+  /// What frames have in place of the contacts of the simulator that give a force.
+  void set_contact_source(ContactSource source);
   /// Frames that were taken.
   int frame_count() const { return writer_->frame_count(); }
   /// Of the recording.
@@ -72,9 +85,9 @@ class Film {
   std::optional<Scene> own_;
   const Scene& scene_;
   Parts parts_{scene_.world};
-  FrameSampler sampler_{scene_};
+  std::unique_ptr<FrameSampler> sampler_;
   double interval_, next_, last_ = -1;  // between frames, time of the next and of the last [s]
-  std::optional<TemporaryFolder> folder_;
+  std::unique_ptr<TemporaryFolder> folder_;
   std::filesystem::path file_;
   std::optional<RecordingWriter> writer_;
   bool finished_ = false;

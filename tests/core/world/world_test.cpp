@@ -1,6 +1,8 @@
 #include "core/world/world.h"
 
 #include <limits>
+#include <stdexcept>
+#include <utility>
 
 #include "core/joints/joints.h"
 #include "tests/core/expect_invalid.h"
@@ -260,6 +262,81 @@ TEST(World, ReportsAGapThatIsNotANumber) {
   const std::vector<Problem> problems = world.validate();
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_NE(problems[0].message.find("nan"), std::string::npos) << problems[0].message;
+}
+
+TEST(World, CopiesAreIndependentAndHaveIdentitiesOfTheirOwn) {
+  Small s;
+  const World& original = s.world;
+  World copy = original;
+  EXPECT_NE(copy.identity(), original.identity());
+  EXPECT_EQ(copy.topology_version(), original.topology_version());
+  EXPECT_EQ(&copy.joint(s.elbow), &original.joint(s.elbow));  // immutable, and shared
+  copy.set_pose(s.arm, {Quat::Identity(), Vec3(0, 0, 3)});
+  copy.detach(s.elbow);
+  copy.add_body({.name = "foot"});
+  EXPECT_EQ(original.pose(s.arm).p, Vec3(0, 0, 0));
+  EXPECT_TRUE(original.is_attached(s.elbow));
+  EXPECT_FALSE(original.has_body("foot"));
+
+  const std::uint64_t before = copy.identity();
+  copy = original;
+  EXPECT_NE(copy.identity(), before);
+  EXPECT_NE(copy.identity(), original.identity());
+  EXPECT_TRUE(copy.is_attached(s.elbow));
+  EXPECT_FALSE(copy.has_body("foot"));
+  World& same = copy;
+  copy = same;
+  EXPECT_EQ(copy.name(s.hand), "hand");
+}
+
+TEST(World, MovesAllThatItHasAndCanBeAssignedToAfterwards) {
+  Small s;
+  const Joint* elbow = &s.world.joint(s.elbow);
+  const std::uint64_t before = s.world.identity();
+  World moved = std::move(s.world);
+  EXPECT_EQ(&moved.joint(s.elbow), elbow);
+  EXPECT_EQ(moved.body("wall"), s.wall);
+  EXPECT_EQ(moved.force_count(), 1);
+  EXPECT_EQ(s.world.body_count(), 0);
+  EXPECT_EQ(s.world.joint_count(), 0);
+  EXPECT_FALSE(s.world.has_body("arm"));
+  EXPECT_NE(s.world.identity(), before);  // nobody takes it for the one that it was
+  EXPECT_NE(s.world.identity(), moved.identity());
+  World& same = moved;
+  moved = std::move(same);
+  EXPECT_EQ(moved.name(s.hand), "hand");
+
+  s.world = World();
+  EXPECT_EQ(s.world.body_count(), 1);
+  s.world.add_body({.name = "foot"});
+  s.world = std::move(moved);
+  EXPECT_EQ(s.world.name(s.hand), "hand");
+  EXPECT_EQ(s.world.twist(s.arm).v, Vec3(0, 0, 0));
+  World other = std::move(s.world);
+  s.world = other;
+  EXPECT_EQ(s.world.name(s.hand), "hand");
+}
+
+TEST(World, WhileHeldItIsNeitherChangedNorAssignedToNorMovedFrom) {
+  Small s, t;
+  t.world.set_gravity({0, 0, 0});
+  const std::uint64_t identity = s.world.identity();
+  {
+    const World::Hold held = s.world.hold(), again = s.world.hold();
+    EXPECT_THROW(s.world = t.world, std::logic_error);
+    EXPECT_THROW(s.world = std::move(t.world), std::logic_error);
+    EXPECT_THROW(t.world = std::move(s.world), std::logic_error);
+    EXPECT_THROW(World(std::move(s.world)), std::logic_error);
+    EXPECT_THROW(s.world.set_time(1), std::logic_error);
+    EXPECT_EQ(World(s.world).body_count(), 4);  // a copy changes nothing
+  }
+  EXPECT_EQ(s.world.identity(), identity);
+  EXPECT_EQ(s.world.gravity().z(), -9.81);
+  EXPECT_EQ(s.world.name(s.hand), "hand");
+  EXPECT_EQ(t.world.name(s.hand), "hand");
+  EXPECT_EQ(t.world.gravity().z(), 0);
+  s.world = t.world;
+  EXPECT_EQ(s.world.gravity().z(), 0);
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+#include "core/world/world_parts.h"
+
+#include <memory>
+#include <utility>
+
+#include "core/world/world.h"
+
+namespace taut::detail {
+
+OwnWorldParts::OwnWorldParts() : parts_(std::make_unique<WorldParts>()) {}
+
+OwnWorldParts::OwnWorldParts(const OwnWorldParts& other)
+    : parts_(std::make_unique<WorldParts>(*other.parts_)) {}
+
+OwnWorldParts::OwnWorldParts(OwnWorldParts&& other) : OwnWorldParts() { *this = std::move(other); }
+
+OwnWorldParts& OwnWorldParts::operator=(const OwnWorldParts& other) {
+  parts_->identity.require_free();
+  parts_ = std::make_unique<WorldParts>(*other.parts_);
+  return *this;
+}
+
+/// Both worlds are others afterwards.
+OwnWorldParts& OwnWorldParts::operator=(OwnWorldParts&& other) {
+  parts_->identity.require_free();
+  other.parts_->identity.require_free();
+  auto nothing = std::make_unique<WorldParts>();
+  if (&other != this) parts_ = std::exchange(other.parts_, std::move(nothing));
+  parts_->identity = {};
+  return *this;
+}
+
+OwnWorldParts::~OwnWorldParts() = default;
+
+}  // namespace taut::detail
