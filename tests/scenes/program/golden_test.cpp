@@ -27,12 +27,21 @@ std::map<std::string, std::string> lines_of(const std::string& name) {
   return lines;
 }
 
+/// Those of a report that stand in a line of fingerprints.txt, in the same order.
+std::string counters(const nlohmann::json& run) {
+  std::string text;
+  for (const char* counter : {"substeps", "newton_iterations", "factorizations", "refactorizations",
+                              "backsolves", "contact_iterations", "pivots", "inexact_steps"})
+    text += (text.empty() ? "" : "/") + std::to_string(run.at(counter).get<long long>());
+  return text;
+}
+
 class Golden : public ::testing::TestWithParam<std::pair<const std::string, std::string>> {};
 
 TEST_P(Golden, HasTheBitsOfBefore) {
   const std::string& name = GetParam().first;
-  std::string state, reactions, processor;
-  std::istringstream(GetParam().second) >> state >> reactions >> processor;
+  std::string state, reactions, counts, processor;
+  std::istringstream(GetParam().second) >> state >> reactions >> counts >> processor;
 #if defined(__x86_64__)
   const bool has_fma = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 #else
@@ -50,6 +59,7 @@ TEST_P(Golden, HasTheBitsOfBefore) {
   const nlohmann::json run = nlohmann::json::parse(std::ifstream(report));
   EXPECT_EQ(run["final_state_fingerprint"].get<std::string>(), state);
   EXPECT_EQ(run["reactions_fingerprint"].get<std::string>(), reactions);
+  EXPECT_EQ(counters(run), counts);
 }
 
 std::string case_name(const ::testing::TestParamInfo<std::pair<const std::string, std::string>>& of) {
