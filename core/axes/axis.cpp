@@ -8,6 +8,14 @@ bool AxisProperties::any() const {
   return with_all(*this, [](const auto&... all) { return (all.has_value() || ...); });
 }
 
+std::string AxisProperties::phrases() const {
+  std::string phrases;
+  for_axis_types_backward([&]<typename Property>() {
+    if (get<Property>()) phrases += (phrases.empty() ? "" : ", ") + std::string(Property::kFacts.phrase);
+  });
+  return phrases;
+}
+
 bool AxisProperties::stores_energy() const {
   bool stores = false;
   each([&](const auto& property) {
@@ -29,14 +37,6 @@ bool AxisProperties::keeps_going() const {
     if constexpr (requires { property.keeps_going(); }) goes = goes || property.keeps_going();
   });
   return goes;
-}
-
-std::string all_axis_phrases() {
-  std::string phrases;
-  for_axis_types_backward([&]<typename Property>() {
-    phrases += (phrases.empty() ? "" : ", ") + std::string(Property::kFacts.phrase);
-  });
-  return phrases;
 }
 
 }  // namespace taut

@@ -91,6 +91,7 @@ struct AxisProperties : detail::AxisPlaces<AllAxisProperties> {
   }  /// @}
 
   bool any() const;                                     ///< something is set
+  std::string phrases() const;                          ///< what is: "a motor, friction"; for messages
   bool stores_energy() const;                           ///< something stores it
   void add_energy(double theta, double& energy) const;  ///< adds what is stored at θ [J], one by one
   bool keeps_going() const;  ///< something would move an axis that rests if it could
@@ -98,8 +99,5 @@ struct AxisProperties : detail::AxisPlaces<AllAxisProperties> {
 
 /// At how many rates the force along an axis with all properties jumps.
 inline constexpr int kMostAxisJumps = AxisProperties::kJumps;
-
-/// "drag, limits, a motor, friction, a spring": all that an axis can have, for messages.
-std::string all_axis_phrases();
 
 }  // namespace taut

@@ -83,6 +83,10 @@ double JsonNode::half_to_one() const {
   return number_that([](double x) { return x >= 0.5 && x <= 1; }, "must be between 1/2 and 1");
 }
 
+double JsonNode::zero_to_one() const {
+  return number_that([](double x) { return x >= 0 && x <= 1; }, "must be between 0 and 1");
+}
+
 double JsonNode::below_two() const {
   return number_that([](double x) { return x > 0 && x < 2; }, "must be between 0 and 2");
 }

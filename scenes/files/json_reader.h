@@ -87,6 +87,7 @@ class JsonNode {
   double positive() const;      ///< finite, > 0
   double not_negative() const;  ///< finite, ≥ 0
   double half_to_one() const;   ///< between 1/2 and 1
+  double zero_to_one() const;   ///< between 0 and 1
   double below_two() const;     ///< between 0 and 2, neither of them
   int positive_integer() const;
   std::string string() const;  ///< not empty

@@ -19,8 +19,9 @@ double (JsonNode::*reader_of(AxisRange range))() const {
   switch (range) {
     case AxisRange::kNotNegative:
     case AxisRange::kBound:
-    case AxisRange::kFromZeroToOne:
       return &JsonNode::not_negative;
+    case AxisRange::kFromZeroToOne:
+      return &JsonNode::zero_to_one;
     case AxisRange::kSpeed:
       return &JsonNode::positive;
     case AxisRange::kFinite:

@@ -50,7 +50,7 @@ std::shared_ptr<const Joint> read_six_dof(PairKeys& k) {
 
 std::shared_ptr<const Joint> read_rope(PairKeys& k) {
   const auto p = k.points();
-  const double restitution = k.object().get("restitution", &JsonNode::not_negative, 0.0);
+  const double restitution = k.object().get("restitution", &JsonNode::zero_to_one, 0.0);
   return k.joint<Rope>(p.a, p.b, k.length("length", p, &JsonNode::positive), restitution);
 }
 

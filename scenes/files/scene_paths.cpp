@@ -67,7 +67,7 @@ PoseMotion between_centres(PoseMotion motion, const Vec3& centre_A, const Vec3& 
 
 std::shared_ptr<const Joint> read_rope_over_points(const SceneReader& reader, JsonObject& joint) {
   const auto points = read_wire(reader, joint);
-  const double restitution = joint.get("restitution", &JsonNode::not_negative, 0.0);
+  const double restitution = joint.get("restitution", &JsonNode::zero_to_one, 0.0);
   double length = 0;
   for (std::size_t i = 1; points && i < points->size(); ++i)
     length += section(reader, (*points)[i - 1], (*points)[i]);

@@ -171,7 +171,7 @@ Material read_material(const JsonNode& node) {
     return keys.get(key, &JsonNode::not_negative, fallback);
   };
   const bool has_static = keys.find("static_friction").has_value();
-  material.restitution = number("restitution", material.restitution);
+  material.restitution = keys.get("restitution", &JsonNode::zero_to_one, material.restitution);
   // One of the two alone is both.
   material.dynamic_friction = number("dynamic_friction", material.dynamic_friction);
   material.static_friction = number("static_friction", material.dynamic_friction);

@@ -19,6 +19,13 @@ ShapeId compliant_shape(const World& world) {
   return {};
 }
 
+/// Why a row is no equality.
+std::string property_of(const World& world, const Rows::AxisRow& row) {
+  if (!row.axis()) return "a compliance";
+  const std::string own = world.axis_properties(*row.axis()).phrases();
+  return own.empty() ? "friction or a spring of its swing" : own;
+}
+
 }  // namespace
 
 bool is_force_level(Integrator integrator) {
@@ -84,8 +91,8 @@ std::vector<SettingConflict> setting_conflicts(const Settings& s, const World& w
     if (const std::string problem = tree_problem(world, rows); !problem.empty())
       add(problem + R"(: "rattle" has that)");
   } else if (!rows.axis_rows().empty())
-    add("joint " + world.name(*rows.axis_rows().front().joint()) + " has " + all_axis_phrases() +
-        R"( or a compliance, which need "rattle" or "moreau-jean")");
+    add("joint " + world.name(*rows.axis_rows().front().joint()) + " has " +
+        property_of(world, rows.axis_rows().front()) + R"(, which needs "rattle" or "moreau-jean")");
   if (s.contacts && world.shape_count() > 0)
     add(R"(bodies have shapes, whose contacts need "rattle" or "moreau-jean", or "contacts": false)");
   return found;

@@ -41,6 +41,8 @@ TEST(SettingChecks, NameWhatOfTheWorldTheyExclude) {
   EXPECT_TRUE(setting_conflicts(settings, world).empty());
   world.set_friction(world.axis(joint, "angle"), AxisFriction{.static_friction = 1});
   EXPECT_TRUE(names(setting_conflicts(settings, world), "integrator", ""));
+  EXPECT_EQ(setting_conflicts(settings, world)[0].reason,
+            R"(joint door has friction, which needs "rattle" or "moreau-jean")");
   settings.integrator = Integrator::kRattle;
   EXPECT_TRUE(setting_conflicts(settings, world).empty());
   world.set_break(joint, BreakLimits{.force = 1});
