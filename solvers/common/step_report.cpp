@@ -47,25 +47,25 @@ StepWorks& StepWorks::operator+=(const StepWorks& next) {
   return *this;
 }
 
-void SubstepReport::add_cost(const SubstepReport& next) {
-  newton_iterations += next.newton_iterations;
-  counts += next.counts;
-  times += next.times;
+void add_cost(SubstepReport& sum, const SubstepReport& next) {
+  sum.newton_iterations += next.newton_iterations;
+  sum.counts += next.counts;
+  sum.times += next.times;
 }
 
-void SubstepReport::add(const SubstepReport& next) {
-  add_cost(next);
-  substeps += next.substeps;
-  works += next.works;
-  velocity_residual = next.velocity_residual;
+void add_taken(SubstepReport& sum, const SubstepReport& next) {
+  add_cost(sum, next);
+  sum.substeps += next.substeps;
+  sum.works += next.works;
+  sum.velocity_residual = next.velocity_residual;
   for (auto largest : {&SubstepReport::tension_number, &SubstepReport::complementarity_residual,
                        &SubstepReport::natural_residual})
-    this->*largest = std::max(this->*largest, next.*largest);
+    sum.*largest = std::max(sum.*largest, next.*largest);
   if (next.status == Status::kSuccess) return;
-  status = next.status;
-  message = next.message;
+  sum.status = next.status;
+  sum.message = next.message;
   const auto share = [](const std::vector<Culprit>& all) { return all.empty() ? -1 : all.front().share; };
-  if (share(next.culprits) > share(culprits)) culprits = next.culprits;
+  if (share(next.culprits) > share(sum.culprits)) sum.culprits = next.culprits;
 }
 
 EnergyLedger& EnergyLedger::operator+=(const EnergyLedger& next) {

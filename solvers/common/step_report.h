@@ -195,13 +195,12 @@ struct SubstepReport {
   /// With all other statuses but kSuccess: who has the largest shares in it, the largest first; empty if
   /// nobody stands out.
   std::vector<Culprit> culprits;
-
-  /// The next sub-step, which was taken: works, counts and times are summed, residuals the largest, but for
-  /// that of velocities, which is where they are now.
-  void add(const SubstepReport& next);
-  /// The next one, which was not taken: Newton iterations, counts and times.
-  void add_cost(const SubstepReport& next);
 };
+/// The next sub-step, which was taken, to the sum of those before: works, counts and times are summed,
+/// residuals the largest, but for that of velocities, which is where they are now.
+void add_taken(SubstepReport& sum, const SubstepReport& next);
+/// One that was not taken: Newton iterations, counts and times.
+void add_cost(SubstepReport& sum, const SubstepReport& next);
 
 /// The proof of quality of one step.
 struct StepReport : SubstepReport {

@@ -196,12 +196,6 @@ void ImpulseScheme::renew_laws() {
   for (int r : breaking_.rows()) laws[r] = RowLaw::none();
 }
 
-/// Rates that laws see, with what a guess of impulses gives.
-void ImpulseScheme::add_rates_of(std::span<const double> guess) {
-  system_.multiply(guess, values_.delta);
-  for (int r = 0; r < system_.row_count(); ++r) values_.rates[r] += values_.delta[r];
-}
-
 /// Where rates stay, the next prediction does not lean on μ.
 void ImpulseScheme::project_momenta(double h, SubstepReport& report) {
   if (!projection_.project(h, report)) prediction_.start_from_zero();

@@ -75,7 +75,6 @@ class ImpulseScheme : public Scheme {
   void linearize(SubstepReport& report);
   void linearize_and_factorize(SubstepReport& report);
   void renew_laws();
-  void add_rates_of(std::span<const double> guess);
   void project_momenta(double h, SubstepReport& report);
   void note_velocities(std::span<const double> mu, SubstepReport& report);
   ForceIteration::Fixed renew_kick_forces(const State& at);

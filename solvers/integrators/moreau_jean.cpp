@@ -176,7 +176,7 @@ bool MoreauJean::meet_laws(double part, std::span<double> impulses, SubstepRepor
   phase_.momenta = free_momenta_;
   values_.rates = free_rates_;
   renew_laws();
-  add_rates_of(impulses);
+  values_.add_rates_of(impulses, system_);
   stages_.accuracy().begin_pass();  // replaces the one before
   stages_.residual().note_round_off();
   const StageSolver::Renew renew = [this] { renew_laws(); };

@@ -143,7 +143,7 @@ bool Rattle::give_second_kick(double h, std::span<const double> guess, bool anew
   if (anew) std::fill(mu.begin() + system_.rows().first_contact_row(), mu.end(), 0.0);
   renew_laws();
   if (!axes_.finite()) return false;
-  add_rates_of(mu);
+  values_.add_rates_of(mu, system_);
   return project_bounded_momenta(h, false, mu, report);
 }
 

@@ -1,6 +1,7 @@
 #include "solvers/integrators/row_values.h"
 
 #include "solvers/common/move_rows.h"
+#include "solvers/system/constraint_system.h"
 
 namespace taut {
 
@@ -8,6 +9,11 @@ RowValues::RowValues(int rows, bool laws) {
   for (auto* values : {&lambda, &mu, &delta, &phi, &joint_rates, &impulses, &force_multipliers})
     values->assign(rows, 0.0);
   for (auto* values : {&start_theta, &rates, &kick_rates}) values->assign(laws ? rows : 0, 0.0);
+}
+
+void RowValues::add_rates_of(std::span<const double> guess, ConstraintSystem& system) {
+  system.multiply(guess, delta);
+  for (std::size_t r = 0; r < delta.size(); ++r) rates[r] += delta[r];
 }
 
 void RowValues::move_rows(std::span<const int> from) {

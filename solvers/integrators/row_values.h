@@ -5,6 +5,8 @@
 
 namespace taut {
 
+class ConstraintSystem;
+
 /// What a scheme knows of each row of the system: impulses of its kicks [N·s, N·m·s], sums of them and
 /// forces [N, N·m], gaps φ and rates.
 struct RowValues {
@@ -21,6 +23,8 @@ struct RowValues {
   std::vector<double> joint_rates;   ///< J V + φ_t of rows that hold by themselves
   bool residual_is_current = false;  ///< phi is φ at the end of the last step
 
+  /// Rates that laws see, with what a guess of the impulses gives: w ← w + S μ.
+  void add_rates_of(std::span<const double> guess, ConstraintSystem& system);
   /// Row r was `from[r]`; −1: it is new.
   void move_rows(std::span<const int> from);
 };

@@ -97,6 +97,8 @@ class Scheme {
   /// Why the last advance() ended with kStalled, for messages; empty: StallDiagnosis looks for it.
   virtual std::string stall_reason() const { return {}; }
   const ContactForces& contacts() const { return contacts_; }
+  /// Of the step so far.
+  const ContactWork& work_of_contacts() { return contacts_.works().sum(); }
   const Breaking& breaking() const { return breaking_; }
   /// Contacts could not be looked for the last time: see ContactCache::detection().
   bool blind() const { return !contacts_.empty() && contacts_.set().detection().blind(); }

@@ -101,7 +101,6 @@ class ContactForces final : public ContactLaws {
   /// Sums since clear_reports(), with impulses in place of forces.
   std::vector<ContactReport> reports() const;
   ContactWorks& works() { return works_; }
-  const ContactWorks& works() const { return works_; }
   void clear_reports();
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).

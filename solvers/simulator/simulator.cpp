@@ -40,7 +40,7 @@ void say_why(const Substepping& substeps, const Inquiry& asked) {
 /// The report is that of a step which has not begun, but for what it has cost.
 void forget_attempt(StepReport& report) {
   SubstepReport cost;
-  cost.add_cost(report);
+  add_cost(cost, report);
   static_cast<SubstepReport&>(report) = cost;
   report.contradiction = {};
   report.crowd = {};
@@ -275,9 +275,9 @@ void Simulator::Impl::detach_broken() {
 
 void Simulator::Impl::close_ledger() {
   StepWorks& works = report_.works;
-  const Scheme& scheme = stepper_.scheme();
+  Scheme& scheme = stepper_.scheme();
   for (const AxisReport& axis : scheme.axis_reports()) works.axes += axis.work;
-  works.contacts = scheme.contacts().works().sum();
+  works.contacts = scheme.work_of_contacts();
   works.constraint -= works.axes.total() + works.contacts.total();
   sum_motion(stepper_.state(), stepper_.momenta(), report_);
   const World::Hold held = source_.hold();

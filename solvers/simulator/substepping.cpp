@@ -34,12 +34,12 @@ void Substepping::react(Scheme::Outcome outcome, const SubstepReport& report, Sc
                         SubstepReport& step) {
   using enum Scheme::Outcome;
   if (outcome == kDone) {
-    stages_.add(report);
+    add_taken(stages_, report);
     if (composition_.is_done()) accept(step);
     return;
   }
-  stages_.add_cost(report);
-  step.add_cost(std::exchange(stages_, {}));
+  add_cost(stages_, report);
+  add_cost(step, std::exchange(stages_, {}));
   const bool lost = outcome == kNotFinite || outcome == kBlind;
   if (!lost) composition_.give_up(scheme, step);
   if (lost)
@@ -55,7 +55,7 @@ void Substepping::react(Scheme::Outcome outcome, const SubstepReport& report, Sc
 
 /// The sub-step is done, and the step with the last one.
 void Substepping::accept(SubstepReport& step) {
-  step.add(std::exchange(stages_, {}));
+  add_taken(step, std::exchange(stages_, {}));
   substeps_.accept();
   if (!substeps_.done()) return;
   outcome_ = Scheme::Outcome::kDone;

@@ -23,8 +23,8 @@ class Substepping {
   bool goes_on() const { return !outcome_; }
   /// How long the next advance is [s]: a sub-step, or a stage of one.
   double next(const Scheme& scheme);
-  /// Looks at what became of it, with its report; the step gets that of a sub-step which is done, and the cost
-  /// of one that is not.
+  /// Looks at what became of it, with its report; the step gets that of a sub-step which is done, and the
+  /// cost of one that is not.
   void react(Scheme::Outcome outcome, const SubstepReport& report, Scheme& scheme, SubstepReport& step);
 
   /// How the step ended.  kDone; kStalled, kUnstable: sub-steps would have to be shorter than allowed, at

@@ -100,9 +100,9 @@ class Stages : public Rattle {
   /// The residual of the position stage, which is left as it is.
   double of_positions(double h) {
     StepReport report;
-    predict_multipliers(h);
+    predict_multipliers(h, values_.lambda);
     begin_bounds(h);
-    EXPECT_TRUE(close_bounded_positions(h, report));
+    EXPECT_TRUE(close_bounded_positions(h, values_.lambda, report));
     mechanism_.set_state(phase_.state);
     const Rows rows(mechanism_);
     std::vector<double> before(rows.row_count()), after(rows.row_count());
