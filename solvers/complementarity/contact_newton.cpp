@@ -108,7 +108,7 @@ double ContactNewton::sufficient_residual(const NewtonLimits& limits, const Prog
 bool ContactNewton::slips_in_vain(const ContactProblem& problem, const NewtonLimits& limits, int rounds,
                                   Progress& progress) const {
   const double before = progress.slip;
-  progress.slip = limits.holding ? problem.contacts.shared_slip(problem.w) : 0;
+  progress.slip = limits.holding ? problem.contacts.sticking_slip(problem.w) : 0;
   return rounds > Tuning::kRoundsToHold && progress.slip > Tuning::kSlowSlip * before;
 }
 

@@ -20,7 +20,7 @@ bool ImpactStage::strike(const Solve& solve) {
   mu_ = values_.mu;
   mean_rates_.resize(mu_.size());
   works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), mean_rates_);
-  contacts_.works().book_kick(mu_, mean_rates_);
+  contacts_.works().record_kick(mu_, mean_rates_);
   for (int round = 1; round <= ImpactStageTuning::kMostRounds; ++round) {
     round_momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
     round_rates_ = values_.rates;
@@ -59,7 +59,7 @@ void ImpactStage::book_round() {
     impulses_[r] = values_.mu[r] - round_mu_[r];
     mean_rates_[r] = 0.5 * (round_rates_[r] + values_.rates[r]);
   }
-  contacts_.works().book_impact(impulses_, mean_rates_);
+  contacts_.works().record_impact(impulses_, mean_rates_);
 }
 
 std::span<const double> ImpactStage::impulses() {

@@ -222,7 +222,7 @@ void ImpulseScheme::finish_laws(StepWorks& works) {
   impact_stage_.mean_rates(values_.kick_rates);
   axes_.accumulate_work(values_.mu, values_.rates, values_.kick_rates);
   axes_.finish_velocities(values_.phi, values_.rates, phase_.state.time);
-  if (!impact_stage_.struck()) contacts_.works().book_kick(values_.mu, values_.kick_rates);
+  if (!impact_stage_.struck()) contacts_.works().record_kick(values_.mu, values_.kick_rates);
   contacts_.finish(values_.mu, phase_.state.time);
   works.axes = {};
   for (const AxisReport& axis : axes_.reports()) works.axes += axis.work;

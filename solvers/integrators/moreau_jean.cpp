@@ -115,7 +115,8 @@ void MoreauJean::begin_laws(double h, SubstepReport& report) {
     stages_.prepare(values_.rates, values_.mu);
   }
   if (!stages_.factors_on_demand()) system_.factorize(report.times);
-  if (bounded()) axes_.find_inertia(system_, stages_.effective_mass());  // for the laws of solve_stage()
+  if (bounded())
+    axes_.find_effective_masses(system_, stages_.effective_mass());  // for the laws of solve_stage()
 }
 
 void MoreauJean::renew_laws() {
