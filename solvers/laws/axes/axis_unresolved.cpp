@@ -126,7 +126,6 @@ bool has_constant_effective_mass(const AxisTable& table, const Rows& rows, std::
 
 bool find_unresolved(const AxisTable& table, std::span<AxisLaw> axes, double h, ConstraintSystem& system,
                      bool single_kick) {
-  if (!table.any_spring()) return false;
   bool any = false;
   const double hh = h * h;
   for (std::size_t i = 0; i < table.size(); ++i) {
