@@ -16,9 +16,10 @@ struct Material {
   double restitution = 0;         ///< Newton's e ∈ [0, 1]: normal speed after over before an impact
   double static_friction = 0.5;   ///< Coulomb's μ while sticking, ≥ dynamic_friction
   double dynamic_friction = 0.5;  ///< Coulomb's μ while sliding
-  double rolling_friction = 0;  ///< arm δ of the rolling resistance [m]: torque ≤ δ λ_n across the normal
-  double spinning_friction = 0;  ///< arm of the drilling friction [m]: torque ≤ arm·λ_n about the normal
-  double compliance = 0;         ///< [m/N] along the normal, and across it while friction holds; 0: rigid
+  double rolling_friction = 0;  ///< length δ of the rolling resistance [m]: torque ≤ δ λ_n across the normal
+  double spinning_friction =
+      0;                  ///< length of the drilling friction [m]: torque ≤ it times λ_n about the normal
+  double compliance = 0;  ///< [m/N] along the normal, and across it while friction holds; 0: rigid
 
   friend bool operator==(const Material&, const Material&) = default;
 };
@@ -28,8 +29,8 @@ struct Material {
 void check_material(const Material& material);
 
 /// The contact between two materials: the lower restitution; the geometric mean of the Coulomb coefficients,
-/// so that ice on rubber is slippery and equals keep their value; the larger rolling and spinning arm (a hard
-/// ball rolls badly on a soft carpet); the sum of the compliances (two springs in series).
+/// so that ice on rubber is slippery and equals keep their value; the larger rolling and spinning length (a
+/// hard ball rolls badly on a soft carpet); the sum of the compliances (two springs in series).
 Material combined(const Material& a, const Material& b);
 
 }  // namespace taut

@@ -207,9 +207,9 @@ World rattleback() {
   return world;
 }
 
-World euler_disc(double lean, double arm) {
+World euler_disc(double lean, double rolling_length) {
   Material material = rubbing(1);
-  material.rolling_friction = arm;
+  material.rolling_friction = rolling_length;
   World world = floor_of(material);
   const double r = kEulerRadius, half = kEulerHalf, g = world.gravity().norm();
   const Quat q(Eigen::AngleAxisd(lean, Vec3::UnitY()));

@@ -68,8 +68,8 @@ World rattleback();
 inline Vec3 rattleback_radii() { return {0.2, 0.03, 0.02}; }
 inline constexpr double kRattlebackRise = 0.01;  ///< [m] of the ellipsoid's centre above that of mass
 /// Euler's disc, of 0.1 m and 2 mm: it leans by `lean` [rad] from the floor and runs round on its rim about a
-/// centre at rest, with rolling friction of the arm `arm` [m].
-World euler_disc(double lean, double arm);
+/// centre at rest, with rolling friction of that length [m].
+World euler_disc(double lean, double rolling_length);
 inline constexpr double kEulerRadius = 0.1, kEulerHalf = 0.001;  ///< [m]
 
 /// A rod of 1 m and 1 kg as a capsule of 5 mm that slides at −2 m/s along x on a floor with its left end, at

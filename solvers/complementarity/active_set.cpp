@@ -28,8 +28,8 @@ ActiveSet::ActiveSet(ConstraintSystem& system) : system_(system), updates_(syste
   segments_.assign(n, -1);
   steps_.assign(n, 0);
   moves_.assign(n, 0);
-  for (auto* values : {&states_, &inertia_, &root_, &residual_, &decision_, &best_lambda_, &start_lambda_,
-                       &start_w_, &slope_})
+  for (auto* values : {&states_, &effective_mass_, &root_, &residual_, &decision_, &best_lambda_,
+                       &start_lambda_, &start_w_, &slope_})
     values->assign(n, 0.0);
 }
 
@@ -60,11 +60,14 @@ void ActiveSet::choose_segments(std::span<const RowLaw> laws, std::span<const do
     any = any || segments_[r] < 0;
   }
   if (!any) return;
-  system_.effective_masses(inertia_);
+  system_.effective_masses(effective_mass_);
   system_.multiply(lambda, residual_);
   for (std::size_t r = 0; r < laws.size(); ++r)
     if (segments_[r] < 0)
-      segments_[r] = laws[r].resolve(1 / inertia_[r], b[r] + residual_[r] - lambda[r] / inertia_[r]).segment;
+      segments_[r] =
+          laws[r]
+              .resolve(1 / effective_mass_[r], b[r] + residual_[r] - lambda[r] / effective_mass_[r])
+              .segment;
 }
 
 void ActiveSet::states_from_segments(std::span<const RowLaw> laws) {
@@ -80,8 +83,8 @@ ActiveSetOutcome ActiveSet::solve(std::span<const RowLaw> laws, std::span<const 
   const Problem problem{laws, b, lambda, w, settings};
   ActiveSetOutcome outcome;
   choose_segments(laws, b, lambda);
-  system_.effective_masses(inertia_);
-  for (std::size_t r = 0; r < laws.size(); ++r) root_[r] = 1 / std::sqrt(inertia_[r]);
+  system_.effective_masses(effective_mass_);
+  for (std::size_t r = 0; r < laws.size(); ++r) root_[r] = 1 / std::sqrt(effective_mass_[r]);
   best_residual_ = std::numeric_limits<double>::infinity();
 
   Search result = search(problem, times, outcome);

@@ -93,7 +93,7 @@ void ContactIslands::find() {
   std::vector<std::unique_ptr<Island>> found;
   for (SystemPart& part : parts) {
     auto island = std::make_unique<Island>(contacts_, std::move(part));
-    for (int k : island->part.slots) island->pairs.push_back(contacts_.set().slots()[k].at);
+    for (int k : island->part.slots) island->pairs.push_back(contacts_.cache().slots()[k].at);
     const std::vector<int>& bodies = island->part.bodies;
     island->first_body =
         *std::find_if(bodies.begin(), bodies.end(), [&](int b) { return !system_.mass()[b].fixed; });
@@ -143,12 +143,12 @@ StageProblem ContactIslands::gather(Island& island, const StageProblem& whole, s
   island.weight_version = system_.weight_version();
   pick(whole.laws, part.rows, island.laws);
   pick(whole.b, part.rows, island.b);
-  pick(whole.inertia, part.rows, island.inertia);
+  pick(whole.effective_mass, part.rows, island.effective_mass);
   pick(std::span<const double>(whole.lambda), part.rows, island.lambda);
   island.w.resize(part.rows.size());
-  island.contacts.set_inertia(island.inertia);
+  island.contacts.set_effective_masses(island.effective_mass);
   island.record = {};
-  return {island.laws, island.b, island.inertia, island.lambda, island.w};
+  return {island.laws, island.b, island.effective_mass, island.lambda, island.w};
 }
 
 bool ContactIslands::solve(const StageProblem& problem, ContactLimits limits, StageRecord& record) {

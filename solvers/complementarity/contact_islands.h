@@ -52,7 +52,7 @@ class ContactIslands {
     std::optional<ContactSolver> solver;
     long weight_version = -1;  // of the whole, whose values `own` has
     std::vector<RowLaw> laws;
-    std::vector<double> b, inertia, lambda, w;
+    std::vector<double> b, effective_mass, lambda, w;
     StageRecord record;
     bool done = false;
   };

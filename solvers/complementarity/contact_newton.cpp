@@ -20,11 +20,13 @@ NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& st
   NewtonOutcome outcome;
   Progress progress = begin_rounds(problem, limits);
   const std::vector<double>& y = projection_.y();
+  using Verdict = ProximalRound::Verdict;
   do {
     ++outcome.rounds;
-    round_.begin_steps(problem, progress.rho, progress.residual);                 // Σ = ρ S_rr
-    projection_.project(problem, round_.x(problem, 0), round_.sigma());           // y = prox_Σ(x)
-    while (round_.is_open(problem, y, limits.iterations - outcome.iterations)) {  // F = δv − Wᵀ (y − λ̄)
+    round_.begin_steps(problem, progress.rho, progress.residual);        // Σ = ρ S_rr
+    projection_.project(problem, round_.x(problem, 0), round_.sigma());  // y = prox_Σ(x)
+    Verdict verdict;                                                     // of F = δv − Wᵀ (y − λ̄)
+    while ((verdict = round_.look(problem, y, limits.iterations - outcome.iterations)) == Verdict::kOpen) {
       ++outcome.iterations;
       if (!round_.find_step(projection_, record.times)) break;  // (1 + Wᵀ P' Σ⁻¹ W + N) step = −F
       SlopeSearch search(round_.start_slope());
@@ -32,6 +34,7 @@ NewtonOutcome ContactNewton::solve(ContactLaws& contacts, const StageProblem& st
       while (search.goes_on(round_.slope(y, search.length())));
       round_.move(search.length());
     }
+    progress.met = verdict == Verdict::kMet;
     read_rates(problem, y);
     outcome.residual = relative_residual(problem, limits.rate_tolerance, outcome.rounds);
   } while (!ends(problem, limits, progress, outcome) && next_round(problem, limits, outcome, progress));
@@ -108,7 +111,7 @@ double ContactNewton::sufficient_residual(const NewtonLimits& limits, const Prog
 bool ContactNewton::slips_in_vain(const ContactProblem& problem, const NewtonLimits& limits, int rounds,
                                   Progress& progress) const {
   const double before = progress.slip;
-  progress.slip = limits.holding ? problem.contacts.shared_slip(problem.w) : 0;
+  progress.slip = limits.holding ? problem.contacts.sticking_slip(problem.w) : 0;
   return rounds > Tuning::kRoundsToHold && progress.slip > Tuning::kSlowSlip * before;
 }
 
@@ -117,9 +120,9 @@ bool ContactNewton::slips_in_vain(const ContactProblem& problem, const NewtonLim
 bool ContactNewton::next_round(const ContactProblem& problem, const NewtonLimits& limits,
                                const NewtonOutcome& outcome, Progress& progress) {
   bool goes_on = true;
-  const bool stalls = round_.met() && progress.rho <= Tuning::kRhoToYield &&
+  const bool stalls = progress.met && progress.rho <= Tuning::kRhoToYield &&
                       std::abs(outcome.residual / progress.residual - 1) < Tuning::kStalled;
-  if (!coupled_.keep(projection_.y(), round_.met(), outcome.residual, progress.rho)) {
+  if (!coupled_.keep(projection_.y(), progress.met, outcome.residual, progress.rho)) {
     read_rates(problem, coupled_.kept());
     goes_on = coupled_.grow(progress.rho);
   }

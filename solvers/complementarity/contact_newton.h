@@ -63,6 +63,7 @@ class ContactNewton {
   struct Progress {
     double rho = Tuning::kFirstRho;
     double residual = 1;  ///< of the round before, or of the last one kept
+    bool met = false;     ///< Newton's method came to its end in the round before
     double slip = 0;      ///< of contacts that share a load, after the round before [m/s]
   };
 

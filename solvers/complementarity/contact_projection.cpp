@@ -24,7 +24,7 @@ void ContactProjection::project(const ContactProblem& problem, std::span<const d
     coupling_[k] = 0;
     if (!cone.works)
       project_nothing(k, problem.contacts.row_count(k));
-    else if (cone.shares)
+    else if (cone.normality)
       project_cone(k, cone);
     else if (project_disc(k, kSlidingRow, cone.sliding_given, cone.sliding * project_normal(k, cone)))
       coupling_[k] = cone.sliding * slope_[first_row(k)];

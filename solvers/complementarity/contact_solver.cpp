@@ -12,7 +12,7 @@ namespace {
 
 /// S_rr of row r.
 auto diagonal_of(const StageProblem& problem) {
-  return [inertia = problem.inertia](std::size_t r) { return 1 / inertia[r]; };
+  return [effective_mass = problem.effective_mass](std::size_t r) { return 1 / effective_mass[r]; };
 }
 
 }  // namespace
@@ -28,13 +28,13 @@ ImpulseIteration& ContactSolver::iteration() {
 double ContactSolver::relative_residual(const StageProblem& problem, double rate_tolerance) const {
   double scale = 0;
   for (std::size_t r = 0; r < problem.lambda.size(); ++r)
-    scale = std::max(scale, std::abs(problem.lambda[r]) / std::sqrt(problem.inertia[r]));
+    scale = std::max(scale, std::abs(problem.lambda[r]) / std::sqrt(problem.effective_mass[r]));
   return largest_residual(problem, rate_tolerance).over(scale);
 }
 
 /// The natural residual [√J]; infinite if a value is not finite.
 LargestResidual ContactSolver::largest_residual(const StageProblem& problem, double rate_tolerance) const {
-  const auto& [laws, b, inertia, lambda, w] = problem;
+  const auto& [laws, b, effective_mass, lambda, w] = problem;
   LargestResidual largest;
   if (!std::isfinite(max_abs(lambda)) || !std::isfinite(max_abs(w)))
     largest.add(std::numeric_limits<double>::infinity());
@@ -104,7 +104,7 @@ void ContactSolver::sweep_guess(const StageProblem& problem, double rate_toleran
   system_.rates(problem.lambda, problem.b, problem.w);
   double size = 0;
   for (std::size_t r = 0; r < problem.b.size(); ++r)
-    size = std::max(size, std::abs(problem.b[r]) * std::sqrt(problem.inertia[r]));
+    size = std::max(size, std::abs(problem.b[r]) * std::sqrt(problem.effective_mass[r]));
   const double off = relative_residual(problem, rate_tolerance);
   if (off <= Tuning::kNear) return;
   held_.assign(problem.lambda.begin(), problem.lambda.end());
@@ -125,9 +125,9 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
   limits.most = limits.tolerance;
   StickSearch& search = contacts_.stick_search();
   if (!search.begin(lambda, problem.w)) return false;
-  unshared_.assign(lambda.begin(), lambda.end());
+  lambda_before_.assign(lambda.begin(), lambda.end());
   for (bool again = true; again;) {
-    std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
+    std::copy(lambda_before_.begin(), lambda_before_.end(), lambda.begin());
     const NewtonOutcome outcome = newton_.solve(contacts_, problem, limits, record);
     if (outcome.converged && !contacts_.slips_where_it_held()) {
       // What holds by the normality law holds by Coulomb's where it does not slip at all.
@@ -142,7 +142,7 @@ bool ContactSolver::search_sticking_solution(const StageProblem& problem, double
     again = search.mark_sliding(problem.w, outcome.iterations < limits.iterations);
   }
   search.end(false);
-  std::copy(unshared_.begin(), unshared_.end(), lambda.begin());
+  std::copy(lambda_before_.begin(), lambda_before_.end(), lambda.begin());
   system_.rates(lambda, problem.b, problem.w);
   return false;
 }

@@ -75,7 +75,7 @@ class ContactSolver {
   PrimalDualActiveSet locked_;
   std::optional<ImpulseIteration> iteration_;
   std::vector<RowLaw> locked_laws_;
-  std::vector<double> held_, unshared_;
+  std::vector<double> held_, lambda_before_;
 };
 
 template <typename Solve, typename Met>

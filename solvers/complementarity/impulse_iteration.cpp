@@ -127,8 +127,8 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
   in_disc(row + 1, cone.sliding_given, cone.sliding * normal, cone.slip_softness);
   if (!cone.twist) return largest;
   if (const double s = diagonal_[row + 3]; s > 0) {
-    const double arm = cone.spinning * normal;
-    give(row + 3, s, std::clamp(cone.spin_given + asked(row + 3, s, 0), -arm, arm) - cone.spin_given);
+    const double bound = cone.spinning * normal;
+    give(row + 3, s, std::clamp(cone.spin_given + asked(row + 3, s, 0), -bound, bound) - cone.spin_given);
   }
   in_disc(row + 4, cone.rolling_given, cone.rolling * normal, 0);
   return largest;

@@ -42,17 +42,18 @@ std::span<const double> ProximalRound::x(const ContactProblem& problem, double l
   return x_;
 }
 
-bool ProximalRound::is_open(const ContactProblem& problem, std::span<const double> y, int left) {
+ProximalRound::Verdict ProximalRound::look(const ContactProblem& problem, std::span<const double> y,
+                                           int left) {
   for (std::size_t r = 0; r < y.size(); ++r) change_[r] = y[r] - centre_[r];
   system_.apply_Wt(change_, span_of(gradient_));
   gradient_ = v_ - gradient_;
   const double size = gradient_.lpNorm<Eigen::Infinity>();
-  met_ = false;
-  if (!std::isfinite(size)) return false;
+  if (!std::isfinite(size)) return Verdict::kGivenUp;
   history_.add(size, problem.scale);
-  met_ = size <= tolerance_ || history_.stuck == Tuning::kStuck;
+  if (size <= tolerance_ || history_.stuck == Tuning::kStuck) return Verdict::kMet;
   const bool blows_up = size > Tuning::kBlowUp * history_.first;
-  return !met_ && !blows_up && left > 0 && history_.looks <= Tuning::kStepsPerRound;
+  const bool open = !blows_up && left > 0 && history_.looks <= Tuning::kStepsPerRound;
+  return open ? Verdict::kOpen : Verdict::kGivenUp;
 }
 
 bool ProximalRound::find_step(ContactProjection& projection, StageTimes& times) {

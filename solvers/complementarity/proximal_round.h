@@ -35,11 +35,11 @@ class ProximalRound {
   std::span<const double> sigma() const { return metric_.sigma(); }
   /// x at the present velocities and `length` of the step.
   std::span<const double> x(const ContactProblem& problem, double length);
-  /// F at the present velocities.  True if it is to be lowered by a Newton step, of which at most `left` are
-  /// allowed.
-  bool is_open(const ContactProblem& problem, std::span<const double> y, int left);
-  /// The last F was small enough, or as small as round-off allows.
-  bool met() const { return met_; }
+  /// What F is to the round: to be lowered by a Newton step; small enough, or as small as round-off allows;
+  /// or neither, and steps will not make it so.
+  enum class Verdict { kOpen, kMet, kGivenUp };
+  /// F at the present velocities, of which at most `left` Newton steps are allowed.
+  Verdict look(const ContactProblem& problem, std::span<const double> y, int left);
   /// Newton's step with the primal matrix 1 + Wᵀ D W, D = P' Σ⁻¹, which is left in the place of P', and what
   /// friction that follows normal impulses adds to it.  False if it cannot be factored.
   bool find_step(ContactProjection& projection, StageTimes& times);
@@ -69,7 +69,6 @@ class ProximalRound {
   double along_ = 0, square_ = 0;                   // of the step with δv, and with itself
   double tolerance_ = 0;                            // of F [√J]
   History history_;
-  bool met_ = false;
 };
 
 }  // namespace taut

@@ -56,7 +56,7 @@ struct StageAttempt {
   const Stage& stage;
   std::span<const RowLaw> laws;  ///< renewed by stage.renew()
   std::span<double> b;
-  std::span<const double> inertia;  ///< 1 / S_rr
+  std::span<const double> effective_mass;  ///< 1 / S_rr
   std::span<double> w;
   StageBudget budget;
   double tolerance;             ///< residual that Newton's method through the bodies goes for
@@ -67,9 +67,11 @@ struct StageAttempt {
 
   StageProblem problem() const { return problem(stage.lambda); }
   /// The problem of this stage with the impulses λ given.
-  StageProblem problem(std::span<double> lambda) const { return {laws, b, inertia, lambda, w}; }
+  StageProblem problem(std::span<double> lambda) const { return {laws, b, effective_mass, lambda, w}; }
   /// Of the present w.
-  StageSolution solution(std::span<const double> lambda) const { return {laws, b, inertia, lambda, w}; }
+  StageSolution solution(std::span<const double> lambda) const {
+    return {laws, b, effective_mass, lambda, w};
+  }
   void add(const StageRecord& record) {
     report.times += record.times;
     report.counts.contact_iterations += record.iterations;

@@ -36,7 +36,7 @@ void StageCulprits::add_rows(const StageResidual& residual, const StageSolution&
 }
 
 void StageCulprits::add_contacts(const StageSolution& solution, double scale) {
-  const std::span<const ContactCache::Slot> slots = model_.contacts.set().slots();
+  const std::span<const ContactCache::Slot> slots = model_.contacts.cache().slots();
   for (std::size_t k = 0; k < slots.size(); ++k) {
     if (!slots[k].active) continue;
     const double off = relative_contact_residual(model_.contacts, static_cast<int>(k), solution.lambda,
@@ -79,9 +79,11 @@ void StageCulprits::add(Culprit culprit) {
   if (culprits_.size() > Tuning::kMostCulprits) culprits_.pop_back();
 }
 
-void StageCulprits::find_jam(std::span<const double> lambda, std::span<const double> inertia) {
+void StageCulprits::find_jam(std::span<const double> lambda, std::span<const double> effective_mass) {
   const Rows& rows = model_.system.rows();
-  const auto size = [&](int r) { return inertia[r] > 0 ? std::abs(lambda[r]) / std::sqrt(inertia[r]) : 0; };
+  const auto size = [&](int r) {
+    return effective_mass[r] > 0 ? std::abs(lambda[r]) / std::sqrt(effective_mass[r]) : 0;
+  };
   double largest = 0;
   for (int r = 0; r < rows.first_contact_row(); ++r) largest = std::max(largest, size(r));
   jammed_.clear();

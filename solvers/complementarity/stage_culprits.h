@@ -26,7 +26,7 @@ class StageCulprits {
   /// Others, which the caller knows.
   void set(std::vector<Culprit> culprits) { culprits_ = std::move(culprits); }
   /// Who jams at these impulses: friction and loads that make each other grow have outgrown all others.
-  void find_jam(std::span<const double> lambda, std::span<const double> inertia);
+  void find_jam(std::span<const double> lambda, std::span<const double> effective_mass);
 
   std::vector<Culprit>::const_iterator begin() const { return culprits_.begin(); }
   std::vector<Culprit>::const_iterator end() const { return culprits_.end(); }

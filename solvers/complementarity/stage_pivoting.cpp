@@ -41,7 +41,7 @@ StageVerdict StagePivoting::solve(StageAttempt& attempt) {
     if (solve >= Tuning::kMaxAxisSolves) break;
     attempt.stage.renew();
   }
-  culprits_.find_jam(lambda, attempt.inertia);
+  culprits_.find_jam(lambda, attempt.effective_mass);
   return StageVerdict::kFailed;
 }
 
@@ -65,7 +65,7 @@ StageVerdict StagePivoting::after_stall(StageAttempt& attempt, bool polishes) {
 }
 
 void StagePivoting::take_segments(const StageSolution& solution) {
-  const auto& [laws, b, inertia, lambda, w] = solution;
+  const auto& [laws, b, effective_mass, lambda, w] = solution;
   outcome_ = {};
   if (!model_.friction_dominated()) {
     active_->reset();
@@ -74,7 +74,7 @@ void StagePivoting::take_segments(const StageSolution& solution) {
   }
   segments_scratch_.resize(lambda.size());
   for (std::size_t r = 0; r < lambda.size(); ++r) {
-    const double own = 1 / inertia[r];
+    const double own = 1 / effective_mass[r];
     segments_scratch_[r] = laws[r].resolve(own, w[r] - own * lambda[r]).segment;
   }
   active_->set_segments(segments_scratch_, laws);

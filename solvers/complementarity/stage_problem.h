@@ -11,15 +11,15 @@ namespace taut {
 /// One stage of a step: w = S λ + b with a law for each row.
 struct StageProblem {
   std::span<const RowLaw> laws;
-  std::span<const double> b;        ///< rates without λ
-  std::span<const double> inertia;  ///< 1 / S_rr
-  std::span<double> lambda, w;      ///< a guess, then the result
+  std::span<const double> b;               ///< rates without λ
+  std::span<const double> effective_mass;  ///< 1 / S_rr
+  std::span<double> lambda, w;             ///< a guess, then the result
 };
 
 /// Impulses and rates of such a stage, to be measured.
 struct StageSolution {
   std::span<const RowLaw> laws;
-  std::span<const double> b, inertia, lambda, w;
+  std::span<const double> b, effective_mass, lambda, w;
 };
 
 /// What solving one has taken, and how good it is.

@@ -34,11 +34,12 @@ double StageResidual::exact_rate_tolerance() const {
 }
 
 double StageResidual::motion(const StageSolution& solution, double h) const {
-  const auto& [laws, b, inertia, lambda, rates] = solution;
+  const auto& [laws, b, effective_mass, lambda, rates] = solution;
   LargestResidual largest;
   const double negligible = Tuning::kLevelTolerance * max_abs(lambda);
   for (int r = 0; r < system_.rows().first_contact_row(); ++r)  // those of contacts are linear
-    largest.add(h * motion_residual(laws[r], delassus_diagonal(inertia[r]), lambda[r], rates[r], negligible));
+    largest.add(
+        h * motion_residual(laws[r], delassus_diagonal(effective_mass[r]), lambda[r], rates[r], negligible));
   return largest.size();
 }
 
@@ -56,15 +57,15 @@ double StageResidual::natural(const StageSolution& solution) const {
 }
 
 double StageResidual::scale(const StageSolution& solution) const {
-  const auto& [laws, b, inertia, lambda, w] = solution;
+  const auto& [laws, b, effective_mass, lambda, w] = solution;
   double scale = 0;
   for (int r = 0; r < system_.row_count(); ++r) {
-    const double root = inertia[r] > 0 ? std::sqrt(inertia[r]) : 1;
+    const double root = effective_mass[r] > 0 ? std::sqrt(effective_mass[r]) : 1;
     scale = std::max({scale, std::abs(lambda[r]) / root, std::abs(b[r]) * root});
   }
   for (const Rows::AxisRow& axis : system_.rows().axis_rows()) {
     const int r = axis.row;
-    const double root = inertia[r] > 0 ? std::sqrt(inertia[r]) : 1, own = 1 / (root * root);
+    const double root = effective_mass[r] > 0 ? std::sqrt(effective_mass[r]) : 1, own = 1 / (root * root);
     const RowLaw::Point answer = laws[r].resolve(own, w[r] - own * lambda[r]);
     if (RowLaw::is_vertical(answer.segment)) scale = std::max(scale, root * std::abs(answer.w));
   }
@@ -72,8 +73,8 @@ double StageResidual::scale(const StageSolution& solution) const {
 }
 
 double StageResidual::of_row(int r, const StageSolution& solution, double scale, const Noise& noise) const {
-  const auto& [laws, b, inertia, lambda, w] = solution;
-  const double own = delassus_diagonal(inertia[r]), root = 1 / std::sqrt(own);
+  const auto& [laws, b, effective_mass, lambda, w] = solution;
+  const double own = delassus_diagonal(effective_mass[r]), root = 1 / std::sqrt(own);
   const double off = natural_residual(laws[r], own, lambda[r], w[r]).size;
   const double least =
       root * (system_.rows().row(r).angular ? noise.angular : noise.linear) / ResidualTuning::kMet;

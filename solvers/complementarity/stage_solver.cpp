@@ -71,7 +71,7 @@ bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport
       .stage = stage,
       .laws = laws_,
       .b = b_,
-      .inertia = effective_mass_,
+      .effective_mass = effective_mass_,
       .w = w_,
       .budget = budget_,
       .tolerance = stage.near ? StageTuning::kMendedExactly : ResidualTuning::kMet,
@@ -101,7 +101,7 @@ StageVerdict StageSolver::judge(StageAttempt& attempt, const StageRecord& record
   pivoting_.take_segments(attempt.solution(lambda));
   if (solved && !model_.move_laws(attempt.problem(), attempt.rate_tolerance)) return StageVerdict::kMet;
   const bool jams = solved && solves == StageTuning::kMaxMendings;
-  if (jams) culprits_.find_jam(lambda, attempt.inertia);
+  if (jams) culprits_.find_jam(lambda, attempt.effective_mass);
   if (solved) attempt.stage.renew();
   if (solved && !jams) return StageVerdict::kNext;
   pivoting_.note_not_converged();

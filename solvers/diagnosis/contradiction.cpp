@@ -20,9 +20,9 @@ using Touch = Contradiction::Touch;
 using Verdict = ViolationSearch::Verdict;
 
 struct ContradictionTuning {
-  /// Members with less than this part of the largest share do not belong to the contradiction; and the same
+  /// Members with less than this part of the largest blame do not belong to the contradiction; and the same
   /// where that has left out too many.  Chosen.
-  static constexpr double kBlameShare = 1e-4, kSmallShare = 1e-9;
+  static constexpr double kBlamed = 1e-4, kHardlyBlamed = 1e-9;
   /// Sets of more members are not made smaller: each trial is a search of its own.  Chosen.
   static constexpr std::size_t kMinimalSetLimit = 200;
 };
@@ -119,13 +119,13 @@ class Demands {
   std::map<std::pair<BodyId, BodyId>, std::size_t> member_of_pair_;
 };
 
-/// The members with a share, the largest first.
-std::vector<Member> sharers(const std::vector<Member>& members, std::span<const double> shares, double part) {
-  const double largest = *std::max_element(shares.begin(), shares.end());
+/// The members to blame, the largest first.
+std::vector<Member> blamed(const std::vector<Member>& members, std::span<const double> blame, double part) {
+  const double largest = *std::max_element(blame.begin(), blame.end());
   std::vector<std::size_t> order;
   for (std::size_t m = 0; m < members.size(); ++m)
-    if (shares[m] > part * largest) order.push_back(m);
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return shares[a] > shares[b]; });
+    if (blame[m] > part * largest) order.push_back(m);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return blame[a] > blame[b]; });
   std::vector<Member> found;
   for (std::size_t m : order) found.push_back(members[m]);
   return found;
@@ -149,8 +149,8 @@ class LocalSearch {
       mask_[m] = std::find(wanted.begin(), wanted.end(), members_[m]) != wanted.end();
     return search_->search(mask_);
   }
-  std::vector<Member> sharers_left() {
-    return sharers(members_, search_->shares(), ContradictionTuning::kBlameShare);
+  std::vector<Member> blamed_left() {
+    return blamed(members_, search_->blame(), ContradictionTuning::kBlamed);
   }
   double largest() const { return search_->largest(); }
 
@@ -182,7 +182,7 @@ void make_minimal(LocalSearch& local, std::vector<Member>& set) {
     std::vector<Member> rest = set;
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
     if (rest.empty() || local.search(rest) != Verdict::kExcluded) continue;
-    const std::vector<Member> involved = local.sharers_left();
+    const std::vector<Member> involved = local.blamed_left();
     set.swap(rest);
     std::vector<Member> smaller;
     for (std::size_t i = 0; i < set.size(); ++i)  // those behind k are known to be needed
@@ -194,7 +194,7 @@ void make_minimal(LocalSearch& local, std::vector<Member>& set) {
   }
 }
 
-/// Shares of many members hardly differ; their place in the world says more.
+/// The blame of many members hardly differs; their place in the world says more.
 void sort_as_in_world(std::vector<Member>& members) {
   using Key = std::tuple<std::size_t, int, int, Bound::Kind>;
   const auto key = [](const Member& m) -> Key {
@@ -227,8 +227,8 @@ Contradiction find_contradiction(const Situation& s) {
   if (count == 0) return {};
   whole.begin(std::move(all.demands), static_cast<int>(count), s.from, s.from.time + s.horizon);
   if (whole.search(std::vector<char>(count, 1)) != Verdict::kExcluded) return {};
-  for (double part : {ContradictionTuning::kBlameShare, ContradictionTuning::kSmallShare}) {
-    std::vector<Member> set = sharers(all.members, whole.shares(), part);
+  for (double part : {ContradictionTuning::kBlamed, ContradictionTuning::kHardlyBlamed}) {
+    std::vector<Member> set = blamed(all.members, whole.blame(), part);
     LocalSearch local(s, slots, set);
     if (local.search(set) != Verdict::kExcluded) continue;
     if (set.size() > ContradictionTuning::kMinimalSetLimit) {

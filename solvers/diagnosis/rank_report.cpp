@@ -32,22 +32,22 @@ JointId joint_of(const ConstraintSystem& system, int row) {
 std::vector<JointId> find_self_stressed(const World& world, ConstraintSystem& system) {
   std::mt19937_64 random(1);
   const int n = system.row_count();
-  std::vector<double> y(n), inertia(n);
+  std::vector<double> y(n), effective_mass(n);
   std::vector<char> stressed(world.joint_count(), 0);
-  system.effective_masses(inertia);
+  system.effective_masses(effective_mass);
   for (int mixture = 0; mixture < 2; ++mixture) {
     for (double& v : y) v = static_cast<double>(random() >> 11) * 0x1p-53 - 0.5;
     for (int pass = 0; pass < 3; ++pass) {
       if (pass > 0)
-        for (int r = 0; r < n; ++r) y[r] /= inertia[r];
+        for (int r = 0; r < n; ++r) y[r] /= effective_mass[r];
       system.solve_shifted(y);
       const double size = max_abs(y);
       for (double& v : y) v /= size;
     }
     double largest = 0;
-    for (int r = 0; r < n; ++r) largest = std::max(largest, std::abs(y[r]) / std::sqrt(inertia[r]));
+    for (int r = 0; r < n; ++r) largest = std::max(largest, std::abs(y[r]) / std::sqrt(effective_mass[r]));
     for (int r = 0; r < n; ++r)
-      if (std::abs(y[r]) / std::sqrt(inertia[r]) > RankReportTuning::kUnstressed * largest)
+      if (std::abs(y[r]) / std::sqrt(effective_mass[r]) > RankReportTuning::kUnstressed * largest)
         stressed[joint_of(system, r).index] = 1;
   }
   std::vector<JointId> joints;
@@ -59,7 +59,8 @@ std::vector<JointId> find_self_stressed(const World& world, ConstraintSystem& sy
 /// Who holds a dependent row r: with I the rows that are independent, S_II c = S_Ir gives the combination of
 /// them that is row r, and joints with a large part in it, over the sizes of rows, hold it.
 std::vector<JointId> find_holders(const World& world, ConstraintSystem& system,
-                                  std::span<const int> dependent, int row, std::span<const double> inertia) {
+                                  std::span<const int> dependent, int row,
+                                  std::span<const double> effective_mass) {
   std::vector<double> unit(system.row_count(), 0.0), c(system.row_count());
   unit[row] = 1;
   system.multiply(unit, c);
@@ -68,7 +69,7 @@ std::vector<JointId> find_holders(const World& world, ConstraintSystem& system,
   std::vector<double> share(world.joint_count(), 0.0);
   for (int r = 0; r < system.row_count(); ++r) {
     double& s = share[joint_of(system, r).index];
-    s = std::max(s, std::abs(c[r]) / std::sqrt(inertia[r]));
+    s = std::max(s, std::abs(c[r]) / std::sqrt(effective_mass[r]));
   }
   const int own = joint_of(system, row).index;
   const double largest = max_abs(share);
@@ -98,8 +99,8 @@ RankReport analyze_rank(const World& world, const Settings& settings) {
   std::sort(dependent.begin(), dependent.end());
   if (dependent.empty()) return report;
   report.not_unique = find_self_stressed(world, system);
-  std::vector<double> inertia(system.row_count()), states(system.row_count(), 0.0);
-  system.effective_masses(inertia);
+  std::vector<double> effective_mass(system.row_count()), states(system.row_count(), 0.0);
+  system.effective_masses(effective_mass);
   for (int row : dependent) states[row] = kMasked;
   system.set_row_states(states);
   system.factorize(times);
@@ -108,7 +109,7 @@ RankReport analyze_rank(const World& world, const Settings& settings) {
     report.redundant.push_back(
         {joint, row - system.rows().joints()[joint.index].first_row, system.rows().row_name(row), {}});
     if (report.redundant.size() <= RankReportTuning::kMaxExplained)
-      report.redundant.back().held_by = find_holders(world, system, dependent, row, inertia);
+      report.redundant.back().held_by = find_holders(world, system, dependent, row, effective_mass);
   }
   return report;
 }

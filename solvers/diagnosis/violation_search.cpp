@@ -39,7 +39,7 @@ ViolationSearch::ViolationSearch(const World& world, std::span<const ContactCach
     for (std::size_t k = 0; k < contacts.size(); ++k)
       system_.set_contact(static_cast<int>(k), contacts[k].point);
   }
-  for (auto* values : {&inertia_, &x_, &stiffness_, &scaled_, &force_})
+  for (auto* values : {&effective_mass_, &x_, &stiffness_, &scaled_, &force_})
     values->assign(system_.row_count(), 0.0);
   for (auto* values : {&gradient_, &v_}) values->assign(6 * system_.rows().body_count(), 0.0);
 }
@@ -49,12 +49,12 @@ void ViolationSearch::begin(std::vector<Demand> demands, int members, const Stat
   start_ = from;
   time_ = time;
   for (auto* values : {&excess_, &trial_excess_}) values->assign(demands_.size(), 0.0);
-  share_.assign(members, 0.0);
+  blame_.assign(members, 0.0);
   system_.set_mass(from.poses);
   system_.linearize(configuration(start_.poses));
-  system_.effective_masses(inertia_);
-  for (double& inertia : inertia_)
-    if (inertia == 0) inertia = 1;  // nothing moves it
+  system_.effective_masses(effective_mass_);
+  for (double& effective_mass : effective_mass_)
+    if (effective_mass == 0) effective_mass = 1;  // nothing moves it
 }
 
 ViolationSearch::Verdict ViolationSearch::search(std::span<const char> wanted) {
@@ -85,7 +85,7 @@ double ViolationSearch::evaluate(std::span<const Pose> poses, std::span<const ch
     const double c = wanted[demand.member] ? demand.excess(x_[demand.row]) : 0;
     trial_excess_[i] = c;
     trial_largest_ = std::max(trial_largest_, std::abs(c));
-    f += 0.5 * inertia_[demand.row] * c * c;
+    f += 0.5 * effective_mass_[demand.row] * c * c;
   }
   return f;
 }
@@ -98,8 +98,8 @@ void ViolationSearch::gather() {
   for (std::size_t i = 0; i < demands_.size(); ++i) {
     if (excess_[i] == 0 && !(wanted_[demands_[i].member] && demands_[i].lower == demands_[i].upper)) continue;
     const int r = demands_[i].row;
-    stiffness_[r] += inertia_[r];
-    force_[r] += inertia_[r] * excess_[i];
+    stiffness_[r] += effective_mass_[r];
+    force_[r] += effective_mass_[r] * excess_[i];
   }
   system_.apply_Wt(force_, gradient_);
   const double slope = std::inner_product(gradient_.begin(), gradient_.end(), gradient_.begin(), 0.0);
@@ -146,12 +146,12 @@ bool ViolationSearch::try_step() {
   return true;
 }
 
-std::span<const double> ViolationSearch::shares() {
-  std::fill(share_.begin(), share_.end(), 0.0);
+std::span<const double> ViolationSearch::blame() {
+  std::fill(blame_.begin(), blame_.end(), 0.0);
   for (std::size_t i = 0; i < demands_.size(); ++i)
-    share_[demands_[i].member] += inertia_[demands_[i].row] * excess_[i] * excess_[i];
-  for (double& share : share_) share = std::sqrt(share);
-  return share_;
+    blame_[demands_[i].member] += effective_mass_[demands_[i].row] * excess_[i] * excess_[i];
+  for (double& blame : blame_) blame = std::sqrt(blame);
+  return blame_;
 }
 
 }  // namespace taut

@@ -46,7 +46,7 @@ class ViolationSearch {
 
   /// Where the last search ended: the largest |c| [m or rad], and √Σ c²/S_rr of each member.
   double largest() const { return largest_; }
-  std::span<const double> shares();
+  std::span<const double> blame();
 
  private:
   Configuration configuration(std::span<const Pose> poses) const {
@@ -61,11 +61,11 @@ class ViolationSearch {
   std::vector<Demand> demands_;
   State start_;
   double time_ = 0;
-  std::vector<double> inertia_;  // 1 / S_rr at the start
+  std::vector<double> effective_mass_;  // 1 / S_rr at the start
   std::span<const char> wanted_;
   std::vector<Pose> poses_, trial_;
   std::vector<double> x_, excess_, trial_excess_, stiffness_, scaled_, force_;
-  std::vector<double> gradient_, v_, share_;
+  std::vector<double> gradient_, v_, blame_;
   double damping_ = 0, f_ = 0, largest_ = 0, trial_largest_ = 0, steepness_ = 0;
 };
 

@@ -54,10 +54,10 @@ void ContactPattern::take_over_places() {
   const int rows = system_.row_count();
   std::vector<int> from(rows, -1);
   for (int r = 0; r < joint_rows; ++r) from[r] = r;
-  const std::span<const int> origin = contacts_.set().origin();
+  const std::span<const int> origin = contacts_.cache().origin();
   for (std::size_t k = 0; k < origin.size(); ++k) {
     if (origin[k] < 0) continue;
-    const int count = contacts_.set().slots()[k].at.row_count();
+    const int count = contacts_.cache().slots()[k].at.row_count();
     for (int i = 0; i < count; ++i)
       from[contacts_.first_row(static_cast<int>(k)) + i] = old_first[origin[k]] + i;
   }
@@ -65,7 +65,7 @@ void ContactPattern::take_over_places() {
 }
 
 void ContactPattern::set_places() {
-  system_.set_contact_slots(world_, contacts_.set().rows());
+  system_.set_contact_slots(world_, contacts_.cache().rows());
   contacts_.set_rows(system_.rows());
 }
 

@@ -20,14 +20,14 @@ bool ImpactStage::strike(const Solve& solve) {
   mu_ = values_.mu;
   mean_rates_.resize(mu_.size());
   works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), mean_rates_);
-  contacts_.works().book_kick(mu_, mean_rates_);
+  contacts_.works().record_kick(mu_, mean_rates_);
   for (int round = 1; round <= ImpactStageTuning::kMostRounds; ++round) {
     round_momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
     round_rates_ = values_.rates;
     round_mu_ = values_.mu;
     if (!solve_round(round < ImpactStageTuning::kMostRounds ? 1 : 0, solve)) return false;
     if (energy() > 0 && !limit_restitution(solve)) return false;
-    book_round();
+    record_round();
     if (!contacts_.come_together(values_.rates)) break;
   }
   contacts_.end_impacts();
@@ -53,17 +53,17 @@ double ImpactStage::energy() const {
   return std::abs(given) > KickWorksTuning::kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
 }
 
-void ImpactStage::book_round() {
+void ImpactStage::record_round() {
   impulses_.resize(mu_.size());
   for (std::size_t r = 0; r < mu_.size(); ++r) {
     impulses_[r] = values_.mu[r] - round_mu_[r];
     mean_rates_[r] = 0.5 * (round_rates_[r] + values_.rates[r]);
   }
-  contacts_.works().book_impact(impulses_, mean_rates_);
+  contacts_.works().record_impact(impulses_, mean_rates_);
 }
 
-void ImpactStage::book_kick(std::span<const double> mu, std::span<const double> kick_rates) {
-  if (!struck_) contacts_.works().book_kick(mu, kick_rates);
+void ImpactStage::record_kick(std::span<const double> mu, std::span<const double> kick_rates) {
+  if (!struck_) contacts_.works().record_kick(mu, kick_rates);
 }
 
 void ImpactStage::add_works(double h, StepWorks& works) {

@@ -34,7 +34,7 @@ class ImpactStage {
   bool strike(const Solve& solve);
 
   /// The velocity stage's μ at these mean rates for the books of contacts, unless strike() has kept them.
-  void book_kick(std::span<const double> mu, std::span<const double> kick_rates);
+  void record_kick(std::span<const double> mu, std::span<const double> kick_rates);
   /// Works of a velocity stage of a step of h, and of the impacts after it.
   void add_works(double h, StepWorks& works);
   /// The rates at which all of μ does the work of the second kick and of the impacts.
@@ -48,7 +48,7 @@ class ImpactStage {
   std::span<const double> impulses();
   bool solve_round(double part, const Solve& solve);
   bool limit_restitution(const Solve& solve);
-  void book_round();
+  void record_round();
   double energy() const;
 
   const ConstraintSystem& system_;

@@ -80,7 +80,7 @@ void ImplicitTension::find_free_parts(std::span<const Pose> poses, const Breakin
   const Rows& rows = system_.rows();
   holding_rows_.assign(rows.row_count(), 1);
   for (int r : breaking.rows()) holding_rows_[r] = 0;
-  const std::span<const ContactCache::Slot> slots = contacts.set().slots();
+  const std::span<const ContactCache::Slot> slots = contacts.cache().slots();
   const int first_contact = rows.contact_joint(0);
   free_parts_.begin(system_.mass());
   for (int j = 0; j < static_cast<int>(rows.joints().size()); ++j) {

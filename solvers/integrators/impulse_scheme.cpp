@@ -225,7 +225,7 @@ void ImpulseScheme::finish_laws(std::span<const double> mu) {
   impact_stage_.mean_rates(values_.kick_rates);
   axes_.accumulate_work(mu, values_.rates, values_.kick_rates);
   axes_.finish_velocities(values_.phi, values_.rates, phase_.state.time);
-  impact_stage_.book_kick(mu, values_.kick_rates);
+  impact_stage_.record_kick(mu, values_.kick_rates);
   contacts_.finish(mu, phase_.state.time);
 }
 

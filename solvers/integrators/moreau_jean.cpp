@@ -117,7 +117,8 @@ void MoreauJean::begin_laws(double h, std::span<double> impulses, SubstepReport&
     stages_.prepare(values_.rates, impulses);
   }
   if (!stages_.factors_on_demand()) system_.factorize(report.times);
-  if (bounded()) axes_.find_inertia(system_, stages_.effective_mass());  // for the laws of solve_stage()
+  if (bounded())
+    axes_.find_effective_masses(system_, stages_.effective_mass());  // for the laws of solve_stage()
 }
 
 /// (q_ϑ, V_ϑ) of the momenta of now.

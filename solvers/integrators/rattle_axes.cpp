@@ -27,7 +27,7 @@ void Rattle::begin_bounds(double h) {
   axes_.begin(phase_.state.time, h, values_.start_theta, values_.rates, stages_.effective_mass(),
               phase_.state.axes);
   axes_.find_unresolved(system_);
-  axes_.find_inertia(system_, stages_.effective_mass());
+  axes_.find_effective_masses(system_, stages_.effective_mass());
   contacts_.begin(h, values_.rates, stages_.effective_mass());
 }
 

@@ -101,7 +101,7 @@ class Scheme {
   const ContactWork& work_of_contacts() { return contacts_.works().sum(); }
   const Breaking& breaking() const { return breaking_; }
   /// Contacts could not be looked for the last time: see ContactCache::detection().
-  bool blind() const { return !contacts_.empty() && contacts_.set().detection().blind(); }
+  bool blind() const { return !contacts_.empty() && contacts_.cache().detection().blind(); }
   /// Threads that could not be started.
   virtual int missing_threads() const { return 0; }
   /// The body whose state was not finite, if state() is the old one in spite of that; else the ground.

@@ -47,7 +47,7 @@ inline Vec3 into_cone(const Vec3& x, double mu) {
 /// Λ_n [m].
 struct ContactCone {
   bool works = false, twist = false;
-  bool shares = false;  ///< its slip does not open the cone (stick_search.h)
+  bool normality = false;  ///< its slip does not open the cone (stick_search.h)
   double sliding = 0, spinning = 0, rolling = 0;
   double softness = 0, most = std::numeric_limits<double>::infinity();  ///< of the normal (NormalLaw)
   double slip_softness = 0;                                             ///< of the tangents (SlipLaw)
@@ -68,8 +68,8 @@ struct ContactCone {
     const double normal = normal_given + y[0];
     in_disc(1, sliding_given, sliding * std::max(0.0, normal));
     if (!twist) return;
-    const double arm = spinning * normal;
-    y[3] = std::clamp(spin_given + x[3], -arm, arm) - spin_given;
+    const double bound = spinning * normal;
+    y[3] = std::clamp(spin_given + x[3], -bound, bound) - spin_given;
     in_disc(4, rolling_given, rolling * normal);
   }
 };

@@ -58,13 +58,13 @@ struct ContactConstraints {
     bool slid = false;
   };
   ContactConstraints(const World& world, const Settings& settings)
-      : set(world, {.margin = settings.contact_margin,
-                    .threads = settings.threads,
-                    .max_contacts = settings.max_contacts}),
+      : cache(world, {.margin = settings.contact_margin,
+                      .threads = settings.threads,
+                      .max_contacts = settings.max_contacts}),
         resting_speed(settings.resting_speed),
         locates_plastic(settings.locate_plastic_impacts) {}
 
-  ContactCache set;
+  ContactCache cache;
   std::vector<char> moves;  ///< bodies
   std::vector<Point> points;
   std::vector<ImpactState> impacts;

@@ -70,7 +70,7 @@ ContactForces::ContactForces(const World& world, const Settings& settings)
 }
 
 void ContactForces::inherit(ContactForces& old, const World& world) {
-  const ContactCache::SlotOrigins from = table_.set.inherit(old.table_.set, world);
+  const ContactCache::SlotOrigins from = table_.cache.inherit(old.table_.cache, world);
   const int slots = static_cast<int>(old.table_.points.size());
   const auto point = [&](int k) { return k < slots ? old.table_.points[k] : old.resting_points_[k - slots]; };
   for (int k : from.slots) {
@@ -90,26 +90,27 @@ void ContactForces::keep_memory() {
 
 void ContactForces::forget(std::span<const char> moved) {
   for (int k = 0; k < std::ssize(table_.points); ++k) {
-    const Rows::ContactSlot& at = table_.set.slots()[k].at;
+    const Rows::ContactSlot& at = table_.cache.slots()[k].at;
     if (!moved[at.a] && !moved[at.b]) continue;
     const bool active = table_.points[k].active;
     table_.points[k] = {};
     table_.points[k].active = active;
   }
   for (std::size_t k = 0; k < resting_points_.size(); ++k) {
-    const Rows::ContactSlot& at = table_.set.resting()[k].at;
+    const Rows::ContactSlot& at = table_.cache.resting()[k].at;
     if (moved[at.a] || moved[at.b]) resting_points_[k] = {};
   }
 }
 
 bool ContactForces::start(const World& world, const State& state, double horizon) {
-  const bool changed = table_.set.find(world, state, horizon);
+  const bool changed = table_.cache.find(world, state, horizon);
   if (inherited_.empty())
-    table_.points.assign(table_.set.slots().size(), {});
+    table_.points.assign(table_.cache.slots().size(), {});
   else
     remap();
-  table_.impacts.assign(table_.set.slots().size(), {});
-  for (int k = 0; k < std::ssize(table_.points); ++k) table_.points[k].active = table_.set.slots()[k].active;
+  table_.impacts.assign(table_.cache.slots().size(), {});
+  for (int k = 0; k < std::ssize(table_.points); ++k)
+    table_.points[k].active = table_.cache.slots()[k].active;
   take_up_recalled(world);
   before_ = table_.points;
   impacts_before_ = table_.impacts;
@@ -118,8 +119,8 @@ bool ContactForces::start(const World& world, const State& state, double horizon
 
 void ContactForces::take_up_recalled(const World& world) {
   for (const ContactStretch& known : recalled_) {
-    const int k = table_.set.slot_near(world, known.a, known.b, known.p_AP);
-    if (k < 0 || table_.set.slots()[k].material.compliance == 0) continue;
+    const int k = table_.cache.slot_near(world, known.a, known.b, known.p_AP);
+    if (k < 0 || table_.cache.slots()[k].material.compliance == 0) continue;
     Point& point = table_.points[k];
     point.slipped = known.stretch;
     point.stuck = known.holds;
@@ -134,16 +135,16 @@ std::vector<ContactStretch> ContactForces::stretches() const {
     if (slot.active && slot.material.compliance > 0 && !point.slipped.isZero(0))
       stretches.push_back({slot.contact.a, slot.contact.b, slot.contact.p_AP, point.slipped, point.stuck});
   };
-  for (std::size_t k = 0; k < table_.points.size(); ++k) add(table_.set.slots()[k], table_.points[k]);
-  for (std::size_t k = 0; k < resting_points_.size(); ++k) add(table_.set.resting()[k], resting_points_[k]);
+  for (std::size_t k = 0; k < table_.points.size(); ++k) add(table_.cache.slots()[k], table_.points[k]);
+  for (std::size_t k = 0; k < resting_points_.size(); ++k) add(table_.cache.resting()[k], resting_points_[k]);
   return stretches;
 }
 
 bool ContactForces::move_on(const World& world, const State& state, double horizon) {
-  const bool changed = table_.set.find(world, state, horizon);
+  const bool changed = table_.cache.find(world, state, horizon);
   remap();
   for (int k = 0; k < std::ssize(table_.points); ++k) {
-    const ContactCache::Slot& slot = table_.set.slots()[k];
+    const ContactCache::Slot& slot = table_.cache.slots()[k];
     Point& point = table_.points[k];
     point.active = slot.active;
     point.gap = slot.contact.gap;
@@ -162,7 +163,7 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
 
 /// Memory follows the contacts to their slots.
 void ContactForces::remap() {
-  const std::span<const int> origin = table_.set.origin(), moved = table_.set.moved();
+  const std::span<const int> origin = table_.cache.origin(), moved = table_.cache.moved();
   std::vector<char>& goes_on = goes_on_;
   goes_on.assign(table_.points.size(), 0);
   for (int from : origin)
@@ -189,7 +190,7 @@ void ContactForces::set_rows(const Rows& rows) {
 
 /// Also of slots that are not in use, whose rows are left out but have rates all the same.
 void ContactForces::give_points(ConstraintSystem& system) const {
-  for (int k = 0; k < std::ssize(table_.points); ++k) system.set_contact(k, table_.set.slots()[k].point);
+  for (int k = 0; k < std::ssize(table_.points); ++k) system.set_contact(k, table_.cache.slots()[k].point);
 }
 
 /// What roll_back() needs.
@@ -203,12 +204,12 @@ void ContactForces::remember(double h) {
   departed_before_ = departed_.size();
 }
 
-void ContactForces::begin(double h, std::span<const double> rates, std::span<const double> inertia) {
+void ContactForces::begin(double h, std::span<const double> rates, std::span<const double> effective_mass) {
   remember(h);
-  set_inertia(inertia);
+  set_effective_masses(effective_mass);
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
-    const ContactCache::Slot& slot = table_.set.slots()[k];
+    const ContactCache::Slot& slot = table_.cache.slots()[k];
     point.live = point.active && !table_.impacts[k].let_through();
     if (point.active) point.gap = slot.contact.gap;
     point.least_rate = closing_rate(point.gap, h);
@@ -256,8 +257,8 @@ void ContactForces::begin_single_kick(double h) {
   }
 }
 
-void ContactForces::begin_impulses(std::span<const double> rates, std::span<const double> inertia) {
-  set_inertia(inertia);
+void ContactForces::begin_impulses(std::span<const double> rates, std::span<const double> effective_mass) {
+  set_effective_masses(effective_mass);
   table_.in_velocities = true;
   table_.still_rate = 0;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
@@ -267,7 +268,7 @@ void ContactForces::begin_impulses(std::span<const double> rates, std::span<cons
     if (!point.active) continue;
     const int row = first_row(k);
     point.approach = rates[row];
-    point.least_rate = -table_.set.slots()[k].material.restitution * point.approach;
+    point.least_rate = -table_.cache.slots()[k].material.restitution * point.approach;
     const bool rests = std::hypot(rates[row + 1], rates[row + 2]) <= ContactForcesTuning::kRestingSlip;
     point.stuck = point.stuck || (point.fresh && rests);
     point.fresh = false;
@@ -277,7 +278,7 @@ void ContactForces::begin_impulses(std::span<const double> rates, std::span<cons
 
 void ContactForces::roll_back(bool moved_on) {
   if (moved_on) {
-    table_.set.undo();
+    table_.cache.undo();
     table_.impacts = impacts_before_;
   }
   table_.points = before_;
@@ -290,7 +291,7 @@ void ContactForces::roll_back(bool moved_on) {
 /// constraints.
 void ContactForces::record_first_kick(std::span<const double> lambda, std::span<const double> w,
                                       std::span<const double> rates) {
-  works_.book_kick(lambda, rates);
+  works_.record_kick(lambda, rates);
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     Point& point = table_.points[k];
     if (!point.active) continue;
@@ -299,11 +300,11 @@ void ContactForces::record_first_kick(std::span<const double> lambda, std::span<
     point.pressed = lambda[row] > 0;
     // The slip of this step while it holds: what is left of the target.
     if (!point.sliding.slips && point.pressed) {
-      const row_parts::ContactFrame& frame = table_.set.slots()[k].point.frame;
+      const row_parts::ContactFrame& frame = table_.cache.slots()[k].point.frame;
       const Vec3 slip = w[row + 1] * frame.t1 + w[row + 2] * frame.t2;
       point.slipped += table_.h * slip;
     } else if (const double C = compliance(k); C > 0 && point.pressed) {
-      const row_parts::ContactFrame& frame = table_.set.slots()[k].point.frame;
+      const row_parts::ContactFrame& frame = table_.cache.slots()[k].point.frame;
       point.slipped = -2 * C / table_.h * (lambda[row + 1] * frame.t1 + lambda[row + 2] * frame.t2);
     } else {
       point.slipped = Vec3::Zero();
@@ -311,9 +312,9 @@ void ContactForces::record_first_kick(std::span<const double> lambda, std::span<
   }
 }
 
-void ContactForces::begin_velocities(std::span<const double> rates, std::span<const double> inertia,
+void ContactForces::begin_velocities(std::span<const double> rates, std::span<const double> effective_mass,
                                      bool anew) {
-  set_inertia(inertia);
+  set_effective_masses(effective_mass);
   table_.in_velocities = true;
   table_.still_rate = 0;
   for (int k = 0; k < std::ssize(table_.points); ++k) {
@@ -419,9 +420,9 @@ void ContactForces::finish(std::span<const double> mu, double time) {
 void ContactForces::keep_report(int k) {
   const Point& point = table_.points[k];
   if (point.impulse.isZero(0) && point.torque.isZero(0)) return;
-  // table_.set has moved on; the contact that was there is still known under its old slot.
+  // table_.cache has moved on; the contact that was there is still known under its old slot.
   ContactReport report;
-  report.contact = table_.set.contact_before(k);
+  report.contact = table_.cache.contact_before(k);
   report.force = point.impulse;
   report.torque = point.torque;
   report.normal_force = report.contact.normal.dot(point.impulse);
@@ -434,7 +435,7 @@ std::vector<ContactReport> ContactForces::reports() const {
   for (int k = 0; k < std::ssize(table_.points); ++k) {
     const Point& point = table_.points[k];
     if (!point.active) continue;
-    const Contact& contact = table_.set.slots()[k].contact;
+    const Contact& contact = table_.cache.slots()[k].contact;
     reports.push_back({contact, point.impulse, point.torque, contact.normal.dot(point.impulse), point.slid,
                        point.impact_time});
   }

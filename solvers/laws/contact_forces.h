@@ -16,18 +16,18 @@ namespace taut {
 class Archive;
 
 /// All contacts of a world as laws (contact_laws.h), with what they remember from step to step, their impacts
-/// and their books.
+/// and their works.
 class ContactForces final : public ContactLaws {
  public:
   ContactForces(const World& world, const Settings& settings);
 
-  bool empty() const { return !wanted_ || table_.set.empty(); }
+  bool empty() const { return !wanted_ || table_.cache.empty(); }
   /// Some are there: touching or near.
   bool any() const {
-    const auto& slots = table_.set.slots();
+    const auto& slots = table_.cache.slots();
     return wanted_ && std::any_of(slots.begin(), slots.end(), [](const auto& slot) { return slot.active; });
   }
-  const ContactCache& set() const { return table_.set; }
+  const ContactCache& cache() const { return table_.cache; }
   /// For the laws of some of them.
   ContactConstraints& table() { return table_; }
 
@@ -47,7 +47,7 @@ class ContactForces final : public ContactLaws {
   void forget(std::span<const char> moved);
   /// The slot there that a slot continues, −1 for none, after start().
   int inherited(int slot) const {
-    const int origin = slot < std::ssize(table_.set.origin()) ? table_.set.origin()[slot] : -1;
+    const int origin = slot < std::ssize(table_.cache.origin()) ? table_.cache.origin()[slot] : -1;
     return origin < 0 || origin >= std::ssize(inherited_) ? -1 : inherited_[origin];
   }
   void end_inheritance() { inherited_.clear(); }
@@ -60,7 +60,7 @@ class ContactForces final : public ContactLaws {
   void give_points(ConstraintSystem& system) const;
 
   /// A step of h begins; `rates`: J V before it.
-  void begin(double h, std::span<const double> rates, std::span<const double> inertia);
+  void begin(double h, std::span<const double> rates, std::span<const double> effective_mass);
   /// A step of h by Moreau–Jean begins, whose impulses act at once; after move_on().
   void begin_single_kick(double h);
   /// Back to begin(), over a move_on() if there was one.
@@ -72,7 +72,7 @@ class ContactForces final : public ContactLaws {
   void hold_again();
   /// Between them: what the first kick gave, in the directions of now.  `rates`: J V without the impulses of
   /// the second.  `anew`: laws of rigid contacts are those of the second kick alone, until end_impacts().
-  void begin_velocities(std::span<const double> rates, std::span<const double> inertia, bool anew);
+  void begin_velocities(std::span<const double> rates, std::span<const double> effective_mass, bool anew);
   /// Contacts strike at the end of this step; they are left out of its velocity stage.
   bool strikes() const;
   /// They strike after it: with its rates w⁻, set_laws() ask for w ≥ −e w⁻ with this part of each e, in
@@ -86,12 +86,12 @@ class ContactForces final : public ContactLaws {
   bool come_together(std::span<const double> rates) const;
   /// Moreau–Jean between begin_single_kick() and set_laws(): `rates` J V before the step.  Contacts that
   /// are touched have Newton's law of impact w ≥ −e w⁻ however slow they are.
-  void begin_impulses(std::span<const double> rates, std::span<const double> inertia);
+  void begin_impulses(std::span<const double> rates, std::span<const double> effective_mass);
   /// Within the step.
   ContactImpacts& impacts() { return impacts_; }
   bool struck() const { return struck_; }
 
-  /// Books the first kick, during which the rows moved with `rates` on the mean; to be called before
+  /// Records the first kick, during which the rows moved with `rates` on the mean; to be called before
   /// move_on().
   void record_first_kick(std::span<const double> lambda, std::span<const double> w,
                          std::span<const double> rates);

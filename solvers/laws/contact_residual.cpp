@@ -55,9 +55,9 @@ NaturalResidual other_sliding_residual(const ContactRows& contacts, int k, std::
 
 NaturalResidual rolling_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                  std::span<const double> w) {
-  const double arm = contacts.slot(k).material.rolling_friction;
+  const double length = contacts.slot(k).material.rolling_friction;
   return disc_residual(contacts, contacts.first_row(k) + ContactRows::kRollingRow,
-                       rolling_state(contacts, k, lambda, w), arm * contacts.pressure(k, lambda));
+                       rolling_state(contacts, k, lambda, w), length * contacts.pressure(k, lambda));
 }
 
 /// Of the three impulses and the normality law of the cone of static friction.
@@ -102,7 +102,7 @@ ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<c
                                  std::span<const double> w) {
   ContactResidual of;
   if (!contacts.works(k)) return of;
-  if (contacts.shares(k)) {
+  if (contacts.obeys_normality(k)) {
     of.cone = cone_residual(contacts, k, lambda, w);
   } else {
     of.normal = normal_residual(contacts, k, lambda, w);

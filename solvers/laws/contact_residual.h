@@ -29,7 +29,7 @@ DiscState rolling_state(const ContactRows& contacts, int k, std::span<const doub
 /// Of each law of a contact.
 struct ContactResidual {
   NaturalResidual normal, sliding, spinning, rolling;
-  NaturalResidual cone;  ///< in place of normal and sliding where it shares (stick_search.h)
+  NaturalResidual cone;  ///< in place of normal and sliding where it obeys the normality law (stick_search.h)
 };
 /// Of contact k; of one that does not work, 0.
 ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
@@ -39,7 +39,8 @@ ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<c
 NaturalResidual spinning_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                   std::span<const double> w);
 
-/// Adds those of all contacts [√J], 0 where rates are met to the tolerance, but for those that share.
+/// Adds those of all contacts [√J], 0 where rates are met to the tolerance, but for those of the normality
+/// law.
 void add_contacts(const ContactRows& contacts, std::span<const double> lambda, std::span<const double> w,
                   double rate_tolerance, LargestResidual& largest);
 

@@ -11,9 +11,10 @@ void ContactRows::choose(std::span<const int> slots, const Rows& rows) {
     first_row_.push_back(rows.joints()[rows.contact_joint(k)].first_row);
 }
 
-void ContactRows::set_inertia(std::span<const double> inertia) {
-  root_.resize(inertia.size());
-  for (std::size_t r = 0; r < inertia.size(); ++r) root_[r] = inertia[r] > 0 ? 1 / std::sqrt(inertia[r]) : 1;
+void ContactRows::set_effective_masses(std::span<const double> effective_mass) {
+  root_.resize(effective_mass.size());
+  for (std::size_t r = 0; r < effective_mass.size(); ++r)
+    root_[r] = effective_mass[r] > 0 ? 1 / std::sqrt(effective_mass[r]) : 1;
 }
 
 double ContactRows::friction_bound(int k, double normal) const {
@@ -71,7 +72,7 @@ bool ContactRows::slips_where_it_held() const {
   return false;
 }
 
-double ContactRows::shared_slip(std::span<const double> w) const {
+double ContactRows::sticking_slip(std::span<const double> w) const {
   double largest = 0;
   for (int k = 0; k < count(); ++k)
     if (sticks(k)) largest = std::max(largest, slip_of(k, w));

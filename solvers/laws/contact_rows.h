@@ -27,7 +27,7 @@ class ContactRows {
   /// The contacts, by their slots; `rows` has them in this order.
   void choose(std::span<const int> slots, const Rows& rows);
   /// 1/S_rr of all rows.
-  void set_inertia(std::span<const double> inertia);
+  void set_effective_masses(std::span<const double> effective_mass);
 
   int count() const { return static_cast<int>(first_row_.size()); }
   int first_row(int k) const { return first_row_[k]; }
@@ -37,10 +37,10 @@ class ContactRows {
   double root(int row) const { return root_[row]; }  ///< √S_rr
 
   const ContactConstraints& table() const { return table_; }
-  const ContactCache::Slot& slot(int k) const { return table_.set.slots()[slots_[k]]; }
+  const ContactCache::Slot& slot(int k) const { return table_.cache.slots()[slots_[k]]; }
   Point& point(int k) { return table_.points[slots_[k]]; }
   const Point& point(int k) const { return table_.points[slots_[k]]; }
-  row_parts::ContactPoint& contact_point(int k) { return table_.set.point(slots_[k]); }
+  row_parts::ContactPoint& contact_point(int k) { return table_.cache.point(slots_[k]); }
   const ImpactState& impact(int k) const { return table_.impacts[slots_[k]]; }
   /// Its impacts are located: it has restitution, or all are.
   bool locates_impacts(int k) const { return table_.locates_plastic || slot(k).material.restitution > 0; }
@@ -67,8 +67,8 @@ class ContactRows {
   /// |w_t − target| at rates w [m/s]
   double slip_of(int k, std::span<const double> w) const;
   /// The normality law is what a contact that sticks is asked for, instead of Coulomb's (stick_search.h).
-  bool shares(int k) const { return sharing_ && sticks(k); }
-  void set_sharing(bool sharing) { sharing_ = sharing; }
+  bool obeys_normality(int k) const { return normality_ && sticks(k); }
+  void set_normality(bool normality) { normality_ = normality; }
 
   /// The largest restitution of contacts that work and approach.
   double restitution() const;
@@ -85,7 +85,7 @@ class ContactRows {
   /// A rigid contact that stuck slips at the last solution that was taken over.
   bool slips_where_it_held() const;
   /// The largest slip of those that stick at rates w [m/s].
-  double shared_slip(std::span<const double> w) const;
+  double sticking_slip(std::span<const double> w) const;
   /// Of rates w of contacts that press or hold, how far they are from the linear ones that a stage was solved
   /// with [m/s]; 0 where that is enough.
   double curved_off(std::span<const double> lambda, std::span<const double> w,
@@ -99,7 +99,7 @@ class ContactRows {
   ContactConstraints& table_;
   std::vector<int> slots_, first_row_;
   std::vector<double> root_;
-  bool sharing_ = false;
+  bool normality_ = false;
 };
 
 }  // namespace taut

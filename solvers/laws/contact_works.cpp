@@ -2,15 +2,15 @@
 
 namespace taut {
 
-void ContactWorks::book_kick(std::span<const double> lambda, std::span<const double> rates) {
+void ContactWorks::record_kick(std::span<const double> lambda, std::span<const double> rates) {
   for (int k = 0; k < contacts_.count(); ++k)
     if (contacts_.point(k).active)
-      book(k, lambda, rates, contacts_.table().single_kick || contacts_.compliance(k) > 0);
+      record(k, lambda, rates, contacts_.table().single_kick || contacts_.compliance(k) > 0);
 }
 
-void ContactWorks::book_impact(std::span<const double> impulses, std::span<const double> rates) {
+void ContactWorks::record_impact(std::span<const double> impulses, std::span<const double> rates) {
   for (int k = 0; k < contacts_.count(); ++k)
-    if (contacts_.works(k)) book(k, impulses, rates, true);
+    if (contacts_.works(k)) record(k, impulses, rates, true);
 }
 
 double ContactWorks::of_rigid(std::span<const double> impulses, std::span<const double> rates) const {
@@ -23,7 +23,7 @@ double ContactWorks::of_rigid(std::span<const double> impulses, std::span<const 
   return sum;
 }
 
-void ContactWorks::book(int k, std::span<const double> lambda, std::span<const double> rates, bool all) {
+void ContactWorks::record(int k, std::span<const double> lambda, std::span<const double> rates, bool all) {
   constexpr int kSliding = ContactRows::kSlidingRow, kSpin = ContactRows::kSpinRow,
                 kRolling = ContactRows::kRollingRow;
   const ContactConstraints::Point& point = contacts_.point(k);

@@ -13,7 +13,7 @@ ContactConstraints::NormalLaw normal_law(const ContactRows& contacts, int k) {
 
 ContactConstraints::SlipLaw sliding_law(const ContactRows& contacts, int k) {
   const ContactConstraints::Disc& disc = contacts.point(k).sliding;
-  if (contacts.shares(k)) return {disc.target, 0};
+  if (contacts.obeys_normality(k)) return {disc.target, 0};
   return contacts.compliance(k) == 0 ? disc.rigid_law() : contacts.point(k).soft_slip;
 }
 
@@ -23,7 +23,7 @@ ContactCone contact_cone(const ContactRows& contacts, int k) {
   const ContactConstraints::NormalLaw normal = normal_law(contacts, k);
   return {.works = contacts.works(k),
           .twist = contacts.has_twist(k),
-          .shares = contacts.shares(k),
+          .normality = contacts.obeys_normality(k),
           .sliding = contacts.friction_bound(k, 1),
           .spinning = material.spinning_friction,
           .rolling = material.rolling_friction,

@@ -18,11 +18,11 @@ struct StickSearchTuning {
 bool StickSearch::begin(std::span<const double> lambda, std::span<const double> w) {
   weakened_ = false;
   const bool any = choose_candidates(lambda, w);
-  contacts_.set_sharing(any);
+  contacts_.set_normality(any);
   if (!any) return false;
-  unshared_.clear();
-  for (int k = 0; k < contacts_.count(); ++k) unshared_.push_back(contacts_.point(k));
-  unshared_residual_ = friction_.residual();
+  before_.clear();
+  for (int k = 0; k < contacts_.count(); ++k) before_.push_back(contacts_.point(k));
+  residual_before_ = friction_.residual();
   return true;
 }
 
@@ -75,13 +75,13 @@ bool StickSearch::is_far(int k, std::span<const double> w, std::span<const doubl
 }
 
 void StickSearch::end(bool hold) {
-  contacts_.set_sharing(false);
+  contacts_.set_normality(false);
   if (hold) return;
   for (int k = 0; k < contacts_.count(); ++k) {
-    if (unshared_[k].stick_candidate) unshared_[k].slipping = contacts_.point(k).slipping;
-    contacts_.point(k) = unshared_[k];
+    if (before_[k].stick_candidate) before_[k].slipping = contacts_.point(k).slipping;
+    contacts_.point(k) = before_[k];
   }
-  friction_.restore(unshared_residual_);
+  friction_.restore(residual_before_);
 }
 
 void StickSearch::release(int k) {
@@ -92,7 +92,7 @@ void StickSearch::release(int k) {
 }
 
 bool StickSearch::mark_sliding(std::span<const double> w, bool judged) {
-  const double much = judged ? StickSearchTuning::kSlips * contacts_.shared_slip(w) : 0;
+  const double much = judged ? StickSearchTuning::kSlips * contacts_.sticking_slip(w) : 0;
   bool any = false, left = false;
   for (int k = 0; k < contacts_.count(); ++k) {
     if (!contacts_.point(k).stick_candidate) continue;

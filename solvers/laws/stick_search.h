@@ -31,7 +31,7 @@ class StickSearch {
   /// Unless they hold, all is as it was at begin(), but for those that were let go.
   void end(bool hold);
   /// Not ended yet.
-  void go_on() { contacts_.set_sharing(true); }
+  void go_on() { contacts_.set_normality(true); }
   /// Of those that slipped at begin() all that slip still, or all if it is not `judged` by the rates w, go on
   /// with dynamic friction.  True if that leaves some to share the load anew.
   bool mark_sliding(std::span<const double> w, bool judged);
@@ -50,8 +50,8 @@ class StickSearch {
 
   ContactRows& contacts_;
   FrictionLinearization& friction_;
-  std::vector<ContactConstraints::Point> unshared_;  // of begin()
-  double unshared_residual_ = 0;
+  std::vector<ContactConstraints::Point> before_;  // of begin()
+  double residual_before_ = 0;
   bool weakened_ = false;
 };
 

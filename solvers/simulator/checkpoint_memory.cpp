@@ -164,12 +164,12 @@ void ContactForces::transfer(Archive& archive, const World& world) {
   for (const ContactReport& report : departed_) require_contact(world, report.contact);
   impacts_.transfer(archive);
   archive(table_.h, table_.still_rate, table_.in_velocities, table_.single_kick);
-  Archive::require(table_.points.size() == table_.set.slots().size() &&
+  Archive::require(table_.points.size() == table_.cache.slots().size() &&
                        table_.impacts.size() == table_.points.size() &&
-                       resting_points_.size() == table_.set.resting().size(),
+                       resting_points_.size() == table_.cache.resting().size(),
                    "it has other contacts");
   for (std::size_t k = 0; k < table_.points.size(); ++k)
-    Archive::require(!table_.points[k].active || has_shapes(table_.set.slots()[k].contact));
+    Archive::require(!table_.points[k].active || has_shapes(table_.cache.slots()[k].contact));
   transfer_residuals(archive);
   before_ = table_.points;
   impacts_before_ = table_.impacts;
@@ -391,7 +391,7 @@ void ImpulseScheme::transfer(Archive& archive) {
   Archive::require(std::isfinite(phase_.linearized_time) && same(phase_.state, world_.state()),
                    "its states disagree");
   if (!contacts_.empty()) {
-    contacts_.table().set.transfer(archive, world_);
+    contacts_.table().cache.transfer(archive, world_);
     if (archive.reads()) contact_pattern_.renew();
     contacts_.transfer(archive, world_);
     if (archive.reads()) contacts_.give_points(system_);

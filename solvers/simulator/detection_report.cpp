@@ -8,16 +8,16 @@ namespace taut {
 void report_detection(const Scheme& scheme, StepReport& report) {
   constexpr std::size_t kNamed = 8;
   report.missing_threads =
-      std::max(scheme.contacts().set().detection().missing_threads, scheme.missing_threads());
+      std::max(scheme.contacts().cache().detection().missing_threads, scheme.missing_threads());
   if (scheme.contacts().empty()) return;
-  const auto& unsupported = scheme.contacts().set().detection().unsupported;
+  const auto& unsupported = scheme.contacts().cache().detection().unsupported;
   report.unsupported_pairs = static_cast<int>(unsupported.size());
   report.unsupported.assign(unsupported.begin(), unsupported.begin() + std::min(kNamed, unsupported.size()));
 }
 
 void end_blind(const Inquiry& asked) {
   asked.stepper.forget_state();  // what was begun knows of no contacts
-  const DetectionReport& found = asked.stepper.scheme().contacts().set().detection();
+  const DetectionReport& found = asked.stepper.scheme().contacts().cache().detection();
   if (!found.crowd.empty()) {
     asked.report.crowd = found.crowd;
     return asked.end_step(Status::kCrowded, text_of(found.crowd, asked.source));

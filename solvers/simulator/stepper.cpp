@@ -96,7 +96,7 @@ std::vector<char> Stepper::moved_bodies() const {
 
 std::span<const ContactCache::Slot> Stepper::slots() const {
   if (!made() || scheme_->contacts().empty()) return {};
-  return scheme_->contacts().set().slots();
+  return scheme_->contacts().cache().slots();
 }
 
 std::vector<ContactReport> Stepper::mean_contacts(double dt) const {

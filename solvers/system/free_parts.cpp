@@ -3,11 +3,6 @@
 #include <cstddef>
 
 namespace taut {
-namespace {
-
-constexpr int kNone = -1, kWanted = -2;
-
-}  // namespace
 
 void FreeParts::begin(const MassMatrix& mass) {
   sets_.reset(mass.size());
@@ -16,27 +11,29 @@ void FreeParts::begin(const MassMatrix& mass) {
 
 void FreeParts::find(const MassMatrix& mass, std::span<const Pose> poses, std::span<const char> filtered) {
   parts_.clear();
-  part_of_body_.assign(poses.size(), kNone);
-  part_of_set_.assign(poses.size(), kNone);
+  part_of_body_.assign(poses.size(), std::nullopt);
+  part_of_set_.assign(poses.size(), std::nullopt);
+  is_sought_.assign(poses.size(), false);
   for (int b = 0; b < mass.size(); ++b)
-    if (!mass[b].fixed && filtered[b]) part_of_set_[sets_.find(b)] = kWanted;
+    if (!mass[b].fixed && filtered[b]) is_sought_[sets_.find(b)] = true;
   for (int b = 0; b < mass.size(); ++b)  // what is held has no motion of its own
-    if (mass[b].fixed) part_of_set_[sets_.find(b)] = kNone;
+    if (mass[b].fixed) is_sought_[sets_.find(b)] = false;
   for (int b = 0; b < mass.size(); ++b) {
-    int& part = part_of_set_[sets_.find(b)];
-    if (part == kNone) continue;
-    if (part == kWanted) {
-      part = static_cast<int>(parts_.size());
+    const int set = sets_.find(b);
+    if (!is_sought_[set]) continue;
+    std::optional<std::size_t>& part = part_of_set_[set];
+    if (!part) {
+      part = parts_.size();
       parts_.emplace_back();
     }
     part_of_body_[b] = part;
-    parts_[part].mass += mass.inertia(b).mass;
-    parts_[part].centre += mass.inertia(b).mass * poses[b].p;
+    parts_[*part].mass += mass.inertia(b).mass;
+    parts_[*part].centre += mass.inertia(b).mass * poses[b].p;
   }
   for (Part& part : parts_) part.centre /= part.mass;
   for (int b = 0; b < mass.size(); ++b) {
-    if (part_of_body_[b] == kNone) continue;
-    Part& part = parts_[part_of_body_[b]];
+    if (!part_of_body_[b]) continue;
+    Part& part = parts_[*part_of_body_[b]];
     const Mat3 axes = mass.principal_axes(b, poses[b]);
     const Vec3 r = poses[b].p - part.centre;
     part.inertia += axes * mass.inertia(b).moments.asDiagonal() * axes.transpose() +
@@ -48,8 +45,8 @@ void FreeParts::find(const MassMatrix& mass, std::span<const Pose> poses, std::s
 void FreeParts::measure(std::span<const Pose> poses, std::span<const Wrench> p) {
   for (Part& part : parts_) part.sum = {};
   for (std::size_t b = 0; b < poses.size(); ++b) {
-    if (part_of_body_[b] == kNone) continue;
-    Part& part = parts_[part_of_body_[b]];
+    if (!part_of_body_[b]) continue;
+    Part& part = parts_[*part_of_body_[b]];
     part.sum = part.sum + Wrench{p[b].torque + (poses[b].p - part.centre).cross(p[b].force), p[b].force};
   }
   for (Part& part : parts_) part.motion = {part.factor.solve(part.sum.torque), part.sum.force / part.mass};
@@ -59,9 +56,9 @@ void FreeParts::measure(std::span<const Pose> poses, std::span<const Wrench> p) 
 void FreeParts::add(const MassMatrix& mass, std::span<const Pose> poses, double factor,
                     std::span<Wrench> p) const {
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (part_of_body_[i] == kNone) continue;
+    if (!part_of_body_[i]) continue;
     const int b = static_cast<int>(i);
-    const Part& part = parts_[part_of_body_[i]];
+    const Part& part = parts_[*part_of_body_[i]];
     const Vec3 w = factor * part.motion.w;
     const Vec3 v = factor * part.motion.v + w.cross(poses[i].p - part.centre);
     p[i] = p[i] + Wrench{mass.angular_momentum(b, poses[i], w), mass.inertia(b).mass * v};

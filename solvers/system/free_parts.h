@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,7 +48,8 @@ class FreeParts {
   void add(const MassMatrix& mass, std::span<const Pose> poses, double factor, std::span<Wrench> p) const;
 
   UnionFind sets_;
-  std::vector<int> part_of_set_, part_of_body_;  // by the least body of the set; negative: none
+  std::vector<char> is_sought_;                                         // sets, by their least body
+  std::vector<std::optional<std::size_t>> part_of_set_, part_of_body_;  // likewise, and by body
   std::vector<Part> parts_;
   std::vector<Twist> taken_;  // of the parts
 };

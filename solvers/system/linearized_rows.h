@@ -72,7 +72,7 @@ class LinearizedRows {
     if (weighted_version_ != version_) mass_weight();
     return weighted_;
   }
-  /// 1 / S_rr of each row: the inertia that it feels on its own.
+  /// 1 / S_rr of each row: the mass that it feels on its own.
   void effective_masses(std::span<double> out);
   /// v = Wᵀ λ, six numbers a body, 0 for fixed ones.
   void apply_Wt(std::span<const double> lambda, std::span<double> v);

@@ -54,7 +54,7 @@ void AxisForces::start(std::span<const double> theta, std::span<const double> ra
 }
 
 void AxisForces::begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
-                       std::span<const double> inertia, std::span<const double> let_out) {
+                       std::span<const double> effective_mass, std::span<const double> let_out) {
   step_ = {.h = h, .end_time = time + h};
   not_finite_.reset();
   if (table_.refresh()) swings_.find(table_);
@@ -62,7 +62,7 @@ void AxisForces::begin(double time, double h, std::span<const double> theta, std
   work_.begin();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const int row = table_.row(i);
-    axes_[i].start = {theta[row], rates[row], inertia[row], axes_[i].start.let_out};
+    axes_[i].start = {theta[row], rates[row], effective_mass[row], axes_[i].start.let_out};
   }
   any_winch_ = false;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
@@ -78,7 +78,7 @@ bool AxisForces::find_unresolved(ConstraintSystem& system, bool single_kick) {
   return taut::find_unresolved(table_, axes_, step_.h, system, single_kick);
 }
 
-void AxisForces::find_inertia(ConstraintSystem& system, std::span<const double> alone) {
+void AxisForces::find_effective_masses(ConstraintSystem& system, std::span<const double> alone) {
   held_.clear();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const AxisProperties& p = table_.properties(i);
@@ -86,7 +86,7 @@ void AxisForces::find_inertia(ConstraintSystem& system, std::span<const double> 
         !needs_inertia(*p.motor, step_, axes_[i].start))
       continue;
     if (held_.empty()) held_ = held_rows(table_, axes_, alone.size());
-    axes_[i].start.inertia = inertia_.of(system, table_.row(i), alone, held_);
+    axes_[i].start.effective_mass = effective_mass_.of(system, table_.row(i), alone, held_);
   }
 }
 

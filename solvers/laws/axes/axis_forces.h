@@ -9,8 +9,8 @@
 #include "core/world/diagnostics.h"
 #include "core/world/world.h"
 #include "solvers/common/axis_report.h"
+#include "solvers/laws/axes/axis_effective_mass.h"
 #include "solvers/laws/axes/axis_impacts.h"
-#include "solvers/laws/axes/axis_inertia.h"
 #include "solvers/laws/axes/axis_law.h"
 #include "solvers/laws/axes/axis_loads.h"
 #include "solvers/laws/axes/axis_swings.h"
@@ -49,15 +49,15 @@ class AxisForces {
   void set_slack(double slack) { slack_ = slack; }
   /// A new start: friction of axes at rest holds them where they are.
   void start(std::span<const double> theta, std::span<const double> rates);
-  /// A step of h from a time with θ₀ and θ̇₀.  `inertia`: 1 / S_rr of each row; `let_out`: what winches have
-  /// let out, as in State::axes.
+  /// A step of h from a time with θ₀ and θ̇₀.  `effective_mass`: 1 / S_rr of each row; `let_out`: what winches
+  /// have let out, as in State::axes.
   void begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
-             std::span<const double> inertia, std::span<const double> let_out);
+             std::span<const double> effective_mass, std::span<const double> let_out);
   /// After begin(), with the system where its impulses act: springs that the step does not resolve, and for
   /// one of Moreau–Jean, `single_kick`, whether there are any that need the end of it (ϑ = 1).
   bool find_unresolved(ConstraintSystem& system, bool single_kick = false);
   /// After begin(), likewise: how heavy axes are whose motors have to know, for 1/S_rr of each row.
-  void find_inertia(ConstraintSystem& system, std::span<const double> alone);
+  void find_effective_masses(ConstraintSystem& system, std::span<const double> alone);
   /// False if a motor's trajectory is not at the end of the step; the motor is left out then.
   bool finite() const { return !not_finite_; }
   /// The axis of that motor.
@@ -148,8 +148,8 @@ class AxisForces {
   AxisLoads loads_;
   AxisImpacts impacts_;
   AxisWork work_;
-  AxisInertia inertia_;
-  std::vector<char> held_;  // rows of axes that motors or friction hold, for inertia_
+  AxisEffectiveMass effective_mass_;
+  std::vector<char> held_;  // rows of axes that motors or friction hold, for effective_mass_
   AxisStep step_;
   double slack_ = 0;
   std::optional<AxisId> not_finite_;

@@ -47,7 +47,6 @@ void AxisImpacts::set_meeting(std::size_t i, double time, std::span<const double
 }
 
 bool AxisImpacts::any(std::span<const double> theta1) const {
-  if (!table_.any_rigid_limit()) return false;
   for (std::size_t i = 0; i < impacts_.size(); ++i) {
     if (!table_.has_rigid_limit(i)) continue;
     const AxisLimits& limits = *table_.properties(i).limits;

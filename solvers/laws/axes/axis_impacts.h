@@ -27,7 +27,7 @@ class AxisImpacts {
   std::size_t size() const { return impacts_.size(); }
   ImpactState& state(std::size_t i) { return impacts_[i]; }
   /// Some may be let through; beyond MeetingTuning::kMostImpacts they stop at their limits.
-  bool wanted() const { return table_.any_rigid_limit() && count_ < MeetingTuning::kMostImpacts; }
+  bool wanted() const { return count_ < MeetingTuning::kMostImpacts; }
   /// The mean rates w of the position stage stop axis i in free flight at a limit that it is now let through.
   bool let_through(std::size_t i, std::span<const double> lambda, std::span<const double> w);
   /// So it was with some.

@@ -7,11 +7,11 @@ namespace taut {
 namespace {
 
 /// The last parts first.
-void share_beside(AxisImpulse&, double&, double) {}
+void split_beside(AxisImpulse&, double&, double) {}
 template <typename Part, typename... Others>
-void share_beside(AxisImpulse& impulse, double& rest, double w, const Part& part, const Others&... others) {
-  share_beside(impulse, rest, w, others...);
-  part.share_beside(impulse, rest, w);
+void split_beside(AxisImpulse& impulse, double& rest, double w, const Part& part, const Others&... others) {
+  split_beside(impulse, rest, w, others...);
+  part.split_beside(impulse, rest, w);
 }
 
 }  // namespace
@@ -84,13 +84,13 @@ double AxisLaw::rate_of(const AxisProperties& p, double lambda, double w) const 
 
 /// Lines and what is beside a step are known from w; on a step of the law the rest goes to friction as far as
 /// it reaches, then to the motor, then to the limit.
-AxisImpulse AxisLaw::share(double lambda, double w) const {
+AxisImpulse AxisLaw::split(double lambda, double w) const {
   AxisImpulse impulse;
   double rest = lambda;
   with_parts(*this, [&](const auto&... part) {
-    (part.share_lines(impulse, rest, w), ...);
-    taut::share_beside(impulse, rest, w, part...);
-    (part.share_on_step(impulse, rest, w), ...);
+    (part.split_lines(impulse, rest, w), ...);
+    taut::split_beside(impulse, rest, w, part...);
+    (part.split_on_step(impulse, rest, w), ...);
   });
   return impulse;
 }

@@ -79,11 +79,11 @@ struct AxisLaw {
   /// w itself a motor that holds its target might give all that it can.
   double rate_of(const AxisProperties& p, double lambda, double w) const;
   /// How an impulse λ at the rate w, which is on the law (rate_of()), is made up.
-  AxisImpulse share(double lambda, double w) const;
+  AxisImpulse split(double lambda, double w) const;
 
   template <typename AnyArchive>
   void transfer(AnyArchive& archive) {
-    archive(known, start.theta, start.rate, start.inertia);
+    archive(known, start.theta, start.rate, start.effective_mass);
     with_parts(*this, [&](auto&... part) { (part.transfer(archive), ...); });
   }
 

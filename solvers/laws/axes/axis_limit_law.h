@@ -28,10 +28,10 @@ struct AxisLimitLaw : AxisPartLaw {
   bool set(const AxisStage& stage);
   /// Limits are there even when far away, so that segments keep their numbers from stage to stage.
   void add_to(RowLaw& law, const AxisProperties& p) const;
-  void share_beside(AxisImpulse& impulse, double& rest, double w) const {
+  void split_beside(AxisImpulse& impulse, double& rest, double w) const {
     if (!holds(w)) rest -= impulse.limit = upper_back - lower_back;
   }
-  void share_on_step(AxisImpulse& impulse, double& rest, double w) const {
+  void split_on_step(AxisImpulse& impulse, double& rest, double w) const {
     if (holds(w)) rest -= impulse.limit = rest;
   }
   void report(AxisReport& report, const AxisProperties&, double w) const {

@@ -31,7 +31,6 @@ double load_of(const Rows& rows, const Rows::JointRows& joint, std::span<const d
 bool AxisLoads::update(const AxisTable& table, std::span<AxisLaw> axes, const Rows& rows,
                        std::span<const double> jacobian, std::span<const double> lambda) {
   bool changed = false;
-  if (!table.any_load()) return false;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const AxisProperties& p = table.properties(i);
     if (!p.friction || p.friction->per_load == 0 || table.released(i)) continue;

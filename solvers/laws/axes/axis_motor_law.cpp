@@ -42,7 +42,7 @@ bool has_to_brake(const AxisMotor& motor) {
 }
 
 bool needs_inertia(const AxisMotor& motor, const AxisStep& step, const AxisStart& start) {
-  if (motor.has_gains()) return step.h * step.h * motor.stiffness > start.inertia;
+  if (motor.has_gains()) return step.h * step.h * motor.stiffness > start.effective_mass;
   return has_to_brake(motor);
 }
 
@@ -128,9 +128,9 @@ double AxisMotorLaw::rate_in_single_kick(const AxisStage& stage) {
 /// what it had to bear in the last sub-step counts where it drives the axis on, since what helps to brake may
 /// end.
 double AxisMotorLaw::braking(const AxisStage& stage, const MotionPoint& target, double way) const {
-  const double inertia = stage.start.inertia;
-  const double own = available_force(*stage.p.motor, std::abs(stage.start.rate)) / inertia;
-  const double load = acceleration - force / inertia - target.acceleration;
+  const double effective_mass = stage.start.effective_mass;
+  const double own = available_force(*stage.p.motor, std::abs(stage.start.rate)) / effective_mass;
+  const double load = acceleration - force / effective_mass - target.acceleration;
   const double deceleration =
       std::max(AxisMotorTuning::kLeastBraking * own, own - std::max(0.0, std::copysign(1.0, way) * load));
   return std::isfinite(deceleration) ? deceleration : 0;

@@ -34,7 +34,7 @@ struct AxisEnd {
 
 /// A part of the law of an axis: springs, friction, a motor, limits.  AxisLaw asks the same of all of them; a
 /// part is a struct with its memory that hides what concerns it; the rest is nothing.  A smooth force needs a
-/// line λ = l − c w by set(), add_to() and share_lines(); one that is bounded derives from
+/// line λ = l − c w by set(), add_to() and split_lines(); one that is bounded derives from
 /// AxisBoxLaw.  It is named in AxisLaw::with_parts(), unless its property has its law in its header:
 /// AxisSmoothLaw and AxisBoundLaw.  (core/axes, "A new axis property")
 struct AxisPartLaw {
@@ -57,9 +57,9 @@ struct AxisPartLaw {
 
   /// Its parts of an impulse of which `rest` is left, at the rate w, in this order: by its lines; where w is
   /// beside its steps; of the rest where w is on one.  @{
-  void share_lines(AxisImpulse&, double&, double) const {}
-  void share_beside(AxisImpulse&, double&, double) const {}
-  void share_on_step(AxisImpulse&, double&, double) const {}  /// @}
+  void split_lines(AxisImpulse&, double&, double) const {}
+  void split_beside(AxisImpulse&, double&, double) const {}
+  void split_on_step(AxisImpulse&, double&, double) const {}  /// @}
 
   /// The end of the position stage, with the mean rate, and of the step.  @{
   void finish_first_kick(const AxisProperties&, const AxisStart&, double) {}
@@ -87,10 +87,10 @@ struct AxisBoxLaw : AxisPartLaw {
   void add_to(RowLaw& law, const AxisProperties&) const {
     if (bound > 0) law = law + RowLaw::box(-bound, bound, at);
   }
-  void share_beside(AxisImpulse& impulse, double& rest, double w) const {
+  void split_beside(AxisImpulse& impulse, double& rest, double w) const {
     if (bound > 0 && !holds(w)) rest -= impulse.*kPart = w < at ? bound : -bound;
   }
-  void share_on_step(AxisImpulse& impulse, double& rest, double w) const {
+  void split_on_step(AxisImpulse& impulse, double& rest, double w) const {
     if (bound > 0 && holds(w)) rest -= impulse.*kPart = std::clamp(rest, -bound, bound);
   }
   /// One without bound does whatever the rate is that an inexact solver has left.

@@ -15,8 +15,8 @@ struct AxisServoTuning {
 
 /// Slope of a spring and damper beyond the midpoint rule, so that what is stiffer than the step resolves
 /// comes to rest at its target.
-double excess_of(double stiffness, double h, double inertia) {
-  return std::max(0.0, h * h * stiffness - inertia);
+double excess_of(double stiffness, double h, double effective_mass) {
+  return std::max(0.0, h * h * stiffness - effective_mass);
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ bool AxisServoLaw::set_first_kick(const AxisStage& stage) {
   const MotionPoint target = target_at(motor, stage.step.end_time);
   const double own = target.rate - kick * target.acceleration;
   const double x0 = motor.stiffness > 0 ? stage.start.theta - (target.value - h * own) : 0;
-  excess = 0.25 * excess_of(motor.stiffness, h, stage.start.inertia);
+  excess = 0.25 * excess_of(motor.stiffness, h, stage.start.effective_mass);
   const double spring = kick * motor.stiffness, damping = kick * motor.damping;
   const double slope = kick * spring + damping + excess;
   return take({slope * own - spring * x0, slope}, kick * available_force(motor, stage.rate));
@@ -73,23 +73,23 @@ bool AxisServoLaw::set_second_kick(const AxisStage& stage) {
   const double h = stage.step.h, kick = 0.5 * h, damping = kick * motor.damping;
   const MotionPoint target = target_at(motor, stage.step.end_time);
   const double u = mean_ - (target.rate - kick * target.acceleration);
-  const bool implicit = damping > stage.start.inertia;
+  const bool implicit = damping > stage.start.effective_mass;
   const double slope = excess + (implicit ? damping : 0);
   return take({given_ + slope * (u + target.rate), slope}, bound);
 }
 
 bool AxisServoLaw::set_single_kick(const AxisStage& stage) {
   const AxisMotor& motor = *stage.p.motor;
-  const double h = stage.step.h, vartheta = stage.step.vartheta, inertia = stage.start.inertia;
+  const double h = stage.step.h, vartheta = stage.step.vartheta, effective_mass = stage.start.effective_mass;
   const MotionPoint target = target_at(motor, stage.step.end_time);
   const double own = target.rate - h * target.acceleration;  // at the start
   const double u0 = stage.start.rate - own;
   const double start = target.value - h * (target.rate - 0.5 * h * target.acceleration);
   const double x0 = motor.stiffness > 0 ? stage.start.theta - start : 0;
   const double damping = h * motor.damping;
-  const double later = (1 - vartheta) * damping <= inertia ? vartheta : 1 - inertia / damping;
+  const double later = (1 - vartheta) * damping <= effective_mass ? vartheta : 1 - effective_mass / damping;
   const double spring = h * motor.stiffness;
-  excess = (1 - vartheta * vartheta) * excess_of(motor.stiffness, h, inertia);
+  excess = (1 - vartheta * vartheta) * excess_of(motor.stiffness, h, effective_mass);
   const double slope = vartheta * vartheta * h * spring + excess + later * damping;
   const double level = -spring * (x0 + vartheta * (1 - vartheta) * h * u0) - (1 - later) * damping * u0;
   return take({level + slope * target.rate, slope}, h * available_force(motor, stage.start.rate));
@@ -101,7 +101,7 @@ bool AxisServoLaw::move(const AxisProperties& p, const AxisStep&, const AxisStar
   const double there = held(w), given = at_present().at(w);
   const double size = std::max(std::abs(there), std::abs(given));
   if (std::abs(there - given) <=
-      std::max(AxisServoTuning::kTolerance * size, 0.1 * rate_tolerance * start.inertia))
+      std::max(AxisServoTuning::kTolerance * size, 0.1 * rate_tolerance * start.effective_mass))
     return false;
   tangent.move(w, rate_tolerance);
   return true;

@@ -30,7 +30,7 @@ struct AxisServoLaw : AxisPartLaw {
   /// To its line or to an end, as w asks.
   bool move(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
             double rate_tolerance);
-  void share_lines(AxisImpulse& impulse, double& rest, double w) const {
+  void split_lines(AxisImpulse& impulse, double& rest, double w) const {
     if (bound > 0) rest -= impulse.motor += at_present().at(w);
   }
   void report(AxisReport& report, const AxisProperties& p, double w) const {

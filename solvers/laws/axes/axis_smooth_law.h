@@ -111,7 +111,7 @@ struct AxisSmoothLaw : AxisPartLaw {
     if (!property) return true;
     if (step.in(Kick::kSingle)) {
       const double damping = -step.h * property->rate_slope(start.theta, start.rate);
-      later = std::max(step.vartheta, damping > 0 ? 1 - start.inertia / damping : 0.0);
+      later = std::max(step.vartheta, damping > 0 ? 1 - start.effective_mass / damping : 0.0);
     }
     find_tangent(*property, stage);
     return take(impulse_at(*property, step, start, tangent));
@@ -120,7 +120,7 @@ struct AxisSmoothLaw : AxisPartLaw {
     stored_given = stored.at(w);
     rest_given = rest.at(w);
     if (!Place::get(p)) return;
-    implicit = rest.slope > start.inertia;
+    implicit = rest.slope > start.effective_mass;
     start_stage(w);
   }
   void add_to(RowLaw& law, const AxisProperties&) const {
@@ -137,16 +137,17 @@ struct AxisSmoothLaw : AxisPartLaw {
     const double given = stored.at(w) + rest.at(w);
     const ImpulseLine there = line(*property, step, start, w);
     const double off = std::abs(there.level - given),
-                 known = AxisSmoothTuning::kRoundOff * std::abs(given) / start.inertia;
-    if (off <= std::max({TangentTuning::kTolerance * std::abs(given), 0.1 * rate_tolerance * start.inertia,
-                         known * (start.inertia + there.slope)}))
+                 known = AxisSmoothTuning::kRoundOff * std::abs(given) / start.effective_mass;
+    if (off <=
+        std::max({TangentTuning::kTolerance * std::abs(given), 0.1 * rate_tolerance * start.effective_mass,
+                  known * (start.effective_mass + there.slope)}))
       return false;
     const bool is_far = std::abs(w - tangent) > AxisSmoothTuning::kFar * std::abs(w);
-    const double next = is_far ? rate_alone(*property, step, start, w - given / start.inertia, w) : w;
+    const double next = is_far ? rate_alone(*property, step, start, w - given / start.effective_mass, w) : w;
     tangent = ++moves > AxisSmoothTuning::kNewtonMoves ? 0.5 * (tangent + next) : next;
     return true;
   }
-  void share_lines(AxisImpulse& impulse, double& left, double w) const {
+  void split_lines(AxisImpulse& impulse, double& left, double w) const {
     const double by_store = stored.at(w), by_rest = rest.at(w);
     impulse.*Place::kPart += by_store;
     impulse.*loss_part<Property, Place>() += by_rest;
@@ -171,16 +172,16 @@ struct AxisSmoothLaw : AxisPartLaw {
     if (is_fresh) tangent = rate_alone(property, stage.step, stage.start, tangent, tangent);
     is_fresh = false;
   }
-  /// The rate of an axis that had `free` without the property, by its own inertia: Newton's method from w,
-  /// between rates that are known to be below and above.
+  /// The rate of an axis that had `free` without the property, by its own effective mass: Newton's method
+  /// from w, between rates that are known to be below and above.
   double rate_alone(const Property& property, const AxisStep& step, const AxisStart& start, double free,
                     double w) const {
     double low = -kUnreachedRate, high = kUnreachedRate;
-    if (!(start.inertia > 0) || std::isinf(start.inertia)) return w;
+    if (!(start.effective_mass > 0) || std::isinf(start.effective_mass)) return w;
     for (int i = 0; i < AxisSmoothTuning::kMostAlone; ++i) {
       const ImpulseLine at = line(property, step, start, w);
-      const double excess = start.inertia * (w - free) - at.level;
-      const double next = w - excess / (start.inertia + at.slope);
+      const double excess = start.effective_mass * (w - free) - at.level;
+      const double next = w - excess / (start.effective_mass + at.slope);
       if (!std::isfinite(next)) break;
       (excess > 0 ? high : low) = w;
       const bool found = std::abs(next - w) <= AxisSmoothTuning::kAlone * std::abs(next);

@@ -76,7 +76,7 @@ ImpulseLine damper_tangent(const Curve& table, const AxisStep& step, const AxisS
 void AxisSpringLaw::begin(const AxisProperties& p, const AxisStep& step, const AxisStart& start) {
   const double damping = (p.friction ? p.friction->viscous : 0) + (p.spring ? p.spring->damping : 0) +
                          (p.limits ? p.limits->damping : 0);
-  implicit_damping = 0.5 * step.h * damping > start.inertia;
+  implicit_damping = 0.5 * step.h * damping > start.effective_mass;
   if (is_curved(p)) tangents.start(start.rate);
 }
 
@@ -113,7 +113,7 @@ void AxisSpringLaw::finish_first_kick(const AxisProperties& p, const AxisStart& 
   damping_given = damper.at(w);
   limit_given = limit.at(w);
   if (!is_curved(p)) return;
-  implicit_damping = implicit_damping || damper.slope > start.inertia;
+  implicit_damping = implicit_damping || damper.slope > start.effective_mass;
   tangents.start(w);
 }
 
@@ -194,7 +194,7 @@ bool AxisSpringLaw::are_tangents_right(const AxisProperties& p, const AxisStep& 
 /// goes.
 bool AxisSpringLaw::move(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
                          double rate_tolerance) {
-  if (!is_curved(p) || are_tangents_right(p, step, start, w, 0.1 * rate_tolerance * start.inertia))
+  if (!is_curved(p) || are_tangents_right(p, step, start, w, 0.1 * rate_tolerance * start.effective_mass))
     return false;
   tangents.move(w, rate_tolerance);
   return true;

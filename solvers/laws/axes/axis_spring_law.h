@@ -53,7 +53,7 @@ struct AxisSpringLaw : AxisPartLaw {
   /// nearer to it, and the lines set again.
   bool move(const AxisProperties& p, const AxisStep& step, const AxisStart& start, double w,
             double rate_tolerance);
-  void share_lines(AxisImpulse& impulse, double& rest, double w) const {
+  void split_lines(AxisImpulse& impulse, double& rest, double w) const {
     impulse.elastic_limit = limit.at(w);
     impulse.spring = spring.at(w);
     impulse.damping = damper.at(w);

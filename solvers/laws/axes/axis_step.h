@@ -22,10 +22,10 @@ struct AxisStep {
 
 /// An axis at the start of a step.
 struct AxisStart {
-  double theta = 0;    ///< θ₀ [rad or m]
-  double rate = 0;     ///< θ̇₀ [rad/s or m/s]
-  double inertia = 0;  ///< 1/S_rr [kg·m² or kg]; of motors that ask for it, with all joints held
-  double let_out = 0;  ///< of a rope with a winch [m]
+  double theta = 0;           ///< θ₀ [rad or m]
+  double rate = 0;            ///< θ̇₀ [rad/s or m/s]
+  double effective_mass = 0;  ///< 1/S_rr [kg·m² or kg]; of motors that ask for it, with all joints held
+  double let_out = 0;         ///< of a rope with a winch [m]
 };
 
 /// The way of an axis in a step: forces act for `time`, at this `part` of the way.

@@ -73,7 +73,7 @@ void AxisSwings::begin(const Spring& swing, AxisTable& table, std::span<const Ax
     table.own(k).spring = folded ? given(k) : with_spring_of_swing(given(k), *given(swing.axis));
 }
 
-/// Two rows share the friction: all of it for each of them until it is known to be too much together.
+/// Two rows bear the friction: all of it for each of them until it is known to be too much together.
 void AxisSwings::begin(Friction& swing, AxisTable& table, std::span<AxisLaw> axes, double h) {
   AxisLaw &axis = axes[swing.axis], &x = axes[swing.turn[0]], &y = axes[swing.turn[1]];
   swing.straight = axis.start.theta <=
@@ -82,7 +82,7 @@ void AxisSwings::begin(Friction& swing, AxisTable& table, std::span<AxisLaw> axe
   const double rate = std::hypot(x.start.rate, y.start.rate);
   const bool held = x.friction.stuck && y.friction.stuck;
   for (int t : {0, 1})
-    swing.share[t] = held || rate == 0 ? 1 : std::abs(axes[swing.turn[t]].start.rate) / rate;
+    swing.part[t] = held || rate == 0 ? 1 : std::abs(axes[swing.turn[t]].start.rate) / rate;
   if (swing.straight) {
     axis.friction.stuck = false;
     x.friction.stuck = y.friction.stuck = held;
@@ -90,11 +90,11 @@ void AxisSwings::begin(Friction& swing, AxisTable& table, std::span<AxisLaw> axe
     for (int t : swing.turn)
       if (!table.given(t).friction) axes[t].friction.stuck = false;
   }
-  share_friction(swing, table);
+  split_friction(swing, table);
 }
 
-/// Properties of the three axes at these shares.
-void AxisSwings::share_friction(const Friction& swing, AxisTable& table) {
+/// Properties of the three axes at these parts.
+void AxisSwings::split_friction(const Friction& swing, AxisTable& table) {
   const AxisFriction friction = *table.given(swing.axis).friction;
   const std::optional<AxisSpring> spring = table.properties(swing.axis).spring;  // if it acts there
   for (int k : {swing.axis, swing.turn[0], swing.turn[1]}) table.make_own(k);
@@ -104,9 +104,9 @@ void AxisSwings::share_friction(const Friction& swing, AxisTable& table) {
   for (int t : {0, 1}) {
     std::optional<AxisFriction>& own = table.own(swing.turn[t]).friction;
     if (!own) own.emplace();
-    own->static_friction += swing.share[t] * friction.static_friction;
-    own->dynamic_friction += swing.share[t] * friction.dynamic_friction;
-    own->per_load += swing.share[t] * friction.per_load;
+    own->static_friction += swing.part[t] * friction.static_friction;
+    own->dynamic_friction += swing.part[t] * friction.dynamic_friction;
+    own->per_load += swing.part[t] * friction.per_load;
     own->viscous += friction.viscous;
   }
 }
@@ -121,10 +121,10 @@ bool AxisSwings::turn(AxisTable& table, std::span<AxisLaw> axes, std::span<const
       const int axis = swing.turn[t], row = table.row(axis);
       rate[t] = w[row];
       const double on_law = axes[axis].rate_of(table.properties(axis), lambda[row], rate[t]);
-      force[t] = axes[axis].share(lambda[row], on_law).friction;
+      force[t] = axes[axis].split(lambda[row], on_law).friction;
     }
     if (!turn(swing, axes, force, rate)) continue;
-    share_friction(swing, table);
+    split_friction(swing, table);
     any = true;
   }
   return any;
@@ -138,21 +138,21 @@ bool AxisSwings::turn(Friction& swing, std::span<AxisLaw> axes, const std::array
   for (int t : {0, 1}) {
     const AxisFrictionLaw& friction = axes[swing.turn[t]].friction;
     slip[t] = on_step(rate[t], friction.at) ? 0 : std::abs(rate[t] - friction.at);
-    if (swing.share[t] > 0) most = std::max(most, friction.bound / swing.share[t]);
+    if (swing.part[t] > 0) most = std::max(most, friction.bound / swing.part[t]);
   }
   std::array<double, 2> direction{std::abs(force[0]), std::abs(force[1])};
   const double size = std::hypot(direction[0], direction[1]), speed = std::hypot(slip[0], slip[1]);
-  if (swing.share[0] == 1 && swing.share[1] == 1) {
+  if (swing.part[0] == 1 && swing.part[1] == 1) {
     if (size <= (1 + SwingTuning::kDisc) * most) return false;  // it holds, or slips along x or y
   } else {
     if (speed == 0) return false;  // it holds by what it has
-    for (int t : {0, 1}) direction[t] = swing.share[t] + slip[t] / speed;
+    for (int t : {0, 1}) direction[t] = swing.part[t] + slip[t] / speed;
   }
   const double length = std::hypot(direction[0], direction[1]);
   double moved = 0;
   for (int t : {0, 1}) {
-    moved = std::max(moved, std::abs(direction[t] / length - swing.share[t]));
-    swing.share[t] = direction[t] / length;
+    moved = std::max(moved, std::abs(direction[t] / length - swing.part[t]));
+    swing.part[t] = direction[t] / length;
     axes[swing.turn[t]].friction.mark_slipping();
   }
   if (moved <= SwingTuning::kTurned) return false;

@@ -31,12 +31,12 @@ class AxisSwings {
             std::span<const double> w);
 
  private:
-  /// A joint whose swing has friction: its axes in the table, and how the turns share it where the swing is
-  /// straight.
+  /// A joint whose swing has friction: its axes in the table, and the parts of it that the turns bear where
+  /// the swing is straight.
   struct Friction {
     int axis = 0;
     std::array<int, 2> turn{-1, -1};
-    std::array<double, 2> share{1, 1};
+    std::array<double, 2> part{1, 1};
     bool straight = false;  // next to 0
     int solves = 0;         // in which it has turned
   };
@@ -49,7 +49,7 @@ class AxisSwings {
   static void begin(Friction& swing, AxisTable& table, std::span<AxisLaw> axes, double h);
   static bool turn(Friction& swing, std::span<AxisLaw> axes, const std::array<double, 2>& force,
                    const std::array<double, 2>& rate);
-  static void share_friction(const Friction& swing, AxisTable& table);
+  static void split_friction(const Friction& swing, AxisTable& table);
 
   std::vector<Friction> frictions_;
   std::vector<Spring> springs_;

@@ -15,17 +15,12 @@ AxisTable::AxisTable(const World& world, const Rows& rows)
 bool AxisTable::refresh() {
   if (axis_version_ == world_.axis_version()) return false;
   axis_version_ = world_.axis_version();
-  any_rigid_limit_ = any_load_ = any_spring_ = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const auto* softened = std::get_if<Rows::SoftenedRow>(&rows_[i].what);
     from_own_[i] = !axis(i);
     if (from_own_[i]) own_.resize(rows_.size());
     if (softened) own_[i].spring = spring_of(*softened, angular_[i]);
     if (const Rows::SpringRow* spring = rows_[i].spring()) own_[i].spring = spring_of(*spring);
-    const AxisProperties& p = properties(i);
-    any_rigid_limit_ = any_rigid_limit_ || taut::has_rigid_limit(p);
-    any_load_ = any_load_ || (p.friction && p.friction->per_load != 0);
-    any_spring_ = any_spring_ || p.spring || has_soft_limit(p);
   }
   return true;
 }

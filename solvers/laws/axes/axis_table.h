@@ -50,12 +50,6 @@ class AxisTable {
   /// A motor of any force.
   bool has_unbounded_motor(std::size_t i) const;
 
-  /// Whether some axis has …  @{
-  bool any_rigid_limit() const { return any_rigid_limit_; }
-  bool any_load() const { return any_load_; }      ///< friction that grows with the load
-  bool any_spring() const { return any_spring_; }  ///< anything that may be stiff
-  /// @}
-
   /// Which are released, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);
 
@@ -69,7 +63,6 @@ class AxisTable {
   std::vector<AxisProperties> own_;  // by row; empty if there are none
   std::vector<char> from_own_, released_, angular_;
   std::int64_t axis_version_ = -1;  // of World, when properties were read
-  bool any_rigid_limit_ = false, any_load_ = false, any_spring_ = false;
 };
 
 }  // namespace taut

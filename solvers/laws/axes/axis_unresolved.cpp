@@ -20,7 +20,7 @@ struct AxisUnresolvedTuning {
 
 /// The bodies of a joint that nothing else holds, along one of its axes.
 struct Pair {
-  double inertia = 0;
+  double effective_mass = 0;
   double turning = 0;  ///< of the body that turns more, over the way along the axis [rad per m or rad]
 };
 
@@ -57,11 +57,11 @@ Pair pair_of(ConstraintSystem& system, int row) {
     if (rest.norm() > AxisUnresolvedTuning::kDependent * W.norm()) held.col(count++) = rest.normalized();
   }
   const Row left = across(row_of_W(row - joint.first_row));
-  Pair pair{.inertia = 1 / left.squaredNorm()};
+  Pair pair{.effective_mass = 1 / left.squaredNorm()};
   for (int s = 0; s < joint.side_count; ++s) {
     const int body = rows.sides()[joint.first_side + s].body;
     const Vec3 w = system.inverse_mass(body).rotation * left.template segment<3>(6 * s);
-    pair.turning = std::max(pair.turning, pair.inertia * w.norm());
+    pair.turning = std::max(pair.turning, pair.effective_mass * w.norm());
   }
   return pair;
 }
@@ -96,13 +96,13 @@ double excess_of(const Pair& pair, double hh, const Stretched& at, bool single_k
   const double hhk = hh * at.stiffness;
   const double turn = std::max(AxisUnresolvedTuning::kTurn, pair.turning * std::abs(at.stretch)) /
                       AxisUnresolvedTuning::kTurn;
-  if (single_kick) return std::max(0.0, (turn - 1) * hhk - pair.inertia);
-  return std::max(0.25 * (hhk - pair.inertia), (0.5 * turn - 0.25) * hhk - pair.inertia);
+  if (single_kick) return std::max(0.0, (turn - 1) * hhk - pair.effective_mass);
+  return std::max(0.25 * (hhk - pair.effective_mass), (0.5 * turn - 0.25) * hhk - pair.effective_mass);
 }
 
-/// A body that can move in one way only against one that is fixed has the same inertia everywhere, and so
-/// have bodies that are pulled at their centres, and one that cannot turn against one that is fixed.
-bool has_constant_inertia(const AxisTable& table, const Rows& rows, std::size_t i) {
+/// A body that can move in one way only against one that is fixed has the same effective mass everywhere, and
+/// so have bodies that are pulled at their centres, and one that cannot turn against one that is fixed.
+bool has_constant_effective_mass(const AxisTable& table, const Rows& rows, std::size_t i) {
   const World& world = table.world();
   const Rows::AxisRow& row = table.rows()[i];
   if (const Rows::SpringRow* of_spring = row.spring()) {
@@ -126,22 +126,21 @@ bool has_constant_inertia(const AxisTable& table, const Rows& rows, std::size_t 
 
 bool find_unresolved(const AxisTable& table, std::span<AxisLaw> axes, double h, ConstraintSystem& system,
                      bool single_kick) {
-  if (!table.any_spring()) return false;
   bool any = false;
   const double hh = h * h;
   for (std::size_t i = 0; i < table.size(); ++i) {
     AxisSpringLaw& springs = axes[i].springs;
     const AxisStart& start = axes[i].start;
     springs.excess = springs.limit_excess = 0;
-    if (table.released(i) || start.inertia == 0) continue;
+    if (table.released(i) || start.effective_mass == 0) continue;
     const AxisProperties& p = table.properties(i);
     const Stretched spring = spring_of(p, start.theta), limit = soft_limit_of(p, start.theta);
-    if (hh * std::max(spring.stiffness, limit.stiffness) <= start.inertia ||
-        has_constant_inertia(table, system.rows(), i))
+    if (hh * std::max(spring.stiffness, limit.stiffness) <= start.effective_mass ||
+        has_constant_effective_mass(table, system.rows(), i))
       continue;
     const Pair pair = pair_of(system, table.row(i));
-    const bool stiff_spring = hh * spring.stiffness > pair.inertia;
-    const bool stiff_limit = hh * limit.stiffness > pair.inertia;
+    const bool stiff_spring = hh * spring.stiffness > pair.effective_mass;
+    const bool stiff_limit = hh * limit.stiffness > pair.effective_mass;
     if (stiff_spring) springs.excess = excess_of(pair, hh, spring, single_kick);
     if (stiff_limit) springs.limit_excess = excess_of(pair, hh, limit, single_kick);
     any = any || stiff_spring ||

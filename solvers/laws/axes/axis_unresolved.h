@@ -25,8 +25,9 @@ class ConstraintSystem;
 /// so that e may differ from step to step and from axis to axis.  Its second bound lets an axis that is
 /// stretched by d ≥ d₁ return by no more than d₁, however short the step: the midpoint rule would go as far
 /// beyond the rest, and Newton's method does not follow bodies around within a step.  e acts on rates alone,
-/// so what rests on such a spring has no velocity.  What e takes is booked as integration.  Where the inertia
-/// is constant (one freedom against a fixed body, springs between centres) the midpoint rule stays.
+/// so what rests on such a spring has no velocity.  What e takes is recorded as integration.  Where the
+/// effective mass is constant (one freedom against a fixed body, springs between centres) the midpoint rule
+/// stays.
 ///
 /// @returns whether some of those of Moreau–Jean, `single_kick`, need the end of the step (ϑ = 1).
 bool find_unresolved(const AxisTable& table, std::span<AxisLaw> axes, double h, ConstraintSystem& system,

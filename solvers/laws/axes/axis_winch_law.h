@@ -22,10 +22,10 @@ struct AxisWinchLaw : AxisPartLaw {
   void add_to(RowLaw& law, const AxisProperties&) const {
     if (bound > 0) law = law + RowLaw::box(-bound, back, at);
   }
-  void share_beside(AxisImpulse& impulse, double& rest, double w) const {
+  void split_beside(AxisImpulse& impulse, double& rest, double w) const {
     if (bound > 0 && !holds(w)) rest -= impulse.motor += w < at ? back : -bound;
   }
-  void share_on_step(AxisImpulse& impulse, double& rest, double w) const {
+  void split_on_step(AxisImpulse& impulse, double& rest, double w) const {
     if (bound > 0 && holds(w)) rest -= impulse.motor += std::clamp(rest, -bound, back);
   }
   void report(AxisReport& report, const AxisProperties& p, double w) const {

@@ -20,7 +20,7 @@ AxisPoint point_of(const AxisTable& table, std::span<const AxisLaw> axes, std::s
   if (table.released(i)) return {kNothing, w[row], {}};
   const AxisProperties& p = table.properties(i);
   const double rate = axes[i].rate_of(p, lambda[row], w[row]);
-  return {p, rate, axes[i].share(lambda[row], rate)};
+  return {p, rate, axes[i].split(lambda[row], rate)};
 }
 
 /// Adds an impulse and its work at this mean rate.

@@ -408,7 +408,7 @@ TEST(AxisParts, AreTheImpulseAtARateThatIsOffByATolerance) {
   p.limits = AxisLimits{.upper = 3};
   for (const auto& [lambda, w, motor, friction, limit] : cases)
     for (const double off : {-1e-6, 0.0, 1e-6}) {
-      const AxisImpulse shared = law.share(lambda, law.rate_of(p, lambda, w + off));
+      const AxisImpulse shared = law.split(lambda, law.rate_of(p, lambda, w + off));
       EXPECT_NEAR(shared.friction, friction, 1e-14) << lambda << " " << off;
       EXPECT_NEAR(shared.motor, motor, 1e-14) << lambda << " " << off;
       EXPECT_NEAR(shared.limit, limit, 1e-14) << lambda << " " << off;

@@ -70,9 +70,9 @@ struct Axis {
       EXPECT_LT(again, 100);
       AxisImpulse impulse;
       double rest = at.lambda;
-      law.share_lines(impulse, rest, at.w);
-      law.share_beside(impulse, rest, at.w);
-      law.share_on_step(impulse, rest, at.w);
+      law.split_lines(impulse, rest, at.w);
+      law.split_beside(impulse, rest, at.w);
+      law.split_on_step(impulse, rest, at.w);
       EXPECT_NEAR(rest, 0, 1e-11 * (1 + std::abs(at.lambda)));
       works.work.spring += impulse.spring * mean_rate(at.w);
       works.work.damping += impulse.damping * mean_rate(at.w);
@@ -81,7 +81,7 @@ struct Axis {
   }
   void rattle(double h) {
     AxisStep step{.h = h};
-    const AxisStart start{.theta = theta, .rate = rate, .inertia = m};
+    const AxisStart start{.theta = theta, .rate = rate, .effective_mass = m};
     AxisImpulse none_yet;
     AxisStage stage{none, step, start, impact, none_yet};
     law.begin(none, step, start);
@@ -97,7 +97,7 @@ struct Axis {
   }
   void moreau_jean(double h, double weight) {
     const AxisStep step{.h = h, .kick = Kick::kSingle, .vartheta = weight};
-    const AxisStart start{.theta = theta, .rate = rate, .inertia = m};
+    const AxisStart start{.theta = theta, .rate = rate, .effective_mass = m};
     AxisImpulse none_yet;
     AxisStage stage{none, step, start, impact, none_yet};
     law.begin(none, step, start);
@@ -186,7 +186,7 @@ TEST(PlainLaws, HoldWithinABound) {
 TEST(PlainLaws, LeaveOutWhatIsNotFinite) {
   const AxisProperties none;
   const AxisStep step{.h = 0.1};
-  const AxisStart start{.theta = 0, .rate = 1e200, .inertia = 1};
+  const AxisStart start{.theta = 0, .rate = 1e200, .effective_mass = 1};
   const AxisImpact impact;
   const AxisImpulse nothing;
   const AxisStage stage{none, step, start, impact, nothing};

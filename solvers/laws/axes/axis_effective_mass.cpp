@@ -1,4 +1,4 @@
-#include "solvers/laws/axes/axis_inertia.h"
+#include "solvers/laws/axes/axis_effective_mass.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace taut {
 namespace {
 
-struct AxisInertiaTuning {
+struct AxisEffectiveMassTuning {
   /// The iteration ends when a step changes the inverse by less than this part, or after so many.  Chosen.
   static constexpr double kChange = 1e-9;
   static constexpr int kMostSteps = 200;
@@ -22,17 +22,17 @@ double inner_product(std::span<const double> a, std::span<const double> b) {
 
 }  // namespace
 
-double AxisInertia::of(ConstraintSystem& system, int row, std::span<const double> alone,
-                       std::span<const char> held) {
+double AxisEffectiveMass::of(ConstraintSystem& system, int row, std::span<const double> alone,
+                             std::span<const char> held) {
   for (auto& values : scratch_) values.assign(system.row_count(), 0.0);
   const double inverse =
       system.has_delassus_factor() ? by_factor(system, row) : by_iteration(system, row, alone, held);
-  const double inertia = 1 / inverse;
-  return inverse > 0 && inertia > alone[row] ? inertia : alone[row];
+  const double effective_mass = 1 / inverse;
+  return inverse > 0 && effective_mass > alone[row] ? effective_mass : alone[row];
 }
 
 /// A row of the factor is in it with its own compliance; one that is masked has a column of S.
-double AxisInertia::by_factor(ConstraintSystem& system, int row) {
+double AxisEffectiveMass::by_factor(ConstraintSystem& system, int row) {
   auto& [unit, column, solution, unused] = scratch_;
   const std::span<const double> states = system.factored_states();
   unit[row] = 1;
@@ -47,8 +47,8 @@ double AxisInertia::by_factor(ConstraintSystem& system, int row) {
 }
 
 /// y = S_EE⁺ S_Er by conjugate gradients, scaled by the diagonal.  S_rr − S_rE y falls with each step.
-double AxisInertia::by_iteration(ConstraintSystem& system, int row, std::span<const double> alone,
-                                 std::span<const char> held) {
+double AxisEffectiveMass::by_iteration(ConstraintSystem& system, int row, std::span<const double> alone,
+                                       std::span<const char> held) {
   auto& [direction, image, residual, scaled] = scratch_;
   const Rows& rows = system.rows();
   direction[row] = 1;
@@ -61,7 +61,7 @@ double AxisInertia::by_iteration(ConstraintSystem& system, int row, std::span<co
   };
   hold(residual);
   double before = 0;
-  for (int step = 0; step < AxisInertiaTuning::kMostSteps; ++step) {
+  for (int step = 0; step < AxisEffectiveMassTuning::kMostSteps; ++step) {
     for (std::size_t r = 0; r < alone.size(); ++r) scaled[r] = alone[r] * residual[r];
     const double size = inner_product(scaled, residual);
     if (!(size > 0)) break;
@@ -75,7 +75,7 @@ double AxisInertia::by_iteration(ConstraintSystem& system, int row, std::span<co
     const double length = size / along;
     for (std::size_t r = 0; r < alone.size(); ++r) residual[r] -= length * image[r];
     inverse -= length * size;
-    if (length * size <= AxisInertiaTuning::kChange * inverse) break;
+    if (length * size <= AxisEffectiveMassTuning::kChange * inverse) break;
   }
   return inverse;
 }
