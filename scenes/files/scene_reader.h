@@ -19,7 +19,7 @@ struct BodyReference {
   BodyId id{};
   bool found = false;
   bool placed = false;  ///< its pose is known; false if it is not there
-  bool shaped = false;  ///< its shapes are known; likewise
+  bool shaped = false;  ///< its shapes are known; false if it is not there
   /// Its centre of mass in the frame that the file gives the body, which points of the file are in.
   Vec3 centre = Vec3::Zero();
 };
@@ -72,7 +72,7 @@ class SceneReader {
 
   /// The body that the key names; a problem if the key or the body is missing.
   BodyReference required_body(JsonObject& object, const char* key) const;
-  BodyReference find_body(const JsonNode& name) const;  ///< the same of a name by itself
+  BodyReference find_body(const JsonNode& name) const;  ///< or of a name by itself
   /// The joint of the key; -1 if it is missing (a problem) or has problems of its own.
   JointId required_joint(JsonObject& object, const char* key) const;
   /// A probe of the file by name; a problem if there is none, and null.
@@ -136,9 +136,9 @@ class SceneReader {
   void check_gaps();
   void note_many_turns(JsonObject& axis) const;
   void note_far_anchors() const;
-  /// "axes" of a joint: limits, motor, friction and spring by axis; applied to the joint if it is there.
+  /// "axes" of a joint: axis properties (core/axes) by axis; applied to the joint if it is there.
   void read_axes(const JsonNode& node, JointId joint);
-  /// "compliance", "break" and "attached"; the same.
+  /// "compliance", "break" and "attached"; applied to the joint if it is there.
   void read_joint_properties(JsonObject& joint, JointId id);
 
   /// -1 if there is none of that name (a problem) or it has problems of its own.
