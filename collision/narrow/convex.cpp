@@ -127,6 +127,15 @@ void cone_feature(const Vec3& half, const Vec3& d, Feature& out) {
   out.rounding = 0.5 * half.x() / slant.cosine;
 }
 
+/// The first of those that are farthest in the direction d.
+const Vec3& farthest_vertex(const std::vector<Vec3>& vertices, const Vec3& d) {
+  std::size_t best = 0;
+  double height = -1e300;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (const double h = d.dot(vertices[i]); h > height) height = h, best = i;
+  return vertices[best];
+}
+
 }  // namespace
 
 Vec3 Convex::support(const Vec3& d) const {
@@ -151,11 +160,7 @@ Vec3 Convex::support(const Vec3& d) const {
     case Kind::kPolyhedron:
       break;
   }
-  std::size_t best = 0;
-  double height = -1e300;
-  for (std::size_t i = 0; i < hull.vertices.size(); ++i)
-    if (const double h = d.dot(hull.vertices[i]); h > height) height = h, best = i;
-  return hull.vertices[best];
+  return farthest_vertex(hull.vertices, d);
 }
 
 Mat3 Convex::support_derivative(const Vec3& d) const {

@@ -8,38 +8,66 @@ namespace {
 bool same_pair(const Contact& x, const Contact& y) { return x.a == y.a && x.b == y.b; }
 bool pair_before(const Contact& x, const Contact& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; }
 
-/// One pair.  `taken` and `settled` are work space.
+/// Contacts of one pair, before and now, and which of them have found their counterpart.
+struct PairMatch {
+  std::span<const Contact> before;
+  std::span<Contact> now;
+  std::vector<char>& taken;    // of `before`
+  std::vector<char>& settled;  // of `now`
+};
+
+void settle_same_features(PairMatch& pair) {
+  for (std::size_t i = 0; i < pair.now.size(); ++i)
+    for (std::size_t k = 0; k < pair.before.size() && !pair.settled[i]; ++k)
+      if (!pair.taken[k] && pair.before[k].feature == pair.now[i].feature)
+        pair.taken[k] = pair.settled[i] = 1;
+}
+
+/// The nearest contact before, at most `near` away, that is not taken; before.size() if there is none.
+std::size_t nearest_free(const PairMatch& pair, const Contact& contact, double near) {
+  double best = near * near;
+  std::size_t choice = pair.before.size();
+  for (std::size_t k = 0; k < pair.before.size(); ++k) {
+    const double distance = std::max((pair.before[k].p_AP - contact.p_AP).squaredNorm(),
+                                     (pair.before[k].p_BQ - contact.p_BQ).squaredNorm());
+    if (!pair.taken[k] && distance < best) best = distance, choice = k;
+  }
+  return choice;
+}
+
+void settle_near_ones(PairMatch& pair, double near) {
+  for (std::size_t i = 0; i < pair.now.size(); ++i) {
+    if (pair.settled[i]) continue;
+    const std::size_t choice = nearest_free(pair, pair.now[i], near);
+    if (choice == pair.before.size()) continue;
+    pair.now[i].feature = pair.before[choice].feature;
+    pair.taken[choice] = pair.settled[i] = 1;
+  }
+}
+
+/// New ones must not use what others have.
+void settle_new_ones(PairMatch& pair) {
+  const auto used = [&](std::uint64_t feature) {
+    for (std::size_t k = 0; k < pair.now.size(); ++k)
+      if (pair.settled[k] && pair.now[k].feature == feature) return true;
+    return false;
+  };
+  for (std::size_t i = 0; i < pair.now.size(); ++i) {
+    if (pair.settled[i]) continue;
+    while (used(pair.now[i].feature)) ++pair.now[i].feature;
+    pair.settled[i] = 1;
+  }
+}
+
+/// `taken` and `settled` are work space.
 void match_pair(std::span<const Contact> before, std::span<Contact> now, double near,
                 std::vector<char>& taken, std::vector<char>& settled) {
   taken.assign(before.size(), 0);
   settled.assign(now.size(), 0);
-  for (std::size_t i = 0; i < now.size(); ++i)
-    for (std::size_t k = 0; k < before.size() && !settled[i]; ++k)
-      if (!taken[k] && before[k].feature == now[i].feature) taken[k] = settled[i] = 1;
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    if (settled[i]) continue;
-    double best = near * near;
-    std::size_t choice = before.size();
-    for (std::size_t k = 0; k < before.size(); ++k) {
-      const double distance = std::max((before[k].p_AP - now[i].p_AP).squaredNorm(),
-                                       (before[k].p_BQ - now[i].p_BQ).squaredNorm());
-      if (!taken[k] && distance < best) best = distance, choice = k;
-    }
-    if (choice == before.size()) continue;
-    now[i].feature = before[choice].feature;
-    taken[choice] = settled[i] = 1;
-  }
-  // New ones must not use what others have.
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    if (settled[i]) continue;
-    const auto used = [&](std::uint64_t feature) {
-      for (std::size_t k = 0; k < now.size(); ++k)
-        if (settled[k] && now[k].feature == feature) return true;
-      return false;
-    };
-    while (used(now[i].feature)) ++now[i].feature;
-    settled[i] = 1;
-  }
+  PairMatch pair{before, now, taken, settled};
+  settle_same_features(pair);
+  settle_near_ones(pair, near);
+  settle_new_ones(pair);
   std::sort(now.begin(), now.end(), [](const Contact& x, const Contact& y) { return x.feature < y.feature; });
 }
 

@@ -167,16 +167,71 @@ class Collector {
   double deepest_ = 1e300;
 };
 
+/// Two segments in the contact plane, a0 + t (ax, ay) and a0 + (cx, cy) + w (bx, by) with t and w from 0
+/// to 1.
+struct PlaneSegments {
+  double ax, ay, bx, by, cx, cy;
+  double aa = ax * ax + ay * ay, bb = bx * bx + by * by, ab = ax * bx + ay * by, cross = ax * by - ay * bx;
+
+  /// The place on B that is nearest to a place on A.
+  double beside(double t) const {
+    return std::clamp(((t * ax - cx) * bx + (t * ay - cy) * by) / bb, 0.0, 1.0);
+  }
+  double squared_distance(double t, double w) const {
+    const double dx = cx + w * bx - t * ax, dy = cy + w * by - t * ay;
+    return dx * dx + dy * dy;
+  }
+  /// Nearest points: the crossing, or an end of one of them.
+  std::pair<double, double> nearest() const {
+    const double t = cross != 0 ? std::clamp((cx * by - cy * bx) / cross, 0.0, 1.0) : 0.5;
+    const double w = beside(t);
+    return {std::clamp(((cx + w * bx) * ax + (cy + w * by) * ay) / aa, 0.0, 1.0), w};
+  }
+};
+
+/// An end of the stretch of a segment A that a segment B lies beside.
+struct StretchEnd {
+  double t = 0, w = 0;    // places on A and B
+  double excess = 1e300;  // how much shallower than the crossing it is
+  std::uint64_t id = 0;
+};
+
+/// Both ends; those of nothing have the first behind the second.
+std::pair<StretchEnd, StretchEnd> shared_stretch(const Feature& a, const Feature& b, const PlaneSegments& s,
+                                                 const std::uint64_t (&edges)[2]) {
+  StretchEnd lo, hi;
+  lo.t = (s.cx * s.ax + s.cy * s.ay) / s.aa, hi.t = lo.t + s.ab / s.aa;
+  int id_lo = 0, id_hi = 1;
+  if (lo.t > hi.t) std::swap(lo, hi), std::swap(id_lo, id_hi);
+  lo.id = contact_id(Meeting::kVertexB, edges[0], b.points[id_lo].id);
+  hi.id = contact_id(Meeting::kVertexB, edges[0], b.points[id_hi].id);
+  if (lo.t < 0) lo.t = 0, lo.id = contact_id(Meeting::kVertexA, a.points[0].id, edges[1]);
+  if (hi.t > 1) hi.t = 1, hi.id = contact_id(Meeting::kVertexA, a.points[1].id, edges[1]);
+  return {lo, hi};
+}
+
+/// How far off B's line is at the ends, and what the curvature makes of it: d²/2ρ.
+void measure_ends(const PlaneSegments& s, double rounding, StretchEnd& lo, StretchEnd& hi) {
+  const bool sharp_parallel =
+      rounding == 0 && lo.t < hi.t && std::abs(s.cross) < 1e-6 * std::sqrt(s.aa * s.bb);
+  const bool round = rounding > 0 && lo.t < hi.t;
+  for (StretchEnd* end : {&lo, &hi}) {
+    if (!round && !sharp_parallel) continue;
+    end->w = s.beside(end->t);
+    end->excess = round ? s.squared_distance(end->t, end->w) / (2 * rounding) : 0;
+  }
+  // Of lines that cross at more than 0.2 rad the crossing says it all.
+  if (std::abs(s.cross) > kCrossing * std::sqrt(s.aa * s.bb)) lo.excess = hi.excess = 1e300;
+}
+
 /// Two segments: where they cross, and the ends of what they share unless those are too far apart, or where
 /// they cross.
 void meet_segments(const Feature& a, const Feature& b, const Frame& f, bool rounded, double cutoff_excess,
                    double near, Collector& out) {
   const Vec3 &a0 = a.points[0].p, &b0 = b.points[0].p;
   const Vec3 da = a.points[1].p - a0, db = b.points[1].p - b0;
-  const double ax = f.x(da), ay = f.y(da), bx = f.x(db), by = f.y(db);
-  const double cx = f.x(b0 - a0), cy = f.y(b0 - a0);
-  const double aa = ax * ax + ay * ay, bb = bx * bx + by * by, ab = ax * bx + ay * by;
-  const double cross = ax * by - ay * bx;
+  const PlaneSegments s{f.x(da), f.y(da), f.x(db), f.y(db), f.x(b0 - a0), f.y(b0 - a0)};
+  if (s.aa == 0 || s.bb == 0) return;
   const auto contact = [&](double t, double w, std::uint64_t id, double extra) {
     const Vec3 p = a0 + t * da, q = b0 + w * db;
     if (rounded)
@@ -186,40 +241,16 @@ void meet_segments(const Feature& a, const Feature& b, const Frame& f, bool roun
   };
   const std::uint64_t edges[2] = {edge_id(a.points[0].id, a.points[1].id),
                                   edge_id(b.points[0].id, b.points[1].id)};
-  if (aa == 0 || bb == 0) return;
-  // The stretch of A, as t ∈ [0, 1], that B lies beside.
-  double lo = (cx * ax + cy * ay) / aa, hi = lo + ab / aa;
-  int id_lo = 0, id_hi = 1;
-  if (lo > hi) std::swap(lo, hi), std::swap(id_lo, id_hi);
-  std::uint64_t lo_id = contact_id(Meeting::kVertexB, edges[0], b.points[id_lo].id);
-  std::uint64_t hi_id = contact_id(Meeting::kVertexB, edges[0], b.points[id_hi].id);
-  if (lo < 0) lo = 0, lo_id = contact_id(Meeting::kVertexA, a.points[0].id, edges[1]);
-  if (hi > 1) hi = 1, hi_id = contact_id(Meeting::kVertexA, a.points[1].id, edges[1]);
-  // How far off B's line is at the ends, and what the curvature makes of it: d²/2ρ.
-  const double rounding = a.rounding + b.rounding;
-  const auto at_end = [&](double t, double& w) {
-    w = std::clamp(((t * ax - cx) * bx + (t * ay - cy) * by) / bb, 0.0, 1.0);
-    const double dx = cx + w * bx - t * ax, dy = cy + w * by - t * ay;
-    return dx * dx + dy * dy;
-  };
-  double w_lo = 0, w_hi = 0, excess_lo = 1e300, excess_hi = 1e300;
-  if (lo < hi && rounding > 0) {
-    excess_lo = at_end(lo, w_lo) / (2 * rounding);
-    excess_hi = at_end(hi, w_hi) / (2 * rounding);
-  }
-  const bool sharp_parallel = rounding == 0 && lo < hi && std::abs(cross) < 1e-6 * std::sqrt(aa * bb);
-  if (sharp_parallel) at_end(lo, w_lo), at_end(hi, w_hi), excess_lo = excess_hi = 0;
-  // Of lines that cross at more than 0.2 rad the crossing says it all.
-  if (std::abs(cross) > kCrossing * std::sqrt(aa * bb)) excess_lo = excess_hi = 1e300;
+  auto [lo, hi] = shared_stretch(a, b, s, edges);
+  measure_ends(s, a.rounding + b.rounding, lo, hi);
   // Where the ends are as deep as the crossing, that is not needed.
-  const bool beside = std::max(excess_lo, excess_hi) <= out.depth_slack();
-  // Nearest points of two segments in the plane: the crossing, or an end of one of them.
-  double t = cross != 0 ? std::clamp((cx * by - cy * bx) / cross, 0.0, 1.0) : 0.5;
-  double w = std::clamp(((t * ax - cx) * bx + (t * ay - cy) * by) / bb, 0.0, 1.0);
-  t = std::clamp(((cx + w * bx) * ax + (cy + w * by) * ay) / aa, 0.0, 1.0);
-  const auto apart = [&](double end, double other) { return std::abs(end - other) * std::sqrt(aa) >= near; };
-  if (excess_lo <= cutoff_excess && (beside || apart(lo, t))) contact(lo, w_lo, lo_id, excess_lo);
-  if (excess_hi <= cutoff_excess && apart(hi, beside ? lo : t)) contact(hi, w_hi, hi_id, excess_hi);
+  const bool beside = std::max(lo.excess, hi.excess) <= out.depth_slack();
+  const auto [t, w] = s.nearest();
+  const auto apart = [&](double end, double other) {
+    return std::abs(end - other) * std::sqrt(s.aa) >= near;
+  };
+  if (lo.excess <= cutoff_excess && (beside || apart(lo.t, t))) contact(lo.t, lo.w, lo.id, lo.excess);
+  if (hi.excess <= cutoff_excess && apart(hi.t, beside ? lo.t : t)) contact(hi.t, hi.w, hi.id, hi.excess);
   if (!beside) contact(t, w, contact_id(Meeting::kEdges, edges[0], edges[1]), 0);
 }
 
@@ -239,51 +270,81 @@ bool within_disc(const Vec3& s0, const Vec3& d, const Feature& disc, const Frame
   return true;
 }
 
-/// The part of a segment that lies over a polygon or a disc, which is `slack` larger all around.
-void meet_segment_polygon(const Feature& segment, const Feature& polygon, bool segment_is_A, const Frame& f,
-                          double slack, double near, Collector& out) {
-  const Vec3 &s0 = segment.points[0].p, d = segment.points[1].p - s0;
-  double lo = 0, hi = 1;
-  const auto id = [&](Meeting meeting, std::uint64_t of_segment, std::uint64_t of_polygon) {
-    if (segment_is_A) return contact_id(meeting, of_segment, of_polygon);
+/// The part of a segment that lies over a polygon or a disc.
+class SegmentOverFace {
+ public:
+  SegmentOverFace(const Feature& segment, const Feature& face, bool segment_is_A, const Frame& f)
+      : segment_(segment), face_(face), segment_is_A_(segment_is_A), f_(f) {}
+
+  /// To what is over the face, `slack` larger all around; false if nothing is.
+  bool narrow(double slack) {
+    return (face_.disc > 0 ? narrow_to_disc(slack) : narrow_to_polygon(slack)) && !(lo_ > hi_);
+  }
+
+  /// Contacts at its ends, one if they are less than `near` apart.
+  void add_ends(double near, Collector& out) const {
+    for (const bool last : {false, true}) {
+      const Vec3 p = s0_ + (last ? hi_ : lo_) * d_;
+      const double x = f_.x(p), y = f_.y(p);
+      const Vec3 q = f_.lift(x, y, plane_height(f_, face_.points[0].p, face_.normal, x, y));
+      const std::uint64_t name = last ? hi_id_ : lo_id_;
+      segment_is_A_ ? out.add(p, q, name) : out.add(q, p, name);
+      if ((hi_ - lo_) * d_.norm() < near) break;
+    }
+  }
+
+ private:
+  std::uint64_t id(Meeting meeting, std::uint64_t of_segment, std::uint64_t of_face) const {
+    if (segment_is_A_) return contact_id(meeting, of_segment, of_face);
     if (meeting == Meeting::kVertexA) meeting = Meeting::kVertexB;
-    return contact_id(meeting, of_polygon, of_segment);
-  };
-  const std::uint64_t edge = edge_id(segment.points[0].id, segment.points[1].id);
-  std::uint64_t lo_id = id(Meeting::kVertexA, segment.points[0].id, 0);
-  std::uint64_t hi_id = id(Meeting::kVertexA, segment.points[1].id, 0);
-  const double sense = polygon.normal.dot(f.n) > 0 ? 1 : -1;
-  const std::size_t count = polygon.disc > 0 ? 0 : polygon.points.size();
-  if (polygon.disc > 0) {  // its polygon would turn with the least tilt
-    if (!within_disc(s0, d, polygon, f, slack, lo, hi)) return;
-    if (lo > 0) lo_id = id(Meeting::kEdges, edge, 0);
-    if (hi < 1) hi_id = id(Meeting::kEdges, edge, 1);
+    return contact_id(meeting, of_face, of_segment);
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    const FeaturePoint &c = polygon.points[i], &e = polygon.points[(i + 1) % count];
-    const double ex = sense * f.x(e.p - c.p), ey = sense * f.y(e.p - c.p);
+
+  bool narrow_to_disc(double slack) {  // its polygon would turn with the least tilt
+    if (!within_disc(s0_, d_, face_, f_, slack, lo_, hi_)) return false;
+    if (lo_ > 0) lo_id_ = id(Meeting::kEdges, edge_, 0);
+    if (hi_ < 1) hi_id_ = id(Meeting::kEdges, edge_, 0);
+    return true;
+  }
+
+  bool narrow_to_polygon(double slack) {
+    const double sense = face_.normal.dot(f_.n) > 0 ? 1 : -1;
+    const std::size_t count = face_.points.size();
+    for (std::size_t i = 0; i < count; ++i)
+      if (!narrow_to_edge(face_.points[i], face_.points[(i + 1) % count], sense, slack)) return false;
+    return true;
+  }
+
+  bool narrow_to_edge(const FeaturePoint& c, const FeaturePoint& e, double sense, double slack) {
+    const double ex = sense * f_.x(e.p - c.p), ey = sense * f_.y(e.p - c.p);
     // Inside is left of the edge.
-    const double h0 = ex * f.y(s0 - c.p) - ey * f.x(s0 - c.p) + slack * std::hypot(ex, ey);
-    const double dh = ex * f.y(d) - ey * f.x(d);
+    const double h0 = ex * f_.y(s0_ - c.p) - ey * f_.x(s0_ - c.p) + slack * std::hypot(ex, ey);
+    const double dh = ex * f_.y(d_) - ey * f_.x(d_);
     const double h1 = h0 + dh;
-    if (h0 < 0 && h1 < 0) return;
-    if (h0 >= 0 && h1 >= 0) continue;
+    if (h0 < 0 && h1 < 0) return false;
+    if (h0 >= 0 && h1 >= 0) return true;
     const double t = h0 / (h0 - h1);
-    const std::uint64_t cut = id(Meeting::kEdges, edge, edge_id(c.id, e.id));
-    if (h0 < 0 && t > lo) lo = t, lo_id = cut;
-    if (h1 < 0 && t < hi) hi = t, hi_id = cut;
+    const std::uint64_t cut = id(Meeting::kEdges, edge_, edge_id(c.id, e.id));
+    if (h0 < 0 && t > lo_) lo_ = t, lo_id_ = cut;
+    if (h1 < 0 && t < hi_) hi_ = t, hi_id_ = cut;
+    return true;
   }
-  if (lo > hi) return;
-  for (int end = 0; end < 2; ++end) {
-    const Vec3 p = s0 + (end == 0 ? lo : hi) * d;
-    const double x = f.x(p), y = f.y(p);
-    const Vec3 q = f.lift(x, y, plane_height(f, polygon.points[0].p, polygon.normal, x, y));
-    if (segment_is_A)
-      out.add(p, q, end == 0 ? lo_id : hi_id);
-    else
-      out.add(q, p, end == 0 ? lo_id : hi_id);
-    if ((hi - lo) * d.norm() < near) break;
-  }
+
+  const Feature& segment_;
+  const Feature& face_;
+  const bool segment_is_A_;
+  const Frame& f_;
+  const Vec3 s0_ = segment_.points[0].p, d_ = segment_.points[1].p - s0_;
+  const std::uint64_t edge_ = edge_id(segment_.points[0].id, segment_.points[1].id);
+  double lo_ = 0, hi_ = 1;  // places s0 + t d
+  std::uint64_t lo_id_ = id(Meeting::kVertexA, segment_.points[0].id, 0);
+  std::uint64_t hi_id_ = id(Meeting::kVertexA, segment_.points[1].id, 0);
+};
+
+void meet_segment_face(const Feature& segment, const Feature& face, bool segment_is_A, const Frame& f,
+                       double slack, double near, Collector& out) {
+  SegmentOverFace over(segment, face, segment_is_A, f);
+  if (over.narrow(slack)) over.add_ends(near, out);
 }
 
 /// [SutherlandHodgman1974]: cuts polygon A, in the contact plane, by the edges of B.  Each corner remembers
@@ -365,6 +426,32 @@ void to_frame_of_A(Feature& feature, const Relative& X) {
   feature.normal = X.R * feature.normal;
 }
 
+std::uint64_t deepest_id() { return contact_id(Meeting::kDeepest, 0, 0); }
+
+/// A corner of one body, and the place of the other across the contact plane.
+void meet_point(const Feature& a, const Feature& b, const Frame& f, double core_s, Overhang overhang,
+                double slack, Collector& out) {
+  const bool of_A = a.points.size() == 1;
+  const Vec3& at = of_A ? a.points[0].p : b.points[0].p;
+  if (overhang == Overhang::kNone && !over_polygon(of_A ? b : a, at, f, slack)) return;
+  const Vec3 p = of_A ? at : Vec3(at - core_s * f.n);
+  out.add(p, p + core_s * f.n, deepest_id());
+}
+
+/// What two polygons share.
+void meet_polygons(const Feature& a, const Feature& b, const Frame& f, Overhang overhang, double slack,
+                   double near, ManifoldScratch& work, Collector& out) {
+  clip(a, b, f, slack, work);
+  simplify(work.polygon, near);
+  // Two polygons that share a corner only: the deepest place is exact, and added behind.
+  if (work.polygon.size() == 1 && overhang == Overhang::kDeepest) work.polygon.clear();
+  for (const Corner& c : work.polygon) {
+    const Vec3 p = f.lift(c.x, c.y, plane_height(f, a.points[0].p, a.normal, c.x, c.y));
+    const Vec3 q = f.lift(c.x, c.y, plane_height(f, b.points[0].p, b.normal, c.x, c.y));
+    out.add(p, q, c.id);
+  }
+}
+
 }  // namespace
 
 namespace {
@@ -401,33 +488,18 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
   const double core_s = separation.s + A.radius + B.radius;
   const double smaller = std::min(A.extent, B.extent), slack = 1e-9 * smaller, near = 1e-5 * smaller;
   Collector collect(A, B, on_A, on_B, frame, separation.s, cutoff, out);
+  if (a.points.size() == 1 || b.points.size() == 1)
+    return meet_point(a, b, frame, core_s, overhang, slack, collect);
   const std::size_t first = out.size();
-  const std::size_t count_A = a.points.size(), count_B = b.points.size();
-  const std::uint64_t deepest = contact_id(Meeting::kDeepest, 0, 0);
-  if (count_A == 1 || count_B == 1) {
-    const Vec3& at = count_A == 1 ? a.points[0].p : b.points[0].p;
-    const Feature& other = count_A == 1 ? b : a;
-    if (overhang == Overhang::kNone && !over_polygon(other, at, frame, slack)) return;
-    const Vec3 p = count_A == 1 ? at : Vec3(at - core_s * frame.n);
-    return collect.add(p, p + core_s * frame.n, deepest);
-  }
-  if (count_A == 2 && count_B == 2) {
+  if (a.points.size() == 2 && b.points.size() == 2) {
     meet_segments(a, b, frame, A.radius > 0 && B.radius > 0, std::max(0.0, cutoff - separation.s), near,
                   collect);
-  } else if (count_A == 2) {
-    meet_segment_polygon(a, b, true, frame, slack, near, collect);
-  } else if (count_B == 2) {
-    meet_segment_polygon(b, a, false, frame, slack, near, collect);
+  } else if (a.points.size() == 2) {
+    meet_segment_face(a, b, true, frame, slack, near, collect);
+  } else if (b.points.size() == 2) {
+    meet_segment_face(b, a, false, frame, slack, near, collect);
   } else {
-    clip(a, b, frame, slack, work);
-    simplify(work.polygon, near);
-    // Two polygons that share a corner only: the deepest place below is exact.
-    if (work.polygon.size() == 1 && overhang == Overhang::kDeepest) work.polygon.clear();
-    for (const Corner& c : work.polygon) {
-      const Vec3 p = frame.lift(c.x, c.y, plane_height(frame, a.points[0].p, a.normal, c.x, c.y));
-      const Vec3 q = frame.lift(c.x, c.y, plane_height(frame, b.points[0].p, b.normal, c.x, c.y));
-      collect.add(p, q, c.id);
-    }
+    meet_polygons(a, b, frame, overhang, slack, near, work, collect);
   }
   if (collect.settle_depth(first) || overhang == Overhang::kNone) return;
   // The features miss the deepest place, as when a round side overhangs an edge: it is the support point of
@@ -440,7 +512,7 @@ void make_manifold(const Convex& A, const Convex& B, const Relative& X, const Se
     return (other.p - p - A.radius * frame.n).norm() < 10 * near;
   };
   out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), beside), out.end());
-  collect.add_beside(p, p + core_s * frame.n, deepest, of_B);
+  collect.add_beside(p, p + core_s * frame.n, deepest_id(), of_B);
 }
 
 void reduce(std::vector<ManifoldPoint>& points, std::size_t first, std::size_t most, ManifoldScratch& work) {

@@ -58,44 +58,73 @@ Vec3 between_thin(const Pair& pair) {
 }
 
 /// Directions that separate polytopes if any do: normals of faces, cross products of edges; and for round
-/// bodies the lines between centres, across the axes.  True if the pair is found to be far apart.
-bool try_candidates(Best& best) {
-  const auto& [A, B, X] = best.pair;
-  Vec3 between = X.p + X.R * B.centre - A.centre;
-  if (!(between.norm() > 1e-9 * best.pair.size())) between = Vec3::UnitZ();
-  const bool symmetric = A.symmetric && B.symmetric;
-  const auto try_it = [&](const Vec3& n) {
-    return symmetric && n.dot(between) < 0 ? false : best.try_direction(n);
-  };
-  for (const Vec3& f : A.face_normals)
-    if (try_it(f)) return true;
-  for (const Vec3& f : B.face_normals)
-    if (try_it(-(X.R * f))) return true;
-  if (best.try_direction(between.normalized())) return true;
-  if (is_thin(A) && is_thin(B)) {
-    const Vec3 line = between_thin(best.pair);
-    if (line.norm() > 1e-12 * best.pair.size() && best.try_direction(line.normalized())) return true;
+/// bodies the lines between centres, across the axes.  Each function is true if one of its directions shows
+/// that the pair is far apart.
+class Candidates {
+ public:
+  explicit Candidates(Best& best)
+      : best_(best),
+        A_(best.pair.A),
+        B_(best.pair.B),
+        X_(best.pair.X),
+        between_(X_.p + X_.R * B_.centre - A_.centre) {
+    if (!(between_.norm() > 1e-9 * best.pair.size())) between_ = Vec3::UnitZ();
   }
-  for (int side = 0; side < 2; ++side) {
-    if (!(side == 0 ? A : B).curved()) continue;
-    const Vec3 axis = side == 0 ? Vec3(Vec3::UnitZ()) : Vec3(X.R.col(2));
-    const Vec3 across = between - between.dot(axis) * axis;
-    if (across.norm() > 1e-9 * best.pair.size() && best.try_direction(across.normalized())) return true;
-  }
-  if (A.edge_directions.size() * B.edge_directions.size() > kEdgePairs) return false;
-  for (const Vec3& e : A.edge_directions)
-    for (const Vec3& g : B.edge_directions) {
-      Vec3 n = e.cross(X.R * g);
-      const double sine = n.norm();
-      if (sine < 1e-7) continue;  // parallel edges have no direction of their own
-      n /= sine;
-      if (symmetric && n.dot(between) < 0) n = -n;
-      if (best.try_direction(n) || (!symmetric && best.try_direction(-n))) return true;
-    }
-  return false;
-}
 
-/// True if try_candidates() has seen every local maximum of s < 0.
+  bool try_all() { return try_faces() || try_centres() || try_across_axes() || try_edges(); }
+
+ private:
+  bool is_backward(const Vec3& n) const { return symmetric_ && n.dot(between_) < 0; }
+  bool try_face(const Vec3& n) { return !is_backward(n) && best_.try_direction(n); }
+
+  bool try_faces() {
+    for (const Vec3& f : A_.face_normals)
+      if (try_face(f)) return true;
+    for (const Vec3& f : B_.face_normals)
+      if (try_face(-(X_.R * f))) return true;
+    return false;
+  }
+
+  bool try_centres() {
+    if (best_.try_direction(between_.normalized())) return true;
+    if (!is_thin(A_) || !is_thin(B_)) return false;
+    const Vec3 line = between_thin(best_.pair);
+    return line.norm() > 1e-12 * best_.pair.size() && best_.try_direction(line.normalized());
+  }
+
+  bool try_across_axes() {
+    return (A_.curved() && try_across(Vec3::UnitZ())) || (B_.curved() && try_across(X_.R.col(2)));
+  }
+  bool try_across(const Vec3& axis) {
+    const Vec3 across = between_ - between_.dot(axis) * axis;
+    return across.norm() > 1e-9 * best_.pair.size() && best_.try_direction(across.normalized());
+  }
+
+  bool try_edges() {
+    if (A_.edge_directions.size() * B_.edge_directions.size() > kEdgePairs) return false;
+    for (const Vec3& e : A_.edge_directions)
+      for (const Vec3& g : B_.edge_directions)
+        if (try_across_edges(e, X_.R * g)) return true;
+    return false;
+  }
+  bool try_across_edges(const Vec3& e, const Vec3& g) {
+    Vec3 n = e.cross(g);
+    const double sine = n.norm();
+    if (sine < 1e-7) return false;  // parallel edges have no direction of their own
+    n /= sine;
+    if (is_backward(n)) n = -n;
+    return best_.try_direction(n) || (!symmetric_ && best_.try_direction(-n));
+  }
+
+  Best& best_;
+  const Convex& A_;
+  const Convex& B_;
+  const Relative& X_;
+  Vec3 between_;                                         // from centre to centre
+  const bool symmetric_ = A_.symmetric && B_.symmetric;  // of n and −n the one towards B is enough
+};
+
+/// True if Candidates has seen every local maximum of s < 0.
 bool candidates_are_complete(const Convex& A, const Convex& B) {
   return !A.curved() && !B.curved() && A.edge_directions.size() * B.edge_directions.size() <= kEdgePairs;
 }
@@ -160,10 +189,37 @@ Vec3 polish_ridge(const Pair& pair, Vec3 n, bool of_A) {
   return n;
 }
 
+/// Whole edges that are farthest in a direction, on both bodies; each in axes of its own.
+struct FarEdges {
+  bool on_A = false, on_B = false;  ///< whether there is one
+  Vec3 of_A = Vec3::Zero(), of_B = Vec3::Zero();
+  bool both() const { return on_A && on_B; }
+};
+
+FarEdges far_edges(const Pair& pair, const Vec3& n) {
+  FarEdges found;
+  Vec3 ridge_A, ridge_B;
+  found.on_A = pair.A.ridge(n, ridge_A, found.of_A);
+  found.on_B = pair.B.ridge(-(pair.X.R.transpose() * n), ridge_B, found.of_B);
+  return found;
+}
+
+/// The direction near n across two edges that cross; those of a cone turn with it, hence the repetition.
+Vec3 across_far_edges(const Pair& pair, const Vec3& n, FarEdges edges) {
+  Vec3 crossing = n;
+  for (int i = 0; i < 8 && edges.both(); ++i) {
+    const Vec3 across = edges.of_A.cross(pair.X.R * edges.of_B);
+    if (across.norm() < 1e-7) break;
+    const Vec3 last = crossing;
+    crossing = (across.dot(n) > 0 ? across : Vec3(-across)).normalized();
+    if ((crossing - last).norm() < 1e-15) break;
+    edges = far_edges(pair, crossing);
+  }
+  return crossing;
+}
+
 /// GJK finds the direction between curved bodies to about 1e-6 rad; this makes it exact.
 void polish(Best& best) {
-  const Convex &A = best.pair.A, &B = best.pair.B;
-  const Relative& X = best.pair.X;
   const double slack = 1e-13 * best.pair.size();
   const auto accept = [&](const Vec3& n) {
     const double value = best.pair.s(n);
@@ -171,27 +227,11 @@ void polish(Best& best) {
     best.n = n, best.s = value;
     return true;
   };
-  Vec3 ridge_A, ridge_B, edge_A, edge_B;
-  const auto edges = [&](const Vec3& n) {
-    const bool of_A = A.ridge(n, ridge_A, edge_A);
-    return std::pair(of_A, B.ridge(-(X.R.transpose() * n), ridge_B, edge_B));
-  };
-  // Two edges that cross; those of a cone turn with n, hence the repetition.
-  Vec3 crossing = best.n;
-  const auto [on_A, on_B] = edges(best.n);
-  bool both = on_A && on_B;
-  for (int i = 0; i < 8 && both; ++i) {
-    const Vec3 n = edge_A.cross(X.R * edge_B);
-    if (n.norm() < 1e-7) break;
-    const Vec3 last = crossing;
-    crossing = (n.dot(best.n) > 0 ? n : Vec3(-n)).normalized();
-    if ((crossing - last).norm() < 1e-15) break;
-    const auto [still_A, still_B] = edges(crossing);
-    both = still_A && still_B;
-  }
-  if (on_A && on_B && crossing != best.n && accept(crossing)) return;
-  if (on_A && accept(polish_ridge(best.pair, best.n, true))) return;
-  if (on_B && accept(polish_ridge(best.pair, best.n, false))) return;
+  const FarEdges edges = far_edges(best.pair, best.n);
+  const Vec3 crossing = across_far_edges(best.pair, best.n, edges);
+  if (edges.both() && crossing != best.n && accept(crossing)) return;
+  if (edges.on_A && accept(polish_ridge(best.pair, best.n, true))) return;
+  if (edges.on_B && accept(polish_ridge(best.pair, best.n, false))) return;
   accept(polish_smooth(best.pair, best.n));
 }
 
@@ -212,19 +252,25 @@ void climb(Best& best) {
   }
 }
 
+/// Whether the shortest line from core to core has to be looked for: of two that are apart, and of curved or
+/// rounded ones that may be although the climb, with GJK's 1e-6 rad, has not seen it yet.
+bool needs_shortest_line(const Best& best, double radii, double apart) {
+  const auto& [A, B, X] = best.pair;
+  if (is_thin(A) && is_thin(B)) return false;  // it is among the candidates
+  const bool doubtful = (A.curved() || B.curved()) && best.s > -1e-4 * best.pair.size();
+  return best.s > apart || doubtful || (radii > 0 && best.s > -1e-12 * best.pair.size());
+}
+
 }  // namespace
 
 bool find_separation(const Convex& A, const Convex& B, const Relative& X, double cutoff, Separation& out) {
   const Pair pair{A, B, X};
   const double radii = A.radius + B.radius, apart = 1e-7 * pair.size();
   Best best{pair, cutoff + radii};
-  if (try_candidates(best)) return false;
+  if (Candidates(best).try_all()) return false;
   if (best.s <= apart && !candidates_are_complete(A, B)) climb(best);
   if (best.s > best.cutoff) return false;
-  // Curved bodies may be apart although the climb, with GJK's 1e-6 rad, has not seen it yet.
-  const bool doubtful = (A.curved() || B.curved()) && best.s > -1e-4 * pair.size();
-  const bool thin = is_thin(A) && is_thin(B);  // the shortest line is among the candidates
-  if (!thin && (best.s > apart || doubtful || (radii > 0 && best.s > -1e-12 * pair.size()))) {
+  if (needs_shortest_line(best, radii, apart)) {
     Vec3 n;
     if (shortest_direction(A, B, X, Vec3::Zero(), best.n, n, best.s > apart) && best.try_direction(n))
       return false;

@@ -30,26 +30,26 @@ template <typename Value>
     detail::fail_text(name, problem, value);
 }
 
-/// As fail(), for an Eigen vector, which is written as a row, or matrix, written as its transpose.
+/// Throws std::invalid_argument with an Eigen vector, written as a row, or matrix, as its transpose.
 template <typename Matrix>
 [[noreturn]] void fail_with(std::string_view name, std::string_view problem, const Matrix& matrix) {
   detail::fail_matrix(name, problem, matrix.data(), static_cast<int>(matrix.cols()),
                       static_cast<int>(matrix.rows()));
 }
 
-inline void require_finite(std::string_view name, double value) {  ///< refuses what is not, as fail()
+inline void require_finite(std::string_view name, double value) {  ///< throws with name and value if not
   if (!std::isfinite(value)) fail(name, "must be finite", value);
 }
 
-inline void require_positive(std::string_view name, double value) {  ///< refuses what is not, as fail()
+inline void require_positive(std::string_view name, double value) {  ///< throws with name and value if not
   if (!std::isfinite(value) || value <= 0) fail(name, "must be finite and positive", value);
 }
 
-inline void require_not_negative(std::string_view name, double value) {  ///< refuses what is, as fail()
+inline void require_not_negative(std::string_view name, double value) {  ///< throws if it is or not finite
   if (!std::isfinite(value) || value < 0) fail(name, "must be finite and not negative", value);
 }
 
-/// Refuses an Eigen vector or matrix with an entry that is not finite, as fail_with().
+/// @throws std::invalid_argument for an Eigen vector or matrix with an entry that is not finite.
 template <typename Matrix>
 void require_all_finite(std::string_view name, const Matrix& matrix) {
   if (!detail::all_finite(matrix.data(), matrix.size())) fail_with(name, "must be finite", matrix);
@@ -64,7 +64,7 @@ void require_unit(std::string_view name, const Vector& direction) {  ///< of len
     fail_with(name, "must have length 1", direction);
 }
 
-/// Refuses what is no unit vector perpendicular to `axis` (both to kUnitTolerance), as fail_with().
+/// @throws std::invalid_argument for what is no unit vector, or not across `axis` (both to kUnitTolerance).
 template <typename Vector>
 void require_across(std::string_view name, const Vector& direction, const Vector& axis) {
   require_unit(name, direction);

@@ -26,8 +26,8 @@
 ///   joint j  owns rows  first_row … first_row + row_count − 1, in the order of the World's joints: first its
 ///            equality rows, then one axis row for each free axis with properties (limits, motor, …); none if
 ///            it is detached
-///   spring   behind the joints, if wanted, springs between two bodies, likewise with axis rows
-///   contact  behind those, slots for contact points between two bodies, likewise with their rows
+///   spring   behind the joints, if wanted, springs between two bodies, which own axis rows
+///   contact  behind those, slots for contact points between two bodies, which own their rows
 ///   side s   one (joint, body) pair, A, B and further bodies; its Jacobian block has row_count rows by 6
 ///            columns, row-major, or is an arm of three numbers (Blocks)
 ///   values   Jacobian values of all sides, one behind the other
@@ -188,15 +188,15 @@ class Rows {  ///< The rows of a World, as the comment at the top of this file s
   /// φ(q) [m or rad] of equality rows, and the coordinate θ of axis rows: angles as the value next to the one
   /// in `at.axes`.
   void residual(const Configuration& at, std::span<double> phi) const;
-  /// As residual(), for one of the chunks, which must be taken in their order (as in all of these).
+  /// φ and θ of the rows of one chunk; wherever one is given, all must be taken in their order.
   void residual(const Configuration& at, std::span<double> phi, const BodyChunk& chunk) const;
-  /// As residual(), of the rows of one block.
+  /// φ and θ of the rows of one block.
   void residual(const JointRows& block, const Configuration& at, std::span<double> phi) const;
   /// J(q), the values of all sides.
   void jacobian(const Configuration& at, std::span<double> values) const;
   void jacobian(const Configuration& at, std::span<double> values,
                 const BodyChunk& chunk) const;  ///< of a chunk
-  /// As jacobian(), of the sides of one block.
+  /// J(q), the values of the sides of one block.
   void jacobian(const JointRows& block, const Configuration& at, std::span<double> values) const;
   /// γ = φ̈ − J V̇: J̇ V, and what drivers add to it.
   void bias(const Configuration& at, std::span<const Twist> twists, std::span<double> gamma) const;

@@ -15,7 +15,7 @@ namespace taut {
 /// @throws std::invalid_argument if a number is not finite.
 Motion linear_motion(double value, double rate, double start = 0);
 
-/// f(t) = mean + amplitude sin(ω t + φ), ω = `omega` [rad/s], φ = `phase` [rad]; throws as linear_motion().
+/// f(t) = mean + amplitude sin(ω t + φ), ω = `omega` [rad/s], φ = `phase` [rad]; throws if not finite.
 Motion harmonic_motion(double mean, double amplitude, double omega, double phase = 0);
 
 /// A term a sin(ω t + φ) of harmonics_motion().
@@ -24,7 +24,7 @@ struct Harmonic {
   double omega = 0;      ///< ω [rad/s]
   double phase = 0;      ///< φ [rad]
 };
-/// f(t) = mean + Σ aᵢ sin(ωᵢ t + φᵢ), summed in their order; throws as linear_motion().
+/// f(t) = mean + Σ aᵢ sin(ωᵢ t + φᵢ), summed in their order; throws unless all numbers are finite.
 Motion harmonics_motion(double mean, std::vector<Harmonic> terms);
 
 /// A piecewise linear function: `table` over time, held beyond its ends, or with `periodic` repeated with the
@@ -39,7 +39,7 @@ Motion table_motion(Curve table, bool periodic = false);
 Motion ramp_motion(double from, double to, double start, double duration, bool smooth = false);
 
 /// A gust: f(t) = peak ½ (1 − cos 2π (t − start)/duration) between start and start + duration [s], otherwise
-/// 0; its integral is ½ peak · duration.  Throws as ramp_motion().
+/// 0; its integral is ½ peak · duration.  Throws unless all are finite and the duration positive.
 Motion gust_motion(double peak, double start, double duration);
 
 /// A cubic spline through (time, value), with straight lines before and after it.

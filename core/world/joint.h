@@ -32,7 +32,7 @@ class Joint {
 
   virtual std::string_view type() const = 0;          ///< its name, as "hinge"
   virtual void append_rows(RowSink& rows) const = 0;  ///< lists its row parts
-  /// The free axes that can have limits, a motor, friction or a spring; always the same ones.  Rotations that
+  /// The free axes, which can have axis properties (core/axes); always the same ones.  Rotations that
   /// are no scalar coordinate, as the three of a ball joint, are none.
   virtual void append_axes(AxisSink&) const {}
   /// Point of B (from its centre of mass, body axes) about which the reaction torque is reported.

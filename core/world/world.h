@@ -76,7 +76,7 @@ class World {
   JointId add(std::string name, AnyJoint joint) {
     return add_joint(std::move(name), std::make_shared<const AnyJoint>(std::move(joint)));
   }
-  JointId add_joint(std::string name, std::shared_ptr<const Joint> joint);  ///< as add()
+  JointId add_joint(std::string name, std::shared_ptr<const Joint> joint);  ///< what add() calls
 
   // Joints as a whole (world_joints.cpp).
 
@@ -248,7 +248,7 @@ class World {
   /// not finite, a quaternion that is not of unit length (to 1e-9), a moved ground or a fixed body with a
   /// velocity.
   void set_state(const State& state);
-  /// As set_state(), and `state` becomes what the state was before.
+  /// Sets the state, with the checks of set_state(), and `state` becomes what it was before.
   void exchange_state(State& state);
 
   void set_time(double time);  ///< of the state [s]
@@ -266,7 +266,7 @@ class World {
   /// body, a joint of it or an axis of these wakes it without being asked; gravity, a force law that does not
   /// say on which bodies it acts, and what is set on a fixed body wake all.
   void wake(BodyId id);
-  void wake_all();  ///< as wake(), of all bodies
+  void wake_all();  ///< all bodies move again
 
   /// Sum of gravity and all force laws on each body, about its centre of mass, world axes.  Fixed bodies get
   /// what the laws put on them.  `wrenches` has body_count() entries [N·m, N] and is overwritten.

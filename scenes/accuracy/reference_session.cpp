@@ -147,21 +147,29 @@ void Session::measure(const Pending& pending) {
   }
 }
 
+/// The instants at which quantities are asked for, with others.
+std::set<double> Session::instants(std::set<double> times) const {
+  for (const Pending& pending : pending_)
+    if (pending.quantity->time) times.insert(*pending.quantity->time);
+  return times;
+}
+
+/// Quantities about the run are of its end, those without a time of all instants but a start without
+/// contacts.
+bool Session::is_due(const Pending& pending, double t, double end) const {
+  if (pending.about_the_run) return t == end;
+  if (pending.quantity->time) return pending.quantity->time == t;
+  return !(t == 0 && end > 0 && reads_contacts(pending.quantity->probe));
+}
+
 void Session::run_motion() {
   double end = case_.duration;
   for (const Quantity& quantity : case_.quantities) end = std::max(end, quantity.time.value_or(0));
   if (plan_.end) end = std::min(end, *plan_.end);
-  std::set<double> times = {end};
-  for (const Pending& pending : pending_)
-    if (pending.quantity->time) times.insert(*pending.quantity->time);
-  for (double t : times) {
+  for (double t : instants({end})) {
     if (t > simulator_.world().time() && !advance(t)) return;
-    for (const Pending& pending : pending_) {
-      const bool at_all_times = !pending.quantity->time && !pending.about_the_run;
-      const bool too_early = t == 0 && end > 0 && reads_contacts(pending.quantity->probe);
-      if (pending.about_the_run ? t == end : pending.quantity->time == t || (at_all_times && !too_early))
-        measure(pending);
-    }
+    for (const Pending& pending : pending_)
+      if (is_due(pending, t, end)) measure(pending);
   }
   wait_for_events(end);
 }
@@ -216,10 +224,7 @@ void Session::run_static() {
     return;
   }
   if (!result_.failed.empty()) return;
-  std::set<double> times = {0.0, kStaticSteps * dt()};
-  for (const Pending& pending : pending_)
-    if (pending.quantity->time) times.insert(*pending.quantity->time);
-  for (double t : times) {
+  for (double t : instants({0.0, kStaticSteps * dt()})) {
     if (t > 0 && !advance(t)) return;
     for (const Pending& pending : pending_) {
       if (t == 0 && reads_contacts(pending.quantity->probe)) continue;

@@ -26,6 +26,8 @@ class Session {
 
   void list_quantities();
   void apply_impulses();
+  std::set<double> instants(std::set<double> times) const;
+  bool is_due(const Pending& pending, double t, double end) const;
   void run_motion();
   void run_static();
   void relax();

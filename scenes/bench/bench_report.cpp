@@ -256,6 +256,14 @@ std::string joint_section(const BenchResults& results) {
          ahead_list(results, kJoints) + "\n## Growth with size\n\n" + growth_table(results) + '\n';
 }
 
+/// Whether a run breaks what an earlier one kept; one that loses the promise of closed joints is worth no
+/// time at all.
+bool holds_less(const OrderedJson& run, const OrderedJson& before) {
+  const bool opened = moved(run) && joint_error(before) <= 1e-9 && joint_error(run) > 1e-9;
+  const double bound = has_contact(run) ? kContacts.taut : kJoints.taut;
+  return opened || (holds(before, bound) && !holds(run, bound));
+}
+
 }  // namespace
 
 std::string bench_page(const BenchResults& results, const std::string& command) {
@@ -340,10 +348,7 @@ BenchComparison compare_bench(const BenchResults& now, const BenchResults& then,
     if (!is_taut(run) || old == before.end()) continue;
     ++result.compared;
     const double ratio = moved(run) ? cost(run) / cost(*old->second) : INFINITY;
-    // A run that loses the promise of closed joints is worth no time at all.
-    const bool opened = moved(run) && joint_error(*old->second) <= 1e-9 && joint_error(run) > 1e-9;
-    const double bound = has_contact(run) ? kContacts.taut : kJoints.taut;
-    const bool worse = ratio > factor || opened || (holds(*old->second, bound) && !holds(run, bound));
+    const bool worse = ratio > factor || holds_less(run, *old->second);
     if (worse) result.worse.push_back(i);
     result.text += format("%-60s %8.3g -> %8.3g s/s  x %.2f%s\n", key.c_str(), cost(*old->second),
                           moved(run) ? cost(run) : NAN, ratio, worse ? "  WORSE" : "");

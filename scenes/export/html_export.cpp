@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBest = 9, kQuick = 6;  // effort of deflate
+constexpr int kBest = 9, kFast = 6;  // effort of deflate
 
 /// Modules in the order in which they need each other; a name that starts with three is of that package.
 struct Module {
@@ -131,13 +131,13 @@ std::filesystem::path find_three() {
 std::string page_text(const PageData& data, const std::string& title, const PageData* second) {
   const auto script = [](const PageData& other) {
     return "<script type=\"application/octet-stream\" id=\"second\">" +
-           base64(deflate(other.packed(), kQuick)) + "</script>\n";
+           base64(deflate(other.packed(), kFast)) + "</script>\n";
   };
   return filled(viewer_source("page.html"), {{"title", escaped(printable(title))},
                                              {"version", TAUT_VERSION},
                                              {"style", std::string(viewer_source("style.css"))},
                                              {"modules", modules(find_three())},
-                                             {"data", base64(deflate(data.packed(), kQuick))},
+                                             {"data", base64(deflate(data.packed(), kFast))},
                                              {"second", second ? script(*second) : ""},
                                              {"loader", std::string(viewer_source("loader.js"))}});
 }

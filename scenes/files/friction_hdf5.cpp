@@ -33,6 +33,41 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
+/// Entries of a matrix, made of the arrays that a file gives.
+struct SparseEntries {
+  const std::string& file;
+  const std::string& path;  // of the matrix in it
+  int rows, columns;
+  std::vector<Eigen::Triplet<double>> entries = {};
+
+  void add(int row, int column, double value) {
+    if (row < 0 || row >= rows || column < 0 || column >= columns)
+      fail(file, path + ": index out of range", row);
+    entries.emplace_back(row, column, value);
+  }
+  void require(std::size_t have, std::size_t wanted) const {
+    if (have < wanted) fail(file, path + ": has too few entries", have);
+  }
+  void add_triplets(int count, const std::vector<int>& p, const std::vector<int>& i, const Vector& x) {
+    for (const std::size_t have : {p.size(), i.size(), static_cast<std::size_t>(x.size())})
+      require(have, count);
+    // FCLIB's own description has row and column the other way round than the files.
+    bool swapped = false;
+    for (int k = 0; k < count; ++k) swapped = swapped || i[k] >= rows || p[k] >= columns;
+    for (int k = 0; k < count; ++k) swapped ? add(p[k], i[k], x[k]) : add(i[k], p[k], x[k]);
+  }
+  void add_compressed(bool by_rows, const std::vector<int>& p, const std::vector<int>& i, const Vector& x) {
+    const int outer = by_rows ? rows : columns;
+    require(p.size(), static_cast<std::size_t>(outer) + 1);
+    for (int o = 0; o < outer; ++o) {
+      if (p[o] < 0 || p[o] > p[o + 1]) fail(file, path + ": pointers must ascend", p[o]);
+      require(i.size(), p[o + 1]);
+      require(x.size(), p[o + 1]);
+      for (int k = p[o]; k < p[o + 1]; ++k) by_rows ? add(o, i[k], x[k]) : add(i[k], o, x[k]);
+    }
+  }
+};
+
 /// A file of FCLIB, read by the names of its data.
 class FclibFile {
  public:
@@ -82,34 +117,13 @@ class FclibFile {
     const std::vector<int> p = integers(path + "/p"), i = integers(path + "/i");
     const Vector x = vector(path + "/x");
     if (rows < 0 || columns < 0 || nz < -2) fail(name_, "must not be negative", path);
-    std::vector<Eigen::Triplet<double>> entries;
-    const auto add = [&](int row, int column, double value) {
-      if (row < 0 || row >= rows || column < 0 || column >= columns)
-        fail(name_, path + ": index out of range", row);
-      entries.emplace_back(row, column, value);
-    };
-    const auto require = [&](std::size_t have, std::size_t wanted) {
-      if (have < wanted) fail(name_, path + ": has too few entries", have);
-    };
-    if (nz >= 0) {
-      for (const std::size_t have : {p.size(), i.size(), static_cast<std::size_t>(x.size())})
-        require(have, nz);
-      // FCLIB's own description has row and column the other way round than the files.
-      bool swapped = false;
-      for (int k = 0; k < nz; ++k) swapped = swapped || i[k] >= rows || p[k] >= columns;
-      for (int k = 0; k < nz; ++k) swapped ? add(p[k], i[k], x[k]) : add(i[k], p[k], x[k]);
-    } else {
-      const int outer = nz == -2 ? rows : columns;
-      require(p.size(), static_cast<std::size_t>(outer) + 1);
-      for (int o = 0; o < outer; ++o) {
-        if (p[o] < 0 || p[o] > p[o + 1]) fail(name_, path + ": pointers must ascend", p[o]);
-        require(i.size(), p[o + 1]);
-        require(x.size(), p[o + 1]);
-        for (int k = p[o]; k < p[o + 1]; ++k) nz == -2 ? add(o, i[k], x[k]) : add(i[k], o, x[k]);
-      }
-    }
+    SparseEntries read{name_, path, rows, columns};
+    if (nz >= 0)
+      read.add_triplets(nz, p, i, x);
+    else
+      read.add_compressed(nz == -2, p, i, x);
     Matrix A(rows, columns);
-    A.setFromTriplets(entries.begin(), entries.end());
+    A.setFromTriplets(read.entries.begin(), read.entries.end());
     return A;
   }
 

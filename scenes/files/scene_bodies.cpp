@@ -68,23 +68,12 @@ FileMass mass_of_shapes(JsonObject& body, const std::vector<FileShape>& shapes) 
   return result;
 }
 
-FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& shapes) {
-  std::optional<JsonNode> mass_node = body.find("mass"), density = body.find("density");
-  std::optional<JsonNode> inertia = body.find("inertia"), shape = body.find("shape");
-  const bool with_density = std::any_of(shapes.begin(), shapes.end(),
-                                        [](const FileShape& each) { return each.density.has_value(); });
-  const bool needs_none = fixed && !mass_node && !density && !inertia && !shape && !with_density;
-  const auto list = body.find("shapes");
-  if (list && !list->json().empty() && !inertia && !shape && !needs_none) {
-    const bool sound = shapes.size() == list->json().size();
-    return sound ? mass_of_shapes(body, shapes) : FileMass{};
-  }
-  for (const FileShape& each : shapes)
-    if (each.density) each.density->problem("has no effect, since the mass does not come from the shapes");
-  if (needs_none) return {};
-  mass_node = body.one_of({"mass", "density"});
-  inertia = body.one_of({"inertia", "shape"}, {"shapes"});
+namespace {
 
+/// From a mass or density with an inertia or a solid.
+FileMass mass_of_keys(JsonObject& body, const std::optional<JsonNode>& mass_node,
+                      const std::optional<JsonNode>& density, const std::optional<JsonNode>& inertia,
+                      const std::optional<JsonNode>& shape) {
   FileMass result;
   const std::size_t before = body.node().problems().size();
   double mass = mass_node ? mass_node->positive() : 1;
@@ -102,6 +91,27 @@ FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& s
     if (inertia) read_inertia(*inertia, mass, result.properties);
   }
   return result;
+}
+
+}  // namespace
+
+FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& shapes) {
+  std::optional<JsonNode> mass_node = body.find("mass"), density = body.find("density");
+  std::optional<JsonNode> inertia = body.find("inertia"), shape = body.find("shape");
+  const bool with_density = std::any_of(shapes.begin(), shapes.end(),
+                                        [](const FileShape& each) { return each.density.has_value(); });
+  const bool needs_none = fixed && !mass_node && !density && !inertia && !shape && !with_density;
+  const auto list = body.find("shapes");
+  if (list && !list->json().empty() && !inertia && !shape && !needs_none) {
+    const bool sound = shapes.size() == list->json().size();
+    return sound ? mass_of_shapes(body, shapes) : FileMass{};
+  }
+  for (const FileShape& each : shapes)
+    if (each.density) each.density->problem("has no effect, since the mass does not come from the shapes");
+  if (needs_none) return {};
+  mass_node = body.one_of({"mass", "density"});
+  inertia = body.one_of({"inertia", "shape"}, {"shapes"});
+  return mass_of_keys(body, mass_node, density, inertia, shape);
 }
 
 Quat read_orientation(const JsonNode& node) {
@@ -129,6 +139,50 @@ Quat read_orientation(const JsonNode& node) {
   return Quat::Identity();
 }
 
+namespace {
+
+/// By its ends, or as the keys about its mass say.
+FileMass mass_of_body(JsonObject& body, bool fixed, const std::optional<BodyByEnds>& ends,
+                      const std::vector<FileShape>& shapes) {
+  const auto mass = body.find("mass"), density = body.find("density");
+  if (!ends) return read_mass(body, fixed, shapes);
+  const bool needs_mass = !fixed || mass || density;
+  return needs_mass && ends->sound ? mass_of_shapes(body, shapes) : FileMass{};
+}
+
+/// Of the frame of the file.
+struct FilePose {
+  Pose pose;
+  bool placed = false;    ///< it is known
+  bool complete = false;  ///< nothing is left to defaults
+};
+
+FilePose read_pose(JsonObject& body, const std::optional<BodyByEnds>& ends) {
+  const std::size_t before = body.node().problems().size();
+  const auto position = body.find("position"), orientation = body.find("orientation");
+  if (ends) return {ends->pose, ends->placed, true};
+  FilePose result;
+  if (position) result.pose.p = position->vector();
+  if (orientation) result.pose.q = read_orientation(*orientation);
+  result.placed = body.node().json().is_object() && body.node().problems().size() == before;
+  result.complete = position && orientation;
+  return result;
+}
+
+/// @param q orientation of the body
+Twist read_twist(JsonObject& body, const Quat& q) {
+  Twist twist;
+  twist.v = body.get("velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
+  twist.w = body.get(in_angles("angular_velocity"), &JsonNode::vector, Vec3(Vec3::Zero()));
+  if (const auto in_body_axes = body.find(in_angles("angular_velocity_body"))) {
+    if (body.find(in_angles("angular_velocity"))) in_body_axes->problem("angular_velocity is given as well");
+    twist.w = q * in_body_axes->vector();
+  }
+  return twist;
+}
+
+}  // namespace
+
 void SceneReader::read_body(const JsonNode& node) {
   const std::size_t before = problems_.size();
   JsonObject body(node);
@@ -143,37 +197,26 @@ void SceneReader::read_body(const JsonNode& node) {
     shapes = {ends->shape};
   else if (shape_list && !ends)
     shapes = read_shapes(*shape_list);
-  const auto mass_node = body.find("mass"), density_node = body.find("density");
-  const bool needs_mass = !spec.fixed || mass_node || density_node;
-  FileMass mass;
-  if (!ends)
-    mass = read_mass(body, spec.fixed, shapes);
-  else if (needs_mass)
-    mass = ends->sound ? mass_of_shapes(body, shapes) : FileMass{};
+  const FileMass mass = mass_of_body(body, spec.fixed, ends, shapes);
   spec.mass = mass.properties;
-  const std::size_t before_pose = problems_.size();
-  const auto position = body.find("position"), orientation = body.find("orientation");
-  if (position && !ends) spec.pose.p = position->vector();
-  if (orientation && !ends) spec.pose.q = read_orientation(*orientation);
-  bool placed = node.json().is_object() && problems_.size() == before_pose;
-  if (ends) spec.pose = ends->pose, placed = ends->placed;
+  FilePose at = read_pose(body, ends);
+  spec.pose = at.pose;
   spec.pose.p += spec.pose.q * mass.centre;
-  spec.twist.v = body.get("velocity", &JsonNode::vector, Vec3(Vec3::Zero()));
-  spec.twist.w = body.get(in_angles("angular_velocity"), &JsonNode::vector, Vec3(Vec3::Zero()));
-  if (const auto in_body_axes = body.find(in_angles("angular_velocity_body"))) {
-    if (body.find(in_angles("angular_velocity"))) in_body_axes->problem("angular_velocity is given as well");
-    spec.twist.w = spec.pose.q * in_body_axes->vector();
-  }
+  spec.twist = read_twist(body, spec.pose.q);
   const std::size_t before_keys = problems_.size();
   body.reject_unknown_keys();
-  if (problems_.size() != before_keys && !(position && orientation) && !ends)
-    placed = false;  // one may be misspelt
+  if (problems_.size() != before_keys && !at.complete) at.placed = false;  // one may be misspelt
   if (spec.fixed && !(spec.twist.v.isZero(0) && spec.twist.w.isZero(0)))
     node.problem("a fixed body cannot have a velocity");
 
   if (!spec.name.empty() && scene_.world.has_body(spec.name)) return refuse_name(*name);
-  const bool sound = problems_.size() == before;
-  if (!sound) {  // a stand-in of that name, where it is
+  enter_body(node, std::move(spec), mass, shapes, at.placed, problems_.size() == before);
+}
+
+/// One that is not sound has a stand-in of its name, where it is.
+void SceneReader::enter_body(const JsonNode& node, BodySpec spec, const FileMass& mass,
+                             const std::vector<FileShape>& shapes, bool placed, bool sound) {
+  if (!sound) {
     spec.mass = FileMass().properties;
     spec.twist = {};
     if (!placed) spec.pose = {};

@@ -120,6 +120,44 @@ std::optional<BodyByEnds> SceneReader::read_body_by_ends(JsonObject& body) const
   return result;
 }
 
+void SceneReader::check_link_names(JsonObject& cable, const std::string& name, int links,
+                                   std::size_t before) {
+  for (int i = 0; i < links && problems_.size() == before; ++i)
+    if (const std::string link = name + "_" + std::to_string(i); scene_.world.has_body(link))
+      cable.find("name")->problem("makes the body " + quoted_list({link}) + ", which is there already");
+}
+
+void SceneReader::add_links(const JsonNode& node, const Cable& cable) {
+  const auto& [name, nodes, link, radius, link_mass, surface, ends] = cable;
+  const Vec3 across = across_links(nodes);
+  BodyId last = ends[0].id;
+  Vec3 p_last = ends[0].found ? pose_of(ends[0]).local(nodes[0]) : Vec3(Vec3::Zero());
+  bool joined = ends[0].found && ends[0].placed;
+  const auto join = [&](BodyId next, const Vec3& p_next, int k) {
+    const JointId id = scene_.world.add_joint(cable.name + "_joint_" + std::to_string(k),
+                                              std::make_shared<const Ball>(last, next, p_last, p_next));
+    path_of_joint_[scene_.world.name(id)] = node.path();
+    joint_paths_.resize(id.index + 1);
+  };
+  FileShape shape = surface;
+  shape.placed = capsule_along_x(link, radius);
+  const int n = static_cast<int>(nodes.size()) - 1;
+  for (int i = 0; i < n; ++i) {
+    BodySpec spec;
+    spec.name = name + "_" + std::to_string(i);
+    spec.mass = MassProperties::rod(link, radius, link_mass);
+    spec.pose = {frame_along(nodes[i + 1] - nodes[i], across), (nodes[i] + nodes[i + 1]) / 2};
+    const BodyId id = scene_.world.add_body(spec);
+    path_of_body_[spec.name] = node.path();
+    add_shapes(id, {shape}, Vec3::Zero());
+    if (joined) join(id, Vec3(-link / 2, 0, 0), i);
+    last = id;
+    p_last = Vec3(link / 2, 0, 0);
+    joined = true;
+  }
+  if (ends[1].found && ends[1].placed) join(ends[1].id, pose_of(ends[1]).local(nodes[n]), n);
+}
+
 /// A chain of links with ball joints: bodies "name_0" ..., joints "name_joint_0" ..., where that of an end
 /// which nothing holds is left out.
 void SceneReader::read_cable(const JsonNode& node) {
@@ -142,9 +180,7 @@ void SceneReader::read_cable(const JsonNode& node) {
   for (int side = 0; side < 2; ++side)
     if (cable.find(keys[side])) ends[side] = required_body(cable, keys[side]);
   cable.reject_unknown_keys();
-  for (int i = 0; i < n && problems_.size() == before; ++i)
-    if (const std::string link = name + "_" + std::to_string(i); scene_.world.has_body(link))
-      cable.find("name")->problem("makes the body " + quoted_list({link}) + ", which is there already");
+  check_link_names(cable, name, n, before);
   std::vector<Vec3> nodes;
   const auto length_node = cable.find("length");
   const JsonNode& says_length = length_node ? *length_node : node;
@@ -160,33 +196,7 @@ void SceneReader::read_cable(const JsonNode& node) {
   const double link = length / n;
   const bool by_density = mass->path().ends_with("density");
   const double link_mass = by_density ? amount * std::numbers::pi * radius * radius * link : amount / n;
-  node.guard([&] {
-    const Vec3 across = across_links(nodes);
-    BodyId last = ends[0].id;
-    Vec3 p_last = ends[0].found ? pose_of(ends[0]).local(nodes[0]) : Vec3(Vec3::Zero());
-    bool joined = ends[0].found && ends[0].placed;
-    const auto join = [&](BodyId next, const Vec3& p_next, int k) {
-      const JointId id = scene_.world.add_joint(name + "_joint_" + std::to_string(k),
-                                                std::make_shared<const Ball>(last, next, p_last, p_next));
-      path_of_joint_[scene_.world.name(id)] = node.path();
-      joint_paths_.resize(id.index + 1);
-    };
-    for (int i = 0; i < n; ++i) {
-      BodySpec spec;
-      spec.name = name + "_" + std::to_string(i);
-      spec.mass = MassProperties::rod(link, radius, link_mass);
-      spec.pose = {frame_along(nodes[i + 1] - nodes[i], across), (nodes[i] + nodes[i + 1]) / 2};
-      const BodyId id = scene_.world.add_body(spec);
-      path_of_body_[spec.name] = node.path();
-      surface.placed = capsule_along_x(link, radius);
-      add_shapes(id, {surface}, Vec3::Zero());
-      if (joined) join(id, Vec3(-link / 2, 0, 0), i);
-      last = id;
-      p_last = Vec3(link / 2, 0, 0);
-      joined = true;
-    }
-    if (ends[1].found && ends[1].placed) join(ends[1].id, pose_of(ends[1]).local(nodes[n]), n);
-  });
+  node.guard([&] { add_links(node, {name, nodes, link, radius, link_mass, surface, {ends[0], ends[1]}}); });
   if (problems_.size() != before) leave_out();
 }
 

@@ -24,6 +24,15 @@ std::string lines(const std::string& file_name, const std::vector<SceneFileProbl
   return all;
 }
 
+bool is_index(const std::string& token) {
+  return !token.empty() && token.size() < 10 && token.find_first_not_of("0123456789") == token.npos;
+}
+
+bool fits_a_line(const std::string& name) {
+  return name.size() <= kLongestShownName &&
+         std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20; });
+}
+
 /// The name of what a path leads into, such as that of a joint: the last "name" on the way from the lists at
 /// the top.
 std::string name_on_the_way(const nlohmann::json& document, const std::string& path) {
@@ -32,13 +41,12 @@ std::string name_on_the_way(const nlohmann::json& document, const std::string& p
   for (std::size_t begin = 1; begin < path.size();) {
     const std::size_t end = std::min(path.find('/', begin), path.size());
     const std::string token = path.substr(begin, end - begin);  // names of items stand below arrays only
-    if (at->is_array() && !token.empty() && token.find_first_not_of("0123456789") == token.npos &&
-        token.size() < 10) {
+    if (at->is_array() && is_index(token)) {
       const std::size_t index = std::stoul(token);
       if (index >= at->size()) return name;
       at = &(*at)[index];
-      const auto found = at->is_object() ? at->find("name") : at->end();
-      if (at->is_object() && found != at->end() && found->is_string()) name = found->get<std::string>();
+      if (at->is_object() && at->contains("name") && at->at("name").is_string())
+        name = at->at("name").get<std::string>();
     } else if (at->is_object() && at->contains(token)) {
       at = &(*at)[token];
     } else {
@@ -46,9 +54,7 @@ std::string name_on_the_way(const nlohmann::json& document, const std::string& p
     }
     begin = end + 1;
   }
-  const bool fits_a_line = name.size() <= kLongestShownName &&
-                           std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20; });
-  return path.ends_with("/name") || !fits_a_line ? "" : name;  // its own value says it
+  return path.ends_with("/name") || !fits_a_line(name) ? "" : name;  // its own value says it
 }
 
 void add_names(const nlohmann::json& document, std::vector<SceneFileProblem>& problems) {

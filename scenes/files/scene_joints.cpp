@@ -56,8 +56,8 @@ std::shared_ptr<const Joint> read_rope(PairKeys& k) {
 
 /// Joint types: a new one adds its entry here (and to the schema and scenes/files/FORMAT.md).
 struct JointReader {
-  std::shared_ptr<const Joint> (*pair)(PairKeys& k);  ///< a joint of two bodies; null: …
-  JointFromKeys other = nullptr;                      ///< … one of axes, or of "points"
+  JointFromPair pair;             ///< a joint of two bodies; null: …
+  JointFromKeys other = nullptr;  ///< … one of axes, or of "points"
 };
 /// Those that turn about a point, which is therefore on both bodies, or near them.
 bool turns_about_a_point(std::string_view type) {
@@ -113,20 +113,57 @@ constexpr std::pair<const char*, JointReader> kJointTypes[] = {
 
 }  // namespace
 
+/// "" if it has none, or one that is taken (a problem): it is unnamed as far as all the rest goes.
+std::string SceneReader::free_joint_name(JsonObject& joint) {
+  const auto node = joint.find("name");
+  std::string name = node ? node->string() : "";
+  if (name.empty()) return name;
+  const auto owner = path_of_joint_.find(name);
+  const bool of_file = owner != path_of_joint_.end();
+  if (of_file || scene_.world.has_joint(name)) {
+    node->problem("name is already taken by " + (of_file ? owner->second : "a generated joint"));
+    return "";
+  }
+  path_of_joint_[name] = joint.node().path();
+  return name;
+}
+
+SceneReader::JointOfFile SceneReader::read_joint_of_pair(JsonObject& joint, std::size_t before,
+                                                         JointFromPair make) {
+  const JsonNode& node = joint.node();
+  JointOfFile result;
+  PairKeys keys(*this, joint);
+  guard_item(node, before, [&] { result.made = make(keys); });
+  joint.reject_unknown_keys();
+  result.bodies_found = keys.a.found && keys.b.found;
+  result.bodies_placed = keys.a.placed && keys.b.placed;
+  if (result.made && result.bodies_placed && keys.a.shaped && keys.b.shaped && keys.anchors &&
+      turns_about_a_point(result.made->type()))
+    anchors_.push_back({node, keys.a.id, keys.b.id, keys.anchors->a, keys.anchors->b});
+  if (!result.bodies_found) return result;
+  const World& world = scene_.world;
+  if (keys.a.id == keys.b.id)
+    joint.find("b")->problem("joins a body to itself");
+  else if (result.bodies_placed && world.is_fixed(keys.a.id) && world.is_fixed(keys.b.id))
+    node.problem("joins two fixed bodies", world.name(keys.a.id) + ", " + world.name(keys.b.id));
+  return result;
+}
+
+SceneReader::JointOfFile SceneReader::read_joint_of_axes(JsonObject& joint, std::size_t before,
+                                                         JointFromKeys make) {
+  JointOfFile result;
+  guard_item(joint.node(), before, [&] { result.made = make(*this, joint); });
+  joint.reject_unknown_keys();
+  if (!result.made) return result;
+  for (BodyId body : result.made->bodies())
+    result.bodies_placed = result.bodies_placed && !unplaced_bodies_.contains(body.index);
+  return result;
+}
+
 void SceneReader::read_joint(const JsonNode& node) {
   knows_all_ = true;
   JsonObject joint(node);
-  const auto name_node = joint.find("name");
-  std::string name = name_node ? name_node->string() : "";
-  // One without a name of its own is unnamed as far as all the rest goes.
-  const auto owner = path_of_joint_.find(name);
-  if (!name.empty() && (owner != path_of_joint_.end() || scene_.world.has_joint(name))) {
-    name_node->problem("name is already taken by " +
-                       (owner != path_of_joint_.end() ? owner->second : "a generated joint"));
-    name.clear();
-  } else if (!name.empty()) {
-    path_of_joint_[name] = node.path();
-  }
+  const std::string name = free_joint_name(joint);
   const std::size_t before = problems_.size();
   const auto type = joint.required("type");
   const std::size_t before_type = problems_.size();
@@ -136,39 +173,17 @@ void SceneReader::read_joint(const JsonNode& node) {
     return;
   }
   for (const char* key : {"axes", "compliance", "break", "attached"}) joint.find(key);
-  std::shared_ptr<const Joint> made;
-  bool bodies_found = true, bodies_placed = true;
-  if (!read_type.pair || (read_type.other && joint.find("points"))) {
-    guard_item(node, before, [&] { made = read_type.other(*this, joint); });
-    joint.reject_unknown_keys();
-    if (made)
-      for (BodyId body : made->bodies())
-        bodies_placed = bodies_placed && !unplaced_bodies_.contains(body.index);
-  } else {
-    PairKeys keys(*this, joint);
-    guard_item(node, before, [&] { made = read_type.pair(keys); });
-    joint.reject_unknown_keys();
-    bodies_found = keys.a.found && keys.b.found;
-    bodies_placed = keys.a.placed && keys.b.placed;
-    if (made && bodies_placed && keys.a.shaped && keys.b.shaped && keys.anchors &&
-        turns_about_a_point(made->type()))
-      anchors_.push_back({node, keys.a.id, keys.b.id, keys.anchors->a, keys.anchors->b});
-    if (bodies_found) {
-      if (keys.a.id == keys.b.id)
-        joint.find("b")->problem("joins a body to itself");
-      else if (bodies_placed && scene_.world.is_fixed(keys.a.id) && scene_.world.is_fixed(keys.b.id))
-        node.problem("joins two fixed bodies",
-                     scene_.world.name(keys.a.id) + ", " + scene_.world.name(keys.b.id));
-    }
-  }
-
+  const bool of_axes = !read_type.pair || (read_type.other && joint.find("points"));
+  const auto [made, bodies_found, bodies_placed] = of_axes
+                                                       ? read_joint_of_axes(joint, before, read_type.other)
+                                                       : read_joint_of_pair(joint, before, read_type.pair);
   JointId id;
   if (made && bodies_found && problems_.size() == before)
-    node.guard([&] {
+    node.guard([&, &made = made, placed = bodies_placed] {
       id = scene_.world.add_joint(name, made);
       path_of_joint_[scene_.world.name(id)] = node.path();
       joint_paths_.resize(id.index + 1);
-      if (bodies_placed) joint_paths_[id.index] = node.path();
+      if (placed) joint_paths_[id.index] = node.path();
     });
   misses_joint_ = misses_joint_ || id.index < 0;
   if (const auto axes = joint.find("axes")) read_axes(*axes, id);

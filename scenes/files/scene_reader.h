@@ -19,7 +19,7 @@ struct BodyReference {
   BodyId id{};
   bool found = false;
   bool placed = false;  ///< its pose is known; false if it is not there
-  bool shaped = false;  ///< its shapes are known; likewise
+  bool shaped = false;  ///< its shapes are known; false if it is not there
   /// Its centre of mass in the frame that the file gives the body, which points of the file are in.
   Vec3 centre = Vec3::Zero();
 };
@@ -53,6 +53,13 @@ FileMass read_mass(JsonObject& body, bool fixed, const std::vector<FileShape>& s
 /// The same of a body whose only source of mass are these shapes.
 FileMass mass_of_shapes(JsonObject& body, const std::vector<FileShape>& shapes);
 
+class PairKeys;
+class SceneReader;
+
+/// A joint by its keys; null if what it refers to has problems.  @{
+using JointFromKeys = std::shared_ptr<const Joint> (*)(const SceneReader& reader, JsonObject& joint);
+using JointFromPair = std::shared_ptr<const Joint> (*)(PairKeys& keys);  /// @}
+
 /// Builds a Scene from a document.  A body or joint with problems is still entered under its name, with what
 /// is known of it, so that what refers to it is checked as well.
 class SceneReader {
@@ -65,7 +72,7 @@ class SceneReader {
 
   /// The body that the key names; a problem if the key or the body is missing.
   BodyReference required_body(JsonObject& object, const char* key) const;
-  BodyReference find_body(const JsonNode& name) const;  ///< the same of a name by itself
+  BodyReference find_body(const JsonNode& name) const;  ///< or of a name by itself
   /// The joint of the key; -1 if it is missing (a problem) or has problems of its own.
   JointId required_joint(JsonObject& object, const char* key) const;
   /// A probe of the file by name; a problem if there is none, and null.
@@ -84,10 +91,22 @@ class SceneReader {
   void read_materials(const JsonNode& node);
   void read_ground(const JsonNode& node);
   void read_body(const JsonNode& node);
+  void enter_body(const JsonNode& node, BodySpec spec, const FileMass& mass,
+                  const std::vector<FileShape>& shapes, bool placed, bool sound);
   void refuse_name(const JsonNode& name);
   /// "rod", "capsule" or "beam", if the body has one of them.
   std::optional<BodyByEnds> read_body_by_ends(JsonObject& body) const;
   void read_cable(const JsonNode& node);
+  /// A cable that hangs: its links are between these nodes, and each end is on a body or free.
+  struct Cable {
+    std::string name;
+    std::vector<Vec3> nodes;
+    double link = 0, radius = 0, link_mass = 0;  // length, radius and mass of a link
+    FileShape surface;
+    BodyReference ends[2];
+  };
+  void check_link_names(JsonObject& cable, const std::string& name, int links, std::size_t before);
+  void add_links(const JsonNode& node, const Cable& cable);
   /// "shapes": those without problems.
   std::vector<FileShape> read_shapes(const JsonNode& list) const;
   std::optional<FileShape> read_shape_of_body(const JsonNode& node) const;
@@ -103,15 +122,23 @@ class SceneReader {
   /// All shapes of a body, or the one that the key counts.
   std::vector<ShapeId> shapes_of_pair(JsonObject& pair, const char* body_key, const char* shape_key) const;
   void read_joint(const JsonNode& node);
+  std::string free_joint_name(JsonObject& joint);
+  /// A joint that the keys describe, null if they do not, and what is known of its bodies.
+  struct JointOfFile {
+    std::shared_ptr<const Joint> made;
+    bool bodies_found = true, bodies_placed = true;
+  };
+  JointOfFile read_joint_of_pair(JsonObject& joint, std::size_t before, JointFromPair make);
+  JointOfFile read_joint_of_axes(JsonObject& joint, std::size_t before, JointFromKeys make);
   void read_force(const JsonNode& node);
   void read_probe(const JsonNode& node);
   void read_event(const JsonNode& node);
   void check_gaps();
   void note_many_turns(JsonObject& axis) const;
   void note_far_anchors() const;
-  /// "axes" of a joint: limits, motor, friction and spring by axis; applied to the joint if it is there.
+  /// "axes" of a joint: axis properties (core/axes) by axis; applied to the joint if it is there.
   void read_axes(const JsonNode& node, JointId joint);
-  /// "compliance", "break" and "attached"; the same.
+  /// "compliance", "break" and "attached"; applied to the joint if it is there.
   void read_joint_properties(JsonObject& joint, JointId id);
 
   /// -1 if there is none of that name (a problem) or it has problems of its own.
@@ -152,9 +179,6 @@ class SceneReader {
   };
   std::vector<FileAnchor> anchors_;
 };
-
-/// A joint or force by its keys; null if what it refers to has problems.
-using JointFromKeys = std::shared_ptr<const Joint> (*)(const SceneReader& reader, JsonObject& joint);
 
 /// Joints over points of several bodies.
 std::shared_ptr<const Joint> read_pulley(const SceneReader& reader, JsonObject& joint);

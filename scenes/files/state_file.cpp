@@ -37,15 +37,13 @@ class StateReader {
     if (format && format->json() != kStateFormat)
       format->problem(std::string("must be \"") + kStateFormat + '"');
     state_.time = keys.get_required("time", &JsonNode::number, 0.0);
-    if (const auto bodies = keys.required("bodies"))
-      for (const JsonNode& body : bodies->items("an array of bodies")) read_body(body);
-    if (const auto axes = keys.find("axes"))
-      for (const JsonNode& axis : axes->items("an array of axes")) read_axis(axis);
-    if (const auto detached = keys.find("detached"))
-      for (const JsonNode& joint : detached->items("an array of names"))
-        if (const auto id = joint_named(joint)) detached_.push_back(*id);
-    if (const auto contacts = keys.find("contacts"))
-      for (const JsonNode& contact : contacts->items("an array of contacts")) read_contact(contact);
+    each_of(keys.required("bodies"), "an array of bodies", [&](const JsonNode& body) { read_body(body); });
+    each_of(keys.find("axes"), "an array of axes", [&](const JsonNode& axis) { read_axis(axis); });
+    each_of(keys.find("detached"), "an array of names", [&](const JsonNode& joint) {
+      if (const auto id = joint_named(joint)) detached_.push_back(*id);
+    });
+    each_of(keys.find("contacts"), "an array of contacts",
+            [&](const JsonNode& contact) { read_contact(contact); });
     if (const auto memory = keys.find("memory")) read_memory(*memory);
     keys.reject_unknown_keys();
     // Programs write states: what is only strange in a scene is wrong here.
@@ -57,6 +55,12 @@ class StateReader {
   }
 
  private:
+  template <typename Read>
+  static void each_of(const std::optional<JsonNode>& list, const char* what, Read read) {
+    if (!list) return;
+    for (const JsonNode& item : list->items(what)) read(item);
+  }
+
   void read_body(const JsonNode& node) {
     JsonObject keys(node);
     const auto name = keys.required("name");

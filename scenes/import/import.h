@@ -21,10 +21,10 @@ bool is_scene_or_model_file(const std::string& name);
 /// understood, or what it describes cannot be a scene, as a body that moves and has no mass.
 Scene load_model_file(const std::filesystem::path& file, std::vector<ImportNotice>* notices = nullptr);
 
-/// The text of a scene file that says what a model file says, as `taut import` writes it; likewise.
+/// The text of a scene file that says what a model file says.  Notices and errors: load_model_file().
 std::string model_scene_text(const std::filesystem::path& file, std::vector<ImportNotice>* notices = nullptr);
 
-/// As open_scene(), and model files as well.
+/// What open_scene() (scenes/files/scene_source.h) gives, and the scene of a model file by its name.
 Scene open_scene_or_model(const std::string& name_or_file,
                           const std::map<std::string, double>& parameters = {},
                           std::vector<ImportNotice>* notices = nullptr);

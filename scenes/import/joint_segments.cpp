@@ -90,29 +90,45 @@ std::optional<Quat> frame_of(std::array<std::optional<Vec3>, 3> f) {
   return Quat(R).normalized();
 }
 
-/// Slides across each other, and then at most two hinges, along the axes of one frame.
-std::optional<JointSegment> six_dof(std::span<const WorldAxis> axes) {
-  JointSegment segment{"six_dof", 0, static_cast<int>(axes.size()), {}, Vec3::Zero(), Quat::Identity()};
-  std::array<std::optional<Vec3>, 3> frame;
+std::vector<const WorldAxis*> hinges_among(std::span<const WorldAxis> axes) {
   std::vector<const WorldAxis*> hinges;
   for (const WorldAxis& a : axes)
     if (a.kind == Kind::kHinge) hinges.push_back(&a);
-  if (hinges.size() > 2 || hinges.size() == axes.size()) return {};
-  for (const WorldAxis* hinge : hinges)  // the two that a six_dof may have follow each other in its frame
-    if (place_of(hinge->axis, frame) != (hinge == hinges[0] ? 0 : 1)) return {};
+  return hinges;
+}
+
+/// Names of the motions along and about the axes of one frame, which gets the directions that it lacks.
+/// Nothing unless they are slides and then hinges, all different.
+std::optional<std::vector<std::string>> motions_in_frame(std::span<const WorldAxis> axes,
+                                                         std::array<std::optional<Vec3>, 3>& frame) {
+  std::vector<std::string> keys;
   for (std::size_t k = 0; k < axes.size(); ++k) {
     const bool slides = axes[k].kind == Kind::kSlide;
     if (axes[k].kind > Kind::kSlide || (slides && k > 0 && axes[k - 1].kind == Kind::kHinge)) return {};
     const int place = place_of(axes[k].axis, frame);
     if (place < 0) return {};
-    segment.keys.emplace_back(slides ? kAlong[place] : kAbout[place]);
-    if (std::count(segment.keys.begin(), segment.keys.end(), segment.keys.back()) > 1) return {};
+    keys.emplace_back(slides ? kAlong[place] : kAbout[place]);
+    if (std::count(keys.begin(), keys.end(), keys.back()) > 1) return {};
   }
+  return keys;
+}
+
+/// Slides across each other, and then at most two hinges, along the axes of one frame.
+std::optional<JointSegment> six_dof(std::span<const WorldAxis> axes) {
+  JointSegment segment{"six_dof", 0, static_cast<int>(axes.size()), {}, Vec3::Zero(), Quat::Identity()};
+  std::array<std::optional<Vec3>, 3> frame;
+  const std::vector<const WorldAxis*> hinges = hinges_among(axes);
+  if (hinges.size() > 2 || hinges.size() == axes.size()) return {};
+  for (const WorldAxis* hinge : hinges)  // the two that a six_dof may have follow each other in its frame
+    if (place_of(hinge->axis, frame) != (hinge == hinges[0] ? 0 : 1)) return {};
+  auto keys = motions_in_frame(axes, frame);
+  if (!keys) return {};
   const auto q = frame_of(frame);
   const auto point = hinges.size() == 2   ? meeting(*hinges[0], *hinges[1])
                      : hinges.size() == 1 ? std::optional(hinges[0]->anchor)
                                           : std::optional(axes[0].anchor);
   if (!q || !point) return {};
+  segment.keys = std::move(*keys);
   segment.frame = *q;
   segment.anchor = *point;
   return segment;

@@ -250,12 +250,11 @@ bool MjcfRelations::has_state(const MjcfElement& actuator) const {
   return actuator.text("dyntype", "none") != "none" || actuator.number("timeconst", 0) > 0;
 }
 
-/// force = gear (gain₀ u + bias₀ + bias₁ gear q + bias₂ gear q̇), with gain and bias of the kind.
-AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control) {
+/// Of its kind; three numbers of bias.
+MjcfRelations::Gains MjcfRelations::gains_of(const MjcfElement& actuator, double control) {
   const std::string kind = actuator.node().name();
-  const double gear = actuator.numbers("gear", {1, 0, 0, 0, 0, 0})[0];
-  double gain = 1;
-  std::vector<double> bias(3, 0.0);
+  Gains gains;
+  auto& [gain, bias] = gains;
   if (kind == "position") {
     gain = actuator.number("kp", 1);
     bias[1] = -gain, bias[2] = -actuator.number("kv", 0);
@@ -279,6 +278,13 @@ AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control) {
       note(actuator, "\"gaintype\": has no counterpart: its control does nothing");
   }
   bias.resize(3, 0.0);
+  return gains;
+}
+
+/// force = gear (gain₀ u + bias₀ + bias₁ gear q + bias₂ gear q̇), with gain and bias of the kind.
+AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control) {
+  const double gear = actuator.numbers("gear", {1, 0, 0, 0, 0, 0})[0];
+  const auto [gain, bias] = gains_of(actuator, control);
   const double constant = gain * control + bias[0];
   const auto range = actuator.range("forcerange", "forcelimited", compiler_);
   if (bias[1] == 0 && bias[2] == 0)
@@ -311,25 +317,31 @@ void MjcfRelations::act_on_joint(const MjcfElement& actuator, double control, Li
 }
 
 void MjcfRelations::read_sensor(const pugi::xml_node& node) {
+  static const std::map<std::string_view, const char*> kOfJoints = {{"jointpos", "axis"},
+                                                                    {"jointvel", "axis"},
+                                                                    {"jointactuatorfrc", "axis-force"},
+                                                                    {"jointlimitfrc", "axis-force"}};
+  static const std::map<std::string_view, const char*> kOfSites = {{"force", "reaction-force"},
+                                                                   {"torque", "reaction-torque"},
+                                                                   {"velocimeter", "velocity"},
+                                                                   {"gyro", "angular-velocity"}};
   const MjcfElement sensor(files_, node);
   const std::string kind = node.name();
   ModelProbe probe;
   probe.name = name_of(sensor);
   if (probe.name.empty()) probe.name = kind;
   probe.place = sensor.place();
-  if (kind == "jointpos" || kind == "jointvel" || kind == "jointactuatorfrc" || kind == "jointlimitfrc") {
-    probe.quantity = kind == "jointpos" || kind == "jointvel" ? "axis" : "axis-force";
+  const auto of_joint = kOfJoints.find(kind), of_site = kOfSites.find(kind);
+  if (of_joint != kOfJoints.end()) {
+    probe.quantity = of_joint->second;
     probe.axis = joint(sensor, "joint");
-  } else if (kind == "force" || kind == "torque") {
-    probe.quantity = "reaction-" + kind;
-    probe.at = site(sensor, "site");
-  } else if (kind == "velocimeter" || kind == "gyro") {
-    probe.quantity = kind == "gyro" ? "angular-velocity" : "velocity";
+  } else if (of_site != kOfSites.end()) {
+    probe.quantity = of_site->second;
     probe.at = site(sensor, "site");
   } else if (!frame_sensor(sensor, probe)) {
     return leave_out(sensor, "<" + kind + ">: this sensor has no counterpart");
   }
-  if (kind == "force" || kind == "torque" || kind == "velocimeter" || kind == "gyro" || kind == "framequat")
+  if (of_site != kOfSites.end() || kind == "framequat")
     note(sensor, "<" + kind + ">: the probe is in world axes" + (kind == "framequat" ? ", of the body" : ""));
   model_.probes.push_back(std::move(probe));
 }

@@ -36,6 +36,11 @@ class MjcfRelations {
   void read_controls(const pugi::xml_node& mujoco);
   void read_actuator(const pugi::xml_node& node);
   bool has_state(const MjcfElement& actuator) const;
+  struct Gains {
+    double gain = 1;
+    std::vector<double> bias = std::vector<double>(3, 0.0);
+  };
+  Gains gains_of(const MjcfElement& actuator, double control);
   AxisDrive drive_of(const MjcfElement& actuator, double control);
   void act_on_joint(const MjcfElement& actuator, double control, LinkAxis& axis);
   void read_sensor(const pugi::xml_node& node);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <string_view>
 
 #include "core/math/dense.h"
 #include "scenes/import/link_inertia.h"
@@ -22,6 +24,16 @@ LinkInertia bounded(LinkInertia inertia, const MjcfCompiler& compiler) {
   if (compiler.balance_inertia && moments[0] + moments[1] < moments[2]) moments.setConstant(moments.mean());
   inertia.inertia = axes * moments.asDiagonal() * axes.transpose();
   return inertia;
+}
+
+void read_range(LinkAxis& axis, const MjcfElement& joint, double unit, bool autolimits) {
+  const auto range = joint.numbers("range", {0, 0});
+  const bool given = range[0] != 0 || range[1] != 0;
+  if (!joint.flag("limited", autolimits && given)) return;
+  if (!(range[0] < range[1]) && axis.kind != LinkAxis::Kind::kBall)
+    joint.fail("\"range\" must be two numbers that increase");
+  axis.law.lower = unit * range[0];
+  axis.law.upper = unit * range[1];
 }
 
 }  // namespace
@@ -45,21 +57,28 @@ void MjcfTree::read_children(const pugi::xml_node& parent, const Where& where) {
 }
 
 void MjcfTree::read_child(const pugi::xml_node& node, const Where& where) {
+  struct Kind {
+    std::string_view name;
+    void (MjcfTree::*read)(const pugi::xml_node&, const Where&);
+    bool of_a_link = false;  // the world has none
+  };
+  static constexpr Kind kKinds[] = {{"body", &MjcfTree::read_body},
+                                    {"frame", &MjcfTree::read_frame},
+                                    {"replicate", &MjcfTree::read_replicate},
+                                    {"geom", &MjcfTree::read_geom_of},
+                                    {"site", &MjcfTree::read_site},
+                                    {"attach", &MjcfTree::read_attach},
+                                    {"joint", &MjcfTree::read_joint, true},
+                                    {"freejoint", &MjcfTree::read_joint, true},
+                                    {"inertial", &MjcfTree::read_inertial, true}};
   const std::string_view name = node.name();
   count(node);
-  if (name == "body" || name == "frame" || name == "replicate" || name == "geom" || name == "site" ||
-      name == "attach" || name == "joint" || name == "freejoint" || name == "inertial")
-    files_.accept(node);
-  if (name == "body") return read_body(node, where);
-  if (name == "frame") return read_frame(node, where);
-  if (name == "replicate") return read_replicate(node, where);
-  if (name == "geom") return read_geom_of(node, where);
-  if (name == "site") return read_site(node, where);
-  if (name == "attach") return read_attach(node, where);
   if (name == "flexcomp" || name == "composite" || name == "plugin") names_.lacks_some = true;
-  if (where.link == kWorld) return;
-  if (name == "joint" || name == "freejoint") return read_joint(node, where);
-  if (name == "inertial") return read_inertial(node, where);
+  const auto kind =
+      std::find_if(std::begin(kKinds), std::end(kKinds), [&](const Kind& each) { return each.name == name; });
+  if (kind == std::end(kKinds)) return;
+  files_.accept(node);
+  if (where.link != kWorld || !kind->of_a_link) (this->*kind->read)(node, where);
 }
 
 void MjcfTree::read_body(const pugi::xml_node& node, const Where& where) {
@@ -91,12 +110,13 @@ void MjcfTree::read_body(const pugi::xml_node& node, const Where& where) {
   read_children(node, inside);
 }
 
-void MjcfTree::read_frame(const pugi::xml_node& node, Where where) {
+void MjcfTree::read_frame(const pugi::xml_node& node, const Where& where) {
   const MjcfElement element(files_, node);
-  where.X_LF = where.X_LF * element.pose(compiler_);
-  where.childclass = element.text("childclass", where.childclass.c_str());
+  Where inside = where;
+  inside.X_LF = where.X_LF * element.pose(compiler_);
+  inside.childclass = element.text("childclass", where.childclass.c_str());
   element.find("name");
-  read_children(node, where);
+  read_children(node, inside);
 }
 
 /// Copies of the children, each moved against the one before.
@@ -173,13 +193,7 @@ void MjcfTree::read_law(LinkAxis& axis, const MjcfElement& joint) {
     if (force->first != -force->second)
       note(joint.node(), "\"actuatorfrcrange\" that is not symmetric: its larger end is taken both ways");
   }
-  const auto range = joint.numbers("range", {0, 0});
-  const bool given = range[0] != 0 || range[1] != 0;
-  if (!joint.flag("limited", compiler_.autolimits && given)) return;
-  if (!(range[0] < range[1]) && axis.kind != LinkAxis::Kind::kBall)
-    joint.fail("\"range\" must be two numbers that increase");
-  law.lower = unit * range[0];
-  law.upper = unit * range[1];
+  read_range(axis, joint, unit, compiler_.autolimits);
 }
 
 void MjcfTree::read_inertial(const pugi::xml_node& node, const Where& where) {
@@ -201,6 +215,13 @@ void MjcfTree::read_inertial(const pugi::xml_node& node, const Where& where) {
   link.inertia = in_frame(where.X_LF * element.pose(compiler_), inertia);
 }
 
+/// The inertia of the link is that of its geoms, and this is one of them.
+bool MjcfTree::adds_inertia(const MjcfGeom& geom, int link) const {
+  const bool in_groups = geom.group >= compiler_.first_group && geom.group <= compiler_.last_group;
+  return link != kWorld && !has_inertial_.contains(link) && geom.weighs && in_groups &&
+         compiler_.inertia_from_geoms != MjcfCompiler::FromGeoms::kNo;
+}
+
 void MjcfTree::read_geom_of(const pugi::xml_node& node, const Where& where) {
   const MjcfElement element = defaults_.element(node, where.childclass);
   MjcfGeom geom = read_geom(element, compiler_, meshes_);
@@ -212,10 +233,7 @@ void MjcfTree::read_geom_of(const pugi::xml_node& node, const Where& where) {
     geom.shape->X_LS = where.X_LF * geom.shape->X_LS;
     shapes.push_back(std::move(*geom.shape));
   }
-  const bool in_groups = geom.group >= compiler_.first_group && geom.group <= compiler_.last_group;
-  if (where.link == kWorld || has_inertial_.contains(where.link) || !geom.weighs || !in_groups ||
-      compiler_.inertia_from_geoms == MjcfCompiler::FromGeoms::kNo)
-    return;
+  if (!adds_inertia(geom, where.link)) return;
   Link& link = model_.links[where.link];
   const bool weightless =
       !geom.problem.empty() && (element.text("mass") == "0" || element.text("density") == "0");

@@ -39,7 +39,7 @@ class MjcfTree {
   void read_children(const pugi::xml_node& parent, const Where& where);
   void read_child(const pugi::xml_node& node, const Where& where);
   void read_body(const pugi::xml_node& node, const Where& where);
-  void read_frame(const pugi::xml_node& node, Where where);
+  void read_frame(const pugi::xml_node& node, const Where& where);
   void read_replicate(const pugi::xml_node& node, const Where& where);
   void read_attach(const pugi::xml_node& node, const Where& where);
   /// Of the named asset <model>.
@@ -52,6 +52,7 @@ class MjcfTree {
   void read_law(LinkAxis& axis, const MjcfElement& joint);
   void read_inertial(const pugi::xml_node& node, const Where& where);
   void read_geom_of(const pugi::xml_node& node, const Where& where);
+  bool adds_inertia(const MjcfGeom& geom, int link) const;
   void read_site(const pugi::xml_node& node, const Where& where);
   void count(const pugi::xml_node& node);
   /// Its name in this model; in the whole, `beginning` stands in front.

@@ -47,6 +47,12 @@ void SceneDocument::forbid_neighbours(PairRules& rules) const {
   }
 }
 
+/// Two links with shapes, of which one moves, and that are not next to each other.
+bool SceneDocument::may_meet(int a, int b) const {
+  const bool moves = !stands_still(model_, a) || !stands_still(model_, b);
+  return moves && has_shapes(a) && has_shapes(b) && !joined_directly(a, b);
+}
+
 /// Two that a weld holds have nothing to push apart, and could not.
 void SceneDocument::allow_joined(PairRules& rules) {
   for (int i = 0; i < static_cast<int>(model_.links.size()); ++i) {
@@ -56,9 +62,7 @@ void SceneDocument::allow_joined(PairRules& rules) {
     if (has_shapes(i) && has_shapes(link.parent)) rules[std::minmax(i, link.parent)] = true;
   }
   for (const Loop& loop : model_.loops) {
-    if (stands_still(model_, loop.a.link) && stands_still(model_, loop.b.link)) continue;
-    if (!has_shapes(loop.a.link) || !has_shapes(loop.b.link) || joined_directly(loop.a.link, loop.b.link))
-      continue;
+    if (!may_meet(loop.a.link, loop.b.link)) continue;
     if (loop.fixed && loop.active)
       note(loop.place, "\"" + body(loop.a.link) + "\" and \"" + body(loop.b.link) +
                            "\" are welded: they do not touch each other");

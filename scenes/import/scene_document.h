@@ -48,6 +48,7 @@ class SceneDocument {
   void allow_joined(std::map<std::pair<int, int>, bool>& rules);
   bool has_shapes(int link) const;
   bool joined_directly(int a, int b) const;
+  bool may_meet(int a, int b) const;
 
   // joint_document.cpp
   void write_joints(SceneJson& document);

@@ -161,17 +161,21 @@ int contacts_command(const AccuracyOptions& options) {
   return good ? kExitSuccess : kExitFailure;
 }
 
+std::vector<fs::path> wanted_files(const fs::path& folder, const std::string& only) {
+  std::vector<fs::path> files = reference::case_files(folder);
+  if (files.empty()) fail("--references", "has no case files", folder.string());
+  std::erase_if(files, [&](const fs::path& f) { return f.stem().string().find(only) == std::string::npos; });
+  if (files.empty()) fail("--only", "is in the name of no case", only);
+  return files;
+}
+
 }  // namespace
 
 int accuracy_command(const AccuracyOptions& options) {
   if (options.contacts) return contacts_command(options);
   const fs::path folder = options.references.empty() ? default_references() : fs::path(options.references);
   if (!options.study.empty()) return study_command(folder, options.study);
-  std::vector<fs::path> files = reference::case_files(folder);
-  if (files.empty()) fail("--references", "has no case files", folder.string());
-  std::erase_if(files,
-                [&](const fs::path& f) { return f.stem().string().find(options.only) == std::string::npos; });
-  if (files.empty()) fail("--only", "is in the name of no case", options.only);
+  const std::vector<fs::path> files = wanted_files(folder, options.only);
   check_outputs(options);
   const bool print = options.json != "-" && options.csv != "-";
   const reference::RunPlan plan = plan_of(options);

@@ -184,6 +184,19 @@ bool repeat_worse(const fs::path& peers, const std::vector<BenchRun>& plan, cons
   return any;
 }
 
+/// What the options leave of the plan.
+std::vector<BenchRun> wanted_runs(const BenchOptions& options, const std::vector<std::string>& engines) {
+  std::vector<BenchRun> plan = bench_plan(options.quick, engines);
+  std::erase_if(plan, [&](const BenchRun& r) {
+    return r.scene_label().find(options.only) == std::string::npos ||
+           (options.contact && r.quality == BenchQuality::kJoints);
+  });
+  if (plan.empty()) fail("--only", "is in the name of no scene or program", options.only);
+  if (options.limit > 0)
+    for (BenchRun& run : plan) run.limit = options.limit;
+  return plan;
+}
+
 /// Results are written after each scene, so that a run that is stopped leaves what it has.
 BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const fs::path& out,
                       const std::optional<BenchResults>& then) {
@@ -195,14 +208,7 @@ BenchResults run_plan(const fs::path& folder, const BenchOptions& options, const
     results["engines"][engine] = there;
     if (there) built.push_back(engine);
   }
-  std::vector<BenchRun> plan = bench_plan(options.quick, built);
-  std::erase_if(plan, [&](const BenchRun& r) {
-    return r.scene_label().find(options.only) == std::string::npos ||
-           (options.contact && r.quality == BenchQuality::kJoints);
-  });
-  if (plan.empty()) fail("--only", "is in the name of no scene or program", options.only);
-  if (options.limit > 0)
-    for (BenchRun& run : plan) run.limit = options.limit;
+  const std::vector<BenchRun> plan = wanted_runs(options, built);
   results["planned_runs"] = plan.size();
   std::fprintf(stderr, "taut bench: %zu runs, %.0f minutes at most; engines:", plan.size(),
                longest_time(plan) / 60);
@@ -237,6 +243,10 @@ std::optional<BenchResults> earlier_results(const std::string& file) {
   return then;
 }
 
+fs::path results_folder(const BenchOptions& options, const fs::path& build) {
+  return options.results.empty() ? build / "bench" : fs::path(options.results);
+}
+
 /// taut alone.  @returns how many scenes failed.
 int run_work(const fs::path& folder, const fs::path& build, const BenchOptions& options) {
   if (!options.compare.empty()) fail("--compare", "is not for --work", options.compare);
@@ -254,7 +264,7 @@ int run_work(const fs::path& folder, const fs::path& build, const BenchOptions& 
   results["engines"] = {{"taut", true}};
   results["planned_runs"] = 0;
   results["runs"] = OrderedJson::array();
-  const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
+  const fs::path out = results_folder(options, build);
   fs::create_directories(out);
   add_profiles(program, plan, options, results, [&] { write_results(results, options, out); });
   std::cout << work_tables(results);
@@ -266,7 +276,7 @@ int run_work(const fs::path& folder, const fs::path& build, const BenchOptions& 
 /// @returns how many runs of taut failed or became slower.
 int run_engines(const fs::path& folder, const fs::path& build, const BenchOptions& options,
                 const std::optional<BenchResults>& then) {
-  const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
+  const fs::path out = results_folder(options, build);
   const BenchResults results = run_plan(folder, options, out, then);
   draw_results(results, options, out);
   int bad = 0;
@@ -292,25 +302,9 @@ int run_programs(const std::vector<fs::path>& programs, const std::vector<std::s
   return failed;
 }
 
-}  // namespace
-
-int bench_command(const BenchOptions& options) {
-  if (!(options.factor > 0)) fail("--factor", "must be positive", options.factor);
-  if (!(options.limit >= 0)) fail("--limit", "must not be negative", options.limit);
-  require_writable_folder("--results", options.results);
-  const std::optional<BenchResults> then = earlier_results(options.compare);
-  const fs::path build =
-      options.build_dir.empty() ? program_path().parent_path() : fs::path(options.build_dir);
-  const fs::path folder = build / "benchmarks";
-  if (options.work && options.contact) fail("--work", "is of joints alone, so not for", "--contact");
-  if (options.friction && (options.work || options.contact))
-    fail("--friction", "is of problems without scenes, so not for", options.work ? "--work" : "--contact");
-  if (options.friction) {
-    const fs::path out = options.results.empty() ? build / "bench" : fs::path(options.results);
-    return bench_friction(options, folder / "peers", out, command_of(options)) == 0 ? kExitSuccess
-                                                                                    : kExitFailure;
-  }
-  if (options.work) return run_work(folder, build, options) == 0 ? kExitSuccess : kExitFailure;
+/// @returns how many failed or became slower; 1 if nothing is there that could be run.
+int run_scenes_and_programs(const fs::path& folder, const fs::path& build, const BenchOptions& options,
+                            const std::optional<BenchResults>& then) {
   const bool engines_only = options.quick || options.contact || !options.compare.empty();
   const std::vector<fs::path> programs =
       engines_only ? std::vector<fs::path>{} : benchmarks_in(folder, options.only);
@@ -321,10 +315,36 @@ int bench_command(const BenchOptions& options) {
   if (programs.empty() && !fs::exists(folder / "peers" / "peer_taut")) {
     std::cerr << "taut bench: no benchmark" << (options.only.empty() ? "" : " named like " + options.only)
               << " in " << folder.string() << "; `./taut bench` builds them\n";
-    return kExitFailure;
+    return 1;
   }
-  int bad = scenes ? run_engines(folder, build, options, then) : 0;
-  bad += run_programs(programs, options.arguments);
+  const int bad = scenes ? run_engines(folder, build, options, then) : 0;
+  return bad + run_programs(programs, options.arguments);
+}
+
+void check_bench_options(const BenchOptions& options) {
+  if (!(options.factor > 0)) fail("--factor", "must be positive", options.factor);
+  if (!(options.limit >= 0)) fail("--limit", "must not be negative", options.limit);
+  require_writable_folder("--results", options.results);
+  if (options.work && options.contact) fail("--work", "is of joints alone, so not for", "--contact");
+  if (options.friction && (options.work || options.contact))
+    fail("--friction", "is of problems without scenes, so not for", options.work ? "--work" : "--contact");
+}
+
+}  // namespace
+
+int bench_command(const BenchOptions& options) {
+  check_bench_options(options);
+  const std::optional<BenchResults> then = earlier_results(options.compare);
+  const fs::path build =
+      options.build_dir.empty() ? program_path().parent_path() : fs::path(options.build_dir);
+  const fs::path folder = build / "benchmarks";
+  int bad = 0;
+  if (options.friction)
+    bad = bench_friction(options, folder / "peers", results_folder(options, build), command_of(options));
+  else if (options.work)
+    bad = run_work(folder, build, options);
+  else
+    bad = run_scenes_and_programs(folder, build, options, then);
   return bad == 0 ? kExitSuccess : kExitFailure;
 }
 

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/base/check.h"
 #include "scenes/files/friction_file.h"
@@ -117,6 +118,34 @@ bool write_impulses(const fs::path& folder, const std::string& name, const Frict
   return good;
 }
 
+/// A problem, or why there is none; alone that is the last word, of main().
+std::optional<FrictionFile> readable_file(const std::string& name, bool alone, std::string& unread) {
+  try {
+    return read_friction_file(name);
+  } catch (const std::exception& error) {
+    unread = error.what();
+    if (!alone) std::cerr << "taut: " << unread << '\n';
+    return std::nullopt;
+  }
+}
+
+/// Adds the result to the others, shows it as a line of a table if told to, and writes the impulses.
+/// @returns whether it is solved, and written
+bool solve_file(const FrictionOptions& options, const std::string& name, const FrictionFile& file, bool shown,
+                OrderedJson& results) {
+  const FrictionResult result = solve_friction(file.problem, {.accuracy = options.accuracy});
+  if (results.empty() && shown)
+    std::cout << format("%-44s %8s  %-11s  %9s  %9s  %-14s  %6s  %9s\n", "file", "contacts", "status",
+                        "residual", "in rates", "rung", "factors", "ms");
+  results.push_back(json_of(name, file, result));
+  if (shown) std::cout << line_of(name, file, result) << std::flush;
+  std::cerr << advice_for(printable(name), file, result);
+  const bool solved = result.status == FrictionStatus::kSolved;
+  if (options.solution_folder.empty()) return solved;
+  fs::create_directories(options.solution_folder);
+  return write_impulses(options.solution_folder, name, file.problem, result.r) && solved;
+}
+
 }  // namespace
 
 int friction_command(const FrictionOptions& options) {
@@ -131,28 +160,8 @@ int friction_command(const FrictionOptions& options) {
   OrderedJson results = OrderedJson::array();
   std::string unread;
   for (const std::string& name : options.files) {
-    FrictionFile file;
-    try {
-      file = read_friction_file(name);
-    } catch (const std::exception& error) {
-      good = false;
-      unread = error.what();
-      // Alone it is the last word, of main().
-      if (options.files.size() > 1) std::cerr << "taut: " << unread << '\n';
-      continue;
-    }
-    const FrictionResult result = solve_friction(file.problem, {.accuracy = options.accuracy});
-    if (results.empty() && !to_output)
-      std::cout << format("%-44s %8s  %-11s  %9s  %9s  %-14s  %6s  %9s\n", "file", "contacts", "status",
-                          "residual", "in rates", "rung", "factors", "ms");
-    results.push_back(json_of(name, file, result));
-    if (!to_output) std::cout << line_of(name, file, result) << std::flush;
-    std::cerr << advice_for(printable(name), file, result);
-    good = good && result.status == FrictionStatus::kSolved;
-    if (!options.solution_folder.empty()) {
-      fs::create_directories(options.solution_folder);
-      good = write_impulses(options.solution_folder, name, file.problem, result.r) && good;
-    }
+    const std::optional<FrictionFile> file = readable_file(name, options.files.size() == 1, unread);
+    good = file && solve_file(options, name, *file, !to_output, results) && good;
   }
   if (results.empty())
     throw std::invalid_argument(options.files.size() > 1 ? "no file could be read" : unread);

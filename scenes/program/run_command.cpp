@@ -209,6 +209,18 @@ void note_interruption(RunRecord& record, std::int64_t steps) {
 /// What should be known before the table at the end says it.
 void warn(const std::string& warning) { std::cerr << "taut: warning: " << warning << std::endl; }
 
+/// Of a run in which no step failed.
+void note_end(RunRecord& record, const World& world) {
+  if (!record.ended_by.empty())
+    record.message = "ended by event " + record.ended_by + " at t = " + shortest(world.time()) + " s";
+  if (record.inexact_steps == 0) return;
+  record.status = to_string(Status::kInexact);
+  record.message += (record.message.empty() ? "in " : "; in ") + std::to_string(record.inexact_steps) +
+                    " of " + std::to_string(record.steps) +
+                    " steps the laws of contacts, friction and limits are met to " +
+                    format("%.1e", record.max_complementarity_residual) + " of the largest impulse only";
+}
+
 /// Steps until the end, a failure or a signal.
 void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder, Outputs& outputs,
                LiveRun* live, bool quiet) {
@@ -246,14 +258,41 @@ void run_steps(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorde
     if (ended) break;
     before = seconds > kLongStep ? simulator.checkpoint() : Checkpoint();
   }
-  if (!record.ended_by.empty())
-    record.message = "ended by event " + record.ended_by + " at t = " + shortest(world.time()) + " s";
-  if (record.inexact_steps == 0) return;
-  record.status = to_string(Status::kInexact);
-  record.message += (record.message.empty() ? "in " : "; in ") + std::to_string(record.inexact_steps) +
-                    " of " + std::to_string(record.steps) +
-                    " steps the laws of contacts, friction and limits are met to " +
-                    format("%.1e", record.max_complementarity_residual) + " of the largest impulse only";
+  note_end(record, world);
+}
+
+/// All steps, with what is written while they go on.  What is thrown is the end of the run.
+/// @returns the last values of the probes
+std::vector<double> run_all(RunRecord& record, Simulator& simulator, GapMeter& meter, Recorder& recorder,
+                            Outputs& outputs, LiveRun* live, bool quiet) {
+  std::vector<double> last;
+  try {
+    outputs.header(recorder);
+    outputs.sample(recorder, simulator);
+    if (record.status == "success") run_steps(record, simulator, meter, recorder, outputs, live, quiet);
+    record.redundant_rows = names_of(simulator.report().dependent_rows, simulator.world());
+    if (simulator.report().rank) record.note_rank(*simulator.report().rank, simulator.world());
+    last = recorder.sample(simulator);
+    record.reactions = reactions_fingerprint(simulator);
+  } catch (const std::exception& error) {
+    if (record.status == "success") record.status = "error", record.message = error.what();
+  }
+  return last;
+}
+
+/// Those of the scene, of options and settings without effect, and of what makes a bad start.
+std::vector<std::string> warnings_of(const RunOptions& options, const Scene& scene,
+                                     const SettingSources& sources) {
+  std::vector<std::string> warnings = scene.warnings;
+  for (std::string& warning : settings_without_effect(scene.settings, sources))
+    warnings.push_back(std::move(warning));
+  if (options.poses_interval && options.poses_file.empty())
+    warnings.push_back("--poses-interval has no effect without --poses");
+  if (options.frames_per_second && options.record_file.empty() && !options.exports.any())
+    warnings.push_back("--frames-per-second has no effect without --record, --html, --gltf, --vtk or --plot");
+  for (std::string& warning : start_warnings(scene.world, scene.settings, scene.dt))
+    warnings.push_back(std::move(warning));
+  return warnings;
 }
 
 /// Closes joints that may be open at the start.
@@ -292,8 +331,9 @@ bool writes_while_running(const RunOptions& options) {
                                        .empty();
 }
 
-int exit_status(const RunRecord& record) {
-  if (record.status == "success") return kExitSuccess;
+/// @param written all that was asked for
+int exit_status(const RunRecord& record, bool written) {
+  if (record.status == "success") return written ? kExitSuccess : kExitFailure;
   if (record.status == "interrupted") return kExitSignal + InterruptGuard::signal();
   return kExitFailure;
 }
@@ -330,16 +370,7 @@ int run_command(const RunOptions& options) {
   simulator.set_interrupt([] { return InterruptGuard::age() > kLongStep; });
   Outputs::check(options);
 
-  record.warnings = scene.warnings;
-  for (std::string& warning : settings_without_effect(scene.settings, sources))
-    record.warnings.push_back(std::move(warning));
-  if (options.poses_interval && options.poses_file.empty())
-    record.warnings.push_back("--poses-interval has no effect without --poses");
-  if (options.frames_per_second && options.record_file.empty() && !options.exports.any())
-    record.warnings.push_back(
-        "--frames-per-second has no effect without --record, --html, --gltf, --vtk or --plot");
-  for (std::string& warning : start_warnings(scene.world, scene.settings, scene.dt))
-    record.warnings.push_back(std::move(warning));
+  record.warnings = warnings_of(options, scene, sources);
   if (!forgets.empty()) record.warnings.push_back("--from goes on from the state alone: " + forgets);
   if (const std::string warning = passing_warning(scene.world, scene.settings); !warning.empty())
     warn(warning);
@@ -356,19 +387,8 @@ int run_command(const RunOptions& options) {
   Outputs outputs(options, scene, simulator);
 
   const auto start = Clock::now();
-  std::vector<double> last;
-  try {
-    outputs.header(recorder);
-    outputs.sample(recorder, simulator);
-    if (record.status == "success")
-      run_steps(record, simulator, meter, recorder, outputs, live ? &*live : nullptr, options.quiet);
-    record.redundant_rows = names_of(simulator.report().dependent_rows, scene.world);
-    if (simulator.report().rank) record.note_rank(*simulator.report().rank, scene.world);
-    last = recorder.sample(simulator);
-    record.reactions = reactions_fingerprint(simulator);
-  } catch (const std::exception& error) {
-    if (record.status == "success") record.status = "error", record.message = error.what();
-  }
+  const std::vector<double> last =
+      run_all(record, simulator, meter, recorder, outputs, live ? &*live : nullptr, options.quiet);
   if (live) live->finish(record.status, record.message);
   if (is_endless(options)) record.steps_asked = record.steps;  // no number was asked for
   record.wall_time = seconds_since(start);
@@ -379,7 +399,7 @@ int run_command(const RunOptions& options) {
   if (!options.quiet) std::cout << run_summary(record, how_to_see(options)) << std::flush;
   if (options.verbose) std::cout << run_details(record) << std::flush;
   if (record.status != "success") std::cerr << "taut: " << record.status << ": " << record.message << '\n';
-  return !outputs.errors().empty() && record.status == "success" ? kExitFailure : exit_status(record);
+  return exit_status(record, outputs.errors().empty());
 }
 
 }  // namespace taut

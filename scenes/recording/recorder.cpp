@@ -127,8 +127,7 @@ void Recorder::append(const Probe& probe, Simulator& simulator) {
       return append(simulator.axis_report(probe.axis).power);
     case Quantity::kAxisState: {
       const AxisReport report = simulator.axis_report(probe.axis);
-      for (const bool state : {report.stuck, report.saturated, report.at_limit}) values_.push_back(state);
-      return;
+      return append(Vec3(report.stuck, report.saturated, report.at_limit));
     }
   }
 }

@@ -153,6 +153,36 @@ bool read_tensions(ByteReader& bytes, std::vector<Frame>& frames, std::size_t sp
   return true;
 }
 
+/// Of all bodies but the ground.
+void read_bodies(WordReader pose, WordReader twist, std::size_t count, Frame& frame) {
+  frame.poses.resize(count);
+  frame.twists.resize(count);
+  for (std::size_t b = 1; b < count; ++b) {
+    frame.poses[b].p = pose.vector();
+    frame.poses[b].q = pose.quaternion();
+    frame.twists[b].w = twist.vector();
+    frame.twists[b].v = twist.vector();
+  }
+}
+
+void read_joints(WordReader joint, std::uint32_t count, Frame& frame) {
+  for (std::uint32_t j = 0; j < count; ++j) {
+    JointSample& sample = frame.joints.emplace_back();
+    sample.wrench.force = joint.vector();
+    sample.wrench.torque = joint.vector();
+    sample.gap.metres = joint.number();
+    sample.gap.radians = joint.number();
+    sample.attached = sample.gap.metres != kDetached;
+    if (!sample.attached) sample.gap = {};
+  }
+}
+
+/// The parts that a recording with this header has, and no more frames than there are bytes for.
+bool fits(const Counts& counts, const RecordingHeader& header, std::size_t bytes) {
+  return counts.bodies + 1 == header.bodies.size() && counts.joints == header.joints.size() &&
+         counts.scalars == header.scalars.size() && counts.frames <= bytes / frame_size(header);
+}
+
 }  // namespace
 
 std::size_t frame_size(const RecordingHeader& header) {
@@ -208,10 +238,7 @@ std::vector<double> decode_frame_times(std::string_view raw) {
 std::optional<std::vector<Frame>> decode_frames(std::string_view raw, const RecordingHeader& header) {
   if (raw.size() < kFramesHeadSize || raw.size() < frame_times_size(raw)) return std::nullopt;
   const Counts counts = read_counts(raw);
-  if (counts.bodies + 1 != header.bodies.size() || counts.joints != header.joints.size() ||
-      counts.scalars != header.scalars.size())
-    return std::nullopt;
-  if (counts.frames > raw.size() / frame_size(header)) return std::nullopt;
+  if (!fits(counts, header, raw.size())) return std::nullopt;
   std::vector<Frame> frames(counts.frames);
   ByteReader bytes(raw);
   bytes.take(kFramesHeadSize);
@@ -223,27 +250,9 @@ std::optional<std::vector<Frame>> decode_frames(std::string_view raw, const Reco
   const auto joints = bytes.column(counts.frames, kJointNumbers * counts.joints);
   if (!bytes.sound()) return std::nullopt;
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    Frame& frame = frames[f];
-    WordReader pose(poses, f * kPoseNumbers * counts.bodies),
-        twist(twists, f * kTwistNumbers * counts.bodies);
-    WordReader joint(joints, f * kJointNumbers * counts.joints);
-    frame.poses.resize(header.bodies.size());
-    frame.twists.resize(header.bodies.size());
-    for (std::size_t b = 1; b < header.bodies.size(); ++b) {
-      frame.poses[b].p = pose.vector();
-      frame.poses[b].q = pose.quaternion();
-      frame.twists[b].w = twist.vector();
-      frame.twists[b].v = twist.vector();
-    }
-    for (std::uint32_t j = 0; j < counts.joints; ++j) {
-      JointSample& sample = frame.joints.emplace_back();
-      sample.wrench.force = joint.vector();
-      sample.wrench.torque = joint.vector();
-      sample.gap.metres = joint.number();
-      sample.gap.radians = joint.number();
-      sample.attached = sample.gap.metres != kDetached;
-      if (!sample.attached) sample.gap = {};
-    }
+    read_bodies(WordReader(poses, f * kPoseNumbers * counts.bodies),
+                WordReader(twists, f * kTwistNumbers * counts.bodies), header.bodies.size(), frames[f]);
+    read_joints(WordReader(joints, f * kJointNumbers * counts.joints), counts.joints, frames[f]);
   }
   if (!read_contacts(bytes, frames, static_cast<int>(header.bodies.size())) ||
       !read_tensions(bytes, frames, header.springs.size()) || !bytes.at_end())

@@ -27,7 +27,7 @@ bool read_all(int pipe, double limit, std::string& output) {
     if (ready < 0 && errno != EINTR) return true;
     if (ready <= 0) continue;
     char buffer[4096];
-    const ssize_t count = read(pipe, buffer, sizeof buffer);
+    const ssize_t count = ::read(pipe, buffer, sizeof buffer);
     if (count <= 0) return true;
     output.append(buffer, static_cast<std::size_t>(count));
   }

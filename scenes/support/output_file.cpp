@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostLinks = 40;  // as the kernel
+constexpr int kMostSymlinks = 40;  // as the kernel
 constexpr mode_t kAnyMode = 07777;
 
 std::string text_of(int error) { return std::generic_category().message(error); }
@@ -61,7 +61,8 @@ struct EndOfLinks {
 EndOfLinks end_of_links(const std::string& file) {
   EndOfLinks end{file};
   std::error_code error;
-  for (int links = 0; links < kMostLinks && fs::is_symlink(fs::symlink_status(end.place, error)); ++links) {
+  for (int links = 0; links < kMostSymlinks && fs::is_symlink(fs::symlink_status(end.place, error));
+       ++links) {
     const fs::path folder = folder_of(end.place), next = fs::read_symlink(end.place, error);
     if (error) break;
     end.is_open = end.is_open || has_open_files(folder);
@@ -108,28 +109,35 @@ struct Target {
   fs::path place;  // of what is to be replaced
 };
 
+/// Of a file that is not there, or cannot be looked at.
+int error_of_new(const fs::path& place) {
+  if (errno != ENOENT) return errno;
+  if (!can_make_temporary(folder_of(place))) return errno;
+  return place.has_filename() ? 0 : EISDIR;
+}
+
+/// Why what is there cannot be written to; 0: it can.
+int error_of_present(const std::string& file, const struct stat& now) {
+  if (S_ISDIR(now.st_mode)) return EISDIR;
+  if (standard_stream_of(now) >= 0) return 0;
+  if (S_ISSOCK(now.st_mode)) return ENXIO;
+  return access(file.c_str(), W_OK) == 0 ? 0 : errno;
+}
+
+/// A new file can take the place of what is there.
+bool is_replaceable(const struct stat& now, const EndOfLinks& end) {
+  return standard_stream_of(now) < 0 && !end.is_open && S_ISREG(now.st_mode) && now.st_nlink == 1 &&
+         can_make_temporary(folder_of(end.place));
+}
+
 Target target_of(const std::string& file, OutputFile::Way way) {
   Target target;
   const EndOfLinks end = end_of_links(file);
   target.place = end.place;
-  if (stat(file.c_str(), &target.now) != 0) {
-    target.error = errno == ENOENT ? 0 : errno;
-    if (target.error == 0 && !can_make_temporary(folder_of(target.place))) target.error = errno;
-    if (target.error == 0 && !target.place.has_filename()) target.error = EISDIR;
-    target.through = way == OutputFile::Way::kStreamed;
-    return target;
-  }
-  target.exists = true;
-  const int standard = standard_stream_of(target.now);
-  if (S_ISDIR(target.now.st_mode))
-    target.error = EISDIR;
-  else if (standard < 0 && S_ISSOCK(target.now.st_mode))
-    target.error = ENXIO;
-  else if (standard < 0 && access(file.c_str(), W_OK) != 0)
-    target.error = errno;
-  target.through = way == OutputFile::Way::kStreamed || standard >= 0 || end.is_open ||
-                   !S_ISREG(target.now.st_mode) || target.now.st_nlink != 1 ||
-                   !can_make_temporary(folder_of(target.place));
+  const bool streamed = way == OutputFile::Way::kStreamed;
+  target.exists = stat(file.c_str(), &target.now) == 0;
+  target.error = target.exists ? error_of_present(file, target.now) : error_of_new(end.place);
+  target.through = streamed || (target.exists && !is_replaceable(target.now, end));
   return target;
 }
 
@@ -201,7 +209,7 @@ class OutputFile::Buffer : public std::streambuf {
   int sync() override {
     const char* from = pbase();
     while (error_ == 0 && from < pptr()) {
-      const ssize_t count = write(fd_, from, static_cast<std::size_t>(pptr() - from));
+      const ssize_t count = ::write(fd_, from, static_cast<std::size_t>(pptr() - from));
       if (count > 0)
         from += count;
       else if (count == 0 || errno != EINTR)

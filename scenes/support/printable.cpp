@@ -10,19 +10,35 @@ namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
 
-/// Bytes of the character that the text begins with; 0: it is none [RFC 3629].
-std::size_t character_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const unsigned first = byte(0), second = byte(1);
-  const std::size_t length = first < 0x80 ? 1 : first < 0xC2 ? 0 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
-  if (length <= 1) return length;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte(i) & 0xC0) != 0x80) return 0;
+unsigned byte_of(std::string_view text, std::size_t i) {
+  return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+}
+
+/// Bytes that a character with this first one has; 0: none begins so.
+std::size_t length_by_first(unsigned first) {
+  if (first < 0x80) return 1;
+  if (first < 0xC2) return 0;
+  return first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+}
+
+/// Not what the first bytes of several stand for: it has a shorter form, is half a pair of UTF-16, is above
+/// U+10FFFF, or is U+FFFE or U+FFFF.
+bool is_forbidden(unsigned first, unsigned second, unsigned third) {
   const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
   const bool surrogate = first == 0xED && second >= 0xA0;
   const bool beyond = first > 0xF4 || (first == 0xF4 && second >= 0x90);
-  const bool no_character = first == 0xEF && second == 0xBF && byte(2) >= 0xBE;  // U+FFFE, U+FFFF
-  return overlong || surrogate || beyond || no_character ? 0 : length;
+  const bool no_character = first == 0xEF && second == 0xBF && third >= 0xBE;
+  return overlong || surrogate || beyond || no_character;
+}
+
+/// Bytes of the character that the text begins with; 0: it is none [RFC 3629].
+std::size_t character_length(std::string_view text) {
+  const unsigned first = byte_of(text, 0);
+  const std::size_t length = length_by_first(first);
+  if (length <= 1) return length;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte_of(text, i) & 0xC0) != 0x80) return 0;
+  return is_forbidden(first, byte_of(text, 1), byte_of(text, 2)) ? 0 : length;
 }
 
 }  // namespace
