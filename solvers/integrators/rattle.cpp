@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "solvers/common/max_abs.h"
@@ -244,7 +245,7 @@ bool Rattle::close_joint_positions(double h, std::span<double> lambda, SubstepRe
         kick_and_drift(h, lambda, phase_.end_of_step(h), values_.phi);
         breaking_.clear_rows(values_.phi);
       };
-      return weak_directions_.close(h, RattleTuning::kFarOpen * size_, drift, report);
+      return weak_directions_.close(h, RattleTuning::kFarOpen * size_, std::cref(drift), report);
     }
     if (!closed && (spent || !keep_pace(gap, last, h, report))) return false;
     polished = polished || closed;
