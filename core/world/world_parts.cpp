@@ -20,12 +20,13 @@ OwnWorldParts& OwnWorldParts::operator=(const OwnWorldParts& other) {
   return *this;
 }
 
-/// Both worlds are others afterwards.
+/// Both worlds are others afterwards.  One that is moved to itself has nothing, as its State has then.
 OwnWorldParts& OwnWorldParts::operator=(OwnWorldParts&& other) {
   parts_->identity.require_free();
   other.parts_->identity.require_free();
-  auto nothing = std::make_unique<WorldParts>();
-  if (&other != this) parts_ = std::exchange(other.parts_, std::move(nothing));
+  auto taken = std::exchange(other.parts_, std::make_unique<WorldParts>());
+  if (&other == this) return *this;
+  parts_ = std::move(taken);
   parts_->identity = {};
   return *this;
 }

@@ -302,9 +302,6 @@ TEST(World, MovesAllThatItHasAndCanBeAssignedToAfterwards) {
   EXPECT_FALSE(s.world.has_body("arm"));
   EXPECT_NE(s.world.identity(), before);  // nobody takes it for the one that it was
   EXPECT_NE(s.world.identity(), moved.identity());
-  World& same = moved;
-  moved = std::move(same);
-  EXPECT_EQ(moved.name(s.hand), "hand");
 
   s.world = World();
   EXPECT_EQ(s.world.body_count(), 1);
@@ -315,6 +312,15 @@ TEST(World, MovesAllThatItHasAndCanBeAssignedToAfterwards) {
   World other = std::move(s.world);
   s.world = other;
   EXPECT_EQ(s.world.name(s.hand), "hand");
+
+  World& same = other;
+  other = std::move(same);  // moved from, too
+  EXPECT_EQ(other.body_count(), 0);
+  EXPECT_EQ(other.moving_body_count(), 0);
+  EXPECT_EQ(other.joint_count(), 0);
+  other = s.world;
+  EXPECT_EQ(other.name(s.hand), "hand");
+  EXPECT_EQ(other.pose(s.wall).p, Vec3(-1, 0, 0));
 }
 
 TEST(World, WhileHeldItIsNeitherChangedNorAssignedToNorMovedFrom) {
