@@ -25,7 +25,6 @@ class CubicSpline {
   CubicSpline moved(const Eigen::Matrix<double, Dimension, Dimension>& R, const Vector& d) const;
 
   double first_parameter() const { return t_.front(); }         ///< of the first point
-  double last_parameter() const { return t_.back(); }           ///< of the last point
   double length() const { return t_.back() - t_.front(); }      ///< of the range of parameters
   bool closed() const { return closed_; }                       ///< it repeats beyond its ends
   const std::vector<double>& parameters() const { return t_; }  ///< one per point

@@ -60,7 +60,6 @@ std::uint64_t World::identity() const { return parts_->identity.value(); }
 std::int64_t World::topology_version() const { return parts_->versions.topology; }
 std::int64_t World::state_version() const { return parts_->versions.state; }
 std::int64_t World::axis_version() const { return parts_->versions.axes; }
-std::int64_t World::property_version() const { return parts_->versions.properties; }
 std::int64_t World::geometry_version() const { return parts_->versions.geometry; }
 std::int64_t World::sleep_version() const { return parts_->versions.sleep; }
 

@@ -313,9 +313,6 @@ class World {
   std::int64_t state_version() const;
   /// Changes whenever a property of an axis is set; solvers read the new values and go on.
   std::int64_t axis_version() const;
-  /// Changes whenever the strength of a joint, a material or who may collide is set, which solvers ask for
-  /// each time; only what works on a changed copy of the world needs it.
-  std::int64_t property_version() const;
   /// Changes whenever a body falls asleep or wakes; solvers rebuild their pattern then.
   std::int64_t sleep_version() const;
 

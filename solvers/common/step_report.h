@@ -229,7 +229,7 @@ struct StepReport : SubstepReport {
   /// names_of() says which.
   std::vector<DependentRow> dependent_rows;
   /// With Settings::report_rank, at the end of the step: who holds those rows, and whose reactions are not
-  /// unique; as Simulator::analyze_rank().
+  /// unique.
   std::optional<RankReport> rank;
   std::vector<BreakEvent> breaks;   ///< in the order in which they happened; the joints are detached now
   std::vector<EventRecord> events;  ///< that happened in the step, in this order

@@ -20,7 +20,7 @@ class Archive;
 /// What may be tried on a stage with contacts, and what is enough.
 struct ContactLimits {
   NewtonLimits newton;
-  bool warm_start = false;          ///< impulses of before are tried as they are, and with contacts locked
+  bool warm_start = false;          ///< the last impulses are tried as they are, and with contacts locked
   double warm_start_tolerance = 0;  ///< of rates, for those
   double inexact = 0;  ///< residual that may be taken in the end; 0: none beyond that of Newton's method
 };
@@ -43,7 +43,7 @@ class ContactSolver {
   bool solve(const StageProblem& problem, const ContactLimits& limits, StageRecord& record);
   /// Sweeps of Gauss–Seidel over λ and w; the relative residual that they leave.
   double sweep(const StageProblem& problem, int sweeps, double rate_tolerance);
-  /// What presses at the impulses λ of before, and sticks, goes on with the division of the load that it has:
+  /// What presses at the last impulses λ, and sticks, goes on with the division of the load that it has:
   /// all of it as equalities, of which solve(laws, λ) changes those impulses only by what their rates lack,
   /// where λ is taken if met(problem).  Newton's method would find another division each time.
   template <typename Solve, typename Met>

@@ -7,7 +7,8 @@ namespace taut {
 /// benchmarks/results/tuning.md, and here where it is more than twice the work of a scene.
 /// (solvers/complementarity, "Ladder", "Islands")
 struct ContactSolverTuning {
-  /// Impulses of before that do not meet their laws are mended where they are off by no more than this part.
+  /// The last impulses, if they do not meet their laws, are mended where they are off by no more than this
+  /// part.
   static constexpr double kNear = 1e-3;
   /// Contacts whose guess is further off than kNear are first swept so often, or until no impulse changes by
   /// more than that part of the largest.  A sweep costs 1/8 of a Newton step.  Measured on piles of 40 to 100

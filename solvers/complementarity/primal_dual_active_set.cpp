@@ -71,7 +71,7 @@ void PrimalDualActiveSet::correct(std::span<const RowLaw> laws, std::span<double
   for (std::size_t r = 0; r < laws.size(); ++r) lambda[r] += change_[r] - stiffness_[r] * rates_[r];
 }
 
-/// P of the present segments and W, or one of before that is nearly the same and still serves.
+/// P of the present segments and W, or an earlier one that is nearly the same and still serves.
 bool PrimalDualActiveSet::factorize(std::span<const RowLaw> laws, double softness, bool serves,
                                     StageTimes& times) {
   for (std::size_t r = 0; r < laws.size(); ++r)

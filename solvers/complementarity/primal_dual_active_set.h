@@ -18,7 +18,7 @@ struct PrimalDualTuning {
   /// kStuck: half takes 2.2 times the back-solves of a card house.
   static constexpr double kProgress = 0.5;
   static constexpr int kStuck = 2;
-  /// A factor of before serves as long as it leaves less than this part, and W has changed by less than that.
+  /// An earlier factor serves as long as it leaves less than this part, and W has changed by less than that.
   static constexpr double kServes = 0.3, kNearby = 1e-6;
   /// Better than this part of the impulses is round-off.
   static constexpr double kExact = 1e-14;

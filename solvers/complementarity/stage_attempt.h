@@ -61,7 +61,7 @@ struct StageAttempt {
   StageBudget budget;
   double tolerance;             ///< residual that Newton's method through the bodies goes for
   double rate_tolerance;        ///< rates that are off by no more than this count as right [m/s or rad/s]
-  double warm_start_tolerance;  ///< the same for impulses of before, taken as they are
+  double warm_start_tolerance;  ///< the same for the last impulses, taken as they are
   SubstepReport& report;
   double inexact_residual = 0;  ///< that of the result, if it is beyond 1e-8
 

@@ -29,7 +29,7 @@ class Archive;
 /// tangents of tables, slip directions of contacts) is looked at after each solve, and the stage is solved
 /// again with renewed laws until it stays.
 ///
-/// A stage goes down a ladder: impulses of before as they are, or with one linear solve where contacts stick
+/// A stage goes down a ladder: the last impulses as they are, or with one linear solve where contacts stick
 /// (StageWarmStart); without contacts the active set on the factor of S (StagePivoting), then through the
 /// bodies (StagePrimal); contacts through the bodies, island by island (ContactSolver). The rungs remember
 /// what worked last. (solvers/complementarity, "Ladder", "Natural residual")
@@ -90,7 +90,7 @@ class StageSolver {
 
   // After a solve.
   std::span<const double> rates() const { return w_; }
-  /// The impulses of before were taken as they are.
+  /// The last impulses were taken as they are.
   bool rested() const { return warm_start_.rested(); }
   /// How far the motion is from the laws [m or rad] in a step of h.
   double motion_residual(std::span<const double> lambda, std::span<const double> rates, double h) const {

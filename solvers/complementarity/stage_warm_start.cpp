@@ -27,7 +27,7 @@ bool StageWarmStart::may_rest() const {
   return model_.friction_dominated() || (!model_.contacts.empty() && model_.contacts.rest());
 }
 
-/// The impulses of before at once, or after some sweeps of Gauss–Seidel.
+/// The last impulses at once, or after some sweeps of Gauss–Seidel.
 StageWarmStart::Trial StageWarmStart::accept(StageAttempt& attempt) {
   const std::span<double> lambda = attempt.stage.lambda;
   // Contacts that are gone, or are let through, give nothing from now on.

@@ -14,17 +14,17 @@ namespace taut {
 
 class Archive;
 
-/// Stages that the impulses of before meet, as they are or nearly: what rests is done without a factor, or
+/// Stages that the last impulses meet, as they are or nearly: what rests is done without a factor, or
 /// with one linear solve where all contacts stick.  (solvers/complementarity, "Ladder")
 class StageWarmStart {
  public:
   StageWarmStart(const StageModel& model, const StageResidual& residual, ContactSolver& contact_solver,
                  StagePivoting& pivoting);
 
-  /// Rates that impulses of before may miss their laws by at rest, in a stage that begins now: `loose` after
+  /// Rates that the last impulses may miss their laws by at rest, in a stage that begins now: `loose` after
   /// one that was solved, too, and where bodies are not the system, else `tight`.
   double begin(double loose, double tight);
-  /// Takes the impulses of before as they are, or with all contacts stuck; else laws that moved with them are
+  /// Takes the last impulses as they are, or with all contacts stuck; else laws that moved with them are
   /// renewed.
   StageVerdict solve(StageAttempt& attempt);
   /// The last stage was met so.

@@ -25,7 +25,7 @@ struct FrictionProblem {
   void require_valid() const;
   /// The contacts alone, whose joints hold:  W = W_cc − W_ce W_ee⁺ W_ec,  q = q_c − W_ce W_ee⁺ q_e,  with
   /// e the equalities, which may depend on each other.
-  /// @throws std::invalid_argument as require_valid().
+  /// @throws std::invalid_argument naming what has another size, is not finite or negative.
   FrictionProblem without_equalities() const;
 };
 

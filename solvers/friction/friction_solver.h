@@ -42,8 +42,8 @@ struct FrictionResult {
 
 /// Impulses r that meet equalities, Signorini's and Coulomb's law together.
 /// `guess`: impulses near by, as those of the step before.
-/// @throws std::invalid_argument as FrictionProblem::require_valid(), or if the guess has another size or is
-/// not finite, or a setting is out of range.
+/// @throws std::invalid_argument naming what of the problem has another size, is not finite or negative; if
+/// the guess has another size or is not finite; or if a setting is out of range.
 FrictionResult solve_friction(const FrictionProblem& problem, const FrictionSettings& settings = {},
                               const Eigen::VectorXd* guess = nullptr);
 

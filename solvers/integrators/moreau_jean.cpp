@@ -112,7 +112,7 @@ void MoreauJean::begin_laws(double h, std::span<double> impulses, SubstepReport&
            name_of(settings_.integrator, kIntegratorNames));
     }
     contacts_.clear_idle(impulses);
-    system_.rows().residual(phase_.end_of_step(0), values_.phi);
+    system_.rows().residual(phase_.accepted_end(), values_.phi);
     renew_laws();
     stages_.prepare(values_.rates, impulses);
   }
@@ -221,7 +221,7 @@ bool MoreauJean::go_to_end(double h, SubstepReport& report) {
   }
   phase_.state.time = phase_.start_time + h;
   first_axes_ = phase_.state.axes;
-  system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
+  system_.rows().update_axes(phase_.accepted_end(), phase_.state.axes);
   if (settings_.drift_cure == DriftCure::kPositionPush && !push_positions(report)) return false;
   axes_.give_ropes(system_.rows(), phase_.state);
   system_.set_mass(phase_.state.poses);

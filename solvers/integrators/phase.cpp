@@ -23,10 +23,9 @@ void Phase::add_impulses(std::span<const double> mu) {
       momenta[b] = momenta[b] + system_.rows().wrench_on(b, system_.jacobian(), mu);
 }
 
-Configuration Phase::end_of_step(double h) const {
-  if (h == 0) return {state.poses, state.time, state.axes, poses};
-  return {poses, state.time + h, state.axes, state.poses};
-}
+Configuration Phase::trial_end(double h) const { return {poses, state.time + h, state.axes, state.poses}; }
+
+Configuration Phase::accepted_end() const { return {state.poses, state.time, state.axes, poses}; }
 
 void Phase::accept(double h) {
   std::swap(state.poses, poses);

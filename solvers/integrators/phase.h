@@ -31,9 +31,10 @@ class Phase {
   void second_kick(double h);
   /// p + Jᵀμ, with the Jacobian of the system.
   void add_impulses(std::span<const double> mu);
-  /// What a step of h from the present state leads to: `poses` at its end while it is tried (h ≠ 0); or, once
-  /// it is accepted (h = 0), the new state, while `poses` are still the old ones at which the axes hold.
-  Configuration end_of_step(double h) const;
+  /// What a step of h from the present state leads to, while it is tried: `poses` at its end.
+  Configuration trial_end(double h) const;
+  /// Once it is accepted: the new state, while `poses` are still the old ones at which the axes hold.
+  Configuration accepted_end() const;
   /// The end of the drift is the state from now on.
   void accept(double h);
   /// Back to before accept().

@@ -119,7 +119,7 @@ void Rattle::factorize_end(std::span<const double> lambda, SubstepReport& report
 
 void Rattle::finish(double h, std::span<const double> lambda, std::span<const double> mu,
                     SubstepReport& report) {
-  system_.rows().update_axes(phase_.end_of_step(0), phase_.state.axes);
+  system_.rows().update_axes(phase_.accepted_end(), phase_.state.axes);
   if (bounded()) finish_laws(mu);
   axes_.give_ropes(system_.rows(), phase_.state);
   if (settings_.report_energy) impact_stage_.add_works(h, report.works);
@@ -193,8 +193,8 @@ void Rattle::predict_multipliers(double h, std::span<double> lambda) {
 }
 
 /// Poses after h with the impulses λ, and φ there.
-void Rattle::kick_and_drift(double h, std::span<const double> lambda, const Configuration& end,
-                            std::span<double> phi) {
+void Rattle::kick_and_drift(double h, std::span<const double> lambda, std::span<Pose> poses,
+                            const Configuration& end, std::span<double> phi) {
   const Rows& rows = system_.rows();
   const std::span<const double> J = start_jacobian_.get();
   const auto kick = [&](int b) {
@@ -210,8 +210,8 @@ void Rattle::kick_and_drift(double h, std::span<const double> lambda, const Conf
       if (system_.mass()[b].fixed) continue;
       if (!tension_.active()) kick(b);
       if (stages_.iterative()) phase_.kicked[b] = phase_.kicked[b] - absorbed_[b];
-      phase_.poses[b] = free_flow(system_.mass(), b, phase_.state.poses[b], phase_.kicked[b].torque,
-                                  phase_.kicked[b].force, h);
+      poses[b] = free_flow(system_.mass(), b, phase_.state.poses[b], phase_.kicked[b].torque,
+                           phase_.kicked[b].force, h);
     }
     rows.residual(end, phi, chunk);
   }
@@ -226,7 +226,8 @@ bool Rattle::close_joint_positions(double h, std::span<double> lambda, SubstepRe
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
-      kick_and_drift(h, lambda, {phase_.poses, phase_.state.time + h, phase_.state.axes}, values_.phi);
+      kick_and_drift(h, lambda, phase_.poses, {phase_.poses, phase_.state.time + h, phase_.state.axes},
+                     values_.phi);
     }
     breaking_.clear_rows(values_.phi);
     const double gap = max_abs(values_.phi);
@@ -242,7 +243,7 @@ bool Rattle::close_joint_positions(double h, std::span<double> lambda, SubstepRe
     if (in_vain) {
       prediction_missed_ = false;
       const auto drift = [&] {
-        kick_and_drift(h, lambda, phase_.end_of_step(h), values_.phi);
+        kick_and_drift(h, lambda, phase_.poses, phase_.trial_end(h), values_.phi);
         breaking_.clear_rows(values_.phi);
       };
       return weak_directions_.close(h, RattleTuning::kFarOpen * size_, std::cref(drift), report);

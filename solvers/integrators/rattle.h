@@ -51,8 +51,8 @@ class Rattle : public ImpulseScheme {
   bool stabilize_positions(double h, std::span<double> lambda, SubstepReport& report);
   void begin_bounds(double h);
   void try_positions(double h, std::span<const double> lambda, bool near);
-  void kick_and_drift(double h, std::span<const double> lambda, const Configuration& end,
-                      std::span<double> phi);
+  void kick_and_drift(double h, std::span<const double> lambda, std::span<Pose> poses,
+                      const Configuration& end, std::span<double> phi);
   void contact_rates(double h, bool near, std::span<double> rates);
   bool keep_pace(double error, double last, double h, SubstepReport& report);
   double time_of_impact(double h, std::span<double> lambda, SubstepReport& report);

@@ -33,7 +33,7 @@ void Rattle::begin_bounds(double h) {
 
 /// Where the present λ leads to: q₁, φ(q₁), the mean rates and their laws.
 void Rattle::try_positions(double h, std::span<const double> lambda, bool near) {
-  kick_and_drift(h, lambda, phase_.end_of_step(h), values_.phi);
+  kick_and_drift(h, lambda, phase_.poses, phase_.trial_end(h), values_.phi);
   for (int r = 0; r < system_.row_count(); ++r)
     values_.rates[r] = (values_.phi[r] - values_.start_theta[r]) / h;
   if (!contacts_.empty()) contact_rates(h, near, values_.rates);
@@ -135,7 +135,7 @@ bool Rattle::give_second_kick(double h, std::span<const double> guess, bool anew
   phase_.second_kick(h);
   stages_.residual().begin_velocities(phase_.state.twists);
   std::copy(guess.begin(), guess.end(), mu.begin());
-  system_.rows().residual(phase_.end_of_step(0), values_.phi);
+  system_.rows().residual(phase_.accepted_end(), values_.phi);
   phase_.twists_from(phase_.momenta);
   system_.rates_of(phase_.state, values_.rates);
   stages_.renew_effective_masses();

@@ -39,7 +39,6 @@ class Breaking {
   bool any() const { return !rows_.empty() || !events_.empty(); }
   const std::vector<BreakEvent>& events() const { return events_; }
   /// Loads jump: no interpolation between sub-steps across this.
-  void forget_loads() { has_loads_ = false; }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);

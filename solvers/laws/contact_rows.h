@@ -40,7 +40,6 @@ class ContactRows {
   const ContactCache::Slot& slot(int k) const { return table_.cache.slots()[slots_[k]]; }
   Point& point(int k) { return table_.points[slots_[k]]; }
   const Point& point(int k) const { return table_.points[slots_[k]]; }
-  row_parts::ContactPoint& contact_point(int k) { return table_.cache.point(slots_[k]); }
   const ImpactState& impact(int k) const { return table_.impacts[slots_[k]]; }
   /// Its impacts are located: it has restitution, or all are.
   bool locates_impacts(int k) const { return table_.locates_plastic || slot(k).material.restitution > 0; }

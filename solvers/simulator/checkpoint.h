@@ -32,7 +32,8 @@ class Checkpoint {
 
 /// The bytes, with their number in front.
 std::ostream& operator<<(std::ostream& out, const Checkpoint& checkpoint);
-/// @throws std::invalid_argument as from_bytes().
+/// @throws std::invalid_argument if they are not the bytes of a checkpoint of this version, whole and
+/// unchanged.
 std::istream& operator>>(std::istream& in, Checkpoint& checkpoint);
 
 }  // namespace taut

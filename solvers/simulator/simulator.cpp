@@ -208,7 +208,7 @@ bool Simulator::Impl::start_advancing() {
   if (!report_.ok()) return false;
   if (settings_.report_energy && stepper_.scheme().knows_works() && (!goes_on || restarted_))
     accounting_.start(world_, stepper_.state());
-  restarted_ = false;  // else a question before the step has had it started
+  restarted_ = false;  // true if reactions were asked for before the step
   welds_.start_step(stepper_.state());
   stepper_.forget_state();
   return true;
@@ -400,7 +400,7 @@ void Simulator::Impl::take_back(Before before) {
 }
 
 /// While something thrown is handled: all is as it was before, and the report says that the user has asked to
-/// end early, or is the one of before again.
+/// end early, or is that of the last step again.
 /// @throws what was thrown, unless it was that.
 void Simulator::Impl::give_up(Before before) {
   take_back(std::move(before));

@@ -29,8 +29,8 @@ struct RunReport {
   std::int64_t steps = 0;          ///< that were taken
   std::int64_t inexact_steps = 0;  ///< with Status::kInexact, among them
   Gap gap;                         ///< largest of the steps taken
-  double penetration = 0;          ///< likewise [m]
-  double natural_residual = 0;     ///< likewise, relative
+  double penetration = 0;          ///< deepest of the steps taken [m]
+  double natural_residual = 0;     ///< largest of the steps taken, relative
 
   bool ok() const { return last.ok(); }  ///< the end was reached
   bool exact() const {
@@ -64,7 +64,8 @@ class Simulator {
   /// attached ends the step with Status::kContradiction and the world at the event, which has not happened;
   /// if a part fails, the world is where that part began.  What they have set, and which have happened, is in
   /// checkpoints.  Events of the world that was assigned to are forgotten.
-  /// @throws std::invalid_argument as check_event(), and for a name that is given twice.
+  /// @throws std::invalid_argument if an event names what the world does not have, has a number that is out
+  /// of range, or a name that is given twice.
   void set_events(std::vector<Event> events);
   /// All that has happened, in its order.
   const std::vector<EventRecord>& events_happened() const;
@@ -75,7 +76,7 @@ class Simulator {
   /// that set_interrupt() has ended, and with one in which an event ends the run.  Nothing is done if it is t
   /// already.
   /// @throws std::invalid_argument if t is not finite or has passed, h is not finite and positive, or there
-  /// are more than 1e12 steps; and as step().
+  /// are more than 1e12 steps, or settings exclude what the world has.
   RunReport run_until(double t, double h);
   /// A wrench about the centre of mass of a body, world axes [N·m, N], during the next step alone: constant
   /// in world axes over its sub-steps.  Several calls add up.  It wakes the body, is among `forces` of the
