@@ -48,4 +48,25 @@ LinkInertia scaled(const LinkInertia& inertia, double factor) {
   return {factor * inertia.mass, inertia.centre, factor * inertia.inertia};
 }
 
+std::optional<double> inertia_along(const RobotModel& model, const AxisName& name) {
+  const LinkAxis& axis = model.links[name.link].axes[name.axis];
+  const bool turns = axis.kind == LinkAxis::Kind::kHinge;
+  if (!turns && axis.kind != LinkAxis::Kind::kSlide) return std::nullopt;
+  const Pose& X_WL = model.links[name.link].X_WL;
+  const Vec3 direction = X_WL.q * axis.axis, anchor = X_WL.point(axis.anchor);
+  double inertia = axis.armature;
+  std::vector<char> moves(model.links.size(), 0);
+  for (std::size_t k = name.link; k < model.links.size(); ++k) {
+    const Link& link = model.links[k];
+    moves[k] =
+        static_cast<int>(k) == name.link || (!link.free && link.parent != kWorld && moves[link.parent]);
+    if (!moves[k]) continue;
+    if (!link.unknown_mass.empty()) return std::nullopt;
+    const LinkInertia here = in_frame(link.X_WL, link.inertia);
+    const Mat3 about = here.inertia + parallel_axis(here.mass, here.centre - anchor);
+    inertia += turns ? direction.dot(about * direction) : here.mass;
+  }
+  return inertia;
+}
+
 }  // namespace taut::model

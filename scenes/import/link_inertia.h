@@ -17,5 +17,9 @@ bool is_solid(const LinkInertia& inertia);
 LinkInertia inertia_of_shape(const Shape& shape);
 /// Of `factor` times the density.
 LinkInertia scaled(const LinkInertia& inertia, double factor);
+/// Of the motion along an axis at the start, of its link and all that hangs from it, with its armature [kg m²
+/// or kg]: the entry of the axis on the diagonal of the joint-space inertia.  None if a mass is not known, or
+/// the axis is that of a ball or a screw.
+std::optional<double> inertia_along(const RobotModel& model, const AxisName& name);
 
 }  // namespace taut::model

@@ -17,10 +17,14 @@ void read_options(XmlFiles& files, const pugi::xml_node& mujoco, RobotModel& mod
   for (const pugi::xml_node& option : files.children(mujoco, "option")) {
     model.dt = positive(files, option, "timestep", number(files, option, "timestep", model.dt));
     model.gravity = vector(files, option, "gravity", model.gravity);
+    if (const char* groups = files.find(option, "actuatorgroupdisable"))
+      for (double group : numbers(files, option, "actuatorgroupdisable", groups))
+        model.groups_disabled.insert(static_cast<int>(group));
     for (const pugi::xml_node& flags : files.children(option, "flag")) {
       if (disabled(files, flags, "contact")) model.contacts = false;
       if (disabled(files, flags, "actuation")) model.actuation = false;
       if (disabled(files, flags, "gravity")) weightless = true;
+      if (disabled(files, flags, "clampctrl")) model.clamps_controls = false;
     }
   }
   if (weightless) model.gravity.setZero();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "scenes/import/link_inertia.h"
+
 namespace taut::model {
 namespace {
 
@@ -21,6 +23,22 @@ Value named(const MjcfElement& element, const std::map<std::string, Value>& entr
   if (found != entries.end()) return found->second;
   if (names.lacks_some || names.copied.contains(name)) throw NotThere{name};
   element.fail(std::string("\"") + attribute + "\" names nothing that is there (value: " + name + ")");
+}
+
+/// Of all joints, as a <key> has them: of a free one position and quaternion, of a ball a quaternion.
+std::vector<double> start_coordinates(const RobotModel& model) {
+  std::vector<double> q;
+  for (const Link& link : model.links) {
+    if (link.free)
+      q.insert(q.end(), {link.X_WL.p.x(), link.X_WL.p.y(), link.X_WL.p.z(), link.X_WL.q.w(), link.X_WL.q.x(),
+                         link.X_WL.q.y(), link.X_WL.q.z()});
+    for (const LinkAxis& axis : link.axes)
+      if (axis.kind == LinkAxis::Kind::kBall)
+        q.insert(q.end(), {1, 0, 0, 0});
+      else
+        q.push_back(axis.start);
+  }
+  return q;
 }
 
 }  // namespace
@@ -210,6 +228,15 @@ void MjcfRelations::read_spring(const MjcfElement& tendon, Wire& wire) {
 }
 
 /// Its controls are those of the first <key> that has some and starts from where the model does, or else 0.
+/// Its coordinates and velocities, if it has any, are those that the model starts with.
+bool MjcfRelations::is_start(const MjcfElement& key) const {
+  const std::vector<double> q = key.numbers("qpos"), v = key.numbers("qvel");
+  const std::vector<double> start = start_coordinates(model_);
+  const auto same = [](double x, double y) { return std::abs(x - y) <= 1e-9 * (1 + std::abs(y)); };
+  return (q.empty() || std::equal(q.begin(), q.end(), start.begin(), start.end(), same)) &&
+         std::all_of(v.begin(), v.end(), [](double rate) { return rate == 0; });
+}
+
 void MjcfRelations::read_controls(const pugi::xml_node& mujoco) {
   std::size_t count = 0;
   for (const pugi::xml_node& part : files_.children(mujoco, "actuator"))
@@ -217,7 +244,7 @@ void MjcfRelations::read_controls(const pugi::xml_node& mujoco) {
   for (const pugi::xml_node& part : files_.children(mujoco, "keyframe"))
     for (const pugi::xml_node& key : files_.children(part, "key")) {
       const MjcfElement element(files_, key);
-      if (!controls_.empty() || !key.attribute("ctrl") || key.attribute("qpos") || key.attribute("qvel")) {
+      if (!controls_.empty() || !key.attribute("ctrl") || !is_start(element)) {
         leave_out(element, "<key>: the model starts as without it");
         continue;
       }
@@ -240,9 +267,30 @@ void MjcfRelations::read_actuator(const pugi::xml_node& node) {
   const char* attribute = node.attribute("joint") ? "joint" : "jointinparent";
   if (!known || !node.attribute(attribute) || has_state(actuator) || !model_.actuation)
     return leave_out(actuator, "<" + kind + "> \"" + name + "\": has no counterpart: it does nothing");
+  if (model_.groups_disabled.contains(static_cast<int>(actuator.number("group", 0))))
+    return leave_out(actuator, "<" + kind + "> \"" + name + "\": its group is disabled: it does nothing");
   const AxisName on = joint(actuator, attribute);
-  const auto range = actuator.range("ctrlrange", "ctrllimited", compiler_);
-  act_on_joint(actuator, range ? std::clamp(control, range->first, range->second) : control, axis(on));
+  const auto range = control_range(actuator, on);
+  act_on_joint(actuator, range ? std::clamp(control, range->first, range->second) : control, on);
+}
+
+/// That its control keeps to: its own, or of a position that of its joint, scaled about the middle.
+std::optional<std::pair<double, double>> MjcfRelations::control_range(const MjcfElement& actuator,
+                                                                      const AxisName& on) {
+  const auto own = actuator.range("ctrlrange", "ctrllimited", compiler_);
+  const double part =
+      actuator.node().name() == std::string_view("position")
+          ? not_negative(files_, actuator.node(), "inheritrange", actuator.number("inheritrange", 0))
+          : 0;
+  if (part > 0) {
+    const AxisLaw& law = axis(on).law;
+    if (actuator.find("ctrlrange")) actuator.fail("\"ctrlrange\" and \"inheritrange\" exclude each other");
+    if (!(law.lower > -kNoLimit && law.upper < kNoLimit))
+      actuator.fail("\"inheritrange\" needs a joint with a range");
+    const double middle = 0.5 * (law.lower + law.upper), half = 0.5 * part * (law.upper - law.lower);
+    if (model_.clamps_controls) return std::pair(middle - half, middle + half);
+  }
+  return model_.clamps_controls ? own : std::nullopt;
 }
 
 /// Its force follows the control later.
@@ -250,14 +298,29 @@ bool MjcfRelations::has_state(const MjcfElement& actuator) const {
   return actuator.text("dyntype", "none") != "none" || actuator.number("timeconst", 0) > 0;
 }
 
+/// Of a position: given, or as a part of what is critical for the inertia of the joint at the start, as the
+/// actuator feels it.
+double MjcfRelations::damping_of(const MjcfElement& position, double kp, double gear, const AxisName& on) {
+  const double ratio = not_negative(files_, position.node(), "dampratio", position.number("dampratio", 0));
+  const double given = position.number("kv", 0);
+  if (ratio == 0) return given;
+  if (given != 0) position.fail("\"kv\" and \"dampratio\" exclude each other");
+  if (const auto inertia = inertia_along(model_, on); inertia && gear != 0)
+    return 2 * ratio * std::sqrt(kp * *inertia) / std::abs(gear);
+  note(position, "\"dampratio\", without a hinge or slide whose mass is known: has no counterpart");
+  return 0;
+}
+
 /// Of its kind; three numbers of bias.
-MjcfRelations::Gains MjcfRelations::gains_of(const MjcfElement& actuator, double control) {
+MjcfRelations::Gains MjcfRelations::gains_of(const MjcfElement& actuator, double control,
+                                             const AxisName& on) {
   const std::string kind = actuator.node().name();
   Gains gains;
   auto& [gain, bias] = gains;
   if (kind == "position") {
     gain = actuator.number("kp", 1);
-    bias[1] = -gain, bias[2] = -actuator.number("kv", 0);
+    const double gear = actuator.numbers("gear", {1, 0, 0, 0, 0, 0})[0];
+    bias[1] = -gain, bias[2] = -damping_of(actuator, gain, gear, on);
   } else if (kind == "velocity") {
     gain = actuator.number("kv", 1);
     bias[2] = -gain;
@@ -282,9 +345,9 @@ MjcfRelations::Gains MjcfRelations::gains_of(const MjcfElement& actuator, double
 }
 
 /// force = gear (gain₀ u + bias₀ + bias₁ gear q + bias₂ gear q̇), with gain and bias of the kind.
-AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control) {
+AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control, const AxisName& on) {
   const double gear = actuator.numbers("gear", {1, 0, 0, 0, 0, 0})[0];
-  const auto [gain, bias] = gains_of(actuator, control);
+  const auto [gain, bias] = gains_of(actuator, control, on);
   const double constant = gain * control + bias[0];
   const auto range = actuator.range("forcerange", "forcelimited", compiler_);
   if (bias[1] == 0 && bias[2] == 0)
@@ -296,14 +359,14 @@ AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control) {
 }
 
 /// Those of one joint are one motor.
-void MjcfRelations::act_on_joint(const MjcfElement& actuator, double control, LinkAxis& axis) {
+void MjcfRelations::act_on_joint(const MjcfElement& actuator, double control, const AxisName& on) {
   const std::string label = "<" + std::string(actuator.node().name()) + "> \"" + actuator.text("name") + "\"";
-  const AxisDrive drive = drive_of(actuator, control);
-  AxisDrive& all = axis.drive;
+  const AxisDrive drive = drive_of(actuator, control, on);
+  AxisDrive& all = axis(on).drive;
   if (drive.stiffness < 0 || drive.damping < 0)
     return note(actuator, label + ": a bias that is no spring: has no counterpart");
   if (!drive.any()) return note(actuator, label + ": without a control it does nothing");
-  if (axis.kind == LinkAxis::Kind::kBall)
+  if (axis(on).kind == LinkAxis::Kind::kBall)
     return note(actuator, label + ": acts on a ball joint: has no counterpart");
   if (all.any() && (all.most < kNoLimit || drive.most < kNoLimit))
     return note(actuator, label +

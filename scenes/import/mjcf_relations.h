@@ -34,15 +34,18 @@ class MjcfRelations {
   void read_spatial(const MjcfElement& tendon);
   void read_spring(const MjcfElement& tendon, Wire& wire);
   void read_controls(const pugi::xml_node& mujoco);
+  bool is_start(const MjcfElement& key) const;
   void read_actuator(const pugi::xml_node& node);
   bool has_state(const MjcfElement& actuator) const;
   struct Gains {
     double gain = 1;
     std::vector<double> bias = std::vector<double>(3, 0.0);
   };
-  Gains gains_of(const MjcfElement& actuator, double control);
-  AxisDrive drive_of(const MjcfElement& actuator, double control);
-  void act_on_joint(const MjcfElement& actuator, double control, LinkAxis& axis);
+  std::optional<std::pair<double, double>> control_range(const MjcfElement& actuator, const AxisName& on);
+  double damping_of(const MjcfElement& position, double kp, double gear, const AxisName& on);
+  Gains gains_of(const MjcfElement& actuator, double control, const AxisName& on);
+  AxisDrive drive_of(const MjcfElement& actuator, double control, const AxisName& on);
+  void act_on_joint(const MjcfElement& actuator, double control, const AxisName& on);
   void read_sensor(const pugi::xml_node& node);
   bool frame_sensor(const MjcfElement& sensor, ModelProbe& probe);
   LinkFrame object_of(const MjcfElement& sensor);

@@ -164,12 +164,12 @@ void MjcfTree::read_joint(const pugi::xml_node& node, const Where& where) {
     axis.axis = where.X_LF.q * direction(files_, node, "axis", joint.vector("axis", Vec3::UnitZ()));
   else
     joint.find("axis");
-  read_law(axis, joint);
+  read_law(axis, joint, {where.link, static_cast<int>(link.axes.size())});
   if (!name.empty()) names_.joints[name] = {where.link, static_cast<int>(link.axes.size())};
   link.axes.push_back(std::move(axis));
 }
 
-void MjcfTree::read_law(LinkAxis& axis, const MjcfElement& joint) {
+void MjcfTree::read_law(LinkAxis& axis, const MjcfElement& joint, const AxisName& name) {
   const double unit = axis.kind == LinkAxis::Kind::kSlide ? 1 : compiler_.angle;
   axis.start = unit * joint.number("ref", 0);
   AxisLaw& law = axis.law;
@@ -183,8 +183,10 @@ void MjcfTree::read_law(LinkAxis& axis, const MjcfElement& joint) {
   law.damping = first("damping");
   law.rest = unit * joint.number("springref", 0);
   law.friction = first("frictionloss");
-  if (const auto pair = joint.numbers("springdamper", {0, 0}); pair[0] > 0 || pair[1] > 0)
-    note(joint.node(), "\"springdamper\", which depends on the mass that moves: has no counterpart");
+  if (const auto pair = joint.numbers("springdamper", {0, 0}); pair[0] > 0 && pair[1] > 0)
+    springs_.push_back({name, pair[0], pair[1], joint.node()});
+  else if (pair[0] != 0 || pair[1] != 0)
+    joint.fail("\"springdamper\" must be two positive numbers");
   axis.armature = not_negative(files_, joint.node(), "armature", joint.number("armature", 0));
   if (axis.kind == LinkAxis::Kind::kBall && axis.armature > 0)
     note(joint.node(), "\"armature\" of a ball joint: has no counterpart");
@@ -267,7 +269,22 @@ void MjcfTree::finish() {
   for (const auto& attached : attached_) attached->finish();
 }
 
+/// The spring and damper with this time constant and damping ratio, in place of those that are given, for the
+/// inertia at the start.
+void MjcfTree::give_springs() {
+  for (const auto& [on, time, ratio, node] : springs_) {
+    AxisLaw& law = model_.links[on.link].axes[on.axis].law;
+    if (const auto inertia = inertia_along(model_, on)) {
+      law.stiffness = *inertia / (time * time * ratio * ratio);
+      law.damping = 2 * *inertia / time;
+    } else {
+      note(node, "\"springdamper\", without a hinge or slide whose mass is known: has no counterpart");
+    }
+  }
+}
+
 void MjcfTree::relate() {
+  give_springs();
   MjcfRelations(files_, defaults_, compiler_, names_, prefix_, model_).read(mujoco_);
   for (const auto& attached : attached_) attached->relate();
 }

@@ -49,7 +49,8 @@ class MjcfTree {
   pugi::xml_node find_part(const pugi::xml_node& parent, const char* kind, const std::string& name);
   void adopt(const MjcfTree& attached, const std::string& prefix);
   void read_joint(const pugi::xml_node& node, const Where& where);
-  void read_law(LinkAxis& axis, const MjcfElement& joint);
+  void read_law(LinkAxis& axis, const MjcfElement& joint, const AxisName& name);
+  void give_springs();
   void read_inertial(const pugi::xml_node& node, const Where& where);
   void read_geom_of(const pugi::xml_node& node, const Where& where);
   bool adds_inertia(const MjcfGeom& geom, int link) const;
@@ -70,6 +71,13 @@ class MjcfTree {
   int depth_;
   MjcfNames names_;
   std::string prefix_;
+  /// Of axes whose spring and damper follow from the mass that moves.
+  struct Spring {
+    AxisName on;
+    double time = 0, ratio = 0;  // constant [s], and damping over what is critical
+    pugi::xml_node node;
+  };
+  std::vector<Spring> springs_;
   std::vector<int> links_;      // of this model, and not of one that is attached
   std::set<int> has_inertial_;  // links
   std::map<std::string, pugi::xml_node> models_;

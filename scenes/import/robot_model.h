@@ -176,7 +176,9 @@ struct RobotModel {
   Vec3 gravity = Vec3(0, 0, -9.81);
   double dt = 1.0 / 240;
   bool contacts = true;
-  bool actuation = true;  ///< false: actuators do nothing
+  bool actuation = true;          ///< false: actuators do nothing
+  bool clamps_controls = true;    ///< controls keep to their range
+  std::set<int> groups_disabled;  ///< of actuators, which do nothing
   /// What is joined to the ground, or by a loop, touches it all the same.
   bool joined_touch = false;
   /// An inertia that no body has is an error, as the format's own compiler has it; it has a word against

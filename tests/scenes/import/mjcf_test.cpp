@@ -275,6 +275,10 @@ TEST(ImportMjcf, ControlsAreThoseOfTheStart) {
   const ImportedModel still = with("<key qpos='1 1' ctrl='1 1'/>");
   EXPECT_TRUE(notes(still, "<motor> \"m\": without a control it does nothing"));
   EXPECT_TRUE(notes(still, "<key>: the model starts as without it"));
+  // One that says where it starts anyhow, at the reference of the first joint, is one of the start.
+  EXPECT_EQ(motor_of(with("<key qpos='0.00872664625997165 0' qvel='0 0' ctrl='1 1'/>"), 0)["max_force"], 5);
+  EXPECT_TRUE(
+      notes(with("<key qpos='0.00872664625997165 0' qvel='0 1' ctrl='1 1'/>"), "starts as without it"));
   const ImportedModel pushed = with("<key qpos='1 1' ctrl='1 1'/><key ctrl='-7 0.5'/>");
   EXPECT_EQ(motor_of(pushed, 0), (nlohmann::ordered_json{{"velocity", -1e6}, {"max_force", 10.0}}));
   EXPECT_EQ(motor_of(pushed, 1), (nlohmann::ordered_json{{"velocity", 0.0}, {"damping", 1.5}}));
@@ -286,6 +290,74 @@ TEST(ImportMjcf, ControlsAreThoseOfTheStart) {
   const double inertia = scene.world.mass_properties(BodyId{1}).inertia_B()(1, 1);
   EXPECT_NEAR(scene.world.twist(BodyId{1}).w.y(), -10 / inertia * 1e-3, 1e-9 / inertia);
   EXPECT_TRUE(notes(with("<key ctrl='1'/>"), "has not as many numbers as there are actuators"));
+}
+
+/// A position's damping as a part of what is critical for what its joint moves, with a gear and an armature.
+TEST(ImportMjcf, DampingRatioIsThatOfTheJoint) {
+  const auto damping = [](const std::string& joint, const std::string& actuator) {
+    const ImportedModel model =
+        imported("<worldbody><body><joint name='j' " + joint + "/>" + kBall + "<body pos='0 0 -2'>" + kBall +
+                 "</body></body></worldbody><actuator><position name='p' joint='j' kp='8' " + actuator +
+                 "/></actuator>");
+    const auto axes = model.document["joints"][0]["axes"];
+    return axes.begin().value()["motor"]["damping"].get<double>();
+  };
+  const double sphere = 0.4 * 2 * 0.01, turned = sphere + sphere + 2 * 4;  // both are 2 kg, one 2 m away
+  EXPECT_NEAR(damping("axis='0 1 0'", "dampratio='1'"), 2 * std::sqrt(8 * turned), 1e-12 * turned);
+  EXPECT_NEAR(damping("axis='0 1 0' armature='3'", "dampratio='.5'"), std::sqrt(8 * (turned + 3)), 1e-11);
+  EXPECT_NEAR(damping("axis='0 0 1'", "dampratio='2'"), 4 * std::sqrt(8 * 2 * sphere), 1e-12);
+  EXPECT_NEAR(damping("axis='0 0 1' type='slide'", "dampratio='1'"), 2 * std::sqrt(8 * 4.0), 1e-12);
+  // A gear g makes the stiffness g² kp at the joint, and the damping critical for that.
+  EXPECT_NEAR(damping("axis='0 1 0'", "dampratio='1' gear='-3'"), 2 * std::sqrt(9 * 8 * turned), 1e-11);
+  EXPECT_EQ(damping("axis='0 1 0'", "kv='5'"), 5);
+  EXPECT_THROW((void)damping("axis='0 1 0'", "kv='5' dampratio='1'"), ImportError);
+}
+
+/// T and ζ of a mass on a spring and damper: k = m/(T ζ)², c = 2 m/T, in place of what is given.
+TEST(ImportMjcf, SpringDamperIsThatOfTheMass) {
+  const auto spring = [](const std::string& joint) {
+    const ImportedModel model = imported("<worldbody><body><joint name='j' stiffness='7' damping='8' " +
+                                         joint + "/>" + kBall + "</body></worldbody>");
+    return model.document["joints"][0]["axes"].begin().value()["spring"];
+  };
+  const auto slide = spring("type='slide' axis='0 0 1' springdamper='.1 2'");
+  EXPECT_NEAR(slide["stiffness"].get<double>(), 2 / 0.04, 1e-12);
+  EXPECT_NEAR(slide["damping"].get<double>(), 2 * 2 / 0.1, 1e-12);
+  const auto hinge = spring("axis='0 1 0' armature='1' springdamper='.5 1'");
+  EXPECT_NEAR(hinge["stiffness"].get<double>(), (0.4 * 2 * 0.01 + 1) / 0.25, 1e-12);
+  EXPECT_EQ(spring("axis='0 1 0'")["stiffness"], 7);
+  EXPECT_THROW((void)spring("axis='0 1 0' springdamper='.5 0'"), ImportError);
+}
+
+/// Controls keep to the range of the joint, where they inherit it, unless nothing keeps them.
+TEST(ImportMjcf, ControlsInheritTheRangeOfTheJoint) {
+  const auto position = [](const std::string& actuator, const std::string& option = "") {
+    const ImportedModel model = imported("<compiler angle='radian'/>" + option +
+                                         "<worldbody><body><joint name='j' axis='0 1 0' range='-1 3'/>" +
+                                         kBall + "</body></worldbody><actuator><position joint='j' kp='8' " +
+                                         actuator + "/></actuator><keyframe><key ctrl='9'/></keyframe>");
+    return motor_of(model, 0)["position"].get<double>();
+  };
+  EXPECT_EQ(position(""), 9);
+  EXPECT_EQ(position("inheritrange='1'"), 3);
+  EXPECT_EQ(position("inheritrange='.5'"), 2);
+  EXPECT_EQ(position("ctrlrange='-4 5'"), 5);
+  const std::string unclamped = "<option><flag clampctrl='disable'/></option>";
+  EXPECT_EQ(position("inheritrange='1'", unclamped), 9);
+  EXPECT_EQ(position("ctrlrange='-4 5'", unclamped), 9);
+  EXPECT_THROW((void)position("ctrlrange='-4 5' inheritrange='1'"), ImportError);
+  EXPECT_THROW((void)imported(kDriven + "<actuator><position joint='j' inheritrange='1'/></actuator>"),
+               ImportError);
+}
+
+TEST(ImportMjcf, ActuatorsOfDisabledGroupsDoNothing) {
+  const ImportedModel model =
+      imported("<option actuatorgroupdisable='1 4'/>" + kDriven +
+               "<actuator><position name='p' joint='j' group='4'/><position name='q' joint='k' group='2'/>"
+               "</actuator>");
+  EXPECT_FALSE(model.document["joints"][0].contains("axes"));
+  EXPECT_TRUE(model.document["joints"][1].contains("axes"));
+  EXPECT_TRUE(notes(model, "<position> \"p\": its group is disabled: it does nothing"));
 }
 
 /// A constant force keeps to its range, whose ends need not be opposite.
