@@ -187,12 +187,11 @@ void ImpulseScheme::linearize_and_factorize(SubstepReport& report) {
   system_.factorize(report.times);
 }
 
-/// Of the present stage, at its coordinates and rates.
+/// Of the present stage, at its coordinates and rates; those of equalities it has from its beginning.
 void ImpulseScheme::renew_laws() {
   std::vector<RowLaw>& laws = stages_.laws();
   axes_.set_laws(values_.phi, values_.rates, laws);
   contacts_.set_laws(laws);
-  stages_.set_equalities();
   for (int r : breaking_.rows()) laws[r] = RowLaw::none();
 }
 

@@ -113,6 +113,7 @@ void MoreauJean::begin_laws(double h, std::span<double> impulses, SubstepReport&
     }
     contacts_.clear_idle(impulses);
     system_.rows().residual(phase_.accepted_end(), values_.phi);
+    stages_.set_equalities();
     renew_laws();
     stages_.prepare(values_.rates, impulses);
   }

@@ -29,6 +29,7 @@ void Rattle::begin_bounds(double h) {
   axes_.find_unresolved(system_);
   axes_.find_effective_masses(system_, stages_.effective_mass());
   contacts_.begin(h, values_.rates, stages_.effective_mass());
+  stages_.set_equalities();
 }
 
 /// Where the present λ leads to: q₁, φ(q₁), the mean rates and their laws.
@@ -141,6 +142,7 @@ bool Rattle::give_second_kick(double h, std::span<const double> guess, bool anew
   stages_.renew_effective_masses();
   contacts_.begin_velocities(values_.rates, stages_.effective_mass(), anew);
   if (anew) std::fill(mu.begin() + system_.rows().first_contact_row(), mu.end(), 0.0);
+  stages_.set_equalities();
   renew_laws();
   if (!axes_.finite()) return false;
   values_.add_rates_of(mu, system_);

@@ -47,8 +47,8 @@ void AxisImpacts::set_meeting(std::size_t i, double time, std::span<const double
 }
 
 bool AxisImpacts::any(std::span<const double> theta1) const {
-  for (std::size_t i = 0; i < impacts_.size(); ++i) {
-    if (!table_.has_rigid_limit(i)) continue;
+  for (const int i : table_.limited()) {
+    if (table_.released(i)) continue;
     const AxisLimits& limits = *table_.properties(i).limits;
     const double theta = theta1[table_.row(i)], rate0 = axes_[i].start.rate;
     if (impacts_[i].due() ||

@@ -31,7 +31,7 @@ double load_of(const Rows& rows, const Rows::JointRows& joint, std::span<const d
 bool AxisLoads::update(const AxisTable& table, std::span<AxisLaw> axes, const Rows& rows,
                        std::span<const double> jacobian, std::span<const double> lambda) {
   bool changed = false;
-  for (std::size_t i = 0; i < table.size(); ++i) {
+  for (const int i : table.loaded()) {
     const AxisProperties& p = table.properties(i);
     if (!p.friction || p.friction->per_load == 0 || table.released(i)) continue;
     const double load = load_of(rows, rows.joints()[table.axis(i)->joint.index], jacobian, lambda);

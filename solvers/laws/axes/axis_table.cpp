@@ -1,5 +1,7 @@
 #include "solvers/laws/axes/axis_table.h"
 
+#include <algorithm>
+
 #include "solvers/laws/axes/axis_motor_law.h"
 #include "solvers/laws/axes/axis_spring_law.h"
 
@@ -15,18 +17,27 @@ AxisTable::AxisTable(const World& world, const Rows& rows)
 bool AxisTable::refresh() {
   if (axis_version_ == world_.axis_version()) return false;
   axis_version_ = world_.axis_version();
+  for (auto* axes : {&limited_, &loaded_, &sprung_}) axes->clear();
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const auto* softened = std::get_if<Rows::SoftenedRow>(&rows_[i].what);
     from_own_[i] = !axis(i);
     if (from_own_[i]) own_.resize(rows_.size());
     if (softened) own_[i].spring = spring_of(*softened, angular_[i]);
     if (const Rows::SpringRow* spring = rows_[i].spring()) own_[i].spring = spring_of(*spring);
+    const AxisProperties& p = properties(i);
+    const int axis = static_cast<int>(i);
+    if (taut::has_rigid_limit(p)) limited_.push_back(axis);
+    if (p.friction && p.friction->per_load != 0) loaded_.push_back(axis);
+    if (p.spring || has_soft_limit(p)) sprung_.push_back(axis);
   }
   return true;
 }
 
 AxisProperties& AxisTable::make_own(std::size_t i) {
   own_.resize(rows_.size());
+  if (!from_own_[i])
+    for (auto* axes : {&loaded_, &sprung_})
+      if (std::find(axes->begin(), axes->end(), i) == axes->end()) axes->push_back(static_cast<int>(i));
   from_own_[i] = 1;
   return own_[i] = given(i);
 }

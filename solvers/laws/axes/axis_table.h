@@ -47,6 +47,11 @@ class AxisTable {
   void release(JointId joint);
   bool released(std::size_t i) const { return released_[i]; }
   bool has_rigid_limit(std::size_t i) const { return !released_[i] && taut::has_rigid_limit(properties(i)); }
+  /// Axes with a rigid limit, with friction that grows with the load, and with what may be stiff, a spring or
+  /// a soft limit, among those of the World; all that have own properties are among the last two.  @{
+  std::span<const int> limited() const { return limited_; }
+  std::span<const int> loaded() const { return loaded_; }
+  std::span<const int> sprung() const { return sprung_; }  /// @}
   /// A motor of any force.
   bool has_unbounded_motor(std::size_t i) const;
 
@@ -62,6 +67,7 @@ class AxisTable {
   std::vector<Rows::AxisRow> rows_;
   std::vector<AxisProperties> own_;  // by row; empty if there are none
   std::vector<char> from_own_, released_, angular_;
+  std::vector<int> limited_, loaded_, sprung_;
   std::int64_t axis_version_ = -1;  // of World, when properties were read
 };
 

@@ -128,10 +128,10 @@ bool find_unresolved(const AxisTable& table, std::span<AxisLaw> axes, double h, 
                      bool single_kick) {
   bool any = false;
   const double hh = h * h;
-  for (std::size_t i = 0; i < table.size(); ++i) {
+  for (AxisLaw& axis : axes) axis.springs.excess = axis.springs.limit_excess = 0;
+  for (const int i : table.sprung()) {
     AxisSpringLaw& springs = axes[i].springs;
     const AxisStart& start = axes[i].start;
-    springs.excess = springs.limit_excess = 0;
     if (table.released(i) || start.effective_mass == 0) continue;
     const AxisProperties& p = table.properties(i);
     const Stretched spring = spring_of(p, start.theta), limit = soft_limit_of(p, start.theta);
