@@ -78,11 +78,10 @@ class Candidates {
   bool try_face(const Vec3& n) { return !is_backward(n) && best_.try_direction(n); }
 
   bool try_faces() {
-    for (const Vec3& f : A_.face_normals)
-      if (try_face(f)) return true;
-    for (const Vec3& f : B_.face_normals)
-      if (try_face(-(X_.R * f))) return true;
-    return false;
+    const auto of_A = [this](const Vec3& f) { return try_face(f); };
+    const auto of_B = [this](const Vec3& f) { return try_face(-(X_.R * f)); };
+    return std::any_of(A_.face_normals.begin(), A_.face_normals.end(), of_A) ||
+           std::any_of(B_.face_normals.begin(), B_.face_normals.end(), of_B);
   }
 
   bool try_centres() {

@@ -33,9 +33,9 @@ class OwnWorldParts {
  public:
   OwnWorldParts();
   OwnWorldParts(const OwnWorldParts& other);
-  OwnWorldParts(OwnWorldParts&& other);
+  OwnWorldParts(OwnWorldParts&& other);                  // NOLINT(performance-noexcept-move-constructor)
   OwnWorldParts& operator=(const OwnWorldParts& other);  ///< becomes a copy
-  OwnWorldParts& operator=(OwnWorldParts&& other);       ///< becomes what the other one was
+  OwnWorldParts& operator=(OwnWorldParts&& other);       // NOLINT(performance-noexcept-move-constructor)
   ~OwnWorldParts();
   /// The parts.  @{
   WorldParts* operator->() { return parts_.get(); }

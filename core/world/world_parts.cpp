@@ -12,6 +12,7 @@ OwnWorldParts::OwnWorldParts() : parts_(std::make_unique<WorldParts>()) {}
 OwnWorldParts::OwnWorldParts(const OwnWorldParts& other)
     : parts_(std::make_unique<WorldParts>(*other.parts_)) {}
 
+// NOLINTNEXTLINE(performance-noexcept-move-constructor): throws where a world is held
 OwnWorldParts::OwnWorldParts(OwnWorldParts&& other) : OwnWorldParts() { *this = std::move(other); }
 
 OwnWorldParts& OwnWorldParts::operator=(const OwnWorldParts& other) {
@@ -21,6 +22,7 @@ OwnWorldParts& OwnWorldParts::operator=(const OwnWorldParts& other) {
 }
 
 /// Both worlds are others afterwards.  One that is moved to itself has nothing, as its State has then.
+// NOLINTNEXTLINE(performance-noexcept-move-constructor)
 OwnWorldParts& OwnWorldParts::operator=(OwnWorldParts&& other) {
   parts_->identity.require_free();
   other.parts_->identity.require_free();
