@@ -47,16 +47,16 @@ void AxisImpacts::set_meeting(std::size_t i, double time, std::span<const double
 }
 
 bool AxisImpacts::any(std::span<const double> theta1) const {
-  for (const int i : table_.limited()) {
-    if (table_.released(i)) continue;
+  const auto runs_into_limit = [&](int i) {
+    if (table_.released(i)) return false;
     const AxisLimits& limits = *table_.properties(i).limits;
     const double theta = theta1[table_.row(i)], rate0 = axes_[i].start.rate;
-    if (impacts_[i].due() ||
-        (theta <= limits.lower + LawTuning::kTouch && rate0 < -AxisImpactsTuning::kJolt) ||
-        (theta >= limits.upper - LawTuning::kTouch && rate0 > AxisImpactsTuning::kJolt))
-      return true;
-  }
-  return false;
+    return impacts_[i].due() ||
+           (theta <= limits.lower + LawTuning::kTouch && rate0 < -AxisImpactsTuning::kJolt) ||
+           (theta >= limits.upper - LawTuning::kTouch && rate0 > AxisImpactsTuning::kJolt);
+  };
+  const std::span<const int> limited = table_.limited();
+  return std::any_of(limited.begin(), limited.end(), runs_into_limit);
 }
 
 void AxisImpacts::finish(std::span<const double> w, double time, std::span<AxisReport> reports) {
