@@ -157,7 +157,8 @@ bool ReducedCoordinates::has_finite_forces() const {
 /// With the work of axes among that of all joints; what kinetic energy has changed by beside both is `flow`.
 void ReducedCoordinates::close_works(double of_axes, StepWorks& works) {
   works.constraint += of_axes;
-  works.flow = kinetic_energy(world_, next_) - kinetic_energy(world_, state_) - works.forces - works.constraint;
+  works.flow =
+      kinetic_energy(world_, next_) - kinetic_energy(world_, state_) - works.forces - works.constraint;
 }
 
 std::span<const Wrench> ReducedCoordinates::momenta() const {
