@@ -119,6 +119,7 @@ void Rattle::finish_position_laws(std::span<const double> lambda) {
 /// @returns the length of the sub-step that ends with the first impact.
 double Rattle::time_of_impact(double h, std::span<double> lambda, SubstepReport& report) {
   double time = h;
+  axes_.repeat_first_kick();
   if (stages_.iterative() ? stabilize_positions(h, lambda, report)
                           : close_bounded_positions(h, lambda, report))
     time = impacts_.first(h, values_.rates);

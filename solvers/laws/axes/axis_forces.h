@@ -78,6 +78,8 @@ class AxisForces {
   /// After begin(): a step of Moreau–Jean, whose impulses λ act at once on the rates w = θ̇ after it, springs
   /// and dampers at (1 − ϑ) of the start and ϑ of the end.  (solvers/integrators, "Moreau–Jean")
   void begin_single_kick(double vartheta);
+  /// The first kick is looked for once more: its impulses were only to tell what happens in the step.
+  void repeat_first_kick() { step_.kick = Kick::kFirst; }
   /// Laws of the axis rows for the present kick; those of other rows stay.  The first kick, from begin() to
   /// finish_positions(), takes `rates`, the best estimate of the mean ones, by which torque–speed curves are
   /// read; the second `theta` at q₁, and a single one that in the middle of the step.
