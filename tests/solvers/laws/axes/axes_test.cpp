@@ -196,6 +196,30 @@ TEST(AxisLimits, BounceAtTheTimeOfImpactWhateverTheStep) {
   EXPECT_NEAR(simulator.report().energy(), 0, 1e-7);
 }
 
+/// The step is looked at once more without the limit, and with all else as it is: the mean rate of a damped
+/// block is v/(1 + a), a = c h/2m, and it meets the limit where (solvers/laws, Eq. 4) has it.
+TEST(AxisLimits, AreMetByTheFreeMotionOfWhatIsDamped) {
+  constexpr double h = 0.01, v = 1, way = 0.004;
+  for (const bool by_drag : {false, true}) {
+    Slide s(Vec3::UnitX());
+    s.world.set_gravity(Vec3::Zero());
+    const double c = 20 * s.world.mass_properties(s.block).mass();
+    s.world.set_limits(s.axis, AxisLimits{.upper = way, .restitution = 1});
+    if (by_drag)
+      s.world.set_property(s.axis, AxisDrag{.coefficient = c / v});
+    else
+      s.world.set_friction(s.axis, AxisFriction{.viscous = c});
+    s.world.set_twist(s.block, {Vec3::Zero(), Vec3(v, 0, 0)});
+    const double a = 20 * h / 2;  // w + a w = v; with drag w + a w²/v = v
+    const double w = by_drag ? v * (std::sqrt(1 + 4 * a) - 1) / (2 * a) : v / (1 + a);
+    const double p = v * h / (2 * (w - v)), q = -way * h / (w - v);  // s² + 2 p s + q = 0
+    const double expected = -p - std::sqrt(p * p - q);
+    Simulator simulator(s.world);
+    ASSERT_TRUE(simulator.step(h).exact());
+    EXPECT_NEAR(simulator.axis_report(s.axis).impact_time.value_or(0), expected, 1e-9) << by_drag;
+  }
+}
+
 TEST(AxisLimits, TwoImpactsInOneStepHaveTheirOwnTimes) {
   World world;
   world.set_gravity(Vec3::Zero());
