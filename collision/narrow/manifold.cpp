@@ -303,7 +303,7 @@ class SegmentOverFace {
   bool narrow_to_disc(double slack) {  // its polygon would turn with the least tilt
     if (!within_disc(s0_, d_, face_, f_, slack, lo_, hi_)) return false;
     if (lo_ > 0) lo_id_ = id(Meeting::kEdges, edge_, 0);
-    if (hi_ < 1) hi_id_ = id(Meeting::kEdges, edge_, 0);
+    if (hi_ < 1) hi_id_ = id(Meeting::kEdges, edge_, 1);
     return true;
   }
 
