@@ -144,8 +144,8 @@ namespace {
 /// By its ends, or as the keys about its mass say.
 FileMass mass_of_body(JsonObject& body, bool fixed, const std::optional<BodyByEnds>& ends,
                       const std::vector<FileShape>& shapes) {
-  const auto mass = body.find("mass"), density = body.find("density");
   if (!ends) return read_mass(body, fixed, shapes);
+  const auto mass = body.find("mass"), density = body.find("density");
   const bool needs_mass = !fixed || mass || density;
   return needs_mass && ends->sound ? mass_of_shapes(body, shapes) : FileMass{};
 }

@@ -49,11 +49,11 @@ LinkInertia scaled(const LinkInertia& inertia, double factor) {
 }
 
 std::optional<double> inertia_along(const RobotModel& model, const AxisName& name) {
-  const LinkAxis& axis = model.links[name.link].axes[name.axis];
+  const Link& own = model.links[name.link];
+  const LinkAxis& axis = own.axes[name.axis];
   const bool turns = axis.kind == LinkAxis::Kind::kHinge;
   if (!turns && axis.kind != LinkAxis::Kind::kSlide) return std::nullopt;
-  const Pose& X_WL = model.links[name.link].X_WL;
-  const Vec3 direction = X_WL.q * axis.axis, anchor = X_WL.point(axis.anchor);
+  const Vec3 direction = own.X_WL.q * axis.axis, anchor = own.X_WL.point(axis.anchor);
   double inertia = axis.armature;
   std::vector<char> moves(model.links.size(), 0);
   for (std::size_t k = name.link; k < model.links.size(); ++k) {

@@ -227,16 +227,18 @@ void MjcfRelations::read_spring(const MjcfElement& tendon, Wire& wire) {
   if (rest.size() > 1 && rest[1] > rest[0] && rest[0] >= 0) wire.slack = rest[1] - rest[0];
 }
 
-/// Its controls are those of the first <key> that has some and starts from where the model does, or else 0.
 /// Its coordinates and velocities, if it has any, are those that the model starts with.
 bool MjcfRelations::is_start(const MjcfElement& key) const {
   const std::vector<double> q = key.numbers("qpos"), v = key.numbers("qvel");
-  const std::vector<double> start = start_coordinates(model_);
-  const auto same = [](double x, double y) { return std::abs(x - y) <= 1e-9 * (1 + std::abs(y)); };
-  return (q.empty() || std::equal(q.begin(), q.end(), start.begin(), start.end(), same)) &&
-         std::all_of(v.begin(), v.end(), [](double rate) { return rate == 0; });
+  if (!q.empty()) {
+    const std::vector<double> start = start_coordinates(model_);
+    const auto same = [](double x, double y) { return std::abs(x - y) <= 1e-9 * (1 + std::abs(y)); };
+    if (!std::equal(q.begin(), q.end(), start.begin(), start.end(), same)) return false;
+  }
+  return std::all_of(v.begin(), v.end(), [](double rate) { return rate == 0; });
 }
 
+/// Those of the first <key> that has some and starts from where the model does, or else 0.
 void MjcfRelations::read_controls(const pugi::xml_node& mujoco) {
   std::size_t count = 0;
   for (const pugi::xml_node& part : files_.children(mujoco, "actuator"))
@@ -277,7 +279,7 @@ void MjcfRelations::read_actuator(const pugi::xml_node& node) {
 /// That its control keeps to: its own, or of a position that of its joint, scaled about the middle.
 std::optional<std::pair<double, double>> MjcfRelations::control_range(const MjcfElement& actuator,
                                                                       const AxisName& on) {
-  const auto own = actuator.range("ctrlrange", "ctrllimited", compiler_);
+  auto range = actuator.range("ctrlrange", "ctrllimited", compiler_);
   const double part =
       actuator.node().name() == std::string_view("position")
           ? not_negative(files_, actuator.node(), "inheritrange", actuator.number("inheritrange", 0))
@@ -288,9 +290,9 @@ std::optional<std::pair<double, double>> MjcfRelations::control_range(const Mjcf
     if (!(law.lower > -kNoLimit && law.upper < kNoLimit))
       actuator.fail("\"inheritrange\" needs a joint with a range");
     const double middle = 0.5 * (law.lower + law.upper), half = 0.5 * part * (law.upper - law.lower);
-    if (model_.clamps_controls) return std::pair(middle - half, middle + half);
+    range = std::pair(middle - half, middle + half);
   }
-  return model_.clamps_controls ? own : std::nullopt;
+  return model_.clamps_controls ? range : std::nullopt;
 }
 
 /// Its force follows the control later.
@@ -312,14 +314,13 @@ double MjcfRelations::damping_of(const MjcfElement& position, double kp, double 
 }
 
 /// Of its kind; three numbers of bias.
-MjcfRelations::Gains MjcfRelations::gains_of(const MjcfElement& actuator, double control,
+MjcfRelations::Gains MjcfRelations::gains_of(const MjcfElement& actuator, double control, double gear,
                                              const AxisName& on) {
   const std::string kind = actuator.node().name();
   Gains gains;
   auto& [gain, bias] = gains;
   if (kind == "position") {
     gain = actuator.number("kp", 1);
-    const double gear = actuator.numbers("gear", {1, 0, 0, 0, 0, 0})[0];
     bias[1] = -gain, bias[2] = -damping_of(actuator, gain, gear, on);
   } else if (kind == "velocity") {
     gain = actuator.number("kv", 1);
@@ -347,7 +348,7 @@ MjcfRelations::Gains MjcfRelations::gains_of(const MjcfElement& actuator, double
 /// force = gear (gain₀ u + bias₀ + bias₁ gear q + bias₂ gear q̇), with gain and bias of the kind.
 AxisDrive MjcfRelations::drive_of(const MjcfElement& actuator, double control, const AxisName& on) {
   const double gear = actuator.numbers("gear", {1, 0, 0, 0, 0, 0})[0];
-  const auto [gain, bias] = gains_of(actuator, control, on);
+  const auto [gain, bias] = gains_of(actuator, control, gear, on);
   const double constant = gain * control + bias[0];
   const auto range = actuator.range("forcerange", "forcelimited", compiler_);
   if (bias[1] == 0 && bias[2] == 0)

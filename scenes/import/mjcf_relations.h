@@ -43,7 +43,7 @@ class MjcfRelations {
   };
   std::optional<std::pair<double, double>> control_range(const MjcfElement& actuator, const AxisName& on);
   double damping_of(const MjcfElement& position, double kp, double gear, const AxisName& on);
-  Gains gains_of(const MjcfElement& actuator, double control, const AxisName& on);
+  Gains gains_of(const MjcfElement& actuator, double control, double gear, const AxisName& on);
   AxisDrive drive_of(const MjcfElement& actuator, double control, const AxisName& on);
   void act_on_joint(const MjcfElement& actuator, double control, const AxisName& on);
   void read_sensor(const pugi::xml_node& node);

@@ -164,8 +164,9 @@ void MjcfTree::read_joint(const pugi::xml_node& node, const Where& where) {
     axis.axis = where.X_LF.q * direction(files_, node, "axis", joint.vector("axis", Vec3::UnitZ()));
   else
     joint.find("axis");
-  read_law(axis, joint, {where.link, static_cast<int>(link.axes.size())});
-  if (!name.empty()) names_.joints[name] = {where.link, static_cast<int>(link.axes.size())};
+  const AxisName here{where.link, static_cast<int>(link.axes.size())};
+  read_law(axis, joint, here);
+  if (!name.empty()) names_.joints[name] = here;
   link.axes.push_back(std::move(axis));
 }
 

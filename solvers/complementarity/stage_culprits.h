@@ -30,7 +30,7 @@ class StageCulprits {
 
   std::vector<Culprit>::const_iterator begin() const { return culprits_.begin(); }
   std::vector<Culprit>::const_iterator end() const { return culprits_.end(); }
-  /// Into the report, if they are further off than those that it has.
+  /// Into the report of a sub-step.
   void report(SubstepReport& report) const;
   /// Who jams, if a stage failed because friction grows with a load that it makes grow: the rows of that
   /// friction, and those of motors without bound and of joints that follow the time whose impulses are as

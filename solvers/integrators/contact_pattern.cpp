@@ -15,12 +15,12 @@ ContactPattern::ContactPattern(const World& world, ConstraintSystem& system, Con
       prediction_(prediction) {}
 
 void ContactPattern::start(const State& state) {
-  if (contacts_.start(world_, state, horizon_)) take_over_places();
+  if (contacts_.start(world_, state, horizon_)) take_over_slots();
   contacts_.give_points(system_);
 }
 
 void ContactPattern::move_on(const State& state) {
-  if (contacts_.move_on(world_, state, horizon_)) take_over_places();
+  if (contacts_.move_on(world_, state, horizon_)) take_over_slots();
   contacts_.give_points(system_);
 }
 
@@ -29,7 +29,7 @@ void ContactPattern::inherit(ContactPattern& old) {
   contacts_.inherit(old.contacts_, world_);
   std::vector<int> from(system_.row_count());
   std::iota(from.begin(), from.end(), 0);
-  set_places();
+  set_slots();
   from.resize(system_.row_count(), -1);
   move_rows(from);
 }
@@ -42,15 +42,15 @@ void ContactPattern::forget_impulses() {
 }
 
 void ContactPattern::renew() {
-  set_places();
+  set_slots();
   move_rows(std::vector<int>(static_cast<std::size_t>(system_.row_count()), -1));
 }
 
 /// New slots: a new pattern.  What belongs to rows of joints stays, also that of contacts which go on.
-void ContactPattern::take_over_places() {
+void ContactPattern::take_over_slots() {
   const int joint_rows = system_.rows().first_contact_row();
   const std::vector<int> old_first(contacts_.first_rows().begin(), contacts_.first_rows().end());
-  set_places();
+  set_slots();
   const int rows = system_.row_count();
   std::vector<int> from(rows, -1);
   for (int r = 0; r < joint_rows; ++r) from[r] = r;
@@ -64,7 +64,7 @@ void ContactPattern::take_over_places() {
   move_rows(from);
 }
 
-void ContactPattern::set_places() {
+void ContactPattern::set_slots() {
   system_.set_contact_slots(world_, contacts_.cache().rows());
   contacts_.set_rows(system_.rows());
 }

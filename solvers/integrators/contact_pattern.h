@@ -43,8 +43,8 @@ class ContactPattern {
   void transfer(Archive& archive);
 
  private:
-  void take_over_places();
-  void set_places();
+  void take_over_slots();
+  void set_slots();
   void move_rows(std::span<const int> from);
 
   const World& world_;

@@ -179,8 +179,7 @@ bool Rattle::second_kick_gives(std::span<const double> mu) {
   works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), values_.kick_rates);
   double size = 0;
   for (int r = system_.rows().first_contact_row(); r < system_.row_count(); ++r)
-    if (const double inertia = stages_.effective_mass()[r]; inertia > 0)
-      size += 0.5 * mu[r] * mu[r] / inertia;
+    if (const double mass = stages_.effective_mass()[r]; mass > 0) size += 0.5 * mu[r] * mu[r] / mass;
   return contacts_.works().of_rigid(mu, values_.kick_rates) > RattleTuning::kGivenPart * size;
 }
 

@@ -39,7 +39,7 @@ struct ContactConstraints {
   };
   struct Point {
     NormalLaw soft;     ///< of a compliant contact in this stage
-    SlipLaw soft_slip;  ///< likewise, where it slides
+    SlipLaw soft_slip;  ///< of its slip in this stage
     bool active = false, live = false, touching = false, pressed = false;
     double gap = 0, approach = 0;
     double least_rate = 0;  ///< that the law of a rigid contact asks for along the normal [m/s]

@@ -49,7 +49,7 @@ class FreeParts {
 
   UnionFind sets_;
   std::vector<char> is_sought_;                                         // sets, by their least body
-  std::vector<std::optional<std::size_t>> part_of_set_, part_of_body_;  // likewise, and by body
+  std::vector<std::optional<std::size_t>> part_of_set_, part_of_body_;  // by the least body, and by body
   std::vector<Part> parts_;
   std::vector<Twist> taken_;  // of the parts
 };

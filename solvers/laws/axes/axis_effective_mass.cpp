@@ -1,8 +1,5 @@
 #include "solvers/laws/axes/axis_effective_mass.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "solvers/system/constraint_system.h"
 
 namespace taut {

@@ -83,7 +83,7 @@ void AxisForces::find_effective_masses(ConstraintSystem& system, std::span<const
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const AxisProperties& p = table_.properties(i);
     if (table_.released(i) || !p.motor || axes_[i].motor.has_arrived() ||
-        !needs_inertia(*p.motor, step_, axes_[i].start))
+        !needs_effective_mass(*p.motor, step_, axes_[i].start))
       continue;
     if (held_.empty()) held_ = held_rows(table_, axes_, alone.size());
     axes_[i].start.effective_mass = effective_mass_.of(system, table_.row(i), alone, held_);
@@ -194,8 +194,8 @@ void AxisForces::rigid_limits(std::vector<Bound>& bounds) const {
 
 Gap AxisForces::beyond_limits(std::span<const double> theta) const {
   Gap gap;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    if (!table_.has_rigid_limit(i)) continue;
+  for (const int i : table_.limited()) {
+    if (table_.released(i)) continue;
     double& worst = table_.angular(i) ? gap.radians : gap.metres;
     worst = std::max(worst, std::abs(beyond(*table_.properties(i).limits, theta[table_.row(i)])));
   }

@@ -56,7 +56,8 @@ class AxisForces {
   /// After begin(), with the system where its impulses act: springs that the step does not resolve, and for
   /// one of Moreau–Jean, `single_kick`, whether there are any that need the end of it (ϑ = 1).
   bool find_unresolved(ConstraintSystem& system, bool single_kick = false);
-  /// After begin(), likewise: how heavy axes are whose motors have to know, for 1/S_rr of each row.
+  /// After begin(), with the system where its impulses act: how heavy axes are whose motors have to know, for
+  /// 1/S_rr of each row.
   void find_effective_masses(ConstraintSystem& system, std::span<const double> alone);
   /// False if a motor's trajectory is not at the end of the step; the motor is left out then.
   bool finite() const { return !not_finite_; }

@@ -41,7 +41,7 @@ bool has_to_brake(const AxisMotor& motor) {
          !is_unbounded(motor);
 }
 
-bool needs_inertia(const AxisMotor& motor, const AxisStep& step, const AxisStart& start) {
+bool needs_effective_mass(const AxisMotor& motor, const AxisStep& step, const AxisStart& start) {
   if (motor.has_gains()) return step.h * step.h * motor.stiffness > start.effective_mass;
   return has_to_brake(motor);
 }

@@ -11,7 +11,7 @@ bool is_unbounded(const AxisMotor& motor);
 bool has_to_brake(const AxisMotor& motor);
 /// It must know how heavy its axis is: it has to brake, or gains that the step does not resolve for two
 /// bodies by themselves.
-bool needs_inertia(const AxisMotor& motor, const AxisStep& step, const AxisStart& start);
+bool needs_effective_mass(const AxisMotor& motor, const AxisStep& step, const AxisStart& start);
 /// Target of a motor, with its rate; a velocity is the rate.
 MotionPoint target_at(const AxisMotor& motor, double time);
 /// What it can give at this speed and at all that are lower [N·m or N].

@@ -20,8 +20,8 @@ struct AxisStage {
   const AxisImpact& impact;       ///< at a limit
   const AxisImpulse& first_kick;  ///< second kick: what acted in the first
   double slack = 0;   ///< first kick: friction pulls back no axis that is this near to where it was held
-  double rate = 0;    ///< first kick: the best estimate of its mean
-  double theta = 0;   ///< second kick: θ(q₁); single one: in the middle of the step
+  double rate = 0;    ///< for the first kick: the best estimate of its mean
+  double theta = 0;   ///< for the second kick: θ(q₁); single one: in the middle of the step
   bool jolt = false;  ///< second kick: some axis runs into a limit in this sub-step
 };
 

@@ -63,7 +63,7 @@ TEST(Contact, a_box_at_rest_stays_where_it_is_and_is_carried_by_its_weight) {
   for (const ContactReport& contact : simulator.contacts()) force += contact.force;
   EXPECT_LE((force - Vec3(0, 0, 10 * kG)).norm(), 1e-8);
   EXPECT_EQ(simulator.report().contacts, 4);
-  EXPECT_EQ(simulator.report().counts.factorizations, 0);  // the impulses of before meet the laws
+  EXPECT_EQ(simulator.report().counts.factorizations, 0);  // the last impulses meet the laws
   EXPECT_EQ(simulator.report().counts.analyses, 0);
   EXPECT_EQ(simulator.report().counts.pivots, 0);
 }
@@ -332,7 +332,7 @@ TEST(Contact, integrators_and_materials_that_cannot_do_it_are_refused) {
   EXPECT_THROW((void)simulator.step(1e-3), std::invalid_argument);
 }
 
-/// Its contacts give nothing any more, though at rest the impulses of before would balance.
+/// Its contacts give nothing any more, though at rest the last impulses would balance.
 // Rigid or as stiff as stone: no faster than 1 m/s, and without a speed that they would keep.
 TEST(Contact, bodies_that_start_in_each_other_part_slowly) {
   constexpr double kStep = 1.0 / 240, kRadius = 0.1;
