@@ -1,3 +1,5 @@
+#include "collision/narrow/manifold.h"
+
 #include "tests/collision/narrow/pair_of_shapes.h"
 
 namespace taut::manifold_test {
@@ -219,6 +221,25 @@ TEST(Manifold, EndsOnACapDoNotTurnWithTheTilt) {
               << shape_name(standing) << " " << shape_name(across) << " " << k;
       }
     }
+}
+
+TEST(Manifold, BothCutsOfALineByACapAreOfTheSameEdge) {
+  // Each by its own end of the line, whichever of both bodies has it: a warm start takes neither for the
+  // other.
+  const Quat lying(Eigen::AngleAxisd(3.14159265358979323846 / 2, Vec3::UnitY()));
+  const Pose over{lying, Vec3(0, 0.1, 0.25 - 1e-6)};
+  const Shape cap = Cylinder{0.15, 0.3}, line = Capsule{0.1, 1};
+  for (const bool line_is_A : {false, true}) {
+    const ShapePair pair = line_is_A ? ShapePair(line, over, cap, {}) : ShapePair(cap, {}, line, over);
+    const auto contacts = pair.contacts(1e-3);
+    ASSERT_EQ(contacts.size(), 2U);
+    const std::uint64_t first = contacts[0].feature, second = contacts[1].feature;
+    EXPECT_EQ(detail::meeting_of(first), detail::Meeting::kEdges);
+    const auto of_line = line_is_A ? detail::side_A : detail::side_B;
+    const auto of_cap = line_is_A ? detail::side_B : detail::side_A;
+    EXPECT_EQ(of_line(first), of_line(second)) << line_is_A;
+    EXPECT_NE(of_cap(first), of_cap(second)) << line_is_A;
+  }
 }
 
 TEST(Manifold, NearlyAlignedLinesAreDeepestWhereTheyCross) {
