@@ -168,7 +168,8 @@ class Archive {
     values.resize(static_cast<std::size_t>(size));
   }
 
-  bool reads_ = false, sound_ = true;
+  const bool reads_ = false;
+  bool sound_ = true;
   std::string written_;
   std::string_view left_;
 };

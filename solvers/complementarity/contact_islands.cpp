@@ -30,10 +30,13 @@ ContactIslands::ContactIslands(ConstraintSystem& system, ContactForces& contacts
   scratch_.resize(threads_);
 }
 
-void ContactIslands::restore(bool known) {
+std::span<const std::unique_ptr<ContactIslands::Island>> ContactIslands::known() const {
+  return known_ ? std::span(islands_) : std::span<const std::unique_ptr<Island>>();
+}
+
+void ContactIslands::restore() {
   islands_.clear();
-  known_ = false;
-  if (known) find();
+  if (std::exchange(known_, false)) find();
 }
 
 /// What connects moving bodies, in the order of their first bodies.

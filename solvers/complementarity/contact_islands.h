@@ -57,10 +57,10 @@ class ContactIslands {
     bool done = false;
   };
 
-  /// Islands are those of the present rows.
-  bool is_known() const { return known_; }
+  /// Of the present rows, if they are known; else none.
+  std::span<const std::unique_ptr<Island>> known() const;
   /// None are kept; those of the present rows are found if they were known.
-  void restore(bool known);
+  void restore();
   void find();
   void plan();
   std::vector<SystemPart> partition();

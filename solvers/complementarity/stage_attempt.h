@@ -25,6 +25,9 @@ struct Stage {
   bool exact = false;  ///< laws are to be met to what round-off allows, where they can
 };
 
+/// What a stage has come to: it could not be solved, it is, or its guess solves it and stays as it is.
+enum class StageEnd { kFailed, kSolved, kUnchanged };
+
 /// The system of stages, and the axes and contacts whose laws its rows have.
 struct StageModel {
   ConstraintSystem& system;

@@ -63,7 +63,7 @@ void StageSolver::rates_without(const Stage& stage) {
   for (int r = 0; r < model_.system.row_count(); ++r) b_[r] = stage.rates[r] - b_[r];
 }
 
-bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport& report) {
+StageEnd StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport& report) {
   rates_without(stage);
   // What was solved at a neighbouring state is polished.
   const double tight = std::min(rate_tolerance, StageTuning::kRatePart * model_.settings.velocity_tolerance);
@@ -79,6 +79,7 @@ bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport
       .warm_start_tolerance = warm_start_.begin(rate_tolerance, stage.near ? rate_tolerance : tight),
       .report = report};
   StageVerdict verdict = warm_start_.solve(attempt);
+  const bool unchanged = verdict == StageVerdict::kMet && model_.friction_dominated();
   if (verdict == StageVerdict::kNext) verdict = pivoting_.solve(attempt);
   const ContactLimits limits = contact_limits(attempt, model_.system);
   for (int solve = 1; verdict == StageVerdict::kNext; ++solve) {  // again while friction lets go
@@ -91,7 +92,7 @@ bool StageSolver::solve(const Stage& stage, double rate_tolerance, SubstepReport
   accuracy_.take(attempt.inexact_residual);
   const bool met = verdict == StageVerdict::kMet;
   detail::StageWatchScope::tell(model_, attempt.solution(stage.lambda), met);
-  return met;
+  return unchanged ? StageEnd::kUnchanged : met ? StageEnd::kSolved : StageEnd::kFailed;
 }
 
 /// What a solve through the bodies has come to: where friction lets go the next one, with renewed laws.
@@ -111,7 +112,7 @@ StageVerdict StageSolver::judge(StageAttempt& attempt, const StageRecord& record
 bool StageSolver::solve_velocities(const Stage& stage, SubstepReport& report) {
   double tolerance = StageTuning::kRatePart * model_.settings.velocity_tolerance;
   for (int exact = 0;; ++exact) {
-    if (!solve(stage, tolerance, report)) break;
+    if (solve(stage, tolerance, report) == StageEnd::kFailed) break;
     const double off = model_.contacts.empty() ? 0 : residual_over_tolerance(stage.lambda, w_);
     if (off <= 1 || (exact == kExactSolves && take_inexact(off))) return true;
     if (exact == kExactSolves) break;

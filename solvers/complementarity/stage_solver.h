@@ -79,7 +79,7 @@ class StageSolver {
 
   // Solves.
   /// Rates that are off by no more than the tolerance count as right.
-  bool solve(const Stage& stage, double rate_tolerance, SubstepReport& report);
+  StageEnd solve(const Stage& stage, double rate_tolerance, SubstepReport& report);
   /// To what round-off allows where the tolerance of velocities lets too much pass; inexactly where that may
   /// be.
   bool solve_velocities(const Stage& stage, SubstepReport& report);
@@ -90,8 +90,6 @@ class StageSolver {
 
   // After a solve.
   std::span<const double> rates() const { return w_; }
-  /// The last impulses were taken as they are.
-  bool rested() const { return warm_start_.rested(); }
   /// How far the motion is from the laws [m or rad] in a step of h.
   double motion_residual(std::span<const double> lambda, std::span<const double> rates, double h) const {
     return residual_.motion(solution(lambda, rates), h);

@@ -27,8 +27,6 @@ class StageWarmStart {
   /// Takes the last impulses as they are, or with all contacts stuck; else laws that moved with them are
   /// renewed.
   StageVerdict solve(StageAttempt& attempt);
-  /// The last stage was met so.
-  bool rested() const { return rested_; }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);

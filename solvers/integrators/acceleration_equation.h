@@ -11,8 +11,8 @@ namespace taut {
 ///
 ///     S λ = −(γ + J V̇),   V̇ = M⁻¹ (f − ω × Iω) of the bodies without joints
 ///
-/// at a state at which the system is linearised.  `accelerations` get V̇, an entry a body; `rates` are room
-/// for an entry a row.
+/// at a state at which the system is linearised.  `accelerations` get V̇, an entry a body, `rates` J V̇, an
+/// entry a row.
 inline void acceleration_right_side(const ConstraintSystem& system, const State& state,
                                     std::span<const Wrench> forces, std::span<Twist> accelerations,
                                     std::span<double> rates, std::span<double> right) {

@@ -1,7 +1,5 @@
 #include "solvers/integrators/impact_stage.h"
 
-#include <cmath>
-
 #include "solvers/integrators/restitution_search.h"
 
 namespace taut {
@@ -46,20 +44,16 @@ bool ImpactStage::limit_restitution(const Solve& solve) {
   return search.run();
 }
 
-/// What the round has given so far [J]; 0 if that is in the tolerance.
+/// What the round has given so far [J].
 double ImpactStage::energy() const {
   double given = 0;
   works_.add_between(round_momenta_, phase_.momenta, given);
-  return std::abs(given) > KickWorksTuning::kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
+  return works_.if_seen(given, phase_.momenta);
 }
 
 void ImpactStage::record_round() {
-  impulses_.resize(mu_.size());
-  for (std::size_t r = 0; r < mu_.size(); ++r) {
-    impulses_[r] = values_.mu[r] - round_mu_[r];
-    mean_rates_[r] = 0.5 * (round_rates_[r] + values_.rates[r]);
-  }
-  contacts_.works().record_impact(impulses_, mean_rates_);
+  for (std::size_t r = 0; r < mu_.size(); ++r) mean_rates_[r] = 0.5 * (round_rates_[r] + values_.rates[r]);
+  contacts_.works().record_impact(impulses_since(round_mu_), mean_rates_);
 }
 
 void ImpactStage::record_kick(std::span<const double> mu, std::span<const double> kick_rates) {
@@ -69,12 +63,13 @@ void ImpactStage::record_kick(std::span<const double> mu, std::span<const double
 void ImpactStage::add_works(double h, StepWorks& works) {
   const std::span<const double> J = system_.jacobian();
   works_.add({phase_.state, phase_.kicked, momenta(), J, mu()}, phase_.forces, h, works);
-  if (struck_) works_.add({phase_.state, momenta_, phase_.momenta, J, impulses()}, phase_.forces, 0, works);
+  if (struck_)
+    works_.add({phase_.state, momenta_, phase_.momenta, J, impulses_since(mu_)}, phase_.forces, 0, works);
 }
 
-std::span<const double> ImpactStage::impulses() {
-  impulses_.resize(mu_.size());
-  for (std::size_t r = 0; r < mu_.size(); ++r) impulses_[r] = values_.mu[r] - mu_[r];
+std::span<const double> ImpactStage::impulses_since(std::span<const double> before) {
+  impulses_.resize(before.size());
+  for (std::size_t r = 0; r < before.size(); ++r) impulses_[r] = values_.mu[r] - before[r];
   return impulses_;
 }
 
@@ -83,7 +78,7 @@ void ImpactStage::mean_rates(std::span<double> out) {
   if (!struck_) return;
   mean_rates_.resize(out.size());
   works_.mean_rates(momenta_, phase_.momenta, system_.jacobian(), mean_rates_);
-  const std::span<const double> given = impulses();
+  const std::span<const double> given = impulses_since(mu_);
   for (std::size_t r = 0; r < out.size(); ++r)
     if (values_.mu[r] != 0) out[r] = (mu_[r] * out[r] + given[r] * mean_rates_[r]) / values_.mu[r];
 }

@@ -33,7 +33,7 @@ class ImpactStage {
   /// Strikes what is due, from momenta p⁻, impulses μ and rates w⁻ of the velocity stage.
   bool strike(const Solve& solve);
 
-  /// The velocity stage's μ at these mean rates for the books of contacts, unless strike() has kept them.
+  /// The velocity stage's μ at these mean rates, as contacts record it, unless strike() has.
   void record_kick(std::span<const double> mu, std::span<const double> kick_rates);
   /// Works of a velocity stage of a step of h, and of the impacts after it.
   void add_works(double h, StepWorks& works);
@@ -45,7 +45,7 @@ class ImpactStage {
   std::span<const Wrench> momenta() const { return struck_ ? momenta_ : phase_.momenta; }
   /// Impulses μ of the velocity stage, and those that impacts add to them.
   std::span<const double> mu() const { return struck_ ? mu_ : values_.mu; }
-  std::span<const double> impulses();
+  std::span<const double> impulses_since(std::span<const double> before);
   bool solve_round(double part, const Solve& solve);
   bool limit_restitution(const Solve& solve);
   void record_round();

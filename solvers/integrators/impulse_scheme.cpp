@@ -42,7 +42,7 @@ ImpulseScheme::ImpulseScheme(const World& world, ConstraintSystem& system, const
 void ImpulseScheme::start(const State& state, Velocities velocities, SubstepReport& report) {
   phase_.state = state;
   values_.residual_is_current = false;
-  phase_.poses = state.poses;
+  phase_.trial_poses = phase_.start_poses = state.poses;
   if (!contacts_.empty()) contact_pattern_.start(phase_.state);
   system_.release_bounded_rows();
   std::fill(values_.lambda.begin(), values_.lambda.end(), 0.0);
@@ -76,8 +76,9 @@ void ImpulseScheme::predict_forces() {
   const State& state = phase_.state;
   std::vector<double>& multipliers = values_.force_multipliers;
   std::vector<Twist> accelerations(world_.body_count());
+  std::vector<double> rates(multipliers.size());
   world_.forces(state, last_forces_);
-  acceleration_right_side(system_, state, last_forces_, accelerations, values_.delta, multipliers);
+  acceleration_right_side(system_, state, last_forces_, accelerations, rates, multipliers);
   projection_.clear_loose_rows(multipliers);
   system_.solve(multipliers);
 }
@@ -218,7 +219,7 @@ ForceIteration::Fixed ImpulseScheme::renew_kick_forces(const State& at) {
   return force_iteration_.look(phase_.forces, last_forces_);
 }
 
-/// After a step: who is held now, and the books of both kicks.
+/// After a step: who is held now, and the records of both kicks.
 void ImpulseScheme::finish_laws(std::span<const double> mu) {
   system_.rows().residual(phase_.state, values_.phi);  // axes are up to date here
   impact_stage_.mean_rates(values_.kick_rates);

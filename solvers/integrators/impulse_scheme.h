@@ -58,7 +58,7 @@ class ImpulseScheme : public Scheme {
   const RowValues& values() const { return values_; }
   StageSolver& stages() { return stages_; }
   /// Poses of the last Newton iterate; φ there is values().phi.
-  const std::vector<Pose>& trial_poses() const { return phase_.poses; }
+  const std::vector<Pose>& trial_poses() const { return phase_.trial_poses; }
   /// The body whose tension asks for the shortest step.
   BodyId stiffest() const { return limit_.stiffest(); }
   /// The body on which forces changed most when they did not settle in the last advance; else the ground.

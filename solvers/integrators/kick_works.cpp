@@ -1,5 +1,7 @@
 #include "solvers/integrators/kick_works.h"
 
+#include <cmath>
+
 namespace taut {
 
 KickWorks::KickWorks(const World& world, const ConstraintSystem& system, Springs springs)
@@ -47,6 +49,10 @@ double KickWorks::kinetic_energy(std::span<const Wrench> momenta) const {
   double energy = 0;
   with_mean_twists(momenta, momenta, [&](int b, const Twist& V) { energy += 0.5 * dot(momenta[b], V); });
   return energy;
+}
+
+double KickWorks::if_seen(double energy, std::span<const Wrench> momenta) const {
+  return std::abs(energy) > KickWorksTuning::kUnseenEnergy * kinetic_energy(momenta) ? energy : 0;
 }
 
 void KickWorks::mean_rates(std::span<const Wrench> from, std::span<const Wrench> to,

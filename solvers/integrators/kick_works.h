@@ -36,6 +36,9 @@ class KickWorks {
   void add_between(std::span<const Wrench> from, std::span<const Wrench> to, double& work) const;
   /// Σ ½ pᵀ M⁻¹ p
   double kinetic_energy(std::span<const Wrench> momenta) const;
+  /// An energy [J] that bodies with these momenta were given; 0 if that is within round-off of what they
+  /// have.
+  double if_seen(double energy, std::span<const Wrench> momenta) const;
   /// J ½ M⁻¹ (p₀ + p₁), mean rates of the rows.
   void mean_rates(std::span<const Wrench> from, std::span<const Wrench> to, std::span<const double> jacobian,
                   std::span<double> out);

@@ -64,7 +64,7 @@ void MoreauJean::predict(double h, std::span<double> impulses) {
         prediction_.has_history() ? prediction_.scale(h) * impulses[r] : h * values_.force_multipliers[r];
 }
 
-/// q_M, its contacts, and J there.  phase_.poses and phase_.start_momenta stay those of the start.
+/// q_M, its contacts, and J there.  phase_.start_poses and phase_.start_momenta stay those of the start.
 void MoreauJean::go_to_middle(double h, SubstepReport& report) {
   if (bounded()) {
     stages_.residual().begin_velocities(phase_.state.twists);
@@ -74,7 +74,7 @@ void MoreauJean::go_to_middle(double h, SubstepReport& report) {
     contacts_.begin_single_kick(h);
   }
   phase_.start_momenta = phase_.kicked = phase_.momenta;
-  phase_.poses = phase_.state.poses;
+  phase_.start_poses = phase_.state.poses;
   phase_.start_time = phase_.state.time;
   phase_.state.time += 0.5 * h;
   {
@@ -88,7 +88,7 @@ void MoreauJean::go_to_middle(double h, SubstepReport& report) {
 
 /// A body after h with the momenta of the start.
 Pose MoreauJean::moved(int b, double h) const {
-  return free_flow(system_.mass(), b, phase_.poses[b], phase_.start_momenta[b].torque,
+  return free_flow(system_.mass(), b, phase_.start_poses[b], phase_.start_momenta[b].torque,
                    phase_.start_momenta[b].force, h);
 }
 
@@ -188,13 +188,13 @@ bool MoreauJean::meet_laws(double part, std::span<double> impulses, SubstepRepor
   return projection_.accepts(report.velocity_residual);
 }
 
-/// What contacts have given against the motion without impulses [J]; 0 if that is in the tolerance.
+/// What contacts have given against the motion without impulses [J].
 double MoreauJean::given_by_contacts(std::span<const double> impulses) {
   mean_rates_.resize(free_rates_.size());
   for (std::size_t r = 0; r < mean_rates_.size(); ++r)
     mean_rates_[r] = 0.5 * (free_rates_[r] + values_.rates[r]);
   const double given = contacts_.works().of_rigid(impulses, mean_rates_);
-  return std::abs(given) > KickWorksTuning::kUnseenEnergy * works_.kinetic_energy(phase_.momenta) ? given : 0;
+  return works_.if_seen(given, phase_.momenta);
 }
 
 /// The one kick of the step, at q_M where it acts.
@@ -206,7 +206,7 @@ void MoreauJean::add_works(double h, std::span<const double> impulses, SubstepRe
              2 * h, report.works);
   // What the ways to q_M and from there to q₁ change of the kinetic energy, up to its end.
   report.works.flow += works_.spin_energy(phase_.start_momenta, phase_.state.poses, KickWorks::Bodies::kAll) -
-                       works_.spin_energy(phase_.start_momenta, phase_.poses, KickWorks::Bodies::kAll) -
+                       works_.spin_energy(phase_.start_momenta, phase_.start_poses, KickWorks::Bodies::kAll) -
                        works_.spin_energy(phase_.momenta, phase_.state.poses, KickWorks::Bodies::kAll);
 }
 

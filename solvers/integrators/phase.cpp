@@ -23,19 +23,23 @@ void Phase::add_impulses(std::span<const double> mu) {
       momenta[b] = momenta[b] + system_.rows().wrench_on(b, system_.jacobian(), mu);
 }
 
-Configuration Phase::trial_end(double h) const { return {poses, state.time + h, state.axes, state.poses}; }
+Configuration Phase::trial_end(double h) const {
+  return {trial_poses, state.time + h, state.axes, state.poses};
+}
 
-Configuration Phase::accepted_end() const { return {state.poses, state.time, state.axes, poses}; }
+Configuration Phase::accepted_end() const { return {state.poses, state.time, state.axes, start_poses}; }
 
 void Phase::accept(double h) {
-  std::swap(state.poses, poses);
+  std::swap(start_poses, state.poses);
+  std::swap(state.poses, trial_poses);
   std::swap(momenta, start_momenta);
   start_time = state.time;
   state.time += h;
 }
 
 void Phase::take_back() {
-  std::swap(state.poses, poses);
+  std::swap(trial_poses, state.poses);
+  std::swap(state.poses, start_poses);
   std::swap(momenta, start_momenta);
   state.time = start_time;
 }

@@ -12,8 +12,8 @@ namespace taut {
 /// axes about the centres of mass, zero for fixed bodies, and the forces f on them.
 ///
 ///   start          state, momenta, forces
-///   kick, drift    kicked = p, poses = q₁
-///   accepted       state at the end with momenta that become p₁; poses and start_momenta at the start
+///   kick, drift    kicked = p, trial_poses = q₁
+///   accepted       state at the end with momenta that become p₁; start_poses and start_momenta
 class Phase {
  public:
   /// `springs`: whether force laws have those between bodies.  World and system must outlive it.
@@ -31,13 +31,13 @@ class Phase {
   void second_kick(double h);
   /// p + Jᵀμ, with the Jacobian of the system.
   void add_impulses(std::span<const double> mu);
-  /// What a step of h from the present state leads to, while it is tried: `poses` at its end.
+  /// What a step of h from the present state leads to, while it is tried: `trial_poses`.
   Configuration trial_end(double h) const;
-  /// Once it is accepted: the new state, while `poses` are still the old ones at which the axes hold.
+  /// Once it is accepted: the new state, with axes that hold at `start_poses` still.
   Configuration accepted_end() const;
   /// The end of the drift is the state from now on.
   void accept(double h);
-  /// Back to before accept().
+  /// Back to before accept(); what was accepted is a trial again.
   void take_back();
   /// The last step ended at this time to the last bit.
   void set_time(double time) {
@@ -51,7 +51,7 @@ class Phase {
   std::vector<Wrench> momenta, start_momenta;
   std::vector<Wrench> forces;
   std::vector<Wrench> kicked;  ///< p between the kicks
-  std::vector<Pose> poses;
+  std::vector<Pose> trial_poses, start_poses;
   double start_time = 0;
   double linearized_time = 0;  ///< of J at the end of the last step, which set_time() has rounded anew
 

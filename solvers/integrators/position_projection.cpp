@@ -53,13 +53,13 @@ PositionProjection::PositionProjection(ConstraintSystem& system, const Settings&
       best_(phase.kicked.size()),
       lambda_(values.lambda.size()) {}
 
-double PositionProjection::distance_to_closure(SubstepReport& report) {
+double PositionProjection::distance_to_closure(std::span<double> correction, SubstepReport& report) {
   const Stopwatch watch(report.times.positions);
-  std::copy(values_.phi.begin(), values_.phi.end(), values_.delta.begin());
-  system_.solve_shifted(values_.delta);
-  system_.rows().apply_transpose(system_.jacobian(), values_.delta, move_);
+  std::copy(values_.phi.begin(), values_.phi.end(), correction.begin());
+  system_.solve_shifted(correction);
+  system_.rows().apply_transpose(system_.jacobian(), correction, move_);
   const MassMatrix& mass = system_.mass();
-  return std::max(largest_displacement(mass, move_), largest_turn(mass, move_, phase_.poses));
+  return std::max(largest_displacement(mass, move_), largest_turn(mass, move_, phase_.trial_poses));
 }
 
 bool PositionProjection::close(double h, double far, const std::function<void()>& drift,
@@ -75,14 +75,15 @@ bool PositionProjection::close_light_bodies(double h, double far, const std::fun
                                             SubstepReport& report) {
   double gap = max_abs(values_.phi);
   if (gap <= settings_.position_tolerance) return false;  // what is open are long ways alone
+  std::vector<double>& correction = values_.correction;
   lambda_ = values_.lambda;
   factorize_finely(report);
   for (double last = 2 * gap; system_.usable() && gap <= RattleTuning::kSlowNewton * last;) {
-    const double way = distance_to_closure(report);
+    const double way = distance_to_closure(correction, report);
     if (gap <= settings_.position_tolerance && way <= far) return true;
     if (!(way <= PositionProjectionTuning::kLongWay * gap)) break;
-    system_.project(values_.delta);
-    for (int r = 0; r < system_.row_count(); ++r) values_.lambda[r] -= values_.delta[r] / h;
+    system_.project(correction);
+    for (int r = 0; r < system_.row_count(); ++r) values_.lambda[r] -= correction[r] / h;
     drift();
     last = std::exchange(gap, max_abs(values_.phi));
     ++report.newton_iterations;
@@ -101,7 +102,7 @@ void PositionProjection::factorize_finely(SubstepReport& report) {
 
 /// Gauss–Newton on the poses at the end: there J(q₁) − J(q₀) outweighs J itself along weak directions.
 bool PositionProjection::close_by_moves(double h, SubstepReport& report) {
-  std::vector<Pose>& poses = phase_.poses;
+  std::vector<Pose>& poses = phase_.trial_poses;
   std::vector<double>& phi = values_.phi;
   const Configuration end(poses, phase_.state.time + h, phase_.state.axes);
   double gap = max_abs(phi), best = gap;
@@ -130,7 +131,7 @@ bool PositionProjection::close_by_moves(double h, SubstepReport& report) {
     const Stopwatch watch(report.times.positions);
     system_.solve_shifted(delta);
   };
-  gauss_newton(system_, end, poses, INFINITY, values_.delta, move_, ask, factorize, solve);
+  gauss_newton(system_, end, poses, INFINITY, values_.correction, move_, ask, factorize, solve);
   system_.set_mass(phase_.state.poses);  // where the kick acts
   if (!(gap <= best)) {
     std::copy(best_.begin(), best_.end(), poses.begin());

@@ -25,8 +25,8 @@ class PositionProjection {
                      RowValues& values);
 
   /// How far the bodies are from closed joints, to first order: the largest move in M⁻¹ Jᵀ S_ε⁻¹ φ [m or
-  /// rad].  Leaves S_ε⁻¹ φ in values.delta.
-  double distance_to_closure(SubstepReport& report);
+  /// rad].  `correction` ← S_ε⁻¹ φ.
+  double distance_to_closure(std::span<double> correction, SubstepReport& report);
   /// Closes what the step's own Newton cannot: by impulses with a finer factor, or by moves of the bodies
   /// alone. `drift` makes poses and φ of λ; `far`: the distance to closure [m or rad] that counts as none.
   /// @returns whether φ is within position_tolerance; poses and φ are the best that were found.

@@ -34,17 +34,18 @@ void Rattle::start(const State& state, Velocities /*velocities*/, SubstepReport&
 Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
   std::vector<double>& lambda = values_.lambda;  // of the first kick
   std::vector<double>& mu = values_.mu;          // of the second
+  std::vector<Pose>& q1 = phase_.trial_poses;    // at the end of the drift
   begin_step(h, lambda, report);                 // laws, and λ as it is predicted
-  const bool closed = stages_.iterative() ? stabilize_positions(h, lambda, report)
-                      : bounded()         ? close_bounded_positions(h, lambda, report)
-                                          : close_joint_positions(h, lambda, report);
+  const bool closed = stages_.iterative() ? stabilize_positions(h, lambda, q1, report)
+                      : bounded()         ? close_bounded_positions(h, lambda, q1, report)
+                                          : close_joint_positions(h, lambda, q1, report);
   if (!closed) return reject(Outcome::kStalled, report);  // kick, drift, φ(q₁) = 0 and the laws
   if (bounded() && impacts_.begin(lambda, values_.rates)) {
-    time_to_event_ = time_of_impact(h, lambda, report);
+    time_to_event_ = time_of_impact(h, lambda, q1, report);
     return Outcome::kImpact;
   }
   if (exceeds_tension_limit(h, lambda)) return reject(Outcome::kUnstable, report);
-  accept_positions(h, lambda, report);
+  accept_positions(h, lambda, q1, report);
   if (!contacts_.empty()) find_contacts();
   if (blind()) return take_back(Outcome::kBlind, report);
   factorize_end(lambda, report);                 // S(q₁)
@@ -83,12 +84,13 @@ bool Rattle::exceeds_tension_limit(double h, std::span<const double> lambda) {
   return std::abs(h) > RattleTuning::kLeeway * limit_.step();
 }
 
-/// The end of the drift is the state from now on; the books take the kick before it.
-void Rattle::accept_positions(double h, std::span<const double> lambda, SubstepReport& report) {
+/// The end of the drift is the state from now on; its works are those of the kick before it.
+void Rattle::accept_positions(double h, std::span<const double> lambda, std::span<const Pose> q1,
+                              SubstepReport& report) {
   report.tension_number = limit_.omega() * std::abs(h);
   if (settings_.report_energy) {
     account_for_kick(h, lambda, report.works);
-    report.works.flow = works_.split_flow(phase_.kicked, phase_.state.poses, phase_.poses);
+    report.works.flow = works_.split_flow(phase_.kicked, phase_.state.poses, q1);
   }
   if (bounded()) keep_first_kick(lambda);
   phase_.accept(h);
@@ -192,8 +194,8 @@ void Rattle::predict_multipliers(double h, std::span<double> lambda) {
   }
 }
 
-/// Poses after h with the impulses λ, and φ there.
-void Rattle::kick_and_drift(double h, std::span<const double> lambda, std::span<Pose> poses,
+/// q₁, the poses after h with the impulses λ, and φ at the end, which is there.
+void Rattle::kick_and_drift(double h, std::span<const double> lambda, std::span<Pose> q1,
                             const Configuration& end, std::span<double> phi) {
   const Rows& rows = system_.rows();
   const std::span<const double> J = start_jacobian_.get();
@@ -210,8 +212,8 @@ void Rattle::kick_and_drift(double h, std::span<const double> lambda, std::span<
       if (system_.mass()[b].fixed) continue;
       if (!tension_.active()) kick(b);
       if (stages_.iterative()) phase_.kicked[b] = phase_.kicked[b] - absorbed_[b];
-      poses[b] = free_flow(system_.mass(), b, phase_.state.poses[b], phase_.kicked[b].torque,
-                           phase_.kicked[b].force, h);
+      q1[b] = free_flow(system_.mass(), b, phase_.state.poses[b], phase_.kicked[b].torque,
+                        phase_.kicked[b].force, h);
     }
     rows.residual(end, phi, chunk);
   }
@@ -219,15 +221,15 @@ void Rattle::kick_and_drift(double h, std::span<const double> lambda, std::span<
 
 /// λ with φ(q₁) = 0: simplified Newton.  With dependent rows positions count as closed only if the bodies are
 /// near to closure, too.
-bool Rattle::close_joint_positions(double h, std::span<double> lambda, SubstepReport& report) {
+bool Rattle::close_joint_positions(double h, std::span<double> lambda, std::span<Pose> q1,
+                                   SubstepReport& report) {
   double last = std::numeric_limits<double>::infinity(), correction = 0;
   bool polished = false;
   values_.residual_is_current = false;
   for (int iteration = 0;; ++iteration) {
     {
       const Stopwatch watch(report.times.positions);
-      kick_and_drift(h, lambda, phase_.poses, {phase_.poses, phase_.state.time + h, phase_.state.axes},
-                     values_.phi);
+      kick_and_drift(h, lambda, q1, {q1, phase_.state.time + h, phase_.state.axes}, values_.phi);
     }
     breaking_.clear_rows(values_.phi);
     const double gap = max_abs(values_.phi);
@@ -235,7 +237,8 @@ bool Rattle::close_joint_positions(double h, std::span<double> lambda, SubstepRe
     const bool closed = gap <= settings_.position_tolerance;
     const bool spent = iteration >= settings_.max_newton_iterations;
     const bool weak = system_.singular();
-    if (closed && (!weak || weak_directions_.distance_to_closure(report) <= RattleTuning::kFarOpen * size_))
+    if (closed && (!weak || weak_directions_.distance_to_closure(values_.correction, report) <=
+                                RattleTuning::kFarOpen * size_))
       break;
     const bool in_vain =
         closed ? polished
@@ -243,12 +246,12 @@ bool Rattle::close_joint_positions(double h, std::span<double> lambda, SubstepRe
     if (in_vain) {
       prediction_missed_ = false;
       const auto drift = [&] {
-        kick_and_drift(h, lambda, phase_.poses, phase_.trial_end(h), values_.phi);
+        kick_and_drift(h, lambda, q1, phase_.trial_end(h), values_.phi);
         breaking_.clear_rows(values_.phi);
       };
       return weak_directions_.close(h, RattleTuning::kFarOpen * size_, std::cref(drift), report);
     }
-    if (!closed && (spent || !keep_pace(gap, last, h, report))) return false;
+    if (!closed && (spent || !keep_pace(gap, last, h, q1, report))) return false;
     polished = polished || closed;
     last = gap;
     const Stopwatch watch(report.times.positions);
@@ -260,28 +263,28 @@ bool Rattle::close_joint_positions(double h, std::span<double> lambda, SubstepRe
   return true;
 }
 
-/// λ ← λ − S⁻¹ φ/h; `from_closure`: S_ε⁻¹ φ is known from the distance to closure.
+/// λ ← λ − S⁻¹ φ/h; `from_closure`: the correction is S_ε⁻¹ φ already.
 /// @returns the largest change.
 double Rattle::correct_multipliers(double h, bool from_closure, std::span<double> lambda) {
-  std::vector<double>& delta = values_.delta;
+  std::vector<double>& correction = values_.correction;
   if (from_closure) {
-    for (double& d : delta) d *= -1 / h;
-    system_.project(delta);
+    for (double& c : correction) c *= -1 / h;
+    system_.project(correction);
   } else {
-    for (int r = 0; r < system_.row_count(); ++r) delta[r] = -1 / h * values_.phi[r];
-    system_.solve(delta);
+    for (int r = 0; r < system_.row_count(); ++r) correction[r] = -1 / h * values_.phi[r];
+    system_.solve(correction);
   }
-  for (int r = 0; r < system_.row_count(); ++r) lambda[r] += delta[r];
-  return max_abs(delta);
+  for (int r = 0; r < system_.row_count(); ++r) lambda[r] += correction[r];
+  return max_abs(correction);
 }
 
 /// Newton that hardly comes closer gets a fresh factor, once.  The true derivative of φ(q₁) is
 /// h J(q₁) M⁻¹ J(q₀)ᵀ; S of the mean Jacobian is its symmetric neighbour of least error.
 /// @returns whether it is worth going on.
-bool Rattle::keep_pace(double error, double last, double h, SubstepReport& report) {
+bool Rattle::keep_pace(double error, double last, double h, std::span<const Pose> q1, SubstepReport& report) {
   if (!(error > RattleTuning::kSlowNewton * last)) return true;
   if (error > RattleTuning::kDiverging * last || !start_jacobian_.keep()) return false;
-  system_.linearize({phase_.poses, phase_.state.time + h, phase_.state.axes});
+  system_.linearize({q1, phase_.state.time + h, phase_.state.axes});
   start_jacobian_.mix_into_system();
   system_.factorize(report.times);
   ++report.counts.refactorizations;

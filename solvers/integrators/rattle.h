@@ -32,7 +32,8 @@ class Rattle : public ImpulseScheme {
  protected:
   void begin_step(double h, std::span<double> lambda, SubstepReport& report);
   bool exceeds_tension_limit(double h, std::span<const double> lambda);
-  void accept_positions(double h, std::span<const double> lambda, SubstepReport& report);
+  void accept_positions(double h, std::span<const double> lambda, std::span<const Pose> q1,
+                        SubstepReport& report);
   void factorize_end(std::span<const double> lambda, SubstepReport& report);
   void finish(double h, std::span<const double> lambda, std::span<const double> mu, SubstepReport& report);
   Outcome reject(Outcome outcome, SubstepReport& report);
@@ -40,22 +41,21 @@ class Rattle : public ImpulseScheme {
 
   // The position stage: from λ as it is predicted to the one with φ(q₁) = 0.
   void predict_multipliers(double h, std::span<double> lambda);
-  bool close_joint_positions(double h, std::span<double> lambda, SubstepReport& report);
+  bool close_joint_positions(double h, std::span<double> lambda, std::span<Pose> q1, SubstepReport& report);
   double correct_multipliers(double h, bool from_closure, std::span<double> lambda);
-  bool close_bounded_positions(double h, std::span<double> lambda, SubstepReport& report);
+  bool close_bounded_positions(double h, std::span<double> lambda, std::span<Pose> q1, SubstepReport& report);
   struct PositionError;
-  PositionError position_error(double h, std::span<const double> lambda, int iteration,
-                               SubstepReport& report);
+  PositionError position_error(double h, std::span<const double> lambda, int iteration);
   bool give_up(std::span<const double> lambda, std::span<const double> rates);
   void finish_position_laws(std::span<const double> lambda);
-  bool stabilize_positions(double h, std::span<double> lambda, SubstepReport& report);
+  bool stabilize_positions(double h, std::span<double> lambda, std::span<Pose> q1, SubstepReport& report);
   void begin_bounds(double h);
-  void try_positions(double h, std::span<const double> lambda, bool near);
-  void kick_and_drift(double h, std::span<const double> lambda, std::span<Pose> poses,
-                      const Configuration& end, std::span<double> phi);
-  void contact_rates(double h, bool near, std::span<double> rates);
-  bool keep_pace(double error, double last, double h, SubstepReport& report);
-  double time_of_impact(double h, std::span<double> lambda, SubstepReport& report);
+  void try_positions(double h, std::span<const double> lambda, std::span<Pose> q1, bool near);
+  void kick_and_drift(double h, std::span<const double> lambda, std::span<Pose> q1, const Configuration& end,
+                      std::span<double> phi);
+  void contact_rates(double h, std::span<const Pose> q1, bool near, std::span<double> rates);
+  bool keep_pace(double error, double last, double h, std::span<const Pose> q1, SubstepReport& report);
+  double time_of_impact(double h, std::span<double> lambda, std::span<Pose> q1, SubstepReport& report);
 
   // The velocity stage: μ with J(q₁) V₁ = 0.
   bool close_velocities(double h, std::span<const double> lambda, std::span<double> mu,

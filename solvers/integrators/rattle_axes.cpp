@@ -33,11 +33,11 @@ void Rattle::begin_bounds(double h) {
 }
 
 /// Where the present λ leads to: q₁, φ(q₁), the mean rates and their laws.
-void Rattle::try_positions(double h, std::span<const double> lambda, bool near) {
-  kick_and_drift(h, lambda, phase_.poses, phase_.trial_end(h), values_.phi);
+void Rattle::try_positions(double h, std::span<const double> lambda, std::span<Pose> q1, bool near) {
+  kick_and_drift(h, lambda, q1, phase_.trial_end(h), values_.phi);
   for (int r = 0; r < system_.row_count(); ++r)
     values_.rates[r] = (values_.phi[r] - values_.start_theta[r]) / h;
-  if (!contacts_.empty()) contact_rates(h, near, values_.rates);
+  if (!contacts_.empty()) contact_rates(h, q1, near, values_.rates);
   projection_.clear_loose_rows(values_.phi);
   renew_laws();
 }
@@ -55,12 +55,18 @@ struct Rattle::PositionError {
 
 /// φ(q₁) = 0 and λ ∈ law of (θ(q₁) − θ₀)/h: Newton, whose linear problem w = S (λ − λᵏ) + wᵏ is one for
 /// StageSolver.  When joints are closed, the laws alone are to be met to what round-off allows.
-bool Rattle::close_bounded_positions(double h, std::span<double> lambda, SubstepReport& report) {
+bool Rattle::close_bounded_positions(double h, std::span<double> lambda, std::span<Pose> q1,
+                                     SubstepReport& report) {
   const StageSolver::Renew renew = [this] { renew_laws(); };
   double last = std::numeric_limits<double>::infinity();
-  int exact = 0;  // solves for the laws alone
+  int exact = 0;                     // solves for the laws alone
+  StageEnd end = StageEnd::kSolved;  // of the last solve
   for (int iteration = 0;; ++iteration) {
-    const PositionError at = position_error(h, lambda, iteration, report);
+    if (end != StageEnd::kUnchanged) {
+      const Stopwatch watch(report.times.positions);
+      try_positions(h, lambda, q1, iteration > 0);
+    }
+    const PositionError at = position_error(h, lambda, iteration);
     if (!axes_.finite()) return false;
     if (at.error <= 1) break;
     if (at.is_hopeless(iteration, settings_)) return give_up(lambda, values_.rates);
@@ -68,25 +74,21 @@ bool Rattle::close_bounded_positions(double h, std::span<double> lambda, Substep
       if (!stages_.take_inexact(at.error)) return give_up(lambda, values_.rates);
       break;
     }
-    if (!at.closed && !keep_pace(at.error, last, h, report)) return give_up(lambda, values_.rates);
+    if (!at.closed && !keep_pace(at.error, last, h, q1, report)) return give_up(lambda, values_.rates);
     last = at.error;
     if (!at.closed) contacts_.hold_again();
     const Stopwatch watch(report.times.positions);
     const StageSolver::Stage stage{lambda, values_.rates, renew, iteration > 0};
     const double tolerance = at.closed ? stages_.exact_tolerance() : 0.1 * settings_.position_tolerance / h;
-    if (!stages_.solve(stage, tolerance, report)) return give_up(lambda, stages_.rates());
+    end = stages_.solve(stage, tolerance, report);
+    if (end == StageEnd::kFailed) return give_up(lambda, stages_.rates());
     ++report.newton_iterations;
   }
   finish_position_laws(lambda);
   return true;
 }
 
-Rattle::PositionError Rattle::position_error(double h, std::span<const double> lambda, int iteration,
-                                             SubstepReport& report) {
-  if (iteration == 0 || !(stages_.friction_dominated() && stages_.rested())) {  // else λ is the same
-    const Stopwatch watch(report.times.positions);
-    try_positions(h, lambda, iteration > 0);
-  }
+Rattle::PositionError Rattle::position_error(double h, std::span<const double> lambda, int iteration) {
   if (iteration == 0 || !axes_.finite()) return {};
   const double tolerance = settings_.position_tolerance - slack_;
   double curved = h * contacts_.curved_off(lambda, values_.rates, stages_.rates()) / tolerance;
@@ -117,11 +119,11 @@ void Rattle::finish_position_laws(std::span<const double> lambda) {
 /// Free axes that the step takes to a limit with restitution are let through once, to see when they get
 /// there.
 /// @returns the length of the sub-step that ends with the first impact.
-double Rattle::time_of_impact(double h, std::span<double> lambda, SubstepReport& report) {
+double Rattle::time_of_impact(double h, std::span<double> lambda, std::span<Pose> q1, SubstepReport& report) {
   double time = h;
   axes_.repeat_first_kick();
-  if (stages_.iterative() ? stabilize_positions(h, lambda, report)
-                          : close_bounded_positions(h, lambda, report))
+  if (stages_.iterative() ? stabilize_positions(h, lambda, q1, report)
+                          : close_bounded_positions(h, lambda, q1, report))
     time = impacts_.first(h, values_.rates);
   else
     impacts_.give_up();
@@ -200,7 +202,7 @@ bool Rattle::strike(double h, std::span<double> mu, SubstepReport& report) {
   });
 }
 
-/// The first kick for the books, at the pose where it acted.
+/// Records the first kick, at the pose where it acted.
 void Rattle::keep_first_kick(std::span<const double> lambda) {
   works_.mean_rates(phase_.momenta, phase_.kicked, start_jacobian_.get(), values_.kick_rates);
   axes_.record_first_kick(lambda, values_.rates, values_.kick_rates);
@@ -209,13 +211,13 @@ void Rattle::keep_first_kick(std::span<const double> lambda) {
 
 /// Mean rates of the contact rows in the drift.  Far from the solution they are linear where contacts hold:
 /// many that hold one body agree about its motion only as rigid bodies move.
-void Rattle::contact_rates(double h, bool near, std::span<double> rates) {
+void Rattle::contact_rates(double h, std::span<const Pose> q1, bool near, std::span<double> rates) {
   works_.mean_rates(phase_.kicked, phase_.kicked, start_jacobian_.get(), values_.kick_rates);
   const int first = system_.rows().first_contact_row();
   std::copy(values_.kick_rates.begin() + first, values_.kick_rates.end(), rates.begin() + first);
   // Sweeps do not follow, and in a step that failed with it nothing else does.
   if (stages_.iterative() || flattened_ || (!near && contacts_.any_hold())) return;
-  drift_rates(contacts_, {system_.mass(), phase_.state.poses, phase_.poses, phase_.kicked, h}, rates);
+  drift_rates(contacts_, {system_.mass(), phase_.state.poses, q1, phase_.kicked, h}, rates);
 }
 
 }  // namespace taut

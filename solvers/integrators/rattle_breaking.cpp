@@ -6,8 +6,7 @@ namespace taut {
 /// After a sub-step whose velocities are closed: true if it was taken back because a joint does not bear it.
 bool Rattle::break_joints(double h, std::span<const double> lambda, std::span<const double> mu,
                           SubstepReport& report) {
-  for (int r = 0; r < system_.row_count(); ++r) values_.delta[r] = lambda[r] + mu[r];
-  if (!breaking_.check(system_, phase_.state, values_.delta, h)) return false;
+  if (!breaking_.check({system_, phase_.state, lambda, mu, h})) return false;
   time_to_event_ = breaking_.time_to_break();
   const bool now = time_to_event_ == 0;
   impacts_.end();

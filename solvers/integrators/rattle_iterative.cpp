@@ -12,12 +12,13 @@
 namespace taut {
 
 /// λ that takes φ(q₁) towards 0 and the other rows towards their laws.
-bool Rattle::stabilize_positions(double h, std::span<double> lambda, SubstepReport& report) {
+bool Rattle::stabilize_positions(double h, std::span<double> lambda, std::span<Pose> q1,
+                                 SubstepReport& report) {
   const Stopwatch watch(report.times.positions);
   std::fill(absorbed_.begin(), absorbed_.end(), Wrench{});
   const StageSolver::Renew renew = [this] { renew_laws(); };
   for (int left = settings_.iterations;; left -= RattleTuning::kSweepsPerPass) {
-    try_positions(h, lambda, false);
+    try_positions(h, lambda, q1, false);
     if (!std::isfinite(max_abs(values_.phi)) || !axes_.finite()) return false;
     if (left <= 0) break;
     const double tolerance = 0.1 * settings_.position_tolerance / h;

@@ -13,13 +13,14 @@ struct RowValues {
   /// `laws`: rows have laws of their own, and with them start_theta, rates and kick_rates.
   RowValues(int rows, bool laws);
 
-  std::vector<double> lambda, mu;  ///< of the first kick and of the second
-  std::vector<double> delta;       ///< a right-hand side, or a correction that was solved for
-  std::vector<double> phi;
+  std::vector<double> lambda, mu;         ///< of the first kick and of the second
+  std::vector<double> correction;         ///< S⁻¹ of what rows are off by; that itself before the solve
+  std::vector<double> phi;                ///< φ of equality rows and θ of axes, at the poses last looked at
   std::vector<double> impulses;           ///< since they were cleared, for reactions
   std::vector<double> force_multipliers;  ///< at the end of the last step
   /// Coordinates of axes at the start, rates that laws see, and the mean ones of a kick.
   std::vector<double> start_theta, rates, kick_rates;
+  std::vector<double> guess_rates;   ///< S times a guess of the impulses
   std::vector<double> joint_rates;   ///< J V + φ_t of rows that hold by themselves
   bool residual_is_current = false;  ///< phi is φ at the end of the last step
 

@@ -78,11 +78,11 @@ bool VelocityProjection::project(double h, SubstepReport& report) {
 /// μ ← μ − `sum` S_ε⁻¹ (J V + φ_t).
 /// @returns whether rates are within their tolerance then.
 bool VelocityProjection::refine(double sum, SubstepReport& report) {
-  std::vector<double>& delta = values_.delta;
-  for (int r = 0; r < system_.row_count(); ++r) delta[r] = -sum * values_.joint_rates[r];
-  system_.solve_shifted(delta);
-  push(delta, 1);
-  for (int r = 0; r < system_.row_count(); ++r) values_.mu[r] += delta[r];
+  std::vector<double>& correction = values_.correction;
+  for (int r = 0; r < system_.row_count(); ++r) correction[r] = -sum * values_.joint_rates[r];
+  system_.solve_shifted(correction);
+  push(correction, 1);
+  for (int r = 0; r < system_.row_count(); ++r) values_.mu[r] += correction[r];
   report.velocity_residual = max_abs(values_.joint_rates);
   return report.velocity_residual <= settings_.velocity_tolerance;
 }
@@ -119,9 +119,10 @@ double VelocityProjection::doubled_kinetic_energy() const {
 void VelocityProjection::descend(SubstepReport& report) {
   const int rows = system_.row_count();
   const Eigen::Map<const Eigen::VectorXd> rates(values_.joint_rates.data(), rows);
-  Eigen::Map<Eigen::VectorXd> along(values_.delta.data(), rows), mu(values_.mu.data(), rows);
+  Eigen::Map<Eigen::VectorXd> mu(values_.mu.data(), rows);
+  std::vector<double> direction(rows);
+  Eigen::Map<Eigen::VectorXd> along(direction.data(), rows);
   Eigen::VectorXd before = Eigen::VectorXd::Zero(rows), ascent(rows);
-  along.setZero();
   double first = 0, height = 0;  // −(J V + φ_t)·S_ε⁻¹ (J V + φ_t), at first and now
   for (int step = 0; step < VelocityProjectionTuning::kMaxConjugate; ++step) {
     ascent = -rates;
@@ -132,20 +133,20 @@ void VelocityProjection::descend(SubstepReport& report) {
     if (!(height > VelocityProjectionTuning::kDescended * first)) return;
     along = ascent + keep * along;
     before = rates;
-    push(values_.delta, 1);
+    push(direction, 1);
     const double curvature = along.dot(rates - before);
     const double length = curvature > 0 ? -along.dot(before) / curvature : 0;
-    push(values_.delta, length - 1);
+    push(direction, length - 1);
     mu += length * along;
     report.velocity_residual = max_abs(values_.joint_rates);
     if (report.velocity_residual <= settings_.velocity_tolerance || !(curvature > 0)) return;
   }
 }
 
-/// p += `by` Jᵀ δ.
-void VelocityProjection::push(std::span<const double> delta, double by) {
-  twists_and_rates([this, delta, by](int b) {
-    phase_.momenta[b] = phase_.momenta[b] + by * system_.rows().wrench_on(b, system_.jacobian(), delta);
+/// p += `by` Jᵀ times these.
+void VelocityProjection::push(std::span<const double> impulses, double by) {
+  twists_and_rates([this, impulses, by](int b) {
+    phase_.momenta[b] = phase_.momenta[b] + by * system_.rows().wrench_on(b, system_.jacobian(), impulses);
   });
 }
 

@@ -40,7 +40,7 @@ class VelocityProjection {
  private:
   template <typename Change>
   void twists_and_rates(Change change);
-  void push(std::span<const double> delta, double by);
+  void push(std::span<const double> impulses, double by);
   bool refine(double sum, SubstepReport& report);
   void project_by_descent(SubstepReport& report);
   double doubled_kinetic_energy() const;

@@ -33,26 +33,25 @@ bool Breaking::is_out(JointId joint) const {
 }
 
 /// Mean of the reaction on B over the sub-step, and how much of its limit that is.
-Breaking::Load Breaking::load_of(const ConstraintSystem& system, const State& end,
-                                 std::span<const double> impulses,
-                                 const std::pair<JointId, BreakLimits>& joint, double h) const {
+Breaking::Load Breaking::load_of(const Substep& step, const std::pair<JointId, BreakLimits>& joint) const {
   const Rows::JointRows& rows = all_rows_.joints()[joint.first.index];
   const Rows::Side& side = all_rows_.sides()[rows.first_side + 1];
   Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
   for (int i = 0; i < rows.row_count; ++i)
-    wrench += impulses[rows.first_row + i] / h * Rows::block_row(side, system.jacobian(), i);
+    wrench += (step.lambda[rows.first_row + i] + step.mu[rows.first_row + i]) / step.h *
+              Rows::block_row(side, step.system.jacobian(), i);
   const Joint& made = world_.joint(joint.first);
-  const Vec3 force = wrench.tail<3>(), arm = end.poses[side.body].q * made.reaction_point_B();
+  const Vec3 force = wrench.tail<3>(), arm = step.end.poses[side.body].q * made.reaction_point_B();
   Load load{force.norm(), (wrench.head<3>() - arm.cross(force)).norm(), 0};
   load.ratio = std::max(load.force / joint.second.force, load.torque / joint.second.torque);
   return load;
 }
 
-bool Breaking::check(const ConstraintSystem& system, const State& end, std::span<const double> impulses,
-                     double h) {
+bool Breaking::check(const Substep& step) {
+  const double h = step.h;
   overloaded_.clear();
   time_to_break_ = 0;
-  const double worst = find_loads(system, end, impulses, h), first = first_break(h);
+  const double worst = find_loads(step), first = first_break(h);
   const bool within = first < (1 - LawTuning::kTogether) * h;
   if (worst <= 1 + BreakingTuning::kBreakLeeway && !within) {
     last_loads_ = loads_;
@@ -62,7 +61,7 @@ bool Breaking::check(const ConstraintSystem& system, const State& end, std::span
   }
   due_.clear();
   if (within && first > LawTuning::kTogether * h)
-    shorten(first, end.time - h + first, h);
+    shorten(first, step.end.time - h + first, h);
   else
     overload(worst, h);
   return true;
@@ -70,14 +69,13 @@ bool Breaking::check(const ConstraintSystem& system, const State& end, std::span
 
 /// loads_ of the joints that are left.
 /// @returns the largest part of a limit, or what a joint bears by all means if that is more.
-double Breaking::find_loads(const ConstraintSystem& system, const State& end,
-                            std::span<const double> impulses, double h) {
+double Breaking::find_loads(const Substep& step) {
   const auto breakable = world_.breakable();
   loads_.assign(breakable.size(), {});
   double worst = 1 + BreakingTuning::kBreakLeeway;
   for (std::size_t i = 0; i < breakable.size(); ++i) {
     if (is_out(breakable[i].first)) continue;
-    loads_[i] = load_of(system, end, impulses, breakable[i], h);
+    loads_[i] = load_of(step, breakable[i]);
     worst = std::max(worst, loads_[i].ratio);
   }
   return worst;

@@ -18,10 +18,16 @@ class Breaking {
   Breaking(const World& world, const Rows& rows);
 
   bool possible() const { return !world_.breakable().empty(); }
-  /// Mean loads over a sub-step of h with these impulses of the rows, at its end.  True if a
-  /// joint bears less; the sub-step is then to be taken back, and again: of length time_to_break() if that is
-  /// positive, or at once without the joints in overloaded().
-  bool check(const ConstraintSystem& system, const State& end, std::span<const double> impulses, double h);
+  /// A sub-step of h [s] at its end, where the system is linearised, with the impulses of both kicks.
+  struct Substep {
+    const ConstraintSystem& system;
+    const State& end;
+    std::span<const double> lambda, mu;
+    double h;
+  };
+  /// Whether a joint bears less than its mean load over the sub-step, which is then to be taken back, and
+  /// again: of length time_to_break() if that is positive, or at once without the joints in overloaded().
+  bool check(const Substep& step);
   double time_to_break() const { return time_to_break_; }
   const std::vector<JointId>& overloaded() const { return overloaded_; }
   /// Joints whose time has come with the end of an accepted sub-step; moves them to overloaded().
@@ -38,7 +44,6 @@ class Breaking {
   }
   bool any() const { return !rows_.empty() || !events_.empty(); }
   const std::vector<BreakEvent>& events() const { return events_; }
-  /// Loads jump: no interpolation between sub-steps across this.
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   void transfer(Archive& archive);
@@ -47,11 +52,9 @@ class Breaking {
   struct Load {
     double force = 0, torque = 0, ratio = 0;
   };
-  Load load_of(const ConstraintSystem& system, const State& end, std::span<const double> impulses,
-               const std::pair<JointId, BreakLimits>& joint, double h) const;
+  Load load_of(const Substep& step, const std::pair<JointId, BreakLimits>& joint) const;
   bool is_out(JointId joint) const;
-  double find_loads(const ConstraintSystem& system, const State& end, std::span<const double> impulses,
-                    double h);
+  double find_loads(const Substep& step);
   double first_break(double h) const;
   void shorten(double first, double time, double h);
   void overload(double worst, double h);

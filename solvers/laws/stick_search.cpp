@@ -88,7 +88,7 @@ void StickSearch::release(int k) {
   const Material& material = contacts_.slot(k).material;
   contacts_.point(k).slipping = true;
   contacts_.point(k).stick_candidate = false;
-  weakened_ = weakened_ || material.dynamic_friction < material.static_friction;
+  if (material.dynamic_friction < material.static_friction) weakened_ = true;
 }
 
 bool StickSearch::mark_sliding(std::span<const double> w, bool judged) {

@@ -8,8 +8,6 @@
 
 namespace taut {
 
-class Archive;
-
 /// Contacts that stick hold as long as any division of the load among them does.
 ///
 /// "Assume it locked, solve, keep it within the static limit" is a question to the system, not to each
@@ -37,9 +35,6 @@ class StickSearch {
   bool mark_sliding(std::span<const double> w, bool judged);
   /// Static friction was more than dynamic friction where it let go since begin().
   bool weakened() const { return weakened_; }
-
-  /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
-  void transfer(Archive& archive);
 
  private:
   std::vector<int> struck_bodies() const;

@@ -134,12 +134,7 @@ void ContactCache::transfer(Archive& archive, const World& world) {
 
 void FrictionLinearization::transfer(Archive& archive) { archive(residual_, scale_); }
 
-void StickSearch::transfer(Archive& archive) { archive(weakened_); }
-
-void ContactLaws::transfer_residuals(Archive& archive) {
-  friction_.transfer(archive);
-  stick_search_.transfer(archive);
-}
+void ContactLaws::transfer_residuals(Archive& archive) { friction_.transfer(archive); }
 
 void ContactImpacts::transfer(Archive& archive) { archive(count_); }
 
@@ -232,11 +227,11 @@ void PrimalDualActiveSet::transfer(Archive& archive) {
 }
 
 void ContactIslands::transfer(Archive& archive) {
-  bool known = is_known();
-  archive(known);
-  if (archive.reads()) restore(known);
-  for (std::size_t i = 0; known && islands_.size() > 1 && i < islands_.size(); ++i) {
-    Island& island = *islands_[i];
+  archive(known_);
+  if (archive.reads()) restore();
+  if (known().size() <= 1) return;
+  for (const std::unique_ptr<Island>& of_present_rows : known()) {
+    Island& island = *of_present_rows;
     bool solved = island.own != nullptr;
     archive(solved);
     if (!solved) continue;
@@ -408,7 +403,8 @@ void ImpulseScheme::transfer(Archive& archive) {
   limit_.transfer(archive);
   stages_.transfer(archive);
   if (archive.reads())
-    phase_.poses = phase_.state.poses, std::swap(phase_.state.time, phase_.linearized_time);
+    phase_.trial_poses = phase_.start_poses = phase_.state.poses,
+    std::swap(phase_.state.time, phase_.linearized_time);
   system_.transfer(archive, phase_.state);
   stages_.transfer_factors(archive);
   if (!archive.reads()) return;

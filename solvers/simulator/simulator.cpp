@@ -138,7 +138,7 @@ Simulator::Impl::Before Simulator::Impl::begin_step(double dt) {
   return before;
 }
 
-/// … with the energies from before in the books.
+/// … with the energies from before in the ledger.
 void Simulator::Impl::fall_asleep() {
   welds_.forget_means();
   if (settings_.report_energy) accounting_.begin(world_, bodies_.as_set(), report_);

@@ -69,7 +69,7 @@ struct Stored {
         potential(world.potential_energy(world.state()) - springs) {}
 };
 
-/// What an event has changed at once is in the books.
+/// What an event has changed at once is in the ledger.
 void book(StepReport& report, const Stored& before, const Stored& after) {
   const double by_springs = after.springs - before.springs, by_potential = after.potential - before.potential;
   report.spring_energy += by_springs, report.potential_energy += by_potential;
@@ -78,10 +78,10 @@ void book(StepReport& report, const Stored& before, const Stored& after) {
 }
 
 /// The report of a step in which no part has been taken yet.
-StepReport at_start(const World& world, bool books) {
+StepReport at_start(const World& world, bool with_energies) {
   StepReport report;
   report.time = world.time();
-  if (!books) return report;
+  if (!with_energies) return report;
   const State& state = world.state();
   report.kinetic_energy = kinetic_energy(world, state);
   const Stored stored(world);
@@ -152,9 +152,9 @@ bool Simulator::let_happen(StepReport& whole, double instant) {
   const std::vector<DueEvent> due = now.events_.due(*this, instant);
   if (due.empty()) return true;
   const Checkpoint kept = checkpoint_if_any(due);
-  const bool books = now.settings_.report_energy;
-  const std::optional<Stored> before = books ? std::optional<Stored>(world) : std::nullopt;
-  if (whole.dt == 0) whole = at_start(world, books);
+  const bool with_energies = now.settings_.report_energy;
+  const std::optional<Stored> before = with_energies ? std::optional<Stored>(world) : std::nullopt;
+  if (whole.dt == 0) whole = at_start(world, with_energies);
   const std::size_t happened = now.events_.happened().size();
   const std::optional<EventSchedule::Refusal> refusal = now.events_.let_happen(now.source_, due);
   whole.events.insert(whole.events.end(),

@@ -128,7 +128,7 @@ class Simulator::Impl {
   StepUndo undo_{world_, source_};
   StepQuality quality_;
   EnergyAccounting accounting_{stepper_.force_springs()};
-  bool restarted_ = false;  // the integrator has made velocities tangent, which the books do not know yet
+  bool restarted_ = false;  // the integrator has made velocities tangent, which the ledger does not know yet
   Sleep sleep_{settings_};
   SleepingLoads sleeping_{source_};
   WeldReactions welds_{bodies_};

@@ -65,7 +65,7 @@ class Sleep {
   bool any_asleep() const;
   bool forces_changed(const World& world, int body) const;
 
-  bool enabled_;
+  const bool enabled_;
   double speed_, time_;
   std::vector<BodyId> candidates_;  // that fall asleep with the present step
   std::vector<Twist> candidate_twists_;

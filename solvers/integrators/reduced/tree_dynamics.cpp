@@ -7,6 +7,7 @@
 
 #include "core/base/check.h"
 #include "core/math/dense.h"
+#include "solvers/common/joint_tree.h"
 #include "solvers/integrators/body_moves.h"
 
 namespace taut {

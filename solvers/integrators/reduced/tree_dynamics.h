@@ -6,7 +6,6 @@
 
 #include "core/constraints/rows.h"
 #include "core/world/world.h"
-#include "solvers/common/joint_tree.h"
 #include "solvers/system/mass_matrix.h"
 
 namespace taut {

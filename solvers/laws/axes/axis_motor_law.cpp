@@ -100,11 +100,9 @@ double AxisMotorLaw::rate_in_first_kick(const AxisStage& stage) const {
 /// The rate of the target, and what θ₁ is off by in another step.
 double AxisMotorLaw::rate_in_second_kick(const AxisStage& stage) {
   const MotionPoint target = target_at(*stage.p.motor, stage.step.end_time);
-  const double left = target.value - stage.theta,
-               back = std::abs(left) <= LawTuning::kTouch ? 0 : left / stage.step.h;
-  on_target = back == 0;
-  const double rate = target.rate + back;
-  if (on_target || !has_to_brake(*stage.p.motor)) return rate;
+  left = target.value - stage.theta;
+  const double rate = target.rate + (has_arrived() ? 0 : left / stage.step.h);
+  if (has_arrived() || !has_to_brake(*stage.p.motor)) return rate;
   const double deceleration = braking(stage, target, left);
   if (!(deceleration > 0)) return rate;
   return no_faster(rate, target.rate, std::sqrt(2 * deceleration * std::abs(left)));
@@ -114,14 +112,14 @@ double AxisMotorLaw::rate_in_second_kick(const AxisStage& stage) {
 double AxisMotorLaw::rate_in_single_kick(const AxisStage& stage) {
   const double h = stage.step.h;
   const MotionPoint target = target_at(*stage.p.motor, stage.step.end_time - h);
-  const double way = target.value - stage.start.theta, rate = target.rate + way / h;
-  on_target = std::abs(way) <= LawTuning::kTouch;
-  if (on_target || !has_to_brake(*stage.p.motor)) return rate;
-  const double deceleration = braking(stage, target, way);
+  left = target.value - stage.start.theta;
+  const double rate = target.rate + left / h;
+  if (has_arrived() || !has_to_brake(*stage.p.motor)) return rate;
+  const double deceleration = braking(stage, target, left);
   if (!(deceleration > 0)) return rate;
-  const double towards = std::copysign(1.0, way) * (stage.start.rate - target.rate);
+  const double towards = std::copysign(1.0, left) * (stage.start.rate - target.rate);
   return no_faster(rate, target.rate,
-                   end_rate_to_stop(std::abs(way), deceleration, h, stage.step.vartheta, towards));
+                   end_rate_to_stop(std::abs(left), deceleration, h, stage.step.vartheta, towards));
 }
 
 /// Deceleration against the target, coming on along `way`, that the motor can give by itself beside the load:

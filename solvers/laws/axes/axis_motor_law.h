@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cmath>
+#include <limits>
+
 #include "core/axes/axis.h"
 #include "solvers/laws/axes/axis_part_law.h"
 
@@ -24,11 +27,12 @@ struct AxisMotorLaw : AxisBoxLaw<&AxisImpulse::motor> {
   /// Of the last sub-step, from which the load of this one is known: change of the rate over its length
   /// [rad/s² or m/s²], and the mean force of the motor.
   double acceleration = 0, force = 0;
-  bool on_target = false;  ///< at the end of that, so that there was nothing to brake
+  /// How far the target was from the end of that [rad or m].
+  double left = std::numeric_limits<double>::infinity();
 
   void begin(const AxisProperties&, const AxisStep& step, const AxisStart&) { length_ = step.h; }
   /// It has brought its axis to its target.
-  bool has_arrived() const { return on_target; }
+  bool has_arrived() const { return std::abs(left) <= LawTuning::kTouch; }
   bool set(const AxisStage& stage);
   void finish(AxisReport&, const AxisEnd& end) {
     acceleration = end.rate_change / length_;
@@ -39,7 +43,7 @@ struct AxisMotorLaw : AxisBoxLaw<&AxisImpulse::motor> {
   }
   template <typename AnyArchive>
   void transfer(AnyArchive& archive) {
-    archive(at, bound, acceleration, force, on_target);
+    archive(at, bound, acceleration, force, left);
   }
 
   /// It is no servo and no winch, which have laws of their own.
