@@ -102,12 +102,12 @@ class Stages : public Rattle {
     StepReport report;
     predict_multipliers(h, values_.lambda);
     begin_bounds(h);
-    EXPECT_TRUE(close_bounded_positions(h, values_.lambda, report));
+    EXPECT_TRUE(close_bounded_positions(h, values_.lambda, phase_.trial_poses, report));
     mechanism_.set_state(phase_.state);
     const Rows rows(mechanism_);
     std::vector<double> before(rows.row_count()), after(rows.row_count());
     rows.residual({phase_.state.poses, 0, phase_.state.axes}, before);
-    rows.residual({phase_.poses, h, phase_.state.axes}, after);
+    rows.residual({phase_.trial_poses, h, phase_.state.axes}, after);
     VectorXd w(rows.row_count());
     for (int r = 0; r < rows.row_count(); ++r) w[r] = (after[r] - (rows.is_equality(r) ? 0 : before[r])) / h;
     return natural_map(rows, w, values_.lambda);
