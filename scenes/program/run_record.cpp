@@ -109,7 +109,7 @@ void RunRecord::note_axes(const Simulator& simulator) {
   for (AxisEvents& axis : axes) {
     const AxisReport report = simulator.axis_report(axis.axis);
     axis.at_limit = report.at_limit, axis.saturated = report.saturated;
-    axis.limit_steps += report.at_limit, axis.saturated_steps += report.saturated;
+    axis.limit_steps += report.at_limit || report.impact_time, axis.saturated_steps += report.saturated;
   }
 }
 

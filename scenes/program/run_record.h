@@ -67,7 +67,7 @@ struct RunRecord {
   struct AxisEvents {
     AxisId axis{};
     std::string label;
-    std::int64_t limit_steps = 0, saturated_steps = 0;
+    std::int64_t limit_steps = 0, saturated_steps = 0;  ///< struck a limit, or were held by one
     bool at_limit = false, saturated = false;  ///< in the last step
   };
   std::vector<AxisEvents> axes;  ///< those that have limits or a motor

@@ -31,8 +31,9 @@ struct AxisImpulse : detail::PlainAxisParts<AllAxisProperties> {
   double damping = 0;
   double elastic_limit = 0;  ///< limits with compliance, but for their dampers
 
-  double total() const;                               ///< sum
-  AxisImpulse& operator+=(const AxisImpulse& other);  ///< adds each part
+  double total() const;                                   ///< sum
+  AxisImpulse& operator+=(const AxisImpulse& other);      ///< adds each part
+  AxisImpulse operator-(const AxisImpulse& other) const;  ///< of each part
 };
 
 /// A part of it.
@@ -85,6 +86,12 @@ inline double AxisImpulse::total() const {
 inline AxisImpulse& AxisImpulse::operator+=(const AxisImpulse& other) {
   for (const auto& [part, column, term] : kAxisParts) this->*part += other.*part;
   return *this;
+}
+
+inline AxisImpulse AxisImpulse::operator-(const AxisImpulse& other) const {
+  AxisImpulse difference = *this;
+  for (const auto& [part, column, term] : kAxisParts) difference.*part -= other.*part;
+  return difference;
 }
 
 /// What acted along an axis over a step.

@@ -1,5 +1,7 @@
 #include "solvers/integrators/impact_stage.h"
 
+#include <algorithm>
+
 #include "solvers/integrators/restitution_search.h"
 
 namespace taut {
@@ -18,23 +20,29 @@ bool ImpactStage::strike(const Solve& solve) {
   mu_ = values_.mu;
   mean_rates_.resize(mu_.size());
   works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), mean_rates_);
+  axes_.record_second_kick(mu_, values_.rates, mean_rates_);
   contacts_.works().record_kick(mu_, mean_rates_);
   for (int round = 1; round <= ImpactStageTuning::kMostRounds; ++round) {
     round_momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
     round_rates_ = values_.rates;
     round_mu_ = values_.mu;
+    axes_.begin_impacts(round_mu_, round_rates_);
     if (!solve_round(round < ImpactStageTuning::kMostRounds ? 1 : 0, solve)) return false;
     if (energy() > 0 && !limit_restitution(solve)) return false;
     record_round();
-    if (!contacts_.come_together(values_.rates)) break;
+    if (!come_together()) break;
   }
   contacts_.end_impacts();
   return true;
 }
 
+bool ImpactStage::come_together() const {
+  return axes_.impacts().come_together(values_.phi, values_.rates) || contacts_.come_together(values_.rates);
+}
+
 /// With this part of restitution, against the rates at the start of the round.
 bool ImpactStage::solve_round(double part, const Solve& solve) {
-  restitution_ = contacts_.begin_impact(round_rates_, round_mu_, part);
+  restitution_ = std::max(axes_.set_restitution(part), contacts_.begin_impact(round_rates_, round_mu_, part));
   return solve();
 }
 
@@ -56,8 +64,13 @@ void ImpactStage::record_round() {
   contacts_.works().record_impact(impulses_since(round_mu_), mean_rates_);
 }
 
-void ImpactStage::record_kick(std::span<const double> mu, std::span<const double> kick_rates) {
-  if (!struck_) contacts_.works().record_kick(mu, kick_rates);
+/// What impacts have added has its own mean rates.
+void ImpactStage::record(std::span<const double> mu) {
+  std::vector<double>& rates = values_.kick_rates;
+  works_.mean_rates(struck_ ? momenta_ : phase_.kicked, phase_.momenta, system_.jacobian(), rates);
+  axes_.accumulate_work(mu, values_.rates, rates);
+  axes_.end_impacts();
+  if (!struck_) contacts_.works().record_kick(mu, rates);
 }
 
 void ImpactStage::add_works(double h, StepWorks& works) {
@@ -71,16 +84,6 @@ std::span<const double> ImpactStage::impulses_since(std::span<const double> befo
   impulses_.resize(before.size());
   for (std::size_t r = 0; r < before.size(); ++r) impulses_[r] = values_.mu[r] - before[r];
   return impulses_;
-}
-
-void ImpactStage::mean_rates(std::span<double> out) {
-  works_.mean_rates(phase_.kicked, momenta(), system_.jacobian(), out);
-  if (!struck_) return;
-  mean_rates_.resize(out.size());
-  works_.mean_rates(momenta_, phase_.momenta, system_.jacobian(), mean_rates_);
-  const std::span<const double> given = impulses_since(mu_);
-  for (std::size_t r = 0; r < out.size(); ++r)
-    if (values_.mu[r] != 0) out[r] = (mu_[r] * out[r] + given[r] * mean_rates_[r]) / values_.mu[r];
 }
 
 }  // namespace taut

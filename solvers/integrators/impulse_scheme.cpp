@@ -36,7 +36,7 @@ ImpulseScheme::ImpulseScheme(const World& world, ConstraintSystem& system, const
       prediction_(system.row_count()),
       projection_(system, settings, breaking_, phase_, values_),
       contact_pattern_(world, system, contacts_, stages_, values_, prediction_),
-      impact_stage_(system, contacts_, phase_, values_, works_),
+      impact_stage_(system, axes_, contacts_, phase_, values_, works_),
       last_forces_(world.body_count()) {}
 
 void ImpulseScheme::start(const State& state, Velocities velocities, SubstepReport& report) {
@@ -222,10 +222,8 @@ ForceIteration::Fixed ImpulseScheme::renew_kick_forces(const State& at) {
 /// After a step: who is held now, and the records of both kicks.
 void ImpulseScheme::finish_laws(std::span<const double> mu) {
   system_.rows().residual(phase_.state, values_.phi);  // axes are up to date here
-  impact_stage_.mean_rates(values_.kick_rates);
-  axes_.accumulate_work(mu, values_.rates, values_.kick_rates);
+  impact_stage_.record(mu);
   axes_.finish_velocities(values_.phi, values_.rates, phase_.state.time);
-  impact_stage_.record_kick(mu, values_.kick_rates);
   contacts_.finish(mu, phase_.state.time);
 }
 

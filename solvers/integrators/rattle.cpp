@@ -51,7 +51,7 @@ Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
   factorize_end(lambda, report);                 // S(q₁)
   if (!close_velocities(h, lambda, mu, report))  // kick, J V = 0 and the laws
     return take_back(Outcome::kStalled, report);
-  if (contacts_.strikes() && !strike(h, mu, report)) return take_back(Outcome::kStalled, report);
+  if (impact_stage_.due() && !strike(h, mu, report)) return take_back(Outcome::kStalled, report);
   if (!phase_.finite()) return Outcome::kNotFinite;
   if (breaking_.possible() && break_joints(h, lambda, mu, report)) return Outcome::kOverload;
   finish(h, lambda, mu, report);

@@ -56,6 +56,7 @@ void AxisForces::start(std::span<const double> theta, std::span<const double> ra
 void AxisForces::begin(double time, double h, std::span<const double> theta, std::span<const double> rates,
                        std::span<const double> effective_mass, std::span<const double> let_out) {
   step_ = {.h = h, .end_time = time + h};
+  rounds_.clear();
   not_finite_.reset();
   if (table_.refresh()) swings_.find(table_);
   std::copy(axes_.begin(), axes_.end(), before_.begin());
@@ -136,7 +137,7 @@ void AxisForces::roll_back() {
 /// Those of axes that are released are none.
 void AxisForces::set_laws(std::span<const double> theta, std::span<const double> rates,
                           std::span<RowLaw> laws) {
-  const bool jolt = step_.in(Kick::kSecond) && impacts_.any(theta);
+  const bool jolt = step_.in(Kick::kSecond) && impacts_.any_unlocated(theta);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const int row = table_.row(i);
     AxisLaw& axis = axes_[i];
@@ -146,11 +147,26 @@ void AxisForces::set_laws(std::span<const double> theta, std::span<const double>
       continue;
     }
     const AxisProperties& p = table_.properties(i);
-    if (!axis.set(
-            {p, step_, axis.start, impacts_[i], work_.first_kick(i), slack_, rates[row], theta[row], jolt}))
+    const AxisRound* round = rounds_.empty() ? nullptr : &rounds_[i];
+    if (!axis.set({p, step_, axis.start, impacts_[i], work_.first_kick(i), slack_, rates[row], theta[row],
+                   jolt, round}))
       not_finite_ = *table_.axis(i);
     laws[row] = axis.sum(p);
   }
+}
+
+void AxisForces::begin_impacts(std::span<const double> mu, std::span<const double> rates) {
+  rounds_.resize(axes_.size());
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const double impulse = mu[table_.row(i)], rate = rates[table_.row(i)];
+    const AxisLaw& axis = axes_[i];
+    rounds_[i] = {rate, axis.split(impulse, axis.rate_of(table_.properties(i), impulse, rate)).limit};
+  }
+}
+
+double AxisForces::set_restitution(double part) {
+  step_.restitution = part;
+  return impacts_.restitution();
 }
 
 void AxisForces::begin_single_kick(double vartheta) {

@@ -129,7 +129,19 @@ class AxisForces {
                          std::span<const double> rates) {
     work_.record_first_kick(table_, axes_, lambda, w, rates);
   }
-  /// Adds both kicks to the reports.
+  /// Impulses of the second kick before impacts at its end, during which axes moved with `rates` on the mean.
+  void record_second_kick(std::span<const double> mu, std::span<const double> w,
+                          std::span<const double> rates) {
+    work_.record_second_kick(table_, axes_, mu, w, rates);
+  }
+  /// After it, from μ and its rates on, impulses are to be added by which all limits that are touched obey
+  /// Newton's law of impact.
+  void begin_impacts(std::span<const double> mu, std::span<const double> rates);
+  /// With this part of restitution.  @returns the largest that there is of what is due.
+  double set_restitution(double part);
+  /// They are over.
+  void end_impacts() { rounds_.clear(); }
+  /// Adds both kicks to the reports, with `rates` of the second one, or of the impacts after it.
   void accumulate_work(std::span<const double> lambda, std::span<const double> w,
                        std::span<const double> rates) {
     work_.add_kicks(table_, axes_, lambda, w, rates);
@@ -152,7 +164,8 @@ class AxisForces {
   AxisImpacts impacts_;
   AxisWork work_;
   AxisEffectiveMass effective_mass_;
-  std::vector<char> held_;  // rows of axes that motors or friction hold, for effective_mass_
+  std::vector<AxisRound> rounds_;  // of impacts, while there are any
+  std::vector<char> held_;         // rows of axes that motors or friction hold, for effective_mass_
   AxisStep step_;
   double slack_ = 0;
   std::optional<AxisId> not_finite_;

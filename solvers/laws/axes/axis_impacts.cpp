@@ -41,22 +41,37 @@ double AxisImpacts::meeting(std::size_t i, std::span<const double> w, double h) 
   return time_of_meeting(gap, sign * start.rate, sign * w[table_.row(i)], h);
 }
 
-void AxisImpacts::set_meeting(std::size_t i, double time, std::span<const double> w, double h) {
-  const double mean = w[table_.row(i)], rate0 = axes_[i].start.rate;
-  impacts_[i].rate = rate0 + 2 * (mean - rate0) * time / h;
+/// Axis i, at θ, moves on into its limit.
+bool AxisImpacts::runs_into_limit(int i, double theta, double rate) const {
+  if (table_.released(i)) return false;
+  const AxisLimits& limits = *table_.properties(i).limits;
+  return (theta <= limits.lower + LawTuning::kTouch && rate < -AxisImpactsTuning::kJolt) ||
+         (theta >= limits.upper - LawTuning::kTouch && rate > AxisImpactsTuning::kJolt);
 }
 
-bool AxisImpacts::any(std::span<const double> theta1) const {
-  const auto runs_into_limit = [&](int i) {
-    if (table_.released(i)) return false;
-    const AxisLimits& limits = *table_.properties(i).limits;
-    const double theta = theta1[table_.row(i)], rate0 = axes_[i].start.rate;
-    return impacts_[i].due() ||
-           (theta <= limits.lower + LawTuning::kTouch && rate0 < -AxisImpactsTuning::kJolt) ||
-           (theta >= limits.upper - LawTuning::kTouch && rate0 > AxisImpactsTuning::kJolt);
+bool AxisImpacts::any_unlocated(std::span<const double> theta1) const {
+  const auto strikes = [&](int i) {
+    return !impacts_[i].due() && runs_into_limit(i, theta1[table_.row(i)], axes_[i].start.rate);
   };
-  const std::span<const int> limited = table_.limited();
-  return std::any_of(limited.begin(), limited.end(), runs_into_limit);
+  return std::any_of(table_.limited().begin(), table_.limited().end(), strikes);
+}
+
+bool AxisImpacts::any_due() const {
+  return std::any_of(impacts_.begin(), impacts_.end(), [](const AxisImpact& impact) { return impact.due(); });
+}
+
+double AxisImpacts::restitution() const {
+  double largest = 0;
+  for (const int i : table_.limited())
+    if (impacts_[i].due()) largest = std::max(largest, table_.properties(i).limits->restitution);
+  return largest;
+}
+
+bool AxisImpacts::come_together(std::span<const double> theta1, std::span<const double> w) const {
+  const auto strikes = [&](int i) {
+    return table_.has_rigid_limit(i) && runs_into_limit(i, theta1[table_.row(i)], w[table_.row(i)]);
+  };
+  return std::any_of(table_.limited().begin(), table_.limited().end(), strikes);
 }
 
 void AxisImpacts::finish(std::span<const double> w, double time, std::span<AxisReport> reports) {

@@ -37,11 +37,15 @@ class AxisImpacts {
   /// The time from the start of a step of h, in (0, h], at which axis i reaches its limit, on the parabola
   /// through θ₀ with θ̇₀ to the free end; h if it does not.
   double meeting(std::size_t i, std::span<const double> w, double h) const;
-  /// That is when it strikes.
-  void set_meeting(std::size_t i, double time, std::span<const double> w, double h);
 
-  /// Some axis runs into a limit in this sub-step, at the end of which it is at θ₁.
-  bool any(std::span<const double> theta1) const;
+  /// Some axis runs into a limit in this sub-step, at the end of which it is at θ₁, and was not located.
+  bool any_unlocated(std::span<const double> theta1) const;
+  /// One is due.
+  bool any_due() const;
+  /// The largest restitution of those.
+  double restitution() const;
+  /// At θ₁ some axis moves on into its limit at these rates.
+  bool come_together(std::span<const double> theta1, std::span<const double> w) const;
 
   /// The end of a sub-step with these rates: impacts that were due, and axes that a rate stops at a limit
   /// away from which they began, are reported with this time.
@@ -56,6 +60,7 @@ class AxisImpacts {
 
  private:
   bool stops(std::size_t i, bool at_lower, std::span<const double> w) const;
+  bool runs_into_limit(int i, double theta, double rate) const;
 
   const AxisTable& table_;
   const std::vector<AxisLaw>& axes_;

@@ -17,7 +17,7 @@ bool AxisLimitLaw::set(const AxisStage& stage) {
       set_first_kick(stage);
       break;
     case Kick::kSecond:
-      set_second_kick(stage);
+      stage.round ? set_impact(stage) : set_second_kick(stage);
       break;
     case Kick::kSingle:
       set_single_kick(stage);
@@ -37,22 +37,39 @@ void AxisLimitLaw::set_first_kick(const AxisStage& stage) {
     upper_at = std::clamp((limits.upper - theta0) / h, -fastest, kUnreachedRate);
 }
 
-/// Bounds of the rate at θ₁ by Newton's law of impact.
+/// Bounds of the rate at θ₁, by Newton's law of impact with the rate before the step for what was not
+/// located; an impact that is due is left out: it strikes after this stage.
 void AxisLimitLaw::set_second_kick(const AxisStage& stage) {
   const AxisLimits& limits = *stage.p.limits;
   const AxisImpact& impact = stage.impact;
   const double theta1 = stage.theta, first_kick = stage.first_kick.limit;
-  // Newton's law of impact with the rate just before, or else that before the step.  An impact that is due
-  // happens even if a gap of order h³ is left.
-  const double bounce = -limits.restitution * (impact.due() ? impact.rate : stage.start.rate);
-  const bool at_lower = theta1 <= limits.lower + LawTuning::kTouch || (impact.due() && impact.at_lower);
-  const bool at_upper = theta1 >= limits.upper - LawTuning::kTouch || (impact.due() && !impact.at_lower);
+  const double bounce = -limits.restitution * stage.start.rate;
+  const bool at_lower = theta1 <= limits.lower + LawTuning::kTouch && !impact.due_at(true);
+  const bool at_upper = theta1 >= limits.upper - LawTuning::kTouch && !impact.due_at(false);
   if (at_lower) lower_at = stage.jolt ? bounce : std::max(0.0, bounce);
   if (at_upper) upper_at = stage.jolt ? bounce : std::min(0.0, bounce);
   // Both kicks together are the impulse that must not pull.  With Λ ≥ 0 ⊥ θ̇⁺ + e θ̇⁻ ≥ 0 and one e for all
   // the energy changes by −½ (1 − e)/(1 + e) ‖ΔV‖²_M; without an impact, bounds ≥ 0 let bouncing die out.
   lower_back = at_lower ? std::max(0.0, first_kick) : 0;
   upper_back = at_upper ? std::max(0.0, -first_kick) : 0;
+  if (lower_at > upper_at) lower_at = upper_at = 0;  // locked between both
+}
+
+/// Newton's law of impact for all limits that are touched, against the rate at the start of the round; what
+/// it adds does not pull.  An impact that is due happens even if a gap of order h³ is left.
+void AxisLimitLaw::set_impact(const AxisStage& stage) {
+  const AxisLimits& limits = *stage.p.limits;
+  const double before = stage.round->rate, given = stage.round->limit;
+  const double e = stage.step.restitution * limits.restitution;
+  const auto bounce = [&](bool comes) { return -(comes ? e : 1) * before; };
+  if (stage.theta <= limits.lower + LawTuning::kTouch || stage.impact.due_at(true)) {
+    lower_at = bounce(before < 0);
+    lower_back = -std::max(0.0, given);
+  }
+  if (stage.theta >= limits.upper - LawTuning::kTouch || stage.impact.due_at(false)) {
+    upper_at = bounce(before > 0);
+    upper_back = std::min(0.0, given);
+  }
   if (lower_at > upper_at) lower_at = upper_at = 0;  // locked between both
 }
 

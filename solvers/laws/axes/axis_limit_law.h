@@ -9,7 +9,9 @@ namespace taut {
 /// The impact of an axis at a limit, between its discovery and the end of the sub-step.
 struct AxisImpact : ImpactState {
   bool at_lower = false;  ///< of both limits
-  double rate = 0;        ///< just before it [rad/s or m/s]
+
+  /// It is due at this limit.
+  bool due_at(bool lower) const { return due() && at_lower == lower; }
 };
 
 /// It has limits without compliance.
@@ -21,7 +23,7 @@ bool in_flight(const AxisLimits& limits, double theta0, bool at_lower);
 /// λ ≤ upper_back from the upper one.  (solvers/laws, "Axes")
 struct AxisLimitLaw : AxisPartLaw {
   double lower_at = 0, upper_at = 0;      ///< [rad/s or m/s]
-  double lower_back = 0, upper_back = 0;  ///< what they gave in the first kick and may take back
+  double lower_back = 0, upper_back = 0;  ///< what they gave before and may take back
 
   /// A limit holds the axis at this rate.
   bool holds(double w) const { return on_step(w, lower_at) || on_step(w, upper_at); }
@@ -45,6 +47,7 @@ struct AxisLimitLaw : AxisPartLaw {
  private:
   void set_first_kick(const AxisStage& stage);
   void set_second_kick(const AxisStage& stage);
+  void set_impact(const AxisStage& stage);
   void set_single_kick(const AxisStage& stage);
   /// No limit is near.
   void clear() {

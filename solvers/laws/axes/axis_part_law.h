@@ -12,6 +12,12 @@ namespace taut {
 
 struct AxisImpact;  // axis_limit_law.h
 
+/// An axis at the start of a round of impacts.  (solvers/integrators/impact_stage.h)
+struct AxisRound {
+  double rate = 0;   ///< w⁻ [rad/s or m/s]
+  double limit = 0;  ///< impulse of its limits in the second kick so far
+};
+
 /// An axis in a stage of a step, by which the parts of its law are set.
 struct AxisStage {
   const AxisProperties& p;
@@ -23,6 +29,7 @@ struct AxisStage {
   double rate = 0;    ///< for the first kick: the best estimate of its mean
   double theta = 0;   ///< for the second kick: θ(q₁); single one: in the middle of the step
   bool jolt = false;  ///< second kick: some axis runs into a limit in this sub-step
+  const AxisRound* round = nullptr;  ///< second kick: of impacts at its end, if there are any
 };
 
 /// An axis at the end of a step.

@@ -34,9 +34,12 @@ void add_impulse(AxisReport& report, const AxisImpulse& impulse, double rate) {
 }  // namespace
 
 AxisWork::AxisWork(std::size_t axes)
-    : reports_(axes), reports_before_(axes), first_kick_(axes), impulse_(axes) {}
+    : reports_(axes), reports_before_(axes), first_kick_(axes), second_kick_(axes), impulse_(axes) {}
 
-void AxisWork::begin() { reports_before_ = reports_; }
+void AxisWork::begin() {
+  reports_before_ = reports_;
+  std::fill(second_kick_.begin(), second_kick_.end(), AxisReport{});
+}
 
 void AxisWork::roll_back() { reports_ = reports_before_; }
 
@@ -52,15 +55,26 @@ void AxisWork::record_first_kick(const AxisTable& table, std::span<const AxisLaw
     add_impulse(first_kick_[i], point_of(table, axes, i, lambda, w).impulse, rates[table.row(i)]);
 }
 
+void AxisWork::record_second_kick(const AxisTable& table, std::span<const AxisLaw> axes,
+                                  std::span<const double> mu, std::span<const double> w,
+                                  std::span<const double> rates) {
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    second_kick_[i] = {};
+    add_impulse(second_kick_[i], point_of(table, axes, i, mu, w).impulse, rates[table.row(i)]);
+  }
+}
+
 void AxisWork::add_kicks(const AxisTable& table, std::span<const AxisLaw> axes,
                          std::span<const double> lambda, std::span<const double> w,
                          std::span<const double> rates) {
   for (std::size_t i = 0; i < table.size(); ++i) {
     AxisReport& report = reports_[i];
-    report.force += first_kick_[i].force;
-    report.work += first_kick_[i].work;
+    for (const AxisReport* kick : {&first_kick_[i], &second_kick_[i]}) {
+      report.force += kick->force;
+      report.work += kick->work;
+    }
     const AxisPoint second = point_of(table, axes, i, lambda, w);
-    add_impulse(report, second.impulse, rates[table.row(i)]);
+    add_impulse(report, second.impulse - second_kick_[i].force, rates[table.row(i)]);
     impulse_[i] = first_kick_[i].force;
     impulse_[i] += second.impulse;
     axes[i].report(report, second.p, second.w);

@@ -28,6 +28,12 @@ class AxisWork {
                          std::span<const double> rates);
   /// There is none.
   void clear_first_kick();
+  /// Impulses μ of the second kick before impacts at its end, with `rates` on the mean: add_kicks() adds
+  /// them, and its own rates are those of what comes on top.
+  void record_second_kick(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> mu,
+                          std::span<const double> w, std::span<const double> rates);
+  /// That of axis i.
+  const AxisImpulse& second_kick(std::size_t i) const { return second_kick_[i].force; }
   const AxisImpulse& first_kick(std::size_t i) const { return first_kick_[i].force; }
   /// Of both kicks of the last sub-step.
   const AxisImpulse& impulse(std::size_t i) const { return impulse_[i]; }
@@ -42,7 +48,7 @@ class AxisWork {
   void transfer(Archive& archive);
 
  private:
-  std::vector<AxisReport> reports_, reports_before_, first_kick_;
+  std::vector<AxisReport> reports_, reports_before_, first_kick_, second_kick_;
   std::vector<AxisImpulse> impulse_;
 };
 
