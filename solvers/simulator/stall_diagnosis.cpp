@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "solvers/diagnosis/contradiction.h"
 #include "solvers/integrators/close_joints.h"

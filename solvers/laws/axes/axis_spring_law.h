@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 
 #include "core/axes/axis.h"
 #include "core/world/swing_properties.h"
