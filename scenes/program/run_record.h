@@ -67,7 +67,8 @@ struct RunRecord {
   struct AxisEvents {
     AxisId axis{};
     std::string label;
-    std::int64_t limit_steps = 0, saturated_steps = 0;  ///< struck a limit, or were held by one
+    std::int64_t limit_steps = 0;  ///< in which a limit held it, or was struck
+    std::int64_t saturated_steps = 0;
     bool at_limit = false, saturated = false;  ///< in the last step
   };
   std::vector<AxisEvents> axes;  ///< those that have limits or a motor

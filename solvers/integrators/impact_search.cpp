@@ -36,7 +36,9 @@ template <typename Kind>
 void take(Kind& kind, double until, std::span<const double> w, double h) {
   for (std::size_t i = 0; i < kind.size(); ++i) {
     if (!kind.state(i).let_through()) continue;
-    kind.state(i).set_due(kind.meeting(i, w, h) <= until);
+    const double time = kind.meeting(i, w, h);
+    kind.state(i).set_due(time <= until);
+    kind.set_meeting(i, time, w, h);
   }
 }
 

@@ -1,7 +1,5 @@
 #include "solvers/integrators/impact_stage.h"
 
-#include <algorithm>
-
 #include "solvers/integrators/restitution_search.h"
 
 namespace taut {
@@ -23,11 +21,11 @@ bool ImpactStage::strike(const Solve& solve) {
   axes_.record_second_kick(mu_, values_.rates, mean_rates_);
   contacts_.works().record_kick(mu_, mean_rates_);
   for (int round = 1; round <= ImpactStageTuning::kMostRounds; ++round) {
-    round_momenta_.assign(phase_.momenta.begin(), phase_.momenta.end());
     round_rates_ = values_.rates;
     round_mu_ = values_.mu;
-    axes_.begin_impacts(round_mu_, round_rates_);
-    if (!solve_round(round < ImpactStageTuning::kMostRounds ? 1 : 0, solve)) return false;
+    const double part = round < ImpactStageTuning::kMostRounds ? 1 : 0;
+    axes_.begin_round(round_mu_, round_rates_, part);
+    if (!solve_round(part, solve)) return false;
     if (energy() > 0 && !limit_restitution(solve)) return false;
     record_round();
     if (!come_together()) break;
@@ -40,9 +38,9 @@ bool ImpactStage::come_together() const {
   return axes_.impacts().come_together(values_.phi, values_.rates) || contacts_.come_together(values_.rates);
 }
 
-/// With this part of restitution, against the rates at the start of the round.
+/// With this part of the restitution of contacts, against the rates at the start of the round.
 bool ImpactStage::solve_round(double part, const Solve& solve) {
-  restitution_ = std::max(axes_.set_restitution(part), contacts_.begin_impact(round_rates_, round_mu_, part));
+  restitution_ = contacts_.begin_impact(round_rates_, round_mu_, part);
   return solve();
 }
 
@@ -52,22 +50,26 @@ bool ImpactStage::limit_restitution(const Solve& solve) {
   return search.run();
 }
 
-/// What the round has given so far [J].
-double ImpactStage::energy() const {
-  double given = 0;
-  works_.add_between(round_momenta_, phase_.momenta, given);
-  return works_.if_seen(given, phase_.momenta);
+/// What contacts have given in the round so far [J]: motors may give, and limits by themselves do not.
+double ImpactStage::energy() {
+  mean_rates_of_round();
+  return works_.if_seen(contacts_.works().of_rigid(impulses_since(round_mu_), mean_rates_), phase_.momenta);
+}
+
+void ImpactStage::mean_rates_of_round() {
+  for (std::size_t r = 0; r < mu_.size(); ++r) mean_rates_[r] = 0.5 * (round_rates_[r] + values_.rates[r]);
 }
 
 void ImpactStage::record_round() {
-  for (std::size_t r = 0; r < mu_.size(); ++r) mean_rates_[r] = 0.5 * (round_rates_[r] + values_.rates[r]);
+  mean_rates_of_round();
+  axes_.record_second_kick(values_.mu, values_.rates, mean_rates_);
   contacts_.works().record_impact(impulses_since(round_mu_), mean_rates_);
 }
 
-/// What impacts have added has its own mean rates.
+/// Of axes nothing is left after strike().
 void ImpactStage::record(std::span<const double> mu) {
   std::vector<double>& rates = values_.kick_rates;
-  works_.mean_rates(struck_ ? momenta_ : phase_.kicked, phase_.momenta, system_.jacobian(), rates);
+  works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), rates);
   axes_.accumulate_work(mu, values_.rates, rates);
   axes_.end_impacts();
   if (!struck_) contacts_.works().record_kick(mu, rates);

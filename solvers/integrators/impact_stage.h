@@ -16,8 +16,9 @@ namespace taut {
 /// Impacts of axes and contacts at the end of a step of RATTLE, after its velocity stage, which they were
 /// left out of: impulses Jᵀ(q₁) Λ in no time, with which all limits and contacts that are touched obey
 /// Newton's law against the rates w⁻ at the end of that stage.  Those at one time are simultaneous; what
-/// comes together by them strikes in a next round.  No round gives energy: without friction by the law
-/// itself, with friction by a lesser restitution where Newton's would. (solvers/laws, "Impacts")
+/// comes together by them strikes in a next round.No round gives energy by limits and contacts: without
+/// friction by the law itself, with friction of contacts by a lesser restitution where Newton's would.
+/// (solvers/laws, "Impacts")
 class ImpactStage {
  public:
   /// All of them must outlive it.
@@ -51,7 +52,8 @@ class ImpactStage {
   bool limit_restitution(const Solve& solve);
   void record_round();
   bool come_together() const;
-  double energy() const;
+  double energy();
+  void mean_rates_of_round();
 
   const ConstraintSystem& system_;
   AxisForces& axes_;
@@ -62,7 +64,6 @@ class ImpactStage {
   bool struck_ = false;
   std::vector<Wrench> momenta_;
   std::vector<double> mu_, impulses_, mean_rates_;
-  std::vector<Wrench> round_momenta_;  // at the start of a round
   std::vector<double> round_rates_, round_mu_;
   double restitution_ = 0;  // the largest of the round
 };

@@ -33,6 +33,8 @@ class ContactImpacts {
   /// The time from the start of a step of h, in (0, h], at which contact k closes, by its mean rate; h if it
   /// does not.
   double meeting(std::size_t k, std::span<const double> w, double h) const;
+  /// That is when it strikes; rates are looked at then.
+  void set_meeting(std::size_t /*k*/, double /*time*/, std::span<const double> /*w*/, double /*h*/) {}
   /// A new step.
   void clear();
 

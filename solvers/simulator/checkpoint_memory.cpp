@@ -74,7 +74,7 @@ void AxisTable::transfer(Archive& archive) { archive.sized(released_); }
 
 void AxisImpacts::transfer(Archive& archive) {
   const std::size_t count = impacts_.size();
-  archive.each(impacts_, [&](AxisImpact& i) { i.transfer(archive), archive(i.at_lower); });
+  archive.each(impacts_, [&](AxisImpact& i) { i.transfer(archive), archive(i.at_lower, i.rate); });
   Archive::require(impacts_.size() == count, "it has other axes");
 }
 

@@ -155,18 +155,19 @@ void AxisForces::set_laws(std::span<const double> theta, std::span<const double>
   }
 }
 
-void AxisForces::begin_impacts(std::span<const double> mu, std::span<const double> rates) {
+/// What the first kick took of an approach that is due belongs to the impact.
+void AxisForces::begin_round(std::span<const double> mu, std::span<const double> rates, double restitution) {
+  const bool first = rounds_.empty();
+  step_.restitution = restitution;
   rounds_.resize(axes_.size());
   for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (table_.released(i)) continue;
     const double impulse = mu[table_.row(i)], rate = rates[table_.row(i)];
     const AxisLaw& axis = axes_[i];
-    rounds_[i] = {rate, axis.split(impulse, axis.rate_of(table_.properties(i), impulse, rate)).limit};
+    const bool slowed = first && impacts_[i].due() && work_.first_kick(i).limit != 0;
+    rounds_[i] = {slowed ? impacts_[i].rate : rate,
+                  axis.split(impulse, axis.rate_of(table_.properties(i), impulse, rate)).limit};
   }
-}
-
-double AxisForces::set_restitution(double part) {
-  step_.restitution = part;
-  return impacts_.restitution();
 }
 
 void AxisForces::begin_single_kick(double vartheta) {

@@ -129,19 +129,17 @@ class AxisForces {
                          std::span<const double> rates) {
     work_.record_first_kick(table_, axes_, lambda, w, rates);
   }
-  /// Impulses of the second kick before impacts at its end, during which axes moved with `rates` on the mean.
+  /// Impulses of the second kick so far: what is new of them acted while axes moved with `rates` on the mean.
   void record_second_kick(std::span<const double> mu, std::span<const double> w,
                           std::span<const double> rates) {
     work_.record_second_kick(table_, axes_, mu, w, rates);
   }
-  /// After it, from μ and its rates on, impulses are to be added by which all limits that are touched obey
-  /// Newton's law of impact.
-  void begin_impacts(std::span<const double> mu, std::span<const double> rates);
-  /// With this part of restitution.  @returns the largest that there is of what is due.
-  double set_restitution(double part);
-  /// They are over.
+  /// A round of impacts after it: to μ and its rates impulses are to be added by which all limits that are
+  /// touched obey Newton's law of impact, with this part of restitution.
+  void begin_round(std::span<const double> mu, std::span<const double> rates, double restitution);
+  /// There are no more.
   void end_impacts() { rounds_.clear(); }
-  /// Adds both kicks to the reports, with `rates` of the second one, or of the impacts after it.
+  /// Adds both kicks to the reports, with mean `rates` of what of the second is not recorded yet.
   void accumulate_work(std::span<const double> lambda, std::span<const double> w,
                        std::span<const double> rates) {
     work_.add_kicks(table_, axes_, lambda, w, rates);

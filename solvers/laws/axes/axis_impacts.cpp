@@ -41,12 +41,18 @@ double AxisImpacts::meeting(std::size_t i, std::span<const double> w, double h) 
   return time_of_meeting(gap, sign * start.rate, sign * w[table_.row(i)], h);
 }
 
-/// Axis i, at θ, moves on into its limit.
+void AxisImpacts::set_meeting(std::size_t i, double time, std::span<const double> w, double h) {
+  const double mean = w[table_.row(i)], rate0 = axes_[i].start.rate;
+  impacts_[i].rate = rate0 + 2 * (mean - rate0) * time / h;
+}
+
+/// Axis i, at θ or due to strike, moves on into its limit.
 bool AxisImpacts::runs_into_limit(int i, double theta, double rate) const {
   if (table_.released(i)) return false;
   const AxisLimits& limits = *table_.properties(i).limits;
-  return (theta <= limits.lower + LawTuning::kTouch && rate < -AxisImpactsTuning::kJolt) ||
-         (theta >= limits.upper - LawTuning::kTouch && rate > AxisImpactsTuning::kJolt);
+  const bool at_lower = theta <= limits.lower + LawTuning::kTouch || impacts_[i].due_at(true),
+             at_upper = theta >= limits.upper - LawTuning::kTouch || impacts_[i].due_at(false);
+  return (at_lower && rate < -AxisImpactsTuning::kJolt) || (at_upper && rate > AxisImpactsTuning::kJolt);
 }
 
 bool AxisImpacts::any_unlocated(std::span<const double> theta1) const {
@@ -58,13 +64,6 @@ bool AxisImpacts::any_unlocated(std::span<const double> theta1) const {
 
 bool AxisImpacts::any_due() const {
   return std::any_of(impacts_.begin(), impacts_.end(), [](const AxisImpact& impact) { return impact.due(); });
-}
-
-double AxisImpacts::restitution() const {
-  double largest = 0;
-  for (const int i : table_.limited())
-    if (impacts_[i].due()) largest = std::max(largest, table_.properties(i).limits->restitution);
-  return largest;
 }
 
 bool AxisImpacts::come_together(std::span<const double> theta1, std::span<const double> w) const {

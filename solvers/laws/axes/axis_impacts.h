@@ -37,13 +37,13 @@ class AxisImpacts {
   /// The time from the start of a step of h, in (0, h], at which axis i reaches its limit, on the parabola
   /// through θ₀ with θ̇₀ to the free end; h if it does not.
   double meeting(std::size_t i, std::span<const double> w, double h) const;
+  /// That is when it strikes.
+  void set_meeting(std::size_t i, double time, std::span<const double> w, double h);
 
   /// Some axis runs into a limit in this sub-step, at the end of which it is at θ₁, and was not located.
   bool any_unlocated(std::span<const double> theta1) const;
   /// One is due.
   bool any_due() const;
-  /// The largest restitution of those.
-  double restitution() const;
   /// At θ₁ some axis moves on into its limit at these rates.
   bool come_together(std::span<const double> theta1, std::span<const double> w) const;
 

@@ -62,15 +62,16 @@ void AxisLimitLaw::set_impact(const AxisStage& stage) {
   const double before = stage.round->rate, given = stage.round->limit;
   const double e = stage.step.restitution * limits.restitution;
   const auto bounce = [&](bool comes) { return -(comes ? e : 1) * before; };
-  if (stage.theta <= limits.lower + LawTuning::kTouch || stage.impact.due_at(true)) {
+  const bool at_lower = stage.theta <= limits.lower + LawTuning::kTouch || stage.impact.due_at(true);
+  const bool at_upper = stage.theta >= limits.upper - LawTuning::kTouch || stage.impact.due_at(false);
+  if (at_lower) {
     lower_at = bounce(before < 0);
-    lower_back = -std::max(0.0, given);
+    lower_back = at_upper ? -std::max(0.0, given) : -given;
   }
-  if (stage.theta >= limits.upper - LawTuning::kTouch || stage.impact.due_at(false)) {
+  if (at_upper) {
     upper_at = bounce(before > 0);
-    upper_back = std::min(0.0, given);
+    upper_back = at_lower ? std::min(0.0, given) : given;
   }
-  if (lower_at > upper_at) lower_at = upper_at = 0;  // locked between both
 }
 
 /// Newton's law of impact for a limit that is passed.

@@ -9,6 +9,7 @@ namespace taut {
 /// The impact of an axis at a limit, between its discovery and the end of the sub-step.
 struct AxisImpact : ImpactState {
   bool at_lower = false;  ///< of both limits
+  double rate = 0;        ///< just before it, as located [rad/s or m/s]
 
   /// It is due at this limit.
   bool due_at(bool lower) const { return due() && at_lower == lower; }

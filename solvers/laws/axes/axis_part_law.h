@@ -28,7 +28,7 @@ struct AxisStage {
   double slack = 0;   ///< first kick: friction pulls back no axis that is this near to where it was held
   double rate = 0;    ///< for the first kick: the best estimate of its mean
   double theta = 0;   ///< for the second kick: θ(q₁); single one: in the middle of the step
-  bool jolt = false;  ///< second kick: some axis runs into a limit in this sub-step
+  bool jolt = false;  ///< second kick: some axis runs into a limit in this sub-step unlocated
   const AxisRound* round = nullptr;  ///< second kick: of impacts at its end, if there are any
 };
 

@@ -14,7 +14,7 @@ struct AxisStep {
   double end_time = 0;       ///< [s]
   Kick kick = Kick::kFirst;  ///< of the present stage
   double vartheta = 0;       ///< ϑ of Moreau–Jean
-  double restitution = 1;    ///< part of e that counts in impacts at the end of RATTLE's step
+  double restitution = 1;    ///< part of e that counts in a round of impacts
 
   bool in(Kick which) const { return kick == which; }
   /// How long forces act in this kick [s].

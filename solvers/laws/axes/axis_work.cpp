@@ -58,10 +58,9 @@ void AxisWork::record_first_kick(const AxisTable& table, std::span<const AxisLaw
 void AxisWork::record_second_kick(const AxisTable& table, std::span<const AxisLaw> axes,
                                   std::span<const double> mu, std::span<const double> w,
                                   std::span<const double> rates) {
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    second_kick_[i] = {};
-    add_impulse(second_kick_[i], point_of(table, axes, i, mu, w).impulse, rates[table.row(i)]);
-  }
+  for (std::size_t i = 0; i < table.size(); ++i)
+    add_impulse(second_kick_[i], point_of(table, axes, i, mu, w).impulse - second_kick_[i].force,
+                rates[table.row(i)]);
 }
 
 void AxisWork::add_kicks(const AxisTable& table, std::span<const AxisLaw> axes,

@@ -28,16 +28,14 @@ class AxisWork {
                          std::span<const double> rates);
   /// There is none.
   void clear_first_kick();
-  /// Impulses μ of the second kick before impacts at its end, with `rates` on the mean: add_kicks() adds
-  /// them, and its own rates are those of what comes on top.
+  /// Impulses μ of the second kick so far, before impacts at its end or after a round of them, of which what
+  /// is new acted with `rates` on the mean.
   void record_second_kick(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> mu,
                           std::span<const double> w, std::span<const double> rates);
-  /// That of axis i.
-  const AxisImpulse& second_kick(std::size_t i) const { return second_kick_[i].force; }
   const AxisImpulse& first_kick(std::size_t i) const { return first_kick_[i].force; }
   /// Of both kicks of the last sub-step.
   const AxisImpulse& impulse(std::size_t i) const { return impulse_[i]; }
-  /// Adds both kicks, the second with these impulses.
+  /// Adds both kicks, the second with these impulses, of which what was not recorded yet acted with `rates`.
   void add_kicks(const AxisTable& table, std::span<const AxisLaw> axes, std::span<const double> lambda,
                  std::span<const double> w, std::span<const double> rates);
 

@@ -196,8 +196,8 @@ TEST(AxisLimits, BounceAtTheTimeOfImpactWhateverTheStep) {
   EXPECT_NEAR(simulator.report().energy(), 0, 1e-7);
 }
 
-/// Each bounce takes (1 − e²) of the kinetic energy, as the work of the limit, and nothing else is left over: gravity
-/// works at the rates before it.
+/// Each bounce takes (1 − e²) of the kinetic energy, as the work of the limit, and nothing else is left over:
+/// gravity works at the rates before it.
 TEST(AxisLimits, ImpactsAreInTheLedger) {
   constexpr double e = 0.8, h = 0.5;
   for (const double dt : {0.02, 7e-3}) {
@@ -218,6 +218,113 @@ TEST(AxisLimits, ImpactsAreInTheLedger) {
     EXPECT_NEAR(work, left - energy, 1e-6 * energy) << dt;
     EXPECT_LT(left, 0.3 * energy);  // after three bounces
   }
+}
+
+/// Also where the sub-step that would end with the impact is too short to be taken.
+TEST(AxisLimits, BounceWhereverInAStepTheyAreMet) {
+  for (const Solver solver : {Solver::kDirect, Solver::kGaussSeidel})
+    for (const double way : {1e-8, 1e-6, 9e-6, 0.004, 0.009995, 0.01, 0.010005, 0.0199999}) {
+      Slide s(Vec3::UnitX());
+      s.world.set_gravity(Vec3::Zero());
+      s.world.set_limits(s.axis, AxisLimits{.lower = -way, .restitution = 0.8});
+      s.world.set_twist(s.block, {Vec3::Zero(), Vec3(-1, 0, 0)});
+      Settings settings;
+      settings.solver = solver;
+      Simulator simulator(s.world, settings);
+      run(simulator, 0.01, 3);
+      EXPECT_NEAR(s.world.axis_rate(s.axis), 0.8, 1e-9) << way;
+    }
+}
+
+/// A wagon bounces off the carrier that it runs on; the carrier's motor or driver gives what that takes, and
+/// leaves others their restitution.
+TEST(AxisLimits, BounceOffWhatAMotorDrives) {
+  for (const bool by_driver : {false, true}) {
+    World world;
+    world.set_gravity(Vec3::Zero());
+    const MassProperties mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), 1);
+    const auto block = [&](Vec3 p, double speed) {
+      const BodyId body = world.add_body({.mass = mass, .pose = {.p = p}});
+      world.set_twist(body, {Vec3::Zero(), Vec3(speed, 0, 0)});
+      return body;
+    };
+    const auto rail = [&](BodyId on, BodyId body, Vec3 p) {
+      return world.axis(world.add("", Slider::at(world, on, body, p, Vec3::UnitX())), "displacement");
+    };
+    const BodyId carrier = block(Vec3::Zero(), 1), wagon = block(Vec3(0.105, 0, 0), 0),
+                 other = block(Vec3(0, 9, 0), -0.1);
+    const AxisId driven = rail(kGround, carrier, Vec3::Zero()),
+                 rolls = rail(carrier, wagon, Vec3(0.105, 0, 0)),
+                 beside = rail(kGround, other, Vec3(0, 9, 0));
+    if (by_driver)
+      world.add("drive", Driver(world, driven, linear_motion(0, 1)));
+    else
+      world.set_motor(driven, AxisMotor{.target = 1});
+    world.set_limits(rolls, AxisLimits{.lower = -0.1005, .restitution = 0.8});
+    world.set_limits(beside, AxisLimits{.lower = -0.01005, .restitution = 0.8});
+    Simulator simulator(world);
+    for (int i = 0; i < 12; ++i) {
+      run(simulator, 0.01, 1);
+      ASSERT_NEAR(simulator.report().ledger.unexplained(), 0, 1e-12);
+    }
+    EXPECT_NEAR(world.axis_rate(rolls), 0.8, 1e-9) << by_driver;
+    EXPECT_NEAR(world.axis_rate(beside), 0.08, 1e-9) << by_driver;
+  }
+}
+
+/// What strikes elsewhere leaves a limit alone that has pushed an axis back into its range.
+TEST(AxisLimits, DoNotPushWhereOthersStrike) {
+  for (const double beyond : {1e-6, 1e-3}) {
+    World world;
+    world.set_gravity(Vec3::Zero());
+    std::vector<AxisId> axes;
+    for (const double speed : {0.0, -1.0}) {
+      const Vec3 at(0, speed, 0);
+      const BodyId block =
+          world.add_body({.mass = MassProperties::box(Vec3(0.1, 0.1, 0.1), 1), .pose = {.p = at}});
+      world.set_twist(block, {Vec3::Zero(), Vec3(speed, 0, 0)});
+      axes.push_back(
+          world.axis(world.add("", Slider::at(world, kGround, block, at, Vec3::UnitX())), "displacement"));
+    }
+    world.set_limits(axes[0], AxisLimits{.lower = beyond});
+    world.set_limits(axes[1], AxisLimits{.lower = -0.0005, .restitution = 0.5});
+    Simulator simulator(world);
+    for (int i = 0; i < 3; ++i) {
+      run(simulator, 0.001, 1);
+      ASSERT_LE(simulator.report().ledger.limits, 1e-12) << beyond;
+    }
+    EXPECT_NEAR(world.axis_rate(axes[0]), 0, 1e-9) << beyond;
+    EXPECT_NEAR(world.axis_rate(axes[1]), 0.5, 1e-9) << beyond;
+  }
+}
+
+/// A block on a rail is struck by a ball as it bounces: rounds of impacts, each with its own mean rates.
+TEST(AxisLimits, AreInTheLedgerBesideContactsThatStrikeAtOnce) {
+  World world;
+  world.set_gravity(Vec3::Zero());
+  Material smooth;
+  smooth.static_friction = smooth.dynamic_friction = 0;
+  smooth.restitution = 1;
+  const auto ball = [&](double x, double speed) {
+    const BodyId body = world.add_body({.mass = MassProperties::sphere(0.05, 1), .pose = {.p = {x, 0, 0}}});
+    world.add_shape(body, Sphere{0.05}, {}, smooth);
+    world.set_twist(body, {Vec3::Zero(), Vec3(speed, 0, 0)});
+    return body;
+  };
+  const BodyId held = ball(0, -1), free = ball(0.13, -4);
+  const AxisId axis = world.axis(world.add("", Slider::at(world, kGround, held, Vec3::Zero(), Vec3::UnitX())),
+                                 "displacement");
+  world.set_limits(axis, AxisLimits{.lower = -0.01, .restitution = 1});  // both after 0.01 s
+  Simulator simulator(world);
+  for (int i = 0; i < 4; ++i) {
+    run(simulator, 0.007, 1);
+    const StepReport& report = simulator.report();
+    ASSERT_NEAR(report.kinetic_energy, 8.5, 1e-9) << i;
+    ASSERT_NEAR(report.ledger.unexplained(), 0, 1e-9) << i;
+    ASSERT_NEAR(report.ledger.limits, 0, 1e-9) << i;
+    ASSERT_NEAR(report.ledger.contacts, 0, 1e-9) << i;
+  }
+  EXPECT_GT(world.twist(free).v.x(), 0);
 }
 
 /// The step is looked at once more without the limit, and with all else as it is: the mean rate of a damped
