@@ -42,6 +42,7 @@ void count_from(std::span<const double> before, ContactConstraints::Point& point
   constexpr int kSliding = ContactRows::kSlidingRow, kSpin = ContactRows::kSpinRow,
                 kRolling = ContactRows::kRollingRow;
   point.back = -before[0];
+  point.present = 1;
   point.sliding.given = -Vec2(before[kSliding], before[kSliding + 1]);
   if (std::ssize(before) == 3) return;
   point.spin_given = -before[kSpin];
@@ -157,6 +158,10 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
       disc->direction = Vec2::UnitX();
     }
     point.spin_bound *= 2;
+    point.borne *= 2;
+    const Vec3 &m = point.first_normal, &n = slot.point.frame.n;
+    if (slot.active && resists_turning_linearly(slot.material))
+      point.turning = carried(tangential(point.turning, m), m, n) + m.dot(point.turning) * n;
   }
   return changed;
 }
@@ -227,8 +232,26 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     point.sliding.target = -Vec2(frame.t1.dot(point.slipped), frame.t2.dot(point.slipped)) / h;
     point.rolling.target = Vec2::Zero();
     aim_discs(k, rates);
+    point.present = 1;
+    if (!resists_turning_linearly(slot.material)) continue;
+    point.turning = Vec3::Zero();
+    for (int i : {0, 1, 2}) point.turning += rates[row + kSpinRow + i] * frame.direction(i);
   }
   set_position_springs();
+}
+
+/// Of the rates that linear friction follows in the second kick the part that is of its end: half, so that
+/// both kicks follow the mean rate of the step, and are of order 2.  Where a kick might turn the rate round,
+/// being large or that of an impact, or the first one did not press, that of the end alone.
+double ContactForces::present_part(int k) const {
+  const Material& material = slot(k).material;
+  if (!resists_turning_linearly(material) || !point(k).pressed) return 1;
+  if (compliance(k) == 0 && point(k).approach < -table_.resting_speed) return 1;
+  const int row = first_row(k) + kSpinRow;
+  const double spin = material.spinning_friction_linear * root(row) * root(row);
+  const double root_across = std::max(root(row + 1), root(row + 2));
+  const double roll = material.rolling_friction_linear * root_across * root_across;
+  return point(k).back * std::max(spin, roll) <= 1 ? 0.5 : 1;
 }
 
 /// A first guess: what slips goes on slipping.
@@ -252,6 +275,7 @@ void ContactForces::begin_single_kick(double h) {
   for (Point& point : table_.points) {
     point.slipping = point.pressed = false;
     point.back = point.spin_given = point.yield = 0;
+    point.present = 1;
     point.first = point.first_torque = point.slipped = Vec3::Zero();
     for (Disc* disc : {&point.sliding, &point.rolling}) disc->given = disc->target = Vec2::Zero();
   }
@@ -330,7 +354,9 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     if (point.fresh) point.approach = rates[first_row(k)];
     take_first_kick(slot(k).point.frame, point);
     point.sliding.target = point.rolling.target = Vec2::Zero();
+    point.present = present_part(k);
     if (!anew || compliance(k) > 0) continue;
+    point.present = 1;
     point.back = point.spin_given = 0;
     point.sliding.given = point.rolling.given = Vec2::Zero();
   }
@@ -413,6 +439,7 @@ void ContactForces::finish(std::span<const double> mu, double time) {
       disc->given = Vec2::Zero();
     }
     point.spin_bound *= 0.5;
+    point.borne *= 0.5;
     point.spin_given = 0;
   }
 }
