@@ -63,6 +63,21 @@ void keep_impulse(std::span<const double> lambda, const row_parts::ContactFrame&
   point.torque += point.first_torque;
 }
 
+/// Of the rates that linear friction follows in the second kick the part that is of its end: half, so that
+/// both kicks follow the mean rate of the step, and are of order 2.  Where a kick might turn the rate round,
+/// being large or that of an impact, or the first one did not press, that of the end alone.
+double present_part(const ContactRows& contacts, int k) {
+  const Material& material = contacts.slot(k).material;
+  const ContactConstraints::Point& point = contacts.point(k);
+  if (!resists_turning_linearly(material) || !point.pressed) return 1;
+  if (contacts.compliance(k) == 0 && point.approach < -contacts.table().resting_speed) return 1;
+  const int row = contacts.first_row(k) + ContactRows::kSpinRow;
+  const double across = std::max(contacts.root(row + 1), contacts.root(row + 2));
+  const double spin = material.spinning_friction_linear * contacts.root(row) * contacts.root(row);
+  const double roll = material.rolling_friction_linear * across * across;
+  return point.back * std::max(spin, roll) <= 1 ? 0.5 : 1;
+}
+
 }  // namespace
 
 ContactForces::ContactForces(const World& world, const Settings& settings)
@@ -240,20 +255,6 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
   set_position_springs();
 }
 
-/// Of the rates that linear friction follows in the second kick the part that is of its end: half, so that
-/// both kicks follow the mean rate of the step, and are of order 2.  Where a kick might turn the rate round,
-/// being large or that of an impact, or the first one did not press, that of the end alone.
-double ContactForces::present_part(int k) const {
-  const Material& material = slot(k).material;
-  if (!resists_turning_linearly(material) || !point(k).pressed) return 1;
-  if (compliance(k) == 0 && point(k).approach < -table_.resting_speed) return 1;
-  const int row = first_row(k) + kSpinRow;
-  const double spin = material.spinning_friction_linear * root(row) * root(row);
-  const double root_across = std::max(root(row + 1), root(row + 2));
-  const double roll = material.rolling_friction_linear * root_across * root_across;
-  return point(k).back * std::max(spin, roll) <= 1 ? 0.5 : 1;
-}
-
 /// A first guess: what slips goes on slipping.
 void ContactForces::aim_discs(int k, std::span<const double> rates) {
   Point& point = table_.points[k];
@@ -354,7 +355,7 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     if (point.fresh) point.approach = rates[first_row(k)];
     take_first_kick(slot(k).point.frame, point);
     point.sliding.target = point.rolling.target = Vec2::Zero();
-    point.present = present_part(k);
+    point.present = present_part(*this, k);
     if (!anew || compliance(k) > 0) continue;
     point.present = 1;
     point.back = point.spin_given = 0;

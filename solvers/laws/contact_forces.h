@@ -111,7 +111,6 @@ class ContactForces final : public ContactLaws {
   void take_up_recalled(const World& world);
   void remember(double h);
   void aim_discs(int slot, std::span<const double> rates);
-  double present_part(int slot) const;
   void keep_report(int slot);
 
   bool wanted_;
