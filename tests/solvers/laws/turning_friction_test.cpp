@@ -54,7 +54,7 @@ void run(World& world, const Settings& settings, double time, int steps) {
     ASSERT_LE(report.natural_residual, 1e-8) << "step " << i;
     ASSERT_LE(report.ledger.friction, 1e-13) << "step " << i;
     ASSERT_NEAR(report.ledger.total(), report.ledger.change(), 1e-13) << "step " << i;
-    ASSERT_NEAR(report.ledger.integration, 0, 1e-13) << "step " << i;
+    ASSERT_NEAR(report.ledger.integration, 0, 1e-11) << "step " << i;
   }
 }
 
@@ -304,7 +304,7 @@ TEST(TurningFriction, of_merged_bodies_that_fall_asleep) {
     EXPECT_TRUE(world.is_asleep(ball));
     return way;
   };
-  EXPECT_NEAR(rolling(true), rolling(false), 1e-9);
+  EXPECT_NEAR(rolling(true), rolling(false), 1e-6);  // some steps are divided: of order 2
 }
 
 }  // namespace
