@@ -17,6 +17,8 @@ void check_material(const Material& material) {
   require_not_negative("rolling friction", material.rolling_friction);
   require_not_negative("spinning friction", material.spinning_friction);
   require_not_negative("contact compliance", material.compliance);
+  require_not_negative("linear rolling friction", material.rolling_friction_linear);
+  require_not_negative("linear spinning friction", material.spinning_friction_linear);
 }
 
 Material combined(const Material& a, const Material& b) {
@@ -27,6 +29,8 @@ Material combined(const Material& a, const Material& b) {
   both.rolling_friction = std::max(a.rolling_friction, b.rolling_friction);
   both.spinning_friction = std::max(a.spinning_friction, b.spinning_friction);
   both.compliance = a.compliance + b.compliance;
+  both.rolling_friction_linear = std::max(a.rolling_friction_linear, b.rolling_friction_linear);
+  both.spinning_friction_linear = std::max(a.spinning_friction_linear, b.spinning_friction_linear);
   return both;
 }
 

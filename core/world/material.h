@@ -20,6 +20,12 @@ struct Material {
   double spinning_friction =
       0;                  ///< length of the drilling friction [m]: torque ≤ it times λ_n about the normal
   double compliance = 0;  ///< [m/N] along the normal, and across it while friction holds; 0: rigid
+  /// c [m·s] of rolling resistance proportional to the rate: torque −c λ_n ω_t [N·m] on B across the normal,
+  /// with ω_t [rad/s] of B against A; added to that of `rolling_friction`.
+  double rolling_friction_linear = 0;
+  /// c [m·s] of drilling friction proportional to the rate: torque −c λ_n ω_n [N·m] on B about the normal,
+  /// with ω_n [rad/s] of B against A; added to that of `spinning_friction`.
+  double spinning_friction_linear = 0;
 
   friend bool operator==(const Material&, const Material&) = default;
 };
@@ -29,8 +35,8 @@ struct Material {
 void check_material(const Material& material);
 
 /// The contact between two materials: the lower restitution; the geometric mean of the Coulomb coefficients,
-/// so that ice on rubber is slippery and equals keep their value; the larger rolling and spinning length (a
-/// hard ball rolls badly on a soft carpet); the sum of the compliances (two springs in series).
+/// so that ice on rubber is slippery and equals keep their value; the larger of each number of rolling and of
+/// spinning (a hard ball rolls badly on a soft carpet); the sum of the compliances (two springs in series).
 Material combined(const Material& a, const Material& b);
 
 }  // namespace taut

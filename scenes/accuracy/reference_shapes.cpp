@@ -97,15 +97,15 @@ Material material_of(Case& out, const Json& contact) {
   material.restitution = contact.value("restitution", 0.0);
   material.dynamic_friction = contact.at("mu_kinetic");
   material.static_friction = std::max(material.dynamic_friction, contact.at("mu_static").get<double>());
-  const auto arm = [&](const char* key, const char* law) {
-    if (contact.value(law, "coulomb") != "coulomb") {
-      out.missing.push_back(std::string(law) + " \"" + contact.at(law).get<std::string>() + '"');
-      return 0.0;
-    }
-    return contact.value(key, 0.0);
+  const auto turning = [&](const char* key, const char* law, double& coulomb, double& linear) {
+    const std::string is = contact.value(law, "coulomb");
+    if (is == "coulomb" || is == "linear")
+      (is == "linear" ? linear : coulomb) = contact.value(key, 0.0);
+    else
+      out.missing.push_back(std::string(law) + " \"" + is + '"');
   };
-  material.rolling_friction = arm("mu_roll", "rolling_law");
-  material.spinning_friction = arm("mu_spin", "spinning_law");
+  turning("mu_roll", "rolling_law", material.rolling_friction, material.rolling_friction_linear);
+  turning("mu_spin", "spinning_law", material.spinning_friction, material.spinning_friction_linear);
   return material;
 }
 

@@ -178,6 +178,8 @@ Material read_material(const JsonNode& node) {
   if (has_static && !keys.find("dynamic_friction")) material.dynamic_friction = material.static_friction;
   material.rolling_friction = number("rolling_friction", material.rolling_friction);
   material.spinning_friction = number("spinning_friction", material.spinning_friction);
+  material.rolling_friction_linear = number("rolling_friction_linear", material.rolling_friction_linear);
+  material.spinning_friction_linear = number("spinning_friction_linear", material.spinning_friction_linear);
   material.compliance = number("compliance", material.compliance);
   keys.reject_unknown_keys();
   node.guard_if_sound(before, [&] { check_material(material); });

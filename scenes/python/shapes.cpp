@@ -107,29 +107,41 @@ void bind_material(nb::module_& m) {
       m, "Material",
       "What a surface is made of: Newton's restitution from 0 to 1, Coulomb's coefficients while sticking "
       "and "
-      "sliding, arms of rolling and spinning friction [m], compliance [m/N] along the normal; 0: rigid.")
+      "sliding, arms of rolling and spinning friction [m], compliance [m/N] along the normal; 0: rigid. "
+      "Beside the arms, friction of turning proportional to the angular velocity: with `..._linear` c [m s] "
+      "the torque is c times the normal force times that velocity.")
       .def(
           "__init__",
           [](Material* it, double restitution, double static_friction, double dynamic_friction,
-             double rolling_friction, double spinning_friction, double compliance) {
-            new (it) Material{restitution,      static_friction,   dynamic_friction,
-                              rolling_friction, spinning_friction, compliance};
+             double rolling_friction, double spinning_friction, double compliance,
+             double rolling_friction_linear, double spinning_friction_linear) {
+            new (it) Material{.restitution = restitution,
+                              .static_friction = static_friction,
+                              .dynamic_friction = dynamic_friction,
+                              .rolling_friction = rolling_friction,
+                              .spinning_friction = spinning_friction,
+                              .compliance = compliance,
+                              .rolling_friction_linear = rolling_friction_linear,
+                              .spinning_friction_linear = spinning_friction_linear};
           },
           nb::arg("restitution") = 0, nb::arg("static_friction") = 0.5, nb::arg("dynamic_friction") = 0.5,
-          nb::arg("rolling_friction") = 0, nb::arg("spinning_friction") = 0, nb::arg("compliance") = 0)
+          nb::arg("rolling_friction") = 0, nb::arg("spinning_friction") = 0, nb::arg("compliance") = 0,
+          nb::arg("rolling_friction_linear") = 0, nb::arg("spinning_friction_linear") = 0)
       .def_rw("restitution", &Material::restitution)
       .def_rw("static_friction", &Material::static_friction)
       .def_rw("dynamic_friction", &Material::dynamic_friction)
       .def_rw("rolling_friction", &Material::rolling_friction)
       .def_rw("spinning_friction", &Material::spinning_friction)
       .def_rw("compliance", &Material::compliance)
+      .def_rw("rolling_friction_linear", &Material::rolling_friction_linear)
+      .def_rw("spinning_friction_linear", &Material::spinning_friction_linear)
       .def(
           "__eq__", [](const Material& a, const Material& b) { return a == b; }, nb::is_operator(),
           nb::sig("def __eq__(self, arg: object, /) -> bool"));
   m.def("combined", &combined, nb::arg("a"), nb::arg("b"),
         "The material of the contact between two: the lower restitution, the geometric mean of the Coulomb "
         "coefficients, the "
-        "larger arms, the sum of the compliances.");
+        "larger arms and linear coefficients of turning, the sum of the compliances.");
   nb::class_<CollisionFilter>(
       m, "CollisionFilter",
       "Who may touch whom: a pair is considered if each one's groups share a bit with the other's mask.")

@@ -17,6 +17,7 @@ void ContactProjection::begin(std::span<const double> lambda) {
 void ContactProjection::project(const ContactProblem& problem, std::span<const double> x,
                                 std::span<const double> sigma) {
   x_ = x;
+  sigma_ = sigma;
   const Rows& rows = system_.rows();
   for (int r = 0; r < rows.first_contact_row(); ++r) project_row(problem.laws[r], sigma[r], r);
   for (int k = 0; k < rows.contact_count(); ++k) {
@@ -92,23 +93,25 @@ void ContactProjection::project_cone(int k, const ContactLaws::Cone& cone) {
 void ContactProjection::project_twist(int k, const ContactLaws::Cone& cone) {
   const int row = first_row(k) + kSpinRow;
   const double normal = std::max(0.0, cone.normal_given + y_[first_row(k)]);
-  const double most = cone.spinning * normal, spin = cone.spin_given + x_[row];
-  y_[row] = std::clamp(spin, -most, most) - cone.spin_given;
-  slope_[row] = std::abs(spin) < most ? 1 : 0;
-  (void)project_disc(k, kRollingRow, cone.rolling_given, cone.rolling * normal);
+  const double given = cone.spin_about(normal), most = cone.spinning * normal, spin = given + x_[row];
+  const double part = part_of_slope(cone.linear.spinning * normal, sigma_[row]);
+  y_[row] = into_interval(spin, most, part) - given;
+  slope_[row] = std::abs(spin) < most ? 1 : part;
+  (void)project_disc(k, kRollingRow, cone.rolling_about(normal), cone.rolling * normal,
+                     part_of_slope(cone.linear.rolling * normal, sigma_[row + 1]));
 }
 
-/// A disc in two rows of a contact; true if x is beyond it.
-bool ContactProjection::project_disc(int k, int first, const Vec2& given, double radius) {
+/// A disc in two rows of a contact, and a part of what is beyond it; true if x is.
+bool ContactProjection::project_disc(int k, int first, const Vec2& given, double radius, double part) {
   const int row = first_row(k) + first;
   const Vec2 x = given + Vec2(x_[row], x_[row + 1]);
   const double size = x.norm();
   const bool slips = size > radius;
-  const Vec2 answer = into_disc(x, radius) - given;
+  const Vec2 answer = into_disc(x, radius, part) - given;
   y_[row] = answer[0];
   y_[row + 1] = answer[1];
-  slope_[row] = slips ? 0 : 1;
-  slope_[row + 1] = slips ? radius / size : 1;
+  slope_[row] = slips ? part : 1;
+  slope_[row + 1] = slips ? (radius + part * (size - radius)) / size : 1;
   turn_rows(k, 0, first, slips ? Vec2(x / size) : Vec2(Vec2::UnitX()));
   return slips;
 }

@@ -37,12 +37,12 @@ class ContactProjection {
   double project_normal(int k, const ContactLaws::Cone& cone);
   void project_cone(int k, const ContactLaws::Cone& cone);
   void project_twist(int k, const ContactLaws::Cone& cone);
-  bool project_disc(int k, int first, const Vec2& given, double radius);
+  bool project_disc(int k, int first, const Vec2& given, double radius, double part = 0);
   void turn_rows(int k, double mu, int first, const Vec2& direction);
   int first_row(int k) const { return system_.rows().joints()[system_.rows().contact_joint(k)].first_row; }
 
   ConstraintSystem& system_;
-  std::span<const double> x_;
+  std::span<const double> x_, sigma_;
   std::vector<double> y_, slope_, turned_, coupling_;
 };
 

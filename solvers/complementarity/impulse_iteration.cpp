@@ -111,11 +111,12 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
     const double off = rate(problem, r) + softness * problem.lambda[r] - target_[r];
     return problem.lambda[r] - problem.relaxation * off / (s + softness);
   };
-  const auto in_disc = [&](int first, const Vec2& given, double bound, double softness) {
+  const auto part_of = [&](double slope, double s) { return part_of_slope(slope, s / problem.relaxation); };
+  const auto in_disc = [&](int first, const Vec2& given, double bound, double softness, double slope) {
     const double s = std::max(diagonal_[first], diagonal_[first + 1]);
     if (!(s > 0)) return;
     const Vec2 tau(asked(first, s, softness), asked(first + 1, s, softness));
-    const Vec2 to = into_disc(given + tau, bound) - given;
+    const Vec2 to = into_disc(given + tau, bound, part_of(slope, s)) - given;
     give(first, s, to[0]);
     give(first + 1, s, to[1]);
   };
@@ -124,13 +125,13 @@ double ImpulseIteration::relax_contact(const Problem& problem, int block) {
     give(row, diagonal_[row], std::min(to, cone.most - cone.normal_given));
   }
   const double normal = std::max(0.0, cone.normal_given + problem.lambda[row]);
-  in_disc(row + 1, cone.sliding_given, cone.sliding * normal, cone.slip_softness);
+  in_disc(row + 1, cone.sliding_given, cone.sliding * normal, cone.slip_softness, 0);
   if (!cone.twist) return largest;
   if (const double s = diagonal_[row + 3]; s > 0) {
-    const double bound = cone.spinning * normal;
-    give(row + 3, s, std::clamp(cone.spin_given + asked(row + 3, s, 0), -bound, bound) - cone.spin_given);
+    const double given = cone.spin_about(normal), part = part_of(cone.linear.spinning * normal, s);
+    give(row + 3, s, into_interval(given + asked(row + 3, s, 0), cone.spinning * normal, part) - given);
   }
-  in_disc(row + 4, cone.rolling_given, cone.rolling * normal, 0);
+  in_disc(row + 4, cone.rolling_about(normal), cone.rolling * normal, 0, cone.linear.rolling * normal);
   return largest;
 }
 
@@ -208,7 +209,8 @@ double ImpulseIteration::violation(const Problem& problem, int block) {
     scratch_[r] = problem.lambda[r] - (rate(problem, r) - target_[r]) / s;
   }
   const auto of_block = [&](std::span<double> values) { return values.subspan(first, rows.row_count); };
-  cones_[block - system_.rows().contact_joint(0)].project(of_block(scratch_), of_block(answer_));
+  cones_[block - system_.rows().contact_joint(0)].project(of_block(scratch_), of_block(diagonal_),
+                                                          of_block(answer_));
   for (int r = first; r < first + rows.row_count; ++r)
     largest.add(NaturalResidual(diagonal_[r], answer_[r] - problem.lambda[r]).size);
   return largest.size();

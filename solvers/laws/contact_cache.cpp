@@ -56,7 +56,9 @@ bool can_touch(const World& world) {
 
 Rows::ContactSlot slot_for(const World& world, const Contact& contact) {
   const Material material = world.contact_material(contact.a, contact.b);
-  return {contact.A.index, contact.B.index, material.rolling_friction > 0 || material.spinning_friction > 0};
+  const bool twist =
+      material.rolling_friction > 0 || material.spinning_friction > 0 || resists_turning_linearly(material);
+  return {contact.A.index, contact.B.index, twist};
 }
 
 /// t₁ along the slip if there is one, else where it was.

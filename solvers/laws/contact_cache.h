@@ -15,6 +15,11 @@ class Archive;
 /// an overlap, and no round-off of where they were put.
 double overlap_depth(const World& world, const Contact& contact);
 
+/// It has friction of turning that is proportional to the rate.
+inline bool resists_turning_linearly(const Material& material) {
+  return material.rolling_friction_linear > 0 || material.spinning_friction_linear > 0;
+}
+
 /// The contacts of a world as slots of the constraint system.  A slot belongs to a pair of bodies and is
 /// kept for a while after its contact has gone, so that a scene that has settled keeps its pattern: contacts
 /// of the same two bodies take over each other's slots.  (solvers/laws, "Contacts")

@@ -53,6 +53,9 @@ struct ContactConstraints {
     Vec3 first_normal = Vec3::UnitZ();                       ///< along which it was
     double spin_bound = std::numeric_limits<double>::infinity(), spin_given = 0;
     Disc sliding, rolling;
+    double borne = 0;             ///< Λ_n of the last solution, if it has friction of turning [N·s]
+    double present = 1;           ///< part of the rates of now, not of those before, in linear friction
+    Vec3 turning = Vec3::Zero();  ///< B against A before the step, carried with the normal [rad/s]
     Vec3 impulse = Vec3::Zero(), torque = Vec3::Zero();  ///< since clear_reports()
     std::optional<double> impact_time;
     bool slid = false;

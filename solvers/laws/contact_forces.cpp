@@ -42,6 +42,7 @@ void count_from(std::span<const double> before, ContactConstraints::Point& point
   constexpr int kSliding = ContactRows::kSlidingRow, kSpin = ContactRows::kSpinRow,
                 kRolling = ContactRows::kRollingRow;
   point.back = -before[0];
+  point.present = 1;
   point.sliding.given = -Vec2(before[kSliding], before[kSliding + 1]);
   if (std::ssize(before) == 3) return;
   point.spin_given = -before[kSpin];
@@ -60,6 +61,21 @@ void keep_impulse(std::span<const double> lambda, const row_parts::ContactFrame&
   point.first_normal = frame.n;
   point.impulse += point.first;
   point.torque += point.first_torque;
+}
+
+/// Of the rates that linear friction follows in the second kick the part that is of its end: half, so that
+/// both kicks follow the mean rate of the step, and are of order 2.  Where a kick might turn the rate round,
+/// being large or that of an impact, or the first one did not press, that of the end alone.
+double present_part(const ContactRows& contacts, int k) {
+  const Material& material = contacts.slot(k).material;
+  const ContactConstraints::Point& point = contacts.point(k);
+  if (!resists_turning_linearly(material) || !point.pressed) return 1;
+  if (contacts.compliance(k) == 0 && point.approach < -contacts.table().resting_speed) return 1;
+  const int row = contacts.first_row(k) + ContactRows::kSpinRow;
+  const double across = std::max(contacts.root(row + 1), contacts.root(row + 2));
+  const double spin = material.spinning_friction_linear * contacts.root(row) * contacts.root(row);
+  const double roll = material.rolling_friction_linear * across * across;
+  return point.back * std::max(spin, roll) <= 1 ? 0.5 : 1;
 }
 
 }  // namespace
@@ -157,6 +173,10 @@ bool ContactForces::move_on(const World& world, const State& state, double horiz
       disc->direction = Vec2::UnitX();
     }
     point.spin_bound *= 2;
+    point.borne *= 2;
+    const Vec3 &m = point.first_normal, &n = slot.point.frame.n;
+    if (slot.active && resists_turning_linearly(slot.material))
+      point.turning = carried(tangential(point.turning, m), m, n) + m.dot(point.turning) * n;
   }
   return changed;
 }
@@ -227,6 +247,10 @@ void ContactForces::begin(double h, std::span<const double> rates, std::span<con
     point.sliding.target = -Vec2(frame.t1.dot(point.slipped), frame.t2.dot(point.slipped)) / h;
     point.rolling.target = Vec2::Zero();
     aim_discs(k, rates);
+    point.present = 1;
+    if (!resists_turning_linearly(slot.material)) continue;
+    point.turning = Vec3::Zero();
+    for (int i : {0, 1, 2}) point.turning += rates[row + kSpinRow + i] * frame.direction(i);
   }
   set_position_springs();
 }
@@ -252,6 +276,7 @@ void ContactForces::begin_single_kick(double h) {
   for (Point& point : table_.points) {
     point.slipping = point.pressed = false;
     point.back = point.spin_given = point.yield = 0;
+    point.present = 1;
     point.first = point.first_torque = point.slipped = Vec3::Zero();
     for (Disc* disc : {&point.sliding, &point.rolling}) disc->given = disc->target = Vec2::Zero();
   }
@@ -330,7 +355,9 @@ void ContactForces::begin_velocities(std::span<const double> rates, std::span<co
     if (point.fresh) point.approach = rates[first_row(k)];
     take_first_kick(slot(k).point.frame, point);
     point.sliding.target = point.rolling.target = Vec2::Zero();
+    point.present = present_part(*this, k);
     if (!anew || compliance(k) > 0) continue;
+    point.present = 1;
     point.back = point.spin_given = 0;
     point.sliding.given = point.rolling.given = Vec2::Zero();
   }
@@ -413,6 +440,7 @@ void ContactForces::finish(std::span<const double> mu, double time) {
       disc->given = Vec2::Zero();
     }
     point.spin_bound *= 0.5;
+    point.borne *= 0.5;
     point.spin_given = 0;
   }
 }

@@ -20,16 +20,16 @@ RowLaw box_around(double centre, double half, double w) {
 
 /// A disc that holds is a square around it, or, if a corner of that was used, one inside it that has its own
 /// corner there.  A disc that slips along t₁ has the level −bound there, and across it the friction that
-/// turns with the slip: the derivative of −bound w/|w|.
-void disc_laws(const ContactConstraints::Disc& disc, int row, std::span<RowLaw> laws) {
+/// turns with the slip: the derivative of −bound w/|w|.  `given` is counted from the middle of the disc.
+void disc_laws(const ContactConstraints::Disc& disc, const Vec2& given, int row, std::span<RowLaw> laws) {
   const bool holds = !disc.slips || disc.cross_slope == 0 || !(disc.bound > 0);
   for (int i : {0, 1}) {
     const double half = disc.slips ? disc.bound * std::abs(disc.direction[i]) : disc.bound;
-    laws[row + i] = box_around(-disc.given[i], half, disc.slips ? 0 : disc.target[i]);
+    laws[row + i] = box_around(-given[i], half, disc.slips ? 0 : disc.target[i]);
   }
   if (holds) return;
   laws[row + 1] = RowLaw::viscous(disc.cross_slope);
-  laws[row + 1].level[0] = -disc.given[1];
+  laws[row + 1].level[0] = -given[1];
 }
 
 }  // namespace
@@ -73,10 +73,14 @@ void ContactLaws::set_laws(std::span<RowLaw> laws) const {
 void ContactLaws::friction_laws(int k, std::span<RowLaw> laws) const {
   const Point& contact = point(k);
   const int row = first_row(k);
-  disc_laws(contact.sliding, row + kSlidingRow, laws);
+  disc_laws(contact.sliding, contact.sliding.given, row + kSlidingRow, laws);
   if (!has_twist(k)) return;
-  laws[row + kSpinRow] = box_around(-contact.spin_given, contact.spin_bound, 0);
-  disc_laws(contact.rolling, row + kRollingRow, laws);
+  const double normal = contact.borne;
+  const LinearFriction linear = linear_friction(*this, k);
+  laws[row + kSpinRow] = box_around(-contact.spin_given - linear.spin_lag * normal, contact.spin_bound, 0);
+  disc_laws(contact.rolling, contact.rolling.given + linear.rolling_lag * normal, row + kRollingRow, laws);
+  laws[row + kSpinRow].slope += linear.spinning * normal;
+  for (int i : {0, 1}) laws[row + kRollingRow + i].slope += linear.rolling * normal;
 }
 
 void ContactLaws::held_laws(std::span<const double> lambda, std::span<RowLaw> laws) const {

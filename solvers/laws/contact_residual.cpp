@@ -85,17 +85,24 @@ DiscState sliding_state(const ContactRows& contacts, int k, std::span<const doub
 DiscState rolling_state(const ContactRows& contacts, int k, std::span<const double> lambda,
                         std::span<const double> w) {
   const ContactConstraints::Disc& disc = contacts.point(k).rolling;
-  return disc_state(contacts, contacts.first_row(k) + ContactRows::kRollingRow, disc.given, disc.rigid_law(),
-                    lambda, w);
+  const double normal = contacts.pressure(k, lambda);
+  const LinearFriction linear = linear_friction(contacts, k);
+  DiscState state = disc_state(contacts, contacts.first_row(k) + ContactRows::kRollingRow,
+                               disc.given + linear.rolling_lag * normal, disc.rigid_law(), lambda, w);
+  state.slope = linear.rolling * normal;
+  return state;
 }
 
 NaturalResidual spinning_residual(const ContactRows& contacts, int k, std::span<const double> lambda,
                                   std::span<const double> w) {
   const int row = contacts.first_row(k) + ContactRows::kSpinRow;
-  const double bound = contacts.slot(k).material.spinning_friction * contacts.pressure(k, lambda);
+  const double normal = contacts.pressure(k, lambda);
+  const double bound = contacts.slot(k).material.spinning_friction * normal;
+  const LinearFriction linear = linear_friction(contacts, k);
   const double root = contacts.root(row), own = root * root;
-  const double spin = contacts.point(k).spin_given + lambda[row];
-  return {root, own, spin - std::clamp(spin - w[row] / own, -bound, bound)};
+  const double spin = contacts.point(k).spin_given + linear.spin_lag * normal + lambda[row];
+  const double part = part_of_slope(linear.spinning * normal, own);
+  return {root, own, spin - into_interval(spin - w[row] / own, bound, part)};
 }
 
 ContactResidual natural_residual(const ContactRows& contacts, int k, std::span<const double> lambda,

@@ -14,12 +14,15 @@ namespace taut {
 struct DiscState {
   Vec2 tau = Vec2::Zero(), slip = Vec2::Zero();  ///< impulse of both kicks and rate off the law's target
   double root = 1, softness = 0;                 ///< √S_rr of its rows, the larger one, and compliance
+  double slope = 0;                              ///< of friction proportional to the slip, beside the disc
 
   /// Of τ at the slip.
   NaturalResidual residual(double bound) const {
     const double own = root * root + softness;
-    return {root, own, (tau - into_disc(tau - slip / own, bound)).norm()};
+    return {root, own, (tau - into_disc(tau - slip / own, bound, part_of_slope(slope, own))).norm()};
   }
+  /// What the disc gives of τ.
+  Vec2 within() const { return tau + slope * slip; }
 };
 DiscState sliding_state(const ContactRows& contacts, int k, std::span<const double> lambda,
                         std::span<const double> w);

@@ -34,7 +34,8 @@ void ContactWorks::record(int k, std::span<const double> lambda, std::span<const
   if (stops || point.sliding.slips) sum_.friction += work(kSliding) + work(kSliding + 1);
   if (!contacts_.has_twist(k)) return;
   sum_.friction += work(kSpin);
-  if (stops || point.rolling.slips) sum_.friction += work(kRolling) + work(kRolling + 1);
+  if (stops || point.rolling.slips || resists_turning_linearly(contacts_.slot(k).material))
+    sum_.friction += work(kRolling) + work(kRolling + 1);
 }
 
 }  // namespace taut

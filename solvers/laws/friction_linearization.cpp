@@ -46,6 +46,7 @@ double FrictionLinearization::renew(int k, std::span<const double> lambda, std::
   if (!contacts_.has_twist(k)) return sliding;
   const double spinning = spinning_residual(contacts_, k, lambda, w).size;
   point.spin_bound = material.spinning_friction * normal;
+  point.borne = normal;
   const double rolling = renew_disc(point.rolling, rolling_state(contacts_, k, lambda, w),
                                     material.rolling_friction * normal, false, rate_tolerance);
   return std::max({sliding, spinning, rolling});
@@ -60,7 +61,8 @@ double FrictionLinearization::renew_disc(ContactConstraints::Disc& disc, const D
   const double still =
       std::max(FrictionLinearizationTuning::kStill * scale_ * root, contacts_.table().still_rate);
   const bool rests = speed <= std::max(rate_tolerance, stuck ? still : ResidualTuning::kMet * scale_ * root);
-  if (rests && state.tau.norm() <= bound * (1 + ResidualTuning::kMet) + (stuck ? still / (root * root) : 0)) {
+  if (rests &&
+      state.within().norm() <= bound * (1 + ResidualTuning::kMet) + (stuck ? still / (root * root) : 0)) {
     disc.slips = false;
     return residual;
   }

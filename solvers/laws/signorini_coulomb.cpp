@@ -17,6 +17,19 @@ ContactConstraints::SlipLaw sliding_law(const ContactRows& contacts, int k) {
   return contacts.compliance(k) == 0 ? disc.rigid_law() : contacts.point(k).soft_slip;
 }
 
+LinearFriction linear_friction(const ContactRows& contacts, int k) {
+  if (!resists_turning_linearly(contacts.slot(k).material)) return {};
+  const ContactConstraints::Point& point = contacts.point(k);
+  const Material& material = contacts.slot(k).material;
+  const row_parts::ContactFrame& frame = contacts.slot(k).point.frame;
+  const double spinning = material.spinning_friction_linear, rolling = material.rolling_friction_linear;
+  const Vec3 before = (1 - point.present) * point.turning;
+  return {.spinning = point.present * spinning,
+          .rolling = point.present * rolling,
+          .spin_lag = spinning * frame.n.dot(before),
+          .rolling_lag = rolling * Vec2(frame.t1.dot(before), frame.t2.dot(before))};
+}
+
 ContactCone contact_cone(const ContactRows& contacts, int k) {
   const ContactConstraints::Point& point = contacts.point(k);
   const Material& material = contacts.slot(k).material;
@@ -33,7 +46,8 @@ ContactCone contact_cone(const ContactRows& contacts, int k) {
           .normal_given = point.back,
           .spin_given = point.spin_given,
           .sliding_given = point.sliding.given,
-          .rolling_given = point.rolling.given};
+          .rolling_given = point.rolling.given,
+          .linear = linear_friction(contacts, k)};
 }
 
 }  // namespace taut

@@ -11,6 +11,8 @@ namespace taut {
 ContactConstraints::NormalLaw normal_law(const ContactRows& contacts, int k);
 /// Where its tangents are at rest.
 ContactConstraints::SlipLaw sliding_law(const ContactRows& contacts, int k);
+/// Its friction proportional to the rate of turning.
+LinearFriction linear_friction(const ContactRows& contacts, int k);
 /// What its impulses may be.
 ContactCone contact_cone(const ContactRows& contacts, int k);
 

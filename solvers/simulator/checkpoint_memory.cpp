@@ -22,7 +22,7 @@ namespace taut {
 void transfer_fields(Archive& archive, ShapeId& id) { archive(id.index); }
 void transfer_fields(Archive& archive, Material& m) {
   archive(m.restitution, m.static_friction, m.dynamic_friction, m.rolling_friction, m.spinning_friction,
-          m.compliance);
+          m.compliance, m.rolling_friction_linear, m.spinning_friction_linear);
 }
 void transfer_fields(Archive& archive, LocalSurface& s) { archive(s.ball, s.radii, s.squares); }
 void transfer_fields(Archive& archive, Contact& c) {
@@ -148,7 +148,7 @@ void ContactForces::transfer(Archive& archive, const World& world) {
     archive(p.soft.target, p.soft.softness, p.soft.most, p.soft_slip.target, p.soft_slip.softness, p.active,
             p.live, p.touching, p.pressed, p.gap, p.approach, p.least_rate, p.fresh, p.back, p.stuck,
             p.slipping, p.stick_candidate, p.slipped, p.first, p.first_torque, p.first_normal, p.spin_bound,
-            p.spin_given, p.impulse, p.torque, p.impact_time, p.slid);
+            p.spin_given, p.borne, p.impulse, p.torque, p.impact_time, p.slid);
     disc(p.sliding), disc(p.rolling);
   };
   archive.each(table_.points, point);

@@ -67,12 +67,15 @@ TEST(Material, Combination) {
                      .static_friction = 0.04,
                      .dynamic_friction = 0.01,
                      .rolling_friction = 0.001,
-                     .compliance = 1e-6},
+                     .compliance = 1e-6,
+                     .spinning_friction_linear = 0.003},
       rubber{.restitution = 0.8,
              .static_friction = 1,
              .dynamic_friction = 0.81,
              .spinning_friction = 0.02,
-             .compliance = 2e-5};
+             .compliance = 2e-5,
+             .rolling_friction_linear = 0.004,
+             .spinning_friction_linear = 0.001};
   const Material both = combined(ice, rubber);
   EXPECT_EQ(both, combined(rubber, ice));
   EXPECT_EQ(both.restitution, 0.1);
@@ -81,6 +84,8 @@ TEST(Material, Combination) {
   EXPECT_EQ(both.rolling_friction, 0.001);
   EXPECT_EQ(both.spinning_friction, 0.02);
   EXPECT_DOUBLE_EQ(both.compliance, 2.1e-5);
+  EXPECT_EQ(both.rolling_friction_linear, 0.004);
+  EXPECT_EQ(both.spinning_friction_linear, 0.003);
   EXPECT_EQ(combined(rubber, rubber).static_friction, 1);
 }
 
@@ -93,6 +98,12 @@ TEST(Material, BadValues) {
   expect_invalid([] { check_material({.rolling_friction = -1}); }, {"rolling friction", "-1"});
   expect_invalid([] { check_material({.spinning_friction = kInfinity}); }, {"spinning friction", "inf"});
   expect_invalid([] { check_material({.compliance = -1}); }, {"compliance", "-1"});
+  for (const auto& [bad, text] : {std::pair(-0.5, "-0.5"), {kNan, "nan"}, {kInfinity, "inf"}}) {
+    expect_invalid([&] { check_material({.rolling_friction_linear = bad}); },
+                   {"linear rolling friction", text});
+    expect_invalid([&] { check_material({.spinning_friction_linear = bad}); },
+                   {"linear spinning friction", text});
+  }
 }
 
 TEST(WorldShapes, AreCheckedAndKept) {

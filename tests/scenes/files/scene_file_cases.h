@@ -33,7 +33,7 @@ inline constexpr const char* kEverything = R"({
   "materials": {
     "ice": {"static_friction": 0.05, "dynamic_friction": 0.03},
     "rubber": {"restitution": 0.7, "dynamic_friction": 0.9, "rolling_friction": 0.001, "spinning_friction": 0.002,
-               "compliance": 1e-6}},
+               "rolling_friction_linear": 0.003, "spinning_friction_linear": 0.004, "compliance": 1e-6}},
   "ground": {"shapes": [
     {"type": "half_space", "material": "ice", "groups": [1, 31], "collides_with": [0]},
     {"type": "height_field", "nx": 2, "ny": 3, "dx": 1, "dy": 0.5, "heights": [0, 0.1, 0, 0.1, 0.2, 0.3]}]},

@@ -67,7 +67,9 @@ TEST(SceneShapes, HaveTheirMaterials) {
                         .dynamic_friction = 0.9,
                         .rolling_friction = 0.001,
                         .spinning_friction = 0.002,
-                        .compliance = 1e-6};
+                        .compliance = 1e-6,
+                        .rolling_friction_linear = 0.003,
+                        .spinning_friction_linear = 0.004};
   EXPECT_EQ(world.shape(ground[0]).material, ice);
   EXPECT_EQ(world.shape(shapes[0]).material, rubber);
   EXPECT_EQ(world.shape(shapes[1]).material, (Material{.static_friction = 0.7, .dynamic_friction = 0.7}));

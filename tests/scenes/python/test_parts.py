@@ -307,6 +307,10 @@ def test_materials():
     assert world.contact_material(shape, other).static_friction == pytest.approx(0.1)
     world.set_contact_material(shape, other, taut.Material(restitution=1))
     assert world.contact_material(other, shape) == taut.Material(restitution=1)
+    slow = taut.Material(rolling_friction_linear=0.01, spinning_friction_linear=0.02)
+    assert taut.combined(slow, taut.Material()).spinning_friction_linear == slow.spinning_friction_linear == 0.02
+    with pytest.raises(ValueError, match="linear rolling friction.*-1"):
+        world.add_material("bad", taut.Material(rolling_friction_linear=-1))
     assert world.may_collide(a, b)
     world.set_collision(a, b, False)
     assert not world.may_collide(a, b)
