@@ -54,7 +54,9 @@ double dgemm_rate() {
 }
 
 Json factor_json(const World& world) {
-  ConstraintSystem system(world, FactorChoice::kMultifrontal);
+  OrderMemory orders;
+  ConstraintSystem system(world, FactorChoice::kMultifrontal, RankTuning::kStepping,
+                          Rows::AxisRows::kIncluded, Springs::kLeftOut, &orders);
   if (system.uses_primal_system())
     throw std::invalid_argument("its bodies are factored instead of its joints");
   system.linearize(world.state());
@@ -73,6 +75,7 @@ Json factor_json(const World& world) {
     bare = std::min(bare, median_time(5, [&] { cholmod.factorize(); }));
   }
   return {{"rows", system.row_count()},
+          {"order", system.ordering()},
           {"matrix_nonzeros", system.matrix().row_index.size()},
           {"factor_nonzeros", factor.nonzeros()},
           {"factor_flops", factor.flops()},

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdio>
 
 #include "core/base/check.h"
 #include "solvers/linear/cholmod_factor.h"
@@ -82,7 +83,11 @@ std::string Simulator::Impl::solver_description() {
   }
   if (settings_.solver != Solver::kDirect)
     return "iterative impulses, " + std::to_string(settings_.iterations) + " sweeps a stage";
-  return stepper_.system().factor().name() + ", " + blas_name() +
+  const ConstraintSystem& system = stepper_.system();
+  char flops[32];
+  std::snprintf(flops, sizeof flops, "%.3g", system.factor().flops());
+  return system.factor().name() + ", " + std::string(system.ordering()) + " (" + flops + " flops), " +
+         blas_name() +
          (CholmodFactor::has_supernodal() ? "" : ", CHOLMOD without its GPL modules");
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "solvers/common/settings.h"
@@ -37,8 +38,10 @@ struct WorkCounters {
 /// that one is factored in its place (primal_choice.h): the same solves, with ε on the rows that are free.
 class ConstraintSystem : public LinearizedRows {
  public:
+  /// With a memory, which outlives it, patterns without contacts get the cheapest order that is found.
   ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance = RankTuning::kStepping,
-                   Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded, Springs springs = Springs::kLeftOut);
+                   Rows::AxisRows axis_rows = Rows::AxisRows::kIncluded, Springs springs = Springs::kLeftOut,
+                   OrderMemory* orders = nullptr);
   /// A part of a system by itself, to be solved through its bodies with values from there.  `new_body`:
   /// scratch.
   ConstraintSystem(const ConstraintSystem& whole, const SystemPart& part, std::vector<int>& new_body);
@@ -111,6 +114,10 @@ class ConstraintSystem : public LinearizedRows {
   /// S, not to be asked for through bodies.
   const SymmetricMatrix& matrix() const { return delassus_->matrix(); }
   const Factor& factor() const { return uses_primal_system() ? primal_.factor() : delassus_->factor(); }
+  /// How its order was found.
+  std::string_view ordering() const {
+    return uses_primal_system() ? primal_.ordering() : delassus_->ordering();
+  }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   /// The state of the bodies is that of the last linearize(); J and the factor are made again.
@@ -135,6 +142,7 @@ class ConstraintSystem : public LinearizedRows {
   void update_count(StageTimes& times);
 
   FactorChoice factor_choice_;
+  OrderMemory* orders_ = nullptr;
   PrimalChoice choice_;
   std::unique_ptr<DelassusSystem> delassus_;  // where it is chosen
   PrimalSystem primal_;

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "solvers/common/settings.h"
@@ -16,8 +17,8 @@ namespace taut {
 /// diagonal entry only.  (solvers/system, "Delassus matrix")
 class DelassusSystem {
  public:
-  /// Order, pattern and symbolic factor.
-  DelassusSystem(const LinearizedRows& rows, FactorChoice choice);
+  /// Order, pattern and symbolic factor. `orders`: as of ConstraintSystem.
+  DelassusSystem(const LinearizedRows& rows, FactorChoice choice, OrderMemory* orders = nullptr);
 
   /// S of the bodies that a chunk settles, all rows free, no shift: assemble() has no more to do if neither J
   /// nor A changes after the last chunk.
@@ -34,11 +35,14 @@ class DelassusSystem {
   std::span<const int> row_at_position() const { return row_at_position_; }
   const SymmetricMatrix& matrix() const { return matrix_.matrix(); }
   const Factor& factor() const { return *factor_; }
+  /// How the order was found.
+  std::string_view ordering() const { return ordering_; }
 
  private:
   DelassusSystem(const LinearizedRows& rows, const BlockOrdering& ordering, FactorChoice choice);
   std::span<const double> masked_weighted(LinearizedRows& rows, const RowStates& states);
 
+  std::string_view ordering_;
   std::unique_ptr<Factor> factor_;
   DelassusMatrix matrix_;
   std::vector<int> row_at_position_;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "solvers/common/settings.h"
@@ -20,7 +21,9 @@ namespace taut {
 /// (solvers/system, "Primal matrix")
 class PrimalSystem {
  public:
-  explicit PrimalSystem(FactorChoice choice) : choice_(choice) {}
+  /// `orders`: as of ConstraintSystem.
+  explicit PrimalSystem(FactorChoice choice, OrderMemory* orders = nullptr)
+      : choice_(choice), orders_(orders) {}
   /// The rows have another pattern: order and analysis are to be made anew.
   void forget_pattern();
   /// The order of elimination.
@@ -37,6 +40,8 @@ class PrimalSystem {
   /// Grows with every factor.
   long version() const { return version_; }
   const Factor& factor() const { return *factor_; }
+  /// How the order was found.
+  std::string_view ordering() const { return ordering_->method; }
 
   /// D = 1 / (Σ_r + shift (S_rr + Σ_r)), 0 on masked rows, kept for solve_rows().
   std::span<const double> regularize(LinearizedRows& rows, const RowStates& states, double shift);
@@ -45,6 +50,7 @@ class PrimalSystem {
 
  private:
   FactorChoice choice_;
+  OrderMemory* orders_;
   std::optional<BlockOrdering> ordering_;
   std::vector<int> body_of_node_;
   std::unique_ptr<Factor> factor_;
