@@ -16,10 +16,13 @@ namespace taut {
 namespace {
 
 struct OrderingTuning {
-  /// Modelled time of a factorisation per block [ns] from which on a nested dissection is tried. It takes 2 to
-  /// 6 µs per block, which are then 3 to 6 factorisations. Half: chains of loops and nets of 20 × 20 pay 10 for
+  /// Modelled time of a factorisation per block [ns] from which on a nested dissection is tried, measured: it
+  /// takes 2 to 6 µs per block, which are then 3 to 6 factorisations. Half: nets of 20 × 20 pay 6 for
   /// nothing; twice: grids of 40 × 40 whose joints are shuffled factor 1.2 times as long.
   static constexpr double kDissectionFrom = 700;
+  /// Graphs whose orders are remembered: a simulation of joints has one, which patterns with contacts take
+  /// turns with, or with another while something is asleep.
+  static constexpr std::size_t kRemembered = 2;
 };
 
 /// Flops and entries of L from the column counts of the block factor.  Rows below the diagonal block are
@@ -114,7 +117,6 @@ class RandomNumbersAside {
 /// The nodes of each component breadth first from one of its ends, of those met together the ones with the
 /// fewest neighbours first [Cuthill1969]. Numbers of the nodes decide only between equals.
 std::vector<int> breadth_first(const BlockGraph& graph) {
-  constexpr int kSweeps = 3;  // the node met last is further out than the first: begin there again
   const auto neighbours = [&](int node) { return graph.start[node + 1] - graph.start[node]; };
   std::vector<int> numbering;
   std::vector<int> last_sweep(graph.block_size.size(), 0);
@@ -122,7 +124,8 @@ std::vector<int> breadth_first(const BlockGraph& graph) {
   for (int node = 0; node < graph.size(); ++node) {
     if (last_sweep[node] > 0) continue;
     const std::size_t begin = numbering.size();
-    for (int k = 0, root = node; k < kSweeps; ++k, root = numbering.back()) {
+    // The node met last is further out than the first: begin there again, twice.
+    for (int k = 0, root = node; k < 3; ++k, root = numbering.back()) {
       numbering.resize(begin);
       numbering.push_back(root);
       last_sweep[root] = ++sweep;
@@ -131,17 +134,24 @@ std::vector<int> breadth_first(const BlockGraph& graph) {
         for (int t = graph.start[numbering[at]]; t < graph.start[numbering[at] + 1]; ++t)
           if (std::exchange(last_sweep[graph.neighbour[t]], sweep) != sweep)
             numbering.push_back(graph.neighbour[t]);
-        std::sort(numbering.begin() + met, numbering.end(), [&](int a, int b) {
-          return std::tuple(neighbours(a), a) < std::tuple(neighbours(b), b);
-        });
+        std::sort(numbering.begin() + met, numbering.end(),
+                  [&](int a, int b) { return std::tuple(neighbours(a), a) < std::tuple(neighbours(b), b); });
       }
     }
   }
   return numbering;
 }
 
-/// The graph whose node k is node numbering[k].
-BlockGraph renumbered(const BlockGraph& graph, const std::vector<int>& numbering) {
+/// What a factorisation in this order takes [ns]. In single precision, so that the order in which fronts are
+/// summed does not decide between orders of equal cost.
+float modelled_factorization(const BlockGraph& graph, const BlockOrdering& ordering) {
+  const BlockPattern pattern = pattern_below_diagonal(graph, ordering.node_at);
+  return static_cast<float>(modelled_time(build_assembly_tree(pattern), pattern));
+}
+
+}  // namespace
+
+BlockGraph renumbered(const BlockGraph& graph, std::span<const int> numbering) {
   std::vector<int> number(numbering.size());
   for (std::size_t k = 0; k < numbering.size(); ++k) number[numbering[k]] = static_cast<int>(k);
   BlockGraph result;
@@ -156,15 +166,6 @@ BlockGraph renumbered(const BlockGraph& graph, const std::vector<int>& numbering
   }
   return result;
 }
-
-/// What a factorisation in this order takes [ns]. In single precision, so that the order in which fronts are
-/// summed does not decide between orders of equal cost.
-float modelled_factorization(const BlockGraph& graph, const BlockOrdering& ordering) {
-  const BlockPattern pattern = pattern_below_diagonal(graph, ordering.node_at);
-  return static_cast<float>(modelled_time(build_assembly_tree(pattern), pattern));
-}
-
-}  // namespace
 
 BlockOrdering order_blocks(const BlockGraph& graph) {
   std::optional<BlockOrdering> ordering = order_by(CHOLMOD_AMD, "AMD", graph);
@@ -197,12 +198,11 @@ BlockOrdering cheapest_order(const BlockGraph& graph) {
 }
 
 const BlockOrdering& OrderMemory::order(BlockGraph graph) {
-  constexpr std::size_t kKept = 2;
   const auto same = [&](const Known& known) { return known.graph == graph; };
   auto found = std::find_if(known_.begin(), known_.end(), same);
   if (found == known_.end()) {
     BlockOrdering ordering = cheapest_order(graph);
-    if (known_.size() == kKept) known_.pop_back();
+    if (known_.size() == OrderingTuning::kRemembered) known_.pop_back();
     found = known_.insert(known_.end(), {std::move(graph), std::move(ordering)});
   }
   std::rotate(known_.begin(), found, found + 1);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,9 @@ struct BlockGraph {
   int size() const { return static_cast<int>(block_size.size()); }
   friend bool operator==(const BlockGraph&, const BlockGraph&) = default;
 };
+
+/// The graph whose node k is node numbering[k].
+BlockGraph renumbered(const BlockGraph& graph, std::span<const int> numbering);
 
 /// An order of elimination and what it costs.
 struct BlockOrdering {

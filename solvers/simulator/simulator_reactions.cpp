@@ -83,11 +83,10 @@ std::string Simulator::Impl::solver_description() {
   }
   if (settings_.solver != Solver::kDirect)
     return "iterative impulses, " + std::to_string(settings_.iterations) + " sweeps a stage";
-  const ConstraintSystem& system = stepper_.system();
+  const Factor& factor = stepper_.system().factor();
   char flops[32];
-  std::snprintf(flops, sizeof flops, "%.3g", system.factor().flops());
-  return system.factor().name() + ", " + std::string(system.ordering()) + " (" + flops + " flops), " +
-         blas_name() +
+  std::snprintf(flops, sizeof flops, "%.3g", factor.flops());
+  return factor.name() + ", " + std::string(factor.ordering()) + " (" + flops + " flops), " + blas_name() +
          (CholmodFactor::has_supernodal() ? "" : ", CHOLMOD without its GPL modules");
 }
 

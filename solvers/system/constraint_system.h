@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <memory>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "solvers/common/settings.h"
@@ -114,10 +113,6 @@ class ConstraintSystem : public LinearizedRows {
   /// S, not to be asked for through bodies.
   const SymmetricMatrix& matrix() const { return delassus_->matrix(); }
   const Factor& factor() const { return uses_primal_system() ? primal_.factor() : delassus_->factor(); }
-  /// How its order was found.
-  std::string_view ordering() const {
-    return uses_primal_system() ? primal_.ordering() : delassus_->ordering();
-  }
 
   /// What is remembered from step to step, to or from bytes (checkpoint_memory.cpp).
   /// The state of the bodies is that of the last linearize(); J and the factor are made again.

@@ -7,12 +7,12 @@
 namespace taut {
 
 DelassusSystem::DelassusSystem(const LinearizedRows& rows, FactorChoice choice, OrderMemory* orders)
-    : DelassusSystem(rows, order_blocks(joint_graph(rows.rows(), rows.mass()), rows.lasts() ? orders : nullptr),
+    : DelassusSystem(rows,
+                     order_blocks(joint_graph(rows.rows(), rows.mass()), rows.lasts() ? orders : nullptr),
                      choice) {}
 
 DelassusSystem::DelassusSystem(const LinearizedRows& rows, const BlockOrdering& ordering, FactorChoice choice)
-    : ordering_(ordering.method),
-      factor_(make_factor(choice, ordering, rows.row_count())),
+    : factor_(make_factor(choice, ordering, rows.row_count())),
       matrix_(rows.rows(), rows.mass(), ordering, factor_->triangle()) {
   factor_->analyze(matrix_.matrix());
   const int n = rows.row_count();

@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "solvers/common/settings.h"
@@ -35,14 +34,11 @@ class DelassusSystem {
   std::span<const int> row_at_position() const { return row_at_position_; }
   const SymmetricMatrix& matrix() const { return matrix_.matrix(); }
   const Factor& factor() const { return *factor_; }
-  /// How the order was found.
-  std::string_view ordering() const { return ordering_; }
 
  private:
   DelassusSystem(const LinearizedRows& rows, const BlockOrdering& ordering, FactorChoice choice);
   std::span<const double> masked_weighted(LinearizedRows& rows, const RowStates& states);
 
-  std::string_view ordering_;
   std::unique_ptr<Factor> factor_;
   DelassusMatrix matrix_;
   std::vector<int> row_at_position_;

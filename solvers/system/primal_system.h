@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "solvers/common/settings.h"
@@ -40,8 +39,6 @@ class PrimalSystem {
   /// Grows with every factor.
   long version() const { return version_; }
   const Factor& factor() const { return *factor_; }
-  /// How the order was found.
-  std::string_view ordering() const { return ordering_->method; }
 
   /// D = 1 / (Σ_r + shift (S_rr + Σ_r)), 0 on masked rows, kept for solve_rows().
   std::span<const double> regularize(LinearizedRows& rows, const RowStates& states, double shift);
