@@ -194,7 +194,7 @@ int main(int argc, char** argv) {
   double time = 0.5, limit = 5;
   int shuffles = 0;
   app.add_option("--scene", name, "a scene of the catalogue");
-  app.add_option("--n", n, "its size");
+  app.add_option("--n", n, "its size; 0: it has none");
   app.add_option("--with", with, "a parameter of the scene to be 1");
   app.add_option("--time", time, "time to simulate [s]")->check(CLI::PositiveNumber);
   app.add_option("--limit", limit, "processor time of the steps [s]")->check(CLI::PositiveNumber);
@@ -202,7 +202,8 @@ int main(int argc, char** argv) {
                  "instead: orders and factors of so many random numberings of joints");
   CLI11_PARSE(app, argc, argv);
   try {
-    std::map<std::string, double> parameters{{"n", n}};
+    std::map<std::string, double> parameters;
+    if (n > 0) parameters["n"] = n;
     if (!with.empty()) parameters[with] = 1;
     Scene scene = build_scene(name, parameters);
     Json out{{"scene", name}, {"n", n}, {"with", with}, {"bodies", scene.world.moving_body_count()}};

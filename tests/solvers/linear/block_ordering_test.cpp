@@ -146,7 +146,9 @@ TEST(BlockOrdering, what_renumbering_renames_are_the_same_blocks_and_edges) {
 
 /// METIS, which CHOLMOD's nested dissection calls, draws from rand() and seeds it.
 TEST(BlockOrdering, dissection_is_the_same_again_in_several_threads_and_leaves_rand_alone) {
-  const BlockGraph graph = square(60);
+  const World grid = build_scene("joint-grid", {{"n", 40}}).world;
+  const ConstraintSystem system(grid, FactorChoice::kMultifrontal);
+  const BlockGraph graph = joint_graph(system.rows(), system.mass());
   std::srand(5);
   const int first = std::rand();
   const BlockOrdering ordering = cheapest_order(graph);
