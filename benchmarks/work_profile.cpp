@@ -11,6 +11,8 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <random>
 #include <stdexcept>
 #include <vector>
 
@@ -19,9 +21,11 @@
 #include "benchmarks/timing.h"
 #include "core/world/diagnostics.h"
 #include "scenes/builders/scene.h"
+#include "solvers/linear/block_ordering.h"
 #include "solvers/linear/multifrontal_factor.h"
 #include "solvers/simulator/simulator.h"
 #include "solvers/system/constraint_system.h"
+#include "solvers/system/delassus_matrix.h"
 
 extern "C" void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
                        const double*, const int*, const double*, const int*, const double*, double*,
@@ -53,12 +57,18 @@ double dgemm_rate() {
   return 2.0 * n * n * n / median_time(5, product);
 }
 
-Json factor_json(const World& world) {
-  ConstraintSystem system(world, FactorChoice::kMultifrontal);
+void linearize(ConstraintSystem& system, const World& world) {
   if (system.uses_primal_system())
     throw std::invalid_argument("its bodies are factored instead of its joints");
   system.linearize(world.state());
   system.set_mass(world.state().poses);
+}
+
+Json factor_json(const World& world) {
+  OrderMemory orders;
+  ConstraintSystem system(world, FactorChoice::kMultifrontal, RankTuning::kStepping,
+                          Rows::AxisRows::kIncluded, Springs::kLeftOut, &orders);
+  linearize(system, world);
   StageTimes times;
   system.factorize(times);
   MultifrontalFactor factor;
@@ -73,6 +83,7 @@ Json factor_json(const World& world) {
     bare = std::min(bare, median_time(5, [&] { cholmod.factorize(); }));
   }
   return {{"rows", system.row_count()},
+          {"order", system.factor().ordering()},
           {"matrix_nonzeros", system.matrix().row_index.size()},
           {"factor_nonzeros", factor.nonzeros()},
           {"factor_flops", factor.flops()},
@@ -82,6 +93,53 @@ Json factor_json(const World& world) {
           {"flops_per_s", factor.flops() / seconds},
           {"dgemm_flops_per_s", rate},
           {"share_of_dgemm", factor.flops() / seconds / rate}};
+}
+
+/// The factor of S in this order, with a shift for scenes whose rows are dependent; the least of many times,
+/// which other work on the machine disturbs less than the median.
+Json ordered_factor_json(const ConstraintSystem& system, const BlockOrdering& ordering) {
+  constexpr int kTimes = 25;
+  constexpr double kShift = 1e-6;
+  DelassusMatrix S(system.rows(), system.mass(), ordering, SymmetricMatrix::Triangle::kLower);
+  S.assemble<InverseMassRoot>(system.rows(), system.jacobian(), system.mass_roots(), kShift);
+  MultifrontalFactor factor;
+  factor.analyze(S.matrix());
+  int failed = -1;
+  double seconds = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kTimes; ++i)
+    seconds = std::min(seconds, benchmarks::cpu_seconds_of([&] { failed = factor.factorize(S.matrix()); }));
+  return {{"order", ordering.method},
+          {"factor_flops", factor.flops()},
+          {"factor_time_s", seconds},
+          {"factor_usable", failed < 0}};
+}
+
+/// The joints as the scene adds them, and in `shuffles` random orders: AMD of that numbering, and the order
+/// that is chosen, with the time of the search.
+Json orders_json(const World& world, int shuffles) {
+  ConstraintSystem system(world, FactorChoice::kMultifrontal);
+  linearize(system, world);
+  const BlockGraph graph = joint_graph(system.rows(), system.mass());
+  std::mt19937 random(1);
+  std::vector<int> numbering(graph.block_size.size());
+  std::iota(numbering.begin(), numbering.end(), 0);
+  Json all = Json::array();
+  for (int k = 0; k <= shuffles; ++k) {
+    if (k > 0) std::shuffle(numbering.begin(), numbering.end(), random);
+    const BlockGraph shuffled = renumbered(graph, numbering);
+    BlockOrdering plain, chosen;
+    const double plain_seconds = benchmarks::cpu_seconds_of([&] { plain = order_blocks(shuffled); });
+    const double seconds = benchmarks::cpu_seconds_of([&] { chosen = cheapest_order(shuffled); });
+    for (BlockOrdering* ordering : {&plain, &chosen})
+      for (int& node : ordering->node_at) node = numbering[node];
+    Json entry{{"numbering", k == 0 ? "as added" : "shuffled"}};
+    entry["as_numbered"] = ordered_factor_json(system, plain);
+    entry["as_numbered"]["order_time_s"] = plain_seconds;
+    entry["chosen"] = ordered_factor_json(system, chosen);
+    entry["chosen"]["order_time_s"] = seconds;
+    all.push_back(entry);
+  }
+  return all;
 }
 
 /// The first `time` seconds of the scene in steps of 1 ms, or what takes no longer than `limit` seconds.
@@ -134,17 +192,26 @@ int main(int argc, char** argv) {
   int n = 10;
   std::string with;
   double time = 0.5, limit = 5;
+  int shuffles = 0;
   app.add_option("--scene", name, "a scene of the catalogue");
-  app.add_option("--n", n, "its size");
+  app.add_option("--n", n, "its size; 0: it has none");
   app.add_option("--with", with, "a parameter of the scene to be 1");
   app.add_option("--time", time, "time to simulate [s]")->check(CLI::PositiveNumber);
   app.add_option("--limit", limit, "processor time of the steps [s]")->check(CLI::PositiveNumber);
+  app.add_option("--shuffles", shuffles,
+                 "instead: orders and factors of so many random numberings of joints");
   CLI11_PARSE(app, argc, argv);
   try {
-    std::map<std::string, double> parameters{{"n", n}};
+    std::map<std::string, double> parameters;
+    if (n > 0) parameters["n"] = n;
     if (!with.empty()) parameters[with] = 1;
     Scene scene = build_scene(name, parameters);
     Json out{{"scene", name}, {"n", n}, {"with", with}, {"bodies", scene.world.moving_body_count()}};
+    if (shuffles > 0) {
+      out["numberings"] = orders_json(scene.world, shuffles);
+      std::cout << out.dump() << std::endl;
+      return 0;
+    }
     out.update(motion_json(scene, time, limit));
     rusage usage{};  // before what is measured besides
     getrusage(RUSAGE_SELF, &usage);

@@ -37,13 +37,14 @@ std::string stage_shares(const OrderedJson& stages) {
 std::string row_of(const OrderedJson& p) {
   const std::string name = "| " + p.at("scene").get<std::string>() +
                            format(" %d%s | ", p.at("n").get<int>(), with_of(p, " ").c_str());
-  if (!is_whole(p)) return name + "| " + p.value("failed", "no result") + " | | | | | | | | | | |\n";
+  if (!is_whole(p)) return name + "| " + p.value("failed", "no result") + " | | | | | | | | | | | |\n";
   return name +
          format("%d | %.3g ms | %.2g | ", p.at("rows").get<int>(), 1e3 * number_in(p, "step_time_s"),
                 number_in(p, "substeps_per_step")) +
-         format("%.3g ms | %.3g ms | %.3g | %.3g | %.0f %% | ", 1e3 * number_in(p, "factor_time_s"),
+         format("%.3g ms | %.3g ms | %.3g | %.3g | ", 1e3 * number_in(p, "factor_time_s"),
                 1e3 * number_in(p, "bare_cholmod_time_s"), number_in(p, "factor_nonzeros"),
-                number_in(p, "factor_flops"), 100 * number_in(p, "share_of_dgemm")) +
+                number_in(p, "factor_flops")) +
+         p.value("order", "") + format(" | %.0f %% | ", 100 * number_in(p, "share_of_dgemm")) +
          stage_shares(p.at("stage_times_per_substep_s")) +
          format(" | %.1e | %.1e | %.0f MB |\n",
                 std::max(number_in(p, "max_joint_error_m"), number_in(p, "max_joint_angle_error_rad")),
@@ -98,9 +99,10 @@ std::string work_tables(const BenchResults& results) {
       "shares of the sum of all.\nCHOLMOD: the faster of its two methods on the same matrix in the same "
       "order.  DGEMM "
       "is that of the BLAS as it takes this\nprocessor (see machine), so that a share may be above 100 %.\n\n"
-      "| scene | rows | step | sub-steps | factorisation | bare CHOLMOD | L nonzeros | flops | share of "
+      "| scene | rows | step | sub-steps | factorisation | bare CHOLMOD | L nonzeros | flops | order | share "
+      "of "
       "DGEMM | forces, positions, assembly, factor, velocities [% of a sub-step] | joint error [m or rad] | "
-      "drift | peak memory |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "drift | peak memory |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const OrderedJson& p : results.at("profiles")) text += row_of(p);
   text +=
       "\nExponents of growth over the rows:\n\n| scenes | time of a sub-step | L nonzeros | flops | peak "

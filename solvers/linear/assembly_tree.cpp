@@ -9,19 +9,14 @@
 namespace taut {
 namespace {
 
-// The block pattern below the diagonal: rows[start[j] .. start[j + 1]) of block column j.
-struct BlockPattern {
-  std::vector<int> start{0};
-  std::vector<int> rows;
-};
-
-BlockPattern block_pattern(const SymmetricMatrix& A) {
+BlockPattern pattern_below_diagonal(const SymmetricMatrix& A) {
   std::vector<int> block_of(static_cast<std::size_t>(A.size()));
   for (int b = 0; b < A.block_count(); ++b)
     std::fill(block_of.begin() + A.block_start[b], block_of.begin() + A.block_start[b + 1], b);
   BlockPattern pattern;
   for (int b = 0; b < A.block_count(); ++b) {
     const int column = A.block_start[b];
+    pattern.width.push_back(A.block_start[b + 1] - column);
     for (int t = A.column_start[column]; t < A.column_start[column + 1];) {
       const int row = block_of[A.row_index[t]];
       if (row != b) pattern.rows.push_back(row);
@@ -191,8 +186,27 @@ double FrontCost::operator()(double p, double m) const {
          per_multiplication * multiplications;
 }
 
+BlockPattern pattern_below_diagonal(const BlockGraph& graph, std::span<const int> node_at) {
+  std::vector<int> place(node_at.size());
+  for (std::size_t k = 0; k < node_at.size(); ++k) place[node_at[k]] = static_cast<int>(k);
+  BlockPattern pattern;
+  pattern.rows.reserve(graph.neighbour.size() / 2);
+  for (std::size_t k = 0; k < node_at.size(); ++k) {
+    const int node = node_at[k];
+    for (int t = graph.start[node]; t < graph.start[node + 1]; ++t)
+      if (const int other = place[graph.neighbour[t]]; other > static_cast<int>(k))
+        pattern.rows.push_back(other);
+    pattern.width.push_back(graph.block_size[node]);
+    pattern.start.push_back(static_cast<int>(pattern.rows.size()));
+  }
+  return pattern;
+}
+
 AssemblyTree build_assembly_tree(const SymmetricMatrix& A, const FrontCost& cost) {
-  const BlockPattern pattern = block_pattern(A);
+  return build_assembly_tree(pattern_below_diagonal(A), cost);
+}
+
+AssemblyTree build_assembly_tree(const BlockPattern& pattern, const FrontCost& cost) {
   const std::vector<int> tree = elimination_tree(pattern);
   const std::vector<int> order = postorder(tree);
   std::vector<int> place(order.size()), parent(order.size(), -1);
@@ -202,7 +216,7 @@ AssemblyTree build_assembly_tree(const SymmetricMatrix& A, const FrontCost& cost
 
   const Supernodes s = find_supernodes(pattern, order, place, parent);
   const int count = static_cast<int>(s.first.size());
-  const auto width = [&](int node) { return A.block_start[order[node] + 1] - A.block_start[order[node]]; };
+  const auto width = [&](int node) { return pattern.width[order[node]]; };
   std::vector<int> columns(s.first.size(), 0), row_count(s.first.size(), 0), above(s.first.size(), -1);
   for (std::size_t j = 0; j < order.size(); ++j) columns[s.of[j]] += width(static_cast<int>(j));
   for (int f = 0; f < count; ++f) {
@@ -228,6 +242,19 @@ AssemblyTree build_assembly_tree(const SymmetricMatrix& A, const FrontCost& cost
     result.parent.push_back(above[f] == -1 ? -1 : front[into[above[f]]]);
   }
   return result;
+}
+
+double modelled_time(const AssemblyTree& tree, const BlockPattern& A, const FrontCost& cost) {
+  const auto columns = [&](const std::vector<int>& blocks, int begin, int end) {
+    int sum = 0;
+    for (int t = begin; t < end; ++t) sum += A.width[blocks[t]];
+    return sum;
+  };
+  double time = 0;
+  for (int f = 0; f < tree.size(); ++f)
+    time += cost(columns(tree.pivots, tree.pivot_start[f], tree.pivot_start[f + 1]),
+                 columns(tree.rows, tree.row_start[f], tree.row_start[f + 1]));
+  return time;
 }
 
 }  // namespace taut

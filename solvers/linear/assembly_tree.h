@@ -1,10 +1,23 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "solvers/linear/block_ordering.h"
 #include "solvers/linear/factor.h"
 
 namespace taut {
+
+/// Pattern of a symmetric matrix of blocks: block column j has width[j] columns, and below its diagonal block
+/// the blocks rows[start[j] .. start[j + 1]).
+struct BlockPattern {
+  std::vector<int> width;
+  std::vector<int> start{0};
+  std::vector<int> rows;
+};
+
+/// That of a matrix with a block for each node, and for each edge, with node node_at[k] in place k.
+BlockPattern pattern_below_diagonal(const BlockGraph& graph, std::span<const int> node_at);
 
 /// The tree of fronts of a Cholesky factorisation, in blocks of the matrix.  Front f eliminates the blocks
 /// pivots[pivot_start[f] .. pivot_start[f+1]) and updates the blocks rows[row_start[f] .. row_start[f+1]),
@@ -38,5 +51,10 @@ struct FrontCost {
 
 /// @pre A holds its lower triangle, with every diagonal block.
 AssemblyTree build_assembly_tree(const SymmetricMatrix& A, const FrontCost& cost = {});
+/// The same for the pattern alone.
+AssemblyTree build_assembly_tree(const BlockPattern& A, const FrontCost& cost = {});
+
+/// Modelled time of a factorisation [ns], that of all fronts of the tree of A.
+double modelled_time(const AssemblyTree& tree, const BlockPattern& A, const FrontCost& cost = {});
 
 }  // namespace taut

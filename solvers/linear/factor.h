@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace taut {
@@ -46,6 +47,13 @@ class Factor {
   virtual std::string name() const = 0;
   virtual double flops() const = 0;           ///< of one numeric factorisation
   virtual std::int64_t nonzeros() const = 0;  ///< of L
+
+  /// How the order of elimination was found, for reports.
+  std::string_view ordering() const { return ordering_; }
+  void set_ordering(std::string_view method) { ordering_ = method; }
+
+ private:
+  std::string_view ordering_;
 };
 
 }  // namespace taut

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdio>
 
 #include "core/base/check.h"
 #include "solvers/linear/cholmod_factor.h"
@@ -82,7 +83,10 @@ std::string Simulator::Impl::solver_description() {
   }
   if (settings_.solver != Solver::kDirect)
     return "iterative impulses, " + std::to_string(settings_.iterations) + " sweeps a stage";
-  return stepper_.system().factor().name() + ", " + blas_name() +
+  const Factor& factor = stepper_.system().factor();
+  char flops[32];
+  std::snprintf(flops, sizeof flops, "%.3g", factor.flops());
+  return factor.name() + ", " + std::string(factor.ordering()) + " (" + flops + " flops), " + blas_name() +
          (CholmodFactor::has_supernodal() ? "" : ", CHOLMOD without its GPL modules");
 }
 

@@ -25,8 +25,9 @@ bool Stepper::knows_topology() const {
 bool Stepper::knows_pattern() const { return knows_topology() && sleep_version_ == world_.sleep_version(); }
 
 void Stepper::renew() {
-  auto system = std::make_unique<ConstraintSystem>(world_, settings_.factor, RankTuning::kStepping,
-                                                   Rows::AxisRows::kIncluded, springs_);
+  auto system = std::make_unique<ConstraintSystem>(
+      world_, settings_.factor, RankTuning::kStepping, Rows::AxisRows::kIncluded, springs_,
+      settings_.solver == Solver::kDirect ? &orders_ : nullptr);  // others factor nothing
   scheme_.reset();
   system_ = std::move(system);
   scheme_ = make_scheme();

@@ -103,7 +103,8 @@ class Stepper {
 
   const World &world_, &named_;
   const Settings& settings_;
-  Springs springs_;  // among the rows
+  Springs springs_;     // among the rows
+  OrderMemory orders_;  // of elimination
   std::unique_ptr<ConstraintSystem> system_;
   std::unique_ptr<Scheme> scheme_;
   std::int64_t topology_version_ = -1, geometry_version_ = -1, sleep_version_ = -1, state_version_ = -1,

@@ -11,11 +11,12 @@
 namespace taut {
 
 ConstraintSystem::ConstraintSystem(const World& world, FactorChoice choice, RankTolerance tolerance,
-                                   Rows::AxisRows axis_rows, Springs springs)
+                                   Rows::AxisRows axis_rows, Springs springs, OrderMemory* orders)
     : LinearizedRows(world, axis_rows, springs),
       factor_choice_(choice),
+      orders_(orders),
       choice_(world, rows()),
-      primal_(choice),
+      primal_(choice, orders),
       rank_(tolerance) {
   analyze();
 }
@@ -50,7 +51,7 @@ void ConstraintSystem::analyze() {
       delassus_.reset();
       rank_.forget();
     } else {
-      delassus_ = std::make_unique<DelassusSystem>(*this, factor_choice_);
+      delassus_ = std::make_unique<DelassusSystem>(*this, factor_choice_, orders_);
       ++counters_.analyses;
     }
   }

@@ -6,8 +6,10 @@
 
 namespace taut {
 
-DelassusSystem::DelassusSystem(const LinearizedRows& rows, FactorChoice choice)
-    : DelassusSystem(rows, order_blocks(joint_graph(rows.rows(), rows.mass())), choice) {}
+DelassusSystem::DelassusSystem(const LinearizedRows& rows, FactorChoice choice, OrderMemory* orders)
+    : DelassusSystem(rows,
+                     order_blocks(joint_graph(rows.rows(), rows.mass()), rows.lasts() ? orders : nullptr),
+                     choice) {}
 
 DelassusSystem::DelassusSystem(const LinearizedRows& rows, const BlockOrdering& ordering, FactorChoice choice)
     : factor_(make_factor(choice, ordering, rows.row_count())),

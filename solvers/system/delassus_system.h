@@ -16,8 +16,8 @@ namespace taut {
 /// diagonal entry only.  (solvers/system, "Delassus matrix")
 class DelassusSystem {
  public:
-  /// Order, pattern and symbolic factor.
-  DelassusSystem(const LinearizedRows& rows, FactorChoice choice);
+  /// Order, pattern and symbolic factor. `orders`: as of ConstraintSystem.
+  DelassusSystem(const LinearizedRows& rows, FactorChoice choice, OrderMemory* orders = nullptr);
 
   /// S of the bodies that a chunk settles, all rows free, no shift: assemble() has no more to do if neither J
   /// nor A changes after the last chunk.

@@ -71,6 +71,12 @@ void LinearizedRows::clear_bounded_rows(std::span<double> values) const {
   std::fill(values.begin() + rows_.first_contact_row(), values.end(), 0.0);
 }
 
+bool LinearizedRows::lasts() const {
+  const auto& blocks = rows_.joints();
+  return rows_.contact_count() == 0 &&
+         std::none_of(blocks.begin(), blocks.end(), [](const auto& block) { return block.row_count == 0; });
+}
+
 void LinearizedRows::linearize(const Configuration& at) {
   rows_.jacobian(at, jacobian_);
   ++linearization_, ++version_;

@@ -28,6 +28,9 @@ class LinearizedRows {
   const Rows& rows() const { return rows_; }
   const MassMatrix& mass() const { return mass_; }
   int row_count() const { return rows_.row_count(); }
+  /// The pattern stays: that of joints, all of which have rows. Contacts, and joints that are detached or
+  /// asleep, come and go.
+  bool lasts() const;
   /// Axis rows or contact rows: those whose multipliers have bounds.
   bool has_bounded_rows() const { return !rows_.axis_rows().empty() || rows_.contact_count() > 0; }
   /// Zeroes the entries of axis and contact rows.

@@ -5,8 +5,9 @@
 #include "solvers/linear/multifrontal_factor.h"
 
 namespace taut {
+namespace {
 
-std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering, int rows) {
+std::unique_ptr<Factor> make_chosen(FactorChoice choice, const BlockOrdering& ordering, int rows) {
   using Method = CholmodFactor::Method;
   // CHOLMOD's own switch: dense kernels pay from about 40 flops per entry of L.
   if (choice == FactorChoice::kCholmod)
@@ -24,6 +25,14 @@ std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& or
     default:
       return std::make_unique<MultifrontalFactor>();
   }
+}
+
+}  // namespace
+
+std::unique_ptr<Factor> make_factor(FactorChoice choice, const BlockOrdering& ordering, int rows) {
+  std::unique_ptr<Factor> factor = make_chosen(choice, ordering, rows);
+  factor->set_ordering(ordering.method);
+  return factor;
 }
 
 }  // namespace taut

@@ -20,7 +20,9 @@ namespace taut {
 /// (solvers/system, "Primal matrix")
 class PrimalSystem {
  public:
-  explicit PrimalSystem(FactorChoice choice) : choice_(choice) {}
+  /// `orders`: as of ConstraintSystem.
+  explicit PrimalSystem(FactorChoice choice, OrderMemory* orders = nullptr)
+      : choice_(choice), orders_(orders) {}
   /// The rows have another pattern: order and analysis are to be made anew.
   void forget_pattern();
   /// The order of elimination.
@@ -45,6 +47,7 @@ class PrimalSystem {
 
  private:
   FactorChoice choice_;
+  OrderMemory* orders_;
   std::optional<BlockOrdering> ordering_;
   std::vector<int> body_of_node_;
   std::unique_ptr<Factor> factor_;

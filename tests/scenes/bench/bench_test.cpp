@@ -156,6 +156,7 @@ TEST(WorkReport, ShowsTheNumbersOfEachProfileAndTheGrowthOfEachFamily) {
                 {"rows", 3 * n},
                 {"factor_nonzeros", 24 * n},
                 {"factor_flops", 200 * n},
+                {"order", "AMD"},
                 {"factor_time_s", 1e-4},
                 {"bare_cholmod_time_s", 2e-4},
                 {"share_of_dgemm", 0.25},
@@ -176,7 +177,7 @@ TEST(WorkReport, ShowsTheNumbersOfEachProfileAndTheGrowthOfEachFamily) {
   BenchResults results{{"profiles", {profile(10, 1e-3), profile(1000, 1e-1)}}};
   const std::string text = work_tables(results);
   EXPECT_NE(
-      text.find("| chain 10 | 30 | 1 ms | 2 | 0.1 ms | 0.2 ms | 240 | 2e+03 | 25 % | 5, 10, 15, 20, 25 | "
+      text.find("| chain 10 | 30 | 1 ms | 2 | 0.1 ms | 0.2 ms | 240 | 2e+03 | AMD | 25 % | 5, 10, 15, 20, 25 | "
                 "4.0e-11 | 5.0e-06 | 40 MB |"),
       std::string::npos)
       << text;
