@@ -1,6 +1,5 @@
 #pragma once
 
-
 #include "core/axes/axis.h"
 #include "core/world/swing_properties.h"
 #include "solvers/laws/axes/axis_part_law.h"

@@ -177,8 +177,9 @@ TEST(WorkReport, ShowsTheNumbersOfEachProfileAndTheGrowthOfEachFamily) {
   BenchResults results{{"profiles", {profile(10, 1e-3), profile(1000, 1e-1)}}};
   const std::string text = work_tables(results);
   EXPECT_NE(
-      text.find("| chain 10 | 30 | 1 ms | 2 | 0.1 ms | 0.2 ms | 240 | 2e+03 | AMD | 25 % | 5, 10, 15, 20, 25 | "
-                "4.0e-11 | 5.0e-06 | 40 MB |"),
+      text.find(
+          "| chain 10 | 30 | 1 ms | 2 | 0.1 ms | 0.2 ms | 240 | 2e+03 | AMD | 25 % | 5, 10, 15, 20, 25 | "
+          "4.0e-11 | 5.0e-06 | 40 MB |"),
       std::string::npos)
       << text;
   EXPECT_NE(text.find("| chain | 1.00 | 1.00 | 1.00 | 0.00 |"), std::string::npos) << text;
