@@ -17,11 +17,11 @@ namespace {
 
 struct OrderingTuning {
   /// Modelled time of a factorisation per block [ns] from which on a nested dissection is tried, measured: it
-  /// takes 2 to 6 µs per block, which are then 3 to 6 factorisations. Half: nets of 20 × 20 pay 6 for
-  /// nothing; twice: grids of 40 × 40 whose joints are shuffled factor 1.2 times as long.
+  /// takes 2 to 6 µs per block, as long as 3 to 6 factorisations. Half: nets of 20 × 20 are dissected, and
+  /// stay as they are; twice: grids of 40 × 40 whose joints are shuffled factor 1.2 times as long.
   static constexpr double kDissectionFrom = 700;
-  /// Graphs whose orders are remembered: a simulation of joints has one, which patterns with contacts take
-  /// turns with, or with another while something is asleep.
+  /// Graphs whose orders are remembered: a simulation of joints has one, or takes turns with another. Half:
+  /// what takes turns is ordered anew each time; twice: nothing but memory.
   static constexpr std::size_t kRemembered = 2;
 };
 
