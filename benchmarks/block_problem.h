@@ -13,21 +13,21 @@
 namespace taut::benchmarks {
 
 /// Which blocks of a system matrix couple; each edge once.
-struct BlockGraph {
+struct BlockEdges {
   int blocks = 0;
   std::vector<std::pair<int, int>> edges;
 };
 
 /// Joints of a chain of rods: each shares a rod with the next.
-inline BlockGraph chain_graph(int links) {
-  BlockGraph graph{links, {}};
+inline BlockEdges chain_graph(int links) {
+  BlockEdges graph{links, {}};
   for (int i = 0; i + 1 < links; ++i) graph.edges.emplace_back(i, i + 1);
   return graph;
 }
 
 /// Joints of an N × N net of rods along the grid's edges, pinned at its corners.  At a node the first rod end
 /// is the hub, which a ball joint connects with each of the others.  Joints couple where they share a rod.
-inline BlockGraph net_graph(int N) {
+inline BlockEdges net_graph(int N) {
   std::vector<std::vector<int>> joints_of_rod(2 * static_cast<std::size_t>(N) * (N - 1));
   int joints = 0;
   for (int j = 0; j < N; ++j) {
@@ -44,7 +44,7 @@ inline BlockGraph net_graph(int N) {
       }
     }
   }
-  BlockGraph graph{joints, {}};
+  BlockEdges graph{joints, {}};
   for (const auto& of_rod : joints_of_rod)
     for (std::size_t a = 0; a < of_rod.size(); ++a)
       for (std::size_t b = 0; b < a; ++b) graph.edges.emplace_back(of_rod[a], of_rod[b]);
@@ -52,7 +52,7 @@ inline BlockGraph net_graph(int N) {
 }
 
 /// Place of each block in the order of elimination: AMD on the block graph, postordered.
-inline std::vector<int> amd_places(const BlockGraph& graph) {
+inline std::vector<int> amd_places(const BlockEdges& graph) {
   cholmod_common common;
   cholmod_start(&common);
   common.nmethods = 1;
@@ -78,7 +78,7 @@ inline std::vector<int> amd_places(const BlockGraph& graph) {
 }
 
 /// A positive definite matrix of 3 × 3 blocks on the graph, in the order of elimination, lower triangle.
-inline SymmetricMatrix block_matrix(const BlockGraph& graph, const std::vector<int>& places) {
+inline SymmetricMatrix block_matrix(const BlockEdges& graph, const std::vector<int>& places) {
   constexpr int kWidth = 3;
   SymmetricMatrix A;
   std::vector<std::set<int>> below(static_cast<std::size_t>(graph.blocks));

@@ -32,7 +32,7 @@ struct Timings {
   std::vector<double> factorize, solve;
 };
 
-void factors(benchmark::State& state, const BlockGraph& graph) {
+void factors(benchmark::State& state, const BlockEdges& graph) {
   use_one_thread();
   const SymmetricMatrix A = block_matrix(graph, amd_places(graph));
   MultifrontalFactor multifrontal;

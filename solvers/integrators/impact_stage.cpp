@@ -71,7 +71,6 @@ void ImpactStage::record(std::span<const double> mu) {
   std::vector<double>& rates = values_.kick_rates;
   works_.mean_rates(phase_.kicked, phase_.momenta, system_.jacobian(), rates);
   axes_.accumulate_work(mu, values_.rates, rates);
-  axes_.end_impacts();
   if (!struck_) contacts_.works().record_kick(mu, rates);
 }
 

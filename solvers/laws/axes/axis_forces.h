@@ -137,8 +137,6 @@ class AxisForces {
   /// A round of impacts after it: to μ and its rates impulses are to be added by which all limits that are
   /// touched obey Newton's law of impact, with this part of restitution.
   void begin_round(std::span<const double> mu, std::span<const double> rates, double restitution);
-  /// There are no more.
-  void end_impacts() { rounds_.clear(); }
   /// Adds both kicks to the reports, with mean `rates` of what of the second is not recorded yet.
   void accumulate_work(std::span<const double> lambda, std::span<const double> w,
                        std::span<const double> rates) {
