@@ -99,9 +99,9 @@ TEST(Material, BadValues) {
   expect_invalid([] { check_material({.spinning_friction = kInfinity}); }, {"spinning friction", "inf"});
   expect_invalid([] { check_material({.compliance = -1}); }, {"compliance", "-1"});
   for (const auto& [bad, text] : {std::pair(-0.5, "-0.5"), {kNan, "nan"}, {kInfinity, "inf"}}) {
-    expect_invalid([&] { check_material({.rolling_friction_linear = bad}); },
+    expect_invalid([value = bad] { check_material({.rolling_friction_linear = value}); },
                    {"linear rolling friction", text});
-    expect_invalid([&] { check_material({.spinning_friction_linear = bad}); },
+    expect_invalid([value = bad] { check_material({.spinning_friction_linear = value}); },
                    {"linear spinning friction", text});
   }
 }
