@@ -34,8 +34,6 @@ class KickWorks {
   void add(const Kick& kick, std::span<const Wrench> forces, double h, StepWorks& works);
   /// Adds the work of an impulse from → to by itself.
   void add_between(std::span<const Wrench> from, std::span<const Wrench> to, double& work) const;
-  /// Σ ½ pᵀ M⁻¹ p
-  double kinetic_energy(std::span<const Wrench> momenta) const;
   /// An energy [J] that bodies with these momenta were given; 0 if that is within round-off of what they
   /// have.
   double if_seen(double energy, std::span<const Wrench> momenta) const;
@@ -52,6 +50,8 @@ class KickWorks {
                     std::span<const Pose> to) const;
 
  private:
+  /// Σ ½ pᵀ M⁻¹ p
+  double kinetic_energy(std::span<const Wrench> momenta) const;
   template <typename Visit>
   void with_mean_twists(std::span<const Wrench> from, std::span<const Wrench> to, Visit&& visit) const;
   /// ½ M⁻¹ (p₀ + p₁) of a body.

@@ -50,9 +50,8 @@ void AxisImpacts::set_meeting(std::size_t i, double time, std::span<const double
 bool AxisImpacts::runs_into_limit(int i, double theta, double rate) const {
   if (table_.released(i)) return false;
   const AxisLimits& limits = *table_.properties(i).limits;
-  const bool at_lower = theta <= limits.lower + LawTuning::kTouch || impacts_[i].due_at(true),
-             at_upper = theta >= limits.upper - LawTuning::kTouch || impacts_[i].due_at(false);
-  return (at_lower && rate < -AxisImpactsTuning::kJolt) || (at_upper && rate > AxisImpactsTuning::kJolt);
+  return (rate < -AxisImpactsTuning::kJolt && is_struck(limits, impacts_[i], theta, true)) ||
+         (rate > AxisImpactsTuning::kJolt && is_struck(limits, impacts_[i], theta, false));
 }
 
 bool AxisImpacts::any_unlocated(std::span<const double> theta1) const {
@@ -63,7 +62,8 @@ bool AxisImpacts::any_unlocated(std::span<const double> theta1) const {
 }
 
 bool AxisImpacts::any_due() const {
-  return std::any_of(impacts_.begin(), impacts_.end(), [](const AxisImpact& impact) { return impact.due(); });
+  return std::any_of(table_.limited().begin(), table_.limited().end(),
+                     [&](int i) { return impacts_[i].due(); });
 }
 
 bool AxisImpacts::come_together(std::span<const double> theta1, std::span<const double> w) const {

@@ -5,8 +5,12 @@
 
 namespace taut {
 
-bool in_flight(const AxisLimits& limits, double theta0, bool at_lower) {
-  return at_lower ? theta0 > limits.lower + LawTuning::kTouch : theta0 < limits.upper - LawTuning::kTouch;
+bool in_flight(const AxisLimits& limits, double theta, bool at_lower) {
+  return at_lower ? theta > limits.lower + LawTuning::kTouch : theta < limits.upper - LawTuning::kTouch;
+}
+
+bool is_struck(const AxisLimits& limits, const AxisImpact& impact, double theta, bool at_lower) {
+  return !in_flight(limits, theta, at_lower) || impact.due_at(at_lower);
 }
 
 bool AxisLimitLaw::set(const AxisStage& stage) {
@@ -56,14 +60,14 @@ void AxisLimitLaw::set_second_kick(const AxisStage& stage) {
 }
 
 /// Newton's law of impact for all limits that are touched, against the rate at the start of the round; what
-/// it adds does not pull.  An impact that is due happens even if a gap of order h³ is left.
+/// it adds does not pull.
 void AxisLimitLaw::set_impact(const AxisStage& stage) {
   const AxisLimits& limits = *stage.p.limits;
   const double before = stage.round->rate, given = stage.round->limit;
   const double e = stage.step.restitution * limits.restitution;
   const auto bounce = [&](bool comes) { return -(comes ? e : 1) * before; };
-  const bool at_lower = stage.theta <= limits.lower + LawTuning::kTouch || stage.impact.due_at(true);
-  const bool at_upper = stage.theta >= limits.upper - LawTuning::kTouch || stage.impact.due_at(false);
+  const bool at_lower = is_struck(limits, stage.impact, stage.theta, true),
+             at_upper = is_struck(limits, stage.impact, stage.theta, false);
   if (at_lower) {
     lower_at = bounce(before < 0);
     lower_back = at_upper ? -std::max(0.0, given) : -given;

@@ -17,8 +17,10 @@ struct AxisImpact : ImpactState {
 
 /// It has limits without compliance.
 inline bool has_rigid_limit(const AxisProperties& p) { return p.limits && p.limits->compliance == 0; }
-/// The step began away from the limit.
-bool in_flight(const AxisLimits& limits, double theta0, bool at_lower);
+/// The axis is away from the limit.
+bool in_flight(const AxisLimits& limits, double theta, bool at_lower);
+/// It is at the limit, or due to strike it, which it does even if a gap of order h³ is left.
+bool is_struck(const AxisLimits& limits, const AxisImpact& impact, double theta, bool at_lower);
 
 /// Rigid limits of one axis in a stage: lower_at ≤ w ≤ upper_at, λ ≥ −lower_back from the lower limit and
 /// λ ≤ upper_back from the upper one.  (solvers/laws, "Axes")
