@@ -51,8 +51,8 @@ Scheme::Outcome Rattle::advance(double h, SubstepReport& report) {
   factorize_end(lambda, report);                 // S(q₁)
   if (!close_velocities(h, lambda, mu, report))  // kick, J V = 0 and the laws
     return take_back(Outcome::kStalled, report);
-  if (impact_stage_.due() && !strike(h, mu, report)) return take_back(Outcome::kStalled, report);
   if (!phase_.finite()) return Outcome::kNotFinite;
+  if (impact_stage_.due() && !strike(h, mu, report)) return take_back(Outcome::kStalled, report);
   if (breaking_.possible() && break_joints(h, lambda, mu, report)) return Outcome::kOverload;
   finish(h, lambda, mu, report);
   return Outcome::kDone;

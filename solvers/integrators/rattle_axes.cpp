@@ -198,7 +198,7 @@ bool Rattle::velocities_hold(std::span<const double> mu, SubstepReport& report) 
 bool Rattle::strike(double h, std::span<double> mu, SubstepReport& report) {
   return impact_stage_.strike([&] {
     renew_laws();
-    return project_bounded_momenta(h, true, mu, report);
+    return project_bounded_momenta(h, true, mu, report) && phase_.finite();
   });
 }
 

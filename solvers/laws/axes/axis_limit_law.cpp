@@ -26,6 +26,9 @@ bool AxisLimitLaw::set(const AxisStage& stage) {
     case Kick::kSingle:
       set_single_kick(stage);
   }
+  // Rates beyond come of steps that fail; limits must not exclude each other there.
+  lower_at = std::clamp(lower_at, -kUnreachedRate, kUnreachedRate);
+  upper_at = std::clamp(upper_at, -kUnreachedRate, kUnreachedRate);
   return true;
 }
 
@@ -56,7 +59,7 @@ void AxisLimitLaw::set_second_kick(const AxisStage& stage) {
   // the energy changes by −½ (1 − e)/(1 + e) ‖ΔV‖²_M; without an impact, bounds ≥ 0 let bouncing die out.
   lower_back = at_lower ? std::max(0.0, first_kick) : 0;
   upper_back = at_upper ? std::max(0.0, -first_kick) : 0;
-  if (lower_at > upper_at) lower_at = upper_at = 0;  // locked between both
+  if (at_lower && at_upper && lower_at > upper_at) lower_at = upper_at = 0;  // locked between both
 }
 
 /// Newton's law of impact for all limits that are touched, against the rate at the start of the round; what
