@@ -11,7 +11,7 @@ Vec3 Angle::Directions::j() const { return a - z / D * p; }
 
 Angle::Directions Angle::directions(const Pose& A, const Pose& B) const {
   Directions d;
-  d.a = A.q * a_A, d.u = A.q * u_A, d.v = d.a.cross(d.u), d.e = B.q * e_B;
+  d.a = rotate(A.q, a_A), d.u = rotate(A.q, u_A), d.v = d.a.cross(d.u), d.e = rotate(B.q, e_B);
   d.x = d.u.dot(d.e), d.y = d.v.dot(d.e), d.z = d.a.dot(d.e);
   d.p = d.x * d.u + d.y * d.v;
   d.D = d.x * d.x + d.y * d.y;
@@ -19,7 +19,7 @@ Angle::Directions Angle::directions(const Pose& A, const Pose& B) const {
 }
 
 void Angle::residual(const Pose& A, const Pose& B, double* theta) const {
-  const Vec3 u = A.q * u_A, v = A.q * a_A.cross(u_A), e = B.q * e_B;
+  const Vec3 u = rotate(A.q, u_A), v = rotate(A.q, a_A.cross(u_A)), e = rotate(B.q, e_B);
   *theta = std::atan2(v.dot(e), u.dot(e));
 }
 

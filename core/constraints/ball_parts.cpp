@@ -27,7 +27,7 @@ void add_to_both(const Mat3& K, StiffnessBlocks& K_A, StiffnessBlocks& K_B) {
 
 Swing::Directions Swing::directions(const Pose& A, const Pose& B) const {
   Directions d;
-  d.a = A.q * a_A, d.b = B.q * b_B;
+  d.a = rotate(A.q, a_A), d.b = rotate(B.q, b_B);
   const Vec3 n = d.a.cross(d.b);
   d.sine = n.norm();
   d.straight = d.sine < 1e-12;
@@ -40,7 +40,7 @@ Swing::Directions Swing::directions(const Pose& A, const Pose& B) const {
 }
 
 void Swing::residual(const Pose& A, const Pose& B, double* theta) const {
-  const Vec3 a = A.q * a_A, b = B.q * b_B;
+  const Vec3 a = rotate(A.q, a_A), b = rotate(B.q, b_B);
   *theta = std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
@@ -84,7 +84,7 @@ SwingComponent::Directions SwingComponent::directions(const Pose& A, const Pose&
   constexpr double kSeries = 0.02;  // below, where differences of nearly equal numbers would cancel
   constexpr double kFolded = 1e-6;  // sine next to π, where there is no direction
   Directions d;
-  d.a = A.q * a_A, d.b = B.q * b_B, d.x = A.q * x_A;
+  d.a = rotate(A.q, a_A), d.b = rotate(B.q, b_B), d.x = rotate(A.q, x_A);
   d.n = d.a.cross(d.b);
   d.C = d.a.dot(d.b);
   const double S = d.n.norm(), theta = std::atan2(S, d.C), t = theta * theta;
@@ -178,13 +178,13 @@ double Turn::increment(const Pose& A_from, const Pose& B_from, const Pose& A, co
 }
 
 void Turn::jacobian(const Pose& A, const Pose&, JacobianBlock<1> J_A, JacobianBlock<1> J_B) const {
-  const Vec3 a = A.q * a_A;
+  const Vec3 a = rotate(A.q, a_A);
   J_A << -a.transpose(), 0, 0, 0;
   J_B << a.transpose(), 0, 0, 0;
 }
 
 void Turn::bias(const Pose& A, const Pose&, const Twist& V_A, const Twist& V_B, double* gamma) const {
-  *gamma = V_A.w.cross(A.q * a_A).dot(V_B.w);
+  *gamma = V_A.w.cross(rotate(A.q, a_A)).dot(V_B.w);
 }
 
 std::string Turn::row_name(int) const { return "turn about " + direction_name(a_A); }

@@ -4,12 +4,12 @@ namespace taut {
 namespace row_parts {
 
 void ContactPoint::residual(const Pose& A, const Pose& B, double* phi) const {
-  const Vec3 d = (B.p - A.p) + (B.q * p_BQ - A.q * p_AP);
+  const Vec3 d = (B.p - A.p) + (rotate(B.q, p_BQ) - rotate(A.q, p_AP));
   for (int i = 0; i < 3; ++i) phi[i] = frame.direction(i).dot(d);
 }
 
 void ContactPoint::jacobian(const Pose& A, const Pose& B, JacobianBlock<3> J_A, JacobianBlock<3> J_B) const {
-  const Vec3 X = 0.5 * (A.p + A.q * p_AP + B.p + B.q * p_BQ), r_A = X - A.p, r_B = X - B.p;
+  const Vec3 X = 0.5 * (A.p + rotate(A.q, p_AP) + B.p + rotate(B.q, p_BQ)), r_A = X - A.p, r_B = X - B.p;
   for (int i = 0; i < 3; ++i) {
     const Vec3& d = frame.direction(i);
     J_A.row(i) << -r_A.cross(d).transpose(), -d.transpose();

@@ -79,13 +79,13 @@ void BodyCurve::place_frame(Near& at) const {
 namespace row_parts {
 
 PointInBody::PointInBody(const Pose& A, const Pose& B, const Vec3& p_BQ) {
-  r_B = B.q * p_BQ;
+  r_B = rotate(B.q, p_BQ);
   s = B.p + r_B - A.p;
   x = A.q.conjugate() * s;
 }
 
 void PointInBody::row(const Pose& A, const Vec3& g, double* J_A, double* J_B) const {
-  const Vec3 a = A.q * g;
+  const Vec3 a = rotate(A.q, g);
   Eigen::Map<Eigen::Matrix<double, 1, 6>>{J_A} << a.cross(s).transpose(), -a.transpose();
   Eigen::Map<Eigen::Matrix<double, 1, 6>>{J_B} << r_B.cross(a).transpose(), a.transpose();
 }
@@ -99,7 +99,7 @@ void PointInBody::rates(const Pose& A, const Twist& V_A, const Twist& V_B, Vec3&
 void PointInBody::stiffness(const Pose& A, const Vec3& g, const Mat3& H, StiffnessBlocks& K_A,
                             StiffnessBlocks& K_B) const {
   const Mat3 R = A.q.toRotationMatrix(), S = -R * H * R.transpose();
-  const Vec3 f = A.q * g;
+  const Vec3 f = rotate(A.q, g);
   K_A.translation += S;
   K_B.translation += S;
   K_A.rotation += skew(s) * S * skew(s).transpose();

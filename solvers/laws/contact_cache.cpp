@@ -311,7 +311,7 @@ void ContactCache::fill(int index, const Contact& contact, bool parted, const Wo
   Slot& slot = slots_[index];
   const Pose &A = state.poses[slot.at.a], &B = state.poses[slot.at.b];
   const Twist &V_A = state.twists[slot.at.a], &V_B = state.twists[slot.at.b];
-  const Vec3 r_A = A.q * contact.p_AP, r_B = B.q * contact.p_BQ;
+  const Vec3 r_A = rotate(A.q, contact.p_AP), r_B = rotate(B.q, contact.p_BQ);
   const Vec3 rate = V_B.at(r_B) - V_A.at(r_A);
   slot.contact = contact;
   slot.unused = 0;

@@ -91,9 +91,9 @@ bool is_still(const Contact& contact, const BodyEnds& A, const BodyEnds& B) {
   const double turned = (A.turn - Mat3::Identity()).norm() + (B.turn - Mat3::Identity()).norm();
   if (turned > DriftTuning::kHardlyMoves) return false;
   if (contact.surface_A.is_flat() || contact.surface_B.is_flat()) return true;
-  const Vec3 a = A.end.q * contact.p_AP, b = B.end.q * contact.p_BQ;
-  const Vec3 way = (B.end.p - A.end.p) - (B.start.p - A.start.p) + (b - B.start.q * contact.p_BQ) -
-                   (a - A.start.q * contact.p_AP);
+  const Vec3 a = rotate(A.end.q, contact.p_AP), b = rotate(B.end.q, contact.p_BQ);
+  const Vec3 way = (B.end.p - A.end.p) - (B.start.p - A.start.p) + (b - rotate(B.start.q, contact.p_BQ)) -
+                   (a - rotate(A.start.q, contact.p_AP));
   return way.norm() <= DriftTuning::kHardlyMoves * (a.norm() + b.norm());
 }
 
@@ -105,7 +105,8 @@ MovedContact moved_contact(const Contact& contact, const Pose& A, const Pose& B,
                            const Mat3& turn_B) {
   const Core on_A(contact.surface_A, turn_A, contact.normal),
       on_B(contact.surface_B, turn_B, -contact.normal);
-  const Vec3 a = A.q * contact.p_AP - on_A.ball * on_A.n, b = B.q * contact.p_BQ - on_B.ball * on_B.n;
+  const Vec3 a = rotate(A.q, contact.p_AP) - on_A.ball * on_A.n,
+             b = rotate(B.q, contact.p_BQ) - on_B.ball * on_B.n;
   const Vec3 between = B.p - A.p + b - a;
   const auto gap_along = [&](const Vec3& m) {
     return m.dot(between) - on_A.height(m) - on_B.height(-m) - on_A.ball - on_B.ball;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -57,8 +56,11 @@ struct RowLaw {
     return law;
   }
 
-  /// Both laws act on one axis: the sum of the graphs.
-  /// @throws std::invalid_argument if no w is allowed by both, or for more than kMaxSteps steps.
+  /// A law with one step at w acts on the same axis, too: `above` left of w, `below` right of it.
+  /// @throws std::invalid_argument if no rate is allowed by both, or for more than kMaxSteps steps.
+  void add_step(double w, double above, double below);
+  /// Both laws act on one axis: the sum of the graphs.  @throws as add_step(), or if b has more steps than
+  /// one.
   friend RowLaw operator+(const RowLaw& a, const RowLaw& b);
 
   int segments() const { return 2 * steps + 1; }
@@ -138,26 +140,37 @@ struct RowLaw {
   }
 };
 
-inline RowLaw operator+(const RowLaw& a, const RowLaw& b) {
-  RowLaw sum;
-  sum.slope = a.slope + b.slope;
-  int i = 0, j = 0;
-  double above = a.level[0] + b.level[0];
-  sum.level[0] = above;
-  while (i < a.steps || j < b.steps) {
-    const double w =
-        std::min(i < a.steps ? a.at[i] : RowLaw::kInfinity, j < b.steps ? b.at[j] : RowLaw::kInfinity);
-    if (i < a.steps && a.at[i] == w) ++i;
-    if (j < b.steps && b.at[j] == w) ++j;
-    // +∞ − ∞: left of one lower limit and right of the other upper limit at once.
-    const double below = a.level[i] + b.level[j];
-    if (std::isnan(below)) fail("row law sum", "limits exclude each other at rate", w);
-    if (below == above) continue;  // still left of the lower limit, or already right of the upper one
-    if (sum.steps == RowLaw::kMaxSteps)
-      fail("row law sum", "must not have more steps than", RowLaw::kMaxSteps);
-    sum.at[sum.steps++] = w;
-    sum.level[sum.steps] = above = below;
+inline void RowLaw::add_step(double w, double above, double below) {
+  int left = 0;  // steps left of w
+  while (left < steps && at[left] < w) ++left;
+  if (left == steps || at[left] != w) {
+    if (steps == kMaxSteps) fail("row law sum", "must not have more steps than", kMaxSteps);
+    for (int k = steps++; k > left; --k) at[k] = at[k - 1];
+    for (int k = steps; k > left; --k) level[k] = level[k - 1];
+    at[left] = w;
   }
+  for (int k = 0; k <= steps; ++k) level[k] += k <= left ? above : below;
+  // Only levels right of a lower and left of an upper limit are places to be.
+  int first = 0, last = steps;
+  while (first < last && level[first + 1] == kInfinity) ++first;
+  while (first < last && level[last - 1] == -kInfinity) --last;
+  for (int k = first; k <= last; ++k) {
+    // +∞ − ∞: left of one lower limit and right of the other upper limit at once.
+    if (std::isnan(level[k])) fail("row law sum", "limits exclude each other at rate", w);
+    level[k - first] = level[k];
+    if (k < last) at[k - first] = at[k];
+  }
+  steps = last - first;
+}
+
+inline RowLaw operator+(const RowLaw& a, const RowLaw& b) {
+  if (b.steps > 1) fail("row law sum", "must add one step at a time, not", b.steps);
+  RowLaw sum = a;
+  sum.slope += b.slope;
+  if (b.steps == 1)
+    sum.add_step(b.at[0], b.level[0], b.level[1]);
+  else
+    for (int k = 0; k <= sum.steps; ++k) sum.level[k] += b.level[0];
   return sum;
 }
 

@@ -94,14 +94,8 @@ void AxisLimitLaw::set_single_kick(const AxisStage& stage) {
 
 void AxisLimitLaw::add_to(RowLaw& law, const AxisProperties& p) const {
   if (!has_rigid_limit(p)) return;
-  if (std::isfinite(p.limits->lower)) {
-    law = law + RowLaw::lower_limit(lower_at);
-    for (int k = 1; k <= law.steps; ++k) law.level[k] -= lower_back;
-  }
-  if (std::isfinite(p.limits->upper)) {
-    law = law + RowLaw::upper_limit(upper_at);
-    for (int k = 0; k < law.steps; ++k) law.level[k] += upper_back;
-  }
+  if (std::isfinite(p.limits->lower)) law.add_step(lower_at, RowLaw::kInfinity, -lower_back);
+  if (std::isfinite(p.limits->upper)) law.add_step(upper_at, upper_back, -RowLaw::kInfinity);
 }
 
 }  // namespace taut

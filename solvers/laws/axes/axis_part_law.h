@@ -92,7 +92,7 @@ struct AxisBoxLaw : AxisPartLaw {
   double bound = 0;  ///< impulse in this stage; 0: none [N·m·s or N·s]
 
   void add_to(RowLaw& law, const AxisProperties&) const {
-    if (bound > 0) law = law + RowLaw::box(-bound, bound, at);
+    if (bound > 0) law.add_step(at, bound, -bound);
   }
   void split_beside(AxisImpulse& impulse, double& rest, double w) const {
     if (bound > 0 && !holds(w)) rest -= impulse.*kPart = w < at ? bound : -bound;

@@ -20,7 +20,7 @@ struct AxisWinchLaw : AxisPartLaw {
   bool set(const AxisStage& stage);
   void release() { bound = 0; }
   void add_to(RowLaw& law, const AxisProperties&) const {
-    if (bound > 0) law = law + RowLaw::box(-bound, back, at);
+    if (bound > 0) law.add_step(at, back, -bound);
   }
   void split_beside(AxisImpulse& impulse, double& rest, double w) const {
     if (bound > 0 && !holds(w)) rest -= impulse.motor += w < at ? back : -bound;
