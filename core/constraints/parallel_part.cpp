@@ -16,7 +16,7 @@ constexpr double kOpposite = 1e-6;
 /// u, v of A and b of B in world axes.
 struct Directions {
   Vec3 u, v, b;
-  Directions(const Parallel& p, const Pose& A, const Pose& B)
+  [[gnu::always_inline]] Directions(const Parallel& p, const Pose& A, const Pose& B)
       : u(rotate(A.q, p.u_A)), v(rotate(A.q, p.v_A)), b(rotate(B.q, p.b_B)) {}
   /// b is more than a right angle from a.
   bool turned_over() const { return u.cross(v).dot(b) < 0; }
@@ -27,18 +27,6 @@ Perpendicular near_row(const Parallel& p, int i) { return {i == 0 ? p.u_A : p.v_
 /// … and beyond.  u = v × a, and (a × b)·v = b·(v × a).
 SwingComponent far_row(const Parallel& p, int i) {
   return {p.u_A.cross(p.v_A), p.b_B, i == 0 ? p.v_A : Vec3(-p.u_A)};
-}
-
-/// `use(i, row)` for both rows.
-template <typename Use>
-void for_each_row(const Parallel& p, const Pose& A, const Pose& B, Use use) {
-  const bool over = Directions(p, A, B).turned_over();
-  for (int i = 0; i < Parallel::kRows; ++i) {
-    if (over)
-      use(i, far_row(p, i));
-    else
-      use(i, near_row(p, i));
-  }
 }
 
 }  // namespace
@@ -68,12 +56,28 @@ void Parallel::jacobian(const Pose& A, const Pose& B, JacobianBlock<2> J_A, Jaco
 }
 
 void Parallel::bias(const Pose& A, const Pose& B, const Twist& V_A, const Twist& V_B, double* gamma) const {
-  for_each_row(*this, A, B, [&](int i, const auto& row) { row.bias(A, B, V_A, V_B, gamma + i); });
+  const bool over = Directions(*this, A, B).turned_over();
+  for (int i = 0; i < kRows; ++i) {
+    if (over)
+      far_row(*this, i).bias(A, B, V_A, V_B, gamma + i);
+    else
+      near_row(*this, i).bias(A, B, V_A, V_B, gamma + i);
+  }
 }
 
 void Parallel::stiffness(const Pose& A, const Pose& B, const double* lambda, StiffnessBlocks& K_A,
                          StiffnessBlocks& K_B) const {
-  for_each_row(*this, A, B, [&](int i, const auto& row) { row.stiffness(A, B, lambda + i, K_A, K_B); });
+  const Directions d(*this, A, B);
+  for (int i = 0; i < kRows; ++i) {
+    if (d.turned_over()) {
+      far_row(*this, i).stiffness(A, B, lambda + i, K_A, K_B);
+      continue;
+    }
+    const Vec3& a = i == 0 ? d.u : d.v;
+    const Vec3 f = lambda[i] * d.b;
+    add_lever_stiffness(a, f, K_A.rotation);
+    add_lever_stiffness(a, f, K_B.rotation);
+  }
 }
 
 std::string Parallel::row_name(int i) const { return near_row(*this, i).row_name(0); }

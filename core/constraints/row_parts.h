@@ -26,7 +26,7 @@ namespace taut {
 namespace row_parts {
 
 /// K += sym −∂(r × f)/∂θ for a force f at an arm r that turns with the body: (f·r) 1 − sym(r fᵀ).
-inline void add_lever_stiffness(const Vec3& r, const Vec3& f, Mat3& K) {
+[[gnu::always_inline]] inline void add_lever_stiffness(const Vec3& r, const Vec3& f, Mat3& K) {
   const double xx = r[0] * f[0], yy = r[1] * f[1], zz = r[2] * f[2];
   const double xy = 0.5 * (r[0] * f[1] + r[1] * f[0]), xz = 0.5 * (r[0] * f[2] + r[2] * f[0]),
                yz = 0.5 * (r[1] * f[2] + r[2] * f[1]);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/counting_sort.h"
-#include "core/constraints/six_vector.h"
+#include "core/constraints/row_products.h"
 
 namespace taut {
 namespace {
@@ -13,18 +13,6 @@ void sort_by(const std::vector<int>& body_of, int bodies, std::vector<int>& star
   counting_sort(
       body_of.size(), bodies, [&](std::size_t i) { return body_of[i]; },
       [](std::size_t i) { return static_cast<int>(i); }, start, items);
-}
-
-/// Of a body at arm r, in the order of the operations that a row of numbers would take.
-Vec3 rate_at(const double* r, const Twist& V) {
-  return {(V.w[1] * r[2] + V.v[0]) - V.w[2] * r[1], (V.w[2] * r[0] - V.w[0] * r[2]) + V.v[1],
-          V.w[0] * r[1] + (V.v[2] - V.w[1] * r[0])};
-}
-void add_force_at(const double* r, const Vec3& f, Eigen::Matrix<double, 6, 1>& wrench) {
-  wrench[0] = (wrench[0] - f[1] * r[2]) + f[2] * r[1];
-  wrench[1] = (wrench[1] + f[0] * r[2]) - f[2] * r[0];
-  wrench[2] = (wrench[2] - f[0] * r[1]) + f[1] * r[0];
-  for (int i = 0; i < 3; ++i) wrench[3 + i] += f[i];
 }
 
 }  // namespace
@@ -212,43 +200,22 @@ void Rows::update_axes(const Configuration& at, std::span<double> axes) const {
 
 void Rows::apply(std::span<const double> jacobian, std::span<const Twist> twists,
                  std::span<double> out) const {
-  for (const JointRows& joint : joints_) apply(joint, jacobian, twists, out);
+  for (const JointRows& joint : joints_) detail::rates_of(*this, joint, jacobian, twists, out);
 }
 
 void Rows::apply(const JointRows& joint, std::span<const double> jacobian, std::span<const Twist> twists,
                  std::span<double> out) const {
-  double* rates = out.data() + joint.first_row;
-  for (int s = joint.first_side; s < joint.first_side + joint.side_count; ++s) {
-    const Twist& twist = twists[sides_[s].body];
-    const double* J = jacobian.data() + sides_[s].offset;
-    const bool first = s == joint.first_side;
-    if (sides_[s].arm != 0) {
-      const Vec3 rate = sides_[s].arm * rate_at(J, twist);
-      for (int i = 0; i < 3; ++i) rates[i] = rate[i] + (first ? 0 : rates[i]);
-      continue;
-    }
-    const SixVector V(twist.w, twist.v);
-    for (int i = 0; i < joint.row_count; ++i, J += 6) rates[i] = V.dot(J) + (first ? 0 : rates[i]);
-  }
+  detail::rates_of(*this, joint, jacobian, twists, out);
 }
 
 void Rows::apply_transpose(std::span<const double> jacobian, std::span<const double> lambda,
                            std::span<Wrench> out) const {
-  for (int body = 0; body < body_count(); ++body) out[body] = wrench_on(body, jacobian, lambda);
+  for (int body = 0; body < body_count(); ++body)
+    out[body] = detail::wrench_on(*this, body, jacobian, lambda);
 }
 
 Wrench Rows::wrench_on(int body, std::span<const double> jacobian, std::span<const double> lambda) const {
-  using Six = Eigen::Matrix<double, 6, 1>;
-  Six sum = Six::Zero();
-  for (int s : sides_of(body)) {
-    const Side& side = sides_[s];
-    const double *J = jacobian.data() + side.offset, *force = lambda.data() + side.first_row;
-    if (side.arm != 0)
-      add_force_at(J, side.arm * Vec3(force[0], force[1], force[2]), sum);
-    else
-      for (int i = 0; i < side.row_count; ++i, J += 6) sum += force[i] * Eigen::Map<const Six>(J);
-  }
-  return {Vec3(sum[0], sum[1], sum[2]), Vec3(sum[3], sum[4], sum[5])};
+  return detail::wrench_on(*this, body, jacobian, lambda);
 }
 
 Eigen::Matrix<double, 6, 1> Rows::block_row(const Side& side, std::span<const double> jacobian, int i) {
@@ -256,7 +223,7 @@ Eigen::Matrix<double, 6, 1> Rows::block_row(const Side& side, std::span<const do
   const double* J = jacobian.data() + side.offset;
   if (side.arm == 0) return Eigen::Map<const Six>(J + 6 * i);
   Six row = Six::Zero();
-  add_force_at(J, side.arm * Vec3::Unit(i), row);
+  detail::add_force_at(J, side.arm * Vec3::Unit(i), row);
   return row;
 }
 

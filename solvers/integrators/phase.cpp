@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/constraints/row_products.h"
 #include "core/state/reach.h"
 
 namespace taut {
@@ -20,7 +21,7 @@ void Phase::twists_from(std::span<const Wrench> momenta_now) {
 void Phase::add_impulses(std::span<const double> mu) {
   for (int b = 0; b < world_.body_count(); ++b)
     if (system_.inverse_mass(b).moves())
-      momenta[b] = momenta[b] + system_.rows().wrench_on(b, system_.jacobian(), mu);
+      momenta[b] = momenta[b] + detail::wrench_on(system_.rows(), b, system_.jacobian(), mu);
 }
 
 Configuration Phase::trial_end(double h) const {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "core/constraints/row_products.h"
 #include "solvers/common/max_abs.h"
 #include "solvers/common/stopwatch.h"
 #include "solvers/integrators/free_flow.h"
@@ -105,7 +106,7 @@ void Rattle::account_for_kick(double h, std::span<const double> lambda, StepWork
   if (!tension_.active()) return add(phase_.kicked);
   for (int b = 0; b < world_.body_count(); ++b)
     raw_kick_[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] +
-                   system_.rows().wrench_on(b, start_jacobian_.get(), lambda);
+                   detail::wrench_on(system_.rows(), b, start_jacobian_.get(), lambda);
   add(raw_kick_);
   works_.add_between(raw_kick_, phase_.kicked, works.stiffness);
 }
@@ -200,7 +201,7 @@ void Rattle::kick_and_drift(double h, std::span<const double> lambda, std::span<
   const Rows& rows = system_.rows();
   const std::span<const double> J = start_jacobian_.get();
   const auto kick = [&](int b) {
-    phase_.kicked[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] + rows.wrench_on(b, J, lambda);
+    phase_.kicked[b] = phase_.momenta[b] + 0.5 * h * phase_.forces[b] + detail::wrench_on(rows, b, J, lambda);
   };
   if (tension_.active()) {
     for (int b = 0; b < world_.body_count(); ++b)

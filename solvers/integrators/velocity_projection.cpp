@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constraints/row_products.h"
 #include "solvers/common/max_abs.h"
 #include "solvers/integrators/kick_works.h"
 
@@ -146,7 +147,8 @@ void VelocityProjection::descend(SubstepReport& report) {
 /// p += `by` Jᵀ times these.
 void VelocityProjection::push(std::span<const double> impulses, double by) {
   twists_and_rates([this, impulses, by](int b) {
-    phase_.momenta[b] = phase_.momenta[b] + by * system_.rows().wrench_on(b, system_.jacobian(), impulses);
+    phase_.momenta[b] =
+        phase_.momenta[b] + by * detail::wrench_on(system_.rows(), b, system_.jacobian(), impulses);
   });
 }
 
@@ -162,7 +164,7 @@ void VelocityProjection::twists_and_rates(Change change) {
       state.twists[b] = system_.inverse_mass(b).twist(phase_.momenta[b]);
     }
     for (int j : rows.joints_due(b))
-      rows.apply(rows.joints()[j], system_.jacobian(), state.twists, values_.joint_rates);
+      detail::rates_of(rows, rows.joints()[j], system_.jacobian(), state.twists, values_.joint_rates);
   }
   rows.add_rate(state, values_.joint_rates);
   clear_loose_rows(values_.joint_rates);
