@@ -92,8 +92,8 @@ inline void rotate(const MassMatrix::Body& body, const Vec3& L, double h, Quat& 
 }  // namespace detail
 
 /// Pose of body b after time h.
-inline Pose free_flow(const MassMatrix& mass, int b, const Pose& pose, const Vec3& L, const Vec3& P,
-                      double h) {
+[[gnu::always_inline]] inline Pose free_flow(const MassMatrix& mass, int b, const Pose& pose, const Vec3& L,
+                                             const Vec3& P, double h) {
   const MassMatrix::Body& body = mass[b];
   Quat q = body.principal ? pose.q : Quat(pose.q * mass.inertia(b).q_BP);
   detail::rotate(body, L, h, q);
