@@ -23,8 +23,9 @@ Eigenpairs generalized_eigenpairs(const Matrix& K, const Matrix& M) {
   return {eigen.eigenvalues(), eigen.eigenvectors()};
 }
 
-SingularValues singular_values(const Matrix& A) {
-  const Eigen::JacobiSVD<Matrix> svd(A, Eigen::ComputeThinU | Eigen::ComputeFullV);
+SingularValues singular_values(const Matrix& A, double part) {
+  Eigen::JacobiSVD<Matrix> svd(A, Eigen::ComputeThinU | Eigen::ComputeFullV);
+  if (part > 0) svd.setThreshold(part);
   return {svd.matrixU(), svd.matrixV(), svd.singularValues(), svd.rank()};
 }
 

@@ -30,9 +30,10 @@ Eigenpairs generalized_eigenpairs(const Matrix& K, const Matrix& M);
 struct SingularValues {
   Matrix U, V;
   Vector values;
-  Eigen::Index rank = 0;  ///< of the values above round-off of the first
+  Eigen::Index rank = 0;  ///< how many values are above a part of the first
 };
-SingularValues singular_values(const Matrix& A);
+/// With that part; 0: round-off.
+SingularValues singular_values(const Matrix& A, double part = 0);
 
 /// A⁺, which takes the values beyond the rank as 0: of all x with the least |A x − b| the shortest is A⁺ b.
 Matrix pseudo_inverse(const SingularValues& A);

@@ -1,12 +1,12 @@
 #include "core/world/joint_frame.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "core/base/check.h"
 #include "core/constraints/rows.h"
+#include "core/math/dense.h"
 
 namespace taut {
 namespace {
@@ -18,6 +18,8 @@ constexpr double kOpen = 1e-9;
 constexpr int kMostFrameSteps = 50;
 /// Of the differences that give ∂φ/∂X [m and rad]; their error, of second order, only slows convergence.
 constexpr double kFrameDifference = 1e-6;
+/// Rows whose singular value is less than this part of the largest depend on others.
+constexpr double kDependent = 1e-6;
 
 /// A joint that takes a frame F, fixed on its body B, for B.
 class MovedJoint final : public Joint {
@@ -98,7 +100,7 @@ Pose closing_frame(const World& world, JointId id) {
   for (int step = 0; step < kMostFrameSteps && phi.size() > 0 && phi.norm() > kClosed; ++step) {
     const Pose before = B;
     const Vec3 anchor = before.point(joint.reaction_point_B());
-    Eigen::Matrix<double, Eigen::Dynamic, 6> J(phi.size(), 6);
+    dense::Matrix J(phi.size(), 6);
     for (int k = 0; k < 6; ++k) {
       Eigen::Matrix<double, 6, 1> delta = Eigen::Matrix<double, 6, 1>::Zero();
       delta[k] = kFrameDifference;
@@ -107,9 +109,7 @@ Pose closing_frame(const World& world, JointId id) {
       B = displaced(before, anchor, -delta);
       J.col(k) = (ahead - residual_of(rows, state)) / (2 * kFrameDifference);
     }
-    auto solver = J.completeOrthogonalDecomposition();
-    solver.setThreshold(1e-6);
-    B = displaced(before, anchor, -solver.solve(phi));
+    B = displaced(before, anchor, -(dense::pseudo_inverse(dense::singular_values(J, kDependent)) * phi));
     phi = residual_of(rows, state);
   }
   if (phi.size() > 0 && !(phi.norm() <= kOpen))
