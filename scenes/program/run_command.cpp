@@ -306,7 +306,7 @@ void add_warnings(RunRecord& record, const World& world, const Settings& setting
     record.warnings.push_back(problem.subject + ": " + problem.message);
   if (settings.solver == Solver::kDirect && record.solver.find("OpenBLAS") == std::string::npos)
     record.warnings.push_back(
-        "OpenBLAS is not the BLAS in use; factorisations will be slower (install libopenblas-dev)");
+        "OpenBLAS is not the BLAS in use; factorisations will be slower (install libopenblas0-pthread)");
 }
 
 /// Force-level integrators promise no closed joints.
